@@ -212,7 +212,7 @@ static wisp_status run_steps( scene_world* world, int steps, const double* alloc
 wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_observer* observer,
                            suite_measurement* out, wisp_error* error )
 {
-    *out = ( suite_measurement ){ .hash = SUITE_HASH_BEGIN };
+    *out = ( suite_measurement ){ .hash = SUITE_HASH_BEGIN, .largest_distance = NAN };
     out->values[SUITE_INSTRUCTIONS] = out->values[SUITE_ERROR] = out->values[SUITE_INTERSECTIONS] = NAN;
     wisp_scene scene;
     wisp_status status = suite_scene( row, &scene, error );

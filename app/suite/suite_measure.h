@@ -21,6 +21,7 @@ typedef struct suite_measurement
 {
     uint64_t hash;                      ///< of the states after all steps
     double values[SUITE_MEASURE_COUNT]; ///< NaN: not measured
+    double largest_distance;            ///< m, of a place to the reference; NaN: not compared with a run
     int steps;
     char isa[16]; ///< instruction set that the kernels used
     suite_pass passes[SUITE_MAX_PASSES];

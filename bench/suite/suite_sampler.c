@@ -16,6 +16,10 @@ const char* const suite_sample_names[SAMPLE_COUNT] = {
     [SAMPLE_SPEED] = "speed, m/s",
     [SAMPLE_PENETRATION] = "penetration, mm",
     [SAMPLE_RESETS] = "strand resets",
+    [SAMPLE_LARGEST_DISTANCE] = "largest distance, mm",
+    [SAMPLE_ITERATIONS] = "linear iterations",
+    [SAMPLE_FIRST_ORDER] = "left to euler",
+    [SAMPLE_NOT_CONVERGED] = "not converged",
     [SAMPLE_INTERSECTIONS] = "intersections",
     [SAMPLE_MEMORY] = "memory, KiB",
     [SAMPLE_CANDIDATES] = "pairs",
@@ -43,6 +47,7 @@ void suite_samples_of( const wisp_scene* scene, bool has[SAMPLE_COUNT] )
         has[SAMPLE_STRETCH_MAX] = true;
         has[SAMPLE_PENETRATION] = has[SAMPLE_PENETRATION] || scene->surfaces[i].has_collision;
         has[SAMPLE_INTERSECTIONS] = has[SAMPLE_INTERSECTIONS] || scene->surfaces[i].has_contact;
+        has[SAMPLE_ITERATIONS] = has[SAMPLE_ITERATIONS] || scene->surfaces[i].has_implicit;
         balloons += scene->surfaces[i].has_balloon ? 1 : 0;
     }
     for ( int i = 0; i < scene->strands_count; ++i )
@@ -54,6 +59,7 @@ void suite_samples_of( const wisp_scene* scene, bool has[SAMPLE_COUNT] )
     }
     has[SAMPLE_STRETCH_MEAN] = has[SAMPLE_ENERGY] = has[SAMPLE_ENERGY_RISEN] = has[SAMPLE_ENERGY_LOST] =
         has[SAMPLE_SPEED] = has[SAMPLE_STRETCH_MAX];
+    has[SAMPLE_FIRST_ORDER] = has[SAMPLE_NOT_CONVERGED] = has[SAMPLE_ITERATIONS];
     has[SAMPLE_MEMORY] = true;
     has[SAMPLE_CANDIDATES] = has[SAMPLE_CANDIDATES] || has[SAMPLE_INTERSECTIONS];
     for ( int i = SAMPLE_CANDIDATES; i <= SAMPLE_FORCE; ++i )
@@ -86,6 +92,32 @@ static void sample_motion( suite_sampler* s, const scene_world* world )
     s->energy_first = s->steps == 0 ? energy : s->energy_first;
     s->potential_first = s->steps == 0 ? potential : s->potential_first;
     s->stretch_mean += ( stretch - s->stretch_mean ) / ++s->steps;
+}
+
+// Solves of implicit cloth, from the first step on.
+static void request_solves( const scene_world* world )
+{
+    for ( int i = 0; i < world->scene->surface_count; ++i )
+    {
+        if ( world->scene->surfaces[i].has_implicit )
+        {
+            (void)wisp_request_implicit_cloth_stats( world->world, world->surfaces[i].entity, true );
+        }
+    }
+}
+
+static void sample_solves( suite_sampler* s, const scene_world* world )
+{
+    wisp_implicit_cloth_stats stats;
+    for ( int i = 0; i < world->scene->surface_count; ++i )
+    {
+        if ( world->scene->surfaces[i].has_implicit &&
+             wisp_read_implicit_cloth_stats( world->world, world->surfaces[i].entity, &stats ) == WISP_OK )
+        {
+            s->iterations += stats.iterations;
+        }
+    }
+    s->first_order = (double)wisp_world_counter( world->world, WISP_COUNT_FIRST_ORDER );
 }
 
 static double largest_impulse( const scene_world* world )
@@ -131,9 +163,11 @@ wisp_status suite_sampler_observe( void* user, const scene_world* world, wisp_er
     const int step = world->next_step;
     if ( step == 0 )
     {
+        request_solves( world );
         return WISP_OK;
     }
     sample_motion( s, world );
+    sample_solves( s, world );
     if ( s->has_contact )
     {
         sample_contact( s, world );
@@ -162,6 +196,10 @@ void suite_sampler_values( const suite_sampler* s, const suite_measurement* meas
         [SAMPLE_SPEED] = s->speed,
         [SAMPLE_PENETRATION] = 1e3 * measured->values[SUITE_PENETRATION],
         [SAMPLE_RESETS] = measured->values[SUITE_RESETS],
+        [SAMPLE_LARGEST_DISTANCE] = 1e3 * measured->largest_distance,
+        [SAMPLE_ITERATIONS] = s->iterations,
+        [SAMPLE_FIRST_ORDER] = s->first_order,
+        [SAMPLE_NOT_CONVERGED] = measured->values[SUITE_NOT_CONVERGED],
         [SAMPLE_INTERSECTIONS] = measured->values[SUITE_INTERSECTIONS],
         [SAMPLE_MEMORY] = measured->values[SUITE_BYTES] / 1024.0,
         [SAMPLE_CANDIDATES] = s->candidates * per_step,

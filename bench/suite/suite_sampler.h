@@ -15,6 +15,10 @@ typedef enum suite_sample
     SAMPLE_SPEED,
     SAMPLE_PENETRATION,
     SAMPLE_RESETS,
+    SAMPLE_LARGEST_DISTANCE,
+    SAMPLE_ITERATIONS,
+    SAMPLE_FIRST_ORDER,
+    SAMPLE_NOT_CONVERGED,
     SAMPLE_INTERSECTIONS,
     SAMPLE_MEMORY,
     SAMPLE_CANDIDATES,
@@ -54,6 +58,8 @@ typedef struct suite_sampler
     int intersections_max, intersected_steps, contact_steps;
     suite_overlap overlap;
     double overlap_max, missed_max; // m, fraction
+    double iterations;              // of conjugate gradients
+    double first_order;             // substeps
     int steps;
 } suite_sampler;
 

@@ -148,6 +148,7 @@ static wisp_status look_at_row( study* own, int row, wisp_error* error )
     own->longest_dt = fmax( own->longest_dt, own->dt[row] );
     own->steps[row] = own->suite->rows[row].steps > 0 ? own->suite->rows[row].steps : scene.steps;
     suite_samples_of( &scene, own->measures );
+    own->measures[SAMPLE_LARGEST_DISTANCE] = own->suite->reference.text || own->suite->stored;
     wisp_scene_release( &scene );
     return WISP_OK;
 }

@@ -5,6 +5,7 @@
 #include "balloon_bench.h"
 #include "cloth_bench.h"
 #include "figures_bench.h"
+#include "figures_drape.h"
 #include "suite.h"
 #include "suite/suite_folder.h"
 #include "oracle/constraint_oracle.h"
@@ -223,6 +224,27 @@ static void the_balloon_shows_volume_pressure_and_memory_beside_time( void** sta
     results_free( &all );
 }
 
+static void the_accuracy_of_a_step_is_as_promised( void** state )
+{
+    (void)state;
+    static figures_fn* const one[] = { figures_hang_accuracy };
+    results all = { 0 };
+    wisp_error error = { 0 };
+    setenv( "WISP_CACHE", "suite-cache", 1 );
+    assert_ok( figures_run( one, 1, &quick, &all, &error ), error );
+    assert_false( all.failed );
+    assert_int_equal( all.tables[0].row_count, 1 + 3 );
+    const results_table* step = find_table( &all, "Accuracy `step`" );
+    assert_true( atof( named_cell( step, row_of( step, "bdf2, 0.02 s" ), "left to euler" ) ) > 0.0 );
+    assert_true( atof( named_cell( step, row_of( step, "euler, dt=0.005" ), "linear iterations" ) ) > 0.0 );
+    for ( int r = 1; r < step->row_count; ++r )
+    {
+        assert_true( atof( named_cell( step, r, "largest distance, mm" ) ) >
+                     atof( named_cell( step, r, "RMS distance to the reference, mm" ) ) );
+    }
+    results_free( &all );
+}
+
 static void a_figure_that_is_not_met_fails_the_run( void** state )
 {
     (void)state;
@@ -252,6 +274,7 @@ int main( void )
         cmocka_unit_test( a_claim_that_is_not_met_is_a_message_and_no_failure ),
         cmocka_unit_test( a_cloth_that_leaves_its_bounds_is_shown_as_halted ),
         cmocka_unit_test( the_balloon_shows_volume_pressure_and_memory_beside_time ),
+        cmocka_unit_test( the_accuracy_of_a_step_is_as_promised ),
         cmocka_unit_test( a_figure_that_is_not_met_fails_the_run ),
     };
     return cmocka_run_group_tests_name( "bench cloth", tests, NULL, NULL );
