@@ -249,7 +249,7 @@ void accuracy_add_rows( const accuracy_report* report, results* out )
 
 enum
 {
-    PASSES_SHOWN = 5,
+    PASSES_SHOWN = 8,
 };
 
 // Sum the medians of a pass over all settings, ms.

@@ -414,8 +414,11 @@ static void lone_ghosts_without_sway_are_their_guides( void** state )
     assert_true( error_of( &all, "1 : 4, without sway", DISTANCE ) > 0.1 );
     assert_true( error_of( &all, "1 : 16, without sway", DISTANCE ) >
                  error_of( &all, "1 : 4, without sway", DISTANCE ) );
-    const results_table* passes = find_table( &all, "Accuracy `guides`: ms of a step by pass, 2 workers" );
-    assert_true( strtod( named_cell( passes, 1, "guide_hair.ghosts" ), NULL ) > 0.0 );
+    (void)find_table( &all, "Accuracy `guides`: ms of a step by pass, 2 workers" );
+    for ( int r = 0; r < all.row_count; ++r )
+    {
+        assert_true( value_of( &all.rows[r].stages, "guide_hair.ghosts" ) > 0.0 );
+    }
     results_free( &all );
 }
 
