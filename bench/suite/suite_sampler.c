@@ -1,5 +1,8 @@
 #include "suite_sampler.h"
 
+#include "balloon_readings.h"
+#include "oracle/balloon_oracle.h"
+
 #include <math.h>
 
 enum
@@ -20,6 +23,9 @@ const char* const suite_sample_names[SAMPLE_COUNT] = {
     [SAMPLE_ITERATIONS] = "linear iterations",
     [SAMPLE_FIRST_ORDER] = "left to euler",
     [SAMPLE_NOT_CONVERGED] = "not converged",
+    [SAMPLE_VOLUME_ERROR] = "volume error, %",
+    [SAMPLE_PRESSURE] = "pressure, Pa",
+    [SAMPLE_EVEN_PRESSURE] = "pressure if scaled evenly, Pa",
     [SAMPLE_INTERSECTIONS] = "intersections",
     [SAMPLE_MEMORY] = "memory, KiB",
     [SAMPLE_CANDIDATES] = "pairs",
@@ -59,6 +65,8 @@ void suite_samples_of( const wisp_scene* scene, bool has[SAMPLE_COUNT] )
     }
     has[SAMPLE_STRETCH_MEAN] = has[SAMPLE_ENERGY] = has[SAMPLE_ENERGY_RISEN] = has[SAMPLE_ENERGY_LOST] =
         has[SAMPLE_SPEED] = has[SAMPLE_STRETCH_MAX];
+    has[SAMPLE_VOLUME_ERROR] = has[SAMPLE_PRESSURE] = has[SAMPLE_EVEN_PRESSURE] =
+        has[SAMPLE_VOLUME_ERROR] || balloons > 0;
     has[SAMPLE_FIRST_ORDER] = has[SAMPLE_NOT_CONVERGED] = has[SAMPLE_ITERATIONS];
     has[SAMPLE_MEMORY] = true;
     has[SAMPLE_CANDIDATES] = has[SAMPLE_CANDIDATES] || has[SAMPLE_INTERSECTIONS];
@@ -94,8 +102,8 @@ static void sample_motion( suite_sampler* s, const scene_world* world )
     s->stretch_mean += ( stretch - s->stretch_mean ) / ++s->steps;
 }
 
-// Solves of implicit cloth, from the first step on.
-static void request_solves( const scene_world* world )
+// Solves of implicit cloth, and gas, from the first step on.
+static void request_effects( const scene_world* world )
 {
     for ( int i = 0; i < world->scene->surface_count; ++i )
     {
@@ -103,6 +111,31 @@ static void request_solves( const scene_world* world )
         {
             (void)wisp_request_implicit_cloth_stats( world->world, world->surfaces[i].entity, true );
         }
+        if ( world->scene->surfaces[i].has_balloon )
+        {
+            (void)wisp_request_balloon_stats( world->world, world->surfaces[i].entity, true );
+        }
+    }
+}
+
+// Of the first balloon. A mesh whose links all have the same strain has a pressure in closed form, which a sphere comes near.
+static void sample_gas( suite_sampler* s, const scene_world* world )
+{
+    wisp_balloon_stats stats;
+    int i = 0;
+    while ( i < world->scene->surface_count && !world->scene->surfaces[i].has_balloon )
+    {
+        ++i;
+    }
+    if ( i < world->scene->surface_count &&
+         wisp_read_balloon_stats( world->world, world->surfaces[i].entity, &stats ) == WISP_OK )
+    {
+        const double stiffness =
+            balloon_stiffness_sum( world->surfaces[i].fabric, &world->scene->surfaces[i].balloon );
+        s->volume_error = stats.volume / stats.target_volume - 1.0;
+        s->pressure = stats.pressure;
+        s->even_pressure = balloon_oracle_true_scaled_pressure( stiffness, stats.rest_volume,
+                                                                cbrt( stats.volume / stats.rest_volume ) );
     }
 }
 
@@ -163,7 +196,7 @@ wisp_status suite_sampler_observe( void* user, const scene_world* world, wisp_er
     const int step = world->next_step;
     if ( step == 0 )
     {
-        request_solves( world );
+        request_effects( world );
         return WISP_OK;
     }
     sample_motion( s, world );
@@ -171,6 +204,10 @@ wisp_status suite_sampler_observe( void* user, const scene_world* world, wisp_er
     if ( s->has_contact )
     {
         sample_contact( s, world );
+    }
+    if ( step == s->last_step )
+    {
+        sample_gas( s, world );
     }
     if ( s->has_overlap == false || ( step % OVERLAP_EVERY != 0 && step != s->last_step ) )
     {
@@ -200,6 +237,9 @@ void suite_sampler_values( const suite_sampler* s, const suite_measurement* meas
         [SAMPLE_ITERATIONS] = s->iterations,
         [SAMPLE_FIRST_ORDER] = s->first_order,
         [SAMPLE_NOT_CONVERGED] = measured->values[SUITE_NOT_CONVERGED],
+        [SAMPLE_VOLUME_ERROR] = 100.0 * s->volume_error,
+        [SAMPLE_PRESSURE] = s->pressure,
+        [SAMPLE_EVEN_PRESSURE] = s->even_pressure,
         [SAMPLE_INTERSECTIONS] = measured->values[SUITE_INTERSECTIONS],
         [SAMPLE_MEMORY] = measured->values[SUITE_BYTES] / 1024.0,
         [SAMPLE_CANDIDATES] = s->candidates * per_step,

@@ -19,6 +19,9 @@ typedef enum suite_sample
     SAMPLE_ITERATIONS,
     SAMPLE_FIRST_ORDER,
     SAMPLE_NOT_CONVERGED,
+    SAMPLE_VOLUME_ERROR,
+    SAMPLE_PRESSURE,
+    SAMPLE_EVEN_PRESSURE,
     SAMPLE_INTERSECTIONS,
     SAMPLE_MEMORY,
     SAMPLE_CANDIDATES,
@@ -57,9 +60,10 @@ typedef struct suite_sampler
     double candidates, contacts, searches, limited, impulse, net_impulse, force, min_gap;
     int intersections_max, intersected_steps, contact_steps;
     suite_overlap overlap;
-    double overlap_max, missed_max; // m, fraction
-    double iterations;              // of conjugate gradients
-    double first_order;             // substeps
+    double overlap_max, missed_max;               // m, fraction
+    double iterations;                            // of conjugate gradients
+    double first_order;                           // substeps
+    double volume_error, pressure, even_pressure; // of the first balloon: fraction, Pa, Pa
     int steps;
 } suite_sampler;
 
