@@ -247,12 +247,16 @@ static wisp_status add_cloth( shot* s, const scene_world* world, wisp_error* err
 
 typedef struct stage
 {
+    const album* all;
     render_mesh meshes[BODIES_MAX];
     render_scene scene;
+    bool has_ground;
 } stage;
 
-static void set_stage( const shot* s, bool has_ground, stage* out )
+static const render_scene* set_stage( void* context, int number )
 {
+    stage* out = context;
+    const shot* s = &out->all->shots[number];
     out->scene = render_default_scene();
     for ( int i = 0; i < s->count; ++i )
     {
@@ -269,44 +273,25 @@ static void set_stage( const shot* s, bool has_ground, stage* out )
     }
     out->scene.meshes = out->meshes;
     out->scene.mesh_count = s->count;
-    out->scene.has_ground = has_ground;
-}
-
-// One camera for all shots, so that they can be compared.
-static wisp_status draw( const album* all, int pixels, bool has_ground, picture_sheet* sheet, wisp_error* error )
-{
-    stage one;
-    render_camera camera;
-    render_bounds bounds = { .is_filled = false };
-    render_options options = render_default_options();
-    options.width = pixels;
-    options.height = (int)( (float)pixels / all->aspect );
-    options.threads = 2;
-    options.samples = 32;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < all->count && status == WISP_OK; ++i )
-    {
-        render_bounds box = { .is_filled = false };
-        set_stage( all->shots + i, has_ground, &one );
-        status = render_scene_bounds( &one.scene, &box, error );
-        bounds = render_bounds_union( bounds, box );
-    }
-    status = status == WISP_OK ? render_frame_camera( &bounds, &all->view, all->aspect, &camera, error ) : status;
-    for ( int i = 0; i < all->count && status == WISP_OK; ++i )
-    {
-        set_stage( all->shots + i, has_ground, &one );
-        status = render_picture( &one.scene, &camera, &options, sheet->pictures + i, error );
-        sheet->labels[i] = all->shots[i].label;
-        sheet->count = i + 1;
-    }
-    return status;
+    out->scene.has_ground = out->has_ground;
+    return &out->scene;
 }
 
 static wisp_status write_album( const contact_plan* plan, const album* all, bool has_ground, results* out,
                                 wisp_error* error )
 {
+    stage one = { .all = all, .has_ground = has_ground };
     picture_sheet sheet = { .columns = all->columns };
-    const wisp_status status = draw( all, plan->picture_pixels, has_ground, &sheet, error );
+    const picture_shots shots = {
+        .scene = set_stage,
+        .context = &one,
+        .count = all->count,
+        .view = all->view,
+        .width = plan->picture_pixels,
+        .height = (int)( (float)plan->picture_pixels / all->aspect ),
+        .samples = 32,
+    };
+    const wisp_status status = picture_sheet_draw( &shots, all->shots[0].label, sizeof( shot ), &sheet, error );
     return picture_sheet_finish( &sheet, status, plan->options->pictures, all->name, all->caption, out, error );
 }
 

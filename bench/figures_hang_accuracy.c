@@ -2,14 +2,13 @@
 // must keep.
 #include "figures_drape.h"
 
-#include "accuracy/accuracy.h"
-#include "bench_data.h"
 #include "rows_chart.h"
+#include "suite/suite_folder.h"
 
 #include <math.h>
 #include <string.h>
 
-#define SUITE_SECONDS 1.0 // each: errors are the same in every run
+#define SUITE_SECONDS 2.0 // of both: errors are the same in every run
 
 // @return mm, NaN: there is no such row
 static double value_of( const results* all, const char* suite, const char* variant, const char* value )
@@ -87,15 +86,9 @@ static void check_steps( figures_case* page )
 wisp_status figures_hang_accuracy( figures_case* page, wisp_error* error )
 {
     static const char* const names[] = { "step", "tolerance" };
-    const bench_options options = { .quick = page->quick, .seconds = SUITE_SECONDS, .workers = 1 };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( names ) && status == WISP_OK; ++i )
-    {
-        char inner[64], path[1024];
-        snprintf( inner, sizeof inner, "suites/figures/%s.yaml", names[i] );
-        bench_data_path( inner, path, sizeof path );
-        status = suite_bench( path, &options, page->out, error );
-    }
+    const bench_options options = { .quick = page->quick, .workers = 1 };
+    const wisp_status status =
+        suite_bench_names( "figures", names, WISP_COUNT( names ), SUITE_SECONDS, &options, page->out, error );
     if ( status == WISP_OK )
     {
         check_tolerance( page );

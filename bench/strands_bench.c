@@ -1,7 +1,6 @@
 #include "strands_bench.h"
 
-#include "accuracy/accuracy.h"
-#include "bench_data.h"
+#include "suite/suite_folder.h"
 
 #include <string.h>
 
@@ -70,16 +69,8 @@ wisp_status strands_suites( const strands_plan* plan, results* out, wisp_error* 
 {
     static const char* const names[SUITES] = { "energy", "guides", "guides_16384", "million" };
     const int first_row = out->row_count;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < plan->suite_count && status == WISP_OK; ++i )
-    {
-        char inner[64], path[1024];
-        bench_options each = *plan->options;
-        each.seconds = plan->suite_seconds / plan->suite_count;
-        snprintf( inner, sizeof inner, "suites/strands/%s.yaml", names[i] );
-        bench_data_path( inner, path, sizeof path );
-        status = suite_bench( path, &each, out, error );
-    }
+    const wisp_status status =
+        suite_bench_names( "strands", names, plan->suite_count, plan->suite_seconds, plan->options, out, error );
     strands_claim_million( first_row, out );
     if ( plan->suite_count < SUITES )
     {

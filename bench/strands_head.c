@@ -47,15 +47,10 @@ static wisp_status add_all( hair_head* head )
 
 wisp_status hair_head_create( const hair_head_generator* generator, hair_head* out, wisp_error* error )
 {
-    const wisp_module* modules[] = { &wisp_strands_module, &wisp_guide_hair_module };
+    static const wisp_module* const modules[] = { &wisp_strands_module, &wisp_guide_hair_module };
     *out = ( hair_head ){ .generator = *generator };
-    wisp_world_def def = wisp_default_world_def();
-    def.modules = modules;
-    def.module_count = WISP_COUNT( modules );
-    def.log = bench_world_drop_log;
-    def.workers = 1;
-    def.substeps = 10;
-    wisp_status status = wisp_world_create( &def, &out->world, error );
+    const bench_world_def def = { modules, WISP_COUNT( modules ), .substeps = 10 };
+    wisp_status status = bench_world_create( &def, &out->world, error );
     if ( status != WISP_OK )
     {
         return status;
