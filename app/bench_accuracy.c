@@ -7,7 +7,7 @@
 #include "io_file.h"
 #include "progress.h"
 #include "report.h"
-#include "suite/suite_of_scene.h"
+#include "suite_of_scene.h"
 #include "wisp/wisp.h"
 
 #include <limits.h>

@@ -1,109 +1,189 @@
 #include "balloon_bench.h"
 
-#include "balloon_readings.h"
+#include "balloon_scene.h"
+#include "rows_chart.h"
+#include "suite/suite_folder.h"
 
-balloon_plan balloon_default_plan( const bench_options* options )
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CLAIM_FLAT 1.4
+#define CLAIM_VOLUME_NS 2.0
+#define CLAIM_VOLUME_TRIANGLES 5000
+#define CLAIM_R_SQUARED 0.98
+
+// The skin compresses the gas, at fill 1.2 by 2.5 % of its volume; the volume itself must be within 1 %.
+#define TOLERATED_VOLUME 3.5 // %
+
+enum
 {
-    return ( balloon_plan ){
-        .levels = { 3, 4, 5, 6, 7 },
-        .level_count = 5,
-        .settle_steps = 120,
-        .substeps_max = 1000,
-        .seconds = 0.6 * bench_seconds( options ),
-        .workers = { 1, options->workers },
-        .worker_count = options->workers > 1 ? 2 : 1,
-        .options = options,
-    };
-}
-
-// ---- the table of substeps ----
-
-typedef struct pressure_line
-{
-    int substeps, iterations;
-} pressure_line;
-
-static const pressure_line pressure_lines[] = {
-    { 1, 20 }, { 1, 400 }, { 10, 2 }, { 10, 10 }, { 50, 1 }, { 100, 1 }, { 400, 1 }, { 1000, 1 },
+    SIZES_MAX = 8,
 };
 
-static wisp_status settle( const balloon_plan* plan, const wisp_mesh* mesh, const pressure_line* line, int table,
-                           results* out, wisp_error* error )
+static const char sizes[] = "suite.sizes", sphere[] = "sphere, vertices=";
+
+// Rows of the sizes, whose pressure is that of the default reading. @return 0: another row
+static double vertices_of( const results_row* row )
 {
-    balloon_setting setting = balloon_setting_in_vacuum();
-    setting.def.gas_ratio = 1.2f;
-    setting.area_density = 0.05f;
-    setting.damping = 45.0f;
-    setting.substeps = line->substeps;
-    setting.iterations = line->iterations;
-    wisp_fabric* fabric = NULL;
-    surface_implementation implementation = { 0 };
-    balloon_readings read = { { 0 }, 0, 0 };
-    wisp_status status = balloon_cook( mesh, &setting, &fabric, error );
-    status = status == WISP_OK ? balloon_implementation_create( fabric, &setting, &implementation, error ) : status;
-    double start = wisp_clock_seconds();
-    for ( int s = 0; s < plan->settle_steps && status == WISP_OK; ++s )
-    {
-        status = surface_implementation_step( &implementation, error );
-    }
-    double ms = 1e3 * ( wisp_clock_seconds() - start ) / plan->settle_steps;
-    status = status == WISP_OK ? balloon_read_all( &implementation, &setting, &read, error ) : status;
-    if ( status == WISP_OK )
-    {
-        cells row = { .count = 0 };
-        cells_put( &row, "%d x %d", line->substeps, line->iterations );
-        cells_put_number( &row, ms, 4 );
-        cells_put_number( &row, read.pressure[WISP_BALLOON_PRESSURE_GAS], 0 );
-        cells_put_number( &row, read.pressure[WISP_BALLOON_PRESSURE_MULTIPLIER], 0 );
-        cells_put_number( &row, read.pressure[WISP_BALLOON_PRESSURE_VIRIAL], 0 );
-        cells_put_number( &row, read.closed_form, 0 );
-        cells_put_number( &row, 100.0 * ( read.pressure[WISP_BALLOON_PRESSURE_VIRIAL] / read.closed_form - 1.0 ), 1 );
-        cells_put_number( &row, 100.0 * read.volume_error, 3 );
-        cells_end_row( &row, table, out );
-    }
-    surface_implementation_destroy( &implementation );
-    wisp_fabric_release( fabric );
-    return status;
+    const size_t length = strlen( sphere );
+    return strcmp( row->name, sizes ) == 0 && strncmp( row->variant, sphere, length ) == 0
+               ? strtod( row->variant + length, NULL )
+               : 0.0;
 }
 
-wisp_status balloon_pressures( const balloon_plan* plan, results* out, wisp_error* error )
+static double ns_a_vertex( const results_row* row )
 {
-    static const char* const header[] = { "substeps x iterations", "1 worker ms",   "gas Pa",
-                                          "multiplier Pa",         "virial Pa",     "closed form Pa",
-                                          "virial's error %",      "volume error %" };
-    int table = results_add_table( out,
-                                   "Pressure of a sphere of 42 vertices, 0.15 m, filled to 1.2 times its volume, by "
-                                   "the three readings",
-                                   WISP_COUNT( header ), header );
-    wisp_mesh mesh = { 0 };
-    wisp_status status = balloon_mesh_sphere( 1, BALLOON_RADIUS, &mesh, error );
-    for ( int i = 0; i < WISP_COUNT( pressure_lines ) && status == WISP_OK; ++i )
+    return 1e6 * row->ms_median / ( vertices_of( row ) * BALLOON_SUBSTEPS );
+}
+
+static double triangles_of( const results_row* row )
+{
+    return 2.0 * vertices_of( row ) - 4.0; // closed, without holes
+}
+
+static double ns_a_triangle( const results_row* row )
+{
+    double ms = NAN;
+    for ( int i = 0; i < row->stages.count; ++i )
     {
-        if ( pressure_lines[i].substeps <= plan->substeps_max )
+        ms = strcmp( row->stages.items[i].name, "balloon.volume" ) == 0 ? row->stages.items[i].value : ms;
+    }
+    return 1e6 * ms / ( triangles_of( row ) * BALLOON_SUBSTEPS * BALLOON_ITERATIONS );
+}
+
+static void add_table( int first_row, results* out )
+{
+    static const char* const header[] = { "vertices", "workers", "ns per vertex and substep",
+                                          "volume ns per triangle", "bytes per vertex" };
+    const int table =
+        results_add_table( out, "Balloon: cost by size, 10 substeps of 2 iterations", WISP_COUNT( header ), header );
+    for ( int i = first_row; i < out->row_count; ++i )
+    {
+        const results_row* row = &out->rows[i];
+        const double vertices = vertices_of( row );
+        if ( vertices > 0.0 )
         {
-            status = settle( plan, &mesh, &pressure_lines[i], table, out, error );
+            cells line = { .count = 0 };
+            cells_put( &line, "%.0f", vertices );
+            cells_put( &line, "%d", row->workers );
+            cells_put_number( &line, ns_a_vertex( row ), 1 );
+            cells_put_number( &line, ns_a_triangle( row ), 2 );
+            cells_put_number( &line, 1024.0 * rows_error( row, "memory_KiB" ) / vertices, 0 );
+            cells_end_row( &line, table, out );
         }
     }
-    wisp_mesh_release( &mesh );
-    results_add_note( out,
-                      "Pressure: after %d steps of 1/60 s, 0.05 kg/m^2, k_edge 2000 N/m, damping 45/s, no gravity. "
-                      "The closed form is that of the mesh scaled evenly to its computed volume.",
-                      plan->settle_steps );
-    results_add_note( out, "Pressure: substeps help more than iterations. The gas and multiplier readings are "
-                           "meaningless below some hundred substeps." );
-    return status;
 }
 
-wisp_status balloon_bench_run( const balloon_plan* plan, results* out, wisp_error* error )
+static void add_chart( int first_row, results* out )
 {
-    bench_progress( plan->options, 0.0, "balloon, sizes" );
-    wisp_status status = balloon_sizes( plan, out, error );
-    bench_progress( plan->options, 0.7, "balloon, pressure" );
-    return status == WISP_OK ? balloon_pressures( plan, out, error ) : status;
+    const int number =
+        results_add_chart( out, "Balloon: cost per vertex by size", "vertices", "ns per vertex and substep" );
+    results_chart* chart = results_chart_at( out, number );
+    int series = -1, workers = 0;
+    for ( int w = 1; w <= 2 && chart; ++w )
+    {
+        chart->x_log = true;
+        for ( int i = first_row; i < out->row_count; ++i )
+        {
+            const results_row* row = &out->rows[i];
+            if ( vertices_of( row ) > 0.0 && ( row->workers > 1 ) == ( w > 1 ) )
+            {
+                char name[24];
+                snprintf( name, sizeof name, "%d %s", row->workers, bench_workers_word( row->workers ) );
+                series = row->workers != workers ? results_add_series( out, number, name, true ) : series;
+                workers = row->workers;
+                results_add_point( out, number, series,
+                                   ( results_point ){ .x = vertices_of( row ), .y = ns_a_vertex( row ) } );
+            }
+        }
+    }
 }
+
+// ---- claims and checks ----
+
+static void claim_flatness( int first_row, int workers, results* out )
+{
+    double least = INFINITY, most = 0.0, vertices[SIZES_MAX], ms[SIZES_MAX];
+    int count = 0;
+    for ( int i = first_row; i < out->row_count && count < SIZES_MAX; ++i )
+    {
+        const results_row* row = &out->rows[i];
+        if ( vertices_of( row ) > 0.0 && row->workers == workers )
+        {
+            least = fmin( least, ns_a_vertex( row ) );
+            most = fmax( most, ns_a_vertex( row ) );
+            vertices[count] = vertices_of( row );
+            ms[count++] = row->ms_median;
+        }
+    }
+    char claim[160];
+    snprintf( claim, sizeof claim, "balloon, ns per vertex and substep with %d %s are flat within %.0f %%", workers,
+              bench_workers_word( workers ), 100.0 * ( CLAIM_FLAT - 1.0 ) );
+    results_add_claim( out, most <= CLAIM_FLAT * least, claim, 100.0 * ( most / least - 1.0 ), " % apart" );
+    if ( count > 2 )
+    {
+        const double r_squared = stats_fit_line( vertices, ms, count ).r_squared;
+        snprintf( claim, sizeof claim, "balloon, time against vertices with %d %s is a line, R^2 above %.2f", workers,
+                  bench_workers_word( workers ), CLAIM_R_SQUARED );
+        results_add_claim( out, r_squared > CLAIM_R_SQUARED, claim, r_squared, "" );
+    }
+}
+
+static void claim_volume( int first_row, results* out )
+{
+    double most = 0.0;
+    for ( int i = first_row; i < out->row_count; ++i )
+    {
+        const results_row* row = &out->rows[i];
+        const bool counts = row->workers == 1 && triangles_of( row ) > CLAIM_VOLUME_TRIANGLES;
+        most = counts ? fmax( most, ns_a_triangle( row ) ) : most;
+    }
+    if ( most > 0.0 )
+    {
+        char claim[160];
+        snprintf( claim, sizeof claim, "volume, gradient and push, with 1 worker above %d triangles is under %.0f ns",
+                  CLAIM_VOLUME_TRIANGLES, CLAIM_VOLUME_NS );
+        results_add_claim( out, most < CLAIM_VOLUME_NS, claim, most, " ns a triangle" );
+    }
+}
+
+static void check( const results_row* row, results* out )
+{
+    const double volume = rows_error( row, "volume_error_percent" ), halted = rows_error( row, "halted_at_step" );
+    if ( strcmp( row->name, sizes ) == 0 && ( !( fabs( volume ) <= TOLERATED_VOLUME ) || halted > 0.0 ) )
+    {
+        results_add_failure( out,
+                             "Balloon, %s: the volume differs from that of the gas by %.2f %%, or it was halted.",
+                             row->variant, volume );
+    }
+}
+
+void balloon_conclude( int first_row, int workers, results* out )
+{
+    add_table( first_row, out );
+    add_chart( first_row, out );
+    claim_volume( first_row, out );
+    claim_flatness( first_row, 1, out );
+    if ( workers > 1 )
+    {
+        claim_flatness( first_row, workers, out );
+    }
+    for ( int i = first_row; i < out->row_count; ++i )
+    {
+        check( &out->rows[i], out );
+    }
+}
+
+bench_case_fn balloon_bench;
 
 wisp_status balloon_bench( const bench_options* options, results* out, wisp_error* error )
 {
-    balloon_plan plan = balloon_default_plan( options );
-    return balloon_bench_run( &plan, out, error );
+    const int first_row = out->row_count;
+    const wisp_status status = suite_bench_folder( "balloon", 0.8 * bench_seconds( options ), options, out, error );
+    if ( status == WISP_OK )
+    {
+        balloon_conclude( first_row, options->workers, out );
+    }
+    return status;
 }

@@ -7,6 +7,18 @@ void bench_world_drop_log( void* user, wisp_log_level level, const char* message
     (void)message;
 }
 
+wisp_status bench_world_create( const bench_world_def* from, wisp_world** out, wisp_error* error )
+{
+    wisp_world_def def = wisp_default_world_def();
+    def.modules = from->modules;
+    def.module_count = from->module_count;
+    def.log = bench_world_drop_log;
+    def.workers = from->workers > 0 ? from->workers : 1;
+    def.substeps = from->substeps > 0 ? from->substeps : 1;
+    def.iterations = from->iterations > 0 ? from->iterations : 1;
+    return wisp_world_create( &def, out, error );
+}
+
 wisp_status bench_world_fail( const wisp_world* world, wisp_status status, wisp_error* error )
 {
     return wisp_fail( error, status, "%s", wisp_world_message( world ) );

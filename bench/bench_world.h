@@ -6,6 +6,14 @@
 
 /// A log that drops every line: the tables report halts and resets.
 void bench_world_drop_log( void* user, wisp_log_level level, const char* message );
+/// Settings of a world that cases vary.
+typedef struct bench_world_def
+{
+    const wisp_module* const* modules;               ///< [module_count]
+    int module_count, workers, substeps, iterations; ///< 0: one worker, one substep, one iteration
+} bench_world_def;
+
+wisp_status bench_world_create( const bench_world_def* def, wisp_world** out, wisp_error* error );
 /// Fail with the last message of a world. @return the status
 wisp_status bench_world_fail( const wisp_world* world, wisp_status status, wisp_error* error );
 /// Make a step. @param steps counts it @param halted_at is set to the step that halts the entity, if it is 0

@@ -3,7 +3,7 @@
 
 #include "results.h"
 
-#define CELLS_MAX 24
+#define CELLS_MAX 32
 
 typedef struct cells
 {

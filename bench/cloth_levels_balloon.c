@@ -1,7 +1,8 @@
 // Levels only resist stretching, and a balloon is stretched on purpose: this table shows their effect on one.
-#include "cloth_levels_table.h"
+#include "cloth_bench.h"
 
 #include "balloon_scene.h"
+#include "rows_chart.h"
 
 #include <math.h>
 
@@ -24,6 +25,7 @@ static const skin_setting settings[] = {
     { "10 x 2 + levels", 10, true, WISP_SOLVE_ORDER_COLOUR },
 };
 
+#define ROWS "cloth.levels.balloon" // of all settings
 #define FILL 1.2f
 // Substeps of the converged run in those of the first setting.
 #define REFERENCE_FACTOR 16
@@ -32,6 +34,137 @@ static const skin_setting settings[] = {
 // Held at its feet, the lowest part of its height, so that the path shows the shape and not a drift.
 #define FEET 0.03f
 #define FEET_MAX 256
+
+typedef struct level_line
+{
+    const char* name;
+    scenario_stats stats;
+    double volume_error; // |V / V_0 - 1| at the end
+} level_line;
+
+typedef struct level_table
+{
+    level_line lines[WISP_COUNT( settings )];
+    int line_count;
+    const char* reference_name; // of the converged run
+} level_table;
+
+// ---- the table ----
+
+static int begin( const cloth_plan* plan, const char* title, results* out )
+{
+    cells row = { .count = 0 };
+    cells_put( &row, "substeps" );
+    for ( int e = 0; e < plan->worker_count; ++e )
+    {
+        cells_put( &row, "%d %s ms", plan->workers[e], bench_workers_word( plan->workers[e] ) );
+        cells_put( &row, "p10 .. p90" );
+    }
+    cells_put( &row, "stretch %%, max / mean" );
+    cells_put( &row, "kinetic J" );
+    cells_put( &row, "volume error %%" );
+    cells_put( &row, "path error, m" );
+    cells_put( &row, "front" );
+    cells_put( &row, "hash" );
+    return cells_begin_table( &row, title, out );
+}
+
+static bool is_on_front( const level_table* table, const level_line* line, int implementation )
+{
+    double ms = line->stats.ms[implementation].median, error = line->stats.path;
+    if ( !isfinite( ms ) || !isfinite( error ) )
+    {
+        return false;
+    }
+    for ( int i = 0; i < table->line_count; ++i )
+    {
+        const level_line* other = &table->lines[i];
+        if ( other->stats.ms[implementation].median < ms && other->stats.path < error )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void put_scientific( cells* row, double value )
+{
+    if ( isfinite( value ) )
+    {
+        cells_put( row, "%.2e", value );
+    }
+    else
+    {
+        cells_put( row, "-" );
+    }
+}
+
+static void write_line( const cloth_plan* plan, const level_table* table, const level_line* line, int number,
+                        results* out )
+{
+    const scenario_stats* f = &line->stats;
+    cells row = { .count = 0 };
+    cells_put( &row, "%s", line->name );
+    scenario_put_times( f, plan->worker_count, &row );
+    cells_put_pair( &row, 100.0 * f->stretch_max, 1, 100.0 * f->stretch_mean, 3 );
+    put_scientific( &row, f->kinetic );
+    cells_put_number( &row, 100.0 * line->volume_error, 3 );
+    put_scientific( &row, f->path );
+    cells_put( &row, "%s", is_on_front( table, line, plan->worker_count - 1 ) ? "yes" : "no" );
+    cells_put_hash( &row, f->hash[0] );
+    cells_end_row( &row, number, out );
+}
+
+static void write_reference( const cloth_plan* plan, const level_table* table, int number, results* out )
+{
+    cells row = { .count = 0 };
+    cells_put( &row, "%s", table->reference_name );
+    for ( int e = 0; e < 2 * plan->worker_count + 3; ++e )
+    {
+        cells_put( &row, "-" );
+    }
+    for ( int i = 0; i < 3; ++i )
+    {
+        cells_put( &row, i == 0 ? "0" : "-" );
+    }
+    cells_end_row( &row, number, out );
+}
+
+static void write_table( const cloth_plan* plan, const level_table* table, const char* title, results* out )
+{
+    int number = begin( plan, title, out );
+    for ( int i = 0; i < table->line_count; ++i )
+    {
+        write_line( plan, table, &table->lines[i], number, out );
+    }
+    write_reference( plan, table, number, out );
+}
+
+static double path_of( const results_row* row )
+{
+    return rows_error( row, "path_rms_m" );
+}
+
+static void add_chart( const cloth_plan* plan, int first_row, const char* where, results* out )
+{
+    char title[160];
+    snprintf( title, sizeof( title ), "Levels, %s: distance to the reference against time", where );
+    const rows_chart chart = {
+        .first_row = first_row,
+        .name = ROWS,
+        .workers = plan->workers[plan->worker_count - 1],
+        .title = title,
+        .x_label = "ms per step",
+        .x = rows_ms,
+        .y_label = "path error, m",
+        .y = path_of,
+        .is_front = true,
+        .caption = "Ringed: no other way is both faster and more accurate.",
+    };
+    rows_chart_add( &chart, out );
+}
+
+// ---- runs ----
 
 typedef struct held_figure
 {
@@ -115,8 +248,7 @@ static wisp_status run_setting( const cloth_plan* plan, const held_figure* figur
         char what[100];
         snprintf( what, sizeof( what ), "balloon, %s", skin->name );
         scenario_check_hashes( implementations, worker_count, line->stats.hash, what, out );
-        scenario_add_rows( implementations, worker_count, &line->stats, "cloth.levels.balloon", skin->name,
-                           "converged run", out );
+        scenario_add_rows( implementations, worker_count, &line->stats, ROWS, skin->name, "converged run", out );
     }
     for ( int e = 0; e < worker_count; ++e )
     {
@@ -152,8 +284,8 @@ static wisp_status compare( const cloth_plan* plan, const held_figure* figure, r
     {
         snprintf( title, sizeof( title ), "Levels on a balloon: %s, %d vertices, filled to %.1f times its volume",
                   figure->name, figure->mesh.vertex_count, (double)FILL );
-        level_table_write( plan, &table, title, out );
-        level_table_chart( plan, "cloth.levels.balloon", first_row, figure->name, out );
+        write_table( plan, &table, title, out );
+        add_chart( plan, first_row, figure->name, out );
         results_add_note( out,
                           "Levels on a balloon: the reference is Wisp with %d substeps; its volume differs by %.3f "
                           "%% from the gas's volume V_0, as it should, because the skin resists.",

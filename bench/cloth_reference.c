@@ -49,11 +49,10 @@ wisp_status cloth_reference_create( const cloth_scene* scene, const wisp_fabric*
         .links = calloc( links, sizeof( *out->links ) ),
         .rest = calloc( links, sizeof( double ) ),
         .stiffness = calloc( links, sizeof( double ) ),
-        .compliance = calloc( links, sizeof( double ) ),
         .fabric = fabric,
     };
     if ( !out->position || !out->previous || !out->velocity || !out->inverse_mass || !out->links || !out->rest ||
-         !out->stiffness || !out->compliance )
+         !out->stiffness )
     {
         cloth_reference_destroy( out );
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for the cloth in double precision" );
@@ -72,26 +71,7 @@ void cloth_reference_destroy( cloth_reference* reference )
     free( reference->links );
     free( reference->rest );
     free( reference->stiffness );
-    free( reference->compliance );
     *reference = ( cloth_reference ){ 0 };
-}
-
-void cloth_reference_soften( cloth_reference* reference, double stretch, double bend, double density )
-{
-    const wisp_fabric* f = reference->fabric;
-    for ( int slot = 0, i = 0; slot < f->link_order.slot_count; ++slot )
-    {
-        const int link = f->link_order.constraint[slot];
-        if ( link >= 0 )
-        {
-            reference->compliance[i] = link < f->edge_count ? stretch : bend;
-            reference->stiffness[i++] = 1.0;
-        }
-    }
-    for ( int i = 0; i < f->vertex_count; ++i )
-    {
-        reference->inverse_mass[i] = reference->inverse_mass[i] > 0.0 ? 1.0 / ( density * (double)f->area[i] ) : 0.0;
-    }
 }
 
 static void predict( cloth_reference* reference, double h )
@@ -108,8 +88,8 @@ static void predict( cloth_reference* reference, double h )
     }
 }
 
-// Eq. 6 of the balloon paper times stiffness; with a compliance, xpbd of one pass, whose multiplier starts at 0.
-static void project( cloth_reference* reference, double h )
+// Eq. 6 of the balloon paper times stiffness.
+static void project( cloth_reference* reference )
 {
     for ( int i = 0; i < reference->link_count; ++i )
     {
@@ -118,7 +98,7 @@ static void project( cloth_reference* reference, double h )
                wb = reference->inverse_mass[reference->links[i][1]];
         double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
         double length = sqrt( x * x + y * y + z * z );
-        double weight = length * ( wa + wb + reference->compliance[i] / ( h * h ) );
+        double weight = length * ( wa + wb );
         double s = weight > 0.0 ? reference->stiffness[i] * ( length - reference->rest[i] ) / weight : 0.0;
         a[0] -= wa * s * x;
         a[1] -= wa * s * y;
@@ -135,7 +115,7 @@ void cloth_reference_step( cloth_reference* reference, int substeps )
     for ( int s = 0; s < substeps; ++s )
     {
         predict( reference, h );
-        project( reference, h );
+        project( reference );
         for ( int i = 0; i < reference->slot_count; ++i )
         {
             for ( int k = 0; k < 3; ++k )

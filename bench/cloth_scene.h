@@ -36,7 +36,7 @@ wisp_status cloth_implementation_create( const cloth_scene* scene, wisp_fabric* 
 // ---- the same cloth in double precision ----
 
 /// Links in the order of the fabric, one after another: the engine's computation without its lanes, tiles and
-/// roundings. It is the reference of one step, and with many substeps the converged run.
+/// roundings. It is the reference of one step.
 typedef struct cloth_reference
 {
     int slot_count, link_count;
@@ -44,16 +44,12 @@ typedef struct cloth_reference
     double* inverse_mass;
     int ( *links )[2];
     double *rest, *stiffness;
-    double* compliance; ///< [link_count] m/N, of xpbd; 0 unless cloth_reference_soften() was called
     const wisp_fabric* fabric;
 } cloth_reference;
 
 wisp_status cloth_reference_create( const cloth_scene* scene, const wisp_fabric* fabric, cloth_reference* out,
                                     wisp_error* error );
 void cloth_reference_destroy( cloth_reference* reference );
-/// Make it xpbd in SI units: full stiffness with compliances, and masses by area.
-/// @param stretch, bend m/N of an edge and of a bend link @param density kg/m^2
-void cloth_reference_soften( cloth_reference* reference, double stretch, double bend, double density );
 void cloth_reference_step( cloth_reference* reference, int substeps );
 /// Largest distance of a vertex to the reference's, m; NaN if a coordinate is.
 double cloth_reference_distance( const cloth_reference* reference, const wisp_vec3* points );

@@ -412,13 +412,8 @@ static wisp_status run_cloth( const wisp_mesh* body, wisp_fabric* fabric, const 
 {
     static const wisp_module* const modules[] = { &wisp_cloth_module, &wisp_collision_module };
     *run = ( cloth_run ){ 0 };
-    wisp_world_def def = wisp_default_world_def();
-    def.modules = modules;
-    def.module_count = WISP_COUNT( modules );
-    def.substeps = 2;
-    def.iterations = 2;
-    def.workers = 1;
-    wisp_status status = wisp_world_create( &def, &run->world, error );
+    const bench_world_def def = { modules, WISP_COUNT( modules ), .substeps = 2, .iterations = 2 };
+    wisp_status status = bench_world_create( &def, &run->world, error );
     if ( status != WISP_OK )
     {
         return status;

@@ -1,14 +1,18 @@
 #include "contact_bench.h"
 
+#include "rows_chart.h"
+#include "suite/suite_folder.h"
+
+#include <math.h>
+#include <string.h>
+
 // Below this time in seconds all sizes and runs are smaller.
 #define BRIEF_SECONDS 40.0
-// From this time in seconds on, the folding cloth is that of the pictures.
-#define FINE_SECONDS 240.0
 
 contact_plan contact_default_plan( const bench_options* options )
 {
     const double seconds = bench_seconds( options );
-    const bool full = seconds >= 600.0, brief = seconds < BRIEF_SECONDS, fine = seconds >= FINE_SECONDS;
+    const bool full = seconds >= 600.0, brief = seconds < BRIEF_SECONDS;
     return ( contact_plan ){
         .sheet_sides = { 32, brief ? 48 : 100, 316 },
         .sphere_levels = { 3, brief ? 4 : 5, 6 },
@@ -17,19 +21,7 @@ contact_plan contact_default_plan( const bench_options* options )
         .query_seconds = full    ? 60.0
                          : brief ? 0.2 * seconds
                                  : 0.3 * seconds,
-        .fold_side = fine    ? 64
-                     : brief ? 16
-                             : 24,
-        .fold_steps = brief ? 40 : 300,
-        .fold_seconds = 0.25 * seconds,
-        .motion_seconds = 0.1 * seconds,
-        .balloon_level = full    ? 3
-                         : brief ? 1
-                                 : 2,
-        .balloon_steps = brief  ? 30
-                         : full ? 300
-                                : 150,
-        .balloon_seconds = 0.1 * seconds,
+        .suite_seconds = 0.6 * seconds,
         .picture_side = 64,
         .picture_level = 4,
         .picture_steps = 300,
@@ -39,10 +31,124 @@ contact_plan contact_default_plan( const bench_options* options )
     };
 }
 
+// ---- what contact promises ----
+
+/// The most that a value of some rows may be.
+typedef struct promise
+{
+    const char *suite, *beginning, *value; ///< of the rows' name, of their variant, of the error; "": all variants
+    double most;
+} promise;
+
+static const promise promises[] = {
+    { "suite.cost", "exact, margin=", "max_intersections", 0.0 },
+    { "suite.cost", "exact, margin 2, tree", "max_intersections", 0.0 },
+    { "suite.motion", "ball", "max_intersections", 0.0 },
+    { "suite.motion", "a quarter", "max_intersections", 0.0 },
+    { "suite.motion", "half", "max_intersections", 0.0 },
+    { "suite.motion", "its pace", "max_intersections", 0.0 },
+    { "suite.motion", "twice", "max_intersections", 0.0 },
+    { "suite.pair", "exact", "max_overlap_mm", 1.5 }, // a hundredth of the radius
+    { "suite.stack", "exact", "max_overlap_mm", 1.5 },
+    { "suite.cost", "", "halted_at_step", 0.0 },
+    { "suite.motion", "", "halted_at_step", 0.0 },
+    { "suite.pair", "", "halted_at_step", 0.0 },
+    { "suite.stack", "", "halted_at_step", 0.0 },
+    // each row gives one side what it takes from the other; sums of a hundred thousand products in double remain
+    { "suite.pair", "", "net_impulse_N_s", 1e-9 },
+    { "suite.stack", "", "net_impulse_N_s", 1e-9 },
+};
+
+static void check_promise( const promise* p, const results_row* row, results* out )
+{
+    const double value = rows_error( row, p->value );
+    if ( strcmp( row->name, p->suite ) == 0 && strncmp( row->variant, p->beginning, strlen( p->beginning ) ) == 0 &&
+         value > p->most )
+    {
+        results_add_failure( out, "Contact, %s, %s, %d %s: %s is %.3g, expected at most %g.", row->name, row->variant,
+                             row->workers, bench_workers_word( row->workers ), p->value, value, p->most );
+    }
+}
+
+static const results_row* find_row( const char* suite, const char* variant, int first_row, const results* out )
+{
+    for ( int i = first_row; i < out->row_count; ++i )
+    {
+        if ( strcmp( out->rows[i].name, suite ) == 0 && strcmp( out->rows[i].variant, variant ) == 0 )
+        {
+            return &out->rows[i];
+        }
+    }
+    return NULL;
+}
+
+void contact_check_suites( int first_row, results* out )
+{
+    for ( int i = first_row; i < out->row_count; ++i )
+    {
+        for ( int k = 0; k < WISP_COUNT( promises ); ++k )
+        {
+            check_promise( &promises[k], &out->rows[i], out );
+        }
+    }
+    const results_row* grid = find_row( "suite.cost", "exact, margin=2", first_row, out );
+    const results_row* tree = find_row( "suite.cost", "exact, margin 2, tree", first_row, out );
+    if ( grid == NULL || tree == NULL || grid->hash != tree->hash )
+    {
+        results_add_failure( out, "The cloth folds differently when its pairs are found by the tree." );
+    }
+}
+
+// ---- suites ----
+
+static double mean_ms_of( const results_row* row )
+{
+    for ( int i = 0; i < row->stages.count; ++i )
+    {
+        if ( strcmp( row->stages.items[i].name, "mean" ) == 0 )
+        {
+            return row->stages.items[i].value;
+        }
+    }
+    return NAN;
+}
+
+static double intersected_steps_of( const results_row* row )
+{
+    return rows_error( row, "steps_with_intersections" );
+}
+
+static void add_chart( const contact_plan* plan, int first_row, results* out )
+{
+    rows_chart_add( &( rows_chart ){ .first_row = first_row,
+                                     .name = "suite.cost",
+                                     .workers = plan->teams.workers[plan->teams.count - 1],
+                                     .title = "Contact, the cost of accuracy: a cloth that folds on itself",
+                                     .x_label = "ms per step, mean",
+                                     .y_label = "steps that end with intersections",
+                                     .caption = "Ringed: no other way is both faster and more accurate.",
+                                     .x = mean_ms_of,
+                                     .y = intersected_steps_of,
+                                     .y_linear = true,
+                                     .is_front = true },
+                    out );
+}
+
+wisp_status contact_suites( const contact_plan* plan, results* out, wisp_error* error )
+{
+    const int first_row = out->row_count;
+    const wisp_status status = suite_bench_folder( "contact", plan->suite_seconds, plan->options, out, error );
+    if ( status == WISP_OK )
+    {
+        contact_check_suites( first_row, out );
+        add_chart( plan, first_row, out );
+    }
+    return status;
+}
+
 wisp_status contact_bench_run( const contact_plan* plan, results* out, wisp_error* error )
 {
-    static contact_fn* const tables[] = { contact_queries, contact_price, contact_motion, contact_balloons,
-                                          contact_pictures };
+    static contact_fn* const tables[] = { contact_queries, contact_suites, contact_pictures };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( tables ) && status == WISP_OK; ++i )
     {
@@ -50,6 +156,8 @@ wisp_status contact_bench_run( const contact_plan* plan, results* out, wisp_erro
     }
     return status;
 }
+
+bench_case_fn contact_bench;
 
 wisp_status contact_bench( const bench_options* options, results* out, wisp_error* error )
 {
@@ -61,10 +169,6 @@ wisp_status contact_bench( const bench_options* options, results* out, wisp_erro
                           "Contact: short of time, sheets of %d and %d per side and spheres two levels coarser are "
                           "searched, without the largest.",
                           plan.sheet_sides[0], plan.sheet_sides[1] );
-        results_add_note( out,
-                          "Contact: short of time, a cloth of %d per side folds for %d steps, and balloons one level "
-                          "coarser are pressed for %d.",
-                          plan.fold_side, plan.fold_steps, plan.balloon_steps );
     }
     return status;
 }

@@ -2,16 +2,21 @@
 // whose two sides have two colours, so that its layers can be told apart.
 #include "contact_bench.h"
 
+#include "bench_data.h"
+#include "io_file.h"
 #include "picture_sheet.h"
+#include "suite_fields.h"
+#include "world_from_scene.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define SHOTS_MAX 6
-#define BODIES_MAX ( CONTACT_SURFACES_MAX + 2 )
-#define BALL_LEVEL 4
-#define STRIPES 16 // of the cloth, along either side
+#define BODIES_MAX 12
+#define SCENE_BYTES_MAX ( 1 << 16 )
+#define CUT_STACK -0.18f // m, a little behind the centres of the balloons at the back
+#define STRIPES 16       // of the cloth, along either side
 
 static const wisp_vec3 FRONT = { 0.78f, 0.16f, 0.05f }, FRONT_STRIPE = { 0.92f, 0.5f, 0.28f };
 static const wisp_vec3 BACK = { 0.03f, 0.24f, 0.5f }, BACK_STRIPE = { 0.3f, 0.62f, 0.8f };
@@ -59,17 +64,18 @@ static void free_album( album* all )
 
 // ---- bodies ----
 
-static wisp_status add_body( shot* s, const wisp_mesh* mesh, const wisp_vec3* points, render_material material,
+static wisp_status add_body( shot* s, const scene_world* world, int number, render_material material,
                              wisp_vec3 colour, wisp_error* error )
 {
-    const size_t bytes = (size_t)mesh->vertex_count * sizeof( wisp_vec3 );
-    const size_t corners = 3 * (size_t)mesh->triangle_count * sizeof( int32_t );
+    WISP_ASSERT( s->count < BODIES_MAX );
+    const scene_body from = scene_world_body( world, number );
+    const size_t corners = 3 * (size_t)from.triangle_count * sizeof( int32_t );
     body* b = s->bodies + s->count++;
     *b = ( body ){
-        .points = malloc( bytes ),
+        .points = malloc( (size_t)from.vertex_count * sizeof( wisp_vec3 ) ),
         .triangles = malloc( corners ),
-        .vertex_count = mesh->vertex_count,
-        .triangle_count = mesh->triangle_count,
+        .vertex_count = from.vertex_count,
+        .triangle_count = from.triangle_count,
         .colour = colour,
         .material = material,
     };
@@ -77,9 +83,8 @@ static wisp_status add_body( shot* s, const wisp_mesh* mesh, const wisp_vec3* po
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for a picture" );
     }
-    memcpy( b->points, points, bytes );
-    memcpy( b->triangles, mesh->triangles, corners );
-    return WISP_OK;
+    memcpy( b->triangles, from.triangles, corners );
+    return scene_world_points( world, number, b->points, error );
 }
 
 static wisp_vec3 on_plane( wisp_vec3 a, wisp_vec3 b, float z )
@@ -146,16 +151,12 @@ static wisp_status cut_open( body* b, float z, wisp_error* error )
 }
 
 // @param cut m, what is before it is left out; infinite: nothing is
-static wisp_status add_balloons( shot* s, contact_world* world, float cut, wisp_error* error )
+static wisp_status add_balloons( shot* s, const scene_world* world, float cut, wisp_error* error )
 {
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < world->surface_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < scene_world_moving_count( world ) && status == WISP_OK; ++i )
     {
-        const wisp_vec3* points;
-        status = contact_points( world, i, &points, error );
-        status = status == WISP_OK
-                     ? add_body( s, &world->scene->mesh, points, RENDER_LATEX, render_palette( i ), error )
-                     : status;
+        status = add_body( s, world, i, RENDER_LATEX, render_palette( i ), error );
         if ( status == WISP_OK && cut < INFINITY )
         {
             status = cut_open( s->bodies + s->count - 1, cut, error );
@@ -164,9 +165,27 @@ static wisp_status add_balloons( shot* s, contact_world* world, float cut, wisp_
     return status;
 }
 
-// Sums of the normals of the triangles around each vertex, made to unit length.
-static void find_normals( const wisp_mesh* mesh, const wisp_vec3* x, wisp_vec3* normals )
+// Balls and plates. The ground is a part of the picture.
+static wisp_status add_colliders( shot* s, const scene_world* world, wisp_error* error )
 {
+    const wisp_vec3 grey = { 0.57f, 0.57f, 0.55f };
+    const int moving = scene_world_moving_count( world );
+    wisp_status status = WISP_OK;
+    for ( int i = moving; i < scene_world_body_count( world ) && status == WISP_OK; ++i )
+    {
+        if ( scene_world_body( world, i ).kind != SCENE_BODY_PLANE )
+        {
+            status = add_body( s, world, i, RENDER_SOLID, grey, error );
+            s->bodies[s->count - 1].is_faceted = world->scene->colliders[i - moving].def.kind == WISP_COLLIDER_BOX;
+        }
+    }
+    return status;
+}
+
+// Sums of the normals of the triangles around each vertex, made to unit length.
+static void find_normals( const body* mesh, wisp_vec3* normals )
+{
+    const wisp_vec3* x = mesh->points;
     memset( normals, 0, (size_t)mesh->vertex_count * sizeof( wisp_vec3 ) );
     for ( int t = 0; t < mesh->triangle_count; ++t )
     {
@@ -190,23 +209,22 @@ static void find_normals( const wisp_mesh* mesh, const wisp_vec3* x, wisp_vec3* 
 }
 
 // One side of the cloth: a little above the vertices on that side, in its colour, with stripes along the rows.
-static wisp_status add_side( shot* s, contact_world* world, const wisp_vec3* points, float way, wisp_vec3 colour,
-                             wisp_vec3 stripe, wisp_error* error )
+static wisp_status add_side( shot* s, const scene_world* world, float way, wisp_vec3 colour, wisp_vec3 stripe,
+                             wisp_error* error )
 {
-    const wisp_mesh* mesh = &world->scene->mesh;
-    wisp_status status = add_body( s, mesh, points, RENDER_CLOTH, colour, error );
+    wisp_status status = add_body( s, world, 0, RENDER_CLOTH, colour, error );
     body* b = s->bodies + s->count - 1;
-    wisp_vec3* normals = malloc( (size_t)mesh->vertex_count * sizeof( wisp_vec3 ) );
-    b->colours = malloc( (size_t)mesh->vertex_count * sizeof( wisp_vec3 ) );
+    wisp_vec3* normals = malloc( (size_t)b->vertex_count * sizeof( wisp_vec3 ) );
+    b->colours = malloc( (size_t)b->vertex_count * sizeof( wisp_vec3 ) );
     if ( status == WISP_OK && ( normals == NULL || b->colours == NULL ) )
     {
         status = wisp_fail( error, WISP_NO_MEMORY, "no memory for a picture" );
     }
     if ( status == WISP_OK )
     {
-        const int side = (int)lround( sqrt( mesh->vertex_count ) ), wide = side / STRIPES > 1 ? side / STRIPES : 1;
-        find_normals( mesh, points, normals );
-        for ( int v = 0; v < mesh->vertex_count; ++v )
+        const int side = (int)lround( sqrt( b->vertex_count ) ), wide = side / STRIPES > 1 ? side / STRIPES : 1;
+        find_normals( b, normals );
+        for ( int v = 0; v < b->vertex_count; ++v )
         {
             wisp_vec3 *p = b->points + v, n = normals[v];
             *p = ( wisp_vec3 ){ p->x + way * n.x, p->y + way * n.y, p->z + way * n.z };
@@ -217,64 +235,28 @@ static wisp_status add_side( shot* s, contact_world* world, const wisp_vec3* poi
     return status;
 }
 
-static wisp_status add_cloth( shot* s, contact_world* world, wisp_error* error )
+static wisp_status add_cloth( shot* s, const scene_world* world, wisp_error* error )
 {
-    const wisp_vec3* points;
-    const float way = 0.2f * world->scene->thickness; // the two sides of one layer stay nearer than two layers
-    wisp_status status = contact_points( world, 0, &points, error );
-    status = status == WISP_OK ? add_side( s, world, points, way, FRONT, FRONT_STRIPE, error ) : status;
-    return status == WISP_OK ? add_side( s, world, points, -way, BACK, BACK_STRIPE, error ) : status;
-}
-
-static wisp_status add_ball( shot* s, wisp_vec3 centre, wisp_error* error )
-{
-    wisp_mesh mesh = { 0 };
-    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_ICOSPHERE );
-    generator.level = BALL_LEVEL;
-    generator.radius = FOLD_BALL_RADIUS;
-    wisp_status status = wisp_mesh_generate( &generator, &mesh, error );
-    for ( int v = 0; v < mesh.vertex_count; ++v )
-    {
-        wisp_vec3* p = mesh.points + v;
-        *p = ( wisp_vec3 ){ p->x + centre.x, p->y + centre.y, p->z + centre.z };
-    }
-    const wisp_vec3 grey = { 0.55f, 0.55f, 0.52f };
-    status = status == WISP_OK ? add_body( s, &mesh, mesh.points, RENDER_SOLID, grey, error ) : status;
-    wisp_mesh_release( &mesh );
-    return status;
-}
-
-// A plate as a thin box.
-static wisp_status add_plate( shot* s, int number, int step, wisp_error* error )
-{
-    static const int32_t triangles[] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
-                                         2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
-    const float at = contact_plate_at( number, (float)step ).x, thick = number == 0 ? -0.01f : 0.01f;
-    const float half = 1.1f * PRESS_RADIUS;
-    wisp_vec3 points[8];
-    for ( int i = 0; i < 8; ++i )
-    {
-        points[i] = ( wisp_vec3 ){ i & 4 ? at + thick : at, i & 2 ? half : -half, i & 1 ? half : -half };
-    }
-    int32_t corners[WISP_COUNT( triangles )];
-    memcpy( corners, triangles, sizeof( corners ) );
-    const wisp_mesh mesh = { points, corners, 8, WISP_COUNT( triangles ) / 3 };
-    const wisp_vec3 grey = { 0.6f, 0.6f, 0.58f };
-    const wisp_status status = add_body( s, &mesh, points, RENDER_SOLID, grey, error );
-    s->bodies[s->count - 1].is_faceted = true;
-    return status;
+    // the two sides of one layer stay nearer than two layers, which are a quarter of an edge apart
+    const float way = 0.05f / sqrtf( (float)scene_world_body( world, 0 ).vertex_count );
+    const wisp_status status = add_side( s, world, way, FRONT, FRONT_STRIPE, error );
+    return status == WISP_OK ? add_side( s, world, -way, BACK, BACK_STRIPE, error ) : status;
 }
 
 // ---- drawing ----
 
 typedef struct stage
 {
+    const album* all;
     render_mesh meshes[BODIES_MAX];
     render_scene scene;
+    bool has_ground;
 } stage;
 
-static void set_stage( const shot* s, bool has_ground, stage* out )
+static const render_scene* set_stage( void* context, int number )
 {
+    stage* out = context;
+    const shot* s = &out->all->shots[number];
     out->scene = render_default_scene();
     for ( int i = 0; i < s->count; ++i )
     {
@@ -291,165 +273,171 @@ static void set_stage( const shot* s, bool has_ground, stage* out )
     }
     out->scene.meshes = out->meshes;
     out->scene.mesh_count = s->count;
-    out->scene.has_ground = has_ground;
-}
-
-// One camera for all shots, so that they can be compared.
-static wisp_status draw( const album* all, int pixels, bool has_ground, picture_sheet* sheet, wisp_error* error )
-{
-    stage one;
-    render_camera camera;
-    render_bounds bounds = { .is_filled = false };
-    render_options options = render_default_options();
-    options.width = pixels;
-    options.height = (int)( (float)pixels / all->aspect );
-    options.threads = 2;
-    options.samples = 32;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < all->count && status == WISP_OK; ++i )
-    {
-        render_bounds box = { .is_filled = false };
-        set_stage( all->shots + i, has_ground, &one );
-        status = render_scene_bounds( &one.scene, &box, error );
-        bounds = render_bounds_union( bounds, box );
-    }
-    status = status == WISP_OK ? render_frame_camera( &bounds, &all->view, all->aspect, &camera, error ) : status;
-    for ( int i = 0; i < all->count && status == WISP_OK; ++i )
-    {
-        set_stage( all->shots + i, has_ground, &one );
-        status = render_picture( &one.scene, &camera, &options, sheet->pictures + i, error );
-        sheet->labels[i] = all->shots[i].label;
-        sheet->count = i + 1;
-    }
-    return status;
+    out->scene.has_ground = out->has_ground;
+    return &out->scene;
 }
 
 static wisp_status write_album( const contact_plan* plan, const album* all, bool has_ground, results* out,
                                 wisp_error* error )
 {
+    stage one = { .all = all, .has_ground = has_ground };
     picture_sheet sheet = { .columns = all->columns };
-    const wisp_status status = draw( all, plan->picture_pixels, has_ground, &sheet, error );
+    const picture_shots shots = {
+        .scene = set_stage,
+        .context = &one,
+        .count = all->count,
+        .view = all->view,
+        .width = plan->picture_pixels,
+        .height = (int)( (float)plan->picture_pixels / all->aspect ),
+        .samples = 32,
+    };
+    const wisp_status status = picture_sheet_draw( &shots, all->shots[0].label, sizeof( shot ), &sheet, error );
     return picture_sheet_finish( &sheet, status, plan->options->pictures, all->name, all->caption, out, error );
 }
 
 // ---- the pictures ----
 
-static wisp_status step_to( contact_world* world, int steps, wisp_error* error )
+// A scene of data/suites with another size, to be released after its world.
+static wisp_status read_scene( const char* name, const char* const ( *fields )[2], int steps, wisp_scene* out,
+                               wisp_error* error )
+{
+    char inner[64], path[1024], number[16];
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    text_node* tree = NULL;
+    snprintf( inner, sizeof inner, "suites/scenes/%s.yaml", name );
+    snprintf( number, sizeof number, "%d", steps );
+    bench_data_path( inner, path, sizeof path );
+    wisp_status status = io_file_read( path, SCENE_BYTES_MAX, &bytes, &size, error );
+    status = status == WISP_OK ? text_parse( (const char*)bytes, size, path, &tree, error ) : status;
+    if ( status == WISP_OK )
+    {
+        text_node* value = text_scalar( "%s", number );
+        (void)suite_set_field( tree, "steps", value );
+        for ( int i = 0; fields[i][0]; ++i )
+        {
+            text_set( value, fields[i][1] );
+            (void)suite_set_field( tree, fields[i][0], value );
+        }
+        char* text = text_write( tree, NULL );
+        status = wisp_scene_parse( text, strlen( text ), path, out, error );
+        free( text );
+        text_release( value );
+    }
+    text_release( tree );
+    free( bytes );
+    return status;
+}
+
+static wisp_status step_to( scene_world* world, int steps, wisp_error* error )
 {
     wisp_status status = WISP_OK;
-    while ( world->steps < steps && status == WISP_OK )
+    while ( world->next_step < steps && status == WISP_OK )
     {
-        status = contact_step( world, error );
+        status = scene_world_step( world, error );
     }
     return status;
 }
 
-static wisp_status take_balloons( album* all, contact_world* world, int steps, float cut, wisp_error* error )
+// @param cut m, z of a plane that balloons are cut open by; infinite: they are not
+static wisp_status take_shot( album* all, scene_world* world, int steps, float cut, wisp_error* error )
 {
     wisp_status status = step_to( world, steps, error );
     shot* s = all->shots + all->count++;
-    snprintf( s->label, sizeof( s->label ), "%.2f s%s", (double)( CONTACT_STEP * (float)world->steps ),
+    snprintf( s->label, sizeof( s->label ), "%.2f s%s", scene_world_time( world ),
               cut < INFINITY ? ", cut open" : "" );
-    status = status == WISP_OK ? add_balloons( s, world, cut, error ) : status;
-    for ( int i = 0; i < world->mover_count && status == WISP_OK; ++i )
+    const bool is_cloth = world->scene->surfaces[0].has_cloth;
+    status = status != WISP_OK ? status
+             : is_cloth        ? add_cloth( s, world, error )
+                               : add_balloons( s, world, cut, error );
+    return status == WISP_OK ? add_colliders( s, world, error ) : status;
+}
+
+/// What a sheet of pictures shows.
+typedef struct subject
+{
+    const char *scene, *name, *caption;
+    float azimuth_degrees, elevation_degrees, aspect; // 0 degrees: the default
+    int columns, shot_count;
+    struct
     {
-        status = add_plate( s, i, world->steps, error );
-    }
-    return status;
-}
+        float fraction, cut; // of the steps; m, 0: whole
+    } shots[SHOTS_MAX];
+    bool has_ground;
+} subject;
 
-static wisp_status take_cloth( album* all, contact_world* world, int steps, wisp_error* error )
-{
-    wisp_status status = step_to( world, steps, error );
-    shot* s = all->shots + all->count++;
-    snprintf( s->label, sizeof( s->label ), "%.2f s", (double)( CONTACT_STEP * (float)world->steps ) );
-    status = status == WISP_OK ? add_cloth( s, world, error ) : status;
-    return status == WISP_OK ? add_ball( s, contact_ball_at( 0, world->pace * (float)world->steps ), error ) : status;
-}
-
-static contact_setting setting_of( const contact_plan* plan )
-{
-    return ( contact_setting ){ .way = { .name = "exact", .margin = 2.0f },
-                                .workers = plan->teams.workers[plan->teams.count - 1] };
-}
-
-/// Balloons at the end, whole and cut open, and where `has_start` before they touch.
-typedef struct balloon_picture
-{
-    contact_enter_fn* enter;
-    const char *name, *caption;
-    float azimuth_degrees, elevation_degrees, aspect;
-    float cut; // m, z of the plane
-    bool has_start, has_ground;
-} balloon_picture;
-
-static const balloon_picture pair_picture = {
-    .enter = contact_enter_pair,
+static const subject pair = {
+    .scene = "pressed_pair",
     .name = "contact_pair",
     .caption = "Two balloons pressed together",
     .azimuth_degrees = 14.0f,
     .elevation_degrees = 10.0f,
     .aspect = 1.4f,
-    .has_start = true,
+    .columns = 3,
+    .shot_count = 3,
+    .shots = { { 0.0f, INFINITY }, { 1.0f, INFINITY }, { 1.0f, 0.0f } },
 };
-static const balloon_picture stack_picture = {
-    .enter = contact_enter_stack,
+static const subject stack = {
+    .scene = "balloons_in_box",
     .name = "contact_stack",
     .caption = "Ten balloons in a box, and a cut through those at the back",
     .azimuth_degrees = 24.0f,
     .elevation_degrees = 14.0f,
     .aspect = 1.0f,
-    .cut = -1.2f * PRESS_RADIUS,
+    .columns = 2,
+    .shot_count = 2,
+    .shots = { { 1.0f, INFINITY }, { 1.0f, CUT_STACK } },
+    .has_ground = true,
+};
+static const subject cloth = {
+    .scene = "folding_cloth",
+    .name = "contact_cloth",
+    .caption = "A cloth folding over a moving ball, its two sides in two colours",
+    .elevation_degrees = 28.0f,
+    .aspect = 1.25f,
+    .columns = 3,
+    .shot_count = 6,
+    .shots = { { 0.07f, INFINITY },
+               { 0.1f, INFINITY },
+               { 0.18f, INFINITY },
+               { 0.3f, INFINITY },
+               { 0.6f, INFINITY },
+               { 1.0f, INFINITY } },
     .has_ground = true,
 };
 
-static wisp_status picture_balloons( const contact_plan* plan, const balloon_picture* picture, int level,
-                                     results* out, wisp_error* error )
+static wisp_status take_shots( const contact_plan* plan, const subject* what, const wisp_scene* scene, album* all,
+                               wisp_error* error )
 {
-    const contact_setting setting = setting_of( plan );
-    contact_scene scene;
-    contact_world world = { .world = NULL };
-    album all = { .columns = picture->has_start ? 3 : 2, .name = picture->name, .caption = picture->caption };
-    all.view = render_default_view();
-    all.view.azimuth_degrees = picture->azimuth_degrees;
-    all.view.elevation_degrees = picture->elevation_degrees;
-    all.aspect = picture->aspect;
-    wisp_status status = contact_make_balloon( level, &scene, error );
-    status = status == WISP_OK ? picture->enter( &scene, &setting, &world, error ) : status;
-    if ( status == WISP_OK && picture->has_start )
+    const scene_world_options options = { .workers = plan->teams.workers[plan->teams.count - 1], .is_quiet = true };
+    scene_world world;
+    wisp_status status = scene_world_create( scene, &options, &world, error );
+    if ( status != WISP_OK )
     {
-        status = take_balloons( &all, &world, 1, INFINITY, error );
+        return status;
     }
-    status = status == WISP_OK ? take_balloons( &all, &world, plan->picture_steps, INFINITY, error ) : status;
-    status = status == WISP_OK ? take_balloons( &all, &world, plan->picture_steps, picture->cut, error ) : status;
-    contact_leave( &world );
-    contact_scene_free( &scene );
-    status = status == WISP_OK ? write_album( plan, &all, picture->has_ground, out, error ) : status;
-    free_album( &all );
+    for ( int i = 0; i < what->shot_count && status == WISP_OK; ++i )
+    {
+        const int steps = (int)( what->shots[i].fraction * (float)plan->picture_steps );
+        status = take_shot( all, &world, steps > 1 ? steps : 1, what->shots[i].cut, error );
+    }
+    scene_world_destroy( &world );
     return status;
 }
 
-static wisp_status picture_cloth( const contact_plan* plan, results* out, wisp_error* error )
+// @param fields that make the scene as large as the plan has it
+static wisp_status picture( const contact_plan* plan, const subject* what, const char* const ( *fields )[2],
+                            results* out, wisp_error* error )
 {
-    static const float fractions[SHOTS_MAX] = { 0.07f, 0.1f, 0.18f, 0.3f, 0.6f, 1.0f };
-    const contact_setting setting = setting_of( plan );
-    contact_scene scene;
-    contact_world world = { .world = NULL };
-    album all = { .columns = 3,
-                  .name = "contact_cloth",
-                  .caption = "A cloth folding over a moving ball, its two sides in two colours" };
+    wisp_scene scene = { 0 };
+    album all = { .columns = what->columns, .name = what->name, .caption = what->caption, .aspect = what->aspect };
     all.view = render_default_view();
-    all.view.elevation_degrees = 28.0f;
-    all.aspect = 1.25f;
-    wisp_status status = contact_make_cloth( plan->picture_side, &scene, error );
-    status = status == WISP_OK ? contact_enter_fold( &scene, &setting, &world, error ) : status;
-    for ( int i = 0; i < SHOTS_MAX && status == WISP_OK; ++i )
-    {
-        status = take_cloth( &all, &world, (int)( fractions[i] * (float)plan->picture_steps ), error );
-    }
-    contact_leave( &world );
-    contact_scene_free( &scene );
-    status = status == WISP_OK ? write_album( plan, &all, true, out, error ) : status;
+    all.view.azimuth_degrees = what->azimuth_degrees > 0.0f ? what->azimuth_degrees : all.view.azimuth_degrees;
+    all.view.elevation_degrees = what->elevation_degrees;
+    wisp_status status = read_scene( what->scene, fields, plan->picture_steps, &scene, error );
+    status = status == WISP_OK ? take_shots( plan, what, &scene, &all, error ) : status;
+    wisp_scene_release( &scene );
+    status = status == WISP_OK ? write_album( plan, &all, what->has_ground, out, error ) : status;
     free_album( &all );
     return status;
 }
@@ -461,8 +449,18 @@ wisp_status contact_pictures( const contact_plan* plan, results* out, wisp_error
         return WISP_OK;
     }
     bench_progress( plan->options, 0.9, "contact, pictures" );
-    wisp_status status = picture_balloons( plan, &pair_picture, plan->picture_level, out, error );
-    status =
-        status == WISP_OK ? picture_balloons( plan, &stack_picture, plan->picture_level - 1, out, error ) : status;
-    return status == WISP_OK ? picture_cloth( plan, out, error ) : status;
+    char level[16], coarser[16], side[16], spacing[32];
+    snprintf( level, sizeof level, "%d", plan->picture_level );
+    snprintf( coarser, sizeof coarser, "%d", plan->picture_level - 1 );
+    snprintf( side, sizeof side, "%d", plan->picture_side );
+    snprintf( spacing, sizeof spacing, "%.6f", 1.0 / ( plan->picture_side - 1 ) );
+    const char* const fine[][2] = { { "surfaces[0].generate.level", level }, { NULL, NULL } };
+    const char* const coarse[][2] = { { "surfaces[0].generate.level", coarser }, { NULL, NULL } };
+    const char* const sheet[][2] = { { "surfaces[0].generate.columns", side },
+                                     { "surfaces[0].generate.rows", side },
+                                     { "surfaces[0].generate.spacing", spacing },
+                                     { NULL, NULL } };
+    wisp_status status = picture( plan, &pair, fine, out, error );
+    status = status == WISP_OK ? picture( plan, &stack, coarse, out, error ) : status;
+    return status == WISP_OK ? picture( plan, &cloth, sheet, out, error ) : status;
 }

@@ -52,12 +52,8 @@ wisp_status contact_probe_open( int workers, contact_probe* out, wisp_error* err
 {
     static const wisp_module* const modules[] = { &probe_module };
     *out = ( contact_probe ){ .world = NULL };
-    wisp_world_def def = wisp_default_world_def();
-    def.substeps = 1;
-    def.modules = modules;
-    def.module_count = WISP_COUNT( modules );
-    def.workers = workers;
-    wisp_status status = wisp_world_create( &def, &out->world, error );
+    const bench_world_def def = { modules, WISP_COUNT( modules ), .workers = workers };
+    wisp_status status = bench_world_create( &def, &out->world, error );
     if ( status != WISP_OK )
     {
         return status;

@@ -6,12 +6,17 @@
 
 typedef struct stage
 {
+    const figures_album* album;
+    const wisp_mesh* ball;
     render_mesh meshes[2];
     render_scene scene;
 } stage;
 
-static void set_scene( const figures_album* album, int shot, const wisp_mesh* ball, stage* out )
+static const render_scene* set_scene( void* context, int shot )
 {
+    stage* out = context;
+    const figures_album* album = out->album;
+    const wisp_mesh* ball = out->ball;
     out->meshes[0] = render_default_mesh( RENDER_CLOTH );
     out->meshes[0].points = album->shots[shot];
     out->meshes[0].triangles = album->mesh->triangles;
@@ -25,6 +30,7 @@ static void set_scene( const figures_album* album, int shot, const wisp_mesh* ba
     out->scene = render_default_scene();
     out->scene.meshes = out->meshes;
     out->scene.mesh_count = ball->vertex_count > 0 ? 2 : 1;
+    return &out->scene;
 }
 
 static wisp_status make_ball( wisp_mesh* out, wisp_error* error )
@@ -36,43 +42,6 @@ static wisp_status make_ball( wisp_mesh* out, wisp_error* error )
     for ( int i = 0; i < out->vertex_count; ++i )
     {
         out->points[i].y += TRIANGLE_BALL_HEIGHT;
-    }
-    return status;
-}
-
-// One camera for all shapes, so that they can be compared.
-static wisp_status find_camera( const figures_album* album, const wisp_mesh* ball, render_camera* camera,
-                                wisp_error* error )
-{
-    render_bounds all = { .is_filled = false };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < album->count && status == WISP_OK; ++i )
-    {
-        stage shot;
-        render_bounds one = { .is_filled = false };
-        set_scene( album, i, ball, &shot );
-        status = render_scene_bounds( &shot.scene, &one, error );
-        all = render_bounds_union( all, one );
-    }
-    const render_view view = render_default_view();
-    return status == WISP_OK ? render_frame_camera( &all, &view, 1.0f, camera, error ) : status;
-}
-
-static wisp_status draw( const figures_album* album, const wisp_mesh* ball, picture_sheet* sheet, wisp_error* error )
-{
-    render_camera camera;
-    render_options options = render_default_options();
-    options.width = SIDE;
-    options.height = SIDE;
-    options.threads = 2;
-    wisp_status status = find_camera( album, ball, &camera, error );
-    for ( int i = 0; i < album->count && status == WISP_OK; ++i )
-    {
-        stage shot;
-        set_scene( album, i, ball, &shot );
-        status = render_picture( &shot.scene, &camera, &options, &sheet->pictures[i], error );
-        sheet->labels[i] = album->labels[i];
-        sheet->count = i + 1;
     }
     return status;
 }
@@ -102,7 +71,16 @@ wisp_status drape_write( figures_case* page, const figures_album* album, bool ha
     picture_sheet sheet = { .columns = album->count > SHEET_COLUMNS ? ( album->count + 1 ) / 2 : album->count };
     wisp_mesh ball = { 0 };
     wisp_status status = has_ball ? make_ball( &ball, error ) : WISP_OK;
-    status = status == WISP_OK ? draw( album, &ball, &sheet, error ) : status;
+    stage one = { .album = album, .ball = &ball };
+    const picture_shots shots = { .scene = set_scene,
+                                  .context = &one,
+                                  .count = album->count,
+                                  .view = render_default_view(),
+                                  .width = SIDE,
+                                  .height = SIDE };
+    status = status == WISP_OK
+                 ? picture_sheet_draw( &shots, album->labels[0], sizeof album->labels[0], &sheet, error )
+                 : status;
     wisp_mesh_release( &ball );
     status = status == WISP_OK ? write_each( page, &sheet, name, error ) : status;
     return picture_sheet_finish( &sheet, status, page->pictures, name, caption, page->out, error );

@@ -80,14 +80,10 @@ static wisp_status draw_strand( const figures_case* page, figures_hair_album* al
     double limit = 0.5 * all.largest;
     f->line = measure_turns( nodes, node_count, limit );
 
-    const wisp_module* modules[] = { &wisp_strands_module, &wisp_guide_hair_module };
-    wisp_world_def def = wisp_default_world_def();
-    def.substeps = 1;
-    def.modules = modules;
-    def.module_count = WISP_COUNT( modules );
-    def.workers = 1;
+    const wisp_module* const modules[] = { &wisp_strands_module, &wisp_guide_hair_module };
+    const bench_world_def def = { modules, WISP_COUNT( modules ), .workers = 1 };
     wisp_world* world = NULL;
-    wisp_status status = wisp_world_create( &def, &world, error );
+    wisp_status status = bench_world_create( &def, &world, error );
     if ( status != WISP_OK )
     {
         return status;

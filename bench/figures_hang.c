@@ -78,11 +78,7 @@ static wisp_status run( const triangle_scene* scene, const triangle_setting* set
     status = status == WISP_OK ? surface_implementation_points( &implementation, &points, error ) : status;
     if ( status == WISP_OK )
     {
-        const surface_observation observation = surface_implementation_observe( &implementation );
         memcpy( out->points, points, (size_t)scene->mesh.vertex_count * sizeof( wisp_vec3 ) );
-        out->kinetic = observation.kinetic;
-        out->first_order = (double)wisp_world_counter( implementation.world, WISP_COUNT_FIRST_ORDER );
-        out->is_finite = observation.is_finite && implementation.halted_at == 0;
     }
     surface_implementation_destroy( &implementation );
     return status;

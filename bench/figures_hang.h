@@ -24,9 +24,6 @@ typedef struct hang_result
 {
     wisp_vec3* points;     ///< [vertex_count] at the end, the caller's to free
     double iterations, ms; ///< of all steps together
-    double first_order;    ///< steps that BDF2 left to implicit Euler, because they are too long for the stiffness
-    double kinetic;        ///< J, at the end
-    bool is_finite;
 } hang_result;
 
 wisp_status hang_run( const triangle_scene* scene, const hang_plan* plan, hang_result* out, wisp_error* error );

@@ -47,14 +47,19 @@ void figures_album_free( figures_album* album )
 /// A scene of one shape and perhaps tracks.
 typedef struct shot_scene
 {
+    const figures_album* album;
+    const figures_tracks* tracks; // null: none
     render_mesh mesh;
     render_curves curves;
     int32_t offsets[FIGURES_SHOTS_MAX + 1];
     render_scene scene;
 } shot_scene;
 
-static void set_scene( const figures_album* album, int shot, const figures_tracks* tracks, shot_scene* out )
+static const render_scene* set_scene( void* context, int shot )
 {
+    shot_scene* out = context;
+    const figures_album* album = out->album;
+    const figures_tracks* tracks = out->tracks;
     out->mesh = render_default_mesh( RENDER_LATEX );
     out->mesh.points = album->shots[shot];
     out->mesh.triangles = album->mesh->triangles;
@@ -77,44 +82,7 @@ static void set_scene( const figures_album* album, int shot, const figures_track
         out->scene.curves = &out->curves;
         out->scene.curves_count = 1;
     }
-}
-
-// One camera for all shapes, so that sizes can be compared.
-static wisp_status find_camera( const figures_album* album, const figures_tracks* tracks, render_camera* camera,
-                                wisp_error* error )
-{
-    render_bounds all = { .is_filled = false };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < album->count && status == WISP_OK; ++i )
-    {
-        shot_scene shot;
-        render_bounds one = { .is_filled = false };
-        set_scene( album, i, tracks, &shot );
-        status = render_scene_bounds( &shot.scene, &one, error );
-        all = render_bounds_union( all, one );
-    }
-    const render_view view = render_default_view();
-    return status == WISP_OK ? render_frame_camera( &all, &view, 1.0f, camera, error ) : status;
-}
-
-static wisp_status draw( const figures_album* album, const figures_tracks* tracks, picture_sheet* sheet,
-                         wisp_error* error )
-{
-    render_camera camera;
-    render_options options = render_default_options();
-    options.width = SIDE;
-    options.height = SIDE;
-    options.threads = 2;
-    wisp_status status = find_camera( album, tracks, &camera, error );
-    for ( int i = 0; i < album->count && status == WISP_OK; ++i )
-    {
-        shot_scene shot;
-        set_scene( album, i, tracks, &shot );
-        status = render_picture( &shot.scene, &camera, &options, &sheet->pictures[i], error );
-        sheet->labels[i] = album->labels[i];
-        sheet->count = i + 1;
-    }
-    return status;
+    return &out->scene;
 }
 
 wisp_status figures_write( figures_case* page, const figures_album* album, const figures_tracks* tracks,
@@ -125,6 +93,13 @@ wisp_status figures_write( figures_case* page, const figures_album* album, const
         return WISP_OK;
     }
     picture_sheet sheet = { .count = 0 };
-    const wisp_status status = draw( album, tracks, &sheet, error );
+    shot_scene one = { .album = album, .tracks = tracks };
+    const picture_shots shots = { .scene = set_scene,
+                                  .context = &one,
+                                  .count = album->count,
+                                  .view = render_default_view(),
+                                  .width = SIDE,
+                                  .height = SIDE };
+    const wisp_status status = picture_sheet_draw( &shots, album->labels[0], sizeof album->labels[0], &sheet, error );
     return picture_sheet_finish( &sheet, status, page->pictures, name, caption, page->out, error );
 }

@@ -38,8 +38,5 @@ typedef struct paper_table
     paper_line lines[PAPER_SIZES];
 } paper_table;
 
-/// Name of a variant as tables and rows have it: "plain", "wisp".
-const char* paper_variant_name( int variant );
-
 /// The table, the fit, and the messages below them.
 void paper_report( const paper_table* table, results* out );

@@ -41,7 +41,8 @@ typedef struct paper_comparison
     double* oracle; ///< [vertices][3] or null
 } paper_comparison;
 
-const char* paper_variant_name( int variant )
+// Name of a variant as tables and rows have it.
+static const char* paper_variant_name( int variant )
 {
     return variant == 0 ? "plain" : "wisp";
 }

@@ -58,12 +58,8 @@ wisp_status paper_world_create( const paper_scene* scene, int workers, paper_wor
 {
     static const wisp_module* const modules[] = { &wisp_frozen_hair_module };
     *out = ( paper_world ){ .scene = scene };
-    wisp_world_def def = wisp_default_world_def();
-    def.substeps = 1;
-    def.modules = modules;
-    def.module_count = WISP_COUNT( modules );
-    def.workers = workers;
-    wisp_status status = wisp_world_create( &def, &out->world, error );
+    const bench_world_def def = { modules, WISP_COUNT( modules ), .workers = workers };
+    wisp_status status = bench_world_create( &def, &out->world, error );
     if ( status != WISP_OK )
     {
         return status;

@@ -36,14 +36,6 @@ double reference_take_double( const unsigned char** at )
     return value;
 }
 
-float reference_take_float( const unsigned char** at )
-{
-    const uint32_t bits = (uint32_t)reference_take( at, 4 );
-    float value;
-    memcpy( &value, &bits, sizeof( value ) );
-    return value;
-}
-
 void reference_put( unsigned char** at, int size, uint64_t value )
 {
     for ( int i = 0; i < size; ++i )
@@ -57,13 +49,6 @@ void reference_put_double( unsigned char** at, double value )
     uint64_t bits;
     memcpy( &bits, &value, sizeof( bits ) );
     reference_put( at, 8, bits );
-}
-
-void reference_put_float( unsigned char** at, float value )
-{
-    uint32_t bits;
-    memcpy( &bits, &value, sizeof( bits ) );
-    reference_put( at, 4, bits );
 }
 
 // ---- files ----

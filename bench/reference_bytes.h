@@ -11,11 +11,9 @@
 /// Read a number of the given width and advance past it.
 uint64_t reference_take( const unsigned char** at, int size );
 double reference_take_double( const unsigned char** at );
-float reference_take_float( const unsigned char** at );
 
 void reference_put( unsigned char** at, int size, uint64_t value );
 void reference_put_double( unsigned char** at, double value );
-void reference_put_float( unsigned char** at, float value );
 
 /// Check that a head and a tail fit, and that it begins like a reference. @return WISP_BAD_INPUT, with a message that
 /// names the file

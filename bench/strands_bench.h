@@ -16,13 +16,11 @@ typedef struct strands_plan
     int scenario_strands;     ///< more strands than these stop at STRANDS_REFERENCE_STEPS
     int few_settings_strands; ///< more strands than these race with the first few settings only
     int few_settings;
-    int plain_strands;             ///< more strands than these race without scalar C
-    double comparison_seconds;     ///< of all sizes together
-    int head_sides[2], head_count; ///< strands along each side of a head, multiples of 4: guides and ghosts
-    int head_ratios_min;           ///< the larger head is run with this many ghosts a guide and more
-    int large_first_worker;        ///< the larger head is run with this one of the worker counts and those behind it
-    int head_steps;                ///< of shaking
-    double settle_seconds;         ///< simulated, until a hanging strand is taken to be at rest
+    int plain_strands;         ///< more strands than these race without scalar C
+    double comparison_seconds; ///< of all sizes together
+    int suite_count;           ///< of the suites, the largest one last
+    double suite_seconds;      ///< of all suites
+    double settle_seconds;     ///< simulated, until a hanging strand is taken to be at rest
     int workers[STRANDS_WORKERS_MAX], worker_count;
     const bench_options* options; ///< for progress
 } strands_plan;
@@ -46,7 +44,8 @@ wisp_status strands_comparison( const strands_plan* plan, results* out, wisp_err
 wisp_status strands_closed_forms( const strands_plan* plan, results* out, wisp_error* error );
 /// What the rate of steps and the number of vertices do to a hanging hair.
 wisp_status strands_independence( const strands_plan* plan, results* out, wisp_error* error );
-/// Stretch and energy of a falling chain by solver and substeps.
-wisp_status strands_energy( const strands_plan* plan, results* out, wisp_error* error );
-/// Guides and ghosts against full simulation (extension, not in Park and Kim 2024).
-wisp_status strands_guides( const strands_plan* plan, results* out, wisp_error* error );
+/// The suites in data/suites/strands: stretch and energy of falling chains, guides and ghosts against full simulation (extension, not in
+/// Park and Kim 2024).
+wisp_status strands_suites( const strands_plan* plan, results* out, wisp_error* error );
+/// Say whether a million vertices take as little time as is claimed. @param first_row of the suites
+void strands_claim_million( int first_row, results* out );

@@ -104,16 +104,11 @@ static wisp_status add_strands( strands_implementation* implementation )
 wisp_status strands_implementation_create( const strands_generator* generator, strands_implementation* out,
                                            wisp_error* error )
 {
-    const wisp_module* module = &wisp_strands_module;
+    static const wisp_module* const modules[] = { &wisp_strands_module };
     *out = ( strands_implementation ){ .generator = *generator };
-    wisp_world_def def = wisp_default_world_def();
-    def.modules = &module;
-    def.module_count = 1;
-    def.log = bench_world_drop_log;
-    def.workers = generator->workers;
-    def.substeps = generator->substeps;
-    def.iterations = generator->iterations;
-    wisp_status status = wisp_world_create( &def, &out->world, error );
+    const bench_world_def def = { modules, WISP_COUNT( modules ), generator->workers, generator->substeps,
+                                  generator->iterations };
+    wisp_status status = bench_world_create( &def, &out->world, error );
     if ( status != WISP_OK )
     {
         return status;

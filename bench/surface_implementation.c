@@ -60,14 +60,12 @@ wisp_status surface_implementation_create( const surface_generator* generator, s
 {
     *out = ( surface_implementation ){ .fabric = generator->fabric, .generator = *generator };
     const wisp_module* const modules[] = { generator->module, generator->second, generator->third };
-    wisp_world_def def = wisp_default_world_def();
-    def.modules = modules;
-    def.module_count = generator->second == NULL ? 1 : generator->third == NULL ? 2 : 3;
-    def.log = bench_world_drop_log;
-    def.workers = generator->workers;
-    def.substeps = generator->substeps;
-    def.iterations = generator->iterations;
-    wisp_status status = wisp_world_create( &def, &out->world, error );
+    const bench_world_def def = { modules,
+                                  generator->second == NULL  ? 1
+                                  : generator->third == NULL ? 2
+                                                             : 3,
+                                  generator->workers, generator->substeps, generator->iterations };
+    wisp_status status = bench_world_create( &def, &out->world, error );
     if ( status != WISP_OK )
     {
         return status;

@@ -105,13 +105,8 @@ wisp_status triangle_enter( const triangle_scene* scene, const triangle_setting*
     out->generator = surface_default_generator( &wisp_implicit_cloth_module, scene->fabric );
     out->generator.gravity = setting->gravity;
     out->generator.seconds = setting->seconds;
-    wisp_world_def def = wisp_default_world_def();
-    def.substeps = 1;
-    def.modules = modules;
-    def.module_count = WISP_COUNT( modules );
-    def.log = bench_world_drop_log;
-    def.workers = setting->workers;
-    wisp_status status = wisp_world_create( &def, &out->world, error );
+    const bench_world_def def = { modules, WISP_COUNT( modules ), .workers = setting->workers };
+    wisp_status status = bench_world_create( &def, &out->world, error );
     if ( status != WISP_OK )
     {
         return status;

@@ -37,6 +37,12 @@ stats_summary stats_summarise( double* samples, int count )
     out.p10 = stats_quantile( samples, count, 0.1 );
     out.p90 = stats_quantile( samples, count, 0.9 );
     out.minimum = count > 0 ? samples[0] : NAN;
+    out.maximum = count > 0 ? samples[count - 1] : NAN;
+    out.mean = count > 0 ? 0.0 : NAN;
+    for ( int i = 0; i < count; ++i )
+    {
+        out.mean += samples[i] / count;
+    }
     return out;
 }
 
@@ -46,6 +52,8 @@ void stats_scale( stats_summary* summary, double factor )
     summary->p10 *= factor;
     summary->p90 *= factor;
     summary->minimum *= factor;
+    summary->maximum *= factor;
+    summary->mean *= factor;
     for ( int i = 0; i < summary->kept_count; ++i )
     {
         summary->kept[i] *= factor;

@@ -12,9 +12,9 @@ enum
 typedef struct stats_summary
 {
     int count;
-    double median, p10, p90, minimum; ///< NaN without samples
-    double cpu_fraction;              ///< processor time over wall time; NaN: not measured
-    double kept[STATS_MAX_KEPT];      ///< [kept_count] samples at equal distances, in the order of measurement
+    double median, p10, p90, minimum, maximum, mean; ///< NaN without samples
+    double cpu_fraction;                             ///< processor time over wall time; NaN: not measured
+    double kept[STATS_MAX_KEPT]; ///< [kept_count] samples at equal distances, in the order of measurement
     int kept_count;
 } stats_summary;
 

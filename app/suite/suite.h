@@ -73,9 +73,10 @@ typedef struct wisp_suite
     /// The converged run that errors are measured against, and a coarser one whose distance to it is its doubt. Both have text, or
     /// neither has.
     suite_row reference, check;
-    bool compares_start; ///< errors are distances from where bodies start
-    char* stored;        ///< recording that is the reference, in place of a run; null: none
-    double stored_doubt; ///< m, how far it may be from the truth; 0: not said
+    bool compares_start;   ///< errors are distances from where bodies start
+    bool compares_overlap; ///< errors are how deep balloons are in each other
+    char* stored;          ///< recording that is the reference, in place of a run; null: none
+    double stored_doubt;   ///< m, how far it may be from the truth; 0: not said
 } wisp_suite;
 
 /// Read a suite and its scenes, and check that every row is a scene.

@@ -269,10 +269,10 @@ double suite_motion_size( const suite_motion* motion )
 }
 
 double suite_distance( const suite_match* match, const suite_motion* one, const suite_motion* other, int first_frame,
-                       int frame_count )
+                       int frame_count, double* most )
 {
     const size_t n = (size_t)suite_motion_points( one ), m = (size_t)suite_motion_points( other );
-    double sum = 0.0;
+    double sum = 0.0, largest = 0.0;
     for ( int frame = first_frame; frame < first_frame + frame_count; ++frame )
     {
         for ( int i = 0; i < match->count; ++i )
@@ -280,11 +280,18 @@ double suite_distance( const suite_match* match, const suite_motion* one, const 
             double a[3], b[3];
             take_place( match->one + i, one->points + (size_t)frame * n, a );
             take_place( match->other + i, other->points + (size_t)frame * m, b );
+            double square = 0.0;
             for ( int k = 0; k < 3; ++k )
             {
-                sum += ( a[k] - b[k] ) * ( a[k] - b[k] );
+                square += ( a[k] - b[k] ) * ( a[k] - b[k] );
             }
+            sum += square;
+            largest = fmax( largest, square );
         }
+    }
+    if ( most )
+    {
+        *most = sqrt( largest );
     }
     return sqrt( sum / ( (double)frame_count * match->count ) );
 }

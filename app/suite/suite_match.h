@@ -26,8 +26,9 @@ wisp_status suite_match_motions( const suite_motion* one, const suite_motion* ot
 void suite_match_release( suite_match* match );
 
 /// Root of the mean square distance over all places of some frames, m. NaN if a coordinate is.
+/// @param most receives the largest distance, m; may be null
 double suite_distance( const suite_match* match, const suite_motion* one, const suite_motion* other, int first_frame,
-                       int frame_count );
+                       int frame_count, double* most );
 
 /// Root of the mean square distance of all points of all frames from their start, m.
 double suite_drift( const suite_motion* motion );

@@ -21,6 +21,7 @@ typedef struct suite_measurement
 {
     uint64_t hash;                      ///< of the states after all steps
     double values[SUITE_MEASURE_COUNT]; ///< NaN: not measured
+    double largest_distance;            ///< m, of a place to the reference; NaN: not compared with a run
     int steps;
     char isa[16]; ///< instruction set that the kernels used
     suite_pass passes[SUITE_MAX_PASSES];
@@ -32,6 +33,9 @@ typedef struct suite_observer
 {
     wisp_status ( *observe )( void* user, const scene_world* world, wisp_error* error );
     void* user;
+    /// Request statistics of contact and intersections from the first step on. Surfaces without contact have their intersections
+    /// counted too, and meet nothing.
+    bool requests_contact;
 } suite_observer;
 
 /// Run a row in this process. Instructions are not counted, and there is no error.

@@ -206,7 +206,7 @@ wisp_status suite_motion_run( const suite_row* row, const char* isa, const suite
 {
     *out = ( suite_motion ){ 0 };
     frame_recorder r = { .motion = out, .times = times, .also = also };
-    const suite_observer observer = { observe, &r };
+    const suite_observer observer = { observe, &r, also && also->requests_contact };
     const wisp_status status = suite_run_row( row, isa, &observer, measured, error );
     if ( status == WISP_OK && out->frame_count < times->count )
     {

@@ -140,7 +140,7 @@ static void find_chaos( const suite_match* match, const suite_motion* check, sui
 {
     const double most = APART * suite_motion_size( check );
     int frame = 0;
-    while ( frame < check->frame_count && suite_distance( match, check, &out->motion, frame, 1 ) <= most )
+    while ( frame < check->frame_count && suite_distance( match, check, &out->motion, frame, 1, NULL ) <= most )
     {
         ++frame;
     }
@@ -159,7 +159,7 @@ static wisp_status make_runs( const wisp_suite* suite, suite_reference* out, wis
     if ( status == WISP_OK )
     {
         find_chaos( &match, &check, out );
-        out->doubt = suite_distance( &match, &check, &out->motion, 0, out->frame_count );
+        out->doubt = suite_distance( &match, &check, &out->motion, 0, out->frame_count, NULL );
         snprintf( out->description, sizeof out->description, "the same scene with %.150s", suite->reference.variant );
     }
     suite_match_release( &match );
@@ -180,7 +180,7 @@ wisp_status suite_reference_make( const wisp_suite* suite, suite_reference* out,
 // ---- errors ----
 
 static wisp_status compare( const suite_reference* reference, const suite_row* row, const suite_motion* motion,
-                            double* out, wisp_error* error )
+                            double* out, double* most, wisp_error* error )
 {
     suite_match match = { 0 };
     wisp_status status = WISP_OK;
@@ -191,8 +191,9 @@ static wisp_status compare( const suite_reference* reference, const suite_row* r
     else
     {
         status = suite_match_motions( motion, &reference->motion, row->name, &match, error );
-        *out =
-            status == WISP_OK ? suite_distance( &match, motion, &reference->motion, 0, reference->frame_count ) : NAN;
+        *out = status == WISP_OK
+                   ? suite_distance( &match, motion, &reference->motion, 0, reference->frame_count, most )
+                   : NAN;
     }
     *out = status == WISP_OK && !isfinite( *out ) ? INFINITY : *out;
     suite_match_release( &match );
@@ -213,7 +214,7 @@ wisp_status suite_reference_run( const suite_reference* reference, const suite_r
         out->values[SUITE_ERROR] = INFINITY;
         status = out->values[SUITE_HALTED] > 0.0
                      ? WISP_OK
-                     : compare( reference, row, &motion, &out->values[SUITE_ERROR], error );
+                     : compare( reference, row, &motion, &out->values[SUITE_ERROR], &out->largest_distance, error );
     }
     suite_motion_release( &motion );
     return status;

@@ -408,6 +408,7 @@ wisp_status suite_read_entry( suite_reader* r, const scene_node* block )
 enum
 {
     REFERENCE_START,
+    REFERENCE_OVERLAP,
     REFERENCE_STORED,
     REFERENCE_DOUBT,
     REFERENCE_FILE,
@@ -416,7 +417,8 @@ enum
     REFERENCE_COUNT,
 };
 
-static const char* const reference_keys[REFERENCE_COUNT] = { "start", "stored", "doubt", "file", "set", "check" };
+static const char* const reference_keys[REFERENCE_COUNT] = { "start", "overlap", "stored", "doubt",
+                                                             "file",  "set",     "check" };
 
 static wisp_status read_run( const suite_reader* r, const entry* e, const scene_node* coarser, const char* name,
                              suite_row* out )
@@ -483,6 +485,13 @@ wisp_status suite_read_reference( suite_reader* r, const scene_node* block )
         return strcmp( scene_text_of( &r->tree, values[REFERENCE_START] ), "true" ) == 0 && block->count == 1
                    ? WISP_OK
                    : suite_refuse( r, block, "expected start: true alone" );
+    }
+    r->out->compares_overlap = values[REFERENCE_OVERLAP] != NULL;
+    if ( r->out->compares_overlap )
+    {
+        return strcmp( scene_text_of( &r->tree, values[REFERENCE_OVERLAP] ), "none" ) == 0 && block->count == 1
+                   ? WISP_OK
+                   : suite_refuse( r, block, "expected overlap: none alone" );
     }
     if ( values[REFERENCE_STORED] )
     {

@@ -3,22 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define WISP_MODULE( name ) extern const wisp_module wisp_##name##_module;
-#include "modules.inc"
-#undef WISP_MODULE
-
-#define WISP_MODULE( name ) &wisp_##name##_module,
-static const wisp_module* const all_modules[] = {
-#include "modules.inc"
-};
-#undef WISP_MODULE
-
-const wisp_module* const* scene_world_modules( int* count )
-{
-    *count = WISP_COUNT( all_modules );
-    return all_modules;
-}
-
 // ---- messages ----
 
 // An error that ends a call is returned as its status and would be printed twice. An error that a call survives, such
@@ -50,9 +34,14 @@ static void print_late_error( scene_world* world )
 static wisp_status create_world( const scene_world_options* options, scene_world* out, wisp_error* error )
 {
     const wisp_scene* scene = out->scene;
+    const wisp_module* used[SCENE_MAX_MODULES];
     wisp_world_def def = wisp_default_world_def();
-    def.modules = all_modules;
-    def.module_count = WISP_COUNT( all_modules );
+    def.modules = scene_world_modules( &def.module_count );
+    if ( options->only_used_modules )
+    {
+        def.modules = used;
+        def.module_count = scene_world_used_modules( scene, used );
+    }
     def.workers = options->workers > 0 ? options->workers : scene->workers;
     def.isa = options->isa;
     def.substeps = scene->substeps;
@@ -60,7 +49,10 @@ static wisp_status create_world( const scene_world_options* options, scene_world
     def.log = keep_log;
     def.log_user = out;
     def.allocator = options->allocator != NULL ? *options->allocator : def.allocator;
-    return wisp_world_create( &def, &out->world, error );
+    const wisp_status status = wisp_world_create( &def, &out->world, error );
+    out->module_count = def.module_count;
+    out->empty_bytes = status == WISP_OK ? wisp_world_memory( out->world ) : 0;
+    return status;
 }
 
 // The search for contacts is a setting of the world, not of a participant.

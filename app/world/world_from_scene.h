@@ -8,6 +8,11 @@
 #include "wisp/fabric.h"
 #include "wisp/wisp.h"
 
+enum
+{
+    SCENE_MAX_MODULES = 32,
+};
+
 /// Options of the command line that override the scene.
 typedef struct scene_world_options
 {
@@ -15,6 +20,7 @@ typedef struct scene_world_options
     const char* isa; ///< null: the best available
     bool is_quiet;   ///< print no warnings, because the first of several worlds of one scene has printed them
     const wisp_allocator* allocator; ///< of the world; null: the C library
+    bool only_used_modules;          ///< register those that the scene uses, not all of modules.inc
 } scene_world_options;
 
 /// A surface of the scene in the world.
@@ -50,12 +56,17 @@ typedef struct scene_world
     int next_step;
     int next_command;
     int next_event;
+    int module_count; ///< that are registered
+    size_t
+        empty_bytes; ///< of the world before anything was added: modules' states and workspaces, and the world itself
     bool is_quiet;
     char late_error[500]; ///< logged as an error by a call that continued; printed after the call
 } scene_world;
 
 /// Every module of modules.inc, in its order.
 const wisp_module* const* scene_world_modules( int* count );
+/// Those that act in a scene. @param out [SCENE_MAX_MODULES] @return their number
+int scene_world_used_modules( const wisp_scene* scene, const wisp_module** out );
 
 /// @param out zero on failure; must stay where it is, because the world's log points at it
 /// @return the error; the message names the line of the scene if the cause is there

@@ -6,7 +6,7 @@
 #include "profile_samples.h"
 #include "suite.h"
 
-#define ACCURACY_MEASURES_MAX 8
+#define ACCURACY_MEASURES_MAX 36
 #define ACCURACY_WORKERS_MAX 2
 
 /// Parameters of one setting, and its name. A scene has settings of any number of methods and parameters.
@@ -48,7 +48,8 @@ typedef struct accuracy_scene
     char ms_name[32];    ///< unit of a time, where steps have several lengths: "frame of 1/60 s"; empty: "step"
     const char* measure_names[ACCURACY_MEASURES_MAX]; ///< with their units; static texts
     int measure_count;
-    bool has_no_rivals; ///< series are separate experiments: no front, and no tables at equal error or equal time
+    int contact_measures; ///< the last ones of them, which have a table of their own
+    bool has_no_rivals;   ///< series are separate experiments: no front, and no tables at equal error or equal time
     accuracy_setting* settings; ///< [setting_count] malloc'ed; freed by the driver, after destroy()
     int setting_count;
     void* context; ///< context of run()

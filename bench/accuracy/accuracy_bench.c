@@ -88,6 +88,11 @@ static wisp_status fill_report( accuracy_report* report, wisp_error* error )
 static void write_report( const accuracy_report* report, results* out )
 {
     accuracy_add_table( report, out );
+    accuracy_add_contact( report, out );
+    if ( report->entry->suite )
+    {
+        accuracy_add_times( report, out );
+    }
     accuracy_add_rows( report, out );
     if ( !report->scene->has_no_rivals )
     {
@@ -126,7 +131,10 @@ static wisp_status run_scene( accuracy_report* report, double seconds, const ben
     free_report( report );
     for ( int i = 0; i < count; ++i )
     {
-        profile_samples_free( &stats[i].profile );
+        for ( int w = 0; w < ACCURACY_WORKERS_MAX; ++w )
+        {
+            profile_samples_free( &stats[i].profile[w] );
+        }
     }
     free( stats );
     return status;

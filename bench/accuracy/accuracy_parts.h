@@ -7,9 +7,9 @@
 /// Results of a setting.
 typedef struct accuracy_stats
 {
-    accuracy_run seen;                      ///< the sampled run, whose times are not used
-    stats_summary ms[ACCURACY_WORKERS_MAX]; ///< of the runs that are not sampled; NaN if it was halted
-    profile_samples profile;                ///< of the first one, with one worker; empty: not gathered
+    accuracy_run seen;                             ///< the sampled run, whose times are not used
+    stats_summary ms[ACCURACY_WORKERS_MAX];        ///< of the runs that are not sampled; NaN if it was halted
+    profile_samples profile[ACCURACY_WORKERS_MAX]; ///< of the first one with each; empty: not gathered
 } accuracy_stats;
 
 /// A scene with the results of all its settings.
@@ -42,6 +42,10 @@ wisp_status accuracy_run_settings( const accuracy_report* report, double seconds
 
 /// Tables and charts: all settings with the front, equal error, equal time, orders, notes.
 void accuracy_add_table( const accuracy_report* report, results* out );
+/// What is measured of contact, if a scene has it.
+void accuracy_add_contact( const accuracy_report* report, results* out );
+/// Medians, means and longest times.
+void accuracy_add_times( const accuracy_report* report, results* out );
 void accuracy_add_rows( const accuracy_report* report, results* out );
 /// Passes by their time, where profiles were gathered.
 void accuracy_add_passes( const accuracy_report* report, results* out );

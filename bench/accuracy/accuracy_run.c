@@ -142,9 +142,9 @@ static wisp_status take_turn( contest* c, int setting, int worker, wisp_error* e
     if ( status == WISP_OK )
     {
         check( c, setting, workers, &run );
-        if ( worker == 0 && implementation->count == 0 )
+        if ( implementation->count == 0 )
         {
-            c->stats[setting].profile = run.profile;
+            c->stats[setting].profile[worker] = run.profile;
             run.profile = ( profile_samples ){ 0 };
         }
         status = keep_run( &run, implementation, error );

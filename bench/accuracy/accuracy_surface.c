@@ -1,16 +1,5 @@
 #include "accuracy_surface.h"
 
-wisp_status accuracy_time_surface( surface_implementation* implementation, double scale, accuracy_run* out,
-                                   wisp_error* error )
-{
-    const wisp_status status = accuracy_time_step( surface_implementation_step, implementation, out, error );
-    if ( status == WISP_OK )
-    {
-        out->ms[out->ms_count - 1] *= scale;
-    }
-    return status;
-}
-
 wisp_status accuracy_end_surface( surface_implementation* implementation, accuracy_run* out, wisp_error* error )
 {
     out->halted_at = implementation->halted_at;
@@ -23,7 +12,7 @@ wisp_status accuracy_step_surface( surface_implementation* implementation, int s
     wisp_status status = WISP_OK;
     for ( int s = 0; s < steps && implementation->halted_at == 0 && status == WISP_OK; ++s )
     {
-        status = accuracy_time_surface( implementation, 1.0, out, error );
+        status = accuracy_time_step( surface_implementation_step, implementation, out, error );
     }
     return status;
 }

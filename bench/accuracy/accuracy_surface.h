@@ -8,9 +8,6 @@
 /// Whole steps of all scenes that differ in substeps alone.
 #define ACCURACY_FRAME ( 1.0f / 60.0f )
 
-/// Run a step and keep its time. @param scale factor of the time, to compare steps of several lengths
-wisp_status accuracy_time_surface( surface_implementation* implementation, double scale, accuracy_run* out,
-                                   wisp_error* error );
 /// Record the end of a run: its hash, and the step at which it halted.
 wisp_status accuracy_end_surface( surface_implementation* implementation, accuracy_run* out, wisp_error* error );
 /// Run timed steps and record a halt. Stops at a halt, because later steps mean nothing.

@@ -24,7 +24,7 @@ static int begin_table( const accuracy_report* report, results* out )
     {
         cells_put( &row, "%s", label );
     }
-    for ( int i = 0; i < scene->measure_count; ++i )
+    for ( int i = 0; i < scene->measure_count - scene->contact_measures; ++i )
     {
         cells_put( &row, "%s", scene->measure_names[i] );
     }
@@ -72,7 +72,7 @@ static void add_line( const accuracy_report* report, int setting, int table, res
     {
         accuracy_put_digits( &row, f->seen.error, 4 );
     }
-    for ( int i = 0; i < report->scene->measure_count; ++i )
+    for ( int i = 0; i < report->scene->measure_count - report->scene->contact_measures; ++i )
     {
         accuracy_put_digits( &row, f->seen.measures[i], 4 );
     }
@@ -91,6 +91,68 @@ void accuracy_add_table( const accuracy_report* report, results* out )
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
         add_line( report, i, table, out );
+    }
+}
+
+void accuracy_add_contact( const accuracy_report* report, results* out )
+{
+    const accuracy_scene* scene = report->scene;
+    const int first = scene->measure_count - scene->contact_measures;
+    cells header = { .count = 0 };
+    char title[160];
+    if ( scene->contact_measures == 0 )
+    {
+        return;
+    }
+    cells_put( &header, "setting" );
+    for ( int m = first; m < scene->measure_count; ++m )
+    {
+        cells_put( &header, "%s", scene->measure_names[m] );
+    }
+    snprintf( title, sizeof title, "%s `%s`: contact", accuracy_kind( scene ), report->entry->name );
+    const int table = cells_begin_table( &header, title, out );
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        cells row = { .count = 0 };
+        cells_put( &row, "%s", scene->settings[i].name );
+        for ( int m = first; m < scene->measure_count; ++m )
+        {
+            accuracy_put_digits( &row, report->stats[i].seen.measures[m], 4 );
+        }
+        cells_end_row( &row, table, out );
+    }
+}
+
+void accuracy_add_times( const accuracy_report* report, results* out )
+{
+    const accuracy_scene* scene = report->scene;
+    cells header = { .count = 0 };
+    char title[160], workers[24];
+    cells_put( &header, "setting" );
+    for ( int w = 0; w < report->worker_count; ++w )
+    {
+        accuracy_workers_label( report->workers[w], workers, sizeof workers );
+        cells_put( &header, "%s: median", workers );
+        cells_put( &header, "mean" );
+        cells_put( &header, "longest" );
+        cells_put( &header, "mean / first" );
+    }
+    snprintf( title, sizeof title, "%s `%s`: spread of times, ms per %s", accuracy_kind( scene ), report->entry->name,
+              accuracy_ms_name( scene ) );
+    const int table = cells_begin_table( &header, title, out );
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        cells row = { .count = 0 };
+        cells_put( &row, "%s", scene->settings[i].name );
+        for ( int w = 0; w < report->worker_count; ++w )
+        {
+            const stats_summary* ms = &report->stats[i].ms[w];
+            accuracy_put_digits( &row, ms->median, 3 );
+            accuracy_put_digits( &row, ms->mean, 3 );
+            accuracy_put_digits( &row, ms->maximum, 3 );
+            cells_put_number( &row, ms->mean / report->stats[0].ms[w].mean, 2 );
+        }
+        cells_end_row( &row, table, out );
     }
 }
 
@@ -163,9 +225,11 @@ static void add_row( const accuracy_report* report, int setting, int worker, res
     }
     row->hash = f->seen.hash;
     row->has_hash = true;
-    for ( int i = 0; worker == 0 && i < f->profile.pass_count && i < RESULTS_MAX_VALUES; ++i )
+    put_finite( &row->stages, "mean", f->ms[worker].mean );
+    put_finite( &row->stages, "longest", f->ms[worker].maximum );
+    profile_samples profile = f->profile[worker];
+    for ( int i = 0; i < profile.pass_count && i + 2 < RESULTS_MAX_VALUES; ++i )
     {
-        profile_samples profile = f->profile; // its samples are sorted in place
         results_put( &row->stages, profile.passes[i].name, 1e3 * profile_samples_median( &profile, i ) );
     }
 }
@@ -185,7 +249,7 @@ void accuracy_add_rows( const accuracy_report* report, results* out )
 
 enum
 {
-    PASSES_SHOWN = 5,
+    PASSES_SHOWN = 8,
 };
 
 // Sum the medians of a pass over all settings, ms.
@@ -194,7 +258,7 @@ static double weight_of( const accuracy_report* report, const char* name )
     double sum = 0.0;
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
-        profile_samples profile = report->stats[i].profile;
+        profile_samples profile = report->stats[i].profile[0];
         for ( int p = 0; p < profile.pass_count; ++p )
         {
             sum += strcmp( profile.passes[p].name, name ) == 0 ? 1e3 * profile_samples_median( &profile, p ) : 0.0;
@@ -210,7 +274,7 @@ static int choose_passes( const accuracy_report* report, const char* names[PASSE
     int count = 0;
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
-        const profile_samples* profile = &report->stats[i].profile;
+        const profile_samples* profile = &report->stats[i].profile[0];
         for ( int p = 0; p < profile->pass_count; ++p )
         {
             const char* name = profile->passes[p].name;
@@ -242,10 +306,10 @@ static int choose_passes( const accuracy_report* report, const char* names[PASSE
     return count;
 }
 
-static void add_passes_of( const accuracy_report* report, int setting, const char* const* names, int count, int table,
-                           results* out )
+static void add_passes_of( const accuracy_report* report, int setting, int worker, const char* const* names,
+                           int count, int table, results* out )
 {
-    profile_samples profile = report->stats[setting].profile;
+    profile_samples profile = report->stats[setting].profile[worker];
     double all = 0.0, shown = 0.0;
     cells row = { .count = 0 };
     cells_put( &row, "%s", report->scene->settings[setting].name );
@@ -267,14 +331,9 @@ static void add_passes_of( const accuracy_report* report, int setting, const cha
     cells_end_row( &row, table, out );
 }
 
-void accuracy_add_passes( const accuracy_report* report, results* out )
+static void add_pass_table( const accuracy_report* report, const char* const* names, int count, int worker,
+                            results* out )
 {
-    const char* names[PASSES_SHOWN];
-    const int count = choose_passes( report, names );
-    if ( count == 0 )
-    {
-        return;
-    }
     cells header = { .count = 0 };
     cells_put( &header, "setting" );
     for ( int k = 0; k < count; ++k )
@@ -282,12 +341,23 @@ void accuracy_add_passes( const accuracy_report* report, results* out )
         cells_put( &header, "%s", names[k] );
     }
     cells_put( &header, "all others" );
-    char title[160];
-    snprintf( title, sizeof title, "%s `%s`: ms of a step by pass, one worker", accuracy_kind( report->scene ),
-              report->entry->name );
+    char title[160], workers[24];
+    accuracy_workers_label( report->workers[worker], workers, sizeof workers );
+    snprintf( title, sizeof title, "%s `%s`: ms of a step by pass, %s", accuracy_kind( report->scene ),
+              report->entry->name, worker == 0 ? "one worker" : workers );
     const int table = cells_begin_table( &header, title, out );
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
-        add_passes_of( report, i, names, count, table, out );
+        add_passes_of( report, i, worker, names, count, table, out );
+    }
+}
+
+void accuracy_add_passes( const accuracy_report* report, results* out )
+{
+    const char* names[PASSES_SHOWN];
+    const int count = choose_passes( report, names );
+    for ( int w = 0; w < report->worker_count && count > 0; ++w )
+    {
+        add_pass_table( report, names, count, w, out );
     }
 }

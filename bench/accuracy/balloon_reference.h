@@ -6,7 +6,7 @@
 /// compliance V_0 / P_atm. Exact for an icosahedron; finer spheres bulge a little where their links are short.
 #pragma once
 
-#include "balloon_bench.h"
+#include "balloon_scene.h"
 
 typedef struct balloon_equilibrium
 {

@@ -7,6 +7,7 @@
 
 typedef struct effects_plan
 {
+    const effects* all;
     effect_size size;     ///< of each effect against itself
     effect_size together; ///< of the effects that share a world
     int steps;            ///< steps before anything is compared or timed

@@ -23,8 +23,8 @@ static const char* const way_names[WAYS] = { "on", "on, used modules only", "off
 // One effect in all ways.
 typedef struct contest
 {
-    const effect* effect;
-    effect_world worlds[WAYS];
+    const char* name; // of the effect
+    effect_world* worlds[WAYS];
     bench_variant variants[WAYS];
     stats_summary ms[WAYS];
     uint64_t hash[WAYS];
@@ -34,17 +34,18 @@ typedef struct contest
     int vertices;
 } contest;
 
-static wisp_status open_way( const effects_plan* plan, contest* c, int way, wisp_error* error )
+static wisp_status open_way( const effects_plan* plan, int effect, contest* c, int way, wisp_error* error )
 {
     const effect_world_def def = {
-        .effects = &c->effect,
+        .all = plan->all,
+        .chosen = &effect,
         .count = 1,
         .is_on = way == ON || way == ON_USED,
-        .registry = way == ON || way == OFF ? EFFECT_EVERY : EFFECT_USED,
+        .only_used = way == ON_USED || way == NOT_REGISTERED,
         .size = plan->size,
     };
-    effect_world* world = c->worlds + way;
-    wisp_status status = effect_world_open( &def, world, error );
+    wisp_status status = effect_world_open( &def, &c->worlds[way], error );
+    effect_world* world = c->worlds[way];
     for ( int i = 0; i < plan->steps && status == WISP_OK; ++i )
     {
         status = effect_world_step( world, error );
@@ -54,7 +55,7 @@ static wisp_status open_way( const effects_plan* plan, contest* c, int way, wisp
     if ( status == WISP_OK )
     {
         c->bytes[way] = effect_world_bytes( world );
-        c->vertices = effect_scene_vertices( world->scenes, world->world );
+        c->vertices = scene_world_vertices( &world->world );
         c->variants[way] = ( bench_variant ){ .name = way_names[way], .step = effect_world_step, .context = world };
     }
     return status;
@@ -64,7 +65,7 @@ static wisp_status open_way( const effects_plan* plan, contest* c, int way, wisp
 
 static void check_pair( const contest* c, int one, int other, results* out )
 {
-    const char* name = c->effect->name;
+    const char* name = c->name;
     if ( strcmp( c->plan[one], c->plan[other] ) != 0 )
     {
         results_add_failure( out, "%s: the plans '%s' and '%s' differ: %s; %s", name, way_names[one],
@@ -87,7 +88,7 @@ static void check( const contest* c, results* out )
     check_pair( c, OFF, NOT_REGISTERED, out );
     if ( strcmp( c->plan[ON], c->plan[OFF] ) == 0 )
     {
-        results_add_failure( out, "%s: its plan is the same with the effect on and off", c->effect->name );
+        results_add_failure( out, "%s: its plan is the same with the effect on and off", c->name );
     }
 }
 
@@ -125,7 +126,7 @@ static int begin_table( results* out )
 static void add_row( const contest* c, int table, results* out )
 {
     cells row = { 0 };
-    cells_put( &row, "%s", c->effect->name );
+    cells_put( &row, "%s", c->name );
     cells_put( &row, "%d", c->vertices );
     cells_put( &row, "%d / %d", c->passes[ON], c->passes[OFF] );
     for ( int way = 0; way < WAYS; ++way )
@@ -136,8 +137,8 @@ static void add_row( const contest* c, int table, results* out )
     cells_put_number( &row, (double)c->bytes[ON] / 1024.0, 1 );
     cells_put_number( &row, (double)c->bytes[OFF] / 1024.0, 1 );
     cells_put_number( &row, (double)c->bytes[NOT_REGISTERED] / 1024.0, 1 );
-    cells_put_pair( &row, (double)c->worlds[OFF].registry_bytes / 1024.0, 1,
-                    (double)c->worlds[NOT_REGISTERED].registry_bytes / 1024.0, 1 );
+    cells_put_pair( &row, (double)c->worlds[OFF]->world.empty_bytes / 1024.0, 1,
+                    (double)c->worlds[NOT_REGISTERED]->world.empty_bytes / 1024.0, 1 );
     cells_put( &row, "%s", agree( c, ON, ON_USED ) && agree( c, OFF, NOT_REGISTERED ) ? "yes" : "NO" );
     cells_end_row( &row, table, out );
 }
@@ -147,7 +148,7 @@ static void add_rows_for_machines( const contest* c, results* out )
     for ( int way = 0; way < WAYS; ++way )
     {
         char variant[64];
-        snprintf( variant, sizeof( variant ), "%s: %s", c->effect->name, way_names[way] );
+        snprintf( variant, sizeof( variant ), "%s: %s", c->name, way_names[way] );
         results_row* row = results_add_row( out, "effects", variant );
         if ( row == NULL )
         {
@@ -156,7 +157,7 @@ static void add_rows_for_machines( const contest* c, results* out )
         results_put( &row->size, "vertices", c->vertices );
         results_put( &row->size, "passes", c->passes[way] );
         results_put( &row->size, "bytes", (double)c->bytes[way] );
-        results_put( &row->size, "registry_bytes", (double)c->worlds[way].registry_bytes );
+        results_put( &row->size, "registry_bytes", (double)c->worlds[way]->world.empty_bytes );
         row->workers = 1;
         results_put_times( row, &c->ms[way] );
         row->hash = c->hash[way];
@@ -191,8 +192,8 @@ static void add_points( const contest* c, const diagonal* d, results* out )
 {
     results_point on = { .x = c->ms[ON_USED].median, .y = c->ms[ON].median };
     results_point off = { .x = c->ms[NOT_REGISTERED].median, .y = c->ms[OFF].median };
-    snprintf( on.label, sizeof( on.label ), "%s", c->effect->name );
-    snprintf( off.label, sizeof( off.label ), "without %s", c->effect->name );
+    snprintf( on.label, sizeof( on.label ), "%s", c->name );
+    snprintf( off.label, sizeof( off.label ), "without %s", c->name );
     results_add_point( out, d->chart, d->on, on );
     results_add_point( out, d->chart, d->off, off );
 }
@@ -205,12 +206,13 @@ static void end_chart( const diagonal* d, double least, double most, results* ou
 
 // ---- one effect after the other ----
 
-static wisp_status run_contest( const effects_plan* plan, double seconds, contest* c, wisp_error* error )
+static wisp_status run_contest( const effects_plan* plan, int effect, contest* c, wisp_error* error )
 {
+    const double seconds = plan->seconds / plan->all->count;
     wisp_status status = WISP_OK;
     for ( int way = 0; way < WAYS && status == WISP_OK; ++way )
     {
-        status = open_way( plan, c, way, error );
+        status = open_way( plan, effect, c, way, error );
     }
     const bench_effort effort = { .seconds = seconds, .rounds_min = 3, .samples_max = plan->samples_max };
     status = status == WISP_OK ? bench_interleave( c->variants, WAYS, &effort, error ) : status;
@@ -226,7 +228,7 @@ static void end_contest( contest* c )
     bench_free_samples( c->variants, WAYS );
     for ( int way = 0; way < WAYS; ++way )
     {
-        effect_world_close( c->worlds + way );
+        effect_world_close( c->worlds[way] );
     }
 }
 
@@ -244,8 +246,7 @@ static void add_notes( results* out )
 
 wisp_status effects_compare( const effects_plan* plan, results* out, wisp_error* error )
 {
-    int count;
-    const effect* all = effects_all( &count );
+    const int count = plan->all->count;
     contest* c = malloc( sizeof( contest ) );
     if ( c == NULL )
     {
@@ -257,9 +258,9 @@ wisp_status effects_compare( const effects_plan* plan, results* out, wisp_error*
     wisp_status status = WISP_OK;
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
-        bench_progress( plan->options, 0.7 * i / count, all[i].name );
-        *c = ( contest ){ .effect = all + i };
-        status = run_contest( plan, plan->seconds / count, c, error );
+        *c = ( contest ){ .name = effects_name( plan->all, i ) };
+        bench_progress( plan->options, 0.7 * i / count, c->name );
+        status = run_contest( plan, i, c, error );
         if ( status == WISP_OK )
         {
             check( c, out );

@@ -18,7 +18,7 @@ static const char* const part_names[PARTS] = { "cloth", "balloon", "strands", "f
 // other processes.
 typedef struct implementation_world
 {
-    effect_world world;
+    effect_world* world;
     double* ms; // [room], the oldest are overwritten
     int count, room;
 } implementation_world;
@@ -26,7 +26,7 @@ typedef struct implementation_world
 // Implementations 0 to PARTS - 1 are alone, the last one is all of them.
 typedef struct gathering
 {
-    const effect* effects[PARTS];
+    int effects[PARTS];
     implementation_world worlds[PARTS + 1];
     bench_variant variants[PARTS + 1];
     stats_summary ms[PARTS + 1], processor[PARTS + 1];
@@ -38,7 +38,7 @@ static wisp_status timed_step( void* context, wisp_error* error )
 {
     implementation_world* implementation = context;
     const double start = machine_cpu_seconds();
-    const wisp_status status = effect_world_step( &implementation->world, error );
+    const wisp_status status = effect_world_step( implementation->world, error );
     implementation->ms[implementation->count++ % implementation->room] = 1e3 * ( machine_cpu_seconds() - start );
     return status;
 }
@@ -47,14 +47,14 @@ static wisp_status open_world( const effects_plan* plan, gathering* g, int imple
 {
     const bool is_all = implementation == PARTS;
     const effect_world_def def = {
-        .effects = g->effects + ( is_all ? 0 : implementation ),
+        .all = plan->all,
+        .chosen = g->effects + ( is_all ? 0 : implementation ),
         .count = is_all ? PARTS : 1,
         .is_on = true,
-        .registry = EFFECT_EVERY,
         .size = plan->together,
     };
-    effect_world* world = &g->worlds[implementation].world;
-    wisp_status status = effect_world_open( &def, world, error );
+    wisp_status status = effect_world_open( &def, &g->worlds[implementation].world, error );
+    effect_world* world = g->worlds[implementation].world;
     g->worlds[implementation].room = plan->samples_max;
     g->worlds[implementation].ms = malloc( (size_t)plan->samples_max * sizeof( double ) );
     if ( status == WISP_OK && g->worlds[implementation].ms == NULL )
@@ -81,12 +81,7 @@ static wisp_status open_world( const effects_plan* plan, gathering* g, int imple
 
 static void add_line( gathering* g, int implementation, double sum, int table, results* out )
 {
-    effect_world* world = &g->worlds[implementation].world;
-    int vertices = 0;
-    for ( int i = 0; i < world->scene_count; ++i )
-    {
-        vertices += effect_scene_vertices( world->scenes + i, world->world );
-    }
+    const int vertices = scene_world_vertices( &g->worlds[implementation].world->world );
     cells row = { 0 };
     cells_put( &row, "%s", g->variants[implementation].name );
     cells_put( &row, "%d", vertices );
@@ -158,8 +153,8 @@ wisp_status effects_together( const effects_plan* plan, results* out, wisp_error
     wisp_status status = WISP_OK;
     for ( int i = 0; i < PARTS; ++i )
     {
-        g.effects[i] = effects_find( part_names[i] );
-        WISP_ASSERT( g.effects[i] != NULL );
+        g.effects[i] = effects_find( plan->all, part_names[i] );
+        WISP_ASSERT( g.effects[i] >= 0 );
     }
     for ( int i = 0; i <= PARTS && status == WISP_OK; ++i )
     {
@@ -175,13 +170,14 @@ wisp_status effects_together( const effects_plan* plan, results* out, wisp_error
     }
     if ( status == WISP_OK )
     {
-        snprintf( out->machine.isa, sizeof( out->machine.isa ), "%s", wisp_world_isa( g.worlds[PARTS].world.world ) );
+        snprintf( out->machine.isa, sizeof( out->machine.isa ), "%s",
+                  wisp_world_isa( g.worlds[PARTS].world->world.world ) );
         conclude( &g, out );
     }
     bench_free_samples( g.variants, PARTS + 1 );
     for ( int i = 0; i <= PARTS; ++i )
     {
-        effect_world_close( &g.worlds[i].world );
+        effect_world_close( g.worlds[i].world );
         free( g.worlds[i].ms );
     }
     return status;

@@ -14,6 +14,22 @@ static int is_suite( const struct dirent* entry )
     return dot && strcmp( dot, ".yaml" ) == 0;
 }
 
+wisp_status suite_bench_names( const char* folder, const char* const* names, int count, double seconds,
+                               const bench_options* options, results* out, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    bench_options each = *options;
+    each.seconds = seconds / count;
+    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    {
+        char inner[128], path[1024];
+        snprintf( inner, sizeof inner, "suites/%s/%s.yaml", folder, names[i] );
+        bench_data_path( inner, path, sizeof path );
+        status = suite_bench( path, &each, out, error );
+    }
+    return status;
+}
+
 wisp_status suite_bench_folder( const char* folder, double seconds, const bench_options* options, results* out,
                                 wisp_error* error )
 {

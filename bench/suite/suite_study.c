@@ -2,82 +2,32 @@
 
 #include "accuracy/scene_tools.h"
 #include "suite_reference.h"
+#include "suite_sampler.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-// What is measured beside time and error; a suite has those columns that one of its scenes can have.
-typedef enum study_measure
-{
-    STRETCH_MAX,
-    STRETCH_MEAN,
-    ENERGY,
-    PENETRATION,
-    INTERSECTIONS,
-    MEMORY,
-    MEASURE_COUNT,
-} study_measure;
-
-static const char* const measure_names[MEASURE_COUNT] = { "stretch max, %",  "stretch mean, %", "energy gained, mJ",
-                                                          "penetration, mm", "intersections",   "memory, KiB" };
 
 typedef struct study
 {
     const wisp_suite* suite;
     suite_reference reference;
     double* dt; // [rows] s
+    int* steps; // [rows] that are made
     double longest_dt;
-    bool measures[MEASURE_COUNT];
+    bool measures[SAMPLE_COUNT]; // a suite has those columns that one of its scenes can have
     char note[480];
 } study;
 
 // ---- a sampled run ----
 
-// Strain and energy of a run, beside what its measurement has.
-typedef struct sampler
+static void keep_measures( const study* own, const suite_sampler* s, const suite_measurement* measured,
+                           accuracy_run* out )
 {
-    double stretch_max, stretch_mean; // the largest, and the mean of steps
-    double energy_first, energy;      // J, after the first and the last step
-    int steps;
-} sampler;
-
-static wisp_status sample( void* user, const scene_world* world, wisp_error* error )
-{
-    (void)error;
-    sampler* s = user;
-    double energy = 0.0, stretch = 0.0;
-    for ( int body = 0; body < scene_world_moving_count( world ) && world->next_step > 0; ++body )
-    {
-        wisp_motion_stats m;
-        if ( scene_world_motion_stats( world, body, &m, NULL ) == WISP_OK )
-        {
-            energy += m.kinetic_energy + m.potential_energy;
-            stretch = fmax( stretch, m.strain_mean );
-            s->stretch_max = fmax( s->stretch_max, m.strain_max );
-        }
-    }
-    if ( world->next_step > 0 )
-    {
-        s->energy = energy;
-        s->energy_first = s->steps == 0 ? energy : s->energy_first;
-        s->stretch_mean += ( stretch - s->stretch_mean ) / ++s->steps;
-    }
-    return WISP_OK;
-}
-
-static void keep_measures( const study* own, const sampler* s, const suite_measurement* measured, accuracy_run* out )
-{
-    const double all[MEASURE_COUNT] = {
-        [STRETCH_MAX] = 100.0 * s->stretch_max,
-        [STRETCH_MEAN] = 100.0 * s->stretch_mean,
-        [ENERGY] = 1e3 * ( s->energy - s->energy_first ),
-        [PENETRATION] = 1e3 * measured->values[SUITE_PENETRATION],
-        [INTERSECTIONS] = measured->values[SUITE_INTERSECTIONS],
-        [MEMORY] = measured->values[SUITE_BYTES] / 1024.0,
-    };
+    double all[SAMPLE_COUNT];
     int count = 0;
-    for ( int m = 0; m < MEASURE_COUNT; ++m )
+    suite_sampler_values( s, measured, all );
+    for ( int m = 0; m < SAMPLE_COUNT; ++m )
     {
         if ( own->measures[m] )
         {
@@ -91,13 +41,18 @@ static void keep_measures( const study* own, const sampler* s, const suite_measu
 static wisp_status observe_row( const study* own, int row, accuracy_run* out, wisp_error* error )
 {
     const suite_row* r = own->suite->rows + row;
-    sampler s = { 0 };
-    const suite_observer observer = { sample, &s };
+    suite_sampler s = {
+        .last_step = own->steps[row],
+        .has_contact = own->measures[SAMPLE_CANDIDATES],
+        .has_overlap = own->measures[SAMPLE_OVERLAP],
+    };
+    const suite_observer observer = { suite_sampler_observe, &s, s.has_contact };
     suite_measurement measured;
     const wisp_status status = suite_reference_run( &own->reference, r, NULL, &observer, &measured, error );
     if ( status == WISP_OK )
     {
         keep_measures( own, &s, &measured, out );
+        out->error = own->suite->compares_overlap && s.has_overlap ? 1e3 * s.overlap_max : out->error;
         out->error = own->reference.exists && out->halted_at == 0 ? 1e3 * measured.values[SUITE_ERROR] : out->error;
     }
     return status;
@@ -154,7 +109,7 @@ static wisp_status time_row( const study* own, int row, int workers, accuracy_ru
     status = scene_world_create( &scene, &options, &world, error );
     if ( status == WISP_OK )
     {
-        status = time_steps( own, row, &world, r->steps > 0 ? r->steps : scene.steps, out, error );
+        status = time_steps( own, row, &world, own->steps[row], out, error );
         scene_world_destroy( &world );
     }
     wisp_scene_release( &scene );
@@ -175,6 +130,7 @@ static void destroy( void* context )
     study* own = context;
     suite_reference_release( &own->reference );
     free( own->dt );
+    free( own->steps );
     free( own );
 }
 
@@ -190,19 +146,9 @@ static wisp_status look_at_row( study* own, int row, wisp_error* error )
     const int round = scene.dt_factor_count > 0 ? scene.dt_factor_count : 1;
     own->dt[row] = wisp_scene_step_time( &scene, round ) / round;
     own->longest_dt = fmax( own->longest_dt, own->dt[row] );
-    for ( int i = 0; i < scene.surface_count; ++i )
-    {
-        own->measures[STRETCH_MAX] = true;
-        own->measures[PENETRATION] = own->measures[PENETRATION] || scene.surfaces[i].has_collision;
-        own->measures[INTERSECTIONS] = own->measures[INTERSECTIONS] || scene.surfaces[i].has_contact;
-    }
-    for ( int i = 0; i < scene.strands_count; ++i )
-    {
-        own->measures[STRETCH_MAX] = own->measures[STRETCH_MAX] || scene.strands[i].has_dynamics;
-        own->measures[PENETRATION] = own->measures[PENETRATION] || scene.strands[i].has_collision;
-    }
-    own->measures[STRETCH_MEAN] = own->measures[ENERGY] = own->measures[STRETCH_MAX];
-    own->measures[MEMORY] = true;
+    own->steps[row] = own->suite->rows[row].steps > 0 ? own->suite->rows[row].steps : scene.steps;
+    suite_samples_of( &scene, own->measures );
+    own->measures[SAMPLE_LARGEST_DISTANCE] = own->suite->reference.text || own->suite->stored;
     wisp_scene_release( &scene );
     return WISP_OK;
 }
@@ -218,7 +164,7 @@ static double parameter_of( const study* own, int row, char* name, size_t size )
         snprintf( name, size, "substep, s" );
         return own->dt[row] / r->along_value;
     }
-    const bool falls = strcmp( field, "dt" ) == 0 || strcmp( field, "spacing" ) == 0 || strstr( field, "tolerance" );
+    const bool falls = strcmp( field, "dt" ) == 0 || strstr( field, "spacing" ) || strstr( field, "tolerance" );
     snprintf( name, size, falls ? "%s" : "1 / %s", field );
     return falls ? r->along_value : 1.0 / r->along_value;
 }
@@ -237,11 +183,12 @@ static void add_setting( const study* own, int row, accuracy_scene* out )
 
 static void describe( study* own, accuracy_scene* out )
 {
-    for ( int m = 0; m < MEASURE_COUNT; ++m )
+    for ( int m = 0; m < SAMPLE_COUNT; ++m )
     {
         if ( own->measures[m] )
         {
-            out->measure_names[out->measure_count++] = measure_names[m];
+            out->measure_names[out->measure_count++] = suite_sample_names[m];
+            out->contact_measures += m >= SAMPLE_CONTACT_FIRST ? 1 : 0;
         }
     }
     bool is_uniform = true;
@@ -254,8 +201,16 @@ static void describe( study* own, accuracy_scene* out )
         snprintf( out->ms_name, sizeof out->ms_name, "%.4g s of motion", own->longest_dt );
     }
     out->note = own->suite->note;
-    out->has_no_rivals = !own->reference.exists;
-    if ( own->reference.is_start )
+    out->has_no_rivals = !own->reference.exists && !own->suite->compares_overlap;
+    if ( own->suite->compares_overlap )
+    {
+        snprintf(
+            out->reference, sizeof out->reference,
+            "balloons keep their thickness from each other; by signed distances, which contact has no part in" );
+        snprintf( out->error_name, sizeof out->error_name, "overlap at most" );
+        snprintf( out->error_unit, sizeof out->error_unit, "mm" );
+    }
+    else if ( own->reference.is_start )
     {
         snprintf( out->reference, sizeof out->reference, "where every vertex starts" );
         snprintf( out->error_name, sizeof out->error_name, "RMS drift from the start" );
@@ -310,8 +265,9 @@ wisp_status suite_study_make( const wisp_suite* suite, const bench_options* opti
     }
     own->suite = suite;
     own->dt = calloc( (size_t)suite->row_count, sizeof *own->dt );
-    wisp_status status = own->dt ? accuracy_reserve_settings( out, suite->row_count, error )
-                                 : wisp_fail( error, WISP_NO_MEMORY, "no memory for a suite" );
+    own->steps = calloc( (size_t)suite->row_count, sizeof *own->steps );
+    wisp_status status = own->dt && own->steps ? accuracy_reserve_settings( out, suite->row_count, error )
+                                               : wisp_fail( error, WISP_NO_MEMORY, "no memory for a suite" );
     status = status == WISP_OK ? fill( own, out, error ) : status;
     return status == WISP_OK ? WISP_OK : accuracy_abandon( out, status );
 }

@@ -124,6 +124,7 @@ static void a_suite_without_a_reference_is_a_table_of_times( void** state )
     run_ok( "bench times.yaml --seconds 0.1" );
     assert_contains( result.out, "Suite `times`: times, ms per step" );
     assert_contains( result.out, "sheet, iterations=2" );
+    assert_contains( result.out, "Suite `times`: spread of times" );
     assert_contains( result.out, "ms of a step by pass, one worker" );
     assert_contains( result.out, "links.xpbd" );
     assert_null( strstr( result.out, "equal error" ) );
@@ -136,6 +137,7 @@ static void what_a_suite_gets_wrong_is_said( void** state )
         { "reference: { set: { substeps: 60 } }", "expected set, the fields of the converged run, and check" },
         { "reference: { stored: nowhere.wisp }", "nowhere.wisp" },
         { "reference: { kept: x }", "got key 'kept'" },
+        { "reference: { overlap: some }", "expected overlap: none alone" },
         { "reference: { set: { \"surfaces[3].damping\": 1 }, check: {} }", "names nothing of the scene" },
         { "seconds: -1", "expected seconds of simulated time" },
         { "titel: x", "did you mean 'title'?" },

@@ -12,6 +12,7 @@ static void the_median_of_an_odd_count_is_the_middle_one( void** state )
     assert_int_equal( s.count, 5 );
     assert_true( s.median == 5.0 );
     assert_true( s.minimum == 1.0 );
+    assert_true( s.maximum >= s.p90 && s.mean > s.minimum && s.mean < s.maximum );
 }
 
 static void the_median_of_an_even_count_lies_between_the_middle_two( void** state )
@@ -43,6 +44,7 @@ static void one_sample_is_its_own_median_and_percentiles( void** state )
     double sample = 2.5;
     stats_summary s = stats_summarise( &sample, 1 );
     assert_true( s.median == 2.5 && s.p10 == 2.5 && s.p90 == 2.5 && s.minimum == 2.5 );
+    assert_true( s.maximum == 2.5 && s.mean == 2.5 );
 }
 
 static void no_samples_have_no_median( void** state )

@@ -2,9 +2,12 @@
 // a comparison, and failures of the run after an error.
 #include "bench_tables.h"
 
+#include "accuracy/accuracy.h"
 #include "balloon_bench.h"
+#include "bench_data.h"
 #include "cloth_bench.h"
 #include "figures_bench.h"
+#include "figures_drape.h"
 #include "suite.h"
 #include "suite/suite_folder.h"
 #include "oracle/constraint_oracle.h"
@@ -199,27 +202,77 @@ static void a_cloth_that_leaves_its_bounds_is_shown_as_halted( void** state )
 
 // ---- the other two cases ----
 
+static void run_suite( const char* name, int rows, results* all )
+{
+    char inner[64], path[1024];
+    const bench_options brief = { .seconds = 1e-3, .workers = 2 };
+    wisp_suite suite;
+    wisp_error error = { 0 };
+    snprintf( inner, sizeof inner, "suites/balloon/%s.yaml", name );
+    bench_data_path( inner, path, sizeof path );
+    assert_ok( suite_read( path, &suite, &error ), error );
+    const int count = suite.row_count;
+    suite.row_count = rows;
+    assert_ok( suite_bench_rows( &suite, &brief, all, &error ), error );
+    suite.row_count = count;
+    suite_release( &suite );
+}
+
 static void the_balloon_shows_volume_pressure_and_memory_beside_time( void** state )
 {
     (void)state;
-    balloon_plan plan = balloon_default_plan( &quick );
-    plan.levels[0] = 1;
-    plan.levels[1] = 2;
-    plan.level_count = 2;
-    plan.settle_steps = 60;
-    plan.substeps_max = 100;
-    plan.seconds = 0.0;
+    results all = { 0 };
+    run_suite( "sizes", 2, &all );
+    balloon_conclude( 0, 2, &all );
+    assert_false( all.failed );
+    assert_int_equal( all.row_count, 2 * 2 );
+    const results_table* sizes = find_table( &all, "Balloon: cost by size" );
+    assert_int_equal( sizes->row_count, 1 + 2 * 2 );
+    assert_string_equal( named_cell( sizes, 1, "vertices" ), "642" );
+    assert_true( atof( named_cell( sizes, 1, "volume ns per triangle" ) ) > 0.0 );
+    assert_true( atof( named_cell( sizes, 1, "bytes per vertex" ) ) > 100.0 );
+    assert_int_equal( all.charts[all.chart_count - 1].series_count, 2 );
+    assert_true( has_note( &all, "Claim: " ) );
+
+    // a volume that is not there is wrong, too
+    all.rows[0].error.count = 0;
+    balloon_conclude( 0, 2, &all );
+    assert_true( all.failed );
+    results_free( &all );
+}
+
+static void the_virial_pressure_is_near_that_of_even_scaling( void** state )
+{
+    (void)state;
+    results all = { 0 };
+    run_suite( "pressure", 2, &all );
+    const results_table* table = find_table( &all, "Suite `pressure`" );
+    const int row = row_of( table, "1 iteration, pressure=virial, substeps=100" );
+    const double pressure = atof( named_cell( table, row, "pressure, Pa" ) );
+    const double even = atof( named_cell( table, row, "pressure if scaled evenly, Pa" ) );
+    // within 2 %, as the specification's table has it
+    assert_true( even > 2000.0 && fabs( pressure / even - 1.0 ) < 0.02 );
+    results_free( &all );
+}
+
+static void the_accuracy_of_a_step_is_as_promised( void** state )
+{
+    (void)state;
+    static figures_fn* const one[] = { figures_hang_accuracy };
     results all = { 0 };
     wisp_error error = { 0 };
-    assert_ok( balloon_bench_run( &plan, &all, &error ), error );
+    setenv( "WISP_CACHE", "suite-cache", 1 );
+    assert_ok( figures_run( one, 1, &quick, &all, &error ), error );
     assert_false( all.failed );
-    assert_int_equal( find_table( &all, "Balloon: icospheres" )->row_count, 1 + 2 );
-    assert_int_equal( all.row_count, 2 * 2 );
-
-    // 100 substeps: the virial reading within 2 % of the closed form, as the specification's table has it
-    const results_table* pressure = find_table( &all, "Pressure of a sphere" );
-    const char* wrong = cell( pressure, pressure->row_count - 1, 6 );
-    assert_true( fabs( atof( wrong ) ) < 2.0 );
+    assert_int_equal( all.tables[0].row_count, 1 + 3 );
+    const results_table* step = find_table( &all, "Accuracy `step`" );
+    assert_true( atof( named_cell( step, row_of( step, "bdf2, 0.02 s" ), "left to euler" ) ) > 0.0 );
+    assert_true( atof( named_cell( step, row_of( step, "euler, dt=0.005" ), "linear iterations" ) ) > 0.0 );
+    for ( int r = 1; r < step->row_count; ++r )
+    {
+        assert_true( atof( named_cell( step, r, "largest distance, mm" ) ) >
+                     atof( named_cell( step, r, "RMS distance to the reference, mm" ) ) );
+    }
     results_free( &all );
 }
 
@@ -252,6 +305,8 @@ int main( void )
         cmocka_unit_test( a_claim_that_is_not_met_is_a_message_and_no_failure ),
         cmocka_unit_test( a_cloth_that_leaves_its_bounds_is_shown_as_halted ),
         cmocka_unit_test( the_balloon_shows_volume_pressure_and_memory_beside_time ),
+        cmocka_unit_test( the_virial_pressure_is_near_that_of_even_scaling ),
+        cmocka_unit_test( the_accuracy_of_a_step_is_as_promised ),
         cmocka_unit_test( a_figure_that_is_not_met_fails_the_run ),
     };
     return cmocka_run_group_tests_name( "bench cloth", tests, NULL, NULL );

@@ -2,10 +2,12 @@
 // overlap and of intersections detect them.
 #include "bench_tables.h"
 
+#include "accuracy/accuracy.h"
+#include "bench_data.h"
 #include "contact_bench.h"
-#include "contact_overlap.h"
 #include "contact_probe.h"
 #include "contact_query_input.h"
+#include "suite_overlap.h"
 
 #include <unistd.h>
 
@@ -19,13 +21,6 @@ static contact_plan small_plan( void )
         .size_count = 2,
         .max_brute = 1e5, // the smaller size runs all queries, the larger one a sample
         .query_seconds = 0.0,
-        .fold_side = 16,
-        .fold_steps = 50,
-        .fold_seconds = 1e3,
-        .motion_seconds = 1e3,
-        .balloon_level = 1,
-        .balloon_steps = 30,
-        .balloon_seconds = 1e3,
         .teams = { { 1, 2 }, 2 },
         .options = &quick,
     };
@@ -44,10 +39,6 @@ static void no_check_of_the_case_fails( void** state )
     expect_good( all );
     assert_fits_terminal( all );
     assert_column( find_table( all, "Contact, queries" ), "same", "yes" );
-    assert_column( find_table( all, "Contact, the cost" ), "same", "yes" );
-    assert_column( find_table( all, "Contact, cost of motion" ), "same", "yes" );
-    assert_column( find_table( all, "Contact, two balloons" ), "same", "yes" );
-    assert_column( find_table( all, "Contact, ten balloons" ), "same", "yes" );
 }
 
 static void every_search_has_a_line_for_every_kind_and_size( void** state )
@@ -81,99 +72,101 @@ static void a_tree_is_refitted_and_a_grid_is_not( void** state )
 
 static void what_is_not_kept_apart_crosses_and_what_is_does_not( void** state )
 {
-    const results_table* table = find_table( *state, "Contact, the cost" );
+    const results_table* table = find_table( *state, "Suite `cost`: contact" );
     assert_true( number( table, row_of( table, "none" ), "max intersections" ) > 0.0 );
     assert_string_equal( named_cell( table, row_of( table, "none" ), "pairs" ), "-" );
-    assert_string_equal( named_cell( table, row_of( table, "exact, margin 2" ), "max intersections" ), "0" );
-    assert_true( number( table, row_of( table, "exact, margin 2" ), "pairs" ) > 0.0 );
+    assert_string_equal( named_cell( table, row_of( table, "exact, margin=2" ), "max intersections" ), "0" );
+    assert_true( number( table, row_of( table, "exact, margin=2" ), "pairs" ) > 0.0 );
+}
+
+static const char* hash_of( const results* all, const char* suite, const char* row )
+{
+    const results_table* table = find_table( all, suite );
+    return named_cell( table, row_of( table, row ), "hash" );
 }
 
 static void the_tree_folds_the_cloth_as_the_grid_does( void** state )
 {
-    const results_table* table = find_table( *state, "Contact, the cost" );
-    assert_string_equal( named_cell( table, row_of( table, "exact, margin 2, tree" ), "hash" ),
-                         named_cell( table, row_of( table, "exact, margin 2" ), "hash" ) );
+    assert_string_equal( hash_of( *state, "Suite `cost`: the", "exact, margin 2, tree" ),
+                         hash_of( *state, "Suite `cost`: the", "exact, margin=2" ) );
 }
 
 static void a_larger_margin_has_more_pairs( void** state )
 {
-    const results_table* table = find_table( *state, "Contact, the cost" );
-    const double one = number( table, row_of( table, "exact, margin 1" ), "pairs" );
-    const double two = number( table, row_of( table, "exact, margin 2" ), "pairs" );
-    const double four = number( table, row_of( table, "exact, margin 4" ), "pairs" );
+    const results_table* table = find_table( *state, "Suite `cost`: contact" );
+    const double one = number( table, row_of( table, "exact, margin=1" ), "pairs" );
+    const double two = number( table, row_of( table, "exact, margin=2" ), "pairs" );
+    const double four = number( table, row_of( table, "exact, margin=4" ), "pairs" );
     assert_true( one < two && two < four );
 }
 
-static void a_ball_at_its_pace_folds_the_cloth_as_in_the_other_table( void** state )
+static void a_ball_at_its_pace_folds_the_cloth_as_in_the_other_suite( void** state )
 {
-    const results_table* table = find_table( *state, "Contact, cost of motion" );
-    const results_table* price = find_table( *state, "Contact, the cost" );
-    const int rest = row_of( table, "ball at rest" ), pace = row_of( table, "its pace" ),
-              twice = row_of( table, "twice its pace" );
-    assert_string_equal( named_cell( table, pace, "hash" ),
-                         named_cell( price, row_of( price, "exact, margin 1" ), "hash" ) );
-    assert_string_not_equal( named_cell( table, rest, "hash" ), named_cell( table, pace, "hash" ) );
-    assert_string_not_equal( named_cell( table, twice, "hash" ), named_cell( table, pace, "hash" ) );
-    assert_true( number( table, rest, "max speed, m/s" ) == 0.0 );
-    assert_true( number( table, pace, "max speed, m/s" ) == 0.54 ); // 0.15 m, 3 and 2 rad/s
-    assert_true( number( table, twice, "max speed, m/s" ) == 1.08 );
-    for ( int r = pace; r < table->row_count; ++r )
-    {
-        assert_string_equal( named_cell( table, r, "max intersections" ), "0" );
-        assert_true( number( table, r, "contacts" ) > 0.0 );
-    }
+    const char* pace = hash_of( *state, "Suite `motion`: the", "its pace, 0.54 m/s" );
+    assert_string_equal( pace, hash_of( *state, "Suite `cost`: the", "exact, margin=1" ) );
+    assert_string_not_equal( pace, hash_of( *state, "Suite `motion`: the", "ball at rest, 0 m/s" ) );
+    assert_string_not_equal( pace, hash_of( *state, "Suite `motion`: the", "twice its pace, 1.08 m/s" ) );
+    const results_table* table = find_table( *state, "Suite `motion`: contact" );
+    assert_true( number( table, row_of( table, "its pace, 0.54 m/s" ), "contacts" ) > 0.0 );
 }
 
 static void balloons_overlap_only_where_nothing_keeps_them_apart( void** state )
 {
-    const results_table* table = find_table( *state, "Contact, two balloons" );
-    assert_true( number( table, row_of( table, "none" ), "max overlap, %" ) > 5.0 );
-    assert_true( number( table, row_of( table, "exact, margin 2" ), "max overlap, %" ) <
-                 1.0 ); // extension, not in the balloon paper
-    assert_true( number( table, row_of( table, "exact, margin 2" ), "force N" ) > 0.0 );
+    const results_table* table = find_table( *state, "Suite `pair`: contact" );
+    assert_true( number( table, row_of( table, "none" ), "max overlap, mm" ) > 7.5 );
+    const int exact = row_of( table, "exact, margin=2" );
+    assert_true( number( table, exact, "max overlap, mm" ) < 1.5 ); // extension, not in the balloon paper
+    assert_true( number( table, exact, "largest force, N" ) > 0.0 );
 }
 
-static void rows_for_machines_are_there_for_every_worker_count( void** state )
+static void every_row_has_the_spread_of_its_times( void** state )
 {
-    const results* all = *state;
-    int rows = 0, motion_rows = 0;
-    for ( int i = 0; i < all->row_count; ++i )
+    const results_table* table = find_table( *state, "Suite `cost`: spread" );
+    for ( int r = 1; r < table->row_count; ++r )
     {
-        rows += strcmp( all->rows[i].name, "contact.fold" ) == 0 ? 1 : 0;
-        motion_rows += strcmp( all->rows[i].name, "contact.motion" ) == 0 ? 1 : 0;
-        assert_true( all->rows[i].steps > 0 && isfinite( all->rows[i].ms_median ) );
+        assert_true( number( table, r, "1 worker: median" ) <= number( table, r, "longest" ) );
+        assert_true( number( table, r, "mean" ) > 0.0 );
     }
-    assert_int_equal( rows, 2 * ( find_table( all, "Contact, the cost" )->row_count - 1 ) );
-    assert_int_equal( motion_rows, 2 * ( find_table( all, "Contact, cost of motion" )->row_count - 1 ) );
+    assert_string_equal( named_cell( table, 1, "mean / first" ), "1.00" );
 }
 
-// ---- limits ----
+// ---- what contact promises ----
 
-static void a_way_that_takes_too_long_ends_early( void** state )
+static results_row* put_row( results* all, const char* name, const char* variant, const char* value, double number )
+{
+    results_row* row = results_add_row( all, name, variant );
+    assert_non_null( row );
+    row->workers = 1;
+    row->has_hash = true;
+    results_put( &row->error, value, number );
+    return row;
+}
+
+static bool is_refused( const char* name, const char* variant, const char* value, double number, uint64_t hash )
+{
+    results all = { 0 };
+    (void)put_row( &all, "suite.cost", "exact, margin=2", "max_intersections", 0.0 );
+    put_row( &all, "suite.cost", "exact, margin 2, tree", "max_intersections", 0.0 )->hash = hash;
+    (void)put_row( &all, name, variant, value, number );
+    contact_check_suites( 0, &all );
+    const bool is_failed = all.failed;
+    results_free( &all );
+    return is_failed;
+}
+
+static void a_row_that_breaks_a_promise_is_a_failure( void** state )
 {
     (void)state;
-    const contact_way way = { .name = "exact", .margin = 2.0f };
-    const contact_teams teams = { { 1 }, 1 };
-    contact_scene scene;
-    contact_run run;
-    wisp_error error = { 0 };
-    assert_int_equal( contact_make_cloth( 6, &scene, &error ), WISP_OK );
-    const contact_comparison comparison = {
-        .scene = &scene,
-        .enter = contact_enter_fold,
-        .ways = &way,
-        .way_count = 1,
-        .steps = 100,
-        .seconds = 0.0,
-        .teams = &teams,
-        .options = &quick,
-        .name = "contact.fold",
-        .span = 1.0,
-    };
-    assert_int_equal( contact_comparison_run( &comparison, &run, &error ), WISP_OK );
-    assert_true( run.steps > 0 && run.steps < 100 );
-    assert_true( run.same_hash );
-    contact_scene_free( &scene );
+    assert_false( is_refused( "suite.cost", "none", "max_intersections", 9.0, 0 ) );
+    assert_true( is_refused( "suite.cost", "none", "max_intersections", 0.0, 1 ) ); // the tree has other bits
+    assert_true( is_refused( "suite.cost", "exact, margin=4", "max_intersections", 1.0, 0 ) );
+    assert_false( is_refused( "suite.cost", "exact, margin 2, no limit", "max_intersections", 1.0, 0 ) );
+    assert_true( is_refused( "suite.motion", "its pace, 0.54 m/s", "max_intersections", 1.0, 0 ) );
+    assert_false( is_refused( "suite.motion", "no contact, 0.54 m/s", "max_intersections", 1.0, 0 ) );
+    assert_true( is_refused( "suite.pair", "exact, margin=2", "max_overlap_mm", 1.6, 0 ) );
+    assert_false( is_refused( "suite.pair", "particles", "max_overlap_mm", 1.6, 0 ) );
+    assert_true( is_refused( "suite.stack", "none", "halted_at_step", 7.0, 0 ) );
+    assert_true( is_refused( "suite.stack", "exact, margin=2", "net_impulse_N_s", 1e-6, 0 ) );
 }
 
 static void the_sizes_of_the_case_grow_with_its_time( void** state )
@@ -183,58 +176,52 @@ static void the_sizes_of_the_case_grow_with_its_time( void** state )
     const contact_plan brief = contact_default_plan( &options );
     options.seconds = 85.0;
     const contact_plan usual = contact_default_plan( &options );
-    options.seconds = 600.0;
-    const contact_plan full = contact_default_plan( &options );
-    assert_true( brief.size_count < usual.size_count && brief.fold_steps < usual.fold_steps );
-    assert_int_equal( full.fold_side, 64 );
-    assert_int_equal( full.fold_steps, 300 ); // five seconds
-    assert_int_equal( full.teams.count, 1 );
+    assert_true( brief.size_count < usual.size_count && brief.suite_seconds < usual.suite_seconds );
+    assert_int_equal( usual.teams.count, 1 );
 }
 
 // ---- measures ----
 
-// Two balloons, one of which is moved into the other by this distance.
-static double overlap_of( float distance, float* thickness )
+#define RADIUS 0.15
+#define THICKNESS 0.006 // m
+
+// Two balloons whose centres are this far apart, m.
+static suite_overlap overlap_at( double distance )
 {
-    const contact_setting setting = { .way = { .name = "none", .is_off = true }, .workers = 1 };
-    contact_scene scene;
-    contact_world world;
-    contact_overlap seen;
+    char text[600];
+    snprintf( text, sizeof text,
+              "wisp: 1\nsurfaces:\n"
+              "  - name: one\n    generate: { shape: icosphere, level: 3, radius: 0.15 }\n    balloon: {}\n"
+              "    contact: { thickness: 0.006 }\n"
+              "  - name: other\n    instance_of: one\n    transform: { translate: [%.9g, 0, 0] }\n    balloon: {}\n"
+              "    contact: { thickness: 0.006 }\n",
+              distance );
+    const scene_world_options options = { .workers = 1, .is_quiet = true };
+    wisp_scene scene;
+    scene_world world;
+    suite_overlap found;
     wisp_error error = { 0 };
-    assert_int_equal( contact_make_balloon( 3, &scene, &error ), WISP_OK );
-    assert_int_equal( contact_enter_pair( &scene, &setting, &world, &error ), WISP_OK );
-    assert_int_equal( contact_step( &world, &error ), WISP_OK );
-    // the measure uses the points that are passed to it
-    wisp_vec3* points[2];
-    for ( int i = 0; i < 2; ++i )
-    {
-        const wisp_vec3* shown;
-        assert_int_equal( contact_points( &world, i, &shown, &error ), WISP_OK );
-        points[i] = (wisp_vec3*)(uintptr_t)shown;
-        for ( int v = 0; v < scene.mesh.vertex_count; ++v )
-        {
-            points[i][v] = scene.mesh.points[v];
-            points[i][v].x += i == 0 ? 0.0f : distance;
-        }
-    }
-    assert_int_equal( contact_find_overlap( &world, &seen, &error ), WISP_OK );
-    *thickness = scene.thickness;
-    contact_leave( &world );
-    contact_scene_free( &scene );
-    return seen.overlap;
+    assert_ok( wisp_scene_parse( text, strlen( text ), "balloons", &scene, &error ), error );
+    assert_ok( scene_world_create( &scene, &options, &world, &error ), error );
+    assert_ok( suite_overlap_find( &world, &found, &error ), error );
+    scene_world_destroy( &world );
+    wisp_scene_release( &scene );
+    return found;
 }
 
 static void overlap_is_how_deep_a_vertex_is_in_the_other_balloon( void** state )
 {
     (void)state;
-    float t;
     // facets of a level 3 sphere are up to 0.6 % of the radius below it: the depth of a vertex may be smaller by that
-    const double facet = 0.006 * (double)PRESS_RADIUS;
-    const double deep = overlap_of( 1.6f * PRESS_RADIUS, &t ), expected = 0.4 * (double)PRESS_RADIUS + (double)t;
-    assert_true( deep <= expected + 1e-6 && deep > expected - 2.0 * facet );
-    const double near = overlap_of( 2.0f * PRESS_RADIUS + 0.5f * t, &t );
-    assert_true( near <= 0.5 * (double)t + 1e-6 && near > 0.5 * (double)t - 2.0 * facet );
-    assert_true( overlap_of( 2.0f * PRESS_RADIUS + 2.0f * t, &t ) == 0.0 );
+    const double facet = 0.006 * RADIUS, expected = 0.4 * RADIUS + THICKNESS;
+    const suite_overlap deep = overlap_at( 1.6 * RADIUS );
+    assert_true( deep.depth <= expected + 1e-6 && deep.depth > expected - 2.0 * facet );
+    assert_true( deep.missed > 0.0 && deep.missed < 0.5 );
+    const suite_overlap near = overlap_at( 2.0 * RADIUS + 0.5 * THICKNESS );
+    assert_true( near.depth <= 0.5 * THICKNESS + 1e-6 && near.depth > 0.5 * THICKNESS - 2.0 * facet );
+    assert_true( near.wall_radius < 0.3 * RADIUS && near.wall_unevenness < 0.1 * RADIUS );
+    const suite_overlap apart = overlap_at( 2.0 * RADIUS + 2.0 * THICKNESS );
+    assert_true( apart.depth == 0.0 && apart.missed == 0.0 && isnan( apart.wall_radius ) );
 }
 
 static wisp_status fail_on_purpose( void* context, const wisp_parallel* parallel, const wisp_kernels* kernels,
@@ -287,12 +274,34 @@ static void pictures_are_written_and_linked( void** state )
     results_free( &all );
 }
 
+// Enough steps for the cloth to reach the ball and for the plates to press.
+static void run_suite( const char* name, results* all )
+{
+    char inner[64], path[1024];
+    const bench_options brief = { .seconds = 1e-3, .workers = 2 };
+    wisp_suite suite;
+    wisp_error error = { 0 };
+    snprintf( inner, sizeof inner, "suites/contact/%s.yaml", name );
+    bench_data_path( inner, path, sizeof path );
+    assert_ok( suite_read( path, &suite, &error ), error );
+    for ( int i = 0; i < suite.row_count; ++i )
+    {
+        suite.rows[i].steps = 45;
+    }
+    assert_ok( suite_bench_rows( &suite, &brief, all, &error ), error );
+    suite_release( &suite );
+}
+
 static int make_results( void** state )
 {
     static results all;
     const contact_plan plan = small_plan();
     wisp_error error = { 0 };
-    assert_ok( contact_bench_run( &plan, &all, &error ), error );
+    assert_ok( contact_queries( &plan, &all, &error ), error );
+    run_suite( "cost", &all );
+    run_suite( "motion", &all );
+    run_suite( "pair", &all );
+    contact_check_suites( 0, &all );
     *state = &all;
     return 0;
 }
@@ -306,10 +315,10 @@ int main( void )
         cmocka_unit_test( what_is_not_kept_apart_crosses_and_what_is_does_not ),
         cmocka_unit_test( the_tree_folds_the_cloth_as_the_grid_does ),
         cmocka_unit_test( a_larger_margin_has_more_pairs ),
-        cmocka_unit_test( a_ball_at_its_pace_folds_the_cloth_as_in_the_other_table ),
+        cmocka_unit_test( a_ball_at_its_pace_folds_the_cloth_as_in_the_other_suite ),
         cmocka_unit_test( balloons_overlap_only_where_nothing_keeps_them_apart ),
-        cmocka_unit_test( rows_for_machines_are_there_for_every_worker_count ),
-        cmocka_unit_test( a_way_that_takes_too_long_ends_early ),
+        cmocka_unit_test( every_row_has_the_spread_of_its_times ),
+        cmocka_unit_test( a_row_that_breaks_a_promise_is_a_failure ),
         cmocka_unit_test( the_sizes_of_the_case_grow_with_its_time ),
         cmocka_unit_test( overlap_is_how_deep_a_vertex_is_in_the_other_balloon ),
         cmocka_unit_test( a_probe_calls_once_and_hands_a_failure_on ),

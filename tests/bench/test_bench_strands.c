@@ -4,8 +4,9 @@
 
 #include "figures_bench.h"
 #include "plain/strands_plain.h"
+#include "accuracy/accuracy.h"
+#include "bench_data.h"
 #include "strands_bench.h"
-#include "strands_head.h"
 
 static const bench_options quick = { .quick = true, .seconds = 1.0, .workers = 2 };
 
@@ -19,9 +20,6 @@ static strands_plan small_plan( void )
     plan.few_settings_strands = 50;
     plan.few_settings = 2;
     plan.comparison_seconds = 0.0;
-    plan.head_sides[0] = 4;
-    plan.head_count = 1;
-    plan.head_steps = 15;
     return plan;
 }
 
@@ -262,25 +260,6 @@ static void a_nan_is_never_a_small_stretch( void** state )
     strands_shape_free( &shape );
 }
 
-static void guides_are_the_means_of_neighbours( void** state )
-{
-    (void)state;
-    strands_shape hair, guides;
-    wisp_error error = { 0 };
-    assert_ok( hair_head_make_hair( 8, 5, &hair, &error ), error );
-    assert_ok( hair_head_make_guides( &hair, 4, &guides, &error ), error );
-    assert_int_equal( guides.strand_count, 16 );
-    float x = 0.0f;
-    const int block[4] = { 2, 3, 10, 11 }; // the second block of the first two rows
-    for ( int k = 0; k < 4; ++k )
-    {
-        x += 0.25f * hair.points[block[k] * 5 + 4].x;
-    }
-    assert_true( fabsf( guides.points[1 * 5 + 4].x - x ) < 4.0f * FLT_EPSILON );
-    strands_shape_free( &hair );
-    strands_shape_free( &guides );
-}
-
 // ---- the tables ----
 
 static void the_comparison_has_a_line_a_setting_and_the_kernels_alone( void** state )
@@ -325,23 +304,63 @@ static void the_comparison_has_a_line_a_setting_and_the_kernels_alone( void** st
     results_free( &all );
 }
 
-static void more_substeps_come_nearer_to_the_reference( void** state )
+// Rows of a suite of the case, those whose names begin so.
+static void run_suite( const char* name, const char* beginning, results* all )
+{
+    char inner[64], path[1024];
+    const bench_options brief = { .seconds = 1e-3, .workers = 2 };
+    wisp_suite suite;
+    wisp_error error = { 0 };
+    setenv( "WISP_CACHE", "suite-cache", 1 );
+    snprintf( inner, sizeof inner, "suites/strands/%s.yaml", name );
+    bench_data_path( inner, path, sizeof path );
+    assert_ok( suite_read( path, &suite, &error ), error );
+    const int count = suite.row_count;
+    suite.row_count = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( strncmp( suite.rows[i].name, beginning, strlen( beginning ) ) == 0 )
+        {
+            const suite_row kept = suite.rows[i];
+            suite.rows[i] = suite.rows[suite.row_count];
+            suite.rows[suite.row_count++] = kept;
+        }
+    }
+    assert_ok( suite_bench_rows( &suite, &brief, all, &error ), error );
+    expect_good( all );
+    suite.row_count = count;
+    suite_release( &suite );
+}
+
+static double error_of( const results* all, const char* variant, const char* value )
+{
+    for ( int r = 0; r < all->row_count; ++r )
+    {
+        if ( strcmp( all->rows[r].variant, variant ) == 0 )
+        {
+            return value_of( &all->rows[r].error, value );
+        }
+    }
+    fail_msg( "there is no row '%s'", variant );
+    return NAN;
+}
+
+#define DISTANCE "RMS_distance_to_the_reference_mm"
+#define LOST "energy_lost_percent_of_released"
+
+static void more_substeps_come_nearer_to_the_reference_and_lose_less( void** state )
 {
     (void)state;
-    strands_plan plan = small_plan();
+    static const char* const rows[] = { "direct, substeps=1", "direct, substeps=4", "direct, substeps=10",
+                                        "direct, substeps=40" };
     results all = { 0 };
-    wisp_error error = { 0 };
-    assert_ok( strands_energy( &plan, &all, &error ), error );
-    find_table( &all, "Stretch and energy" );
-    assert_int_equal( all.row_count, 3 * 4 );
-    for ( int r = 1; r < 4; ++r )
+    run_suite( "energy", "direct", &all );
+    for ( int i = 1; i < WISP_COUNT( rows ); ++i )
     {
-        assert_string_equal( all.rows[r].variant, "direct" );
-        assert_true( value_of( &all.rows[r].error, "rms_share_of_length" ) <
-                     value_of( &all.rows[r - 1].error, "rms_share_of_length" ) );
-        assert_true( value_of( &all.rows[r].error, "energy_lost_fraction" ) <
-                     value_of( &all.rows[r - 1].error, "energy_lost_fraction" ) );
+        assert_true( error_of( &all, rows[i], DISTANCE ) < error_of( &all, rows[i - 1], DISTANCE ) );
+        assert_true( error_of( &all, rows[i], LOST ) < error_of( &all, rows[i - 1], LOST ) );
     }
+    assert_true( error_of( &all, rows[3], LOST ) > 0.0 );
     results_free( &all );
 }
 
@@ -387,25 +406,36 @@ static void a_hair_at_rest_does_not_depend_on_the_rate_of_steps( void** state )
 static void lone_ghosts_without_sway_are_their_guides( void** state )
 {
     (void)state;
-    strands_plan plan = small_plan();
     results all = { 0 };
-    wisp_error error = { 0 };
-    assert_ok( strands_guides( &plan, &all, &error ), error );
-    expect_good( &all );
-    const results_table* table = find_table( &all, "Guides and ghosts" );
-    assert_int_equal( table->row_count, 1 + 4 );
-    assert_string_equal( cell( table, 1, 1 ), "all simulated" );
-    assert_string_equal( cell( table, 4, 1 ), "1 : 16" );
+    run_suite( "guides", "1 : ", &all );
+    // 1:1 is the guide up to rounding; with more ghosts per guide they differ from simulated strands
+    assert_true( error_of( &all, "1 : 1, without sway", DISTANCE ) < 1e-3 );
+    assert_true( error_of( &all, "1 : 1", DISTANCE ) > 0.1 );
+    assert_true( error_of( &all, "1 : 4, without sway", DISTANCE ) > 0.1 );
+    assert_true( error_of( &all, "1 : 16, without sway", DISTANCE ) >
+                 error_of( &all, "1 : 4, without sway", DISTANCE ) );
+    (void)find_table( &all, "Accuracy `guides`: ms of a step by pass, 2 workers" );
     for ( int r = 0; r < all.row_count; ++r )
     {
-        const results_row* row = &all.rows[r];
-        double ratio = row->size.items[1].value, without = value_of( &row->error, "rms_without_sway_m" );
-        assert_true( row->ms_median > 0.0 );
-
-        // 1:1 is the guide up to rounding; with more ghosts per guide they differ from simulated strands
-        assert_true( ratio > 1.0 || without < 1e-6 );
-        assert_true( ratio < 4.0 || without > 1e-4 );
+        assert_true( value_of( &all.rows[r].stages, "guide_hair.ghosts" ) > 0.0 );
     }
+    results_free( &all );
+}
+
+static void a_million_vertices_are_held_to_their_claims( void** state )
+{
+    (void)state;
+    results all = { 0 };
+    results_row* row = results_add_row( &all, "accuracy.million", "1 : 16" );
+    row->workers = 2;
+    row->ms_median = 6.0;
+    results_put( &row->stages, "guide_hair.targets", 1.0 );
+    results_put( &row->stages, "guide_hair.ghosts", 2.0 );
+    results_put( &row->stages, "strands.stretch", 3.0 );
+    strands_claim_million( 0, &all );
+    assert_int_equal( all.note_count, 2 );
+    assert_non_null( strstr( all.notes[0], "not met" ) );
+    assert_non_null( strstr( all.notes[1], "Measured 3 ms: met" ) );
     results_free( &all );
 }
 
@@ -452,12 +482,12 @@ int main( void )
         cmocka_unit_test( both_sides_of_the_comparison_compute_the_same ),
         cmocka_unit_test( strands_start_horizontal_with_their_roots_pinned ),
         cmocka_unit_test( a_nan_is_never_a_small_stretch ),
-        cmocka_unit_test( guides_are_the_means_of_neighbours ),
         cmocka_unit_test( the_comparison_has_a_line_a_setting_and_the_kernels_alone ),
-        cmocka_unit_test( more_substeps_come_nearer_to_the_reference ),
+        cmocka_unit_test( more_substeps_come_nearer_to_the_reference_and_lose_less ),
         cmocka_unit_test( closed_forms_are_met ),
         cmocka_unit_test( a_hair_at_rest_does_not_depend_on_the_rate_of_steps ),
         cmocka_unit_test( lone_ghosts_without_sway_are_their_guides ),
+        cmocka_unit_test( a_million_vertices_are_held_to_their_claims ),
         cmocka_unit_test( the_stats_of_guide_hair_are_met ),
         cmocka_unit_test( pictures_of_ghosts_are_written ),
     };

@@ -11,18 +11,19 @@
 
 static const effect_size small = { .side = 6, .level = 1, .strands = 16 };
 
-static effect_world open_world( const effect* const* effects, int count, bool is_on, effect_registry registry,
-                                int steps )
+static effects known; // read once, before the tests
+
+static effect_world* open_world( const int* chosen, int count, bool is_on, bool only_used, int steps )
 {
     const effect_world_def def = {
-        .effects = effects, .count = count, .is_on = is_on, .registry = registry, .size = small
+        .all = &known, .chosen = chosen, .count = count, .is_on = is_on, .only_used = only_used, .size = small
     };
-    effect_world world;
+    effect_world* world;
     wisp_error error = { WISP_OK, "" };
     wisp_status status = effect_world_open( &def, &world, &error );
     for ( int i = 0; i < steps && status == WISP_OK; ++i )
     {
-        status = effect_world_step( &world, &error );
+        status = effect_world_step( world, &error );
     }
     assert_ok( status, error );
     return world;
@@ -103,28 +104,28 @@ static bool holds( const pass_list* all, const pass_list* part )
 }
 
 // The plan of some effects has the passes of each alone, and no other.
-static void assert_sum_of_parts( const effect* const* effects, int count )
+static void assert_sum_of_parts( const int* chosen, int count )
 {
-    effect_world world = open_world( effects, count, true, EFFECT_EVERY, 0 );
+    effect_world* world = open_world( chosen, count, true, false, 0 );
     char text[EFFECT_PLAN_MAX], shown[EFFECT_PLAN_MAX];
-    read_plan( &world, text );
+    read_plan( world, text );
     memcpy( shown, text, sizeof( text ) );
-    const pass_list all = parse_plan( world.world, text );
+    const pass_list all = parse_plan( world->world.world, text );
     bool owned[PLAN_MAX_PASSES] = { false };
     for ( int i = 0; i < count; ++i )
     {
-        effect_world alone = open_world( effects + i, 1, true, EFFECT_EVERY, 0 );
-        read_plan( &alone, text );
-        const pass_list part = parse_plan( world.world, text );
+        effect_world* alone = open_world( chosen + i, 1, true, false, 0 );
+        read_plan( alone, text );
+        const pass_list part = parse_plan( world->world.world, text );
         if ( !holds( &all, &part ) )
         {
-            fail_msg( "%s alone has other passes than in '%s'", effects[i]->name, shown );
+            fail_msg( "%s alone has other passes than in '%s'", effects_name( &known, chosen[i] ), shown );
         }
         for ( int k = 0; k < all.count; ++k )
         {
             owned[k] = owned[k] || place_of( &part, all.passes[k] ) >= 0;
         }
-        effect_world_close( &alone );
+        effect_world_close( alone );
     }
     for ( int k = 0; k < all.count; ++k )
     {
@@ -133,7 +134,7 @@ static void assert_sum_of_parts( const effect* const* effects, int count )
             fail_msg( "nobody asked for %s in '%s'", all.passes[k]->name, shown );
         }
     }
-    effect_world_close( &world );
+    effect_world_close( world );
 }
 
 // ---- plans ----
@@ -142,32 +143,30 @@ static void an_empty_scene_has_no_pass( void** state )
 {
     (void)state;
     char text[EFFECT_PLAN_MAX];
-    effect_world world = open_world( NULL, 0, true, EFFECT_EVERY, 0 );
-    read_plan( &world, text );
+    effect_world* world = open_world( NULL, 0, true, false, 0 );
+    read_plan( world, text );
     assert_string_equal( text, "" );
-    effect_world_close( &world );
+    effect_world_close( world );
 }
 
 // In the form of a line of the file.
-static void plan_line( const effect* which, char* line, size_t size )
+static void plan_line( int which, char* line, size_t size )
 {
     char text[EFFECT_PLAN_MAX];
-    effect_world world = open_world( &which, 1, true, EFFECT_EVERY, 0 );
-    read_plan( &world, text );
-    snprintf( line, size, "%s: %s\n", which->name, text );
-    effect_world_close( &world );
+    effect_world* world = open_world( &which, 1, true, false, 0 );
+    read_plan( world, text );
+    snprintf( line, size, "%s: %s\n", effects_name( &known, which ), text );
+    effect_world_close( world );
 }
 
 static void write_plans( void )
 {
-    int count;
-    const effect* all = effects_all( &count );
     FILE* file = fopen( PLANS_FILE, "w" );
     assert_non_null( file );
-    for ( int i = 0; i < count; ++i )
+    for ( int i = 0; i < known.count; ++i )
     {
         char line[EFFECT_PLAN_MAX + 80];
-        plan_line( all + i, line, sizeof( line ) );
+        plan_line( i, line, sizeof( line ) );
         fputs( line, file );
     }
     assert_int_equal( fclose( file ), 0 );
@@ -182,31 +181,28 @@ static void each_effect_alone_has_the_passes_that_are_written_down_and_no_other(
     {
         write_plans();
     }
-    int count, lines = 0;
-    const effect* all = effects_all( &count );
+    int lines = 0;
     FILE* file = fopen( PLANS_FILE, "r" );
     assert_non_null( file );
     static char line[EFFECT_PLAN_MAX + 80], expected[EFFECT_PLAN_MAX + 80];
     for ( ; fgets( line, sizeof( line ), file ) != NULL; ++lines )
     {
-        assert_true( lines < count );
-        plan_line( all + lines, expected, sizeof( expected ) );
+        assert_true( lines < known.count );
+        plan_line( lines, expected, sizeof( expected ) );
         assert_string_equal( expected, line );
     }
     fclose( file );
-    assert_int_equal( lines, count );
+    assert_int_equal( lines, known.count );
 }
 
 static void the_plan_of_every_pair_is_that_of_its_parts_together( void** state )
 {
     (void)state;
-    int count;
-    const effect* all = effects_all( &count );
-    for ( int i = 0; i < count; ++i )
+    for ( int i = 0; i < known.count; ++i )
     {
-        for ( int k = i + 1; k < count; ++k )
+        for ( int k = i + 1; k < known.count; ++k )
         {
-            assert_sum_of_parts( ( const effect* const[] ){ all + i, all + k }, 2 );
+            assert_sum_of_parts( ( const int[] ){ i, k }, 2 );
         }
     }
 }
@@ -214,14 +210,12 @@ static void the_plan_of_every_pair_is_that_of_its_parts_together( void** state )
 static void the_plan_of_all_effects_is_that_of_all_parts( void** state )
 {
     (void)state;
-    int count;
-    const effect* all = effects_all( &count );
-    const effect* effects[EFFECT_MODULES_MAX];
-    for ( int i = 0; i < count; ++i )
+    int chosen[EFFECT_SCENES_MAX];
+    for ( int i = 0; i < known.count; ++i )
     {
-        effects[i] = all + i;
+        chosen[i] = i;
     }
-    assert_sum_of_parts( effects, count );
+    assert_sum_of_parts( chosen, known.count );
 }
 
 // ---- modules that are only registered ----
@@ -256,46 +250,43 @@ static every_bit bits_of( const wisp_world* world )
     return bits;
 }
 
-static void assert_same_world( const effect* which, bool is_on )
+static void assert_same_world( int which, bool is_on )
 {
-    effect_world every = open_world( &which, 1, is_on, EFFECT_EVERY, 5 );
-    effect_world used = open_world( &which, 1, is_on, EFFECT_USED, 5 );
-    assert_true( used.module_count < every.module_count );
+    effect_world* every = open_world( &which, 1, is_on, false, 5 );
+    effect_world* used = open_world( &which, 1, is_on, true, 5 );
+    assert_true( used->world.module_count < every->world.module_count );
     char text[2][EFFECT_PLAN_MAX];
-    read_plan( &every, text[0] );
-    read_plan( &used, text[1] );
+    read_plan( every, text[0] );
+    read_plan( used, text[1] );
     assert_string_equal( text[0], text[1] );
-    const every_bit a = bits_of( every.world ), b = bits_of( used.world );
+    const every_bit a = bits_of( every->world.world ), b = bits_of( used->world.world );
     assert_true( a.columns > 0 );
     assert_int_equal( a.columns, b.columns );
     assert_int_equal( a.hash, b.hash );
-    assert_int_equal( effect_world_bytes( &every ), effect_world_bytes( &used ) );
-    effect_world_close( &every );
-    effect_world_close( &used );
+    assert_int_equal( effect_world_bytes( every ), effect_world_bytes( used ) );
+    effect_world_close( every );
+    effect_world_close( used );
 }
 
 static void modules_that_nobody_asks_for_change_neither_plan_nor_bits_nor_memory( void** state )
 {
     (void)state;
-    int count;
-    const effect* all = effects_all( &count );
-    for ( int i = 0; i < count; ++i )
+    for ( int i = 0; i < known.count; ++i )
     {
-        assert_same_world( all + i, true );
-        assert_same_world( all + i, false );
+        assert_same_world( i, true );
+        assert_same_world( i, false );
     }
 }
 
 static void an_empty_world_grows_by_its_registry_alone( void** state )
 {
     (void)state;
-    effect_world every = open_world( NULL, 0, true, EFFECT_EVERY, 3 ),
-                 none = open_world( NULL, 0, true, EFFECT_USED, 3 );
-    assert_int_equal( none.module_count, 0 );
-    assert_int_equal( effect_world_bytes( &every ), 0 );
-    assert_int_equal( effect_world_bytes( &none ), 0 );
-    effect_world_close( &every );
-    effect_world_close( &none );
+    effect_world *every = open_world( NULL, 0, true, false, 3 ), *none = open_world( NULL, 0, true, true, 3 );
+    assert_int_equal( none->world.module_count, 0 );
+    assert_int_equal( effect_world_bytes( every ), 0 );
+    assert_int_equal( effect_world_bytes( none ), 0 );
+    effect_world_close( every );
+    effect_world_close( none );
 }
 
 // ---- scenes and the case ----
@@ -306,28 +297,24 @@ static void every_effect_that_moves_something_moves_it( void** state )
     (void)state;
     static const char* const STILL[] = { "boundary", "environment",
                                          "strand_appearance" }; // their outputs are not points
-    int count;
-    const effect* all = effects_all( &count );
-    for ( int i = 0; i < count; ++i )
+    for ( int i = 0; i < known.count; ++i )
     {
-        const effect* which = all + i;
-        effect_world on = open_world( &which, 1, true, EFFECT_EVERY, 5 ),
-                     off = open_world( &which, 1, false, EFFECT_EVERY, 5 );
+        effect_world *on = open_world( &i, 1, true, false, 5 ), *off = open_world( &i, 1, false, false, 5 );
         uint64_t hash[2];
         wisp_error error = { WISP_OK, "" };
-        assert_int_equal( effect_world_hash( &on, 0, hash, &error ), WISP_OK );
-        assert_int_equal( effect_world_hash( &off, 0, hash + 1, &error ), WISP_OK );
+        assert_int_equal( effect_world_hash( on, 0, hash, &error ), WISP_OK );
+        assert_int_equal( effect_world_hash( off, 0, hash + 1, &error ), WISP_OK );
         bool is_still = false;
         for ( int k = 0; k < WISP_COUNT( STILL ); ++k )
         {
-            is_still = is_still || strcmp( STILL[k], which->name ) == 0;
+            is_still = is_still || strcmp( STILL[k], effects_name( &known, i ) ) == 0;
         }
         if ( ( hash[0] == hash[1] ) != is_still )
         {
-            fail_msg( "the scene of %s is not what it should be", which->name );
+            fail_msg( "the scene of %s is not what it should be", effects_name( &known, i ) );
         }
-        effect_world_close( &on );
-        effect_world_close( &off );
+        effect_world_close( on );
+        effect_world_close( off );
     }
 }
 
@@ -337,7 +324,14 @@ static void the_case_has_a_line_for_each_effect_and_no_failure( void** state )
     static results all;
     const bench_options options = { .quick = true };
     const effects_plan sizes = {
-        .size = small, .together = small, .steps = 5, .seconds = 0.0, .samples_max = 4, .options = &options
+
+        .all = &known,
+        .size = small,
+        .together = small,
+        .steps = 5,
+        .seconds = 0.0,
+        .samples_max = 4,
+        .options = &options
     };
     wisp_error error = { WISP_OK, "" };
     assert_int_equal( effects_compare( &sizes, &all, &error ), WISP_OK );
@@ -347,10 +341,8 @@ static void the_case_has_a_line_for_each_effect_and_no_failure( void** state )
         print_message( "%s\n", all.notes[i] );
     }
     assert_false( all.failed );
-    int count;
-    effects_all( &count );
     const results_table* apart = find_table( &all, "Effects: an effect that is not requested" );
-    assert_int_equal( apart->row_count - 1, count );
+    assert_int_equal( apart->row_count - 1, known.count );
     assert_column( apart, "same plan, bits, bytes", "yes" );
     const results_table* together = find_table( &all, "Effects: a world of four" );
     assert_int_equal( together->row_count - 1, 5 );
@@ -367,9 +359,9 @@ static void the_case_has_a_line_for_each_effect_and_no_failure( void** state )
     assert_int_equal( atoi( named_cell( together, last, "vertices" ) ), vertices );
     assert_int_equal( all.chart_count, 1 );
     assert_int_equal( all.charts[0].series_count, 3 );
-    assert_int_equal( all.charts[0].series[1].count, count );
-    assert_int_equal( all.charts[0].series[2].count, count );
-    assert_int_equal( all.row_count, 4 * count + 5 );
+    assert_int_equal( all.charts[0].series[1].count, known.count );
+    assert_int_equal( all.charts[0].series[2].count, known.count );
+    assert_int_equal( all.row_count, 4 * known.count + 5 );
     results_free( &all );
 }
 
@@ -385,5 +377,13 @@ int main( void )
         cmocka_unit_test( every_effect_that_moves_something_moves_it ),
         cmocka_unit_test( the_case_has_a_line_for_each_effect_and_no_failure ),
     };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    wisp_error error = { WISP_OK, "" };
+    if ( effects_read( &known, &error ) != WISP_OK )
+    {
+        fprintf( stderr, "%s\n", error.message );
+        return 1;
+    }
+    const int failed = cmocka_run_group_tests( tests, NULL, NULL );
+    effects_release( &known );
+    return failed;
 }

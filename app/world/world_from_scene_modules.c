@@ -1,0 +1,98 @@
+// Which modules a scene uses. A module of modules.inc without a function here does not compile.
+#include "world_from_scene_parts.h"
+
+static bool any_surface( const wisp_scene* scene, bool ( *has )( const wisp_scene_surface* ) )
+{
+    bool any = false;
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        any = any || has( &scene->surfaces[i] );
+    }
+    return any;
+}
+
+static bool any_strands( const wisp_scene* scene, bool ( *has )( const wisp_scene_strands* ) )
+{
+    bool any = false;
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        any = any || has( &scene->strands[i] );
+    }
+    return any;
+}
+
+#define BLOCK_OF( kind, block )                                                                                      \
+    static bool kind##_##block( const wisp_scene_##kind* of )                                                        \
+    {                                                                                                                \
+        return of->has_##block;                                                                                      \
+    }
+BLOCK_OF( surface, balloon )
+BLOCK_OF( surface, boundary )
+BLOCK_OF( surface, cloth )
+BLOCK_OF( surface, collision )
+BLOCK_OF( surface, contact )
+BLOCK_OF( surface, implicit )
+BLOCK_OF( strands, appearance )
+BLOCK_OF( strands, collision )
+BLOCK_OF( strands, contact )
+BLOCK_OF( strands, dynamics )
+BLOCK_OF( strands, environment )
+BLOCK_OF( strands, frozen_hair )
+BLOCK_OF( strands, ghosts )
+#undef BLOCK_OF
+
+#define USES( module, condition )                                                                                    \
+    static bool uses_##module( const wisp_scene* scene )                                                             \
+    {                                                                                                                \
+        return condition;                                                                                            \
+    }
+USES( balloon, any_surface( scene, surface_balloon ) )
+USES( boundary, any_surface( scene, surface_boundary ) )
+USES( environment, any_strands( scene, strands_environment ) )
+USES( cloth, any_surface( scene, surface_cloth ) )
+USES( collision, scene->collider_count > 0 || any_surface( scene, surface_collision ) ||
+                     any_strands( scene, strands_collision ) )
+USES( contact, scene->has_contact || any_surface( scene, surface_contact ) || any_strands( scene, strands_contact ) )
+USES( frozen_hair, any_strands( scene, strands_frozen_hair ) )
+USES( guide_hair, any_strands( scene, strands_ghosts ) )
+USES( implicit_cloth, any_surface( scene, surface_implicit ) )
+USES( strand_appearance, any_strands( scene, strands_appearance ) )
+USES( strands, any_strands( scene, strands_dynamics ) )
+#undef USES
+
+#define WISP_MODULE( name ) extern const wisp_module wisp_##name##_module;
+#include "modules.inc"
+#undef WISP_MODULE
+
+#define WISP_MODULE( name ) &wisp_##name##_module,
+static const wisp_module* const all_modules[] = {
+#include "modules.inc"
+};
+#undef WISP_MODULE
+
+#define WISP_MODULE( name ) uses_##name,
+static bool ( *const is_used[] )( const wisp_scene* ) = {
+#include "modules.inc"
+};
+#undef WISP_MODULE
+
+_Static_assert( WISP_COUNT( all_modules ) <= SCENE_MAX_MODULES, "room for every module" );
+
+const wisp_module* const* scene_world_modules( int* count )
+{
+    *count = WISP_COUNT( all_modules );
+    return all_modules;
+}
+
+int scene_world_used_modules( const wisp_scene* scene, const wisp_module** out )
+{
+    int count = 0;
+    for ( int i = 0; i < WISP_COUNT( all_modules ); ++i )
+    {
+        if ( is_used[i]( scene ) )
+        {
+            out[count++] = all_modules[i];
+        }
+    }
+    return count;
+}
