@@ -414,7 +414,7 @@ static wisp_status slow_down( void* user, const scene_world* world, wisp_error* 
 static int step_row( const wisp_suite* suite, gate_options* o, wisp_error* error )
 {
     const suite_row* row = suite->rows + o->row;
-    const suite_observer observer = { slow_down, &o->slow };
+    const suite_observer observer = { .observe = slow_down, .user = &o->slow };
     suite_measurement measured;
     if ( o->takes_turns )
     {
