@@ -3,7 +3,7 @@
 
 #include "results.h"
 #include "torture_generate.h"
-#include "torture_judges.h"
+#include "torture_twins.h"
 
 typedef struct torture_search
 {
@@ -20,7 +20,7 @@ typedef struct torture_search
 typedef struct torture_found
 {
     int scenes, refused; ///< tried, and of those refused
-    int broken[TORTURE_JUDGE_COUNT];
+    int broken[STABILITY_CHECK_COUNT];
     double seconds;
 } torture_found;
 

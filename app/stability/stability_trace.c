@@ -1,4 +1,4 @@
-#include "torture_trace.h"
+#include "stability_trace.h"
 
 #include "text_tree.h"
 
@@ -60,7 +60,7 @@ static bool are_finite( const wisp_vec3* points, int count )
     return is_finite;
 }
 
-static void sample_motion( const scene_world* world, int body, torture_sample* sample )
+static void sample_motion( const scene_world* world, int body, stability_sample* sample )
 {
     wisp_motion_stats m;
     if ( scene_world_motion_stats( world, body, &m, NULL ) == WISP_OK )
@@ -74,8 +74,8 @@ static void sample_motion( const scene_world* world, int body, torture_sample* s
     }
 }
 
-static void sample_body( const scene_world* world, const torture_trace* trace, int body, wisp_vec3* points,
-                         torture_sample* sample )
+static void sample_body( const scene_world* world, const stability_trace* trace, int body, wisp_vec3* points,
+                         stability_sample* sample )
 {
     const scene_body shape = scene_world_body( world, body );
     sample->is_finite =
@@ -92,12 +92,12 @@ static void sample_body( const scene_world* world, const torture_trace* trace, i
     }
 }
 
-static void sample_all( const scene_world* world, torture_trace* trace, int row, wisp_vec3* points )
+static void sample_all( const scene_world* world, stability_trace* trace, int row, wisp_vec3* points )
 {
     trace->times[row] = scene_world_time( world );
     for ( int body = 0; body < trace->body_count; ++body )
     {
-        sample_body( world, trace, body, points, torture_sample_of( trace, row, body ) );
+        sample_body( world, trace, body, points, stability_sample_of( trace, row, body ) );
     }
 }
 
@@ -134,12 +134,12 @@ static double stretch_of( const scene_body* shape, const wisp_vec3* now, const w
     return stretch;
 }
 
-static void finish_bodies( const scene_world* world, torture_trace* trace, wisp_vec3* points )
+static void finish_bodies( const scene_world* world, stability_trace* trace, wisp_vec3* points )
 {
     const int strands = world->scene->strands_count;
     for ( int body = 0; body < trace->body_count; ++body )
     {
-        torture_body* b = &trace->bodies[body];
+        stability_body* b = &trace->bodies[body];
         const scene_body shape = scene_world_body( world, body );
         const wisp_vec3* rest =
             body < strands ? world->grooms[body].points : world->surfaces[body - strands].mesh.points;
@@ -154,7 +154,8 @@ static void finish_bodies( const scene_world* world, torture_trace* trace, wisp_
 // ---- the run ----
 
 // Masses and the energy of the start, from a step that is too short to change anything.
-static wisp_status sample_start( const wisp_scene* scene, torture_trace* trace, wisp_vec3* points, wisp_error* error )
+static wisp_status sample_start( const wisp_scene* scene, stability_trace* trace, wisp_vec3* points,
+                                 wisp_error* error )
 {
     const float MOMENT = 1e-6f;
     scene_world world;
@@ -168,12 +169,12 @@ static wisp_status sample_start( const wisp_scene* scene, torture_trace* trace, 
     status = status == WISP_OK ? WISP_OK : wisp_fail( error, status, "%s", wisp_world_message( world.world ) );
     if ( status == WISP_OK )
     {
-        torture_find_inputs( &world, trace );
+        stability_find_inputs( &world, trace );
         sample_all( &world, trace, 0, points );
         trace->times[0] = 0.0;
         for ( int body = 0; body < trace->body_count; ++body )
         {
-            const torture_sample* s = torture_sample_of( trace, 0, body );
+            const stability_sample* s = stability_sample_of( trace, 0, body );
             memcpy( trace->bodies[body].start, s->centre, sizeof s->centre );
             trace->bodies[body].starts_inside = s->penetration > s->thickness;
         }
@@ -188,18 +189,18 @@ static int count_intersections( scene_world* world )
     return wisp_read_contact_stats( world->world, &stats ) == WISP_OK ? stats.intersections : -1;
 }
 
-static bool is_finite_row( const torture_trace* trace, int row )
+static bool is_finite_row( const stability_trace* trace, int row )
 {
     bool is_finite = true;
     for ( int body = 0; body < trace->body_count; ++body )
     {
-        is_finite &= torture_sample_of( trace, row, body )->is_finite;
+        is_finite &= stability_sample_of( trace, row, body )->is_finite;
     }
     return is_finite;
 }
 
 // Counting intersections costs a search, so only the first and the last step are asked for it.
-static void make_steps( scene_world* world, torture_trace* trace, wisp_vec3* points )
+static void make_steps( scene_world* world, stability_trace* trace, wisp_vec3* points )
 {
     const int steps = world->scene->steps;
     const bool counts = has_contact( world->scene );
@@ -225,11 +226,11 @@ static void make_steps( scene_world* world, torture_trace* trace, wisp_vec3* poi
     }
 }
 
-wisp_status torture_trace_run( wisp_scene* scene, torture_trace* out, wisp_error* error )
+wisp_status stability_trace_run( wisp_scene* scene, stability_trace* out, wisp_error* error )
 {
     const size_t bodies = (size_t)scene->strands_count + (size_t)scene->surface_count;
     const size_t rows = (size_t)scene->steps + 1;
-    *out = ( torture_trace ){ .body_count = (int)bodies, .intersections_before = -1, .intersections_after = -1 };
+    *out = ( stability_trace ){ .body_count = (int)bodies, .intersections_before = -1, .intersections_after = -1 };
     request_all( scene );
     scene_world world;
     const scene_world_options options = { .workers = 1, .is_quiet = true };
@@ -253,10 +254,10 @@ wisp_status torture_trace_run( wisp_scene* scene, torture_trace* out, wisp_error
     return status;
 }
 
-void torture_trace_release( torture_trace* trace )
+void stability_trace_release( stability_trace* trace )
 {
     free( trace->bodies );
     free( trace->samples );
     free( trace->times );
-    *trace = ( torture_trace ){ 0 };
+    *trace = ( stability_trace ){ 0 };
 }

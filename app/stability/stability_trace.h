@@ -4,7 +4,7 @@
 #include "world_from_scene.h"
 
 /// A body after a step. Only what moves by itself has energy, strain and speed.
-typedef struct torture_sample
+typedef struct stability_sample
 {
     double kinetic, potential; ///< J
     double speed;              ///< m/s, of the fastest vertex
@@ -12,10 +12,10 @@ typedef struct torture_sample
     double penetration;        ///< m, by which a vertex is nearer to a collider than the thickness; 0: none
     double thickness;          ///< m, of that contact
     bool is_finite;            ///< positions and what is above
-} torture_sample;
+} stability_sample;
 
 /// A body as it starts, and what it is at the end.
-typedef struct torture_body
+typedef struct stability_body
 {
     char name[WISP_SCENE_MAX_NAME + 1];
     bool moves;         ///< has a motion of its own: surfaces, strands with dynamics
@@ -29,13 +29,13 @@ typedef struct torture_body
     double edge;        ///< m, the shortest edge at rest
     double gravity;     ///< m/s^2
     double damping;     ///< 1/s, of all velocities
-    double softness;    ///< stretch that its weight and its solver explain, see torture_inputs.c; infinite: no limit
-    double stretch;     ///< at the end, the largest l / l0 - 1 of its edges
-    double start[3];    ///< m, centre of mass
-} torture_body;
+    double softness; ///< stretch that its weight and its solver explain, see stability_inputs.c; infinite: no limit
+    double stretch;  ///< at the end, the largest l / l0 - 1 of its edges
+    double start[3]; ///< m, centre of mass
+} stability_body;
 
 /// What the scene itself brings into motion.
-typedef struct torture_inputs
+typedef struct stability_inputs
 {
     double last;     ///< s, from here on nothing moves, blows, or fills any more; infinite: never
     double speed;    ///< m/s, of the fastest pin, collider, head or event
@@ -49,32 +49,32 @@ typedef struct torture_inputs
     bool may_intersect;       ///< contact leaves something out, or hair grows on a surface that it is in contact with
     bool has_colliders_close; ///< two colliders can squeeze what is between them
     bool gains_energy;        ///< documented: projection in the order of the list
-} torture_inputs;
+} stability_inputs;
 
-typedef struct torture_trace
+typedef struct stability_trace
 {
-    torture_body* bodies; ///< [body_count] strands and surfaces, in the order of the scene
+    stability_body* bodies; ///< [body_count] strands and surfaces, in the order of the scene
     int body_count;
-    torture_sample* samples;                       ///< [steps + 1][body_count]; row 0 is the start
+    stability_sample* samples;                     ///< [steps + 1][body_count]; row 0 is the start
     double* times;                                 ///< [steps + 1] s
     int steps;                                     ///< that were made
     wisp_status status;                            ///< of the step that failed, or WISP_OK
     char message[500];                             ///< of that step, or of an entity that was halted
     int intersections_before, intersections_after; ///< of contact, after the first and the last step; -1: not counted
-    torture_inputs inputs;
+    stability_inputs inputs;
     double rounding; ///< m/s, that the last bit of a coordinate is worth in a substep
     double extent;   ///< m, diagonal of the bounds of bodies and colliders at the start, without planes
-} torture_trace;
+} stability_trace;
 
-static inline torture_sample* torture_sample_of( const torture_trace* trace, int row, int body )
+static inline stability_sample* stability_sample_of( const stability_trace* trace, int row, int body )
 {
     return trace->samples + (size_t)row * (size_t)trace->body_count + body;
 }
 
 /// Run a scene and take its trace. Changes what the scene requests.
 /// @return what went wrong before the first step
-wisp_status torture_trace_run( wisp_scene* scene, torture_trace* out, wisp_error* error );
-void torture_trace_release( torture_trace* trace );
+wisp_status stability_trace_run( wisp_scene* scene, stability_trace* out, wisp_error* error );
+void stability_trace_release( stability_trace* trace );
 
-/// torture_inputs.c: bodies as they start, and the inputs. Fills all of both but what the run shows.
-void torture_find_inputs( const scene_world* world, torture_trace* trace );
+/// stability_inputs.c: bodies as they start, and the inputs. Fills all of both but what the run shows.
+void stability_find_inputs( const scene_world* world, stability_trace* trace );

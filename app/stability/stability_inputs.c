@@ -1,6 +1,6 @@
 // What a scene brings into motion by itself, from the scene alone: how fast, how far, until when, and with which
 // energy. And how soft its bodies are. The judges compare a run with this.
-#include "torture_trace.h"
+#include "stability_trace.h"
 
 #include <float.h>
 #include <math.h>
@@ -102,7 +102,7 @@ static double shortest_step( const wisp_scene* scene )
 // A path between two poses takes the time between them, but no less than a step. What turns moves the farther, the
 // farther it is from the pivot.
 static void add_path( const wisp_scene* scene, const wisp_scene_path* path, wisp_transform start, double reach,
-                      torture_inputs* inputs )
+                      stability_inputs* inputs )
 {
     wisp_scene_pose before = { .pose = start };
     for ( int i = 0; i < path->count; ++i )
@@ -122,7 +122,7 @@ static void add_path( const wisp_scene* scene, const wisp_scene_path* path, wisp
     }
 }
 
-static void add_paths( const scene_world* world, torture_trace* trace )
+static void add_paths( const scene_world* world, stability_trace* trace )
 {
     const wisp_scene* scene = world->scene;
     const wisp_transform still = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
@@ -191,11 +191,11 @@ static double gas_energy( const wisp_scene_surface* s, double ratio, double volu
     return (double)s->balloon.atmospheric_pressure * volume * ( ratio * log( ratio ) - ratio + 1.0 );
 }
 
-static void add_balloon( const scene_world* world, int surface, torture_trace* trace )
+static void add_balloon( const scene_world* world, int surface, stability_trace* trace )
 {
     const wisp_scene* scene = world->scene;
     const wisp_scene_surface* s = &scene->surfaces[surface];
-    const torture_body* body = &trace->bodies[scene->strands_count + surface];
+    const stability_body* body = &trace->bodies[scene->strands_count + surface];
     const double volume = pow( body->size, 3.0 );
     double most = (double)s->balloon.gas_ratio, sum = gas_energy( s, most, volume );
     for ( int i = 0; i < s->gas_ratio_keyframe_count; ++i )
@@ -224,7 +224,7 @@ static void add_balloon( const scene_world* world, int surface, torture_trace* t
         has_outlet ? 2.0 * (double)s->balloon.atmospheric_pressure * (double)s->balloon.outlet_area * most : 0.0;
 }
 
-static void add_wind( torture_trace* trace, const torture_body* body, wisp_vec3 wind, double coefficient,
+static void add_wind( stability_trace* trace, const stability_body* body, wisp_vec3 wind, double coefficient,
                       double density )
 {
     const double speed = length_of( wind );
@@ -236,7 +236,7 @@ static void add_wind( torture_trace* trace, const torture_body* body, wisp_vec3 
     }
 }
 
-static void add_air( const scene_world* world, torture_trace* trace )
+static void add_air( const scene_world* world, stability_trace* trace )
 {
     const wisp_scene* scene = world->scene;
     for ( int i = 0; i < scene->surface_count; ++i )
@@ -258,7 +258,7 @@ static void add_air( const scene_world* world, torture_trace* trace )
     }
 }
 
-static void add_events( const scene_world* world, torture_trace* trace )
+static void add_events( const scene_world* world, stability_trace* trace )
 {
     const wisp_scene* scene = world->scene;
     for ( int i = 0; i < scene->event_count; ++i )
@@ -316,7 +316,7 @@ static double softness_of( double compliance, double stiffness, double inverse_m
     return ( compliance + 2.0 * inverse_mass * h * h / fmax( stiffness, 1e-2 ) ) * force / edge;
 }
 
-static double surface_softness( const wisp_scene* scene, const wisp_scene_surface* s, const torture_body* body,
+static double surface_softness( const wisp_scene* scene, const wisp_scene_surface* s, const stability_body* body,
                                 double inverse_mass, double force )
 {
     const double h = (double)scene->dt / scene->substeps;
@@ -335,7 +335,7 @@ static double surface_softness( const wisp_scene* scene, const wisp_scene_surfac
     return INFINITY; // a skin that gas stretches, or vertices without links
 }
 
-static double strands_softness( const wisp_scene* scene, const wisp_scene_strands* s, const torture_body* body,
+static double strands_softness( const wisp_scene* scene, const wisp_scene_strands* s, const stability_body* body,
                                 double inverse_mass, double force )
 {
     const double h = (double)scene->dt / scene->substeps;
@@ -359,13 +359,13 @@ static double total_mass( const scene_world* world )
     return mass;
 }
 
-static void find_softness( const scene_world* world, torture_trace* trace )
+static void find_softness( const scene_world* world, stability_trace* trace )
 {
     const wisp_scene* scene = world->scene;
     const double mass = total_mass( world );
     for ( int i = 0; i < trace->body_count; ++i )
     {
-        torture_body* b = &trace->bodies[i];
+        stability_body* b = &trace->bodies[i];
         // What stands on the body counts, as does the wind.
         const double force = mass * fmax( b->gravity, 1.0 ) + trace->inputs.drag + trace->inputs.lift;
         const int vertices = scene_world_body( world, i ).vertex_count;
@@ -407,14 +407,14 @@ static bool may_intersect( const wisp_scene* scene )
 
 // ---- bodies ----
 
-static void measure_edge( torture_body* body, double* area, wisp_vec3 a, wisp_vec3 b, double width )
+static void measure_edge( stability_body* body, double* area, wisp_vec3 a, wisp_vec3 b, double width )
 {
     const double length = distance( a, b );
     body->edge = length > 0.0 ? fmin( body->edge, length ) : body->edge;
     *area += length * width;
 }
 
-static void measure( const scene_world* world, int body, torture_body* b )
+static void measure( const scene_world* world, int body, stability_body* b )
 {
     const scene_body shape = scene_world_body( world, body );
     const wisp_vec3* p = points_of( world, body );
@@ -444,7 +444,7 @@ static void measure( const scene_world* world, int body, torture_body* b )
     }
 }
 
-static void describe_body( const scene_world* world, int body, torture_body* b )
+static void describe_body( const scene_world* world, int body, stability_body* b )
 {
     const wisp_scene* scene = world->scene;
     const bool is_strands = body < scene->strands_count;
@@ -462,10 +462,10 @@ static void describe_body( const scene_world* world, int body, torture_body* b )
     measure( world, body, b );
 }
 
-void torture_find_inputs( const scene_world* world, torture_trace* trace )
+void stability_find_inputs( const scene_world* world, stability_trace* trace )
 {
     const wisp_scene* scene = world->scene;
-    trace->inputs = ( torture_inputs ){ 0 };
+    trace->inputs = ( stability_inputs ){ 0 };
     trace->extent = find_extent( world, &trace->rounding );
     for ( int body = 0; body < trace->body_count; ++body )
     {

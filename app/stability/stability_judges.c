@@ -1,28 +1,18 @@
-#include "torture_judges.h"
+#include "stability_judges.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
-const char* const torture_judge_names[TORTURE_JUDGE_COUNT] = { "crash",       "time",          "refused", "status",
-                                                               "finite",      "halted",        "energy",  "strain",
-                                                               "penetration", "intersections", "rest",    "bits",
-                                                               "snapshot",    "scale",         "shift" };
+const char* const stability_check_names[STABILITY_CHECK_COUNT] = {
+    "crash",       "time",          "refused", "status", "finite",   "halted", "energy", "strain",
+    "penetration", "intersections", "rest",    "bits",   "snapshot", "scale",  "shift"
+};
 
-wisp_status torture_read( const torture_subject* subject, wisp_scene* out, wisp_error* error )
+__attribute__( ( format( printf, 5, 6 ) ) ) static bool break_it( stability_verdict* out, stability_check judge,
+                                                                  int step, double severity, const char* format, ... )
 {
-    char* text = text_write( subject->tree, NULL );
-    const wisp_status status = wisp_scene_parse( text, strlen( text ), subject->name, out, error );
-    free( text );
-    return status;
-}
-
-__attribute__( ( format( printf, 5, 6 ) ) ) static bool break_it( torture_verdict* out, torture_judge judge, int step,
-                                                                  double severity, const char* format, ... )
-{
-    out->judge = judge;
+    out->check = judge;
     out->step = step;
     out->severity = severity;
     va_list arguments;
@@ -34,21 +24,21 @@ __attribute__( ( format( printf, 5, 6 ) ) ) static bool break_it( torture_verdic
 
 // ---- every step ----
 
-bool torture_judge_status( const torture_trace* trace, torture_verdict* out )
+bool stability_judge_status( const stability_trace* trace, stability_verdict* out )
 {
-    return trace->status == WISP_OK || break_it( out, TORTURE_STATUS, trace->steps + 1, 1.0, "step %d failed: %s",
+    return trace->status == WISP_OK || break_it( out, STABILITY_STATUS, trace->steps + 1, 1.0, "step %d failed: %s",
                                                  trace->steps + 1, trace->message );
 }
 
-bool torture_judge_finite( const torture_trace* trace, torture_verdict* out )
+bool stability_judge_finite( const stability_trace* trace, stability_verdict* out )
 {
     for ( int row = 0; row <= trace->steps; ++row )
     {
         for ( int body = 0; body < trace->body_count; ++body )
         {
-            if ( !torture_sample_of( trace, row, body )->is_finite )
+            if ( !stability_sample_of( trace, row, body )->is_finite )
             {
-                return break_it( out, TORTURE_FINITE, row, 1.0, "%s is not finite at %.3g s",
+                return break_it( out, STABILITY_FINITE, row, 1.0, "%s is not finite at %.3g s",
                                  trace->bodies[body].name, trace->times[row] );
             }
         }
@@ -57,7 +47,7 @@ bool torture_judge_finite( const torture_trace* trace, torture_verdict* out )
 }
 
 // The speed before tells what led to it.
-bool torture_judge_halted( const torture_trace* trace, torture_verdict* out )
+bool stability_judge_halted( const stability_trace* trace, stability_verdict* out )
 {
     for ( int body = 0; body < trace->body_count; ++body )
     {
@@ -69,12 +59,13 @@ bool torture_judge_halted( const torture_trace* trace, torture_verdict* out )
         int fastest = 0;
         for ( int row = 0; row <= trace->steps; ++row )
         {
-            const double now = torture_sample_of( trace, row, body )->speed;
+            const double now = stability_sample_of( trace, row, body )->speed;
             fastest = now > speed ? row : fastest;
             speed = fmax( speed, now );
         }
-        return break_it( out, TORTURE_HALTED, fastest, 1.0, "%s was halted; it was fastest at %.3g s, with %.3g m/s",
-                         trace->bodies[body].name, trace->times[fastest], speed );
+        return break_it( out, STABILITY_HALTED, fastest, 1.0,
+                         "%s was halted; it was fastest at %.3g s, with %.3g m/s", trace->bodies[body].name,
+                         trace->times[fastest], speed );
     }
     return true;
 }
@@ -92,15 +83,16 @@ static double distance_of( const double a[3], const double b[3] )
 // may be thrown to 2 W; where it carries the body, its force works along the way. So do buoyancy and jet. Gas and
 // bent hair set free what they store. What starts inside a collider, or too near to something else, is lifted out of
 // it: no farther than everything together is large. Corrections may round up: one percent of what the motion holds.
-double torture_energy_budget( const torture_trace* trace, int row )
+double stability_energy_budget( const stability_trace* trace, int row )
 {
     const double ROUNDING = 0.01, DRIVEN = 2.0, FLUTTER = 2.0;
-    const torture_inputs* in = &trace->inputs;
+    const stability_inputs* in = &trace->inputs;
     double budget = in->gas + in->rods;
     for ( int body = 0; body < trace->body_count; ++body )
     {
-        const torture_body* b = &trace->bodies[body];
-        const torture_sample *s = torture_sample_of( trace, row, body ), *first = torture_sample_of( trace, 0, body );
+        const stability_body* b = &trace->bodies[body];
+        const stability_sample *s = stability_sample_of( trace, row, body ),
+                               *first = stability_sample_of( trace, 0, body );
         const double way = b->moves ? distance_of( s->centre, b->start ) : 0.0;
         const double thrown = pow( DRIVEN * in->speed, 2.0 ) + pow( FLUTTER * in->wind, 2.0 );
         budget += 0.5 * b->mass * thrown + b->mass * b->gravity * ( in->path + trace->extent );
@@ -110,42 +102,42 @@ double torture_energy_budget( const torture_trace* trace, int row )
     return budget;
 }
 
-static double energy_of( const torture_trace* trace, int row )
+static double energy_of( const stability_trace* trace, int row )
 {
     double sum = 0.0;
     for ( int body = 0; body < trace->body_count; ++body )
     {
-        const torture_sample* s = torture_sample_of( trace, row, body );
+        const stability_sample* s = stability_sample_of( trace, row, body );
         sum += s->kinetic + s->potential;
     }
     return sum;
 }
 
-static int fastest_body( const torture_trace* trace, int row )
+static int fastest_body( const stability_trace* trace, int row )
 {
     int fastest = 0;
     for ( int body = 1; body < trace->body_count; ++body )
     {
         const bool is_faster =
-            torture_sample_of( trace, row, body )->speed > torture_sample_of( trace, row, fastest )->speed;
+            stability_sample_of( trace, row, body )->speed > stability_sample_of( trace, row, fastest )->speed;
         fastest = is_faster ? body : fastest;
     }
     return fastest;
 }
 
-bool torture_judge_energy( const torture_trace* trace, torture_verdict* out )
+bool stability_judge_energy( const stability_trace* trace, stability_verdict* out )
 {
     const double start = energy_of( trace, 0 );
     for ( int row = 1; row <= trace->steps && !trace->inputs.gains_energy; ++row )
     {
-        const double gain = energy_of( trace, row ) - start, budget = torture_energy_budget( trace, row );
+        const double gain = energy_of( trace, row ) - start, budget = stability_energy_budget( trace, row );
         if ( gain > budget )
         {
             const int body = fastest_body( trace, row );
-            return break_it( out, TORTURE_ENERGY, row, gain / budget,
+            return break_it( out, STABILITY_ENERGY, row, gain / budget,
                              "energy is %.3g J above the start at %.3g s, and inputs explain %.3g J; %s has %.3g m/s",
                              gain, trace->times[row], budget, trace->bodies[body].name,
-                             torture_sample_of( trace, row, body )->speed );
+                             stability_sample_of( trace, row, body )->speed );
         }
     }
     return true;
@@ -157,31 +149,31 @@ bool torture_judge_energy( const torture_trace* trace, torture_verdict* out )
 // lengths or to push out what is inside are too slow for what is shown.
 static const double SETTLING = 1.0; // s
 
-bool torture_is_at_rest( const torture_trace* trace )
+bool stability_is_at_rest( const stability_trace* trace )
 {
     return trace->steps > 0 && trace->times[trace->steps] - trace->inputs.last >= SETTLING;
 }
 
 // Pins, colliders and heads that moved may hold a body stretched, or inside of something. So may a collider that it
 // starts in.
-bool torture_is_held( const torture_trace* trace, int body )
+bool stability_is_held( const stability_trace* trace, int body )
 {
-    const torture_body* b = &trace->bodies[body];
+    const stability_body* b = &trace->bodies[body];
     return ( b->is_pinned && trace->inputs.moves_pins ) || b->starts_inside;
 }
 
-bool torture_judge_strain( const torture_trace* trace, torture_verdict* out )
+bool stability_judge_strain( const stability_trace* trace, stability_verdict* out )
 {
     const double FREE = 0.5;     // folds and contacts keep single edges long; half is far beyond what is seen of them
     const double FACTOR = 3.0;   // of the stretch that weight explains: it is an estimate
     const double TOO_SOFT = 1.0; // a body that its weight stretches to twice its length says nothing
-    for ( int body = 0; body < trace->body_count && torture_is_at_rest( trace ); ++body )
+    for ( int body = 0; body < trace->body_count && stability_is_at_rest( trace ); ++body )
     {
-        const torture_body* b = &trace->bodies[body];
+        const stability_body* b = &trace->bodies[body];
         const double limit = FREE + FACTOR * b->softness;
-        if ( b->moves && b->softness < TOO_SOFT && !torture_is_held( trace, body ) && b->stretch > limit )
+        if ( b->moves && b->softness < TOO_SOFT && !stability_is_held( trace, body ) && b->stretch > limit )
         {
-            return break_it( out, TORTURE_STRAIN, trace->steps, b->stretch / limit,
+            return break_it( out, STABILITY_STRAIN, trace->steps, b->stretch / limit,
                              "%s has an edge stretched by %.3g %% at the end, and its weight explains %.3g %%",
                              b->name, 100.0 * b->stretch, 100.0 * b->softness );
         }
@@ -189,20 +181,20 @@ bool torture_judge_strain( const torture_trace* trace, torture_verdict* out )
     return true;
 }
 
-bool torture_judge_penetration( const torture_trace* trace, torture_verdict* out )
+bool stability_judge_penetration( const stability_trace* trace, stability_verdict* out )
 {
     const double SMALL = 0.01; // of the body: depths that nobody sees, of colliders without a thickness
-    for ( int body = 0; body < trace->body_count && torture_is_at_rest( trace ) && !trace->inputs.has_colliders_close;
-          ++body )
+    for ( int body = 0;
+          body < trace->body_count && stability_is_at_rest( trace ) && !trace->inputs.has_colliders_close; ++body )
     {
-        const torture_body* b = &trace->bodies[body];
-        const torture_sample* s = torture_sample_of( trace, trace->steps, body );
+        const stability_body* b = &trace->bodies[body];
+        const stability_sample* s = stability_sample_of( trace, trace->steps, body );
         // Below the surface of the collider, by more than the distance that is to be kept from it.
         const double depth = s->penetration - s->thickness;
         const double limit = fmax( s->thickness, SMALL * b->size );
-        if ( b->moves && !b->is_carried && !torture_is_held( trace, body ) && depth > limit )
+        if ( b->moves && !b->is_carried && !stability_is_held( trace, body ) && depth > limit )
         {
-            return break_it( out, TORTURE_PENETRATION, trace->steps, depth / limit,
+            return break_it( out, STABILITY_PENETRATION, trace->steps, depth / limit,
                              "%s is %.3g mm inside a collider at the end, with a thickness of %.3g mm", b->name,
                              1e3 * depth, 1e3 * s->thickness );
         }
@@ -210,12 +202,12 @@ bool torture_judge_penetration( const torture_trace* trace, torture_verdict* out
     return true;
 }
 
-bool torture_judge_intersections( const torture_trace* trace, torture_verdict* out )
+bool stability_judge_intersections( const stability_trace* trace, stability_verdict* out )
 {
     const bool came = trace->intersections_before == 0 && trace->intersections_after > 0;
-    if ( came && torture_is_at_rest( trace ) && !trace->inputs.moves_pins && !trace->inputs.may_intersect )
+    if ( came && stability_is_at_rest( trace ) && !trace->inputs.moves_pins && !trace->inputs.may_intersect )
     {
-        return break_it( out, TORTURE_INTERSECTIONS, trace->steps, trace->intersections_after,
+        return break_it( out, STABILITY_INTERSECTIONS, trace->steps, trace->intersections_after,
                          "%d edges pass through triangles at the end, none did at the start",
                          trace->intersections_after );
     }
@@ -225,7 +217,7 @@ bool torture_judge_intersections( const torture_trace* trace, torture_verdict* o
 // ---- motion that does not die ----
 
 // Rows of the last part of a run, from a time on.
-static int row_at( const torture_trace* trace, double time )
+static int row_at( const stability_trace* trace, double time )
 {
     int row = 0;
     while ( row < trace->steps && trace->times[row] < time )
@@ -235,18 +227,18 @@ static int row_at( const torture_trace* trace, double time )
     return row;
 }
 
-static double speed_between( const torture_trace* trace, int body, int from, int to )
+static double speed_between( const stability_trace* trace, int body, int from, int to )
 {
     double speed = 0.0;
     for ( int row = from; row <= to; ++row )
     {
-        speed = fmax( speed, torture_sample_of( trace, row, body )->speed );
+        speed = fmax( speed, stability_sample_of( trace, row, body )->speed );
     }
     return speed;
 }
 
 // Bodies touch and carry each other: the least damped one keeps the others in motion.
-static double least_damping( const torture_trace* trace )
+static double least_damping( const stability_trace* trace )
 {
     double damping = INFINITY;
     for ( int body = 0; body < trace->body_count; ++body )
@@ -257,7 +249,7 @@ static double least_damping( const torture_trace* trace )
 }
 
 // A body that falls, slides or swings goes somewhere: only one that is fast and stays where it is trembles.
-static bool judge_body_at_rest( const torture_trace* trace, int body, torture_verdict* out )
+static bool judge_body_at_rest( const stability_trace* trace, int body, stability_verdict* out )
 {
     const double WINDOW = 0.5;    // s
     const double SLOW = 0.01;     // of the speed of a fall through the body's own size
@@ -267,7 +259,7 @@ static bool judge_body_at_rest( const torture_trace* trace, int body, torture_ve
     const double FAST = 10.0,
                  GONE = 5.0;   // times the speed that is slow; rates times time after which nothing is left
     const double TRAVEL = 0.2; // part of the way of the fastest vertex that the centre goes
-    const torture_body* b = &trace->bodies[body];
+    const stability_body* b = &trace->bodies[body];
     const double end = trace->times[trace->steps], begin = trace->inputs.last + SETTLING;
     const int early = row_at( trace, begin ), early_end = row_at( trace, begin + WINDOW ),
               late = row_at( trace, end - WINDOW );
@@ -280,39 +272,39 @@ static bool judge_body_at_rest( const torture_trace* trace, int body, torture_ve
                  after = speed_between( trace, body, late, trace->steps );
     const double slow = SLOW * sqrt( fmax( b->gravity, 1.0 ) * b->size ) + ROUNDINGS * trace->rounding;
     const double limit = fmax( UNSEEN, slow );
-    const double way = distance_of( torture_sample_of( trace, late, body )->centre,
-                                    torture_sample_of( trace, trace->steps, body )->centre );
+    const double way = distance_of( stability_sample_of( trace, late, body )->centre,
+                                    stability_sample_of( trace, trace->steps, body )->centre );
     const bool grows = after > limit && after >= before;
     const bool lasts = after > FAST * limit && after > 0.5 * before && least_damping( trace ) * elapsed > GONE;
     if ( ( grows || lasts ) && way < TRAVEL * after * WINDOW )
     {
         return break_it(
-            out, TORTURE_REST, trace->steps, after / limit,
+            out, STABILITY_REST, trace->steps, after / limit,
             "%s moves with %.3g m/s at the end, %.3g s after all inputs rest, and with %.3g m/s %.3g s before",
             b->name, after, end - trace->inputs.last, before, elapsed );
     }
     return true;
 }
 
-bool torture_judge_rest( const torture_trace* trace, torture_verdict* out )
+bool stability_judge_rest( const stability_trace* trace, stability_verdict* out )
 {
     // What starts through each other pushes for ever, and the order of the list gains energy: both are documented.
     const bool is_excused = trace->inputs.gains_energy || trace->intersections_before > 0;
     bool holds = true;
-    for ( int body = 0; body < trace->body_count && holds && torture_is_at_rest( trace ) && !is_excused; ++body )
+    for ( int body = 0; body < trace->body_count && holds && stability_is_at_rest( trace ) && !is_excused; ++body )
     {
         holds = judge_body_at_rest( trace, body, out );
     }
     return holds;
 }
 
-bool torture_judge_trace( const torture_trace* trace, torture_verdict* out )
+bool stability_judge_trace( const stability_trace* trace, stability_verdict* out )
 {
-    static torture_judge_fn* const judges[] = { torture_judge_status,        torture_judge_finite,
-                                                torture_judge_halted,        torture_judge_energy,
-                                                torture_judge_strain,        torture_judge_penetration,
-                                                torture_judge_intersections, torture_judge_rest };
-    *out = ( torture_verdict ){ .judge = TORTURE_HOLDS };
+    static stability_judge_fn* const judges[] = { stability_judge_status,        stability_judge_finite,
+                                                  stability_judge_halted,        stability_judge_energy,
+                                                  stability_judge_strain,        stability_judge_penetration,
+                                                  stability_judge_intersections, stability_judge_rest };
+    *out = ( stability_verdict ){ .check = STABILITY_HOLDS };
     for ( int i = 0; i < WISP_COUNT( judges ); ++i )
     {
         if ( !judges[i]( trace, out ) )
