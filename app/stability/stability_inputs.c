@@ -1,10 +1,13 @@
 // What a scene brings into motion by itself, from the scene alone: how fast, how far, until when, and with which
 // energy. And how soft its bodies are. The judges compare a run with this.
-#include "stability_trace.h"
+#include "stability_parts.h"
+
+#include "text_tree.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 static double length_of( wisp_vec3 v )
 {
@@ -370,6 +373,8 @@ static void find_softness( const scene_world* world, stability_trace* trace )
         const double force = mass * fmax( b->gravity, 1.0 ) + trace->inputs.drag + trace->inputs.lift;
         const int vertices = scene_world_body( world, i ).vertex_count;
         const double inverse_mass = b->mass > 0.0 ? vertices / b->mass : 0.0;
+        b->burden = ( b->has_contact ? fmax( mass - b->mass, 0.0 ) * fmax( b->gravity, 1.0 ) : 0.0 ) +
+                    trace->inputs.drag + trace->inputs.lift;
         if ( b->moves )
         {
             b->softness =
@@ -414,10 +419,23 @@ static void measure_edge( stability_body* body, double* area, wisp_vec3 a, wisp_
     *area += length * width;
 }
 
+// The rest shape in the order of the user, whatever the body starts as.
+static wisp_vec3* rest_of( const scene_world* world, int body, int count )
+{
+    wisp_vec3* rest = text_alloc( (size_t)count * sizeof *rest );
+    stability_reader* r = stability_reader_make( world, body );
+    for ( int v = 0; v < count; ++v )
+    {
+        rest[v] = !r->moves ? points_of( world, body )[v] : r->rest[r->fabric ? r->fabric->vertex_slot[v] : v];
+    }
+    stability_reader_free( r );
+    return rest;
+}
+
 static void measure( const scene_world* world, int body, stability_body* b )
 {
     const scene_body shape = scene_world_body( world, body );
-    const wisp_vec3* p = points_of( world, body );
+    wisp_vec3* p = rest_of( world, body, shape.vertex_count );
     const double diameter =
         body < world->scene->strands_count ? (double)world->scene->strands[body].dynamics.diameter : 0.0;
     bounds box = NOTHING;
@@ -427,6 +445,8 @@ static void measure( const scene_world* world, int body, stability_body* b )
         widen( &box, p[i] );
     }
     b->size = diagonal( &box );
+    b->extent = fmax( (double)box.upper.x - (double)box.lower.x,
+                      fmax( (double)box.upper.y - (double)box.lower.y, (double)box.upper.z - (double)box.lower.z ) );
     for ( int t = 0; t < shape.triangle_count; ++t )
     {
         const int32_t* v = shape.triangles + 3 * t;
@@ -442,6 +462,7 @@ static void measure( const scene_world* world, int body, stability_body* b )
             measure_edge( b, &b->area, p[v - 1], p[v], diameter );
         }
     }
+    free( p );
 }
 
 static void describe_body( const scene_world* world, int body, stability_body* b )
@@ -457,6 +478,18 @@ static void describe_body( const scene_world* world, int body, stability_body* b
     b->is_pinned = is_strands || world->surfaces[body - scene->strands_count].pin_count > 0;
     b->gravity = length_of( is_strands ? hair->dynamics.gravity : surface->gravity );
     b->damping = is_strands ? (double)hair->dynamics.damping : (double)surface->damping;
+    b->has_contact = is_strands ? hair->has_contact : surface->has_contact;
+    b->pin_count = is_strands ? 0 : world->surfaces[body - scene->strands_count].pin_count;
+    b->starts_away = is_strands ? hair->has_start
+                                : ( surface->has_start || length_of( surface->velocity ) > 0.0f ||
+                                    length_of( surface->angular_velocity ) > 0.0f );
+    b->is_uneven = ( is_strands ? hair->mass_ratio : surface->mass_ratio ) != 1.0f;
+    b->twin = INFINITY;
+    if ( is_strands && hair->dynamics.stretch == WISP_STRAND_STRETCH_FOLLOW )
+    {
+        const double h = (double)scene->dt / scene->substeps;
+        b->kept = b->gravity * h / ( 1.0 - fmin( (double)hair->dynamics.leader_correction, 0.99 ) );
+    }
     wisp_motion_stats m;
     b->mass = b->moves && scene_world_motion_stats( world, body, &m, NULL ) == WISP_OK ? m.mass : 0.0;
     measure( world, body, b );
@@ -467,6 +500,7 @@ void stability_find_inputs( const scene_world* world, stability_trace* trace )
     const wisp_scene* scene = world->scene;
     trace->inputs = ( stability_inputs ){ 0 };
     trace->extent = find_extent( world, &trace->rounding );
+    trace->substep = shortest_step( scene ) / scene->substeps;
     for ( int body = 0; body < trace->body_count; ++body )
     {
         describe_body( world, body, &trace->bodies[body] );
@@ -492,11 +526,25 @@ void stability_find_inputs( const scene_world* world, stability_trace* trace )
         const bool is_straightened = s->has_dynamics && s->dynamics.bending == WISP_STRAND_BEND_ROD &&
                                      s->dynamics.rest == WISP_STRAND_REST_STRAIGHT;
         // A grid that pushes strands apart works on them as long as they are close.
+        trace->inputs.rods += s->has_start ? INFINITY : 0.0;
         trace->inputs.rods += s->has_grid && s->grid.repulsion > 0.0f ? INFINITY : 0.0;
         trace->inputs.rods += is_straightened ? rod_energy( s, &world->grooms[i] ) : 0.0;
     }
     add_air( world, trace );
     add_events( world, trace );
+    int touching = 0;
+    for ( int body = 0; body < trace->body_count; ++body )
+    {
+        touching += trace->bodies[body].has_contact ? 1 : 0;
+    }
+    trace->inputs.is_uneven = scene->dt_factor_count > 0 || touching > 1;
+    trace->inputs.has_events = scene->event_count > 0;
+    trace->inputs.works = trace->inputs.lift > 0.0 || trace->inputs.drag > 0.0;
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        const wisp_scene_strands* s = &scene->strands[i];
+        trace->inputs.works |= s->on_surface >= 0 || ( s->has_grid && s->grid.repulsion > 0.0f );
+    }
     trace->inputs.has_colliders_close = find_close_colliders( world );
     find_softness( world, trace );
 }

@@ -5,8 +5,8 @@
 #include <stdio.h>
 
 const char* const stability_check_names[STABILITY_CHECK_COUNT] = {
-    "crash",       "time",          "refused", "status", "finite",   "halted", "energy", "strain",
-    "penetration", "intersections", "rest",    "bits",   "snapshot", "scale",  "shift"
+    "crash", "time",        "refused",       "status", "finite", "halted",   "energy", "strain", "recovery",
+    "speed", "penetration", "intersections", "rest",   "bits",   "snapshot", "scale",  "shift"
 };
 
 __attribute__( ( format( printf, 5, 6 ) ) ) static bool break_it( stability_verdict* out, stability_check judge,
@@ -170,12 +170,15 @@ bool stability_judge_strain( const stability_trace* trace, stability_verdict* ou
     for ( int body = 0; body < trace->body_count && stability_is_at_rest( trace ); ++body )
     {
         const stability_body* b = &trace->bodies[body];
-        const double limit = FREE + FACTOR * b->softness;
-        if ( b->moves && b->softness < TOO_SOFT && !stability_is_held( trace, body ) && b->stretch > limit )
+        // the softness is of equal masses
+        const double softness =
+            b->is_uneven ? fmax( b->softness, stability_sample_of( trace, trace->steps, body )->reach ) : b->softness;
+        const double limit = FREE + FACTOR * softness;
+        if ( b->moves && softness < TOO_SOFT && !stability_is_held( trace, body ) && b->stretch > limit )
         {
             return break_it( out, STABILITY_STRAIN, trace->steps, b->stretch / limit,
                              "%s has an edge stretched by %.3g %% at the end, and its weight explains %.3g %%",
-                             b->name, 100.0 * b->stretch, 100.0 * b->softness );
+                             b->name, 100.0 * b->stretch, 100.0 * softness );
         }
     }
     return true;
@@ -204,12 +207,13 @@ bool stability_judge_penetration( const stability_trace* trace, stability_verdic
 
 bool stability_judge_intersections( const stability_trace* trace, stability_verdict* out )
 {
-    const bool came = trace->intersections_before == 0 && trace->intersections_after > 0;
+    const int most = trace->intersections_most > trace->intersections_after ? trace->intersections_most
+                                                                            : trace->intersections_after;
+    const bool came = trace->intersections_before == 0 && most > 0;
     if ( came && stability_is_at_rest( trace ) && !trace->inputs.moves_pins && !trace->inputs.may_intersect )
     {
-        return break_it( out, STABILITY_INTERSECTIONS, trace->steps, trace->intersections_after,
-                         "%d edges pass through triangles at the end, none did at the start",
-                         trace->intersections_after );
+        return break_it( out, STABILITY_INTERSECTIONS, trace->steps, most,
+                         "%d edges pass through triangles at the end, none did at the start", most );
     }
     return true;
 }
@@ -229,10 +233,13 @@ static int row_at( const stability_trace* trace, double time )
 
 static double speed_between( const stability_trace* trace, int body, int from, int to )
 {
+    // a follower at rest keeps a velocity, which moves nothing
+    const bool keeps = trace->bodies[body].kept > 0.0;
     double speed = 0.0;
     for ( int row = from; row <= to; ++row )
     {
-        speed = fmax( speed, stability_sample_of( trace, row, body )->speed );
+        const stability_sample* s = stability_sample_of( trace, row, body );
+        speed = fmax( speed, keeps ? s->travel : s->speed );
     }
     return speed;
 }
@@ -298,16 +305,68 @@ bool stability_judge_rest( const stability_trace* trace, stability_verdict* out 
     return holds;
 }
 
-bool stability_judge_trace( const stability_trace* trace, stability_verdict* out )
+// ---- figures and their limits ----
+
+static bool is_within( double value, double limit )
 {
-    static stability_judge_fn* const judges[] = { stability_judge_status,        stability_judge_finite,
-                                                  stability_judge_halted,        stability_judge_energy,
-                                                  stability_judge_strain,        stability_judge_penetration,
-                                                  stability_judge_intersections, stability_judge_rest };
-    *out = ( stability_verdict ){ .check = STABILITY_HOLDS };
-    for ( int i = 0; i < WISP_COUNT( judges ); ++i )
+    return isinf( limit ) || value <= limit; // NaN is not
+}
+
+static bool judge_figures( const stability_trace* trace, const stability_figures* f, stability_check check,
+                           stability_verdict* out )
+{
+    switch ( check )
     {
-        if ( !judges[i]( trace, out ) )
+        case STABILITY_ENERGY:
+            return is_within( f->energy, f->energy_limit ) ||
+                   break_it( out, check, f->energy_row, f->energy / f->energy_limit,
+                             "energy is %.3g J above that when inputs came to rest, and %.3g J are allowed",
+                             f->energy, f->energy_limit );
+        case STABILITY_STRAIN:
+            return is_within( f->strain, f->strain_limit ) ||
+                   break_it( out, check, trace->steps, f->strain / f->strain_limit,
+                             "%s has an edge %.3g %% off its length at the end, and %.3g %% are explained",
+                             trace->bodies[f->strain_body].name, 100.0 * f->strain, 100.0 * f->strain_limit );
+        case STABILITY_RECOVERY:
+            return is_within( f->recovery, f->recovery_limit ) ||
+                   break_it(
+                       out, check, f->recovery_row, f->recovery / f->recovery_limit,
+                       "%s has an edge beyond its limit until %.3g s after all inputs rest, and %.3g s are allowed",
+                       trace->bodies[f->recovery_body].name, f->recovery, f->recovery_limit );
+        case STABILITY_SPEED:
+            return is_within( f->speed, f->speed_limit ) ||
+                   break_it( out, check, f->speed_row, f->speed / f->speed_limit,
+                             "a vertex moves with %.3g m/s, and inputs explain %.3g m/s", f->speed, f->speed_limit );
+        case STABILITY_REST:
+            return is_within( f->rest, f->rest_limit ) ||
+                   break_it( out, check, trace->steps, f->rest / f->rest_limit,
+                             "%s moves with %.3g m/s in the last twentieth of the run, and %.3g m/s are allowed",
+                             trace->bodies[f->rest_body].name, f->rest, f->rest_limit );
+        default:
+            return true;
+    }
+}
+
+bool stability_judge_trace( const stability_trace* trace, unsigned checks, stability_verdict* out )
+{
+    static stability_judge_fn* const judges[STABILITY_CHECK_COUNT] = {
+        [STABILITY_STATUS] = stability_judge_status,
+        [STABILITY_FINITE] = stability_judge_finite,
+        [STABILITY_HALTED] = stability_judge_halted,
+        [STABILITY_ENERGY] = stability_judge_energy,
+        [STABILITY_STRAIN] = stability_judge_strain,
+        [STABILITY_PENETRATION] = stability_judge_penetration,
+        [STABILITY_INTERSECTIONS] = stability_judge_intersections,
+        [STABILITY_REST] = stability_judge_rest,
+    };
+    *out = ( stability_verdict ){ .check = STABILITY_HOLDS };
+    const stability_figures figures = stability_figures_of( trace );
+    for ( int i = 0; i < STABILITY_CHECK_COUNT; ++i )
+    {
+        const bool is_meant = ( checks & stability_bit( (stability_check)i ) ) != 0;
+        if ( is_meant &&
+             ( ( judges[i] && !judges[i]( trace, out ) ) ||
+               ( ( checks & STABILITY_CLOSE ) && !judge_figures( trace, &figures, (stability_check)i, out ) ) ) )
         {
             return false;
         }

@@ -15,6 +15,8 @@ typedef enum stability_check
     STABILITY_HALTED,        ///< the engine gave up an entity
     STABILITY_ENERGY,        ///< more energy than was brought in
     STABILITY_STRAIN,        ///< edges longer than weight and stiffness explain
+    STABILITY_RECOVERY,      ///< the same, until too late
+    STABILITY_SPEED,         ///< faster than what moves it can explain
     STABILITY_PENETRATION,   ///< vertices inside a collider at rest
     STABILITY_INTERSECTIONS, ///< edges through triangles that contact should have kept apart
     STABILITY_REST,          ///< motion that does not die
@@ -36,8 +38,20 @@ typedef struct stability_verdict
     char message[320]; ///< a sentence with figures; empty if everything holds
 } stability_verdict;
 
-/// Judge a trace. @return whether it holds
-bool stability_judge_trace( const stability_trace* trace, stability_verdict* out );
+/// A check in a set of them.
+static inline unsigned stability_bit( stability_check check )
+{
+    return 1u << check;
+}
+
+enum
+{
+    STABILITY_CLOSE = 1u << 30, ///< with the limits of stability_figures, too
+    STABILITY_ALL = ( 1u << STABILITY_CHECK_COUNT ) - 1,
+};
+
+/// Judge a trace. @param checks or-ed; those that need more than a trace are left out @return whether it holds
+bool stability_judge_trace( const stability_trace* trace, unsigned checks, stability_verdict* out );
 
 typedef bool stability_judge_fn( const stability_trace* trace, stability_verdict* out );
 stability_judge_fn stability_judge_status, stability_judge_finite, stability_judge_halted, stability_judge_energy,
@@ -47,6 +61,22 @@ stability_judge_fn stability_judge_status, stability_judge_finite, stability_jud
 bool stability_is_at_rest( const stability_trace* trace );
 /// @return whether pins, colliders or heads may hold a body stretched, or inside of something
 bool stability_is_held( const stability_trace* trace, int body );
+
+/// What a run shows next to its limits, which are infinite where a run cannot be judged.
+typedef struct stability_figures
+{
+    double strain, strain_limit;     ///< at the end, of the body that is nearest to its limit
+    double recovery, recovery_limit; ///< s after all inputs came to rest, until no edge is beyond its limit
+    double energy, energy_limit;     ///< J above that when inputs came to rest
+    double speed, speed_limit;       ///< m/s
+    double rest, rest_limit;         ///< m/s, in the last twentieth of the run
+    int strain_body, rest_body;      ///< -1: none is judged
+    int recovery_body;
+    int recovery_row, energy_row, speed_row; ///< when; 0: never
+} stability_figures;
+
+/// stability_limits.c
+stability_figures stability_figures_of( const stability_trace* trace );
 
 /// J, that bodies may have above their start at a time: what the inputs and the lifting of what starts inside can
 /// bring.

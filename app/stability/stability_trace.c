@@ -1,6 +1,8 @@
-#include "stability_trace.h"
+#include "stability_parts.h"
 
 #include "text_tree.h"
+#include "wisp/module/components.h"
+#include "wisp/module/random.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,6 +25,7 @@ static void request_all( wisp_scene* scene )
         wisp_scene_surface* s = &scene->surfaces[i];
         s->request_points = s->request_motion_stats = true;
         s->request_contacts = s->has_collision;
+        s->request_stats = s->request_stats || s->has_implicit;
     }
 }
 
@@ -60,6 +63,17 @@ static bool are_finite( const wisp_vec3* points, int count )
     return is_finite;
 }
 
+static bool is_layer_finite( const scene_world* world, int surface )
+{
+    wisp_boundary_view view;
+    bool is_finite = scene_world_layer( world, surface, &view, NULL ) == WISP_OK;
+    for ( int i = 0; is_finite && i < view.samples->count * 4; ++i )
+    {
+        is_finite = i % 4 == 3 || isfinite( view.samples->xyzw[i] );
+    }
+    return is_finite;
+}
+
 static void sample_motion( const scene_world* world, int body, stability_sample* sample )
 {
     wisp_motion_stats m;
@@ -89,6 +103,7 @@ static void sample_body( const scene_world* world, const stability_trace* trace,
     {
         sample->penetration = stats.vertex >= 0 ? (double)stats.penetration : 0.0;
         sample->thickness = (double)stats.thickness;
+        sample->contacts = stats.contacts;
     }
 }
 
@@ -101,52 +116,68 @@ static void sample_all( const scene_world* world, stability_trace* trace, int ro
     }
 }
 
-// ---- stretch ----
-
-static double distance( wisp_vec3 a, wisp_vec3 b )
+// @param readers [body_count]
+static void read_all( const scene_world* world, stability_reader* const* readers, stability_trace* trace, int row )
 {
-    const double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
-    return sqrt( x * x + y * y + z * z );
+    const double dt = row > 0 ? trace->times[row] - trace->times[row - 1] : 0.0;
+    for ( int body = 0; body < trace->body_count; ++body )
+    {
+        stability_sample* sample = stability_sample_of( trace, row, body );
+        // a step however short moves what starts away from its rest shape
+        sample->is_finite |= row == 0 && trace->bodies[body].starts_away;
+        stability_read( readers[body], world, &trace->bodies[body], dt, sample );
+    }
+    for ( int i = 0; i < world->scene->surface_count && row > 0; ++i )
+    {
+        stability_sample* sample = stability_sample_of( trace, row, world->scene->strands_count + i );
+        sample->is_finite &= !world->scene->surfaces[i].has_boundary || is_layer_finite( world, i );
+    }
 }
+
+// ---- the end ----
 
 static double stretch_of_edge( const wisp_vec3* now, const wisp_vec3* rest, int a, int b )
 {
-    const double length = distance( rest[a], rest[b] );
-    return length > 0.0 ? distance( now[a], now[b] ) / length - 1.0 : 0.0;
+    const double length = stability_distance( rest[a], rest[b] );
+    return length > 0.0 ? stability_distance( now[a], now[b] ) / length - 1.0 : 0.0;
 }
 
-static double stretch_of( const scene_body* shape, const wisp_vec3* now, const wisp_vec3* rest )
+static double find_depth( const stability_reader* r, const wisp_vec3* start, double extent )
 {
-    double stretch = 0.0;
-    for ( int i = 0; i < 3 * shape->triangle_count; ++i )
+    double lowest = INFINITY, highest = -INFINITY;
+    for ( int i = 0; i < r->count; ++i )
     {
-        const int first = i - i % 3;
-        stretch = fmax( stretch,
-                        stretch_of_edge( now, rest, shape->triangles[i], shape->triangles[first + ( i + 1 ) % 3] ) );
+        lowest = fmin( lowest, (double)r->now[i].y );
+        highest = fmax( highest, (double)start[i].y );
     }
-    for ( int s = 0; s < shape->strand_count; ++s )
-    {
-        for ( int v = shape->offsets[s] + 1; v < shape->offsets[s + 1]; ++v )
-        {
-            stretch = fmax( stretch, stretch_of_edge( now, rest, v - 1, v ) );
-        }
-    }
-    return stretch;
+    return extent > 0.0 ? ( highest - lowest ) / extent : 0.0;
 }
 
-static void finish_bodies( const scene_world* world, stability_trace* trace, wisp_vec3* points )
+static void read_end( const scene_world* world, stability_trace* trace )
 {
-    const int strands = world->scene->strands_count;
+    for ( int body = 0; body < trace->body_count; ++body )
+    {
+        uint64_t hash = 0;
+        const bool is_strands = body < world->scene->strands_count;
+        (void)wisp_world_hash_column( world->world, entity_of( world, body ),
+                                      is_strands ? WISP_STRAND_POINTS : WISP_SURFACE_POINTS, &hash );
+        trace->hash = body > 0 ? wisp_random_mix( trace->hash ^ hash ) : hash;
+    }
+    trace->resets = wisp_world_counter( world->world, WISP_COUNT_STRAND_RESET );
+    trace->not_converged = wisp_world_counter( world->world, WISP_COUNT_NOT_CONVERGED );
+    trace->degenerate = wisp_world_counter( world->world, WISP_COUNT_DEGENERATE_LINK );
+}
+
+static void finish_bodies( const scene_world* world, stability_reader* const* readers, stability_trace* trace )
+{
     for ( int body = 0; body < trace->body_count; ++body )
     {
         stability_body* b = &trace->bodies[body];
-        const scene_body shape = scene_world_body( world, body );
-        const wisp_vec3* rest =
-            body < strands ? world->grooms[body].points : world->surfaces[body - strands].mesh.points;
+        const stability_reader* r = readers[body];
         b->is_halted = wisp_is_halted( world->world, entity_of( world, body ) );
-        if ( b->moves && scene_world_points( world, body, points, NULL ) == WISP_OK )
+        for ( int i = 0; i < r->edge_count; ++i )
         {
-            b->stretch = stretch_of( &shape, points, rest );
+            b->stretch = fmax( b->stretch, stretch_of_edge( r->now, r->rest, r->edges[2 * i], r->edges[2 * i + 1] ) );
         }
     }
 }
@@ -200,15 +231,16 @@ static bool is_finite_row( const stability_trace* trace, int row )
 }
 
 // Counting intersections costs a search, so only the first and the last step are asked for it.
-static void make_steps( scene_world* world, stability_trace* trace, wisp_vec3* points )
+static void make_steps( scene_world* world, stability_reader* const* readers, stability_trace* trace,
+                        wisp_vec3* points )
 {
     const int steps = world->scene->steps;
-    const bool counts = has_contact( world->scene );
+    const bool counts = has_contact( world->scene ), counts_all = counts && world->scene->request_intersections;
     wisp_error error = { 0 };
     for ( int step = 0; step < steps && trace->status == WISP_OK && is_finite_row( trace, step ); ++step )
     {
         const bool is_end = step == 0 || step + 1 == steps;
-        if ( counts && ( step < 2 || is_end ) )
+        if ( counts && !counts_all && ( step < 2 || is_end ) )
         {
             (void)wisp_request_contact_stats( world->world, is_end, is_end );
         }
@@ -220,9 +252,12 @@ static void make_steps( scene_world* world, stability_trace* trace, wisp_vec3* p
         }
         trace->steps = step + 1;
         sample_all( world, trace, step + 1, points );
+        read_all( world, readers, trace, step + 1 );
         trace->intersections_before =
             step == 0 && counts ? count_intersections( world ) : trace->intersections_before;
         trace->intersections_after = is_end && counts ? count_intersections( world ) : -1;
+        const int now = step > 0 && counts_all ? count_intersections( world ) : -1;
+        trace->intersections_most = now > trace->intersections_most ? now : trace->intersections_most;
     }
 }
 
@@ -230,7 +265,9 @@ wisp_status stability_trace_run( wisp_scene* scene, stability_trace* out, wisp_e
 {
     const size_t bodies = (size_t)scene->strands_count + (size_t)scene->surface_count;
     const size_t rows = (size_t)scene->steps + 1;
-    *out = ( stability_trace ){ .body_count = (int)bodies, .intersections_before = -1, .intersections_after = -1 };
+    *out = ( stability_trace ){
+        .body_count = (int)bodies, .intersections_before = -1, .intersections_after = -1, .intersections_most = -1
+    };
     request_all( scene );
     scene_world world;
     const scene_world_options options = { .workers = 1, .is_quiet = true };
@@ -243,12 +280,29 @@ wisp_status stability_trace_run( wisp_scene* scene, stability_trace* out, wisp_e
     out->samples = text_alloc( rows * bodies * sizeof *out->samples );
     out->times = text_alloc( rows * sizeof *out->times );
     wisp_vec3* points = text_alloc( (size_t)scene_world_vertices( &world ) * sizeof *points );
+    stability_reader** readers = text_alloc( bodies * sizeof *readers );
     status = sample_start( scene, out, points, error );
     if ( status == WISP_OK )
     {
-        make_steps( &world, out, points );
-        finish_bodies( &world, out, points );
+        for ( size_t body = 0; body < bodies; ++body )
+        {
+            readers[body] = stability_reader_make( &world, (int)body );
+        }
+        read_all( &world, readers, out, 0 );
+        wisp_vec3* start = text_alloc( bodies > 0 ? (size_t)readers[0]->count * sizeof *start : 1 );
+        memcpy( start, bodies > 0 ? readers[0]->now : start,
+                bodies > 0 ? (size_t)readers[0]->count * sizeof *start : 0 );
+        make_steps( &world, readers, out, points );
+        finish_bodies( &world, readers, out );
+        read_end( &world, out );
+        out->depth = bodies > 0 ? find_depth( readers[0], start, out->bodies[0].extent ) : 0.0;
+        free( start );
     }
+    for ( size_t body = 0; body < bodies; ++body )
+    {
+        stability_reader_free( readers[body] );
+    }
+    free( readers );
     free( points );
     scene_world_destroy( &world );
     return status;

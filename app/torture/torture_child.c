@@ -34,7 +34,7 @@ static stability_verdict judge_here( const torture_subject* subject, int twins )
     {
         refuse( &verdict, &error );
     }
-    else if ( stability_judge_trace( &trace, &verdict ) && twins != 0 )
+    else if ( stability_judge_trace( &trace, STABILITY_ALL, &verdict ) && twins != 0 )
     {
         torture_judge_twins( subject, &trace, twins, &verdict );
     }

@@ -4,6 +4,8 @@
 
 #include "torture_keys.h"
 
+#include <math.h>
+
 enum
 {
     STEPS = 300,
@@ -48,7 +50,7 @@ static stability_trace make_trace( void )
 static void assert_trace( stability_trace* trace, stability_check judge, const char* words )
 {
     stability_verdict verdict;
-    assert_int_equal( stability_judge_trace( trace, &verdict ), judge == STABILITY_HOLDS );
+    assert_int_equal( stability_judge_trace( trace, STABILITY_ALL, &verdict ), judge == STABILITY_HOLDS );
     assert_judged( verdict, judge );
     assert_contains( verdict.message, words );
     stability_trace_release( trace );
@@ -131,6 +133,97 @@ static void a_stretch_that_weight_does_not_explain_breaks( void** state )
     trace.bodies[0].stretch = 0.6;
     trace.bodies[0].is_pinned = trace.inputs.moves_pins = true;
     assert_trace( &trace, STABILITY_HOLDS, "" );
+}
+
+// The same bodies, of half a metre, with what the close limits read: edges 5 % too long where 10 % are explained.
+static stability_trace make_close_trace( void )
+{
+    stability_trace trace = make_trace();
+    trace.substep = 1.0 / 600.0;
+    for ( int row = 0; row <= STEPS; ++row )
+    {
+        for ( int body = 0; body < BODIES; ++body )
+        {
+            stability_sample* s = stability_sample_of( &trace, row, body );
+            s->energy = 9.8;
+            s->strain = 0.05;
+            s->reach = 0.1;
+            s->travel = 0.001;
+            s->coordinate = 1.0;
+        }
+    }
+    for ( int body = 0; body < BODIES; ++body )
+    {
+        trace.bodies[body].extent = 0.5;
+        trace.bodies[body].damping = 4.0;
+        trace.bodies[body].twin = INFINITY;
+        trace.bodies[body].is_pinned = true;
+    }
+    return trace;
+}
+
+static void assert_close( stability_trace* trace, stability_check check, const char* words )
+{
+    stability_verdict verdict;
+    assert_true( stability_judge_trace( trace, STABILITY_ALL, &verdict ) ); // coarse limits let it pass
+    assert_int_equal( stability_judge_trace( trace, STABILITY_ALL | STABILITY_CLOSE, &verdict ),
+                      check == STABILITY_HOLDS );
+    assert_judged( verdict, check );
+    assert_contains( verdict.message, words );
+    stability_trace_release( trace );
+}
+
+static void close_limits_see_what_coarse_ones_let_pass( void** state )
+{
+    (void)state;
+    stability_trace trace = make_close_trace();
+    assert_close( &trace, STABILITY_HOLDS, "" );
+    trace = make_close_trace();
+    stability_sample_of( &trace, STEPS, 1 )->strain = 0.2;
+    assert_close( &trace, STABILITY_STRAIN, "20 % off its length at the end, and 10 % are explained" );
+    trace = make_close_trace();
+    trace.bodies[1].twin = 0.02; // from rest it would have half of that
+    assert_close( &trace, STABILITY_STRAIN, "and 2 % are explained" );
+    trace = make_close_trace();
+    stability_sample_of( &trace, 100, 0 )->energy += 0.2;
+    assert_close( &trace, STABILITY_ENERGY, "energy is 0.2 J above that when inputs came to rest" );
+    trace = make_close_trace();
+    stability_sample_of( &trace, STEPS - 3, 0 )->travel = 0.1;
+    assert_close( &trace, STABILITY_REST, "moves with 0.1 m/s in the last twentieth" );
+    trace = make_close_trace();
+    trace.inputs.speed = 1.0;
+    stability_sample_of( &trace, 100, 0 )->travel = 100.0;
+    assert_close( &trace, STABILITY_SPEED, "a vertex moves with 100 m/s" );
+}
+
+// Three fifths of five seconds may pass before edges are within their limit.
+static void what_recovers_too_late_breaks( void** state )
+{
+    (void)state;
+    stability_trace trace = make_close_trace();
+    stability_sample_of( &trace, 150, 0 )->strain = 0.5;
+    assert_close( &trace, STABILITY_HOLDS, "" );
+    trace = make_close_trace();
+    stability_sample_of( &trace, 240, 0 )->strain = 0.5;
+    assert_close( &trace, STABILITY_RECOVERY, "until 4 s after all inputs rest, and 3 s are allowed" );
+}
+
+// Steps of several lengths store other energies, and a body without damping need not come to rest.
+static void close_limits_hold_where_they_are_not_known( void** state )
+{
+    (void)state;
+    stability_trace trace = make_close_trace();
+    trace.inputs.is_uneven = true;
+    stability_sample_of( &trace, 100, 0 )->energy += 0.2;
+    assert_close( &trace, STABILITY_HOLDS, "" );
+    trace = make_close_trace();
+    trace.bodies[0].damping = 0.0;
+    stability_sample_of( &trace, STEPS - 3, 0 )->travel = 0.1;
+    assert_close( &trace, STABILITY_HOLDS, "" );
+    trace = make_close_trace();
+    trace.inputs.last = INFINITY;
+    stability_sample_of( &trace, STEPS, 1 )->strain = 0.2;
+    assert_close( &trace, STABILITY_HOLDS, "" );
 }
 
 static void a_vertex_inside_a_collider_breaks( void** state )
@@ -358,6 +451,9 @@ int main( void )
         cmocka_unit_test( energy_from_nowhere_breaks ),
         cmocka_unit_test( inputs_may_bring_energy ),
         cmocka_unit_test( a_stretch_that_weight_does_not_explain_breaks ),
+        cmocka_unit_test( close_limits_see_what_coarse_ones_let_pass ),
+        cmocka_unit_test( what_recovers_too_late_breaks ),
+        cmocka_unit_test( close_limits_hold_where_they_are_not_known ),
         cmocka_unit_test( a_vertex_inside_a_collider_breaks ),
         cmocka_unit_test( intersections_that_come_break ),
         cmocka_unit_test( motion_that_does_not_die_breaks ),
