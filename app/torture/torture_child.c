@@ -21,6 +21,7 @@ static void refuse( stability_verdict* out, const wisp_error* error )
 // What happens in the child.
 static stability_verdict judge_here( const torture_subject* subject, int twins )
 {
+    const unsigned checks = STABILITY_ALL | ( twins & TORTURE_CLOSE ? STABILITY_CLOSE : 0u );
     stability_verdict verdict = { .check = STABILITY_HOLDS };
     wisp_error error = { 0 };
     wisp_scene scene;
@@ -34,7 +35,7 @@ static stability_verdict judge_here( const torture_subject* subject, int twins )
     {
         refuse( &verdict, &error );
     }
-    else if ( stability_judge_trace( &trace, STABILITY_ALL, &verdict ) && twins != 0 )
+    else if ( stability_judge_trace( &trace, checks, &verdict ) && ( twins & TORTURE_TWIN_ALL ) != 0 )
     {
         torture_judge_twins( subject, &trace, twins, &verdict );
     }

@@ -100,7 +100,8 @@ static wisp_status keep_scene( const torture_search* search, text_node* scene, c
     const int MAX_TRIES = 600;
     const double MAX_SECONDS = 120.0, CLEAR = 3.0;
     shown s = {
-        search, name, verdict->check, fmin( verdict->severity, CLEAR ), twins_of( verdict->check ), *verdict
+        search,  name, verdict->check, fmin( verdict->severity, CLEAR ), twins_of( verdict->check ) | search->close,
+        *verdict
     };
     const torture_shrink_def shrink = { breaks_the_same, &s, MAX_TRIES, MAX_SECONDS };
     char comment[512], path[4096];
@@ -140,7 +141,7 @@ static pending start_scene( const torture_search* search, int number )
     pending p = { .scene = torture_generate( &search->generator, number ), .number = number };
     subject_name( search, name, sizeof name );
     const torture_subject subject = { p.scene, name };
-    p.child = torture_start( &subject, torture_twins_for( number ), search->scene_seconds );
+    p.child = torture_start( &subject, torture_twins_for( number ) | search->close, search->scene_seconds );
     return p;
 }
 
@@ -244,8 +245,8 @@ static wisp_status read_tree( const char* path, text_node** out, wisp_error* err
     return status;
 }
 
-wisp_status torture_replay( const char* const* files, int count, double scene_seconds, torture_found* found,
-                            results* out, wisp_error* error )
+wisp_status torture_replay( const char* const* files, int count, int close, double scene_seconds,
+                            torture_found* found, results* out, wisp_error* error )
 {
     *found = ( torture_found ){ 0 };
     const double start = wisp_clock_seconds();
@@ -259,7 +260,8 @@ wisp_status torture_replay( const char* const* files, int count, double scene_se
         status = status == WISP_OK ? torture_read( &subject, &scene, error ) : status;
         if ( status == WISP_OK )
         {
-            const stability_verdict verdict = torture_judge_scene( &subject, TORTURE_TWIN_ALL, scene_seconds );
+            const stability_verdict verdict =
+                torture_judge_scene( &subject, TORTURE_TWIN_ALL | close, scene_seconds );
             ++found->scenes;
             if ( verdict.check != STABILITY_HOLDS )
             {

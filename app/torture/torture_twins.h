@@ -12,6 +12,7 @@ enum
     TORTURE_TWIN_SCALE = 4,
     TORTURE_TWIN_SHIFT = 8,
     TORTURE_TWIN_ALL = 15,
+    TORTURE_CLOSE = 16, ///< no twin: the scene itself is judged by the close limits of suites, too
 };
 
 /// A scene as a tree and as read. @param name what messages call it, and whose folder its files are in
