@@ -44,7 +44,7 @@ enum
 };
 
 static const char doc[] = "Measure time, error and hash together. Without a CASE all cases run.\n"
-                          "A SUITE is a YAML file of scenes and settings: docs/gate.md has its format.\n"
+                          "A SUITE is a YAML file of scenes and settings: docs/suites.md has its format.\n"
                           "\v"
                           "A check fails if hashes differ between worker counts, if an error is above its\n"
                           "tolerance, or if a hard case breaks. Its line begins with FAILED.\n"
@@ -69,7 +69,7 @@ static const struct argp_option option_list[] = {
     { 0, 0, 0, 0, "Options of single cases:", 3 },
     { "pictures", KEY_PICTURES, "FOLDER", 0, "figures, boundary, contact: write pictures to FOLDER", 3 },
     { "scene", KEY_SCENE, "NAME[,NAME...]", 0, "accuracy: only these scenes; can be repeated", 3 },
-    { "long", KEY_LONG, NULL, 0, "stability: also a million steps at rest", 3 },
+    { "long", KEY_LONG, NULL, 0, "stability, suites: also rows that are long, such as a million steps at rest", 3 },
     { 0 },
 };
 
@@ -140,6 +140,16 @@ static void check_option( struct argp_state* state, const bench_arguments* argum
     }
 }
 
+static bool has_suite( const bench_arguments* arguments )
+{
+    bool has = false;
+    for ( int i = 0; i < arguments->chosen_count; ++i )
+    {
+        has = has || arguments->chosen[i].run == NULL;
+    }
+    return has;
+}
+
 static error_t parse( int key, char* argument, struct argp_state* state )
 {
     bench_arguments* arguments = state->input;
@@ -184,9 +194,9 @@ static error_t parse( int key, char* argument, struct argp_state* state )
             {
                 check_option( state, arguments, "--scene", " accuracy ", "case 'accuracy'" );
             }
-            if ( arguments->options.longest )
+            if ( arguments->options.longest && !has_suite( arguments ) )
             {
-                check_option( state, arguments, "--long", " stability ", "case 'stability'" );
+                check_option( state, arguments, "--long", " stability ", "case 'stability' and of suites" );
             }
             if ( arguments->options.pictures != NULL )
             {

@@ -38,6 +38,7 @@ enum
     KEY_LIMIT,
     KEY_PRINT,
     KEY_JOBS,
+    KEY_CLOSE,
 };
 
 static const char doc[] = "Search for scenes that break the engine, or judge scenes.\n"
@@ -64,6 +65,7 @@ static const struct argp_option option_list[] = {
     { "mesh", KEY_MESH, "FILE", 0, "Make surfaces and colliders of this mesh too; can be repeated", 1 },
     { "jobs", KEY_JOBS, "N", 0, "Judge N scenes at the same time, 1 to 64; default: one per core", 1 },
     { "limit", KEY_LIMIT, "SECONDS", 0, "Wall time of a scene, default 20", 1 },
+    { "close", KEY_CLOSE, 0, 0, "Judge by the close limits of suites with checks, too", 1 },
     { "print", KEY_PRINT, 0, 0, "Print the first scene and run nothing", 1 },
     { 0, 0, 0, 0, "Output:", 2 },
     { "out", KEY_OUT, "FOLDER", 0, "Write scenes that break to FOLDER, default " DEFAULT_FOLDER, 2 },
@@ -123,6 +125,9 @@ static error_t parse( int key, char* argument, struct argp_state* state )
             return 0;
         case KEY_JOBS:
             search->jobs = option_whole( state, "--jobs", argument, 1, 64 );
+            return 0;
+        case KEY_CLOSE:
+            search->close = TORTURE_CLOSE;
             return 0;
         case KEY_PRINT:
             options->prints = true;
@@ -185,9 +190,10 @@ int command_torture( int argc, char** argv )
     results out = { .is_result_first = true };
     results_put_options( &out, argc, argv );
     torture_found found;
-    wisp_status status = options.file_count > 0 ? torture_replay( options.files, options.file_count,
-                                                                  options.search.scene_seconds, &found, &out, &error )
-                                                : torture_search_run( &options.search, &found, &out, &error );
+    wisp_status status = options.file_count > 0
+                             ? torture_replay( options.files, options.file_count, options.search.close,
+                                               options.search.scene_seconds, &found, &out, &error )
+                             : torture_search_run( &options.search, &found, &out, &error );
     status = status == WISP_OK ? results_write_file( &out, options.format, NULL, &error ) : status;
     results_free( &out );
     for ( int i = 0; i < options.search.generator.mesh_count; ++i )

@@ -58,6 +58,26 @@ extern "C"
         uint64_t seed; ///< of the offsets
     } wisp_scene_scatter;
 
+    /// Where a surface or strands start away from its placed rest shape. Pinned vertices, and roots, are only scaled.
+    typedef enum wisp_scene_start_shape
+    {
+        WISP_SCENE_START_REST,
+        WISP_SCENE_START_RANDOM,     ///< every vertex at random in a cube as wide as it is, about its centre
+        WISP_SCENE_START_PLANE,      ///< in the level plane through its centre
+        WISP_SCENE_START_POINT,      ///< at its centre
+        WISP_SCENE_START_INSIDE_OUT, ///< reflected in its centre; with pins, in the point at their height above it
+        WISP_SCENE_START_TWISTED,    ///< turned about the vertical, from nothing at the top to `turns` at the bottom
+    } wisp_scene_start_shape;
+
+    typedef struct wisp_scene_start
+    {
+        wisp_scene_start_shape shape;
+        wisp_vec3 scale; ///< along x, y and z about its centre, before the shape; default 1
+        float turns;
+        uint64_t seed; ///< of random places and of shaking
+        float shake;   ///< m, the largest displacement of a vertex along each axis, at random, after the shape
+    } wisp_scene_start;
+
     /// One entry of `strands`. Texts and arrays belong to the scene; the definitions point at them.
     typedef struct wisp_scene_strands
     {
@@ -89,6 +109,9 @@ extern "C"
         bool has_dynamics, has_grid, has_collision, has_head, has_head_pivot;
         wisp_strand_dynamics_def dynamics; ///< the defaults under the scene's gravity if there are none
         int mass_count;                    ///< length of dynamics.vertex_masses, 0 if that is null
+        float mass_ratio;                  ///< factor of masses at tips, rising evenly in powers from 1 at roots
+        bool has_start;
+        wisp_scene_start start;
         wisp_strand_grid_def grid;
         wisp_collision_def collision;
         bool has_contact;
@@ -135,25 +158,6 @@ extern "C"
     } wisp_scene_box;
 
     /// One entry of `surfaces`. Texts and arrays belong to the scene.
-    /// Where a surface starts away from its placed rest shape. Pinned vertices are only scaled.
-    typedef enum wisp_scene_start_shape
-    {
-        WISP_SCENE_START_REST,
-        WISP_SCENE_START_RANDOM,     ///< every vertex at random in a cube as wide as the surface, about its centre
-        WISP_SCENE_START_PLANE,      ///< in the level plane through its centre
-        WISP_SCENE_START_POINT,      ///< at its centre
-        WISP_SCENE_START_INSIDE_OUT, ///< reflected in its centre; with pins, in the point at their height above it
-        WISP_SCENE_START_TWISTED,    ///< turned about the vertical, from nothing at the top to `turns` at the bottom
-    } wisp_scene_start_shape;
-
-    typedef struct wisp_scene_start
-    {
-        wisp_scene_start_shape shape;
-        wisp_vec3 scale; ///< along x, y and z about its centre, before the shape; default 1
-        float turns;
-        uint64_t seed; ///< of random places
-    } wisp_scene_start;
-
     typedef struct wisp_scene_surface
     {
         const char* name; ///< unique among strands, surfaces and colliders
@@ -166,6 +170,7 @@ extern "C"
         wisp_scene_start start;
 
         float area_density, vertex_mass; ///< as in wisp_surface_def
+        float mass_ratio; ///< factor of masses at the lowest vertex of the placed rest shape, from 1 at the highest
 
         const int32_t* pins; ///< [pin_count] numbers of vertices as the file or the recipe has them
         int pin_count;

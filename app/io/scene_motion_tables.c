@@ -69,6 +69,8 @@ static const scene_field DYNAMICS_FIELDS[] = {
     { "vertex_masses", SCENE_CUSTOM, .read = scene_read_vertex_masses,
       .help = "Mass of each vertex, instead of the density.",
       .form = "list of numbers in kg, one per vertex, 1e-12 .. 1e12", .initial = "by density" },
+    { "mass_ratio", SCENE_NUMBER, .at = AT( mass_ratio ), .range = RANGE( 1e-9, 1e9 ),
+      .help = "Mass of tips over what it would be; from 1 at roots it grows by equal factors." },
     { "pins", SCENE_CUSTOM, .read = scene_read_strand_pins, .help = "Vertices held in addition to the roots.",
       .form = "list of vertices", .initial = "none" },
     { "gravity", SCENE_VECTOR, .at = MOVES( gravity ), .range = ACCELERATION, .unit = ACCELERATIONS,

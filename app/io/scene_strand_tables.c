@@ -1,6 +1,7 @@
 // Every key of strands besides those of their motion.
 #include "scene_parts.h"
 #include "scene_ranges.h"
+#include "scene_start.h"
 
 #include <stddef.h>
 
@@ -154,6 +155,9 @@ static const scene_field TRANSFORM_FIELDS[] = {
 };
 static const scene_block TRANSFORM_BLOCK = { TRANSFORM_FIELDS, WISP_COUNT( TRANSFORM_FIELDS ) };
 
+static const scene_field START_FIELDS[] = { SCENE_START_FIELDS( wisp_scene_strands ) };
+static const scene_block START_BLOCK = { START_FIELDS, WISP_COUNT( START_FIELDS ) };
+
 // `generate` stands before what is numbered by its strands and vertices, and the effects before `compute`.
 static const scene_field STRANDS_FIELDS[] = {
     { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name,
@@ -169,6 +173,8 @@ static const scene_field STRANDS_FIELDS[] = {
       .help = "Draws smooth curves through the strands of another entry." },
     { "transform", SCENE_BLOCK, .block = &TRANSFORM_BLOCK,
       .help = "Scales, turns and moves the strands; not with `scatter` or `curves`." },
+    { "start", SCENE_BLOCK, .at = AT( has_start ), .block = &START_BLOCK,
+      .help = "Starts away from the rest shape; roots are only scaled; needs `dynamics`." },
     { "dynamics", SCENE_BLOCK, .at = AT( has_dynamics ), .block = &SCENE_DYNAMICS_BLOCK,
       .help = "Makes the strands move." },
     { "head", SCENE_BLOCK, .at = AT( has_head ), .block = &SCENE_HEAD_BLOCK,

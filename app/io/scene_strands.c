@@ -1,5 +1,6 @@
 // Strands: an entry before its keys are read, and the list of them.
 #include "scene_parts.h"
+#include "scene_start.h"
 
 wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
 {
@@ -9,6 +10,8 @@ wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
         .curves = wisp_default_curves_def(),
         .curves_of = -1,
         .scale = 1.0f,
+        .start = scene_default_start(),
+        .mass_ratio = 1.0f,
         .pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } },
         .frozen_hair = wisp_default_frozen_hair_def(),
         .environment = wisp_default_environment_def(),

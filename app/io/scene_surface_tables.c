@@ -1,6 +1,7 @@
 // Every key of a surface.
 #include "scene_parts.h"
 #include "scene_ranges.h"
+#include "scene_start.h"
 
 #include <stddef.h>
 
@@ -219,26 +220,7 @@ static const scene_field TRANSFORM_FIELDS[] = {
 };
 static const scene_block TRANSFORM_BLOCK = BLOCK( TRANSFORM_FIELDS );
 
-#define START( member ) offsetof( wisp_scene_surface, start.member )
-
-static const scene_choice STARTS[] = {
-    { "rest", "as it was placed" },
-    { "random", "every vertex at random in a cube as wide as the surface" },
-    { "plane", "in the level plane through its centre" },
-    { "point", "all at its centre" },
-    { "inside_out", "reflected in its centre, or in the point above it at the height of its pins" },
-    { "twisted", "turned about the vertical, from nothing at the top to `turns` at the bottom" },
-    { NULL, NULL },
-};
-
-static const scene_field START_FIELDS[] = {
-    { "shape", SCENE_CHOICE, .at = START( shape ), .choices = STARTS, .help = "Where vertices start." },
-    { "scale", SCENE_VECTOR, .at = START( scale ), .range = RANGE( -1000, 1000 ),
-      .help = "Factors along x, y and z about the centre of the surface, before the shape." },
-    { "turns", SCENE_NUMBER, .at = START( turns ), .range = RANGE( -1000, 1000 ),
-      .help = "Full turns, with `shape: twisted`." },
-    { "seed", SCENE_SEED, .at = START( seed ), .help = "Seed of the places, with `shape: random`." },
-};
+static const scene_field START_FIELDS[] = { SCENE_START_FIELDS( wisp_scene_surface ) };
 static const scene_block START_BLOCK = BLOCK( START_FIELDS );
 
 #define COLLISION( member ) offsetof( wisp_scene_surface, collision.member )
@@ -290,6 +272,9 @@ static const scene_field SURFACE_FIELDS[] = {
       .help = "Mass per area." },
     { "vertex_mass", SCENE_NUMBER, .at = AT( vertex_mass ), .range = RANGE( 1e-12, 1e12 ), .unit = MASSES,
       .help = "Mass of every vertex, instead of the density.", .initial = "by area" },
+    { "mass_ratio", SCENE_NUMBER, .at = AT( mass_ratio ), .range = RANGE( 1e-9, 1e9 ),
+      .help =
+          "Mass of the lowest vertex over that of the highest, as placed; between them it grows by equal factors." },
     { "pins", SCENE_CUSTOM, .read = scene_read_pins,
       .help = "Vertices that are held, as the file or the generator numbers them.", .form = "list of vertices",
       .initial = "none" },

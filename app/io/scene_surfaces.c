@@ -1,5 +1,6 @@
 // Surfaces: what no table can say about an entry, and the list of them.
 #include "scene_parts.h"
+#include "scene_start.h"
 
 #include <math.h>
 
@@ -152,7 +153,8 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
     const wisp_surface_def def = wisp_default_surface_def();
     return ( wisp_scene_surface ){
         .mesh = { .generator = wisp_default_mesh_generator( WISP_MESH_PLANE_REGULAR ), .scale = 1.0f },
-        .start = { .scale = { 1.0f, 1.0f, 1.0f }, .turns = 1.0f, .seed = 1 },
+        .start = scene_default_start(),
+        .mass_ratio = 1.0f,
         .instance_of = -1,
         .pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } },
         .area_density = def.area_density,

@@ -39,7 +39,7 @@ static wisp_status refuse_key( const suite_reader* r, const scene_node* node, co
 {
     const scene_quote quote = scene_shorten( scene_key_of( &r->tree, node ) );
     const char* nearest = nearest_word( quote.text, keys, count );
-    char all[160] = "";
+    char all[240] = "";
     for ( int i = 0; i < count; ++i )
     {
         strncat( all, i > 0 ? ", " : "", sizeof all - strlen( all ) - 1 );
@@ -123,11 +123,16 @@ enum
     KEY_SCENES,
     KEY_BUDGETS,
     KEY_REFERENCE,
+    KEY_CHECKS,
+    KEY_KNOWN,
+    KEY_QUICK,
+    KEY_LONG,
+    KEY_AXES,
     KEY_COUNT,
 };
 
-static const char* const keys[KEY_COUNT] = { "wisp_suite", "title",   "note",     "seconds",
-                                             "scenes",     "budgets", "reference" };
+static const char* const keys[KEY_COUNT] = { "wisp_suite", "title",  "note",  "seconds", "scenes", "budgets",
+                                             "reference",  "checks", "known", "quick",   "long",   "axes" };
 
 static wisp_status read_texts( suite_reader* r, const scene_node* title, const scene_node* note )
 {
@@ -166,7 +171,11 @@ static wisp_status read_suite( suite_reader* r )
                              "expected scenes, a list of at least one, such as - file: scene.yaml" );
     }
     r->seconds = values[KEY_SECONDS];
+    r->axes = values[KEY_AXES];
     status = read_texts( r, values[KEY_TITLE], values[KEY_NOTE] );
+    status =
+        status == WISP_OK && values[KEY_CHECKS] ? suite_read_checks( r, values[KEY_CHECKS], &r->checks ) : status;
+    status = status == WISP_OK && r->axes ? suite_check_axes( r ) : status;
     if ( status == WISP_OK && values[KEY_BUDGETS] )
     {
         status = suite_read_budgets( r, values[KEY_BUDGETS], r->budgets );
@@ -175,6 +184,12 @@ static wisp_status read_suite( suite_reader* r )
           n = scene_next( &r->tree, n ) )
     {
         status = suite_read_entry( r, n );
+    }
+    status =
+        status == WISP_OK ? suite_mark_rows( r, values[KEY_KNOWN], values[KEY_QUICK], values[KEY_LONG] ) : status;
+    for ( int i = 0; i < r->out->row_count; ++i )
+    {
+        r->out->has_checks = r->out->has_checks || r->out->rows[i].checks != 0;
     }
     return status == WISP_OK && values[KEY_REFERENCE] ? suite_read_reference( r, values[KEY_REFERENCE] ) : status;
 }

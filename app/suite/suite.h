@@ -1,4 +1,4 @@
-/// A suite: scenes, settings to vary, budgets, and what errors are measured against. A YAML file, read into rows, each of which
+/// A suite: scenes, settings to vary, budgets, checks, and what errors are measured against. A YAML file, read into rows, each of which
 /// is a scene with its settings.
 #pragma once
 
@@ -12,6 +12,7 @@ enum
     SUITE_MAX_ROWS = 1024,
     SUITE_MAX_NAME = 64,
     SUITE_MAX_VARIANT = 192,
+    SUITE_MAX_LABEL = SUITE_MAX_NAME + SUITE_MAX_VARIANT + 4,
 };
 
 /// What is measured of a row, and may become worse by its budget.
@@ -61,6 +62,14 @@ typedef struct suite_row
     char* text;   ///< the scene
     int steps;    ///< that are made; 0: all of the scene
     suite_budget budgets[SUITE_MEASURE_COUNT];
+    unsigned checks;   ///< that must hold, as stability_bit() has them; 0: none
+    double seconds;    ///< that are simulated; 0: `steps`
+    bool is_refused;   ///< the reader or the engine must refuse it with a message
+    char refusal[200]; ///< the reader's, of a row that is_refused; empty: it took it
+    bool is_slow;      ///< left out with --quick
+    bool is_long;      ///< only with --long
+    double agree;      ///< how far rows of this name may hang from each other, in sizes; 0: any
+    int known;         ///< stability_check that it is known to break; -1: it must hold
 } suite_row;
 
 typedef struct wisp_suite
@@ -77,6 +86,7 @@ typedef struct wisp_suite
     bool compares_overlap; ///< errors are how deep balloons are in each other
     char* stored;          ///< recording that is the reference, in place of a run; null: none
     double stored_doubt;   ///< m, how far it may be from the truth; 0: not said
+    bool has_checks;       ///< of any row
 } wisp_suite;
 
 /// Read a suite and its scenes, and check that every row is a scene.
@@ -86,6 +96,9 @@ wisp_status suite_read( const char* path, wisp_suite* out, wisp_error* error );
 /// The same from a text. @param path of the suite, which its files are relative to and messages name
 wisp_status suite_parse( const char* text, size_t size, const char* path, wisp_suite* out, wisp_error* error );
 void suite_release( wisp_suite* suite );
+
+/// The name of a row and what varies, as tables and lists of rows have it: "cloth: random, k 1e8".
+void suite_label( const suite_row* row, char out[SUITE_MAX_LABEL] );
 
 /// Read the scene of a row. @param out to be released
 wisp_status suite_scene( const suite_row* row, wisp_scene* out, wisp_error* error );

@@ -19,6 +19,8 @@ typedef struct suite_reader
     int capacity;                              ///< rows
     suite_budget budgets[SUITE_MEASURE_COUNT]; ///< of all entries
     const scene_node* seconds;                 ///< of all entries; null: none
+    const scene_node* axes;                    ///< maps of bundles by name, for `sweep`; null: none
+    unsigned checks;                           ///< of all entries
 } suite_reader;
 
 /// Fail with the place of a node. @return WISP_BAD_INPUT
@@ -36,8 +38,21 @@ wisp_status suite_read_budgets( const suite_reader* r, const scene_node* block, 
 /// Add the rows of an entry of `scenes`.
 wisp_status suite_read_entry( suite_reader* r, const scene_node* block );
 
+/// Check that `axes` are maps of bundles.
+wisp_status suite_check_axes( const suite_reader* r );
+
 /// Read `reference`, after the entries.
 wisp_status suite_read_reference( suite_reader* r, const scene_node* block );
 
 /// The name of a file without folder and extension, cut to the size.
 void suite_stem( const char* path, char* out, size_t size );
+
+// ---- suite_checks.c ----
+
+/// Read `checks`: words, or `all`.
+wisp_status suite_read_checks( const suite_reader* r, const scene_node* node, unsigned* out );
+/// Read `expect`.
+wisp_status suite_read_expect( const suite_reader* r, const scene_node* node, bool* is_refused );
+/// Read `known`, `quick` and `long`, after the entries: they name rows. Any may be null.
+wisp_status suite_mark_rows( const suite_reader* r, const scene_node* known, const scene_node* quick,
+                             const scene_node* slow );

@@ -57,11 +57,16 @@ enum
     KEY_ALONG,
     KEY_ORDER,
     KEY_BUDGETS,
+    KEY_CHECKS,
+    KEY_EXPECT,
+    KEY_SWEEP,
+    KEY_PAIRS,
+    KEY_AGREE,
     KEY_COUNT,
 };
 
-static const char* const keys[KEY_COUNT] = { "file", "name",  "steps", "seconds", "set",
-                                             "vary", "along", "order", "budgets" };
+static const char* const keys[KEY_COUNT] = { "file",  "name",    "steps",  "seconds", "set",   "vary",  "along",
+                                             "order", "budgets", "checks", "expect",  "sweep", "pairs", "agree" };
 
 // What an entry says.
 typedef struct entry
@@ -73,6 +78,8 @@ typedef struct entry
     int along_count, rows;
     double seconds; // 0: none
     double order;   // NaN: none
+    unsigned checks;
+    bool is_refused;
 } entry;
 
 static char* resolve( const char* suite_path, const char* file )
@@ -106,7 +113,7 @@ static suite_row* add_row( suite_reader* r )
         free( s->rows );
         s->rows = rows;
     }
-    s->rows[s->row_count] = ( suite_row ){ .order = NAN };
+    s->rows[s->row_count] = ( suite_row ){ .order = NAN, .known = -1 };
     return &s->rows[s->row_count++];
 }
 
@@ -134,13 +141,38 @@ static void name_variant( const suite_reader* r, const scene_node* field, const 
     text_release( own );
 }
 
-static wisp_status set_fields( const suite_reader* r, text_node* scene, const scene_node* fields )
+// Keys of an entry that a scene does not have. @return whether the field is one of them
+static bool set_key( const suite_reader* r, const scene_node* field, suite_row* row, wisp_status* status )
+{
+    const char* key = scene_key_of( &r->tree, field );
+    if ( strcmp( key, keys[KEY_SECONDS] ) == 0 )
+    {
+        row->seconds = number_of( r, field );
+        *status = row->seconds >= 1e-9 && row->seconds <= 1e9
+                      ? WISP_OK
+                      : suite_refuse( r, field, "expected seconds of simulated time" );
+        return true;
+    }
+    if ( strcmp( key, keys[KEY_EXPECT] ) == 0 )
+    {
+        *status = suite_read_expect( r, field, &row->is_refused );
+        return true;
+    }
+    if ( strcmp( key, keys[KEY_CHECKS] ) == 0 )
+    {
+        *status = suite_read_checks( r, field, &row->checks );
+        return true;
+    }
+    return false;
+}
+
+static wisp_status set_fields( const suite_reader* r, text_node* scene, const scene_node* fields, suite_row* row )
 {
     wisp_status status = WISP_OK;
     for ( const scene_node* n = fields ? scene_first( &r->tree, fields ) : NULL; n && status == WISP_OK;
           n = scene_next( &r->tree, n ) )
     {
-        status = set_field( r, scene, n, n );
+        status = set_key( r, n, row, &status ) ? status : set_field( r, scene, n, n );
     }
     return status;
 }
@@ -170,7 +202,7 @@ static wisp_status choose_value( const suite_reader* r, const scene_node* field,
     *number = strtod( scene_key_of( &r->tree, value ), NULL );
     snprintf( row->variant + used, sizeof row->variant - used, "%s%s=%s", used > 0 ? ", " : "",
               scene_key_of( &r->tree, field ), scene_key_of( &r->tree, value ) );
-    return set_fields( r, scene, value );
+    return set_fields( r, scene, value, row );
 }
 
 // Fields that vary, of the product's setting number `which`.
@@ -215,13 +247,19 @@ static void set_length( text_node* scene, double seconds, suite_row* row )
 
 static wisp_status finish_row( const suite_reader* r, const entry* e, text_node* scene, suite_row* row )
 {
-    if ( e->seconds > 0.0 )
+    if ( row->seconds > 0.0 )
     {
-        set_length( scene, e->seconds, row );
+        set_length( scene, row->seconds, row );
     }
     row->text = text_write( scene, NULL );
     wisp_scene read = { 0 };
-    wisp_status status = suite_scene( row, &read, r->source.error );
+    wisp_error inner = { 0 };
+    wisp_status status = suite_scene( row, &read, row->is_refused ? &inner : r->source.error );
+    if ( row->is_refused && status == WISP_BAD_INPUT )
+    {
+        snprintf( row->refusal, sizeof row->refusal, "%.199s", inner.message );
+        return WISP_OK;
+    }
     if ( status == WISP_OK && ( row->steps > read.steps || read.steps == 0 ) )
     {
         const scene_node* place = e->values[KEY_STEPS] ? e->values[KEY_STEPS] : e->values[KEY_FILE];
@@ -242,6 +280,10 @@ static void begin_row( const suite_reader* r, const entry* e, suite_row* row )
     strcpy( row->path, e->path );
     memcpy( row->budgets, e->budgets, sizeof row->budgets );
     row->steps = e->values[KEY_STEPS] ? (int)number_of( r, e->values[KEY_STEPS] ) : 0;
+    row->seconds = e->seconds;
+    row->checks = e->checks;
+    row->is_refused = e->is_refused;
+    row->agree = e->values[KEY_AGREE] ? number_of( r, e->values[KEY_AGREE] ) : 0.0;
 }
 
 static wisp_status read_row( suite_reader* r, const entry* e, int which )
@@ -249,11 +291,117 @@ static wisp_status read_row( suite_reader* r, const entry* e, int which )
     suite_row* row = add_row( r );
     begin_row( r, e, row );
     text_node* own = text_copy( e->scene );
-    wisp_status status = set_fields( r, own, e->values[KEY_SET] );
+    wisp_status status = set_fields( r, own, e->values[KEY_SET], row );
     status = status == WISP_OK ? vary_fields( r, e, which, own, row ) : status;
     status = status == WISP_OK ? finish_row( r, e, own, row ) : status;
     text_release( own );
     return status;
+}
+
+// ---- sweeps ----
+
+// A value of an axis: the name of a bundle and its fields. Null: none.
+static wisp_status read_swept( suite_reader* r, const entry* e, const scene_node* first, const scene_node* second )
+{
+    suite_row* row = add_row( r );
+    begin_row( r, e, row );
+    snprintf( row->variant, sizeof row->variant, "%s%s%s", first ? scene_key_of( &r->tree, first ) : "base",
+              second ? ", " : "", second ? scene_key_of( &r->tree, second ) : "" );
+    text_node* own = text_copy( e->scene );
+    wisp_status status = set_fields( r, own, e->values[KEY_SET], row );
+    // where both set a field, the first one counts
+    status = status == WISP_OK ? set_fields( r, own, second, row ) : status;
+    status = status == WISP_OK ? set_fields( r, own, first, row ) : status;
+    status = status == WISP_OK ? finish_row( r, e, own, row ) : status;
+    text_release( own );
+    return status;
+}
+
+static wisp_status find_axis( const suite_reader* r, const scene_node* name, const scene_node** out )
+{
+    const char* text = name->kind == SCENE_SCALAR ? scene_text_of( &r->tree, name ) : "";
+    for ( const scene_node* n = r->axes ? scene_first( &r->tree, r->axes ) : NULL; n; n = scene_next( &r->tree, n ) )
+    {
+        if ( strcmp( scene_key_of( &r->tree, n ), text ) == 0 )
+        {
+            *out = n;
+            return WISP_OK;
+        }
+    }
+    return suite_refuse( r, name, "axes has no '%s'", scene_shorten( text ).text );
+}
+
+static wisp_status sweep_pair( suite_reader* r, const entry* e, const scene_node* axis, const scene_node* other )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < axis->count && status == WISP_OK; ++i )
+    {
+        for ( int k = 0; k < other->count && status == WISP_OK; ++k )
+        {
+            status = r->out->row_count < SUITE_MAX_ROWS
+                         ? read_swept( r, e, nth( r, axis, i ), nth( r, other, k ) )
+                         : suite_refuse( r, axis, "a suite has at most %d rows", SUITE_MAX_ROWS );
+        }
+    }
+    return status;
+}
+
+// The scene as it is, each value of each axis alone, and all pairs of values of different axes.
+static wisp_status sweep( suite_reader* r, const entry* e )
+{
+    const scene_node *axes = e->values[KEY_SWEEP], *pairs = e->values[KEY_PAIRS], *axis = NULL, *other = NULL;
+    wisp_status status = read_swept( r, e, NULL, NULL );
+    for ( const scene_node* n = scene_first( &r->tree, axes ); n && status == WISP_OK; n = scene_next( &r->tree, n ) )
+    {
+        status = find_axis( r, n, &axis );
+        for ( int i = 0; status == WISP_OK && i < axis->count; ++i )
+        {
+            status = read_swept( r, e, nth( r, axis, i ), NULL );
+        }
+    }
+    for ( const scene_node* n = pairs ? scene_first( &r->tree, pairs ) : NULL; n && status == WISP_OK;
+          n = scene_next( &r->tree, n ) )
+    {
+        status = find_axis( r, n, &axis );
+        for ( const scene_node* m = scene_next( &r->tree, n ); m && status == WISP_OK; m = scene_next( &r->tree, m ) )
+        {
+            status = find_axis( r, m, &other );
+            status = status == WISP_OK ? sweep_pair( r, e, axis, other ) : status;
+        }
+    }
+    return status;
+}
+
+static wisp_status check_sweep( const suite_reader* r, const entry* e )
+{
+    const scene_node *axes = e->values[KEY_SWEEP], *pairs = e->values[KEY_PAIRS];
+    if ( ( axes && axes->kind != SCENE_LIST ) || ( pairs && ( pairs->kind != SCENE_LIST || axes == NULL ) ) )
+    {
+        return suite_refuse( r, axes && axes->kind != SCENE_LIST ? axes : pairs,
+                             "expected sweep, a list of names of axes, and with it at most pairs, another one" );
+    }
+    return axes && ( e->values[KEY_VARY] || e->values[KEY_ALONG] )
+               ? suite_refuse( r, axes, "expected sweep, or vary and along, not both" )
+               : WISP_OK;
+}
+
+wisp_status suite_check_axes( const suite_reader* r )
+{
+    bool is_good = r->axes->kind == SCENE_MAP;
+    const scene_node* place = r->axes;
+    for ( const scene_node* n = is_good ? scene_first( &r->tree, r->axes ) : NULL; n && is_good;
+          n = scene_next( &r->tree, n ) )
+    {
+        is_good = n->kind == SCENE_MAP && n->count > 0;
+        place = n;
+        for ( const scene_node* b = is_good ? scene_first( &r->tree, n ) : NULL; b && is_good;
+              b = scene_next( &r->tree, b ) )
+        {
+            is_good = b->kind == SCENE_MAP;
+            place = b;
+        }
+    }
+    return is_good ? WISP_OK : suite_refuse( r, place, "expected axes, such as { size: { small: { dt: 0.01 } } }" );
 }
 
 // ---- entries ----
@@ -317,6 +465,9 @@ static wisp_status check_settings( const suite_reader* r, entry* e )
     status = status == WISP_OK ? check_number( r, v[KEY_ORDER], 0.1, 8.0, "an order, 0.1 to 8" ) : status;
     status = status == WISP_OK ? check_number( r, e->values[KEY_SECONDS], 1e-9, 1e9, "seconds of simulated time" )
                                : status;
+    status = status == WISP_OK && v[KEY_AGREE]
+                 ? check_number( r, v[KEY_AGREE], 1e-9, 1.0, "a part of the size of the first body, up to 1" )
+                 : status;
     if ( status == WISP_OK && steps && number_of( r, steps ) != floor( number_of( r, steps ) ) )
     {
         return suite_refuse( r, steps, "expected a number of steps, 1 to 1000000" );
@@ -390,12 +541,19 @@ wisp_status suite_read_entry( suite_reader* r, const scene_node* block )
     memcpy( e.budgets, r->budgets, sizeof e.budgets );
     status = e.values[KEY_BUDGETS] ? suite_read_budgets( r, e.values[KEY_BUDGETS], e.budgets ) : WISP_OK;
     status = status == WISP_OK ? check_settings( r, &e ) : status;
+    status = status == WISP_OK ? check_sweep( r, &e ) : status;
+    e.checks = r->checks;
+    status =
+        status == WISP_OK && e.values[KEY_CHECKS] ? suite_read_checks( r, e.values[KEY_CHECKS], &e.checks ) : status;
+    status = status == WISP_OK && e.values[KEY_EXPECT] ? suite_read_expect( r, e.values[KEY_EXPECT], &e.is_refused )
+                                                       : status;
     if ( status == WISP_OK )
     {
         e.path = resolve( r->source.name, scene_text_of( &r->tree, file ) );
         status = read_scene_text( r, file, e.path, &e.scene );
     }
-    for ( int i = 0; status == WISP_OK && i < e.rows; ++i )
+    status = status == WISP_OK && e.values[KEY_SWEEP] ? sweep( r, &e ) : status;
+    for ( int i = 0; status == WISP_OK && e.values[KEY_SWEEP] == NULL && i < e.rows; ++i )
     {
         status = read_row( r, &e, i );
     }
@@ -430,8 +588,8 @@ static wisp_status read_run( const suite_reader* r, const entry* e, const scene_
         name_variant( r, n, n, out->variant, sizeof out->variant );
     }
     text_node* own = text_copy( e->scene );
-    wisp_status status = set_fields( r, own, e->values[KEY_SET] );
-    status = status == WISP_OK ? set_fields( r, own, coarser ) : status;
+    wisp_status status = set_fields( r, own, e->values[KEY_SET], out );
+    status = status == WISP_OK ? set_fields( r, own, coarser, out ) : status;
     status = status == WISP_OK ? finish_row( r, e, own, out ) : status;
     text_release( own );
     return status;

@@ -1,5 +1,5 @@
 // A scene in a process of its own: a crash or an endless loop is a verdict like any other.
-#include "torture_judges.h"
+#include "torture_twins.h"
 
 #include <errno.h>
 #include <math.h>
@@ -12,16 +12,17 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static void refuse( torture_verdict* out, const wisp_error* error )
+static void refuse( stability_verdict* out, const wisp_error* error )
 {
-    *out = ( torture_verdict ){ .judge = TORTURE_REFUSED, .severity = 1.0 };
+    *out = ( stability_verdict ){ .check = STABILITY_REFUSED, .severity = 1.0 };
     snprintf( out->message, sizeof out->message, "%.310s", error->message );
 }
 
 // What happens in the child.
-static torture_verdict judge_here( const torture_subject* subject, int twins )
+static stability_verdict judge_here( const torture_subject* subject, int twins )
 {
-    torture_verdict verdict = { .judge = TORTURE_HOLDS };
+    const unsigned checks = STABILITY_ALL | ( twins & TORTURE_CLOSE ? STABILITY_CLOSE : 0u );
+    stability_verdict verdict = { .check = STABILITY_HOLDS };
     wisp_error error = { 0 };
     wisp_scene scene;
     if ( torture_read( subject, &scene, &error ) != WISP_OK )
@@ -29,16 +30,16 @@ static torture_verdict judge_here( const torture_subject* subject, int twins )
         refuse( &verdict, &error );
         return verdict;
     }
-    torture_trace trace;
-    if ( torture_trace_run( &scene, &trace, &error ) != WISP_OK )
+    stability_trace trace;
+    if ( stability_trace_run( &scene, &trace, &error ) != WISP_OK )
     {
         refuse( &verdict, &error );
     }
-    else if ( torture_judge_trace( &trace, &verdict ) && twins != 0 )
+    else if ( stability_judge_trace( &trace, checks, &verdict ) && ( twins & TORTURE_TWIN_ALL ) != 0 )
     {
         torture_judge_twins( subject, &trace, twins, &verdict );
     }
-    torture_trace_release( &trace );
+    stability_trace_release( &trace );
     wisp_scene_release( &scene );
     return verdict;
 }
@@ -53,7 +54,7 @@ static _Noreturn void be_child( const torture_subject* subject, int twins, int o
     {
         signal( fatal[i], SIG_DFL ); // a host that catches them would go on as two processes
     }
-    const torture_verdict verdict = judge_here( subject, twins );
+    const stability_verdict verdict = judge_here( subject, twins );
     const ssize_t written = write( out, &verdict, sizeof verdict );
     _exit( written == (ssize_t)sizeof verdict ? 0 : 1 );
 }
@@ -80,7 +81,7 @@ torture_child torture_start( const torture_subject* subject, int twins, double s
 
 // Wait until the verdict is there, the child is gone, or its time is over. A verdict that is there counts, however late
 // it is asked for.
-static bool wait_for( const torture_child* child, torture_verdict* out )
+static bool wait_for( const torture_child* child, stability_verdict* out )
 {
     struct pollfd wait = { child->in, POLLIN, 0 };
     double left = 0.0;
@@ -97,14 +98,14 @@ static bool wait_for( const torture_child* child, torture_verdict* out )
             break;
         }
     } while ( left > 0.0 );
-    *out = ( torture_verdict ){ .judge = TORTURE_TIME, .severity = 1.0 };
+    *out = ( stability_verdict ){ .check = STABILITY_TIME, .severity = 1.0 };
     snprintf( out->message, sizeof out->message, "the scene did not end within %.3g s", child->seconds );
     return true;
 }
 
-torture_verdict torture_finish( const torture_child* child )
+stability_verdict torture_finish( const torture_child* child )
 {
-    torture_verdict verdict = { .judge = TORTURE_CRASH, .severity = 1.0 };
+    stability_verdict verdict = { .check = STABILITY_CRASH, .severity = 1.0 };
     if ( child->pid < 0 )
     {
         snprintf( verdict.message, sizeof verdict.message, "no process could be started" );
@@ -112,7 +113,7 @@ torture_verdict torture_finish( const torture_child* child )
     }
     const bool has_verdict = wait_for( child, &verdict );
     close( child->in );
-    if ( has_verdict && verdict.judge == TORTURE_TIME )
+    if ( has_verdict && verdict.check == STABILITY_TIME )
     {
         kill( child->pid, SIGKILL );
     }
@@ -120,14 +121,14 @@ torture_verdict torture_finish( const torture_child* child )
     waitpid( child->pid, &status, 0 );
     if ( !has_verdict )
     {
-        verdict = ( torture_verdict ){ .judge = TORTURE_CRASH, .severity = 1.0 };
+        verdict = ( stability_verdict ){ .check = STABILITY_CRASH, .severity = 1.0 };
         snprintf( verdict.message, sizeof verdict.message, "the process ended without a verdict: %s",
                   WIFSIGNALED( status ) ? strsignal( WTERMSIG( status ) ) : "an exit" );
     }
     return verdict;
 }
 
-torture_verdict torture_judge_scene( const torture_subject* subject, int twins, double seconds )
+stability_verdict torture_judge_scene( const torture_subject* subject, int twins, double seconds )
 {
     const torture_child child = torture_start( subject, twins, seconds );
     return torture_finish( &child );

@@ -1,7 +1,7 @@
 #include "torture_generate.h"
 
 #include "torture_builder.h"
-#include "torture_judges.h"
+#include "torture_twins.h"
 
 #include <stdlib.h>
 #include <string.h>

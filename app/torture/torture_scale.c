@@ -1,5 +1,5 @@
 // A scene at another size, and elsewhere. Both go by the tables of the reader: a key's unit says how it scales.
-#include "torture_judges.h"
+#include "torture_twins.h"
 #include "torture_keys.h"
 
 #include <math.h>

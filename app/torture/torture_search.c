@@ -19,7 +19,7 @@ enum
 int torture_broken_count( const torture_found* found )
 {
     int sum = 0;
-    for ( int i = 0; i < TORTURE_JUDGE_COUNT; ++i )
+    for ( int i = 0; i < STABILITY_CHECK_COUNT; ++i )
     {
         sum += found->broken[i];
     }
@@ -32,10 +32,10 @@ typedef struct shown
 {
     const torture_search* search;
     const char* name;
-    torture_judge judge;
+    stability_check check;
     double severity; // that must not be lost: a scene that breaks by a hair is another one
     int twins;
-    torture_verdict verdict; // of the last scene that shows it
+    stability_verdict verdict; // of the last scene that shows it
 } shown;
 
 // The reader must take the scene: a scene that it refuses is another failure.
@@ -50,24 +50,24 @@ static bool breaks_the_same( void* user, const text_node* scene )
     {
         return false;
     }
-    const torture_verdict verdict = torture_judge_scene( &subject, s->twins, s->search->scene_seconds );
-    const bool is_same = verdict.judge == s->judge && verdict.severity >= s->severity;
+    const stability_verdict verdict = torture_judge_scene( &subject, s->twins, s->search->scene_seconds );
+    const bool is_same = verdict.check == s->check && verdict.severity >= s->severity;
     s->verdict = is_same ? verdict : s->verdict;
     return is_same;
 }
 
 // Only the twins that broke need to run again.
-static int twins_of( torture_judge judge )
+static int twins_of( stability_check judge )
 {
     switch ( judge )
     {
-        case TORTURE_BITS:
+        case STABILITY_BITS:
             return TORTURE_TWIN_BITS;
-        case TORTURE_SNAPSHOT:
+        case STABILITY_SNAPSHOT:
             return TORTURE_TWIN_SNAPSHOT;
-        case TORTURE_SCALE:
+        case STABILITY_SCALE:
             return TORTURE_TWIN_SCALE;
-        case TORTURE_SHIFT:
+        case STABILITY_SHIFT:
             return TORTURE_TWIN_SHIFT;
         default:
             return 0;
@@ -77,9 +77,9 @@ static int twins_of( torture_judge judge )
 // ---- files ----
 
 // The file is in the folder: the paths of meshes are from there.
-static void name_of( const torture_search* search, char* name, size_t size, torture_judge judge, int number )
+static void name_of( const torture_search* search, char* name, size_t size, stability_check judge, int number )
 {
-    snprintf( name, size, "%s/%s_%llu_%d.yaml", search->folder, torture_judge_names[judge],
+    snprintf( name, size, "%s/%s_%llu_%d.yaml", search->folder, stability_check_names[judge],
               (unsigned long long)search->generator.seed, number );
 }
 
@@ -94,20 +94,21 @@ static wisp_status write_scene( const char* path, const text_node* scene, const 
                : wisp_fail( error, WISP_IO_ERROR, "%s: %s", path, strerror( errno ) );
 }
 
-static wisp_status keep_scene( const torture_search* search, text_node* scene, const torture_verdict* verdict,
+static wisp_status keep_scene( const torture_search* search, text_node* scene, const stability_verdict* verdict,
                                const char* name, int number, results* out, wisp_error* error )
 {
     const int MAX_TRIES = 600;
     const double MAX_SECONDS = 120.0, CLEAR = 3.0;
     shown s = {
-        search, name, verdict->judge, fmin( verdict->severity, CLEAR ), twins_of( verdict->judge ), *verdict
+        search,  name, verdict->check, fmin( verdict->severity, CLEAR ), twins_of( verdict->check ) | search->close,
+        *verdict
     };
     const torture_shrink_def shrink = { breaks_the_same, &s, MAX_TRIES, MAX_SECONDS };
     char comment[512], path[4096];
     torture_shrink( &shrink, scene );
-    snprintf( comment, sizeof comment, "%s: %s (seed %llu, scene %d).", torture_judge_names[verdict->judge],
+    snprintf( comment, sizeof comment, "%s: %s (seed %llu, scene %d).", stability_check_names[verdict->check],
               s.verdict.message, (unsigned long long)search->generator.seed, number );
-    name_of( search, path, sizeof path, verdict->judge, number );
+    name_of( search, path, sizeof path, verdict->check, number );
     results_add_note( out, "%s: %s", path, s.verdict.message );
     return write_scene( path, scene, comment, error );
 }
@@ -140,7 +141,7 @@ static pending start_scene( const torture_search* search, int number )
     pending p = { .scene = torture_generate( &search->generator, number ), .number = number };
     subject_name( search, name, sizeof name );
     const torture_subject subject = { p.scene, name };
-    p.child = torture_start( &subject, torture_twins_for( number ), search->scene_seconds );
+    p.child = torture_start( &subject, torture_twins_for( number ) | search->close, search->scene_seconds );
     return p;
 }
 
@@ -149,14 +150,14 @@ static wisp_status finish_scene( const torture_search* search, const pending* p,
 {
     char name[4096];
     subject_name( search, name, sizeof name );
-    const torture_verdict verdict = torture_finish( &p->child );
+    const stability_verdict verdict = torture_finish( &p->child );
     wisp_status status = WISP_OK;
     ++found->scenes;
-    found->refused += verdict.judge == TORTURE_REFUSED;
-    if ( verdict.judge != TORTURE_HOLDS && verdict.judge != TORTURE_REFUSED )
+    found->refused += verdict.check == STABILITY_REFUSED;
+    if ( verdict.check != STABILITY_HOLDS && verdict.check != STABILITY_REFUSED )
     {
-        const bool is_kept = found->broken[verdict.judge]++ < search->keep;
-        results_add_note( out, "scene %d: %s: %s", p->number, torture_judge_names[verdict.judge], verdict.message );
+        const bool is_kept = found->broken[verdict.check]++ < search->keep;
+        results_add_note( out, "scene %d: %s: %s", p->number, stability_check_names[verdict.check], verdict.message );
         status = is_kept ? keep_scene( search, p->scene, &verdict, name, p->number, out, error ) : WISP_OK;
     }
     text_release( p->scene );
@@ -178,14 +179,14 @@ static void report( const torture_found* found, results* out )
     results_put( &row->size, "refused", found->refused );
     snprintf( text, sizeof text, "%d", torture_broken_count( found ) );
     results_add_cells( out, table, ( const char* const[] ){ "broken", text } );
-    for ( int i = 0; i < TORTURE_JUDGE_COUNT; ++i )
+    for ( int i = 0; i < STABILITY_CHECK_COUNT; ++i )
     {
         snprintf( text, sizeof text, "%d", found->broken[i] );
         if ( found->broken[i] > 0 )
         {
-            results_add_cells( out, table, ( const char* const[] ){ torture_judge_names[i], text } );
+            results_add_cells( out, table, ( const char* const[] ){ stability_check_names[i], text } );
         }
-        results_put( &row->size, torture_judge_names[i], found->broken[i] );
+        results_put( &row->size, stability_check_names[i], found->broken[i] );
     }
 }
 
@@ -244,8 +245,8 @@ static wisp_status read_tree( const char* path, text_node** out, wisp_error* err
     return status;
 }
 
-wisp_status torture_replay( const char* const* files, int count, double scene_seconds, torture_found* found,
-                            results* out, wisp_error* error )
+wisp_status torture_replay( const char* const* files, int count, int close, double scene_seconds,
+                            torture_found* found, results* out, wisp_error* error )
 {
     *found = ( torture_found ){ 0 };
     const double start = wisp_clock_seconds();
@@ -259,12 +260,14 @@ wisp_status torture_replay( const char* const* files, int count, double scene_se
         status = status == WISP_OK ? torture_read( &subject, &scene, error ) : status;
         if ( status == WISP_OK )
         {
-            const torture_verdict verdict = torture_judge_scene( &subject, TORTURE_TWIN_ALL, scene_seconds );
+            const stability_verdict verdict =
+                torture_judge_scene( &subject, TORTURE_TWIN_ALL | close, scene_seconds );
             ++found->scenes;
-            if ( verdict.judge != TORTURE_HOLDS )
+            if ( verdict.check != STABILITY_HOLDS )
             {
-                ++found->broken[verdict.judge];
-                results_add_note( out, "%s: %s: %s", files[i], torture_judge_names[verdict.judge], verdict.message );
+                ++found->broken[verdict.check];
+                results_add_note( out, "%s: %s: %s", files[i], stability_check_names[verdict.check],
+                                  verdict.message );
             }
         }
         wisp_scene_release( &scene );

@@ -3,7 +3,7 @@
 
 #include "results.h"
 #include "torture_generate.h"
-#include "torture_judges.h"
+#include "torture_twins.h"
 
 typedef struct torture_search
 {
@@ -14,22 +14,23 @@ typedef struct torture_search
     double max_seconds;   ///< of wall time; infinite: as many scenes as requested
     double scene_seconds; ///< wall time of a scene
     const char* folder;   ///< where smaller scenes that break are written
+    int close;            ///< TORTURE_CLOSE, or 0
     int keep;             ///< scenes of a kind that are made smaller and written; more are only counted
 } torture_search;
 
 typedef struct torture_found
 {
     int scenes, refused; ///< tried, and of those refused
-    int broken[TORTURE_JUDGE_COUNT];
+    int broken[STABILITY_CHECK_COUNT];
     double seconds;
 } torture_found;
 
 /// Search. @param out receives what was found, also as tables @return a folder that cannot be written
 wisp_status torture_search_run( const torture_search* search, torture_found* found, results* out, wisp_error* error );
 
-/// Judge files. @return a file that cannot be read
-wisp_status torture_replay( const char* const* files, int count, double scene_seconds, torture_found* found,
-                            results* out, wisp_error* error );
+/// Judge files with all twins. @param close TORTURE_CLOSE, or 0 @return a file that cannot be read
+wisp_status torture_replay( const char* const* files, int count, int close, double scene_seconds,
+                            torture_found* found, results* out, wisp_error* error );
 
 /// @return the twin that a search runs of a scene: each has one, in turn
 int torture_twins_for( int number );

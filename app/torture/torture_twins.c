@@ -1,5 +1,5 @@
 // A scene run again in another way: with other workers, after a snapshot, at another size, elsewhere.
-#include "torture_judges.h"
+#include "torture_twins.h"
 
 #include "torture_random.h"
 
@@ -16,24 +16,15 @@ static int twin_steps( const wisp_scene* scene )
     return scene->steps < TWIN_STEPS ? scene->steps : TWIN_STEPS;
 }
 
-// ---- bits ----
-
-bool torture_compare_bits( const uint64_t* expected, int expected_count, const uint64_t* found, int found_count,
-                           torture_judge judge, int first, const char* how, torture_verdict* out )
+wisp_status torture_read( const torture_subject* subject, wisp_scene* out, wisp_error* error )
 {
-    int same = 0;
-    while ( same < expected_count && same < found_count && expected[same] == found[same] )
-    {
-        ++same;
-    }
-    if ( same == expected_count && same == found_count )
-    {
-        return true;
-    }
-    *out = ( torture_verdict ){ .judge = judge, .step = first + same + 1, .severity = 1.0 };
-    snprintf( out->message, sizeof out->message, "step %d has other bits %s", first + same + 1, how );
-    return false;
+    char* text = text_write( subject->tree, NULL );
+    const wisp_status status = wisp_scene_parse( text, strlen( text ), subject->name, out, error );
+    free( text );
+    return status;
 }
+
+// ---- snapshots ----
 
 // Make steps and keep the hash after each. @return steps that were made
 static int hash_steps( scene_world* world, int steps, uint64_t* hashes )
@@ -45,46 +36,6 @@ static int hash_steps( scene_world* world, int steps, uint64_t* hashes )
     }
     return made;
 }
-
-static int hash_scene( const wisp_scene* scene, const scene_world_options* options, int steps, uint64_t* hashes )
-{
-    scene_world world;
-    if ( scene_world_create( scene, options, &world, NULL ) != WISP_OK )
-    {
-        return 0;
-    }
-    const int made = hash_steps( &world, steps, hashes );
-    scene_world_destroy( &world );
-    return made;
-}
-
-static bool judge_bits( const wisp_scene* scene, torture_verdict* out )
-{
-    static const struct
-    {
-        int workers;
-        const char *isa, *how;
-    } places[] = { { 2, "baseline", "with 2 workers than with one" },
-                   { 5, "avx2", "with 5 workers and AVX2 than with one and without" },
-                   { 1, "avx512", "with AVX-512 than without" } };
-    const int steps = twin_steps( scene );
-    uint64_t *expected = text_alloc( (size_t)steps * sizeof *expected ),
-             *found = text_alloc( (size_t)steps * sizeof *found );
-    const scene_world_options plain = { .workers = 1, .isa = "baseline", .is_quiet = true };
-    const int made = hash_scene( scene, &plain, steps, expected );
-    bool holds = true;
-    for ( int i = 0; i < WISP_COUNT( places ) && holds; ++i )
-    {
-        const scene_world_options options = { .workers = places[i].workers, .isa = places[i].isa, .is_quiet = true };
-        const int count = hash_scene( scene, &options, steps, found );
-        holds = torture_compare_bits( expected, made, found, count, TORTURE_BITS, 0, places[i].how, out );
-    }
-    free( expected );
-    free( found );
-    return holds;
-}
-
-// ---- snapshots ----
 
 // What a host keeps besides the world: where the scene's script is.
 static void copy_place( const scene_world* from, scene_world* to )
@@ -108,13 +59,13 @@ typedef struct snapshot_run
     int half, left;
 } snapshot_run;
 
-static bool judge_restored( snapshot_run* run, int world, int expected, torture_verdict* out )
+static bool judge_restored( snapshot_run* run, int world, int expected, stability_verdict* out )
 {
     scene_world* restored = &run->worlds[world];
     copy_place( &run->place, restored );
     if ( wisp_world_restore( restored->world, run->bytes, run->size ) != WISP_OK )
     {
-        *out = ( torture_verdict ){ .judge = TORTURE_SNAPSHOT, .step = run->half, .severity = 1.0 };
+        *out = ( stability_verdict ){ .check = STABILITY_SNAPSHOT, .step = run->half, .severity = 1.0 };
         snprintf( out->message, sizeof out->message, "a snapshot after step %d is refused: %.200s", run->half,
                   wisp_world_message( restored->world ) );
         return false;
@@ -123,11 +74,12 @@ static bool judge_restored( snapshot_run* run, int world, int expected, torture_
     snprintf( how, sizeof how, "in %s world that a snapshot after step %d was restored into",
               world == 0 ? "the same" : "a new", run->half );
     const int count = hash_steps( restored, run->left, run->found );
-    return torture_compare_bits( run->expected, expected, run->found, count, TORTURE_SNAPSHOT, run->half, how, out );
+    return stability_compare_bits( run->expected, expected, run->found, count, STABILITY_SNAPSHOT, run->half, how,
+                                   out );
 }
 
 // Both worlds have made a step, which compiles the plan.
-static bool judge_snapshot_of( const wisp_scene* scene, snapshot_run* run, torture_verdict* out )
+static bool judge_snapshot_of( const wisp_scene* scene, snapshot_run* run, stability_verdict* out )
 {
     run->expected = text_alloc( (size_t)run->left * sizeof *run->expected );
     run->found = text_alloc( (size_t)run->left * sizeof *run->found );
@@ -149,7 +101,7 @@ static bool judge_snapshot_of( const wisp_scene* scene, snapshot_run* run, tortu
     return holds;
 }
 
-static bool judge_snapshot( const wisp_scene* scene, torture_verdict* out )
+static bool judge_snapshot( const wisp_scene* scene, stability_verdict* out )
 {
     const scene_world_options options = { .workers = 1, .isa = NULL, .is_quiet = true };
     const int steps = twin_steps( scene );
@@ -177,29 +129,29 @@ static bool judge_snapshot( const wisp_scene* scene, torture_verdict* out )
 
 // ---- another size, another place ----
 
-bool torture_compare_traces( const torture_trace* trace, const torture_trace* twin, torture_judge judge,
-                             torture_verdict* out )
+bool torture_compare_traces( const stability_trace* trace, const stability_trace* twin, stability_check judge,
+                             stability_verdict* out )
 {
     // Crumpled cloth falls into other folds after any rounding: only a stretch that is of another order is another
     // motion.
     const double APART = 0.5, FACTOR = 3.0;
-    const char* where = judge == TORTURE_SCALE ? "at another size" : "100 m away";
-    torture_verdict other;
-    if ( !torture_judge_trace( twin, &other ) )
+    const char* where = judge == STABILITY_SCALE ? "at another size" : "100 m away";
+    stability_verdict other;
+    if ( !stability_judge_trace( twin, STABILITY_ALL, &other ) )
     {
-        *out = ( torture_verdict ){ .judge = judge, .step = other.step, .severity = other.severity };
+        *out = ( stability_verdict ){ .check = judge, .step = other.step, .severity = other.severity };
         snprintf( out->message, sizeof out->message, "%s: %.250s", where, other.message );
         return false;
     }
-    for ( int body = 0; body < trace->body_count && torture_is_at_rest( trace ); ++body )
+    for ( int body = 0; body < trace->body_count && stability_is_at_rest( trace ); ++body )
     {
-        const torture_body *a = &trace->bodies[body], *b = &twin->bodies[body];
+        const stability_body *a = &trace->bodies[body], *b = &twin->bodies[body];
         const double larger = fmax( a->stretch, b->stretch ), smaller = fmin( a->stretch, b->stretch );
-        if ( a->moves && a->softness < 1.0 && !torture_is_held( trace, body ) && larger > APART + FACTOR * smaller )
+        if ( a->moves && a->softness < 1.0 && !stability_is_held( trace, body ) && larger > APART + FACTOR * smaller )
         {
-            *out = ( torture_verdict ){ .judge = judge,
-                                        .step = trace->steps,
-                                        .severity = larger / ( APART + FACTOR * smaller ) };
+            *out = ( stability_verdict ){ .check = judge,
+                                          .step = trace->steps,
+                                          .severity = larger / ( APART + FACTOR * smaller ) };
             snprintf( out->message, sizeof out->message,
                       "%s has an edge stretched by %.3g %% at the end, and by %.3g %% %s", a->name,
                       100.0 * a->stretch, 100.0 * b->stretch, where );
@@ -210,28 +162,28 @@ bool torture_compare_traces( const torture_trace* trace, const torture_trace* tw
 }
 
 // Takes the tree, which is released.
-static bool judge_alike( const torture_subject* subject, text_node* tree, const torture_trace* trace,
-                         torture_judge judge, torture_verdict* out )
+static bool judge_alike( const torture_subject* subject, text_node* tree, const stability_trace* trace,
+                         stability_check judge, stability_verdict* out )
 {
     const torture_subject moved = { tree, subject->name };
     wisp_scene scene;
     wisp_error error = { 0 };
-    torture_trace twin = { 0 };
+    stability_trace twin = { 0 };
     bool holds = true;
     // What is beyond a range at another size says nothing.
     if ( torture_read( &moved, &scene, &error ) == WISP_OK )
     {
-        holds = torture_trace_run( &scene, &twin, &error ) != WISP_OK ||
+        holds = stability_trace_run( &scene, &twin, &error ) != WISP_OK ||
                 torture_compare_traces( trace, &twin, judge, out );
-        torture_trace_release( &twin );
+        stability_trace_release( &twin );
     }
     wisp_scene_release( &scene );
     text_release( tree );
     return holds;
 }
 
-bool torture_judge_twins( const torture_subject* subject, const torture_trace* trace, int twins,
-                          torture_verdict* out )
+bool torture_judge_twins( const torture_subject* subject, const stability_trace* trace, int twins,
+                          stability_verdict* out )
 {
     wisp_scene scene;
     wisp_error error = { 0 };
@@ -239,20 +191,20 @@ bool torture_judge_twins( const torture_subject* subject, const torture_trace* t
     {
         return true;
     }
-    bool holds = ( twins & TORTURE_TWIN_BITS ) == 0 || judge_bits( &scene, out );
+    bool holds = ( twins & TORTURE_TWIN_BITS ) == 0 || stability_judge_bits( &scene, twin_steps( &scene ), out );
     holds = holds && ( ( twins & TORTURE_TWIN_SNAPSHOT ) == 0 || judge_snapshot( &scene, out ) );
     wisp_scene_release( &scene );
     if ( holds && ( twins & TORTURE_TWIN_SCALE ) )
     {
         text_node* tree = text_copy( subject->tree );
         torture_scale( tree, trace->steps % 2 == 0 ? 10.0 : 0.1 );
-        holds = judge_alike( subject, tree, trace, TORTURE_SCALE, out );
+        holds = judge_alike( subject, tree, trace, STABILITY_SCALE, out );
     }
     if ( holds && ( twins & TORTURE_TWIN_SHIFT ) )
     {
         text_node* tree = text_copy( subject->tree );
         torture_shift( tree, ( const double[] ){ 60.0, 0.0, 80.0 } );
-        holds = judge_alike( subject, tree, trace, TORTURE_SHIFT, out );
+        holds = judge_alike( subject, tree, trace, STABILITY_SHIFT, out );
     }
     return holds;
 }

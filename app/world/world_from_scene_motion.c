@@ -1,6 +1,10 @@
 // Moving strands of a scene, their ghosts, curves through them, and the heads that carry them.
 #include "world_from_scene_parts.h"
 
+#include "wisp/module/module.h"
+
+#include <stdlib.h>
+
 static wisp_status fail_here( const scene_world* world, int strands, wisp_status status, wisp_error* error )
 {
     return status == WISP_OK
@@ -21,11 +25,30 @@ static wisp_status set_collision( scene_world* world, int strands )
     return status;
 }
 
+// With masses that grow along strands, which are copied.
+static wisp_status set_weighed( scene_world* world, int strands )
+{
+    const wisp_scene_strands* entry = &world->scene->strands[strands];
+    wisp_strand_dynamics_def def = entry->dynamics;
+    float* masses = malloc( (size_t)world->grooms[strands].vertex_count * sizeof *masses + 1 );
+    if ( !masses )
+    {
+        return wisp_world_fail( world->world, WISP_NO_MEMORY, "out of memory for masses" );
+    }
+    scene_strands_weigh( entry, &world->grooms[strands], masses );
+    def.vertex_masses = masses;
+    const wisp_status status = wisp_set_strand_dynamics( world->world, world->entities[strands], &def );
+    free( masses );
+    return status;
+}
+
 static wisp_status set_dynamics( scene_world* world, int strands )
 {
     const wisp_scene_strands* entry = &world->scene->strands[strands];
     wisp_entity entity = world->entities[strands];
-    wisp_status status = wisp_set_strand_dynamics( world->world, entity, &entry->dynamics );
+    wisp_status status = entry->mass_ratio != 1.0f
+                             ? set_weighed( world, strands )
+                             : wisp_set_strand_dynamics( world->world, entity, &entry->dynamics );
     if ( status == WISP_OK && entry->has_grid )
     {
         status = wisp_set_strand_grid( world->world, entity, &entry->grid );
@@ -89,6 +112,14 @@ wisp_status scene_motion_set( scene_world* world, wisp_error* error )
     for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
     {
         status = scene->strands[i].is_curves ? add_curves( world, i, error ) : WISP_OK;
+    }
+    // last, because ghosts and curves are placed by the rest shape of what they follow
+    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    {
+        if ( scene->strands[i].has_start && scene->strands[i].has_dynamics )
+        {
+            scene_strands_start( &scene->strands[i], world->world, world->entities[i], &world->grooms[i] );
+        }
     }
     return status;
 }

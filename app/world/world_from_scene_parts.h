@@ -33,6 +33,12 @@ wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, 
 wisp_status scene_surfaces_add( scene_world* world, wisp_error* error );
 /// Move the vertices of a placed surface to where its entry has them start.
 void scene_start_place( const wisp_scene_surface* entry, scene_world_surface* surface );
+/// Let the masses of a surface that was added grow downwards, as its entry says.
+void scene_surface_weigh( const wisp_scene_surface* entry, const scene_world_surface* surface, wisp_world* world );
+/// Masses that grow along strands. @param out [vertex_count] kg
+void scene_strands_weigh( const wisp_scene_strands* entry, const wisp_groom* groom, float* out );
+/// Move the vertices of strands with dynamics to where their entry has them start, in the world and in the groom.
+void scene_strands_start( const wisp_scene_strands* entry, wisp_world* world, wisp_entity entity, wisp_groom* groom );
 void scene_surfaces_release( scene_world* world );
 /// Attach implicit cloth to a surface as its entry says, or restart it. On failure the message is the last one of the world.
 wisp_status scene_implicit_set( scene_world* world, int surface );

@@ -1,5 +1,8 @@
-// Surfaces that start away from their rest shape.
+// Surfaces and strands that start away from their rest shape, and masses that grow along them.
 #include "world_from_scene_parts.h"
+
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 #include "wisp/module/random.h"
 
@@ -77,6 +80,11 @@ static wisp_vec3 start_of( const wisp_scene_start* start, const start_box* box, 
     {
         twist( box, (double)start->turns, p );
     }
+    for ( int k = 0; k < 3 && start->shake > 0.0f && !is_pinned; ++k )
+    {
+        // other numbers than those of random places
+        p[k] += (double)start->shake * ( 2.0 * wisp_random_unit( key, (uint32_t)vertex, (uint32_t)k, 1 ) - 1.0 );
+    }
     return ( wisp_vec3 ){ (float)p[0], (float)p[1], (float)p[2] };
 }
 
@@ -96,4 +104,84 @@ void scene_start_place( const wisp_scene_surface* entry, scene_world_surface* su
         pin += is_pinned ? 1 : 0;
         mesh->points[v] = start_of( &entry->start, &box, mirror, mesh->points[v], v, is_pinned );
     }
+}
+
+void scene_surface_weigh( const wisp_scene_surface* entry, const scene_world_surface* surface, wisp_world* world )
+{
+    const wisp_fabric* f = surface->fabric;
+    float* x = wisp_world_column( world, surface->entity, WISP_PARTICLE_POSITION, 0 );
+    double lower = INFINITY, upper = -INFINITY;
+    for ( int i = 0; i < f->vertex_count && entry->mass_ratio != 1.0f; ++i )
+    {
+        const double y = (double)wisp_transform_to_world( entry->pose, f->rest[i] ).y;
+        lower = fmin( lower, y );
+        upper = fmax( upper, y );
+    }
+    for ( int i = 0; i < f->vertex_count && upper > lower; ++i )
+    {
+        const double y = (double)wisp_transform_to_world( entry->pose, f->rest[i] ).y;
+        x[4 * i + 3] *= (float)pow( (double)entry->mass_ratio, -( upper - y ) / ( upper - lower ) );
+    }
+}
+
+static double length_of( const wisp_groom* groom, int a )
+{
+    const wisp_vec3 p = groom->points[a], q = groom->points[a + 1];
+    const double x = (double)q.x - (double)p.x, y = (double)q.y - (double)p.y, z = (double)q.z - (double)p.z;
+    return sqrt( x * x + y * y + z * z );
+}
+
+void scene_strands_weigh( const wisp_scene_strands* entry, const wisp_groom* groom, float* out )
+{
+    const wisp_strand_dynamics_def* d = &entry->dynamics;
+    for ( int s = 0; s < groom->strand_count; ++s )
+    {
+        const int begin = groom->offsets[s], end = groom->offsets[s + 1];
+        for ( int v = begin; v < end; ++v )
+        {
+            const double depth = end - begin > 1 ? (double)( v - begin ) / ( end - begin - 1 ) : 0.0;
+            const double before = v > begin ? length_of( groom, v - 1 ) : 0.0,
+                         behind = v + 1 < end ? length_of( groom, v ) : 0.0;
+            const double mass = d->vertex_masses        ? (double)d->vertex_masses[v]
+                                : d->vertex_mass > 0.0f ? (double)d->vertex_mass
+                                                        : 0.5 * (double)d->line_density * ( before + behind );
+            out[v] = (float)fmin( fmax( mass * pow( (double)entry->mass_ratio, depth ), 1e-15 ), 1e12 );
+        }
+    }
+}
+
+// Rows of x, y and z of sixteen strands.
+static void write_lanes( const wisp_strand_topology* t, const wisp_vec3* points, float* column )
+{
+    for ( int lane = 0; lane < t->group_count * WISP_LANES; ++lane )
+    {
+        const int strand = t->lane_strand[lane];
+        for ( int v = 0; strand >= 0 && v < t->lane_count[lane]; ++v )
+        {
+            const wisp_vec3 p = points[t->offsets[strand] + v];
+            float* to = column + (size_t)( t->group_row[lane / WISP_LANES] + v ) * 3 * WISP_LANES + lane % WISP_LANES;
+            to[0] = p.x;
+            to[WISP_LANES] = p.y;
+            to[2 * WISP_LANES] = p.z;
+        }
+    }
+}
+
+void scene_strands_start( const wisp_scene_strands* entry, wisp_world* world, wisp_entity entity, wisp_groom* groom )
+{
+    const start_box box = box_of( groom->points, groom->vertex_count );
+    double mirror = 0.0;
+    for ( int s = 0; s < groom->strand_count; ++s )
+    {
+        mirror += (double)groom->points[groom->offsets[s]].y / groom->strand_count;
+    }
+    for ( int s = 0; s < groom->strand_count; ++s )
+    {
+        for ( int v = groom->offsets[s]; v < groom->offsets[s + 1]; ++v )
+        {
+            groom->points[v] = start_of( &entry->start, &box, mirror, groom->points[v], v, v == groom->offsets[s] );
+        }
+    }
+    write_lanes( wisp_world_strands( world, entity ), groom->points,
+                 wisp_world_column( world, entity, WISP_STRAND_POSITION, 0 ) );
 }

@@ -3,6 +3,7 @@
 
 #include "accuracy_compare.h"
 #include "bench_data.h"
+#include "stability/stability_suite.h"
 #include "suite/suite_study.h"
 
 #include <math.h>
@@ -237,7 +238,16 @@ wisp_status suite_bench( const char* path, const bench_options* options, results
 {
     wisp_suite suite;
     wisp_status status = suite_read( path, &suite, error );
-    status = status == WISP_OK ? suite_bench_rows( &suite, options, out, error ) : status;
+    if ( status == WISP_OK && suite.has_checks )
+    {
+        stability_tally tally = { 0 };
+        status = stability_bench_suite( &suite, options, &tally, out, error );
+        stability_note( &tally, suite.name, out );
+    }
+    else if ( status == WISP_OK )
+    {
+        status = suite_bench_rows( &suite, options, out, error );
+    }
     suite_release( &suite );
     return status;
 }

@@ -43,6 +43,21 @@ static void a_scene_that_breaks_is_status_1_and_a_sentence( void** state )
     assert_contains( result.out, "broken.yaml: refused: " );
 }
 
+// A sheet that is heavy at the bottom gains less energy than all of it could by being lifted, but it gains some.
+static void close_limits_break_what_others_let_pass( void** state )
+{
+    (void)state;
+    write_text( "close.yaml",
+                "wisp: 1\nsteps: 300\nsurfaces:\n  - name: cloth\n"
+                "    generate: { shape: alternating_plane, columns: 12, rows: 12, spacing: 0.05 }\n"
+                "    transform: { rotate: { degrees: [90, 0, 0] } }\n    pins: [0, 11]\n    damping: 4\n"
+                "    mass_ratio: 1e3\n    cloth: { bending: isometric }\n" );
+    run_ok( "torture close.yaml" );
+    run( "torture --close close.yaml" );
+    assert_int_equal( result.status, 1 );
+    assert_contains( result.out, "close.yaml: energy: energy is " );
+}
+
 static void a_search_counts_its_scenes( void** state )
 {
     (void)state;
@@ -76,6 +91,7 @@ int main( int argc, char** argv )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( scenes_that_hold_are_status_0 ),
         cmocka_unit_test( a_scene_that_breaks_is_status_1_and_a_sentence ),
+        cmocka_unit_test( close_limits_break_what_others_let_pass ),
         cmocka_unit_test( a_search_counts_its_scenes ),
         cmocka_unit_test( a_scene_of_a_seed_is_printed_as_a_scene ),
         cmocka_unit_test( wrong_usage_and_bad_files_are_told ),

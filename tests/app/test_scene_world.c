@@ -3,6 +3,9 @@
 
 #include "scene_world_fixture.h"
 
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
+
 #include "files.h"
 
 #include <unistd.h>
@@ -176,6 +179,72 @@ static void a_random_start_belongs_to_its_seed( void** state )
     }
     assert_memory_equal( &corners[0], &corners[1], sizeof corners[0] );
     assert_memory_not_equal( &corners[0], &corners[2], sizeof corners[0] );
+}
+
+static void a_shaken_start_is_near_and_belongs_to_its_seed( void** state )
+{
+    (void)state;
+    wisp_vec3 corners[2];
+    for ( int i = 0; i < 2; ++i )
+    {
+        fixture f;
+        build_start( &f, i == 0 ? "shake: 0.01, seed: 1" : "shake: 0.01, seed: 2" );
+        corners[i] = point_of( &f, 0, 14 );
+        assert_true( fabsf( corners[i].x - 1.0f ) <= 0.0101f && fabsf( corners[i].y + 1.0f ) <= 0.0101f );
+        assert_near( point_of( &f, 0, 0 ), -1.0f, 3.0f, 0.0f ); // a pin
+        release( &f );
+    }
+    assert_memory_not_equal( &corners[0], &corners[1], sizeof corners[0] );
+}
+
+static void masses_of_a_surface_grow_downwards_by_its_ratio( void** state )
+{
+    (void)state;
+    fixture f;
+    build( &f, "wisp: 1\nsurfaces:\n"
+               "  - name: sheet\n    generate: { shape: plane, columns: 2, rows: 3, spacing: 1 }\n"
+               "    transform: { rotate: { degrees: [90, 0, 0] } }\n    vertex_mass: 2\n    mass_ratio: 100\n"
+               "    cloth: {}\n" );
+    const float* x = wisp_world_column( f.world.world, f.world.surfaces[0].entity, WISP_PARTICLE_POSITION, 0 );
+    for ( int v = 0; v < 6; ++v )
+    {
+        const float weight = x[4 * f.world.surfaces[0].fabric->vertex_slot[v] + 3];
+        const float mass = 2.0f * powf( 10.0f, (float)( v / 2 ) );
+        assert_true( fabsf( weight * mass - 1.0f ) < 1e-4f );
+    }
+    release( &f );
+}
+
+static void strands_start_away_from_rest_and_their_roots_are_only_scaled( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char* start;
+        float tip[3];
+    } rows[] = { { "scale: [1, 2, 1]", { 0.0f, -3.0f, 0.0f } },
+                 { "shape: point", { 0.0f, -1.0f, 0.0f } },
+                 { "shape: inside_out", { 0.0f, 2.0f, 0.0f } } };
+    for ( int i = 0; i < WISP_COUNT( rows ); ++i )
+    {
+        char text[600];
+        snprintf(
+            text, sizeof text,
+            "wisp: 1\nstrands:\n  - name: hair\n    generate: { dimension: 2, strands: 1, vertices: 3, length: 2, "
+            "length_variation: 0 }\n    start: { %s }\n    dynamics: { rest: straight, mass_ratio: 4 }\n",
+            rows[i].start );
+        fixture f;
+        build( &f, text );
+        wisp_vec3 points[3];
+        assert_ok( scene_world_points( &f.world, 0, points, &f.error ), f.error );
+        assert_near( points[2], rows[i].tip[0], rows[i].tip[1], rows[i].tip[2] );
+        // the state of the engine is there too, and tips weigh four times as much as by density, which is half a segment
+        const float* x = wisp_world_column( f.world.world, f.world.entities[0], WISP_STRAND_POSITION, 0 );
+        const float* w = wisp_world_column( f.world.world, f.world.entities[0], WISP_STRAND_INVERSE_MASS, 0 );
+        assert_true( fabsf( x[( 2 * 3 + 1 ) * 16] - rows[i].tip[1] ) < 1e-5f );
+        assert_true( fabsf( w[16] / w[2 * 16] - 1.0f ) < 1e-4f );
+        release( &f );
+    }
 }
 
 static void a_surface_starts_scaled_then_turned_then_moved( void** state )
@@ -559,6 +628,9 @@ int main( void )
         cmocka_unit_test( a_plane_is_shown_as_a_square_that_looks_up ),
         cmocka_unit_test( a_surface_starts_away_from_rest_and_its_pins_are_only_scaled ),
         cmocka_unit_test( a_random_start_belongs_to_its_seed ),
+        cmocka_unit_test( a_shaken_start_is_near_and_belongs_to_its_seed ),
+        cmocka_unit_test( masses_of_a_surface_grow_downwards_by_its_ratio ),
+        cmocka_unit_test( strands_start_away_from_rest_and_their_roots_are_only_scaled ),
         cmocka_unit_test( a_surface_starts_scaled_then_turned_then_moved ),
         cmocka_unit_test( a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else ),
         cmocka_unit_test( levels_begin_where_the_scene_says ),

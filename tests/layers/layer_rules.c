@@ -67,12 +67,19 @@ layer_info layer_of( const char* path )
         const char* prefix;
         layer_kind kind;
     } kinds[] = {
-        { "engine/include/", LAYER_PUBLIC }, { "engine/", LAYER_ENGINE },
-        { "modules/", LAYER_MODULE },        { "app/io/", LAYER_IO },
-        { "app/render/", LAYER_IO },         { "app/report/", LAYER_IO },
-        { "app/results/", LAYER_IO },        { "app/suite/", LAYER_IO },
-        { "app/world/", LAYER_IO },          { "app/", LAYER_APP },
-        { "bench/", LAYER_BENCH },           { "tests/", LAYER_TESTS },
+        { "engine/include/", LAYER_PUBLIC },
+        { "engine/", LAYER_ENGINE },
+        { "modules/", LAYER_MODULE },
+        { "app/io/", LAYER_IO },
+        { "app/render/", LAYER_IO },
+        { "app/report/", LAYER_IO },
+        { "app/results/", LAYER_IO },
+        { "app/stability/", LAYER_IO },
+        { "app/suite/", LAYER_IO },
+        { "app/world/", LAYER_IO },
+        { "app/", LAYER_APP },
+        { "bench/", LAYER_BENCH },
+        { "tests/", LAYER_TESTS },
         { "examples/", LAYER_EXAMPLES },
     };
     layer_info out = { .kind = LAYER_NOWHERE, .level = -1 };

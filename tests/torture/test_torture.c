@@ -7,26 +7,26 @@
 typedef struct known_scene
 {
     int seed, number;
-    torture_judge judge;
+    stability_check check;
 } known_scene;
 
 #define TORTURE_KNOWN( seed, number, judge ) { seed, number, judge },
 static const known_scene KNOWN[] = {
 #include "known.inc"
-    { -1, -1, TORTURE_HOLDS },
+    { -1, -1, STABILITY_HOLDS },
 };
 #undef TORTURE_KNOWN
 
-static torture_judge known_judge( int seed, int number )
+static stability_check known_judge( int seed, int number )
 {
     for ( int i = 0; i < WISP_COUNT( KNOWN ); ++i )
     {
         if ( KNOWN[i].seed == seed && KNOWN[i].number == number )
         {
-            return KNOWN[i].judge;
+            return KNOWN[i].check;
         }
     }
-    return TORTURE_HOLDS;
+    return STABILITY_HOLDS;
 }
 
 // Twins take turns as in a search. @return whether the scene is as it is known
@@ -35,16 +35,17 @@ static bool check_scene( int seed, int number )
     const torture_generator generator = { .seed = (uint64_t)seed };
     text_node* tree = torture_generate( &generator, number );
     const torture_subject subject = { tree, "test" };
-    const torture_verdict verdict = torture_judge_scene( &subject, torture_twins_for( number ), 120.0 );
-    const torture_judge known = known_judge( seed, number );
-    if ( verdict.judge != known )
+    const stability_verdict verdict = torture_judge_scene( &subject, torture_twins_for( number ), 120.0 );
+    const stability_check known = known_judge( seed, number );
+    if ( verdict.check != known )
     {
         print_error( "seed %d, scene %d: %s%s%s; expected %s\n", seed, number,
-                     verdict.judge < 0 ? "holds" : torture_judge_names[verdict.judge], verdict.judge < 0 ? "" : ": ",
-                     verdict.message, known < 0 ? "that it holds" : torture_judge_names[known] );
+                     verdict.check < 0 ? "holds" : stability_check_names[verdict.check],
+                     verdict.check < 0 ? "" : ": ", verdict.message,
+                     known < 0 ? "that it holds" : stability_check_names[known] );
     }
     text_release( tree );
-    return verdict.judge == known;
+    return verdict.check == known;
 }
 
 static void random_scenes_hold_apart_from_those_that_are_known( void** state )

@@ -17,10 +17,10 @@ static void scenes_that_broke_once_hold( void** state )
     {
         size_t size = 0;
         char* text = read_bytes( found.gl_pathv[i], &size );
-        const torture_verdict verdict = judge_text( text, TORTURE_TWIN_ALL );
-        if ( verdict.judge != TORTURE_HOLDS )
+        const stability_verdict verdict = judge_text( text, TORTURE_TWIN_ALL );
+        if ( verdict.check != STABILITY_HOLDS )
         {
-            print_error( "%s: %s: %s\n", found.gl_pathv[i], torture_judge_names[verdict.judge], verdict.message );
+            print_error( "%s: %s: %s\n", found.gl_pathv[i], stability_check_names[verdict.check], verdict.message );
             ++broken;
         }
         free( text );

@@ -3,7 +3,7 @@
 
 #include "unit.h"
 
-#include "torture_judges.h"
+#include "torture_twins.h"
 
 static inline text_node* parse_scene( const char* text )
 {
@@ -14,20 +14,20 @@ static inline text_node* parse_scene( const char* text )
 }
 
 /// Judge a text with all twins, or without.
-static inline torture_verdict judge_text( const char* text, int twins )
+static inline stability_verdict judge_text( const char* text, int twins )
 {
     text_node* tree = parse_scene( text );
     const torture_subject subject = { tree, "test" };
-    const torture_verdict verdict = torture_judge_scene( &subject, twins, 60.0 );
+    const stability_verdict verdict = torture_judge_scene( &subject, twins, 60.0 );
     text_release( tree );
     return verdict;
 }
 
-static inline void assert_judged( torture_verdict verdict, torture_judge judge )
+static inline void assert_judged( stability_verdict verdict, stability_check judge )
 {
-    if ( verdict.judge != judge )
+    if ( verdict.check != judge )
     {
-        fail_msg( "got %s (%s), expected %s", verdict.judge < 0 ? "nothing" : torture_judge_names[verdict.judge],
-                  verdict.message, judge < 0 ? "nothing" : torture_judge_names[judge] );
+        fail_msg( "got %s (%s), expected %s", verdict.check < 0 ? "nothing" : stability_check_names[verdict.check],
+                  verdict.message, judge < 0 ? "nothing" : stability_check_names[judge] );
     }
 }

@@ -1,0 +1,375 @@
+#include "stability_judges.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+const char* const stability_check_names[STABILITY_CHECK_COUNT] = {
+    "crash", "time",        "refused",       "status", "finite", "halted",   "energy", "strain", "recovery",
+    "speed", "penetration", "intersections", "rest",   "bits",   "snapshot", "scale",  "shift"
+};
+
+__attribute__( ( format( printf, 5, 6 ) ) ) static bool break_it( stability_verdict* out, stability_check judge,
+                                                                  int step, double severity, const char* format, ... )
+{
+    out->check = judge;
+    out->step = step;
+    out->severity = severity;
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( out->message, sizeof out->message, format, arguments );
+    va_end( arguments );
+    return false;
+}
+
+// ---- every step ----
+
+bool stability_judge_status( const stability_trace* trace, stability_verdict* out )
+{
+    return trace->status == WISP_OK || break_it( out, STABILITY_STATUS, trace->steps + 1, 1.0, "step %d failed: %s",
+                                                 trace->steps + 1, trace->message );
+}
+
+bool stability_judge_finite( const stability_trace* trace, stability_verdict* out )
+{
+    for ( int row = 0; row <= trace->steps; ++row )
+    {
+        for ( int body = 0; body < trace->body_count; ++body )
+        {
+            if ( !stability_sample_of( trace, row, body )->is_finite )
+            {
+                return break_it( out, STABILITY_FINITE, row, 1.0, "%s is not finite at %.3g s",
+                                 trace->bodies[body].name, trace->times[row] );
+            }
+        }
+    }
+    return true;
+}
+
+// The speed before tells what led to it.
+bool stability_judge_halted( const stability_trace* trace, stability_verdict* out )
+{
+    for ( int body = 0; body < trace->body_count; ++body )
+    {
+        if ( !trace->bodies[body].is_halted )
+        {
+            continue;
+        }
+        double speed = 0.0;
+        int fastest = 0;
+        for ( int row = 0; row <= trace->steps; ++row )
+        {
+            const double now = stability_sample_of( trace, row, body )->speed;
+            fastest = now > speed ? row : fastest;
+            speed = fmax( speed, now );
+        }
+        return break_it( out, STABILITY_HALTED, fastest, 1.0,
+                         "%s was halted; it was fastest at %.3g s, with %.3g m/s", trace->bodies[body].name,
+                         trace->times[fastest], speed );
+    }
+    return true;
+}
+
+// ---- energy ----
+
+static double distance_of( const double a[3], const double b[3] )
+{
+    return sqrt( ( a[0] - b[0] ) * ( a[0] - b[0] ) + ( a[1] - b[1] ) * ( a[1] - b[1] ) +
+                 ( a[2] - b[2] ) * ( a[2] - b[2] ) );
+}
+
+// What gravity gives is in the potential energy. A pin, collider or event of speed V leaves what it meets with 2 V at
+// most, and lifts it along its path. Wind of speed W drags a body along with up to W, and a part that lags behind it
+// may be thrown to 2 W; where it carries the body, its force works along the way. So do buoyancy and jet. Gas and
+// bent hair set free what they store. What starts inside a collider, or too near to something else, is lifted out of
+// it: no farther than everything together is large. Corrections may round up: one percent of what the motion holds.
+double stability_energy_budget( const stability_trace* trace, int row )
+{
+    const double ROUNDING = 0.01, DRIVEN = 2.0, FLUTTER = 2.0;
+    const stability_inputs* in = &trace->inputs;
+    double budget = in->gas + in->rods;
+    for ( int body = 0; body < trace->body_count; ++body )
+    {
+        const stability_body* b = &trace->bodies[body];
+        const stability_sample *s = stability_sample_of( trace, row, body ),
+                               *first = stability_sample_of( trace, 0, body );
+        const double way = b->moves ? distance_of( s->centre, b->start ) : 0.0;
+        const double thrown = pow( DRIVEN * in->speed, 2.0 ) + pow( FLUTTER * in->wind, 2.0 );
+        budget += 0.5 * b->mass * thrown + b->mass * b->gravity * ( in->path + trace->extent );
+        budget += ( in->lift + in->drag ) * way;
+        budget += ROUNDING * ( first->kinetic + fabs( first->potential ) + fabs( s->potential ) );
+    }
+    return budget;
+}
+
+static double energy_of( const stability_trace* trace, int row )
+{
+    double sum = 0.0;
+    for ( int body = 0; body < trace->body_count; ++body )
+    {
+        const stability_sample* s = stability_sample_of( trace, row, body );
+        sum += s->kinetic + s->potential;
+    }
+    return sum;
+}
+
+static int fastest_body( const stability_trace* trace, int row )
+{
+    int fastest = 0;
+    for ( int body = 1; body < trace->body_count; ++body )
+    {
+        const bool is_faster =
+            stability_sample_of( trace, row, body )->speed > stability_sample_of( trace, row, fastest )->speed;
+        fastest = is_faster ? body : fastest;
+    }
+    return fastest;
+}
+
+bool stability_judge_energy( const stability_trace* trace, stability_verdict* out )
+{
+    const double start = energy_of( trace, 0 );
+    for ( int row = 1; row <= trace->steps && !trace->inputs.gains_energy; ++row )
+    {
+        const double gain = energy_of( trace, row ) - start, budget = stability_energy_budget( trace, row );
+        if ( gain > budget )
+        {
+            const int body = fastest_body( trace, row );
+            return break_it( out, STABILITY_ENERGY, row, gain / budget,
+                             "energy is %.3g J above the start at %.3g s, and inputs explain %.3g J; %s has %.3g m/s",
+                             gain, trace->times[row], budget, trace->bodies[body].name,
+                             stability_sample_of( trace, row, body )->speed );
+        }
+    }
+    return true;
+}
+
+// ---- at rest ----
+
+// Inputs are at rest since this time at the end of a run. Solvers that need longer than a second to bring back
+// lengths or to push out what is inside are too slow for what is shown.
+static const double SETTLING = 1.0; // s
+
+bool stability_is_at_rest( const stability_trace* trace )
+{
+    return trace->steps > 0 && trace->times[trace->steps] - trace->inputs.last >= SETTLING;
+}
+
+// Pins, colliders and heads that moved may hold a body stretched, or inside of something. So may a collider that it
+// starts in.
+bool stability_is_held( const stability_trace* trace, int body )
+{
+    const stability_body* b = &trace->bodies[body];
+    return ( b->is_pinned && trace->inputs.moves_pins ) || b->starts_inside;
+}
+
+bool stability_judge_strain( const stability_trace* trace, stability_verdict* out )
+{
+    const double FREE = 0.5;     // folds and contacts keep single edges long; half is far beyond what is seen of them
+    const double FACTOR = 3.0;   // of the stretch that weight explains: it is an estimate
+    const double TOO_SOFT = 1.0; // a body that its weight stretches to twice its length says nothing
+    for ( int body = 0; body < trace->body_count && stability_is_at_rest( trace ); ++body )
+    {
+        const stability_body* b = &trace->bodies[body];
+        // the softness is of equal masses
+        const double softness =
+            b->is_uneven ? fmax( b->softness, stability_sample_of( trace, trace->steps, body )->reach ) : b->softness;
+        const double limit = FREE + FACTOR * softness;
+        if ( b->moves && softness < TOO_SOFT && !stability_is_held( trace, body ) && b->stretch > limit )
+        {
+            return break_it( out, STABILITY_STRAIN, trace->steps, b->stretch / limit,
+                             "%s has an edge stretched by %.3g %% at the end, and its weight explains %.3g %%",
+                             b->name, 100.0 * b->stretch, 100.0 * softness );
+        }
+    }
+    return true;
+}
+
+bool stability_judge_penetration( const stability_trace* trace, stability_verdict* out )
+{
+    const double SMALL = 0.01; // of the body: depths that nobody sees, of colliders without a thickness
+    for ( int body = 0;
+          body < trace->body_count && stability_is_at_rest( trace ) && !trace->inputs.has_colliders_close; ++body )
+    {
+        const stability_body* b = &trace->bodies[body];
+        const stability_sample* s = stability_sample_of( trace, trace->steps, body );
+        // Below the surface of the collider, by more than the distance that is to be kept from it.
+        const double depth = s->penetration - s->thickness;
+        const double limit = fmax( s->thickness, SMALL * b->size );
+        if ( b->moves && !b->is_carried && !stability_is_held( trace, body ) && depth > limit )
+        {
+            return break_it( out, STABILITY_PENETRATION, trace->steps, depth / limit,
+                             "%s is %.3g mm inside a collider at the end, with a thickness of %.3g mm", b->name,
+                             1e3 * depth, 1e3 * s->thickness );
+        }
+    }
+    return true;
+}
+
+bool stability_judge_intersections( const stability_trace* trace, stability_verdict* out )
+{
+    const int most = trace->intersections_most > trace->intersections_after ? trace->intersections_most
+                                                                            : trace->intersections_after;
+    const bool came = trace->intersections_before == 0 && most > 0;
+    if ( came && stability_is_at_rest( trace ) && !trace->inputs.moves_pins && !trace->inputs.may_intersect )
+    {
+        return break_it( out, STABILITY_INTERSECTIONS, trace->steps, most,
+                         "%d edges pass through triangles at the end, none did at the start", most );
+    }
+    return true;
+}
+
+// ---- motion that does not die ----
+
+// Rows of the last part of a run, from a time on.
+static int row_at( const stability_trace* trace, double time )
+{
+    int row = 0;
+    while ( row < trace->steps && trace->times[row] < time )
+    {
+        ++row;
+    }
+    return row;
+}
+
+static double speed_between( const stability_trace* trace, int body, int from, int to )
+{
+    // a follower at rest keeps a velocity, which moves nothing
+    const bool keeps = trace->bodies[body].kept > 0.0;
+    double speed = 0.0;
+    for ( int row = from; row <= to; ++row )
+    {
+        const stability_sample* s = stability_sample_of( trace, row, body );
+        speed = fmax( speed, keeps ? s->travel : s->speed );
+    }
+    return speed;
+}
+
+// Bodies touch and carry each other: the least damped one keeps the others in motion.
+static double least_damping( const stability_trace* trace )
+{
+    double damping = INFINITY;
+    for ( int body = 0; body < trace->body_count; ++body )
+    {
+        damping = trace->bodies[body].moves ? fmin( damping, trace->bodies[body].damping ) : damping;
+    }
+    return damping;
+}
+
+// A body that falls, slides or swings goes somewhere: only one that is fast and stays where it is trembles.
+static bool judge_body_at_rest( const stability_trace* trace, int body, stability_verdict* out )
+{
+    const double WINDOW = 0.5;    // s
+    const double SLOW = 0.01;     // of the speed of a fall through the body's own size
+    const double UNSEEN = 0.01;   // m/s
+    const double ROUNDINGS = 4.0; // bits: far from the origin a vertex at rest moves by single ones
+    const double DAMPED = 3.0;    // rates times time that damp a motion to a twentieth
+    const double FAST = 10.0,
+                 GONE = 5.0;   // times the speed that is slow; rates times time after which nothing is left
+    const double TRAVEL = 0.2; // part of the way of the fastest vertex that the centre goes
+    const stability_body* b = &trace->bodies[body];
+    const double end = trace->times[trace->steps], begin = trace->inputs.last + SETTLING;
+    const int early = row_at( trace, begin ), early_end = row_at( trace, begin + WINDOW ),
+              late = row_at( trace, end - WINDOW );
+    const double elapsed = end - WINDOW - begin;
+    if ( !b->moves || b->starts_inside || elapsed < WINDOW || least_damping( trace ) * elapsed < DAMPED )
+    {
+        return true;
+    }
+    const double before = speed_between( trace, body, early, early_end ),
+                 after = speed_between( trace, body, late, trace->steps );
+    const double slow = SLOW * sqrt( fmax( b->gravity, 1.0 ) * b->size ) + ROUNDINGS * trace->rounding;
+    const double limit = fmax( UNSEEN, slow );
+    const double way = distance_of( stability_sample_of( trace, late, body )->centre,
+                                    stability_sample_of( trace, trace->steps, body )->centre );
+    const bool grows = after > limit && after >= before;
+    const bool lasts = after > FAST * limit && after > 0.5 * before && least_damping( trace ) * elapsed > GONE;
+    if ( ( grows || lasts ) && way < TRAVEL * after * WINDOW )
+    {
+        return break_it(
+            out, STABILITY_REST, trace->steps, after / limit,
+            "%s moves with %.3g m/s at the end, %.3g s after all inputs rest, and with %.3g m/s %.3g s before",
+            b->name, after, end - trace->inputs.last, before, elapsed );
+    }
+    return true;
+}
+
+bool stability_judge_rest( const stability_trace* trace, stability_verdict* out )
+{
+    // What starts through each other pushes for ever, and the order of the list gains energy: both are documented.
+    const bool is_excused = trace->inputs.gains_energy || trace->intersections_before > 0;
+    bool holds = true;
+    for ( int body = 0; body < trace->body_count && holds && stability_is_at_rest( trace ) && !is_excused; ++body )
+    {
+        holds = judge_body_at_rest( trace, body, out );
+    }
+    return holds;
+}
+
+// ---- figures and their limits ----
+
+static bool is_within( double value, double limit )
+{
+    return isinf( limit ) || value <= limit; // NaN is not
+}
+
+static bool judge_figures( const stability_trace* trace, const stability_figures* f, stability_check check,
+                           stability_verdict* out )
+{
+    switch ( check )
+    {
+        case STABILITY_ENERGY:
+            return is_within( f->energy, f->energy_limit ) ||
+                   break_it( out, check, f->energy_row, f->energy / f->energy_limit,
+                             "energy is %.3g J above that when inputs came to rest, and %.3g J are allowed",
+                             f->energy, f->energy_limit );
+        case STABILITY_STRAIN:
+            return is_within( f->strain, f->strain_limit ) ||
+                   break_it( out, check, trace->steps, f->strain / f->strain_limit,
+                             "%s has an edge %.3g %% off its length at the end, and %.3g %% are explained",
+                             trace->bodies[f->strain_body].name, 100.0 * f->strain, 100.0 * f->strain_limit );
+        case STABILITY_RECOVERY:
+            return is_within( f->recovery, f->recovery_limit ) ||
+                   break_it(
+                       out, check, f->recovery_row, f->recovery / f->recovery_limit,
+                       "%s has an edge beyond its limit until %.3g s after all inputs rest, and %.3g s are allowed",
+                       trace->bodies[f->recovery_body].name, f->recovery, f->recovery_limit );
+        case STABILITY_SPEED:
+            return is_within( f->speed, f->speed_limit ) ||
+                   break_it( out, check, f->speed_row, f->speed / f->speed_limit,
+                             "a vertex moves with %.3g m/s, and inputs explain %.3g m/s", f->speed, f->speed_limit );
+        case STABILITY_REST:
+            return is_within( f->rest, f->rest_limit ) ||
+                   break_it( out, check, trace->steps, f->rest / f->rest_limit,
+                             "%s moves with %.3g m/s in the last twentieth of the run, and %.3g m/s are allowed",
+                             trace->bodies[f->rest_body].name, f->rest, f->rest_limit );
+        default:
+            return true;
+    }
+}
+
+bool stability_judge_trace( const stability_trace* trace, unsigned checks, stability_verdict* out )
+{
+    static stability_judge_fn* const judges[STABILITY_CHECK_COUNT] = {
+        [STABILITY_STATUS] = stability_judge_status,
+        [STABILITY_FINITE] = stability_judge_finite,
+        [STABILITY_HALTED] = stability_judge_halted,
+        [STABILITY_ENERGY] = stability_judge_energy,
+        [STABILITY_STRAIN] = stability_judge_strain,
+        [STABILITY_PENETRATION] = stability_judge_penetration,
+        [STABILITY_INTERSECTIONS] = stability_judge_intersections,
+        [STABILITY_REST] = stability_judge_rest,
+    };
+    *out = ( stability_verdict ){ .check = STABILITY_HOLDS };
+    const stability_figures figures = stability_figures_of( trace );
+    for ( int i = 0; i < STABILITY_CHECK_COUNT; ++i )
+    {
+        const bool is_meant = ( checks & stability_bit( (stability_check)i ) ) != 0;
+        if ( is_meant &&
+             ( ( judges[i] && !judges[i]( trace, out ) ) ||
+               ( ( checks & STABILITY_CLOSE ) && !judge_figures( trace, &figures, (stability_check)i, out ) ) ) )
+        {
+            return false;
+        }
+    }
+    return true;
+}

@@ -1,0 +1,92 @@
+/// What must be true of every run of a scene: checks of its trace, and of its bits.
+#pragma once
+
+#include "stability_trace.h"
+
+/// In the order in which they judge; the first one that a run breaks is the verdict.
+typedef enum stability_check
+{
+    STABILITY_HOLDS = -1,
+    STABILITY_CRASH,         ///< the process died
+    STABILITY_TIME,          ///< it did not end
+    STABILITY_REFUSED,       ///< the reader takes the scene and the engine does not
+    STABILITY_STATUS,        ///< a step failed
+    STABILITY_FINITE,        ///< a coordinate, energy or speed is not finite
+    STABILITY_HALTED,        ///< the engine gave up an entity
+    STABILITY_ENERGY,        ///< more energy than was brought in
+    STABILITY_STRAIN,        ///< edges longer than weight and stiffness explain
+    STABILITY_RECOVERY,      ///< the same, until too late
+    STABILITY_SPEED,         ///< faster than what moves it can explain
+    STABILITY_PENETRATION,   ///< vertices inside a collider at rest
+    STABILITY_INTERSECTIONS, ///< edges through triangles that contact should have kept apart
+    STABILITY_REST,          ///< motion that does not die
+    STABILITY_BITS,          ///< other bits with other workers or instruction sets
+    STABILITY_SNAPSHOT,      ///< other bits after a snapshot and its restoration
+    STABILITY_SCALE,         ///< another motion at ten times or a tenth of the size
+    STABILITY_SHIFT,         ///< another motion 100 m away
+    STABILITY_CHECK_COUNT,
+} stability_check;
+
+/// Short names, as reports and options have them.
+extern const char* const stability_check_names[STABILITY_CHECK_COUNT];
+
+typedef struct stability_verdict
+{
+    stability_check check;
+    int step;          ///< after which it shows, counted from 1; 0: none in particular
+    double severity;   ///< what was measured over what is allowed; 1 where nothing is measured
+    char message[320]; ///< a sentence with figures; empty if everything holds
+} stability_verdict;
+
+/// A check in a set of them.
+static inline unsigned stability_bit( stability_check check )
+{
+    return 1u << check;
+}
+
+enum
+{
+    STABILITY_CLOSE = 1u << 30, ///< with the limits of stability_figures, too
+    STABILITY_ALL = ( 1u << STABILITY_CHECK_COUNT ) - 1,
+};
+
+/// Judge a trace. @param checks or-ed; those that need more than a trace are left out @return whether it holds
+bool stability_judge_trace( const stability_trace* trace, unsigned checks, stability_verdict* out );
+
+typedef bool stability_judge_fn( const stability_trace* trace, stability_verdict* out );
+stability_judge_fn stability_judge_status, stability_judge_finite, stability_judge_halted, stability_judge_energy,
+    stability_judge_strain, stability_judge_penetration, stability_judge_intersections, stability_judge_rest;
+
+/// @return whether inputs rest long enough at the end of the run for its bodies to be judged as they are then
+bool stability_is_at_rest( const stability_trace* trace );
+/// @return whether pins, colliders or heads may hold a body stretched, or inside of something
+bool stability_is_held( const stability_trace* trace, int body );
+
+/// What a run shows next to its limits, which are infinite where a run cannot be judged.
+typedef struct stability_figures
+{
+    double strain, strain_limit;     ///< at the end, of the body that is nearest to its limit
+    double recovery, recovery_limit; ///< s after all inputs came to rest, until no edge is beyond its limit
+    double energy, energy_limit;     ///< J above that when inputs came to rest
+    double speed, speed_limit;       ///< m/s
+    double rest, rest_limit;         ///< m/s, in the last twentieth of the run
+    int strain_body, rest_body;      ///< -1: none is judged
+    int recovery_body;
+    int recovery_row, energy_row, speed_row; ///< when; 0: never
+} stability_figures;
+
+/// stability_limits.c
+stability_figures stability_figures_of( const stability_trace* trace );
+
+/// J, that bodies may have above their start at a time: what the inputs and the lifting of what starts inside can
+/// bring.
+double stability_energy_budget( const stability_trace* trace, int row );
+
+/// Compare the hashes after the steps of two runs. @param first steps before them @param how the second run was made,
+/// such as "with 2 workers than with one" @return whether they are equal
+bool stability_compare_bits( const uint64_t* expected, int expected_count, const uint64_t* found, int found_count,
+                             stability_check judge, int first, const char* how, stability_verdict* out );
+
+/// Run a scene with other numbers of workers and other instruction sets, and compare bits after every step.
+/// @param steps at most @return whether they are equal
+bool stability_judge_bits( const wisp_scene* scene, int steps, stability_verdict* out );

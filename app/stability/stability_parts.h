@@ -1,0 +1,37 @@
+/// Shared by the files that measure a body, and private to them.
+#pragma once
+
+#include "stability_trace.h"
+
+#include "wisp/module/module.h"
+
+#include <math.h>
+
+/// The vertices of a body: those of a surface by slots of its fabric, those of strands in the user's order.
+struct stability_reader
+{
+    int body, count;
+    wisp_entity entity;
+    const wisp_fabric* fabric;               ///< null: strands
+    const wisp_strand_topology* strands;     ///< null: a surface
+    const wisp_scene_surface* surface;       ///< its entry; null: strands
+    const wisp_scene_strands* hair;          ///< likewise
+    wisp_vec3 *rest, *now, *before, *motion; ///< [count] m; before: the last time; motion: m/s
+    double* weight;                          ///< [count] 1/kg, 0: held
+    int32_t* edges;                          ///< [edge_count][2]
+    int edge_count;
+    bool moves; ///< by itself: else only `now` counts
+};
+
+static inline double stability_distance( wisp_vec3 a, wisp_vec3 b )
+{
+    const double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
+    return sqrt( x * x + y * y + z * z );
+}
+
+/// J, that violated constraints and springs store; NaN: not known. @param h s, a substep @param is_start before the first step
+double stability_stored_energy( const stability_reader* reader, const scene_world* world, double h, bool is_start );
+/// J, that bending stores at most.
+double stability_bent_energy( const stability_reader* reader, double h );
+/// m/N, of the softest edge, by its compliance and its stiffness in a substep.
+double stability_compliance( const stability_reader* reader, double h );
