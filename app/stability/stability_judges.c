@@ -325,7 +325,7 @@ static bool judge_figures( const stability_trace* trace, const stability_figures
         case STABILITY_STRAIN:
             return is_within( f->strain, f->strain_limit ) ||
                    break_it( out, check, trace->steps, f->strain / f->strain_limit,
-                             "%s has an edge %.3g %% off its length at the end, and %.3g %% are explained",
+                             "%s has an edge %.3g %% off its length at the end, and %.3g %% are allowed",
                              trace->bodies[f->strain_body].name, 100.0 * f->strain, 100.0 * f->strain_limit );
         case STABILITY_RECOVERY:
             return is_within( f->recovery, f->recovery_limit ) ||
@@ -347,7 +347,8 @@ static bool judge_figures( const stability_trace* trace, const stability_figures
     }
 }
 
-bool stability_judge_trace( const stability_trace* trace, unsigned checks, stability_verdict* out )
+bool stability_judge_trace( const stability_trace* trace, unsigned checks, const stability_limits* limits,
+                            stability_verdict* out )
 {
     static stability_judge_fn* const judges[STABILITY_CHECK_COUNT] = {
         [STABILITY_STATUS] = stability_judge_status,
@@ -360,7 +361,7 @@ bool stability_judge_trace( const stability_trace* trace, unsigned checks, stabi
         [STABILITY_REST] = stability_judge_rest,
     };
     *out = ( stability_verdict ){ .check = STABILITY_HOLDS };
-    const stability_figures figures = stability_figures_of( trace );
+    const stability_figures figures = stability_figures_of( trace, limits );
     for ( int i = 0; i < STABILITY_CHECK_COUNT; ++i )
     {
         const bool is_meant = ( checks & stability_bit( (stability_check)i ) ) != 0;

@@ -50,8 +50,19 @@ enum
     STABILITY_ALL = ( 1u << STABILITY_CHECK_COUNT ) - 1,
 };
 
-/// Judge a trace. @param checks or-ed; those that need more than a trace are left out @return whether it holds
-bool stability_judge_trace( const stability_trace* trace, unsigned checks, stability_verdict* out );
+/// Limits that a user gives in place of those that are found. 0: none is given.
+typedef struct stability_limits
+{
+    double strain; ///< at the end, 1
+    double energy; ///< J, above that when inputs came to rest, or above the start if they never do
+    double speed;  ///< m/s
+    double rest;   ///< m/s, in the last twentieth of the run
+} stability_limits;
+
+/// Judge a trace. @param checks or-ed; those that need more than a trace are left out
+/// @param limits null: none are given @return whether it holds
+bool stability_judge_trace( const stability_trace* trace, unsigned checks, const stability_limits* limits,
+                            stability_verdict* out );
 
 typedef bool stability_judge_fn( const stability_trace* trace, stability_verdict* out );
 stability_judge_fn stability_judge_status, stability_judge_finite, stability_judge_halted, stability_judge_energy,
@@ -62,21 +73,23 @@ bool stability_is_at_rest( const stability_trace* trace );
 /// @return whether pins, colliders or heads may hold a body stretched, or inside of something
 bool stability_is_held( const stability_trace* trace, int body );
 
-/// What a run shows next to its limits, which are infinite where a run cannot be judged.
+/// What a run shows next to its limits, which are infinite where none is known.
 typedef struct stability_figures
 {
-    double strain, strain_limit;     ///< at the end, of the body that is nearest to its limit
+    double strain, strain_limit; ///< at the end, of the body that is nearest to its limit, or of all if there is none
     double recovery, recovery_limit; ///< s after all inputs came to rest, until no edge is beyond its limit
     double energy, energy_limit;     ///< J above that when inputs came to rest
     double speed, speed_limit;       ///< m/s
     double rest, rest_limit;         ///< m/s, in the last twentieth of the run
-    int strain_body, rest_body;      ///< -1: none is judged
+    int strain_body, rest_body;      ///< -1: nothing moves
     int recovery_body;
     int recovery_row, energy_row, speed_row; ///< when; 0: never
 } stability_figures;
 
-/// stability_limits.c
-stability_figures stability_figures_of( const stability_trace* trace );
+/// stability_limits.c. @param limits null: none are given
+stability_figures stability_figures_of( const stability_trace* trace, const stability_limits* limits );
+/// @return those of energy, strain and rest among `checks` that have no limit but those for any run, or-ed
+unsigned stability_without_limit( const stability_figures* figures, unsigned checks );
 
 /// J, that bodies may have above their start at a time: what the inputs and the lifting of what starts inside can
 /// bring.

@@ -159,22 +159,41 @@ static bool is_energy_known( const stability_trace* trace )
     return is_known;
 }
 
+static void find_energy( const stability_trace* trace, int begin, stability_figures* out )
+{
+    const double start = sum_of( trace, begin, true );
+    for ( int row = begin + 1; row <= trace->steps; ++row )
+    {
+        const double rise = sum_of( trace, row, false ) - start;
+        out->energy_row = rise > out->energy ? row : out->energy_row;
+        out->energy = fmax( out->energy, rise );
+    }
+}
+
 static void put_energy( const stability_trace* trace, int begin, stability_figures* out )
 {
-    const double start = sum_of( trace, begin, true ), limit = energy_limit( trace );
-    if ( isfinite( start ) && isfinite( limit ) && is_energy_known( trace ) )
+    const double limit = energy_limit( trace );
+    if ( isfinite( sum_of( trace, begin, true ) ) && isfinite( limit ) && is_energy_known( trace ) )
     {
         out->energy_limit = limit;
-        for ( int row = begin + 1; row <= trace->steps; ++row )
-        {
-            const double rise = sum_of( trace, row, false ) - start;
-            out->energy_row = rise > out->energy ? row : out->energy_row;
-            out->energy = fmax( out->energy, rise );
-        }
+        find_energy( trace, begin, out );
     }
 }
 
 // ---- speed ----
+
+static void find_speed( const stability_trace* trace, stability_figures* out )
+{
+    for ( int row = 1; row <= trace->steps; ++row )
+    {
+        for ( int body = 0; body < trace->body_count; ++body )
+        {
+            const double travel = stability_sample_of( trace, row, body )->travel;
+            out->speed_row = travel > out->speed ? row : out->speed_row;
+            out->speed = fmax( out->speed, travel );
+        }
+    }
+}
 
 // An elastic hit by what moves gives twice its speed; taut links of a chain add once more. So does a fall.
 static void put_speed( const stability_trace* trace, stability_figures* out )
@@ -187,14 +206,9 @@ static void put_speed( const stability_trace* trace, stability_figures* out )
     }
     const double fall = sqrt( 2.0 * GRAVITY * ( trace->extent + trace->inputs.path ) );
     out->speed_limit = is_judged ? FACTOR * fmax( trace->inputs.speed, fall ) : INFINITY;
-    for ( int row = 1; row <= trace->steps && is_judged; ++row )
+    if ( is_judged )
     {
-        for ( int body = 0; body < trace->body_count; ++body )
-        {
-            const double travel = stability_sample_of( trace, row, body )->travel;
-            out->speed_row = travel > out->speed ? row : out->speed_row;
-            out->speed = fmax( out->speed, travel );
-        }
+        find_speed( trace, out );
     }
 }
 
@@ -233,7 +247,7 @@ static double rest_limit( const stability_trace* trace, int body )
     return fmax( PART * sqrt( fmax( b->gravity, 1.0 ) * b->extent ), rounding );
 }
 
-static void put_rest( const stability_trace* trace, stability_figures* out )
+static int first_of_last_part( const stability_trace* trace )
 {
     const double LAST = 0.05; // part of the run
     int begin = trace->steps;
@@ -241,15 +255,26 @@ static void put_rest( const stability_trace* trace, stability_figures* out )
     {
         --begin;
     }
+    return begin;
+}
+
+static double travel_between( const stability_trace* trace, int body, int from, int to )
+{
+    double speed = 0.0;
+    for ( int row = from; row <= to; ++row )
+    {
+        speed = fmax( speed, stability_sample_of( trace, row, body )->travel );
+    }
+    return speed;
+}
+
+static void put_rest( const stability_trace* trace, stability_figures* out )
+{
+    const int begin = first_of_last_part( trace );
     const bool is_excused = trace->inputs.gains_energy || trace->inputs.works || trace->intersections_before > 0;
     for ( int body = 0; body < trace->body_count && !is_excused && elapsed_of( trace ) >= SETTLING; ++body )
     {
-        double speed = 0.0;
-        for ( int row = begin; row <= trace->steps; ++row )
-        {
-            speed = fmax( speed, stability_sample_of( trace, row, body )->travel );
-        }
-        const double limit = rest_limit( trace, body );
+        const double speed = travel_between( trace, body, begin, trace->steps ), limit = rest_limit( trace, body );
         if ( must_rest( trace, body ) && !goes_away( trace, body, begin ) &&
              ( out->rest_body < 0 || speed / limit > out->rest / out->rest_limit ) )
         {
@@ -260,7 +285,61 @@ static void put_rest( const stability_trace* trace, stability_figures* out )
     }
 }
 
-stability_figures stability_figures_of( const stability_trace* trace )
+// ---- without a limit ----
+
+// What a run shows where none of its limits is known, for users who have one of their own.
+static void measure( const stability_trace* trace, int begin, stability_figures* out )
+{
+    const int last_part = first_of_last_part( trace );
+    const bool has_strain = out->strain_body >= 0, has_rest = out->rest_body >= 0;
+    for ( int body = 0; body < trace->body_count; ++body )
+    {
+        const double strain = stability_sample_of( trace, trace->steps, body )->strain;
+        if ( !has_strain && trace->bodies[body].moves && !( strain < out->strain ) )
+        {
+            out->strain = strain;
+            out->strain_body = body;
+        }
+        const double rest = travel_between( trace, body, last_part, trace->steps );
+        if ( !has_rest && !( rest < out->rest ) )
+        {
+            out->rest = rest;
+            out->rest_body = body;
+        }
+    }
+    if ( isinf( out->energy_limit ) )
+    {
+        find_energy( trace, begin, out );
+    }
+    if ( isinf( out->speed_limit ) )
+    {
+        find_speed( trace, out );
+    }
+}
+
+static double given( double limit, double found )
+{
+    return limit > 0.0 ? limit : found;
+}
+
+unsigned stability_without_limit( const stability_figures* figures, unsigned checks )
+{
+    const struct
+    {
+        stability_check check;
+        double limit;
+    } all[] = { { STABILITY_ENERGY, figures->energy_limit },
+                { STABILITY_STRAIN, figures->strain_limit },
+                { STABILITY_REST, figures->rest_limit } };
+    unsigned without = 0;
+    for ( int i = 0; i < WISP_COUNT( all ); ++i )
+    {
+        without |= isinf( all[i].limit ) ? checks & stability_bit( all[i].check ) : 0;
+    }
+    return without;
+}
+
+stability_figures stability_figures_of( const stability_trace* trace, const stability_limits* limits )
 {
     stability_figures out = { .strain_limit = INFINITY,
                               .recovery_limit = INFINITY,
@@ -277,6 +356,14 @@ stability_figures stability_figures_of( const stability_trace* trace )
         put_recovery( trace, &out );
         put_energy( trace, begin, &out );
         put_rest( trace, &out );
+    }
+    measure( trace, begin >= 0 ? begin : 0, &out );
+    if ( limits != NULL )
+    {
+        out.strain_limit = given( limits->strain, out.strain_limit );
+        out.energy_limit = given( limits->energy, out.energy_limit );
+        out.speed_limit = given( limits->speed, out.speed_limit );
+        out.rest_limit = given( limits->rest, out.rest_limit );
     }
     return out;
 }

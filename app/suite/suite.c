@@ -173,8 +173,9 @@ static wisp_status read_suite( suite_reader* r )
     r->seconds = values[KEY_SECONDS];
     r->axes = values[KEY_AXES];
     status = read_texts( r, values[KEY_TITLE], values[KEY_NOTE] );
-    status =
-        status == WISP_OK && values[KEY_CHECKS] ? suite_read_checks( r, values[KEY_CHECKS], &r->checks ) : status;
+    status = status == WISP_OK && values[KEY_CHECKS]
+                 ? suite_read_checks( r, values[KEY_CHECKS], &r->checks, &r->limits )
+                 : status;
     status = status == WISP_OK && r->axes ? suite_check_axes( r ) : status;
     if ( status == WISP_OK && values[KEY_BUDGETS] )
     {

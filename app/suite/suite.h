@@ -3,6 +3,7 @@
 #pragma once
 
 #include "scene.h"
+#include "stability_judges.h"
 #include "wisp/base.h"
 
 #include <stdio.h>
@@ -62,14 +63,15 @@ typedef struct suite_row
     char* text;   ///< the scene
     int steps;    ///< that are made; 0: all of the scene
     suite_budget budgets[SUITE_MEASURE_COUNT];
-    unsigned checks;   ///< that must hold, as stability_bit() has them; 0: none
-    double seconds;    ///< that are simulated; 0: `steps`
-    bool is_refused;   ///< the reader or the engine must refuse it with a message
-    char refusal[200]; ///< the reader's, of a row that is_refused; empty: it took it
-    bool is_slow;      ///< left out with --quick
-    bool is_long;      ///< only with --long
-    double agree;      ///< how far rows of this name may hang from each other, in sizes; 0: any
-    int known;         ///< stability_check that it is known to break; -1: it must hold
+    unsigned checks;         ///< that must hold, as stability_bit() has them; 0: none
+    stability_limits limits; ///< that checks are given
+    double seconds;          ///< that are simulated; 0: `steps`
+    bool is_refused;         ///< the reader or the engine must refuse it with a message
+    char refusal[200];       ///< the reader's, of a row that is_refused; empty: it took it
+    bool is_slow;            ///< left out with --quick
+    bool is_long;            ///< only with --long
+    double agree;            ///< how far rows of this name may hang from each other, in sizes; 0: any
+    int known;               ///< stability_check that it is known to break; -1: it must hold
 } suite_row;
 
 typedef struct wisp_suite

@@ -4,6 +4,8 @@
 #include "nearest.h"
 #include "stability_judges.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 // Those that a run of a scene can break; the rest is of the search for scenes that do.
@@ -34,26 +36,76 @@ static wisp_status read_word( const suite_reader* r, const scene_node* node, int
                    : suite_refuse( r, node, "got check '%s', expected one of %s", quote.text, all );
 }
 
-wisp_status suite_read_checks( const suite_reader* r, const scene_node* node, unsigned* out )
+static bool is_all( const suite_reader* r, const scene_node* node )
+{
+    return node->kind == SCENE_SCALAR && strcmp( scene_text_of( &r->tree, node ), "all" ) == 0;
+}
+
+static unsigned all_checks( void )
+{
+    unsigned all = 0;
+    for ( int i = 0; i < WISP_COUNT( words ); ++i )
+    {
+        all |= stability_bit( words[i] );
+    }
+    return all;
+}
+
+// A check and its limit, such as { strain: 0.1 }.
+static wisp_status read_limit( const suite_reader* r, const scene_node* map, int* out, stability_limits* limits )
+{
+    const scene_node* n = scene_first( &r->tree, map );
+    const struct
+    {
+        stability_check check;
+        double* limit;
+    } all[] = { { STABILITY_STRAIN, &limits->strain },
+                { STABILITY_ENERGY, &limits->energy },
+                { STABILITY_SPEED, &limits->speed },
+                { STABILITY_REST, &limits->rest } };
+    for ( int i = 0; i < WISP_COUNT( all ) && map->count == 1; ++i )
+    {
+        if ( strcmp( scene_key_of( &r->tree, n ), stability_check_names[all[i].check] ) == 0 )
+        {
+            char* end = NULL;
+            const char* text = n->kind == SCENE_SCALAR ? scene_text_of( &r->tree, n ) : "";
+            *all[i].limit = strtod( text, &end );
+            *out = all[i].check;
+            return end != text && *end == '\0' && *all[i].limit > 0.0 && isfinite( *all[i].limit )
+                       ? WISP_OK
+                       : suite_refuse( r, n, "expected a limit above 0" );
+        }
+    }
+    return suite_refuse( r, map,
+                         "expected a check and its limit, one of strain, energy, speed and rest, such as "
+                         "{ strain: 0.1 }" );
+}
+
+wisp_status suite_read_checks( const suite_reader* r, const scene_node* node, unsigned* out,
+                               stability_limits* limits )
 {
     *out = 0;
-    if ( node->kind == SCENE_SCALAR && strcmp( scene_text_of( &r->tree, node ), "all" ) == 0 )
+    *limits = ( stability_limits ){ 0 };
+    if ( is_all( r, node ) )
     {
-        for ( int i = 0; i < WISP_COUNT( words ); ++i )
-        {
-            *out |= stability_bit( words[i] );
-        }
+        *out = all_checks();
         return WISP_OK;
     }
     if ( node->kind != SCENE_LIST || node->count == 0 )
     {
-        return suite_refuse( r, node, "expected checks: all, or a list of checks such as [finite, energy]" );
+        return suite_refuse( r, node,
+                             "expected checks: all, or a list of checks such as [finite, energy, { strain: 0.1 }]" );
     }
     wisp_status status = WISP_OK;
     for ( const scene_node* n = scene_first( &r->tree, node ); n && status == WISP_OK; n = scene_next( &r->tree, n ) )
     {
         int check = 0;
-        status = read_word( r, n, &check );
+        if ( is_all( r, n ) )
+        {
+            *out |= all_checks();
+            continue;
+        }
+        status = n->kind == SCENE_MAP ? read_limit( r, n, &check, limits ) : read_word( r, n, &check );
         *out |= stability_bit( (stability_check)check );
     }
     return status;

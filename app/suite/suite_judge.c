@@ -180,14 +180,15 @@ static void refuse( const suite_row* row, const char* message, suite_outcome* ou
 
 static void judge_trace( const suite_row* row, const wisp_scene* scene, stability_trace* trace, suite_outcome* out )
 {
-    out->figures = stability_figures_of( trace );
+    out->figures = stability_figures_of( trace, &row->limits );
+    out->without_limit = stability_without_limit( &out->figures, row->checks );
     out->steps = trace->steps;
     out->hash = trace->hash;
     out->depth = trace->depth;
     out->resets = trace->resets;
     out->not_converged = trace->not_converged;
     out->degenerate = trace->degenerate;
-    const bool holds = stability_judge_trace( trace, row->checks | STABILITY_CLOSE, &out->verdict );
+    const bool holds = stability_judge_trace( trace, row->checks | STABILITY_CLOSE, &row->limits, &out->verdict );
     if ( row->is_refused )
     {
         out->verdict =

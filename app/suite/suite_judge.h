@@ -23,7 +23,8 @@ typedef struct suite_outcome
     stability_verdict
         verdict; ///< its check is STABILITY_REFUSED for what is refused and should not be, or the other way
     stability_figures figures;
-    bool is_refused; ///< by the reader or the engine, which is what the row expects
+    unsigned without_limit; ///< checks of the row that only limits for any run were found for
+    bool is_refused;        ///< by the reader or the engine, which is what the row expects
     int steps;
     double depth;  ///< of the lowest vertex at the end below the highest at the start, in sizes of its body
     uint64_t hash; ///< of all points after the last step

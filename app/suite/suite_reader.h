@@ -21,6 +21,7 @@ typedef struct suite_reader
     const scene_node* seconds;                 ///< of all entries; null: none
     const scene_node* axes;                    ///< maps of bundles by name, for `sweep`; null: none
     unsigned checks;                           ///< of all entries
+    stability_limits limits;                   ///< of their checks
 } suite_reader;
 
 /// Fail with the place of a node. @return WISP_BAD_INPUT
@@ -49,8 +50,9 @@ void suite_stem( const char* path, char* out, size_t size );
 
 // ---- suite_checks.c ----
 
-/// Read `checks`: words, or `all`.
-wisp_status suite_read_checks( const suite_reader* r, const scene_node* node, unsigned* out );
+/// Read `checks`: words, those of them that are given a limit, or `all`.
+wisp_status suite_read_checks( const suite_reader* r, const scene_node* node, unsigned* out,
+                               stability_limits* limits );
 /// Read `expect`.
 wisp_status suite_read_expect( const suite_reader* r, const scene_node* node, bool* is_refused );
 /// Read `known`, `quick` and `long`, after the entries: they name rows. Any may be null.

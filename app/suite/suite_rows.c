@@ -79,6 +79,7 @@ typedef struct entry
     double seconds; // 0: none
     double order;   // NaN: none
     unsigned checks;
+    stability_limits limits;
     bool is_refused;
 } entry;
 
@@ -160,7 +161,7 @@ static bool set_key( const suite_reader* r, const scene_node* field, suite_row* 
     }
     if ( strcmp( key, keys[KEY_CHECKS] ) == 0 )
     {
-        *status = suite_read_checks( r, field, &row->checks );
+        *status = suite_read_checks( r, field, &row->checks, &row->limits );
         return true;
     }
     return false;
@@ -282,6 +283,7 @@ static void begin_row( const suite_reader* r, const entry* e, suite_row* row )
     row->steps = e->values[KEY_STEPS] ? (int)number_of( r, e->values[KEY_STEPS] ) : 0;
     row->seconds = e->seconds;
     row->checks = e->checks;
+    row->limits = e->limits;
     row->is_refused = e->is_refused;
     row->agree = e->values[KEY_AGREE] ? number_of( r, e->values[KEY_AGREE] ) : 0.0;
 }
@@ -543,8 +545,10 @@ wisp_status suite_read_entry( suite_reader* r, const scene_node* block )
     status = status == WISP_OK ? check_settings( r, &e ) : status;
     status = status == WISP_OK ? check_sweep( r, &e ) : status;
     e.checks = r->checks;
-    status =
-        status == WISP_OK && e.values[KEY_CHECKS] ? suite_read_checks( r, e.values[KEY_CHECKS], &e.checks ) : status;
+    e.limits = r->limits;
+    status = status == WISP_OK && e.values[KEY_CHECKS]
+                 ? suite_read_checks( r, e.values[KEY_CHECKS], &e.checks, &e.limits )
+                 : status;
     status = status == WISP_OK && e.values[KEY_EXPECT] ? suite_read_expect( r, e.values[KEY_EXPECT], &e.is_refused )
                                                        : status;
     if ( status == WISP_OK )

@@ -35,7 +35,7 @@ static stability_verdict judge_here( const torture_subject* subject, int twins )
     {
         refuse( &verdict, &error );
     }
-    else if ( stability_judge_trace( &trace, checks, &verdict ) && ( twins & TORTURE_TWIN_ALL ) != 0 )
+    else if ( stability_judge_trace( &trace, checks, NULL, &verdict ) && ( twins & TORTURE_TWIN_ALL ) != 0 )
     {
         torture_judge_twins( subject, &trace, twins, &verdict );
     }

@@ -137,7 +137,7 @@ bool torture_compare_traces( const stability_trace* trace, const stability_trace
     const double APART = 0.5, FACTOR = 3.0;
     const char* where = judge == STABILITY_SCALE ? "at another size" : "100 m away";
     stability_verdict other;
-    if ( !stability_judge_trace( twin, STABILITY_ALL, &other ) )
+    if ( !stability_judge_trace( twin, STABILITY_ALL, NULL, &other ) )
     {
         *out = ( stability_verdict ){ .check = judge, .step = other.step, .severity = other.severity };
         snprintf( out->message, sizeof out->message, "%s: %.250s", where, other.message );

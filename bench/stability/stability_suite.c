@@ -7,8 +7,8 @@
 
 int stability_begin_table( const char* title, results* out )
 {
-    static const char* const names[] = { "cell",       "verdict",   "strain %",   "of at most", "steps", "energy J",
-                                         "of at most", "rest mm/s", "of at most", "engine",     "hash" };
+    static const char* const names[] = { "cell",       "verdict",   "strain %",   "of at most", "steps",  "energy J",
+                                         "of at most", "rest mm/s", "of at most", "without",    "engine", "hash" };
     cells header = { .count = 0 };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
@@ -20,6 +20,21 @@ int stability_begin_table( const char* title, results* out )
 static void put_figure( cells* row, double value )
 {
     cells_put( row, isfinite( value ) ? "%.3g" : "-", value );
+}
+
+// Checks that no limit of this run is known for.
+static void put_without( const suite_outcome* o, cells* row )
+{
+    char words[80] = "";
+    for ( int i = 0; i < STABILITY_CHECK_COUNT; ++i )
+    {
+        const size_t used = strlen( words );
+        if ( o->without_limit & stability_bit( (stability_check)i ) )
+        {
+            snprintf( words + used, sizeof words - used, "%s%s", used > 0 ? " " : "", stability_check_names[i] );
+        }
+    }
+    cells_put( row, "%s", words[0] ? words : "-" );
 }
 
 // Actions of the engine according to its counters.
@@ -76,6 +91,7 @@ static void add_line( int table, const char* label, const suite_outcome* o, bool
     put_figure( &row, f->energy_limit );
     put_figure( &row, 1e3 * f->rest );
     put_figure( &row, 1e3 * f->rest_limit );
+    put_without( o, &row );
     put_engine( o, &row );
     cells_put_hash( &row, o->hash );
     cells_end_row( &row, table, out );
@@ -123,6 +139,7 @@ static void judge( const char* label, const suite_outcome* o, int known, stabili
     t->recovered += broke == STABILITY_HOLDS && o->figures.recovery > 0.0 ? 1 : 0;
     t->refused += broke == STABILITY_HOLDS && o->is_refused ? 1 : 0;
     t->not_finite += broke == STABILITY_FINITE ? 1 : 0;
+    t->without_limit += o->without_limit != 0 && !o->is_refused ? 1 : 0;
     ++t->rows;
 }
 
@@ -219,4 +236,11 @@ void stability_note( const stability_tally* t, const char* name, results* out )
         "%s: %d cells: %d hold, %d recover, %d are refused as they should be, %d break as known, %d fail, "
         "%d have NaN or infinity",
         name, t->rows, t->held, t->recovered, t->refused, t->known, t->failed, t->not_finite );
+    if ( t->without_limit > 0 )
+    {
+        results_add_note( out,
+                          "%s: in %d cells no limit is known of what stands under `without`; give one, such as "
+                          "checks: [all, { strain: 0.1 }]",
+                          name, t->without_limit );
+    }
 }

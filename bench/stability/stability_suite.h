@@ -8,7 +8,7 @@
 /// Rows so far. Zero-initialised is empty.
 typedef struct stability_tally
 {
-    int rows, held, recovered, refused, known, failed, not_finite;
+    int rows, held, recovered, refused, known, failed, not_finite, without_limit;
 } stability_tally;
 
 /// Run the rows that are due: with `quick` those that the suite lists, with `longest` the long ones as well.

@@ -42,12 +42,19 @@ static const char differs[] = SUITE( "checks: [finite]\n"
                                      "scenes: [{ file: sheet.yaml, agree: 0.01, vary: { held: { both: {}, one: { "
                                      "\"surfaces[0].pins\": [0] } } } }]\n" );
 
+// In wind nothing is at rest, so that no limit is known but that of the user.
+static const char windy[] = SUITE(
+    "seconds: 0.5\n"
+    "scenes: [{ file: sheet.yaml, checks: [strain, rest], set: { \"surfaces[0].cloth.wind\": [3, 0, 0], "
+    "\"surfaces[0].cloth.drag_coefficient\": 1 } }, { file: sheet.yaml, name: mine, checks: [{ strain: 1e-4 }, { "
+    "speed: 50 }], set: { \"surfaces[0].cloth.wind\": [3, 0, 0], \"surfaces[0].cloth.drag_coefficient\": 1 } }]\n" );
+
 static int enter_folder( void** state )
 {
-    static const text_file files[] = { { "sheet.yaml", SHEET },    { "holds.yaml", holds },
-                                       { "breaks.yaml", breaks },  { "known.yaml", known },
-                                       { "mended.yaml", mended },  { "sweeps.yaml", sweeps },
-                                       { "differs.yaml", differs } };
+    static const text_file files[] = { { "sheet.yaml", SHEET },     { "holds.yaml", holds },
+                                       { "breaks.yaml", breaks },   { "known.yaml", known },
+                                       { "mended.yaml", mended },   { "sweeps.yaml", sweeps },
+                                       { "differs.yaml", differs }, { "windy.yaml", windy } };
     return enter_folder_with( state, files, WISP_COUNT( files ) );
 }
 
@@ -98,6 +105,17 @@ static void rows_that_must_agree_and_differ_fail( void** state )
     assert_contains( result.out, "sheet: rows differ by " );
 }
 
+static void a_check_without_a_limit_says_so_and_takes_that_of_the_user( void** state )
+{
+    (void)state;
+    run( "bench windy.yaml" );
+    assert_int_equal( result.status, 1 );
+    assert_contains( result.out, "strain rest" );
+    assert_contains( result.out, "in 1 cells no limit is known" );
+    assert_contains( result.out, "FAILED: stability, mine: breaks strain: " );
+    assert_contains( result.out, "and 0.01 % are allowed" );
+}
+
 static void wrong_words_name_their_place( void** state )
 {
     (void)state;
@@ -108,6 +126,10 @@ static void wrong_words_name_their_place( void** state )
         { SUITE( "checks: [enrgy]\nscenes: [{ file: sheet.yaml }]\n" ),
           "wrong.yaml:2:10: got check 'enrgy'; did you mean 'energy'?" },
         { SUITE( "checks: some\nscenes: [{ file: sheet.yaml }]\n" ), "wrong.yaml:2:9: expected checks: all" },
+        { SUITE( "checks: [{ strain: -1 }]\nscenes: [{ file: sheet.yaml }]\n" ),
+          "wrong.yaml:2:20: expected a limit above 0" },
+        { SUITE( "checks: [{ bits: 1 }]\nscenes: [{ file: sheet.yaml }]\n" ),
+          "wrong.yaml:2:10: expected a check and its limit" },
         { SUITE( "checks: all\nknown: { other: rest }\nscenes: [{ file: sheet.yaml }]\n" ),
           "wrong.yaml:3:10: no row is called 'other'" },
         { SUITE( "checks: [finite]\nknown: { sheet: rest }\nscenes: [{ file: sheet.yaml }]\n" ),
@@ -136,6 +158,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( what_is_known_to_break_passes_until_it_holds ),
         cmocka_unit_test( a_sweep_has_each_value_alone_and_pairs_and_leaves_out_what_is_not_due ),
         cmocka_unit_test( rows_that_must_agree_and_differ_fail ),
+        cmocka_unit_test( a_check_without_a_limit_says_so_and_takes_that_of_the_user ),
         cmocka_unit_test( wrong_words_name_their_place ),
     };
     return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
