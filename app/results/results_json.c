@@ -35,12 +35,15 @@ static json_t* values_object( const results_values* values )
 
 static json_t* error_object( const results_row* row )
 {
-    if ( !row->error_reference[0] )
+    if ( row->error_reference[0] == '\0' && row->error.count == 0 )
     {
         return json_null();
     }
     json_t* object = values_object( &row->error );
-    json_object_set_new( object, "against", results_json_text( row->error_reference ) );
+    if ( row->error_reference[0] != '\0' )
+    {
+        json_object_set_new( object, "against", results_json_text( row->error_reference ) );
+    }
     return object;
 }
 
