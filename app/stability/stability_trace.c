@@ -9,36 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-// ---- requests ----
-
-static void request_all( wisp_scene* scene )
-{
-    for ( int i = 0; i < scene->strands_count; ++i )
-    {
-        wisp_scene_strands* s = &scene->strands[i];
-        s->request_points = true;
-        s->request_motion_stats = s->has_dynamics;
-        s->request_contacts = s->has_collision;
-    }
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        wisp_scene_surface* s = &scene->surfaces[i];
-        s->request_points = s->request_motion_stats = true;
-        s->request_contacts = s->has_collision;
-        s->request_stats = s->request_stats || s->has_implicit;
-    }
-}
-
-static bool has_contact( const wisp_scene* scene )
-{
-    bool any = false;
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        any |= scene->surfaces[i].has_contact;
-    }
-    return any;
-}
-
 // ---- samples ----
 
 static wisp_entity entity_of( const scene_world* world, int body )
@@ -235,7 +205,7 @@ static void make_steps( scene_world* world, stability_reader* const* readers, st
                         wisp_vec3* points )
 {
     const int steps = world->scene->steps;
-    const bool counts = has_contact( world->scene ), counts_all = counts && world->scene->request_intersections;
+    const bool counts = scene_has_contact( world->scene ), counts_all = counts && world->scene->request_intersections;
     wisp_error error = { 0 };
     for ( int step = 0; step < steps && trace->status == WISP_OK && is_finite_row( trace, step ); ++step )
     {
@@ -268,7 +238,7 @@ wisp_status stability_trace_run( wisp_scene* scene, stability_trace* out, wisp_e
     *out = ( stability_trace ){
         .body_count = (int)bodies, .intersections_before = -1, .intersections_after = -1, .intersections_most = -1
     };
-    request_all( scene );
+    scene_request_statistics( scene );
     scene_world world;
     const scene_world_options options = { .workers = 1, .is_quiet = true };
     wisp_status status = scene_world_create( scene, &options, &world, error );

@@ -30,24 +30,6 @@ static void release( void* user, void* block, size_t size )
     free( block );
 }
 
-static void request_all( wisp_scene* scene )
-{
-    for ( int i = 0; i < scene->strands_count; ++i )
-    {
-        wisp_scene_strands* s = &scene->strands[i];
-        s->request_points = true;
-        s->request_motion_stats = s->has_dynamics;
-        s->request_contacts = s->has_collision;
-    }
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        wisp_scene_surface* s = &scene->surfaces[i];
-        s->request_points = s->request_motion_stats = true;
-        s->request_contacts = s->has_collision;
-        s->request_stats = s->request_stats || s->has_implicit;
-    }
-}
-
 // Make surfaces participants whose intersections are counted and that meet nothing. Implicit cloth cannot be one.
 static void count_intersections( wisp_scene* scene )
 {
@@ -62,16 +44,6 @@ static void count_intersections( wisp_scene* scene )
             s->contact.mask = 0;
         }
     }
-}
-
-static bool has_contact( const wisp_scene* scene )
-{
-    bool any = false;
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        any = any || scene->surfaces[i].has_contact;
-    }
-    return any;
 }
 
 // What lasts from step to step.
@@ -154,7 +126,7 @@ static void finish( const scene_world* world, suite_measurement* out )
     out->values[SUITE_RESETS] = (double)wisp_world_counter( world->world, WISP_COUNT_STRAND_RESET );
     out->values[SUITE_NOT_CONVERGED] = (double)wisp_world_counter( world->world, WISP_COUNT_NOT_CONVERGED );
     out->values[SUITE_HALTED] = (double)wisp_world_counter( world->world, WISP_COUNT_HALTED );
-    if ( has_contact( world->scene ) && wisp_read_contact_stats( world->world, &contact ) == WISP_OK )
+    if ( scene_has_contact( world->scene ) && wisp_read_contact_stats( world->world, &contact ) == WISP_OK )
     {
         out->values[SUITE_INTERSECTIONS] = contact.intersections;
     }
@@ -210,7 +182,7 @@ static wisp_status run_steps( scene_world* world, int steps, const double* alloc
         if ( step + 1 == steps )
         {
             out->values[SUITE_ALLOCATIONS] = *allocations - warm;
-            if ( has_contact( world->scene ) )
+            if ( scene_has_contact( world->scene ) )
             {
                 (void)wisp_request_contact_stats( world->world, true, true );
             }
@@ -240,7 +212,7 @@ wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_ob
     {
         return status;
     }
-    request_all( &scene );
+    scene_request_statistics( &scene );
     if ( observer && observer->requests_contact )
     {
         count_intersections( &scene );

@@ -94,6 +94,11 @@ int scene_groom_source( const wisp_scene* scene, int strands );
 /// @param out to be released; empty on failure
 wisp_status scene_surface_mesh( const wisp_scene* scene, int surface, wisp_mesh* out, wisp_error* error );
 
+/// Have a scene compute the points of all bodies and the statistics that each can have. Statistics change no bit.
+void scene_request_statistics( wisp_scene* scene );
+/// Whether a surface takes part in contact.
+bool scene_has_contact( const wisp_scene* scene );
+
 /// Of strands and surfaces together.
 int scene_world_vertices( const scene_world* world );
 int scene_world_strands( const scene_world* world );
