@@ -126,6 +126,15 @@ typedef enum wisp_solver
     WISP_SOLVER_COUNT,
 } wisp_solver;
 
+/// Integration of time.
+typedef enum wisp_integrator
+{
+    WISP_INTEGRATOR_EULER, ///< implicit Euler: first order, damps motion
+    WISP_INTEGRATOR_BDF2, ///< second order, from the last two substeps. A substep goes back to Euler where that would gain
+                          ///< energy (WISP_COUNT_FIRST_ORDER)
+    WISP_INTEGRATOR_COUNT,
+} wisp_integrator;
+
 // ---- strands: polylines ----
 
 /// Strands, made from a set of polylines. Fill from wisp_default_strands_def(). Copied; need not outlive the call.
