@@ -18,19 +18,20 @@ bool plan_lists( const wisp_component* uses, wisp_component component )
 
 store_mask plan_mask( const wisp_component* uses )
 {
-    store_mask mask = 0;
+    store_mask mask = { { 0 } };
     for ( int i = 0; i < WISP_MAX_USES && uses[i] != 0; ++i )
     {
-        mask |= store_bit( uses[i] );
+        store_mask_add( &mask, uses[i] );
     }
     return mask;
 }
 
 static bool conflicts( const wisp_pass* a, const wisp_pass* b )
 {
-    store_mask a_writes = plan_mask( a->writes ) | plan_mask( a->foreign );
-    store_mask b_writes = plan_mask( b->writes ) | plan_mask( b->foreign );
-    return ( a_writes & ( b_writes | plan_mask( b->reads ) ) ) != 0 || ( b_writes & plan_mask( a->reads ) ) != 0;
+    store_mask a_writes = store_mask_or( plan_mask( a->writes ), plan_mask( a->foreign ) );
+    store_mask b_writes = store_mask_or( plan_mask( b->writes ), plan_mask( b->foreign ) );
+    return store_mask_meets( a_writes, store_mask_or( b_writes, plan_mask( b->reads ) ) ) ||
+           store_mask_meets( b_writes, plan_mask( a->reads ) );
 }
 
 // ---- selection: the passes of one entity ----
@@ -39,20 +40,21 @@ static bool conflicts( const wisp_pass* a, const wisp_pass* b )
 // reads of a selected pass. Repeat until nothing changes.
 static store_mask live_passes( const wisp_registry* r, const store_entity* e )
 {
-    store_mask live = 0, requested = e->alive ? e->requests : 0, components = e->components & ~e->derived;
+    store_mask live = { { 0 } }, requested = e->alive ? e->requests : live;
+    const store_mask components = store_mask_and_not( e->components, e->derived );
     for ( bool grew = true; grew; )
     {
         grew = false;
         for ( int i = 0; i < r->pass_count; ++i )
         {
             const wisp_pass* pass = r->passes + i;
-            store_mask required = plan_mask( pass->required );
-            bool lives = ( live >> i & 1 ) != 0;
-            bool fits = ( required & ~components ) == 0 && ( plan_mask( pass->excluded ) & components ) == 0;
-            if ( lives == false && fits && ( plan_mask( pass->writes ) & requested ) != 0 )
+            bool lives = store_mask_has( &live, i );
+            bool fits = store_mask_holds( components, plan_mask( pass->required ) ) &&
+                        store_mask_meets( components, plan_mask( pass->excluded ) ) == false;
+            if ( lives == false && fits && store_mask_meets( plan_mask( pass->writes ), requested ) )
             {
-                live |= store_bit( i );
-                requested |= plan_mask( pass->reads );
+                store_mask_add( &live, i );
+                requested = store_mask_or( requested, plan_mask( pass->reads ) );
                 grew = true;
             }
         }
@@ -64,14 +66,17 @@ static store_mask live_passes( const wisp_registry* r, const store_entity* e )
 static wisp_status check_supply( const wisp_registry* r, store_mask live, int slot, wisp_error* error )
 {
     const store_entity* e = r->store->entities + slot;
-    store_mask supplied = e->components & ~e->derived;
+    store_mask supplied = store_mask_and_not( e->components, e->derived );
     for ( int i = 0; i < r->pass_count; ++i )
     {
-        supplied |= ( live >> i & 1 ) != 0 ? plan_mask( r->passes[i].writes ) : 0;
+        if ( store_mask_has( &live, i ) )
+        {
+            supplied = store_mask_or( supplied, plan_mask( r->passes[i].writes ) );
+        }
     }
     for ( int c = 1; c < r->store->component_count; ++c )
     {
-        if ( ( e->requests & ~supplied & store_bit( c ) ) != 0 )
+        if ( store_mask_has( &e->requests, c ) && store_mask_has( &supplied, c ) == false )
         {
             return wisp_fail( error, WISP_CONFLICT, "'%s': requested of entity %d, but no pass can write it there",
                               r->store->components[c].def.name, slot + 1 );
@@ -79,10 +84,10 @@ static wisp_status check_supply( const wisp_registry* r, store_mask live, int sl
     }
     for ( int i = 0; i < r->pass_count; ++i )
     {
-        store_mask missing = ( live >> i & 1 ) != 0 ? plan_mask( r->passes[i].reads ) & ~supplied : 0;
-        for ( int c = 1; c < r->store->component_count; ++c )
+        const store_mask missing = store_mask_and_not( plan_mask( r->passes[i].reads ), supplied );
+        for ( int c = 1; c < r->store->component_count && store_mask_has( &live, i ); ++c )
         {
-            if ( ( missing & store_bit( c ) ) != 0 )
+            if ( store_mask_has( &missing, c ) )
             {
                 return wisp_fail( error, WISP_CONFLICT,
                                   "pass '%s': reads '%s', which entity %d does not have and no active pass writes",
@@ -98,25 +103,28 @@ static wisp_status check_supply( const wisp_registry* r, store_mask live, int sl
 // Whether a must precede b: a only writes a component that b reads.
 static bool must_precede( const wisp_pass* a, const wisp_pass* b )
 {
-    store_mask produced = plan_mask( a->writes ) & ~plan_mask( a->reads );
-    store_mask produced_by_b = plan_mask( b->writes ) & ~plan_mask( b->reads );
-    return ( produced & plan_mask( b->reads ) & ~produced_by_b ) != 0;
+    store_mask produced = store_mask_and_not( plan_mask( a->writes ), plan_mask( a->reads ) );
+    store_mask produced_by_b = store_mask_and_not( plan_mask( b->writes ), plan_mask( b->reads ) );
+    return store_mask_meets( produced, store_mask_and_not( plan_mask( b->reads ), produced_by_b ) );
 }
 
 static wisp_status order_stage( const wisp_registry* r, store_mask live, wisp_stage stage, int* order, int* count,
                                 wisp_error* error )
 {
-    store_mask waiting = 0;
+    store_mask waiting = { { 0 } };
     for ( int i = 0; i < r->pass_count; ++i )
     {
-        waiting |= ( live >> i & 1 ) != 0 && r->passes[i].stage == stage ? store_bit( i ) : 0;
+        if ( store_mask_has( &live, i ) && r->passes[i].stage == stage )
+        {
+            store_mask_add( &waiting, i );
+        }
     }
-    while ( waiting != 0 )
+    while ( store_mask_any( waiting ) )
     {
         int next = -1, first = -1;
         for ( int i = 0; i < r->pass_count && next < 0; ++i )
         {
-            if ( ( waiting >> i & 1 ) == 0 )
+            if ( store_mask_has( &waiting, i ) == false )
             {
                 continue;
             }
@@ -124,7 +132,7 @@ static wisp_status order_stage( const wisp_registry* r, store_mask live, wisp_st
             bool free = true;
             for ( int j = 0; j < r->pass_count; ++j )
             {
-                free = free && ( i == j || ( waiting >> j & 1 ) == 0 ||
+                free = free && ( i == j || store_mask_has( &waiting, j ) == false ||
                                  must_precede( r->passes + j, r->passes + i ) == false );
             }
             next = free ? i : -1;
@@ -136,7 +144,7 @@ static wisp_status order_stage( const wisp_registry* r, store_mask live, wisp_st
                               r->passes[first].name );
         }
         order[( *count )++] = next;
-        waiting &= ~store_bit( next );
+        store_mask_remove( &waiting, next );
     }
     return WISP_OK;
 }
@@ -180,19 +188,19 @@ static bool node_conflicts( const wisp_registry* r, const plan_node* node, const
 // have `is_due`, which is evaluated once per step.
 static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
 {
-    store_mask loop = 0, writes = 0, reads = 0;
+    store_mask loop = { { 0 } }, writes = { { 0 } }, reads = { { 0 } };
     bool possible = true;
     int count = 0;
     for ( int i = 0; i < r->pass_count; ++i )
     {
         const wisp_pass* pass = r->passes + i;
         const plan_section section = plan_section_of( pass->stage );
-        if ( ( live >> i & 1 ) != 0 && pass->domain == WISP_DOMAIN_STRAND_GROUP && section > PLAN_BEFORE &&
+        if ( store_mask_has( &live, i ) && pass->domain == WISP_DOMAIN_STRAND_GROUP && section > PLAN_BEFORE &&
              section < PLAN_ITEM_LOOP )
         {
-            loop |= store_bit( i );
-            writes |= plan_mask( pass->writes );
-            reads |= plan_mask( pass->reads );
+            store_mask_add( &loop, i );
+            writes = store_mask_or( writes, plan_mask( pass->writes ) );
+            reads = store_mask_or( reads, plan_mask( pass->reads ) );
             possible = possible && pass->should_run == NULL && pass->on_change == 0;
             count += 1;
         }
@@ -201,14 +209,15 @@ static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
     {
         const wisp_pass* pass = r->passes + i;
         const plan_section section = plan_section_of( pass->stage );
-        if ( ( live & ~loop & store_bit( i ) ) != 0 && section > PLAN_BEFORE && section < PLAN_ITEM_LOOP )
+        const bool is_outside = store_mask_has( &live, i ) && store_mask_has( &loop, i ) == false;
+        if ( is_outside && section > PLAN_BEFORE && section < PLAN_ITEM_LOOP )
         {
-            possible = possible &&
-                       ( ( plan_mask( pass->writes ) | plan_mask( pass->foreign ) ) & ( writes | reads ) ) == 0 &&
-                       ( plan_mask( pass->reads ) & writes ) == 0;
+            const store_mask changed = store_mask_or( plan_mask( pass->writes ), plan_mask( pass->foreign ) );
+            possible = possible && store_mask_meets( changed, store_mask_or( writes, reads ) ) == false &&
+                       store_mask_meets( plan_mask( pass->reads ), writes ) == false;
         }
     }
-    return possible && count <= PLAN_MAX_FUSED ? loop : 0;
+    return possible && count <= PLAN_MAX_FUSED ? loop : ( store_mask ){ { 0 } };
 }
 
 // Add the item loop: one node, with its passes in the order of their stages.
@@ -296,16 +305,20 @@ int plan_item_count( const store_entity* e, wisp_domain domain )
 // Find the fusion that can run all selected passes of an entity.
 static int find_fusion( const wisp_registry* r, const plan_node* node, uint32_t passes )
 {
-    store_mask live = 0;
+    store_mask live = { { 0 } };
     for ( int i = 0; i < node->pass_count; ++i )
     {
-        live |= ( passes >> i & 1 ) != 0 ? store_bit( node->passes[i] ) : 0;
+        if ( ( passes >> i & 1 ) != 0 )
+        {
+            store_mask_add( &live, node->passes[i] );
+        }
     }
     int found = -1;
     for ( int i = 0; i < r->join_count && node->section == PLAN_ITEM_LOOP; ++i )
     {
         const plan_fusion* f = r->joins + i;
-        found = ( f->required & ~live ) == 0 && ( live & ~( f->required | f->allows ) ) == 0 ? i : found;
+        const bool runs_all = store_mask_holds( store_mask_or( f->required, f->allows ), live );
+        found = runs_all && store_mask_holds( live, f->required ) ? i : found;
     }
     return found;
 }
@@ -325,7 +338,7 @@ static void fill_targets( plan* p, const wisp_registry* r )
             uint32_t passes = 0;
             for ( int i = 0; i < node->pass_count; ++i )
             {
-                passes |= ( live >> node->passes[i] & 1 ) != 0 ? 1u << i : 0;
+                passes |= store_mask_has( &live, node->passes[i] ) ? 1u << i : 0;
             }
             if ( passes != 0 )
             {
@@ -398,25 +411,29 @@ static uint64_t hash_plan( const plan* p, const wisp_registry* r )
 // Attach the rows that the selected passes read and write, and detach those that only unselected passes needed.
 static bool fit_rows( store* s, const wisp_registry* r, store_mask live, int slot )
 {
-    store_mask used = 0;
+    store_mask used = { { 0 } };
     for ( int i = 0; i < r->pass_count; ++i )
     {
-        used |= ( live >> i & 1 ) != 0 ? plan_mask( r->passes[i].reads ) | plan_mask( r->passes[i].writes ) : 0;
+        if ( store_mask_has( &live, i ) )
+        {
+            used = store_mask_or( used, plan_mask( r->passes[i].reads ) );
+            used = store_mask_or( used, plan_mask( r->passes[i].writes ) );
+        }
     }
     for ( int c = 1; c < s->component_count; ++c )
     {
         store_entity* e = s->entities + slot;
         const wisp_entity entity = store_handle( s, slot );
-        const store_mask bit = store_bit( c );
-        if ( ( used & ~e->components & bit ) != 0 )
+        const bool is_used = store_mask_has( &used, c );
+        if ( is_used && store_mask_has( &e->components, c ) == false )
         {
             if ( store_attach( s, entity, (wisp_component)c ) == false )
             {
                 return false;
             }
-            e->derived |= bit;
+            store_mask_add( &e->derived, c );
         }
-        if ( ( e->derived & ~e->requests & ~used & bit ) != 0 )
+        if ( is_used == false && store_mask_has( &e->derived, c ) && store_mask_has( &e->requests, c ) == false )
         {
             store_detach( s, entity, (wisp_component)c );
         }
@@ -440,7 +457,7 @@ static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error
             return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the rows between the passes of entity %d",
                               slot + 1 );
         }
-        p->live |= live;
+        p->live = store_mask_or( p->live, live );
     }
     return WISP_OK;
 }
@@ -448,7 +465,7 @@ static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error
 static void clear( plan* p )
 {
     p->node_count = p->pass_count = p->target_count = 0;
-    p->live = 0;
+    p->live = ( store_mask ){ { 0 } };
     memset( p->wave_count, 0, sizeof( p->wave_count ) );
     p->structure = 0;
 }
@@ -471,7 +488,7 @@ wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
     const store_mask loop = item_loop_passes( r, p->live );
     for ( int i = 0; i < count; ++i )
     {
-        if ( ( loop & store_bit( order[i] ) ) != 0 )
+        if ( store_mask_has( &loop, order[i] ) )
         {
             place_in_item_loop( p, r, order[i] );
         }

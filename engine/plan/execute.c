@@ -31,7 +31,7 @@ void* wisp_frame_column( wisp_frame* frame, wisp_entity entity, wisp_component c
 
 bool wisp_frame_has( wisp_frame* frame, wisp_entity entity, wisp_component component )
 {
-    return ( entity_of( frame, entity )->components & store_bit( component ) ) != 0;
+    return store_mask_has( &entity_of( frame, entity )->components, component );
 }
 
 const wisp_strand_topology* wisp_frame_strands( wisp_frame* frame, wisp_entity entity )
@@ -151,8 +151,7 @@ static bool is_due( wisp_frame* frame, int number, int slot )
     const wisp_pass* pass = frame->registry->passes + number;
     const store* s = frame->registry->store;
     store_entity* e = s->entities + slot;
-    const store_mask bit = store_bit( number );
-    if ( pass->on_change != 0 && ( e->dirty & bit ) == 0 )
+    if ( pass->on_change != 0 && store_mask_has( &e->dirty, number ) == false )
     {
         return false;
     }
@@ -164,7 +163,7 @@ static bool is_due( wisp_frame* frame, int number, int slot )
     {
         store_touch( s, e, pass->writes[i] );
     }
-    e->dirty &= ~bit; // after its own writes, so that a pass does not trigger itself
+    store_mask_remove( &e->dirty, number ); // after its own writes, so that a pass does not trigger itself
     return true;
 }
 
@@ -446,12 +445,13 @@ static bool has_several_passes( const wisp_frame* frame, int count, int* only )
 static void divide_time( wisp_frame* frame, double seconds )
 {
     const plan* p = frame->plan;
-    double totals[PLAN_MAX_PASSES] = { 0 }, sum = 0.0;
+    double totals[PLAN_MAX_PASSES], sum = 0.0;
     for ( int n = 0; n < p->node_count; ++n )
     {
         for ( int i = 0; i < p->nodes[n].pass_count; ++i )
         {
             int pass = p->nodes[n].passes[i];
+            totals[pass] = 0.0;
             for ( int w = 0; w < frame->registry->workers; ++w )
             {
                 totals[pass] += frame->clocks[w].seconds[pass];
@@ -460,9 +460,13 @@ static void divide_time( wisp_frame* frame, double seconds )
             sum += totals[pass];
         }
     }
-    for ( int i = 0; i < PLAN_MAX_PASSES && sum > 0.0; ++i )
+    for ( int n = 0; n < p->node_count && sum > 0.0; ++n )
     {
-        frame->pass_seconds[i] += seconds * totals[i] / sum;
+        for ( int i = 0; i < p->nodes[n].pass_count; ++i )
+        {
+            int pass = p->nodes[n].passes[i];
+            frame->pass_seconds[pass] += seconds * totals[pass] / sum;
+        }
     }
 }
 

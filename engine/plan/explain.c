@@ -29,7 +29,7 @@ typedef struct writer
 
 static bool is_live( const writer* w, int number )
 {
-    return ( w->plan->live >> number & 1 ) != 0;
+    return store_mask_has( &w->plan->live, number );
 }
 
 static void fill_names( const writer* w, const wisp_component* uses, const char** names )
@@ -49,7 +49,7 @@ static uint64_t row_bytes( const store* s, const store_entity* e, const wisp_com
     for ( int i = 0; i < WISP_MAX_USES && uses[i] != 0; ++i )
     {
         const wisp_component_def* def = &s->components[uses[i]].def;
-        for ( int k = 0; k < def->column_count && ( e->components & store_bit( uses[i] ) ) != 0; ++k )
+        for ( int k = 0; k < def->column_count && store_mask_has( &e->components, uses[i] ); ++k )
         {
             bytes += (uint64_t)e->rows[def->table].count * def->columns[k].row_size;
         }
@@ -204,9 +204,11 @@ static wisp_component max_missed( const writer* w, const char* module )
         int count = 0;
         for ( int i = 0; i < w->registry->pass_count; ++i )
         {
-            const bool is_mine = w->registry->pass_modules[i] == module;
-            const store_mask missing = is_mine ? explain_missing( w->registry, w->registry->passes + i ) : 0;
-            count += ( missing & store_bit( c ) ) != 0 ? 1 : 0;
+            if ( w->registry->pass_modules[i] == module )
+            {
+                const store_mask missing = explain_missing( w->registry, w->registry->passes + i );
+                count += store_mask_has( &missing, c ) ? 1 : 0;
+            }
         }
         most = count > highest ? (wisp_component)c : most;
         highest = count > highest ? count : highest;

@@ -22,14 +22,14 @@ static bool is_requested( const wisp_registry* r, wisp_component c )
     bool requested = false;
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
-        requested = requested || ( r->store->entities[slot].requests & store_bit( c ) ) != 0;
+        requested = requested || store_mask_has( &r->store->entities[slot].requests, c );
     }
     return requested;
 }
 
 static bool is_reader( const plan* p, const wisp_pass* reader, int number, const wisp_pass* of, wisp_component c )
 {
-    return ( p->live >> number & 1 ) != 0 && reader != of && plan_lists( reader->reads, c );
+    return store_mask_has( &p->live, number ) && reader != of && plan_lists( reader->reads, c );
 }
 
 int explain_find_reasons( const plan* p, const wisp_registry* r, const wisp_pass* pass, wisp_plan_reason* out )
@@ -104,17 +104,17 @@ void explain_reasons( wisp_plan_pass* p )
 // Components of an entity that passes may require; rows that only a pass fills do not count.
 static store_mask source_components( const store_entity* e )
 {
-    return e->alive ? e->components & ~e->derived : 0;
+    return e->alive ? store_mask_and_not( e->components, e->derived ) : ( store_mask ){ { 0 } };
 }
 
 store_mask explain_missing( const wisp_registry* r, const wisp_pass* pass )
 {
-    store_mask anybody_has = 0;
+    store_mask anybody_has = { { 0 } };
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
-        anybody_has |= source_components( r->store->entities + slot );
+        anybody_has = store_mask_or( anybody_has, source_components( r->store->entities + slot ) );
     }
-    return plan_mask( pass->required ) & ~anybody_has;
+    return store_mask_and_not( plan_mask( pass->required ), anybody_has );
 }
 
 static wisp_plan_state state_of( const wisp_registry* r, const wisp_pass* pass )
@@ -124,16 +124,16 @@ static wisp_plan_state state_of( const wisp_registry* r, const wisp_pass* pass )
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
         const store_entity* e = r->store->entities + slot;
-        const bool has_all = e->alive && ( required & ~source_components( e ) ) == 0;
+        const bool has_all = e->alive && store_mask_holds( source_components( e ), required );
         suits = suits || has_all;
-        is_free = is_free || ( has_all && ( excluded & source_components( e ) ) == 0 );
+        is_free = is_free || ( has_all && store_mask_meets( excluded, source_components( e ) ) == false );
     }
-    if ( explain_missing( r, pass ) != 0 )
+    if ( store_mask_any( explain_missing( r, pass ) ) )
     {
         return WISP_PLAN_MISSING;
     }
     // a pass without required components suits every entity; in a world without entities it counts as unrequested
-    if ( is_free || ( suits == false && required == 0 ) )
+    if ( is_free || ( suits == false && store_mask_any( required ) == false ) )
     {
         return WISP_PLAN_UNREQUESTED;
     }
@@ -156,7 +156,7 @@ void explain_absence( const wisp_registry* r, const wisp_pass* pass, wisp_plan_p
     const store_mask missing = explain_missing( r, pass );
     for ( int i = 0, count = 0; i < WISP_MAX_USES && pass->required[i] != 0; ++i )
     {
-        if ( ( missing & store_bit( pass->required[i] ) ) != 0 )
+        if ( store_mask_has( &missing, pass->required[i] ) )
         {
             out->missing[count++] = explain_name( r, pass->required[i] );
         }

@@ -16,8 +16,8 @@
 
 enum
 {
-    PLAN_MAX_PASSES = 128, // one bit each in a mask
-    PLAN_MAX_FUSED = 32,   // one bit each in a mask
+    PLAN_MAX_PASSES = STORE_MASK_BITS,
+    PLAN_MAX_FUSED = 32, // one bit each in a mask
     PLAN_MAX_FUSIONS = 8,
     PLAN_MAX_STATES = 32,
     PLAN_MAX_WORKSPACES = 16,

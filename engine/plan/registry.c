@@ -49,11 +49,13 @@ wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass )
         fail_declaration( registry, "too many passes, or a pass without a function or an output:", pass->name );
         return WISP_BAD_INPUT;
     }
-    const store_mask bit = store_bit( registry->pass_count );
-    registry->store->watchers[pass->on_change] |= pass->on_change != 0 ? bit : 0;
+    if ( pass->on_change != 0 )
+    {
+        store_mask_add( registry->store->watchers + pass->on_change, registry->pass_count );
+    }
     for ( int i = 0; i < WISP_MAX_USES && pass->writes[i] != 0; ++i )
     {
-        registry->store->writers[pass->writes[i]] |= bit;
+        store_mask_add( registry->store->writers + pass->writes[i], registry->pass_count );
     }
     registry->store->passes = store_hash_bytes( registry->store->passes, pass->name, strlen( pass->name ) );
     registry->pass_modules[registry->pass_count] = registry->module;
@@ -86,7 +88,10 @@ static bool find_passes( const wisp_registry* r, const char* const* names, store
             i += 1;
         }
         found = found && i < r->pass_count;
-        *passes |= i < r->pass_count ? store_bit( i ) : 0;
+        if ( i < r->pass_count )
+        {
+            store_mask_add( passes, i );
+        }
     }
     return found;
 }
@@ -96,7 +101,8 @@ wisp_status wisp_declare_fusion( wisp_registry* registry, const wisp_fusion* joi
     plan_fusion f = { .name = join->name, .run = join->run, .user = join->user };
     const bool found =
         find_passes( registry, join->required, &f.required ) && find_passes( registry, join->allowed, &f.allows );
-    if ( found == false || f.required == 0 || f.run == NULL || registry->join_count == PLAN_MAX_FUSIONS )
+    if ( found == false || store_mask_any( f.required ) == false || f.run == NULL ||
+         registry->join_count == PLAN_MAX_FUSIONS )
     {
         fail_declaration( registry, "too many fusions, or one without declared passes:", join->name );
         return WISP_BAD_INPUT;

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#define SNAPSHOT_MAGIC "WISPSNP3"
+#define SNAPSHOT_MAGIC "WISPSNP4"
 
 typedef struct snapshot_header
 {
@@ -50,7 +50,7 @@ static void visit_columns( const store* s, visit_fn* visit, void* context )
         for ( int c = 1; c < s->component_count && e->alive; ++c )
         {
             const wisp_component_def* def = &s->components[c].def;
-            const bool is_held = ( e->components & ~s->transient & store_bit( c ) ) != 0;
+            const bool is_held = store_mask_has( &e->components, c ) && store_mask_has( &s->transient, c ) == false;
             for ( int k = 0; k < def->column_count && is_held; ++k )
             {
                 visit( context, store_column( s, e, (wisp_component)c, k ),
@@ -81,7 +81,7 @@ static uint64_t structure_hash( const store* s )
         for ( int c = 1; c < s->component_count && e->alive; ++c )
         {
             const wisp_component_def* def = &s->components[c].def;
-            if ( ( e->components & store_bit( (wisp_component)c ) ) != 0 )
+            if ( store_mask_has( &e->components, c ) )
             {
                 hash = store_hash_bytes( hash, def->name, strlen( def->name ) );
                 hash = store_hash_bytes( hash, &e->rows[def->table].count, sizeof( int ) );

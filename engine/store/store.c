@@ -182,7 +182,7 @@ bool store_add( store* s, const int row_counts[WISP_TABLE_COUNT], wisp_entity* o
         return false;
     }
     store_entity* e = s->entities + slot;
-    *e = ( store_entity ){ .generation = e->generation + 1, .alive = true, .dirty = ~(store_mask)0 };
+    *e = ( store_entity ){ .generation = e->generation + 1, .alive = true, .dirty = store_mask_all() };
     for ( int t = 0; t < WISP_TABLE_COUNT; ++t )
     {
         e->rows[t] = ( store_rows ){ s->row_count[t], row_counts[t] };
@@ -258,7 +258,7 @@ bool store_attach( store* s, wisp_entity entity, wisp_component component )
     store_entity* e = store_find( s, entity );
     store_component* c = s->components + component;
     WISP_ASSERT( e != NULL && component > 0 && component < s->component_count );
-    if ( ( e->components & store_bit( component ) ) != 0 )
+    if ( store_mask_has( &e->components, component ) )
     {
         return true;
     }
@@ -267,8 +267,9 @@ bool store_attach( store* s, wisp_entity entity, wisp_component component )
         return false;
     }
     c->entity_count += 1;
-    e->components |= store_bit( component );
-    e->dirty |= s->watchers[component] | s->writers[component]; // its rows are new and zero
+    store_mask_add( &e->components, component );
+    // its rows are new and zero
+    e->dirty = store_mask_or( e->dirty, store_mask_or( s->watchers[component], s->writers[component] ) );
     s->structure += 1;
     return true;
 }
@@ -278,7 +279,7 @@ void store_detach( store* s, wisp_entity entity, wisp_component component )
     store_entity* e = store_find( s, entity );
     store_component* c = s->components + component;
     WISP_ASSERT( e != NULL && component > 0 && component < s->component_count );
-    if ( ( e->components & store_bit( component ) ) == 0 )
+    if ( store_mask_has( &e->components, component ) == false )
     {
         return;
     }
@@ -289,9 +290,9 @@ void store_detach( store* s, wisp_entity entity, wisp_component component )
         const store_rows rows = e->rows[c->def.table];
         memset( (char*)c->columns[k] + (size_t)rows.begin * row_size, 0, (size_t)rows.count * row_size );
     }
-    e->components &= ~store_bit( component );
-    e->requests &= ~store_bit( component );
-    e->derived &= ~store_bit( component );
+    store_mask_remove( &e->components, component );
+    store_mask_remove( &e->requests, component );
+    store_mask_remove( &e->derived, component );
     c->entity_count -= 1;
     if ( c->entity_count == 0 )
     {
@@ -302,7 +303,7 @@ void store_detach( store* s, wisp_entity entity, wisp_component component )
 
 void* store_column( const store* s, const store_entity* e, wisp_component component, int column )
 {
-    if ( ( e->components & store_bit( component ) ) == 0 || component == 0 )
+    if ( store_mask_has( &e->components, component ) == false || component == 0 )
     {
         return NULL;
     }

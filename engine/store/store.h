@@ -2,16 +2,15 @@
 /// only while some entity has its component.
 #pragma once
 
+#include "mask.h"
+
 #include "wisp/module/module.h"
 
 enum
 {
-    STORE_MAX_COMPONENTS = 128, // one bit each in a mask
-    STORE_MAX_COLUMNS = 16,     // in one component
+    STORE_MAX_COMPONENTS = STORE_MASK_BITS,
+    STORE_MAX_COLUMNS = 16, // in one component
 };
-
-/// A set of components, or of passes: bit i is number i.
-__extension__ typedef unsigned __int128 store_mask;
 
 typedef struct store_rows
 {
@@ -59,11 +58,6 @@ typedef struct store
 void store_init( store* s, const wisp_allocator* allocator );
 void store_release( store* s );
 
-static inline store_mask store_bit( int number )
-{
-    return (store_mask)1 << number;
-}
-
 /// @return 0 if the registry is full, the name exists with another shape, or the definition is malformed
 wisp_component store_declare( store* s, const wisp_component_def* def );
 
@@ -89,7 +83,7 @@ void* store_column( const store* s, const store_entity* e, wisp_component compon
 /// Mark the component's rows of this entity as written: passes that watch it run.
 static inline void store_touch( const store* s, store_entity* e, wisp_component component )
 {
-    e->dirty |= s->watchers[component];
+    e->dirty = store_mask_or( e->dirty, s->watchers[component] );
 }
 
 // snapshot.c

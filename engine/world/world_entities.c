@@ -87,8 +87,8 @@ wisp_status wisp_world_attach( wisp_world* world, wisp_entity entity, wisp_compo
                                 world->store.components[component].def.name );
     }
     // rows that were there only for a request are given now, so passes may need them
-    world->store.structure += ( e->derived & store_bit( component ) ) != 0 ? 1 : 0;
-    e->derived &= ~store_bit( component );
+    world->store.structure += store_mask_has( &e->derived, component ) ? 1 : 0;
+    store_mask_remove( &e->derived, component );
     return WISP_OK;
 }
 
@@ -106,7 +106,8 @@ wisp_status wisp_world_detach( wisp_world* world, wisp_entity entity, wisp_compo
 bool wisp_world_has( const wisp_world* world, wisp_entity entity, wisp_component component )
 {
     const store_entity* e = store_find( &world->store, entity );
-    return e != NULL && known( world, component ) && ( e->components & ~e->derived & store_bit( component ) ) != 0;
+    return e != NULL && known( world, component ) && store_mask_has( &e->components, component ) &&
+           store_mask_has( &e->derived, component ) == false;
 }
 
 void* wisp_world_column( wisp_world* world, wisp_entity entity, wisp_component component, int column )
@@ -195,15 +196,18 @@ wisp_status wisp_request( wisp_world* world, wisp_entity entity, wisp_component 
         return status;
     }
     store_entity* e = store_find( &world->store, entity );
-    bool had = ( e->components & store_bit( component ) ) != 0;
+    bool had = store_mask_has( &e->components, component );
     if ( store_attach( &world->store, entity, component ) == false )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the rows of '%s'",
                                 world->store.components[component].def.name );
     }
-    e->derived |= had ? 0 : store_bit( component );
-    world->store.structure += ( e->requests & store_bit( component ) ) == 0 ? 1 : 0;
-    e->requests |= store_bit( component );
+    if ( had == false )
+    {
+        store_mask_add( &e->derived, component );
+    }
+    world->store.structure += store_mask_has( &e->requests, component ) ? 0 : 1;
+    store_mask_add( &e->requests, component );
     return WISP_OK;
 }
 
@@ -215,13 +219,13 @@ wisp_status wisp_cancel_request( wisp_world* world, wisp_entity entity, wisp_com
         return status;
     }
     store_entity* e = store_find( &world->store, entity );
-    if ( ( e->requests & store_bit( component ) ) == 0 )
+    if ( store_mask_has( &e->requests, component ) == false )
     {
         return WISP_OK;
     }
-    e->requests &= ~store_bit( component );
+    store_mask_remove( &e->requests, component );
     world->store.structure += 1;
-    if ( ( e->derived & store_bit( component ) ) != 0 )
+    if ( store_mask_has( &e->derived, component ) )
     {
         store_detach( &world->store, entity, component );
     }
@@ -239,7 +243,7 @@ static wisp_status user_rows( const wisp_world* world, wisp_entity entity, wisp_
                           entity.index, entity.generation );
     }
     const wisp_component_def* def = known( world, component ) ? &world->store.components[component].def : NULL;
-    if ( def == NULL || def->table != WISP_TABLE_POINT || ( e->components & store_bit( component ) ) == 0 )
+    if ( def == NULL || def->table != WISP_TABLE_POINT || store_mask_has( &e->components, component ) == false )
     {
         return wisp_fail( error, WISP_CONFLICT,
                           "component '%s': has no rows in the user's order, request it with wisp_request first",

@@ -418,7 +418,7 @@ wisp_status wisp_read_motion_stats( wisp_world* world, wisp_entity entity, wisp_
                                 entity.index, entity.generation );
     }
     const wisp_motion_stats* column = store_column( &world->store, e, WISP_MOTION_STATS, 0 );
-    if ( column == NULL || ( e->requests & store_bit( WISP_MOTION_STATS ) ) == 0 )
+    if ( column == NULL || store_mask_has( &e->requests, WISP_MOTION_STATS ) == false )
     {
         return wisp_world_fail( world, WISP_CONFLICT,
                                 "entity %u: has no statistics, request them with wisp_request first", entity.index );

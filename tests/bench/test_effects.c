@@ -81,9 +81,10 @@ static int place_of( const pass_list* list, const wisp_pass* pass )
 
 static bool conflict( const wisp_pass* a, const wisp_pass* b )
 {
-    const store_mask writes_a = plan_mask( a->writes ) | plan_mask( a->foreign ),
-                     writes_b = plan_mask( b->writes ) | plan_mask( b->foreign );
-    return ( writes_a & ( writes_b | plan_mask( b->reads ) ) ) != 0 || ( writes_b & plan_mask( a->reads ) ) != 0;
+    const store_mask writes_a = store_mask_or( plan_mask( a->writes ), plan_mask( a->foreign ) ),
+                     writes_b = store_mask_or( plan_mask( b->writes ), plan_mask( b->foreign ) );
+    return store_mask_meets( writes_a, store_mask_or( writes_b, plan_mask( b->reads ) ) ) ||
+           store_mask_meets( writes_b, plan_mask( a->reads ) );
 }
 
 // True if the plan has all passes of a part, with interacting ones in the order of the part.
@@ -237,7 +238,7 @@ static every_bit bits_of( const wisp_world* world )
         for ( int c = 1; c < s->component_count; ++c )
         {
             const wisp_component_def* def = &s->components[c].def;
-            const int columns = ( e->components & store_bit( c ) ) != 0 ? def->column_count : 0;
+            const int columns = store_mask_has( &e->components, c ) ? def->column_count : 0;
             for ( int k = 0; k < columns; ++k )
             {
                 const size_t bytes = (size_t)e->rows[def->table].count * def->columns[k].row_size;
