@@ -16,8 +16,8 @@ const tune_field tune_fields[FIELD_COUNT] = {
     [FIELD_ITERATIONS] = { "iterations", NULL, NULL, "iterations", OF_SCENE, .candidates = { 1, 2, 4 } },
     [FIELD_TETHERS] = { "cloth.tethers", "surfaces", "cloth", "tethers", OF_PINNED_CLOTH, .is_unordered = true,
                         .candidates = { 1 } },
-    [FIELD_LEVELS] = { "levels", "surfaces", NULL, "finest_level", OF_CLOTH, .is_unordered = true, .is_falling = true,
-                       .candidates = { 3, 2, 1 } },
+    [FIELD_COARSE] = { "cloth.coarse_substeps", "surfaces", "cloth", "coarse_substeps", OF_XPBD_CLOTH,
+                       .is_unordered = true, .candidates = { 1, 2 } },
     [FIELD_TOLERANCE] = { "implicit.tolerance", "surfaces", "implicit", "tolerance", OF_IMPLICIT, .is_falling = true,
                           .candidates = { 1e-1, 1e-2, 1e-3, 1e-4 } },
     [FIELD_REPEATS] = { "implicit.newton_iterations", "surfaces", "implicit", "newton_iterations", OF_IMPLICIT,
@@ -34,15 +34,10 @@ int tune_field_entries( const wisp_scene* scene, int which )
     return place == OF_SCENE ? 1 : place == OF_DIRECT_STRANDS ? scene->strands_count : scene->surface_count;
 }
 
-// An instance shares the fabric of its source, including levels and the anchors of tethers.
+// An instance shares the fabric of its source, including the anchors of tethers.
 static const wisp_scene_surface* fabric_of( const wisp_scene* scene, const wisp_scene_surface* surface )
 {
     return surface->instance_of < 0 ? surface : &scene->surfaces[surface->instance_of];
-}
-
-static bool may_have_levels( const wisp_scene* scene, const wisp_scene_surface* surface )
-{
-    return surface->has_cloth && fabric_of( scene, surface )->has_cloth;
 }
 
 static bool is_pinned( const wisp_scene_surface* surface )
@@ -65,8 +60,8 @@ bool tune_field_is_in( const wisp_scene* scene, int which, int entry )
 {
     switch ( tune_fields[which].place )
     {
-        case OF_CLOTH:
-            return may_have_levels( scene, &scene->surfaces[entry] );
+        case OF_XPBD_CLOTH:
+            return scene->surfaces[entry].has_cloth && scene->surfaces[entry].cloth.solver == WISP_SOLVER_XPBD;
         case OF_PINNED_CLOTH:
             return may_have_tethers( scene, &scene->surfaces[entry] );
         case OF_IMPLICIT:
@@ -79,12 +74,6 @@ bool tune_field_is_in( const wisp_scene* scene, int which, int entry )
     return true;
 }
 
-static double levels_of( const wisp_scene* scene, const wisp_scene_surface* surface )
-{
-    const wisp_scene_surface* fabric = fabric_of( scene, surface );
-    return fabric->levels > 0 && surface->cloth.level_passes > 0 ? fabric->finest_level : 0.0;
-}
-
 double tune_field_value( const wisp_scene* scene, int which, int entry )
 {
     switch ( which )
@@ -95,8 +84,8 @@ double tune_field_value( const wisp_scene* scene, int which, int entry )
             return scene->iterations;
         case FIELD_TETHERS:
             return scene->surfaces[entry].cloth.tethers ? 1.0 : 0.0;
-        case FIELD_LEVELS:
-            return levels_of( scene, &scene->surfaces[entry] );
+        case FIELD_COARSE:
+            return scene->surfaces[entry].cloth.coarse_substeps;
         case FIELD_TOLERANCE:
             return (double)scene->surfaces[entry].implicit.tolerance;
         case FIELD_REPEATS:
@@ -106,19 +95,7 @@ double tune_field_value( const wisp_scene* scene, int which, int entry )
     }
 }
 
-// A surface with levels turned off keeps their number. Levels of an instance are its source's; only passes are its
-// own.
-static void set_levels( wisp_scene_surface* surface, double value, int passes )
-{
-    surface->cloth.level_passes = value > 0.0 ? passes : 0;
-    if ( value > 0.0 && surface->instance_of < 0 )
-    {
-        surface->levels = surface->levels == 0 ? TUNE_LEVELS : surface->levels;
-        surface->finest_level = (int)value;
-    }
-}
-
-void tune_field_set( wisp_scene* scene, int which, int entry, double value, int level_passes )
+void tune_field_set( wisp_scene* scene, int which, int entry, double value )
 {
     switch ( which )
     {
@@ -131,8 +108,8 @@ void tune_field_set( wisp_scene* scene, int which, int entry, double value, int 
         case FIELD_TETHERS:
             scene->surfaces[entry].cloth.tethers = value > 0.0;
             break;
-        case FIELD_LEVELS:
-            set_levels( &scene->surfaces[entry], value, level_passes );
+        case FIELD_COARSE:
+            scene->surfaces[entry].cloth.coarse_substeps = (int)value;
             break;
         case FIELD_TOLERANCE:
             scene->surfaces[entry].implicit.tolerance = (float)value;
@@ -157,16 +134,4 @@ bool tune_field_own( const wisp_scene* scene, int which, double* out )
         }
     }
     return false;
-}
-
-int tune_level_passes( const wisp_scene* scene )
-{
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        if ( tune_field_is_in( scene, FIELD_LEVELS, i ) && scene->surfaces[i].cloth.level_passes > 0 )
-        {
-            return scene->surfaces[i].cloth.level_passes;
-        }
-    }
-    return 1;
 }

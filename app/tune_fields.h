@@ -8,16 +8,13 @@
 typedef enum tune_place
 {
     OF_SCENE,
-    OF_CLOTH,          ///< surfaces with `cloth`, instances too
-    OF_PINNED_CLOTH,   ///< those of them that are pinned
+    OF_XPBD_CLOTH,     ///< surfaces with `cloth` by xpbd, instances too
+    OF_PINNED_CLOTH,   ///< surfaces with `cloth` that are pinned
     OF_IMPLICIT,       ///< surfaces with `implicit`
     OF_DIRECT_STRANDS, ///< strands with `dynamics` that keep their length by the direct solve
 } tune_place;
 
 #define TUNE_CANDIDATES_MAX 6
-
-/// Coarse levels given to a fabric without levels.
-#define TUNE_LEVELS 3
 
 /// One row per parameter. Values go from coarse to fine; the scene's own value is added. Approximations that help a
 /// coarse setting, and that a fine one does not need, have no order: the last value, 0, turns them off, as in the
@@ -38,7 +35,7 @@ enum
     FIELD_SUBSTEPS,
     FIELD_ITERATIONS,
     FIELD_TETHERS,
-    FIELD_LEVELS, ///< 0 without, else `finest_level`: a scene has all three keys of levels, or none
+    FIELD_COARSE,
     FIELD_TOLERANCE,
     FIELD_REPEATS,
     FIELD_PASSES,
@@ -52,10 +49,6 @@ int tune_field_entries( const wisp_scene* scene, int which );
 /// Whether an entry of the list has the field.
 bool tune_field_is_in( const wisp_scene* scene, int which, int entry );
 double tune_field_value( const wisp_scene* scene, int which, int entry );
-/// @param level_passes over levels, where they are on
-void tune_field_set( wisp_scene* scene, int which, int entry, double value, int level_passes );
-
-/// Passes over levels are not searched: the scene's own, or one.
-int tune_level_passes( const wisp_scene* scene );
+void tune_field_set( wisp_scene* scene, int which, int entry, double value );
 /// The scene's own value of a field. @return false: nothing has it
 bool tune_field_own( const wisp_scene* scene, int which, double* out );

@@ -127,7 +127,7 @@ static void thin_out( const wisp_scene* scene, tune_parameters* parameters )
 
 wisp_status tune_parameters_find( const wisp_scene* scene, tune_parameters* out, wisp_error* error )
 {
-    *out = ( tune_parameters ){ .level_passes = tune_level_passes( scene ) };
+    *out = ( tune_parameters ){ 0 };
     if ( !moves( scene ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: nothing in the scene moves, so there is nothing to tune",
@@ -154,7 +154,7 @@ void tune_parameters_set( const tune_parameters* parameters, const int* configur
         {
             if ( tune_field_is_in( scene, which, i ) )
             {
-                tune_field_set( scene, which, i, parameters->values[k][configuration[k]], parameters->level_passes );
+                tune_field_set( scene, which, i, parameters->values[k][configuration[k]] );
             }
         }
     }
@@ -176,24 +176,15 @@ static void value_text( int which, double value, char* out, size_t size )
 
 void tune_parameters_text( const tune_parameters* parameters, int parameter, double value, char* out, size_t size )
 {
-    if ( parameters->fields[parameter] == FIELD_LEVELS )
-    {
-        snprintf( out, size, value > 0.0 ? "finest %.0f" : "off", value );
-    }
-    else
-    {
-        value_text( parameters->fields[parameter], value, out, size );
-    }
+    value_text( parameters->fields[parameter], value, out, size );
 }
 
 /// A change to make.
 typedef struct edit_list
 {
-    wisp_scene_edit* edits; // room for EDITS_MAX an entry and parameter
+    wisp_scene_edit* edits; // room for one an entry and parameter
     int count;
 } edit_list;
-
-#define EDITS_MAX 3
 
 // @return the edit, which takes its key out as long as it has no value
 static wisp_scene_edit* add_edit( edit_list* list, int which, int entry )
@@ -204,54 +195,13 @@ static wisp_scene_edit* add_edit( edit_list* list, int which, int entry )
     return edit;
 }
 
-static void add_whole_edit( edit_list* list, int surface, const char* block, const char* key, int own, int requested )
-{
-    if ( own != requested )
-    {
-        wisp_scene_edit* edit = add_edit( list, FIELD_LEVELS, surface );
-        edit->block = block;
-        edit->key = key;
-        snprintf( edit->value, sizeof edit->value, "%d", requested );
-    }
-}
-
-// A file has levels, passes over them and their start, or it has no levels: then no key may give their start, whether
-// it did so before or left it at its default. An instance has passes alone.
-static void add_level_edits( const tune_parameters* parameters, const wisp_scene* scene, int entry, double value,
-                             edit_list* list )
-{
-    const wisp_scene_surface* surface = &scene->surfaces[entry];
-    const bool is_on = value > 0.0, is_own = surface->instance_of < 0;
-    if ( !is_on && tune_field_value( scene, FIELD_LEVELS, entry ) == 0.0 )
-    {
-        return;
-    }
-    add_whole_edit( list, entry, "cloth", "level_passes", surface->cloth.level_passes,
-                    is_on ? parameters->level_passes : 0 );
-    if ( is_own && is_on )
-    {
-        add_whole_edit( list, entry, NULL, "levels", surface->levels,
-                        surface->levels == 0 ? TUNE_LEVELS : surface->levels );
-        add_whole_edit( list, entry, NULL, "finest_level", surface->finest_level, (int)value );
-    }
-    else if ( is_own )
-    {
-        add_whole_edit( list, entry, NULL, "levels", surface->levels, 0 );
-        add_edit( list, FIELD_LEVELS, entry );
-    }
-}
-
 static void add_edits( const tune_parameters* parameters, int parameter, double value, const wisp_scene* scene,
                        edit_list* list )
 {
     const int which = parameters->fields[parameter];
     for ( int i = 0; i < tune_field_entries( scene, which ); ++i )
     {
-        if ( tune_field_is_in( scene, which, i ) && which == FIELD_LEVELS )
-        {
-            add_level_edits( parameters, scene, i, value, list );
-        }
-        else if ( tune_field_is_in( scene, which, i ) && (float)tune_field_value( scene, which, i ) != (float)value )
+        if ( tune_field_is_in( scene, which, i ) && (float)tune_field_value( scene, which, i ) != (float)value )
         {
             wisp_scene_edit* edit = add_edit( list, which, i );
             value_text( which, value, edit->value, sizeof edit->value );
@@ -263,7 +213,7 @@ wisp_status tune_parameters_edits( const tune_parameters* parameters, const int*
                                    const wisp_scene* scene, wisp_scene_edit** out, int* count, wisp_error* error )
 {
     const size_t entries = (size_t)scene->surface_count + (size_t)scene->strands_count + 1;
-    edit_list list = { .edits = malloc( EDITS_MAX * entries * (size_t)parameters->count * sizeof *list.edits + 1 ) };
+    edit_list list = { .edits = malloc( entries * (size_t)parameters->count * sizeof *list.edits + 1 ) };
     *out = list.edits;
     *count = 0;
     if ( !list.edits )

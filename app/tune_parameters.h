@@ -11,7 +11,6 @@ typedef struct tune_parameters
     wisp_tune_parameter parameters[WISP_TUNE_MAX_PARAMETERS];
     int fields[WISP_TUNE_MAX_PARAMETERS]; // rows of the table in tune_fields.c
     double values[WISP_TUNE_MAX_PARAMETERS][WISP_TUNE_MAX_VALUES];
-    int level_passes; // of levels where they are on
     int count;
 } tune_parameters;
 
@@ -30,5 +29,5 @@ wisp_status tune_parameters_edits( const tune_parameters* parameters, const int*
 /// Whether a scene has the values of a configuration.
 bool tune_parameters_agree( const tune_parameters* parameters, const int* configuration, const wisp_scene* scene );
 
-/// A value for reports: as in the scene's file, except for levels, which are `off` or begin with the finest of them.
+/// A value for reports, as in the scene's file.
 void tune_parameters_text( const tune_parameters* parameters, int parameter, double value, char* out, size_t size );

@@ -123,20 +123,8 @@ wisp_status balloon_cook( const wisp_mesh* mesh, const balloon_setting* setting,
                           wisp_error* error )
 {
     wisp_fabric_def def = wisp_default_fabric_def();
-    def.levels = setting->levels ? WISP_FABRIC_MAX_LEVELS : 0;
     def.solve_order = setting->solve_order;
     return surface_cook( mesh, def, out, error );
-}
-
-// A balloon has no switch for levels, since they only resist stretching; they are added here to show their effect.
-static wisp_status give_levels( surface_implementation* implementation )
-{
-    wisp_status status = wisp_world_attach( implementation->world, implementation->entity, WISP_SURFACE_LEVELS );
-    if ( status == WISP_OK )
-    {
-        *(int32_t*)wisp_world_column( implementation->world, implementation->entity, WISP_SURFACE_LEVELS, 0 ) = 1;
-    }
-    return status;
 }
 
 wisp_status balloon_implementation_create( wisp_fabric* fabric, const balloon_setting* setting,
@@ -159,10 +147,6 @@ wisp_status balloon_implementation_create( wisp_fabric* fabric, const balloon_se
         return status;
     }
     status = wisp_set_balloon( out->world, out->entity, &setting->def );
-    if ( status == WISP_OK && setting->levels )
-    {
-        status = give_levels( out );
-    }
     if ( status == WISP_OK )
     {
         status = wisp_request_balloon_stats( out->world, out->entity, true );

@@ -30,7 +30,6 @@ typedef struct balloon_setting
     float area_density;      ///< kg/m^2
     wisp_vec3 gravity;       ///< m/s^2
     float damping;           ///< 1/s
-    bool levels;             ///< one pass over coarse levels per substep
     wisp_solve_order solve_order;
     const int32_t* pins;
     int pin_count;

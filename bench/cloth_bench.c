@@ -30,7 +30,6 @@ wisp_status cloth_bench_run( const cloth_plan* plan, results* out, wisp_error* e
         double fraction; // of the case that is done when it begins
     } tables[] = {
         { cloth_comparison, "cloth against scalar C", 0.0 },
-        { cloth_levels_of_balloon, "balloon with levels", 0.2 },
     };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( tables ) && status == WISP_OK; ++i )

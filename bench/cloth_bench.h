@@ -33,5 +33,3 @@ wisp_status cloth_bench_run( const cloth_plan* plan, results* out, wisp_error* e
 wisp_status cloth_comparison( const cloth_plan* plan, results* out, wisp_error* error );
 /// A failure unless error <= tolerance; a NaN fails.
 void cloth_check_error( double error, double tolerance, const char* what, results* out );
-/// Effect of levels and the solve order on a closed skin that is being inflated.
-wisp_status cloth_levels_of_balloon( const cloth_plan* plan, results* out, wisp_error* error );

@@ -198,8 +198,6 @@ extern "C"
         const wisp_scene_gas_ratio_keyframe* gas_ratio_keyframes; ///< [gas_ratio_keyframe_count] times rise
         int gas_ratio_keyframe_count;
 
-        int levels;       ///< coarse levels of the fabric at most, 0: none
-        int finest_level; ///< as wisp_fabric_def has it
         wisp_solve_order solve_order;
         int tile_size;
         bool has_collision;

@@ -62,8 +62,11 @@ static const scene_field CLOTH_FIELDS[] = {
       .help = "Keeps each vertex within its rest distance to the nearest pin, measured along the mesh." },
     { "tether_slack", SCENE_NUMBER, .at = CLOTH( tether_slack ), .range = RANGE( 1, 1e6 ),
       .help = "Factor of the rest distance that a tether allows." },
-    { "level_passes", SCENE_WHOLE, .at = CLOTH( level_passes ), .range = RANGE( 0, 16 ),
-      .help = "Passes over each coarse level in a substep; needs `levels`." },
+    { "coarse_substeps", SCENE_WHOLE, .at = CLOTH( coarse_substeps ), .range = RANGE( 0, 64 ),
+      .help = "Coarse sheets carry the cloth: substeps of the coarsest one in a substep, by BDF2; 0 has none. Needs "
+              "xpbd." },
+    { "coarse_passes", SCENE_WHOLE, .at = CLOTH( coarse_passes ), .range = RANGE( 1, 64 ),
+      .help = "Passes over the coarsest sheet in each of its substeps." },
 };
 static const scene_block CLOTH_BLOCK = BLOCK( CLOTH_FIELDS );
 
@@ -307,10 +310,6 @@ static const scene_field SURFACE_FIELDS[] = {
       .help = "Balloon: a closed skin filled with gas; not with `cloth`." },
     { "implicit", SCENE_BLOCK, .at = AT( has_implicit ), .block = &IMPLICIT_BLOCK,
       .help = "Cloth by an implicit solver; not with `cloth`, `balloon` or `strain_limit`." },
-    { "levels", SCENE_WHOLE, .at = AT( levels ), .range = RANGE( 0, WISP_FABRIC_MAX_LEVELS ),
-      .help = "Number of coarse levels at most, for `cloth.level_passes`." },
-    { "finest_level", SCENE_WHOLE, .at = AT( finest_level ), .range = RANGE( 1, WISP_FABRIC_MAX_LEVELS ),
-      .help = "Vertices of the finest coarse level are about 2 to this power edges apart; needs `levels`." },
     { "solve_order", SCENE_CHOICE, .at = AT( solve_order ), .choices = SWEEPS,
       .help = "Order in which constraints are projected." },
     { "tile_size", SCENE_CUSTOM, .at = AT( tile_size ), .read = scene_read_tile_size,

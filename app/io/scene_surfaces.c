@@ -8,8 +8,7 @@
 
 static wisp_status check_source( scene_reader* r, const scene_node* node, const wisp_scene_surface* surface )
 {
-    static const char* const fabric_keys[] = { "repair",       "require",     "levels",
-                                               "finest_level", "solve_order", "tile_size" };
+    static const char* const fabric_keys[] = { "repair", "require", "solve_order", "tile_size" };
     const bool instance = scene_child( r, node, "instance_of" ) != NULL;
     int sources = ( surface->mesh.file != NULL ) + surface->mesh.is_generated + instance;
     if ( sources == 0 )
@@ -37,18 +36,13 @@ static wisp_status check_source( scene_reader* r, const scene_node* node, const 
 static wisp_status check_cloth( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
 {
     const wisp_vec3 warp = s->cloth.warp;
-    const bool instance = scene_child( r, node, "instance_of" ) != NULL;
     if ( !( fabsf( warp.x ) + fabsf( warp.y ) + fabsf( warp.z ) >= 1e-5f ) )
     {
         return scene_refuse_node( r, node, "cloth.warp is zero" );
     }
-    if ( s->cloth.level_passes > 0 && s->levels == 0 && !instance )
+    if ( s->cloth.coarse_substeps > 0 && s->cloth.solver == WISP_SOLVER_PBD )
     {
-        return scene_refuse_node( r, node, "cloth.level_passes needs levels, but 'levels' is 0" );
-    }
-    if ( s->levels > 0 && s->cloth.level_passes == 0 )
-    {
-        return scene_refuse_node( r, node, "'levels' is %d, but cloth.level_passes is 0", s->levels );
+        return scene_refuse_node( r, node, "cloth.coarse_substeps needs the solver xpbd, but 'solver' is pbd" );
     }
     return WISP_OK;
 }
@@ -134,14 +128,6 @@ static wisp_status check_entry( scene_reader* r, const scene_node* node, const w
     {
         return scene_refuse_node( r, node, "cloth.tethers needs pins, but nothing is pinned" );
     }
-    if ( s->levels > 0 && !s->has_cloth )
-    {
-        return scene_refuse_node( r, node, "'levels' needs the key 'cloth'" );
-    }
-    if ( s->levels == 0 && scene_child( r, node, "finest_level" ) != NULL )
-    {
-        return scene_refuse_node( r, node, "'finest_level' needs 'levels' above 0" );
-    }
     status = s->has_boundary ? scene_check_boundary( r, node, s ) : WISP_OK;
     status = status || !s->has_implicit ? status : check_implicit( r, node, s );
     status = status || !s->has_cloth ? status : check_cloth( r, node, s );
@@ -164,7 +150,6 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
         .cloth = wisp_default_cloth_def(),
         .balloon = wisp_default_balloon_def(),
         .implicit = wisp_default_implicit_cloth_def(),
-        .finest_level = wisp_default_fabric_def().finest_level,
         .solve_order = wisp_default_fabric_def().solve_order,
         .collision = wisp_default_collision_def(),
         .contact = wisp_default_contact_def(),
@@ -201,10 +186,6 @@ static wisp_status find_source( scene_reader* r, const scene_node* node, int i )
     {
         return scene_refuse_node( r, node, "got '%s', which is an instance, expected '%s'", source->name,
                                   r->scene->surfaces[source->instance_of].name );
-    }
-    if ( surface->has_cloth && surface->cloth.level_passes > 0 && source->levels == 0 )
-    {
-        return scene_refuse_node( r, node, "cloth.level_passes needs levels, but '%s' has none", source->name );
     }
     if ( surface->has_cloth && surface->cloth.tethers &&
          source->pin_count + source->pin_box_count + source->pin_nearest_count == 0 )

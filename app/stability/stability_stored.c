@@ -51,18 +51,17 @@ static double energy_of_links( const stability_reader* r, const scene_world* wor
     return sum;
 }
 
-// Tethers and coarse links are inextensible and only pull.
+// Tethers are inextensible and only pull.
 static double energy_of_pull( const stability_reader* r, int a, int b, double rest, double h )
 {
     const double length = stability_distance( r->now[a], r->now[b] );
     return length > rest ? energy_of( r, a, b, length, rest, 0.0, h ) : 0.0;
 }
 
-static double energy_of_far_links( const stability_reader* r, const scene_world* world, double h )
+static double energy_of_tethers( const stability_reader* r, const scene_world* world, double h )
 {
     const wisp_fabric* f = r->fabric;
     const float* slack = wisp_world_column( world->world, r->entity, WISP_SURFACE_TETHERS, 0 );
-    const bool levels = wisp_world_has( world->world, r->entity, WISP_SURFACE_LEVELS );
     double sum = 0.0;
     for ( int k = 0; slack != NULL && k < f->tether_count; ++k )
     {
@@ -72,14 +71,27 @@ static double energy_of_far_links( const stability_reader* r, const scene_world*
             sum += energy_of_pull( r, f->tether_x4[at] / 4, i, (double)f->tether_rest[at] * (double)*slack, h );
         }
     }
-    for ( int k = 0; levels && k < f->level_count; ++k )
+    return sum;
+}
+
+// Coarse sheets, whose vertices have about four times the mass of the next finer ones. A short link counts in full, though it
+// pushes no more than the mesh between its ends is compressed.
+static double energy_of_levels( const stability_reader* r, const scene_world* world, double h )
+{
+    const wisp_fabric* f = r->fabric;
+    const float* compliance = wisp_world_column( world->world, r->entity, WISP_LEVEL_COMPLIANCE, 0 );
+    double sum = 0.0, lighter = 1.0;
+    for ( int k = 0; compliance != NULL && k < f->level_count; ++k )
     {
         const wisp_fabric_level* level = f->levels + k;
+        lighter /= 4.0;
         for ( int i = 0; i < level->schedule.slot_count; ++i )
         {
-            sum += level->schedule.constraint[i] >= 0
-                       ? energy_of_pull( r, level->a_x4[i] / 4, level->b_x4[i] / 4, (double)level->rest[i], h )
-                       : 0.0;
+            const int a = level->slot_x4[level->a_x4[i] / 4] / 4, b = level->slot_x4[level->b_x4[i] / 4] / 4;
+            const double error = stability_distance( r->now[a], r->now[b] ) - (double)level->rest[i];
+            const double whole =
+                (double)compliance[level->first_link + i] + lighter * ( r->weight[a] + r->weight[b] ) * h * h;
+            sum += level->schedule.constraint[i] >= 0 && whole > 0.0 ? 0.5 * error * error / whole : 0.0;
         }
     }
     return sum;
@@ -238,7 +250,7 @@ double stability_stored_energy( const stability_reader* r, const scene_world* wo
     {
         return stored_in_strands( r, h );
     }
-    double sum = energy_of_links( r, world, h ) + energy_of_far_links( r, world, h );
+    double sum = energy_of_links( r, world, h ) + energy_of_tethers( r, world, h ) + energy_of_levels( r, world, h );
     sum += r->surface->has_implicit ? energy_of_springs( r, world, is_start ) : 0.0;
     return sum + ( r->surface->has_balloon ? energy_of_gas( r, h ) : 0.0 );
 }

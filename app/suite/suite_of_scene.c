@@ -83,11 +83,13 @@ static wisp_status choose_reference( writer* w, wisp_error* error )
 
 // ---- entries ----
 
-static void write_series( const writer* w, const char* name, const char* settings )
+// @param most substeps
+static void write_series( const writer* w, const char* name, const char* settings, int most )
 {
     static const int SUBSTEPS[] = { 1, 2, 5, 10, 20, 40 };
     char values[64] = "";
-    for ( size_t i = 0; i < sizeof SUBSTEPS / sizeof SUBSTEPS[0] && SUBSTEPS[i] <= w->finest / 4; ++i )
+    const int limit = most < w->finest / 4 ? most : w->finest / 4;
+    for ( size_t i = 0; i < sizeof SUBSTEPS / sizeof SUBSTEPS[0] && SUBSTEPS[i] <= limit; ++i )
     {
         const size_t used = strlen( values );
         snprintf( values + used, sizeof values - used, "%s%d", i > 0 ? ", " : "", SUBSTEPS[i] );
@@ -104,41 +106,47 @@ static void write_series( const writer* w, const char* name, const char* setting
 typedef struct method
 {
     const char *name, *list, *block;
-    bool needs_pins;
+    bool needs_pins, needs_xpbd;
+    int most_substeps;        // with more there are better ways; 0: as many as the others
     const char* fields[3][2]; // within the body, and their values
 } method;
 
 static const method methods[] = {
-    { "links alone",
-      "surfaces",
-      "cloth",
-      false,
-      { { "cloth.tethers", "false" }, { "levels", "0" }, { "cloth.level_passes", "0" } } },
-    { "tethers",
-      "surfaces",
-      "cloth",
-      true,
-      { { "cloth.tethers", "true" }, { "levels", "0" }, { "cloth.level_passes", "0" } } },
-    { "tethers, levels",
-      "surfaces",
-      "cloth",
-      true,
-      { { "cloth.tethers", "true" }, { "levels", "3" }, { "cloth.level_passes", "1" } } },
-    { "euler", "surfaces", "implicit", false, { { "implicit.integrator", "euler" } } },
-    { "bdf2", "surfaces", "implicit", false, { { "implicit.integrator", "bdf2" } } },
-    { "bdf2, 4 solves",
-      "surfaces",
-      "implicit",
-      false,
-      { { "implicit.integrator", "bdf2" }, { "implicit.newton_iterations", "4" } } },
-    { "strands: direct", "strands", "dynamics", false, { { "dynamics.stretch", "direct" } } },
-    { "strands: links", "strands", "dynamics", false, { { "dynamics.stretch", "links" } } },
+    { .name = "links alone",
+      .list = "surfaces",
+      .block = "cloth",
+      .fields = { { "cloth.tethers", "false" }, { "cloth.coarse_substeps", "0" } } },
+    { .name = "tethers",
+      .list = "surfaces",
+      .block = "cloth",
+      .needs_pins = true,
+      .fields = { { "cloth.tethers", "true" }, { "cloth.coarse_substeps", "0" } } },
+    { .name = "coarse sheets",
+      .list = "surfaces",
+      .block = "cloth",
+      .needs_xpbd = true,
+      .most_substeps = 5,
+      .fields = { { "cloth.tethers", "false" }, { "cloth.coarse_substeps", "2" } } },
+    { .name = "euler", .list = "surfaces", .block = "implicit", .fields = { { "implicit.integrator", "euler" } } },
+    { .name = "bdf2", .list = "surfaces", .block = "implicit", .fields = { { "implicit.integrator", "bdf2" } } },
+    { .name = "bdf2, 4 solves",
+      .list = "surfaces",
+      .block = "implicit",
+      .fields = { { "implicit.integrator", "bdf2" }, { "implicit.newton_iterations", "4" } } },
+    { .name = "strands: direct",
+      .list = "strands",
+      .block = "dynamics",
+      .fields = { { "dynamics.stretch", "direct" } } },
+    { .name = "strands: links",
+      .list = "strands",
+      .block = "dynamics",
+      .fields = { { "dynamics.stretch", "links" } } },
 };
 
 // Defaults of fields that a scene need not name.
 static const char* const defaults[][2] = {
-    { "cloth.tethers", "false" },       { "cloth.level_passes", "0" },         { "levels", "0" },
-    { "implicit.integrator", "euler" }, { "implicit.newton_iterations", "1" }, { "dynamics.stretch", "direct" },
+    { "cloth.tethers", "false" },          { "cloth.coarse_substeps", "0" }, { "implicit.integrator", "euler" },
+    { "implicit.newton_iterations", "1" }, { "dynamics.stretch", "direct" },
 };
 
 static bool is_same( const text_node* body, const char* field, const char* value )
@@ -154,6 +162,15 @@ static bool is_same( const text_node* body, const char* field, const char* value
     return strcmp( own, value ) == 0;
 }
 
+static bool may_have( const text_node* body, const method* m )
+{
+    const text_node* block = text_find( body, m->block );
+    const bool is_pinned =
+        text_find( body, "pins" ) || text_find( body, "pin_box" ) || text_find( body, "pin_nearest" );
+    return block && ( is_pinned || !m->needs_pins ) &&
+           !( m->needs_xpbd && strcmp( text_at( block, "solver" ), "pbd" ) == 0 );
+}
+
 // Write the fields that a method changes of all bodies. @return whether the scene is not already solved this way
 static bool name_changes( const writer* w, const method* m, char* out, size_t size )
 {
@@ -163,9 +180,7 @@ static bool name_changes( const writer* w, const method* m, char* out, size_t si
     for ( int i = 0; bodies && i < bodies->count; ++i )
     {
         const text_node* body = bodies->children[i];
-        const bool is_pinned = text_find( body, "pins" ) || text_find( body, "pin_box" );
-        const bool has_all = text_find( body, m->block ) && ( is_pinned || !m->needs_pins );
-        for ( int k = 0; k < 3 && m->fields[k][0] && has_all; ++k )
+        for ( int k = 0; k < 3 && m->fields[k][0] && may_have( body, m ); ++k )
         {
             const size_t used = strlen( out );
             changes = changes || !is_same( body, m->fields[k][0], m->fields[k][1] );
@@ -184,18 +199,19 @@ enum
 static void write_entries( const writer* w )
 {
     char name[64], settings[SETTINGS_MAX];
-    write_series( w, "as written", "" );
+    write_series( w, "as written", "", SUBSTEPS_MAX );
     if ( w->has_links )
     {
         snprintf( name, sizeof name, "%d iterations", 4 * w->iterations );
         snprintf( settings, sizeof settings, "iterations: %d", 4 * w->iterations );
-        write_series( w, name, settings );
+        write_series( w, name, settings, SUBSTEPS_MAX );
     }
     for ( size_t i = 0; i < sizeof methods / sizeof methods[0]; ++i )
     {
         if ( name_changes( w, methods + i, settings, sizeof settings ) )
         {
-            write_series( w, methods[i].name, settings );
+            const int most = methods[i].most_substeps;
+            write_series( w, methods[i].name, settings, most > 0 ? most : SUBSTEPS_MAX );
         }
     }
 }
@@ -204,7 +220,7 @@ static void write_suite( const writer* w )
 {
     fprintf( w->out, "# What accuracy costs in %s\nwisp_suite: 1\nseconds: %.9g\n", io_short_name( w->def->file ),
              w->length );
-    // tethers and levels are short cuts that the converged motion has no need of
+    // tethers and coarse sheets are short cuts that the converged motion has no need of
     char settings[SETTINGS_MAX];
     const bool has_short_cuts = name_changes( w, &methods[0], settings, sizeof settings );
     fprintf( w->out, "reference: { set: { substeps: %d, iterations: %d%s%s }, check: { substeps: %d } }\nscenes:\n",

@@ -70,6 +70,22 @@ static bool put_pins( surface_maker* m )
 
 // ---- effects ----
 
+// Other meshes are too small for a coarse sheet.
+static void put_coarse_sheets( surface_maker* m, text_node* cloth )
+{
+    const int substeps = torture_random_whole( &m->b->random, 1, 3 );
+    const int passes = torture_random_whole( &m->b->random, 1, 20 );
+    text_node* generate = text_find( m->entry, "generate" );
+    const bool is_plane = strstr( text_at( generate, "shape" ), "plane" ) != NULL;
+    if ( is_plane && strcmp( text_at( cloth, "solver" ), "pbd" ) != 0 )
+    {
+        text_put( generate, "columns", text_scalar( "27" ) );
+        text_put( generate, "rows", text_scalar( "27" ) );
+        text_put( cloth, "coarse_substeps", text_scalar( "%d", substeps ) );
+        text_put( cloth, "coarse_passes", text_scalar( "%d", passes ) );
+    }
+}
+
 static void put_cloth( surface_maker* m, bool is_pinned, bool is_instance )
 {
     text_node* cloth = torture_put_block( m->b, m->block, m->entry, "cloth", 30 );
@@ -79,8 +95,7 @@ static void put_cloth( surface_maker* m, bool is_pinned, bool is_instance )
     }
     if ( !is_instance && chance( m, 20 ) )
     {
-        text_put( m->entry, "levels", text_scalar( "%d", torture_random_whole( &m->b->random, 1, 3 ) ) );
-        text_put( cloth, "level_passes", text_scalar( "%d", torture_random_whole( &m->b->random, 1, 3 ) ) );
+        put_coarse_sheets( m, cloth );
     }
 }
 

@@ -220,9 +220,8 @@ static const span SPANS[] = {
     { "strain_limit", 0, 0 },
     { "warp", -1, 1 },
     { "tether_slack", 1, 1.5 },
-    { "level_passes", 0, 0 },
-    { "finest_level", 0, 0 },
-    { "levels", 0, 0 },
+    { "coarse_substeps", 0, 0 },
+    { "coarse_passes", 0, 0 },
     { "tile_size", 0, 0 },
     { "teleport", 1, 20 },
     // solvers

@@ -13,6 +13,7 @@ enum
     NEEDS_BEND_LINKS = 1,
     NEEDS_HINGES = 2,
     NEEDS_TETHERS = 4,
+    NEEDS_COARSE_SHEETS = 8,
 };
 
 static wisp_status fail_at_surface( const wisp_scene* scene, int surface, wisp_status status, const char* message,
@@ -131,6 +132,10 @@ static unsigned char needs_of( const wisp_scene_surface* entry )
     {
         required |= NEEDS_HINGES;
     }
+    if ( cloth && entry->cloth.coarse_substeps > 0 )
+    {
+        required |= NEEDS_COARSE_SHEETS;
+    }
     return cloth && entry->cloth.tethers ? required | NEEDS_TETHERS : required;
 }
 
@@ -149,8 +154,7 @@ static wisp_status cook( const wisp_scene* scene, int surface, unsigned char req
     def.bend_links = ( required & NEEDS_BEND_LINKS ) != 0;
     def.hinges = ( required & NEEDS_HINGES ) != 0;
     def.tethers = ( required & NEEDS_TETHERS ) != 0;
-    def.levels = entry->levels;
-    def.finest_level = entry->finest_level;
+    def.coarse_sheets = ( required & NEEDS_COARSE_SHEETS ) != 0;
     def.solve_order = entry->solve_order;
     def.tile_size = entry->tile_size;
     wisp_error cause = { 0 };

@@ -13,7 +13,6 @@ wisp_fabric_def wisp_default_fabric_def( void )
 {
     return ( wisp_fabric_def ){
         .bend_links = true,
-        .finest_level = 1,
         .solve_order = WISP_SOLVE_ORDER_COLOUR,
         .cookie = FABRIC_DEF_COOKIE,
     };
@@ -42,16 +41,6 @@ static wisp_status check_numbers( const wisp_fabric_def* def, wisp_error* error 
         return wisp_fail( error, WISP_BAD_INPUT,
                           "fabric: got a null list, expected lists of %d vertices, %d triangles and %d attachments",
                           def->vertex_count, def->triangle_count, def->attachment_count );
-    }
-    if ( def->levels < 0 || def->levels > WISP_FABRIC_MAX_LEVELS )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "fabric: got %d levels, expected 0 to %d", def->levels,
-                          WISP_FABRIC_MAX_LEVELS );
-    }
-    if ( def->finest_level < 1 || def->finest_level > WISP_FABRIC_MAX_LEVELS )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "fabric: got finest level %d, expected 1 to %d", def->finest_level,
-                          WISP_FABRIC_MAX_LEVELS );
     }
     if ( (int)def->solve_order < 0 || def->solve_order >= WISP_SOLVE_ORDER_COUNT )
     {
@@ -308,7 +297,7 @@ static bool cook_parts( const wisp_fabric_def* def, const fabric_mesh* mesh, coo
     wisp_fabric* f = &cooked->fabric;
     fabric_parts parts = { .mesh = mesh, .keep = &cooked->keep, .allocator = cooked->keep.allocator };
     return ( def->tethers == false || fabric_cook_tethers( &parts, f ) ) &&
-           ( def->levels == 0 || fabric_cook_levels( &parts, def->finest_level, def->levels, f ) );
+           ( def->coarse_sheets == false || fabric_cook_levels( &parts, f ) );
 }
 
 static bool cook( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )
@@ -324,7 +313,7 @@ static bool cook( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* 
 
     fabric_graph graph;
     fabric_mesh mesh;
-    bool across = def->tethers || def->levels > 0;
+    bool across = def->tethers || def->coarse_sheets;
     bool done = order( def, cooked, scratch, &graph ) && rename( def, cooked, scratch ) &&
                 fabric_mesh_connect( &graph, across, scratch, cooked, &mesh ) &&
                 fabric_mesh_measure_areas( &mesh, scratch, cooked ) && cook_rings( &mesh, cooked, scratch ) &&

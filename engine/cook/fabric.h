@@ -108,12 +108,6 @@ int fabric_choose_tile_size( int vertex_count );
 bool fabric_schedule_hinges( const wisp_schedule* schedule, const fabric_constraints* constraints, fabric_pool* keep,
                              const int32_t** out );
 
-// ---- fabric_level_links.c ----
-
-/// Return the slots per tile of a level's links: at least the fabric's tile size, so that each tile has its own
-/// dummy for padding.
-int fabric_level_tile_size( const wisp_fabric* fabric, int link_count );
-
 // ---- fabric_save.c and fabric_check.c ----
 
 /// Compute the hash of a fabric, without the hash itself.
@@ -150,8 +144,14 @@ wisp_status fabric_check( const wisp_fabric* fabric, fabric_pool* scratch, wisp_
 
 #define FABRIC_LEVEL_COUNTS( X )                                                                                     \
     X( vertex_count )                                                                                                \
+    X( tile_size )                                                                                                   \
+    X( row_count )                                                                                                   \
+    X( first_row )                                                                                                   \
+    X( first_link )                                                                                                  \
+    X( unlinked_count )                                                                                              \
     X( link_count )                                                                                                  \
-    X( child_count )
+    X( chain_group_count )                                                                                           \
+    X( finer_row_count )
 
 #define FABRIC_SCHEDULE_ARRAYS( X, o )                                                                               \
     X( colour_tile, w( o->colour_count ) + 1 )                                                                       \
@@ -177,10 +177,13 @@ wisp_status fabric_check( const wisp_fabric* fabric, fabric_pool* scratch, wisp_
     X( attachments, w( o->attachment_count ) )
 
 #define FABRIC_LEVEL_ARRAYS( X, o )                                                                                  \
-    X( vertex_x4, padded_w( o->vertex_count ) )                                                                      \
+    X( slot_x4, w( o->row_count ) )                                                                                  \
     X( a_x4, w( o->schedule.slot_count ) )                                                                           \
     X( b_x4, w( o->schedule.slot_count ) )                                                                           \
     X( rest, w( o->schedule.slot_count ) )                                                                           \
-    X( child_x4, padded_w( o->child_count ) )                                                                        \
-    X( parent_x4, WISP_FABRIC_PARENTS* padded_w( o->child_count ) )                                                  \
-    X( weight, WISP_FABRIC_PARENTS* padded_w( o->child_count ) )
+    X( fraction, w( o->schedule.slot_count ) )                                                                       \
+    X( chain_begin, w( o->chain_group_count ) + 1 )                                                                  \
+    X( chain_x4, WISP_FABRIC_LANES* w( o->chain_begin[o->chain_group_count] ) )                                      \
+    X( chain_rest, w( o->schedule.slot_count ) )                                                                     \
+    X( parent_x4, WISP_FABRIC_PARENTS* padded_w( o->finer_row_count ) )                                              \
+    X( weight, WISP_FABRIC_PARENTS* padded_w( o->finer_row_count ) )

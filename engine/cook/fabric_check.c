@@ -209,7 +209,8 @@ typedef struct lane_reader
     int arity;
     const int32_t *a_x4, *b_x4; // two vertices
     const int32_t* slot_x4;     // four vertices, [group][4][8]
-    int tile_size;              // slots
+    int vertex_count;           // tiles have their dummies behind the vertices
+    int tile_size, tile_count;
 } lane_reader;
 
 static void read_lane( const lane_reader* lanes, int32_t at, int32_t* slot_x4 )
@@ -279,7 +280,7 @@ typedef struct touch_state
 } touch_state;
 
 // Returns the dummy of the tile that contains the constraints of a schedule's tile, or -1 if there are several.
-static int32_t own_dummy4( const wisp_fabric* f, const wisp_schedule* s, const lane_reader* lanes, int tile )
+static int32_t own_dummy4( const wisp_schedule* s, const lane_reader* lanes, int tile )
 {
     int32_t own = -1;
     for ( int32_t i = s->tile_begin[tile]; i < s->tile_begin[tile + 1]; ++i )
@@ -290,7 +291,7 @@ static int32_t own_dummy4( const wisp_fabric* f, const wisp_schedule* s, const l
         {
             smallest = slot_x4[k] < smallest ? slot_x4[k] : smallest;
         }
-        int32_t dummy4 = 4 * ( f->vertex_count + smallest / 4 / lanes->tile_size );
+        int32_t dummy4 = 4 * ( lanes->vertex_count + smallest / 4 / lanes->tile_size );
         if ( s->constraint[i] >= 0 && own != -1 && own != dummy4 )
         {
             return -1;
@@ -316,10 +317,9 @@ static bool touch( touch_state* touched, int32_t slot, int32_t lane, int tile, i
 static wisp_status check_tile( const check_state* c, const char* what, const wisp_schedule* s,
                                const lane_reader* lanes, touch_state* touched, int tile, int colour_begin )
 {
-    const wisp_fabric* f = c->f;
-    int32_t pad4 = own_dummy4( f, s, lanes, tile );
-    int32_t number = pad4 / 4 - f->vertex_count;
-    if ( pad4 < 0 || number < 0 || number >= f->tile_count || touched->dummy[number] )
+    int32_t pad4 = own_dummy4( s, lanes, tile );
+    int32_t number = pad4 / 4 - lanes->vertex_count;
+    if ( pad4 < 0 || number < 0 || number >= lanes->tile_count || touched->dummy[number] )
     {
         return BAD( "tile %d in the order of %s without a dummy of its own", tile, what );
     }
@@ -348,11 +348,10 @@ static wisp_status check_tile( const check_state* c, const char* what, const wis
 static wisp_status check_conflicts( const check_state* c, const char* what, const wisp_schedule* s,
                                     const lane_reader* lanes )
 {
-    const wisp_fabric* f = c->f;
     touch_state touched = {
-        .lane = fabric_pool_push_zeroed( c->scratch, (size_t)f->vertex_count, sizeof( int32_t ) ),
-        .tile = fabric_pool_push_zeroed( c->scratch, (size_t)f->vertex_count, sizeof( int32_t ) ),
-        .dummy = fabric_pool_push_zeroed( c->scratch, (size_t)f->tile_count, sizeof( bool ) ),
+        .lane = fabric_pool_push_zeroed( c->scratch, (size_t)lanes->vertex_count, sizeof( int32_t ) ),
+        .tile = fabric_pool_push_zeroed( c->scratch, (size_t)lanes->vertex_count, sizeof( int32_t ) ),
+        .dummy = fabric_pool_push_zeroed( c->scratch, (size_t)lanes->tile_count, sizeof( bool ) ),
     };
     if ( touched.lane == NULL || touched.tile == NULL || touched.dummy == NULL )
     {
@@ -414,7 +413,14 @@ static wisp_status check_hinge_lanes( const check_state* c, const lane_reader* l
 static wisp_status check_links( const check_state* c )
 {
     const wisp_fabric* f = c->f;
-    lane_reader lanes = { .arity = 2, .a_x4 = f->link_a_x4, .b_x4 = f->link_b_x4, .tile_size = f->tile_size };
+    lane_reader lanes = {
+        .arity = 2,
+        .a_x4 = f->link_a_x4,
+        .b_x4 = f->link_b_x4,
+        .vertex_count = f->vertex_count,
+        .tile_size = f->tile_size,
+        .tile_count = f->tile_count,
+    };
     wisp_status status = check_schedule( c, "links", &f->link_order, f->link_count );
     status = status == WISP_OK ? check_link_lanes( c ) : status;
     return status == WISP_OK ? check_conflicts( c, "links", &f->link_order, &lanes ) : status;
@@ -423,7 +429,13 @@ static wisp_status check_links( const check_state* c )
 static wisp_status check_hinges( const check_state* c )
 {
     const wisp_fabric* f = c->f;
-    lane_reader lanes = { .arity = 4, .slot_x4 = f->hinge_slot_x4, .tile_size = f->tile_size };
+    lane_reader lanes = {
+        .arity = 4,
+        .slot_x4 = f->hinge_slot_x4,
+        .vertex_count = f->vertex_count,
+        .tile_size = f->tile_size,
+        .tile_count = f->tile_count,
+    };
     int count = f->hinge_order.slot_count > 0 ? f->hinge_count : 0;
     wisp_status status = check_schedule( c, "hinges", &f->hinge_order, count );
     status = status == WISP_OK ? check_hinge_lanes( c, &lanes ) : status;
@@ -432,125 +444,124 @@ static wisp_status check_hinges( const check_state* c )
 
 // ---- levels ----
 
-// Coarsest level that contains each slot, 0 for the mesh only.
-typedef struct level_state
-{
-    int32_t* level; // [vertex_count]
-    bool* child;    // [vertex_count] whether it is a child in the level being checked
-} level_state;
-
-// Checks that the vertices of level `number`, from 1, are a subset of the next finer level.
-static wisp_status check_level_vertices( const check_state* c, const wisp_fabric_level* level, int number,
-                                         level_state* s )
+// Checks counts, and that the vertices are a subset of the next finer level.
+// @param level_of [vertex_count] coarsest level so far that has each slot, 0: none
+static wisp_status check_level_rows( const check_state* c, int number, int32_t* level_of )
 {
     const wisp_fabric* f = c->f;
-    if ( level->vertex_count > f->vertex_count || level->child_count > f->vertex_count )
+    const wisp_fabric_level *level = &f->levels[number], *finer = number > 0 ? level - 1 : NULL;
+    if ( level->vertex_count < 1 || level->vertex_count > f->vertex_count || level->tile_size < WISP_FABRIC_LANES ||
+         level->tile_size > fabric_padded( f->vertex_count ) ||
+         level->row_count !=
+             fabric_padded( level->vertex_count + fabric_tiles( level->vertex_count, level->tile_size ) ) ||
+         level->chain_group_count != level->schedule.slot_count / WISP_FABRIC_LANES ||
+         level->finer_row_count != ( finer != NULL ? finer->row_count : f->slot_count ) ||
+         level->first_row != ( finer != NULL ? finer->first_row + finer->row_count : 0 ) ||
+         level->first_link != ( finer != NULL ? finer->first_link + finer->schedule.slot_count : 0 ) )
     {
-        return BAD( "level %d with %d vertices and %d children, which is too many", number, level->vertex_count,
-                    level->child_count );
+        return BAD( "level %d with %d vertices in %d rows and tiles of %d, which do not match", number + 1,
+                    level->vertex_count, level->row_count, level->tile_size );
     }
-    for ( int i = 0; i < fabric_padded( level->vertex_count ); ++i )
+    for ( int i = 0; i < level->row_count; ++i )
     {
-        int32_t slot_x4 = level->vertex_x4[i];
-        bool fine = i < level->vertex_count ? is_vertex_x4( f, slot_x4 ) && s->level[slot_x4 / 4] == number - 1
-                                            : slot_x4 == 4 * f->vertex_count;
+        const int32_t slot_x4 = level->slot_x4[i];
+        const bool fine = i < level->vertex_count ? is_vertex_x4( f, slot_x4 ) && level_of[slot_x4 / 4] == number &&
+                                                        ( i == 0 || slot_x4 > level->slot_x4[i - 1] )
+                                                  : slot_x4 == 4 * f->vertex_count;
         if ( fine == false )
         {
-            return BAD( "level %d whose vertex %d is missing from the finer level or is a duplicate", number, i );
+            return BAD( "level %d whose vertex %d is missing from the finer level or out of order", number + 1, i );
         }
-        if ( i < level->vertex_count )
+        level_of[slot_x4 / 4] = i < level->vertex_count ? number + 1 : level_of[slot_x4 / 4];
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_parents( const check_state* c, int number )
+{
+    const wisp_fabric_level* level = &c->f->levels[number];
+    for ( int i = 0; i < WISP_FABRIC_PARENTS * level->finer_row_count; ++i )
+    {
+        const int32_t parent_x4 = level->parent_x4[i];
+        const float weight = level->weight[i];
+
+        // a row that follows nothing refers to the first dummy, which does not move
+        const int32_t rows = weight > 0.0f ? level->vertex_count : level->vertex_count + 1;
+        if ( parent_x4 < 0 || parent_x4 % 4 != 0 || parent_x4 / 4 >= rows || !( weight >= 0.0f && weight <= 1.0f ) )
         {
-            s->level[slot_x4 / 4] = number;
+            return BAD( "level %d whose parent %d is out of range", number + 1, i );
         }
     }
     return WISP_OK;
 }
 
-static bool parent_is_fine( const wisp_fabric* f, const level_state* s, int number, int32_t parent_x4, float weight,
-                            int32_t child_x4 )
+static bool is_row_x4( const wisp_fabric_level* level, int32_t row_x4 )
 {
-    // a padding slot is read and must not be moved by another worker: it is a vertex of this level, the child
-    // itself, or a dummy that no kernel moves
-    bool pads = weight == 0.0f && ( parent_x4 == child_x4 || parent_x4 == 4 * f->vertex_count );
-    bool of_level = is_vertex_x4( f, parent_x4 ) && s->level[parent_x4 / 4] == number;
-    return is_length( weight ) && weight <= 1.0f && ( of_level || pads );
+    return row_x4 >= 0 && row_x4 % 4 == 0 && row_x4 / 4 < level->vertex_count;
 }
 
-static wisp_status check_children( const check_state* c, const wisp_fabric_level* level, int number, level_state* s )
+static wisp_status check_level_links( const check_state* c, int number )
 {
-    const wisp_fabric* f = c->f;
-    memset( s->child, 0, (size_t)f->vertex_count * sizeof( bool ) );
-    for ( int i = 0; i < fabric_padded( level->child_count ); ++i )
-    {
-        int32_t child_x4 = level->child_x4[i];
-        bool real = i < level->child_count;
-        bool fine = real ? is_vertex_x4( f, child_x4 ) && s->level[child_x4 / 4] == number - 1 &&
-                               s->child[child_x4 / 4] == false
-                         : child_x4 == 4 * f->vertex_count;
-        for ( int p = 0; p < WISP_FABRIC_PARENTS && fine; ++p )
-        {
-            size_t at = (size_t)( i / WISP_FABRIC_LANES * WISP_FABRIC_PARENTS + p ) * WISP_FABRIC_LANES +
-                        (size_t)( i % WISP_FABRIC_LANES );
-            fine = parent_is_fine( f, s, number, level->parent_x4[at], level->weight[at], child_x4 );
-        }
-        if ( fine == false )
-        {
-            return BAD( "level %d whose child %d is missing from the finer level or has a wrong parent", number, i );
-        }
-        if ( real )
-        {
-            s->child[child_x4 / 4] = true;
-        }
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_level_links( const check_state* c, const wisp_fabric_level* level, int number,
-                                      const level_state* s )
-{
-    const wisp_fabric* f = c->f;
+    const wisp_fabric_level* level = &c->f->levels[number];
     wisp_status status = check_schedule( c, "links of a level", &level->schedule, level->link_count );
-    if ( status != WISP_OK )
+    for ( int32_t i = 0; i < level->schedule.slot_count && status == WISP_OK; ++i )
     {
-        return status;
-    }
-    for ( int32_t i = 0; i < level->schedule.slot_count; ++i )
-    {
-        int32_t a = level->a_x4[i], b = level->b_x4[i];
-        bool real = level->schedule.constraint[i] >= 0;
-        bool fine = is_length( level->rest[i] ) && ( real || level->rest[i] == 0.0f );
-        if ( real )
-        {
-            fine = fine && is_vertex_x4( f, a ) && is_vertex_x4( f, b ) && a != b && s->level[a / 4] == number &&
-                   s->level[b / 4] == number;
-        }
+        const int32_t a = level->a_x4[i], b = level->b_x4[i];
+        const float rest = level->rest[i], chain = level->chain_rest[i], fraction = level->fraction[i];
+        const bool real = level->schedule.constraint[i] >= 0;
+        const bool fine = real ? is_row_x4( level, a ) && is_row_x4( level, b ) && a != b && is_length( rest ) &&
+                                     is_length( chain ) && fraction > 0.0f && fraction <= 1.0f
+                               : rest == 0.0f && chain == 0.0f && fraction == 0.0f;
         if ( fine == false )
         {
-            return BAD( "level %d whose lane %d links vertices of another level or has no length", number, i );
+            status = BAD( "level %d whose lane %d links vertices of another level or has no length", number + 1, i );
         }
     }
-    lane_reader lanes = {
+    const lane_reader lanes = {
         .arity = 2,
         .a_x4 = level->a_x4,
         .b_x4 = level->b_x4,
-        .tile_size = fabric_level_tile_size( f, level->link_count ),
+        .vertex_count = level->vertex_count,
+        .tile_size = level->tile_size,
+        .tile_count = fabric_tiles( level->vertex_count, level->tile_size ),
     };
-    return check_conflicts( c, "links of a level", &level->schedule, &lanes );
+    return status == WISP_OK ? check_conflicts( c, "links of a level", &level->schedule, &lanes ) : status;
+}
+
+static wisp_status check_chains( const check_state* c, int number )
+{
+    const wisp_fabric* f = c->f;
+    const wisp_fabric_level* level = &f->levels[number];
+    const int count = level->chain_begin[level->chain_group_count];
+    if ( offsets_rise( level->chain_begin, level->chain_group_count, count, 1 ) == false )
+    {
+        return BAD( "level %d whose chains do not ascend", number + 1 );
+    }
+    for ( int e = 0; e < count; ++e )
+    {
+        for ( int lane = 0; lane < WISP_FABRIC_LANES; ++lane )
+        {
+            const int32_t slot_x4 = level->chain_x4[e][lane];
+            if ( is_vertex_x4( f, slot_x4 ) == false && slot_x4 != 4 * f->vertex_count )
+            {
+                return BAD( "level %d with slot %d in a chain, which is out of range", number + 1, slot_x4 / 4 );
+            }
+        }
+    }
+    return WISP_OK;
 }
 
 static wisp_status check_levels( const check_state* c )
 {
     const wisp_fabric* f = c->f;
-    level_state s = {
-        .level = fabric_pool_push_zeroed( c->scratch, (size_t)f->vertex_count, sizeof( int32_t ) ),
-        .child = fabric_pool_push( c->scratch, (size_t)f->vertex_count, sizeof( bool ) ),
-    };
-    wisp_status status = s.level != NULL && s.child != NULL ? WISP_OK : SHORT_OF_MEMORY;
+    int32_t* level_of = fabric_pool_push_zeroed( c->scratch, (size_t)f->slot_count, sizeof( int32_t ) );
+    wisp_status status = level_of != NULL ? WISP_OK : SHORT_OF_MEMORY;
     for ( int i = 0; i < f->level_count && status == WISP_OK; ++i )
     {
-        status = check_level_vertices( c, &f->levels[i], i + 1, &s );
-        status = status == WISP_OK ? check_children( c, &f->levels[i], i + 1, &s ) : status;
-        status = status == WISP_OK ? check_level_links( c, &f->levels[i], i + 1, &s ) : status;
+        status = check_level_rows( c, i, level_of );
+        status = status == WISP_OK ? check_parents( c, i ) : status;
+        status = status == WISP_OK ? check_level_links( c, i ) : status;
+        status = status == WISP_OK ? check_chains( c, i ) : status;
     }
     return status;
 }

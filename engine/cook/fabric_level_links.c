@@ -1,6 +1,7 @@
 // Links between neighbours of a coarse level, and the net of triangles over them.
 #include "fabric.h"
 #include "fabric_levels.h"
+#include "vec.h"
 
 #include <math.h>
 
@@ -79,40 +80,93 @@ void level_agree( level_maker* m )
     }
 }
 
-// ---- links ----
-
-// Tests whether a pair needs a link: two attachments do not, since neither moves.
-static bool is_link( const level_maker* m, int32_t a, int32_t b )
+double level_distance_or_straight( const level_maker* m, int32_t rank_a, int32_t rank_b )
 {
-    return m->turn[m->fine[a]] != LEVEL_ATTACHED || m->turn[m->fine[b]] != LEVEL_ATTACHED;
+    const double distance = level_distance( m, rank_a, rank_b );
+    const wisp_vec3 *a = m->fabric->rest + m->fine[rank_a], *b = m->fabric->rest + m->fine[rank_b];
+    const double x = (double)a->x - (double)b->x, y = (double)a->y - (double)b->y, z = (double)a->z - (double)b->z;
+    return distance < (double)INFINITY ? distance : sqrt( x * x + y * y + z * z );
 }
 
-int level_list_links( const level_maker* m, int32_t* slots, float* rest, int* linked )
+// ---- links ----
+
+// Half width of the range, in lengths of the link, within which a link turns from none to a whole one while its circle closes.
+#define BLEND 0.2
+// Minimum fraction of a link that is worth its time.
+#define MIN_FRACTION 0.05
+
+// The gap of a link: with a at the origin and b at (d, 0), circles through both have their centre at (d/2, t). The circle
+// contains a point (x, y) unless t <= h for y > 0, or t >= h for y < 0, with h = (x^2 - x d + y^2) / (2 y). A Delaunay edge has
+// an empty circle, so that the highest lower bound is below the lowest upper bound. Distances are those on the mesh.
+typedef struct empty_circle
+{
+    double low, high;
+} empty_circle;
+
+static void exclude_point( empty_circle* circle, double d, double to_a, double to_b, bool left )
+{
+    const double x = ( d * d + to_a * to_a - to_b * to_b ) / ( 2.0 * d );
+    const double y = sqrt( fmax( to_a * to_a - x * x, 0.0 ) );
+    const double power = x * x - x * d + y * y;
+    if ( y > 1e-6 * d )
+    {
+        const double h = power / ( 2.0 * y );
+        circle->high = left ? fmin( circle->high, h ) : circle->high;
+        circle->low = left ? circle->low : fmax( circle->low, -h );
+    }
+    else if ( power < 0.0 ) // between a and b
+    {
+        circle->high = -INFINITY;
+    }
+}
+
+// Returns the fraction of a link. Of the two diagonals of a square, each has half of the stiffness: with one of them alone, chosen
+// in one direction, a sheet would be soft in the other.
+static double fraction_of( const level_maker* m, int32_t a, int32_t b, double d )
+{
+    const wisp_vec3* rest = m->fabric->rest;
+    const wisp_vec3 at = rest[m->fine[a]], along = v3_sub( rest[m->fine[b]], at );
+    const wisp_vec3 side = v3_cross( m->normal[m->fine[a]], along );
+    empty_circle circle = { -INFINITY, INFINITY };
+    for ( int end = 0; end < 2; ++end )
+    {
+        const int32_t from = end == 0 ? a : b, to = end == 0 ? b : a;
+        const level_near* near = m->near + (size_t)from * LEVEL_NEAR;
+        for ( int i = 0; i < m->near_count[from]; ++i )
+        {
+            const int32_t c = near[i].rank;
+            if ( c != to )
+            {
+                const double here = (double)near[i].distance, there = level_distance_or_straight( m, to, c );
+                const bool left = v3_dot( v3_sub( rest[m->fine[c]], at ), side ) > 0.0f;
+                exclude_point( &circle, d, end == 0 ? here : there, end == 0 ? there : here, left );
+            }
+        }
+    }
+    const double gap = ( circle.high - circle.low ) / d;
+    return fmin( 1.0, fmax( 0.0, 0.5 + 0.5 * gap / BLEND ) );
+}
+
+int level_list_links( const level_maker* m, level_link* out )
 {
     int count = 0;
-    *linked = 0;
     for ( int32_t a = 0; a < m->fine_count; ++a )
     {
         const level_near* near = m->near + (size_t)a * LEVEL_NEAR;
-        bool any = false;
         for ( int i = 0; i < m->near_count[a] && m->chosen[a]; ++i )
         {
-            int32_t b = near[i].rank;
-            bool link = is_link( m, a, b );
-            any = any || link;
-            if ( b < a || link == false )
+            const int32_t b = near[i].rank;
+            const double d = (double)near[i].distance;
+            const double fraction = b > a && d > 0.0 ? fraction_of( m, a, b, d ) : 0.0;
+            if ( fraction >= MIN_FRACTION )
             {
-                continue;
+                if ( out != NULL )
+                {
+                    out[count] = ( level_link ){ a, b, near[i].distance, (float)fraction };
+                }
+                count += 1;
             }
-            if ( slots != NULL )
-            {
-                slots[2 * count] = m->fine[a];
-                slots[2 * count + 1] = m->fine[b];
-                rest[count] = near[i].distance;
-            }
-            count += 1;
         }
-        *linked += any ? 1 : 0;
     }
     return count;
 }
@@ -122,46 +176,82 @@ int level_list_links( const level_maker* m, int32_t* slots, float* rest, int* li
 #define FEWEST_TILE_LINKS 512
 #define FEWEST_TILES 4
 
-int fabric_level_tile_size( const wisp_fabric* f, int links )
+static int choose_tile_size( int rows, int links )
 {
-    int64_t size = f->tile_size;
-    while ( size < f->vertex_count && links * size < FEWEST_TILE_LINKS * (int64_t)f->vertex_count )
-    {
-        size *= 2;
-    }
-    bool has_tiles = fabric_tiles( f->vertex_count, (int)size ) >= FEWEST_TILES;
-    return has_tiles ? (int)size : f->vertex_count;
+    int tiles = links / FEWEST_TILE_LINKS;
+    return tiles < FEWEST_TILES ? fabric_padded( rows ) : fabric_padded( ( rows + tiles - 1 ) / tiles );
 }
 
-bool level_make_links( const level_maker* m, int count, fabric_pool* keep, wisp_fabric_level* out )
+static bool schedule_links( const level_maker* m, const level_link* links, int count, fabric_pool* scratch,
+                            fabric_pool* keep, wisp_fabric_level* out )
 {
-    fabric_pool scratch = { .allocator = keep->allocator };
-    int32_t* slots = fabric_pool_push( &scratch, 2 * (size_t)count, sizeof( int32_t ) );
-    float* rest = fabric_pool_push( &scratch, (size_t)count, sizeof( float ) );
-    bool done = slots != NULL && rest != NULL;
-    if ( done )
+    int32_t* rows = fabric_pool_push( scratch, 2 * (size_t)count, sizeof( int32_t ) );
+    float* rest = fabric_pool_push( scratch, (size_t)count, sizeof( float ) );
+    if ( rows == NULL || rest == NULL )
     {
-        int linked;
-        level_list_links( m, slots, rest, &linked );
-        fabric_constraints constraints = {
-            .slots = slots,
-            .count = count,
-            .arity = 2,
-            .vertex_count = m->fabric->vertex_count,
-            .tile_size = fabric_level_tile_size( m->fabric, count ),
-            .solve_order = WISP_SOLVE_ORDER_COLOUR,
-        };
-        fabric_links links;
-        done = fabric_schedule_build( &constraints, keep, &out->schedule ) &&
-               fabric_schedule_links( &out->schedule, &constraints, rest, keep, &links );
-        if ( done )
+        return false;
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        rows[2 * i] = m->row[links[i].a];
+        rows[2 * i + 1] = m->row[links[i].b];
+        rest[i] = links[i].rest;
+    }
+    const fabric_constraints constraints = {
+        .slots = rows,
+        .count = count,
+        .arity = 2,
+        .vertex_count = out->vertex_count,
+        .tile_size = out->tile_size,
+        .solve_order = WISP_SOLVE_ORDER_COLOUR,
+    };
+    fabric_links lanes;
+    if ( fabric_schedule_build( &constraints, keep, &out->schedule ) == false ||
+         fabric_schedule_links( &out->schedule, &constraints, rest, keep, &lanes ) == false )
+    {
+        return false;
+    }
+    float* fraction = fabric_pool_push_zeroed( keep, (size_t)out->schedule.slot_count, sizeof( float ) );
+    for ( int i = 0; i < out->schedule.slot_count && fraction != NULL; ++i )
+    {
+        const int32_t link = out->schedule.constraint[i];
+        fraction[i] = link >= 0 ? links[link].fraction : 0.0f;
+    }
+    out->link_count = count;
+    out->a_x4 = lanes.a_x4;
+    out->b_x4 = lanes.b_x4;
+    out->rest = lanes.rest;
+    out->fraction = fraction;
+    return fraction != NULL;
+}
+
+// Lists the slots of the rows: those of the chosen vertices, in their order.
+static bool list_rows( const level_maker* m, int link_count, fabric_pool* keep, wisp_fabric_level* out )
+{
+    out->tile_size = choose_tile_size( out->vertex_count, link_count );
+    out->row_count = fabric_padded( out->vertex_count + fabric_tiles( out->vertex_count, out->tile_size ) );
+    int32_t* slot_x4 = fabric_pool_push( keep, (size_t)out->row_count, sizeof( int32_t ) );
+    for ( int32_t r = 0; r < m->fine_count && slot_x4 != NULL; ++r )
+    {
+        if ( m->chosen[r] )
         {
-            out->link_count = count;
-            out->a_x4 = links.a_x4;
-            out->b_x4 = links.b_x4;
-            out->rest = links.rest;
+            slot_x4[m->row[r]] = 4 * m->fine[r];
         }
     }
+    for ( int row = out->vertex_count; row < out->row_count && slot_x4 != NULL; ++row )
+    {
+        slot_x4[row] = 4 * m->fabric->vertex_count;
+    }
+    out->slot_x4 = slot_x4;
+    return slot_x4 != NULL;
+}
+
+bool level_make_links( const level_maker* m, const level_link* links, int count, fabric_pool* keep,
+                       wisp_fabric_level* out )
+{
+    fabric_pool scratch = { .allocator = keep->allocator };
+    const bool done = list_rows( m, count, keep, out ) && schedule_links( m, links, count, &scratch, keep, out ) &&
+                      level_make_chains( m, links, keep, out );
     fabric_pool_release( &scratch );
     return done;
 }

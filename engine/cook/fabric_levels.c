@@ -8,12 +8,12 @@
 #include <math.h>
 #include <string.h>
 
-// Values tuned on a hanging sheet of 64 and 128 rows, regular and irregular, with one substep, tethers and levels.
 // The spacing of level l is 2^l times this number of mean edges. A regular grid with diagonals then keeps every
 // second vertex, and an irregular mesh about as many.
 #define SPACING_FACTOR 0.72
-// Minimum number of linked vertices of a level; a smaller level increases the error.
-#define FEWEST_VERTICES 9
+// Minimum number of vertices of a level. A coarser one does not resolve the motion: with 9 x 9 vertices, a hanging sheet is
+// three times as far from its converged motion, whatever the number of passes.
+#define FEWEST_VERTICES 150
 // Margin in edges of the net by which marches exceed the reach: a triangle propagates a distance only if two
 // corners have it.
 #define MARGIN 0.75
@@ -83,22 +83,15 @@ static void choose( level_maker* m, int32_t rank, geodesic_march* march, const i
     }
 }
 
-// Makes attachments idle if another one covers them. They stay in the level but take no part. Otherwise a pinned
-// open edge would be as dense in the coarsest level as in the mesh.
 static void choose_all( level_maker* m, geodesic_march* march, const int32_t* rank_of, const int32_t* node_of )
 {
     for ( int turn = 0; turn < LEVEL_TURNS; ++turn )
     {
         for ( int32_t r = 0; r < m->fine_count; ++r )
         {
-            int32_t slot = m->fine[r];
-            if ( m->turn[slot] == turn && m->covered[r] == false )
+            if ( m->turn[m->fine[r]] == turn && m->covered[r] == false )
             {
                 choose( m, r, march, rank_of, node_of[r] );
-            }
-            else if ( m->turn[slot] == turn && turn == LEVEL_ATTACHED )
-            {
-                m->idle[slot] = true;
             }
         }
     }
@@ -109,14 +102,16 @@ static bool choose_level( level_maker* m, const geodesic_net* net, fabric_pool* 
     fabric_pool own = { .allocator = scratch->allocator };
     size_t count = (size_t)m->fine_count;
     m->chosen = fabric_pool_push_zeroed( scratch, count, sizeof( bool ) );
+    m->row = fabric_pool_push( scratch, count, sizeof( int32_t ) );
     m->covered = fabric_pool_push_zeroed( scratch, count, sizeof( bool ) );
     m->near = fabric_pool_push( scratch, count * LEVEL_NEAR, sizeof( level_near ) );
     m->near_count = fabric_pool_push_zeroed( scratch, count, sizeof( uint8_t ) );
     int32_t* rank_of = fabric_pool_push( &own, (size_t)net->count, sizeof( int32_t ) );
     int32_t* node_of = fabric_pool_push( &own, count, sizeof( int32_t ) );
     geodesic_march march;
-    bool done = m->chosen != NULL && m->covered != NULL && m->near != NULL && m->near_count != NULL &&
-                rank_of != NULL && node_of != NULL && geodesic_march_init( &march, net, &own );
+    bool done = m->chosen != NULL && m->row != NULL && m->covered != NULL && m->near != NULL &&
+                m->near_count != NULL && rank_of != NULL && node_of != NULL &&
+                geodesic_march_init( &march, net, &own );
     if ( done )
     {
         int32_t rank = 0;
@@ -138,52 +133,23 @@ static bool choose_level( level_maker* m, const geodesic_net* net, fabric_pool* 
 
 // ---- levels ----
 
-// Lists slots of the chosen vertices, and all slots of the level including idle ones.
-static bool list_members( const level_maker* m, fabric_pool* members, fabric_pool* keep, int32_t** chosen, int* count,
-                          wisp_fabric_level* out )
+// Numbers the rows, and lists the slots of the chosen vertices.
+static bool list_members( level_maker* m, fabric_pool* members, int32_t** chosen, int* count )
 {
-    const wisp_fabric* f = m->fabric;
-    int all = 0, taking_part = 0;
-    for ( int32_t r = 0; r < m->fine_count; ++r )
-    {
-        taking_part += m->chosen[r] ? 1 : 0;
-    }
-    for ( int v = 0; v < f->vertex_count; ++v )
-    {
-        all += m->idle[v] ? 1 : 0;
-    }
-    all += taking_part;
-    *chosen = fabric_pool_push( members, (size_t)taking_part, sizeof( int32_t ) );
-    int32_t* vertex_x4 = fabric_pool_push( keep, (size_t)fabric_padded( all ), sizeof( int32_t ) );
-    if ( *chosen == NULL || vertex_x4 == NULL )
-    {
-        return false;
-    }
     *count = 0;
     for ( int32_t r = 0; r < m->fine_count; ++r )
     {
+        m->row[r] = m->chosen[r] ? ( *count )++ : -1;
+    }
+    *chosen = fabric_pool_push( members, (size_t)*count, sizeof( int32_t ) );
+    for ( int32_t r = 0; r < m->fine_count && *chosen != NULL; ++r )
+    {
         if ( m->chosen[r] )
         {
-            ( *chosen )[( *count )++] = m->fine[r];
+            ( *chosen )[m->row[r]] = m->fine[r];
         }
     }
-    int next = 0, written = 0;
-    for ( int v = 0; v < f->vertex_count; ++v )
-    {
-        bool takes_part = next < *count && ( *chosen )[next] == v;
-        next += takes_part ? 1 : 0;
-        if ( takes_part || m->idle[v] )
-        {
-            vertex_x4[written++] = v * 4;
-        }
-    }
-    out->vertex_count = all;
-    out->vertex_x4 = vertex_x4;
-    while ( written < fabric_padded( all ) )
-    {
-        vertex_x4[written++] = f->vertex_count * 4;
-    }
-    return true;
+    return *chosen != NULL;
 }
 
 // Makes the level the fine one; its net replaces the previous net while that has too many nodes.
@@ -206,29 +172,50 @@ static bool step_up( level_state* s, level_maker* m, int32_t* chosen, int count 
     return true;
 }
 
-// Builds a level.
-// @param ended set if the level would be too small
-static bool make_level( level_state* s, level_maker* m, fabric_pool* keep, fabric_pool* scratch, bool* ended )
+static bool link_members( const level_maker* m, fabric_pool* keep, fabric_pool* scratch, wisp_fabric_level* level )
 {
-    if ( choose_level( m, &s->net, scratch ) == false )
+    const int count = level_list_links( m, NULL );
+    level_link* links = fabric_pool_push( scratch, (size_t)count, sizeof( level_link ) );
+    if ( links == NULL )
     {
         return false;
     }
-    level_agree( m );
-    int linked, links = level_list_links( m, NULL, NULL, &linked );
-    if ( linked < FEWEST_VERTICES )
-    {
-        *ended = true;
-        return true;
-    }
-    wisp_fabric_level* level = s->made + s->made_count;
+    level_list_links( m, links );
+    return level_make_links( m, links, count, keep, level ) && level_make_parents( m, keep, level );
+}
+
+// Builds a level.
+// @param ended set if the level would be too small, or no smaller than the finer one
+static bool make_level( level_state* s, level_maker* m, fabric_pool* keep, fabric_pool* scratch, bool* ended )
+{
     fabric_pool* members = s->members + s->made_count % 2;
     int32_t* chosen;
     int count;
     fabric_pool_release( members );
+    if ( choose_level( m, &s->net, scratch ) == false || list_members( m, members, &chosen, &count ) == false )
+    {
+        return false;
+    }
+    if ( count < FEWEST_VERTICES || count > m->fine_count / 2 )
+    {
+        *ended = true;
+        return true;
+    }
+    level_agree( m );
+    wisp_fabric_level* level = s->made + s->made_count;
+    *level = ( wisp_fabric_level ){ .vertex_count = count };
+    if ( m->finer != NULL )
+    {
+        level->first_row = m->finer->first_row + m->finer->row_count;
+        level->first_link = m->finer->first_link + m->finer->schedule.slot_count;
+    }
     s->made_count += 1;
-    return list_members( m, members, keep, &chosen, &count, level ) && level_make_links( m, links, keep, level ) &&
-           level_make_children( m, keep, level ) && step_up( s, m, chosen, count );
+    if ( link_members( m, keep, scratch, level ) == false || step_up( s, m, chosen, count ) == false )
+    {
+        return false;
+    }
+    m->finer = level;
+    return true;
 }
 
 static double mean_edge( const wisp_fabric* f )
@@ -285,40 +272,55 @@ static bool find_turns( const fabric_parts* parts, const wisp_fabric* f, uint8_t
     return done;
 }
 
-// Lists all referenced vertices. Unreferenced ones cannot be reached, so they are idle in every level.
+// Sums the normals of the triangles at each vertex, weighted by area.
+static void sum_normals( const wisp_fabric* f, wisp_vec3* normal )
+{
+    for ( int t = 0; t < f->triangle_count; ++t )
+    {
+        const int32_t* v = f->triangles + 3 * (size_t)t;
+        const wisp_vec3 n =
+            v3_cross( v3_sub( f->rest[v[1]], f->rest[v[0]] ), v3_sub( f->rest[v[2]], f->rest[v[0]] ) );
+        for ( int k = 0; k < 3; ++k )
+        {
+            normal[v[k]] = v3_add( normal[v[k]], n );
+        }
+    }
+}
+
+// Lists all referenced vertices. Unreferenced ones cannot be reached, so no level has them.
 static bool begin_levels( const fabric_parts* parts, const wisp_fabric* f, level_state* s, level_maker* m,
                           fabric_pool* scratch )
 {
     size_t vertices = (size_t)f->vertex_count;
     m->turn = fabric_pool_push( scratch, vertices, sizeof( uint8_t ) );
-    m->idle = fabric_pool_push_zeroed( scratch, vertices, sizeof( bool ) );
+    wisp_vec3* normal = fabric_pool_push_zeroed( scratch, vertices, sizeof( wisp_vec3 ) );
     int32_t* fine = fabric_pool_push( scratch, vertices, sizeof( int32_t ) );
-    if ( m->turn == NULL || m->idle == NULL || fine == NULL || find_turns( parts, f, m->turn ) == false ||
+    if ( m->turn == NULL || normal == NULL || fine == NULL || find_turns( parts, f, m->turn ) == false ||
          geodesic_net_of_mesh( parts, f, &s->pools[0], &s->net ) == false )
     {
         return false;
     }
     for ( int v = 0; v < f->vertex_count; ++v )
     {
-        m->idle[v] = parts->mesh->corner_begin[v] == parts->mesh->corner_begin[v + 1];
-        if ( m->idle[v] == false )
+        if ( parts->mesh->corner_begin[v] != parts->mesh->corner_begin[v + 1] )
         {
             fine[m->fine_count++] = v;
         }
     }
     m->fine = fine;
+    sum_normals( f, normal );
+    m->normal = normal;
     return true;
 }
 
-static bool make_levels( const fabric_parts* parts, int finest, int limit, level_state* s, level_maker* m,
-                         fabric_pool* scratch )
+static bool make_levels( const fabric_parts* parts, level_state* s, level_maker* m, fabric_pool* scratch )
 {
     if ( begin_levels( parts, m->fabric, s, m, scratch ) == false )
     {
         return false;
     }
     bool done = true, ended = s->mean_edge <= 0.0;
-    for ( int l = finest; l < finest + limit && done && ended == false; ++l )
+    for ( int l = 1; l <= WISP_FABRIC_MAX_LEVELS && done && ended == false; ++l )
     {
         fabric_pool own = { .allocator = parts->allocator };
         m->spacing = SPACING_FACTOR * ldexp( s->mean_edge, l );
@@ -330,16 +332,16 @@ static bool make_levels( const fabric_parts* parts, int finest, int limit, level
     return done;
 }
 
-bool fabric_cook_levels( const fabric_parts* parts, int finest, int limit, wisp_fabric* fabric )
+bool fabric_cook_levels( const fabric_parts* parts, wisp_fabric* fabric )
 {
     const wisp_allocator* a = parts->allocator;
     fabric_pool scratch = { .allocator = a };
     level_state state = { .pools = { { .allocator = a }, { .allocator = a } },
                           .members = { { .allocator = a }, { .allocator = a } },
                           .mean_edge = mean_edge( fabric ) };
-    level_maker maker = { .fabric = fabric };
+    level_maker maker = { .fabric = fabric, .mesh = parts->mesh };
     state.net_edge = state.mean_edge;
-    bool done = make_levels( parts, finest, limit, &state, &maker, &scratch );
+    bool done = make_levels( parts, &state, &maker, &scratch );
     for ( int i = 0; i < 2; ++i )
     {
         fabric_pool_release( state.pools + i );

@@ -26,21 +26,24 @@ typedef struct level_near
     float distance;
 } level_near;
 
-/// A level under construction. Ranks number the active vertices of the finer level, by increasing slot.
+/// A level under construction. Ranks number the vertices of the finer level that are in a triangle, by increasing slot.
 typedef struct level_maker
 {
     const wisp_fabric* fabric;
-    double spacing;      ///< m, minimum distance between vertices of the coarse level
-    double reach;        ///< m, closer vertices become neighbours and are linked
-    double margin;       ///< m, by which marches exceed the reach
-    int fine_count;      ///< number of ranks
-    const int32_t* fine; ///< [fine_count] slots, in increasing order
-    bool* chosen;        ///< [fine_count] active in the coarse level
-    bool* covered;       ///< [fine_count] closer than the spacing to a chosen vertex
-    level_near* near;    ///< [fine_count][LEVEL_NEAR] by increasing distance, without the vertex itself
-    uint8_t* near_count; ///< [fine_count]
-    uint8_t* turn;       ///< [vertex_count] by slot, order of selection
-    bool* idle;          ///< [vertex_count] by slot: in every level, but inactive
+    const fabric_mesh* mesh;
+    double spacing;                 ///< m, minimum distance between vertices of the coarse level
+    double reach;                   ///< m, closer vertices become neighbours and may be linked
+    double margin;                  ///< m, by which marches exceed the reach
+    int fine_count;                 ///< number of ranks
+    const int32_t* fine;            ///< [fine_count] slots, in increasing order
+    bool* chosen;                   ///< [fine_count] in the coarse level
+    int32_t* row;                   ///< [fine_count] row in the coarse level, -1 if not chosen
+    bool* covered;                  ///< [fine_count] closer than the spacing to a chosen vertex
+    level_near* near;               ///< [fine_count][LEVEL_NEAR] by increasing distance, without the vertex itself
+    uint8_t* near_count;            ///< [fine_count]
+    uint8_t* turn;                  ///< [vertex_count] by slot, order of selection
+    const wisp_vec3* normal;        ///< [vertex_count] by slot, of the rest shape, not of unit length
+    const wisp_fabric_level* finer; ///< null: the mesh
 } level_maker;
 
 /// Make neighbour lists symmetric, so that no vertex has more neighbours than it stores, and set both distances to
@@ -50,15 +53,33 @@ void level_agree( level_maker* maker );
 /// Return the distance between two chosen neighbours, infinite if they are not neighbours.
 double level_distance( const level_maker* maker, int32_t rank_a, int32_t rank_b );
 
-/// List links between chosen neighbours.
-/// @param slots, rest output, null to count only
-/// @param linked output, number of vertices with a link
-/// @return number of links
-int level_list_links( const level_maker* maker, int32_t* slots, float* rest, int* linked );
+/// Return the distance between two vertices. At a seam they may be too far apart to be neighbours though both are near a third
+/// one; then it is the Euclidean distance.
+double level_distance_or_straight( const level_maker* maker, int32_t rank_a, int32_t rank_b );
 
-/// @param count of links
+/// A link between chosen vertices.
+typedef struct level_link
+{
+    int32_t a, b;   ///< ranks, a < b
+    float rest;     ///< m
+    float fraction; ///< of a link's stiffness
+} level_link;
+
+/// List links between chosen neighbours.
+/// @param out null to count only
+/// @return number of links
+int level_list_links( const level_maker* maker, level_link* out );
+
+/// Schedule the links and find their chains.
+/// @param links [count]
 /// @return false if out of memory
-bool level_make_links( const level_maker* maker, int count, fabric_pool* keep, wisp_fabric_level* out );
+bool level_make_links( const level_maker* maker, const level_link* links, int count, fabric_pool* keep,
+                       wisp_fabric_level* out );
+
+/// Find the chains of mesh edges along the scheduled links.
+/// @return false if out of memory
+bool level_make_chains( const level_maker* maker, const level_link* links, fabric_pool* keep,
+                        wisp_fabric_level* out );
 
 /// Build the net of the chosen vertices.
 /// @param slots [count] of the chosen vertices, in increasing order
@@ -66,6 +87,6 @@ bool level_make_links( const level_maker* maker, int count, fabric_pool* keep, w
 bool level_make_net( const level_maker* maker, const int32_t* slots, int count, fabric_pool* pool,
                      geodesic_net* out );
 
-/// Compute parents and weights of the vertices that are not chosen.
+/// Compute parents and weights of the rows of the finer level.
 /// @return false if out of memory
-bool level_make_children( const level_maker* maker, fabric_pool* keep, wisp_fabric_level* out );
+bool level_make_parents( const level_maker* maker, fabric_pool* keep, wisp_fabric_level* out );

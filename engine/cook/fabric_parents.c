@@ -72,16 +72,6 @@ static bool is_better( double inside, double radius, double best_inside, double 
     return surrounds ? radius < best_radius * ( 1.0 - EDGE_TOLERANCE ) : inside > best_inside;
 }
 
-// Returns the distance between two parents. At a seam they may be too far apart to be neighbours though both are
-// near the child; then the Euclidean distance is used.
-static double distance_between( const level_maker* m, int32_t rank_a, int32_t rank_b )
-{
-    double distance = level_distance( m, rank_a, rank_b );
-    const wisp_vec3 *a = m->fabric->rest + m->fine[rank_a], *b = m->fabric->rest + m->fine[rank_b];
-    double x = (double)a->x - (double)b->x, y = (double)a->y - (double)b->y, z = (double)a->z - (double)b->z;
-    return distance < (double)INFINITY ? distance : sqrt( x * x + y * y + z * z );
-}
-
 static bool find_triangle( const level_maker* m, const level_near* near, int count, parents* out )
 {
     double between[CANDIDATES][CANDIDATES];
@@ -89,7 +79,7 @@ static bool find_triangle( const level_maker* m, const level_near* near, int cou
     {
         for ( int k = j + 1; k < count; ++k )
         {
-            between[j][k] = distance_between( m, near[j].rank, near[k].rank );
+            between[j][k] = level_distance_or_straight( m, near[j].rank, near[k].rank );
         }
     }
     double best_inside = -INFINITY, best_radius = INFINITY;
@@ -144,63 +134,56 @@ static void clamp_weights( parents* p )
     }
 }
 
-static void write_child( const level_maker* m, int child, int32_t rank, int32_t* child_x4, int32_t* parent_x4,
-                         float* weight )
+// Finds what a vertex follows: itself if it is chosen, nothing if no coarse vertex is near.
+static parents find_parents( const level_maker* m, int32_t rank )
 {
     const level_near* near = m->near + (size_t)rank * LEVEL_NEAR;
-    int count = m->near_count[rank] < CANDIDATES ? m->near_count[rank] : CANDIDATES;
-    parents p;
-    if ( find_triangle( m, near, count, &p ) == false )
+    const int count = m->near_count[rank] < CANDIDATES ? m->near_count[rank] : CANDIDATES;
+    parents p = { .count = 0 };
+    if ( m->chosen[rank] )
     {
-        find_pair( near, count, &p );
+        return ( parents ){ 1, { rank }, { 1.0 } };
     }
-    clamp_weights( &p );
-    size_t slice = (size_t)( child / WISP_FABRIC_LANES ), lane = (size_t)( child % WISP_FABRIC_LANES );
-    child_x4[child] = m->fine[rank] * 4;
-    for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
+    if ( count > 0 )
     {
-        // a parent with weight 0 repeats the first, which is in cache
-        bool gives = k < p.count && p.weight[k] > 0.0;
-        size_t at = ( slice * WISP_FABRIC_PARENTS + (size_t)k ) * WISP_FABRIC_LANES + lane;
-        parent_x4[at] = m->fine[p.rank[gives ? k : 0]] * 4;
-        weight[at] = gives ? (float)p.weight[k] : 0.0f;
+        if ( find_triangle( m, near, count, &p ) == false )
+        {
+            find_pair( near, count, &p );
+        }
+        clamp_weights( &p );
     }
+    return p;
 }
 
-bool level_make_children( const level_maker* m, fabric_pool* keep, wisp_fabric_level* out )
+bool level_make_parents( const level_maker* m, fabric_pool* keep, wisp_fabric_level* out )
 {
-    int count = 0;
-    for ( int r = 0; r < m->fine_count; ++r )
-    {
-        count += m->chosen[r] || m->idle[m->fine[r]] ? 0 : 1;
-    }
-    int padded = fabric_padded( count );
-    int32_t* child_x4 = fabric_pool_push( keep, (size_t)padded, sizeof( int32_t ) );
-    int32_t* parent_x4 = fabric_pool_push( keep, (size_t)padded * WISP_FABRIC_PARENTS, sizeof( int32_t ) );
-    float* weight = fabric_pool_push_zeroed( keep, (size_t)padded * WISP_FABRIC_PARENTS, sizeof( float ) );
-    if ( child_x4 == NULL || parent_x4 == NULL || weight == NULL )
+    const int rows = m->finer != NULL ? m->finer->row_count : m->fabric->slot_count;
+    int32_t* parent_x4 = fabric_pool_push( keep, (size_t)rows * WISP_FABRIC_PARENTS, sizeof( int32_t ) );
+    float* weight = fabric_pool_push_zeroed( keep, (size_t)rows * WISP_FABRIC_PARENTS, sizeof( float ) );
+    if ( parent_x4 == NULL || weight == NULL )
     {
         return false;
     }
-    int32_t dummy4 = m->fabric->vertex_count * 4;
-    for ( int i = 0; i < padded * WISP_FABRIC_PARENTS; ++i )
+    for ( int i = 0; i < rows * WISP_FABRIC_PARENTS; ++i )
     {
-        parent_x4[i] = dummy4;
+        parent_x4[i] = 4 * out->vertex_count;
     }
-    int child = 0;
-    for ( int r = 0; r < m->fine_count; ++r )
+    for ( int32_t rank = 0; rank < m->fine_count; ++rank )
     {
-        if ( m->chosen[r] == false && m->idle[m->fine[r]] == false )
+        const parents p = find_parents( m, rank );
+        const int32_t row = m->finer != NULL ? rank : m->fine[rank];
+        size_t at = (size_t)( row / WISP_FABRIC_LANES * WISP_FABRIC_PARENTS ) * WISP_FABRIC_LANES +
+                    (size_t)( row % WISP_FABRIC_LANES );
+        for ( int k = 0; k < p.count; ++k, at += WISP_FABRIC_LANES )
         {
-            write_child( m, child++, r, child_x4, parent_x4, weight );
+            // a parent with weight 0 repeats the first, which is in cache
+            const bool gives = p.weight[k] > 0.0;
+            parent_x4[at] = 4 * m->row[p.rank[gives ? k : 0]];
+            weight[at] = gives ? (float)p.weight[k] : 0.0f;
         }
+        out->unlinked_count += p.count == 0 ? 1 : 0;
     }
-    while ( child < padded )
-    {
-        child_x4[child++] = dummy4;
-    }
-    out->child_count = count;
-    out->child_x4 = child_x4;
+    out->finer_row_count = rows;
     out->parent_x4 = parent_x4;
     out->weight = weight;
     return true;

@@ -82,7 +82,6 @@ bool fabric_schedule_links( const wisp_schedule* schedule, const fabric_constrai
 /// @return false if out of memory
 bool fabric_cook_tethers( const fabric_parts* parts, wisp_fabric* fabric );
 
-/// Compute level_count and levels, at most `limit` of them, 1 .. WISP_FABRIC_MAX_LEVELS.
-/// @param finest vertices of the first level are about 2^finest edges apart
+/// Compute level_count and levels.
 /// @return false if out of memory
-bool fabric_cook_levels( const fabric_parts* parts, int finest, int limit, wisp_fabric* fabric );
+bool fabric_cook_levels( const fabric_parts* parts, wisp_fabric* fabric );

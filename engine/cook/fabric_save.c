@@ -5,7 +5,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-#define SAVED_MAGIC "WISPFAB3"
+#define SAVED_MAGIC "WISPFAB4"
 
 // Header: magic, number of words, hash of the content; eight bytes each, integers little-endian.
 #define SAVED_HEAD 24

@@ -29,7 +29,6 @@ float KERNEL( adhesion_brake )( const wisp_adhesion_args* args, int slice_first,
 
 void KERNEL( link_pbd )( const wisp_link_args* args, int begin, int end );
 void KERNEL( link_xpbd )( const wisp_link_args* args, int begin, int end );
-void KERNEL( link_unilateral )( const wisp_link_args* args, int begin, int end );
 void KERNEL( link_limit )( const wisp_link_args* args, int begin, int end );
 void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end );
 void KERNEL( hinge_isometric )( const wisp_hinge_args* args, int begin, int end );
@@ -88,6 +87,9 @@ void KERNEL( strand_target )( const wisp_strand_target_args* args, int begin, in
 void KERNEL( strand_ghost )( const wisp_strand_ghost_args* args, int begin, int end );
 void KERNEL( strand_ghost_blend )( const wisp_strand_ghost_args* args, int begin, int end );
 void KERNEL( strand_curve )( const wisp_strand_curve_args* args, int begin, int end );
+void KERNEL( level_prepare )( const wisp_level_link_args* args, int begin, int end );
+void KERNEL( level_band )( const wisp_level_link_args* args, int begin, int end );
+void KERNEL( level_link )( const wisp_level_link_args* args, int begin, int end );
 void KERNEL( prolong )( const wisp_prolong_args* args, int begin, int end );
 int KERNEL( spring_assemble )( const wisp_spring_args* args, int begin, int end );
 double KERNEL( spring_product )( const wisp_conjugate_args* args, int begin, int end );

@@ -18,7 +18,6 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .adhesion_brake = KERNEL( adhesion_brake ),
     .link_pbd = KERNEL( link_pbd ),
     .link_xpbd = KERNEL( link_xpbd ),
-    .link_unilateral = KERNEL( link_unilateral ),
     .link_limit = KERNEL( link_limit ),
     .hinge_dihedral = KERNEL( hinge_dihedral ),
     .hinge_isometric = KERNEL( hinge_isometric ),
@@ -79,5 +78,8 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .spring_product = KERNEL( spring_product ),
     .conjugate_advance = KERNEL( conjugate_advance ),
     .conjugate_update = KERNEL( conjugate_update ),
+    .level_prepare = KERNEL( level_prepare ),
+    .level_band = KERNEL( level_band ),
+    .level_link = KERNEL( level_link ),
     .prolong = KERNEL( prolong ),
 };

@@ -150,21 +150,6 @@ void KERNEL( link_xpbd )( const wisp_link_args* args, int begin, int end )
     }
 }
 
-// Projects links longer than their rest length, like pbd with stiffness 1; shorter links are skipped.
-void KERNEL( link_unilateral )( const wisp_link_args* args, int begin, int end )
-{
-    const wisp_link_args mine = *args;
-    for ( int link = begin; link < end; link += 8 )
-    {
-        pairs p = load_pairs( &mine, link );
-        lane8 error = lane8_max( lane8_sub( p.length, lane8_loadu( mine.rest + link ) ), lane8_zero() );
-        if ( lane8m_any( lane8_lt( lane8_zero(), error ) ) )
-        {
-            move_pairs( &mine, link, &p, step_of( &p, lane8_set1( 1.0f ), error, p.weight ) );
-        }
-    }
-}
-
 // Clamps the length to [minimum rest, maximum rest].
 void KERNEL( link_limit )( const wisp_link_args* args, int begin, int end )
 {

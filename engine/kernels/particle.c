@@ -1,5 +1,4 @@
-// Particles: time integration, tethers, and corrections from coarse levels. A particle is four floats, so a
-// register holds two. Nothing is transposed where all four components are treated alike.
+// Particles: time integration and tethers. A particle is four floats, so a register holds two. Nothing is transposed where all four components are treated alike.
 #include "kernel_isa.h"
 
 // Selects x, y and z of two particles; fourth components are kept.
@@ -169,40 +168,5 @@ void KERNEL( tether )( const wisp_tether_args* args, int begin, int end )
                 memcpy( xyzw + 4 * lane, moved + 4 * lane, 4 * sizeof( float ) );
             }
         }
-    }
-}
-
-// Applies prolongation. Children and parents are four registers of two xyzw rows, so nothing is transposed. Few
-// children have the maximum number of parents; a row of zero weights adds nothing.
-void KERNEL( prolong )( const wisp_prolong_args* args, int begin, int end )
-{
-    const wisp_prolong_args mine = *args;
-    for ( int slice = begin; slice < end; ++slice )
-    {
-        const int32_t* child_x4 = mine.child_x4 + (size_t)slice * 8;
-        lane8 sum[4] = { lane8_zero(), lane8_zero(), lane8_zero(), lane8_zero() };
-        for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
-        {
-            size_t row = ( (size_t)slice * WISP_FABRIC_PARENTS + (size_t)k ) * 8;
-            lane8 weight = lane8_loadu( mine.weight + row );
-            if ( lane8m_all( lane8_eq( weight, lane8_zero() ) ) )
-            {
-                continue;
-            }
-            lane8 weights[4], parents[4];
-            lane8_spread_xyz( weight, weights );
-            lane8_load_quads( mine.displacement, mine.parent_x4 + row, parents );
-            for ( int r = 0; r < 4; ++r )
-            {
-                sum[r] = lane8_mul_add( weights[r], parents[r], sum[r] );
-            }
-        }
-        lane8 p[4];
-        lane8_load_quads( mine.position, child_x4, p );
-        for ( int r = 0; r < 4; ++r )
-        {
-            p[r] = lane8_select( moves( p[r] ), lane8_add( p[r], sum[r] ), p[r] );
-        }
-        lane8_store_quads( mine.position, child_x4, p );
     }
 }

@@ -60,6 +60,11 @@ static void restore( wisp_frame* frame, wisp_entity entity, guard_loop* loop )
         memcpy( loop->position + i, loop->good_position + i, 3 * sizeof( float ) );
         memcpy( loop->velocity + i, loop->good_velocity + i, 4 * sizeof( float ) );
     }
+    int32_t* levels = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 2 );
+    if ( levels != NULL )
+    {
+        *levels = 0; // coarse sheets forget what they did
+    }
     wisp_frame_halt( frame, entity, message );
 }
 

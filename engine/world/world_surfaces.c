@@ -95,6 +95,8 @@ static bool attach_all( store* s, wisp_entity entity )
 
 static wisp_status add_entity( wisp_world* world, wisp_fabric* fabric, wisp_entity* out )
 {
+    const wisp_fabric_level none = { 0 };
+    const wisp_fabric_level* coarsest = fabric->level_count > 0 ? fabric->levels + fabric->level_count - 1 : &none;
     const int rows[WISP_TABLE_COUNT] = {
         [WISP_TABLE_ENTITY] = 1,
         [WISP_TABLE_POINT] = fabric->vertex_count,
@@ -103,6 +105,9 @@ static wisp_status add_entity( wisp_world* world, wisp_fabric* fabric, wisp_enti
         [WISP_TABLE_HINGE] = fabric->hinge_order.slot_count,
         [WISP_TABLE_EDGE] = fabric->edge_count,
         [WISP_TABLE_TRIANGLE] = fabric->triangle_count,
+        [WISP_TABLE_LEVEL_ROW] = coarsest->first_row + coarsest->row_count,
+        [WISP_TABLE_LEVEL_LINK] = coarsest->first_link + coarsest->schedule.slot_count,
+        [WISP_TABLE_COARSEST_ROW] = coarsest->row_count,
     };
     wisp_entity entity;
     if ( store_add( &world->store, rows, &entity ) == false )
@@ -210,6 +215,15 @@ wisp_status wisp_world_surface_state( wisp_world* world, const char* module, wis
     return find_surface( world, surface, &e );
 }
 
+void wisp_world_restart_levels( wisp_world* world, wisp_entity surface )
+{
+    int32_t* state = wisp_world_column( world, surface, WISP_SURFACE_LEVELS, 2 );
+    if ( state != NULL )
+    {
+        *state = 0;
+    }
+}
+
 static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count,
                                bool pinned )
 {
@@ -239,6 +253,7 @@ static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int
         }
     }
     store_touch( &world->store, e, WISP_PARTICLE_POSITION );
+    wisp_world_restart_levels( world, surface );
     return WISP_OK;
 }
 
@@ -403,6 +418,7 @@ wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3
         wisp_vec3 v = p[3] > 0.0f ? v3_add( linear, v3_cross( angular, r ) ) : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
         memcpy( velocity + (size_t)slot * 4, &v, sizeof( v ) );
     }
+    wisp_world_restart_levels( world, surface );
     return WISP_OK;
 }
 

@@ -116,6 +116,7 @@ void wisp_world_move_columns( wisp_world* world, wisp_entity entity, const wisp_
     if ( e->fabric != NULL )
     {
         move_particles( world, entity, teleport, e->fabric->slot_count );
+        wisp_world_restart_levels( world, entity );
     }
     else if ( e->strands != NULL )
     {

@@ -37,4 +37,6 @@ void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user );
 
 /// Fill the columns of links and hinges from a checked definition.
 void cloth_fill_links( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
+/// Fill the links of coarse sheets, if the surface has them.
+void cloth_fill_levels( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
 void cloth_fill_hinges( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );

@@ -88,6 +88,33 @@ void cloth_fill_links( wisp_world* world, wisp_entity surface, const wisp_cloth_
     }
 }
 
+// ---- coarse sheets ----
+
+// Fills the links of all coarse sheets: each sheet is one of the same material, so its links have the same compliance.
+void cloth_fill_levels( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def )
+{
+    const wisp_fabric* f = wisp_world_fabric( world, surface );
+    float* compliance = wisp_world_column( world, surface, WISP_LEVEL_COMPLIANCE, 0 );
+    if ( compliance == NULL )
+    {
+        return;
+    }
+    *(int32_t*)wisp_world_column( world, surface, WISP_SURFACE_LEVELS, 0 ) = def->coarse_substeps;
+    *(int32_t*)wisp_world_column( world, surface, WISP_SURFACE_LEVELS, 1 ) = def->coarse_passes;
+    for ( int l = 0; l < f->level_count; ++l )
+    {
+        const wisp_fabric_level* level = f->levels + l;
+        for ( int i = 0; i < level->schedule.slot_count; ++i )
+        {
+            const int a = level->slot_x4[level->a_x4[i] / 4] / 4, b = level->slot_x4[level->b_x4[i] / 4] / 4;
+            const float fraction = level->fraction[i];
+            compliance[level->first_link + i] =
+                fraction > 0.0f ? stretch_compliance( def, cosine2( f, a, b, def->warp ) ) / fraction : 0.0f;
+        }
+    }
+    wisp_world_restart_levels( world, surface );
+}
+
 // ---- hinges ----
 
 typedef struct hinge_shape

@@ -26,6 +26,7 @@ wisp_cloth_def wisp_default_cloth_def( void )
         .bend_rigidity = 5e-6f,
         .air_density = 1.204f,
         .tether_slack = 1.0f,
+        .coarse_passes = 10,
         .cookie = CLOTH_DEF_COOKIE,
     };
 }
@@ -126,7 +127,8 @@ static wisp_status check_ranges( wisp_world* world, const wisp_cloth_def* d )
         { "drag_coefficient", d->drag_coefficient, 0.0f, 1e6f },
         { "lift_coefficient", d->lift_coefficient, 0.0f, 1e6f },
         { "tether_slack", d->tether_slack, 1.0f, 1e6f },
-        { "level_passes", (float)d->level_passes, 0.0f, 16.0f },
+        { "coarse_substeps", (float)d->coarse_substeps, 0.0f, 64.0f },
+        { "coarse_passes", (float)d->coarse_passes, 1.0f, 64.0f },
         { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
         { "bending", (float)d->bending, 0.0f, (float)( WISP_CLOTH_BENDING_COUNT - 1 ) },
     };
@@ -152,6 +154,14 @@ static wisp_status check_vectors( wisp_world* world, const wisp_cloth_def* d )
                                 (double)d->wind.x, (double)d->wind.y, (double)d->wind.z );
     }
     return WISP_OK;
+}
+
+static wisp_status check_solver( wisp_world* world, const wisp_cloth_def* d )
+{
+    return d->coarse_substeps > 0 && d->solver == WISP_SOLVER_PBD
+               ? wisp_world_fail( world, WISP_CONFLICT,
+                                  "cloth: coarse_substeps: coarse sheets need the solver xpbd, got pbd" )
+               : WISP_OK;
 }
 
 // Name what the fabric lacks when the cloth is set, not in a step.
@@ -195,10 +205,10 @@ typedef struct requested_component
 
 enum
 {
-    COMPONENT_COUNT = 12,
+    COMPONENT_COUNT = 15,
 };
 
-// List the components of the definition for which the fabric has rows. A mesh too small for a coarse level has no level pass,
+// List the components of the definition for which the fabric has rows. A mesh too small for a coarse sheet has none,
 // and one without interior edges no hinges.
 static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, const cloth_state* state,
                              requested_component all[COMPONENT_COUNT] )
@@ -206,6 +216,7 @@ static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, cons
     const bool pbd = d->solver == WISP_SOLVER_PBD, hinged = f->hinge_order.slot_count > 0;
     const bool dihedral = hinged && d->bending == WISP_CLOTH_BENDING_DIHEDRAL;
     const bool isometric = hinged && d->bending == WISP_CLOTH_BENDING_ISOMETRIC;
+    const bool carried = d->coarse_substeps > 0 && f->level_count > 0;
     const requested_component list[COMPONENT_COUNT] = {
         { state->air, d->drag_coefficient > 0.0f || d->lift_coefficient > 0.0f },
         { state->damping, d->internal_damping > 0.0f },
@@ -218,7 +229,10 @@ static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, cons
         { WISP_HINGE_COTANGENT, isometric && pbd },
         { WISP_HINGE_STIFFNESS, ( dihedral || isometric ) && pbd },
         { WISP_SURFACE_TETHERS, d->tethers },
-        { WISP_SURFACE_LEVELS, d->level_passes > 0 && f->level_count > 0 },
+        { WISP_SURFACE_LEVELS, carried },
+        { WISP_LEVEL_MASS, carried },
+        { WISP_LEVEL_COMPLIANCE, carried },
+        { WISP_LEVEL_MOTION, carried },
     };
     memcpy( all, list, sizeof( list ) );
 }
@@ -270,12 +284,8 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_cloth_def* 
     set_float( world, surface, WISP_LINK_FOLDS, d->bend_rigidity );
     set_float( world, surface, WISP_HINGE_FOLDS, d->bend_rigidity );
     set_float( world, surface, WISP_SURFACE_TETHERS, d->tether_slack );
-    int32_t* passes = wisp_world_column( world, surface, WISP_SURFACE_LEVELS, 0 );
-    if ( passes != NULL )
-    {
-        *passes = d->level_passes;
-    }
     cloth_fill_links( world, surface, d );
+    cloth_fill_levels( world, surface, d );
     if ( wisp_world_has( world, surface, WISP_HINGE_REST ) || wisp_world_has( world, surface, WISP_HINGE_COTANGENT ) )
     {
         cloth_fill_hinges( world, surface, d );
@@ -300,6 +310,7 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
     status = status == WISP_OK ? check_alone( world, surface ) : status;
     status = status == WISP_OK ? check_ranges( world, def ) : status;
     status = status == WISP_OK ? check_vectors( world, def ) : status;
+    status = status == WISP_OK ? check_solver( world, def ) : status;
     status = status == WISP_OK ? check_fabric( world, wisp_world_fabric( world, surface ), def ) : status;
     const bool bends =
         status == WISP_OK && wisp_world_fabric( world, surface )->hinge_order.slot_count > 0 &&

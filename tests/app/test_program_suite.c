@@ -197,11 +197,11 @@ static void accuracy_of_a_scene( void** state )
     run_ok( "accuracy sheet.yaml --quick --seconds 0.2 --report page.html" );
     assert_contains( result.out, "at equal error: the fastest setting" );
     assert_contains( result.out, "observed order" );
-    assert_contains( result.out, "tethers, levels, substeps=1" );
+    assert_contains( result.out, "coarse sheets, substeps=1" );
     assert_contains( result.out, "The reference is uncertain by" );
     run_ok( "accuracy sheet.yaml --suite made.yaml" );
     run_ok( "bench made.yaml --quick --seconds 0.2" );
-    assert_contains( result.out, "tethers, levels, substeps=1" );
+    assert_contains( result.out, "coarse sheets, substeps=1" );
     run_ok( "gate record made.yaml --no-instructions" );
     write_text( "still.yaml",
                 "wisp: 1\nsteps: 2\nstrands:\n  - { name: hair, generate: { strands: 3, vertices: 4 } }\n" );

@@ -75,12 +75,8 @@ static void an_error_is_met_and_the_scene_that_is_written_has_the_choice( void**
     assert_int_equal( scene.substeps, (int)number_behind( met, "substeps: " ) );
     assert_int_equal( scene.iterations, (int)number_behind( met, ", iterations: " ) );
     assert_int_equal( scene.surfaces[0].cloth.tethers, strstr( met, "cloth.tethers: true" ) != NULL );
-    const bool has_levels = strstr( met, ", levels: off" ) == NULL;
-    assert_int_equal( scene.surfaces[0].levels > 0, has_levels );
-    if ( has_levels )
-    {
-        assert_int_equal( scene.surfaces[0].finest_level, (int)number_behind( met, ", levels: finest " ) );
-    }
+    assert_int_equal( scene.surfaces[0].cloth.coarse_substeps,
+                      (int)number_behind( met, ", cloth.coarse_substeps: " ) );
     wisp_scene_release( &scene );
 
     char text[2000];
@@ -91,30 +87,23 @@ static void an_error_is_met_and_the_scene_that_is_written_has_the_choice( void**
     run_ok( "run tuned.yaml" );
 }
 
-static void levels_of_a_scene_are_tuned_and_their_choice_is_written( void** state )
+static void coarse_substeps_of_a_scene_are_tuned_and_their_choice_is_written( void** state )
 {
     (void)state;
     static const char scene[] = "wisp: 1\nsteps: 8\nsubsteps: 1\niterations: 1\nsurfaces:\n  - name: cloth\n"
-                                "    generate: { shape: plane, columns: 17, rows: 17, spacing: 0.02 }\n"
-                                "    pins: [0, 16]\n    levels: 2\n    finest_level: 2 # coarse\n"
-                                "    cloth: { bending: none, level_passes: 2 }\n";
-    write_text( "levels.yaml", scene );
-    run_ok( "tune levels.yaml --error 10 --workers 1 -o no_levels.yaml" );
-    static const char* const values[] = { "finest 3 ", "finest 2 ", "finest 1 ", "off " };
-    for ( int i = 0; i < WISP_COUNT( values ); ++i )
-    {
-        assert_non_null( strstr( result.out, values[i] ) );
-    }
+                                "    generate: { shape: plane, columns: 33, rows: 33, spacing: 0.02 }\n"
+                                "    pins: [0, 32]\n    cloth:\n      bending: none\n"
+                                "      coarse_substeps: 3 # of mine\n";
+    write_text( "coarse.yaml", scene );
+    run_ok( "tune coarse.yaml --error 10 --workers 1 -o tuned_coarse.yaml" );
     wisp_scene tuned;
-    assert_int_equal( wisp_scene_read( "no_levels.yaml", &tuned, NULL ), WISP_OK );
-    const double chosen = number_behind( chosen_line(), ", levels: finest " );
-    assert_int_equal( tuned.surfaces[0].levels, isnan( chosen ) ? 0 : 2 );
-    assert_int_equal( tuned.surfaces[0].cloth.level_passes, isnan( chosen ) ? 0 : 2 );
-    assert_int_equal( tuned.surfaces[0].finest_level, isnan( chosen ) ? 1 : (int)chosen );
+    assert_int_equal( wisp_scene_read( "tuned_coarse.yaml", &tuned, NULL ), WISP_OK );
+    assert_int_equal( tuned.surfaces[0].cloth.coarse_substeps,
+                      (int)number_behind( chosen_line(), ", cloth.coarse_substeps: " ) );
     wisp_scene_release( &tuned );
     char text[2000];
-    read_text( "no_levels.yaml", text, sizeof text );
-    assert_non_null( strstr( text, " # coarse\n" ) );
+    read_text( "tuned_coarse.yaml", text, sizeof text );
+    assert_non_null( strstr( text, " # of mine\n" ) );
 }
 
 static void passes_of_strands_are_tuned_and_their_choice_is_written( void** state )
@@ -259,7 +248,7 @@ int main( int argc, char** argv )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( an_error_is_met_and_the_scene_that_is_written_has_the_choice ),
-        cmocka_unit_test( levels_of_a_scene_are_tuned_and_their_choice_is_written ),
+        cmocka_unit_test( coarse_substeps_of_a_scene_are_tuned_and_their_choice_is_written ),
         cmocka_unit_test( passes_of_strands_are_tuned_and_their_choice_is_written ),
         cmocka_unit_test( a_budget_is_met_or_it_is_told_that_it_is_not ),
         cmocka_unit_test( an_error_out_of_reach_ends_with_1_and_the_best ),

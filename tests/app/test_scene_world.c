@@ -270,17 +270,17 @@ static void a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else( void
                "  - { name: free, generate: { shape: plane } }\n"
                "  - { name: cross, generate: { shape: plane }, cloth: {} }\n"
                "  - { name: angle, generate: { shape: plane }, cloth: { bending: dihedral } }\n"
-               "  - { name: held, generate: { shape: plane }, pins: [0], levels: 2, "
-               "cloth: { bending: none, tethers: true, level_passes: 1 } }\n"
+               "  - { name: held, generate: { shape: plane, columns: 33, rows: 33 }, pins: [0], "
+               "cloth: { bending: none, tethers: true, coarse_substeps: 1 } }\n"
                "  - { name: ball, generate: { shape: icosphere }, balloon: {} }\n"
                "  - { name: stiff, instance_of: cross, cloth: { bending: isometric } }\n" );
     static const struct
     {
-        bool cross, hinges, tethers, levels;
+        bool cross, hinges, tethers, sheets;
     } cooked[] = { { 0 },
                    { .cross = true, .hinges = true },
                    { .hinges = true },
-                   { .tethers = true, .levels = true },
+                   { .tethers = true, .sheets = true },
                    { .cross = true } };
     for ( int i = 0; i < 5; ++i )
     {
@@ -288,24 +288,23 @@ static void a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else( void
         assert_int_equal( fabric->link_count > fabric->edge_count, cooked[i].cross );
         assert_int_equal( fabric->hinge_order.slot_count > 0, cooked[i].hinges );
         assert_int_equal( fabric->tether_count > 0, cooked[i].tethers );
-        assert_int_equal( fabric->level_count > 0, cooked[i].levels );
+        assert_int_equal( fabric->level_count > 0, cooked[i].sheets );
     }
     release( &f );
 }
 
-static void levels_begin_where_the_scene_says( void** state )
+static void an_instance_that_needs_coarse_sheets_is_enough_for_its_source_to_have_them( void** state )
 {
     (void)state;
     fixture f;
-    build( &f,
-           "wisp: 1\nsurfaces:\n"
-           "  - { name: all, generate: { shape: plane, columns: 33, rows: 33 }, levels: 3, cloth: { level_passes: "
-           "1 } }\n"
-           "  - { name: late, generate: { shape: plane, columns: 33, rows: 33 }, levels: 1, finest_level: 2,"
-           " cloth: { level_passes: 1 } }\n" );
-    const wisp_fabric *all = f.world.surfaces[0].fabric, *late = f.world.surfaces[1].fabric;
-    assert_int_equal( late->level_count, 1 );
-    assert_true( late->levels[0].vertex_count < all->levels[0].vertex_count / 2 );
+    build( &f, "wisp: 1\nsurfaces:\n"
+               "  - { name: plain, generate: { shape: plane, columns: 33, rows: 33 }, cloth: {} }\n"
+               "  - { name: carried, instance_of: plain, cloth: { coarse_substeps: 1, coarse_passes: 7 } }\n" );
+    assert_true( f.world.surfaces[0].fabric->level_count > 0 );
+    assert_false( wisp_world_has( f.world.world, f.world.surfaces[0].entity, WISP_SURFACE_LEVELS ) );
+    const wisp_entity carried = f.world.surfaces[1].entity;
+    assert_int_equal( *(const int32_t*)wisp_world_column( f.world.world, carried, WISP_SURFACE_LEVELS, 0 ), 1 );
+    assert_int_equal( *(const int32_t*)wisp_world_column( f.world.world, carried, WISP_SURFACE_LEVELS, 1 ), 7 );
     release( &f );
 }
 
@@ -633,7 +632,7 @@ int main( void )
         cmocka_unit_test( strands_start_away_from_rest_and_their_roots_are_only_scaled ),
         cmocka_unit_test( a_surface_starts_scaled_then_turned_then_moved ),
         cmocka_unit_test( a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else ),
-        cmocka_unit_test( levels_begin_where_the_scene_says ),
+        cmocka_unit_test( an_instance_that_needs_coarse_sheets_is_enough_for_its_source_to_have_them ),
         cmocka_unit_test( pins_are_named_by_number_by_place_and_by_box ),
         cmocka_unit_test( numbers_of_vertices_are_those_of_the_file_also_after_a_repair ),
         cmocka_unit_test( an_outlet_near_a_point_has_the_vertices_within_its_radius ),

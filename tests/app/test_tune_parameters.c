@@ -9,9 +9,9 @@ static const char cloths[] = "wisp: 1\n"
                              "substeps: 12\n"
                              "surfaces:\n"
                              "  - name: hanging\n" MAKE "    pins: [0]\n"
-                             "    levels: 2\n"
-                             "    finest_level: 4 # coarse\n"
-                             "    cloth: { tethers: true, level_passes: 4 }\n"
+                             "    cloth:\n"
+                             "      tethers: true\n"
+                             "      coarse_substeps: 3 # of mine\n"
                              "  - name: falling\n" MAKE "    cloth: {}\n"
                              "  - { name: copy, instance_of: hanging, pins: [0], cloth: {} }\n"
                              "  - { name: loose, instance_of: hanging, cloth: {} }\n";
@@ -41,9 +41,7 @@ static const char everything[] =
     "iterations: 3\n"
     "surfaces:\n"
     "  - name: a\n" MAKE "    pins: [0]\n"
-    "    levels: 2\n"
-    "    finest_level: 4\n"
-    "    cloth: { tethers: true, level_passes: 1 }\n"
+    "    cloth: { tethers: true, coarse_substeps: 3 }\n"
     "  - name: b\n" MAKE "    implicit: { tolerance: 0.003, newton_iterations: 3 }\n"
     "strands:\n"
     "  - { name: hair, generate: { strands: 2, vertices: 4 }, dynamics: { stretch_passes: 5 } }\n";
@@ -78,7 +76,7 @@ static void a_scene_of_cloth_has_its_parameters_with_its_own_values_among_them( 
     assert_parameter( &parameters, 0, "substeps", ( const double[] ){ 1, 2, 4, 8, 12, 16 }, 6 );
     assert_parameter( &parameters, 1, "iterations", ( const double[] ){ 1, 2, 4 }, 3 );
     assert_parameter( &parameters, 2, "cloth.tethers", ( const double[] ){ 1, 0 }, 2 );
-    assert_parameter( &parameters, 3, "levels", ( const double[] ){ 4, 3, 2, 1, 0 }, 5 );
+    assert_parameter( &parameters, 3, "cloth.coarse_substeps", ( const double[] ){ 1, 2, 3, 0 }, 4 );
     assert_true( parameters.parameters[2].is_unordered && parameters.parameters[3].is_unordered );
     assert_false( parameters.parameters[0].is_unordered || parameters.parameters[1].is_unordered );
     wisp_scene_release( &scene );
@@ -121,7 +119,7 @@ static void a_scene_of_everything_keeps_ends_and_its_own_values_and_can_be_searc
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
     assert_int_equal( parameters.count, 7 );
-    static const double expected[7][3] = { { 1, 3, 16 },           { 1, 3, 4 }, { 1, 1, 0 }, { 4, 4, 0 },
+    static const double expected[7][3] = { { 1, 3, 16 },           { 1, 3, 4 }, { 1, 1, 0 }, { 1, 3, 0 },
                                            { 0.1, 0.003, 0.0001 }, { 1, 3, 4 }, { 1, 5, 8 } };
     int settings = 1;
     for ( int k = 0; k < 7; ++k )
@@ -147,25 +145,20 @@ static void a_choice_is_set_on_every_surface_that_has_the_field( void** state )
     wisp_scene scene = parse( cloths );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
-    tune_parameters_set( &parameters, ( const int[] ){ 2, 1, 1, 4 }, &scene );
+    tune_parameters_set( &parameters, ( const int[] ){ 2, 1, 1, 3 }, &scene );
     assert_int_equal( scene.substeps, 4 );
     assert_int_equal( scene.iterations, 2 );
     for ( int i = 0; i < 4; ++i )
     {
         assert_false( scene.surfaces[i].cloth.tethers );
-        assert_int_equal( scene.surfaces[i].cloth.level_passes, 0 );
+        assert_int_equal( scene.surfaces[i].cloth.coarse_substeps, 0 );
     }
-    tune_parameters_set( &parameters, ( const int[] ){ 2, 1, 0, 2 }, &scene );
+    tune_parameters_set( &parameters, ( const int[] ){ 2, 1, 0, 1 }, &scene );
     for ( int i = 0; i < 4; ++i )
     {
         assert_int_equal( scene.surfaces[i].cloth.tethers, i % 2 == 0 ); // others hang from nothing
-        assert_int_equal( scene.surfaces[i].cloth.level_passes, 4 );
+        assert_int_equal( scene.surfaces[i].cloth.coarse_substeps, 2 );
     }
-    assert_int_equal( scene.surfaces[0].levels, 2 );
-    assert_int_equal( scene.surfaces[0].finest_level, 2 );
-    assert_int_equal( scene.surfaces[1].levels, 3 );
-    assert_int_equal( scene.surfaces[1].finest_level, 2 );
-    assert_int_equal( scene.surfaces[2].levels, 0 ); // its source has them
     wisp_scene_release( &scene );
 
     scene = parse( implicit );
@@ -212,28 +205,24 @@ static void only_what_differs_is_edited( void** state )
     static const wisp_scene_edit of_cloths[] = {
         { NULL, 0, NULL, "substeps", "1" },
         { "surfaces", 0, "cloth", "tethers", "false" },
-        { "surfaces", 1, "cloth", "level_passes", "4" },
-        { "surfaces", 1, NULL, "levels", "3" },
-        { "surfaces", 1, NULL, "finest_level", "4" },
-        { "surfaces", 2, "cloth", "level_passes", "4" },
-        { "surfaces", 3, "cloth", "level_passes", "4" },
+        { "surfaces", 1, "cloth", "coarse_substeps", "3" },
+        { "surfaces", 2, "cloth", "coarse_substeps", "3" },
+        { "surfaces", 3, "cloth", "coarse_substeps", "3" },
     };
-    assert_edits( cloths, ( const int[] ){ 0, 0, 1, 0 }, of_cloths, WISP_COUNT( of_cloths ) );
+    assert_edits( cloths, ( const int[] ){ 0, 0, 1, 2 }, of_cloths, WISP_COUNT( of_cloths ) );
     static const wisp_scene_edit of_strands[] = { { "strands", 3, "dynamics", "stretch_passes", "5" } };
     assert_edits( strands, ( const int[] ){ 0, 0, 2 }, of_strands, WISP_COUNT( of_strands ) );
 }
 
-static void levels_that_go_take_their_beginning_along( void** state )
+static void coarse_sheets_that_are_off_are_so_in_the_file( void** state )
 {
     (void)state;
     static const wisp_scene_edit expected[] = {
         { NULL, 0, NULL, "substeps", "1" },
         { "surfaces", 2, "cloth", "tethers", "true" },
-        { "surfaces", 0, "cloth", "level_passes", "0" },
-        { "surfaces", 0, NULL, "levels", "0" },
-        { "surfaces", 0, NULL, "finest_level", "" },
+        { "surfaces", 0, "cloth", "coarse_substeps", "0" },
     };
-    assert_edits( cloths, ( const int[] ){ 0, 0, 0, 4 }, expected, WISP_COUNT( expected ) );
+    assert_edits( cloths, ( const int[] ){ 0, 0, 0, 3 }, expected, WISP_COUNT( expected ) );
 }
 
 /// Write a configuration of one parameter, the others at their first value, and read it back. @param out receives the
@@ -261,37 +250,40 @@ static void write_choice( const char* text, int parameter, int value, char* out,
     wisp_scene_release( &scene );
 }
 
-static void whatever_levels_are_chosen_the_file_can_say_it( void** state )
+static void whatever_coarse_substeps_are_chosen_the_file_can_say_it( void** state )
 {
     (void)state;
-    char text[2000];
-    for ( int value = 0; value < 5; ++value )
+    char text[2000], expected[80];
+    for ( int value = 0; value < 4; ++value )
     {
         write_choice( cloths, 3, value, text, sizeof text );
-        assert_non_null( strstr( text, value < 4 ? "    finest_level: " : "    levels: 0\n    # coarse\n" ) );
+        snprintf( expected, sizeof expected, "      coarse_substeps: %d # of mine\n", ( value + 1 ) % 4 );
+        assert_non_null( strstr( text, expected ) );
     }
-    assert_null( strstr( text, "finest_level" ) );
 }
 
-static void a_level_that_is_the_default_may_stand_in_the_file_or_not( void** state )
+static void cloth_by_pbd_has_no_coarse_substeps_to_tune( void** state )
 {
     (void)state;
-    static const char head[] =
-        "wisp: 1\nsubsteps: 1\nsurfaces:\n  - name: a\n" MAKE "    levels: 2\n    cloth: { level_passes: 1 }\n";
-    char with[400], text[2000], expected[400];
-    snprintf( with, sizeof with, "%s    finest_level: 1\n", head );
-    snprintf( expected, sizeof expected,
-              "wisp: 1\nsubsteps: 1\nsurfaces:\n  - name: a\n" MAKE
-              "    levels: 0\n    cloth: { level_passes: 0 }\n" );
-    write_choice( with, 2, 3, text, sizeof text );
-    assert_string_equal( text, expected );
-    write_choice( head, 2, 3, text, sizeof text );
-    assert_string_equal( text, expected );
-    write_choice( head, 2, 2, text, sizeof text );
-    assert_string_equal( text, head );
+    wisp_scene scene = parse( "wisp: 1\nsurfaces:\n  - name: a\n" MAKE "    cloth: { solver: pbd }\n" );
+    tune_parameters parameters;
+    assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
+    assert_int_equal( parameters.count, 2 );
+    assert_string_equal( parameters.parameters[1].name, "iterations" );
+    wisp_scene_release( &scene );
+
+    // next to cloth by xpbd, only that is changed
+    scene = parse( "wisp: 1\nsurfaces:\n  - name: a\n" MAKE "    cloth: { solver: pbd }\n  - name: b\n" MAKE
+                   "    cloth: {}\n" );
+    assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
+    assert_parameter( &parameters, 2, "cloth.coarse_substeps", ( const double[] ){ 1, 2, 0 }, 3 );
+    tune_parameters_set( &parameters, ( const int[] ){ 0, 0, 1 }, &scene );
+    assert_int_equal( scene.surfaces[0].cloth.coarse_substeps, 0 );
+    assert_int_equal( scene.surfaces[1].cloth.coarse_substeps, 2 );
+    wisp_scene_release( &scene );
 }
 
-static void levels_are_told_as_off_or_by_the_finest( void** state )
+static void values_are_reported_as_the_file_has_them( void** state )
 {
     (void)state;
     wisp_scene scene = parse( cloths );
@@ -299,9 +291,9 @@ static void levels_are_told_as_off_or_by_the_finest( void** state )
     char text[32];
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
     tune_parameters_text( &parameters, 3, 0.0, text, sizeof text );
-    assert_string_equal( text, "off" );
+    assert_string_equal( text, "0" );
     tune_parameters_text( &parameters, 3, 2.0, text, sizeof text );
-    assert_string_equal( text, "finest 2" );
+    assert_string_equal( text, "2" );
     tune_parameters_text( &parameters, 2, 1.0, text, sizeof text );
     assert_string_equal( text, "true" );
     wisp_scene_release( &scene );
@@ -327,10 +319,10 @@ int main( void )
         cmocka_unit_test( a_scene_of_everything_keeps_ends_and_its_own_values_and_can_be_searched ),
         cmocka_unit_test( a_choice_is_set_on_every_surface_that_has_the_field ),
         cmocka_unit_test( only_what_differs_is_edited ),
-        cmocka_unit_test( levels_that_go_take_their_beginning_along ),
-        cmocka_unit_test( whatever_levels_are_chosen_the_file_can_say_it ),
-        cmocka_unit_test( a_level_that_is_the_default_may_stand_in_the_file_or_not ),
-        cmocka_unit_test( levels_are_told_as_off_or_by_the_finest ),
+        cmocka_unit_test( coarse_sheets_that_are_off_are_so_in_the_file ),
+        cmocka_unit_test( whatever_coarse_substeps_are_chosen_the_file_can_say_it ),
+        cmocka_unit_test( cloth_by_pbd_has_no_coarse_substeps_to_tune ),
+        cmocka_unit_test( values_are_reported_as_the_file_has_them ),
         cmocka_unit_test( a_scene_where_nothing_moves_has_no_parameters ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

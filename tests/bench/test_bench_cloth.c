@@ -70,7 +70,7 @@ static int count_suite_rows( const char* path )
 static void suites_of_the_case_are_read( void** state )
 {
     (void)state;
-    static const char* const names[] = { "hang", "levels_64", "levels_128", "levels_irregular", "passes" };
+    static const char* const names[] = { "hang", "coarse_64", "coarse_128", "coarse_irregular", "passes" };
     for ( size_t i = 0; i < WISP_COUNT( names ); ++i )
     {
         char path[500];

@@ -248,37 +248,33 @@ static inline void assert_schedule_is_safe( const wisp_fabric* f, const wisp_sch
     free( seen );
 }
 
-/// No two links of a level that run in parallel share a slot; no child is moved twice or read as a parent.
+/// No two links of a level that run in parallel share a row; parents and chains stay within their arrays.
 static inline void assert_level_is_safe( const wisp_fabric* f, const wisp_fabric_level* level )
 {
-    enum
-    {
-        PARENT = 1,
-        CHILD = 2
-    };
-    char* role = calloc( (size_t)f->slot_count + 1, 1 );
     wisp_fabric of_level = *f;
     of_level.link_a_x4 = level->a_x4;
     of_level.link_b_x4 = level->b_x4;
+    of_level.vertex_count = level->vertex_count;
+    of_level.tile_size = level->tile_size;
+    of_level.tile_count = fabric_tiles( level->vertex_count, level->tile_size );
+    of_level.slot_count = level->row_count;
     assert_schedule_is_safe( &of_level, &level->schedule, 2, level->link_count, test_link_slot_x4 );
-    for ( int i = 0; i < level->vertex_count; ++i )
+    assert_int_equal( level->row_count, fabric_padded( level->vertex_count + of_level.tile_count ) );
+    for ( int i = 0; i < level->row_count; ++i )
     {
-        assert_true( level->vertex_x4[i] >= 0 && level->vertex_x4[i] < 4 * f->vertex_count );
-        role[level->vertex_x4[i] / 4] = PARENT;
+        const int32_t slot = level->slot_x4[i] / 4;
+        assert_true( i < level->vertex_count ? slot >= 0 && slot < f->vertex_count : slot == f->vertex_count );
     }
-    for ( int i = 0; i < level->child_count; ++i )
+    for ( int i = 0; i < WISP_FABRIC_PARENTS * level->finer_row_count; ++i )
     {
-        assert_true( level->child_x4[i] >= 0 && level->child_x4[i] < 4 * f->vertex_count );
-        assert_int_equal( role[level->child_x4[i] / 4], 0 );
-        role[level->child_x4[i] / 4] = CHILD;
+        assert_true( level->parent_x4[i] >= 0 && level->parent_x4[i] <= 4 * level->vertex_count );
+        assert_true( level->weight[i] >= 0.0f && level->weight[i] <= 1.0f );
     }
-    for ( int i = 0; i < WISP_FABRIC_PARENTS * fabric_padded( level->child_count ); ++i )
+    for ( int i = 0; i < 8 * level->chain_begin[level->chain_group_count]; ++i )
     {
-        int32_t parent = level->parent_x4[i] / 4;
-        assert_true( parent >= 0 && parent <= f->vertex_count );
-        assert_true( role[parent] == PARENT || level->weight[i] == 0.0f );
+        const int32_t slot_x4 = level->chain_x4[i / 8][i % 8];
+        assert_true( slot_x4 >= 0 && slot_x4 <= 4 * f->vertex_count );
     }
-    free( role );
 }
 
 static inline void assert_fabric_is_safe( const wisp_fabric* f )

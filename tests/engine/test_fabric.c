@@ -55,7 +55,7 @@ static void every_mesh_becomes_the_fabric_that_brute_force_expects( void** state
             def.attachments = attachments;
             def.attachment_count = ( variant & 2 ) != 0 && def.vertex_count > 0 ? 3 : 0;
             def.tethers = ( variant & 4 ) != 0;
-            def.levels = ( variant & 9 ) == 9 ? 3 : 0;
+            def.coarse_sheets = ( variant & 9 ) == 9;
             wisp_fabric* fabric = test_fabric_cook( &def );
             assert_fabric_holds( fabric, &def );
             assert_true( wisp_fabric_bytes( fabric ) > sizeof( wisp_fabric ) );
@@ -489,12 +489,6 @@ static void bad_input_is_refused_by_a_message_that_names_it( void** state )
     def.attachment_count = -1;
     expect_fabric_refusal( &def, "-1 attachments" );
     def = test_fabric_def( &mesh );
-    def.levels = 13;
-    expect_fabric_refusal( &def, "13 levels" );
-    def = test_fabric_def( &mesh );
-    def.finest_level = 0;
-    expect_fabric_refusal( &def, "got finest level 0" );
-    def = test_fabric_def( &mesh );
     def.vertex_count = -3;
     expect_fabric_refusal( &def, "-3 vertices" );
     def = test_fabric_def( &mesh );
@@ -523,7 +517,7 @@ static void cooking_without_memory_says_so_and_leaks_nothing( void** state )
     wisp_fabric_def def = test_fabric_def( &mesh );
     int32_t attachment = 3;
     def.hinges = def.tethers = true;
-    def.levels = 2;
+    def.coarse_sheets = true;
     def.attachments = &attachment;
     def.attachment_count = 1;
     bool refused = true;

@@ -24,7 +24,7 @@ static wisp_fabric_def full_def( const test_mesh* mesh, const int32_t* attachmen
     def.attachments = attachments;
     def.attachment_count = attachment_count;
     def.hinges = def.tethers = true;
-    def.levels = 3;
+    def.coarse_sheets = true;
     return def;
 }
 
@@ -62,18 +62,23 @@ static void assert_refused( const void* bytes, size_t size, const char* part )
 
 static void assert_level_is_equal( const wisp_fabric_level* a, const wisp_fabric_level* b )
 {
-    size_t lanes = (size_t)a->schedule.slot_count * 4, children = (size_t)fabric_padded( a->child_count ) * 4;
+    const size_t lanes = (size_t)a->schedule.slot_count * 4;
+    const size_t parents = WISP_FABRIC_PARENTS * (size_t)a->finer_row_count * 4;
     assert_int_equal( a->vertex_count, b->vertex_count );
+    assert_int_equal( a->row_count, b->row_count );
     assert_int_equal( a->link_count, b->link_count );
-    assert_int_equal( a->child_count, b->child_count );
+    assert_int_equal( a->finer_row_count, b->finer_row_count );
     assert_int_equal( a->schedule.slot_count, b->schedule.slot_count );
-    assert_memory_equal( a->vertex_x4, b->vertex_x4, (size_t)fabric_padded( a->vertex_count ) * 4 );
+    assert_int_equal( a->chain_group_count, b->chain_group_count );
+    assert_memory_equal( a->slot_x4, b->slot_x4, (size_t)a->row_count * 4 );
     assert_memory_equal( a->a_x4, b->a_x4, lanes );
     assert_memory_equal( a->b_x4, b->b_x4, lanes );
     assert_memory_equal( a->rest, b->rest, lanes );
-    assert_memory_equal( a->child_x4, b->child_x4, children );
-    assert_memory_equal( a->parent_x4, b->parent_x4, WISP_FABRIC_PARENTS * children );
-    assert_memory_equal( a->weight, b->weight, WISP_FABRIC_PARENTS * children );
+    assert_memory_equal( a->fraction, b->fraction, lanes );
+    assert_memory_equal( a->chain_rest, b->chain_rest, lanes );
+    assert_memory_equal( a->chain_x4, b->chain_x4, (size_t)a->chain_begin[a->chain_group_count] * 32 );
+    assert_memory_equal( a->parent_x4, b->parent_x4, parents );
+    assert_memory_equal( a->weight, b->weight, parents );
 }
 
 static void a_loaded_fabric_is_the_saved_one( void** state )
@@ -124,7 +129,7 @@ static void the_bytes_are_the_same_on_every_machine( void** state )
     saved s = save( fabric );
 
     // magic, then the words of the content, little-endian; the content begins with three vertices and one triangle
-    static const unsigned char begins[] = { 'W', 'I', 'S', 'P', 'F', 'A', 'B', '3' };
+    static const unsigned char begins[] = { 'W', 'I', 'S', 'P', 'F', 'A', 'B', '4' };
     static const unsigned char counts[] = { 3, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0 };
     assert_memory_equal( s.bytes, begins, sizeof( begins ) );
     assert_int_equal( s.bytes[8] | s.bytes[9] << 8, ( s.size - HEAD_BYTES ) / 4 );

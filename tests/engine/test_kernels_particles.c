@@ -1,5 +1,5 @@
 // Kernels over particles: rings against the oracle in double precision, time integration exactly as in scalar code,
-// tethers and prolongation by their properties.
+// tethers by their properties.
 #include "kernels_fixture.h"
 
 #include "balloon_meshes.h"
@@ -225,15 +225,13 @@ enum
 typedef struct particle_batch
 {
     _Alignas( 64 ) float position[COUNT][4];
-    float previous[COUNT][4], velocity[COUNT][4], moved[COUNT][4];
+    float previous[COUNT][4], velocity[COUNT][4];
     float gradient[COUNT / 8][3][8];
     int32_t anchor_x4[2 * COUNT];
     float rest[2 * COUNT];
-    int32_t child_x4[COUNT / 64][8], parent_x4[COUNT / 64][4][8];
-    float weight[COUNT / 64][4][8];
 } particle_batch;
 
-// The first two slices are anchors, every other one of them pinned; the second half are parents, the first are children.
+// The first two slices are anchors, every other one of them pinned.
 static particle_batch* new_particle_batch( void )
 {
     particle_batch* s = new_aligned( sizeof( particle_batch ) );
@@ -244,7 +242,6 @@ static particle_batch* new_particle_batch( void )
             s->position[i][k] = test_random_float( i, k, -1.0f, 1.0f );
             s->previous[i][k] = test_random_float( i, 3 + k, -1.0f, 1.0f );
             s->velocity[i][k] = test_random_float( i, 6 + k, -9.0f, 9.0f );
-            s->moved[i][k] = test_random_float( i, 9 + k, -1.0f, 1.0f );
             s->gradient[i / 8][k][i % 8] = test_random_float( i, 12 + k, -1.0f, 1.0f );
         }
         s->position[i][3] = i < 16 ? (float)( i % 2 ) : i % 5 == 0 ? 0.0f : 0.5f * (float)( i % 7 + 1 );
@@ -255,16 +252,6 @@ static particle_batch* new_particle_batch( void )
         // the second layer: one anchor for eight slots, in every other slice a pinned one
         s->anchor_x4[COUNT + i] = 4 * ( i / 8 % 16 );
         s->rest[COUNT + i] = i < 16 ? 0.0f : test_random_float( i, 16, 0.2f, 1.5f );
-    }
-    for ( int child = 0; child < COUNT / 8; ++child )
-    {
-        int slice = child / 8, lane = child % 8;
-        s->child_x4[slice][lane] = 4 * ( child * 3 % ( COUNT / 2 ) );
-        for ( int k = 0; k < 4; ++k )
-        {
-            s->parent_x4[slice][k][lane] = 4 * ( COUNT / 2 + ( child * 5 + k * 17 ) % ( COUNT / 2 ) );
-            s->weight[slice][k][lane] = 0.125f * (float)( k == 0 ? 2 + child % 2 : k == 1 ? 3 - child % 2 : k - 1 );
-        }
     }
     return s;
 }
@@ -292,26 +279,13 @@ static wisp_tether_args tether_args( particle_batch* s )
     };
 }
 
-static wisp_prolong_args prolong_args( particle_batch* s )
-{
-    return ( wisp_prolong_args ){
-        .position = s->position[0],
-        .displacement = s->moved[0],
-        .child_x4 = s->child_x4[0],
-        .parent_x4 = s->parent_x4[0][0],
-        .weight = s->weight[0][0],
-    };
-}
-
 static void run_all( const wisp_kernels* kernels, particle_batch* s )
 {
     wisp_particle_args args = particle_args( s );
     wisp_tether_args tether = tether_args( s );
-    wisp_prolong_args prolong = prolong_args( s );
     wisp_push_args push = { s->position[0], s->gradient[0][0], 0.01f };
     kernels->accelerate( &args, 0, COUNT );
     kernels->predict( &args, 0, COUNT );
-    kernels->prolong( &prolong, 0, COUNT / 64 );
     tether.layer_count = 2;
     kernels->tether( &tether, 0, COUNT );
     kernels->push( &push, 0, COUNT / 8 );
@@ -510,58 +484,6 @@ static void layers_of_tethers_pull_one_after_another( void** state )
     free( first );
 }
 
-static void a_parent_without_weight_is_not_looked_at( void** state )
-{
-    (void)state;
-    particle_batch *s = new_particle_batch(), *other = new_particle_batch();
-    memset( s->weight[1][2], 0, sizeof( s->weight[1][2] ) );
-    memset( other->weight[1][2], 0, sizeof( other->weight[1][2] ) );
-    memset( other->parent_x4[1][2], 0, sizeof( other->parent_x4[1][2] ) );
-    memset( other->moved[0], 0xff, sizeof( other->moved[0] ) );
-    wisp_prolong_args args = prolong_args( s ), blind = prolong_args( other );
-    widest_table()->prolong( &args, 0, COUNT / 64 );
-    widest_table()->prolong( &blind, 0, COUNT / 64 );
-    assert_memory_equal( s->position, other->position, sizeof( s->position ) );
-    free( s );
-    free( other );
-}
-
-static void children_follow_their_parents_by_weight( void** state )
-{
-    (void)state;
-    particle_batch *s = new_particle_batch(), *start = new_particle_batch();
-    wisp_prolong_args args = prolong_args( s );
-    widest_table()->prolong( &args, 0, COUNT / 64 );
-    int pinned = 0, child_of[COUNT];
-    memset( child_of, -1, sizeof( child_of ) );
-    for ( int child = 0; child < COUNT / 8; ++child )
-    {
-        child_of[s->child_x4[child / 8][child % 8] / 4] = child;
-    }
-    for ( int i = 0; i < COUNT; ++i )
-    {
-        int child = child_of[i], slice = child / 8, lane = child % 8;
-        bool moves = child >= 0 && start->position[i][3] > 0.0f;
-        pinned += child >= 0 && moves == false ? 1 : 0;
-        for ( int k = 0; k < 4; ++k )
-        {
-            double expected = (double)start->position[i][k];
-            for ( int parent = 0; parent < 4 && moves && k < 3; ++parent )
-            {
-                int slot = s->parent_x4[slice][parent][lane] / 4;
-                expected += (double)s->weight[slice][parent][lane] * (double)start->moved[slot][k];
-            }
-
-            // four parts of up to a metre, whose weights sum to 1, and a sum of up to two
-            double tolerance = moves && k < 3 ? 4.0 * (double)FLT_EPSILON : 0.0;
-            assert_near( (double)s->position[i][k], expected, tolerance, "slot", i );
-        }
-    }
-    assert_true( pinned > 2 );
-    free( s );
-    free( start );
-}
-
 // Every invalid value in every number of every particle.
 static void the_first_particle_beyond_the_bound_is_found( void** state )
 {
@@ -604,8 +526,6 @@ int main( void )
         cmocka_unit_test( a_push_moves_by_inverse_mass_and_gradient ),
         cmocka_unit_test( tethers_only_pull_and_only_towards_pinned_anchors ),
         cmocka_unit_test( layers_of_tethers_pull_one_after_another ),
-        cmocka_unit_test( children_follow_their_parents_by_weight ),
-        cmocka_unit_test( a_parent_without_weight_is_not_looked_at ),
         cmocka_unit_test( the_first_particle_beyond_the_bound_is_found ),
     };
     return cmocka_run_group_tests_name( "kernels of particles", tests, NULL, NULL );

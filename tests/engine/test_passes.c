@@ -1,4 +1,4 @@
-// The passes of every world with components that a module attaches: links, hinges, limits, tethers, levels, moving
+// The passes of every world with components that a module attaches: links, hinges, limits, tethers, moving
 // pins, the guard and statistics.
 #include "surface_fixture.h"
 
@@ -142,7 +142,7 @@ static void a_strain_limit_brings_a_length_back_from_both_sides( void** state )
 
 // ---- far constraints ----
 
-// A plane that hangs at vertex 0, with tethers and levels, its points scaled by `scale`.
+// A plane that hangs at vertex 0, with tethers, its points scaled by `scale`.
 static wisp_entity add_far( hosted* h, int n, float scale )
 {
     test_mesh mesh = test_plane( n, 0.1f );
@@ -151,7 +151,6 @@ static wisp_entity add_far( hosted* h, int n, float scale )
     fabric.attachments = &pin;
     fabric.attachment_count = 1;
     fabric.tethers = true;
-    fabric.levels = 4;
     wisp_surface_def def = wisp_default_surface_def();
     wisp_vec3* start = checked_calloc( (size_t)mesh.vertex_count, sizeof( wisp_vec3 ) );
     for ( int v = 0; v < mesh.vertex_count; ++v )
@@ -195,31 +194,6 @@ static void a_tether_holds_at_its_distance_and_lets_go_within( void** state )
         }
         close_world( &h );
     }
-}
-
-static void levels_pull_a_stretched_sheet_and_leave_a_slack_one( void** state )
-{
-    (void)state;
-    hosted h;
-    open_world( &h, 1, 1 );
-    wisp_entity stretched = add_far( &h, 17, 1.3f ), slack = add_far( &h, 17, 0.75f );
-    const wisp_entity both[2] = { stretched, slack };
-    assert_true( wisp_world_fabric( h.world, stretched )->level_count > 1 );
-    for ( int k = 0; k < 2; ++k )
-    {
-        assert_int_equal( wisp_world_attach( h.world, both[k], WISP_SURFACE_LEVELS ), WISP_OK );
-        *(int32_t*)wisp_world_column( h.world, both[k], WISP_SURFACE_LEVELS, 0 ) = 4;
-    }
-    run( h.world, 1 );
-    assert_true( has_pass( h.world, "surface.levels" ) );
-    // 0.3 everywhere before; the pinned corner is pulled by one vertex and its neighbours
-    assert_true( motion_stats_of( h.world, stretched ).strain_mean < 0.1 );
-    for ( int v = 0; v < 17 * 17; ++v )
-    {
-        const wisp_vec3 p = point_of( h.world, slack, v );
-        assert_true( p.x == 0.75f * ( 0.1f * (float)( v % 17 ) ) && p.y == 0.0f );
-    }
-    close_world( &h );
 }
 
 // ---- moving pins, step by substep ----
@@ -467,7 +441,6 @@ int main( void )
         cmocka_unit_test( lambda_starts_at_nothing_in_every_substep ),
         cmocka_unit_test( a_strain_limit_brings_a_length_back_from_both_sides ),
         cmocka_unit_test( a_tether_holds_at_its_distance_and_lets_go_within ),
-        cmocka_unit_test( levels_pull_a_stretched_sheet_and_leave_a_slack_one ),
         cmocka_unit_test( a_carried_pin_goes_its_way_in_equal_parts ),
         WORLD_TEST( what_leaves_the_bounds_is_halted_with_its_lowest_vertex_named ),
         WORLD_TEST( a_vertex_that_was_pinned_stays_pinned_when_its_entity_is_put_back ),

@@ -15,7 +15,7 @@ typedef struct golden_case
     wisp_cloth_bending bending;
     wisp_solver solver;
     wisp_solve_order solve_order;
-    bool blown, damped, far; // far: tethers and levels
+    bool blown, damped, far; // far: tethers and coarse sheets
     int iterations;
 } golden_case;
 
@@ -26,7 +26,8 @@ static const golden_case cases[] = {
     { "flag", WISP_CLOTH_BENDING_LINKS, WISP_SOLVER_XPBD, WISP_SOLVE_ORDER_COLOUR, true, true, false, 2 },
     { "dihedral", WISP_CLOTH_BENDING_DIHEDRAL, WISP_SOLVER_XPBD, WISP_SOLVE_ORDER_COLOUR, false, true, false, 2 },
     { "isometric", WISP_CLOTH_BENDING_ISOMETRIC, WISP_SOLVER_XPBD, WISP_SOLVE_ORDER_COLOUR, false, false, false, 2 },
-    { "tethers-levels", WISP_CLOTH_BENDING_LINKS, WISP_SOLVER_PBD, WISP_SOLVE_ORDER_COLOUR, false, false, true, 1 },
+    { "tethers-coarse-sheets", WISP_CLOTH_BENDING_LINKS, WISP_SOLVER_XPBD, WISP_SOLVE_ORDER_COLOUR, false, false,
+      true, 1 },
     { "list-sweep", WISP_CLOTH_BENDING_LINKS, WISP_SOLVER_XPBD, WISP_SOLVE_ORDER_LIST, false, false, false, 1 },
 };
 
@@ -47,7 +48,7 @@ static wisp_entity add_case( wisp_world* world, const golden_case* c, int n )
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = true;
     fabric.tethers = c->far;
-    fabric.levels = c->far ? 4 : 0;
+    fabric.coarse_sheets = c->far;
     fabric.solve_order = c->solve_order;
     fabric.attachments = pins;
     fabric.attachment_count = 2;
@@ -63,7 +64,7 @@ static wisp_entity add_case( wisp_world* world, const golden_case* c, int n )
     cloth.lift_coefficient = c->blown ? 0.5f : 0.0f;
     cloth.wind = ( wisp_vec3 ){ 3.0f, 1.0f, 2.0f };
     cloth.tethers = c->far;
-    cloth.level_passes = c->far ? 2 : 0;
+    cloth.coarse_substeps = c->far ? 2 : 0;
     wisp_entity e = add_cloth( world, &fabric, surface, &cloth, EARTH );
     assert_status( world, wisp_request( world, e, WISP_SURFACE_NORMALS ), WISP_OK );
     test_mesh_free( &mesh );

@@ -72,13 +72,20 @@ static void every_choice_is_one_of_the_list( void** state )
     def = wisp_default_cloth_def();
     def.bending = WISP_CLOTH_BENDING_COUNT;
     assert_refused( h, e, &def, WISP_BAD_INPUT, "bending" );
-    const int passes[] = { -1, 17, INT32_MAX };
+    const int passes[] = { -1, 65, INT32_MAX };
     for ( int i = 0; i < WISP_COUNT( passes ); ++i )
     {
         def = wisp_default_cloth_def();
-        def.level_passes = passes[i];
-        assert_refused( h, e, &def, WISP_BAD_INPUT, "level_passes" );
+        def.coarse_substeps = passes[i];
+        assert_refused( h, e, &def, WISP_BAD_INPUT, "coarse_substeps" );
+        def = wisp_default_cloth_def();
+        def.coarse_passes = passes[i];
+        assert_refused( h, e, &def, WISP_BAD_INPUT, "coarse_passes" );
     }
+    def = wisp_default_cloth_def();
+    def.coarse_substeps = 1;
+    def.solver = WISP_SOLVER_PBD;
+    assert_refused( h, e, &def, WISP_CONFLICT, "coarse sheets need the solver xpbd" );
 }
 
 static void directions_and_winds_are_finite( void** state )

@@ -117,7 +117,7 @@ static void every_kind_is_drawn( void** state )
                                          "gas_ratio_keyframes:",
                                          "strain_limit:",
                                          "vertex_masses:",
-                                         "level_passes:",
+                                         "coarse_substeps:",
                                          "primitives: particles",
                                          "stretch: follow",
                                          "stretch: links",

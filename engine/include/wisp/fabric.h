@@ -27,7 +27,7 @@ WISP_BEGIN_C
 #define WISP_FABRIC_MAX_LEVELS 12
 /// Most tethers of a vertex, and most parents of a vertex in a coarse level.
 #define WISP_FABRIC_MAX_TETHERS 4
-#define WISP_FABRIC_PARENTS 4
+#define WISP_FABRIC_PARENTS 3
 
 /// In which order constraints of a tile are projected.
 typedef enum wisp_solve_order
@@ -49,12 +49,11 @@ typedef struct wisp_fabric_def
     int attachment_count;
     bool
         bend_links; ///< default true: a link between the opposite vertices of every interior edge, listed after the edges
-    bool hinges;      ///< default false: the four vertices of every interior edge, for bending by angle
-    bool tethers;     ///< default false: distances along the mesh to the nearest attachments
-    int levels;       ///< coarse levels at most, 0 .. WISP_FABRIC_MAX_LEVELS; default 0. Fewer if the mesh is small
-    int finest_level; ///< vertices of the finest coarse level are about 2^finest_level edges apart, 1 ..
-                      ///< WISP_FABRIC_MAX_LEVELS; default 1. With 2, levels cost nearly half as much, for a
-                      ///< tenth more stretch
+    bool hinges;  ///< default false: the four vertices of every interior edge, for bending by angle
+    bool tethers; ///< default false: distances along the mesh to the nearest attachments
+    bool
+        coarse_sheets; ///< default false: coarse sheets, each with about a quarter of the vertices of the next finer one, down to
+                       ///< about 17 x 17. A small mesh has none
     wisp_solve_order solve_order; ///< default WISP_SOLVE_ORDER_COLOUR
     int tile_size; ///< vertices, a multiple of 8 in 64 .. 65536; default 0: 1024, 512 or 256, so that there are at least 4
     uint32_t cookie;
@@ -74,22 +73,36 @@ typedef struct wisp_schedule
     const int32_t* constraint;  ///< [slot_count] number of the constraint, -1 pads
 } wisp_schedule;
 
-/// A coarse level: a subset of the vertices, linked by distances along the mesh that only resist stretching.
+/// A coarse sheet: a subset of the vertices of the next finer sheet, linked like a mesh. It has rows of its own, in the order of
+/// the slots; tiles are ranges of rows, and every tile has one dummy row after the vertices, as slots have.
 typedef struct wisp_fabric_level
 {
     int vertex_count;
-    const int32_t* vertex_x4;   ///< [padded to 8] slots times 4; the first dummy pads
-    wisp_schedule schedule;     ///< of links; a level of few links is one tile
-    const int32_t *a_x4, *b_x4; ///< [schedule.slot_count]
-    const float* rest;          ///< [schedule.slot_count] m, distance along the rest mesh; 0 pads
-    int link_count;
+    int tile_size;
+    int row_count;             ///< vertices and dummies, padded to a multiple of 8
+    int first_row, first_link; ///< of this level in tables that hold all levels, from fine to coarse
+    int unlinked_count;        ///< vertices of the mesh that no coarse vertex is near: they move on their own
+    const int32_t* slot_x4;    ///< [row_count] slots times 4; the first dummy pads
 
-    /// Children: vertices of the next finer level (for level 0 of the list: all vertices) that are not in this one. They
-    /// follow their parents, in slices of eight.
-    int child_count;
-    const int32_t* child_x4;  ///< [slice][8] slots times 4; the first dummy pads
-    const int32_t* parent_x4; ///< [slice][WISP_FABRIC_PARENTS][8] slots times 4 of vertices of this level
-    const float* weight;      ///< [slice][WISP_FABRIC_PARENTS][8] sum to 1 in a lane, 0 pads
+    /// Links between neighbours: the edges of a Delaunay triangulation. Where four vertices lie on one circle, or nearly so, there
+    /// are both diagonals, and each is a fraction of a link.
+    int link_count;
+    wisp_schedule schedule;     ///< a level of few links is one tile
+    const int32_t *a_x4, *b_x4; ///< [schedule.slot_count] rows times 4
+    const float* rest;          ///< [schedule.slot_count] m, distance along the rest mesh; 0 pads
+    const float* fraction;      ///< [schedule.slot_count] of a link's stiffness, in (0, 1]; 0 pads
+
+    /// Chains of mesh edges from one end of a link to the other, in groups of eight links: entry e of group g is at
+    /// chain_x4[chain_begin[g] + e]. The last vertex of a chain pads.
+    int chain_group_count;          ///< schedule.slot_count / 8
+    const int32_t* chain_begin;     ///< [chain_group_count + 1]
+    const int32_t ( *chain_x4 )[8]; ///< [entry] slots times 4
+    const float* chain_rest;        ///< [schedule.slot_count] m, 0 pads
+
+    /// Which vertices of this level a row of the next finer one (or a slot, for the first level) follows, in slices of eight.
+    int finer_row_count;
+    const int32_t* parent_x4; ///< [slice][WISP_FABRIC_PARENTS][8] rows times 4
+    const float* weight; ///< [slice][WISP_FABRIC_PARENTS][8] they sum to 1, or are all 0 where nothing is followed
 } wisp_fabric_level;
 
 typedef struct wisp_fabric

@@ -365,6 +365,9 @@ enum
     WISP_HINGE_FOLDS,
     WISP_SURFACE_TETHERS,
     WISP_SURFACE_LEVELS,
+    WISP_LEVEL_MASS,
+    WISP_LEVEL_COMPLIANCE,
+    WISP_LEVEL_MOTION,
     WISP_SURFACE_POINTS,  ///< wisp_vec3, m: vertices of a mesh in the user's order
     WISP_SURFACE_NORMALS, ///< wisp_vec3: unit normals in the user's order, 0 where they cancel
     WISP_POINT_STRAIN,    ///< float: largest |l/l0 - 1| of the edges or segments at a vertex

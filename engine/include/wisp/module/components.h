@@ -43,6 +43,9 @@
     X( HINGE_FOLDS, "hinge.folds", WISP_TABLE_ENTITY )                                                               \
     X( SURFACE_TETHERS, "surface.tethers", WISP_TABLE_ENTITY )                                                       \
     X( SURFACE_LEVELS, "surface.levels", WISP_TABLE_ENTITY )                                                         \
+    X( LEVEL_MASS, "level.mass", WISP_TABLE_LEVEL_ROW )                                                              \
+    X( LEVEL_COMPLIANCE, "level.compliance", WISP_TABLE_LEVEL_LINK )                                                 \
+    X( LEVEL_MOTION, "level.motion", WISP_TABLE_COARSEST_ROW )                                                       \
     X( SURFACE_POINTS, "surface.points", WISP_TABLE_POINT )                                                          \
     X( SURFACE_NORMALS, "surface.normals", WISP_TABLE_POINT )                                                        \
     X( POINT_STRAIN, "point.strain", WISP_TABLE_POINT )                                                              \
@@ -121,9 +124,21 @@
 #define WISP_HINGE_COTANGENT_COLUMNS( X )                                                                            \
     X( float, weight, 4 ) /* groups [4][8]: c_i of the bending energy 1/2 k s |sum c_i x_i|^2 */                     \
     X( float, scale, 1 )  /* s, 1/m^2 */
-#define WISP_HINGE_STIFFNESS_COLUMNS( X ) X( float, stiffness, 1 )   /* pbd, in [0, 1] */
-#define WISP_SURFACE_TETHERS_COLUMNS( X ) X( float, slack, 1 )       /* times the rest distance, >= 1 */
-#define WISP_SURFACE_LEVELS_COLUMNS( X ) X( int32_t, passes, 1 )     /* over each coarse level a substep */
+#define WISP_HINGE_STIFFNESS_COLUMNS( X ) X( float, stiffness, 1 ) /* pbd, in [0, 1] */
+#define WISP_SURFACE_TETHERS_COLUMNS( X ) X( float, slack, 1 )     /* times the rest distance, >= 1 */
+/// Coarse sheets that carry a surface. Whoever changes masses, or velocities from outside, calls wisp_world_restart_levels().
+#define WISP_SURFACE_LEVELS_COLUMNS( X )                                                                             \
+    X( int32_t, substeps, 1 ) /* of the coarsest sheet in a substep of the surface */                                \
+    X( int32_t, passes, 1 )   /* over its links in each of them */                                                   \
+    X( int32_t, state, 1 )    /* 0: masses have to be found; 1: no history, the next substep is Euler's; 2: BDF2 */
+#define WISP_LEVEL_MASS_COLUMNS( X ) X( float, inverse_mass, 1 )     /* 1/kg; 0: pinned */
+#define WISP_LEVEL_COMPLIANCE_COLUMNS( X ) X( float, compliance, 1 ) /* m/N */
+#define WISP_LEVEL_MOTION_COLUMNS( X )                                                                               \
+    X( float, velocity, 4 ) /* m/s, of the surface when a substep ends; within one, of the sheet */                  \
+    X( float, change, 4 )   /* m/s^2, of the velocity in the last substep of the sheet, by its length */             \
+    X( float, lag, 4 )      /* m/s^2, of the mean velocity of that substep behind the one at its end, likewise */    \
+    X( float, mean, 4 )     /* m/s, within a substep: of the sheet in the substep of the surface */                  \
+    X( float, before, 4 )   /* m/s, mean velocity of the surface in its last substep */
 #define WISP_SURFACE_POINTS_COLUMNS( X ) X( wisp_vec3, points, 1 )   /* m, the user's order */
 #define WISP_SURFACE_NORMALS_COLUMNS( X ) X( wisp_vec3, normals, 1 ) /* unit, area weighted; 0 where they cancel */
 #define WISP_POINT_STRAIN_COLUMNS( X ) X( float, strain, 1 ) /* largest |l/l0 - 1| of the edges at the vertex */

@@ -171,8 +171,6 @@ typedef struct wisp_kernels
     // links [begin, end), multiples of 8
     void ( *link_pbd )( const wisp_link_args* args, int begin, int end );
     void ( *link_xpbd )( const wisp_link_args* args, int begin, int end );
-    void ( *link_unilateral )( const wisp_link_args* args, int begin,
-                               int end ); ///< resists stretching only, stiffness 1
     /// clamps the length to [minimum, maximum] times rest
     void ( *link_limit )( const wisp_link_args* args, int begin, int end );
     // hinges [begin, end), multiples of 8
@@ -302,7 +300,11 @@ typedef struct wisp_kernels
     double ( *conjugate_advance )( const wisp_conjugate_args* args, float step, int begin, int end );
     /// dv += step c, c = s + fraction c: completes a conjugate gradient iteration
     void ( *conjugate_update )( const wisp_conjugate_args* args, float step, float fraction, int begin, int end );
-    // slices of eight children
+    // links of a coarse sheet [begin, end), multiples of 8
+    void ( *level_prepare )( const wisp_level_link_args* args, int begin, int end );
+    void ( *level_band )( const wisp_level_link_args* args, int begin, int end );
+    void ( *level_link )( const wisp_level_link_args* args, int begin, int end );
+    // slices of eight rows
     void ( *prolong )( const wisp_prolong_args* args, int begin, int end );
 } wisp_kernels;
 

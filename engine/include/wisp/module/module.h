@@ -23,6 +23,9 @@ typedef enum wisp_table
     WISP_TABLE_HINGE,        ///< one slot of a fabric's schedule of hinges; a multiple of 8
     WISP_TABLE_EDGE,         ///< one edge of a surface, each once, in an order that its users agree on
     WISP_TABLE_TRIANGLE,     ///< one triangle of a surface, in the user's order
+    WISP_TABLE_LEVEL_ROW,    ///< one row of a fabric's coarse sheets, from fine to coarse; a multiple of 8
+    WISP_TABLE_LEVEL_LINK,   ///< one slot of the schedules of their links; a multiple of 8
+    WISP_TABLE_COARSEST_ROW, ///< one row of the coarsest sheet; a multiple of 8
     WISP_TABLE_COUNT,
 } wisp_table;
 
@@ -261,6 +264,9 @@ WISP_API wisp_status wisp_world_surface_state( wisp_world* world, const char* mo
 WISP_API wisp_status wisp_world_attach( wisp_world* world, wisp_entity entity, wisp_component component );
 WISP_API wisp_status wisp_world_detach( wisp_world* world, wisp_entity entity, wisp_component component );
 WISP_API bool wisp_world_has( const wisp_world* world, wisp_entity entity, wisp_component component );
+/// Coarse sheets of a surface forget how it moved and find their masses again, before the next step. Call it where a module
+/// changes masses, pins or velocities from outside a step. A surface without coarse sheets is left as it is.
+WISP_API void wisp_world_restart_levels( wisp_world* world, wisp_entity surface );
 /// As wisp_frame_column, to read or write; counts as a change. @return null also for a stale entity
 WISP_API void* wisp_world_column( wisp_world* world, wisp_entity entity, wisp_component component, int column );
 WISP_API const wisp_strand_topology* wisp_world_strands( wisp_world* world, wisp_entity entity );

@@ -192,15 +192,34 @@ typedef struct wisp_tether_args
     float slack;                 ///< maximum distance as a factor of the rest length, >= 1
 } wisp_tether_args;
 
-/// Arguments of prolongation from a coarse level: p += sum of weights times the displacements of the parents.
+/// Arguments of links of a coarse sheet, by xpbd. A link longer than its rest length pulls, and one shorter than its lower length
+/// pushes; between the two it is slack. Links of length 0 and links between two pinned rows have no effect.
+typedef struct wisp_level_link_args
+{
+    float* position;            ///< [row][4] m, inverse mass in 1/kg
+    const int32_t *a_x4, *b_x4; ///< [link] rows times 4; those of a group of eight are different
+    const float* rest;          ///< [link] m
+    const float* compliance;    ///< [link] m/N
+    float* lower;               ///< [link] m, at most the rest length
+    float* lambda;              ///< [link] N s^2, in and out; level_prepare makes it 0
+    float* factor;              ///< [link] kg, of level_prepare
+    float inverse_dt2;          ///< 1/s^2
+
+    // of level_band, which finds `lower` from the chains of mesh edges along the links
+    const float* particle;          ///< [slot][4] m
+    const int32_t* chain_begin;     ///< [link / 8 + 1]
+    const int32_t ( *chain_x4 )[8]; ///< [entry] slots times 4
+    const float* chain_rest;        ///< [link] m
+} wisp_level_link_args;
+
+/// Arguments of prolongation from a coarse sheet: target += sum of weights times values of the parents, for rows that move.
 typedef struct wisp_prolong_args
 {
-    float* position;           ///< [slot][4] m, of the children
-    const float* displacement; ///< [slot][4] m, displacement of the level's vertices by all levels so far; the fourth
-                               ///< component is 0
-    const int32_t* child_x4;   ///< [slice][8] slots times 4
-    const int32_t* parent_x4;  ///< [slice][4][8] slots times 4
-    const float* weight;       ///< [slice][4][8]
+    float* target;            ///< [row][4]
+    const float* position;    ///< [row][4] a fourth component of 0 is pinned; may be the target
+    const float* value;       ///< [parent row][4] the fourth component is 0
+    const int32_t* parent_x4; ///< [slice][WISP_FABRIC_PARENTS][8] rows times 4
+    const float* weight;      ///< [slice][WISP_FABRIC_PARENTS][8]
 } wisp_prolong_args;
 
 /// Arguments of contact of particles with half spaces, with Coulomb friction; equations in half_space.c. A row of

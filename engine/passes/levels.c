@@ -1,0 +1,457 @@
+// Coarse sheets that carry a surface. The coarsest one is integrated to second order in substeps of its own (levels_carry.c) and has
+// enough passes to propagate tension across the surface. Its displacement, beyond that of the predicted surface, is
+// prolonged to the next finer sheet, which is projected once, and so on down to the surface. What follows is an ordinary substep of
+// the surface. At its end, the surface gets what second order adds to the velocity of the coarsest sheet.
+#include "levels.h"
+#include "passes.h"
+#include "passes_common.h"
+
+#include "wisp/module/components.h"
+
+#include <string.h>
+
+enum
+{
+    GROUP_GRAIN = 64,  // groups of eight links per block
+    SLICE_GRAIN = 128, // slices of eight rows per block
+};
+
+static levels_columns columns_of( wisp_frame* frame, wisp_entity entity )
+{
+    return ( levels_columns ){
+        .substeps = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 0 ),
+        .passes = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 1 ),
+        .state = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 2 ),
+    };
+}
+
+static const wisp_fabric_level* coarsest_of( const wisp_fabric* f )
+{
+    return f->levels + f->level_count - 1;
+}
+
+// ---- masses ----
+
+// Adds the masses of the next finer rows to those that carry them.
+static void add_masses( const wisp_fabric_level* level, const double* finer, double* mass )
+{
+    memset( mass, 0, (size_t)level->row_count * sizeof( double ) );
+    for ( int row = 0; row < level->finer_row_count; ++row )
+    {
+        const size_t at = (size_t)( row / 8 * WISP_FABRIC_PARENTS * 8 + row % 8 );
+        for ( size_t k = 0; k < WISP_FABRIC_PARENTS; ++k )
+        {
+            mass[level->parent_x4[at + 8 * k] / 4] += (double)level->weight[at + 8 * k] * finer[row];
+        }
+    }
+}
+
+// Finds the inverse masses of all levels. A coarse vertex is pinned where the surface is.
+static bool find_masses( wisp_frame* frame, const wisp_span* span )
+{
+    const wisp_fabric* f = wisp_frame_fabric( frame, span->entity );
+    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    float* inverse_mass = wisp_frame_column( frame, span->entity, WISP_LEVEL_MASS, 0 );
+    const size_t room = ( (size_t)f->slot_count + (size_t)f->levels[0].row_count ) * sizeof( double );
+    double* finer = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, room );
+    if ( finer == NULL )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the coarse sheets of %d particles",
+                         f->slot_count );
+        return false;
+    }
+    double* mass = finer + f->slot_count;
+    for ( int slot = 0; slot < f->slot_count; ++slot )
+    {
+        const double w = (double)position[4 * slot + 3];
+        finer[slot] = w > 0.0 ? 1.0 / w : 0.0;
+    }
+    for ( int l = 0; l < f->level_count; ++l )
+    {
+        const wisp_fabric_level* level = f->levels + l;
+        add_masses( level, finer, mass );
+        for ( int row = 0; row < level->row_count; ++row )
+        {
+            const bool moves =
+                row < level->vertex_count && position[level->slot_x4[row] + 3] > 0.0f && mass[row] > 0.0;
+            finer[row] = moves ? mass[row] : 0.0;
+            inverse_mass[level->first_row + row] = moves ? (float)( 1.0 / mass[row] ) : 0.0f;
+        }
+    }
+    return true;
+}
+
+static bool has_restarted( wisp_frame* frame, wisp_entity entity, void* user )
+{
+    (void)user;
+    return *columns_of( frame, entity ).state == LEVELS_RESTARTED;
+}
+
+static void gather_rows( const wisp_fabric_level* level, const float* from, float* to )
+{
+    for ( int row = 0; row < level->row_count; ++row )
+    {
+        memcpy( to + 4 * row, from + level->slot_x4[row], 4 * sizeof( float ) );
+    }
+}
+
+// Forgets the history. Velocities are those before the forces of this step.
+static void restart( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    const levels_columns columns = columns_of( frame, span->entity );
+    const wisp_fabric* f = wisp_frame_fabric( frame, span->entity );
+    if ( find_masses( frame, span ) )
+    {
+        const float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+        gather_rows( coarsest_of( f ), velocity, wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 0 ) );
+        gather_rows( coarsest_of( f ), velocity, wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 4 ) );
+        *columns.state = LEVELS_FIRST;
+    }
+}
+
+// ---- links ----
+
+typedef struct band_loop
+{
+    wisp_level_link_args args;
+    const wisp_kernels* kernels;
+} band_loop;
+
+static void run_band( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const band_loop* loop = context;
+    loop->kernels->level_band( &loop->args, 8 * begin, 8 * end );
+}
+
+void levels_find_band( const levels_sheet* sheet )
+{
+    band_loop loop = { sheet->links, sheet->kernels };
+    wisp_parallel_for( sheet->parallel, sheet->level->chain_group_count, GROUP_GRAIN, run_band, &loop );
+}
+
+static void run_links( const void* context, int begin, int end )
+{
+    const levels_sheet* sheet = context;
+    sheet->kernels->level_link( &sheet->links, begin, end );
+}
+
+void levels_project( levels_sheet* sheet, float dt, int passes )
+{
+    sheet->links.inverse_dt2 = 1.0f / ( dt * dt );
+    sheet->kernels->level_prepare( &sheet->links, 0, sheet->level->schedule.slot_count );
+    for ( int pass = 0; pass < passes; ++pass )
+    {
+        wisp_run_schedule( sheet->parallel, &sheet->level->schedule, run_links, sheet );
+    }
+}
+
+// ---- prolongation ----
+
+typedef struct prolong_loop
+{
+    wisp_prolong_args args;
+    const wisp_kernels* kernels;
+} prolong_loop;
+
+static void run_prolong( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const prolong_loop* loop = context;
+    loop->kernels->prolong( &loop->args, begin, end );
+}
+
+// Adds values of a level to rows of the next finer one, or of the surface, that are not pinned.
+static void prolong( const levels_sheet* sheet, const float* value, const float* position, float* target )
+{
+    const wisp_fabric_level* level = sheet->level;
+    prolong_loop loop = { { target, position, value, level->parent_x4, level->weight }, sheet->kernels };
+    wisp_parallel_for( sheet->parallel, level->finer_row_count / 8, SLICE_GRAIN, run_prolong, &loop );
+}
+
+// ---- a substep ----
+
+// Scratch memory of a substep. All levels share the arrays of links, whose numbers do not overlap.
+typedef struct levels_memory
+{
+    float* at;    // [row][4] of all levels: m, inverse mass in 1/kg
+    float* moved; // [row][4] of all levels: m, where the surface has been predicted, then the displacement from there
+    float *start, *acceleration;    // [row][4] of the coarsest level
+    float *lower, *lambda, *factor; // [link]
+} levels_memory;
+
+static bool take_memory( wisp_frame* frame, const wisp_span* span, levels_memory* out )
+{
+    const wisp_fabric* f = wisp_frame_fabric( frame, span->entity );
+    const wisp_fabric_level* last = coarsest_of( f );
+    const size_t rows = 4 * (size_t)( last->first_row + last->row_count ), own = 4 * (size_t)last->row_count;
+    const size_t links = (size_t)( last->first_link + last->schedule.slot_count );
+    float* at = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
+                                       ( 2 * rows + 2 * own + 3 * links ) * sizeof( float ) );
+    if ( at == NULL )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the coarse sheets of %d particles",
+                         f->slot_count );
+        return false;
+    }
+    float* coarsest = at + 2 * rows;
+    float* lower = coarsest + 2 * own;
+    *out = ( levels_memory ){
+        .at = at,
+        .moved = at + rows,
+        .start = coarsest,
+        .acceleration = coarsest + own,
+        .lower = lower,
+        .lambda = lower + links,
+        .factor = lower + 2 * links,
+    };
+    return true;
+}
+
+static levels_sheet sheet_of( wisp_frame* frame, const wisp_span* span, const levels_memory* m, int number )
+{
+    const wisp_fabric_level* level = wisp_frame_fabric( frame, span->entity )->levels + number;
+    const float* compliance = wisp_frame_column( frame, span->entity, WISP_LEVEL_COMPLIANCE, 0 );
+    return ( levels_sheet ){
+        .level = level,
+        .parallel = wisp_frame_parallel( frame, span ),
+        .kernels = wisp_frame_kernels( frame ),
+        .links = {
+            .position = m->at + 4 * (size_t)level->first_row,
+            .a_x4 = level->a_x4,
+            .b_x4 = level->b_x4,
+            .rest = level->rest,
+            .compliance = compliance + level->first_link,
+            .lower = m->lower + level->first_link,
+            .lambda = m->lambda + level->first_link,
+            .factor = m->factor + level->first_link,
+            .particle = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+            .chain_begin = level->chain_begin,
+            .chain_x4 = level->chain_x4,
+            .chain_rest = level->chain_rest,
+        },
+    };
+}
+
+// Puts the inverse masses of a level next to its positions.
+static void set_masses( wisp_frame* frame, const wisp_span* span, const wisp_fabric_level* level, float* at )
+{
+    const float* inverse_mass = wisp_frame_column( frame, span->entity, WISP_LEVEL_MASS, 0 );
+    for ( int row = 0; row < level->row_count; ++row )
+    {
+        at[4 * row + 3] = inverse_mass[level->first_row + row];
+    }
+}
+
+// Turns where rows began into their displacement from there.
+static void measure( const wisp_fabric_level* level, const float* at, float* moved )
+{
+    for ( int row = 0; row < level->row_count; ++row )
+    {
+        for ( int i = 4 * row; i < 4 * row + 3; ++i )
+        {
+            moved[i] = at[i] - moved[i];
+        }
+        moved[4 * row + 3] = 0.0f;
+    }
+}
+
+// Moves the coarsest sheet from where the surface was. Its velocities are kept for the end of the substep.
+static void move_coarsest( wisp_frame* frame, const wisp_span* span, const levels_sheet* sheet,
+                           const levels_memory* m )
+{
+    const wisp_fabric_level* level = sheet->level;
+    const size_t bytes = 4 * (size_t)level->row_count * sizeof( float );
+    const float dt = wisp_frame_dt( frame );
+    float* at = sheet->links.position;
+    float* target = m->moved + 4 * (size_t)level->first_row;
+    float* velocity = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 0 );
+    float* mean = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 3 );
+    gather_rows( level, sheet->links.particle, target );
+    gather_rows( level, wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ), at );
+    gather_rows( level, wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ), m->acceleration );
+    set_masses( frame, span, level, at );
+    memcpy( mean, at, bytes );
+    for ( int i = 0; i < 4 * level->row_count; ++i )
+    {
+        m->acceleration[i] = ( m->acceleration[i] - velocity[i] ) / dt;
+    }
+    levels_carrier carrier = {
+        .sheet = *sheet,
+        .target = target,
+        .acceleration = m->acceleration,
+        .velocity = velocity,
+        .start = m->start,
+        .change = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 1 ),
+        .lag = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 2 ),
+        .dt = dt,
+        .columns = columns_of( frame, span->entity ),
+    };
+    levels_move_carrier( &carrier );
+    for ( int i = 0; i < 4 * level->row_count; ++i )
+    {
+        mean[i] = ( at[i] - mean[i] ) / dt;
+    }
+    measure( level, at, target );
+}
+
+// Moves a finer sheet from where the surface has been predicted, after the next coarser one.
+static void move_sheet( wisp_frame* frame, const wisp_span* span, const levels_memory* m, const levels_sheet* coarser,
+                        levels_sheet* sheet )
+{
+    const wisp_fabric_level* level = sheet->level;
+    float *at = sheet->links.position, *moved = m->moved + 4 * (size_t)level->first_row;
+    gather_rows( level, sheet->links.particle, at );
+    memcpy( moved, at, 4 * (size_t)level->row_count * sizeof( float ) );
+    set_masses( frame, span, level, at );
+    prolong( coarser, m->moved + 4 * (size_t)coarser->level->first_row, at, at );
+    levels_find_band( sheet );
+    levels_project( sheet, wisp_frame_dt( frame ), 1 );
+    measure( level, at, moved );
+}
+
+static void carry( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    levels_memory m;
+    if ( take_memory( frame, span, &m ) == false )
+    {
+        return;
+    }
+    int l = wisp_frame_fabric( frame, span->entity )->level_count - 1;
+    levels_sheet sheet = sheet_of( frame, span, &m, l );
+    move_coarsest( frame, span, &sheet, &m );
+    while ( l > 0 )
+    {
+        const levels_sheet coarser = sheet;
+        sheet = sheet_of( frame, span, &m, --l );
+        move_sheet( frame, span, &m, &coarser, &sheet );
+    }
+    float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    prolong( &sheet, m.moved, position, position );
+}
+
+// Next to the change of a velocity this is nothing: rounding, where first order has none.
+#define NOTHING 1e-4f
+
+// Limits what second order adds to a velocity, d, by what the surface did: half of the change of its mean velocity since its last
+// substep, c. Both are half of the acceleration times dt where the surface follows the sheet. A row gets the fraction
+// 2 c . d / d^2, within 0 and 1. It gets nothing where the surface did not follow: in contact, in folds, or at rest where both
+// do not quite agree; second order would give it a velocity there that it does not have.
+static float fraction_of( const float d[3], const float c[3] )
+{
+    const float d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], c2 = c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
+    const float both = 2.0f * ( c[0] * d[0] + c[1] * d[1] + c[2] * d[2] );
+    return both >= d2 || d2 <= NOTHING * NOTHING * c2 ? 1.0f : both > 0.0f ? both / d2 : 0.0f;
+}
+
+// Finds what second order adds to the velocities of the coarsest rows, and limits what they remember alike.
+// @return whether more than half of it is left
+static bool find_added( wisp_frame* frame, const wisp_span* span, float* added )
+{
+    const wisp_fabric_level* level = coarsest_of( wisp_frame_fabric( frame, span->entity ) );
+    const float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+    float* motion[5];
+    for ( int k = 0; k < 5; ++k )
+    {
+        motion[k] = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, k );
+    }
+    const float *end = motion[0], *mean = motion[3];
+    float *change = motion[1], *lag = motion[2], *before = motion[4];
+    double whole = 0.0, left = 0.0;
+    memset( added, 0, 4 * (size_t)level->row_count * sizeof( float ) );
+    for ( int row = 0; row < level->vertex_count; ++row )
+    {
+        const float* v = velocity + level->slot_x4[row];
+        float d[3], c[3];
+        for ( int k = 0, i = 4 * row; k < 3; ++k, ++i )
+        {
+            d[k] = end[i] - mean[i];
+            c[k] = 0.5f * ( v[k] - before[i] );
+            before[i] = v[k];
+        }
+        const float fraction = fraction_of( d, c );
+        for ( int k = 0, i = 4 * row; k < 3; ++k, ++i )
+        {
+            added[i] = fraction * d[k];
+            change[i] *= fraction;
+            lag[i] *= fraction;
+            whole += (double)( d[k] * d[k] );
+            left += (double)( added[i] * added[i] );
+        }
+    }
+    return left >= 0.25 * whole;
+}
+
+// Adds what second order adds to the velocity of the coarsest sheet, and notes the velocity of the surface for its next substep.
+static void carry_velocity( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    levels_memory m;
+    if ( take_memory( frame, span, &m ) == false )
+    {
+        return;
+    }
+    const wisp_fabric* f = wisp_frame_fabric( frame, span->entity );
+    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+    float* kept = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 0 );
+    float* value = m.moved + 4 * (size_t)coarsest_of( f )->first_row;
+    const bool is_second_order = find_added( frame, span, value );
+    wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, is_second_order ? 0u : 1u );
+    for ( int l = f->level_count - 1; l >= 0; --l )
+    {
+        const levels_sheet sheet = sheet_of( frame, span, &m, l );
+        if ( l > 0 )
+        {
+            const wisp_fabric_level* finer = f->levels + l - 1;
+            float *target = m.moved + 4 * (size_t)finer->first_row, *at = m.at + 4 * (size_t)finer->first_row;
+            memset( target, 0, 4 * (size_t)finer->row_count * sizeof( float ) );
+            set_masses( frame, span, finer, at );
+            prolong( &sheet, value, at, target );
+            value = target;
+        }
+        else
+        {
+            prolong( &sheet, value, position, velocity );
+        }
+    }
+    gather_rows( coarsest_of( f ), velocity, kept );
+}
+
+wisp_status passes_declare_levels( wisp_registry* registry )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "surface.levels_restart",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_MOTION },
+            .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_SURFACE_LEVELS },
+            .writes = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_MOTION },
+            .should_run = has_restarted,
+            .run = restart,
+        },
+        {
+            .name = "surface.levels",
+            .stage = WISP_STAGE_PREDICT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_COMPLIANCE, WISP_LEVEL_MOTION },
+            .reads = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_COMPLIANCE, WISP_LEVEL_MOTION,
+                       WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_POSITION, WISP_SURFACE_LEVELS, WISP_LEVEL_MOTION },
+            .run = carry,
+        },
+        {
+            .name = "surface.levels_velocity",
+            .stage = WISP_STAGE_VELOCITY,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_MOTION },
+            .reads = { WISP_LEVEL_MASS, WISP_LEVEL_MOTION, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_VELOCITY, WISP_LEVEL_MOTION },
+            .run = carry_velocity,
+        },
+    };
+    return wisp_declare_passes( registry, passes, WISP_COUNT( passes ), NULL );
+}
