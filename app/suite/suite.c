@@ -261,6 +261,7 @@ void suite_release( wisp_suite* suite )
     }
     release_row( &suite->reference );
     release_row( &suite->check );
+    release_row( &suite->coarsest );
     free( suite->rows );
     free( suite->stored );
     free( suite->note );

@@ -82,8 +82,9 @@ typedef struct wisp_suite
     suite_row* rows;
     int row_count;
     /// The converged run that errors are measured against, and a coarser one whose distance to it is its doubt. Both have text, or
-    /// neither has.
-    suite_row reference, check;
+    /// neither has. With `extrapolate` they have a half and a quarter of the substeps: `check` and `coarsest`, which has text then.
+    suite_row reference, check, coarsest;
+    double extrapolate;    ///< order of the runs that the reference is extrapolated from; 0: it is a run
     bool compares_start;   ///< errors are distances from where bodies start
     bool compares_overlap; ///< errors are how deep balloons are in each other
     char* stored;          ///< recording that is the reference, in place of a run; null: none

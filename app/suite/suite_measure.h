@@ -7,7 +7,23 @@
 enum
 {
     SUITE_MAX_PASSES = 64,
+    SUITE_MOMENT_COUNT = 3,
 };
+
+/// When errors have columns of their own, s: 0.5, 1, 2.
+extern const double suite_moments[SUITE_MOMENT_COUNT];
+
+/// How far a motion is from another one, the reference. NaN: not compared, or not known of one of them.
+typedef struct suite_comparison
+{
+    double distance;               ///< m, root mean square over all places and compared frames
+    double largest;                ///< m, of a place in any compared frame
+    double at[SUITE_MOMENT_COUNT]; ///< m, root mean square over all places at suite_moments
+    double
+        detail; ///< how much of the reference's fine curvature the surfaces have: 1 is as much; their meshes must be the same
+    double
+        energy; ///< kinetic and potential, above the reference's in the last compared frame, in parts of what that released
+} suite_comparison;
 
 /// A pass of the engine that ran, or several that one function runs together.
 typedef struct suite_pass
@@ -17,11 +33,14 @@ typedef struct suite_pass
     double instructions; ///< of all steps; NaN: not counted
 } suite_pass;
 
+/// NaN everywhere.
+extern const suite_comparison suite_not_compared;
+
 typedef struct suite_measurement
 {
     uint64_t hash;                      ///< of the states after all steps
     double values[SUITE_MEASURE_COUNT]; ///< NaN: not measured
-    double largest_distance;            ///< m, of a place to the reference; NaN: not compared with a run
+    suite_comparison compared;          ///< with the reference
     int steps;
     char isa[16]; ///< instruction set that the kernels used
     suite_pass passes[SUITE_MAX_PASSES];

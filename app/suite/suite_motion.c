@@ -4,6 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+// The body of a recording whose only vertex holds kinetic and potential energy. Files are one whole with it.
+static const char ENERGIES[] = "energies_of_the_run";
+
 // Two times are one if they differ by less than this part of a step.
 static const double SAME_TIME = 1e-3;
 
@@ -25,6 +28,7 @@ void suite_motion_release( suite_motion* motion )
     free( motion->start );
     free( motion->points );
     free( motion->times );
+    free( motion->energies );
     *motion = ( suite_motion ){ 0 };
 }
 
@@ -57,7 +61,18 @@ static void spread( const row_steps* row, double end, suite_times* out )
     {
         --steps;
     }
-    const int stride = ( steps + SUITE_MAX_FRAMES - 2 ) / ( SUITE_MAX_FRAMES - 1 );
+    int stride = ( steps + SUITE_MAX_FRAMES - 2 ) / ( SUITE_MAX_FRAMES - 1 );
+    // multiples of a divisor of the first moment meet it and the later ones, which are its multiples
+    const double moment = suite_moments[0], dt = (double)row->scene.dt;
+    const int until = (int)lround( moment / dt );
+    if ( until >= stride && until <= steps &&
+         fabs( wisp_scene_step_time( &row->scene, until ) - moment ) <= SAME_TIME * dt )
+    {
+        while ( until % stride != 0 )
+        {
+            ++stride;
+        }
+    }
     out->count = 0;
     for ( int step = stride; stride > 0 && step <= steps; step += stride )
     {
@@ -132,13 +147,16 @@ static wisp_vec3* add_frame( suite_motion* motion, double time )
         motion->points = points ? points : motion->points;
         double* times = realloc( motion->times, (size_t)capacity * sizeof *times );
         motion->times = times ? times : motion->times;
-        if ( points == NULL || times == NULL )
+        wisp_vec3* energies = realloc( motion->energies, (size_t)capacity * sizeof *energies );
+        motion->energies = energies ? energies : motion->energies;
+        if ( points == NULL || times == NULL || energies == NULL )
         {
             return NULL;
         }
         motion->frame_capacity = capacity;
     }
     motion->times[motion->frame_count] = time;
+    motion->energies[motion->frame_count] = ( wisp_vec3 ){ NAN, NAN, 0.0f };
     return motion->points + n * (size_t)motion->frame_count++;
 }
 
@@ -170,6 +188,21 @@ static wisp_status begin( suite_motion* motion, const scene_world* world, wisp_e
     return motion->start ? status : wisp_fail( error, WISP_NO_MEMORY, "no memory for the start of a motion" );
 }
 
+static wisp_vec3 energies_of( const scene_world* world )
+{
+    double kinetic = 0.0, potential = 0.0;
+    for ( int body = 0; body < scene_world_moving_count( world ); ++body )
+    {
+        wisp_motion_stats stats;
+        if ( scene_world_motion_stats( world, body, &stats, NULL ) == WISP_OK )
+        {
+            kinetic += stats.kinetic_energy;
+            potential += stats.potential_energy;
+        }
+    }
+    return ( wisp_vec3 ){ (float)kinetic, (float)potential, 0.0f };
+}
+
 static wisp_status keep_frame( suite_motion* motion, const scene_world* world, double time, wisp_error* error )
 {
     wisp_vec3* points = add_frame( motion, time );
@@ -177,6 +210,7 @@ static wisp_status keep_frame( suite_motion* motion, const scene_world* world, d
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for the frames of a motion" );
     }
+    motion->energies[motion->frame_count - 1] = energies_of( world );
     wisp_status status = WISP_OK;
     for ( int i = 0; i < motion->body_count && status == WISP_OK; ++i )
     {
@@ -219,13 +253,43 @@ wisp_status suite_motion_run( const suite_row* row, const char* isa, const suite
     return status;
 }
 
+// ---- extrapolation ----
+
+static void extrapolate_points( wisp_vec3* points, const wisp_vec3* coarser, size_t count, double part )
+{
+    for ( size_t i = 0; i < count; ++i )
+    {
+        const wisp_vec3 p = points[i], q = coarser[i];
+        points[i].x = (float)( (double)p.x + part * ( (double)p.x - (double)q.x ) );
+        points[i].y = (float)( (double)p.y + part * ( (double)p.y - (double)q.y ) );
+        points[i].z = (float)( (double)p.z + part * ( (double)p.z - (double)q.z ) );
+    }
+}
+
+wisp_status suite_motion_extrapolate( suite_motion* motion, const suite_motion* coarser, double part,
+                                      wisp_error* error )
+{
+    const int n = suite_motion_points( motion );
+    if ( suite_motion_points( coarser ) != n || coarser->frame_count != motion->frame_count )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "extrapolation: got motions of %d and %d vertices, expected the same", n,
+                          suite_motion_points( coarser ) );
+    }
+    const size_t frames = (size_t)motion->frame_count;
+    extrapolate_points( motion->points, coarser->points, (size_t)n * frames, part );
+    extrapolate_points( motion->energies, coarser->energies, frames, part );
+    return WISP_OK;
+}
+
 // ---- recordings ----
 
 static wisp_status read_frames( wisp_recording* recording, const char* path, const suite_times* times,
                                 suite_motion* out, wisp_error* error )
 {
     const wisp_recording_info info = wisp_recording_describe( recording );
-    wisp_vec3** places = calloc( (size_t)out->body_count, sizeof *places );
+    // a file of our own has energies in its last body
+    wisp_vec3 unused, **places = calloc( (size_t)info.body_count, sizeof *places );
     wisp_status status =
         places ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for the frames of a motion" );
     for ( int frame = 0; frame < info.frame_count && out->frame_count < times->count && status == WISP_OK; ++frame )
@@ -241,6 +305,10 @@ static wisp_status read_frames( wisp_recording* recording, const char* path, con
         for ( int i = 0; i < out->body_count && points; ++i )
         {
             places[i] = points + out->first[i];
+        }
+        if ( places && out->body_count < info.body_count )
+        {
+            places[out->body_count] = frame == 0 || points == NULL ? &unused : &out->energies[out->frame_count - 1];
         }
         status = points ? wisp_recording_frame( recording, frame, places, NULL, NULL, error )
                         : wisp_fail( error, WISP_NO_MEMORY, "no memory for the frames of a motion" );
@@ -267,7 +335,10 @@ wisp_status suite_motion_read( const char* path, const suite_times* times, suite
                                   : wisp_fail( error, WISP_BAD_INPUT, "%s: the recording has no frame", path );
     for ( int i = 0; i < info.body_count && status == WISP_OK; ++i )
     {
-        status = add_body( out, wisp_recording_body( recording, i ), error );
+        const wisp_record_body* body = wisp_recording_body( recording, i );
+        const bool is_energies =
+            i > 0 && i == info.body_count - 1 && body->vertex_count == 1 && strcmp( body->name, ENERGIES ) == 0;
+        status = is_energies ? WISP_OK : add_body( out, body, error );
     }
     out->start = status == WISP_OK ? calloc( (size_t)suite_motion_points( out ) + 1, sizeof *out->start ) : NULL;
     if ( status == WISP_OK )
@@ -279,30 +350,48 @@ wisp_status suite_motion_read( const char* path, const suite_times* times, suite
     return status;
 }
 
-static wisp_status write_frame( const suite_motion* motion, const wisp_vec3* points, double time,
-                                wisp_recorder* recorder, const wisp_vec3** places, wisp_error* error )
+static wisp_status write_frame( const suite_motion* motion, const wisp_vec3* points, const wisp_vec3* energies,
+                                double time, wisp_recorder* recorder, const wisp_vec3** places, wisp_error* error )
 {
     for ( int i = 0; i < motion->body_count; ++i )
     {
         places[i] = points + motion->first[i];
     }
+    places[motion->body_count] = energies;
     return wisp_recorder_frame( recorder, time, 0, places, error );
+}
+
+static wisp_status write_frames( const suite_motion* motion, wisp_recorder* recorder, const wisp_vec3** places,
+                                 wisp_error* error )
+{
+    const size_t n = (size_t)suite_motion_points( motion );
+    const wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
+    wisp_status status = write_frame( motion, motion->start, &none, 0.0, recorder, places, error );
+    for ( int i = 0; i < motion->frame_count && status == WISP_OK; ++i )
+    {
+        status = write_frame( motion, motion->points + (size_t)i * n, motion->energies + i, motion->times[i],
+                              recorder, places, error );
+    }
+    return status;
 }
 
 wisp_status suite_motion_write( const suite_motion* motion, const char* path, wisp_error* error )
 {
-    const wisp_recorder_def def = { motion->bodies, motion->body_count, motion->times[0] };
+    const size_t count = (size_t)motion->body_count + 1;
     wisp_recorder* recorder = NULL;
-    const wisp_vec3** places = calloc( (size_t)motion->body_count + 1, sizeof *places );
-    wisp_status status = places ? wisp_recorder_open( path, WISP_RECORD_WISP, &def, &recorder, error )
-                                : wisp_fail( error, WISP_NO_MEMORY, "no memory for a recording" );
-    status = status == WISP_OK ? write_frame( motion, motion->start, 0.0, recorder, places, error ) : status;
-    for ( int i = 0; i < motion->frame_count && status == WISP_OK; ++i )
+    wisp_record_body* bodies = calloc( count, sizeof *bodies );
+    const wisp_vec3** places = calloc( count, sizeof *places );
+    wisp_status status = bodies && places ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for a recording" );
+    if ( status == WISP_OK )
     {
-        const wisp_vec3* points = motion->points + (size_t)i * (size_t)suite_motion_points( motion );
-        status = write_frame( motion, points, motion->times[i], recorder, places, error );
+        memcpy( bodies, motion->bodies, (size_t)motion->body_count * sizeof *bodies );
+        bodies[motion->body_count] = ( wisp_record_body ){ .name = ENERGIES, .vertex_count = 1 };
+        const wisp_recorder_def def = { bodies, (int)count, motion->times[0] };
+        status = wisp_recorder_open( path, WISP_RECORD_WISP, &def, &recorder, error );
+        status = status == WISP_OK ? write_frames( motion, recorder, places, error ) : status;
     }
     const wisp_status closed = wisp_recorder_close( recorder, status == WISP_OK ? error : NULL );
     free( places );
+    free( bodies );
     return status == WISP_OK ? closed : status;
 }

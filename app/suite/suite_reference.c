@@ -1,7 +1,7 @@
 #include "suite_reference.h"
 
 #include "io_file.h"
-#include "suite_match.h"
+#include "suite_compare.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 enum
 {
     PATH_SIZE = 1024,
-    CACHE_VERSION = 1, // of what a kept run depends on
+    CACHE_VERSION = 2, // of what a kept run depends on
 };
 
 // Distance between two runs that should be one, as part of their size, at which their motion is chaotic.
@@ -128,48 +128,79 @@ static wisp_status find_run( const wisp_suite* suite, const suite_row* row, cons
 
 static wisp_status read_stored( const wisp_suite* suite, suite_reference* out, wisp_error* error )
 {
-    out->doubt = suite->stored_doubt;
     snprintf( out->description, sizeof out->description, "the stored motion %s", io_short_name( suite->stored ) );
-    const wisp_status status = suite_motion_read( suite->stored, &out->times, &out->motion, error );
+    wisp_status status = suite_motion_read( suite->stored, &out->times, &out->motion, error );
     out->frame_count = out->motion.frame_count;
+    status = status == WISP_OK
+                 ? suite_compare( &out->motion, &out->motion, out->frame_count, "the reference", &out->doubt, error )
+                 : status;
+    out->doubt.distance = suite->stored_doubt;
     return status;
 }
 
-// Two runs that should be one part where motion is chaotic: what comes after that is not compared.
-static void find_chaos( const suite_match* match, const suite_motion* check, suite_reference* out )
+// Two references that should be one part where motion is chaotic: what comes after that is not compared.
+static void find_chaos( const suite_match* match, const suite_motion* coarser, suite_reference* out )
 {
-    const double most = APART * suite_motion_size( check );
+    const double most = APART * suite_motion_size( coarser );
     int frame = 0;
-    while ( frame < check->frame_count && suite_distance( match, check, &out->motion, frame, 1, NULL ) <= most )
+    while ( frame < coarser->frame_count && suite_distance( match, coarser, &out->motion, frame, 1, NULL ) <= most )
     {
         ++frame;
     }
-    out->parts_at = frame < check->frame_count ? check->times[frame] : INFINITY;
-    out->frame_count = frame > 0 ? frame : check->frame_count;
+    out->parts_at = frame < coarser->frame_count ? coarser->times[frame] : INFINITY;
+    out->frame_count = frame > 0 ? frame : coarser->frame_count;
+}
+
+// Runs of order p that halve their substeps differ by 2^p - 1 times what the finer one lacks.
+static wisp_status extrapolate( const wisp_suite* suite, suite_motion* half, suite_reference* out, wisp_error* error )
+{
+    const double part = 1.0 / ( pow( 2.0, suite->extrapolate ) - 1.0 );
+    suite_motion quarter = { 0 };
+    wisp_status status = find_run( suite, &suite->coarsest, &out->times, &quarter, error );
+    status = status == WISP_OK ? suite_motion_extrapolate( &out->motion, half, part, error ) : status;
+    status = status == WISP_OK ? suite_motion_extrapolate( half, &quarter, part, error ) : status;
+    suite_motion_release( &quarter );
+    return status;
+}
+
+static void describe( const wisp_suite* suite, suite_reference* out )
+{
+    if ( suite->extrapolate > 0.0 )
+    {
+        snprintf( out->description, sizeof out->description,
+                  "the same scene with %.80s and half of its substeps, extrapolated to infinitely many",
+                  suite->reference.variant );
+    }
+    else
+    {
+        snprintf( out->description, sizeof out->description, "the same scene with %.150s", suite->reference.variant );
+    }
 }
 
 static wisp_status make_runs( const wisp_suite* suite, suite_reference* out, wisp_error* error )
 {
-    suite_motion check = { 0 };
+    const char name[] = "the coarser reference";
+    suite_motion coarser = { 0 };
     suite_match match = { 0 };
     wisp_status status = find_run( suite, &suite->reference, &out->times, &out->motion, error );
-    status = status == WISP_OK ? find_run( suite, &suite->check, &out->times, &check, error ) : status;
-    status = status == WISP_OK ? suite_match_motions( &check, &out->motion, "the coarser reference", &match, error )
-                               : status;
+    status = status == WISP_OK ? find_run( suite, &suite->check, &out->times, &coarser, error ) : status;
+    status = status == WISP_OK && suite->extrapolate > 0.0 ? extrapolate( suite, &coarser, out, error ) : status;
+    status = status == WISP_OK ? suite_match_motions( &coarser, &out->motion, name, &match, error ) : status;
     if ( status == WISP_OK )
     {
-        find_chaos( &match, &check, out );
-        out->doubt = suite_distance( &match, &check, &out->motion, 0, out->frame_count, NULL );
-        snprintf( out->description, sizeof out->description, "the same scene with %.150s", suite->reference.variant );
+        find_chaos( &match, &coarser, out );
+        status = suite_compare( &coarser, &out->motion, out->frame_count, name, &out->doubt, error );
+        describe( suite, out );
     }
     suite_match_release( &match );
-    suite_motion_release( &check );
+    suite_motion_release( &coarser );
     return status;
 }
 
 wisp_status suite_reference_make( const wisp_suite* suite, suite_reference* out, wisp_error* error )
 {
-    *out = ( suite_reference ){ .parts_at = INFINITY, .is_start = suite->compares_start };
+    *out =
+        ( suite_reference ){ .doubt = suite_not_compared, .parts_at = INFINITY, .is_start = suite->compares_start };
     out->exists = suite->reference.text != NULL || suite->stored != NULL || suite->compares_start;
     const wisp_status status = out->exists ? suite_choose_times( suite, &out->times, error ) : WISP_OK;
     return status != WISP_OK || !out->exists || out->is_start ? status
@@ -180,23 +211,19 @@ wisp_status suite_reference_make( const wisp_suite* suite, suite_reference* out,
 // ---- errors ----
 
 static wisp_status compare( const suite_reference* reference, const suite_row* row, const suite_motion* motion,
-                            double* out, double* most, wisp_error* error )
+                            suite_measurement* out, wisp_error* error )
 {
-    suite_match match = { 0 };
     wisp_status status = WISP_OK;
     if ( reference->is_start )
     {
-        *out = suite_drift( motion );
+        out->compared.distance = suite_drift( motion );
     }
     else
     {
-        status = suite_match_motions( motion, &reference->motion, row->name, &match, error );
-        *out = status == WISP_OK
-                   ? suite_distance( &match, motion, &reference->motion, 0, reference->frame_count, most )
-                   : NAN;
+        status =
+            suite_compare( motion, &reference->motion, reference->frame_count, row->name, &out->compared, error );
     }
-    *out = status == WISP_OK && !isfinite( *out ) ? INFINITY : *out;
-    suite_match_release( &match );
+    out->values[SUITE_ERROR] = isfinite( out->compared.distance ) ? out->compared.distance : INFINITY;
     return status;
 }
 
@@ -212,9 +239,7 @@ wisp_status suite_reference_run( const suite_reference* reference, const suite_r
     if ( status == WISP_OK )
     {
         out->values[SUITE_ERROR] = INFINITY;
-        status = out->values[SUITE_HALTED] > 0.0
-                     ? WISP_OK
-                     : compare( reference, row, &motion, &out->values[SUITE_ERROR], &out->largest_distance, error );
+        status = out->values[SUITE_HALTED] > 0.0 ? WISP_OK : compare( reference, row, &motion, out, error );
     }
     suite_motion_release( &motion );
     return status;

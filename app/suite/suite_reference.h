@@ -1,4 +1,5 @@
-/// What errors of a suite are measured against: a stored recording, or a converged run that is made on request and kept.
+/// What errors of a suite are measured against: a stored recording, a converged run, or what runs with more and more substeps converge to. Runs
+/// are made on request and kept.
 #pragma once
 
 #include "suite_motion.h"
@@ -9,8 +10,10 @@ typedef struct suite_reference
     bool is_start; ///< it is where bodies start
     suite_times times;
     suite_motion motion;
-    double doubt;    ///< m, root mean square distance to the coarser run; of a stored one as the suite says
-    double parts_at; ///< s, when both runs are one percent of their size apart; INFINITY: they never are
+    suite_comparison
+        doubt; ///< the coarser reference compared with this one. A stored one is compared with itself: 0, and the
+               ///< distance that the suite says. NaN: rows have no such value
+    double parts_at; ///< s, when both are one percent of their size apart; INFINITY: they never are
     int frame_count; ///< that are compared: those before, or all if there is none
     char description[200];
 } suite_reference;

@@ -574,16 +574,18 @@ enum
     REFERENCE_STORED,
     REFERENCE_DOUBT,
     REFERENCE_FILE,
+    REFERENCE_EXTRAPOLATE,
     REFERENCE_SET,
     REFERENCE_CHECK,
     REFERENCE_COUNT,
 };
 
-static const char* const reference_keys[REFERENCE_COUNT] = { "start", "overlap", "stored", "doubt",
-                                                             "file",  "set",     "check" };
+static const char* const reference_keys[REFERENCE_COUNT] = { "start", "overlap",     "stored", "doubt",
+                                                             "file",  "extrapolate", "set",    "check" };
 
-static wisp_status read_run( const suite_reader* r, const entry* e, const scene_node* coarser, const char* name,
-                             suite_row* out )
+// @param coarser fields of a coarser run, null: none @param substeps of it, 0: those of the scene
+static wisp_status read_run( const suite_reader* r, const entry* e, const scene_node* coarser, int substeps,
+                             const char* name, suite_row* out )
 {
     begin_row( r, e, out );
     snprintf( out->name, sizeof out->name, "%s", name );
@@ -594,12 +596,32 @@ static wisp_status read_run( const suite_reader* r, const entry* e, const scene_
     text_node* own = text_copy( e->scene );
     wisp_status status = set_fields( r, own, e->values[KEY_SET], out );
     status = status == WISP_OK ? set_fields( r, own, coarser, out ) : status;
+    if ( substeps > 0 )
+    {
+        text_set_number( text_put( own, "substeps", text_scalar( "1" ) ), substeps );
+    }
     status = status == WISP_OK ? finish_row( r, e, own, out ) : status;
     text_release( own );
     return status;
 }
 
-// Both runs are as long as the first row.
+// A half and a quarter of the substeps of the reference.
+static wisp_status read_halves( suite_reader* r, const entry* e, const scene_node* place )
+{
+    wisp_scene scene;
+    wisp_status status = suite_scene( &r->out->reference, &scene, r->source.error );
+    const int substeps = scene.substeps;
+    wisp_scene_release( &scene );
+    if ( status == WISP_OK && substeps % 4 != 0 )
+    {
+        return suite_refuse( r, place, "got a reference of %d substeps, expected a multiple of 4 to extrapolate from",
+                             substeps );
+    }
+    status = status == WISP_OK ? read_run( r, e, NULL, substeps / 2, "reference, half", &r->out->check ) : status;
+    return status == WISP_OK ? read_run( r, e, NULL, substeps / 4, "reference, quarter", &r->out->coarsest ) : status;
+}
+
+// All runs are as long as the first row.
 static wisp_status read_runs( suite_reader* r, const scene_node* const* values )
 {
     const suite_row* first = r->out->rows;
@@ -610,12 +632,16 @@ static wisp_status read_runs( suite_reader* r, const scene_node* const* values )
     e.values[KEY_SET] = values[REFERENCE_SET];
     e.values[KEY_FILE] = file;
     wisp_status status = read_scene_text( r, file, e.path, &e.scene );
-    status = status == WISP_OK ? read_run( r, &e, NULL, "reference", &r->out->reference ) : status;
-    status =
-        status == WISP_OK ? read_run( r, &e, values[REFERENCE_CHECK], "reference, check", &r->out->check ) : status;
+    status = status == WISP_OK ? read_run( r, &e, NULL, 0, "reference", &r->out->reference ) : status;
+    if ( status == WISP_OK )
+    {
+        status = values[REFERENCE_EXTRAPOLATE]
+                     ? read_halves( r, &e, values[REFERENCE_EXTRAPOLATE] )
+                     : read_run( r, &e, values[REFERENCE_CHECK], 0, "reference, check", &r->out->check );
+    }
     if ( e.seconds == 0.0 )
     {
-        r->out->reference.steps = r->out->check.steps = first->steps;
+        r->out->reference.steps = r->out->check.steps = r->out->coarsest.steps = first->steps;
     }
     release_entry( &e );
     return status;
@@ -633,7 +659,7 @@ wisp_status suite_read_reference( suite_reader* r, const scene_node* block )
     }
     for ( int i = 0; i < REFERENCE_COUNT; ++i )
     {
-        const bool is_text = i <= REFERENCE_FILE;
+        const bool is_text = i <= REFERENCE_EXTRAPOLATE;
         if ( values[i] && values[i]->kind != ( is_text ? SCENE_SCALAR : SCENE_MAP ) )
         {
             return suite_refuse( r, values[i], "expected %s",
@@ -655,6 +681,18 @@ wisp_status suite_read_reference( suite_reader* r, const scene_node* block )
                    ? WISP_OK
                    : suite_refuse( r, block, "expected overlap: none alone" );
     }
+    const scene_node* order = values[REFERENCE_EXTRAPOLATE];
+    r->out->extrapolate = order ? number_of( r, order ) : 0.0;
+    if ( order && r->out->extrapolate != 1.0 && r->out->extrapolate != 2.0 )
+    {
+        return suite_refuse( r, order, "got extrapolate '%s', expected the order at which the runs converge, 1 or 2",
+                             scene_shorten( scene_text_of( &r->tree, order ) ).text );
+    }
+    if ( order && ( values[REFERENCE_STORED] || values[REFERENCE_CHECK] ) )
+    {
+        return suite_refuse( r, order, "got extrapolate with %s, expected one of them",
+                             values[REFERENCE_STORED] ? "stored" : "check" );
+    }
     if ( values[REFERENCE_STORED] )
     {
         r->out->stored = resolve( r->source.name, scene_text_of( &r->tree, values[REFERENCE_STORED] ) );
@@ -662,12 +700,11 @@ wisp_status suite_read_reference( suite_reader* r, const scene_node* block )
         return r->out->stored_doubt >= 0.0 ? WISP_OK
                                            : suite_refuse( r, values[REFERENCE_DOUBT], "expected a distance in m" );
     }
-    if ( values[REFERENCE_SET] == NULL || values[REFERENCE_CHECK] == NULL )
+    if ( values[REFERENCE_SET] == NULL || ( values[REFERENCE_CHECK] == NULL && order == NULL ) )
     {
-        return suite_refuse(
-            r, block,
-            "expected set, the fields of the converged run, and check, those that make a coarser one, "
-            "whose distance to it is its doubt" );
+        return suite_refuse( r, block,
+                             "expected set, the fields of the converged run, and check, those that make a coarser "
+                             "one, or extrapolate, the order at which runs converge" );
     }
     return read_runs( r, values );
 }

@@ -47,6 +47,8 @@ typedef struct accuracy_scene
     char error_unit[16]; ///< "mm", "%": of `error` as printed
     char ms_name[32];    ///< unit of a time, where steps have several lengths: "frame of 1/60 s"; empty: "step"
     const char* measure_names[ACCURACY_MEASURES_MAX]; ///< with their units; static texts
+    double
+        measure_doubts[ACCURACY_MEASURES_MAX]; ///< of those that are errors: smaller values are unresolved; 0: none
     int measure_count;
     int contact_measures; ///< the last ones of them, which have a table of their own
     bool has_no_rivals;   ///< series are separate experiments: no front, and no tables at equal error or equal time

@@ -2,6 +2,7 @@
 #include "accuracy_parts.h"
 
 #include "accuracy_compare.h"
+#include "accuracy_labels.h"
 #include "bench_data.h"
 #include "stability/stability_suite.h"
 #include "suite/suite_study.h"
@@ -49,6 +50,7 @@ static void free_report( accuracy_report* report )
     }
     free( report->on_front );
     free( report->error );
+    free( report->bounded );
     free( report->min_ms );
 }
 
@@ -57,9 +59,10 @@ static wisp_status fill_report( accuracy_report* report, wisp_error* error )
 {
     const int count = report->scene->setting_count;
     report->error = calloc( (size_t)count, sizeof( double ) );
+    report->bounded = calloc( (size_t)count, sizeof( double ) );
     report->min_ms = calloc( (size_t)count, sizeof( double ) );
     report->on_front = calloc( (size_t)count, sizeof( bool ) );
-    bool has_room = report->error && report->min_ms && report->on_front;
+    bool has_room = report->error && report->bounded && report->min_ms && report->on_front;
     for ( int w = 0; w < report->worker_count; ++w )
     {
         report->ms[w] = calloc( (size_t)count, sizeof( double ) );
@@ -71,7 +74,10 @@ static wisp_status fill_report( accuracy_report* report, wisp_error* error )
     }
     for ( int i = 0; i < count; ++i )
     {
-        report->error[i] = report->stats[i].seen.error;
+        const double measured = report->stats[i].seen.error, doubt = report->scene->uncertainty;
+        const bool is_below = accuracy_is_below( measured, doubt );
+        report->error[i] = is_below ? NAN : measured;
+        report->bounded[i] = is_below ? doubt : measured;
         report->min_ms[i] = NAN;
         for ( int w = 0; w < report->worker_count; ++w )
         {

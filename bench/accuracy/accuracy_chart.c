@@ -7,19 +7,28 @@
 
 static void add_point( const accuracy_report* report, int setting, double x, int chart, int series, results* out )
 {
-    results_point point = { .x = x, .y = report->error[setting] };
+    const bool is_below = accuracy_is_below( report->bounded[setting], report->scene->uncertainty );
+    results_point point = { .x = x, .y = report->bounded[setting] };
     point.is_marked = report->on_front[setting];
-    snprintf( point.label, sizeof( point.label ), "%s", report->scene->settings[setting].name );
+    snprintf( point.label, sizeof( point.label ), is_below ? "%.180s: below" : "%.191s",
+              report->scene->settings[setting].name );
     results_add_point( out, chart, series, point );
 }
 
-static void make_logarithmic( results* out, int chart, const char* caption )
+static void make_logarithmic( const accuracy_report* report, results* out, int chart, const char* caption )
 {
     results_chart* made = results_chart_at( out, chart );
     if ( made )
     {
         made->x_log = made->y_log = true;
         snprintf( made->caption, sizeof( made->caption ), "%s", caption );
+    }
+    if ( made && report->scene->uncertainty > 0.0 )
+    {
+        const size_t used = strlen( made->caption );
+        snprintf( made->caption + used, sizeof( made->caption ) - used,
+                  " Points called `below` stand at the doubt of the reference, %.3g %s.", report->scene->uncertainty,
+                  report->scene->error_unit );
     }
 }
 
@@ -57,7 +66,7 @@ static void add_time_chart( const accuracy_report* report, results* out )
     snprintf( title, sizeof( title ), "Accuracy `%s`: error against time", report->entry->name );
     snprintf( x_label, sizeof( x_label ), "ms per %s", accuracy_ms_name( scene ) );
     const int chart = results_add_chart( out, title, x_label, error );
-    make_logarithmic( out, chart,
+    make_logarithmic( report, out, chart,
                       "Lower is more accurate, further left is faster. Each setting has its faster worker count. "
                       "Marked: the Pareto front, where no other setting is both faster and more accurate." );
     for ( int i = 0; i < scene->setting_count; ++i )
@@ -113,7 +122,7 @@ static void add_parameter_chart( const accuracy_report* report, const char* para
     accuracy_error_label( scene, error, sizeof( error ) );
     snprintf( title, sizeof( title ), "Accuracy `%s`: error against %s", report->entry->name, parameter_name );
     const int chart = results_add_chart( out, title, parameter_name, error );
-    make_logarithmic( out, chart,
+    make_logarithmic( report, out, chart,
                       "Slope 1 is first order: half the parameter, half the error. A line that turns flat has "
                       "reached an error that does not depend on this parameter. Marked: the Pareto front." );
     for ( int i = 0; i < scene->setting_count; ++i )

@@ -41,6 +41,23 @@ void accuracy_put_digits( cells* row, double value, int digits )
     }
 }
 
+bool accuracy_is_below( double error, double doubt )
+{
+    return doubt > 0.0 && fabs( error ) <= doubt;
+}
+
+void accuracy_put_error( cells* row, double error, double doubt, int digits )
+{
+    if ( accuracy_is_below( error, doubt ) )
+    {
+        cells_put( row, "below" );
+    }
+    else
+    {
+        accuracy_put_digits( row, error, digits );
+    }
+}
+
 const char* accuracy_method_of( const accuracy_setting* setting )
 {
     return setting->method[0] ? setting->method : setting->series[0] ? setting->series : setting->name;

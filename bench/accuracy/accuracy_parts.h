@@ -22,7 +22,8 @@ typedef struct accuracy_report
     const accuracy_stats* stats; ///< [setting_count]
     int workers[ACCURACY_WORKERS_MAX], worker_count;
     // by setting, of `stats`: the columns that are compared
-    double* error; ///< NaN: halted
+    double* error;   ///< NaN: halted, or below the doubt of the reference
+    double* bounded; ///< the same, and the doubt where it is below; NaN: halted
     double* ms[ACCURACY_WORKERS_MAX];
     double* min_ms; ///< the fastest worker count: with two cores, one may stay idle
     bool* on_front; ///< of error and min_ms

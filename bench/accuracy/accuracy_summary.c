@@ -110,10 +110,12 @@ static void add_level( const summary* s, double level, double tighter, int table
         cells_put( &row, "%g", level );
         cells_put( &row, "%s", accuracy_method_of( &s->report->scene->settings[setting] ) );
         cells_put( &row, "%s", s->report->scene->settings[setting].name );
-        accuracy_put_digits( &row, s->cost[setting], 3 );
+        const double doubt = s->report->scene->uncertainty;
+        accuracy_put_error( &row, s->cost[setting], s->is_by_error ? 0.0 : doubt, 3 );
         const double least = s->cost[s->best[0]];
-        cells_put_number( &row, least > 0.0 ? s->cost[setting] / least : NAN, 2 );
-        accuracy_put_digits( &row, s->limited[setting], 3 );
+        const bool is_known = least > 0.0 && ( s->is_by_error || !accuracy_is_below( least, doubt ) );
+        cells_put_number( &row, is_known ? s->cost[setting] / least : NAN, 2 );
+        accuracy_put_error( &row, s->limited[setting], s->is_by_error ? doubt : 0.0, 3 );
         cells_put( &row, "%d", workers_of( s->report, setting ) );
         cells_end_row( &row, table, out );
     }
@@ -123,7 +125,7 @@ static void add_level( const summary* s, double level, double tighter, int table
 static void add_summary( const accuracy_report* report, bool is_by_error, results* out )
 {
     const int count = report->scene->setting_count;
-    const double *error = report->error, *ms = report->min_ms;
+    const double *error = report->bounded, *ms = report->min_ms;
     summary s = { .report = report,
                   .cost = is_by_error ? ms : error,
                   .limited = is_by_error ? error : ms,
@@ -132,7 +134,8 @@ static void add_summary( const accuracy_report* report, bool is_by_error, result
                   .best = calloc( (size_t)count, sizeof( int ) ),
                   .tighter = calloc( (size_t)count, sizeof( int ) ) };
     double levels[ACCURACY_LEVELS_MAX];
-    const int level_count = accuracy_levels( s.limited, count, levels );
+    // no level is below the doubt
+    const int level_count = accuracy_levels( is_by_error ? report->error : ms, count, levels );
     if ( !s.takes_part || !s.best || !s.tighter )
     {
         out->incomplete = true;
@@ -170,8 +173,7 @@ static accuracy_order order_of( const accuracy_report* report, const char* serie
         if ( strcmp( report->scene->settings[i].series, series ) == 0 )
         {
             parameter[count] = report->scene->settings[i].parameter;
-            // errors below the reference's uncertainty are not resolved, so they are left out
-            error[count++] = report->error[i] > report->scene->uncertainty ? report->error[i] : NAN;
+            error[count++] = report->error[i];
         }
     }
     return accuracy_observed_order( parameter, error, count );
@@ -256,6 +258,26 @@ void accuracy_add_headline( const accuracy_report* report, results* out )
     }
 }
 
+// The doubts of all errors beside each other.
+static void add_doubts( const accuracy_report* report, results* out )
+{
+    const accuracy_scene* scene = report->scene;
+    char measures[400] = "";
+    for ( int i = 0; i < scene->measure_count; ++i )
+    {
+        const size_t used = strlen( measures );
+        if ( scene->measure_doubts[i] > 0.0 )
+        {
+            snprintf( measures + used, sizeof measures - used, "; %.60s: %.3g", scene->measure_names[i],
+                      scene->measure_doubts[i] );
+        }
+    }
+    results_add_note( out,
+                      "Accuracy `%s`: The reference is uncertain by %.3g %s%s. Smaller errors are `below`: they are "
+                      "not resolved, on no front and in no order.",
+                      report->entry->name, scene->uncertainty, scene->error_unit, measures );
+}
+
 void accuracy_add_notes( const accuracy_report* report, results* out )
 {
     const accuracy_scene* scene = report->scene;
@@ -278,10 +300,7 @@ void accuracy_add_notes( const accuracy_report* report, results* out )
     }
     if ( scene->uncertainty > 0.0 )
     {
-        results_add_note( out,
-                          "Accuracy `%s`: The reference is uncertain by %.3g %s; smaller errors are not resolved. "
-                          "Observed orders leave them out.",
-                          report->entry->name, scene->uncertainty, scene->error_unit );
+        add_doubts( report, out );
     }
     if ( report->left_out > 0 )
     {

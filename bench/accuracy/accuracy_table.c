@@ -70,11 +70,11 @@ static void add_line( const accuracy_report* report, int setting, int table, res
     put_times( report, f, &row );
     if ( report->scene->error_name[0] != '\0' )
     {
-        accuracy_put_digits( &row, f->seen.error, 4 );
+        accuracy_put_error( &row, f->seen.error, report->scene->uncertainty, 4 );
     }
     for ( int i = 0; i < report->scene->measure_count - report->scene->contact_measures; ++i )
     {
-        accuracy_put_digits( &row, f->seen.measures[i], 4 );
+        accuracy_put_error( &row, f->seen.measures[i], report->scene->measure_doubts[i], 4 );
     }
     cells_put( &row, "%d", timed_steps( report, f ) );
     if ( !report->scene->has_no_rivals )
@@ -191,6 +191,18 @@ static void put_finite( results_values* values, const char* label, double value 
     }
 }
 
+// An error whose value says nothing is marked by another one.
+static void put_error( results_values* values, const char* label, double error, double doubt )
+{
+    char marked[96];
+    put_finite( values, label, error );
+    if ( accuracy_is_below( error, doubt ) )
+    {
+        snprintf( marked, sizeof marked, "%.80s, below", label );
+        put_finite( values, marked, 1.0 );
+    }
+}
+
 static void add_row( const accuracy_report* report, int setting, int worker, results* out )
 {
     const accuracy_scene* scene = report->scene;
@@ -213,11 +225,11 @@ static void add_row( const accuracy_report* report, int setting, int worker, res
     accuracy_error_label( scene, text, sizeof( text ) );
     if ( scene->error_name[0] != '\0' )
     {
-        put_finite( &row->error, text, f->seen.error );
+        put_error( &row->error, text, f->seen.error, scene->uncertainty );
     }
     for ( int i = 0; i < scene->measure_count; ++i )
     {
-        put_finite( &row->error, scene->measure_names[i], f->seen.measures[i] );
+        put_error( &row->error, scene->measure_names[i], f->seen.measures[i], scene->measure_doubts[i] );
     }
     if ( f->seen.halted_at > 0 )
     {

@@ -19,7 +19,12 @@ const char* const suite_sample_names[SAMPLE_COUNT] = {
     [SAMPLE_SPEED] = "speed, m/s",
     [SAMPLE_PENETRATION] = "penetration, mm",
     [SAMPLE_RESETS] = "strand resets",
+    [SAMPLE_ERROR_FIRST] = "error at 0.5 s, mm",
+    [SAMPLE_ERROR_FIRST + 1] = "error at 1 s, mm",
+    [SAMPLE_ERROR_LAST] = "error at 2 s, mm",
     [SAMPLE_LARGEST_DISTANCE] = "largest distance, mm",
+    [SAMPLE_DETAIL] = "detail",
+    [SAMPLE_ENERGY_COMPARED] = "energy against the reference, % of released",
     [SAMPLE_ITERATIONS] = "linear iterations",
     [SAMPLE_FIRST_ORDER] = "left to euler",
     [SAMPLE_NOT_CONVERGED] = "not converged",
@@ -219,6 +224,17 @@ wisp_status suite_sampler_observe( void* user, const scene_world* world, wisp_er
     return status;
 }
 
+void suite_sampler_comparison( const suite_comparison* compared, double* out )
+{
+    for ( int i = 0; i < SUITE_MOMENT_COUNT; ++i )
+    {
+        out[SAMPLE_ERROR_FIRST + i] = 1e3 * compared->at[i];
+    }
+    out[SAMPLE_LARGEST_DISTANCE] = 1e3 * compared->largest;
+    out[SAMPLE_DETAIL] = compared->detail;
+    out[SAMPLE_ENERGY_COMPARED] = 100.0 * compared->energy;
+}
+
 void suite_sampler_values( const suite_sampler* s, const suite_measurement* measured, double* out )
 {
     const bool meets = s->contact_steps > 0 && s->candidates > 0.0;
@@ -233,7 +249,6 @@ void suite_sampler_values( const suite_sampler* s, const suite_measurement* meas
         [SAMPLE_SPEED] = s->speed,
         [SAMPLE_PENETRATION] = 1e3 * measured->values[SUITE_PENETRATION],
         [SAMPLE_RESETS] = measured->values[SUITE_RESETS],
-        [SAMPLE_LARGEST_DISTANCE] = 1e3 * measured->largest_distance,
         [SAMPLE_ITERATIONS] = s->iterations,
         [SAMPLE_FIRST_ORDER] = s->first_order,
         [SAMPLE_NOT_CONVERGED] = measured->values[SUITE_NOT_CONVERGED],
@@ -262,4 +277,5 @@ void suite_sampler_values( const suite_sampler* s, const suite_measurement* meas
     {
         out[i] = all[i];
     }
+    suite_sampler_comparison( &measured->compared, out );
 }

@@ -15,7 +15,11 @@ typedef enum suite_sample
     SAMPLE_SPEED,
     SAMPLE_PENETRATION,
     SAMPLE_RESETS,
+    SAMPLE_ERROR_FIRST, ///< at suite_moments, one after another
+    SAMPLE_ERROR_LAST = SAMPLE_ERROR_FIRST + SUITE_MOMENT_COUNT - 1,
     SAMPLE_LARGEST_DISTANCE,
+    SAMPLE_DETAIL,
+    SAMPLE_ENERGY_COMPARED,
     SAMPLE_ITERATIONS,
     SAMPLE_FIRST_ORDER,
     SAMPLE_NOT_CONVERGED,
@@ -69,5 +73,8 @@ typedef struct suite_sampler
 
 /// Tell it of a run's start and steps. @param user the sampler
 wisp_status suite_sampler_observe( void* user, const scene_world* world, wisp_error* error );
+/// The samples of a comparison with a reference, in their units. @param out [SAMPLE_COUNT] others stay as they are
+void suite_sampler_comparison( const suite_comparison* compared, double* out );
+
 /// @param out [SAMPLE_COUNT] NaN: the run does not have it
 void suite_sampler_values( const suite_sampler* sampler, const suite_measurement* measured, double* out );

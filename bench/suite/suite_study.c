@@ -148,7 +148,6 @@ static wisp_status look_at_row( study* own, int row, wisp_error* error )
     own->longest_dt = fmax( own->longest_dt, own->dt[row] );
     own->steps[row] = own->suite->rows[row].steps > 0 ? own->suite->rows[row].steps : scene.steps;
     suite_samples_of( &scene, own->measures );
-    own->measures[SAMPLE_LARGEST_DISTANCE] = own->suite->reference.text || own->suite->stored;
     wisp_scene_release( &scene );
     return WISP_OK;
 }
@@ -181,12 +180,39 @@ static void add_setting( const study* own, int row, accuracy_scene* out )
     }
 }
 
+// Samples of a comparison that the reference can have, and their doubts.
+static void look_at_reference( study* own, double doubts[SAMPLE_COUNT] )
+{
+    for ( int m = 0; m < SAMPLE_COUNT; ++m )
+    {
+        doubts[m] = NAN;
+    }
+    const bool is_motion = own->suite->reference.text || own->suite->stored;
+    if ( !is_motion )
+    {
+        return;
+    }
+    suite_sampler_comparison( &own->reference.doubt, doubts );
+    own->measures[SAMPLE_LARGEST_DISTANCE] = true;
+    for ( int i = 0; i < SUITE_MOMENT_COUNT; ++i )
+    {
+        own->measures[SAMPLE_ERROR_FIRST + i] = isfinite( own->reference.doubt.at[i] );
+    }
+    own->measures[SAMPLE_DETAIL] = isfinite( own->reference.doubt.detail );
+    own->measures[SAMPLE_ENERGY_COMPARED] = isfinite( own->reference.doubt.energy );
+    // it is near 1, and no error that could be below a doubt
+    doubts[SAMPLE_DETAIL] = NAN;
+}
+
 static void describe( study* own, accuracy_scene* out )
 {
+    double doubts[SAMPLE_COUNT];
+    look_at_reference( own, doubts );
     for ( int m = 0; m < SAMPLE_COUNT; ++m )
     {
         if ( own->measures[m] )
         {
+            out->measure_doubts[out->measure_count] = isfinite( doubts[m] ) ? fabs( doubts[m] ) : 0.0;
             out->measure_names[out->measure_count++] = suite_sample_names[m];
             out->contact_measures += m >= SAMPLE_CONTACT_FIRST ? 1 : 0;
         }
@@ -221,7 +247,7 @@ static void describe( study* own, accuracy_scene* out )
         snprintf( out->reference, sizeof out->reference, "%s", own->reference.description );
         snprintf( out->error_name, sizeof out->error_name, "RMS distance to the reference" );
         snprintf( out->error_unit, sizeof out->error_unit, "mm" );
-        out->uncertainty = 1e3 * own->reference.doubt;
+        out->uncertainty = 1e3 * own->reference.doubt.distance;
         if ( isfinite( own->reference.parts_at ) )
         {
             const double until = own->reference.motion.times[own->reference.frame_count - 1];

@@ -88,6 +88,20 @@ static void a_run_that_is_the_reference_has_no_error( void** state )
     assert_contains( result.out, text );
 }
 
+// A run of the substeps that are extrapolated from has the error of first order, and the doubt is below it.
+static void a_reference_is_extrapolated( void** state )
+{
+    (void)state;
+    write_text( "limit.yaml", "wisp_suite: 1\n"
+                              "reference: { set: { substeps: 80 }, extrapolate: 1 }\n"
+                              "scenes:\n"
+                              "  - { file: sheet.yaml, along: { substeps: [20, 40, 80] } }\n" );
+    json_t* root = measure( "bench limit.yaml --seconds 0.1 -f json -o out.json" );
+    const double coarse = error_of( root, "sheet, substeps=40" ), fine = error_of( root, "sheet, substeps=80" );
+    json_decref( root );
+    assert_true( fine > 0.4 * coarse && fine < 0.6 * coarse );
+}
+
 static int count_files( void )
 {
     FILE* list = popen( "ls cache | wc -l", "r" );
@@ -137,6 +151,12 @@ static void what_a_suite_gets_wrong_is_said( void** state )
         { "reference: { set: { substeps: 60 } }", "expected set, the fields of the converged run, and check" },
         { "reference: { stored: nowhere.wisp }", "nowhere.wisp" },
         { "reference: { kept: x }", "got key 'kept'" },
+        { "reference: { set: { substeps: 60 }, extrapolate: 3 }", "bad.yaml:2:" },
+        { "reference: { set: { substeps: 60 }, extrapolate: 3 }", "got extrapolate '3', expected the order" },
+        { "reference: { set: { substeps: 60 }, extrapolate: {} }", "expected a text or a number" },
+        { "reference: { set: { substeps: 60 }, extrapolat: 1 }", "did you mean 'extrapolate'?" },
+        { "reference: { set: { substeps: 60 }, check: {}, extrapolate: 1 }", "got extrapolate with check" },
+        { "reference: { set: { substeps: 30 }, extrapolate: 1 }", "got a reference of 30 substeps" },
         { "reference: { overlap: some }", "expected overlap: none alone" },
         { "reference: { set: { \"surfaces[3].damping\": 1 }, check: {} }", "names nothing of the scene" },
         { "seconds: -1", "expected seconds of simulated time" },
@@ -217,6 +237,7 @@ int main( int argc, char** argv )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( errors_fall_along_a_series ),
         cmocka_unit_test( a_run_that_is_the_reference_has_no_error ),
+        cmocka_unit_test( a_reference_is_extrapolated ),
         cmocka_unit_test( references_are_kept ),
         cmocka_unit_test( a_suite_without_a_reference_is_a_table_of_times ),
         cmocka_unit_test( what_a_suite_gets_wrong_is_said ),
