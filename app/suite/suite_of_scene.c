@@ -131,14 +131,28 @@ static const method methods[] = {
       "implicit",
       false,
       { { "implicit.integrator", "bdf2" }, { "implicit.newton_iterations", "4" } } },
-    { "strands: direct", "strands", "dynamics", false, { { "dynamics.stretch", "direct" } } },
-    { "strands: links", "strands", "dynamics", false, { { "dynamics.stretch", "links" } } },
+    { "strands: direct",
+      "strands",
+      "dynamics",
+      false,
+      { { "dynamics.stretch", "direct" }, { "dynamics.integrator", "euler" } } },
+    { "strands: direct, bdf2",
+      "strands",
+      "dynamics",
+      false,
+      { { "dynamics.stretch", "direct" }, { "dynamics.integrator", "bdf2" } } },
+    { "strands: links",
+      "strands",
+      "dynamics",
+      false,
+      { { "dynamics.stretch", "links" }, { "dynamics.integrator", "euler" } } },
 };
 
 // Defaults of fields that a scene need not name.
 static const char* const defaults[][2] = {
     { "cloth.tethers", "false" },       { "cloth.level_passes", "0" },         { "levels", "0" },
     { "implicit.integrator", "euler" }, { "implicit.newton_iterations", "1" }, { "dynamics.stretch", "direct" },
+    { "dynamics.integrator", "euler" },
 };
 
 static bool is_same( const text_node* body, const char* field, const char* value )

@@ -9,8 +9,15 @@ static const float DT = 1.0f / 600.0f;
 static void a_substep( const wisp_kernels* k, strands_state* s, int kind )
 {
     const wisp_strand_motion_args motion = motion_args( s, DT );
-    const wisp_strand_damp_args damp = { s->group_row, s->position[0][0], s->velocity[0][0],     s->weight[0],
-                                         0.9f,         { 1, 2, 3 },       { 0.5f, -1.0f, 2.0f }, { 0.1f, 0, 0 } };
+    const wisp_strand_damp_args damp = { s->group_row,
+                                         s->position[0][0],
+                                         s->velocity[0][0],
+                                         s->weight[0],
+                                         66.0f,
+                                         { 1, 2, 3 },
+                                         { 0.5f, -1.0f, 2.0f },
+                                         { 0.1f, 0, 0 },
+                                         DT };
     const wisp_strand_air_args air = {
         s->group_row, s->position[0][0], s->velocity[0][0], s->weight[0], s->length[0], { 3, 0, 1 }, 4e-5f, DT
     };
