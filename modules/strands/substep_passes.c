@@ -62,7 +62,7 @@ static wisp_strand_history history_of( wisp_frame* frame, const wisp_span* span,
 {
     if ( wisp_frame_has( frame, span->entity, state->history ) == false )
     {
-        return ( wisp_strand_history ){ NULL };
+        return ( wisp_strand_history ){ .step = NULL };
     }
     return ( wisp_strand_history ){
         .displacement = column_of( frame, span, state->history, 0 ),
