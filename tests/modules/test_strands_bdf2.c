@@ -205,7 +205,8 @@ static void add_floor( hosted* s, wisp_entity strands, float height )
     assert_int_equal( wisp_set_collision( s->world, strands, &collision ), WISP_OK );
 }
 
-// A vertex at a time comes down flat on a floor. BDF2 would throw it up again with half of its speed.
+// A vertex at a time comes down flat on a floor. The chain lifts one by 5 mm again; BDF2 would throw it up with half of
+// its speed, by 16 mm.
 static void what_lands_on_a_floor_does_not_bounce( void** state )
 {
     (void)state;
@@ -220,10 +221,10 @@ static void what_lands_on_a_floor_does_not_bounce( void** state )
         {
             strand_steps( s.world, 1, FRAME );
             const wisp_vec3* points = strand_points( s.world, e );
-            for ( int v = 0; v < POINTS && i < 14; ++v )
+            for ( int v = 0; v < POINTS && i < 16; ++v )
             {
                 const bool is_down = (double)points[v].y < -0.12 + 0.002;
-                assert_true( has_landed[v] == false || (double)points[v].y < -0.12 + 0.01 );
+                assert_true( has_landed[v] == false || (double)points[v].y < -0.12 + 0.008 );
                 has_landed[v] = has_landed[v] || is_down;
             }
         }
