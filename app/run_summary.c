@@ -170,7 +170,7 @@ static void add_counter_table( results* out, const wisp_world* world )
         [WISP_COUNT_INDEFINITE] = "solves that met negative curvature and were made again",
         [WISP_COUNT_DEGENERATE_LINK] = "links between coincident vertices: no direction, no force",
         [WISP_COUNT_STIFFNESS_CLAMPED] = "substeps with links too stiff for floats: stiffness was lowered",
-        [WISP_COUNT_FIRST_ORDER] = "substeps that BDF2 would have given energy: implicit Euler was used",
+        [WISP_COUNT_FIRST_ORDER] = "substeps of BDF2 (of cloth, of each strand) that were made by implicit Euler",
         [WISP_COUNT_GRAVITY_SCALED] = "strands with reduced gravity: substeps too long for their curls",
         [WISP_COUNT_SAGGING] = "strands too soft to hold their shape under gravity: they sag",
         [WISP_COUNT_STRETCHED] = "strands over 5 % too long in a step: use stretch: direct",

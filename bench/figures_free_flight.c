@@ -28,7 +28,7 @@ typedef struct flight
 {
     float damping; // N s/m
     float seconds; // a step
-    wisp_implicit_integrator integrator;
+    wisp_integrator integrator;
     double first, most, last;     // J, before, at most after a step, at the end
     double rise;                  // J, the most that it ever was above an earlier value
     double observations[SECONDS]; // J, after each second
@@ -252,7 +252,7 @@ static void add_line( figures_case* page, int table, const flight* f )
     cells row = { .count = 0 };
     cells_put( &row, "%g", (double)f->damping );
     cells_put( &row, "%g", (double)f->seconds );
-    cells_put( &row, "%s", f->integrator == WISP_IMPLICIT_EULER ? "Euler" : "BDF2" );
+    cells_put( &row, "%s", f->integrator == WISP_INTEGRATOR_EULER ? "Euler" : "BDF2" );
     cells_put_number( &row, f->first, 3 );
     for ( int i = 1; i <= SECONDS; i += 3 )
     {
@@ -302,11 +302,11 @@ static void add_rises( figures_case* page, const flight* f )
 wisp_status figures_free_flight( figures_case* page, wisp_error* error )
 {
     flight flights[FLIGHT_COUNT] = {
-        { .damping = 0.002f, .seconds = 0.01f, .integrator = WISP_IMPLICIT_EULER },
-        { .damping = 0.02f, .seconds = 0.01f, .integrator = WISP_IMPLICIT_EULER },
-        { .damping = 0.2f, .seconds = 0.01f, .integrator = WISP_IMPLICIT_EULER },
-        { .damping = 0.002f, .seconds = 0.0025f, .integrator = WISP_IMPLICIT_EULER },
-        { .damping = 0.002f, .seconds = 0.01f, .integrator = WISP_IMPLICIT_BDF2 },
+        { .damping = 0.002f, .seconds = 0.01f, .integrator = WISP_INTEGRATOR_EULER },
+        { .damping = 0.02f, .seconds = 0.01f, .integrator = WISP_INTEGRATOR_EULER },
+        { .damping = 0.2f, .seconds = 0.01f, .integrator = WISP_INTEGRATOR_EULER },
+        { .damping = 0.002f, .seconds = 0.0025f, .integrator = WISP_INTEGRATOR_EULER },
+        { .damping = 0.002f, .seconds = 0.01f, .integrator = WISP_INTEGRATOR_BDF2 },
     };
     const int vertices = page->quick ? QUICK_VERTICES : TRIANGLE_VERTICES;
     free_cloth cloth;

@@ -33,6 +33,10 @@ static const scene_choice SOLVERS[] = { { "xpbd", "extended position based dynam
                                         { "pbd", "position based dynamics, with stiffnesses in 0 .. 1" },
                                         { NULL, NULL } };
 
+static const scene_choice INTEGRATORS[] = { { "euler", "implicit Euler, first order" },
+                                            { "bdf2", "implicit, second order, with `stretch: direct`" },
+                                            { NULL, NULL } };
+
 static const scene_field DYNAMICS_FIELDS[] = {
     { "stretch", SCENE_CHOICE, .at = MOVES( stretch ), .choices = STRETCHES,
       .help = "How segments keep their length." },
@@ -41,6 +45,7 @@ static const scene_field DYNAMICS_FIELDS[] = {
     { "stretch_tolerance", SCENE_NUMBER, .at = MOVES( stretch_tolerance ), .range = RANGE( 1e-6, 1 ),
       .help = "Largest relative error of a length after the direct solve; strands beyond it are reset to their rest "
               "lengths and counted." },
+    { "integrator", SCENE_CHOICE, .at = MOVES( integrator ), .choices = INTEGRATORS, .help = "Time integration." },
     { "leader_correction", SCENE_NUMBER, .at = MOVES( leader_correction ), .range = UNIT_RANGE,
       .help = "Part of its momentum that a vertex gets back from the one that follows it, with `stretch: follow`." },
     { "bending", SCENE_CHOICE, .at = MOVES( bending ), .choices = BENDS, .help = "How strands resist bending." },

@@ -136,17 +136,21 @@ static const method methods[] = {
     { .name = "strands: direct",
       .list = "strands",
       .block = "dynamics",
-      .fields = { { "dynamics.stretch", "direct" } } },
+      .fields = { { "dynamics.stretch", "direct" }, { "dynamics.integrator", "euler" } } },
+    { .name = "strands: direct, bdf2",
+      .list = "strands",
+      .block = "dynamics",
+      .fields = { { "dynamics.stretch", "direct" }, { "dynamics.integrator", "bdf2" } } },
     { .name = "strands: links",
       .list = "strands",
       .block = "dynamics",
-      .fields = { { "dynamics.stretch", "links" } } },
+      .fields = { { "dynamics.stretch", "links" }, { "dynamics.integrator", "euler" } } },
 };
 
 // Defaults of fields that a scene need not name.
 static const char* const defaults[][2] = {
     { "cloth.tethers", "false" },          { "cloth.coarse_substeps", "0" }, { "implicit.integrator", "euler" },
-    { "implicit.newton_iterations", "1" }, { "dynamics.stretch", "direct" },
+    { "implicit.newton_iterations", "1" }, { "dynamics.stretch", "direct" }, { "dynamics.integrator", "euler" },
 };
 
 static bool is_same( const text_node* body, const char* field, const char* value )

@@ -280,7 +280,7 @@ static wisp_status play_gas( scene_world* world, const wisp_scene_event* e )
 static wisp_status play_velocity( scene_world* world, const wisp_scene_event* e )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[e->surface];
-    const bool looks_back = entry->has_implicit && entry->implicit.integrator == WISP_IMPLICIT_BDF2;
+    const bool looks_back = entry->has_implicit && entry->implicit.integrator == WISP_INTEGRATOR_BDF2;
     wisp_entity entity = world->surfaces[e->surface].entity;
     wisp_status status = wisp_set_velocity( world->world, entity, e->velocity, e->angular_velocity );
     return status == WISP_OK && looks_back ? scene_implicit_set( world, e->surface ) : status;

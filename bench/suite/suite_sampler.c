@@ -66,13 +66,16 @@ void suite_samples_of( const wisp_scene* scene, bool has[SAMPLE_COUNT] )
         has[SAMPLE_STRETCH_MAX] = has[SAMPLE_STRETCH_MAX] || scene->strands[i].has_dynamics;
         has[SAMPLE_PENETRATION] = has[SAMPLE_PENETRATION] || scene->strands[i].has_collision;
         has[SAMPLE_RESETS] = has[SAMPLE_RESETS] || scene->strands[i].has_dynamics;
+        has[SAMPLE_FIRST_ORDER] =
+            has[SAMPLE_FIRST_ORDER] || scene->strands[i].dynamics.integrator == WISP_INTEGRATOR_BDF2;
         has[SAMPLE_CANDIDATES] = has[SAMPLE_CANDIDATES] || scene->strands[i].has_contact;
     }
     has[SAMPLE_STRETCH_MEAN] = has[SAMPLE_ENERGY] = has[SAMPLE_ENERGY_RISEN] = has[SAMPLE_ENERGY_LOST] =
         has[SAMPLE_SPEED] = has[SAMPLE_STRETCH_MAX];
     has[SAMPLE_VOLUME_ERROR] = has[SAMPLE_PRESSURE] = has[SAMPLE_EVEN_PRESSURE] =
         has[SAMPLE_VOLUME_ERROR] || balloons > 0;
-    has[SAMPLE_FIRST_ORDER] = has[SAMPLE_NOT_CONVERGED] = has[SAMPLE_ITERATIONS];
+    has[SAMPLE_NOT_CONVERGED] = has[SAMPLE_ITERATIONS];
+    has[SAMPLE_FIRST_ORDER] = has[SAMPLE_FIRST_ORDER] || has[SAMPLE_ITERATIONS];
     has[SAMPLE_MEMORY] = true;
     has[SAMPLE_CANDIDATES] = has[SAMPLE_CANDIDATES] || has[SAMPLE_INTERSECTIONS];
     for ( int i = SAMPLE_CANDIDATES; i <= SAMPLE_FORCE; ++i )

@@ -69,9 +69,10 @@ int KERNEL( find_displaced )( const float* position, const float* place, int beg
 void KERNEL( rigid_sums )( const wisp_rigid_args* args, int begin, int end, wisp_rigid_sums* sums );
 void KERNEL( rigid_approach )( const wisp_rigid_args* args, int begin, int end );
 void KERNEL( velocity )( const wisp_particle_args* args, int begin, int end );
+void KERNEL( strand_extrapolate )( const wisp_strand_motion_args* args, int begin, int end );
 void KERNEL( strand_predict )( const wisp_strand_motion_args* args, int begin, int end );
-void KERNEL( strand_advance )( const wisp_strand_motion_args* args, int begin, int end );
-void KERNEL( strand_velocity )( const wisp_strand_motion_args* args, int begin, int end );
+int KERNEL( strand_advance )( const wisp_strand_motion_args* args, int begin, int end );
+int KERNEL( strand_velocity )( const wisp_strand_motion_args* args, int begin, int end );
 int KERNEL( strand_find_out_of_bounds )( const wisp_strand_bound_args* args, int begin, int end );
 void KERNEL( strand_damp )( const wisp_strand_damp_args* args, int begin, int end );
 void KERNEL( strand_air )( const wisp_strand_air_args* args, int begin, int end );

@@ -57,6 +57,7 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .rigid_sums = KERNEL( rigid_sums ),
     .rigid_approach = KERNEL( rigid_approach ),
     .find_out_of_bounds = KERNEL( find_out_of_bounds ),
+    .strand_extrapolate = KERNEL( strand_extrapolate ),
     .strand_predict = KERNEL( strand_predict ),
     .strand_advance = KERNEL( strand_advance ),
     .strand_velocity = KERNEL( strand_velocity ),

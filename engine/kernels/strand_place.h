@@ -67,9 +67,8 @@ LANE_INLINE lane16v place16_remainder( lane16v start, lane16v moved, lane16v end
 
 /// Take the corrections by other passes in a group: velocities, and the vectors from the next row to each row.
 LANE_INLINE void place16_take_all( const place_columns* c, float* velocity, float* segment, int first, int last,
-                                   float dt )
+                                   lane16 step, lane16 inverse_step )
 {
-    const lane16 step = lane16_set1( dt ), inverse_step = lane16_set1( 1.0f / dt );
     lane16v before = { lane16_zero(), lane16_zero(), lane16_zero() };
     for ( int row = first; row < last; ++row )
     {

@@ -3,7 +3,7 @@
 // and 2010, with the rest curvature fixed during a substep). The equations are in modules/strands/rod_factors.c and
 // rod_frames.c.
 #include "strand_frame.h"
-#include "strand_place.h"
+#include "strand_history.h"
 
 static const size_t STRIDE = 3 * WISP_LANES;
 static const size_t QUATERNION = 4 * WISP_LANES;
@@ -24,8 +24,27 @@ enum
     TURNING =
         12 * WISP_LANES,     // twice what twist and rest curvature add to the gradient by the segment from this row,
                              // times its length, [3]; reuses kb_i
+    FACTOR = 3 * WISP_LANES, // of strands of both orders, [3]; reuses z x w_i k_i
     SOLVED = 6 * WISP_LANES, // y of the bending solve, [3]; reuses T_i, slope and load
 };
+
+// The length of the implicit step of each strand of a group.
+typedef struct step_lanes
+{
+    lane16 dt, inverse_dt; // s, 1/s
+    lane16m first_order;   // strands whose factors are first_order_factor
+} step_lanes;
+
+static step_lanes step_of( const wisp_strand_rod_args* args, int group )
+{
+    const lane16 whole = lane16_set1( args->dt ), zero = lane16_zero();
+    if ( args->history.step == NULL )
+    {
+        return ( step_lanes ){ whole, lane16_set1( 1.0f / args->dt ), lane16_lt( zero, zero ) };
+    }
+    const lane16 dt = history16_dt( &args->history, args->group_row[group], args->dt );
+    return ( step_lanes ){ dt, lane16_div( lane16_set1( 1.0f ), dt ), lane16_eq( dt, whole ) };
+}
 
 LANE_INLINE lane16 lanes_of( const float* column, int row )
 {
@@ -70,20 +89,20 @@ LANE_INLINE lane16v unaccelerated( const wisp_strand_rod_args* args, int row, la
 }
 
 // Returns the displacement by the acceleration, scaled per strand.
-LANE_INLINE lane16 acceleration_offset( const wisp_strand_rod_args* args, int group )
+LANE_INLINE lane16 acceleration_offset( const wisp_strand_rod_args* args, const step_lanes* step, int group )
 {
-    const lane16 minus_dt2 = lane16_set1( -args->dt * args->dt );
+    const lane16 minus_dt2 = lane16_mul( lane16_neg( step->dt ), step->dt );
     return args->acceleration_scale != NULL ? lane16_mul( minus_dt2, lanes_of( args->acceleration_scale, group ) )
                                             : minus_dt2;
 }
 
 // Adds a displacement of a row to its velocity.
-LANE_INLINE void accelerate( const wisp_strand_rod_args* args, int row, lane16v moved )
+LANE_INLINE void accelerate( const wisp_strand_rod_args* args, const step_lanes* step, int row, lane16v moved )
 {
     float* velocity = args->velocity + (size_t)row * STRIDE;
     const lane16v v = lane16v_load( velocity );
     const lane16m is_free = lane16_lt( lane16_zero(), lanes_of( args->inverse_mass, row ) );
-    const lane16v faster = lane16v_mul_add( v, lane16_set1( 1.0f / args->dt ), moved );
+    const lane16v faster = lane16v_mul_add( v, step->inverse_dt, moved );
     lane16v_store( velocity, lane16v_select( is_free, faster, v ) );
 }
 
@@ -96,10 +115,10 @@ LANE_INLINE void stretch_segment( const wisp_strand_rod_args* args, int row, lan
 
 // ---- tension ----
 
-static void pull( const wisp_strand_rod_args* args, int group, int first, int last )
+static void pull( const wisp_strand_rod_args* args, const step_lanes* step, int group, int first, int last )
 {
-    const lane16 zero = lane16_zero(), minus_dt2 = lane16_set1( -args->dt * args->dt );
-    const lane16 back = acceleration_offset( args, group );
+    const lane16 zero = lane16_zero(), minus_dt2 = lane16_mul( lane16_neg( step->dt ), step->dt );
+    const lane16 back = acceleration_offset( args, step, group );
     lane16v before = { zero, zero, zero }, moved_before = before;
     for ( int row = first; row < last; ++row )
     {
@@ -114,7 +133,7 @@ static void pull( const wisp_strand_rod_args* args, int group, int first, int la
             behind = lane16v_scale( unaccelerated( args, row, back ), lane16_mul( fraction, minus_dt2 ) );
         }
         const lane16v moved = lane16v_scale( lane16v_sub( behind, before ), lanes_of( args->inverse_mass, row ) );
-        accelerate( args, row, moved );
+        accelerate( args, step, row, moved );
         if ( row > first )
         {
             stretch_segment( args, row - 1, moved_before, moved );
@@ -267,11 +286,11 @@ static void carry_frames( const wisp_strand_rod_args* args, lane16 back, int fir
 }
 
 // @return whether any vertex folds back
-static bool measure_frames( const wisp_strand_rod_args* args, int group, int first, int last )
+static bool measure_frames( const wisp_strand_rod_args* args, const step_lanes* step, int group, int first, int last )
 {
     bool folds = false;
     frame16 before = clamp_frame( args, group );
-    const lane16 back = acceleration_offset( args, group );
+    const lane16 back = acceleration_offset( args, step, group );
     carry_frames( args, back, first, last );
     lane16v t_before = frame16_z( before );
     float* out = args->scratch;
@@ -389,37 +408,67 @@ static void turn_vertices( const wisp_strand_rod_args* args, int group, int firs
 // ---- bending ----
 
 // Computes the moment M_i of a vertex between directions a and b, times dt^2; `rate` is its change, times damping dt.
-LANE_INLINE lane16v bend_vertex( const wisp_strand_rod_args* args, int row, const float* scratch, lane16v a,
-                                 lane16v b, lane16v rate )
+LANE_INLINE lane16v bend_vertex( const wisp_strand_rod_args* args, lane16 dt2, int row, const float* scratch,
+                                 lane16v a, lane16v b, lane16v rate )
 {
     lane16v c = lane16v_sub( b, a );
     if ( args->frame != NULL )
     {
         c = lane16v_sub( c, lane16v_load( scratch + REST_VECTOR ) );
     }
-    return lane16v_scale( lane16v_mul_add( rate, lane16_set1( args->dt * args->dt ), c ),
-                          lanes_of( args->stiffness, row ) );
+    return lane16v_scale( lane16v_mul_add( rate, dt2, c ), lanes_of( args->stiffness, row ) );
 }
 
 // Computes the change of a segment's direction since the start of the substep.
-LANE_INLINE lane16v change_of( const wisp_strand_rod_args* args, int row )
+LANE_INLINE lane16v change_of( const wisp_strand_rod_args* args, const step_lanes* step, int row )
 {
     const size_t at = (size_t)row * STRIDE;
     const lane16v v = lane16v_load( args->velocity + at ), next = lane16v_load( args->velocity + at + STRIDE );
-    const lane16 fraction = lane16_mul( lane16_set1( args->dt ), lanes_of( args->inverse_length, row ) );
+    const lane16 fraction = lane16_mul( step->dt, lanes_of( args->inverse_length, row ) );
     return lane16v_scale( lane16v_sub( next, v ), fraction );
+}
+
+// Rows of 1/pivot, L(i, i-1), L(i, i-2) of a group.
+typedef struct factor_rows
+{
+    const float* first; // [3][16]
+    size_t stride;      // floats
+} factor_rows;
+
+// Selects the factors of each strand. Where orders are mixed, they are put together in scratch.
+static factor_rows factors_of( const wisp_strand_rod_args* args, const step_lanes* step, int first, int last )
+{
+    const size_t at = (size_t)first * STRIDE;
+    if ( lane16m_any( step->first_order ) == false )
+    {
+        return ( factor_rows ){ args->factor + at, STRIDE };
+    }
+    if ( lane16m_all( step->first_order ) )
+    {
+        return ( factor_rows ){ args->first_order_factor + at, STRIDE };
+    }
+    for ( int row = first; row < last; ++row )
+    {
+        const size_t own = (size_t)row * STRIDE;
+        lane16v_store( args->scratch + (size_t)( row - first ) * ROW + FACTOR,
+                       lane16v_select( step->first_order, lane16v_load( args->first_order_factor + own ),
+                                       lane16v_load( args->factor + own ) ) );
+    }
+    return ( factor_rows ){ args->scratch + FACTOR, ROW };
 }
 
 // Computes G_i - G_{i-1} with the gradient G_s = (M_s - M_{s+1} + turning_s / 2) / l_s by e_s. In the same sweep, y
 // is that after forward substitution with the two bands of L.
-static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int first, int last )
+static void load_and_eliminate( const wisp_strand_rod_args* args, const step_lanes* step, const factor_rows* factors,
+                                int group, int first, int last )
 {
-    const lane16 zero = lane16_zero(), half_dt2 = lane16_set1( 0.5f * args->dt * args->dt );
-    const lane16 damping = lane16_set1( args->damping * args->dt );
+    const lane16 zero = lane16_zero(), dt2 = lane16_mul( step->dt, step->dt );
+    const lane16 half_dt2 = lane16_mul( lane16_mul( lane16_set1( 0.5f ), step->dt ), step->dt );
+    const lane16 damping = lane16_mul( lane16_set1( args->damping ), step->dt );
     const lane16v none = { zero, zero, zero };
     lane16v t = direction_of( args, first, lane16v_load( segment_of( args, first ) ) );
-    lane16v change = args->damping > 0.0f ? change_of( args, first ) : none;
-    lane16v own = bend_vertex( args, first, args->scratch, frame16_z( clamp_frame( args, group ) ), t,
+    lane16v change = args->damping > 0.0f ? change_of( args, step, first ) : none;
+    lane16v own = bend_vertex( args, dt2, first, args->scratch, frame16_z( clamp_frame( args, group ) ), t,
                                lane16v_scale( change, damping ) );
     lane16v before = none, y1 = none, y2 = none;
     for ( int row = first; row < last; ++row )
@@ -432,9 +481,9 @@ static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int
             if ( row + 2 < last )
             {
                 const lane16v u = direction_of( args, row + 1, lane16v_load( segment_of( args, row + 1 ) ) );
-                const lane16v now = args->damping > 0.0f ? change_of( args, row + 1 ) : none;
+                const lane16v now = args->damping > 0.0f ? change_of( args, step, row + 1 ) : none;
                 const lane16v rate = lane16v_scale( lane16v_sub( now, change ), damping );
-                next = bend_vertex( args, row + 1, at + ROW, t, u, rate );
+                next = bend_vertex( args, dt2, row + 1, at + ROW, t, u, rate );
                 t = u;
                 change = now;
             }
@@ -446,7 +495,7 @@ static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int
             gradient = lane16v_scale( gradient, lanes_of( args->inverse_length, row ) );
             own = next;
         }
-        const float* factor = args->factor + (size_t)row * STRIDE;
+        const float* factor = factors->first + (size_t)( row - first ) * factors->stride;
         lane16v y = lane16v_sub( gradient, before );
         y = lane16v_sub( y, lane16v_scale( y1, lane16_load( factor + WISP_LANES ) ) );
         y = lane16v_sub( y, lane16v_scale( y2, lane16_load( factor + 2 * WISP_LANES ) ) );
@@ -458,27 +507,28 @@ static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int
 }
 
 // Substitutes back from the tip; velocities take the displacements, and predicted positions follow.
-LANE_INLINE void substitute( const wisp_strand_rod_args* args, int first, int last, bool is_predicted )
+LANE_INLINE void substitute( const wisp_strand_rod_args* args, const step_lanes* step, const factor_rows* factors,
+                             int first, int last, bool is_predicted )
 {
     const place_columns c = columns_of( args );
-    const lane16 zero = lane16_zero(), dt = lane16_set1( args->dt );
+    const lane16 zero = lane16_zero();
     lane16v x1 = { zero, zero, zero }, x2 = x1;
     lane16 first_band = zero, second_band = zero, second_band_behind = zero;
     for ( int row = last - 1; row >= first; --row )
     {
-        const float* factor = args->factor + (size_t)row * STRIDE;
+        const float* factor = factors->first + (size_t)( row - first ) * factors->stride;
         lane16v x = lane16v_scale( lane16v_load( args->scratch + (size_t)( row - first ) * ROW + SOLVED ),
                                    lane16_load( factor ) );
         x = lane16v_sub( x, lane16v_scale( x1, first_band ) );
         x = lane16v_sub( x, lane16v_scale( x2, second_band_behind ) );
-        accelerate( args, row, x );
+        accelerate( args, step, row, x );
         if ( row + 1 < last )
         {
             stretch_segment( args, row, x, x1 );
         }
         if ( is_predicted )
         {
-            place16_follow( &c, args->position, row, dt );
+            place16_follow( &c, args->position, row, step->dt );
         }
         second_band_behind = second_band;
         first_band = lane16_load( factor + WISP_LANES );
@@ -490,21 +540,23 @@ LANE_INLINE void substitute( const wisp_strand_rod_args* args, int first, int la
 
 static void bend_group( const wisp_strand_rod_args* args, int group, int first, int last )
 {
+    const step_lanes step = step_of( args, group );
     if ( args->frame != NULL )
     {
-        const bool folds = measure_frames( args, group, first, last );
+        const bool folds = measure_frames( args, &step, group, first, last );
         balance_twist( args, first, last );
         turn_vertices( args, group, first, last, turn_segments( args, first, last ), folds );
     }
-    pull( args, group, first, last );
-    load_and_eliminate( args, group, first, last );
+    pull( args, &step, group, first, last );
+    const factor_rows factors = factors_of( args, &step, first, last );
+    load_and_eliminate( args, &step, &factors, group, first, last );
     if ( args->previous != NULL )
     {
-        substitute( args, first, last, true );
+        substitute( args, &step, &factors, first, last, true );
     }
     else
     {
-        substitute( args, first, last, false );
+        substitute( args, &step, &factors, first, last, false );
     }
 }
 

@@ -7,7 +7,7 @@
 // Newton's method converges as fast. Corrections go into the velocities, which say where vertices are
 // (strand_place.h).
 #include "strand_chains.h"
-#include "strand_place.h"
+#include "strand_history.h"
 
 #include <math.h>
 
@@ -25,6 +25,9 @@ _Static_assert( CHAINS* ROW <= WISP_STRAND_SCRATCH, "groups in turns share the s
 
 // Relative error of the squared length at single precision; another iteration would not improve it.
 #define EXACT 4e-5f
+// Relative error of a squared length in the prediction beyond which a strand of second order goes on by Euler: it turns
+// too fast for an extrapolation. Beyond it swinging chains gain energy.
+#define UNPREDICTED 0.5f
 // Minimum pivot, m^2/kg. A smaller one belongs to a segment without length or between two pinned ends, which is
 // skipped.
 #define MIN_PIVOT 1e-30f
@@ -41,19 +44,37 @@ typedef struct iteration_kind
 typedef struct chain
 {
     int first, last;
+    lane16 dt, inverse_dt, per_tension; // s, 1/s, 1/s^2, of the implicit steps of its strands
 
     float* values; // [row - first][ROW]
 } chain;
+
+static chain chain_of( const wisp_strand_stretch_args* args, int group, float* values )
+{
+    chain c = { .first = args->group_row[group],
+                .last = args->group_row[group + 1],
+                .dt = lane16_set1( args->dt ),
+                .inverse_dt = lane16_set1( 1.0f / args->dt ),
+                .per_tension = lane16_set1( 1.0f / ( args->dt * args->dt ) ),
+                .values = values };
+    if ( args->history.step != NULL )
+    {
+        c.dt = history16_dt( &args->history, args->group_row[group], args->dt );
+        c.inverse_dt = lane16_div( lane16_set1( 1.0f ), c.dt );
+        c.per_tension = lane16_mul( c.inverse_dt, c.inverse_dt );
+    }
+    return c;
+}
 
 LANE_INLINE place_columns columns_of( const wisp_strand_stretch_args* args )
 {
     return ( place_columns ){ args->position, args->previous, args->low, args->velocity, args->inverse_mass };
 }
 
-LANE_INLINE place16 load_place( const wisp_strand_stretch_args* args, int row, iteration_kind kind )
+LANE_INLINE place16 load_place( const wisp_strand_stretch_args* args, int row, lane16 dt, iteration_kind kind )
 {
     const place_columns c = columns_of( args );
-    return place16_load( &c, row, lane16_set1( args->dt ), kind.is_predicted );
+    return place16_load( &c, row, dt, kind.is_predicted );
 }
 
 // State of an elimination in one group.
@@ -73,20 +94,20 @@ LANE_INLINE elimination begin_elimination( const wisp_strand_stretch_args* args,
                       .multiplier_before = zero };
     if ( kind.is_first == false )
     {
-        s.p = load_place( args, c->first, kind );
+        s.p = load_place( args, c->first, c->dt, kind );
     }
     return s;
 }
 
 // Finds the segment from a row to the next one, which becomes the row of the state.
-LANE_INLINE lane16v next_segment( const wisp_strand_stretch_args* args, elimination* s, int row, float* at,
+LANE_INLINE lane16v next_segment( const wisp_strand_stretch_args* args, elimination* s, lane16 dt, int row, float* at,
                                   iteration_kind kind )
 {
     if ( kind.is_first )
     {
         return lane16v_load( at );
     }
-    const place16 next = load_place( args, row + 1, kind );
+    const place16 next = load_place( args, row + 1, dt, kind );
     const lane16v e = place16_sub( &s->p, &next );
     lane16v_store( at, e );
     s->p = next;
@@ -100,7 +121,7 @@ LANE_INLINE void eliminate_row( const wisp_strand_stretch_args* args, const chai
     const lane16 w_next = lane16_load( args->inverse_mass + (size_t)( row + 1 ) * WISP_LANES );
     const lane16 length = lane16_load( args->length + (size_t)row * WISP_LANES );
     const lane16v none = { zero, zero, zero },
-                  given = next_segment( args, s, row, args->segment + (size_t)row * STRIDE, kind );
+                  given = next_segment( args, s, c->dt, row, args->segment + (size_t)row * STRIDE, kind );
     // beyond a tip there is no segment; its multiplier is 0 then
     const lane16v e = lane16v_select( lane16_lt( zero, length ), given, none );
     const lane16 squared = lane16v_dot( e, e );
@@ -233,9 +254,8 @@ LANE_INLINE lane16m substitute( const wisp_strand_stretch_args* args, const chai
 {
     const lane16 zero = lane16_zero();
     const lane16v none = { zero, zero, zero };
-    const substitution_terms terms = { lane16_set1( fminf( EXACT, 2.0f * args->tolerance ) ), lane16_set1( args->dt ),
-                                       lane16_set1( 1.0f / args->dt ),
-                                       lane16_set1( 1.0f / ( args->dt * args->dt ) ) };
+    const substitution_terms terms = { lane16_set1( fminf( EXACT, 2.0f * args->tolerance ) ), c->dt, c->inverse_dt,
+                                       c->per_tension };
     // beyond the tip there is no segment to test
     substitution s = { none, none, none, zero, zero, zero, lane16_lt( zero, zero ) };
     int row = c->last - 1;
@@ -255,21 +275,22 @@ LANE_INLINE lane16m substitute( const wisp_strand_stretch_args* args, const chai
 // ---- strands that do not converge ----
 
 // Loads the vertices of a row after the iterations.
-static place16 solved_place( const wisp_strand_stretch_args* args, int row )
+static place16 solved_place( const wisp_strand_stretch_args* args, const chain* c, int row )
 {
-    const place_columns c = columns_of( args );
-    return place16_load( &c, row, lane16_set1( args->dt ), args->previous != NULL );
+    const place_columns columns = columns_of( args );
+    return place16_load( &columns, row, c->dt, args->previous != NULL );
 }
 
 // Selects lanes with a segment that is not within the tolerance. Called only for groups that are not exact.
-static lane16m find_inexact( const wisp_strand_stretch_args* args, int first, int last )
+static lane16m find_inexact( const wisp_strand_stretch_args* args, const chain* c )
 {
+    const int first = c->first, last = c->last;
     const lane16 zero = lane16_zero(), tolerance = lane16_set1( 2.0f * args->tolerance );
     lane16m bad = lane16_lt( zero, zero );
-    place16 p = solved_place( args, first );
+    place16 p = solved_place( args, c, first );
     for ( int row = first; row + 1 < last; ++row )
     {
-        const place16 next = solved_place( args, row + 1 );
+        const place16 next = solved_place( args, c, row + 1 );
         const lane16 length = lane16_load( args->length + (size_t)row * WISP_LANES );
         const lane16m good = is_within( place16_sub( &p, &next ), length, tolerance );
         bad = lane16m_or( bad, lane16m_and_not( lane16_lt( zero, length ), good ) );
@@ -304,12 +325,12 @@ static lane16 whole_length( const wisp_strand_stretch_args* args, int first, int
 
 // Moves the vertices of a row by `path` from their start, at no more than their predicted speed: the rest moves their
 // start. Those that move farther than the strand is long have no velocity.
-static void reset_row( const wisp_strand_stretch_args* args, int row, lane16v path, lane16 squared_speed,
-                       lane16 reach2, lane16m lanes )
+static void reset_row( const wisp_strand_stretch_args* args, const chain* c, int row, lane16v path,
+                       lane16 squared_speed, lane16 reach2, lane16m lanes )
 {
-    const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f ), dt = lane16_set1( args->dt );
+    const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f ), dt = c->dt;
     const size_t at = (size_t)row * STRIDE;
-    const place16 p = solved_place( args, row );
+    const place16 p = solved_place( args, c, row );
     const lane16 squared = lane16v_dot( path, path );
     const lane16 predicted = lane16_mul( squared_speed, lane16_mul( dt, dt ) );
     // NaN stays, for the state check to find
@@ -318,12 +339,19 @@ static void reset_row( const wisp_strand_stretch_args* args, int row, lane16v pa
     const lane16 fraction = lane16_select( lane16_le( squared, reach2 ), slowed, zero );
     const lane16v shifted = lane16v_mul_add( p.low, lane16_sub( one, fraction ), path );
     const lane16v start = lane16v_add( p.start, shifted ), low = place16_remainder( p.start, shifted, start );
-    const lane16v velocity = lane16v_scale( path, lane16_mul( fraction, lane16_set1( 1.0f / args->dt ) ) );
+    const lane16v velocity = lane16v_scale( path, lane16_mul( fraction, c->inverse_dt ) );
     const lane16m moves = lane16m_and( lanes, lane16_lt( zero, p.inverse_mass ) );
     float* from = args->previous != NULL ? args->previous + at : args->position + at;
     lane16v_store( args->velocity + at, lane16v_select( moves, velocity, p.velocity ) );
     lane16v_store( args->low + at, lane16v_select( moves, low, p.low ) );
     lane16v_store( from, lane16v_select( moves, start, lane16v_load( from ) ) );
+    if ( args->history.displacement != NULL )
+    {
+        // the new start is shifted already
+        float* shift = args->history.displacement + at;
+        const lane16v none = { zero, zero, zero };
+        lane16v_store( shift, lane16v_select( moves, none, lane16v_load( shift ) ) );
+    }
     if ( args->previous != NULL )
     {
         const place_columns columns = columns_of( args );
@@ -336,13 +364,13 @@ static void reset_strands( const wisp_strand_stretch_args* args, const chain* c,
     const int first = c->first, last = c->last;
     const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f );
     const lane16 reach = whole_length( args, first, last ), reach2 = lane16_mul( reach, reach );
-    const place16 root = solved_place( args, first );
+    const place16 root = solved_place( args, c, first );
     place16 before = root;
     lane16v put = root.moved; // relative to the start of the root
     lane16v direction = lane16v_set1( ( wisp_vec3 ){ 0.0f, -1.0f, 0.0f } );
     for ( int row = first; row + 1 < last; ++row )
     {
-        const place16 p = solved_place( args, row + 1 );
+        const place16 p = solved_place( args, c, row + 1 );
         const lane16v e = place16_sub( &p, &before );
         const lane16 squared = lane16v_dot( e, e );
         // long enough to have a direction, no overflow of the square, not NaN
@@ -353,7 +381,7 @@ static void reset_strands( const wisp_strand_stretch_args* args, const chain* c,
         put = lane16v_mul_add( put, lane16_load( args->length + (size_t)row * WISP_LANES ), direction );
         const lane16v start = lane16v_add( lane16v_sub( p.start, root.start ), p.low );
         const lane16 speed = lane16_load( args->speed + (size_t)( row + 1 ) * WISP_LANES );
-        reset_row( args, row + 1, lane16v_sub( put, start ), speed, reach2, lanes );
+        reset_row( args, c, row + 1, lane16v_sub( put, start ), speed, reach2, lanes );
         before = p;
     }
     // multipliers of iterations that did not converge are not tensions
@@ -386,27 +414,13 @@ static void clear_tension( const wisp_strand_stretch_args* args, int first, int 
 // Finds segments again where vertices are.
 static void find_segments( const wisp_strand_stretch_args* args, const chain* c )
 {
-    place16 p = solved_place( args, c->first );
+    place16 p = solved_place( args, c, c->first );
     for ( int row = c->first; row + 1 < c->last; ++row )
     {
-        const place16 next = solved_place( args, row + 1 );
+        const place16 next = solved_place( args, c, row + 1 );
         lane16v_store( args->segment + (size_t)row * STRIDE, place16_sub( &p, &next ) );
         p = next;
     }
-}
-
-// Resets strands that did not converge.
-// @return number of strands
-static int reset_diverged( const wisp_strand_stretch_args* args, const chain* c )
-{
-    const lane16m diverged =
-        lane16m_and_not( find_inexact( args, c->first, c->last ), further_pins( args, c->first, c->last ) );
-    if ( lane16m_any( diverged ) )
-    {
-        reset_strands( args, c, diverged );
-        find_segments( args, c );
-    }
-    return count_lanes( diverged );
 }
 
 // Runs one Newton iteration over interleaved groups.
@@ -423,24 +437,95 @@ LANE_INLINE void iterate( const wisp_strand_stretch_args* args, const chain* cha
     }
 }
 
+// Makes the substep of some strands one of Euler.
+static void break_history( const wisp_strand_stretch_args* args, chain* c, int group, lane16m lanes )
+{
+    const place_columns columns = columns_of( args );
+    const restarted_columns out = { args->previous != NULL ? args->position : NULL, args->low, args->velocity };
+    history16_break( &args->history, &columns, &out, c->first, c->last, args->dt, lanes );
+    *c = chain_of( args, group, c->values );
+}
+
+// Resets strands that did not converge.
+// @return number of strands
+static int reset_diverged( const wisp_strand_stretch_args* args, chain* c, int group )
+{
+    const lane16m diverged = lane16m_and_not( find_inexact( args, c ), further_pins( args, c->first, c->last ) );
+    if ( lane16m_any( diverged ) )
+    {
+        reset_strands( args, c, diverged );
+        find_segments( args, c );
+        if ( args->history.step != NULL )
+        {
+            break_history( args, c, group, diverged );
+        }
+    }
+    return count_lanes( diverged );
+}
+
+// Takes what other passes did to positions. Strands with history that they moved begin again.
+static void take_moves( const wisp_strand_stretch_args* args, chain* c, int group )
+{
+    const place_columns columns = columns_of( args );
+    const lane16 zero = lane16_zero();
+    const lane16m moved = args->history.step != NULL ? history16_find_moved( &columns, c->first, c->last, c->dt )
+                                                     : lane16_lt( zero, zero );
+    place16_take_all( &columns, args->velocity, args->segment, c->first, c->last, c->dt, c->inverse_dt );
+    if ( lane16m_any( moved ) )
+    {
+        history16_follow_all( &columns, args->position, c->first, c->last, c->dt );
+        break_history( args, c, group, moved );
+    }
+}
+
+// Computes the displacement of a free vertex by the acceleration; 0 of pinned ones.
+LANE_INLINE lane16v accelerated( const wisp_strand_stretch_args* args, const chain* c, int row )
+{
+    const lane16 zero = lane16_zero(), w = lane16_load( args->inverse_mass + (size_t)row * WISP_LANES );
+    const lane16 fraction = lane16_select( lane16_lt( zero, w ), lane16_mul( c->dt, c->dt ), zero );
+    return lane16v_scale( lane16v_set1( args->acceleration ), fraction );
+}
+
+// Strands with a segment that the prediction, without acceleration, takes far from its length begin again.
+static void break_unpredicted( const wisp_strand_stretch_args* args, chain* c, int group )
+{
+    const lane16 zero = lane16_zero(), most = lane16_set1( UNPREDICTED );
+    lane16m far = lane16_lt( zero, zero );
+    lane16v own = accelerated( args, c, c->first );
+    for ( int row = c->first; row + 1 < c->last; ++row )
+    {
+        const lane16v next = accelerated( args, c, row + 1 );
+        const lane16v e = lane16v_load( args->segment + (size_t)row * STRIDE );
+        const lane16 length = lane16_load( args->length + (size_t)row * WISP_LANES );
+        const lane16m is_near = is_within( lane16v_sub( e, lane16v_sub( own, next ) ), length, most );
+        far = lane16m_or( far, lane16m_and_not( lane16_lt( zero, length ), is_near ) );
+        own = next;
+    }
+    if ( lane16m_any( far ) )
+    {
+        break_history( args, c, group, far );
+    }
+}
+
 // Iterates each group until it is exact, independently of the others, so its result depends only on its own
 // strands.
-LANE_INLINE int stretch_groups( const wisp_strand_stretch_args* args, const int* first, int count,
-                                iteration_kind kind )
+LANE_INLINE int stretch_groups( const wisp_strand_stretch_args* args, int group, int count, iteration_kind kind )
 {
     lane16m inexact[CHAINS];
     chain chains[CHAINS];
-    const size_t rows = (size_t)( first[1] - first[0] );
+    const size_t rows = (size_t)( args->group_row[group + 1] - args->group_row[group] );
     for ( int c = 0; c < count; ++c )
     {
-        float* scratch = args->scratch + (size_t)c * rows * ROW;
-        chains[c] = ( chain ){ first[c], first[c + 1], scratch };
+        chains[c] = chain_of( args, group + c, args->scratch + (size_t)c * rows * ROW );
         if ( kind.is_predicted )
         {
-            const place_columns columns = columns_of( args );
-            place16_take_all( &columns, args->velocity, args->segment, first[c], first[c + 1], args->dt );
+            take_moves( args, &chains[c], group + c );
         }
-        clear_tension( args, first[c], first[c + 1] );
+        if ( args->history.step != NULL )
+        {
+            break_unpredicted( args, &chains[c], group + c );
+        }
+        clear_tension( args, chains[c].first, chains[c].last );
     }
     iterate( args, chains, count, kind, inexact );
     kind.is_first = false;
@@ -451,7 +536,7 @@ LANE_INLINE int stretch_groups( const wisp_strand_stretch_args* args, const int*
         {
             iterate( args, &chains[c], 1, kind, &inexact[c] );
         }
-        laid += lane16m_any( inexact[c] ) ? reset_diverged( args, &chains[c] ) : 0;
+        laid += lane16m_any( inexact[c] ) ? reset_diverged( args, &chains[c], group + c ) : 0;
     }
     return laid;
 }
@@ -462,8 +547,7 @@ LANE_INLINE int stretch_all( const wisp_strand_stretch_args* args, int begin, in
     for ( int g = begin; g < end; )
     {
         const int count = strand_groups_alike( args->group_row, g, end );
-        laid += count == CHAINS ? stretch_groups( args, args->group_row + g, CHAINS, kind )
-                                : stretch_groups( args, args->group_row + g, 1, kind );
+        laid += count == CHAINS ? stretch_groups( args, g, CHAINS, kind ) : stretch_groups( args, g, 1, kind );
         g += count;
     }
     return laid;

@@ -1,7 +1,7 @@
 // Low-cost length constraints along strands: a sweep of distances from the root, and follow the leader. Sixteen
 // strands at a time; nothing is gathered and no two lanes share a particle.
 #include "strand_chains.h"
-#include "strand_place.h"
+#include "strand_history.h"
 
 static const size_t STRIDE = 3 * WISP_LANES;
 
@@ -147,26 +147,58 @@ LANE_INLINE void sweep_groups( const wisp_strand_link_args* args, const link_rul
     }
 }
 
-static void take_corrections( const wisp_strand_link_args* args, const int* first, int count )
+// Takes what other passes did to positions. Strands with history that they moved begin again.
+static void take_corrections( const wisp_strand_link_args* args, int group, int count )
 {
     const place_columns c = columns_of( args );
-    for ( int k = 0; k < count && args->previous != NULL; ++k )
+    const restarted_columns out = { args->position, args->low, args->velocity };
+    for ( int g = group; g < group + count && args->previous != NULL; ++g )
     {
-        place16_take_all( &c, args->velocity, args->segment, first[k], first[k + 1], args->dt );
+        const int first = args->group_row[g], last = args->group_row[g + 1];
+        const bool has_history = args->history.step != NULL;
+        const lane16 dt = history16_dt( &args->history, first, args->dt ), zero = lane16_zero();
+        const lane16m moved = has_history ? history16_find_moved( &c, first, last, dt ) : lane16_lt( zero, zero );
+        place16_take_all( &c, args->velocity, args->segment, first, last, dt, lane16_div( lane16_set1( 1.0f ), dt ) );
+        if ( lane16m_any( moved ) )
+        {
+            history16_follow_all( &c, args->position, first, last, dt );
+            history16_break( &args->history, &c, &out, first, last, args->dt, moved );
+        }
     }
+}
+
+static link_rule rule_of( const wisp_strand_link_args* args )
+{
+    const bool compliant = args->inverse_dt2 > 0.0f;
+    return ( link_rule ){ lane16_set1( compliant ? 1.0f : args->stiffness ),
+                          lane16_set1( args->compliance * args->inverse_dt2 ), lane16_set1( args->dt ),
+                          lane16_set1( 1.0f / args->dt ) };
+}
+
+// Finds the rule of a group whose strands have steps of their own.
+static link_rule own_rule( const wisp_strand_link_args* args, int group )
+{
+    link_rule rule = rule_of( args );
+    rule.dt = history16_dt( &args->history, args->group_row[group], args->dt );
+    rule.inverse_dt = lane16_div( lane16_set1( 1.0f ), rule.dt );
+    const lane16 ratio = lane16_mul( lane16_set1( args->dt ), rule.inverse_dt );
+    rule.alpha = lane16_mul( rule.alpha, lane16_mul( ratio, ratio ) );
+    return rule;
 }
 
 LANE_INLINE void sweep_all( const wisp_strand_link_args* args, int begin, int end, int stride, bool has_lambda )
 {
-    const bool compliant = args->inverse_dt2 > 0.0f;
-    const link_rule rule = { lane16_set1( compliant ? 1.0f : args->stiffness ),
-                             lane16_set1( args->compliance * args->inverse_dt2 ), lane16_set1( args->dt ),
-                             lane16_set1( 1.0f / args->dt ) };
+    const bool has_history = args->history.step != NULL;
+    link_rule rule = rule_of( args );
     for ( int g = begin; g < end; )
     {
-        const int count = strand_groups_alike( args->group_row, g, end );
+        const int count = has_history ? 1 : strand_groups_alike( args->group_row, g, end );
         const int rows = args->group_row[g + 1] - args->group_row[g];
-        take_corrections( args, args->group_row + g, count );
+        take_corrections( args, g, count );
+        if ( has_history )
+        {
+            rule = own_rule( args, g );
+        }
         if ( rows > stride && count == CHAINS )
         {
             sweep_groups( args, &rule, args->group_row + g, rows, stride, CHAINS, has_lambda );

@@ -80,7 +80,7 @@ wisp_status wisp_declare_passes( wisp_registry* registry, const wisp_pass* passe
 static bool find_passes( const wisp_registry* r, const char* const* names, store_mask* passes )
 {
     bool found = true;
-    for ( int n = 0; n < WISP_MAX_USES && names[n] != NULL; ++n )
+    for ( int n = 0; n < WISP_MAX_FUSED && names[n] != NULL; ++n )
     {
         int i = 0;
         while ( i < r->pass_count && strcmp( r->passes[i].name, names[n] ) != 0 )

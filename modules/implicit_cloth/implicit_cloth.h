@@ -46,14 +46,6 @@ typedef enum wisp_implicit_jacobian
     WISP_IMPLICIT_JACOBIAN_COUNT,
 } wisp_implicit_jacobian;
 
-typedef enum wisp_implicit_integrator
-{
-    WISP_IMPLICIT_EULER, ///< implicit Euler (eq. 16-17): first order, damps oscillation
-    WISP_IMPLICIT_BDF2,  ///< second order from the last two substeps; the first substep is implicit Euler, and so
-                         ///< are those with k h^2 / m above 512 (WISP_COUNT_FIRST_ORDER)
-    WISP_IMPLICIT_INTEGRATOR_COUNT,
-} wisp_implicit_integrator;
-
 /// Material and solver of a surface. Fill from wisp_default_implicit_cloth_def(). Copied; need not outlive the call.
 typedef struct wisp_implicit_cloth_def
 {
@@ -69,10 +61,12 @@ typedef struct wisp_implicit_cloth_def
     float compression_stiffness;
     float link_damping; ///< k_d of a link, N s/m, >= 0, default 0.02
 
-    wisp_implicit_weights weights;       ///< default effective
-    wisp_implicit_damping damping_form;  ///< default isotropic
-    wisp_implicit_jacobian jacobian;     ///< default dropped
-    wisp_implicit_integrator integrator; ///< default Euler
+    wisp_implicit_weights weights;      ///< default effective
+    wisp_implicit_damping damping_form; ///< default isotropic
+    wisp_implicit_jacobian jacobian;    ///< default dropped
+    /// Default Euler (eq. 16-17), which damps oscillation. BDF2 makes its first substep by Euler, and those with k h^2 / m above 512
+    /// (WISP_COUNT_FIRST_ORDER).
+    wisp_integrator integrator;
 
     /// Linear solves per substep, 1 .. 64, default 1 as in the paper. More approach the nonlinear step of implicit Euler.
     int newton_iterations;

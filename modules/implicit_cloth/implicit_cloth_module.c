@@ -155,7 +155,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_de
         { "weights", (float)d->weights, 0.0f, (float)( WISP_IMPLICIT_WEIGHTS_COUNT - 1 ) },
         { "damping_form", (float)d->damping_form, 0.0f, (float)( WISP_IMPLICIT_DAMPING_COUNT - 1 ) },
         { "jacobian", (float)d->jacobian, 0.0f, (float)( WISP_IMPLICIT_JACOBIAN_COUNT - 1 ) },
-        { "integrator", (float)d->integrator, 0.0f, (float)( WISP_IMPLICIT_INTEGRATOR_COUNT - 1 ) },
+        { "integrator", (float)d->integrator, 0.0f, (float)( WISP_INTEGRATOR_COUNT - 1 ) },
     };
     const wisp_status status = wisp_world_check_ranges( world, "implicit cloth", ranges, WISP_COUNT( ranges ) );
     if ( status != WISP_OK )
@@ -216,7 +216,7 @@ static void list_components( const implicit_state* state, const wisp_implicit_cl
         requested[i] = true;
     }
     requested[5] = d->warm_start;
-    requested[6] = d->integrator == WISP_IMPLICIT_BDF2;
+    requested[6] = d->integrator == WISP_INTEGRATOR_BDF2;
 }
 
 // Attach what is missing before detaching anything, so that the surface is unchanged if memory runs out.
@@ -252,7 +252,7 @@ static void fill( wisp_world* world, wisp_entity surface, const implicit_state* 
     *m = ( implicit_material ){
         .axial_damping = d->damping_form == WISP_IMPLICIT_DAMPING_AXIAL,
         .full_jacobian = d->jacobian == WISP_IMPLICIT_JACOBIAN_FULL,
-        .bdf2 = d->integrator == WISP_IMPLICIT_BDF2,
+        .bdf2 = d->integrator == WISP_INTEGRATOR_BDF2,
         .newton_iterations = d->newton_iterations,
         .max_newton_iterations = d->max_newton_iterations,
         .max_iterations = d->max_iterations,

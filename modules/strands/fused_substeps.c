@@ -19,7 +19,7 @@ enum
 typedef struct parts
 {
     bool has_head, is_anchored, has_pins, has_links;
-    bool has_damping, has_air, has_rod, has_frames;
+    bool has_damping, has_air, has_rod, has_frames, has_history;
 } parts;
 
 // Arguments of kernels for one pair: columns start at its first row.
@@ -44,6 +44,7 @@ static parts parts_of( wisp_frame* frame, wisp_entity entity, const strands_stat
         .has_air = wisp_frame_has( frame, entity, state->air ),
         .has_rod = wisp_frame_has( frame, entity, state->rod ),
         .has_frames = wisp_frame_has( frame, entity, state->curve ),
+        .has_history = wisp_frame_has( frame, entity, state->history ),
     };
 }
 
@@ -120,6 +121,21 @@ static void select_pair( pair_args* batch, const pair_args* all, const wisp_span
     batch->tension = all->tension + scalar;
 }
 
+// Point the history at a pair of groups.
+static void select_history( pair_args* batch, const pair_args* all, const wisp_span* pair )
+{
+    const wisp_strand_history* h = &all->motion.history;
+    const int first = all->motion.group_row[pair->begin];
+    const size_t vector = strands_vector( first, 0 );
+    batch->motion.history =
+        ( wisp_strand_history ){ h->displacement + vector, h->before + vector, h->step + strands_scalar( first, 0 ) };
+    batch->link.history = batch->rod.history = batch->stretch.history = batch->motion.history;
+    if ( all->rod.first_order_factor != NULL )
+    {
+        batch->rod.first_order_factor = all->rod.first_order_factor + vector;
+    }
+}
+
 // Point the arguments of rods at a pair of groups.
 static void select_rods( pair_args* batch, const pair_args* all, const wisp_span* pair )
 {
@@ -165,7 +181,21 @@ static void bend_pair( wisp_frame* frame, const wisp_span* pair, const parts* ha
     }
 }
 
-// Forces need the substep before them ended. Without forces the next prediction ends it.
+// Begin a substep whose predecessor has ended.
+static void begin_pair( wisp_frame* frame, const wisp_span* pair, const parts* has, const pair_args* batch,
+                        strands_state* state )
+{
+    const wisp_kernels* kernels = wisp_frame_kernels( frame );
+    const int groups = pair->end - pair->begin;
+    if ( has->has_history )
+    {
+        kernels->strand_extrapolate( &batch->motion, 0, groups );
+    }
+    apply_forces( frame, pair, has, state );
+    kernels->strand_predict( &batch->motion, 0, groups );
+}
+
+// Forces need the substep before them ended. Without them the next prediction ends it.
 static void run_pair( wisp_frame* frame, wisp_span pair, int substep_end, const parts* has, pair_args* batch,
                       strands_state* state )
 {
@@ -176,15 +206,21 @@ static void run_pair( wisp_frame* frame, wisp_span pair, int substep_end, const 
     for ( ; pair.substep < substep_end; ++pair.substep )
     {
         move_roots( frame, &pair, has, state );
-        apply_forces( frame, &pair, has, state );
-        ( is_end_pending ? kernels->strand_advance : kernels->strand_predict )( &batch->motion, 0, groups );
+        if ( is_end_pending )
+        {
+            strands_count_first_order( frame, kernels->strand_advance( &batch->motion, 0, groups ) );
+        }
+        else
+        {
+            begin_pair( frame, &pair, has, batch, state );
+        }
         bend_pair( frame, &pair, has, batch, state );
         batch->stretch.tension = has->has_rod || pair.substep == last ? batch->tension : NULL;
         strands_count_reset( frame, kernels->strand_stretch( &batch->stretch, 0, groups ) );
         is_end_pending = has_forces == false && pair.substep + 1 < substep_end;
         if ( is_end_pending == false )
         {
-            kernels->strand_velocity( &batch->motion, 0, groups );
+            strands_count_first_order( frame, kernels->strand_velocity( &batch->motion, 0, groups ) );
         }
     }
 }
@@ -235,6 +271,10 @@ void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end
     {
         pair.end = pair.begin + PAIR < span->end ? pair.begin + PAIR : span->end;
         select_pair( &batch, &all, &pair );
+        if ( has.has_history )
+        {
+            select_history( &batch, &all, &pair );
+        }
         if ( has.has_rod )
         {
             select_rods( &batch, &all, &pair );

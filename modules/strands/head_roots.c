@@ -46,18 +46,23 @@ static void turn_vertex( const turned_columns* c, int row, int lane, wisp_vec3 f
     strands_put( c->low, row, lane, strands_low_vector( to, turned, put ) );
 }
 
-void strands_turn( wisp_frame* frame, wisp_entity entity, wisp_component low, int group, int lane, wisp_vec3 from,
-                   wisp_vec3 to, wisp_quat turn )
+void strands_turn( wisp_frame* frame, wisp_entity entity, const strands_state* state, int group, int lane,
+                   wisp_vec3 from, wisp_vec3 to, wisp_quat turn )
 {
     const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
     const turned_columns c = {
         .position = wisp_frame_column( frame, entity, WISP_STRAND_POSITION, 0 ),
-        .low = wisp_frame_column( frame, entity, low, 0 ),
+        .low = wisp_frame_column( frame, entity, state->low, 0 ),
         .velocity = wisp_frame_column( frame, entity, WISP_STRAND_VELOCITY, 0 ),
     };
     for ( int v = 0; v < t->lane_count[group * WISP_LANES + lane]; ++v )
     {
         turn_vertex( &c, t->group_row[group] + v, lane, from, to, turn );
+    }
+    if ( wisp_frame_has( frame, entity, state->history ) )
+    {
+        float* step = wisp_frame_column( frame, entity, state->history, 2 );
+        step[strands_scalar( t->group_row[group], lane )] = -1.0f;
     }
 }
 
@@ -85,7 +90,7 @@ void strands_jump( wisp_frame* frame, const wisp_span* span, void* user )
     const int end = head->jumped != 0 && span->substep == 0 ? span->end * WISP_LANES : 0;
     for ( int i = span->begin * WISP_LANES; i < end; ++i )
     {
-        strands_turn( frame, span->entity, state->low, i / WISP_LANES, i % WISP_LANES, head->from.translation,
+        strands_turn( frame, span->entity, state, i / WISP_LANES, i % WISP_LANES, head->from.translation,
                       head->to.translation, turn_of( head ) );
     }
 }

@@ -8,9 +8,9 @@ wisp_pass_fn strands_move_head, strands_jump, strands_jump_frames, strands_root,
 /// Return the pose of the head after some substeps of this step.
 wisp_transform strands_head_pose( wisp_frame* frame, const strands_head* head, int substeps );
 
-/// Move a strand as a rigid body, with its velocities: from one position of the root to another.
-void strands_turn( wisp_frame* frame, wisp_entity entity, wisp_component low, int group, int lane, wisp_vec3 from,
-                   wisp_vec3 to, wisp_quat turn );
+/// Move a strand as a rigid body, with its velocities: from one position of the root to another. Its history ends.
+void strands_turn( wisp_frame* frame, wisp_entity entity, const strands_state* state, int group, int lane,
+                   wisp_vec3 from, wisp_vec3 to, wisp_quat turn );
 
 /// Turn the frames of a strand.
 void strands_turn_frames( wisp_frame* frame, wisp_entity entity, wisp_component curve, int group, int lane,

@@ -110,7 +110,8 @@ typedef struct factor_args
     const strands_rows* rows;
     const strands_settings* settings;
     float *stiffness, *factor;
-    double dt;
+    double dt;   // s, of a substep, which stiffness must suit
+    double step; // s, of the implicit step of these factors
     bool curled; // with frames
 } factor_args;
 
@@ -196,7 +197,7 @@ static double stiffness_of( const factor_args* args, int row, int i, int count, 
 // k-1, k, k+1.
 static band row_of_system( const factor_args* args, int row, int i, int count, int lane )
 {
-    const double step = args->dt * ( args->dt + (double)args->settings->bend_damping );
+    const double step = args->step * ( args->step + (double)args->settings->bend_damping );
     band out = { mass_at( args->rows, row + i, lane ), 0.0, 0.0 };
     for ( int k = i > 0 ? i - 1 : 0; k <= i + 1 && k + 1 < count; ++k )
     {
@@ -221,12 +222,16 @@ static void put_factor( const factor_args* args, int row, int lane, double inver
     strands_put( args->factor, row, lane, ( wisp_vec3 ){ (float)inverse, (float)first, (float)second } );
 }
 
-static void factor_strand( const factor_args* args, int row, int count, int lane )
+static void stiffen_strand( const factor_args* args, int row, int count, int lane )
 {
     for ( int i = 0; i < count; ++i )
     {
         args->stiffness[strands_scalar( row + i, lane )] = (float)stiffness_of( args, row, i, count, lane );
     }
+}
+
+static void factor_strand( const factor_args* args, int row, int count, int lane )
+{
     band before = { 1.0, 0.0, 0.0 }, first = before;
     for ( int i = 0; i < count; ++i )
     {
@@ -254,25 +259,45 @@ bool strands_factor_is_due( wisp_frame* frame, wisp_entity entity, void* user )
     return wisp_frame_strands( frame, entity )->group_count > 0 && factored[0] != wisp_frame_dt( frame );
 }
 
+static void factor_group( const factor_args* args, int group )
+{
+    const wisp_strand_topology* t = args->rows->topology;
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
+    {
+        factor_strand( args, t->group_row[group], t->lane_count[group * WISP_LANES + lane], lane );
+    }
+}
+
 void strands_factor( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_rows rows = strands_rows_in( frame, span->entity );
+    const double dt = (double)wisp_frame_dt( frame );
+    const bool has_history = wisp_frame_has( frame, span->entity, state->history );
     const factor_args args = {
         .rows = &rows,
         .settings = wisp_frame_column( frame, span->entity, state->settings, 0 ),
         .stiffness = wisp_frame_column( frame, span->entity, state->rod, 1 ),
         .factor = wisp_frame_column( frame, span->entity, state->rod, 2 ),
-        .dt = (double)wisp_frame_dt( frame ),
+        .dt = dt,
+        .step = has_history ? 2.0 / 3.0 * dt : dt,
         .curled = wisp_frame_has( frame, span->entity, state->curve ),
     };
+    factor_args first_order = args;
+    first_order.step = dt;
+    first_order.factor = has_history ? wisp_frame_column( frame, span->entity, state->history, 3 ) : NULL;
     float* factored = wisp_frame_column( frame, span->entity, state->clamp, 1 );
     for ( int g = span->begin; g < span->end; ++g )
     {
         for ( int lane = 0; lane < WISP_LANES; ++lane )
         {
-            factor_strand( &args, rows.topology->group_row[g], rows.topology->lane_count[g * WISP_LANES + lane],
-                           lane );
+            stiffen_strand( &args, rows.topology->group_row[g], rows.topology->lane_count[g * WISP_LANES + lane],
+                            lane );
+        }
+        factor_group( &args, g );
+        if ( has_history )
+        {
+            factor_group( &first_order, g );
         }
         factored[g] = wisp_frame_dt( frame );
     }

@@ -90,12 +90,64 @@ static void restore_state( wisp_frame* frame, wisp_entity entity, check_loop* lo
     wisp_frame_halt( frame, entity, message );
 }
 
+// Clear what may be NaN, so that restored strands can move again.
+static void restore_tension( wisp_frame* frame, wisp_entity entity, const strands_state* state )
+{
+    float* tension = wisp_frame_column( frame, entity, state->tension, 0 );
+    memset( tension, 0, strands_scalar( wisp_frame_strands( frame, entity )->row_count, 0 ) * sizeof( float ) );
+}
+
+static void restore_frames( wisp_frame* frame, wisp_entity entity, const strands_state* state )
+{
+    const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
+    const float* position = wisp_frame_column( frame, entity, WISP_STRAND_POSITION, 0 );
+    const float* clamp = wisp_frame_column( frame, entity, state->clamp, 0 );
+    const float* root = wisp_frame_column( frame, entity, WISP_STRAND_ROOT, 1 );
+    float* frames = wisp_frame_column( frame, entity, state->curve, 0 );
+    for ( int g = 0; g < t->group_count; ++g )
+    {
+        strands_lay_group( t, position, clamp, root, frames, g );
+    }
+}
+
+static void restore_history( wisp_frame* frame, wisp_entity entity, const strands_state* state )
+{
+    const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
+    for ( int k = 0; k < 2; ++k )
+    {
+        memset( wisp_frame_column( frame, entity, state->history, k ), 0,
+                strands_vector( t->row_count, 0 ) * sizeof( float ) );
+    }
+    float* step = wisp_frame_column( frame, entity, state->history, 2 );
+    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
+    {
+        step[strands_scalar( t->group_row[i / WISP_LANES], i % WISP_LANES )] = -1.0f;
+    }
+}
+
+// An entity that is halted is left out of later passes, so all is restored here.
+static void restore( wisp_frame* frame, wisp_entity entity, const strands_state* state, check_loop* loop, int row )
+{
+    restore_state( frame, entity, loop, wisp_frame_column( frame, entity, state->low, 0 ), row );
+    if ( wisp_frame_has( frame, entity, state->tension ) )
+    {
+        restore_tension( frame, entity, state );
+    }
+    if ( wisp_frame_has( frame, entity, state->curve ) )
+    {
+        restore_frames( frame, entity, state );
+    }
+    if ( wisp_frame_has( frame, entity, state->history ) )
+    {
+        restore_history( frame, entity, state );
+    }
+}
+
 void strands_guard( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
-    int32_t* fault = wisp_frame_column( frame, span->entity, state->fault, 0 );
     check_loop loop = {
         .kernels = wisp_frame_kernels( frame ),
         .group_row = t->group_row,
@@ -108,44 +160,12 @@ void strands_guard( wisp_frame* frame, const wisp_span* span, void* user )
     atomic_init( &loop.first_bad, t->row_count );
     wisp_parallel_for( parallel, t->group_count, CHECK_GRAIN, check_groups, &loop );
     const int bad = atomic_load( &loop.first_bad );
-    *fault = bad < t->row_count ? 1 : 0;
-    if ( *fault != 0 )
+    if ( bad < t->row_count )
     {
-        restore_state( frame, span->entity, &loop, wisp_frame_column( frame, span->entity, state->low, 0 ), bad );
+        restore( frame, span->entity, state, &loop, bad );
     }
     else
     {
         wisp_parallel_for( parallel, t->group_count, CHECK_GRAIN, save_state, &loop );
-    }
-}
-
-bool strands_is_faulty( wisp_frame* frame, wisp_entity entity, void* user )
-{
-    const strands_state* state = user;
-    const int32_t* fault = wisp_frame_column( frame, entity, state->fault, 0 );
-    return *fault != 0;
-}
-
-// Reset what may be NaN, so that restored strands can move again.
-void strands_mend_tension( wisp_frame* frame, const wisp_span* span, void* user )
-{
-    const strands_state* state = user;
-    const int32_t* group_row = wisp_frame_strands( frame, span->entity )->group_row;
-    float* tension = wisp_frame_column( frame, span->entity, state->tension, 0 );
-    const size_t begin = strands_scalar( group_row[span->begin], 0 );
-    memset( tension + begin, 0, ( strands_scalar( group_row[span->end], 0 ) - begin ) * sizeof( float ) );
-}
-
-void strands_mend_frames( wisp_frame* frame, const wisp_span* span, void* user )
-{
-    const strands_state* state = user;
-    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    const float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 );
-    const float* clamp = wisp_frame_column( frame, span->entity, state->clamp, 0 );
-    const float* root = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 1 );
-    float* frames = wisp_frame_column( frame, span->entity, state->curve, 0 );
-    for ( int g = span->begin; g < span->end; ++g )
-    {
-        strands_lay_group( t, position, clamp, root, frames, g );
     }
 }

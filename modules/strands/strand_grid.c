@@ -83,7 +83,9 @@ typedef struct grid_loop
     const wisp_grid* grid;
     const int32_t* entries;
     const float* weight;
-    float* velocity; // null: at rest
+    float* velocity;              // null: at rest
+    float *displacement, *before; // history; null: none
+    float dt;                     // s, of a substep
     grid_corner* corners;
     int nodes[3];
     double inverse_volume;       // 1/m^3
@@ -204,18 +206,28 @@ static grid_sample sample( const grid_loop* loop, const int cell[3], const doubl
     return out;
 }
 
+// Change the velocity of a vertex. Its history changes as if it had always moved so, since only what is new in a
+// substep may be extrapolated.
 static void mix_vertex( const grid_loop* loop, int32_t entry, const grid_sample* s )
 {
-    float* v = loop->velocity + velocity_at( entry );
+    const size_t at = velocity_at( entry );
     const double steep =
         sqrt( s->gradient[0] * s->gradient[0] + s->gradient[1] * s->gradient[1] + s->gradient[2] * s->gradient[2] );
     const double excess = fmax( s->density * loop->inverse_rest_density - 1.0, 0.0 );
     const double push = steep > 0.0 ? (double)loop->push * excess / steep : 0.0;
     for ( int k = 0; k < 3; ++k )
     {
-        const double own = (double)v[k * WISP_LANES];
-        v[k * WISP_LANES] =
+        const size_t lane = at + (size_t)k * WISP_LANES;
+        const float before = loop->velocity[lane];
+        const double own = (double)before;
+        loop->velocity[lane] =
             (float)( own + (double)loop->friction * ( s->velocity[k] - own ) - push * s->gradient[k] );
+        if ( loop->before != NULL )
+        {
+            const float change = loop->velocity[lane] - before;
+            loop->before[lane] += change;
+            loop->displacement[lane] += loop->dt * change;
+        }
     }
 }
 
@@ -332,6 +344,12 @@ void strands_mix( wisp_frame* frame, const wisp_span* span, void* user )
     }
     loop.inverse_rest_density = settings->rest_density > 0.0f ? 1.0 / (double)settings->rest_density : 0.0;
     loop.velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 );
+    if ( wisp_frame_has( frame, span->entity, state->history ) )
+    {
+        loop.displacement = wisp_frame_column( frame, span->entity, state->history, 0 );
+        loop.before = wisp_frame_column( frame, span->entity, state->history, 1 );
+        loop.dt = wisp_frame_dt( frame );
+    }
     if ( fill( frame, span, w, wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ), settings->cell,
                &loop ) )
     {

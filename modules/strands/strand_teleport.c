@@ -36,6 +36,8 @@ static void move_columns( const strands_state* state, wisp_world* world, wisp_en
     wisp_teleport_lanes( teleport, wisp_world_column( world, strands, state->anchor, 3 ), NULL, 3 * t->group_count );
     wisp_teleport_lanes( &low, NULL, wisp_world_column( world, strands, state->low, 0 ), t->row_count );
     wisp_teleport_lanes( &low, NULL, wisp_world_column( world, strands, WISP_STRAND_ROOT, 2 ), t->group_count );
+    wisp_teleport_lanes( teleport, NULL, wisp_world_column( world, strands, state->history, 1 ), t->row_count );
+    wisp_teleport_lanes( teleport, NULL, wisp_world_column( world, strands, state->history, 0 ), t->row_count );
     turn_frames( wisp_world_column( world, strands, state->curve, 0 ), t->row_count, turn );
     turn_frames( wisp_world_column( world, strands, WISP_STRAND_ROOT, 1 ), t->group_count, turn );
 }

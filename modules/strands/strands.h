@@ -52,6 +52,10 @@ typedef struct wisp_strand_dynamics_def
     float
         stretch_tolerance; ///< direct: of |l/l0 - 1|, 1e-6 .. 1, default 1e-2. A strand outside of it after the last pass
                            ///< is reset to rest lengths from the root and counted (WISP_COUNT_STRAND_RESET)
+    /// Default Euler. BDF2 needs direct lengths. A strand makes a substep by Euler where BDF2 has nothing to look back on: the
+    /// first one, one in which it is pushed, reset or turned too fast, the one after that, the one after a jump of its
+    /// root or another length of substep. All but the first are counted (WISP_COUNT_FIRST_ORDER).
+    wisp_integrator integrator;
     float leader_correction; ///< follow: fraction of the momentum given back to the leader, 0 .. 1, default 0.9
 
     wisp_strand_bend bending; ///< default rod
@@ -90,7 +94,8 @@ WISP_API wisp_strand_dynamics_def wisp_default_strand_dynamics_def( void );
 
 /// Make strands move, or replace their definition. They start at rest in the shape they were added with; roots (the first vertex of
 /// each strand) are pinned. Strands of one vertex only follow the head.
-/// @return WISP_BAD_INPUT a value is out of range, a mass is not above 0 or a pin is out of range (the message names it);
+/// @return WISP_BAD_INPUT a value is out of range, a mass is not above 0, a pin is out of range, or BDF2 has other than
+///         direct lengths (the message names it);
 ///         WISP_CONFLICT the module is not registered, or the entity has no strands; WISP_NO_MEMORY
 WISP_API wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands,
                                                const wisp_strand_dynamics_def* def );

@@ -43,6 +43,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_d
         { "stretch", (float)d->stretch, 0.0f, (float)( WISP_STRAND_STRETCH_COUNT - 1 ) },
         { "stretch_passes", (float)d->stretch_passes, 1.0f, 16.0f },
         { "stretch_tolerance", d->stretch_tolerance, 1e-6f, 1.0f },
+        { "integrator", (float)d->integrator, 0.0f, (float)( WISP_INTEGRATOR_COUNT - 1 ) },
         { "leader_correction", d->leader_correction, 0.0f, 1.0f },
         { "bending", (float)d->bending, 0.0f, (float)( WISP_STRAND_BEND_COUNT - 1 ) },
         { "bend_rigidity", d->bend_rigidity, 0.0f, 1e12f },
@@ -71,6 +72,17 @@ static wisp_status check_vector( wisp_world* world, const char* name, wisp_vec3 
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "strands: %s (%g, %g, %g) is not finite or above %g", name,
                                 (double)v.x, (double)v.y, (double)v.z, (double)most );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_integrator( wisp_world* world, const wisp_strand_dynamics_def* d )
+{
+    if ( d->integrator == WISP_INTEGRATOR_BDF2 && d->stretch != WISP_STRAND_STRETCH_DIRECT )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strands: got integrator bdf2 with stretch %s, expected direct",
+                                d->stretch == WISP_STRAND_STRETCH_LINKS ? "links" : "follow" );
     }
     return WISP_OK;
 }
@@ -146,7 +158,7 @@ typedef struct requested_component
 
 enum
 {
-    COMPONENT_COUNT = 24,
+    COMPONENT_COUNT = 23,
 };
 
 // Return whether vertices behind a root may be pinned: by a pin, or because a strand has no length.
@@ -172,7 +184,7 @@ static void list_components( const strands_state* s, const wisp_strand_dynamics_
 {
     const bool direct = d->stretch == WISP_STRAND_STRETCH_DIRECT, rod = d->bending == WISP_STRAND_BEND_ROD;
     const bool links = d->stretch == WISP_STRAND_STRETCH_LINKS, bend_links = d->bending == WISP_STRAND_BEND_LINKS;
-    const bool straight = d->rest == WISP_STRAND_REST_STRAIGHT;
+    const bool straight = d->rest == WISP_STRAND_REST_STRAIGHT, bdf2 = d->integrator == WISP_INTEGRATOR_BDF2;
     const requested_component list[COMPONENT_COUNT] = {
         { WISP_STRAND_VELOCITY, true },
         { WISP_STRAND_INVERSE_MASS, true },
@@ -181,7 +193,6 @@ static void list_components( const strands_state* s, const wisp_strand_dynamics_
         { s->low, true },
         { s->settings, true },
         { s->good, true },
-        { s->fault, true },
         { s->in_bounds, true },
         { s->head, anchored == false },
         { s->damping, d->damping > 0.0f },
@@ -194,9 +205,9 @@ static void list_components( const strands_state* s, const wisp_strand_dynamics_
         { s->follow, d->stretch == WISP_STRAND_STRETCH_FOLLOW },
         { s->bend_links, bend_links },
         { s->bend_link, bend_links },
+        { s->history, bdf2 },
         { s->rod, rod },
         { s->clamp, rod },
-        { s->straight, rod && straight },
         { s->curve, rod && straight == false },
     };
     memcpy( all, list, sizeof( list ) );
@@ -332,6 +343,17 @@ static void reset_rest( wisp_world* world, wisp_entity strands, const strands_st
     }
 }
 
+// Strands of another definition have no substep to look back on.
+static void forget_history( wisp_world* world, wisp_entity strands, const strands_state* s )
+{
+    const wisp_strand_topology* t = wisp_world_strands( world, strands );
+    float* step = wisp_world_column( world, strands, s->history, 2 );
+    if ( step != NULL )
+    {
+        memset( step, 0, (size_t)t->row_count * WISP_LANES * sizeof( float ) );
+    }
+}
+
 // Compute everything that follows from the definition alone, for new and for moving strands.
 static void cook( wisp_world* world, wisp_entity strands, const strands_state* s, const wisp_strand_dynamics_def* d )
 {
@@ -346,6 +368,7 @@ static void cook( wisp_world* world, wisp_entity strands, const strands_state* s
     strands_cook_links( world, strands, s );
     strands_cook_rods( world, strands, s );
     reset_rest( world, strands, s );
+    forget_history( world, strands, s );
 }
 
 // ---- calls ----
@@ -358,6 +381,7 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
     status = status == WISP_OK ? check_ranges( world, def ) : status;
     status = status == WISP_OK ? check_vector( world, "gravity", def->gravity, 1e6f ) : status;
     status = status == WISP_OK ? check_vector( world, "wind", def->wind, 1e5f ) : status;
+    status = status == WISP_OK ? check_integrator( world, def ) : status;
     status = status == WISP_OK ? check_lists( world, wisp_world_strands( world, strands ), def ) : status;
     if ( status != WISP_OK )
     {

@@ -132,6 +132,15 @@ static wisp_status declare_forces( wisp_registry* r, strands_state* s )
 {
     const wisp_pass passes[] = {
         {
+            .name = "strands.extrapolate",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .required = { s->history },
+            .reads = { s->history, s->low, WISP_STRAND_INVERSE_MASS, WISP_STRAND_VELOCITY },
+            .writes = { s->history, s->low, WISP_STRAND_VELOCITY },
+            .run = strands_extrapolate,
+        },
+        {
             .name = "strands.damping",
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
@@ -181,7 +190,8 @@ static wisp_status declare_rods( wisp_registry* r, strands_state* s )
         .name = "strands.rod",
         .stage = WISP_STAGE_PREDICT,
         .domain = WISP_DOMAIN_STRAND_GROUP,
-        .required = { s->settings, s->rod, s->tension, s->straight },
+        .required = { s->settings, s->rod, s->tension },
+        .excluded = { s->curve },
         .reads = { s->settings, s->rod, s->clamp, s->tension, s->low, WISP_STRAND_ROOT, WISP_STRAND_INVERSE_MASS,
                    WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
         .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_PREVIOUS },
@@ -191,6 +201,7 @@ static wisp_status declare_rods( wisp_registry* r, strands_state* s )
     const wisp_status status = wisp_declare_pass( r, &rod );
     rod.name = "strands.rod_curved";
     rod.required[3] = s->curve;
+    rod.excluded[0] = 0;
     rod.reads[10] = s->curve;
     rod.reads[11] = s->balance;
     rod.writes[3] = s->curve;
@@ -263,8 +274,9 @@ static wisp_status declare_substeps( wisp_registry* r, strands_state* s )
         .name = "strands.substeps",
         .required = { "strands.predict", "strands.stretch", "strands.velocity" },
         .allowed = { "strands.teleport", "strands.teleport_frames", "strands.roots", "strands.anchors",
-                     "strands.anchor_frames", "strands.pins", "strands.damping", "strands.damping_anchored",
-                     "strands.air", "strands.rod", "strands.rod_curved", "strands.bend_links" },
+                     "strands.anchor_frames", "strands.pins", "strands.extrapolate", "strands.damping",
+                     "strands.damping_anchored", "strands.air", "strands.rod", "strands.rod_curved",
+                     "strands.bend_links" },
         .run = strands_substeps,
         .user = s,
     };
@@ -273,38 +285,17 @@ static wisp_status declare_substeps( wisp_registry* r, strands_state* s )
 
 static wisp_status declare_guard( wisp_registry* r, strands_state* s )
 {
-    const wisp_pass passes[] = {
-        {
-            .name = "strands.state_check",
-            .stage = WISP_STAGE_CHECK,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { s->good, s->fault, s->in_bounds },
-            .reads = { s->good, s->in_bounds, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
-            .writes = { s->good, s->fault, s->in_bounds, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
-            .run = strands_guard,
-        },
-        {
-            .name = "strands.restore_tension",
-            .stage = WISP_STAGE_CHECK,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
-            .required = { s->tension, s->fault },
-            .reads = { s->fault, s->tension },
-            .writes = { s->tension },
-            .run = strands_mend_tension,
-            .should_run = strands_is_faulty,
-        },
-        {
-            .name = "strands.restore_frames",
-            .stage = WISP_STAGE_CHECK,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
-            .required = { s->curve, s->clamp, s->fault },
-            .reads = { s->fault, s->curve, s->clamp, WISP_STRAND_ROOT, WISP_STRAND_POSITION },
-            .writes = { s->curve },
-            .run = strands_mend_frames,
-            .should_run = strands_is_faulty,
-        },
+    const wisp_pass pass = {
+        .name = "strands.state_check",
+        .stage = WISP_STAGE_CHECK,
+        .domain = WISP_DOMAIN_ENTITY,
+        .required = { s->good, s->in_bounds },
+        .reads = { s->good, s->in_bounds, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+        .writes = { s->good, s->in_bounds, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+        .run = strands_guard,
+        .user = s,
     };
-    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
+    return wisp_declare_pass( r, &pass );
 }
 
 static wisp_status declare_stats( wisp_registry* r, strands_state* s )

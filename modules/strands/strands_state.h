@@ -61,9 +61,8 @@ typedef struct strands_grid
 #define STRANDS_HEAD( X ) X( strands_head, head, 1 )
 #define STRANDS_DAMPING( X ) X( float, rate, 1 ) /* 1/s */
 #define STRANDS_AIR( X ) X( strands_air, air, 1 )
-#define STRANDS_PINS( X ) X( int32_t, count, 1 )  /* vertices behind the root that are pinned */
-#define STRANDS_FAULT( X ) X( int32_t, fault, 1 ) /* the state check restored the entity in this step */
-#define STRANDS_LOW( X ) X( float, low, 48 )      /* m, what does not fit the digits of the position */
+#define STRANDS_PINS( X ) X( int32_t, count, 1 ) /* vertices behind the root that are pinned */
+#define STRANDS_LOW( X ) X( float, low, 48 )     /* m, what does not fit the digits of the position */
 #define STRANDS_DIRECT( X ) X( strands_direct, direct, 1 )
 #define STRANDS_LINKS( X ) X( strands_link, link, 1 )
 #define STRANDS_FOLLOW( X ) X( float, fraction, 1 )
@@ -75,6 +74,11 @@ typedef struct strands_grid
 #define STRANDS_BEND_LINK( X )                                                                                       \
     X( float, rest, 16 ) /* m, to the row after the next; 0 or less: no link */                                      \
     X( float, lambda, 16 )
+#define STRANDS_HISTORY( X )                                                                                         \
+    X( float, displacement, 48 ) /* wisp_strand_history */                                                           \
+    X( float, before, 48 )                                                                                           \
+    X( float, step, 16 )                                                                                             \
+    X( float, first_order_factor, 48 ) /* of rods, for substeps by Euler */
 #define STRANDS_ROD( X )                                                                                             \
     X( float, inverse_length, 16 ) /* 1/m, of the segment to the next row; 0 where there is none */                  \
     X( float, stiffness, 16 )      /* N m, EI / L_i, lowered to what a substep can solve */                          \
@@ -84,12 +88,11 @@ typedef struct strands_grid
     X( float, clamp, 64 )   /* quaternion [4][16], x y z w: frame at rest, z along the direction of growth */        \
     X( float, factored, 1 ) /* s, the length of substep of the factors; 0: none */
 #define STRANDS_CURVE( X )                                                                                           \
-    X( float, frame, 64 )                               /* quaternion [4][16] of the segment to the next row */      \
-    X( float, rest, 48 )                                /* k_i in the middle frame of vertex i */                    \
-    X( float, rest_twist, 32 )                          /* cosine and sine of half the rest twist */                 \
-    X( float, twist_stiffness, 16 )                     /* N m, GJ / L_i */                                          \
-    X( float, rest_tension, 16 )                        /* N, of the segment to the next row, in balance */
-#define STRANDS_STRAIGHT( X ) X( int32_t, straight, 1 ) /* the rod has no frames */
+    X( float, frame, 64 )           /* quaternion [4][16] of the segment to the next row */                          \
+    X( float, rest, 48 )            /* k_i in the middle frame of vertex i */                                        \
+    X( float, rest_twist, 32 )      /* cosine and sine of half the rest twist */                                     \
+    X( float, twist_stiffness, 16 ) /* N m, GJ / L_i */                                                              \
+    X( float, rest_tension, 16 )    /* N, of the segment to the next row, in balance */
 #define STRANDS_BALANCE( X )                                                                                         \
     X( float, balanced, 1 )  /* s, the length of substep of the rest curvature; 0: none */                           \
     X( float, fraction, 16 ) /* fraction of gravity that a strand feels */                                           \
@@ -115,7 +118,6 @@ typedef struct strands_grid
     X( damping, "strands.damping", WISP_TABLE_ENTITY, STRANDS_DAMPING )                                              \
     X( air, "strands.air", WISP_TABLE_ENTITY, STRANDS_AIR )                                                          \
     X( pins, "strands.pins", WISP_TABLE_ENTITY, STRANDS_PINS )                                                       \
-    X( fault, "strands.fault", WISP_TABLE_ENTITY, STRANDS_FAULT )                                                    \
     X( low, "strands.low", WISP_TABLE_STRAND_ROW, STRANDS_LOW )                                                      \
     X( direct, "strands.direct", WISP_TABLE_ENTITY, STRANDS_DIRECT )                                                 \
     X( links, "strands.links", WISP_TABLE_ENTITY, STRANDS_LINKS )                                                    \
@@ -125,9 +127,9 @@ typedef struct strands_grid
     X( stretch_link, "strands.stretch_link", WISP_TABLE_STRAND_ROW, STRANDS_STRETCH_LINK )                           \
     X( bend_link, "strands.bend_link", WISP_TABLE_STRAND_ROW, STRANDS_BEND_LINK )                                    \
     X( rod, "strands.rod", WISP_TABLE_STRAND_ROW, STRANDS_ROD )                                                      \
+    X( history, "strands.history", WISP_TABLE_STRAND_ROW, STRANDS_HISTORY )                                          \
     X( clamp, "strands.clamp", WISP_TABLE_STRAND_GROUP, STRANDS_CLAMP )                                              \
     X( curve, "strands.curve", WISP_TABLE_STRAND_ROW, STRANDS_CURVE )                                                \
-    X( straight, "strands.straight", WISP_TABLE_ENTITY, STRANDS_STRAIGHT )                                           \
     X( balance, "strands.balance", WISP_TABLE_STRAND_GROUP, STRANDS_BALANCE )                                        \
     X( good, "strands.last_valid", WISP_TABLE_STRAND_ROW, STRANDS_GOOD )                                             \
     X( in_bounds, "strands.in_bounds", WISP_TABLE_STRAND_GROUP, STRANDS_IN_BOUNDS )                                  \

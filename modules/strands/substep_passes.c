@@ -17,6 +17,10 @@
 // rod stretching and bending mix, and tension that is fed back grows without bound; it takes the tension of its rest
 // shape in balance instead (none for `rest: shape`).
 //
+// With BDF2 strands.extrapolate comes before the forces: it shifts starts and extrapolates velocities, so that all that
+// follows is implicit Euler with dt = 2h/3 (strand_kernels.h, docs/methods.md). Each strand has a dt of its own, since one
+// that was pushed, reset or turned too fast goes back to Euler with dt = h.
+//
 // A strand whose lengths Newton does not solve is reset to its rest lengths from the root on. The reset makes no
 // vertex faster than predicted.
 #include "substep_passes.h"
@@ -54,21 +58,30 @@ float* strands_scratch( wisp_frame* frame, const wisp_span* span, int floats )
 
 // ---- forces ----
 
-// Solve v' = -rate (v - u) by one implicit step, as for particles. @return the factor of v - u
-static float keep_of( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+static wisp_strand_history history_of( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
-    const float* rate = column_of( frame, span, state->damping, 0 );
-    return 1.0f / ( 1.0f + *rate * wisp_frame_dt( frame ) );
+    if ( wisp_frame_has( frame, span->entity, state->history ) == false )
+    {
+        return ( wisp_strand_history ){ .step = NULL };
+    }
+    return ( wisp_strand_history ){
+        .displacement = column_of( frame, span, state->history, 0 ),
+        .before = column_of( frame, span, state->history, 1 ),
+        .step = column_of( frame, span, state->history, 2 ),
+    };
 }
 
 static wisp_strand_damp_args damp_args( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
+    const float* rate = column_of( frame, span, state->damping, 0 );
     return ( wisp_strand_damp_args ){
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
-        .retained_fraction = keep_of( frame, span, state ),
+        .rate = *rate,
+        .dt = wisp_frame_dt( frame ),
+        .history = history_of( frame, span, state ),
     };
 }
 
@@ -138,6 +151,7 @@ void strands_drag( wisp_frame* frame, const wisp_span* span, void* user )
         .wind = air->wind,
         .drag = air->drag,
         .dt = wisp_frame_dt( frame ),
+        .history = history_of( frame, span, state ),
     };
     wisp_frame_kernels( frame )->strand_air( &args, span->begin, span->end );
 }
@@ -168,7 +182,14 @@ wisp_strand_motion_args strands_motion_args( wisp_frame* frame, const wisp_span*
         .acceleration = settings->gravity,
         .acceleration_scale = fraction_of( frame, span, state ),
         .dt = wisp_frame_dt( frame ),
+        .history = history_of( frame, span, state ),
     };
+}
+
+void strands_extrapolate( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const wisp_strand_motion_args args = strands_motion_args( frame, span, user );
+    wisp_frame_kernels( frame )->strand_extrapolate( &args, span->begin, span->end );
 }
 
 void strands_predict( wisp_frame* frame, const wisp_span* span, void* user )
@@ -177,10 +198,18 @@ void strands_predict( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_frame_kernels( frame )->strand_predict( &args, span->begin, span->end );
 }
 
+void strands_count_first_order( wisp_frame* frame, int strands )
+{
+    if ( strands > 0 )
+    {
+        wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, (uint64_t)strands );
+    }
+}
+
 void strands_read_velocity( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const wisp_strand_motion_args args = strands_motion_args( frame, span, user );
-    wisp_frame_kernels( frame )->strand_velocity( &args, span->begin, span->end );
+    strands_count_first_order( frame, wisp_frame_kernels( frame )->strand_velocity( &args, span->begin, span->end ) );
 }
 
 wisp_strand_rod_args strands_rod_args( wisp_frame* frame, const wisp_span* span, const strands_state* state,
@@ -206,7 +235,12 @@ wisp_strand_rod_args strands_rod_args( wisp_frame* frame, const wisp_span* span,
         .acceleration = settings->gravity,
         .acceleration_scale = fraction_of( frame, span, state ),
         .dt = wisp_frame_dt( frame ),
+        .history = history_of( frame, span, state ),
     };
+    if ( args.history.step != NULL )
+    {
+        args.first_order_factor = column_of( frame, span, state->history, 3 );
+    }
     if ( has_frames )
     {
         args.frame = column_of( frame, span, state->curve, 0 );
@@ -269,6 +303,7 @@ static wisp_strand_link_args link_args( wisp_frame* frame, const wisp_span* span
         .compliance = link->compliance,
         .inverse_dt2 = link->xpbd != 0 ? 1.0f / ( dt * dt ) : 0.0f,
         .dt = dt,
+        .history = history_of( frame, span, state ),
     };
 }
 
@@ -349,6 +384,7 @@ static float* tension_of( wisp_frame* frame, const wisp_span* span, const strand
 wisp_strand_stretch_args strands_stretch_args( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     const strands_direct* direct = wisp_frame_column( frame, span->entity, state->direct, 0 );
+    const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     return ( wisp_strand_stretch_args ){
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
@@ -365,6 +401,8 @@ wisp_strand_stretch_args strands_stretch_args( wisp_frame* frame, const wisp_spa
         .tolerance = direct->tolerance,
         .dt = wisp_frame_dt( frame ),
         .scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH ),
+        .acceleration = direct->has_rod != 0 ? ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } : settings->gravity,
+        .history = history_of( frame, span, state ),
     };
 }
 

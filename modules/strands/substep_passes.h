@@ -3,7 +3,8 @@
 
 #include "strands_state.h"
 
-wisp_pass_fn strands_damp, strands_damp_anchored, strands_drag, strands_predict, strands_bend, strands_bend_curved;
+wisp_pass_fn strands_extrapolate, strands_damp, strands_damp_anchored, strands_drag, strands_predict, strands_bend;
+wisp_pass_fn strands_bend_curved;
 wisp_pass_fn strands_bend_link, strands_link_rows, strands_follow, strands_stretch, strands_read_velocity;
 
 /// Fill the arguments of kernels with the columns of a span's entity.
@@ -21,6 +22,9 @@ void strands_begin_with_rest_tension( wisp_frame* frame, const wisp_span* span, 
 /// Return scratch memory of a worker: so many floats per row of the longest group, which is the first.
 /// @return null without memory; the step fails with a message
 float* strands_scratch( wisp_frame* frame, const wisp_span* span, int floats );
+
+/// Count strands with history that made a substep by Euler.
+void strands_count_first_order( wisp_frame* frame, int strands );
 
 /// Count strands that were reset to their rest lengths.
 void strands_count_reset( wisp_frame* frame, int laid );

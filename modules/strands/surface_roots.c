@@ -154,7 +154,7 @@ static void jump( wisp_frame* frame, const wisp_span* span, const strands_state*
     {
         turn = strands_quat_multiply( end.rotation,
                                       strands_quat_inverse( strands_get_quat( c->rotation, group, lane ) ) );
-        strands_turn( frame, span->entity, state->low, group, lane, root, end.translation, turn );
+        strands_turn( frame, span->entity, state, group, lane, root, end.translation, turn );
         strands_put_corners( c->corner, group, lane, now );
     }
     strands_put_quat( c->jump, group, lane, turn );

@@ -30,6 +30,8 @@ const bad_scene BAD_SCENES_MOTION[] = {
     { "dynamics_diameter_unit.yaml",
       ":6:27: strands[0].dynamics.diameter: got '80um', expected a number in m without its unit" },
     { "dynamics_is_true.yaml", ":6:15: strands[0].dynamics: got 'true', expected a mapping ({} takes the defaults)" },
+    { "dynamics_integrator.yaml",
+      ":6:29: strands[0].dynamics.integrator: got 'bdf3', expected one of euler, bdf2; did you mean 'bdf2'?" },
     { "dynamics_leader_correction.yaml",
       ":6:36: strands[0].dynamics.leader_correction: got 1.5, expected a value in [0, 1]" },
     { "dynamics_masses_empty.yaml",

@@ -54,7 +54,7 @@ static void every_key_of_an_implicit_cloth_reaches_its_place( void** state )
     assert_int_equal( d->weights, WISP_IMPLICIT_WEIGHTS_NONE );
     assert_int_equal( d->damping_form, WISP_IMPLICIT_DAMPING_AXIAL );
     assert_int_equal( d->jacobian, WISP_IMPLICIT_JACOBIAN_FULL );
-    assert_int_equal( d->integrator, WISP_IMPLICIT_BDF2 );
+    assert_int_equal( d->integrator, WISP_INTEGRATOR_BDF2 );
     assert_int_equal( d->newton_iterations, 3 );
     assert_int_equal( d->max_newton_iterations, 5 );
     assert_int_equal( d->max_iterations, 77 );
@@ -82,14 +82,14 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
         WORD( damping_form, damping_form, axial, WISP_IMPLICIT_DAMPING_AXIAL ),
         WORD( jacobian, jacobian, dropped, WISP_IMPLICIT_JACOBIAN_DROPPED ),
         WORD( jacobian, jacobian, full, WISP_IMPLICIT_JACOBIAN_FULL ),
-        WORD( integrator, integrator, euler, WISP_IMPLICIT_EULER ),
-        WORD( integrator, integrator, bdf2, WISP_IMPLICIT_BDF2 ),
+        WORD( integrator, integrator, euler, WISP_INTEGRATOR_EULER ),
+        WORD( integrator, integrator, bdf2, WISP_INTEGRATOR_BDF2 ),
 #undef WORD
     };
     // One word for each enumerator.
     assert_int_equal( WISP_COUNT( words ), WISP_IMPLICIT_STIFFNESS_COUNT + WISP_IMPLICIT_WEIGHTS_COUNT +
                                                WISP_IMPLICIT_DAMPING_COUNT + WISP_IMPLICIT_JACOBIAN_COUNT +
-                                               WISP_IMPLICIT_INTEGRATOR_COUNT );
+                                               WISP_INTEGRATOR_COUNT );
     for ( int i = 0; i < WISP_COUNT( words ); ++i )
     {
         wisp_scene scene = with_block( "implicit", words[i].mapping );

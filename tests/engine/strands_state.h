@@ -25,9 +25,12 @@ typedef struct strands_state
     float root[STRAND_GROUPS][3][16], root_low[STRAND_GROUPS][3][16], turn[STRAND_GROUPS][4][16],
         clamp[STRAND_GROUPS][4][16];
     float fraction[STRAND_GROUPS][16];
+    float displacement[STRAND_ROWS][3][16], before[STRAND_ROWS][3][16], step[STRAND_ROWS][16];
+    float first_order_factor[STRAND_ROWS][3][16];
     float scratch[20 * WISP_STRAND_SCRATCH];
     int32_t group_row[STRAND_GROUPS + 1];
     int count[STRAND_GROUPS][16]; // vertices of a lane's strand
+    bool has_history;
 } strands_state;
 
 static inline float strand_random( int row, int lane, int what, float lower, float upper )
@@ -117,6 +120,27 @@ static inline void make_strands( strands_state* s )
     find_start( s );
 }
 
+// What BDF2 looks back on after a substep of 1/600 s: of half of the strands nothing, or what was lost.
+static inline void make_history( strands_state* s )
+{
+    s->has_history = true;
+    for ( int i = 0; i < STRAND_ROWS * 48; ++i )
+    {
+        const int row = i / 48, k = i / 16 % 3, lane = i % 16;
+        const float v = s->velocity[row][k][lane];
+        s->before[row][k][lane] = 0.9f * v;
+        s->displacement[row][k][lane] = s->weight[row][lane] > 0.0f ? v / 600.0f : 0.0f;
+        s->step[row][lane] = lane % 4 == 3 ? -1.0f : lane % 4 == 2 ? 0.0f : 1.0f / 600.0f;
+        s->first_order_factor[row][k][lane] = 1.1f * s->factor[row][k][lane];
+    }
+}
+
+static inline wisp_strand_history history_of( strands_state* s )
+{
+    return s->has_history ? ( wisp_strand_history ){ s->displacement[0][0], s->before[0][0], s->step[0] }
+                          : ( wisp_strand_history ){ .step = NULL };
+}
+
 static inline wisp_strand_motion_args motion_args( strands_state* s, float dt )
 {
     return ( wisp_strand_motion_args ){ .group_row = s->group_row,
@@ -131,7 +155,8 @@ static inline wisp_strand_motion_args motion_args( strands_state* s, float dt )
                                         .root_low = s->root_low[0][0],
                                         .acceleration = { 0.5f, -9.81f, 0.25f },
                                         .acceleration_scale = s->fraction[0],
-                                        .dt = dt };
+                                        .dt = dt,
+                                        .history = history_of( s ) };
 }
 
 static inline wisp_strand_stretch_args stretch_args( strands_state* s, float dt, int passes )
@@ -150,7 +175,8 @@ static inline wisp_strand_stretch_args stretch_args( strands_state* s, float dt,
                                          .segment = s->segment[0][0],
                                          .velocity = s->velocity[0][0],
                                          .dt = dt,
-                                         .scratch = s->scratch };
+                                         .scratch = s->scratch,
+                                         .history = history_of( s ) };
 }
 
 static inline wisp_strand_link_args strand_links( strands_state* s, int stride, bool pbd )
@@ -168,7 +194,8 @@ static inline wisp_strand_link_args strand_links( strands_state* s, int stride, 
                                       .compliance = 1e-3f,
                                       .inverse_dt2 = pbd ? 0.0f : 1e4f,
                                       .dt = 1.0f / 600.0f,
-                                      .segment = s->segment[0][0] };
+                                      .segment = s->segment[0][0],
+                                      .history = history_of( s ) };
 }
 
 static inline wisp_strand_rod_args rod_args( strands_state* s, float dt, bool curved, float damping )
@@ -195,5 +222,7 @@ static inline wisp_strand_rod_args rod_args( strands_state* s, float dt, bool cu
                                      .twist_stiffness = s->twist_stiffness[0],
                                      .damping = damping,
                                      .dt = dt,
-                                     .scratch = s->scratch };
+                                     .scratch = s->scratch,
+                                     .first_order_factor = s->first_order_factor[0][0],
+                                     .history = history_of( s ) };
 }

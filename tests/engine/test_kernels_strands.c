@@ -9,11 +9,29 @@ static const float DT = 1.0f / 600.0f;
 static void a_substep( const wisp_kernels* k, strands_state* s, int kind )
 {
     const wisp_strand_motion_args motion = motion_args( s, DT );
-    const wisp_strand_damp_args damp = { s->group_row, s->position[0][0], s->velocity[0][0],     s->weight[0],
-                                         0.9f,         { 1, 2, 3 },       { 0.5f, -1.0f, 2.0f }, { 0.1f, 0, 0 } };
-    const wisp_strand_air_args air = {
-        s->group_row, s->position[0][0], s->velocity[0][0], s->weight[0], s->length[0], { 3, 0, 1 }, 4e-5f, DT
-    };
+    const wisp_strand_damp_args damp = { .group_row = s->group_row,
+                                         .position = s->position[0][0],
+                                         .velocity = s->velocity[0][0],
+                                         .inverse_mass = s->weight[0],
+                                         .rate = 66.0f,
+                                         .linear = { 1, 2, 3 },
+                                         .angular = { 0.5f, -1.0f, 2.0f },
+                                         .centre = { 0.1f, 0, 0 },
+                                         .dt = DT,
+                                         .history = history_of( s ) };
+    const wisp_strand_air_args air = { .group_row = s->group_row,
+                                       .position = s->position[0][0],
+                                       .velocity = s->velocity[0][0],
+                                       .inverse_mass = s->weight[0],
+                                       .length = s->length[0],
+                                       .wind = { 3, 0, 1 },
+                                       .drag = 4e-5f,
+                                       .dt = DT,
+                                       .history = history_of( s ) };
+    if ( s->has_history )
+    {
+        k->strand_extrapolate( &motion, 0, STRAND_GROUPS );
+    }
     k->strand_damp( &damp, 0, STRAND_GROUPS );
     k->strand_air( &air, 0, STRAND_GROUPS );
     k->strand_predict( &motion, 0, STRAND_GROUPS );
@@ -45,12 +63,17 @@ static void every_instruction_set_moves_strands_to_the_same_bits( void** state )
     static strands_state first, other;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
-    for ( int kind = 0; kind < 4; ++kind )
+    for ( int n = 0; n < 7; ++n )
     {
+        const int kind = n % 4; // 4 to 6 are 0 to 2 with history
         for ( int t = 0; t < count; ++t )
         {
             strands_state* s = t == 0 ? &first : &other;
             make_strands( s );
+            if ( n >= 4 )
+            {
+                make_history( s );
+            }
             for ( int step = 0; step < 3; ++step )
             {
                 a_substep( tables[t], s, kind );
@@ -58,7 +81,7 @@ static void every_instruction_set_moves_strands_to_the_same_bits( void** state )
             memset( s->scratch, 0, sizeof( s->scratch ) );
             if ( memcmp( &first, s, sizeof( first ) ) != 0 )
             {
-                fail_msg( "kind %d: %s and %s differ", kind, tables[0]->isa, tables[t]->isa );
+                fail_msg( "kind %d, history %d: %s and %s differ", kind, n >= 4, tables[0]->isa, tables[t]->isa );
             }
         }
     }
@@ -265,9 +288,14 @@ static void air_leaves_motion_along_the_strand_alone( void** state )
             }
         }
     }
-    const wisp_strand_air_args air = {
-        s.group_row, s.position[0][0], s.velocity[0][0], s.weight[0], s.length[0], { 1, 0, 0 }, 4e-5f, DT
-    };
+    const wisp_strand_air_args air = { .group_row = s.group_row,
+                                       .position = s.position[0][0],
+                                       .velocity = s.velocity[0][0],
+                                       .inverse_mass = s.weight[0],
+                                       .length = s.length[0],
+                                       .wind = { 1, 0, 0 },
+                                       .drag = 4e-5f,
+                                       .dt = DT };
     widest_table()->strand_air( &air, 1, 2 );
     const int row = s.group_row[1] + 4;
     assert_true( s.velocity[row][1][0] == 2.0f );
@@ -291,8 +319,14 @@ static void damping_leaves_the_rigid_motion_alone( void** state )
         }
     }
     before = s;
-    const wisp_strand_damp_args args = { s.group_row, s.position[0][0], s.velocity[0][0], s.weight[0],
-                                         0.5f,        { 1, 2, 3 },      { 0, 0, 2 },      { 0, 0, 0 } };
+    const wisp_strand_damp_args args = { .group_row = s.group_row,
+                                         .position = s.position[0][0],
+                                         .velocity = s.velocity[0][0],
+                                         .inverse_mass = s.weight[0],
+                                         .rate = 600.0f,
+                                         .linear = { 1, 2, 3 },
+                                         .angular = { 0, 0, 2 },
+                                         .dt = DT };
     widest_table()->strand_damp( &args, 0, STRAND_GROUPS );
     for ( int i = 0; i < STRAND_ROWS * 48; ++i )
     {
@@ -317,31 +351,51 @@ static void roots_go_where_they_are_carried_and_their_velocity_says_so( void** s
     assert_true( s.velocity[row][0][2] == v );
 }
 
+// Two substeps of prediction and lengths, with the end of the first and the begin of the second in one call or several.
+static void two_substeps( const wisp_kernels* k, strands_state* s, bool in_one, bool is_predicted )
+{
+    wisp_strand_motion_args motion = motion_args( s, DT );
+    wisp_strand_stretch_args stretch = stretch_args( s, DT, 2 );
+    if ( is_predicted == false )
+    {
+        motion.previous = stretch.previous = NULL;
+    }
+    if ( s->has_history )
+    {
+        k->strand_extrapolate( &motion, 0, STRAND_GROUPS );
+    }
+    k->strand_predict( &motion, 0, STRAND_GROUPS );
+    k->strand_stretch( &stretch, 0, STRAND_GROUPS );
+    if ( in_one )
+    {
+        k->strand_advance( &motion, 0, STRAND_GROUPS );
+        return;
+    }
+    k->strand_velocity( &motion, 0, STRAND_GROUPS );
+    if ( s->has_history )
+    {
+        k->strand_extrapolate( &motion, 0, STRAND_GROUPS );
+    }
+    k->strand_predict( &motion, 0, STRAND_GROUPS );
+}
+
 static void advancing_is_taking_velocities_and_predicting( void** state )
 {
     (void)state;
     static strands_state one, two;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
-    for ( int t = 0; t < count; ++t )
+    for ( int n = 0; n < 4 * count; ++n )
     {
-        strands_state* s[2] = { &one, &two };
+        strands_state* const s[2] = { &one, &two };
         for ( int k = 0; k < 2; ++k )
         {
             make_strands( s[k] );
-            const wisp_strand_motion_args motion = motion_args( s[k], DT );
-            const wisp_strand_stretch_args stretch = stretch_args( s[k], DT, 2 );
-            tables[t]->strand_predict( &motion, 0, STRAND_GROUPS );
-            tables[t]->strand_stretch( &stretch, 0, STRAND_GROUPS );
-            if ( k == 0 )
+            if ( n % 2 == 1 )
             {
-                tables[t]->strand_velocity( &motion, 0, STRAND_GROUPS );
-                tables[t]->strand_predict( &motion, 0, STRAND_GROUPS );
+                make_history( s[k] );
             }
-            else
-            {
-                tables[t]->strand_advance( &motion, 0, STRAND_GROUPS );
-            }
+            two_substeps( tables[n / 4], s[k], k == 1, n / 2 % 2 == 1 );
         }
         assert_memory_equal( &one, &two, sizeof( one ) );
     }

@@ -145,7 +145,7 @@ static void demand_implicit( const wisp_scene* scene, const wisp_scene_surface* 
     demand( d->weights >= 0 && d->weights < WISP_IMPLICIT_WEIGHTS_COUNT );
     demand( d->damping_form >= 0 && d->damping_form < WISP_IMPLICIT_DAMPING_COUNT );
     demand( d->jacobian >= 0 && d->jacobian < WISP_IMPLICIT_JACOBIAN_COUNT );
-    demand( d->integrator >= 0 && d->integrator < WISP_IMPLICIT_INTEGRATOR_COUNT );
+    demand( d->integrator >= 0 && d->integrator < WISP_INTEGRATOR_COUNT );
     demand( d->newton_iterations >= 1 && d->newton_iterations <= 64 && d->max_newton_iterations >= 1 &&
             d->max_newton_iterations <= 64 );
     demand( d->tolerance >= 1e-7f && d->tolerance <= 0.1f );

@@ -20,7 +20,7 @@ typedef struct duel
     wisp_implicit_stiffness stiffness;
     wisp_implicit_damping damping_form;
     wisp_implicit_jacobian jacobian;
-    wisp_implicit_integrator integrator;
+    wisp_integrator integrator;
     int repeats;                              // 0: one
     float damping;                            // N s/m; 0: the default
     bool cold, by_hand, carried, loose, near; // warm start off; pairs; a pin that moves; no pins; no look-ahead

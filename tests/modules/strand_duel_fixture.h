@@ -31,7 +31,7 @@ typedef struct duel
     float compliance, bend_compliance; // m/N
     float rigidity;                    // N m^2; 0: the default, that of a hair
     float damping, drag, bend_damping;
-    bool carried, hinged, pinned;
+    bool carried, hinged, pinned, bdf2;
     int iterations; // 0: one
     float dt;       // s, of a substep
     double ease;    // times the tolerances; 0: once
@@ -55,6 +55,9 @@ typedef struct match
     double balanced[STRANDS]; // fraction of the weight that the rest shape carries
     double rest_tension[STRANDS][LONGEST];
     strand_oracle strand[STRANDS];
+    strand_oracle_past past[STRANDS];
+    double step[STRANDS];  // s, of the implicit step
+    bool is_lost[STRANDS]; // the history, for the next substep
 } match;
 
 static inline float random_at( int n, int what )
@@ -108,6 +111,7 @@ static inline wisp_strand_dynamics_def def_of( const duel* rules )
     static const int32_t PINS[] = { 18 + 5, 18 + 27 + 20 + 9 };
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     def.stretch = rules->stretch;
+    def.integrator = rules->bdf2 ? WISP_INTEGRATOR_BDF2 : WISP_INTEGRATOR_EULER;
     def.bending = rules->bend;
     def.rest = rules->rest;
     def.solver = rules->solver;
@@ -343,24 +347,52 @@ static inline void hold_pins( match* m, int n, pose to )
     }
 }
 
+// Look back if there is something to look back on. @return whether it is a substep of second order
+static inline bool begin_substep( match* m, int n, double3* start )
+{
+    strand_oracle* strand = m->strand + n;
+    const bool is_second = m->rules->bdf2 && m->past[n].exists && m->is_lost[n] == false;
+    m->step[n] = is_second ? 2.0 / 3.0 * m->dt : m->dt;
+    m->is_lost[n] = false;
+    if ( is_second )
+    {
+        strand_oracle_extrapolate( strand, m->past + n, start );
+        return true;
+    }
+    memcpy( m->past[n].position, strand->position, sizeof( strand->position ) );
+    memcpy( m->past[n].velocity, strand->velocity, sizeof( strand->velocity ) );
+    m->past[n].exists = true;
+    return false;
+}
+
 static inline void force_and_predict( match* m, int n, pose from, pose to )
 {
     const wisp_strand_dynamics_def* def = &m->def;
     strand_oracle* strand = m->strand + n;
     const double3 root = carry( to, m->rest[n][0] );
+    double3 start[MAX_STRAND_ORACLE];
     hold_pins( m, n, to );
+    const bool is_second = begin_substep( m, n, start );
+    const double step = m->step[n];
     if ( def->damping > 0.0f )
     {
         const double3 linear = double3_scale( 1.0 / m->dt, double3_sub( to.place, from.place ) );
-        strand_oracle_damp( strand, 1.0 / ( 1.0 + (double)def->damping * m->dt ), linear,
+        strand_oracle_damp( strand, 1.0 / ( 1.0 + (double)def->damping * step ), linear,
                             angular_velocity( from, to, m->dt ), from.place );
     }
     if ( def->drag_coefficient > 0.0f )
     {
         const double drag = 0.5 * (double)def->air_density * (double)def->drag_coefficient * (double)def->diameter;
-        strand_oracle_air( strand, double3_widen( def->wind ), drag, m->dt );
+        strand_oracle_air( strand, double3_widen( def->wind ), drag, step );
     }
-    strand_oracle_predict( strand, &root, m->gravity, m->dt );
+    if ( is_second )
+    {
+        strand_oracle_predict_bdf2( strand, start, &root, m->gravity, m->dt );
+    }
+    else
+    {
+        strand_oracle_predict( strand, &root, m->gravity, m->dt );
+    }
     if ( def->bending == WISP_STRAND_BEND_ROD )
     {
         if ( is_curled( m->rules ) )
@@ -368,16 +400,16 @@ static inline void force_and_predict( match* m, int n, pose from, pose to )
             memcpy( strand->tension, m->rest_tension[n], sizeof( m->rest_tension[n] ) );
         }
         strand->turn = to.rotation;
-        strand_oracle_rod_factor( strand, (double)def->bend_damping, m->dt );
-        strand_oracle_rod( strand, (double)def->bend_damping, m->dt, &m->gravity );
+        strand_oracle_rod_factor( strand, (double)def->bend_damping, step );
+        strand_oracle_rod( strand, (double)def->bend_damping, step, &m->gravity );
     }
 }
 
-static inline strand_oracle_link_rule rule_of( const match* m, float stiffness, float compliance )
+static inline strand_oracle_link_rule rule_of( const match* m, int n, float stiffness, float compliance )
 {
     const bool compliant = m->def.solver == WISP_SOLVER_XPBD;
     return ( strand_oracle_link_rule ){ (double)stiffness, (double)compliance,
-                                        compliant ? 1.0 / ( m->dt * m->dt ) : 0.0 };
+                                        compliant ? 1.0 / ( m->step[n] * m->step[n] ) : 0.0 };
 }
 
 static inline void sweep( match* m, int n, int iteration )
@@ -396,12 +428,12 @@ static inline void sweep( match* m, int n, int iteration )
     if ( m->def.bending == WISP_STRAND_BEND_LINKS )
     {
         strand_oracle_link( strand, two, strand->bend_lambda, 2,
-                            rule_of( m, m->def.bend_stiffness, m->def.bend_compliance ) );
+                            rule_of( m, n, m->def.bend_stiffness, m->def.bend_compliance ) );
     }
     if ( m->def.stretch == WISP_STRAND_STRETCH_LINKS )
     {
         strand_oracle_link( strand, strand->length, strand->stretch_lambda, 1,
-                            rule_of( m, m->def.stretch_stiffness, m->def.stretch_compliance ) );
+                            rule_of( m, n, m->def.stretch_stiffness, m->def.stretch_compliance ) );
     }
     else if ( m->def.stretch == WISP_STRAND_STRETCH_FOLLOW )
     {
@@ -421,17 +453,50 @@ static inline bool is_exact( const strand_oracle* strand )
     return exact;
 }
 
+// A strand whose prediction, without the acceleration that a rod has not balanced, is this far from its lengths goes on
+// by Euler, from the start to where it is now.
+static inline void break_unpredicted( match* m, int n )
+{
+    const double UNPREDICTED = 0.5;
+    strand_oracle* strand = m->strand + n;
+    const double back = m->def.bending == WISP_STRAND_BEND_ROD ? 0.0 : m->step[n] * m->step[n];
+    bool is_far = false;
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        const double ends = ( strand->weight[s + 1] > 0.0 ? 1.0 : 0.0 ) - ( strand->weight[s] > 0.0 ? 1.0 : 0.0 );
+        const double3 e = double3_add_scaled( double3_sub( strand->position[s + 1], strand->position[s] ),
+                                              -back * ends, m->gravity );
+        const double square = strand->length[s] * strand->length[s];
+        is_far = is_far || fabs( double3_dot( e, e ) - square ) > UNPREDICTED * square;
+    }
+    m->is_lost[n] = m->is_lost[n] || is_far;
+    for ( int i = 0; i < strand->count && is_far && m->step[n] < m->dt; ++i )
+    {
+        if ( strand->weight[i] > 0.0 )
+        {
+            strand->previous[i] = m->past[n].position[i];
+            strand->velocity[i] =
+                double3_scale( 1.0 / m->dt, double3_sub( strand->position[i], strand->previous[i] ) );
+        }
+    }
+    m->step[n] = is_far ? m->dt : m->step[n];
+}
+
 // Lanes of a group iterate together until all are exact.
 static inline void stretch_group( match* m, int iteration )
 {
     bool exact = false;
+    for ( int n = 0; n < STRANDS && m->rules->bdf2; ++n )
+    {
+        break_unpredicted( m, n );
+    }
     for ( int pass = 0; pass < m->def.stretch_passes && exact == false; ++pass )
     {
         const bool keeps = m->def.bending == WISP_STRAND_BEND_ROD || iteration > 0 || pass > 0;
         exact = true;
         for ( int n = 0; n < STRANDS; ++n )
         {
-            (void)strand_oracle_stretch( m->strand + n, STRAND_ORACLE_SQUARE, 1, INFINITY, keeps, m->dt );
+            (void)strand_oracle_stretch( m->strand + n, STRAND_ORACLE_SQUARE, 1, INFINITY, keeps, m->step[n] );
             exact = exact && is_exact( m->strand + n );
         }
     }
@@ -457,7 +522,7 @@ static inline void oracle_substep( match* m, int substep )
     }
     for ( int n = 0; n < STRANDS; ++n )
     {
-        strand_oracle_velocity( m->strand + n, m->dt );
+        strand_oracle_velocity( m->strand + n, m->step[n] );
     }
 }
 

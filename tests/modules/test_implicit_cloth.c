@@ -266,7 +266,7 @@ static void pins_stay_and_go_where_they_are_told_to_the_last_bit( void** state )
         hosted h;
         open_implicit( &h, 1 + 2 * ( variant % 2 ) );
         wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-        def.integrator = variant < 2 ? WISP_IMPLICIT_EULER : WISP_IMPLICIT_BDF2;
+        def.integrator = variant < 2 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2;
         wisp_entity e = add_sheet( h.world, &def, 6, true );
         const int32_t moved = 5;
         for ( int i = 1; i <= 20; ++i )
@@ -517,7 +517,7 @@ static void cloth_stays_finite_whatever_it_is_made_of( void** state )
         def.link_damping = n % 5 == 0 ? 1e9f : n % 5 == 1 ? 0.0f : 0.02f;
         def.jacobian = n % 7 == 0 ? WISP_IMPLICIT_JACOBIAN_FULL : WISP_IMPLICIT_JACOBIAN_DROPPED;
         def.damping_form = n % 4 < 2 ? WISP_IMPLICIT_DAMPING_AXIAL : WISP_IMPLICIT_DAMPING_ISOTROPIC;
-        def.integrator = n % 8 < 4 ? WISP_IMPLICIT_EULER : WISP_IMPLICIT_BDF2;
+        def.integrator = n % 8 < 4 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2;
         def.weights = (wisp_implicit_weights)( n % WISP_IMPLICIT_WEIGHTS_COUNT );
         def.newton_iterations = 1 + n % 3;
         wisp_entity e = add_sheet( h.world, &def, 6, n % 2 == 0 );

@@ -224,12 +224,12 @@ static void integrators_and_repeats_go_with_the_oracle( void** state )
 {
     (void)state;
     const duel duels[] = {
-        { "bdf2", EFFECTIVE, .integrator = WISP_IMPLICIT_BDF2 },
-        { "bdf2, axial", EFFECTIVE, .integrator = WISP_IMPLICIT_BDF2, .damping_form = WISP_IMPLICIT_DAMPING_AXIAL },
+        { "bdf2", EFFECTIVE, .integrator = WISP_INTEGRATOR_BDF2 },
+        { "bdf2, axial", EFFECTIVE, .integrator = WISP_INTEGRATOR_BDF2, .damping_form = WISP_IMPLICIT_DAMPING_AXIAL },
         { "three repeats", EFFECTIVE, .repeats = 3 },
         { "cold", EFFECTIVE, .cold = true },
         { "carried", EFFECTIVE, .carried = true },
-        { "carried, bdf2", EFFECTIVE, .carried = true, .integrator = WISP_IMPLICIT_BDF2 },
+        { "carried, bdf2", EFFECTIVE, .carried = true, .integrator = WISP_INTEGRATOR_BDF2 },
     };
     run_duels( duels, WISP_COUNT( duels ) );
 }
@@ -334,7 +334,7 @@ static void contact_goes_with_the_oracle( void** state )
         { { "plane, without friction", FREE }, .plane = true },
         { { "plane, little friction", FREE }, .plane = true, .friction = 0.05f },
         { { "plane, two repeats", FREE, .repeats = 2 }, .plane = true, .friction = 0.5f },
-        { { "plane, bdf2", FREE, .integrator = WISP_IMPLICIT_BDF2 }, .plane = true, .friction = 0.5f },
+        { { "plane, bdf2", FREE, .integrator = WISP_INTEGRATOR_BDF2 }, .plane = true, .friction = 0.5f },
         { { "plane, as printed", FREE, .near = true }, .plane = true, .friction = 0.5f },
         { { "ball", FREE }, .ball = true, .friction = 0.4f },
         { { "ball, hanging", .dt = FAST }, .ball = true, .friction = 0.1f },
@@ -348,7 +348,7 @@ static void landing_goes_with_the_oracle( void** state )
     (void)state;
     const scene scenes[] = {
         { { "landing", FREE }, .plane = true, .friction = 0.5f, .fall = 4.0f },
-        { { "landing, bdf2", FREE, .integrator = WISP_IMPLICIT_BDF2 },
+        { { "landing, bdf2", FREE, .integrator = WISP_INTEGRATOR_BDF2 },
           .plane = true,
           .friction = 0.5f,
           .fall = 4.0f },

@@ -20,7 +20,7 @@ typedef struct golden_case
     wisp_implicit_stiffness stiffness;
     wisp_implicit_damping damping;
     wisp_implicit_jacobian jacobian;
-    wisp_implicit_integrator integrator;
+    wisp_integrator integrator;
     int repeats;
     bool crumpled, carried, dropped, pushed; // carried by its pins, on a ball and a plane, by a ball that moves
 } golden_case;
@@ -32,11 +32,11 @@ static const golden_case cases[] = {
       .repeats = 1 },
     { "axial-damping", SIDE, .damping = WISP_IMPLICIT_DAMPING_AXIAL, .repeats = 1, .crumpled = true },
     { "full-jacobian", SIDE, .jacobian = WISP_IMPLICIT_JACOBIAN_FULL, .repeats = 1, .crumpled = true },
-    { "bdf2", SIDE, .integrator = WISP_IMPLICIT_BDF2, .repeats = 1, .carried = true },
+    { "bdf2", SIDE, .integrator = WISP_INTEGRATOR_BDF2, .repeats = 1, .carried = true },
     { "newton-repeats", SIDE, .repeats = 3, .crumpled = true },
     { "blocks", LARGE, .repeats = 1, .carried = true },
     { "dropped-on-a-ball", SIDE, .repeats = 1, .dropped = true },
-    { "blocks-pushed", LARGE, .integrator = WISP_IMPLICIT_BDF2, .repeats = 2, .dropped = true, .pushed = true },
+    { "blocks-pushed", LARGE, .integrator = WISP_INTEGRATOR_BDF2, .repeats = 2, .dropped = true, .pushed = true },
 };
 
 typedef struct running

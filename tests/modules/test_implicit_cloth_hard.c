@@ -42,7 +42,7 @@ static double energy_of( wisp_world* world, wisp_entity e )
     return sum;
 }
 
-static wisp_entity add_hard_sheet( wisp_world* world, float stiffness, wisp_implicit_integrator integrator )
+static wisp_entity add_hard_sheet( wisp_world* world, float stiffness, wisp_integrator integrator )
 {
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     def.stiffness_model = WISP_IMPLICIT_STIFFNESS_MATERIAL;
@@ -78,7 +78,7 @@ static void stiff_links_hang_at_their_length( void** state )
     {
         hosted h;
         open_implicit( &h, 2 );
-        const wisp_implicit_integrator integrator = n % 2 == 0 ? WISP_IMPLICIT_EULER : WISP_IMPLICIT_BDF2;
+        const wisp_integrator integrator = n % 2 == 0 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2;
         const wisp_entity e = add_hard_sheet( h.world, STIFFNESSES[n / 2], integrator );
         run_steps( h.world, 180, FRAME );
         const double strain = largest_strain( h.world, e );
@@ -100,7 +100,7 @@ static void stiff_links_give_no_more_than_they_had( void** state )
     {
         hosted h;
         open_implicit( &h, 2 );
-        const wisp_entity e = add_hard_sheet( h.world, STIFFNESSES[n], WISP_IMPLICIT_EULER );
+        const wisp_entity e = add_hard_sheet( h.world, STIFFNESSES[n], WISP_INTEGRATOR_EULER );
         crumple_sheet( h.world, e, 0.01f, 0.5f );
         run_steps( h.world, 1, FRAME );
         const double first = energy_of( h.world, e );
@@ -126,7 +126,7 @@ static void what_floats_carry_is_left_as_it_is( void** state )
     {
         hosted h;
         open_implicit( &h, 2 );
-        const wisp_entity e = add_hard_sheet( h.world, n == 0 ? 200.0f : 1e8f, WISP_IMPLICIT_BDF2 );
+        const wisp_entity e = add_hard_sheet( h.world, n == 0 ? 200.0f : 1e8f, WISP_INTEGRATOR_BDF2 );
         run_steps( h.world, 10, FRAME );
         assert_int_equal( count_of( h.world, WISP_COUNT_STIFFNESS_CLAMPED ), n == 0 ? 0 : 20 );
         assert_int_equal( count_of( h.world, WISP_COUNT_FIRST_ORDER ), n == 0 ? 0 : 20 );
@@ -145,7 +145,7 @@ static void bdf2_hangs_in_long_steps( void** state )
     {
         hosted h;
         open_implicit( &h, 2 );
-        const wisp_entity e = add_hard_sheet( h.world, 200.0f, WISP_IMPLICIT_BDF2 );
+        const wisp_entity e = add_hard_sheet( h.world, 200.0f, WISP_INTEGRATOR_BDF2 );
         run_steps( h.world, (int)( 5.0f / STEPS[n] ), STEPS[n] );
         const double strain = largest_strain( h.world, e );
         if ( !( strain < 0.045 ) )
@@ -163,7 +163,7 @@ static double oscillator_error( int steps )
     open_implicit( &h, 1 );
     const double mass = 0.01, stiffness = 10.0, rest = mass * 9.81 / stiffness, seconds = 0.25;
     wisp_implicit_cloth_def def = exact_def();
-    def.integrator = WISP_IMPLICIT_BDF2;
+    def.integrator = WISP_INTEGRATOR_BDF2;
     def.stretch_stiffness = (float)stiffness;
     def.link_damping = 0.0f;
     test_mesh mesh = chain_mesh();

@@ -93,7 +93,7 @@ static void every_count_and_choice_has_its_range( void** state )
         FIELD( weights, -1, WISP_IMPLICIT_WEIGHTS_COUNT, INT32_MAX ),
         FIELD( damping_form, -1, WISP_IMPLICIT_DAMPING_COUNT, INT32_MAX ),
         FIELD( jacobian, -1, WISP_IMPLICIT_JACOBIAN_COUNT, INT32_MAX ),
-        FIELD( integrator, -1, WISP_IMPLICIT_INTEGRATOR_COUNT, INT32_MAX ),
+        FIELD( integrator, -1, WISP_INTEGRATOR_COUNT, INT32_MAX ),
     };
 #undef FIELD
     for ( int i = 0; i < WISP_COUNT( fields ); ++i )
@@ -295,7 +295,7 @@ static int change_without_memory( int64_t n, bool rest, bool from_cloth )
         run_steps( h.world, 3, DT );
     }
     def.warm_start = true;
-    def.integrator = WISP_IMPLICIT_BDF2;
+    def.integrator = WISP_INTEGRATOR_BDF2;
     const uint64_t before = wisp_world_hash( h.world );
     test_host_refuse( &h.host, n, rest );
     const wisp_status status = wisp_set_implicit_cloth( h.world, e, &def );
@@ -368,7 +368,7 @@ static void a_warm_step_asks_for_no_memory( void** state )
         open_implicit( &h, 2 );
         wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
         def.newton_iterations = 1 + variant % 2;
-        def.integrator = variant < 2 ? WISP_IMPLICIT_EULER : WISP_IMPLICIT_BDF2;
+        def.integrator = variant < 2 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2;
         add_sheet( h.world, &def, 12, true );
         run_steps( h.world, 2, DT );
         const int64_t queried = atomic_load( &h.host.queried );
@@ -450,7 +450,7 @@ static void a_cloth_can_be_changed_while_it_moves( void** state )
     for ( int i = 0; i < 3; ++i )
     {
         def.stretch_stiffness = stiffness[i];
-        def.integrator = i == 1 ? WISP_IMPLICIT_BDF2 : WISP_IMPLICIT_EULER;
+        def.integrator = i == 1 ? WISP_INTEGRATOR_BDF2 : WISP_INTEGRATOR_EULER;
         def.warm_start = i != 1;
         assert_status( h->world, wisp_set_implicit_cloth( h->world, e, &def ), WISP_OK );
         run_steps( h->world, 600, 0.01f );
@@ -471,7 +471,7 @@ static void a_snapshot_goes_on_to_the_same_bits( void** state )
         hosted h;
         open_implicit( &h, 2 );
         wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-        def.integrator = variant % 2 == 0 ? WISP_IMPLICIT_EULER : WISP_IMPLICIT_BDF2;
+        def.integrator = variant % 2 == 0 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2;
         def.warm_start = variant < 2;
         wisp_entity e = add_sheet( h.world, &def, 9, true );
         run_steps( h.world, 5, DT );

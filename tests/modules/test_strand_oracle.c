@@ -340,9 +340,58 @@ static void air_across_a_strand_brakes_as_its_square_and_never_turns_it_round( v
     assert_true( strand.velocity[1].x <= 5.0 );
 }
 
+// ---- BDF2 ----
+
+static strand_oracle fallen( bool bdf2, int substeps )
+{
+    strand_oracle strand = new_chain( 10, 0.5, double3_make( 1.0, 0.0, 0.0 ), true );
+    strand_oracle_past past = { .exists = false };
+    strand_oracle_settings settings = strand_oracle_default_settings( 0.25 / substeps );
+    settings.passes = 20;
+    for ( int k = 0; k < substeps; ++k )
+    {
+        const bool laid = bdf2 ? strand_oracle_substep_bdf2( &strand, &past, &settings, NULL )
+                               : strand_oracle_substep( &strand, &settings, NULL );
+        assert_false( laid );
+    }
+    return strand;
+}
+
+static void a_falling_chain_is_of_first_order_by_euler_and_of_second_by_bdf2( void** state )
+{
+    (void)state;
+    const strand_oracle reference = fallen( true, 8192 );
+    for ( int order = 1; order <= 2; ++order )
+    {
+        const strand_oracle coarse = fallen( order == 2, 64 ), fine = fallen( order == 2, 128 );
+        const double observed = log2( farthest( &coarse, &reference ) / farthest( &fine, &reference ) );
+        assert_true( fabs( observed - order ) < 0.15 );
+    }
+}
+
+// In a fall without a hold BDF2 keeps the error of its first substep, g h^2 / 2, and has no other.
+static void a_free_fall_by_bdf2_is_exact_after_the_first_substep( void** state )
+{
+    (void)state;
+    const double dt = 1.0 / 60.0;
+    strand_oracle strand = new_chain( 3, 0.1, double3_make( 1.0, 0.0, 0.0 ), false );
+    strand_oracle_past past = { .exists = false };
+    const strand_oracle_settings settings = strand_oracle_default_settings( dt );
+    for ( int k = 1; k <= 40; ++k )
+    {
+        strand_oracle_substep_bdf2( &strand, &past, &settings, NULL );
+        // x_{n+1} - x_n - (x_n - x_{n-1}) / 3 = he v, so that error goes on to 3 / 2 of itself and stays
+        const double t = k * dt, late = strand.position[0].y + 0.5 * fall * t * t;
+        assert_true( fabs( strand.velocity[0].y + fall * t ) < 1e-12 );
+        assert_true( fabs( late + 0.5 * fall * dt * dt * 1.5 * ( 1.0 - pow( 1.0 / 3.0, k ) ) ) < 1e-12 );
+    }
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_falling_chain_is_of_first_order_by_euler_and_of_second_by_bdf2 ),
+        cmocka_unit_test( a_free_fall_by_bdf2_is_exact_after_the_first_substep ),
         cmocka_unit_test( a_pendulum_has_its_period_at_every_amplitude ),
         cmocka_unit_test( the_error_of_the_period_falls_with_the_substep ),
         cmocka_unit_test( hanging_chains_have_the_periods_of_laguerre ),

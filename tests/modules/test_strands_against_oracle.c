@@ -67,6 +67,27 @@ static void direct_lengths_go_with_the_oracle( void** state )
     run_duels( duels, WISP_COUNT( duels ) );
 }
 
+#define BDF2_CHAIN WISP_STRAND_STRETCH_DIRECT, .bend = WISP_STRAND_BEND_NONE, .dt = SLOW, .bdf2 = true
+
+static void direct_lengths_of_second_order_go_with_the_oracle( void** state )
+{
+    (void)state;
+    const duel duels[] = {
+        { "bdf2", BDF2_CHAIN },
+        { "bdf2, two iterations", BDF2_CHAIN, .iterations = 2 },
+        { "bdf2, pinned", BDF2_CHAIN, .pinned = true },
+        { "bdf2, carried, damped", BDF2_CHAIN, .carried = true, .damping = 20.0f },
+        { "bdf2, carried, pinned, air", BDF2_CHAIN, .carried = true, .pinned = true, .drag = 1.0f },
+        { "bdf2, damped, air", BDF2_CHAIN, .damping = 20.0f, .drag = 1.0f },
+        { "bdf2, pbd bend links", WISP_STRAND_STRETCH_DIRECT, LINKS, .solver = WISP_SOLVER_PBD, .bdf2 = true },
+        { "bdf2, xpbd bend links", WISP_STRAND_STRETCH_DIRECT, LINKS, .solver = WISP_SOLVER_XPBD,
+          .bend_compliance = 200.0f, .bdf2 = true },
+        { "bdf2, xpbd bend links, two iterations", WISP_STRAND_STRETCH_DIRECT, LINKS, .solver = WISP_SOLVER_XPBD,
+          .bend_compliance = 200.0f, .bdf2 = true, .iterations = 2 },
+    };
+    run_duels( duels, WISP_COUNT( duels ) );
+}
+
 static void links_go_with_the_oracle( void** state )
 {
     (void)state;
@@ -145,6 +166,33 @@ static void curled_rods_go_with_the_oracle( void** state )
     run_duels( duels, WISP_COUNT( duels ) );
 }
 
+static void rods_of_second_order_go_with_the_oracle( void** state )
+{
+    (void)state;
+    const duel duels[] = {
+        { "bdf2, straight", STRAIGHT, .bdf2 = true },
+        { "bdf2, straight, carried", STRAIGHT, .bdf2 = true, .carried = true },
+        { "bdf2, straight, hinged", STRAIGHT, .bdf2 = true, .hinged = true },
+        { "bdf2, straight, two iterations", STRAIGHT, .bdf2 = true, .iterations = 2 },
+        { "bdf2, straight, pinned, carried", STRAIGHT, .bdf2 = true, .pinned = true, .carried = true },
+        { "bdf2, straight, damped, air", STRAIGHT, .bdf2 = true, .damping = 20.0f, .drag = 1.0f },
+        { "bdf2, straight, bend damping", STRAIGHT, .bdf2 = true, .bend_damping = 5e-3f, .carried = true },
+        { "bdf2, straight, stiff", STRAIGHT, .bdf2 = true, .rigidity = 1e-6f, .ease = 4.0 },
+        { "bdf2, straight, lowered", STRAIGHT, .bdf2 = true, .rigidity = 1e-3f, .ease = 40.0 },
+        { "bdf2, shape", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f },
+        { "bdf2, shape, carried, damped, air", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SHAPE,
+          .rigidity = 2e-9f, .carried = true, .damping = 20.0f, .drag = 1.0f },
+        { "bdf2, shape, bend damping", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f,
+          .bend_damping = 1e-3f },
+        { "bdf2, shape, pinned", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f,
+          .pinned = true },
+        { "bdf2, balanced", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f },
+        { "bdf2, balanced, carried, damped", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SAG_FREE,
+          .rigidity = 2e-9f, .carried = true, .damping = 20.0f },
+    };
+    run_duels( duels, WISP_COUNT( duels ) );
+}
+
 typedef struct drift
 {
     double engine, oracle; // m, the farthest of a vertex from where it was added
@@ -178,7 +226,9 @@ static void a_step_from_balance_leaves_both_where_they_are( void** state )
     const duel balanced = { "balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f };
     const duel hair = { "balanced hair", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 8e-10f };
     const duel shape = { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f };
-    const duel* const both[] = { &balanced, &hair };
+    const duel bdf2 = { "bdf2, balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f,
+                        .bdf2 = true };
+    const duel* const both[] = { &balanced, &hair, &bdf2 };
     for ( int k = 0; k < WISP_COUNT( both ); ++k )
     {
         const drift d = drift_in_a_step( both[k] );
@@ -230,10 +280,12 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( direct_lengths_go_with_the_oracle ),
+        cmocka_unit_test( direct_lengths_of_second_order_go_with_the_oracle ),
         cmocka_unit_test( links_go_with_the_oracle ),
         cmocka_unit_test( followers_go_with_the_oracle ),
         cmocka_unit_test( straight_rods_go_with_the_oracle ),
         cmocka_unit_test( curled_rods_go_with_the_oracle ),
+        cmocka_unit_test( rods_of_second_order_go_with_the_oracle ),
         cmocka_unit_test( a_step_from_balance_leaves_both_where_they_are ),
         cmocka_unit_test( a_hundredth_of_gravity_or_stiffness_shows ),
     };

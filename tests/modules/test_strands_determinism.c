@@ -24,7 +24,8 @@ typedef struct golden_case
     int iterations;
     bool carried, blown, mixed; // by a head, by the wind and damped, on a grid
     bool ball;                  // a sphere in their path
-    bool ghosts;                // with ghosts, and curves through those
+    bool bdf2;
+    bool ghosts; // with ghosts, and curves through those
     strand_curve* curve;
 } golden_case;
 
@@ -79,6 +80,12 @@ static const golden_case cases[] = {
       .curve = fringe },
     { "ghosts-curves", ROD, .rest = WISP_STRAND_REST_SAG_FREE, .iterations = 1, .carried = true, .ghosts = true,
       .curve = fringe },
+    { "bdf2-bend-links-grid-air", DIRECT, BEND_LINKS, .solver = WISP_SOLVER_XPBD, .iterations = 2, .blown = true,
+      .mixed = true, .bdf2 = true, .curve = fringe },
+    { "bdf2-carried-curls", ROD, .rest = WISP_STRAND_REST_SAG_FREE, .iterations = 1, .carried = true, .bdf2 = true,
+      .curve = helix_down },
+    { "bdf2-carried-over-a-ball", ROD, .rest = WISP_STRAND_REST_SAG_FREE, .iterations = 1, .carried = true,
+      .ball = true, .bdf2 = true, .curve = fringe },
 };
 
 // Without ghosts, ghosts and curves are the strands themselves.
@@ -95,6 +102,7 @@ static wisp_strand_dynamics_def def_of( const golden_case* c )
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     def.stretch = c->stretch;
     def.bending = c->bend;
+    def.integrator = c->bdf2 ? WISP_INTEGRATOR_BDF2 : WISP_INTEGRATOR_EULER;
     def.rest = c->rest;
     def.solver = c->solver;
     def.stretch_compliance = 1.0f;

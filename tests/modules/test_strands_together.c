@@ -47,7 +47,7 @@ typedef struct shape_case
     wisp_solver solver;
     int substeps, passes;
     bool mixed_lengths, with_pins, damped, blown, heavy_tips, short_strands, on_surface, loses_surface, jumps, tight;
-    bool curled;
+    bool curled, bdf2;
 } shape_case;
 
 static const shape_case CASES[] = {
@@ -82,6 +82,18 @@ static const shape_case CASES[] = {
     { "curls on a head that jumps", .bend = WISP_STRAND_BEND_ROD, .curled = true, .substeps = 5, .jumps = true,
       .passes = 8 },
     { "a head that jumps", .bend = WISP_STRAND_BEND_LINKS, .substeps = 5, .jumps = true, .passes = 8 },
+    { "bdf2", .bend = WISP_STRAND_BEND_NONE, .substeps = 5, .passes = 8, .bdf2 = true },
+    { "bdf2, one substep", .bend = WISP_STRAND_BEND_LINKS, .substeps = 1, .passes = 8, .bdf2 = true },
+    { "bdf2, links, xpbd", .bend = WISP_STRAND_BEND_LINKS, .solver = WISP_SOLVER_XPBD, .substeps = 5, .passes = 8,
+      .bdf2 = true, .mixed_lengths = true },
+    { "bdf2, pins, damping and air", .bend = WISP_STRAND_BEND_LINKS, .substeps = 5, .with_pins = true, .damped = true,
+      .blown = true, .passes = 8, .bdf2 = true },
+    { "bdf2, laid out", .bend = WISP_STRAND_BEND_NONE, .substeps = 3, .passes = 1, .heavy_tips = true, .tight = true,
+      .bdf2 = true },
+    { "bdf2, rods on a surface", .bend = WISP_STRAND_BEND_ROD, .substeps = 5, .on_surface = true, .damped = true,
+      .passes = 8, .bdf2 = true },
+    { "bdf2, curls on a head that jumps", .bend = WISP_STRAND_BEND_ROD, .curled = true, .substeps = 5, .jumps = true,
+      .passes = 8, .bdf2 = true },
 };
 
 typedef struct run
@@ -108,6 +120,7 @@ static wisp_strand_dynamics_def def_of( const shape_case* c, const int32_t* pins
 {
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     def.bending = c->bend;
+    def.integrator = c->bdf2 ? WISP_INTEGRATOR_BDF2 : WISP_INTEGRATOR_EULER;
     def.rest = c->curled ? WISP_STRAND_REST_SHAPE : WISP_STRAND_REST_STRAIGHT;
     def.clamped = c->curled;
     def.solver = c->solver;

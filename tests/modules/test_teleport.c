@@ -64,7 +64,7 @@ static wisp_entity second_order_cloth( wisp_world* world )
 {
     const wisp_entity e = implicit_cloth( world );
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    def.integrator = WISP_IMPLICIT_BDF2;
+    def.integrator = WISP_INTEGRATOR_BDF2;
     assert_status( world, wisp_set_implicit_cloth( world, e, &def ), WISP_OK );
     return e;
 }

@@ -1,6 +1,7 @@
 #include "strand_oracle.h"
 
 #include <stddef.h>
+#include <string.h>
 
 // A segment shorter than this, m, has no direction.
 static const double min_length = 1e-15;
@@ -380,14 +381,11 @@ static void sweep_links( strand_oracle* strand, const strand_oracle_settings* se
     }
 }
 
-bool strand_oracle_substep( strand_oracle* strand, const strand_oracle_settings* settings, const double3* root )
+// What follows the prediction of an implicit step of length dt.
+static bool solve_step( strand_oracle* strand, const strand_oracle_settings* settings, double dt )
 {
-    const double3 none = { 0.0, 0.0, 0.0 };
-    const double dt = settings->dt;
     const bool rod = settings->bending == STRAND_ORACLE_BENDING_ROD;
     bool laid = false;
-    strand_oracle_damp( strand, 1.0 / ( 1.0 + settings->damping * dt ), none, none, none );
-    strand_oracle_predict( strand, root, settings->gravity, dt );
     if ( rod )
     {
         strand_oracle_rod_factor( strand, settings->bend_damping, dt );
@@ -404,4 +402,73 @@ bool strand_oracle_substep( strand_oracle* strand, const strand_oracle_settings*
     }
     strand_oracle_velocity( strand, dt );
     return laid;
+}
+
+bool strand_oracle_substep( strand_oracle* strand, const strand_oracle_settings* settings, const double3* root )
+{
+    const double3 none = { 0.0, 0.0, 0.0 };
+    strand_oracle_damp( strand, 1.0 / ( 1.0 + settings->damping * settings->dt ), none, none, none );
+    strand_oracle_predict( strand, root, settings->gravity, settings->dt );
+    return solve_step( strand, settings, settings->dt );
+}
+
+// ---- BDF2 ----
+
+static double3 four_minus_one( double3 now, double3 before )
+{
+    return double3_scale( 1.0 / 3.0, double3_sub( double3_scale( 4.0, now ), before ) );
+}
+
+void strand_oracle_extrapolate( strand_oracle* strand, strand_oracle_past* past, double3* start )
+{
+    for ( int i = 0; i < strand->count; ++i )
+    {
+        const double3 p = strand->position[i], v = strand->velocity[i];
+        start[i] = four_minus_one( p, past->position[i] );
+        strand->velocity[i] = strand->weight[i] > 0.0 ? four_minus_one( v, past->velocity[i] ) : v;
+        past->position[i] = p;
+        past->velocity[i] = v;
+    }
+}
+
+void strand_oracle_predict_bdf2( strand_oracle* strand, const double3* start, const double3* root,
+                                 double3 acceleration, double dt )
+{
+    const double he = 2.0 / 3.0 * dt;
+    for ( int i = 0; i < strand->count; ++i )
+    {
+        if ( strand->weight[i] > 0.0 )
+        {
+            strand->velocity[i] = double3_add_scaled( strand->velocity[i], he, acceleration );
+            strand->position[i] = double3_add_scaled( start[i], he, strand->velocity[i] );
+            strand->previous[i] = start[i];
+            continue;
+        }
+        if ( i == 0 )
+        {
+            const double3 p = strand->position[i], to = root != NULL ? *root : p;
+            strand->velocity[i] = double3_scale( 1.0 / dt, double3_sub( to, p ) );
+            strand->position[i] = to;
+        }
+        strand->previous[i] = double3_add_scaled( strand->position[i], -he, strand->velocity[i] );
+    }
+}
+
+bool strand_oracle_substep_bdf2( strand_oracle* strand, strand_oracle_past* past,
+                                 const strand_oracle_settings* settings, const double3* root )
+{
+    const double3 none = { 0.0, 0.0, 0.0 };
+    const double he = 2.0 / 3.0 * settings->dt;
+    double3 start[MAX_STRAND_ORACLE];
+    if ( past->exists == false )
+    {
+        past->exists = true;
+        memcpy( past->position, strand->position, sizeof( past->position ) );
+        memcpy( past->velocity, strand->velocity, sizeof( past->velocity ) );
+        return strand_oracle_substep( strand, settings, root );
+    }
+    strand_oracle_extrapolate( strand, past, start );
+    strand_oracle_damp( strand, 1.0 / ( 1.0 + settings->damping * he ), none, none, none );
+    strand_oracle_predict_bdf2( strand, start, root, settings->gravity, settings->dt );
+    return solve_step( strand, settings, he );
 }

@@ -92,6 +92,22 @@ void strand_oracle_damp( strand_oracle* strand, double keep, double3 linear, dou
 /// @param drag kg/m^2, 1/2 density C_d diameter
 void strand_oracle_air( strand_oracle* strand, double3 wind, double drag, double dt );
 
+// ---- BDF2 ----
+
+/// The substep before, which BDF2 looks back on.
+typedef struct strand_oracle_past
+{
+    bool exists;
+    double3 position[MAX_STRAND_ORACLE], velocity[MAX_STRAND_ORACLE]; ///< at its start
+} strand_oracle_past;
+
+/// v <- (4 v - v_1) / 3 of vertices that are not held, and start = (4 p - p_1) / 3. The present is the next past.
+void strand_oracle_extrapolate( strand_oracle* strand, strand_oracle_past* past, double3* start );
+/// v <- v + he a, p <- start + he v, previous = start, with he = 2 dt / 3. Held vertices move to their ends in dt, and
+/// previous = p - he v.
+void strand_oracle_predict_bdf2( strand_oracle* strand, const double3* start, const double3* root,
+                                 double3 acceleration, double dt );
+
 // ---- lengths ----
 
 /// Which constraint Newton linearises. Both have the same solutions.
@@ -223,3 +239,7 @@ strand_oracle_settings strand_oracle_default_settings( double dt );
 /// straight segments span.
 /// @return whether the strand was reset
 bool strand_oracle_substep( strand_oracle* strand, const strand_oracle_settings* settings, const double3* root );
+/// The same by BDF2: forces and lengths are those of an implicit step of 2 dt / 3, after which
+/// v = (3 p - 4 p_n + p_{n-1}) / (2 dt). Without a past by Euler.
+bool strand_oracle_substep_bdf2( strand_oracle* strand, strand_oracle_past* past,
+                                 const strand_oracle_settings* settings, const double3* root );

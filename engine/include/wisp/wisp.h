@@ -282,7 +282,7 @@ typedef enum wisp_counter
     WISP_COUNT_INDEFINITE,        ///< linear solves that met negative curvature and were made again
     WISP_COUNT_DEGENERATE_LINK,   ///< links between coincident vertices, which have no direction, at each projection
     WISP_COUNT_STIFFNESS_CLAMPED, ///< substeps whose links were too stiff for single precision and were softened
-    WISP_COUNT_FIRST_ORDER,       ///< substeps of BDF2 that were made by implicit Euler
+    WISP_COUNT_FIRST_ORDER,       ///< substeps of BDF2 made by implicit Euler instead: of a cloth, of each strand
     WISP_COUNT_GRAVITY_SCALED, ///< strands that feel part of gravity, because substeps are too long for their curls
     WISP_COUNT_SAGGING,        ///< strands too soft to hold their shape under gravity, which sag
     WISP_COUNT_STRETCHED, ///< strands of inextensible links that end a step more than 5 % too long, in each step: too few

@@ -266,10 +266,14 @@ typedef struct wisp_kernels
     /// @return its slot, the first if there are several; `end` if there is none
     int ( *find_out_of_bounds )( const wisp_bound_args* args, int begin, int end );
     // groups of sixteen strands
+    /// Begin a substep with history: extrapolate velocities, shift starts, choose the order of each strand.
+    void ( *strand_extrapolate )( const wisp_strand_motion_args* args, int begin, int end );
     void ( *strand_predict )( const wisp_strand_motion_args* args, int begin, int end );
-    /// Run strand_velocity of the last substep and strand_predict in one pass.
-    void ( *strand_advance )( const wisp_strand_motion_args* args, int begin, int end );
-    void ( *strand_velocity )( const wisp_strand_motion_args* args, int begin, int end );
+    /// Run strand_velocity of the last substep, strand_extrapolate with history, and strand_predict in one pass.
+    /// @return as strand_velocity
+    int ( *strand_advance )( const wisp_strand_motion_args* args, int begin, int end );
+    /// @return number of strands with history that made the substep by implicit Euler, apart from their first one
+    int ( *strand_velocity )( const wisp_strand_motion_args* args, int begin, int end );
     /// Find a component that is NaN or beyond the bound.
     /// @return its row, the first if there are several; `end` if there is none
     int ( *strand_find_out_of_bounds )( const wisp_strand_bound_args* args, int begin, int end );

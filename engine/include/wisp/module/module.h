@@ -92,6 +92,7 @@ typedef struct wisp_span
 typedef void wisp_pass_fn( wisp_frame* frame, const wisp_span* span, void* user );
 
 #define WISP_MAX_USES 12
+#define WISP_MAX_FUSED 16
 
 typedef struct wisp_pass
 {
@@ -128,9 +129,9 @@ typedef void wisp_fused_fn( wisp_frame* frame, const wisp_span* span, int subste
 /// what the passes give one after another.
 typedef struct wisp_fusion
 {
-    const char* name;                    ///< "module.noun"; a static string
-    const char* required[WISP_MAX_USES]; ///< names of passes, null-terminated: the entity must have all
-    const char* allowed[WISP_MAX_USES];  ///< the same: it may have them; with any other pass the passes are not fused
+    const char* name;                     ///< "module.noun"; a static string
+    const char* required[WISP_MAX_FUSED]; ///< names of passes, null-terminated: the entity must have all
+    const char* allowed[WISP_MAX_FUSED]; ///< the same: it may have them; with any other pass the passes are not fused
     wisp_fused_fn* run;
     void* user;
 } wisp_fusion;

@@ -62,6 +62,21 @@ typedef struct wisp_strand_bound_args
     float bound;           ///< maximum magnitude of each component, checked in empty lanes too
 } wisp_strand_bound_args;
 
+/// History of strands that integrate with BDF2. With h the length of a substep,
+///   x = x_n + (x_n - x_{n-1}) / 3 + he v,   he = 2 h / 3
+/// is implicit Euler of length he from a start that is shifted by a third of the last displacement. Kernels find the
+/// shift in `low`. All null: implicit Euler.
+///
+/// `step` says between substeps what the history of a strand is good for: h of the last substep, 0 if there was none,
+/// and below 0 if something else than forces moved the strand. Within a substep it is he; h in the first one; -h in
+/// another one by Euler, and -2h if it is the history of the next one that is lost.
+typedef struct wisp_strand_history
+{
+    float* displacement; ///< [row][3][16] m, of free vertices in the last substep; within one, the shift of its start
+    float* before;       ///< [row][3][16] m/s, velocity at the start of the last substep
+    float* step;         ///< [row][16] s, in the first row of each group
+} wisp_strand_history;
+
 /// Arguments of time integration of strands. Pinned vertices (inverse mass 0) have the velocity of their prescribed
 /// motion. A vertex is at position + low. With `previous` positions are predicted, so that other passes can correct
 /// them, and the end of the substep adds those corrections to velocities. Without it positions stay at the start of
@@ -82,9 +97,10 @@ typedef struct wisp_strand_motion_args
     const float* length;             ///< [row][16] m, of the segment to the next row; with `segment` only
     float* segment;                  ///< [row][3][16] m, vectors from the next row to this one, in and out
     float* speed;                    ///< [row][16] m^2/s^2, output of the prediction: squared speeds
+    wisp_strand_history history;
 } wisp_strand_motion_args;
 
-/// Arguments of damping towards a rigid motion: v <- u + retained_fraction (v - u) with u = linear + angular x (p -
+/// Arguments of damping towards a rigid motion: v <- u + (v - u) / (1 + rate dt) with u = linear + angular x (p -
 /// centre).
 typedef struct wisp_strand_damp_args
 {
@@ -92,8 +108,10 @@ typedef struct wisp_strand_damp_args
     const float* position;             ///< [row][3][16] m
     float* velocity;                   ///< [row][3][16] m/s
     const float* inverse_mass;         ///< [row][16] 1/kg
-    float retained_fraction;           ///< in [0, 1]
+    float rate;                        ///< 1/s, >= 0
     wisp_vec3 linear, angular, centre; ///< m/s, rad/s, m
+    float dt;                          ///< s
+    wisp_strand_history history;
 } wisp_strand_damp_args;
 
 /// Arguments of air drag across a strand. Motion along the strand has no drag. Implicit in the velocity, so that
@@ -108,6 +126,7 @@ typedef struct wisp_strand_air_args
     wisp_vec3 wind;            ///< m/s
     float drag;                ///< kg/m^2: 1/2 density C_d diameter
     float dt;                  ///< s
+    wisp_strand_history history;
 } wisp_strand_air_args;
 
 /// Arguments of inextensible segments by a direct solve of the chain, repeated in Newton iterations. With C_s =
@@ -134,6 +153,8 @@ typedef struct wisp_strand_stretch_args
     float* scratch;           ///< WISP_STRAND_SCRATCH floats per row of the longest group
     float* segment;           ///< [row][3][16] m, vectors from the next row to this one, in and out
     const float* speed;       ///< [row][16] m^2/s^2, squared, as predicted; a reset gives no vertex a higher one
+    wisp_vec3 acceleration;   ///< m/s^2, of the prediction, that tension did not balance yet; with history only
+    wisp_strand_history history;
 } wisp_strand_stretch_args;
 
 /// Floats of scratch per row of a strand kernel.
@@ -146,7 +167,7 @@ typedef struct wisp_strand_link_args
     const int32_t* group_row;  ///< [group_count + 1] first row of each group
     float* position;           ///< [row][3][16] m; with `previous` predicted, in and out
     const float* previous;     ///< [row][3][16] m, at the start of the substep; null: as wisp_strand_motion_args
-    const float* low;          ///< [row][3][16] m, what does not fit the digits of position
+    float* low;                ///< [row][3][16] m, what does not fit the digits of position
     float* velocity;           ///< [row][3][16] m/s, takes the corrections
     const float* inverse_mass; ///< [row][16] 1/kg
     const float* rest; ///< [row][16] m, rest length between this row and the row `stride` after it; 0 or less: no
@@ -158,6 +179,7 @@ typedef struct wisp_strand_link_args
     float inverse_dt2; ///< xpbd: 1/s^2; 0: pbd
     float dt;          ///< s
     float* segment;    ///< [row][3][16] m, vectors from the next row to this one, in and out
+    wisp_strand_history history;
 } wisp_strand_link_args;
 
 /// Arguments of follow the leader (Mueller, Kim and Chentanez 2012): each vertex is moved to rest length from the
@@ -191,7 +213,8 @@ typedef struct wisp_strand_rod_args
     const float* inverse_length; ///< [row][16] 1/m, of the segment to the next row; 0 where there is none
     const float* stiffness;      ///< [row][16] N m, EI / L_i; 0: vertex i does not bend
     const float* factor; ///< [row][3][16] 1/pivot, L(i, i-1), L(i, i-2) of L D L^T = M + (dt^2 + damping dt) K
-    float* tension;      ///< [row][16] N, of the last substep; applied again, so that a strand at rest does not move
+    const float* first_order_factor; ///< the same for h where `factor` is for he; null without history
+    float* tension; ///< [row][16] N, of the last substep; applied again, so that a strand at rest does not move
     const float* max_tension; ///< [row][16] N, upper bound to which tension is clamped
     const float* root;        ///< [group][4][16] quaternion x y z w, rotation of the root from rest
     const float* clamp;       ///< [group][4][16] rest frame of the clamp; its z axis is the direction of growth
@@ -205,6 +228,7 @@ typedef struct wisp_strand_rod_args
     const float* acceleration_scale; ///< [group][16] factor of the acceleration of each strand; null: 1
     float dt;                        ///< s
     float* scratch;                  ///< WISP_STRAND_SCRATCH floats per row of the longest group
+    wisp_strand_history history;
 } wisp_strand_rod_args;
 
 /// Arguments of contact of strands with one body in closed form, with Coulomb friction; equations in
