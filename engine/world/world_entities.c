@@ -25,6 +25,16 @@ wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* 
     return status;
 }
 
+void wisp_world_warn( wisp_world* world, const char* format, ... )
+{
+    char message[sizeof( world->error.message )];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( message, sizeof( message ), format, arguments );
+    va_end( arguments );
+    base_log_write( &world->log, WISP_LOG_WARNING, "%s", message );
+}
+
 wisp_status world_stale( wisp_world* world, wisp_entity entity )
 {
     return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u: does not exist or was removed",

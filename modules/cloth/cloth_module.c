@@ -302,6 +302,26 @@ static wisp_status find_state( wisp_world* world, wisp_entity surface, cloth_sta
     return status;
 }
 
+// Says what of a new cloth no coarse sheet carries.
+static void warn_of_sheets( wisp_world* world, wisp_entity surface )
+{
+    const wisp_fabric* f = wisp_world_fabric( world, surface );
+    if ( f->level_count == 0 )
+    {
+        wisp_world_warn(
+            world,
+            "cloth: entity %u: coarse_substeps: the fabric has no coarse sheets. It was cooked without, or %d "
+            "vertices are too few: about 600 are needed",
+            surface.index, f->vertex_count );
+    }
+    else if ( f->levels[0].unlinked_count > 0 )
+    {
+        wisp_world_warn(
+            world, "cloth: entity %u: %d of %d vertices are near no vertex of the coarse sheet and move on their own",
+            surface.index, f->levels[0].unlinked_count, f->vertex_count );
+    }
+}
+
 wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def )
 {
     WISP_ASSERT( def->cookie == CLOTH_DEF_COOKIE );
@@ -316,6 +336,7 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
         status == WISP_OK && wisp_world_fabric( world, surface )->hinge_order.slot_count > 0 &&
         def->solver == WISP_SOLVER_XPBD &&
         ( def->bending == WISP_CLOTH_BENDING_DIHEDRAL || def->bending == WISP_CLOTH_BENDING_ISOMETRIC );
+    const bool is_new = status == WISP_OK && wisp_world_has( world, surface, WISP_LINK_COMPLIANCE ) == false;
     status = bends ? cloth_add_plate( world, state, surface ) : status;
     status = status == WISP_OK ? dress( world, surface, def, state ) : status;
     if ( status == WISP_OK )
@@ -325,6 +346,10 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
             cloth_remove_plate( state, surface, wisp_world_allocator( world ) );
         }
         fill( world, surface, def, state );
+        if ( is_new && def->coarse_substeps > 0 )
+        {
+            warn_of_sheets( world, surface );
+        }
     }
     return status;
 }

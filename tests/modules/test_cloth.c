@@ -425,6 +425,7 @@ static void a_mesh_too_small_for_coarse_sheets_has_none( void** state )
     cloth.coarse_substeps = 3;
     cloth.bending = WISP_CLOTH_BENDING_DIHEDRAL;
     add_cloth( h->world, &fabric, wisp_default_surface_def(), &cloth, EARTH );
+    assert_contains( h->log.last, "the fabric has no coarse sheets" );
     step( h->world );
     assert_int_equal( count_passes_named( h->world, "surface.levels" ), 0 );
     assert_int_equal( count_passes_named( h->world, "cloth.bending" ), 0 );

@@ -300,5 +300,8 @@ WISP_API wisp_status wisp_world_check_ranges( wisp_world* world, const char* sub
 /// Keep a message for wisp_world_message(), log it, and hand the status back.
 WISP_API wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* format, ... )
     __attribute__( ( format( printf, 3, 4 ) ) );
+/// Log a warning: what was asked for is done, but not in full.
+WISP_API void wisp_world_warn( wisp_world* world, const char* format, ... )
+    __attribute__( ( format( printf, 2, 3 ) ) );
 
 WISP_END_C
