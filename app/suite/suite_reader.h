@@ -45,6 +45,22 @@ wisp_status suite_check_axes( const suite_reader* r );
 /// Read `reference`, after the entries.
 wisp_status suite_read_reference( suite_reader* r, const scene_node* block );
 
+/// A run of a scene that a reference is made of.
+typedef struct suite_run
+{
+    const scene_node* file;          ///< of the scene; null: that of the first row
+    const scene_node *set, *coarser; ///< fields, and those of a coarser run; null: none
+    int substeps;                    ///< 0: those of the scene
+} suite_run;
+
+/// Read a run, as long as the first row unless the suite has `seconds`.
+wisp_status suite_read_run( const suite_reader* r, const suite_run* run, const char* name, suite_row* out );
+
+/// The path of a file that a suite names; for free().
+char* suite_resolve( const suite_reader* r, const char* file );
+/// @return NaN: no number
+double suite_number_of( const suite_reader* r, const scene_node* node );
+
 /// The name of a file without folder and extension, cut to the size.
 void suite_stem( const char* path, char* out, size_t size );
 

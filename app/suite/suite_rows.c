@@ -83,8 +83,9 @@ typedef struct entry
     bool is_refused;
 } entry;
 
-static char* resolve( const char* suite_path, const char* file )
+char* suite_resolve( const suite_reader* r, const char* file )
 {
+    const char* suite_path = r->source.name;
     const char* slash = strrchr( suite_path, '/' );
     const int folder = file[0] != '/' && slash ? (int)( slash - suite_path ) + 1 : 0;
     char* path = text_alloc( (size_t)folder + strlen( file ) );
@@ -118,8 +119,7 @@ static suite_row* add_row( suite_reader* r )
     return &s->rows[s->row_count++];
 }
 
-// @return NaN: no number
-static double number_of( const suite_reader* r, const scene_node* node )
+double suite_number_of( const suite_reader* r, const scene_node* node )
 {
     char* end = NULL;
     const char* text = node->kind == SCENE_SCALAR ? scene_text_of( &r->tree, node ) : "";
@@ -148,7 +148,7 @@ static bool set_key( const suite_reader* r, const scene_node* field, suite_row* 
     const char* key = scene_key_of( &r->tree, field );
     if ( strcmp( key, keys[KEY_SECONDS] ) == 0 )
     {
-        row->seconds = number_of( r, field );
+        row->seconds = suite_number_of( r, field );
         *status = row->seconds >= 1e-9 && row->seconds <= 1e9
                       ? WISP_OK
                       : suite_refuse( r, field, "expected seconds of simulated time" );
@@ -196,7 +196,7 @@ static wisp_status choose_value( const suite_reader* r, const scene_node* field,
     const size_t used = strlen( row->variant );
     if ( field->kind == SCENE_LIST )
     {
-        *number = number_of( r, value );
+        *number = suite_number_of( r, value );
         name_variant( r, field, value, row->variant, sizeof row->variant );
         return set_field( r, scene, field, value );
     }
@@ -280,12 +280,12 @@ static void begin_row( const suite_reader* r, const entry* e, suite_row* row )
     row->path = text_alloc( strlen( e->path ) );
     strcpy( row->path, e->path );
     memcpy( row->budgets, e->budgets, sizeof row->budgets );
-    row->steps = e->values[KEY_STEPS] ? (int)number_of( r, e->values[KEY_STEPS] ) : 0;
+    row->steps = e->values[KEY_STEPS] ? (int)suite_number_of( r, e->values[KEY_STEPS] ) : 0;
     row->seconds = e->seconds;
     row->checks = e->checks;
     row->limits = e->limits;
     row->is_refused = e->is_refused;
-    row->agree = e->values[KEY_AGREE] ? number_of( r, e->values[KEY_AGREE] ) : 0.0;
+    row->agree = e->values[KEY_AGREE] ? suite_number_of( r, e->values[KEY_AGREE] ) : 0.0;
 }
 
 static wisp_status read_row( suite_reader* r, const entry* e, int which )
@@ -411,7 +411,7 @@ wisp_status suite_check_axes( const suite_reader* r )
 static wisp_status check_number( const suite_reader* r, const scene_node* node, double least, double most,
                                  const char* expected )
 {
-    const double value = node ? number_of( r, node ) : least;
+    const double value = node ? suite_number_of( r, node ) : least;
     return value >= least && value <= most ? WISP_OK : suite_refuse( r, node, "expected %s", expected );
 }
 
@@ -446,7 +446,7 @@ static wisp_status check_along( const suite_reader* r, const entry* e )
     for ( const scene_node* n = field ? scene_first( &r->tree, field ) : NULL; n; n = scene_next( &r->tree, n ) )
     {
         const double value =
-            field->kind == SCENE_MAP ? strtod( scene_key_of( &r->tree, n ), NULL ) : number_of( r, n );
+            field->kind == SCENE_MAP ? strtod( scene_key_of( &r->tree, n ), NULL ) : suite_number_of( r, n );
         if ( !( value > 0.0 ) || isinf( value ) )
         {
             return suite_refuse( r, n, "expected a number above 0, which a series goes along" );
@@ -470,7 +470,7 @@ static wisp_status check_settings( const suite_reader* r, entry* e )
     status = status == WISP_OK && v[KEY_AGREE]
                  ? check_number( r, v[KEY_AGREE], 1e-9, 1.0, "a part of the size of the first body, up to 1" )
                  : status;
-    if ( status == WISP_OK && steps && number_of( r, steps ) != floor( number_of( r, steps ) ) )
+    if ( status == WISP_OK && steps && suite_number_of( r, steps ) != floor( suite_number_of( r, steps ) ) )
     {
         return suite_refuse( r, steps, "expected a number of steps, 1 to 1000000" );
     }
@@ -493,8 +493,8 @@ static wisp_status check_settings( const suite_reader* r, entry* e )
     {
         return status;
     }
-    e->seconds = v[KEY_SECONDS] && steps == NULL ? number_of( r, v[KEY_SECONDS] ) : 0.0;
-    e->order = v[KEY_ORDER] ? number_of( r, v[KEY_ORDER] ) : NAN;
+    e->seconds = v[KEY_SECONDS] && steps == NULL ? suite_number_of( r, v[KEY_SECONDS] ) : 0.0;
+    e->order = v[KEY_ORDER] ? suite_number_of( r, v[KEY_ORDER] ) : NAN;
     e->rows = 1;
     status = check_along( r, e );
     status = status == WISP_OK ? check_lists( r, v[KEY_VARY], &e->rows ) : status;
@@ -553,7 +553,7 @@ wisp_status suite_read_entry( suite_reader* r, const scene_node* block )
                                                        : status;
     if ( status == WISP_OK )
     {
-        e.path = resolve( r->source.name, scene_text_of( &r->tree, file ) );
+        e.path = suite_resolve( r, scene_text_of( &r->tree, file ) );
         status = read_scene_text( r, file, e.path, &e.scene );
     }
     status = status == WISP_OK && e.values[KEY_SWEEP] ? sweep( r, &e ) : status;
@@ -565,146 +565,38 @@ wisp_status suite_read_entry( suite_reader* r, const scene_node* block )
     return status;
 }
 
-// ---- the reference ----
+// ---- runs of a reference ----
 
-enum
-{
-    REFERENCE_START,
-    REFERENCE_OVERLAP,
-    REFERENCE_STORED,
-    REFERENCE_DOUBT,
-    REFERENCE_FILE,
-    REFERENCE_EXTRAPOLATE,
-    REFERENCE_SET,
-    REFERENCE_CHECK,
-    REFERENCE_COUNT,
-};
-
-static const char* const reference_keys[REFERENCE_COUNT] = { "start", "overlap",     "stored", "doubt",
-                                                             "file",  "extrapolate", "set",    "check" };
-
-// @param coarser fields of a coarser run, null: none @param substeps of it, 0: those of the scene
-static wisp_status read_run( const suite_reader* r, const entry* e, const scene_node* coarser, int substeps,
-                             const char* name, suite_row* out )
-{
-    begin_row( r, e, out );
-    snprintf( out->name, sizeof out->name, "%s", name );
-    for ( const scene_node* n = scene_first( &r->tree, e->values[KEY_SET] ); n; n = scene_next( &r->tree, n ) )
-    {
-        name_variant( r, n, n, out->variant, sizeof out->variant );
-    }
-    text_node* own = text_copy( e->scene );
-    wisp_status status = set_fields( r, own, e->values[KEY_SET], out );
-    status = status == WISP_OK ? set_fields( r, own, coarser, out ) : status;
-    if ( substeps > 0 )
-    {
-        text_set_number( text_put( own, "substeps", text_scalar( "1" ) ), substeps );
-    }
-    status = status == WISP_OK ? finish_row( r, e, own, out ) : status;
-    text_release( own );
-    return status;
-}
-
-// A half and a quarter of the substeps of the reference.
-static wisp_status read_halves( suite_reader* r, const entry* e, const scene_node* place )
-{
-    wisp_scene scene;
-    wisp_status status = suite_scene( &r->out->reference, &scene, r->source.error );
-    const int substeps = scene.substeps;
-    wisp_scene_release( &scene );
-    if ( status == WISP_OK && substeps % 4 != 0 )
-    {
-        return suite_refuse( r, place, "got a reference of %d substeps, expected a multiple of 4 to extrapolate from",
-                             substeps );
-    }
-    status = status == WISP_OK ? read_run( r, e, NULL, substeps / 2, "reference, half", &r->out->check ) : status;
-    return status == WISP_OK ? read_run( r, e, NULL, substeps / 4, "reference, quarter", &r->out->coarsest ) : status;
-}
-
-// All runs are as long as the first row.
-static wisp_status read_runs( suite_reader* r, const scene_node* const* values )
+wisp_status suite_read_run( const suite_reader* r, const suite_run* run, const char* name, suite_row* out )
 {
     const suite_row* first = r->out->rows;
-    entry e = { .seconds = r->seconds ? number_of( r, r->seconds ) : 0.0, .order = NAN };
-    const scene_node* file = values[REFERENCE_FILE] ? values[REFERENCE_FILE] : values[REFERENCE_SET];
-    e.path = values[REFERENCE_FILE] ? resolve( r->source.name, scene_text_of( &r->tree, file ) )
-                                    : strcpy( text_alloc( strlen( first->path ) ), first->path );
-    e.values[KEY_SET] = values[REFERENCE_SET];
-    e.values[KEY_FILE] = file;
-    wisp_status status = read_scene_text( r, file, e.path, &e.scene );
-    status = status == WISP_OK ? read_run( r, &e, NULL, 0, "reference", &r->out->reference ) : status;
+    const scene_node* place = run->file ? run->file : run->set;
+    entry e = { .seconds = r->seconds ? suite_number_of( r, r->seconds ) : 0.0, .order = NAN };
+    e.path = run->file ? suite_resolve( r, scene_text_of( &r->tree, run->file ) )
+                       : strcpy( text_alloc( strlen( first->path ) ), first->path );
+    e.values[KEY_SET] = run->set;
+    e.values[KEY_FILE] = place;
+    wisp_status status = read_scene_text( r, place, e.path, &e.scene );
     if ( status == WISP_OK )
     {
-        status = values[REFERENCE_EXTRAPOLATE]
-                     ? read_halves( r, &e, values[REFERENCE_EXTRAPOLATE] )
-                     : read_run( r, &e, values[REFERENCE_CHECK], 0, "reference, check", &r->out->check );
+        begin_row( r, &e, out );
+        snprintf( out->name, sizeof out->name, "%s", name );
+        for ( const scene_node* n = scene_first( &r->tree, run->set ); n; n = scene_next( &r->tree, n ) )
+        {
+            name_variant( r, n, n, out->variant, sizeof out->variant );
+        }
+        status = set_fields( r, e.scene, run->set, out );
+        status = status == WISP_OK ? set_fields( r, e.scene, run->coarser, out ) : status;
     }
+    if ( status == WISP_OK && run->substeps > 0 )
+    {
+        text_set_number( text_put( e.scene, "substeps", text_scalar( "1" ) ), run->substeps );
+    }
+    status = status == WISP_OK ? finish_row( r, &e, e.scene, out ) : status;
     if ( e.seconds == 0.0 )
     {
-        r->out->reference.steps = r->out->check.steps = r->out->coarsest.steps = first->steps;
+        out->steps = first->steps;
     }
     release_entry( &e );
     return status;
-}
-
-wisp_status suite_read_reference( suite_reader* r, const scene_node* block )
-{
-    const scene_node* values[REFERENCE_COUNT];
-    const wisp_status status =
-        suite_take_keys( r, block, "a reference, such as { set: { substeps: 320 }, check: { substeps: 160 } }",
-                         reference_keys, REFERENCE_COUNT, values );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    for ( int i = 0; i < REFERENCE_COUNT; ++i )
-    {
-        const bool is_text = i <= REFERENCE_EXTRAPOLATE;
-        if ( values[i] && values[i]->kind != ( is_text ? SCENE_SCALAR : SCENE_MAP ) )
-        {
-            return suite_refuse( r, values[i], "expected %s",
-                                 is_text ? "a text or a number"
-                                         : "fields and their values, such as { substeps: 320 }" );
-        }
-    }
-    r->out->compares_start = values[REFERENCE_START] != NULL;
-    if ( r->out->compares_start )
-    {
-        return strcmp( scene_text_of( &r->tree, values[REFERENCE_START] ), "true" ) == 0 && block->count == 1
-                   ? WISP_OK
-                   : suite_refuse( r, block, "expected start: true alone" );
-    }
-    r->out->compares_overlap = values[REFERENCE_OVERLAP] != NULL;
-    if ( r->out->compares_overlap )
-    {
-        return strcmp( scene_text_of( &r->tree, values[REFERENCE_OVERLAP] ), "none" ) == 0 && block->count == 1
-                   ? WISP_OK
-                   : suite_refuse( r, block, "expected overlap: none alone" );
-    }
-    const scene_node* order = values[REFERENCE_EXTRAPOLATE];
-    r->out->extrapolate = order ? number_of( r, order ) : 0.0;
-    if ( order && r->out->extrapolate != 1.0 && r->out->extrapolate != 2.0 )
-    {
-        return suite_refuse( r, order, "got extrapolate '%s', expected the order at which the runs converge, 1 or 2",
-                             scene_shorten( scene_text_of( &r->tree, order ) ).text );
-    }
-    if ( order && ( values[REFERENCE_STORED] || values[REFERENCE_CHECK] ) )
-    {
-        return suite_refuse( r, order, "got extrapolate with %s, expected one of them",
-                             values[REFERENCE_STORED] ? "stored" : "check" );
-    }
-    if ( values[REFERENCE_STORED] )
-    {
-        r->out->stored = resolve( r->source.name, scene_text_of( &r->tree, values[REFERENCE_STORED] ) );
-        r->out->stored_doubt = values[REFERENCE_DOUBT] ? number_of( r, values[REFERENCE_DOUBT] ) : 0.0;
-        return r->out->stored_doubt >= 0.0 ? WISP_OK
-                                           : suite_refuse( r, values[REFERENCE_DOUBT], "expected a distance in m" );
-    }
-    if ( values[REFERENCE_SET] == NULL || ( values[REFERENCE_CHECK] == NULL && order == NULL ) )
-    {
-        return suite_refuse( r, block,
-                             "expected set, the fields of the converged run, and check, those that make a coarser "
-                             "one, or extrapolate, the order at which runs converge" );
-    }
-    return read_runs( r, values );
 }
