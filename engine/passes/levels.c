@@ -258,7 +258,8 @@ static void measure( const wisp_fabric_level* level, const float* at, float* mov
 }
 
 // Moves the coarsest sheet from where the surface was. Its velocities are kept for the end of the substep.
-static void move_coarsest( wisp_frame* frame, const wisp_span* span, const levels_sheet* sheet,
+// @return false, and it forgets its history, if the surface has torn it apart
+static bool move_coarsest( wisp_frame* frame, const wisp_span* span, const levels_sheet* sheet,
                            const levels_memory* m )
 {
     const wisp_fabric_level* level = sheet->level;
@@ -288,12 +289,19 @@ static void move_coarsest( wisp_frame* frame, const wisp_span* span, const level
         .dt = dt,
         .columns = columns_of( frame, span->entity ),
     };
-    levels_move_carrier( &carrier );
+    if ( levels_move_carrier( &carrier ) == false )
+    {
+        *carrier.columns.state = LEVELS_FIRST;
+        memset( velocity, 0, bytes );
+        memset( mean, 0, bytes );
+        return false;
+    }
     for ( int i = 0; i < 4 * level->row_count; ++i )
     {
         mean[i] = ( at[i] - mean[i] ) / dt;
     }
     measure( level, at, target );
+    return true;
 }
 
 // Moves a finer sheet from where the surface has been predicted, after the next coarser one.
@@ -321,7 +329,11 @@ static void carry( wisp_frame* frame, const wisp_span* span, void* user )
     }
     int l = wisp_frame_fabric( frame, span->entity )->level_count - 1;
     levels_sheet sheet = sheet_of( frame, span, &m, l );
-    move_coarsest( frame, span, &sheet, &m );
+    if ( move_coarsest( frame, span, &sheet, &m ) == false )
+    {
+        wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, 1u );
+        return;
+    }
     while ( l > 0 )
     {
         const levels_sheet coarser = sheet;

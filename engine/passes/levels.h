@@ -43,5 +43,5 @@ typedef struct levels_carrier
     levels_columns columns;
 } levels_carrier;
 
-/// Move the coarsest sheet by its substeps.
-void levels_move_carrier( levels_carrier* carrier );
+/// Move the coarsest sheet by its substeps. @return false, and nothing has moved, if a link is torn
+bool levels_move_carrier( levels_carrier* carrier );

@@ -166,11 +166,28 @@ static void project( const coarse_oracle* o, sheet* s, double* lower, bool find_
     free( links );
 }
 
-// The coarsest sheet: BDF2 with the substep before as it follows from the history.
+static double3 limited( double3 v, double most )
+{
+    const double d2 = double3_dot( v, v );
+    return d2 > most * most ? double3_scale( most * most / d2, v ) : v;
+}
+
+static double mean_rest_of( const wisp_fabric_level* level )
+{
+    double sum = 0.0;
+    for ( int i = 0; i < level->schedule.slot_count; ++i )
+    {
+        sum += level->schedule.constraint[i] >= 0 ? (double)level->rest[i] : 0.0;
+    }
+    return sum / level->link_count;
+}
+
+// The coarsest sheet: BDF2 with the substep before as it follows from the history, which is shortened where it would move a row by
+// more than a tenth of a link in a substep of the surface.
 static void move_coarsest( coarse_oracle* o, sheet* s, const double3* previous, const double3* pull, double h )
 {
     const wisp_fabric_level* level = s->level;
-    const double dt = h / o->substeps;
+    const double dt = h / o->substeps, fastest = 0.1 * mean_rest_of( level ) / ( h * h );
     double3* from = zeros( level->row_count, sizeof( double3 ) );
     double* lower = zeros( level->schedule.slot_count, sizeof( double ) );
     for ( int row = 0; row < level->vertex_count; ++row )
@@ -206,9 +223,10 @@ static void move_coarsest( coarse_oracle* o, sheet* s, const double3* previous, 
                           e = double3_scale( 1.0 / dt, d );
             const double3 d1 = double3_sub( double3_scale( dt, v ), double3_scale( dt * dt, o->lag[row] ) );
             const double3 second = double3_scale( 0.5 / dt, double3_sub( double3_scale( 3.0, d ), d1 ) );
-            const double3 end = bdf2 && s->w[row] > 0.0 ? second : e;
-            o->change[row] = double3_scale( 1.0 / dt, double3_sub( end, v ) );
-            o->lag[row] = double3_scale( 1.0 / dt, double3_sub( end, e ) );
+            const double3 added = limited( double3_sub( second, e ), 0.5 * fastest * h );
+            const double3 end = bdf2 && s->w[row] > 0.0 ? double3_add( e, added ) : e;
+            o->change[row] = limited( double3_scale( 1.0 / dt, double3_sub( end, v ) ), fastest );
+            o->lag[row] = limited( double3_scale( 1.0 / dt, double3_sub( end, e ) ), fastest );
             o->start[row] = end;
         }
         o->has_history = true;
