@@ -38,7 +38,7 @@ static json_t* measure( const char* command )
     return root;
 }
 
-static double error_of( json_t* root, const char* variant )
+static json_t* measures_of( json_t* root, const char* variant )
 {
     size_t i;
     json_t* row;
@@ -46,12 +46,21 @@ static double error_of( json_t* root, const char* variant )
     {
         if ( strcmp( json_string_value( json_object_get( row, "variant" ) ), variant ) == 0 )
         {
-            return json_number_value(
-                json_object_get( json_object_get( row, "error" ), "RMS_distance_to_the_reference_mm" ) );
+            return json_object_get( row, "error" );
         }
     }
     fail_msg( "no row %s", variant );
-    return NAN;
+    return NULL;
+}
+
+static double measure_of( json_t* root, const char* variant, const char* name )
+{
+    return json_number_value( json_object_get( measures_of( root, variant ), name ) );
+}
+
+static double error_of( json_t* root, const char* variant )
+{
+    return measure_of( root, variant, "RMS_distance_to_the_reference_mm" );
 }
 
 // More substeps are nearer to the converged run, and the same motion on another mesh is comparable with it.
@@ -100,6 +109,57 @@ static void a_reference_is_extrapolated( void** state )
     const double coarse = error_of( root, "sheet, substeps=40" ), fine = error_of( root, "sheet, substeps=80" );
     json_decref( root );
     assert_true( fine > 0.4 * coarse && fine < 0.6 * coarse );
+
+    // the doubt is half of the step of the extrapolation: a quarter of the distance of 40 to 80 substeps, and so of both errors
+    run_ok( "bench limit.yaml --seconds 0.1" );
+    const char* words = strstr( result.out, "uncertain by " );
+    assert_non_null( words );
+    const double doubt = strtod( words + strlen( "uncertain by " ), NULL );
+    assert_true( doubt > 0.2 * ( 2.0 * fine ) && doubt < 0.3 * ( 2.0 * fine ) );
+}
+
+// A row that is nearer to the reference than the reference is to the truth says so, and is on no front.
+static void what_is_within_the_doubt_is_below_it( void** state )
+{
+    (void)state;
+    write_text( "below.yaml", "wisp_suite: 1\n"
+                              "reference: { set: { substeps: 60, iterations: 4 }, check: { substeps: 30 } }\n"
+                              "scenes:\n"
+                              "  - { file: sheet.yaml, set: { iterations: 4 }, along: { substeps: [4, 58] } }\n" );
+    json_t* root = measure( "bench below.yaml --seconds 0.1 -f json -o out.json" );
+    const char* const far = "sheet, substeps=4";
+    const char* const near = "sheet, substeps=58";
+    const char* const mark = "RMS_distance_to_the_reference_mm_below";
+    assert_null( json_object_get( measures_of( root, far ), mark ) );
+    assert_true( measure_of( root, near, mark ) == 1.0 && error_of( root, near ) > 0.0 );
+    // 0.2 s are shorter than any moment
+    assert_null( json_object_get( measures_of( root, far ), "error_at_0_5_s_mm" ) );
+    json_decref( root );
+    run_ok( "bench below.yaml --seconds 0.1" );
+    assert_contains( result.out, " below " );
+    assert_contains( result.out, "1 of 2 are on it" );
+}
+
+// Errors at moments and of the energy against the reference: euler loses energy, less with more substeps.
+static void moments_and_energy_are_compared( void** state )
+{
+    (void)state;
+    write_text( "moments.yaml", "wisp_suite: 1\n"
+                                "seconds: 0.6\n"
+                                "reference: { set: { substeps: 80 }, extrapolate: 1 }\n"
+                                "scenes:\n"
+                                "  - { file: sheet.yaml, along: { substeps: [5, 20] } }\n" );
+    json_t* root = measure( "bench moments.yaml --seconds 0.1 -f json -o out.json" );
+    const char* const few = "sheet, substeps=5";
+    const char* const many = "sheet, substeps=20";
+    const char* const energy = "energy_against_the_reference_percent_of_released";
+    const char* const half = "error_at_0_5_s_mm";
+    assert_true( measure_of( root, many, half ) > 0.0 );
+    assert_true( measure_of( root, few, half ) > 2.0 * measure_of( root, many, half ) );
+    assert_null( json_object_get( measures_of( root, few ), "error_at_1_s_mm" ) );
+    assert_true( measure_of( root, few, energy ) < 2.0 * measure_of( root, many, energy ) );
+    assert_true( measure_of( root, many, energy ) < 0.0 );
+    json_decref( root );
 }
 
 static int count_files( void )
@@ -238,6 +298,8 @@ int main( int argc, char** argv )
         cmocka_unit_test( errors_fall_along_a_series ),
         cmocka_unit_test( a_run_that_is_the_reference_has_no_error ),
         cmocka_unit_test( a_reference_is_extrapolated ),
+        cmocka_unit_test( what_is_within_the_doubt_is_below_it ),
+        cmocka_unit_test( moments_and_energy_are_compared ),
         cmocka_unit_test( references_are_kept ),
         cmocka_unit_test( a_suite_without_a_reference_is_a_table_of_times ),
         cmocka_unit_test( what_a_suite_gets_wrong_is_said ),
