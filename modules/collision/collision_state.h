@@ -35,6 +35,7 @@ typedef struct collision_state
     int body_count, body_capacity;
     wisp_entity* participants; // surfaces and strands
     int participant_count, participant_capacity;
+    bool searches_all; // no particle is left out because a body cannot reach it in the step: for tests
 } collision_state;
 
 /// The definition of a participant with the defaults filled in.
