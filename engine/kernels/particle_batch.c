@@ -189,7 +189,16 @@ LANE_INLINE separation apart_from( const wisp_cull_args* args, wisp_cull_shape b
     const lane8v d = lane8v_sub( p, lane8v_set1( args->centre ) );
     const lane8v out = { outside( d.x, args->half.x ), outside( d.y, args->half.y ), outside( d.z, args->half.z ) };
     const lane8 distance = lane8v_length( out );
-    return ( separation ){ distance, lane8_gt( distance, reach ) };
+    const lane8m beyond = lane8_gt( distance, reach );
+    if ( bound == WISP_CULL_BOX )
+    {
+        return ( separation ){ distance, beyond };
+    }
+    // most of a mesh that is about as long as it is wide lies well within the corners of its box
+    const lane8 radius = lane8_set1( args->radius ), limit = lane8_add( radius, reach ), squared = lane8v_dot( d, d );
+    const lane8m outside_ball = lane8_gt( squared, lane8_mul( lane8_mul( lane8_set1( 1.00001f ), limit ), limit ) );
+    return ( separation ){ lane8_max( distance, lane8_sub( lane8_sqrt( squared ), radius ) ),
+                           lane8m_or( beyond, outside_ball ) };
 }
 
 // Computes a radius e within which a particle may move for the rest of the step without being found by the body:
@@ -276,6 +285,8 @@ int KERNEL( cull_particles )( const wisp_cull_args* args, int count )
             return cull( &mine, WISP_CULL_HALF_SPACE, count );
         case WISP_CULL_ROUND:
             return cull( &mine, WISP_CULL_ROUND, count );
+        case WISP_CULL_BOX_AND_BALL:
+            return cull( &mine, WISP_CULL_BOX_AND_BALL, count );
         default:
             return cull( &mine, WISP_CULL_BOX, count );
     }

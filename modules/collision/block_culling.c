@@ -67,7 +67,11 @@ void collision_begin_block( const collision_find_args* args, int begin, int end,
 
 static wisp_cull_shape bound_of( const collision_body* body )
 {
-    if ( body->tree != NULL || body->shape.kind == WISP_SHAPE_BOX )
+    if ( body->tree != NULL )
+    {
+        return WISP_CULL_BOX_AND_BALL;
+    }
+    if ( body->shape.kind == WISP_SHAPE_BOX )
     {
         return WISP_CULL_BOX;
     }
@@ -84,7 +88,7 @@ void collision_cull_block( const collision_find_args* args, const collision_view
         .shape = bound_of( body ),
         .centre = body->centre,
         .half = body->half,
-        .radius = body->shape.radius,
+        .radius = body->tree != NULL ? body->tight_radius : body->shape.radius,
         .half_length = body->shape.kind == WISP_SHAPE_CAPSULE ? body->shape.half_length : 0.0f,
         .margin = 2.0f * view->thickness,
         .shift = view->shift,

@@ -142,6 +142,12 @@ static void measure_mesh( const wisp_collider_def* d, collision_body* body )
     body->centre =
         ( wisp_vec3 ){ 0.5f * ( lower.x + upper.x ), 0.5f * ( lower.y + upper.y ), 0.5f * ( lower.z + upper.z ) };
     body->ball_radius = collision_length( body->half );
+    float farthest = 0.0f;
+    for ( int v = 0; v < d->point_count; ++v )
+    {
+        farthest = fmaxf( farthest, collision_length( collision_sub( d->points[v], body->centre ) ) );
+    }
+    body->tight_radius = 2.0f * most * farthest;
 }
 
 static wisp_status make_mesh( wisp_world* world, const wisp_collider_def* d, collision_body* body )

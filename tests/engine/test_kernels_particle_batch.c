@@ -7,7 +7,7 @@ enum
     LANES = 8,
     ROOM = COUNT + LANES, // kernels compress into it
     SEEDS = 40,
-    BOUNDS = 3,
+    BOUNDS = 4,
 };
 
 typedef struct block
@@ -258,7 +258,15 @@ static bool is_far_from( const wisp_cull_args* s, wisp_vec3 p, float reach, floa
     }
     *distance = length_of( outside( p.x - s->centre.x, s->half.x ), outside( p.y - s->centre.y, s->half.y ),
                            outside( p.z - s->centre.z, s->half.z ) );
-    return *distance > reach;
+    const float box = *distance, away = length_of( p.x - s->centre.x, p.y - s->centre.y, p.z - s->centre.z );
+    const float limit = s->radius + reach;
+    if ( s->shape == WISP_CULL_BOX_AND_BALL )
+    {
+        *distance = fmaxf( box, away - s->radius );
+        const float x = p.x - s->centre.x, y = p.y - s->centre.y, z = p.z - s->centre.z;
+        return box > reach || x * x + y * y + z * z > 1.00001f * limit * limit;
+    }
+    return box > reach;
 }
 
 static wisp_vec3 particle_at( float ( *from )[COUNT], int i )

@@ -55,9 +55,10 @@ typedef struct wisp_gather_args
 /// Shape used to cull particles beyond their reach, in the frame of the body.
 typedef enum wisp_cull_shape
 {
-    WISP_CULL_HALF_SPACE, ///< below y = 0
-    WISP_CULL_BOX,        ///< the box
-    WISP_CULL_ROUND,      ///< a sphere or a capsule along y at the origin
+    WISP_CULL_HALF_SPACE,   ///< below y = 0
+    WISP_CULL_BOX,          ///< the box
+    WISP_CULL_ROUND,        ///< a sphere or a capsule along y at the origin
+    WISP_CULL_BOX_AND_BALL, ///< the part of the box that is in a ball around its centre
 } wisp_cull_shape;
 
 /// Transform particles to the frame of a moving body, and cull those out of reach.
@@ -67,7 +68,7 @@ typedef struct wisp_cull_args
     wisp_transform before, after;
     wisp_cull_shape shape;
     wisp_vec3 centre, half;    ///< m, of the box, in the body's frame
-    float radius, half_length; ///< m, of the sphere or capsule at the origin of the frame
+    float radius, half_length; ///< m, of the sphere or capsule at the origin of the frame, or of the ball
     float margin;              ///< m; the reach of a particle is this plus its path
     float shift, turn;  ///< m, most that the body's origin moves in the step; most that a point moves besides, in
                         ///< lengths of its distance from there
