@@ -63,6 +63,11 @@ void KERNEL( tether )( const wisp_tether_args* args, int begin, int end );
 int KERNEL( find_out_of_bounds )( const wisp_bound_args* args, int begin, int end );
 void KERNEL( accelerate )( const wisp_particle_args* args, int begin, int end );
 void KERNEL( predict )( const wisp_particle_args* args, int begin, int end );
+uint32_t KERNEL( find_unsettled )( const float* position, const float* previous, const float* place, int begin,
+                                   int end );
+int KERNEL( query_shape )( const wisp_shape_query_args* args, int count, int32_t* special_count );
+bool KERNEL( half_space_rows )( const wisp_half_space_rows_args* args, int count );
+int KERNEL( list_counts )( const int32_t* counts, int count, int32_t* single, int32_t* several, int* several_count );
 int KERNEL( gather_particles )( const wisp_gather_args* args, int begin, int end );
 int KERNEL( cull_particles )( const wisp_cull_args* args, int count );
 int KERNEL( find_displaced )( const float* position, const float* place, int begin, int end, int32_t* displaced );

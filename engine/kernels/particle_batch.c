@@ -1,12 +1,56 @@
 // Moving particles of a block as arrays, and culling against a body. Most particles are far from most bodies, so
 // culling determines the cost of bodies. The test uses the same arithmetic as the closest point, or a bound with a
-// margin for rounding.
-#include "kernel_isa.h"
+// margin for rounding. Slots are taken in groups of eight, and a group that no body can reach for the rest of a step
+// is left out altogether until one of its particles leaves the radius in which that is known.
+#include "pose.h"
 
 enum
 {
     LANES = 8,
 };
+
+// ---- groups of slots ----
+
+// Marks the fourth number of two rows.
+LANE_INLINE lane8m fourth( void )
+{
+    return lane8i_eq( lane8i_and( lane8i_iota(), lane8i_set1( 3 ) ), lane8i_set1( 3 ) );
+}
+
+// All eight slots are settled or none is, so their order does not matter.
+uint32_t KERNEL( find_unsettled )( const float* position, const float* previous, const float* place, int begin,
+                                   int end )
+{
+    const lane8m last = fourth();
+    const lane8 zero = lane8_zero();
+    uint32_t groups = 0;
+    for ( int slot = begin; slot < end; slot += LANES )
+    {
+        const uint32_t group = 1u << ( slot - begin ) / LANES;
+        if ( !( place[(size_t)slot * 4 + 3] < 0.0f ) )
+        {
+            groups |= group;
+            continue;
+        }
+        lane8 q[4];
+        for ( int i = 0; i < 4; ++i )
+        {
+            const size_t at = (size_t)slot * 4 + (size_t)i * LANES;
+            const lane8 origin = lane8_loadu( place + at );
+            const lane8 now = lane8_abs( lane8_sub( lane8_loadu( position + at ), origin ) ),
+                        old = lane8_abs( lane8_sub( lane8_loadu( previous + at ), origin ) );
+            // a comparison would lose a NaN
+            const lane8 nothing = lane8_mul( lane8_add( now, old ), zero );
+            q[i] = lane8_select( last, origin, lane8_add( lane8_max( now, old ), nothing ) );
+        }
+        lane8_transpose_quads( q );
+        const lane8 squared =
+            lane8_add( lane8_add( lane8_mul( q[0], q[0] ), lane8_mul( q[1], q[1] ) ), lane8_mul( q[2], q[2] ) );
+        const lane8m settled = lane8m_and( lane8_lt( q[3], zero ), lane8_lt( squared, lane8_mul( q[3], q[3] ) ) );
+        groups |= lane8m_all( settled ) ? 0u : group;
+    }
+    return groups;
+}
 
 // ---- moving particles ----
 
@@ -14,13 +58,6 @@ LANE_INLINE lane8m is_within( lane8v p, lane8 most )
 {
     return lane8m_and( lane8m_and( lane8_le( lane8_abs( p.x ), most ), lane8_le( lane8_abs( p.y ), most ) ),
                        lane8_le( lane8_abs( p.z ), most ) );
-}
-
-LANE_INLINE void put( float* const to[3], int at, lane8v v, uint32_t bits )
-{
-    lane8_compress_store( to[0] + at, v.x, bits );
-    lane8_compress_store( to[1] + at, v.y, bits );
-    lane8_compress_store( to[2] + at, v.z, bits );
 }
 
 LANE_INLINE float min_of( lane8 v )
@@ -42,58 +79,6 @@ LANE_INLINE void widen( lane8m moves, lane8 now, lane8 old, lane8* lower, lane8*
     *upper = lane8_min( *upper, lane8_select( moves, lane8_neg( lane8_max( now, old ) ), all ) );
 }
 
-int KERNEL( gather_particles )( const wisp_gather_args* args, int begin, int end )
-{
-    const lane8 most = lane8_set1( 1e9f );
-    lane8 lower[3], upper[3];
-    for ( int k = 0; k < 3; ++k )
-    {
-        lower[k] = upper[k] = lane8_set1( INFINITY );
-    }
-    int count = 0;
-    for ( int slot = begin; slot < end; slot += LANES )
-    {
-        const size_t quad = (size_t)slot * 4;
-        lane8v now, old;
-        lane8 mass, none;
-        lane8_load_xyzw_contiguous( args->position + quad, &now.x, &now.y, &now.z, &mass );
-        lane8_load_xyzw_contiguous( args->previous + quad, &old.x, &old.y, &old.z, &none );
-        lane8_store_xyzw_contiguous( args->search_origin + quad, now.x, now.y, now.z, lane8_set1( INFINITY ) );
-        const lane8m is_finite = lane8m_and( is_within( now, most ), is_within( old, most ) );
-        const lane8m moves = lane8m_and( is_finite, lane8_gt( mass, lane8_zero() ) );
-        const uint32_t bits = lane8m_bits( moves );
-        widen( moves, now.x, old.x, lower, upper );
-        widen( moves, now.y, old.y, lower + 1, upper + 1 );
-        widen( moves, now.z, old.z, lower + 2, upper + 2 );
-        put( args->batch.now, count, now, bits );
-        put( args->batch.old, count, old, bits );
-        const lane8i slots = lane8i_add( lane8i_set1( slot ), lane8i_iota() );
-        count += lane8i_compress_store( args->batch.slot + count, slots, bits );
-    }
-    for ( int k = 0; k < 3; ++k )
-    {
-        args->lower[k] = min_of( lower[k] );
-        args->upper[k] = -min_of( upper[k] );
-    }
-    return count;
-}
-
-// ---- culling ----
-
-// Same operations as wisp_transform_to_local(), in the same order.
-LANE_INLINE lane8v to_body( wisp_transform pose, lane8v world )
-{
-    const lane8v v = lane8v_sub( world, lane8v_set1( pose.translation ) );
-    const lane8v q = lane8v_set1( ( wisp_vec3 ){ -pose.rotation.x, -pose.rotation.y, -pose.rotation.z } );
-    const lane8v t = lane8v_scale( lane8v_cross( q, v ), lane8_set1( 2.0f ) );
-    return lane8v_add( lane8v_add( v, lane8v_scale( t, lane8_set1( pose.rotation.w ) ) ), lane8v_cross( q, t ) );
-}
-
-LANE_INLINE lane8v load( float* const from[3], int at )
-{
-    return ( lane8v ){ lane8_loadu( from[0] + at ), lane8_loadu( from[1] + at ), lane8_loadu( from[2] + at ) };
-}
-
 LANE_INLINE void store( float* const to[3], int at, lane8v v )
 {
     lane8_storeu( to[0] + at, v.x );
@@ -101,82 +86,254 @@ LANE_INLINE void store( float* const to[3], int at, lane8v v )
     lane8_storeu( to[2] + at, v.z );
 }
 
+// Reads eight rows, and writes them as the place where they were found.
+LANE_INLINE void load_rows( const wisp_gather_args* args, size_t quad, lane8v* now, lane8* mass )
+{
+    const lane8m last = fourth();
+    lane8 q[4], place[4];
+    lane8_load_quads( args->position + quad, lane_quad_iota, q );
+    for ( int i = 0; i < 4; ++i )
+    {
+        place[i] = lane8_select( last, lane8_set1( INFINITY ), q[i] );
+    }
+    lane8_store_quads( args->search_origin + quad, lane_quad_iota, place );
+    lane8_transpose_quads( q );
+    *now = ( lane8v ){ q[0], q[1], q[2] };
+    *mass = q[3];
+}
+
+int KERNEL( gather_particles )( const wisp_gather_args* args, int begin, int end )
+{
+    const lane8 most = lane8_set1( 1e9f ), zero = lane8_zero();
+    lane8 lower[3], upper[3];
+    for ( int k = 0; k < 3; ++k )
+    {
+        lower[k] = upper[k] = lane8_set1( INFINITY );
+    }
+    int count = 0;
+    uint32_t any = 0;
+    for ( int slot = begin; slot < end; slot += LANES )
+    {
+        if ( ( args->groups >> ( slot - begin ) / LANES & 1u ) == 0 )
+        {
+            continue;
+        }
+        const size_t quad = (size_t)slot * 4;
+        lane8v now, old;
+        lane8 mass, none;
+        load_rows( args, quad, &now, &mass );
+        lane8_load_xyzw_contiguous( args->previous + quad, &old.x, &old.y, &old.z, &none );
+        const lane8m is_finite = lane8m_and( is_within( now, most ), is_within( old, most ) );
+        const lane8m moves = lane8m_and( is_finite, lane8_gt( mass, zero ) );
+        widen( moves, now.x, old.x, lower, upper );
+        widen( moves, now.y, old.y, lower + 1, upper + 1 );
+        widen( moves, now.z, old.z, lower + 2, upper + 2 );
+        store( args->batch.now, count, now );
+        store( args->batch.old, count, old );
+        const int group = count / LANES;
+        args->batch.slot[group] = slot;
+        args->batch.moving[group] = (uint8_t)lane8m_bits( moves );
+        args->batch.pinned[group] = (uint8_t)lane8m_bits( lane8m_and( is_finite, lane8_eq( mass, zero ) ) );
+        any |= lane8m_bits( moves );
+        count += LANES;
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        args->lower[k] = min_of( lower[k] );
+        args->upper[k] = -min_of( upper[k] );
+    }
+    return any != 0 ? count : 0;
+}
+
+// ---- culling ----
+
+LANE_INLINE lane8v load( float* const from[3], int at )
+{
+    return ( lane8v ){ lane8_loadu( from[0] + at ), lane8_loadu( from[1] + at ), lane8_loadu( from[2] + at ) };
+}
+
 LANE_INLINE lane8 outside( lane8 distance, float half )
 {
     return lane8_max( lane8_sub( lane8_abs( distance ), lane8_set1( half ) ), lane8_zero() );
 }
 
-// Tests whether a particle is beyond reach of a sphere, or of a capsule along y, by more than the rounding error.
-LANE_INLINE lane8m is_beyond_round( const wisp_cull_args* args, lane8v p, lane8 reach )
+// A lower bound of the distance, and whether it is beyond reach by more than the rounding error.
+typedef struct separation
 {
-    const lane8 limit = lane8_add( lane8_set1( args->radius ), reach ), y = outside( p.y, args->half_length );
+    lane8 distance;
+    lane8m beyond;
+} separation;
+
+// Of a sphere, or of a capsule along y. The square is compared, so the root is only for those who need a distance.
+LANE_INLINE separation apart_round( const wisp_cull_args* args, lane8v p, lane8 reach )
+{
+    const lane8 radius = lane8_set1( args->radius ), limit = lane8_add( radius, reach ),
+                y = outside( p.y, args->half_length );
     const lane8 squared = lane8_add( lane8_add( lane8_mul( p.x, p.x ), lane8_mul( y, y ) ), lane8_mul( p.z, p.z ) );
-    return lane8_gt( squared, lane8_mul( lane8_mul( lane8_set1( 1.00001f ), limit ), limit ) );
+    return ( separation ){
+        lane8_sub( lane8_sqrt( squared ), radius ),
+        lane8_gt( squared, lane8_mul( lane8_mul( lane8_set1( 1.00001f ), limit ), limit ) ),
+    };
 }
 
-LANE_INLINE lane8m is_beyond( const wisp_cull_args* args, wisp_cull_shape bound, lane8v p, lane8 reach )
+LANE_INLINE separation apart_from( const wisp_cull_args* args, wisp_cull_shape bound, lane8v p, lane8 reach )
 {
     if ( bound == WISP_CULL_HALF_SPACE )
     {
-        return lane8_gt( p.y, reach );
+        return ( separation ){ p.y, lane8_gt( p.y, reach ) };
+    }
+    if ( bound == WISP_CULL_ROUND )
+    {
+        return apart_round( args, p, reach );
     }
     const lane8v d = lane8v_sub( p, lane8v_set1( args->centre ) );
     const lane8v out = { outside( d.x, args->half.x ), outside( d.y, args->half.y ), outside( d.z, args->half.z ) };
-    const lane8m beyond = lane8_gt( lane8v_length( out ), reach );
-    return bound == WISP_CULL_BOX ? beyond : lane8m_or( beyond, is_beyond_round( args, p, reach ) );
+    const lane8 distance = lane8v_length( out );
+    const lane8m beyond = lane8_gt( distance, reach );
+    if ( bound == WISP_CULL_BOX )
+    {
+        return ( separation ){ distance, beyond };
+    }
+    // most of a mesh that is about as long as it is wide lies well within the corners of its box
+    const lane8 radius = lane8_set1( args->radius ), limit = lane8_add( radius, reach ), squared = lane8v_dot( d, d );
+    const lane8m outside_ball = lane8_gt( squared, lane8_mul( lane8_mul( lane8_set1( 1.00001f ), limit ), limit ) );
+    return ( separation ){ lane8_max( distance, lane8_sub( lane8_sqrt( squared ), radius ) ),
+                           lane8m_or( beyond, outside_ball ) };
+}
+
+// Computes a radius e within which a particle may move for the rest of the step without being found by the body:
+// for any two points a and b that are no more than e from here,
+//
+//   distance of b in any pose > margin + |a - b| + motion of the body
+//
+// The body moves by no more than `motion` here, and changes the distance by no more than that.
+LANE_INLINE lane8 free_radius( const wisp_cull_args* args, lane8v world, lane8v local, lane8 distance )
+{
+    const lane8 length = lane8v_length( local );
+    const lane8 shift = lane8_set1( args->shift );
+    const lane8 arm = lane8_add( lane8_add( length, length ), lane8_add( lane8_abs( distance ), shift ) );
+    const lane8 motion = lane8_add( shift, lane8_mul( lane8_set1( args->turn ), arm ) );
+    const lane8 sum = lane8_add( lane8_add( lane8_abs( world.x ), lane8_abs( world.y ) ), lane8_abs( world.z ) );
+    const lane8 rounding = lane8_mul( lane8_set1( 1e-5f ), lane8_add( lane8_add( sum, length ), length ) );
+    const lane8 spare = lane8_sub( lane8_sub( distance, lane8_add( motion, motion ) ),
+                                   lane8_add( lane8_set1( args->margin ), rounding ) );
+    return lane8_mul( spare, lane8_set1( 0.33f ) );
+}
+
+LANE_INLINE void pack( float* to, lane8 v, uint32_t bits )
+{
+    if ( bits == 255u )
+    {
+        lane8_storeu( to, v );
+    }
+    else
+    {
+        lane8_compress_store( to, v, bits );
+    }
+}
+
+LANE_INLINE void pack_vector( float* const to[3], int at, lane8v v, uint32_t bits )
+{
+    pack( to[0] + at, v.x, bits );
+    pack( to[1] + at, v.y, bits );
+    pack( to[2] + at, v.z, bits );
 }
 
 // Culls particles. `bound` is a constant after inlining.
 LANE_INLINE int cull( const wisp_cull_args* args, wisp_cull_shape bound, int count )
 {
     const lane8 margin = lane8_set1( args->margin );
+    const bool was_turned = pose_is_turned( args->before.rotation ),
+               is_turned = pose_is_turned( args->after.rotation );
     int found = 0;
     for ( int i = 0; i < count; i += LANES )
     {
-        const lane8v from = to_body( args->before, load( args->batch.old, i ) ),
-                     to = to_body( args->after, load( args->batch.now, i ) );
+        const lane8v now = load( args->batch.now, i );
+        const lane8v from = pose_to_local( args->before, was_turned, load( args->batch.old, i ) ),
+                     to = pose_to_local( args->after, is_turned, now );
         const lane8 path = lane8v_length( lane8v_sub( to, from ) ), reach = lane8_add( margin, path ),
                     clear = lane8_loadu( args->clearance + i );
-        const lane8m beyond = is_beyond( args, bound, to, reach );
-        store( args->from, i, from );
-        store( args->to, i, to );
-        lane8_storeu( args->path + i, path );
-        lane8_storeu( args->reach + i, reach );
-        lane8_storeu( args->clearance + i, lane8_select( beyond, lane8_min( reach, clear ), clear ) );
-        const uint32_t bits = lane8m_bits( lane8m_and_not( lane8m_first( count - i ), beyond ) );
-        const lane8i numbers = lane8i_add( lane8i_set1( i ), lane8i_iota() );
-        found += lane8i_compress_store( args->candidates + found, numbers, bits );
+        const separation apart = apart_from( args, bound, to, reach );
+        lane8_storeu( args->clearance + i, lane8_select( apart.beyond, lane8_min( reach, clear ), clear ) );
+        if ( args->free_radius != NULL )
+        {
+            const lane8 all = free_radius( args, now, to, apart.distance ),
+                        least = lane8_loadu( args->free_radius + i );
+            const lane8 radius = lane8_select( apart.beyond, all, lane8_set1( -1.0f ) );
+            lane8_storeu( args->free_radius + i, lane8_min( radius, least ) );
+        }
+        const uint32_t bits = ~lane8m_bits( apart.beyond ) & args->batch.moving[i / LANES];
+        if ( bits != 0 )
+        {
+            pack_vector( args->from, found, from, bits );
+            pack_vector( args->to, found, to, bits );
+            pack( args->path + found, path, bits );
+            pack( args->reach + found, reach, bits );
+            const lane8i numbers = lane8i_add( lane8i_set1( i ), lane8i_iota() );
+            found += lane8i_compress_store( args->candidates + found, numbers, bits );
+        }
     }
     return found;
 }
 
 int KERNEL( cull_particles )( const wisp_cull_args* args, int count )
 {
-    switch ( args->shape )
+    const wisp_cull_args mine = *args;
+    switch ( mine.shape )
     {
         case WISP_CULL_HALF_SPACE:
-            return cull( args, WISP_CULL_HALF_SPACE, count );
+            return cull( &mine, WISP_CULL_HALF_SPACE, count );
         case WISP_CULL_ROUND:
-            return cull( args, WISP_CULL_ROUND, count );
+            return cull( &mine, WISP_CULL_ROUND, count );
+        case WISP_CULL_BOX_AND_BALL:
+            return cull( &mine, WISP_CULL_BOX_AND_BALL, count );
         default:
-            return cull( args, WISP_CULL_BOX, count );
+            return cull( &mine, WISP_CULL_BOX, count );
     }
 }
 
-// ---- displaced particles ----
+// ---- after culling ----
 
 int KERNEL( find_displaced )( const float* position, const float* place, int begin, int end, int32_t* displaced )
 {
+    const lane8m last = fourth();
     int count = 0;
     for ( int slot = begin; slot < end; slot += LANES )
     {
-        lane8v p, q;
-        lane8 none, most;
-        lane8_load_xyzw_contiguous( position + (size_t)slot * 4, &p.x, &p.y, &p.z, &none );
-        lane8_load_xyzw_contiguous( place + (size_t)slot * 4, &q.x, &q.y, &q.z, &most );
-        const uint32_t bits = lane8m_bits( lane8_gt( lane8v_length( lane8v_sub( p, q ) ), most ) );
-        const lane8i slots = lane8i_add( lane8i_set1( slot ), lane8i_iota() );
-        count += lane8i_compress_store( displaced + count, slots, bits );
+        lane8 q[4], origin[4];
+        lane8_load_quads( position + (size_t)slot * 4, lane_quad_iota, q );
+        lane8_load_quads( place + (size_t)slot * 4, lane_quad_iota, origin );
+        for ( int i = 0; i < 4; ++i )
+        {
+            q[i] = lane8_select( last, origin[i], lane8_sub( q[i], origin[i] ) );
+        }
+        lane8_transpose_quads( q );
+        const lane8 length = lane8v_length( ( lane8v ){ q[0], q[1], q[2] } );
+        const uint32_t bits = lane8m_bits( lane8_gt( length, lane8_abs( q[3] ) ) );
+        if ( bits != 0 )
+        {
+            const lane8i slots = lane8i_add( lane8i_set1( slot ), lane8i_iota() );
+            count += lane8i_compress_store( displaced + count, slots, bits );
+        }
     }
     return count;
+}
+
+int KERNEL( list_counts )( const int32_t* counts, int count, int32_t* single, int32_t* several, int* several_count )
+{
+    int one = 0, more = 0;
+    for ( int i = 0; i < count; i += LANES )
+    {
+        const lane8i n = lane8i_loadu( counts + i ), numbers = lane8i_add( lane8i_set1( i ), lane8i_iota() );
+        const lane8m valid = lane8m_first( count - i );
+        const uint32_t any = lane8m_bits( lane8m_and( valid, lane8i_lt( lane8i_set1( 0 ), n ) ) );
+        if ( any != 0 )
+        {
+            const uint32_t only = lane8m_bits( lane8i_eq( n, lane8i_set1( 1 ) ) ) & any;
+            one += lane8i_compress_store( single + one, numbers, only );
+            more += lane8i_compress_store( several + more, numbers, any & ~only );
+        }
+    }
+    *several_count = more;
+    return one;
 }

@@ -41,11 +41,39 @@ LANE_INLINE __m512 lane_simde_cvtepi32( __m512i a )
     return _mm512_loadu_ps( to );
 }
 
+LANE_INLINE __m512d lane_simde_cvtps_pd( __m256 a )
+{
+    float from[8];
+    double to[8];
+    _mm256_storeu_ps( from, a );
+    for ( int l = 0; l < 8; ++l )
+    {
+        to[l] = (double)from[l];
+    }
+    return _mm512_loadu_pd( to );
+}
+
+LANE_INLINE __m256 lane_simde_cvtpd_ps( __m512d a )
+{
+    double from[8];
+    float to[8];
+    _mm512_storeu_pd( from, a );
+    for ( int l = 0; l < 8; ++l )
+    {
+        to[l] = (float)from[l];
+    }
+    return _mm256_loadu_ps( to );
+}
+
 LANE_INLINE __mmask8 lane_simde_bits( __m256i all_or_none )
 {
     return (__mmask8)_mm256_movemask_ps( _mm256_castsi256_ps( all_or_none ) );
 }
 
+#undef _mm512_cvtps_pd
+#undef _mm512_cvtpd_ps
+#define _mm512_cvtps_pd( a ) lane_simde_cvtps_pd( a )
+#define _mm512_cvtpd_ps( a ) lane_simde_cvtpd_ps( a )
 #undef _mm512_cvttps_epi32
 #undef _mm512_cvtepi32_ps
 #undef _mm256_cmpeq_epi32_mask

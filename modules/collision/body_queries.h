@@ -22,13 +22,19 @@ bool collision_cast( const collision_body* body, wisp_vec3 from, wisp_vec3 to, w
 /// Return the signed distance of a point less the thickness, but no less than `gap`, m.
 float collision_exact_gap( const collision_view* view, wisp_vec3 from, float gap );
 
+/// Return the signed distance of the start of a path from a plane, less the thickness.
+static inline float collision_plane_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from )
+{
+    return collision_dot( plane->normal, collision_sub( from, plane->point ) ) - view->thickness;
+}
+
 /// Return the signed distance at the start of a path whose end meets a plane, less the thickness. Near the surface
 /// the plane is good enough. Farther away the surface may be curved between start and end, so the closest point is
 /// queried.
 static inline float collision_start_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from,
                                          bool swept )
 {
-    const float gap = collision_dot( plane->normal, collision_sub( from, plane->point ) ) - view->thickness;
+    const float gap = collision_plane_gap( view, plane, from );
     const bool is_exact = swept || gap >= -COLLISION_SHALLOW * view->thickness;
     return is_exact ? gap : collision_exact_gap( view, from, gap );
 }

@@ -142,6 +142,12 @@ static void measure_mesh( const wisp_collider_def* d, collision_body* body )
     body->centre =
         ( wisp_vec3 ){ 0.5f * ( lower.x + upper.x ), 0.5f * ( lower.y + upper.y ), 0.5f * ( lower.z + upper.z ) };
     body->ball_radius = collision_length( body->half );
+    float farthest = 0.0f;
+    for ( int v = 0; v < d->point_count; ++v )
+    {
+        farthest = fmaxf( farthest, collision_length( collision_sub( d->points[v], body->centre ) ) );
+    }
+    body->tight_radius = 2.0f * most * farthest;
 }
 
 static wisp_status make_mesh( wisp_world* world, const wisp_collider_def* d, collision_body* body )
@@ -328,6 +334,19 @@ void collision_carry( wisp_frame* frame, const wisp_span* span, void* user )
     collider->to = *target;
 }
 
+// Compute bounds of the motion in a step. Two rotations q and r turn a point at unit distance by no more than
+// 2 |q - r| away from each other, with the signs that are nearer.
+static void set_motion( const collision_collider* collider, collision_view* view )
+{
+    const wisp_quat q = collider->from.rotation, r = collider->to.rotation;
+    const float sign = q.x * r.x + q.y * r.y + q.z * r.z + q.w * r.w < 0.0f ? -1.0f : 1.0f;
+    const float d[4] = { q.x - sign * r.x, q.y - sign * r.y, q.z - sign * r.z, q.w - sign * r.w };
+    const float rounding = 1.001f; // and that of interpolated poses
+    view->turn = 2.0f * rounding * sqrtf( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + d[3] * d[3] );
+    view->shift =
+        rounding * collision_length( collision_sub( collider->to.translation, collider->from.translation ) );
+}
+
 // Compute the poses of a substep. A body that stands still keeps its pose exactly, which interpolation would not.
 static void set_poses( const wisp_frame* frame, const wisp_span* span, const collision_collider* collider,
                        collision_view* view )
@@ -335,8 +354,10 @@ static void set_poses( const wisp_frame* frame, const wisp_span* span, const col
     if ( memcmp( &collider->from, &collider->to, sizeof( wisp_transform ) ) == 0 )
     {
         view->before = view->after = collider->to;
+        view->shift = view->turn = 0.0f;
         return;
     }
+    set_motion( collider, view );
     const float before = wisp_frame_progress( frame, span->substep ),
                 after = wisp_frame_progress( frame, span->substep + 1 );
     view->before = wisp_transform_interpolate( collider->from, collider->to, before );

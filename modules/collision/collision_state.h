@@ -16,7 +16,8 @@ typedef struct collision_body
     bool double_sided;         // double-sided
     wisp_vec3 centre;          // m, of a box and a ball around the body, in its frame
     wisp_vec3 half;            // m, of the box; infinite for a plane
-    float ball_radius;         // m
+    float ball_radius;         // m, of a ball around the box
+    float tight_radius;        // m, of a ball around the points of a mesh, with the same centre
     float inner; // m, of a closed form: the smallest of its half sizes; infinite for a plane, 0 for a mesh
 } collision_body;
 
@@ -35,6 +36,7 @@ typedef struct collision_state
     int body_count, body_capacity;
     wisp_entity* participants; // surfaces and strands
     int participant_count, participant_capacity;
+    bool searches_all; // no particle is left out because a body cannot reach it in the step: for tests
 } collision_state;
 
 /// The definition of a participant with the defaults filled in.

@@ -11,6 +11,8 @@
 // - A particle that starts nearer than h is moved out at the push-out speed, together with its previous position, so
 //   that the correction gives no velocity. While it is deeper than COLLISION_SHALLOW, its own outward motion gives
 //   none either: links between particles that are moved out in different directions would gain energy.
+// - Closest points of closed forms, and the half spaces of all bodies, are computed eight particles at a time. One by
+//   one are only paths that may enter a body, deep starts, and particles that already have all contacts.
 // - Lengths come from the participant (thickness a quarter of its mean edge), so a scene at 1/100 or 100 times its
 //   size behaves the same.
 #include "contact_generation.h"
@@ -20,168 +22,328 @@
 #include "collision_passes.h"
 
 #include <math.h>
+#include <string.h>
 
-// ---- one particle, one body ----
-
-static float gap_at( wisp_vec3 p, wisp_vec3 point, wisp_vec3 normal, float gap )
+enum
 {
-    return collision_dot( normal, collision_sub( p, point ) ) - gap;
-}
+    PLANES = COLLISION_BLOCK + 2 * COLLISION_GROUP, // two lists, each padded
+};
 
-static float contact_gap( const collision_contact* c, wisp_vec3 p )
+// Planes of one body, of the particles that are near it, in the frame of the body.
+typedef struct found_planes
 {
-    return gap_at( p, collision_load( c->point ), collision_load( c->normal ), c->gap );
-}
+    int count;
+    int32_t near[PLANES]; // number of the candidate
+    float point[3][PLANES], normal[3][PLANES];
+    float now[PLANES];   // m, signed distance of the particle
+    float start[PLANES]; // m, at the start of the substep, less the thickness
+    int special_count;
+    int32_t special[PLANES];                      // those that may be swept or start deep
+    float clear[PLANES];                          // m, of each candidate: nothing else within this distance
+    int32_t particle_x4[PLANES], row_x16[PLANES]; // from the beginning of the block
+} found_planes;
 
-// Return room for one more contact, or the farthest if it is farther than the new one, else null.
-static collision_contact* find_room( const collision_find_args* args, int slot, wisp_vec3 p, float gap )
-{
-    collision_contact* all = args->contact[slot];
-    int place = args->count[slot]++;
-    if ( place < WISP_COLLISION_CONTACTS )
-    {
-        return all + place;
-    }
-    place = 0;
-    for ( int i = 1; i < WISP_COLLISION_CONTACTS; ++i )
-    {
-        place = contact_gap( all + i, p ) > contact_gap( all + place, p ) ? i : place;
-    }
-    return gap >= contact_gap( all + place, p ) ? NULL : all + place;
-}
-
-static wisp_vec3 load_one( float ( *from )[COLLISION_BLOCK], int i )
+static wisp_vec3 load_candidate( float ( *from )[COLLISION_PADDED], int i )
 {
     return ( wisp_vec3 ){ from[0][i], from[1][i], from[2][i] };
 }
 
-static void store_one( float ( *to )[COLLISION_BLOCK], int i, wisp_vec3 v )
+static wisp_vec3 load_one( float ( *from )[PLANES], int i )
+{
+    return ( wisp_vec3 ){ from[0][i], from[1][i], from[2][i] };
+}
+
+static void store_one( float ( *to )[PLANES], int i, wisp_vec3 v )
 {
     to[0][i] = v.x;
     to[1][i] = v.y;
     to[2][i] = v.z;
 }
 
-static void lower_clear( collision_block* block, int i, float clear )
+// ---- closest points ----
+
+static void query_shape( const collision_find_args* args, const collision_view* view, collision_block* block,
+                         found_planes* planes )
 {
-    block->clear[i] = clear < block->clear[i] ? clear : block->clear[i];
+    const wisp_shape_query_args query = {
+        .shape = view->body->shape,
+        .from = { block->from[0], block->from[1], block->from[2] },
+        .to = { block->to[0], block->to[1], block->to[2] },
+        .path = block->path,
+        .reach = block->reach,
+        .thickness = view->thickness,
+        .shallow = COLLISION_SHALLOW * view->thickness,
+        .clearance = planes->clear,
+        .near = planes->near,
+        .point = { planes->point[0], planes->point[1], planes->point[2] },
+        .normal = { planes->normal[0], planes->normal[1], planes->normal[2] },
+        .distance = planes->now,
+        .start = planes->start,
+        .special = planes->special,
+    };
+    int32_t special_count;
+    planes->count = args->kernels->query_shape( &query, block->candidate_count, &special_count );
+    planes->special_count = special_count;
 }
 
-// Move a particle out, in the block too, because later bodies see its new position.
-// @param recovered m, of position and previous position @param absorbed m, outward displacement that shall give no
-// velocity
-static void move_out( const collision_find_args* args, collision_block* block, int i, wisp_vec3 normal,
-                      float recovered, float absorbed )
-{
-    const size_t quad = (size_t)block->slot[i] * 4;
-    store_one( block->now, i, collision_add_scaled( load_one( block->now, i ), recovered, normal ) );
-    store_one( block->old, i, collision_add_scaled( load_one( block->old, i ), recovered + absorbed, normal ) );
-    collision_store( args->position + quad, load_one( block->now, i ) );
-    collision_store( args->previous + quad, load_one( block->old, i ) );
-}
-
-// Store field by field: copying a whole contact stalls on store forwarding.
-static void fill_contact( collision_contact* c, const collision_view* view, wisp_vec3 point, wisp_vec3 normal,
-                          wisp_vec3 motion, float gap )
-{
-    collision_store( c->point, point );
-    collision_store( c->normal, normal );
-    collision_store( c->motion, motion );
-    c->gap = gap;
-    c->normal_correction = 0.0f;
-    collision_store( c->tangential_correction, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
-    c->static_friction = view->static_friction;
-    c->kinetic_friction = view->kinetic_friction;
-}
-
-static void add_contact( const collision_find_args* args, const collision_view* view, collision_block* block, int i,
-                         const wisp_surface_point* nearest )
-{
-    const wisp_vec3 from = load_one( block->from, i ), to = load_one( block->to, i );
-    float path = block->path[i];
-    wisp_surface_point plane;
-    bool swept = fabsf( nearest->distance ) <= path && collision_cast( view->body, from, to, &plane );
-    plane = swept ? plane : *nearest;
-    lower_clear( block, i, swept ? 0.0f : ( nearest->distance > 0.0f ? nearest->distance : INFINITY ) );
-    float now = swept ? collision_dot( plane.normal, collision_sub( to, plane.point ) ) : nearest->distance;
-    if ( now > block->reach[i] )
-    {
-        return;
-    }
-    float start = collision_start_gap( view, &plane, from, swept );
-    float outward = collision_larger( now - view->thickness - start, 0.0f ), recovered = 0.0f;
-    if ( start + outward < 0.0f )
-    {
-        recovered = collision_smaller( -start - outward, collision_larger( args->recovery - outward, 0.0f ) );
-    }
-    const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane.normal );
-    const wisp_vec3 point = wisp_transform_to_world( view->after, plane.point );
-    const wisp_vec3 was = wisp_transform_to_world( view->before, plane.point );
-    move_out( args, block, i, normal, recovered, start < -COLLISION_SHALLOW * view->thickness ? outward : 0.0f );
-
-    const float gap = start < 0.0f ? view->thickness + start + recovered : view->thickness;
-    const wisp_vec3 p = load_one( block->now, i );
-    collision_contact* c = find_room( args, block->slot[i], p, gap_at( p, point, normal, gap ) );
-    if ( c != NULL )
-    {
-        fill_contact( c, view, point, normal, collision_sub( point, was ), gap );
-    }
-}
-
-// ---- a block and its bodies ----
-
-static void query_candidates( const collision_find_args* args, const collision_view* view, collision_block* block )
+// The same for meshes.
+static void query_mesh( const collision_view* view, collision_block* block, found_planes* planes )
 {
     wisp_mesh_query queries[COLLISION_BLOCK];
     wisp_surface_point nearest[COLLISION_BLOCK];
     bool is_near[COLLISION_BLOCK];
     for ( int n = 0; n < block->candidate_count; ++n )
     {
-        const int i = block->candidates[n];
-        queries[n] = ( wisp_mesh_query ){ load_one( block->to, i ), block->reach[i] };
+        queries[n] = ( wisp_mesh_query ){ load_candidate( block->to, n ), block->reach[n] };
     }
     collision_closest( view->body, queries, block->candidate_count, nearest, is_near );
+    planes->count = planes->special_count = 0;
     for ( int n = 0; n < block->candidate_count; ++n )
     {
-        const int i = block->candidates[n];
+        const wisp_surface_point* s = nearest + n;
+        planes->clear[n] = is_near[n] == false ? block->reach[n] : s->distance > 0.0f ? s->distance : INFINITY;
         if ( is_near[n] )
         {
-            add_contact( args, view, block, i, nearest + n );
-        }
-        else
-        {
-            lower_clear( block, i, block->reach[i] );
+            const int m = planes->count++;
+            const float start = collision_plane_gap( view, s, load_candidate( block->from, n ) );
+            planes->near[m] = n;
+            store_one( planes->point, m, s->point );
+            store_one( planes->normal, m, s->normal );
+            planes->now[m] = s->distance;
+            planes->start[m] = start;
+            planes->special[planes->special_count] = m;
+            planes->special_count +=
+                fabsf( s->distance ) <= block->path[n] || start < -COLLISION_SHALLOW * view->thickness ? 1 : 0;
         }
     }
 }
+
+// ---- paths that enter, and deep starts ----
+
+// A path that enters the body gets the plane where it enters. @return false if there is no contact
+static bool sweep_one( const collision_view* view, collision_block* block, found_planes* planes, int m )
+{
+    const int n = planes->near[m];
+    const wisp_vec3 from = load_candidate( block->from, n ), to = load_candidate( block->to, n );
+    wisp_surface_point plane = { load_one( planes->point, m ), load_one( planes->normal, m ), planes->now[m] };
+    wisp_surface_point entry;
+    const bool swept = fabsf( plane.distance ) <= block->path[n] && collision_cast( view->body, from, to, &entry );
+    if ( swept )
+    {
+        plane = entry;
+        store_one( planes->point, m, plane.point );
+        store_one( planes->normal, m, plane.normal );
+        planes->clear[n] = 0.0f;
+        planes->now[m] = collision_dot( plane.normal, collision_sub( to, plane.point ) );
+        if ( planes->now[m] > block->reach[n] )
+        {
+            return false;
+        }
+    }
+    planes->start[m] = collision_start_gap( view, &plane, from, swept );
+    return true;
+}
+
+static void copy_plane( found_planes* source, int from, found_planes* planes, int to )
+{
+    planes->near[to] = source->near[from];
+    planes->particle_x4[to] = source->particle_x4[from];
+    planes->row_x16[to] = source->row_x16[from];
+    store_one( planes->point, to, load_one( source->point, from ) );
+    store_one( planes->normal, to, load_one( source->normal, from ) );
+    planes->now[to] = source->now[from];
+    planes->start[to] = source->start[from];
+}
+
+static void sweep_special( const collision_view* view, collision_block* block, found_planes* planes )
+{
+    bool is_dropped[PLANES];
+    bool any = false;
+    for ( int i = 0; i < planes->special_count; ++i )
+    {
+        const int m = planes->special[i];
+        const bool touches = sweep_one( view, block, planes, m );
+        if ( touches == false && any == false )
+        {
+            memset( is_dropped, 0, sizeof( is_dropped ) );
+        }
+        if ( touches == false )
+        {
+            is_dropped[m] = any = true;
+        }
+    }
+    int kept = 0;
+    for ( int m = 0; any && m < planes->count; ++m )
+    {
+        copy_plane( planes, m, planes, kept );
+        kept += is_dropped[m] ? 0 : 1;
+    }
+    planes->count = any ? kept : planes->count;
+}
+
+// ---- half spaces ----
+
+static float contact_gap( const collision_contact* c, wisp_vec3 p )
+{
+    return collision_dot( collision_load( c->normal ), collision_sub( p, collision_load( c->point ) ) ) - c->gap;
+}
+
+// Move particles out and write rows. Later bodies see the new positions.
+static void write_rows( const collision_find_args* args, const collision_view* view, collision_block* block,
+                        found_planes* planes, int first, int count, float* rows )
+{
+    // the last group is padded with its last particle
+    const int end = first + count,
+              padded = first + ( count + COLLISION_GROUP - 1 ) / COLLISION_GROUP * COLLISION_GROUP;
+    for ( int m = end; m < padded; ++m )
+    {
+        copy_plane( planes, end - 1, planes, m );
+    }
+    const size_t quad = (size_t)block->begin * 4;
+    const wisp_half_space_rows_args half_spaces = {
+        .before = view->before,
+        .after = view->after,
+        .thickness = view->thickness,
+        .shallow = COLLISION_SHALLOW * view->thickness,
+        .recovery = args->recovery,
+        .static_friction = view->static_friction,
+        .kinetic_friction = view->kinetic_friction,
+        .point = { planes->point[0] + first, planes->point[1] + first, planes->point[2] + first },
+        .normal = { planes->normal[0] + first, planes->normal[1] + first, planes->normal[2] + first },
+        .now = planes->now + first,
+        .start = planes->start + first,
+        .position = args->position + quad,
+        .previous = args->previous + quad,
+        .rows = rows,
+        .particle_x4 = planes->particle_x4 + first,
+        .row_x16 = planes->row_x16 + first,
+    };
+    const bool moved = args->kernels->half_space_rows( &half_spaces, padded - first );
+    for ( int m = first; moved && block->is_last == false && m < end; ++m )
+    {
+        const int i = block->candidates[planes->near[m]];
+        for ( int k = 0; k < 3; ++k )
+        {
+            block->now[k][i] = half_spaces.position[planes->particle_x4[m] + k];
+            block->old[k][i] = half_spaces.previous[planes->particle_x4[m] + k];
+        }
+    }
+}
+
+// Of a particle that has all contacts, the farthest gives way to a nearer one.
+static void replace_farthest( const collision_find_args* args, int slot, const collision_contact* found )
+{
+    const wisp_vec3 p = collision_load( args->position + (size_t)slot * 4 );
+    collision_contact* all = args->contact[slot];
+    int place = 0;
+    for ( int i = 1; i < WISP_COLLISION_CONTACTS; ++i )
+    {
+        place = contact_gap( all + i, p ) > contact_gap( all + place, p ) ? i : place;
+    }
+    if ( contact_gap( found, p ) < contact_gap( all + place, p ) )
+    {
+        all[place] = *found;
+    }
+}
+
+// Particles that have all contacts, from `first` on. They get a row beside those of the block.
+static void add_beyond( const collision_find_args* args, const collision_view* view, collision_block* block,
+                        found_planes* planes, int first, int count )
+{
+    collision_contact found[COLLISION_GROUP];
+    for ( int done = 0; done < count; done += COLLISION_GROUP )
+    {
+        const int at = first + done, n = count - done < COLLISION_GROUP ? count - done : COLLISION_GROUP;
+        for ( int m = 0; m < n; ++m )
+        {
+            planes->row_x16[at + m] = 16 * m;
+        }
+        write_rows( args, view, block, planes, at, n, found[0].point );
+        for ( int m = 0; m < n; ++m )
+        {
+            replace_farthest( args, block->begin + planes->particle_x4[at + m] / 4, found + m );
+        }
+    }
+}
+
+// Give each particle a row, those that have all contacts behind the others.
+// @return number of particles with room for one more contact
+static int assign_rows( const collision_find_args* args, const collision_block* block, found_planes* planes )
+{
+    int full = 0;
+    for ( int m = 0; m < planes->count; ++m )
+    {
+        const int slot = collision_slot( block, block->candidates[planes->near[m]] );
+        const int place = args->count[slot]++;
+        planes->particle_x4[m] = 4 * ( slot - block->begin );
+        planes->row_x16[m] = 16 * ( WISP_COLLISION_CONTACTS * ( slot - block->begin ) + place );
+        full += place >= WISP_COLLISION_CONTACTS ? 1 : 0;
+    }
+    if ( full == 0 )
+    {
+        return planes->count;
+    }
+    found_planes all = *planes;
+    const int room = all.count - full;
+    int first = 0, beyond = ( room + COLLISION_GROUP - 1 ) / COLLISION_GROUP * COLLISION_GROUP;
+    for ( int m = 0; m < all.count; ++m )
+    {
+        const bool is_full = args->count[block->begin + all.particle_x4[m] / 4] > WISP_COLLISION_CONTACTS;
+        copy_plane( &all, m, planes, is_full ? beyond++ : first++ );
+    }
+    return room;
+}
+
+static void add_planes( const collision_find_args* args, const collision_view* view, collision_block* block,
+                        found_planes* planes )
+{
+    const int room = assign_rows( args, block, planes );
+    if ( room > 0 )
+    {
+        write_rows( args, view, block, planes, 0, room, args->contact[block->begin][0].point );
+    }
+    const int first = ( room + COLLISION_GROUP - 1 ) / COLLISION_GROUP * COLLISION_GROUP;
+    add_beyond( args, view, block, planes, first, planes->count - room );
+}
+
+// ---- a block and its bodies ----
 
 void collision_meet( const collision_find_args* args, const collision_view* view, collision_block* block )
 {
-    float apart = collision_ball_distance( view, block->lower, block->upper );
+    const float apart = collision_ball_distance( view, block->lower, block->upper );
     if ( apart > 2.0f * view->thickness )
     {
-        for ( int i = 0; i < block->count; ++i )
-        {
-            block->clear[i] = apart < block->clear[i] ? apart : block->clear[i];
-        }
+        collision_skip_block( view, apart, block );
         return;
     }
-    collision_cull_block( args->kernels, view, block );
-    query_candidates( args, view, block );
-}
-
-void collision_end_block( const collision_find_args* args, const collision_block* block )
-{
-    for ( int i = 0; i < block->count; ++i )
+    collision_cull_block( args, view, block );
+    if ( block->candidate_count == 0 )
     {
-        args->found[(size_t)block->slot[i] * 4 + 3] = block->clear[i];
+        return;
     }
+    found_planes planes;
+    if ( view->body->tree != NULL )
+    {
+        query_mesh( view, block, &planes );
+    }
+    else
+    {
+        query_shape( args, view, block, &planes );
+    }
+    sweep_special( view, block, &planes );
+    for ( int n = 0; n < block->candidate_count; ++n )
+    {
+        float* clear = block->clear + block->candidates[n];
+        *clear = planes.clear[n] < *clear ? planes.clear[n] : *clear;
+    }
+    add_planes( args, view, block, &planes );
 }
 
 void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    const bool is_last = span->substep + 1 == wisp_frame_substeps( frame ) || state->searches_all;
     const collision_find_args args = {
         .kernels = wisp_frame_kernels( frame ),
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
@@ -190,6 +352,8 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
         .found = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 1 ),
         .contact = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 2 ),
         .recovery = settings->max_push_out_speed * wisp_frame_dt( frame ),
+        .has_settled = span->substep > 0 && is_last == false,
+        .settles = is_last == false,
     };
     const wisp_span particles = wisp_frame_particles( frame, span );
     collision_block block;
@@ -201,6 +365,7 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
         collision_view view;
         for ( int next = 0; block.count > 0 && collision_next( frame, span, state, &next, &view ); )
         {
+            block.is_last = next >= state->body_count;
             collision_meet( &args, &view, &block );
         }
         collision_end_block( &args, &block );

@@ -5,6 +5,3 @@
 
 /// Add the contacts of a block with one body.
 void collision_meet( const collision_find_args* args, const collision_view* view, collision_block* block );
-
-/// Store the distances that are clear.
-void collision_end_block( const collision_find_args* args, const collision_block* block );

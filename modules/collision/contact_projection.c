@@ -85,7 +85,8 @@ typedef struct project_loop
     const int32_t* count;
     const float* found;
     collision_contact ( *contact )[WISP_COLLISION_CONTACTS];
-    int32_t displaced[CHUNK]; // slots that left the distance that is clear
+    int32_t single[CHUNK + 8], several[CHUNK + 8]; // of the block, those with one contact and with more
+    int32_t displaced[CHUNK + 8];                  // slots that left the distance that is clear
     int displaced_count;
 } project_loop;
 
@@ -123,46 +124,37 @@ _Static_assert( offsetof( collision_contact, tangential_correction ) == 11 * siz
 _Static_assert( offsetof( collision_contact, kinetic_friction ) == 15 * sizeof( float ), "as in half_space" );
 
 // Project the particles with one contact, of the block that begins at `begin`.
-static void project_singles( const wisp_kernels* kernels, project_loop* loop, int begin, int end )
+static void project_singles( const wisp_kernels* kernels, project_loop* loop, int begin, int n )
 {
-    int32_t particle_x4[CHUNK], row16[CHUNK];
-    int n = 0;
-    for ( int slot = begin; slot < end; ++slot )
-    {
-        particle_x4[n] = 4 * ( slot - begin );
-        row16[n] = 16 * WISP_COLLISION_CONTACTS * ( slot - begin );
-        n += loop->count[slot] == 1 ? 1 : 0;
-    }
     // the last group is padded with its last particle
     const int padded = ( n + 7 ) / 8 * 8;
-    for ( int i = n; i < padded; ++i )
+    int32_t particle_x4[CHUNK], row_x16[CHUNK];
+    for ( int i = 0; i < padded; ++i )
     {
-        particle_x4[i] = particle_x4[n - 1];
-        row16[i] = row16[n - 1];
+        const int32_t number = loop->single[i < n ? i : n - 1];
+        particle_x4[i] = 4 * number;
+        row_x16[i] = 16 * WISP_COLLISION_CONTACTS * number;
     }
     const wisp_half_space_args args = {
         .position = loop->position + (size_t)begin * 4,
         .previous = loop->previous + (size_t)begin * 4,
         .rows = loop->contact[begin][0].point,
         .particle_x4 = particle_x4,
-        .row_x16 = row16,
+        .row_x16 = row_x16,
     };
     kernels->half_space( &args, 0, padded );
 }
 
-static void project_several( project_loop* loop, int begin, int end )
+static void project_several( project_loop* loop, int begin, int n )
 {
-    for ( int slot = begin; slot < end; ++slot )
+    for ( int i = 0; i < n; ++i )
     {
-        const int32_t count = loop->count[slot];
-        if ( count > 1 )
-        {
-            size_t quad = (size_t)slot * 4;
-            wisp_vec3 p = collision_load( loop->position + quad );
-            int used = count < WISP_COLLISION_CONTACTS ? count : WISP_COLLISION_CONTACTS;
-            project_contacts( loop->contact[slot], used, &p, collision_load( loop->previous + quad ) );
-            collision_store( loop->position + quad, p );
-        }
+        const int slot = begin + loop->several[i], count = loop->count[slot];
+        size_t quad = (size_t)slot * 4;
+        wisp_vec3 p = collision_load( loop->position + quad );
+        int used = count < WISP_COLLISION_CONTACTS ? count : WISP_COLLISION_CONTACTS;
+        project_contacts( loop->contact[slot], used, &p, collision_load( loop->previous + quad ) );
+        collision_store( loop->position + quad, p );
     }
 }
 
@@ -182,8 +174,11 @@ void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
     for ( int begin = s.begin; begin < s.end; begin += CHUNK )
     {
         const int end = s.end - begin < CHUNK ? s.end : begin + CHUNK;
-        project_singles( kernels, &loop, begin, end );
-        project_several( &loop, begin, end );
+        int32_t several_count;
+        const int single_count =
+            kernels->list_counts( loop.count + begin, end - begin, loop.single, loop.several, &several_count );
+        project_singles( kernels, &loop, begin, single_count );
+        project_several( &loop, begin, several_count );
         if ( last )
         {
             loop.displaced_count = kernels->find_displaced( loop.position, loop.found, begin, end, loop.displaced );

@@ -6,7 +6,11 @@
 enum
 {
     COLLISION_BLOCK = WISP_PARTICLE_BLOCK,
+    COLLISION_GROUP = 8,                                  // slots that are gathered together
+    COLLISION_PADDED = COLLISION_BLOCK + COLLISION_GROUP, // arrays that kernels compress into
 };
+
+_Static_assert( COLLISION_BLOCK == COLLISION_GROUP * WISP_BATCH_GROUPS, "a bit for each group of a block" );
 
 /// A half space that a particle must stay in for a substep, and the accumulated corrections. A row of the kernel
 /// half_space.
@@ -21,20 +25,25 @@ typedef struct collision_contact
     float static_friction, kinetic_friction;
 } collision_contact;
 
-/// A block of particles as arrays of coordinates, for kernels that cull.
+/// A block of particles as arrays of coordinates, for kernels that cull. Particle i is lane i % 8 of group i / 8.
 typedef struct collision_block
 {
-    int count;                     // of particles that move and are finite
-    int32_t slot[COLLISION_BLOCK]; // of each of them
-    float now[3][COLLISION_BLOCK]; // m, in the world
-    float old[3][COLLISION_BLOCK]; // m, in the world, at the start of the substep
-    wisp_vec3 lower, upper;        // m, of all paths, before a body moved anything
-    float clear[COLLISION_BLOCK];  // m, within this distance there is no body without a contact
+    int begin, end;                     // slots
+    int count;                          // of particles in groups; 0 if none moves
+    int32_t slot[WISP_BATCH_GROUPS];    // the first of each group
+    uint8_t moving[WISP_BATCH_GROUPS];  // a bit for each particle that moves and is finite
+    uint8_t pinned[WISP_BATCH_GROUPS];  // a bit for each that is finite and does not move
+    float now[3][COLLISION_BLOCK];      // m, in the world
+    float old[3][COLLISION_BLOCK];      // m, in the world, at the start of the substep
+    wisp_vec3 lower, upper;             // m, of all paths, before a body moved anything
+    float clear[COLLISION_BLOCK];       // m, within this distance there is no body without a contact
+    float free_radius[COLLISION_BLOCK]; // m, within which no body finds the particle in this step
+    bool is_last;                       // no other body follows, so nobody reads new positions
     // seen from one body, in its frame
-    float from[3][COLLISION_BLOCK], to[3][COLLISION_BLOCK];
-    float path[COLLISION_BLOCK], reach[COLLISION_BLOCK]; // m
-    int32_t candidates[COLLISION_BLOCK];                 // in the block: those that may be within reach
     int candidate_count;
+    int32_t candidates[COLLISION_PADDED];                     // in the block: those that may be within reach
+    float from[3][COLLISION_PADDED], to[3][COLLISION_PADDED]; // of each candidate
+    float path[COLLISION_PADDED], reach[COLLISION_PADDED];    // m, of each candidate
 } collision_block;
 
 /// Columns of the participant whose contacts are found.
@@ -43,7 +52,16 @@ typedef struct collision_find_args
     const wisp_kernels* kernels;
     float *position, *previous; // [slot][4]
     int32_t* count;             // [slot] contacts found
-    float* found;               // [slot][4] m, where they were found; the distance that is clear
+    float* found;               // [slot][4] m, where they were found; the distance that is clear. Where a group is
+                                // settled, minus the free radius
     collision_contact ( *contact )[WISP_COLLISION_CONTACTS];
-    float recovery; // m, in this substep
+    float recovery;   // m, in this substep
+    bool has_settled; // groups of an earlier substep of this step may be settled
+    bool settles;     // groups may be settled until the next substep
 } collision_find_args;
+
+/// Return the slot of a particle of the block.
+static inline int collision_slot( const collision_block* block, int i )
+{
+    return block->slot[i / COLLISION_GROUP] + i % COLLISION_GROUP;
+}

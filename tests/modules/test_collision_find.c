@@ -113,7 +113,14 @@ static void place_bodies( meeting* m, int trial )
         const wisp_quat q = before.rotation;
         after = motion < 2 ? after
                            : wisp_transform_make( ( wisp_quat ){ q.x, q.y + 0.05f, q.z, q.w }, after.translation );
-        m->views[b] = ( collision_view ){ m->state->bodies + b, before, after, THICKNESS, 0.5f, 0.3f };
+        m->views[b] = ( collision_view ){
+            .body = m->state->bodies + b,
+            .before = before,
+            .after = after,
+            .thickness = THICKNESS,
+            .static_friction = 0.5f,
+            .kinetic_friction = 0.3f,
+        };
     }
 }
 
@@ -177,7 +184,13 @@ static int place_particles( meeting* m, int trial )
 static collision_find_args job_on( particles* p )
 {
     return ( collision_find_args ){
-        kernels_select( "avx512", NULL ), p->position[0], p->previous[0], p->count, p->found[0], p->contact, 0.002f
+        .kernels = kernels_select( "avx512", NULL ),
+        .position = p->position[0],
+        .previous = p->previous[0],
+        .count = p->count,
+        .found = p->found[0],
+        .contact = p->contact,
+        .recovery = 0.002f,
     };
 }
 

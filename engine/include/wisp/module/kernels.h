@@ -252,16 +252,31 @@ typedef struct wisp_kernels
     void ( *rigid_sums )( const wisp_rigid_args* args, int begin, int end, wisp_rigid_sums* sums ); ///< sums: output
     void ( *rigid_approach )( const wisp_rigid_args* args, int begin,
                               int end ); ///< v += fraction (linear + angular x r - v)
-    /// Gather particles that move and are finite: inverse mass above 0, both positions within 1e9 m.
-    /// @return number of particles
+    /// Find groups of eight slots that must be gathered. The others are settled: in each slot the fourth component of
+    /// `place` is negative, and both positions are nearer to `place` than it says.
+    /// @return a bit for each group, at most WISP_BATCH_GROUPS
+    uint32_t ( *find_unsettled )( const float* position, const float* previous, const float* place, int begin,
+                                  int end );
+    /// Gather groups of particles. Those move whose inverse mass is above 0 and whose positions are within 1e9 m.
+    /// @return number of particles, a multiple of 8; 0 if none moves
     int ( *gather_particles )( const wisp_gather_args* args, int begin, int end );
     /// Transform gathered particles to the frame of a body and keep those that may touch it.
     /// @return number of candidates
     int ( *cull_particles )( const wisp_cull_args* args, int count );
-    /// Find slots that have moved farther from `place` than its fourth component.
+    /// Find the closest points of a shape in closed form, with the bits of wisp_shape_closest().
+    /// @param special_count receives the number of special ones
+    /// @return number of candidates that are near
+    int ( *query_shape )( const wisp_shape_query_args* args, int count, int32_t* special_count );
+    /// Write half spaces. @param count multiple of 8 @return whether a particle was moved
+    bool ( *half_space_rows )( const wisp_half_space_rows_args* args, int count );
+    /// Find slots that have moved farther from `place` than its fourth component, whatever its sign.
     /// @param displaced [end - begin] output
     /// @return number of slots
     int ( *find_displaced )( const float* position, const float* place, int begin, int end, int32_t* displaced );
+    /// List the numbers of counts that are 1, and of those that are larger. Both lists need room for 8 more.
+    /// @param counts padded to a multiple of 8
+    /// @return length of `single`
+    int ( *list_counts )( const int32_t* counts, int count, int32_t* single, int32_t* several, int* several_count );
     /// Find a component that is NaN or beyond the bound.
     /// @return its slot, the first if there are several; `end` if there is none
     int ( *find_out_of_bounds )( const wisp_bound_args* args, int begin, int end );

@@ -29,19 +29,25 @@ typedef struct wisp_rigid_sums
     double xy, xz, yz;
 } wisp_rigid_sums;
 
-/// Moving particles of a block, as arrays with room for the whole block.
+/// Most groups of eight slots in a block.
+#define WISP_BATCH_GROUPS 32
+
+/// Particles of a block, as arrays with room for the whole block: groups of eight slots, one after another.
 typedef struct wisp_particle_batch
 {
-    int32_t* slot; ///< slot of each particle
-    float* now[3]; ///< m, world position now
-    float* old[3]; ///< m, world position at the start of the substep
+    int32_t* slot;   ///< [group] first slot of each group
+    uint8_t* moving; ///< [group] a bit for each particle that moves and is finite
+    uint8_t* pinned; ///< [group] a bit for each that is finite and does not move
+    float* now[3];   ///< m, world position now
+    float* old[3];   ///< m, world position at the start of the substep
 } wisp_particle_batch;
 
-/// Gather the moving particles of a block.
+/// Gather the particles of a block.
 typedef struct wisp_gather_args
 {
     const float *position, *previous; ///< [slot][4] m: now, with inverse masses; at the start of the substep
     float* search_origin;             ///< [slot][4] out: position, m, and infinity
+    uint32_t groups;                  ///< a bit for each group of eight slots that is gathered
     wisp_particle_batch batch;        ///< out
     float *lower, *upper; ///< [3] out, m: bounds of all moving particles, at both times; infinite if none moves
 } wisp_gather_args;
@@ -49,9 +55,10 @@ typedef struct wisp_gather_args
 /// Shape used to cull particles beyond their reach, in the frame of the body.
 typedef enum wisp_cull_shape
 {
-    WISP_CULL_HALF_SPACE, ///< below y = 0
-    WISP_CULL_BOX,        ///< the box
-    WISP_CULL_ROUND,      ///< the box, and a sphere or a capsule along y at its centre
+    WISP_CULL_HALF_SPACE,   ///< below y = 0
+    WISP_CULL_BOX,          ///< the box
+    WISP_CULL_ROUND,        ///< a sphere or a capsule along y at the origin
+    WISP_CULL_BOX_AND_BALL, ///< the part of the box that is in a ball around its centre
 } wisp_cull_shape;
 
 /// Transform particles to the frame of a moving body, and cull those out of reach.
@@ -61,12 +68,46 @@ typedef struct wisp_cull_args
     wisp_transform before, after;
     wisp_cull_shape shape;
     wisp_vec3 centre, half;    ///< m, of the box, in the body's frame
-    float radius, half_length; ///< m, of the sphere or capsule at the origin of the frame
+    float radius, half_length; ///< m, of the sphere or capsule at the origin of the frame, or of the ball
     float margin;              ///< m; the reach of a particle is this plus its path
-    float *from[3], *to[3];    ///< m, out, in the body's frame
-    float *path, *reach;       ///< m, out
-    float* clearance;          ///< m, in and out: lowered to the reach of culled particles
-    int32_t* candidates;       ///< out: particles that were not culled
+    float shift, turn;  ///< m, most that the body's origin moves in the step; most that a point moves besides, in
+                        ///< lengths of its distance from there
+    float* clearance;   ///< [particle] m, in and out: lowered to the reach of culled particles
+    float* free_radius; ///< [particle] m, in and out: lowered to the radius in which a particle may move for the rest
+                        ///< of the step without being found; may be 0 or less. May be null
+    float *from[3], *to[3]; ///< [candidate] m, out, in the body's frame
+    float *path, *reach;    ///< [candidate] m, out
+    int32_t* candidates;    ///< out: particles that were not culled
 } wisp_cull_args;
+
+/// Find the closest points of a shape. Candidates are as they were culled.
+typedef struct wisp_shape_query_args
+{
+    wisp_shape shape;
+    const float *from[3], *to[3]; ///< [candidate] m, in the frame of the shape
+    const float *path, *reach;    ///< [candidate] m
+    float thickness, shallow;     ///< m; a start that is deeper in the thickness than `shallow` is special
+    float* clearance;             ///< [candidate] m, out: distance from the shape if it is near and positive,
+                                  ///< infinity if it is near and negative, else the reach
+    int32_t* near;                ///< out: candidates within reach, rising
+    float *point[3], *normal[3];  ///< [near] m, out, on the surface; unit, outwards
+    float *distance, *start;      ///< [near] m, out: at the end of the path; at its start, from the plane, less the
+                                  ///< thickness
+    int32_t* special; ///< out: places in `near` of those whose path may enter the shape or whose start is deep
+} wisp_shape_query_args;
+
+/// Write half spaces and move particles out that start in the thickness. Arrays are padded to a multiple of eight by
+/// repeating the last particle.
+typedef struct wisp_half_space_rows_args
+{
+    wisp_transform before, after;       ///< of the body
+    float thickness, shallow, recovery; ///< m; `recovery` is the most that a particle is moved out
+    float static_friction, kinetic_friction;
+    const float *point[3], *normal[3];    ///< [particle] in the frame of the body
+    const float *now, *start;             ///< [particle] m, as in wisp_shape_query_args
+    float *position, *previous;           ///< [slot][4] m, in and out
+    float* rows;                          ///< [row][16] out, of the kernel half_space
+    const int32_t *particle_x4, *row_x16; ///< slot times 4, row times 16
+} wisp_half_space_rows_args;
 
 WISP_END_C

@@ -1,0 +1,247 @@
+// Closest points of shapes in closed form, eight particles at a time. The operations are those of
+// wisp_shape_closest(), in doubles and in the same order, so the bits are the same.
+#include "kernel_isa.h"
+
+#include "lane_double.h"
+
+enum
+{
+    LANES = 8,
+};
+
+typedef struct lane8d3
+{
+    lane8d x, y, z;
+} lane8d3;
+
+typedef struct surface8
+{
+    lane8d3 point, normal;
+    lane8d distance;
+} surface8;
+
+LANE_INLINE lane8d3 widen( lane8v v )
+{
+    return ( lane8d3 ){ lane8d_widen( v.x ), lane8d_widen( v.y ), lane8d_widen( v.z ) };
+}
+
+LANE_INLINE lane8v narrow( lane8d3 v )
+{
+    return ( lane8v ){ lane8d_narrow( v.x ), lane8d_narrow( v.y ), lane8d_narrow( v.z ) };
+}
+
+LANE_INLINE lane8d3 sub( lane8d3 a, lane8d3 b )
+{
+    return ( lane8d3 ){ lane8d_sub( a.x, b.x ), lane8d_sub( a.y, b.y ), lane8d_sub( a.z, b.z ) };
+}
+
+LANE_INLINE lane8d3 scale( lane8d3 a, lane8d s )
+{
+    return ( lane8d3 ){ lane8d_mul( a.x, s ), lane8d_mul( a.y, s ), lane8d_mul( a.z, s ) };
+}
+
+LANE_INLINE lane8d length_of( lane8d3 a )
+{
+    return lane8d_sqrt(
+        lane8d_add( lane8d_add( lane8d_mul( a.x, a.x ), lane8d_mul( a.y, a.y ) ), lane8d_mul( a.z, a.z ) ) );
+}
+
+LANE_INLINE lane8d clamp( lane8d x, lane8d lower, lane8d upper )
+{
+    const lane8d at_most = lane8d_select( lane8d_lt( upper, x ), upper, x );
+    return lane8d_select( lane8d_lt( x, lower ), lower, at_most );
+}
+
+// ---- shapes ----
+
+LANE_INLINE surface8 closest_to_plane( lane8d3 p )
+{
+    const lane8d zero = lane8d_set1( 0.0 );
+    return ( surface8 ){ { p.x, zero, p.z }, { zero, lane8d_set1( 1.0 ), zero }, p.y };
+}
+
+// Computes the surface around a point q, the centre of a sphere or the nearest point on the axis of a capsule.
+// @param fallback normal at q
+LANE_INLINE surface8 closest_round( lane8d3 p, lane8d3 q, double radius, wisp_vec3 fallback )
+{
+    const lane8d zero = lane8d_set1( 0.0 ), r = lane8d_set1( radius );
+    const lane8d3 away = sub( p, q );
+    const lane8d length = length_of( away );
+    const lane8dm has_direction = lane8d_lt( zero, length );
+    const lane8d3 unit = scale( away, lane8d_div( lane8d_set1( 1.0 ), length ) );
+    const lane8d3 normal = {
+        lane8d_select( has_direction, unit.x, lane8d_set1( (double)fallback.x ) ),
+        lane8d_select( has_direction, unit.y, lane8d_set1( (double)fallback.y ) ),
+        lane8d_select( has_direction, unit.z, lane8d_set1( (double)fallback.z ) ),
+    };
+    const lane8d3 reach = scale( normal, r );
+    return ( surface8 ){
+        { lane8d_add( q.x, reach.x ), lane8d_add( q.y, reach.y ), lane8d_add( q.z, reach.z ) },
+        normal,
+        lane8d_sub( length, r ),
+    };
+}
+
+LANE_INLINE surface8 closest_to_sphere( const wisp_shape* shape, lane8d3 p )
+{
+    const lane8d zero = lane8d_set1( 0.0 );
+    return closest_round( p, ( lane8d3 ){ zero, zero, zero }, (double)shape->radius,
+                          ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+}
+
+LANE_INLINE surface8 closest_to_capsule( const wisp_shape* shape, lane8d3 p )
+{
+    const lane8d zero = lane8d_set1( 0.0 );
+    const double half = (double)shape->half_length;
+    const lane8d y = clamp( p.y, lane8d_set1( -half ), lane8d_set1( half ) );
+    return closest_round( p, ( lane8d3 ){ zero, y, zero }, (double)shape->radius, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
+}
+
+// Selects the nearest face for points inside or on the surface; the first of equals.
+LANE_INLINE surface8 closest_inside_box( lane8d3 p, lane8d3 h )
+{
+    const lane8d zero = lane8d_set1( 0.0 ), one = lane8d_set1( 1.0 );
+    const lane8d at[3] = { p.x, p.y, p.z }, half[3] = { h.x, h.y, h.z };
+    lane8d most = lane8d_sub( lane8d_abs( at[0] ), half[0] ), best = zero;
+    for ( int k = 1; k < 3; ++k )
+    {
+        const lane8d depth = lane8d_sub( lane8d_abs( at[k] ), half[k] );
+        const lane8dm deeper = lane8d_lt( most, depth );
+        best = lane8d_select( deeper, lane8d_set1( (double)k ), best );
+        most = lane8d_select( deeper, depth, most );
+    }
+    lane8d point[3], normal[3];
+    for ( int k = 0; k < 3; ++k )
+    {
+        const lane8d side = lane8d_select( lane8d_lt( at[k], zero ), lane8d_set1( -1.0 ), one );
+        const lane8d off = lane8d_abs( lane8d_sub( best, lane8d_set1( (double)k ) ) );
+        const lane8dm is_other = lane8d_lt( zero, off );
+        const lane8d to_face = lane8d_sub( lane8d_mul( side, half[k] ), at[k] );
+        point[k] = lane8d_add( at[k], lane8d_select( is_other, zero, to_face ) );
+        normal[k] = lane8d_select( is_other, zero, side );
+    }
+    return ( surface8 ){ { point[0], point[1], point[2] }, { normal[0], normal[1], normal[2] }, most };
+}
+
+LANE_INLINE lane8d3 select3( lane8dm m, lane8d3 a, lane8d3 b )
+{
+    return ( lane8d3 ){ lane8d_select( m, a.x, b.x ), lane8d_select( m, a.y, b.y ), lane8d_select( m, a.z, b.z ) };
+}
+
+LANE_INLINE surface8 closest_to_box( const wisp_shape* shape, lane8d3 p )
+{
+    const lane8d zero = lane8d_set1( 0.0 );
+    const wisp_vec3 e = shape->half_extent;
+    const lane8d3 h = { lane8d_set1( (double)e.x ), lane8d_set1( (double)e.y ), lane8d_set1( (double)e.z ) };
+    const lane8d3 q = { clamp( p.x, lane8d_set1( -(double)e.x ), h.x ),
+                        clamp( p.y, lane8d_set1( -(double)e.y ), h.y ),
+                        clamp( p.z, lane8d_set1( -(double)e.z ), h.z ) };
+    const lane8d3 away = sub( p, q );
+    const lane8d length = length_of( away );
+    const lane8dm is_outside = lane8d_lt( zero, length );
+    surface8 s = { q, scale( away, lane8d_div( lane8d_set1( 1.0 ), length ) ), length };
+    if ( lane8dm_bits( is_outside ) != 255u )
+    {
+        const surface8 inside = closest_inside_box( p, h );
+        s = ( surface8 ){ select3( is_outside, s.point, inside.point ),
+                          select3( is_outside, s.normal, inside.normal ),
+                          lane8d_select( is_outside, length, inside.distance ) };
+    }
+    return s;
+}
+
+// `kind` is a constant after inlining.
+LANE_INLINE surface8 closest_to( const wisp_shape* shape, wisp_shape_kind kind, lane8d3 p )
+{
+    switch ( kind )
+    {
+        case WISP_SHAPE_SPHERE:
+            return closest_to_sphere( shape, p );
+        case WISP_SHAPE_CAPSULE:
+            return closest_to_capsule( shape, p );
+        case WISP_SHAPE_BOX:
+            return closest_to_box( shape, p );
+        default:
+            return closest_to_plane( p );
+    }
+}
+
+// ---- candidates ----
+
+LANE_INLINE lane8v load_from( const float* const from[3], int at )
+{
+    return ( lane8v ){ lane8_loadu( from[0] + at ), lane8_loadu( from[1] + at ), lane8_loadu( from[2] + at ) };
+}
+
+// Most often all lanes are near.
+LANE_INLINE void pack( float* to, lane8 v, uint32_t bits )
+{
+    if ( bits == 255u )
+    {
+        lane8_storeu( to, v );
+    }
+    else
+    {
+        lane8_compress_store( to, v, bits );
+    }
+}
+
+LANE_INLINE void pack_vector( float* const to[3], int at, lane8v v, uint32_t bits )
+{
+    pack( to[0] + at, v.x, bits );
+    pack( to[1] + at, v.y, bits );
+    pack( to[2] + at, v.z, bits );
+}
+
+// Lists the positions, in the packed arrays, of those that the caller has to look at one by one.
+LANE_INLINE int find_near( const wisp_shape_query_args* args, wisp_shape_kind kind, int count,
+                           int32_t* special_count )
+{
+    const lane8 thickness = lane8_set1( args->thickness ), shallow = lane8_set1( -args->shallow );
+    int near = 0, special = 0;
+    for ( int i = 0; i < count; i += LANES )
+    {
+        const lane8v to = load_from( args->to, i ), from = load_from( args->from, i );
+        const surface8 s = closest_to( &args->shape, kind, widen( to ) );
+        const lane8v point = narrow( s.point ), normal = narrow( s.normal );
+        const lane8 distance = lane8d_narrow( s.distance ), reach = lane8_loadu( args->reach + i ),
+                    path = lane8_loadu( args->path + i );
+        const lane8 start = lane8_sub( lane8v_dot( normal, lane8v_sub( from, point ) ), thickness );
+
+        const lane8m is_near = lane8m_and( lane8_le( distance, reach ), lane8m_first( count - i ) );
+        const lane8m meets = lane8_le( lane8_abs( distance ), path ), is_deep = lane8_lt( start, shallow );
+        const lane8 clear = lane8_select( lane8_gt( distance, lane8_zero() ), distance, lane8_set1( INFINITY ) );
+        lane8_storeu( args->clearance + i, lane8_select( is_near, clear, reach ) );
+
+        const uint32_t bits = lane8m_bits( is_near );
+        uint32_t wanted = lane8m_bits( lane8m_and( is_near, lane8m_or( meets, is_deep ) ) );
+        for ( ; wanted != 0; wanted &= wanted - 1 )
+        {
+            const uint32_t below = ( wanted & ( 0u - wanted ) ) - 1u;
+            args->special[special++] = near + __builtin_popcount( bits & below );
+        }
+        pack_vector( args->point, near, point, bits );
+        pack_vector( args->normal, near, normal, bits );
+        pack( args->distance + near, distance, bits );
+        pack( args->start + near, start, bits );
+        near += lane8i_compress_store( args->near + near, lane8i_add( lane8i_set1( i ), lane8i_iota() ), bits );
+    }
+    *special_count = special;
+    return near;
+}
+
+int KERNEL( query_shape )( const wisp_shape_query_args* args, int count, int32_t* special_count )
+{
+    const wisp_shape_query_args mine = *args;
+    switch ( mine.shape.kind )
+    {
+        case WISP_SHAPE_SPHERE:
+            return find_near( &mine, WISP_SHAPE_SPHERE, count, special_count );
+        case WISP_SHAPE_CAPSULE:
+            return find_near( &mine, WISP_SHAPE_CAPSULE, count, special_count );
+        case WISP_SHAPE_BOX:
+            return find_near( &mine, WISP_SHAPE_BOX, count, special_count );
+        default:
+            return find_near( &mine, WISP_SHAPE_PLANE, count, special_count );
+    }
+}

@@ -1,0 +1,355 @@
+// Kernels of contact with shapes in closed form: closest points have the bits of wisp_shape_closest() and the values of
+// the formulas in doubles, for sizes of zero, points at centres and far away; half spaces are those of scalar code.
+#include "kernels_fixture.h"
+
+#include "wisp/shapes.h"
+
+enum
+{
+    COUNT = 200,
+    ROOM = COUNT + 8,
+    SEEDS = 60,
+    KINDS = 4,
+};
+
+typedef struct query
+{
+    wisp_shape shape;
+    float thickness, shallow;
+    float from[3][ROOM], to[3][ROOM], path[ROOM], reach[ROOM];
+    float clearance[ROOM], point[3][ROOM], normal[3][ROOM], distance[ROOM], start[ROOM];
+    int32_t near[ROOM], special[ROOM], near_count, special_count;
+} query;
+
+static float size_of( int seed, int salt )
+{
+    // zero, tiny, usual, huge
+    const float sizes[] = { 0.0f, 1e-6f, 0.3f, 0.7f, 1e5f };
+    return sizes[test_random( seed, salt, 5 )];
+}
+
+// Some points are at the centre, on axes and edges, and far away; zeros have both signs.
+static void place_points( query* q, int seed )
+{
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        const int key = seed * COUNT + i;
+        const float scale = i % 11 == 0 ? 1e6f : ( i % 7 == 0 ? 1e-7f : 1.0f );
+        for ( int k = 0; k < 3; ++k )
+        {
+            const wisp_vec3 h = q->shape.half_extent;
+            const float half[3] = { h.x, h.y, h.z };
+            const float way = test_random_float( key, 3 + k, -0.1f, 0.1f );
+            float at = scale * test_random_float( key, k, -1.0f, 1.0f );
+            const int manner = test_random( key, 10 + k, 8 );
+            at = manner == 0 ? 0.0f : ( manner == 1 ? -0.0f : at );
+            at = manner == 2 ? half[k] : ( manner == 3 && k == 1 ? q->shape.half_length : at );
+            q->to[k][i] = i < 2 ? ( i == 0 ? 0.0f : -0.0f ) : at;
+            q->from[k][i] = q->to[k][i] + ( i % 5 == 0 ? 0.0f : way );
+        }
+        q->path[i] = i % 3 == 0 ? 0.0f : test_random_float( key, 6, 0.0f, 0.3f );
+        q->reach[i] = i % 13 == 0 ? 1e7f : test_random_float( key, 7, 0.0f, 1.0f );
+    }
+}
+
+static query* new_query( int seed )
+{
+    query* q = calloc( 1, sizeof( query ) );
+    assert_non_null( q );
+    q->shape = ( wisp_shape ){ (wisp_shape_kind)( seed % KINDS ),
+                               size_of( seed, 1 ),
+                               size_of( seed, 2 ),
+                               { size_of( seed, 3 ), size_of( seed, 4 ), size_of( seed, 5 ) } };
+    q->thickness = 0.05f;
+    q->shallow = 0.1f * q->thickness;
+    place_points( q, seed );
+    return q;
+}
+
+static void run( const wisp_kernels* kernels, query* q, int count )
+{
+    const wisp_shape_query_args args = {
+        .shape = q->shape,
+        .from = { q->from[0], q->from[1], q->from[2] },
+        .to = { q->to[0], q->to[1], q->to[2] },
+        .path = q->path,
+        .reach = q->reach,
+        .thickness = q->thickness,
+        .shallow = q->shallow,
+        .clearance = q->clearance,
+        .near = q->near,
+        .point = { q->point[0], q->point[1], q->point[2] },
+        .normal = { q->normal[0], q->normal[1], q->normal[2] },
+        .distance = q->distance,
+        .start = q->start,
+        .special = q->special,
+    };
+    q->near_count = kernels->query_shape( &args, count, &q->special_count );
+}
+
+static bool has_bits( float found, float expected )
+{
+    return memcmp( &found, &expected, sizeof( float ) ) == 0;
+}
+
+// @return whether the particle is special
+static bool check_near( const query* q, int m, int i, const wisp_surface_point* s )
+{
+    const float point[3] = { s->point.x, s->point.y, s->point.z },
+                normal[3] = { s->normal.x, s->normal.y, s->normal.z };
+    float away[3];
+    for ( int k = 0; k < 3; ++k )
+    {
+        if ( !has_bits( q->point[k][m], point[k] ) || !has_bits( q->normal[k][m], normal[k] ) )
+        {
+            fail_msg( "shape %d, (%.9g, %.9g, %.9g): component %d is at %.9g along %.9g, expected %.9g along %.9g",
+                      (int)q->shape.kind, (double)q->to[0][i], (double)q->to[1][i], (double)q->to[2][i], k,
+                      (double)q->point[k][m], (double)q->normal[k][m], (double)point[k], (double)normal[k] );
+        }
+        away[k] = q->from[k][i] - point[k];
+    }
+    const float start = normal[0] * away[0] + normal[1] * away[1] + normal[2] * away[2] - q->thickness;
+    assert_int_equal( q->near[m], i );
+    assert_true( has_bits( q->distance[m], s->distance ) && has_bits( q->start[m], start ) );
+    assert_true( q->clearance[i] == ( s->distance > 0.0f ? s->distance : INFINITY ) );
+    return fabsf( s->distance ) <= q->path[i] || start < -q->shallow;
+}
+
+static void every_table_has_the_bits_of_the_scalar_query( void** state )
+{
+    (void)state;
+    const wisp_kernels* tables[MAX_TABLES];
+    const int tables_count = usable_tables( tables );
+    int near_of[KINDS] = { 0 }, special_of[KINDS] = { 0 };
+    for ( int n = 0; n < SEEDS * tables_count; ++n )
+    {
+        const int seed = n % SEEDS, count = COUNT - seed % 9;
+        query* q = new_query( seed );
+        run( tables[n / SEEDS], q, count );
+        int near = 0, special = 0;
+        for ( int i = 0; i < count; ++i )
+        {
+            wisp_surface_point s;
+            assert_true(
+                wisp_shape_closest( &q->shape, ( wisp_vec3 ){ q->to[0][i], q->to[1][i], q->to[2][i] }, &s ) );
+            if ( s.distance <= q->reach[i] )
+            {
+                const bool is_special = check_near( q, near, i, &s );
+                assert_true( is_special == false || q->special[special] == near );
+                special += is_special ? 1 : 0;
+                near += 1;
+            }
+            else
+            {
+                assert_true( q->clearance[i] == q->reach[i] );
+            }
+        }
+        assert_int_equal( q->near_count, near );
+        assert_int_equal( q->special_count, special );
+        near_of[seed % KINDS] += near;
+        special_of[seed % KINDS] += special;
+        free( q );
+    }
+    for ( int k = 0; k < KINDS; ++k )
+    {
+        assert_true( near_of[k] > 500 && special_of[k] > 100 );
+    }
+}
+
+// ---- the formulas ----
+
+static double beyond( double x, double half )
+{
+    return fmax( 0.0, fabs( x ) - half );
+}
+
+// The signed distance, straight from the definition of the shape.
+static double signed_distance( const wisp_shape* s, const double p[3] )
+{
+    const double h[3] = { (double)s->half_extent.x, (double)s->half_extent.y, (double)s->half_extent.z };
+    const double y = s->kind == WISP_SHAPE_CAPSULE ? beyond( p[1], (double)s->half_length ) : p[1];
+    switch ( s->kind )
+    {
+        case WISP_SHAPE_PLANE:
+            return p[1];
+        case WISP_SHAPE_BOX:
+            return sqrt( pow( beyond( p[0], h[0] ), 2 ) + pow( beyond( p[1], h[1] ), 2 ) +
+                         pow( beyond( p[2], h[2] ), 2 ) ) +
+                   fmin( 0.0, fmax( fabs( p[0] ) - h[0], fmax( fabs( p[1] ) - h[1], fabs( p[2] ) - h[2] ) ) );
+        default:
+            return sqrt( p[0] * p[0] + y * y + p[2] * p[2] ) - (double)s->radius;
+    }
+}
+
+static void closest_points_are_those_of_the_formulas( void** state )
+{
+    (void)state;
+    for ( int seed = 0; seed < SEEDS; ++seed )
+    {
+        query* q = new_query( seed );
+        run( widest_table(), q, COUNT );
+        for ( int m = 0; m < q->near_count; ++m )
+        {
+            double p[3], on[3], squared = 0.0, along = 0.0, size = 0.0;
+            for ( int k = 0; k < 3; ++k )
+            {
+                p[k] = (double)q->to[k][q->near[m]];
+                on[k] = (double)q->point[k][m];
+                squared += (double)q->normal[k][m] * (double)q->normal[k][m];
+                along += (double)q->normal[k][m] * ( p[k] - on[k] );
+                size = fmax( size, fmax( fabs( p[k] ), fabs( on[k] ) ) );
+            }
+            // results are rounded to floats
+            const double expected = signed_distance( &q->shape, p ), tolerance = 1e-6 * size;
+            assert_near( (double)q->distance[m], expected, 1e-7 * fabs( expected ), "distance of shape", seed );
+            assert_near( along, expected, tolerance, "distance along the normal of shape", seed );
+            assert_near( signed_distance( &q->shape, on ), 0.0, tolerance, "distance of a surface point of shape",
+                         seed );
+            assert_near( squared, 1.0, 1e-6, "length of a normal of shape", seed );
+        }
+        free( q );
+    }
+}
+
+// ---- half spaces ----
+
+typedef struct rows
+{
+    _Alignas( 64 ) float position[ROOM][4], previous[ROOM][4], row[ROOM][16];
+    float point[3][ROOM], normal[3][ROOM], now[ROOM], start[ROOM];
+    int32_t particle_x4[ROOM], row_x16[ROOM];
+    wisp_transform before, after;
+    bool moved;
+} rows;
+
+static rows* new_rows( int seed )
+{
+    rows* r = aligned_alloc( 64, ( sizeof( rows ) + 63 ) / 64 * 64 );
+    assert_non_null( r );
+    memset( r, 0, sizeof( *r ) );
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        const int key = seed * COUNT + i;
+        for ( int k = 0; k < 4; ++k )
+        {
+            r->position[i][k] = i % 9 == 0 ? -0.0f : test_random_float( key, k, -1.0f, 1.0f );
+            r->previous[i][k] = i % 8 == 0 ? -0.0f : test_random_float( key, 4 + k, -1.0f, 1.0f );
+        }
+        const int axis = i % 3;
+        for ( int k = 0; k < 3; ++k )
+        {
+            r->point[k][i] = i % 10 == 0 ? -0.0f : test_random_float( key, 8 + k, -1.0f, 1.0f );
+            r->normal[k][i] =
+                i % 4 == 0 ? ( k == axis ? -1.0f : -0.0f ) : test_random_float( key, 11 + k, -1.0f, 1.0f );
+        }
+        r->now[i] = test_random_float( key, 14, -0.1f, 0.1f );
+        r->start[i] = seed % 3 == 0 ? 0.1f : test_random_float( key, 15, -0.1f, 0.1f );
+        r->particle_x4[i] = 4 * ( COUNT - 1 - i );
+        r->row_x16[i] = 16 * ( i * 7 % COUNT );
+    }
+    const float t = test_random_float( seed, 16, -1.0f, 1.0f );
+    const wisp_quat none = { 0.0f, 0.0f, 0.0f, 1.0f };
+    r->before = wisp_transform_make( seed % 2 == 0 ? none : ( wisp_quat ){ t, 0.3f, 0.1f, 0.8f },
+                                     ( wisp_vec3 ){ seed % 4 < 2 ? 0.0f : t, 0.0f, 0.2f } );
+    r->after = seed % 5 < 2 ? r->before
+                            : wisp_transform_make( seed % 3 == 0 ? none : ( wisp_quat ){ t, 0.2f, 0.1f, 0.8f },
+                                                   ( wisp_vec3 ){ t, 0.1f, 0.2f } );
+    return r;
+}
+
+static const float THICKNESS = 0.04f, SHALLOW = 0.004f, RECOVERY = 0.01f;
+
+static void make_rows( const wisp_kernels* kernels, rows* r )
+{
+    const wisp_half_space_rows_args args = {
+        .before = r->before,
+        .after = r->after,
+        .thickness = THICKNESS,
+        .shallow = SHALLOW,
+        .recovery = RECOVERY,
+        .static_friction = 0.5f,
+        .kinetic_friction = 0.3f,
+        .point = { r->point[0], r->point[1], r->point[2] },
+        .normal = { r->normal[0], r->normal[1], r->normal[2] },
+        .now = r->now,
+        .start = r->start,
+        .position = r->position[0],
+        .previous = r->previous[0],
+        .rows = r->row[0],
+        .particle_x4 = r->particle_x4,
+        .row_x16 = r->row_x16,
+    };
+    r->moved = kernels->half_space_rows( &args, COUNT );
+}
+
+static void make_row_alone( rows* r, int i )
+{
+    const float outward = fmaxf( 0.0f, r->now[i] - THICKNESS - r->start[i] );
+    const float recovered =
+        r->start[i] + outward < 0.0f ? fminf( -r->start[i] - outward, fmaxf( 0.0f, RECOVERY - outward ) ) : 0.0f;
+    const float absorbed = r->start[i] < -SHALLOW ? outward : 0.0f;
+    const wisp_vec3 local = { r->point[0][i], r->point[1][i], r->point[2][i] };
+    const wisp_vec3 point = wisp_transform_to_world( r->after, local ),
+                    was = wisp_transform_to_world( r->before, local ),
+                    normal = wisp_quat_rotate( r->after.rotation,
+                                               ( wisp_vec3 ){ r->normal[0][i], r->normal[1][i], r->normal[2][i] } );
+    const float gap = r->start[i] < 0.0f ? THICKNESS + r->start[i] + recovered : THICKNESS;
+    const float row[16] = { point.x,
+                            point.y,
+                            point.z,
+                            normal.x,
+                            normal.y,
+                            normal.z,
+                            point.x - was.x,
+                            point.y - was.y,
+                            point.z - was.z,
+                            gap,
+                            0.0f,
+                            0.0f,
+                            0.0f,
+                            0.0f,
+                            0.5f,
+                            0.3f };
+    memcpy( r->row[r->row_x16[i] / 16], row, sizeof( row ) );
+    const float n[3] = { normal.x, normal.y, normal.z };
+    for ( int k = 0; k < 3; ++k )
+    {
+        float *p = r->position[r->particle_x4[i] / 4] + k, *old = r->previous[r->particle_x4[i] / 4] + k;
+        const float moved = *p + recovered * n[k], from = *old + ( recovered + absorbed ) * n[k];
+        r->moved = r->moved || !has_bits( moved, *p ) || !has_bits( from, *old );
+        *p = moved;
+        *old = from;
+    }
+}
+
+static void half_spaces_have_the_bits_of_scalar_code( void** state )
+{
+    (void)state;
+    const wisp_kernels* tables[MAX_TABLES];
+    const int tables_count = usable_tables( tables );
+    for ( int n = 0; n < SEEDS * tables_count; ++n )
+    {
+        rows *r = new_rows( n % SEEDS ), *expected = new_rows( n % SEEDS );
+        make_rows( tables[n / SEEDS], r );
+        for ( int i = 0; i < COUNT; ++i )
+        {
+            make_row_alone( expected, i );
+        }
+        assert_memory_equal( r->row, expected->row, sizeof( r->row ) );
+        assert_memory_equal( r->position, expected->position, sizeof( r->position ) );
+        assert_memory_equal( r->previous, expected->previous, sizeof( r->previous ) );
+        assert_true( r->moved == expected->moved );
+        free( r );
+        free( expected );
+    }
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( every_table_has_the_bits_of_the_scalar_query ),
+        cmocka_unit_test( closest_points_are_those_of_the_formulas ),
+        cmocka_unit_test( half_spaces_have_the_bits_of_scalar_code ),
+    };
+    return cmocka_run_group_tests_name( "kernels of shapes", tests, NULL, NULL );
+}
