@@ -103,6 +103,18 @@ static wisp_status declare_passes( wisp_registry* r, boundary_state* s )
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
+static size_t count_memory( const void* memory, size_t* outside )
+{
+    (void)outside;
+    const boundary_state* state = memory;
+    size_t bytes = (size_t)state->layer_capacity * sizeof( *state->layers );
+    for ( int i = 0; i < state->layer_count; ++i )
+    {
+        bytes += state->layers[i]->bytes + wisp_samples_bytes( &state->layers[i]->samples );
+    }
+    return bytes;
+}
+
 static wisp_status declare( wisp_registry* r )
 {
     boundary_state* state = wisp_declare_state( r, sizeof( boundary_state ) );
@@ -110,7 +122,7 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed } );
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
     declare_components( r, state );
     return declare_passes( r, state );
 }

@@ -164,6 +164,10 @@ typedef struct wisp_state_hooks
     /// @param is_moved set it if the entity is one that this module moves
     wisp_status ( *teleported )( void* state, wisp_world* world, wisp_entity entity,
                                  const wisp_teleport_motion* teleport, bool* is_moved );
+    /// Count what the state points to, for wisp_world_memory_parts().
+    /// @param outside add bytes to it that are not of the world's allocator, such as those of Embree
+    /// @return bytes of the world's allocator, without the state itself
+    size_t ( *memory )( const void* state, size_t* outside );
 } wisp_state_hooks;
 
 /// Give the module's state its hooks. Call once in declare(), behind wisp_declare_state().
@@ -171,9 +175,11 @@ WISP_API void wisp_declare_hooks( wisp_registry* registry, const wisp_state_hook
 
 /// Warm memory that is no state: one zeroed block a worker, kept from step to step, outside snapshots and hashes.
 /// @param release frees what the block points to; may be null
+/// @param memory returns the bytes of what it points to; may be null
 /// @return a number for wisp_frame_workspace(), -1 without memory
 WISP_API int wisp_declare_workspace( wisp_registry* registry, size_t size,
-                                     void ( *release )( void* workspace, const wisp_allocator* allocator ) );
+                                     void ( *release )( void* workspace, const wisp_allocator* allocator ),
+                                     size_t ( *memory )( const void* workspace ) );
 
 /// A module is one static constant.
 struct wisp_module
