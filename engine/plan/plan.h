@@ -63,6 +63,7 @@ struct wisp_registry
 {
     store* store;
     int workers;
+    int iterations; // per substep; 0 means 1
     wisp_pass passes[PLAN_MAX_PASSES];
     const char* pass_modules[PLAN_MAX_PASSES]; // module that declared the pass
     int pass_count;

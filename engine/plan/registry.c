@@ -151,8 +151,14 @@ int wisp_declare_workspace( wisp_registry* registry, size_t size,
         return -1;
     }
     memset( blocks, 0, bytes );
-    registry->workspaces[registry->workspace_count] = ( plan_workspace ){ registry->module, padded, release, memory, blocks };
+    registry->workspaces[registry->workspace_count] =
+        ( plan_workspace ){ registry->module, padded, release, memory, blocks };
     return registry->workspace_count++;
+}
+
+int wisp_registry_iterations( const wisp_registry* registry )
+{
+    return registry->iterations > 1 ? registry->iterations : 1;
 }
 
 void plan_registry_init( wisp_registry* r, store* s, int workers )

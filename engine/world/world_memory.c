@@ -62,7 +62,8 @@ static size_t fabric_bytes( const store* s )
     for ( int i = 0; i < s->entity_count; ++i )
     {
         const store_entity* e = s->entities + i;
-        bytes += e->alive && e->fabric != NULL && is_first( s, i, e->fabric, true ) ? wisp_fabric_bytes( e->fabric ) : 0;
+        bytes +=
+            e->alive && e->fabric != NULL && is_first( s, i, e->fabric, true ) ? wisp_fabric_bytes( e->fabric ) : 0;
     }
     return bytes;
 }

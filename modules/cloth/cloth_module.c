@@ -71,7 +71,8 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
+    wisp_declare_hooks(
+        r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
     const wisp_component_def air = { "cloth.air", WISP_TABLE_ENTITY, AIR_COLUMNS, 1 };
     const wisp_component_def damping = { "cloth.damping", WISP_TABLE_ENTITY, DAMPING_COLUMNS, 1 };
     state->air = wisp_declare_component( r, &air );

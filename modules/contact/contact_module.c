@@ -80,9 +80,10 @@ static void release_state( void* memory, const wisp_allocator* allocator )
 static size_t count_memory( const void* memory, size_t* outside )
 {
     const contact_state* s = memory;
-    const wisp_buffer single[] = { s->broad_phase.box_buffer,     s->intersections.buffer,       s->samples.candidate_buffer,
-                                   s->constraints.row_buffer,     s->constraints.missed_buffer,  s->constraints.spare_buffer,
-                                   s->colouring.point_buffer,     s->untangling.buffer };
+    const wisp_buffer single[] = { s->broad_phase.box_buffer,    s->intersections.buffer,
+                                   s->samples.candidate_buffer,  s->constraints.row_buffer,
+                                   s->constraints.missed_buffer, s->constraints.spare_buffer,
+                                   s->colouring.point_buffer,    s->untangling.buffer };
     size_t bytes = (size_t)s->participant_capacity * sizeof( contact_participant ) +
                    wisp_buffer_bytes( single, WISP_COUNT( single ) ) + wisp_samples_bytes( &s->samples.sampler ) +
                    wisp_aabb_pairs_bytes( &s->broad_phase.overlaps, outside ) +
@@ -206,7 +207,8 @@ static wisp_status declare( wisp_registry* r )
         .limit = &state->limit,
         .untangling = &state->untangling,
     };
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
+    wisp_declare_hooks(
+        r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
     wisp_status status = declare_components( r, state );
     status = status == WISP_OK ? declare_passes( r, state, false ) : status;
     return status == WISP_OK ? declare_passes( r, state, true ) : status;

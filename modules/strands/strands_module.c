@@ -364,7 +364,8 @@ static wisp_status declare( wisp_registry* r )
         r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );
     STRANDS_COMPONENTS( STRANDS_DECLARE )
 #undef STRANDS_DECLARE
-    s->workspace = wisp_declare_workspace( r, strands_grid_workspace_size(), strands_grid_workspace_release, strands_grid_workspace_bytes );
+    s->workspace = wisp_declare_workspace( r, strands_grid_workspace_size(), strands_grid_workspace_release,
+                                           strands_grid_workspace_bytes );
     if ( s->workspace < 0 )
     {
         return WISP_NO_MEMORY;

@@ -173,6 +173,9 @@ typedef struct wisp_state_hooks
 /// Give the module's state its hooks. Call once in declare(), behind wisp_declare_state().
 WISP_API void wisp_declare_hooks( wisp_registry* registry, const wisp_state_hooks* hooks );
 
+/// @return iterations per substep of the world, >= 1: a pass that needs rows only with several does not read them with one
+WISP_API int wisp_registry_iterations( const wisp_registry* registry );
+
 /// Warm memory that is no state: one zeroed block a worker, kept from step to step, outside snapshots and hashes.
 /// @param release frees what the block points to; may be null
 /// @param memory returns the bytes of what it points to; may be null
