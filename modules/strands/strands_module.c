@@ -366,7 +366,8 @@ static wisp_status declare( wisp_registry* r )
 #undef STRANDS_DECLARE
     s->workspace = wisp_declare_workspace( r, strands_grid_workspace_size(), strands_grid_workspace_release,
                                            strands_grid_workspace_bytes );
-    if ( s->workspace < 0 )
+    s->lent_rows = wisp_declare_workspace( r, strands_lent_rows_size(), NULL, NULL );
+    if ( s->workspace < 0 || s->lent_rows < 0 )
     {
         return WISP_NO_MEMORY;
     }
