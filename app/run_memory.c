@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// Parts below this percentage are one line.
+// Parts below this percentage are one line, and those that are not in use.
 static const double SMALL_PERCENT = 1.0;
 
 static const char* const KINDS[] = {
@@ -54,7 +54,8 @@ void run_memory_report( const wisp_world* world, int vertices, results* out )
     for ( int i = 0; i < count; ++i )
     {
         const double bytes = (double)parts[i].capacity, percent = 100.0 * bytes / sum;
-        if ( percent < SMALL_PERCENT )
+        // a module without entities has a state all the same
+        if ( percent < SMALL_PERCENT || parts[i].bytes == 0 )
         {
             small += bytes;
             ++small_count;

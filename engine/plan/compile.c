@@ -494,6 +494,17 @@ static bool fit_transient( const plan* p, const wisp_registry* r )
     return room;
 }
 
+// Make what selected passes read of the fabric.
+static wisp_status need_fabric( const wisp_registry* r, const store_entity* e, store_mask live )
+{
+    unsigned arrays = 0;
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        arrays |= store_mask_has( &live, i ) ? r->passes[i].fabric : 0u;
+    }
+    return arrays != 0 && e->fabric != NULL ? wisp_fabric_need( e->fabric, arrays ) : WISP_OK;
+}
+
 static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error )
 {
     store* s = r->store;
@@ -508,6 +519,12 @@ static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error
         if ( s->entities[slot].alive && fit_rows( s, r, live, slot ) == false )
         {
             return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the rows between the passes of entity %d",
+                              slot + 1 );
+        }
+        status = s->entities[slot].alive ? need_fabric( r, s->entities + slot, live ) : WISP_OK;
+        if ( status != WISP_OK )
+        {
+            return wisp_fail( error, status, "out of memory for the topology that passes of entity %d read",
                               slot + 1 );
         }
         p->live = store_mask_or( p->live, live );

@@ -92,9 +92,10 @@ wisp_status plan_registry_teleported( const wisp_registry* r, wisp_world* world,
                                       const wisp_teleport_motion* teleport, bool* is_moved );
 
 /// Count the states and workspaces of a module, and what they point to. Modules are numbered by their states.
+/// @param held receives the bytes of what states and workspaces point to
 /// @param outside bytes that are not of the world's allocator are added to it
-/// @return bytes of the world's allocator
-size_t plan_registry_memory( const wisp_registry* r, int state, size_t* outside );
+/// @return bytes of the world's allocator, states and workspaces included
+size_t plan_registry_memory( const wisp_registry* r, int state, size_t* held, size_t* outside );
 
 /// Have a function run around a pass or a fusion.
 /// @return false if none of that name is without one, or if there are PLAN_MAX_AROUNDS already

@@ -193,10 +193,11 @@ void plan_registry_release( wisp_registry* r )
     }
 }
 
-size_t plan_registry_memory( const wisp_registry* r, int state, size_t* outside )
+size_t plan_registry_memory( const wisp_registry* r, int state, size_t* held, size_t* outside )
 {
     const plan_state* s = r->states + state;
-    size_t bytes = s->size + ( s->hooks.memory != NULL ? s->hooks.memory( s->memory, outside ) : 0 );
+    size_t bytes = s->size;
+    *held = s->hooks.memory != NULL ? s->hooks.memory( s->memory, outside ) : 0;
     for ( int i = 0; i < r->workspace_count; ++i )
     {
         const plan_workspace* w = r->workspaces + i;
@@ -207,10 +208,10 @@ size_t plan_registry_memory( const wisp_registry* r, int state, size_t* outside 
         bytes += w->size * (size_t)r->workers;
         for ( int worker = 0; worker < r->workers && w->memory != NULL; ++worker )
         {
-            bytes += w->memory( (const char*)w->blocks + (size_t)worker * w->size );
+            *held += w->memory( (const char*)w->blocks + (size_t)worker * w->size );
         }
     }
-    return bytes;
+    return bytes + *held;
 }
 
 void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_entity entity )

@@ -113,8 +113,9 @@ int wisp_world_memory_parts( const wisp_world* world, wisp_memory_part* out, int
     size_t outside = 0;
     for ( int i = 0; i < world->registry.state_count; ++i )
     {
-        add_whole( &rest, world->registry.states[i].module, WISP_MEMORY_MODULE,
-                   plan_registry_memory( &world->registry, i, &outside ) );
+        size_t held;
+        const size_t bytes = plan_registry_memory( &world->registry, i, &held, &outside );
+        add( &rest, world->registry.states[i].module, WISP_MEMORY_MODULE, held, bytes );
     }
     for ( int i = 1; i < world->store.component_count; ++i )
     {

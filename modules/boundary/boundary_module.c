@@ -86,19 +86,22 @@ static wisp_status declare_passes( wisp_registry* r, boundary_state* s )
           .required = { s->settings },
           .reads = { x },
           .writes = { s->normals },
-          .run = boundary_find_normals },
+          .run = boundary_find_normals,
+          .fabric = WISP_FABRIC_RINGS | WISP_FABRIC_EDGES },
         { .name = "boundary.spacing",
           .stage = WISP_STAGE_DERIVE,
           .required = { s->settings, s->local },
           .reads = { x, s->settings, s->normals },
           .writes = { s->edges, s->triangles },
-          .run = boundary_find_spacing },
+          .run = boundary_find_spacing,
+          .fabric = WISP_FABRIC_RINGS | WISP_FABRIC_EDGES },
         { .name = "boundary.points",
           .stage = WISP_STAGE_DERIVE,
           .required = { s->settings },
           .reads = { x, s->settings, s->normals, s->edges, s->triangles },
           .writes = { s->edges, s->triangles },
-          .run = boundary_place_points },
+          .run = boundary_place_points,
+          .fabric = WISP_FABRIC_RINGS | WISP_FABRIC_EDGES },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
@@ -321,6 +324,8 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
     boundary_state* state;
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_ranges( world, def ) : status;
+    status =
+        status == WISP_OK ? wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS ) : status;
     if ( status != WISP_OK )
     {
         return status;

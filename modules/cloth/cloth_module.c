@@ -88,6 +88,7 @@ static wisp_status declare( wisp_registry* r )
                                   .reads = { state->air, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
                                   .writes = { WISP_PARTICLE_VELOCITY },
                                   .run = cloth_blow,
+                                  .fabric = WISP_FABRIC_RINGS,
                                   .user = state,
                               } );
     if ( status != WISP_OK )
@@ -116,6 +117,7 @@ static wisp_status declare( wisp_registry* r )
                                      .reads = { state->damping, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
                                      .writes = { WISP_PARTICLE_VELOCITY },
                                      .run = cloth_damp,
+                                     .fabric = WISP_FABRIC_RINGS,
                                      .user = state,
                                  } );
 }

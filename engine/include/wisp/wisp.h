@@ -303,14 +303,14 @@ typedef enum wisp_memory_kind
     WISP_MEMORY_ENGINE,    ///< the world itself, entities, topology of strands, plan, scratch of the workers
     WISP_MEMORY_MODULE,    ///< state of a module and what that keeps: lists of contacts, colliders, followers, plates
     WISP_MEMORY_COMPONENT, ///< columns of a component
-    WISP_MEMORY_OUTSIDE,   ///< not in wisp_world_memory(): fabrics, which have allocators of their own, and trees of Embree
+    WISP_MEMORY_OUTSIDE, ///< not in wisp_world_memory(): fabrics, which have allocators of their own, and trees of Embree
 } wisp_memory_kind;
 
 typedef struct wisp_memory_part
 {
     const char* name; ///< static, or of a component or module: "particle.position", "contact", "scratch"
     wisp_memory_kind kind;
-    size_t bytes; ///< in use: of components the rows of entities that have it
+    size_t bytes;    ///< in use: of components the rows of entities that have it, of modules what they keep for those
     size_t capacity; ///< allocated. Over all parts but WISP_MEMORY_OUTSIDE the sum is wisp_world_memory()
 } wisp_memory_part;
 

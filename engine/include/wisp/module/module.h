@@ -115,7 +115,8 @@ typedef struct wisp_pass
     /// before it have run.
     bool ( *should_run )( wisp_frame* frame, wisp_entity entity, void* user );
     void* user;
-    int grain; ///< items per block, 0: default of the domain
+    int grain;       ///< items per block, 0: default of the domain
+    unsigned fabric; ///< wisp_fabric_arrays that it reads of the entity's fabric, or-ed; they are there when it runs
 } wisp_pass;
 
 WISP_API wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass );
@@ -270,6 +271,9 @@ WISP_API void* wisp_world_module_state( wisp_world* world, const char* module );
 /// @return WISP_CONFLICT, WISP_STALE_ID, with a message
 WISP_API wisp_status wisp_world_surface_state( wisp_world* world, const char* module, wisp_entity surface,
                                                void** state );
+/// Have the arrays of a lean fabric that a function between steps reads; passes name theirs in wisp_pass.fabric.
+/// @param arrays wisp_fabric_arrays or-ed @return WISP_NO_MEMORY, with a message
+WISP_API wisp_status wisp_world_need_fabric( wisp_world* world, wisp_entity surface, unsigned arrays );
 /// Give an entity a component: rows are zeroed. Nothing happens if it has it already.
 WISP_API wisp_status wisp_world_attach( wisp_world* world, wisp_entity entity, wisp_component component );
 WISP_API wisp_status wisp_world_detach( wisp_world* world, wisp_entity entity, wisp_component component );
