@@ -277,8 +277,8 @@ static bool cook_rings( const fabric_mesh* mesh, cook_fabric* cooked, fabric_poo
     fabric_pool fans = { .allocator = scratch->allocator };
     fabric_rings rings = { 0 };
     bool done = fabric_rings_list( &cooked->fabric, mesh, &fans, &cooked->rings, &rings );
-    cooked->fabric.ring_begin = rings.begin;
-    cooked->fabric.ring_x4 = rings.ring_x4;
+    cooked->fabric.ring_begin = done ? rings.begin : NULL;
+    __atomic_store_n( &cooked->fabric.ring_x4, done ? rings.ring_x4 : NULL, __ATOMIC_RELEASE );
     fabric_pool_release( &fans );
     return done;
 }
@@ -325,7 +325,7 @@ static bool make_edges( cook_fabric* cooked )
             edges[2 * (size_t)link + 1] = f->link_b_x4[slot] / 4;
         }
     }
-    f->edges = edges;
+    __atomic_store_n( &f->edges, edges, __ATOMIC_RELEASE );
     return edges != NULL;
 }
 
@@ -340,21 +340,30 @@ static bool make_rings( cook_fabric* cooked )
     if ( done == false )
     {
         fabric_pool_release( &cooked->rings );
-        cooked->fabric.ring_begin = NULL;
-        cooked->fabric.ring_x4 = NULL;
     }
     return done;
 }
 
+// Rings are there once their entries are, which are stored last.
+static bool has_arrays( const wisp_fabric* f, unsigned arrays )
+{
+    return ( ( arrays & WISP_FABRIC_EDGES ) == 0 || __atomic_load_n( &f->edges, __ATOMIC_ACQUIRE ) != NULL ) &&
+           ( ( arrays & WISP_FABRIC_RINGS ) == 0 || __atomic_load_n( &f->ring_x4, __ATOMIC_ACQUIRE ) != NULL );
+}
+
 wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned arrays )
 {
+    if ( has_arrays( fabric, arrays ) )
+    {
+        return WISP_OK;
+    }
     cook_fabric* cooked = (cook_fabric*)(uintptr_t)fabric;
     while ( atomic_flag_test_and_set_explicit( &cooked->is_making, memory_order_acquire ) )
     {
         // another thread makes arrays of the same fabric, which takes milliseconds, once
     }
     const bool done = ( ( arrays & WISP_FABRIC_EDGES ) == 0 || fabric->edges != NULL || make_edges( cooked ) ) &&
-                      ( ( arrays & WISP_FABRIC_RINGS ) == 0 || fabric->ring_begin != NULL || make_rings( cooked ) );
+                      ( ( arrays & WISP_FABRIC_RINGS ) == 0 || fabric->ring_x4 != NULL || make_rings( cooked ) );
     atomic_flag_clear_explicit( &cooked->is_making, memory_order_release );
     return done ? WISP_OK : WISP_NO_MEMORY;
 }

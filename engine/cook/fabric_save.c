@@ -196,7 +196,7 @@ size_t wisp_fabric_saved_size( const wisp_fabric* fabric )
 
 void wisp_fabric_save( const wisp_fabric* fabric, void* out )
 {
-    WISP_ASSERT( fabric->edges != NULL && fabric->ring_begin != NULL );
+    WISP_ASSERT( fabric->edges != NULL && fabric->ring_x4 != NULL );
     unsigned char* head = out;
     unsigned char* cursor = head + SAVED_HEAD;
     wisp_fabric copy = *fabric;
