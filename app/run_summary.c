@@ -1,7 +1,6 @@
 #include "run_summary.h"
 
 #include "run_memory.h"
-
 #include "run_motion.h"
 #include "stats.h"
 

@@ -63,7 +63,7 @@ typedef struct wisp_fabric_def
                        ///< about 17 x 17. A small mesh has none
     bool
         lean; ///< default false: all arrays are kept. true: those of wisp_fabric_arrays are null until something needs them, which
-        ///< saves about 60 bytes per vertex where nothing does. Effects and requests of a world ask for what they need
+    ///< saves about 60 bytes per vertex where nothing does. Effects and requests of a world ask for what they need
     wisp_solve_order solve_order; ///< default WISP_SOLVE_ORDER_COLOUR
     int tile_size; ///< vertices, a multiple of 8 in 64 .. 65536; default 0: 1024, 512 or 256, so that there are at least 4
     uint32_t cookie;
