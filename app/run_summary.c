@@ -1,5 +1,6 @@
 #include "run_summary.h"
 
+#include "run_memory.h"
 #include "run_motion.h"
 #include "stats.h"
 
@@ -253,6 +254,7 @@ static void add_row( results* out, const scene_world* world, run_record* record,
     }
     row->hash = wisp_world_hash( world->world );
     row->has_hash = true;
+    run_memory_put( world->world, &row->size );
     run_layers_put( record->layers, &row->size );
     run_collision_put( record->collision, &row->size );
 }
@@ -271,6 +273,7 @@ void run_summarise( const scene_world* world, run_record* record, const run_reco
         run_motion_add_table( world, out );
         run_collision_report( record->collision, out );
         add_pass_table( out, record );
+        run_memory_report( world->world, scene_world_vertices( world ), out );
         run_motion_add_warnings( world, out );
     }
     add_counter_table( out, world->world );

@@ -108,7 +108,8 @@ static wisp_status read_root( const scene_source* source, const scene_tree* tree
     wisp_status status = check_version( &r, root );
     status = status ? status : scene_read_block( &r, root, &SCENE_BLOCK_OF_ALL, scene );
     request_by_default( scene );
-    return status ? status : scene_bind_roots( &r, root );
+    status = status ? status : scene_bind_roots( &r, root );
+    return status ? status : scene_make_copies( &r );
 }
 
 wisp_scene scene_defaults( void )

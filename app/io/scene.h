@@ -78,6 +78,14 @@ extern "C"
         float shake;   ///< m, the largest displacement of a vertex along each axis, at random, after the shape
     } wisp_scene_start;
 
+    /// Entries that one entry becomes, in a grid: number k stands in row k / columns and column k % columns.
+    typedef struct wisp_scene_copies
+    {
+        int count;         ///< >= 1, with the entry itself
+        int columns;       ///< 0: the root of count, rounded up
+        wisp_vec3 spacing; ///< m, from a column to the next along x, from a row to the next along y and z
+    } wisp_scene_copies;
+
     /// One entry of `strands`. Texts and arrays belong to the scene; the definitions point at them.
     typedef struct wisp_scene_strands
     {
@@ -96,6 +104,8 @@ extern "C"
 
         float scale; ///< > 0, about the groom's own origin, before the pose
         wisp_transform pose;
+        wisp_scene_copies
+            copies; ///< those are entries of their own at the end of the list, whose copies are not to be made
 
         bool has_frozen_hair, has_environment, has_appearance;
         wisp_frozen_hair_def frozen_hair; ///< the defaults without a stage if the scene has none
@@ -163,9 +173,10 @@ extern "C"
         const char* name; ///< unique among strands, surfaces and colliders
         int line, column; ///< of the entry, for messages about it that come later
 
-        wisp_scene_mesh mesh; ///< of an instance nothing but the defaults
-        int instance_of;      ///< index of the surface whose fabric this one shares, lower than its own; -1: none
-        wisp_transform pose;  ///< where the scaled mesh starts
+        wisp_scene_mesh mesh;     ///< of an instance nothing but the defaults
+        int instance_of;          ///< index of the surface whose fabric this one shares, lower than its own; -1: none
+        wisp_transform pose;      ///< where the scaled mesh starts
+        wisp_scene_copies copies; ///< those are instances of this one at the end of the list
         bool has_start;
         wisp_scene_start start;
 

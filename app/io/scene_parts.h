@@ -75,6 +75,10 @@ wisp_status scene_bind_strands( scene_reader* reader, const scene_node* list );
 /// Find the surfaces that entries of strands name. To be called once everything is registered.
 wisp_status scene_bind_roots( scene_reader* reader, const scene_node* root );
 
+/// scene_copies.c: make entries of the copies that entries ask for, after all others, whose numbers stay. To be called once all
+/// names are bound.
+wisp_status scene_make_copies( scene_reader* reader );
+
 /// Vertices of strands that are generated.
 int64_t scene_made_vertices( const wisp_scene_strands* strands );
 

@@ -1,4 +1,5 @@
 // Every key of strands besides those of their motion.
+#include "scene_copies.h"
 #include "scene_parts.h"
 #include "scene_ranges.h"
 #include "scene_start.h"
@@ -155,6 +156,9 @@ static const scene_field TRANSFORM_FIELDS[] = {
 };
 static const scene_block TRANSFORM_BLOCK = { TRANSFORM_FIELDS, WISP_COUNT( TRANSFORM_FIELDS ) };
 
+static const scene_field COPIES_FIELDS[] = { SCENE_COPIES_FIELDS( wisp_scene_strands ) };
+static const scene_block COPIES_BLOCK = { COPIES_FIELDS, WISP_COUNT( COPIES_FIELDS ) };
+
 static const scene_field START_FIELDS[] = { SCENE_START_FIELDS( wisp_scene_strands ) };
 static const scene_block START_BLOCK = { START_FIELDS, WISP_COUNT( START_FIELDS ) };
 
@@ -173,6 +177,9 @@ static const scene_field STRANDS_FIELDS[] = {
       .help = "Draws smooth curves through the strands of another entry." },
     { "transform", SCENE_BLOCK, .block = &TRANSFORM_BLOCK,
       .help = "Scales, turns and moves the strands; not with `scatter` or `curves`." },
+    { "copies", SCENE_BLOCK, .block = &COPIES_BLOCK,
+      .help = "Makes several entries of this one, in a grid; not with `scatter`, `curves`, `ghosts`, `head` or "
+              "`on_surface`." },
     { "start", SCENE_BLOCK, .at = AT( has_start ), .block = &START_BLOCK,
       .help = "Starts away from the rest shape; roots are only scaled; needs `dynamics`." },
     { "dynamics", SCENE_BLOCK, .at = AT( has_dynamics ), .block = &SCENE_DYNAMICS_BLOCK,

@@ -10,6 +10,7 @@ wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
         .curves = wisp_default_curves_def(),
         .curves_of = -1,
         .scale = 1.0f,
+        .copies = { .count = 1 },
         .start = scene_default_start(),
         .mass_ratio = 1.0f,
         .pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } },

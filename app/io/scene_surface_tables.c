@@ -1,4 +1,5 @@
 // Every key of a surface.
+#include "scene_copies.h"
 #include "scene_parts.h"
 #include "scene_ranges.h"
 #include "scene_start.h"
@@ -223,6 +224,9 @@ static const scene_field TRANSFORM_FIELDS[] = {
 };
 static const scene_block TRANSFORM_BLOCK = BLOCK( TRANSFORM_FIELDS );
 
+static const scene_field COPIES_FIELDS[] = { SCENE_COPIES_FIELDS( wisp_scene_surface ) };
+static const scene_block COPIES_BLOCK = { COPIES_FIELDS, WISP_COUNT( COPIES_FIELDS ) };
+
 static const scene_field START_FIELDS[] = { SCENE_START_FIELDS( wisp_scene_surface ) };
 static const scene_block START_BLOCK = BLOCK( START_FIELDS );
 
@@ -269,6 +273,8 @@ static const scene_field SURFACE_FIELDS[] = {
       .help = "Properties that the repaired mesh must have; a mesh without them is refused.", .form = "list of words",
       .initial = "none" },
     { "transform", SCENE_BLOCK, .block = &TRANSFORM_BLOCK, .help = "Scales, turns and moves the mesh." },
+    { "copies", SCENE_BLOCK, .block = &COPIES_BLOCK,
+      .help = "Makes several entries of this one, in a grid; they share its fabric." },
     { "start", SCENE_BLOCK, .at = AT( has_start ), .block = &START_BLOCK,
       .help = "Starts away from the rest shape; pinned vertices are only scaled." },
     { "area_density", SCENE_NUMBER, .at = AT( area_density ), .range = RANGE( 1e-12, 1e12 ), .unit = DENSITIES,

@@ -139,6 +139,7 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
     const wisp_surface_def def = wisp_default_surface_def();
     return ( wisp_scene_surface ){
         .mesh = { .generator = wisp_default_mesh_generator( WISP_MESH_PLANE_REGULAR ), .scale = 1.0f },
+        .copies = { .count = 1 },
         .start = scene_default_start(),
         .mass_ratio = 1.0f,
         .instance_of = -1,

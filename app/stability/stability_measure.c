@@ -15,7 +15,7 @@ static void find_edges( stability_reader* r )
 {
     if ( r->fabric )
     {
-        r->edge_count = r->fabric->edge_count;
+        r->edge_count = wisp_fabric_need( r->fabric, WISP_FABRIC_EDGES ) == WISP_OK ? r->fabric->edge_count : 0;
         r->edges = text_alloc( (size_t)r->edge_count * 2 * sizeof *r->edges );
         memcpy( r->edges, r->fabric->edges, (size_t)r->edge_count * 2 * sizeof *r->edges );
         return;

@@ -367,10 +367,10 @@ bool torture_draw_key( torture_random* random, const scene_field* field, const v
     return false;
 }
 
-// A key that only suites ask for. A draw for it would make every scene of a seed another one.
+// Keys that only suites ask for. A draw for it would make every scene of a seed another one.
 static bool is_left_out( const scene_field* field )
 {
-    return strcmp( field->key, "mass_ratio" ) == 0;
+    return strcmp( field->key, "mass_ratio" ) == 0 || strcmp( field->key, "copies" ) == 0;
 }
 
 void torture_draw_keys( torture_random* random, torture_block block, int percent, text_node* map )

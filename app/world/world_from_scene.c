@@ -299,6 +299,16 @@ int scene_world_strands( const scene_world* world )
     return sum;
 }
 
+size_t scene_world_bytes( const scene_world* world )
+{
+    size_t sum = wisp_world_memory( world->world );
+    for ( int i = 0; i < world->scene->surface_count; ++i )
+    {
+        sum += world->scene->surfaces[i].instance_of < 0 ? wisp_fabric_bytes( world->surfaces[i].fabric ) : 0;
+    }
+    return sum;
+}
+
 void scene_world_destroy( scene_world* world )
 {
     wisp_world_destroy( world->world );

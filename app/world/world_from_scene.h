@@ -104,6 +104,9 @@ int scene_world_vertices( const scene_world* world );
 int scene_world_strands( const scene_world* world );
 int scene_world_triangles( const scene_world* world );
 
+/// Bytes of the world and of the fabrics of its surfaces, each once.
+size_t scene_world_bytes( const scene_world* world );
+
 void scene_world_destroy( scene_world* world );
 
 // ---- bodies for recordings and pictures ----

@@ -155,6 +155,7 @@ static wisp_status cook( const wisp_scene* scene, int surface, unsigned char req
     def.hinges = ( required & NEEDS_HINGES ) != 0;
     def.tethers = ( required & NEEDS_TETHERS ) != 0;
     def.coarse_sheets = ( required & NEEDS_COARSE_SHEETS ) != 0;
+    def.lean = true;
     def.solve_order = entry->solve_order;
     def.tile_size = entry->tile_size;
     wisp_error cause = { 0 };

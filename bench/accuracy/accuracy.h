@@ -21,6 +21,14 @@ typedef struct accuracy_setting
     double order;            ///< the order expected in theory; NaN: none
 } accuracy_setting;
 
+/// What a step is made of. The driver initialises it with 0: unknown.
+typedef struct accuracy_work
+{
+    double vertices; ///< of all that moves or is drawn
+    double substeps; ///< of a step
+    double bytes;    ///< of world and fabrics, after all steps
+} accuracy_work;
+
 /// Results of one run of a setting. The driver initialises them with NaN.
 typedef struct accuracy_run
 {
@@ -30,6 +38,7 @@ typedef struct accuracy_run
     int halted_at;                          ///< step; 0: never
     double* ms; ///< of each step: fill with accuracy_keep_ms(); the first of a run is not counted
     int ms_count, ms_capacity;
+    accuracy_work work;      ///< what a step is made of, if the scene says so
     profile_samples profile; ///< of all steps, if the scene gathers it; freed by the driver
 } accuracy_run;
 

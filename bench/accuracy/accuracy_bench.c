@@ -98,6 +98,7 @@ static void write_report( const accuracy_report* report, results* out )
     accuracy_add_contact( report, out );
     if ( report->entry->suite )
     {
+        accuracy_add_costs( report, out );
         accuracy_add_times( report, out );
     }
     accuracy_add_rows( report, out );
@@ -164,7 +165,7 @@ static wisp_status choose_and_run( accuracy_report* report, accuracy_scene* scen
     }
     if ( options->quick )
     {
-        accuracy_thin( scene, numbers );
+        accuracy_thin( scene, report->entry->suite, numbers );
     }
     report->numbers = numbers;
     report->left_out = all - scene->setting_count;

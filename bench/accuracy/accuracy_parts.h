@@ -8,6 +8,7 @@
 typedef struct accuracy_stats
 {
     accuracy_run seen;                             ///< the sampled run, whose times are not used
+    accuracy_work work;                            ///< of the runs that are not sampled
     stats_summary ms[ACCURACY_WORKERS_MAX];        ///< of the runs that are not sampled; NaN if it was halted
     profile_samples profile[ACCURACY_WORKERS_MAX]; ///< of the first one with each; empty: not gathered
 } accuracy_stats;
@@ -29,10 +30,14 @@ typedef struct accuracy_report
     bool* on_front; ///< of error and min_ms
 } accuracy_report;
 
-/// Keep the settings of a quick run: those outside any series, the coarsest and the middle one of each series, and
+/// Keep the settings of a quick run: those that the suite names as quick, else those outside any series, the coarsest and the middle one of each series, and
 /// the finest of the first series. Fine settings take most of the time.
+/// @param suite whose rows the settings are; null: none
 /// @param numbers [setting_count] receives the original index of each setting that is kept
-void accuracy_thin( accuracy_scene* scene, int* numbers );
+void accuracy_thin( accuracy_scene* scene, const wisp_suite* suite, int* numbers );
+
+/// Whether a suite says which rows are quick. Null: it does not.
+bool accuracy_names_quick( const wisp_suite* suite );
 
 /// Run each setting once sampled, then timed in turns with every worker count, as long as there is time, at least
 /// once. A hash that differs from that of the sampled run is a failure in the results.
@@ -47,6 +52,8 @@ void accuracy_add_table( const accuracy_report* report, results* out );
 void accuracy_add_contact( const accuracy_report* report, results* out );
 /// Medians, means and longest times.
 void accuracy_add_times( const accuracy_report* report, results* out );
+/// How two workers scale, and times and bytes per vertex, where a scene says what a step is made of.
+void accuracy_add_costs( const accuracy_report* report, results* out );
 void accuracy_add_rows( const accuracy_report* report, results* out );
 /// Passes by their time, where profiles were gathered.
 void accuracy_add_passes( const accuracy_report* report, results* out );

@@ -146,6 +146,7 @@ static wisp_status take_turn( contest* c, int setting, int worker, wisp_error* e
         {
             c->stats[setting].profile[worker] = run.profile;
             run.profile = ( profile_samples ){ 0 };
+            c->stats[setting].work = run.work;
         }
         status = keep_run( &run, implementation, error );
     }

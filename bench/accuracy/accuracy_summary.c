@@ -304,11 +304,11 @@ void accuracy_add_notes( const accuracy_report* report, results* out )
     }
     if ( report->left_out > 0 )
     {
-        results_add_note( out,
-                          "%s `%s`: a quick run has %d of %d settings: the coarsest and the middle one of "
-                          "every series, and the finest of the first.",
-                          accuracy_kind( scene ), report->entry->name, scene->setting_count,
-                          scene->setting_count + report->left_out );
+        results_add_note( out, "%s `%s`: a quick run has %d of %d settings: %s.", accuracy_kind( scene ),
+                          report->entry->name, scene->setting_count, scene->setting_count + report->left_out,
+                          accuracy_names_quick( report->entry->suite )
+                              ? "those that the suite names as quick"
+                              : "the coarsest and the middle one of every series, and the finest of the first" );
     }
     if ( scene->note )
     {

@@ -156,6 +156,59 @@ void accuracy_add_times( const accuracy_report* report, results* out )
     }
 }
 
+// ---- what a vertex costs ----
+
+static double ns_per_vertex( const accuracy_stats* f, int worker )
+{
+    return 1e6 * f->ms[worker].median / ( f->work.vertices * f->work.substeps );
+}
+
+static double speed_up( const accuracy_report* report, const accuracy_stats* f )
+{
+    return report->worker_count > 1 ? f->ms[0].median / f->ms[report->worker_count - 1].median : NAN;
+}
+
+void accuracy_add_costs( const accuracy_report* report, results* out )
+{
+    cells header = { .count = 0 };
+    char title[160], workers[24];
+    cells_put( &header, "setting" );
+    cells_put( &header, "vertices" );
+    cells_put( &header, "substeps" );
+    for ( int w = 0; w < report->worker_count; ++w )
+    {
+        accuracy_workers_label( report->workers[w], workers, sizeof workers );
+        cells_put( &header, "%s ms", workers );
+    }
+    cells_put( &header, "speed-up" );
+    for ( int w = 0; w < report->worker_count; ++w )
+    {
+        accuracy_workers_label( report->workers[w], workers, sizeof workers );
+        cells_put( &header, "%s ns / vertex, substep", workers );
+    }
+    cells_put( &header, "bytes / vertex" );
+    cells_put( &header, "hash" );
+    snprintf( title, sizeof title, "%s `%s`: cost per vertex", accuracy_kind( report->scene ), report->entry->name );
+    const int table = cells_begin_table( &header, title, out );
+    for ( int i = 0; i < report->scene->setting_count; ++i )
+    {
+        const accuracy_stats* f = &report->stats[i];
+        cells row = { .count = 0 };
+        cells_put( &row, "%s", report->scene->settings[i].name );
+        cells_put( &row, "%.0f", f->work.vertices );
+        cells_put( &row, "%.0f", f->work.substeps );
+        put_times( report, f, &row );
+        cells_put_number( &row, speed_up( report, f ), 2 );
+        for ( int w = 0; w < report->worker_count; ++w )
+        {
+            accuracy_put_digits( &row, ns_per_vertex( f, w ), 3 );
+        }
+        cells_put_number( &row, f->work.bytes / f->work.vertices, 0 );
+        cells_put_hash( &row, f->seen.hash );
+        cells_end_row( &row, table, out );
+    }
+}
+
 // ---- for machines ----
 
 // "distance to the reference, mm" becomes the value "distance_to_the_reference_mm".
@@ -218,6 +271,12 @@ static void add_row( const accuracy_report* report, int setting, int worker, res
     if ( what->series[0] )
     {
         put_finite( &row->size, what->parameter_name, what->parameter );
+    }
+    if ( f->work.vertices > 0.0 )
+    {
+        results_put( &row->size, "vertices", f->work.vertices );
+        results_put( &row->size, "substeps", f->work.substeps );
+        results_put( &row->size, "bytes", f->work.bytes );
     }
     row->workers = report->workers[worker];
     results_put_times( row, &f->ms[worker] );

@@ -44,15 +44,28 @@ static bool is_kept( const accuracy_scene* scene, int setting, const char* first
     return rank == 0 || rank == count / 2 || ( rank == count - 1 && strcmp( series, first ) == 0 );
 }
 
-void accuracy_thin( accuracy_scene* scene, int* numbers )
+bool accuracy_names_quick( const wisp_suite* suite )
+{
+    for ( int i = 0; suite && i < suite->row_count; ++i )
+    {
+        if ( suite->rows[i].is_slow )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+void accuracy_thin( accuracy_scene* scene, const wisp_suite* suite, int* numbers )
 {
     const char* first = first_series( scene );
+    const bool is_named = accuracy_names_quick( suite );
 
     // All are chosen before any is moved, because ranks refer to all.
     int kept = 0;
     for ( int i = 0; i < scene->setting_count; ++i )
     {
-        if ( is_kept( scene, i, first ) )
+        if ( is_named ? !suite->rows[i].is_slow : is_kept( scene, i, first ) )
         {
             numbers[kept++] = i;
         }

@@ -78,6 +78,11 @@ static wisp_status time_steps( const study* own, int row, scene_world* world, in
         out->hash = status == WISP_OK ? suite_hash_points( world, points, out->hash ) : 0;
     }
     free( points );
+    out->work = ( accuracy_work ){
+        .vertices = scene_world_vertices( world ),
+        .substeps = world->scene->substeps,
+        .bytes = (double)scene_world_bytes( world ),
+    };
     out->halted_at = wisp_world_counter( world->world, WISP_COUNT_HALTED ) > 0 ? steps : 0;
     return status;
 }

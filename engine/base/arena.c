@@ -135,3 +135,13 @@ void base_arena_release( base_arena* arena )
     base_release( &arena->allocator, arena->block, arena->capacity );
     *arena = ( base_arena ){ .allocator = arena->allocator };
 }
+
+size_t base_arena_bytes( const base_arena* arena )
+{
+    size_t bytes = arena->capacity;
+    for ( const base_arena_overflow* o = arena->overflow; o != NULL; o = o->next )
+    {
+        bytes += o->size;
+    }
+    return bytes;
+}

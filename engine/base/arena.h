@@ -50,5 +50,8 @@ void base_arena_expect( base_arena* arena, size_t bytes );
 /// its block and forgets the mark.
 void base_arena_reset( base_arena* arena );
 
+/// @return bytes that it holds, overflow blocks included
+size_t base_arena_bytes( const base_arena* arena );
+
 /// Return all memory to the host. The arena is as after an init with capacity 0.
 void base_arena_release( base_arena* arena );

@@ -276,9 +276,9 @@ static bool cook_rings( const fabric_mesh* mesh, cook_fabric* cooked, fabric_poo
 {
     fabric_pool fans = { .allocator = scratch->allocator };
     fabric_rings rings = { 0 };
-    bool done = fabric_rings_list( &cooked->fabric, mesh, &fans, &cooked->keep, &rings );
-    cooked->fabric.ring_begin = rings.begin;
-    cooked->fabric.ring_x4 = rings.ring_x4;
+    bool done = fabric_rings_list( &cooked->fabric, mesh, &fans, &cooked->rings, &rings );
+    cooked->fabric.ring_begin = done ? rings.begin : NULL;
+    __atomic_store_n( &cooked->fabric.ring_x4, done ? rings.ring_x4 : NULL, __ATOMIC_RELEASE );
     fabric_pool_release( &fans );
     return done;
 }
@@ -298,6 +298,74 @@ static bool cook_parts( const wisp_fabric_def* def, const fabric_mesh* mesh, coo
     fabric_parts parts = { .mesh = mesh, .keep = &cooked->keep, .allocator = cooked->keep.allocator };
     return ( def->tethers == false || fabric_cook_tethers( &parts, f ) ) &&
            ( def->coarse_sheets == false || fabric_cook_levels( &parts, f ) );
+}
+
+// ---- lean fabrics ----
+
+static void drop_arrays( cook_fabric* cooked )
+{
+    fabric_pool_release( &cooked->edges );
+    fabric_pool_release( &cooked->rings );
+    cooked->fabric.edges = NULL;
+    cooked->fabric.ring_begin = NULL;
+    cooked->fabric.ring_x4 = NULL;
+}
+
+// Edges are the first constraints, which links have in another order.
+static bool make_edges( cook_fabric* cooked )
+{
+    wisp_fabric* f = &cooked->fabric;
+    int32_t* edges = fabric_pool_push( &cooked->edges, 2 * (size_t)f->edge_count, sizeof( int32_t ) );
+    for ( int slot = 0; slot < f->link_order.slot_count && edges != NULL; ++slot )
+    {
+        const int32_t link = f->link_order.constraint[slot];
+        if ( link >= 0 && link < f->edge_count )
+        {
+            edges[2 * (size_t)link] = f->link_a_x4[slot] / 4;
+            edges[2 * (size_t)link + 1] = f->link_b_x4[slot] / 4;
+        }
+    }
+    __atomic_store_n( &f->edges, edges, __ATOMIC_RELEASE );
+    return edges != NULL;
+}
+
+static bool make_rings( cook_fabric* cooked )
+{
+    fabric_pool scratch = { .allocator = cooked->keep.allocator };
+    fabric_mesh mesh = { .vertex_count = cooked->fabric.vertex_count,
+                         .triangle_count = cooked->fabric.triangle_count };
+    const bool done =
+        fabric_mesh_list_corners( &cooked->fabric, &scratch, &mesh ) && cook_rings( &mesh, cooked, &scratch );
+    fabric_pool_release( &scratch );
+    if ( done == false )
+    {
+        fabric_pool_release( &cooked->rings );
+    }
+    return done;
+}
+
+// Rings are there once their entries are, which are stored last.
+static bool has_arrays( const wisp_fabric* f, unsigned arrays )
+{
+    return ( ( arrays & WISP_FABRIC_EDGES ) == 0 || __atomic_load_n( &f->edges, __ATOMIC_ACQUIRE ) != NULL ) &&
+           ( ( arrays & WISP_FABRIC_RINGS ) == 0 || __atomic_load_n( &f->ring_x4, __ATOMIC_ACQUIRE ) != NULL );
+}
+
+wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned arrays )
+{
+    if ( has_arrays( fabric, arrays ) )
+    {
+        return WISP_OK;
+    }
+    cook_fabric* cooked = (cook_fabric*)(uintptr_t)fabric;
+    while ( atomic_flag_test_and_set_explicit( &cooked->is_making, memory_order_acquire ) )
+    {
+        // another thread makes arrays of the same fabric, which takes milliseconds, once
+    }
+    const bool done = ( ( arrays & WISP_FABRIC_EDGES ) == 0 || fabric->edges != NULL || make_edges( cooked ) ) &&
+                      ( ( arrays & WISP_FABRIC_RINGS ) == 0 || fabric->ring_x4 != NULL || make_rings( cooked ) );
+    atomic_flag_clear_explicit( &cooked->is_making, memory_order_release );
+    return done ? WISP_OK : WISP_NO_MEMORY;
 }
 
 static bool cook( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )
@@ -321,6 +389,10 @@ static bool cook( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* 
     if ( done )
     {
         f->hash = fabric_hash( f );
+    }
+    if ( done && def->lean )
+    {
+        drop_arrays( cooked );
     }
     return done;
 }

@@ -95,34 +95,33 @@ bool geodesic_net_of_mesh( const fabric_parts* parts, const wisp_fabric* fabric,
 
 // ---- heap: nearest node first, ties by index; nodes store their heap position for decrease-key ----
 
-static bool nearer( const geodesic_march* m, int32_t a, int32_t b )
+static bool nearer( geodesic_entry a, geodesic_entry b )
 {
-    double da = m->node[a].distance, db = m->node[b].distance;
-    return da < db || ( da == db && a < b );
+    return a.distance < b.distance || ( a.distance == b.distance && a.node < b.node );
 }
 
-static void put( geodesic_march* m, int place, int32_t v )
+static void put( geodesic_march* m, int place, geodesic_entry entry )
 {
-    m->heap[place] = v;
-    m->node[v].place = place;
+    m->heap[place] = entry;
+    m->node[entry.node].place = place;
 }
 
-static void rise( geodesic_march* m, int place, int32_t v )
+static void rise( geodesic_march* m, int place, geodesic_entry entry )
 {
     while ( place > 0 )
     {
         int parent = ( place - 1 ) / HEAP_ARITY;
-        if ( nearer( m, v, m->heap[parent] ) == false )
+        if ( nearer( entry, m->heap[parent] ) == false )
         {
             break;
         }
         put( m, place, m->heap[parent] );
         place = parent;
     }
-    put( m, place, v );
+    put( m, place, entry );
 }
 
-static void sink( geodesic_march* m, int place, int32_t v )
+static void sink( geodesic_march* m, int place, geodesic_entry entry )
 {
     for ( ;; )
     {
@@ -130,21 +129,21 @@ static void sink( geodesic_march* m, int place, int32_t v )
         int end = first + HEAP_ARITY < m->heap_count ? first + HEAP_ARITY : m->heap_count;
         for ( int child = first + 1; child < end; ++child )
         {
-            best = nearer( m, m->heap[child], m->heap[best] ) ? child : best;
+            best = nearer( m->heap[child], m->heap[best] ) ? child : best;
         }
-        if ( first >= end || nearer( m, m->heap[best], v ) == false )
+        if ( first >= end || nearer( m->heap[best], entry ) == false )
         {
             break;
         }
         put( m, place, m->heap[best] );
         place = best;
     }
-    put( m, place, v );
+    put( m, place, entry );
 }
 
 static int32_t take_nearest( geodesic_march* m )
 {
-    int32_t nearest = m->heap[0];
+    int32_t nearest = m->heap[0].node;
     m->heap_count -= 1;
     if ( m->heap_count > 0 )
     {
@@ -163,7 +162,7 @@ bool geodesic_march_init( geodesic_march* march, const geodesic_net* net, fabric
     *march = ( geodesic_march ){
         .net = net,
         .node = fabric_pool_push_zeroed( pool, count, sizeof( geodesic_node ) ),
-        .heap = fabric_pool_push( pool, count, sizeof( int32_t ) ),
+        .heap = fabric_pool_push( pool, count, sizeof( geodesic_entry ) ),
         .reached = fabric_pool_push( pool, count, sizeof( int32_t ) ),
     };
     return march->node != NULL && march->heap != NULL && march->reached != NULL;
@@ -207,7 +206,7 @@ static void offer( geodesic_march* m, int32_t v, geodesic_node* node, double dis
     {
         return;
     }
-    rise( m, node->place >= 0 ? node->place : m->heap_count++, v );
+    rise( m, node->place >= 0 ? node->place : m->heap_count++, ( geodesic_entry ){ distance, v } );
 }
 
 // Computes the distance of corner b from the source, given distances dv and da of its neighbours v and a. v is at
@@ -276,7 +275,7 @@ void geodesic_march_run( geodesic_march* m, int32_t source, double radius, const
     geodesic_node* start = visit( m, source );
     start->distance = 0.0;
     m->reached[m->reached_count++] = source;
-    rise( m, m->heap_count++, source );
+    rise( m, m->heap_count++, ( geodesic_entry ){ 0.0, source } );
     while ( m->heap_count > 0 )
     {
         int32_t v = take_nearest( m );

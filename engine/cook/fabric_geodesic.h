@@ -40,13 +40,20 @@ typedef struct geodesic_node
     int32_t visits;  ///< number of times it has left the heap
 } geodesic_node;
 
+/// A node in the heap with its distance, which is compared more often than nodes are looked up.
+typedef struct geodesic_entry
+{
+    double distance; ///< m
+    int32_t node;
+} geodesic_entry;
+
 /// Working memory, reused by all marches over a net. Initialise once per net.
 typedef struct geodesic_march
 {
     const geodesic_net* net;
-    geodesic_node* node; ///< [net->count]
-    int32_t* heap;       ///< [net->count]
-    int32_t* reached;    ///< [reached_count] nodes that the last march reached, source first
+    geodesic_node* node;  ///< [net->count]
+    geodesic_entry* heap; ///< [net->count]
+    int32_t* reached;     ///< [reached_count] nodes that the last march reached, source first
     int reached_count;
     int heap_count;
     int32_t number; ///< number of the last march

@@ -6,15 +6,33 @@
 #include <math.h>
 #include <string.h>
 
+enum
+{
+    HEAP_ARITY = 4,
+};
+
+// A vertex in the heap with its distance, which is compared more often than vertices are looked up.
+typedef struct path_entry
+{
+    double distance; // m
+    int32_t vertex;
+} path_entry;
+
+// What a search knows of a vertex, in one place because it needs all of it at once.
+typedef struct path_node
+{
+    double distance; // m
+    int32_t from;    // vertex before it on the path
+    int32_t visit;   // number of the search that wrote this
+    int32_t place;   // in the heap, -1 behind it
+} path_node;
+
 // The paths from one vertex, by Dijkstra's algorithm over the edges of the mesh.
 typedef struct path_search
 {
     const fabric_mesh* mesh;
-    double* distance; // [vertex_count] m
-    int32_t* from;    // [vertex_count] vertex before it on the path
-    int32_t* visit;   // [vertex_count] number of the search that wrote the two
-    int32_t* place;   // [vertex_count] in the heap, -1 behind it
-    int32_t* heap;    // [vertex_count]
+    path_node* node;  // [vertex_count]
+    path_entry* heap; // [vertex_count]
     int heap_count;
     int32_t number;
 } path_search;
@@ -24,73 +42,68 @@ static bool search_init( path_search* s, const fabric_mesh* mesh, fabric_pool* p
     const size_t count = (size_t)mesh->vertex_count;
     *s = ( path_search ){
         .mesh = mesh,
-        .distance = fabric_pool_push( pool, count, sizeof( double ) ),
-        .from = fabric_pool_push( pool, count, sizeof( int32_t ) ),
-        .visit = fabric_pool_push_zeroed( pool, count, sizeof( int32_t ) ),
-        .place = fabric_pool_push( pool, count, sizeof( int32_t ) ),
-        .heap = fabric_pool_push( pool, count, sizeof( int32_t ) ),
+        .node = fabric_pool_push_zeroed( pool, count, sizeof( path_node ) ),
+        .heap = fabric_pool_push( pool, count, sizeof( path_entry ) ),
     };
-    return s->distance != NULL && s->from != NULL && s->visit != NULL && s->place != NULL && s->heap != NULL;
+    return s->node != NULL && s->heap != NULL;
 }
 
-static bool is_nearer( const path_search* s, int32_t a, int32_t b )
+static bool is_nearer( path_entry a, path_entry b )
 {
-    return s->distance[a] < s->distance[b] || ( s->distance[a] <= s->distance[b] && a < b );
+    return a.distance < b.distance || ( a.distance <= b.distance && a.vertex < b.vertex );
 }
 
-static void put( path_search* s, int at, int32_t vertex )
+static void put( path_search* s, int at, path_entry entry )
 {
-    s->heap[at] = vertex;
-    s->place[vertex] = at;
+    s->heap[at] = entry;
+    s->node[entry.vertex].place = at;
 }
 
-static void rise( path_search* s, int at )
+static void rise( path_search* s, int at, path_entry entry )
 {
-    const int32_t vertex = s->heap[at];
-    for ( ; at > 0 && is_nearer( s, vertex, s->heap[( at - 1 ) / 2] ); at = ( at - 1 ) / 2 )
+    for ( ; at > 0 && is_nearer( entry, s->heap[( at - 1 ) / HEAP_ARITY] ); at = ( at - 1 ) / HEAP_ARITY )
     {
-        put( s, at, s->heap[( at - 1 ) / 2] );
+        put( s, at, s->heap[( at - 1 ) / HEAP_ARITY] );
     }
-    put( s, at, vertex );
+    put( s, at, entry );
 }
 
 static int32_t take_nearest( path_search* s )
 {
-    const int32_t nearest = s->heap[0], last = s->heap[--s->heap_count];
+    const path_entry nearest = s->heap[0], last = s->heap[--s->heap_count];
     int at = 0;
-    for ( int child = 1; child < s->heap_count; child = 2 * at + 1 )
+    for ( int first = 1; first < s->heap_count; first = HEAP_ARITY * at + 1 )
     {
-        child += child + 1 < s->heap_count && is_nearer( s, s->heap[child + 1], s->heap[child] ) ? 1 : 0;
-        if ( is_nearer( s, last, s->heap[child] ) )
+        const int end = first + HEAP_ARITY < s->heap_count ? first + HEAP_ARITY : s->heap_count;
+        int best = first;
+        for ( int child = first + 1; child < end; ++child )
+        {
+            best = is_nearer( s->heap[child], s->heap[best] ) ? child : best;
+        }
+        if ( is_nearer( last, s->heap[best] ) )
         {
             break;
         }
-        put( s, at, s->heap[child] );
-        at = child;
+        put( s, at, s->heap[best] );
+        at = best;
     }
     if ( s->heap_count > 0 )
     {
         put( s, at, last );
     }
-    s->place[nearest] = -1;
-    return nearest;
+    s->node[nearest.vertex].place = -1;
+    return nearest.vertex;
 }
 
 static void reach( path_search* s, int32_t vertex, int32_t from, double distance )
 {
-    if ( s->visit[vertex] != s->number )
+    path_node* node = s->node + vertex;
+    const bool is_new = node->visit != s->number;
+    if ( is_new || ( node->place >= 0 && distance < node->distance ) )
     {
-        s->visit[vertex] = s->number;
-        s->distance[vertex] = distance;
-        s->from[vertex] = from;
-        put( s, s->heap_count++, vertex );
-        rise( s, s->place[vertex] );
-    }
-    else if ( s->place[vertex] >= 0 && distance < s->distance[vertex] )
-    {
-        s->distance[vertex] = distance;
-        s->from[vertex] = from;
-        rise( s, s->place[vertex] );
+        const int at = is_new ? s->heap_count++ : node->place;
+        *node = ( path_node ){ distance, from, s->number, at };
+        rise( s, at, ( path_entry ){ distance, vertex } );
     }
 }
 
@@ -105,11 +118,12 @@ static void search( path_search* s, int32_t source, bool* wanted, int wanted_cou
     while ( s->heap_count > 0 && wanted_count > 0 )
     {
         const int32_t vertex = take_nearest( s );
+        const double distance = s->node[vertex].distance;
         wanted_count -= wanted[vertex] ? 1 : 0;
         wanted[vertex] = false;
         for ( int32_t n = mesh->neighbour_begin[vertex]; n < mesh->neighbour_begin[vertex + 1]; ++n )
         {
-            reach( s, mesh->neighbour[n], vertex, s->distance[vertex] + (double)mesh->neighbour_length[n] );
+            reach( s, mesh->neighbour[n], vertex, distance + (double)mesh->neighbour_length[n] );
         }
     }
 }
@@ -119,23 +133,45 @@ typedef struct chain_list
 {
     int32_t* begin; // [link_count + 1]
     int32_t* vertex;
+    size_t room; // for vertices
     float* rest; // [link_count] m
 } chain_list;
 
 static int count_path( const path_search* s, int32_t end )
 {
     int count = 0;
-    for ( int32_t v = end; v >= 0; v = s->from[v] )
+    for ( int32_t v = end; v >= 0; v = s->node[v].from )
     {
         count += 1;
     }
     return count;
 }
 
+// Makes room for more vertices. What was there before stays in the pool until its end.
+static bool reserve_vertices( chain_list* list, size_t used, size_t more, fabric_pool* pool )
+{
+    if ( used + more <= list->room )
+    {
+        return true;
+    }
+    const size_t room = 2 * list->room > used + more ? 2 * list->room : used + more;
+    int32_t* grown = fabric_pool_push( pool, room, sizeof( int32_t ) );
+    if ( grown == NULL )
+    {
+        return false;
+    }
+    if ( used > 0 )
+    {
+        memcpy( grown, list->vertex, used * sizeof( int32_t ) );
+    }
+    list->vertex = grown;
+    list->room = room;
+    return true;
+}
+
 // Finds the chains of the links that begin at one vertex.
-// @param out vertices are null: only lengths and counts, the count of link i in begin[i + 1]
-static void find_chains( const level_maker* m, const level_link* links, int begin, int end, path_search* s,
-                         bool* wanted, chain_list* out )
+static bool find_chains( const level_maker* m, const level_link* links, int begin, int end, path_search* s,
+                         bool* wanted, fabric_pool* pool, chain_list* out )
 {
     for ( int i = begin; i < end; ++i )
     {
@@ -146,18 +182,19 @@ static void find_chains( const level_maker* m, const level_link* links, int begi
     {
         const int32_t last = m->fine[links[i].b];
         const int count = count_path( s, last );
-        if ( out->vertex == NULL )
+        if ( reserve_vertices( out, (size_t)out->begin[i], (size_t)count, pool ) == false )
         {
-            out->begin[i + 1] = count;
-            out->rest[i] = (float)s->distance[last];
-            continue;
+            return false;
         }
+        out->begin[i + 1] = out->begin[i] + count;
+        out->rest[i] = (float)s->node[last].distance;
         int at = out->begin[i + 1];
-        for ( int32_t v = last; v >= 0; v = s->from[v] )
+        for ( int32_t v = last; v >= 0; v = s->node[v].from )
         {
             out->vertex[--at] = v;
         }
     }
+    return true;
 }
 
 static bool list_chains( const level_maker* m, const level_link* links, int count, fabric_pool* scratch,
@@ -165,36 +202,20 @@ static bool list_chains( const level_maker* m, const level_link* links, int coun
 {
     path_search s;
     bool* wanted = fabric_pool_push_zeroed( scratch, (size_t)m->mesh->vertex_count, sizeof( bool ) );
-    out->begin = fabric_pool_push_zeroed( scratch, (size_t)count + 1, sizeof( int32_t ) );
-    out->rest = fabric_pool_push( scratch, (size_t)count, sizeof( float ) );
-    out->vertex = NULL;
-    if ( wanted == NULL || out->begin == NULL || out->rest == NULL || search_init( &s, m->mesh, scratch ) == false )
+    *out = ( chain_list ){
+        .begin = fabric_pool_push_zeroed( scratch, (size_t)count + 1, sizeof( int32_t ) ),
+        .rest = fabric_pool_push( scratch, (size_t)count, sizeof( float ) ),
+    };
+    bool done = wanted != NULL && out->begin != NULL && out->rest != NULL && search_init( &s, m->mesh, scratch ) &&
+                reserve_vertices( out, 0, 8 * (size_t)count, scratch );
+    for ( int begin = 0, end; begin < count && done; begin = end )
     {
-        return false;
-    }
-    for ( int turn = 0; turn < 2; ++turn )
-    {
-        for ( int begin = 0, end; begin < count; begin = end )
+        for ( end = begin + 1; end < count && links[end].a == links[begin].a; ++end )
         {
-            for ( end = begin + 1; end < count && links[end].a == links[begin].a; ++end )
-            {
-            }
-            find_chains( m, links, begin, end, &s, wanted, out );
         }
-        if ( turn == 0 )
-        {
-            for ( int i = 0; i < count; ++i )
-            {
-                out->begin[i + 1] += out->begin[i];
-            }
-            out->vertex = fabric_pool_push( scratch, (size_t)out->begin[count], sizeof( int32_t ) );
-            if ( out->vertex == NULL )
-            {
-                return false;
-            }
-        }
+        done = find_chains( m, links, begin, end, &s, wanted, scratch, out );
     }
-    return true;
+    return done;
 }
 
 // Puts the chains of eight links next to each other.

@@ -160,11 +160,7 @@ int level_list_links( const level_maker* m, level_link* out )
             const double fraction = b > a && d > 0.0 ? fraction_of( m, a, b, d ) : 0.0;
             if ( fraction >= MIN_FRACTION )
             {
-                if ( out != NULL )
-                {
-                    out[count] = ( level_link ){ a, b, near[i].distance, (float)fraction };
-                }
-                count += 1;
+                out[count++] = ( level_link ){ a, b, near[i].distance, (float)fraction };
             }
         }
     }

@@ -174,13 +174,18 @@ static bool step_up( level_state* s, level_maker* m, int32_t* chosen, int count 
 
 static bool link_members( const level_maker* m, fabric_pool* keep, fabric_pool* scratch, wisp_fabric_level* level )
 {
-    const int count = level_list_links( m, NULL );
-    level_link* links = fabric_pool_push( scratch, (size_t)count, sizeof( level_link ) );
+    size_t room = 1;
+    for ( int32_t r = 0; r < m->fine_count; ++r )
+    {
+        room += m->chosen[r] ? m->near_count[r] : 0;
+    }
+    // every pair of neighbours is in two lists, and in at most one link
+    level_link* links = fabric_pool_push( scratch, room / 2 + 1, sizeof( level_link ) );
     if ( links == NULL )
     {
         return false;
     }
-    level_list_links( m, links );
+    const int count = level_list_links( m, links );
     return level_make_links( m, links, count, keep, level ) && level_make_parents( m, keep, level );
 }
 

@@ -66,7 +66,7 @@ typedef struct level_link
 } level_link;
 
 /// List links between chosen neighbours.
-/// @param out null to count only
+/// @param out room for half of the entries of their lists
 /// @return number of links
 int level_list_links( const level_maker* maker, level_link* out );
 

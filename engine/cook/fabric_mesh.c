@@ -114,7 +114,7 @@ static bool list_edges( const fabric_graph* graph, fabric_pool* scratch, cook_fa
 {
     wisp_fabric* f = &cooked->fabric;
     size_t count = (size_t)graph->begin[graph->count] / 2;
-    int32_t* edges = fabric_pool_push( &cooked->keep, 2 * count, sizeof( int32_t ) );
+    int32_t* edges = fabric_pool_push( &cooked->edges, 2 * count, sizeof( int32_t ) );
     int32_t* first = fabric_pool_push( scratch, (size_t)graph->count + 1, sizeof( int32_t ) );
     if ( edges == NULL || first == NULL )
     {

@@ -64,7 +64,8 @@ cook_fabric* fabric_create( const wisp_allocator* allocator )
     if ( cooked != NULL )
     {
         memset( cooked, 0, sizeof( *cooked ) );
-        cooked->keep.allocator = allocator;
+        cooked->keep.allocator = cooked->edges.allocator = cooked->rings.allocator = allocator;
+        atomic_flag_clear( &cooked->is_making );
         atomic_init( &cooked->owners, 1 );
     }
     return cooked;
@@ -84,6 +85,8 @@ void wisp_fabric_release( wisp_fabric* fabric )
     if ( cooked != NULL && atomic_fetch_sub_explicit( &cooked->owners, 1, memory_order_acq_rel ) == 1 )
     {
         fabric_pool keep = cooked->keep;
+        fabric_pool_release( &cooked->edges );
+        fabric_pool_release( &cooked->rings );
         fabric_pool_release( &keep );
         base_release( keep.allocator, cooked, sizeof( *cooked ) );
     }
@@ -91,5 +94,6 @@ void wisp_fabric_release( wisp_fabric* fabric )
 
 size_t wisp_fabric_bytes( const wisp_fabric* fabric )
 {
-    return sizeof( cook_fabric ) + ( (const cook_fabric*)fabric )->keep.bytes;
+    const cook_fabric* cooked = (const cook_fabric*)fabric;
+    return sizeof( cook_fabric ) + cooked->keep.bytes + cooked->edges.bytes + cooked->rings.bytes;
 }

@@ -185,6 +185,10 @@ static bool save_array( void* context, void** array, uint64_t words )
 size_t wisp_fabric_saved_size( const wisp_fabric* fabric )
 {
     uint64_t words = 0;
+    if ( wisp_fabric_need( fabric, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS ) != WISP_OK )
+    {
+        return 0;
+    }
     wisp_fabric copy = *fabric;
     walk_fabric( &( fabric_walk ){ .number = size_number, .array = size_array, .context = &words }, &copy );
     return SAVED_HEAD + 4 * (size_t)words;
@@ -192,6 +196,7 @@ size_t wisp_fabric_saved_size( const wisp_fabric* fabric )
 
 void wisp_fabric_save( const wisp_fabric* fabric, void* out )
 {
+    WISP_ASSERT( fabric->edges != NULL && fabric->ring_x4 != NULL );
     unsigned char* head = out;
     unsigned char* cursor = head + SAVED_HEAD;
     wisp_fabric copy = *fabric;

@@ -320,7 +320,7 @@ static bool cook( tether_maker* m, fabric_pool* scratch, int32_t* tether_x4, flo
         m->spread[i] = ( tether ){ .slot = -1 };
     }
     find_margins( m );
-    label_components( m, m->march.heap );
+    label_components( m, m->march.reached ); // free until the first march
     gather_components( m );
     march_all( m, away );
     write_tethers( m, tether_x4, rest );

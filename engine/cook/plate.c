@@ -115,6 +115,11 @@ void wisp_plate_release( wisp_plate* plate, const wisp_allocator* allocator )
     }
 }
 
+size_t wisp_plate_bytes( const wisp_plate* plate )
+{
+    return plate != NULL ? plate->pool.bytes : 0;
+}
+
 wisp_plate_rows wisp_plate_get_rows( const wisp_plate* plate )
 {
     return ( wisp_plate_rows ){

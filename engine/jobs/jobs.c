@@ -69,6 +69,17 @@ int jobs_workers( const jobs_pool* pool )
     return pool->workers;
 }
 
+size_t jobs_memory( const jobs_pool* pool, size_t* pool_bytes )
+{
+    size_t bytes = 0;
+    for ( int i = 0; i < WISP_MAX_WORKERS; ++i )
+    {
+        bytes += base_arena_bytes( &pool->scratch[i].arena );
+    }
+    *pool_bytes += sizeof( *pool );
+    return bytes;
+}
+
 int jobs_default_workers( void )
 {
     cpu_set_t set;

@@ -11,6 +11,8 @@ jobs_pool* jobs_create( const wisp_allocator* allocator, int workers, wisp_paral
 void jobs_destroy( jobs_pool* pool );
 
 int jobs_workers( const jobs_pool* pool );
+/// @return bytes of scratch memory of all workers; those of the pool itself are added to `pool_bytes`
+size_t jobs_memory( const jobs_pool* pool, size_t* pool_bytes );
 
 /// Cores this process may run on; at least 1, at most WISP_MAX_WORKERS. Does not touch OpenMP.
 int jobs_default_workers( void );

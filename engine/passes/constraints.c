@@ -63,14 +63,13 @@ static void links_pbd( wisp_frame* frame, const wisp_span* span, void* user )
     project_links( frame, span, &call );
 }
 
-// Selects the storage of lambda. With one iteration per substep it is always read as 0, so it is not stored.
+// Lambda has rows with several iterations per substep only.
 static void links_xpbd( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     link_call call = { .kernel = wisp_frame_kernels( frame )->link_xpbd };
     call.args.compliance = wisp_frame_column( frame, span->entity, WISP_LINK_COMPLIANCE, 0 );
-    call.args.lambda =
-        wisp_frame_iterations( frame ) > 1 ? wisp_frame_column( frame, span->entity, WISP_LINK_COMPLIANCE, 1 ) : NULL;
+    call.args.lambda = wisp_frame_column( frame, span->entity, WISP_LINK_LAMBDA, 0 );
     call.args.inverse_dt2 = inverse_dt2( frame );
     project_links( frame, span, &call );
 }
@@ -125,6 +124,7 @@ static void hinges_isometric( wisp_frame* frame, const wisp_span* span, void* us
 
 wisp_status passes_declare_constraints( wisp_registry* registry )
 {
+    const wisp_component lambda = wisp_registry_iterations( registry ) > 1 ? WISP_LINK_LAMBDA : 0;
 #define PROJECTION( text, function, ... )                                                                            \
     {                                                                                                                \
         .name = text, .stage = WISP_STAGE_PROJECT, .domain = WISP_DOMAIN_ENTITY, .required = { __VA_ARGS__ },        \
@@ -132,7 +132,13 @@ wisp_status passes_declare_constraints( wisp_registry* registry )
     }
     const wisp_pass passes[] = {
         PROJECTION( "links.pbd", links_pbd, WISP_LINK_STIFFNESS ),
-        PROJECTION( "links.xpbd", links_xpbd, WISP_LINK_COMPLIANCE ),
+        { .name = "links.xpbd",
+          .stage = WISP_STAGE_PROJECT,
+          .domain = WISP_DOMAIN_ENTITY,
+          .required = { WISP_LINK_COMPLIANCE },
+          .reads = { WISP_PARTICLE_POSITION, WISP_LINK_COMPLIANCE, lambda },
+          .writes = { WISP_PARTICLE_POSITION, lambda },
+          .run = links_xpbd },
         PROJECTION( "hinges.dihedral_pbd", hinges_dihedral, WISP_HINGE_REST, WISP_HINGE_STIFFNESS ),
         PROJECTION( "hinges.isometric_pbd", hinges_isometric, WISP_HINGE_COTANGENT, WISP_HINGE_STIFFNESS ),
         PROJECTION( "hinges.folds", passes_open_hinges, WISP_HINGE_FOLDS ),

@@ -261,6 +261,7 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .reads = { WISP_PARTICLE_POSITION },
             .writes = { WISP_SURFACE_NORMALS },
             .run = hand_out_normals,
+            .fabric = WISP_FABRIC_RINGS,
         },
         {
             .name = "surface.strain",
@@ -270,6 +271,7 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .reads = { WISP_PARTICLE_POSITION },
             .writes = { WISP_POINT_STRAIN },
             .run = hand_out_strain,
+            .fabric = WISP_FABRIC_RINGS,
         },
         {
             .name = "entity.motion_stats",
@@ -279,6 +281,7 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_MOTION_STATS },
             .run = take_motion_stats,
+            .fabric = WISP_FABRIC_EDGES,
         },
     };
     return wisp_declare_passes( registry, passes, WISP_COUNT( passes ), NULL );

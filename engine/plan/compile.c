@@ -408,23 +408,18 @@ static uint64_t hash_plan( const plan* p, const wisp_registry* r )
     return hash;
 }
 
-// Attach the rows that the selected passes read and write, and detach those that only unselected passes needed.
-static bool fit_rows( store* s, const wisp_registry* r, store_mask live, int slot )
+// Attach those of some components that are used, and detach those that only unselected passes needed.
+static bool fit_to( store* s, int slot, store_mask used, store_mask components )
 {
-    store_mask used = { { 0 } };
-    for ( int i = 0; i < r->pass_count; ++i )
-    {
-        if ( store_mask_has( &live, i ) )
-        {
-            used = store_mask_or( used, plan_mask( r->passes[i].reads ) );
-            used = store_mask_or( used, plan_mask( r->passes[i].writes ) );
-        }
-    }
     for ( int c = 1; c < s->component_count; ++c )
     {
         store_entity* e = s->entities + slot;
         const wisp_entity entity = store_handle( s, slot );
         const bool is_used = store_mask_has( &used, c );
+        if ( store_mask_has( &components, c ) == false )
+        {
+            continue;
+        }
         if ( is_used && store_mask_has( &e->components, c ) == false )
         {
             if ( store_attach( s, entity, (wisp_component)c ) == false )
@@ -441,6 +436,75 @@ static bool fit_rows( store* s, const wisp_registry* r, store_mask live, int slo
     return true;
 }
 
+static store_mask used_by( const wisp_registry* r, store_mask passes )
+{
+    store_mask used = { { 0 } };
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        if ( store_mask_has( &passes, i ) )
+        {
+            used = store_mask_or( used, plan_mask( r->passes[i].reads ) );
+            used = store_mask_or( used, plan_mask( r->passes[i].writes ) );
+        }
+    }
+    return used;
+}
+
+// Rows that selected passes read and write. Those that mean nothing between steps follow when fusions are known.
+static bool fit_rows( store* s, const wisp_registry* r, store_mask live, int slot )
+{
+    return fit_to( s, slot, used_by( r, live ), store_mask_and_not( store_mask_all(), s->transient ) );
+}
+
+// Find the node whose targets fusions run. Null: there is none.
+static const plan_node* find_item_loop( const plan* p )
+{
+    for ( int n = 0; n < p->node_count; ++n )
+    {
+        if ( p->nodes[n].section == PLAN_ITEM_LOOP )
+        {
+            return p->nodes + n;
+        }
+    }
+    return NULL;
+}
+
+// Rows that mean nothing between steps: a fusion takes some for the items at hand, so the entity needs none of all items.
+static bool fit_transient( const plan* p, const wisp_registry* r )
+{
+    store* s = r->store;
+    const plan_node* loop = wisp_registry_iterations( r ) == 1 ? find_item_loop( p ) : NULL;
+    int next = 0; // target of the loop; those are in the order of slots
+    bool room = true;
+    for ( int slot = 0; slot < s->entity_count && room; ++slot )
+    {
+        store_mask alone = live_passes( r, s->entities + slot );
+        const plan_target* target =
+            loop != NULL && next < loop->target_count ? p->targets + loop->first_target + next : NULL;
+        if ( target != NULL && target->slot == slot )
+        {
+            next += 1;
+            for ( int i = 0; i < loop->pass_count && target->join >= 0; ++i )
+            {
+                store_mask_remove( &alone, loop->passes[i] );
+            }
+        }
+        room = s->entities[slot].alive == false || fit_to( s, slot, used_by( r, alone ), s->transient );
+    }
+    return room;
+}
+
+// Make what selected passes read of the fabric.
+static wisp_status need_fabric( const wisp_registry* r, const store_entity* e, store_mask live )
+{
+    unsigned arrays = 0;
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        arrays |= store_mask_has( &live, i ) ? r->passes[i].fabric : 0u;
+    }
+    return arrays != 0 && e->fabric != NULL ? wisp_fabric_need( e->fabric, arrays ) : WISP_OK;
+}
+
 static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error )
 {
     store* s = r->store;
@@ -455,6 +519,12 @@ static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error
         if ( s->entities[slot].alive && fit_rows( s, r, live, slot ) == false )
         {
             return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the rows between the passes of entity %d",
+                              slot + 1 );
+        }
+        status = s->entities[slot].alive ? need_fabric( r, s->entities + slot, live ) : WISP_OK;
+        if ( status != WISP_OK )
+        {
+            return wisp_fail( error, status, "out of memory for the topology that passes of entity %d read",
                               slot + 1 );
         }
         p->live = store_mask_or( p->live, live );
@@ -505,7 +575,8 @@ wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
     {
         fill_targets( p, r );
         room = reserve( s->allocator, (void**)&p->blocks, &p->block_capacity, widest_wave( p, s ),
-                        sizeof( plan_block ) );
+                        sizeof( plan_block ) ) &&
+               fit_transient( p, r );
     }
     if ( room == false )
     {

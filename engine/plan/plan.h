@@ -26,8 +26,10 @@ enum
 
 typedef struct plan_workspace
 {
+    const char* module;
     size_t size; // bytes per worker, a multiple of 64
     void ( *release )( void* workspace, const wisp_allocator* allocator );
+    size_t ( *memory )( const void* workspace );
     void* blocks; // [workers]
 } plan_workspace;
 
@@ -61,6 +63,7 @@ struct wisp_registry
 {
     store* store;
     int workers;
+    int iterations; // per substep; 0 means 1
     wisp_pass passes[PLAN_MAX_PASSES];
     const char* pass_modules[PLAN_MAX_PASSES]; // module that declared the pass
     int pass_count;
@@ -87,6 +90,12 @@ void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_enti
 /// Call the hooks of teleports. The first failure ends it. @param is_moved set if a module moves the entity
 wisp_status plan_registry_teleported( const wisp_registry* r, wisp_world* world, wisp_entity entity,
                                       const wisp_teleport_motion* teleport, bool* is_moved );
+
+/// Count the states and workspaces of a module, and what they point to. Modules are numbered by their states.
+/// @param held receives the bytes of what states and workspaces point to
+/// @param outside bytes that are not of the world's allocator are added to it
+/// @return bytes of the world's allocator, states and workspaces included
+size_t plan_registry_memory( const wisp_registry* r, int state, size_t* held, size_t* outside );
 
 /// Have a function run around a pass or a fusion.
 /// @return false if none of that name is without one, or if there are PLAN_MAX_AROUNDS already

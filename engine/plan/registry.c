@@ -137,7 +137,8 @@ void wisp_declare_hooks( wisp_registry* registry, const wisp_state_hooks* hooks 
 }
 
 int wisp_declare_workspace( wisp_registry* registry, size_t size,
-                            void ( *release )( void* workspace, const wisp_allocator* allocator ) )
+                            void ( *release )( void* workspace, const wisp_allocator* allocator ),
+                            size_t ( *memory )( const void* workspace ) )
 {
     size_t padded = ( size + 63 ) & ~(size_t)63, bytes = padded * (size_t)registry->workers;
     void* blocks = registry->workspace_count < PLAN_MAX_WORKSPACES
@@ -150,8 +151,14 @@ int wisp_declare_workspace( wisp_registry* registry, size_t size,
         return -1;
     }
     memset( blocks, 0, bytes );
-    registry->workspaces[registry->workspace_count] = ( plan_workspace ){ padded, release, blocks };
+    registry->workspaces[registry->workspace_count] =
+        ( plan_workspace ){ registry->module, padded, release, memory, blocks };
     return registry->workspace_count++;
+}
+
+int wisp_registry_iterations( const wisp_registry* registry )
+{
+    return registry->iterations > 1 ? registry->iterations : 1;
 }
 
 void plan_registry_init( wisp_registry* r, store* s, int workers )
@@ -184,6 +191,27 @@ void plan_registry_release( wisp_registry* r )
         }
         base_release( allocator, r->states[i].memory, r->states[i].size );
     }
+}
+
+size_t plan_registry_memory( const wisp_registry* r, int state, size_t* held, size_t* outside )
+{
+    const plan_state* s = r->states + state;
+    size_t bytes = s->size;
+    *held = s->hooks.memory != NULL ? s->hooks.memory( s->memory, outside ) : 0;
+    for ( int i = 0; i < r->workspace_count; ++i )
+    {
+        const plan_workspace* w = r->workspaces + i;
+        if ( strcmp( w->module, s->module ) != 0 )
+        {
+            continue;
+        }
+        bytes += w->size * (size_t)r->workers;
+        for ( int worker = 0; worker < r->workers && w->memory != NULL; ++worker )
+        {
+            *held += w->memory( (const char*)w->blocks + (size_t)worker * w->size );
+        }
+    }
+    return bytes + *held;
 }
 
 void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_entity entity )

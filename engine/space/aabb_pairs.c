@@ -532,12 +532,7 @@ void wisp_aabb_pairs_release( wisp_aabb_pairs* pairs, const wisp_allocator* allo
     *pairs = ( wisp_aabb_pairs ){ 0 };
 }
 
-size_t wisp_aabb_pairs_bytes( const wisp_aabb_pairs* pairs )
+size_t wisp_aabb_pairs_bytes( const wisp_aabb_pairs* pairs, size_t* outside )
 {
-    size_t bytes = box_tree_bytes( pairs->tree );
-    for ( int i = 0; i < WISP_COUNT( pairs->buffers ); ++i )
-    {
-        bytes += pairs->buffers[i].size;
-    }
-    return bytes;
+    return wisp_buffer_bytes( pairs->buffers, WISP_COUNT( pairs->buffers ) ) + box_tree_bytes( pairs->tree, outside );
 }

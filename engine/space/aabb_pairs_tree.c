@@ -152,14 +152,15 @@ bool box_tree_exists( void )
     return true;
 }
 
-size_t box_tree_bytes( const struct wisp_aabb_tree* tree )
+size_t box_tree_bytes( const struct wisp_aabb_tree* tree, size_t* outside )
 {
     if ( tree == NULL )
     {
         return 0;
     }
     int64_t nodes = atomic_load( &tree->node_bytes );
-    return sizeof( *tree ) + tree->items.size + ( nodes > 0 ? (size_t)nodes : 0 );
+    *outside += nodes > 0 ? (size_t)nodes : 0;
+    return sizeof( *tree ) + tree->items.size;
 }
 
 void box_tree_counts( const struct wisp_aabb_tree* tree, int* build_count, int* refit_count )
@@ -340,8 +341,9 @@ void box_tree_counts( const struct wisp_aabb_tree* tree, int* build_count, int* 
     *build_count = *refit_count = 0;
 }
 
-size_t box_tree_bytes( const struct wisp_aabb_tree* tree )
+size_t box_tree_bytes( const struct wisp_aabb_tree* tree, size_t* outside )
 {
+    (void)outside;
     (void)tree;
     return 0;
 }

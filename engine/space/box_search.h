@@ -80,7 +80,8 @@ void box_tree_find( const struct wisp_aabb_tree* tree, box_question* question );
 /// Return the cost of queries since the last update, which shows decay of the tree.
 void box_tree_note( struct wisp_aabb_tree* tree, uint64_t tested, uint64_t answers );
 void box_tree_counts( const struct wisp_aabb_tree* tree, int* build_count, int* refit_count );
-size_t box_tree_bytes( const struct wisp_aabb_tree* tree );
+/// @param outside bytes of Embree are added @return bytes of the allocator. Null is allowed
+size_t box_tree_bytes( const struct wisp_aabb_tree* tree, size_t* outside );
 /// Null is allowed.
 void box_tree_release( struct wisp_aabb_tree* tree, const wisp_allocator* allocator );
 /// Test whether this library was built with Embree.

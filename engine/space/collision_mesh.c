@@ -108,6 +108,11 @@ size_t wisp_collision_mesh_bytes( const wisp_collision_mesh* tree )
            ( tree->embree != NULL ? embree_tree_bytes( tree->embree ) : voxels_bytes( &tree->voxels ) );
 }
 
+size_t wisp_collision_mesh_outside_bytes( const wisp_collision_mesh* tree )
+{
+    return tree->embree != NULL ? embree_tree_outside_bytes( tree->embree ) : 0;
+}
+
 wisp_collision_mesh_stats wisp_collision_mesh_get_stats( const wisp_collision_mesh* tree )
 {
     wisp_collision_mesh_stats info = { .open_edge_count = tree->open_edge_count,

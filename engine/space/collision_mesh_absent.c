@@ -66,6 +66,12 @@ size_t embree_tree_bytes( const embree_tree* tree )
     return 0;
 }
 
+size_t embree_tree_outside_bytes( const embree_tree* tree )
+{
+    (void)tree;
+    return 0;
+}
+
 void embree_tree_counts( const embree_tree* tree, int* build_count, int* refit_count )
 {
     (void)tree;

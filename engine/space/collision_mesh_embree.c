@@ -192,10 +192,15 @@ void embree_tree_release( embree_tree* tree )
     base_release( &tree->surface->allocator, tree, sizeof( *tree ) );
 }
 
-size_t embree_tree_bytes( const embree_tree* tree )
+size_t embree_tree_outside_bytes( const embree_tree* tree )
 {
     int64_t nodes = atomic_load( &tree->node_bytes );
-    return sizeof( *tree ) + ( nodes > 0 ? (size_t)nodes : 0 );
+    return nodes > 0 ? (size_t)nodes : 0;
+}
+
+size_t embree_tree_bytes( const embree_tree* tree )
+{
+    return sizeof( *tree ) + embree_tree_outside_bytes( tree );
 }
 
 void embree_tree_counts( const embree_tree* tree, int* build_count, int* refit_count )

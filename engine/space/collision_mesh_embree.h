@@ -27,5 +27,7 @@ bool embree_tree_answers( const embree_tree* tree );
 void embree_tree_note( embree_tree* tree, uint64_t queried, uint64_t tested );
 
 size_t embree_tree_bytes( const embree_tree* tree );
+/// Bytes of those that are Embree's.
+size_t embree_tree_outside_bytes( const embree_tree* tree );
 /// Return the number of builds and refits.
 void embree_tree_counts( const embree_tree* tree, int* build_count, int* refit_count );

@@ -23,6 +23,21 @@ void wisp_buffer_release( wisp_buffer* buffer, const wisp_allocator* allocator )
     base_buffer_release( allocator, buffer );
 }
 
+size_t wisp_buffer_bytes( const wisp_buffer* buffers, int count )
+{
+    size_t bytes = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        bytes += buffers[i].size;
+    }
+    return bytes;
+}
+
+size_t wisp_grid_bytes( const wisp_grid* grid )
+{
+    return wisp_buffer_bytes( grid->buffers, WISP_COUNT( grid->buffers ) );
+}
+
 void wisp_grid_release( wisp_grid* grid, const wisp_allocator* allocator )
 {
     for ( int i = 0; i < WISP_COUNT( grid->buffers ); ++i )

@@ -30,6 +30,12 @@ typedef struct intersection_search
     int32_t* kept;           // [block] number of results
 } intersection_search;
 
+size_t wisp_intersections_bytes( const wisp_intersections* intersections, size_t* outside )
+{
+    return wisp_buffer_bytes( intersections->buffers, WISP_COUNT( intersections->buffers ) ) +
+           wisp_aabb_pairs_bytes( &intersections->pairs, outside );
+}
+
 void wisp_intersections_release( wisp_intersections* intersections, const wisp_allocator* allocator )
 {
     for ( int i = 0; i < WISP_COUNT( intersections->buffers ); ++i )

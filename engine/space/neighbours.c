@@ -9,6 +9,11 @@ enum
     NEIGHBOURS_SLICES = 8, // slices per block
 };
 
+size_t wisp_neighbours_bytes( const wisp_neighbours* neighbours )
+{
+    return wisp_buffer_bytes( neighbours->buffers, WISP_COUNT( neighbours->buffers ) );
+}
+
 void wisp_neighbours_release( wisp_neighbours* neighbours, const wisp_allocator* allocator )
 {
     for ( int i = 0; i < WISP_COUNT( neighbours->buffers ); ++i )

@@ -17,6 +17,11 @@ enum
     BUFFER_POINTS = 1, // and the following index
 };
 
+size_t wisp_samples_bytes( const wisp_samples* samples )
+{
+    return wisp_buffer_bytes( samples->buffers, WISP_COUNT( samples->buffers ) );
+}
+
 void wisp_samples_release( wisp_samples* samples, const wisp_allocator* allocator )
 {
     for ( int i = 0; i < WISP_COUNT( samples->buffers ); ++i )

@@ -301,6 +301,28 @@ void store_detach( store* s, wisp_entity entity, wisp_component component )
     s->structure += 1;
 }
 
+size_t store_memory( const store* s, wisp_component component, size_t* used )
+{
+    const store_component* c = s->components + component;
+    size_t row_size = 0, bytes = 0;
+    *used = 0;
+    if ( c->entity_count == 0 )
+    {
+        return 0;
+    }
+    for ( int k = 0; k < c->def.column_count; ++k )
+    {
+        row_size += c->def.columns[k].row_size;
+        bytes += column_bytes( s, c, k );
+    }
+    for ( int i = 0; i < s->entity_count; ++i )
+    {
+        const store_entity* e = s->entities + i;
+        *used += store_mask_has( &e->components, component ) ? row_size * (size_t)e->rows[c->def.table].count : 0;
+    }
+    return bytes;
+}
+
 void* store_column( const store* s, const store_entity* e, wisp_component component, int column )
 {
     if ( store_mask_has( &e->components, component ) == false || component == 0 )

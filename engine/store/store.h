@@ -77,6 +77,9 @@ void store_remove( store* s, wisp_entity entity );
 bool store_attach( store* s, wisp_entity entity, wisp_component component );
 void store_detach( store* s, wisp_entity entity, wisp_component component );
 
+/// Bytes of a component's columns. @param used receives those of rows of entities that have it
+size_t store_memory( const store* s, wisp_component component, size_t* used );
+
 /// First row of the entity's range, null if it lacks the component.
 void* store_column( const store* s, const store_entity* e, wisp_component component, int column );
 

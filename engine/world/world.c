@@ -77,6 +77,7 @@ static wisp_status build( wisp_world* world, const wisp_world_def* def, wisp_err
     int workers = def->workers > 0 ? def->workers : jobs_default_workers();
     store_init( &world->store, &world->allocator );
     plan_registry_init( &world->registry, &world->store, workers );
+    world->registry.iterations = def->iterations;
     const wisp_kernels* kernels = kernels_select( def->isa, error );
     if ( kernels == NULL )
     {

@@ -466,3 +466,12 @@ const wisp_fabric* wisp_world_fabric( wisp_world* world, wisp_entity entity )
     const store_entity* e = store_find( &world->store, entity );
     return e != NULL ? e->fabric : NULL;
 }
+
+wisp_status wisp_world_need_fabric( wisp_world* world, wisp_entity surface, unsigned arrays )
+{
+    const wisp_fabric* fabric = wisp_world_fabric( world, surface );
+    return fabric == NULL || wisp_fabric_need( fabric, arrays ) == WISP_OK
+               ? WISP_OK
+               : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the topology of entity %u",
+                                  surface.index );
+}

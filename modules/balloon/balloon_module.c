@@ -476,6 +476,11 @@ static wisp_status check_skin( wisp_world* world, wisp_entity surface, const wis
                                const balloon_state* s )
 {
     const wisp_fabric* f = wisp_world_fabric( world, surface );
+    wisp_status status = wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
     if ( f->open_edge_count > 0 && d->allow_open == false )
     {
         return balloon_refuse_open( world, f );
@@ -484,7 +489,7 @@ static wisp_status check_skin( wisp_world* world, wisp_entity surface, const wis
     {
         return WISP_OK;
     }
-    wisp_status status = wisp_world_attach( world, surface, s->rings );
+    status = wisp_world_attach( world, surface, s->rings );
     if ( status == WISP_OK )
     {
         status = check_mesh( world, f, wisp_world_column( world, surface, s->rings, 0 ) );

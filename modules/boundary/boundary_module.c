@@ -86,21 +86,36 @@ static wisp_status declare_passes( wisp_registry* r, boundary_state* s )
           .required = { s->settings },
           .reads = { x },
           .writes = { s->normals },
-          .run = boundary_find_normals },
+          .run = boundary_find_normals,
+          .fabric = WISP_FABRIC_RINGS | WISP_FABRIC_EDGES },
         { .name = "boundary.spacing",
           .stage = WISP_STAGE_DERIVE,
           .required = { s->settings, s->local },
           .reads = { x, s->settings, s->normals },
           .writes = { s->edges, s->triangles },
-          .run = boundary_find_spacing },
+          .run = boundary_find_spacing,
+          .fabric = WISP_FABRIC_RINGS | WISP_FABRIC_EDGES },
         { .name = "boundary.points",
           .stage = WISP_STAGE_DERIVE,
           .required = { s->settings },
           .reads = { x, s->settings, s->normals, s->edges, s->triangles },
           .writes = { s->edges, s->triangles },
-          .run = boundary_place_points },
+          .run = boundary_place_points,
+          .fabric = WISP_FABRIC_RINGS | WISP_FABRIC_EDGES },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
+}
+
+static size_t count_memory( const void* memory, size_t* outside )
+{
+    (void)outside;
+    const boundary_state* state = memory;
+    size_t bytes = (size_t)state->layer_capacity * sizeof( *state->layers );
+    for ( int i = 0; i < state->layer_count; ++i )
+    {
+        bytes += state->layers[i]->bytes + wisp_samples_bytes( &state->layers[i]->samples );
+    }
+    return bytes;
 }
 
 static wisp_status declare( wisp_registry* r )
@@ -110,7 +125,8 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed } );
+    wisp_declare_hooks(
+        r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
     declare_components( r, state );
     return declare_passes( r, state );
 }
@@ -308,6 +324,8 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
     boundary_state* state;
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_ranges( world, def ) : status;
+    status =
+        status == WISP_OK ? wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS ) : status;
     if ( status != WISP_OK )
     {
         return status;

@@ -52,6 +52,18 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
     cloth_remove_plate( memory, entity, wisp_world_allocator( world ) );
 }
 
+static size_t count_memory( const void* memory, size_t* outside )
+{
+    (void)outside;
+    const cloth_state* state = memory;
+    size_t bytes = (size_t)state->plate_capacity * sizeof( *state->plates );
+    for ( int i = 0; i < state->plate_count; ++i )
+    {
+        bytes += wisp_plate_bytes( state->plates[i].plate );
+    }
+    return bytes;
+}
+
 static wisp_status declare( wisp_registry* r )
 {
     cloth_state* state = wisp_declare_state( r, sizeof( cloth_state ) );
@@ -59,7 +71,8 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed } );
+    wisp_declare_hooks(
+        r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
     const wisp_component_def air = { "cloth.air", WISP_TABLE_ENTITY, AIR_COLUMNS, 1 };
     const wisp_component_def damping = { "cloth.damping", WISP_TABLE_ENTITY, DAMPING_COLUMNS, 1 };
     state->air = wisp_declare_component( r, &air );
@@ -75,6 +88,7 @@ static wisp_status declare( wisp_registry* r )
                                   .reads = { state->air, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
                                   .writes = { WISP_PARTICLE_VELOCITY },
                                   .run = cloth_blow,
+                                  .fabric = WISP_FABRIC_RINGS,
                                   .user = state,
                               } );
     if ( status != WISP_OK )
@@ -103,6 +117,7 @@ static wisp_status declare( wisp_registry* r )
                                      .reads = { state->damping, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
                                      .writes = { WISP_PARTICLE_VELOCITY },
                                      .run = cloth_damp,
+                                     .fabric = WISP_FABRIC_RINGS,
                                      .user = state,
                                  } );
 }

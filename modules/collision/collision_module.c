@@ -196,6 +196,21 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), state );
 }
 
+static size_t count_memory( const void* memory, size_t* outside )
+{
+    const collision_state* state = memory;
+    size_t bytes = (size_t)state->body_capacity * sizeof( collision_body ) +
+                   (size_t)state->participant_capacity * sizeof( wisp_entity );
+    for ( int i = 0; i < state->body_count; ++i )
+    {
+        const wisp_collision_mesh* mesh = state->bodies[i].tree;
+        const size_t elsewhere = mesh != NULL ? wisp_collision_mesh_outside_bytes( mesh ) : 0;
+        bytes += mesh != NULL ? wisp_collision_mesh_bytes( mesh ) - elsewhere : 0;
+        *outside += elsewhere;
+    }
+    return bytes;
+}
+
 static wisp_status declare( wisp_registry* r )
 {
     collision_state* state = wisp_declare_state( r, sizeof( collision_state ) );
@@ -205,7 +220,8 @@ static wisp_status declare( wisp_registry* r )
     }
     wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
                                                   .removed = entity_removed,
-                                                  .teleported = entity_teleported } );
+                                                  .teleported = entity_teleported,
+                                                  .memory = count_memory } );
     wisp_status status = declare_components( r, state );
     return status == WISP_OK ? declare_passes( r, state ) : status;
 }

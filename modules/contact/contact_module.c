@@ -32,12 +32,22 @@ static void release_buffers( wisp_buffer* buffers, int count, const wisp_allocat
     }
 }
 
+// Stages that have an array of buffers.
+#define CONTACT_BUFFERED_STAGES( X )                                                                                 \
+    X( contact_mesh )                                                                                                \
+    X( clusters )                                                                                                    \
+    X( motion )                                                                                                      \
+    X( bounds )                                                                                                      \
+    X( samples )                                                                                                     \
+    X( colouring )                                                                                                   \
+    X( limit )                                                                                                       \
+    X( supports )
+
 static void release_stages( contact_state* s, const wisp_allocator* allocator )
 {
-    release_buffers( s->contact_mesh.buffers, WISP_COUNT( s->contact_mesh.buffers ), allocator );
-    release_buffers( s->clusters.buffers, WISP_COUNT( s->clusters.buffers ), allocator );
-    release_buffers( s->motion.buffers, WISP_COUNT( s->motion.buffers ), allocator );
-    release_buffers( s->bounds.buffers, WISP_COUNT( s->bounds.buffers ), allocator );
+#define RELEASE( stage ) release_buffers( s->stage.buffers, WISP_COUNT( s->stage.buffers ), allocator );
+    CONTACT_BUFFERED_STAGES( RELEASE )
+#undef RELEASE
     wisp_buffer_release( &s->broad_phase.box_buffer, allocator );
     wisp_aabb_pairs_release( &s->broad_phase.overlaps, allocator );
     wisp_buffer_release( &s->intersections.buffer, allocator );
@@ -46,17 +56,13 @@ static void release_stages( contact_state* s, const wisp_allocator* allocator )
     {
         wisp_buffer_release( &s->primitives.near[kind].buffer, allocator );
     }
-    release_buffers( s->samples.buffers, WISP_COUNT( s->samples.buffers ), allocator );
     wisp_buffer_release( &s->samples.candidate_buffer, allocator );
     wisp_samples_release( &s->samples.sampler, allocator );
     wisp_aabb_pairs_release( &s->samples.overlaps, allocator );
     wisp_buffer_release( &s->constraints.row_buffer, allocator );
     wisp_buffer_release( &s->constraints.missed_buffer, allocator );
     wisp_buffer_release( &s->constraints.spare_buffer, allocator );
-    release_buffers( s->colouring.buffers, WISP_COUNT( s->colouring.buffers ), allocator );
     wisp_buffer_release( &s->colouring.point_buffer, allocator );
-    release_buffers( s->limit.buffers, WISP_COUNT( s->limit.buffers ), allocator );
-    release_buffers( s->supports.buffers, WISP_COUNT( s->supports.buffers ), allocator );
     wisp_buffer_release( &s->untangling.buffer, allocator );
 }
 
@@ -69,6 +75,28 @@ static void release_state( void* memory, const wisp_allocator* allocator )
         allocator->release( allocator->user, state->participants,
                             (size_t)state->participant_capacity * sizeof( contact_participant ) );
     }
+}
+
+static size_t count_memory( const void* memory, size_t* outside )
+{
+    const contact_state* s = memory;
+    const wisp_buffer single[] = { s->broad_phase.box_buffer,    s->intersections.buffer,
+                                   s->samples.candidate_buffer,  s->constraints.row_buffer,
+                                   s->constraints.missed_buffer, s->constraints.spare_buffer,
+                                   s->colouring.point_buffer,    s->untangling.buffer };
+    size_t bytes = (size_t)s->participant_capacity * sizeof( contact_participant ) +
+                   wisp_buffer_bytes( single, WISP_COUNT( single ) ) + wisp_samples_bytes( &s->samples.sampler ) +
+                   wisp_aabb_pairs_bytes( &s->broad_phase.overlaps, outside ) +
+                   wisp_aabb_pairs_bytes( &s->samples.overlaps, outside ) +
+                   wisp_intersections_bytes( &s->intersections.intersections, outside );
+    for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
+    {
+        bytes += s->primitives.near[kind].buffer.size;
+    }
+#define ADD( stage ) bytes += wisp_buffer_bytes( s->stage.buffers, WISP_COUNT( s->stage.buffers ) );
+    CONTACT_BUFFERED_STAGES( ADD )
+#undef ADD
+    return bytes;
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
@@ -179,7 +207,8 @@ static wisp_status declare( wisp_registry* r )
         .limit = &state->limit,
         .untangling = &state->untangling,
     };
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed } );
+    wisp_declare_hooks(
+        r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
     wisp_status status = declare_components( r, state );
     status = status == WISP_OK ? declare_passes( r, state, false ) : status;
     return status == WISP_OK ? declare_passes( r, state, true ) : status;

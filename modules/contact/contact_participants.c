@@ -122,6 +122,7 @@ static wisp_status check_participant( wisp_world* world, wisp_entity participant
     {
         void* state;
         status = wisp_world_surface_state( world, "contact", participant, &state );
+        status = status == WISP_OK ? wisp_world_need_fabric( world, participant, WISP_FABRIC_EDGES ) : status;
         return status == WISP_OK && wisp_world_has( world, participant, WISP_PARTICLE_EXTERNAL_SOLVER )
                    ? wisp_world_fail(
                          world, WISP_CONFLICT,

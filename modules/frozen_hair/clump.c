@@ -19,6 +19,16 @@ size_t frozen_clump_workspace_size( void )
     return sizeof( clump_workspace );
 }
 
+size_t frozen_clump_workspace_bytes( const void* workspace )
+{
+    const clump_workspace* w = workspace;
+    const wisp_buffer buffers[] = { w->items, w->slots,  w->slices,     w->measured,
+                                    w->most,  w->strays, w->late_pairs, w->late_lists };
+    return wisp_grid_bytes( &w->grid ) + wisp_grid_bytes( &w->moved_grid ) + wisp_neighbours_bytes( &w->lists ) +
+           wisp_neighbours_bytes( &w->moved_lists ) + wisp_neighbours_bytes( &w->stray_lists ) +
+           wisp_buffer_bytes( buffers, WISP_COUNT( buffers ) );
+}
+
 void frozen_clump_workspace_release( void* workspace, const wisp_allocator* allocator )
 {
     clump_workspace* w = workspace;

@@ -173,7 +173,8 @@ static wisp_status declare( wisp_registry* r )
         r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );
     FROZEN_COMPONENTS( FROZEN_DECLARE )
 #undef FROZEN_DECLARE
-    s->workspace = wisp_declare_workspace( r, frozen_clump_workspace_size(), frozen_clump_workspace_release );
+    s->workspace = wisp_declare_workspace( r, frozen_clump_workspace_size(), frozen_clump_workspace_release,
+                                           frozen_clump_workspace_bytes );
     return s->workspace < 0 ? WISP_NO_MEMORY : declare_stages( r, s );
 }
 

@@ -84,3 +84,4 @@ enum
 wisp_pass_fn frozen_clump_run;
 size_t frozen_clump_workspace_size( void );
 void frozen_clump_workspace_release( void* workspace, const wisp_allocator* allocator );
+size_t frozen_clump_workspace_bytes( const void* workspace );

@@ -27,6 +27,8 @@ typedef struct guide_memory
 /// A zeroed block, 64-byte aligned, of at least one element. @return null without memory, which sets `failed`
 void* guide_take( guide_memory* memory, size_t count, size_t element );
 void guide_give_back( guide_memory* memory );
+/// Bytes of its blocks.
+size_t guide_memory_bytes( const guide_memory* memory );
 
 // ---- points in double precision, for cooking ----
 

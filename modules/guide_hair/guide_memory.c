@@ -28,6 +28,16 @@ void guide_give_back( guide_memory* memory )
     memory->count = 0;
 }
 
+size_t guide_memory_bytes( const guide_memory* memory )
+{
+    size_t bytes = 0;
+    for ( int i = 0; i < memory->count; ++i )
+    {
+        bytes += memory->bytes[i];
+    }
+    return bytes;
+}
+
 bool guide_read_shape( wisp_world* world, wisp_entity strands, guide_memory* memory, guide_shape* shape )
 {
     const wisp_strand_topology* t = wisp_world_strands( world, strands );

@@ -170,6 +170,22 @@ static wisp_status declare_curves( wisp_registry* r, guide_state* s )
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
+static size_t count_memory( const void* memory, size_t* outside )
+{
+    (void)outside;
+    const guide_state* state = memory;
+    size_t bytes = (size_t)( state->follower_capacity + state->drawing_capacity ) * sizeof( void* );
+    for ( int i = 0; i < state->follower_count; ++i )
+    {
+        bytes += sizeof( *state->followers[i] ) + guide_memory_bytes( &state->followers[i]->memory );
+    }
+    for ( int i = 0; i < state->drawing_count; ++i )
+    {
+        bytes += sizeof( *state->drawings[i] ) + guide_memory_bytes( &state->drawings[i]->memory );
+    }
+    return bytes;
+}
+
 static wisp_status declare( wisp_registry* r )
 {
     guide_state* s = wisp_declare_state( r, sizeof( guide_state ) );
@@ -177,7 +193,8 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed } );
+    wisp_declare_hooks(
+        r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
 #define GUIDE_DECLARE( member, name, table, columns )                                                                \
     s->member = wisp_declare_component(                                                                              \
         r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );

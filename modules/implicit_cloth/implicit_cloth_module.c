@@ -80,6 +80,18 @@ static wisp_status entity_teleported( void* memory, wisp_world* world, wisp_enti
     return WISP_OK;
 }
 
+static size_t count_memory( const void* memory, size_t* outside )
+{
+    (void)outside;
+    const implicit_state* state = memory;
+    size_t bytes = (size_t)state->link_capacity * sizeof( *state->links );
+    for ( int i = 0; i < state->link_count; ++i )
+    {
+        bytes += state->links[i]->bytes + wisp_plate_bytes( state->links[i]->plate );
+    }
+    return bytes;
+}
+
 static wisp_status declare( wisp_registry* r )
 {
     implicit_state* state = wisp_declare_state( r, sizeof( implicit_state ) );
@@ -89,7 +101,8 @@ static wisp_status declare( wisp_registry* r )
     }
     wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
                                                   .removed = entity_removed,
-                                                  .teleported = entity_teleported } );
+                                                  .teleported = entity_teleported,
+                                                  .memory = count_memory } );
     const struct
     {
         wisp_component* component;

@@ -37,6 +37,12 @@ size_t strands_grid_workspace_size( void )
     return sizeof( grid_workspace );
 }
 
+size_t strands_grid_workspace_bytes( const void* memory )
+{
+    const grid_workspace* w = memory;
+    return wisp_grid_bytes( &w->grid ) + w->xyzw.size + w->entries.size + w->corners.size;
+}
+
 void strands_grid_workspace_release( void* memory, const wisp_allocator* allocator )
 {
     grid_workspace* w = memory;

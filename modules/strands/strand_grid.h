@@ -7,3 +7,4 @@ wisp_pass_fn strands_mix;
 
 size_t strands_grid_workspace_size( void );
 void strands_grid_workspace_release( void* workspace, const wisp_allocator* allocator );
+size_t strands_grid_workspace_bytes( const void* workspace );

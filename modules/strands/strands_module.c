@@ -342,6 +342,12 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     }
 }
 
+static size_t count_memory( const void* memory, size_t* outside )
+{
+    (void)outside;
+    return (size_t)( (const strands_state*)memory )->rooted_capacity * sizeof( wisp_entity );
+}
+
 static wisp_status declare( wisp_registry* r )
 {
     strands_state* s = wisp_declare_state( r, sizeof( strands_state ) );
@@ -351,14 +357,17 @@ static wisp_status declare( wisp_registry* r )
     }
     wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
                                                   .removed = strands_entity_removed,
-                                                  .teleported = strands_teleported } );
+                                                  .teleported = strands_teleported,
+                                                  .memory = count_memory } );
 #define STRANDS_DECLARE( member, name, table, columns )                                                              \
     s->member = wisp_declare_component(                                                                              \
         r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );
     STRANDS_COMPONENTS( STRANDS_DECLARE )
 #undef STRANDS_DECLARE
-    s->workspace = wisp_declare_workspace( r, strands_grid_workspace_size(), strands_grid_workspace_release );
-    if ( s->workspace < 0 )
+    s->workspace = wisp_declare_workspace( r, strands_grid_workspace_size(), strands_grid_workspace_release,
+                                           strands_grid_workspace_bytes );
+    s->lent_rows = wisp_declare_workspace( r, strands_lent_rows_size(), NULL, NULL );
+    if ( s->workspace < 0 || s->lent_rows < 0 )
     {
         return WISP_NO_MEMORY;
     }

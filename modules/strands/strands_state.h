@@ -143,6 +143,7 @@ typedef struct strands_state
     STRANDS_COMPONENTS( STRANDS_MEMBER )
 #undef STRANDS_MEMBER
     int workspace;       // of the grid
+    int lent_rows;       // workspace of substeps that run pass by pass
     wisp_entity* rooted; // strands that are rooted in a surface, in the order of calls
     int rooted_count, rooted_capacity;
 } strands_state;

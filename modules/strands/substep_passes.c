@@ -33,6 +33,11 @@
 // Fraction by which inextensible strands may be too long without being counted.
 static const float MAX_STRETCH = 0.05f;
 
+enum
+{
+    BETWEEN_FLOATS = 7 * WISP_LANES, // of a row: previous position, segment, speed
+};
+
 static float* column_of( wisp_frame* frame, const wisp_span* span, wisp_component component, int column )
 {
     return wisp_frame_column( frame, span->entity, component, column );
@@ -54,6 +59,60 @@ float* strands_scratch( wisp_frame* frame, const wisp_span* span, int floats )
                          bytes, group_row[1] - group_row[0] );
     }
     return scratch;
+}
+
+// ---- rows between the passes of a substep ----
+
+// Rows of the span that a worker runs pass by pass: the prediction takes them, the passes after it find them.
+typedef struct lent_rows
+{
+    float* rows;
+} lent_rows;
+
+size_t strands_lent_rows_size( void )
+{
+    return sizeof( lent_rows );
+}
+
+typedef struct rows_between
+{
+    float *previous, *segment, *speed;
+} rows_between;
+
+// An address so many floats before a block: kernels add the place of the first row of the span.
+static float* before( float* rows, size_t floats )
+{
+    return (float*)( (uintptr_t)rows - floats * sizeof( float ) );
+}
+
+// Columns that mean nothing between substeps. An entity whose substeps are fused has none: where one of them runs pass by pass
+// all the same, to measure times, its rows are scratch memory.
+// @param begins the pass is the first of the substep that has them
+// @return false without memory
+static bool find_rows_between( wisp_frame* frame, const wisp_span* span, const strands_state* state, bool begins,
+                               rows_between* out )
+{
+    out->previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 );
+    if ( out->previous != NULL )
+    {
+        out->segment = column_of( frame, span, WISP_STRAND_PREVIOUS, 1 );
+        out->speed = column_of( frame, span, WISP_STRAND_PREVIOUS, 2 );
+        return true;
+    }
+    lent_rows* lent = wisp_frame_workspace( frame, state->lent_rows, span->worker );
+    const int groups = span->end - span->begin;
+    lent->rows = begins ? strands_scratch( frame, span, groups * BETWEEN_FLOATS ) : lent->rows;
+    if ( lent->rows == NULL )
+    {
+        return false;
+    }
+    const int32_t* group_row = rows_of( frame, span );
+    const int first = group_row[span->begin], longest = group_row[1] - group_row[0];
+    const size_t vector = strands_vector( first, 0 ), all = (size_t)( groups * longest ) * 3 * WISP_LANES;
+    out->previous = before( lent->rows, vector );
+    out->segment = before( lent->rows + all, vector );
+    out->speed = before( lent->rows + 2 * all, strands_scalar( first, 0 ) );
+    return true;
 }
 
 // ---- forces ----
@@ -171,9 +230,6 @@ wisp_strand_motion_args strands_motion_args( wisp_frame* frame, const wisp_span*
     return ( wisp_strand_motion_args ){
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
-        .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
-        .segment = column_of( frame, span, WISP_STRAND_PREVIOUS, 1 ),
-        .speed = column_of( frame, span, WISP_STRAND_PREVIOUS, 2 ),
         .low = column_of( frame, span, state->low, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
@@ -186,6 +242,19 @@ wisp_strand_motion_args strands_motion_args( wisp_frame* frame, const wisp_span*
     };
 }
 
+// The same with the rows between passes, for a pass alone. @return false without memory
+static bool motion_args_between( wisp_frame* frame, const wisp_span* span, const strands_state* state, bool begins,
+                                 wisp_strand_motion_args* out )
+{
+    rows_between rows;
+    const bool has_memory = find_rows_between( frame, span, state, begins, &rows );
+    *out = strands_motion_args( frame, span, state );
+    out->previous = has_memory ? rows.previous : NULL;
+    out->segment = has_memory ? rows.segment : NULL;
+    out->speed = has_memory ? rows.speed : NULL;
+    return has_memory;
+}
+
 void strands_extrapolate( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const wisp_strand_motion_args args = strands_motion_args( frame, span, user );
@@ -194,8 +263,11 @@ void strands_extrapolate( wisp_frame* frame, const wisp_span* span, void* user )
 
 void strands_predict( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const wisp_strand_motion_args args = strands_motion_args( frame, span, user );
-    wisp_frame_kernels( frame )->strand_predict( &args, span->begin, span->end );
+    wisp_strand_motion_args args;
+    if ( motion_args_between( frame, span, user, true, &args ) )
+    {
+        wisp_frame_kernels( frame )->strand_predict( &args, span->begin, span->end );
+    }
 }
 
 void strands_count_first_order( wisp_frame* frame, int strands )
@@ -208,8 +280,12 @@ void strands_count_first_order( wisp_frame* frame, int strands )
 
 void strands_read_velocity( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const wisp_strand_motion_args args = strands_motion_args( frame, span, user );
-    strands_count_first_order( frame, wisp_frame_kernels( frame )->strand_velocity( &args, span->begin, span->end ) );
+    wisp_strand_motion_args args;
+    if ( motion_args_between( frame, span, user, false, &args ) )
+    {
+        strands_count_first_order( frame,
+                                   wisp_frame_kernels( frame )->strand_velocity( &args, span->begin, span->end ) );
+    }
 }
 
 wisp_strand_rod_args strands_rod_args( wisp_frame* frame, const wisp_span* span, const strands_state* state,
@@ -219,8 +295,6 @@ wisp_strand_rod_args strands_rod_args( wisp_frame* frame, const wisp_span* span,
     wisp_strand_rod_args args = {
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
-        .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
-        .segment = column_of( frame, span, WISP_STRAND_PREVIOUS, 1 ),
         .low = column_of( frame, span, state->low, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
@@ -254,9 +328,12 @@ wisp_strand_rod_args strands_rod_args( wisp_frame* frame, const wisp_span* span,
 static void bend( wisp_frame* frame, const wisp_span* span, const strands_state* state, bool has_frames )
 {
     wisp_strand_rod_args args = strands_rod_args( frame, span, state, has_frames );
+    rows_between rows;
     args.scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH );
-    if ( args.scratch != NULL )
+    if ( args.scratch != NULL && find_rows_between( frame, span, state, false, &rows ) )
     {
+        args.previous = rows.previous;
+        args.segment = rows.segment;
         wisp_frame_kernels( frame )->strand_rod( &args, span->begin, span->end );
     }
 }
@@ -291,8 +368,6 @@ static wisp_strand_link_args link_args( wisp_frame* frame, const wisp_span* span
     return ( wisp_strand_link_args ){
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
-        .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
-        .segment = column_of( frame, span, WISP_STRAND_PREVIOUS, 1 ),
         .low = column_of( frame, span, state->low, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
@@ -313,8 +388,17 @@ wisp_strand_link_args strands_bend_link_args( wisp_frame* frame, const wisp_span
                       state->bend_link, 2 );
 }
 
-static void project_links( wisp_frame* frame, const wisp_span* span, const wisp_strand_link_args* args )
+// @return false without memory
+static bool project_links( wisp_frame* frame, const wisp_span* span, const strands_state* state,
+                           wisp_strand_link_args* args )
 {
+    rows_between rows;
+    if ( find_rows_between( frame, span, state, false, &rows ) == false )
+    {
+        return false;
+    }
+    args->previous = rows.previous;
+    args->segment = rows.segment;
     if ( args->lambda != NULL && span->iteration == 0 )
     {
         const size_t begin = strands_scalar( args->group_row[span->begin], 0 );
@@ -322,6 +406,7 @@ static void project_links( wisp_frame* frame, const wisp_span* span, const wisp_
         memset( args->lambda + begin, 0, ( end - begin ) * sizeof( float ) );
     }
     wisp_frame_kernels( frame )->strand_link( args, span->begin, span->end );
+    return true;
 }
 
 // Links that are inextensible by definition, but not by so few sweeps: masses that grow along a strand need about as many
@@ -347,15 +432,17 @@ void strands_link_rows( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_link* link = wisp_frame_column( frame, span->entity, state->links, 0 );
-    const wisp_strand_link_args args = link_args( frame, span, state, link, state->stretch_link, 1 );
-    project_links( frame, span, &args );
-    count_stretched( frame, span, link, &args );
+    wisp_strand_link_args args = link_args( frame, span, state, link, state->stretch_link, 1 );
+    if ( project_links( frame, span, state, &args ) )
+    {
+        count_stretched( frame, span, link, &args );
+    }
 }
 
 void strands_bend_link( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const wisp_strand_link_args args = strands_bend_link_args( frame, span, user );
-    project_links( frame, span, &args );
+    wisp_strand_link_args args = strands_bend_link_args( frame, span, user );
+    (void)project_links( frame, span, user, &args );
 }
 
 void strands_follow( wisp_frame* frame, const wisp_span* span, void* user )
@@ -388,9 +475,6 @@ wisp_strand_stretch_args strands_stretch_args( wisp_frame* frame, const wisp_spa
     return ( wisp_strand_stretch_args ){
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
-        .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
-        .segment = column_of( frame, span, WISP_STRAND_PREVIOUS, 1 ),
-        .speed = column_of( frame, span, WISP_STRAND_PREVIOUS, 2 ),
         .low = column_of( frame, span, state->low, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
@@ -416,9 +500,13 @@ void strands_count_reset( wisp_frame* frame, int laid )
 
 void strands_stretch( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const wisp_strand_stretch_args args = strands_stretch_args( frame, span, user );
-    if ( args.scratch != NULL )
+    wisp_strand_stretch_args args = strands_stretch_args( frame, span, user );
+    rows_between rows;
+    if ( args.scratch != NULL && find_rows_between( frame, span, user, false, &rows ) )
     {
+        args.previous = rows.previous;
+        args.segment = rows.segment;
+        args.speed = rows.speed;
         strands_count_reset( frame, wisp_frame_kernels( frame )->strand_stretch( &args, span->begin, span->end ) );
     }
 }

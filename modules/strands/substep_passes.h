@@ -7,7 +7,10 @@ wisp_pass_fn strands_extrapolate, strands_damp, strands_damp_anchored, strands_d
 wisp_pass_fn strands_bend_curved;
 wisp_pass_fn strands_bend_link, strands_link_rows, strands_follow, strands_stretch, strands_read_velocity;
 
-/// Fill the arguments of kernels with the columns of a span's entity.
+/// Size of a worker's memory of where rows between passes are.
+size_t strands_lent_rows_size( void );
+
+/// Fill the arguments of kernels with the columns of a span's entity, without those between the passes of a substep.
 wisp_strand_motion_args strands_motion_args( wisp_frame* frame, const wisp_span* span, const strands_state* state );
 wisp_strand_link_args strands_bend_link_args( wisp_frame* frame, const wisp_span* span, const strands_state* state );
 wisp_strand_stretch_args strands_stretch_args( wisp_frame* frame, const wisp_span* span, const strands_state* state );

@@ -158,6 +158,7 @@ static void a_surface_starts_away_from_rest_and_its_pins_are_only_scaled( void**
         assert_near( point_of( &f, 0, 14 ), rows[i].corner[0], rows[i].corner[1], rows[i].corner[2] );
         // lengths at rest are those of the mesh
         const wisp_fabric* fabric = f.world.surfaces[0].fabric;
+        assert_int_equal( wisp_fabric_need( fabric, WISP_FABRIC_EDGES ), WISP_OK );
         const wisp_vec3 a = fabric->rest[fabric->edges[0]], b = fabric->rest[fabric->edges[1]];
         assert_true( fabsf( hypotf( hypotf( a.x - b.x, a.y - b.y ), a.z - b.z ) - 1.0f ) < 1e-5f );
         release( &f );

@@ -465,7 +465,7 @@ static void a_quick_run_has_the_coarsest_and_the_middle_of_each_series_and_all_o
         snprintf( settings[i].series, sizeof( settings[i].series ), "%s", expected[i].series );
     }
     accuracy_scene scene = { .settings = settings, .setting_count = WISP_COUNT( expected ) };
-    accuracy_thin( &scene, numbers );
+    accuracy_thin( &scene, NULL, numbers );
 
     int kept = 0;
     for ( int i = 0; i < WISP_COUNT( expected ); ++i )
@@ -479,6 +479,22 @@ static void a_quick_run_has_the_coarsest_and_the_middle_of_each_series_and_all_o
         }
     }
     assert_int_equal( scene.setting_count, kept );
+}
+
+static void rows_that_a_suite_names_as_quick_are_those_of_a_quick_run( void** state )
+{
+    (void)state;
+    accuracy_setting settings[4] = { { .series = "one", .parameter = 1.0 },
+                                     { .series = "one", .parameter = 2.0 },
+                                     { .series = "one", .parameter = 3.0 },
+                                     { .series = "" } };
+    suite_row rows[4] = { { .is_slow = true }, { .is_slow = false }, { .is_slow = true }, { .is_slow = true } };
+    const wisp_suite suite = { .rows = rows, .row_count = 4 };
+    int numbers[4];
+    accuracy_scene scene = { .settings = settings, .setting_count = 4 };
+    accuracy_thin( &scene, &suite, numbers );
+    assert_int_equal( scene.setting_count, 1 );
+    assert_int_equal( numbers[0], 1 );
 }
 
 // Setting 1 is the fine end of the second series.
@@ -582,6 +598,7 @@ int main( void )
         cmocka_unit_test( values_between_two_round_numbers_have_the_one_above ),
         cmocka_unit_test( the_best_within_a_limit_is_the_cheapest_that_takes_part ),
         cmocka_unit_test( a_quick_run_has_the_coarsest_and_the_middle_of_each_series_and_all_of_no_series ),
+        cmocka_unit_test( rows_that_a_suite_names_as_quick_are_those_of_a_quick_run ),
         cmocka_unit_test_setup( a_quick_run_runs_the_settings_that_it_names_and_says_how_many_there_are,
                                 forget_fake ),
         cmocka_unit_test_setup( each_setting_is_observed_once_and_timed_at_least_once, forget_fake ),

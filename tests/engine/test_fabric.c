@@ -65,6 +65,61 @@ static void every_mesh_becomes_the_fabric_that_brute_force_expects( void** state
     free_cases( cases );
 }
 
+static void a_lean_fabric_makes_the_same_arrays_when_they_are_needed( void** state )
+{
+    (void)state;
+    test_case cases[CASE_COUNT];
+    make_cases( cases );
+    for ( int i = 0; i < CASE_COUNT; ++i )
+    {
+        wisp_fabric_def def = test_fabric_def( &cases[i].mesh );
+        wisp_fabric* whole = test_fabric_cook( &def );
+        def.lean = true;
+        wisp_fabric* lean = test_fabric_cook( &def );
+        assert_null( lean->edges );
+        assert_null( lean->ring_begin );
+        assert_null( lean->ring_x4 );
+        assert_true( lean->hash == whole->hash );
+        assert_true( wisp_fabric_bytes( lean ) < wisp_fabric_bytes( whole ) );
+        assert_int_equal( wisp_fabric_need( lean, WISP_FABRIC_EDGES ), WISP_OK );
+        assert_non_null( lean->edges );
+        assert_null( lean->ring_begin );
+        const int32_t* edges = lean->edges;
+        assert_int_equal( wisp_fabric_need( lean, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS ), WISP_OK );
+        assert_ptr_equal( lean->edges, edges );
+        assert_memory_equal( lean->edges, whole->edges, 2 * (size_t)whole->edge_count * sizeof( int32_t ) );
+        const size_t slices = (size_t)whole->ring_slice_count + 1;
+        assert_memory_equal( lean->ring_begin, whole->ring_begin, slices * sizeof( int32_t ) );
+        assert_memory_equal( lean->ring_x4, whole->ring_x4,
+                             (size_t)whole->ring_begin[slices - 1] * sizeof( *whole->ring_x4 ) );
+        assert_int_equal( wisp_fabric_bytes( lean ), wisp_fabric_bytes( whole ) );
+        wisp_fabric_release( lean );
+        wisp_fabric_release( whole );
+    }
+    free_cases( cases );
+}
+
+static void a_lean_fabric_is_saved_whole( void** state )
+{
+    (void)state;
+    test_mesh mesh = test_mesh_plane( 20, 10 );
+    wisp_fabric_def def = test_fabric_def( &mesh );
+    wisp_fabric* whole = test_fabric_cook( &def );
+    def.lean = true;
+    wisp_fabric* lean = test_fabric_cook( &def );
+    const size_t size = wisp_fabric_saved_size( lean );
+    assert_int_equal( size, wisp_fabric_saved_size( whole ) );
+    unsigned char *a = checked_malloc( size ), *b = checked_malloc( size );
+    wisp_fabric_save( lean, a );
+    wisp_fabric_save( whole, b );
+    assert_memory_equal( a, b, size );
+    free( a );
+    free( b );
+    wisp_fabric_release( lean );
+    wisp_fabric_release( whole );
+    test_mesh_free( &mesh );
+}
+
 static void shuffled_meshes_hold_as_well( void** state )
 {
     (void)state;
@@ -566,6 +621,8 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( every_mesh_becomes_the_fabric_that_brute_force_expects ),
+        cmocka_unit_test( a_lean_fabric_makes_the_same_arrays_when_they_are_needed ),
+        cmocka_unit_test( a_lean_fabric_is_saved_whole ),
         cmocka_unit_test( shuffled_meshes_hold_as_well ),
         cmocka_unit_test( a_plane_has_the_edges_that_counting_gives ),
         cmocka_unit_test( a_sphere_has_no_border_and_eulers_number_two ),

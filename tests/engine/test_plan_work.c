@@ -102,7 +102,7 @@ static wisp_status declare_work( wisp_registry* r )
     work.a = wisp_declare_component( r, &( wisp_component_def ){ "work.a", WISP_TABLE_STRAND_GROUP, value, 1 } );
     work.b = wisp_declare_component( r, &( wisp_component_def ){ "work.b", WISP_TABLE_STRAND_GROUP, value, 1 } );
     work.sum = wisp_declare_component( r, &( wisp_component_def ){ "work.sum", WISP_TABLE_ENTITY, sum, 1 } );
-    work.workspace = wisp_declare_workspace( r, sizeof( work_space ), release_space );
+    work.workspace = wisp_declare_workspace( r, sizeof( work_space ), release_space, NULL );
     const wisp_pass passes[] = {
         { .name = "work.count",
           .stage = SHAPE,

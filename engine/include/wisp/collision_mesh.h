@@ -75,6 +75,8 @@ WISP_API wisp_status wisp_collision_mesh_update( wisp_collision_mesh* mesh, cons
 
 /// @return bytes of the tree or the voxels, Embree's included
 WISP_API size_t wisp_collision_mesh_bytes( const wisp_collision_mesh* mesh );
+/// @return bytes of those that are Embree's, and not of the allocator
+WISP_API size_t wisp_collision_mesh_outside_bytes( const wisp_collision_mesh* mesh );
 
 /// Statistics of a mesh and its search structure.
 typedef struct wisp_collision_mesh_stats

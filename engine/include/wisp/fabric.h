@@ -38,6 +38,13 @@ typedef enum wisp_solve_order
     WISP_SOLVE_ORDER_COUNT,
 } wisp_solve_order;
 
+/// Arrays that a lean fabric has only where something asked for them with wisp_fabric_need().
+typedef enum wisp_fabric_arrays
+{
+    WISP_FABRIC_EDGES = 1, ///< `edges`
+    WISP_FABRIC_RINGS = 2, ///< `ring_begin` and `ring_x4`
+} wisp_fabric_arrays;
+
 /// What to cook. Fill from wisp_default_fabric_def(). Need not outlive the call.
 typedef struct wisp_fabric_def
 {
@@ -54,6 +61,9 @@ typedef struct wisp_fabric_def
     bool
         coarse_sheets; ///< default false: coarse sheets, each with about a quarter of the vertices of the next finer one, down to
                        ///< about 17 x 17. A small mesh has none
+    bool
+        lean; ///< default false: all arrays are kept. true: those of wisp_fabric_arrays are null until something needs them, which
+    ///< saves about 60 bytes per vertex where nothing does. Effects and requests of a world ask for what they need
     wisp_solve_order solve_order; ///< default WISP_SOLVE_ORDER_COLOUR
     int tile_size; ///< vertices, a multiple of 8 in 64 .. 65536; default 0: 1024, 512 or 256, so that there are at least 4
     uint32_t cookie;
@@ -171,9 +181,14 @@ WISP_API void wisp_fabric_retain( wisp_fabric* fabric );
 /// Drop a reference; the last one frees the fabric. Null is allowed.
 WISP_API void wisp_fabric_release( wisp_fabric* fabric );
 
-/// @return bytes that wisp_fabric_save() writes
+/// Make arrays that a lean fabric does not have yet. Thread-safe; they stay as long as the fabric.
+/// @param arrays wisp_fabric_arrays or-ed
+/// @return WISP_NO_MEMORY
+WISP_API wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned arrays );
+
+/// Makes all arrays of a lean fabric. @return bytes that wisp_fabric_save() writes; 0 without memory for them
 WISP_API size_t wisp_fabric_saved_size( const wisp_fabric* fabric );
-/// Write a fabric, for wisp_fabric_load(). @param out [wisp_fabric_saved_size()] bytes
+/// Write a fabric, for wisp_fabric_load(). @param out [wisp_fabric_saved_size()] bytes, which was called before
 WISP_API void wisp_fabric_save( const wisp_fabric* fabric, void* out );
 /// Read a saved fabric. The bytes are untrusted: every index is checked.
 /// @return WISP_BAD_INPUT the bytes are not a fabric of this version (the message names the defect); WISP_NO_MEMORY

@@ -296,6 +296,28 @@ WISP_API const char* wisp_counter_name( wisp_counter counter );
 
 /// @return bytes that the world holds now: columns, topology and buffers
 WISP_API size_t wisp_world_memory( const wisp_world* world );
+
+/// What a part of a world's memory is.
+typedef enum wisp_memory_kind
+{
+    WISP_MEMORY_ENGINE,    ///< the world itself, entities, topology of strands, plan, scratch of the workers
+    WISP_MEMORY_MODULE,    ///< state of a module and what that keeps: lists of contacts, colliders, followers, plates
+    WISP_MEMORY_COMPONENT, ///< columns of a component
+    WISP_MEMORY_OUTSIDE, ///< not in wisp_world_memory(): fabrics, which have allocators of their own, and trees of Embree
+} wisp_memory_kind;
+
+typedef struct wisp_memory_part
+{
+    const char* name; ///< static, or of a component or module: "particle.position", "contact", "scratch"
+    wisp_memory_kind kind;
+    size_t bytes;    ///< in use: of components the rows of entities that have it, of modules what they keep for those
+    size_t capacity; ///< allocated. Over all parts but WISP_MEMORY_OUTSIDE the sum is wisp_world_memory()
+} wisp_memory_part;
+
+/// Tell where the memory of a world goes. Parts without bytes are left out.
+/// @param out [capacity] receives the parts, in the order of their kinds; may be null with capacity 0
+/// @return the number of parts, which may exceed `capacity`
+WISP_API int wisp_world_memory_parts( const wisp_world* world, wisp_memory_part* out, int capacity );
 /// @return the number of workers
 WISP_API int wisp_world_workers( const wisp_world* world );
 /// @return the instruction set in use: "baseline", "avx2" or "avx512"
@@ -357,6 +379,7 @@ enum
     WISP_PARTICLE_HALF_SPACES,
     WISP_LINK_STIFFNESS,
     WISP_LINK_COMPLIANCE,
+    WISP_LINK_LAMBDA,
     WISP_LINK_LIMIT,
     WISP_LINK_FOLDS,
     WISP_HINGE_REST,

@@ -35,6 +35,7 @@
     X( PARTICLE_HALF_SPACES, "particle.half_spaces", WISP_TABLE_PARTICLE )                                           \
     X( LINK_STIFFNESS, "link.stiffness", WISP_TABLE_LINK )                                                           \
     X( LINK_COMPLIANCE, "link.compliance", WISP_TABLE_LINK )                                                         \
+    X( LINK_LAMBDA, "link.lambda", WISP_TABLE_LINK )                                                                 \
     X( LINK_LIMIT, "link.limit", WISP_TABLE_ENTITY )                                                                 \
     X( LINK_FOLDS, "link.folds", WISP_TABLE_ENTITY )                                                                 \
     X( HINGE_REST, "hinge.rest", WISP_TABLE_HINGE )                                                                  \
@@ -106,10 +107,10 @@
     X( int32_t, count, 1 ) /* found; at most WISP_MAX_HALF_SPACES are stored */                                      \
     X( float, found, 4 )   /* m, where they were found; the distance from there that is clear */                     \
     X( float, row, 16 * WISP_MAX_HALF_SPACES )
-#define WISP_LINK_STIFFNESS_COLUMNS( X ) X( float, stiffness, 1 ) /* pbd, share of the error, in [0, 1] */
-#define WISP_LINK_COMPLIANCE_COLUMNS( X )                                                                            \
-    X( float, compliance, 1 ) /* xpbd, m/N */                                                                        \
-    X( float, lambda, 1 )     /* N s^2, of the substep; only kept with several iterations */
+#define WISP_LINK_STIFFNESS_COLUMNS( X ) X( float, stiffness, 1 )   /* pbd, share of the error, in [0, 1] */
+#define WISP_LINK_COMPLIANCE_COLUMNS( X ) X( float, compliance, 1 ) /* xpbd, m/N */
+/// Exists with several iterations only: with one it is always read as 0.
+#define WISP_LINK_LAMBDA_COLUMNS( X ) X( float, lambda, 1 ) /* N s^2, of the substep */
 #define WISP_LINK_LIMIT_COLUMNS( X )                                                                                 \
     X( float, minimum, 1 ) /* times the rest length */                                                               \
     X( float, maximum, 1 )

@@ -45,5 +45,8 @@ typedef struct wisp_intersections
 WISP_API wisp_status wisp_intersections_find( wisp_intersections* intersections, const wisp_parallel* parallel,
                                               const wisp_intersection_args* args, wisp_error* error );
 WISP_API void wisp_intersections_release( wisp_intersections* intersections, const wisp_allocator* allocator );
+/// @param outside bytes that Embree holds of it are added
+/// @return bytes that it holds of its allocator
+WISP_API size_t wisp_intersections_bytes( const wisp_intersections* intersections, size_t* outside );
 
 WISP_END_C

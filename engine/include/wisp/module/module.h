@@ -115,7 +115,8 @@ typedef struct wisp_pass
     /// before it have run.
     bool ( *should_run )( wisp_frame* frame, wisp_entity entity, void* user );
     void* user;
-    int grain; ///< items per block, 0: default of the domain
+    int grain;       ///< items per block, 0: default of the domain
+    unsigned fabric; ///< wisp_fabric_arrays that it reads of the entity's fabric, or-ed; they are there when it runs
 } wisp_pass;
 
 WISP_API wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass );
@@ -164,16 +165,25 @@ typedef struct wisp_state_hooks
     /// @param is_moved set it if the entity is one that this module moves
     wisp_status ( *teleported )( void* state, wisp_world* world, wisp_entity entity,
                                  const wisp_teleport_motion* teleport, bool* is_moved );
+    /// Count what the state points to, for wisp_world_memory_parts().
+    /// @param outside add bytes to it that are not of the world's allocator, such as those of Embree
+    /// @return bytes of the world's allocator, without the state itself
+    size_t ( *memory )( const void* state, size_t* outside );
 } wisp_state_hooks;
 
 /// Give the module's state its hooks. Call once in declare(), behind wisp_declare_state().
 WISP_API void wisp_declare_hooks( wisp_registry* registry, const wisp_state_hooks* hooks );
 
+/// @return iterations per substep of the world, >= 1: a pass that needs rows only with several does not read them with one
+WISP_API int wisp_registry_iterations( const wisp_registry* registry );
+
 /// Warm memory that is no state: one zeroed block a worker, kept from step to step, outside snapshots and hashes.
 /// @param release frees what the block points to; may be null
+/// @param memory returns the bytes of what it points to; may be null
 /// @return a number for wisp_frame_workspace(), -1 without memory
 WISP_API int wisp_declare_workspace( wisp_registry* registry, size_t size,
-                                     void ( *release )( void* workspace, const wisp_allocator* allocator ) );
+                                     void ( *release )( void* workspace, const wisp_allocator* allocator ),
+                                     size_t ( *memory )( const void* workspace ) );
 
 /// A module is one static constant.
 struct wisp_module
@@ -261,6 +271,9 @@ WISP_API void* wisp_world_module_state( wisp_world* world, const char* module );
 /// @return WISP_CONFLICT, WISP_STALE_ID, with a message
 WISP_API wisp_status wisp_world_surface_state( wisp_world* world, const char* module, wisp_entity surface,
                                                void** state );
+/// Have the arrays of a lean fabric that a function between steps reads; passes name theirs in wisp_pass.fabric.
+/// @param arrays wisp_fabric_arrays or-ed @return WISP_NO_MEMORY, with a message
+WISP_API wisp_status wisp_world_need_fabric( wisp_world* world, wisp_entity surface, unsigned arrays );
 /// Give an entity a component: rows are zeroed. Nothing happens if it has it already.
 WISP_API wisp_status wisp_world_attach( wisp_world* world, wisp_entity entity, wisp_component component );
 WISP_API wisp_status wisp_world_detach( wisp_world* world, wisp_entity entity, wisp_component component );

@@ -23,6 +23,8 @@ typedef struct wisp_plate wisp_plate;
 wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_row, int row_count, bool with_turns,
                                const wisp_allocator* allocator, wisp_plate** out );
 void wisp_plate_release( wisp_plate* plate, const wisp_allocator* allocator );
+/// @return bytes that it holds; 0 of null
+size_t wisp_plate_bytes( const wisp_plate* plate );
 
 /// Compute the coefficients if that is due: the first time, where other vertices are pinned than before, and where max_rate
 /// changes what is scaled down. A triangle between three pins is rigid, so the plate is clamped at the edge of those triangles.

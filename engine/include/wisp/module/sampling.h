@@ -44,5 +44,7 @@ typedef struct wisp_samples_args
 WISP_API wisp_status wisp_samples_update( wisp_samples* samples, const wisp_parallel* parallel,
                                           const wisp_kernels* kernels, const wisp_samples_args* args );
 WISP_API void wisp_samples_release( wisp_samples* samples, const wisp_allocator* allocator );
+/// @return bytes that it holds
+WISP_API size_t wisp_samples_bytes( const wisp_samples* samples );
 
 WISP_END_C

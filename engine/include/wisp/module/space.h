@@ -38,6 +38,8 @@ typedef struct wisp_grid
 WISP_API wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* parallel, const float* xyzw, int count,
                                       float cell, int fine );
 WISP_API void wisp_grid_release( wisp_grid* grid, const wisp_allocator* allocator );
+/// @return bytes that it holds
+WISP_API size_t wisp_grid_bytes( const wisp_grid* grid );
 
 /// Neighbours of queries in slices of eight: near ones, and behind them in the same list a shell around them that lets the
 /// lists be used for a while after the items have moved. Empty lanes of the last slice have their own numbers too, beyond
@@ -69,9 +71,13 @@ WISP_API wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const w
                                             const wisp_kernels* kernels, const wisp_grid* grid,
                                             const wisp_neighbour_query* query );
 WISP_API void wisp_neighbours_release( wisp_neighbours* neighbours, const wisp_allocator* allocator );
+/// @return bytes that it holds
+WISP_API size_t wisp_neighbours_bytes( const wisp_neighbours* neighbours );
 
 /// Make room; the contents may be lost. @return false without memory: the buffer is as it was
 WISP_API bool wisp_buffer_reserve( wisp_buffer* buffer, const wisp_allocator* allocator, size_t bytes );
 WISP_API void wisp_buffer_release( wisp_buffer* buffer, const wisp_allocator* allocator );
+/// @return bytes of some buffers
+WISP_API size_t wisp_buffer_bytes( const wisp_buffer* buffers, int count );
 
 WISP_END_C

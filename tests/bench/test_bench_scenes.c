@@ -1,0 +1,102 @@
+// The case `scenes`: its rows, and the same bits with one worker and two. Times are not looked at.
+#include "bench_tables.h"
+
+#include "bench_data.h"
+#include "bench_options.h"
+#include "suite.h"
+
+bench_case_fn scenes_bench;
+
+#define SUITE_FILE WISP_SOURCE_ROOT "/data/suites/scenes.yaml"
+
+static bool has_row( const wisp_suite* suite, const char* label )
+{
+    char own[SUITE_MAX_LABEL];
+    for ( int i = 0; i < suite->row_count; ++i )
+    {
+        suite_label( &suite->rows[i], own );
+        if ( strcmp( own, label ) == 0 )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void the_suite_has_cloth_crowds_balloons_strands_and_sizes_to_a_million( void** state )
+{
+    (void)state;
+    static const char* const labels[] = {
+        "dropped on a ball",
+        "hanging: n=256",
+        "hanging, tethers: n=128",
+        "hanging, coarse sheets: n=64",
+        "hanging, wind: n=128",
+        "hanging, dihedral: n=64",
+        "hanging, isometric: n=128",
+        "crowd, 200 of 16 x 16",
+        "crowd, 800 of 8 x 8",
+        "500 tufts of 20 strands",
+        "10000 strands at once",
+        "balloon",
+        "balloon, statistics",
+        "2000 strands",
+        "2000 strands, 100 m away",
+        "flag",
+        "cloth by size: vertices=1048576",
+        "strands by size: vertices=1048580",
+    };
+    wisp_suite suite;
+    wisp_error error = { 0 };
+    assert_ok( suite_read( SUITE_FILE, &suite, &error ), error );
+    for ( size_t i = 0; i < WISP_COUNT( labels ); ++i )
+    {
+        if ( !has_row( &suite, labels[i] ) )
+        {
+            fail_msg( "%s has no row '%s'", SUITE_FILE, labels[i] );
+        }
+    }
+    suite_release( &suite );
+}
+
+static void every_quick_row_has_the_same_bits_with_one_worker_and_two( void** state )
+{
+    (void)state;
+    const bench_options quick = { .quick = true, .workers = 2, .seconds = 0.01 };
+    results all = { 0 };
+    wisp_error error = { 0 };
+    assert_ok( scenes_bench( &quick, &all, &error ), error );
+    expect_good( &all );
+    const results_table* costs = find_table( &all, "Suite `scenes`: cost per vertex" );
+    assert_int_equal( costs->row_count, 1 + 20 );
+    int pairs = 0;
+    for ( int i = 0; i + 1 < all.row_count; ++i )
+    {
+        const results_row *one = &all.rows[i], *two = &all.rows[i + 1];
+        if ( one->workers == 1 )
+        {
+            assert_int_equal( two->workers, 2 );
+            assert_string_equal( one->variant, two->variant );
+            assert_true( one->has_hash && two->has_hash && one->hash == two->hash );
+            ++pairs;
+        }
+    }
+    // the rows of the suite, and two loops before and after them
+    assert_int_equal( pairs, 20 + 4 );
+    assert_int_equal( find_table( &all, "What two workers give" )->row_count, 1 + 4 );
+    // tufts have as many vertices as the same strands in one entity
+    assert_string_equal( named_cell( costs, row_of( costs, "500 tufts of 20 strands" ), "vertices" ), "120000" );
+    assert_string_equal( named_cell( costs, row_of( costs, "10000 strands at once" ), "vertices" ), "120000" );
+    assert_string_equal( named_cell( costs, row_of( costs, "crowd, 800 of 8 x 8" ), "vertices" ), "51200" );
+    assert_fits_terminal( &all );
+    results_free( &all );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( the_suite_has_cloth_crowds_balloons_strands_and_sizes_to_a_million ),
+        cmocka_unit_test( every_quick_row_has_the_same_bits_with_one_worker_and_two ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
