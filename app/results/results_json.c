@@ -1,6 +1,7 @@
 #include "results_json.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 // JSON has no NaN: a number that nobody knows is null.
@@ -64,7 +65,7 @@ static json_t* samples_array( const results_row* row )
     json_t* array = json_array();
     for ( int i = 0; i < row->sample_count; ++i )
     {
-        json_array_append_new( array, results_json_number( row->samples_ms[i] ) );
+        json_array_append_new( array, results_json_number( round( row->samples_ms[i] * 1e6 ) / 1e6 ) ); // to a ns
     }
     return array;
 }
@@ -111,12 +112,57 @@ static json_t* build_object( const machine_info* machine )
     return object;
 }
 
+// Returns the length of a text's first token: a string, a list of numbers, or any other character.
+static size_t token_length( const char* text )
+{
+    if ( *text == '"' )
+    {
+        size_t length = 1;
+        while ( text[length] != '"' )
+        {
+            length += text[length] == '\\' ? 2 : 1;
+        }
+        return length + 1;
+    }
+    const size_t numbers = *text == '[' ? strspn( text + 1, "0123456789+-.eE, \n" ) : 0;
+    return text[1 + numbers] == ']' && numbers > 0 ? 2 + numbers : 1;
+}
+
+// Puts lists of numbers on one line each: with a line for each number, samples of times are most of a file.
+static void join_numbers( char* text )
+{
+    char* to = text;
+    for ( const char* from = text; *from != '\0'; )
+    {
+        const char* end = from + token_length( from );
+        const bool is_list = *from == '[' && end - from > 1;
+        for ( ; from < end; ++from )
+        {
+            if ( is_list == false || ( *from != '\n' && *from != ' ' ) )
+            {
+                *to++ = *from;
+            }
+            if ( is_list && *from == ',' )
+            {
+                *to++ = ' ';
+            }
+        }
+    }
+    *to = '\0';
+}
+
 // jansson's constructors hand on the null of a failed allocation, so one look at the dump is enough.
 wisp_status results_json_dump( json_t* root, FILE* stream, wisp_error* error )
 {
-    int failed = json_dumpf( root, stream, JSON_INDENT( 2 ) | JSON_REAL_PRECISION( 9 ) );
+    char* text = json_dumps( root, JSON_INDENT( 2 ) | JSON_REAL_PRECISION( 9 ) );
     json_decref( root );
-    if ( failed || fputc( '\n', stream ) == EOF )
+    if ( text != NULL )
+    {
+        join_numbers( text );
+    }
+    const bool failed = text == NULL || fputs( text, stream ) == EOF || fputc( '\n', stream ) == EOF;
+    free( text );
+    if ( failed )
     {
         return wisp_fail( error, WISP_IO_ERROR, "the results could not be written as JSON" );
     }

@@ -84,6 +84,7 @@ wisp_status suite_choose_times( const wisp_suite* suite, suite_times* out, wisp_
 {
     double end = INFINITY;
     row_steps longest = { .count = 0 };
+    const char *longest_name = "", *first_to_end = "";
     wisp_status status = WISP_OK;
     for ( int i = -1; i < suite->row_count && status == WISP_OK; ++i )
     {
@@ -95,13 +96,22 @@ wisp_status suite_choose_times( const wisp_suite* suite, suite_times* out, wisp_
             wisp_scene_release( &next.scene );
             continue;
         }
+        const char* name = i < 0 ? "the reference" : row->name;
+        first_to_end = next.seconds < end ? name : first_to_end;
         end = fmin( end, next.seconds );
         const bool is_longer = longest.count == 0 || next.seconds / next.count > longest.seconds / longest.count;
         wisp_scene_release( is_longer ? &longest.scene : &next.scene );
         longest = is_longer ? next : longest;
+        longest_name = is_longer ? name : longest_name;
     }
     spread( &longest, end, out );
     wisp_scene_release( &longest.scene );
+    if ( status == WISP_OK && longest.count > 0 && out->count == 0 )
+    {
+        status = wisp_fail( error, WISP_BAD_INPUT,
+                            "no moment is common to all rows: %s ends after %g s, and %s makes steps of %g s",
+                            first_to_end, end, longest_name, longest.seconds / longest.count );
+    }
     return status;
 }
 

@@ -450,8 +450,8 @@ static wisp_status check_level_rows( const check_state* c, int number, int32_t* 
 {
     const wisp_fabric* f = c->f;
     const wisp_fabric_level *level = &f->levels[number], *finer = number > 0 ? level - 1 : NULL;
-    if ( level->vertex_count < 1 || level->vertex_count > f->vertex_count || level->tile_size < WISP_FABRIC_LANES ||
-         level->tile_size > fabric_padded( f->vertex_count ) ||
+    if ( level->vertex_count < 1 || level->link_count < 1 || level->vertex_count > f->vertex_count ||
+         level->tile_size < WISP_FABRIC_LANES || level->tile_size > fabric_padded( f->vertex_count ) ||
          level->row_count !=
              fabric_padded( level->vertex_count + fabric_tiles( level->vertex_count, level->tile_size ) ) ||
          level->chain_group_count != level->schedule.slot_count / WISP_FABRIC_LANES ||
@@ -459,8 +459,8 @@ static wisp_status check_level_rows( const check_state* c, int number, int32_t* 
          level->first_row != ( finer != NULL ? finer->first_row + finer->row_count : 0 ) ||
          level->first_link != ( finer != NULL ? finer->first_link + finer->schedule.slot_count : 0 ) )
     {
-        return BAD( "level %d with %d vertices in %d rows and tiles of %d, which do not match", number + 1,
-                    level->vertex_count, level->row_count, level->tile_size );
+        return BAD( "level %d with %d vertices in %d rows and tiles of %d, and %d links, which do not match",
+                    number + 1, level->vertex_count, level->row_count, level->tile_size, level->link_count );
     }
     for ( int i = 0; i < level->row_count; ++i )
     {
@@ -480,16 +480,29 @@ static wisp_status check_level_rows( const check_state* c, int number, int32_t* 
 static wisp_status check_parents( const check_state* c, int number )
 {
     const wisp_fabric_level* level = &c->f->levels[number];
-    for ( int i = 0; i < WISP_FABRIC_PARENTS * level->finer_row_count; ++i )
+    for ( int row = 0; row < level->finer_row_count; ++row )
     {
-        const int32_t parent_x4 = level->parent_x4[i];
-        const float weight = level->weight[i];
-
-        // a row that follows nothing refers to the first dummy, which does not move
-        const int32_t rows = weight > 0.0f ? level->vertex_count : level->vertex_count + 1;
-        if ( parent_x4 < 0 || parent_x4 % 4 != 0 || parent_x4 / 4 >= rows || !( weight >= 0.0f && weight <= 1.0f ) )
+        float sum = 0.0f;
+        for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
         {
-            return BAD( "level %d whose parent %d is out of range", number + 1, i );
+            const int i =
+                ( row / WISP_FABRIC_LANES * WISP_FABRIC_PARENTS + k ) * WISP_FABRIC_LANES + row % WISP_FABRIC_LANES;
+            const int32_t parent_x4 = level->parent_x4[i];
+            const float weight = level->weight[i];
+
+            // a row that follows nothing refers to the first dummy, which does not move
+            const int32_t rows = weight > 0.0f ? level->vertex_count : level->vertex_count + 1;
+            if ( parent_x4 < 0 || parent_x4 % 4 != 0 || parent_x4 / 4 >= rows ||
+                 !( weight >= 0.0f && weight <= 1.0f ) )
+            {
+                return BAD( "level %d whose parent %d is out of range", number + 1, i );
+            }
+            sum += weight;
+        }
+        if ( sum != 0.0f && !( fabsf( sum - 1.0f ) <= 1e-5f ) )
+        {
+            return BAD( "level %d whose row %d follows others with weights that sum to %g, expected 0 or 1",
+                        number + 1, row, (double)sum );
         }
     }
     return WISP_OK;

@@ -190,7 +190,7 @@ static bool link_members( const level_maker* m, fabric_pool* keep, fabric_pool* 
 }
 
 // Builds a level.
-// @param ended set if the level would be too small, or no smaller than the finer one
+// @param ended set if the level would be too small, no smaller than the finer one, or without links
 static bool make_level( level_state* s, level_maker* m, fabric_pool* keep, fabric_pool* scratch, bool* ended )
 {
     fabric_pool* members = s->members + s->made_count % 2;
@@ -214,11 +214,20 @@ static bool make_level( level_state* s, level_maker* m, fabric_pool* keep, fabri
         level->first_row = m->finer->first_row + m->finer->row_count;
         level->first_link = m->finer->first_link + m->finer->schedule.slot_count;
     }
-    s->made_count += 1;
-    if ( link_members( m, keep, scratch, level ) == false || step_up( s, m, chosen, count ) == false )
+    if ( link_members( m, keep, scratch, level ) == false )
     {
         return false;
     }
+    *ended = level->link_count == 0;
+    if ( *ended )
+    {
+        return true;
+    }
+    if ( step_up( s, m, chosen, count ) == false )
+    {
+        return false;
+    }
+    s->made_count += 1;
     m->finer = level;
     return true;
 }
@@ -240,7 +249,7 @@ static bool is_corner( wisp_vec3 at, wisp_vec3 before, wisp_vec3 after )
     return v3_dot( a, b ) > -0.7f * v3_length( a ) * v3_length( b );
 }
 
-// Assigns the order of selection. Attachments come first, since they are in every level. Corners and other vertices
+// Assigns the order of selection. Attachments come first, so that a level has those that are not near another one. Corners and other vertices
 // on open edges follow, so that coarse vertices surround the others.
 static bool find_turns( const fabric_parts* parts, const wisp_fabric* f, uint8_t* turn )
 {

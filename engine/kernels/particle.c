@@ -1,4 +1,5 @@
-// Particles: time integration and tethers. A particle is four floats, so a register holds two. Nothing is transposed where all four components are treated alike.
+// Particles: time integration and tethers. A particle is four floats, so a register holds two. Nothing is transposed where all
+// four components are treated alike.
 #include "kernel_isa.h"
 
 // Selects x, y and z of two particles; fourth components are kept.

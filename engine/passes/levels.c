@@ -22,6 +22,17 @@ static levels_columns columns_of( wisp_frame* frame, wisp_entity entity )
         .substeps = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 0 ),
         .passes = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 1 ),
         .state = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 2 ),
+        .pins = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 3 ),
+    };
+}
+
+static levels_surface surface_of( wisp_frame* frame, wisp_entity entity )
+{
+    return ( levels_surface ){
+        .fabric = wisp_frame_fabric( frame, entity ),
+        .position = wisp_frame_column( frame, entity, WISP_PARTICLE_POSITION, 0 ),
+        .previous = wisp_frame_column( frame, entity, WISP_PARTICLE_PREVIOUS, 0 ),
+        .inverse_mass = wisp_frame_column( frame, entity, WISP_LEVEL_MASS, 0 ),
     };
 }
 
@@ -95,6 +106,18 @@ static void gather_rows( const wisp_fabric_level* level, const float* from, floa
     }
 }
 
+// @return the most pins between rows that a level has
+static int count_pins( const levels_surface* s )
+{
+    int most = 0;
+    for ( int l = 0; l < s->fabric->level_count; ++l )
+    {
+        const int count = levels_find_pins( s, l, NULL );
+        most = count > most ? count : most;
+    }
+    return most;
+}
+
 // Forgets the history. Velocities are those before the forces of this step.
 static void restart( wisp_frame* frame, const wisp_span* span, void* user )
 {
@@ -106,6 +129,8 @@ static void restart( wisp_frame* frame, const wisp_span* span, void* user )
         const float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
         gather_rows( coarsest_of( f ), velocity, wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 0 ) );
         gather_rows( coarsest_of( f ), velocity, wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 4 ) );
+        const levels_surface surface = surface_of( frame, span->entity );
+        *columns.pins = count_pins( &surface );
         *columns.state = LEVELS_FIRST;
     }
 }
@@ -144,6 +169,7 @@ void levels_project( levels_sheet* sheet, float dt, int passes )
     for ( int pass = 0; pass < passes; ++pass )
     {
         wisp_run_schedule( sheet->parallel, &sheet->level->schedule, run_links, sheet );
+        levels_project_pins( sheet );
     }
 }
 
@@ -179,6 +205,7 @@ typedef struct levels_memory
     float* moved; // [row][4] of all levels: m, where the surface has been predicted, then the displacement from there
     float *start, *acceleration;    // [row][4] of the coarsest level
     float *lower, *lambda, *factor; // [link]
+    levels_pin* pins;               // of the level that moves
 } levels_memory;
 
 static bool take_memory( wisp_frame* frame, const wisp_span* span, levels_memory* out )
@@ -187,8 +214,10 @@ static bool take_memory( wisp_frame* frame, const wisp_span* span, levels_memory
     const wisp_fabric_level* last = coarsest_of( f );
     const size_t rows = 4 * (size_t)( last->first_row + last->row_count ), own = 4 * (size_t)last->row_count;
     const size_t links = (size_t)( last->first_link + last->schedule.slot_count );
-    float* at = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
-                                       ( 2 * rows + 2 * own + 3 * links ) * sizeof( float ) );
+    const size_t pins = (size_t)*columns_of( frame, span->entity ).pins;
+    float* at =
+        wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
+                               ( 2 * rows + 2 * own + 3 * links ) * sizeof( float ) + pins * sizeof( levels_pin ) );
     if ( at == NULL )
     {
         wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the coarse sheets of %d particles",
@@ -205,6 +234,7 @@ static bool take_memory( wisp_frame* frame, const wisp_span* span, levels_memory
         .lower = lower,
         .lambda = lower + links,
         .factor = lower + 2 * links,
+        .pins = (levels_pin*)( lower + 3 * links ),
     };
     return true;
 }
@@ -232,6 +262,16 @@ static levels_sheet sheet_of( wisp_frame* frame, const wisp_span* span, const le
             .chain_rest = level->chain_rest,
         },
     };
+}
+
+static void set_pins( wisp_frame* frame, const wisp_span* span, const levels_memory* m, int number,
+                      levels_sheet* sheet )
+{
+    const levels_surface surface = surface_of( frame, span->entity );
+    sheet->pins = m->pins;
+    sheet->pin_count =
+        *columns_of( frame, span->entity ).pins > 0 ? levels_find_pins( &surface, number, m->pins ) : 0;
+    sheet->pin_fraction = 1.0f;
 }
 
 // Puts the inverse masses of a level next to its positions.
@@ -329,6 +369,7 @@ static void carry( wisp_frame* frame, const wisp_span* span, void* user )
     }
     int l = wisp_frame_fabric( frame, span->entity )->level_count - 1;
     levels_sheet sheet = sheet_of( frame, span, &m, l );
+    set_pins( frame, span, &m, l, &sheet );
     if ( move_coarsest( frame, span, &sheet, &m ) == false )
     {
         wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, 1u );
@@ -338,14 +379,15 @@ static void carry( wisp_frame* frame, const wisp_span* span, void* user )
     {
         const levels_sheet coarser = sheet;
         sheet = sheet_of( frame, span, &m, --l );
+        set_pins( frame, span, &m, l, &sheet );
         move_sheet( frame, span, &m, &coarser, &sheet );
     }
     float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     prolong( &sheet, m.moved, position, position );
 }
 
-// Next to the change of a velocity this is nothing: rounding, where first order has none.
-#define NOTHING 1e-4f
+// Fraction of the change of a velocity that is rounding, where first order has none.
+#define ROUNDING_FRACTION 1e-4f
 
 // Limits what second order adds to a velocity, d, by what the surface did: half of the change of its mean velocity since its last
 // substep, c. Both are half of the acceleration times dt where the surface follows the sheet. A row gets the fraction
@@ -355,11 +397,11 @@ static float fraction_of( const float d[3], const float c[3] )
 {
     const float d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], c2 = c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
     const float both = 2.0f * ( c[0] * d[0] + c[1] * d[1] + c[2] * d[2] );
-    return both >= d2 || d2 <= NOTHING * NOTHING * c2 ? 1.0f : both > 0.0f ? both / d2 : 0.0f;
+    return both >= d2 || d2 <= ROUNDING_FRACTION * ROUNDING_FRACTION * c2 ? 1.0f : both > 0.0f ? both / d2 : 0.0f;
 }
 
 // Finds what second order adds to the velocities of the coarsest rows, and limits what they remember alike.
-// @return whether more than half of it is left
+// @return whether there is some, and more than half of it is left
 static bool find_added( wisp_frame* frame, const wisp_span* span, float* added )
 {
     const wisp_fabric_level* level = coarsest_of( wisp_frame_fabric( frame, span->entity ) );
@@ -393,7 +435,7 @@ static bool find_added( wisp_frame* frame, const wisp_span* span, float* added )
             left += (double)( added[i] * added[i] );
         }
     }
-    return left >= 0.25 * whole;
+    return whole > 0.0 && left >= 0.25 * whole;
 }
 
 // Adds what second order adds to the velocity of the coarsest sheet, and notes the velocity of the surface for its next substep.

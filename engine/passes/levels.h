@@ -13,8 +13,26 @@ enum
 /// Columns of surface.levels.
 typedef struct levels_columns
 {
-    int32_t *substeps, *passes, *state;
+    int32_t *substeps, *passes, *state, *pins;
 } levels_columns;
+
+/// A surface with coarse sheets, in a substep.
+typedef struct levels_surface
+{
+    const wisp_fabric* fabric;
+    const float* position;     ///< [slot][4] m, where the surface has been predicted, inverse mass in 1/kg
+    const float* previous;     ///< [slot][4] m, where the substep begins
+    const float* inverse_mass; ///< [row] 1/kg, of all levels
+} levels_surface;
+
+/// A pinned vertex of the surface between rows of a sheet.
+typedef struct levels_pin
+{
+    int32_t row_x4[WISP_FABRIC_PARENTS];
+    float weight[WISP_FABRIC_PARENTS];
+    float scale;             ///< kg, 1 / sum of weight^2 inverse mass
+    float from[3], moved[3]; ///< m, the point when the substep begins, and how far it moves in the substep
+} levels_pin;
 
 /// A sheet whose links are projected.
 typedef struct levels_sheet
@@ -23,11 +41,19 @@ typedef struct levels_sheet
     const wisp_parallel* parallel;
     const wisp_kernels* kernels;
     wisp_level_link_args links;
+    const levels_pin* pins;
+    int pin_count;
+    float pin_fraction; ///< of the substep of the surface that ends now
 } levels_sheet;
+
+/// List the pins between rows of a level that moves. @param pins null: only count them
+int levels_find_pins( const levels_surface* surface, int number, levels_pin* pins );
+/// Move the points of all pins to where these are.
+void levels_project_pins( const levels_sheet* sheet );
 
 /// Find the lengths below which links push, for the sheet and the particles where they are.
 void levels_find_band( const levels_sheet* sheet );
-/// Project all links from multipliers of 0. @param dt s
+/// Project all links from multipliers of 0, and pins after each pass. @param dt s
 void levels_project( levels_sheet* sheet, float dt, int passes );
 
 /// The coarsest sheet in a substep of the surface.

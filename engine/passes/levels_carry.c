@@ -137,6 +137,7 @@ bool levels_move_carrier( levels_carrier* c )
         {
             levels_find_band( &c->sheet );
         }
+        c->sheet.pin_fraction = (float)( j + 1 ) / (float)count;
         levels_project( &c->sheet, s.solve_dt, *c->columns.passes );
         finish( c, &s );
         *c->columns.state = LEVELS_MOVING;

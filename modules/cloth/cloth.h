@@ -60,10 +60,10 @@ typedef struct wisp_cloth_def
 
     bool tethers;       ///< default false; the fabric must have attachments and tethers
     float tether_slack; ///< times the rest distance, >= 1, default 1
-    /// Coarse sheets that carry the cloth, 0 .. 64, default 0: none. Needs xpbd and a fabric with coarse sheets. Substeps of the
-    /// coarsest one in a substep of the cloth, by BDF2. 2 with one substep, or 1 with two, are as near to the converged
-    /// motion as forty to eighty plain substeps, for the time of four or five (docs/methods.md). A mesh of fewer than about 600
-    /// vertices has none
+    /// Coarse sheets that carry the cloth, 0 .. 64, default 0: none. Needs xpbd and a fabric with coarse sheets: a mesh of fewer
+    /// than about 600 vertices has none, which is a warning. Substeps of the coarsest one in a substep of the cloth, by BDF2. 2
+    /// with one substep, or 1 with two, are nearer to the converged motion than 40 plain substeps, and than 80 where the cloth
+    /// touches nothing, for the time of four or five (docs/methods.md). To set any value of a cloth starts their history again
     int coarse_substeps;
     /// Over the links of the coarsest sheet in each of its substeps, 1 .. 64, default 10. Cloth that moves all the time is as near
     /// to its converged motion with 4 substeps of 2 passes, which cost less; at rest it quivers more
@@ -75,7 +75,7 @@ WISP_API wisp_cloth_def wisp_default_cloth_def( void );
 
 /// Make a surface a cloth, or change the cloth it is.
 /// @return WISP_CONFLICT the module is not registered, the entity is not a surface, another solver moves it, or its fabric lacks what
-///         the definition requires; WISP_BAD_INPUT a value is out of range (the message names it); WISP_NO_MEMORY
+///         the definition requires, or it asks for coarse sheets with pbd; WISP_BAD_INPUT a value is out of range (the message names it); WISP_NO_MEMORY
 WISP_API wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
 
 /// Change only the wind; cheap enough for every step. @param wind m/s

@@ -244,7 +244,7 @@ static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, cons
         { WISP_HINGE_COTANGENT, isometric && pbd },
         { WISP_HINGE_STIFFNESS, ( dihedral || isometric ) && pbd },
         { WISP_SURFACE_TETHERS, d->tethers },
-        { WISP_SURFACE_LEVELS, carried },
+        { WISP_SURFACE_LEVELS, d->coarse_substeps > 0 },
         { WISP_LEVEL_MASS, carried },
         { WISP_LEVEL_COMPLIANCE, carried },
         { WISP_LEVEL_MOTION, carried },
@@ -317,7 +317,7 @@ static wisp_status find_state( wisp_world* world, wisp_entity surface, cloth_sta
     return status;
 }
 
-// Says what of a new cloth no coarse sheet carries.
+// Says what of a cloth that has asked for coarse sheets none carries.
 static void warn_of_sheets( wisp_world* world, wisp_entity surface )
 {
     const wisp_fabric* f = wisp_world_fabric( world, surface );
@@ -351,7 +351,7 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
         status == WISP_OK && wisp_world_fabric( world, surface )->hinge_order.slot_count > 0 &&
         def->solver == WISP_SOLVER_XPBD &&
         ( def->bending == WISP_CLOTH_BENDING_DIHEDRAL || def->bending == WISP_CLOTH_BENDING_ISOMETRIC );
-    const bool is_new = status == WISP_OK && wisp_world_has( world, surface, WISP_LINK_COMPLIANCE ) == false;
+    const bool had_sheets = status == WISP_OK && wisp_world_has( world, surface, WISP_SURFACE_LEVELS );
     status = bends ? cloth_add_plate( world, state, surface ) : status;
     status = status == WISP_OK ? dress( world, surface, def, state ) : status;
     if ( status == WISP_OK )
@@ -361,7 +361,7 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
             cloth_remove_plate( state, surface, wisp_world_allocator( world ) );
         }
         fill( world, surface, def, state );
-        if ( is_new && def->coarse_substeps > 0 )
+        if ( def->coarse_substeps > 0 && had_sheets == false )
         {
             warn_of_sheets( world, surface );
         }

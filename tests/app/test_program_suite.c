@@ -264,6 +264,13 @@ static void steps_that_end_at_other_times_are_refused( void** state )
     run( "bench odd.yaml --seconds 0.1" );
     assert_int_equal( result.status, 2 );
     assert_contains( result.err, "no step ends at" );
+    write_text( "apart.yaml", "wisp_suite: 1\nreference: { set: { substeps: 20 }, check: { substeps: 10 } }\n"
+                              "scenes:\n  - { file: sheet.yaml, name: short, set: { steps: 1 } }\n"
+                              "  - { file: sheet.yaml, name: coarse, set: { dt: 0.1 } }\n" );
+    run( "bench apart.yaml" );
+    assert_int_equal( result.status, 2 );
+    assert_contains( result.err, "no moment is common to all rows: short ends after" );
+    assert_contains( result.err, "coarse makes steps of 0.1 s" );
     write_text( "even.yaml", "wisp_suite: 1\nseconds: 0.2\n"
                              "reference: { set: { dt: 0.01, substeps: 20 }, check: { substeps: 10 } }\n"
                              "scenes:\n  - { file: sheet.yaml, along: { dt: [0.02, 0.01, 0.005] } }\n" );

@@ -103,6 +103,19 @@ static void json_has_the_keys_of_its_schema( void** state )
     json_decref( root );
 }
 
+static void a_list_of_numbers_is_one_line_of_json( void** state )
+{
+    (void)state;
+    results all;
+    fill( &all );
+    results_add_note( &all, "a \"quoted [1,2]\" note" );
+    char* text = written( &all, RESULTS_JSON );
+    assert_contains( text, "\"samples_ms\": [0.75, 0.5, 1.25, 0.625, 1.0],\n" );
+    assert_contains( text, "\"a \\\"quoted [1,2]\\\" note\"\n" );
+    free( text );
+    results_free( &all );
+}
+
 static void json_keeps_every_number_of_a_row( void** state )
 {
     (void)state;
@@ -449,6 +462,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( json_has_the_keys_of_its_schema ),
+        cmocka_unit_test( a_list_of_numbers_is_one_line_of_json ),
         cmocka_unit_test( json_keeps_every_number_of_a_row ),
         cmocka_unit_test( json_says_null_where_nothing_is_known ),
         cmocka_unit_test( text_that_is_not_utf8_does_not_break_json ),

@@ -389,6 +389,26 @@ static void tiny_and_collapsed_meshes_have_no_levels( void** state )
     }
 }
 
+// A level of these has one vertex of each, and nothing to link.
+static void loose_squares_have_no_levels( void** state )
+{
+    (void)state;
+    test_mesh mesh = test_mesh_plane( 2, 2 );
+    for ( int i = 1; i < 400; ++i )
+    {
+        test_mesh square = test_mesh_plane( 2, 2 );
+        for ( int v = 0; v < square.vertex_count; ++v )
+        {
+            square.points[v].y = (float)i;
+        }
+        mesh = test_mesh_join( mesh, square );
+    }
+    wisp_fabric* f = cook_levels( &mesh, NULL, 0 );
+    assert_int_equal( f->level_count, 0 );
+    wisp_fabric_release( f );
+    test_mesh_free( &mesh );
+}
+
 static void ribbons_fans_books_and_flattened_meshes_hold_too( void** state )
 {
     (void)state;
@@ -458,6 +478,7 @@ int main( void )
         cmocka_unit_test( a_closed_mesh_has_levels_whose_links_follow_it ),
         cmocka_unit_test( shells_have_no_links_or_parents_in_common_and_unreferenced_vertices_follow_nothing ),
         cmocka_unit_test( tiny_and_collapsed_meshes_have_no_levels ),
+        cmocka_unit_test( loose_squares_have_no_levels ),
         cmocka_unit_test( ribbons_fans_books_and_flattened_meshes_hold_too ),
         cmocka_unit_test( the_same_mesh_has_the_same_levels_bit_for_bit ),
         cmocka_unit_test( levels_without_memory_fail_and_leak_nothing ),

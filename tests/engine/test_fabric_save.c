@@ -352,6 +352,29 @@ static void arrays_that_contradict_the_triangles_are_refused( void** state )
     wisp_fabric_release( fabric );
 }
 
+static void levels_that_would_divide_by_zero_or_move_wrongly_are_refused( void** state )
+{
+    (void)state;
+    wisp_fabric* fabric = cook_full( 30, 30 );
+    assert_true( fabric->level_count == 1 );
+    wisp_fabric_level level = fabric->levels[0];
+    const int weights = WISP_FABRIC_PARENTS * level.finer_row_count;
+    float* weight = (float*)(void*)copy_words( level.weight, weights );
+    for ( int i = 0; i < weights; ++i )
+    {
+        weight[i] *= 0.5f;
+    }
+    wisp_fabric forged = *fabric;
+    forged.levels = &level;
+    level.weight = weight;
+    assert_forgery_is_refused( forged, "weights that sum to 0.5" );
+    level = fabric->levels[0];
+    level.link_count = 0;
+    assert_forgery_is_refused( forged, "0 links" );
+    free( weight );
+    wisp_fabric_release( fabric );
+}
+
 static void loading_without_memory_says_so_and_leaks_nothing( void** state )
 {
     (void)state;
@@ -391,6 +414,7 @@ int main( void )
         cmocka_unit_test( lanes_that_share_a_vertex_are_refused ),
         cmocka_unit_test( a_foreign_dummy_is_refused ),
         cmocka_unit_test( arrays_that_contradict_the_triangles_are_refused ),
+        cmocka_unit_test( levels_that_would_divide_by_zero_or_move_wrongly_are_refused ),
         cmocka_unit_test( loading_without_memory_says_so_and_leaks_nothing ),
     };
     return cmocka_run_group_tests_name( "fabric save", tests, NULL, NULL );

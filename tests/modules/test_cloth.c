@@ -432,6 +432,25 @@ static void a_mesh_too_small_for_coarse_sheets_has_none( void** state )
     test_mesh_free( &mesh );
 }
 
+static void who_asks_for_coarse_sheets_in_vain_is_told_once( void** state )
+{
+    hosted* h = *state;
+    test_mesh mesh = test_plane( 30, 0.1f );
+    const wisp_fabric_def fabric = test_fabric_def( &mesh );
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_entity e = add_cloth( h->world, &fabric, wisp_default_surface_def(), &cloth, EARTH );
+    const int before = h->log.count;
+    cloth.coarse_substeps = 1;
+    for ( int i = 0; i < 2; ++i )
+    {
+        assert_status( h->world, wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+        step( h->world );
+        assert_int_equal( h->log.count, before + 1 );
+        assert_contains( h->log.last, "the fabric has no coarse sheets" );
+    }
+    test_mesh_free( &mesh );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -444,6 +463,7 @@ int main( void )
         WORLD_TEST( a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along ),
         WORLD_TEST( bad_meshes_are_cloth_all_the_same ),
         WORLD_TEST( a_mesh_too_small_for_coarse_sheets_has_none ),
+        WORLD_TEST( who_asks_for_coarse_sheets_in_vain_is_told_once ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

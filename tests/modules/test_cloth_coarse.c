@@ -43,15 +43,18 @@ static const float* positions_of( wisp_world* world, wisp_entity e )
 
 // ---- the oracle ----
 
-// Two levels with one substep of the sheet in each of two, and with two in one; and a step so long that it limits the history.
+// Two levels with one substep of the sheet in each of two, and with two in one; a step so long that it limits the history; and pins
+// that are no attachments of the fabric, so they are between the rows of the sheets.
 static void a_step_is_that_of_the_oracle( void** state )
 {
     (void)state;
     const sheet_setting settings[] = { { 53, 2, 1, false, 1e-3f, 0.0f },
                                        { 53, 1, 2, false, 1e-3f, 0.0f },
-                                       { 53, 1, 2, false, 1e-3f, 0.0f } };
-    const double dts[] = { 1.0 / 60.0, 1.0 / 60.0, 1.0 / 20.0 };
-    const int steps[] = { 12, 12, 4 };
+                                       { 53, 1, 2, false, 1e-3f, 0.0f },
+                                       { 53, 1, 2, true, 1e-3f, 0.0f } };
+    const double dts[] = { 1.0 / 60.0, 1.0 / 60.0, 1.0 / 20.0, 1.0 / 60.0 };
+    const int steps[] = { 12, 12, 4, 12 };
+    const int32_t between[] = { 1, 5 * 53 + 18, 5 * 53 + 19, 27 * 53 + 40 };
     for ( int i = 0; i < WISP_COUNT( settings ); ++i )
     {
         hosted h;
@@ -59,6 +62,10 @@ static void a_step_is_that_of_the_oracle( void** state )
         wisp_entity e = add_sheet( &h, &settings[i] );
         const wisp_fabric* f = wisp_world_fabric( h.world, e );
         assert_int_equal( f->level_count, 2 );
+        if ( settings[i].is_free )
+        {
+            assert_status( h.world, wisp_pin( h.world, e, between, WISP_COUNT( between ) ), WISP_OK );
+        }
         coarse_oracle oracle;
         coarse_oracle_make( f, positions_of( h.world, e ), &oracle );
         oracle.gravity = double3_widen( EARTH );
@@ -239,6 +246,33 @@ static void pins_that_move_take_the_sheet_along( void** state )
     close_world( &h );
 }
 
+// Pins that no row of a coarse sheet stands on, as copies of a fabric have: the sheet is held by them, and moves with them.
+static void pins_between_rows_hold_the_sheet( void** state )
+{
+    (void)state;
+    const sheet_setting carried = { 49, 1, 2, true, 1e-4f, 2.0f };
+    const int32_t pins[2] = { 12 * 49 + 13, 12 * 49 + 35 };
+    hosted h;
+    open_world( &h, 1, 1 );
+    wisp_entity e = add_sheet( &h, &carried );
+    assert_status( h.world, wisp_pin( h.world, e, pins, 2 ), WISP_OK );
+    wisp_vec3 targets[2] = { point_of( h.world, e, pins[0] ), point_of( h.world, e, pins[1] ) };
+    for ( int step = 0; step < 240; ++step )
+    {
+        targets[0].x += step < 60 ? 0.02f : 0.0f;
+        targets[1].x += step < 60 ? 0.02f : 0.0f;
+        assert_status( h.world, wisp_move_pins( h.world, e, pins, targets, 2 ), WISP_OK );
+        run_steps( h.world, 1, 1.0f / 60.0f );
+        // the pins start with a jerk
+        assert_true( step < 20 || (double)motion_stats_of( h.world, e ).strain_mean < 0.03 );
+    }
+    const wisp_motion_stats rest = motion_stats_of( h.world, e );
+    print_message( "           at rest: %.2g m/s, strain %.3f %%\n", (double)rest.speed_max,
+                   100.0 * (double)rest.strain_mean );
+    assert_true( (double)rest.speed_max < 0.2 && (double)rest.strain_mean < 0.02 );
+    close_world( &h );
+}
+
 // What changes a sheet from outside: it goes on from there, without a jump of its own.
 static void teleports_velocities_pins_and_other_steps_leave_no_kick( void** state )
 {
@@ -278,6 +312,7 @@ int main( void )
         cmocka_unit_test( a_swing_of_fifteen_seconds_gains_no_energy ),
         cmocka_unit_test( a_damped_sheet_comes_to_rest_and_stays ),
         cmocka_unit_test( pins_that_move_take_the_sheet_along ),
+        cmocka_unit_test( pins_between_rows_hold_the_sheet ),
         cmocka_unit_test( teleports_velocities_pins_and_other_steps_leave_no_kick ),
     };
     return cmocka_run_group_tests_name( "coarse sheets", tests, NULL, NULL );

@@ -41,6 +41,8 @@ typedef struct sheet
     const wisp_fabric_level* level;
     double3 *x, *began; // [row_count]
     double* w;          // [row_count]
+    int number;
+    const double3* previous; // [slot_count] where the substep begins
 } sheet;
 
 static void* zeros( int count, size_t size )
@@ -132,7 +134,57 @@ static double chain_length( const coarse_oracle* o, const wisp_fabric_level* lev
     return sum;
 }
 
-static void project( const coarse_oracle* o, sheet* s, double* lower, bool find_lower, double h, int passes )
+// The row of the next finer sheet that stands for a pinned slot: of the rows that it follows the one with the largest weight, and so
+// on from sheet to sheet. -1 if there is none, or if it is the row of another pinned vertex.
+static int stand_in_of( const coarse_oracle* o, int number, int slot )
+{
+    int row = slot;
+    for ( int l = 0; l < number; ++l )
+    {
+        const wisp_fabric_level* level = o->fabric->levels + l;
+        int best = -1;
+        double most = 0.0;
+        for ( int k = 0, parent; k < WISP_FABRIC_PARENTS; ++k )
+        {
+            const double weight = weight_of( level, row, k, &parent );
+            best = weight > most ? parent : best;
+            most = fmax( most, weight );
+        }
+        if ( best < 0 || ( level->slot_x4[best] != 4 * slot && o->w[level->slot_x4[best] / 4] == 0.0 ) )
+        {
+            return -1;
+        }
+        row = best;
+    }
+    return row;
+}
+
+// Moves the points of pinned vertices with them, by a fraction of their way: C = sum weight (x - x_previous) - fraction d.
+static void project_pins( const coarse_oracle* o, sheet* s, double fraction )
+{
+    for ( int slot = 0; slot < o->fabric->vertex_count; ++slot )
+    {
+        const int stand_in = o->w[slot] == 0.0 ? stand_in_of( o, s->number, slot ) : -1;
+        double3 c = double3_scale( -fraction, double3_sub( o->x[slot], s->previous[slot] ) );
+        double sum = 0.0;
+        for ( int k = 0, parent; k < WISP_FABRIC_PARENTS && stand_in >= 0; ++k )
+        {
+            const double weight = weight_of( s->level, stand_in, k, &parent );
+            const double3 moved = double3_sub( s->x[parent], s->previous[s->level->slot_x4[parent] / 4] );
+            c = weight > 0.0 ? double3_add( c, double3_scale( weight, moved ) ) : c;
+            sum += weight * weight * s->w[parent];
+        }
+        for ( int k = 0, parent; k < WISP_FABRIC_PARENTS && sum > 0.0; ++k )
+        {
+            const double weight = weight_of( s->level, stand_in, k, &parent );
+            s->x[parent] = double3_sub( s->x[parent], double3_scale( weight * s->w[parent] / sum, c ) );
+        }
+    }
+}
+
+// @param fraction of the substep of the surface that ends
+static void project( const coarse_oracle* o, sheet* s, double* lower, double fraction, bool find_lower, double h,
+                     int passes )
 {
     const wisp_fabric_level* level = s->level;
     coarse_oracle_link* links = zeros( level->schedule.slot_count, sizeof( coarse_oracle_link ) );
@@ -162,6 +214,7 @@ static void project( const coarse_oracle* o, sheet* s, double* lower, bool find_
                 coarse_oracle_project( &links[i], s->w[a], s->w[b], &s->x[a], &s->x[b] );
             }
         }
+        project_pins( o, s, fraction );
     }
     free( links );
 }
@@ -216,7 +269,7 @@ static void move_coarsest( coarse_oracle* o, sheet* s, const double3* previous, 
             const double3 vt = bdf2 ? double3_scale( 1.0 / 3.0, double3_sub( double3_scale( 4.0, v ), v1 ) ) : v;
             s->x[row] = double3_add( xt, double3_scale( he, double3_add( vt, double3_scale( he, pull[row] ) ) ) );
         }
-        project( o, s, lower, j == 0, he, o->passes );
+        project( o, s, lower, ( j + 1.0 ) / o->substeps, j == 0, he, o->passes );
         for ( int row = 0; row < level->vertex_count; ++row )
         {
             const double3 v = o->start[row], d = double3_sub( s->x[row], from[row] ),
@@ -329,8 +382,12 @@ void coarse_oracle_step( coarse_oracle* o, double h )
     for ( int l = 0; l <= top; ++l )
     {
         const int rows = f->levels[l].row_count;
-        sheets[l] = ( sheet ){ &f->levels[l], zeros( rows, sizeof( double3 ) ), zeros( rows, sizeof( double3 ) ),
-                               zeros( rows, sizeof( double ) ) };
+        sheets[l] = ( sheet ){ &f->levels[l],
+                               zeros( rows, sizeof( double3 ) ),
+                               zeros( rows, sizeof( double3 ) ),
+                               zeros( rows, sizeof( double ) ),
+                               l,
+                               previous };
         for ( int row = 0; row < f->levels[l].vertex_count; ++row )
         {
             sheets[l].began[row] = o->x[f->levels[l].slot_x4[row] / 4];
@@ -357,7 +414,7 @@ void coarse_oracle_step( coarse_oracle* o, double h )
         double* lower = zeros( s->level->schedule.slot_count, sizeof( double ) );
         memcpy( s->x, s->began, (size_t)s->level->row_count * sizeof( double3 ) );
         prolong( sheets[l + 1].level, sheets[l + 1].began, s->w, s->x );
-        project( o, s, lower, true, h, 1 );
+        project( o, s, lower, 1.0, true, h, 1 );
         measure( s );
         free( lower );
     }

@@ -51,8 +51,9 @@ typedef struct wisp_fabric_def
     const wisp_vec3* points;  ///< [vertex_count] m, the rest shape; finite, within 1e6 m of the origin
     const int32_t* triangles; ///< [triangle_count][3] counter-clockwise seen from outside
     int vertex_count, triangle_count;
-    const int32_t* attachments; ///< [attachment_count] vertices that hold the fabric: the order begins there, and
-                                ///< tethers reach to them; may be empty
+    const int32_t*
+        attachments; ///< [attachment_count] vertices that hold the fabric: the order begins there, tethers reach to
+                     ///< them, and coarse sheets have them where they are not close together; may be empty
     int attachment_count;
     bool
         bend_links; ///< default true: a link between the opposite vertices of every interior edge, listed after the edges

@@ -103,8 +103,10 @@ typedef struct wisp_pass
     wisp_component
         excluded[WISP_MAX_USES];         ///< zero-terminated: the entity must have none, or the pass does not exist
     wisp_component reads[WISP_MAX_USES]; ///< zero-terminated: the entity has it or another pass writes it
-    wisp_component writes
-        [WISP_MAX_USES]; ///< zero-terminated: one must be requested or read by another pass, or the pass does not exist
+    /// Zero-terminated: one must be requested or read by another pass, or the pass does not exist. All are attached to the entity. A
+    /// component that the pass changes only where the entity has it is not listed: what is listed has to order the pass among
+    /// those that use it, as the velocities do for the history of a strand.
+    wisp_component writes[WISP_MAX_USES];
     /// Zero-terminated: components of other entities that the pass reads and writes. They put it in its place among the
     /// passes of those entities, and neither make passes exist nor supply anything.
     wisp_component foreign[WISP_MAX_USES];
