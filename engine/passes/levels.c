@@ -400,17 +400,46 @@ static float fraction_of( const float d[3], const float c[3] )
     return both >= d2 || d2 <= ROUNDING_FRACTION * ROUNDING_FRACTION * c2 ? 1.0f : both > 0.0f ? both / d2 : 0.0f;
 }
 
-// Finds what second order adds to the velocities of the coarsest rows, and limits what they remember alike.
-// @return whether there is some, and more than half of it is left
-static bool find_added( wisp_frame* frame, const wisp_span* span, float* added )
+// ---- what second order adds ----
+
+// Sums of a row and its neighbours, [row][4]: the last one counts them.
+static void sum_neighbours( const wisp_fabric_level* level, const float* value, float* sum )
 {
-    const wisp_fabric_level* level = coarsest_of( wisp_frame_fabric( frame, span->entity ) );
-    const float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
-    float* motion[5];
-    for ( int k = 0; k < 5; ++k )
+    memcpy( sum, value, 4 * (size_t)level->row_count * sizeof( float ) );
+    for ( int row = 0; row < level->row_count; ++row )
     {
-        motion[k] = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, k );
+        sum[4 * row + 3] = 1.0f;
     }
+    for ( int i = 0; i < level->schedule.slot_count; ++i )
+    {
+        const float fraction = level->fraction[i]; // 0 pads
+        float *a = sum + level->a_x4[i], *b = sum + level->b_x4[i];
+        const float *at_a = value + level->a_x4[i], *at_b = value + level->b_x4[i];
+        for ( int k = 0; k < 3; ++k )
+        {
+            a[k] += fraction * at_b[k];
+            b[k] += fraction * at_a[k];
+        }
+        a[3] += fraction;
+        b[3] += fraction;
+    }
+}
+
+// The fraction that a row keeps of what is added to it, by the mean of its neighbourhood. Nothing is lost where the neighbours get
+// three quarters of it in the mean. A corner that gets it alone would be driven to and fro by what the sheets do to it.
+static float shared_fraction( const float added[3], const float sum[4] )
+{
+    const float a2 = added[0] * added[0] + added[1] * added[1] + added[2] * added[2];
+    const float both = ( sum[0] * added[0] + sum[1] * added[1] + sum[2] * added[2] ) / sum[3];
+    return both >= 0.75f * a2 ? 1.0f : both > 0.25f * a2 ? 2.0f * both / a2 - 0.5f : 0.0f;
+}
+
+// Finds what second order adds to the velocities of the coarsest rows, and limits what they remember by what the surface did.
+// @param sum [row][4] scratch
+// @return whether there is some, and more than half of it is left
+static bool find_added( const wisp_fabric_level* level, const float* velocity, float* const motion[5], float* sum,
+                        float* added )
+{
     const float *end = motion[0], *mean = motion[3];
     float *change = motion[1], *lag = motion[2], *before = motion[4];
     double whole = 0.0, left = 0.0;
@@ -432,6 +461,15 @@ static bool find_added( wisp_frame* frame, const wisp_span* span, float* added )
             change[i] *= fraction;
             lag[i] *= fraction;
             whole += (double)( d[k] * d[k] );
+        }
+    }
+    sum_neighbours( level, added, sum );
+    for ( int row = 0; row < level->vertex_count; ++row )
+    {
+        const float fraction = shared_fraction( added + 4 * row, sum + 4 * row );
+        for ( int i = 4 * row; i < 4 * row + 3; ++i )
+        {
+            added[i] *= fraction;
             left += (double)( added[i] * added[i] );
         }
     }
@@ -450,9 +488,14 @@ static void carry_velocity( wisp_frame* frame, const wisp_span* span, void* user
     const wisp_fabric* f = wisp_frame_fabric( frame, span->entity );
     const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
-    float* kept = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 0 );
-    float* value = m.moved + 4 * (size_t)coarsest_of( f )->first_row;
-    const bool is_second_order = find_added( frame, span, value );
+    float* motion[5];
+    for ( int k = 0; k < 5; ++k )
+    {
+        motion[k] = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, k );
+    }
+    const wisp_fabric_level* coarsest = coarsest_of( f );
+    float *value = m.moved + 4 * (size_t)coarsest->first_row, *sum = m.at + 4 * (size_t)coarsest->first_row;
+    const bool is_second_order = find_added( coarsest, velocity, motion, sum, value );
     wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, is_second_order ? 0u : 1u );
     for ( int l = f->level_count - 1; l >= 0; --l )
     {
@@ -471,7 +514,7 @@ static void carry_velocity( wisp_frame* frame, const wisp_span* span, void* user
             prolong( &sheet, value, position, velocity );
         }
     }
-    gather_rows( coarsest_of( f ), velocity, kept );
+    gather_rows( coarsest, velocity, motion[0] );
 }
 
 wisp_status passes_declare_levels( wisp_registry* registry )

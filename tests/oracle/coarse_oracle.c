@@ -317,6 +317,31 @@ static double fraction_of( double3 d, double3 c )
     return 2.0 * cd >= d2 || d2 <= 1e-8 * double3_dot( c, c ) ? 1.0 : cd > 0.0 ? 2.0 * cd / d2 : 0.0;
 }
 
+// Of what is added to a row, it keeps all if the mean of it and its neighbours is three quarters of that, and nothing at one quarter.
+static void share( const wisp_fabric_level* level, double3* value )
+{
+    double3* sum = zeros( level->row_count, sizeof( double3 ) );
+    double* count = zeros( level->row_count, sizeof( double ) );
+    for ( int i = 0; i < level->schedule.slot_count; ++i )
+    {
+        const int a = level->a_x4[i] / 4, b = level->b_x4[i] / 4;
+        const double fraction = (double)level->fraction[i];
+        sum[a] = double3_add( sum[a], double3_scale( fraction, value[b] ) );
+        sum[b] = double3_add( sum[b], double3_scale( fraction, value[a] ) );
+        count[a] += fraction;
+        count[b] += fraction;
+    }
+    for ( int row = 0; row < level->vertex_count; ++row )
+    {
+        const double3 mean = double3_scale( 1.0 / ( 1.0 + count[row] ), double3_add( value[row], sum[row] ) );
+        const double own = double3_dot( value[row], value[row] );
+        const double part = own > 0.0 ? double3_dot( mean, value[row] ) / own : 1.0;
+        value[row] = double3_scale( fmin( 1.0, fmax( 0.0, 2.0 * part - 0.5 ) ), value[row] );
+    }
+    free( sum );
+    free( count );
+}
+
 static void add_second_order( coarse_oracle* o, sheet* sheets, const double3* mean )
 {
     const int top = o->fabric->level_count - 1;
@@ -331,6 +356,7 @@ static void add_second_order( coarse_oracle* o, sheet* sheets, const double3* me
         o->change[row] = double3_scale( s, o->change[row] );
         o->lag[row] = double3_scale( s, o->lag[row] );
     }
+    share( level, value );
     for ( int l = top; l > 0; --l )
     {
         double3* finer = zeros( sheets[l - 1].level->row_count, sizeof( double3 ) );
