@@ -20,11 +20,9 @@ typedef struct air_sum
     lane8 flow; // m^3/s, the rate of drag
 } air_sum;
 
-LANE_INLINE lane8v load_corner( const float* xyzw, const int32_t* slot_x4 )
+LANE_INLINE lane8v third_of_wind( const air_lanes* air, lane8v velocity )
 {
-    lane8v v;
-    lane8_load_xyz( xyzw, slot_x4, &v.x, &v.y, &v.z );
-    return v;
+    return lane8v_scale( lane8v_sub( air->wind, velocity ), lane8_set1( 1.0f / 3.0f ) );
 }
 
 // Adds one triangle. With c = 2 A n, a triangle of any area has 2 A |u . n| = |c . u| and the lift
@@ -51,7 +49,8 @@ LANE_INLINE void add_triangle( lane8v c, lane8v u, bool lifts, air_sum* sum )
     if ( lifts )
     {
         const lane8m flows = lane8_ge( squares, lane8_set1( FLT_MIN ) );
-        const lane8 cosine = lane8_div( through, lane8_sqrt( lane8_select( flows, squares, one ) ) );
+        squares = lane8_select( flows, squares, one );
+        const lane8 cosine = lane8_mul( lane8_div( through, squares ), lane8_sqrt( squares ) ); // side by side
         const lane8v across = lane8v_sub( lane8v_scale( c, uu ), lane8v_scale( u, through ) );
         sum->lift = lane8v_mul_add( sum->lift, cosine, across );
     }
@@ -70,22 +69,35 @@ LANE_INLINE lane8v keep_energy( const air_lanes* air, lane8v velocity, lane8v st
     return lane8v_add( air->wind, lane8v_scale( relative, kept ) );
 }
 
+// A corner of a triangle next to a vertex.
+typedef struct air_corner
+{
+    lane8v edge; // from the vertex
+    lane8v wind; // a third of the relative wind, whose mean over the corners blows on a triangle
+} air_corner;
+
+LANE_INLINE air_corner load_corner( const wisp_ring_air_args* args, const air_lanes* air, lane8v point, int entry )
+{
+    const int32_t* slot_x4 = args->ring_x4[entry];
+    lane8v place, velocity;
+    lane8_load_xyz( args->position, slot_x4, &place.x, &place.y, &place.z );
+    lane8_load_xyz( args->old_velocity, slot_x4, &velocity.x, &velocity.y, &velocity.z );
+    return ( air_corner ){ lane8v_sub( place, point ), third_of_wind( air, velocity ) };
+}
+
 LANE_INLINE air_sum walk_ring( const wisp_ring_air_args* args, const air_lanes* air, int slice, lane8v point,
                                lane8v old, bool lifts )
 {
-    const lane8 third = lane8_set1( 1.0f / 3.0f ), zero = lane8_zero();
-    const lane8v nothing = { zero, zero, zero };
-    air_sum sum = { nothing, nothing, zero };
-    // the relative wind is the mean over the corners
-    lane8v own = lane8v_scale( lane8v_sub( air->wind, old ), third ), edge = nothing, last = own;
-    for ( int e = args->ring_begin[slice]; e < args->ring_begin[slice + 1]; ++e )
+    const lane8v nothing = { lane8_zero(), lane8_zero(), lane8_zero() }, own = third_of_wind( air, old );
+    const int begin = args->ring_begin[slice], end = args->ring_begin[slice + 1];
+    air_sum sum = { nothing, nothing, lane8_zero() };
+    air_corner last = begin < end ? load_corner( args, air, point, begin ) : ( air_corner ){ nothing, nothing };
+    for ( int e = begin + 1; e < end; ++e )
     {
-        const lane8v next = lane8v_sub( load_corner( args->position, args->ring_x4[e] ), point );
-        const lane8v moved = load_corner( args->old_velocity, args->ring_x4[e] );
-        const lane8v wind = lane8v_scale( lane8v_sub( air->wind, moved ), third );
-        add_triangle( lane8v_cross( edge, next ), lane8v_add( lane8v_add( own, last ), wind ), lifts, &sum );
-        edge = next;
-        last = wind;
+        const air_corner next = load_corner( args, air, point, e );
+        const lane8v wind = lane8v_add( lane8v_add( own, last.wind ), next.wind );
+        add_triangle( lane8v_cross( last.edge, next.edge ), wind, lifts, &sum );
+        last = next;
     }
     return sum;
 }
