@@ -10,7 +10,7 @@
 typedef struct air_lanes
 {
     lane8v wind;
-    lane8 drag, lift, rate; // 1/12 rho times C_d, C_l and their sum: a third of what has 1/2 rho and twice the area
+    lane8 drag, lift, rate; // factors of the sums: a third of 1/2 rho, twice the area, three times the wind
 } air_lanes;
 
 // Sums over the triangles of a vertex, without the factors of air_lanes.
@@ -20,16 +20,11 @@ typedef struct air_sum
     lane8 flow; // m^3/s, the rate of drag
 } air_sum;
 
-LANE_INLINE lane8v third_of_wind( const air_lanes* air, lane8v velocity )
-{
-    return lane8v_scale( lane8v_sub( air->wind, velocity ), lane8_set1( 1.0f / 3.0f ) );
-}
-
 // Adds one triangle. With c = 2 A n, a triangle of any area has 2 A |u . n| = |c . u| and the lift
 //
 //   2 A |u . n| ( |u| n' - (u . n') / |u| u ) = (c . u) / (|c| |u|) ( |u|^2 c - (c . u) u )
 //
-// so drag needs no root, and lift one root and one division. Triangles with a corner that is not finite add nothing.
+// so drag needs no root, and lift one root and one division. Here u is three times the relative wind. Triangles with a corner that is not finite add nothing.
 LANE_INLINE void add_triangle( lane8v c, lane8v u, bool lifts, air_sum* sum )
 {
     const lane8 one = lane8_set1( 1.0f ), zero = lane8_zero();
@@ -73,30 +68,31 @@ LANE_INLINE lane8v keep_energy( const air_lanes* air, lane8v velocity, lane8v st
 typedef struct air_corner
 {
     lane8v edge; // from the vertex
-    lane8v wind; // a third of the relative wind, whose mean over the corners blows on a triangle
+    lane8v velocity;
 } air_corner;
 
-LANE_INLINE air_corner load_corner( const wisp_ring_air_args* args, const air_lanes* air, lane8v point, int entry )
+LANE_INLINE air_corner load_corner( const wisp_ring_air_args* args, lane8v point, int entry )
 {
     const int32_t* slot_x4 = args->ring_x4[entry];
-    lane8v place, velocity;
-    lane8_load_xyz( args->position, slot_x4, &place.x, &place.y, &place.z );
-    lane8_load_xyz( args->old_velocity, slot_x4, &velocity.x, &velocity.y, &velocity.z );
-    return ( air_corner ){ lane8v_sub( place, point ), third_of_wind( air, velocity ) };
+    air_corner c;
+    lane8_load_xyz( args->position, slot_x4, &c.edge.x, &c.edge.y, &c.edge.z );
+    lane8_load_xyz( args->old_velocity, slot_x4, &c.velocity.x, &c.velocity.y, &c.velocity.z );
+    c.edge = lane8v_sub( c.edge, point );
+    return c;
 }
 
-LANE_INLINE air_sum walk_ring( const wisp_ring_air_args* args, const air_lanes* air, int slice, lane8v point,
-                               lane8v old, bool lifts )
+// @param own three times the wind without the velocity of the vertex
+LANE_INLINE air_sum walk_ring( const wisp_ring_air_args* args, int slice, lane8v point, lane8v own, bool lifts )
 {
-    const lane8v nothing = { lane8_zero(), lane8_zero(), lane8_zero() }, own = third_of_wind( air, old );
+    const lane8v nothing = { lane8_zero(), lane8_zero(), lane8_zero() };
     const int begin = args->ring_begin[slice], end = args->ring_begin[slice + 1];
     air_sum sum = { nothing, nothing, lane8_zero() };
-    air_corner last = begin < end ? load_corner( args, air, point, begin ) : ( air_corner ){ nothing, nothing };
+    air_corner last = begin < end ? load_corner( args, point, begin ) : ( air_corner ){ nothing, nothing };
     for ( int e = begin + 1; e < end; ++e )
     {
-        const air_corner next = load_corner( args, air, point, e );
-        const lane8v wind = lane8v_add( lane8v_add( own, last.wind ), next.wind );
-        add_triangle( lane8v_cross( last.edge, next.edge ), wind, lifts, &sum );
+        const air_corner next = load_corner( args, point, e );
+        const lane8v u = lane8v_sub( lane8v_sub( own, last.velocity ), next.velocity );
+        add_triangle( lane8v_cross( last.edge, next.edge ), u, lifts, &sum );
         last = next;
     }
     return sum;
@@ -107,16 +103,17 @@ LANE_INLINE air_sum walk_ring( const wisp_ring_air_args* args, const air_lanes* 
 LANE_INLINE void blow( const wisp_ring_air_args* args, int begin, int end, bool lifts )
 {
     const lane8 one = lane8_set1( 1.0f ), zero = lane8_zero(), dt = lane8_set1( args->dt );
-    const float twelfth = args->density / 12.0f;
-    const air_lanes air = { lane8v_set1( args->wind ), lane8_set1( twelfth * args->drag ),
-                            lane8_set1( twelfth * args->lift ), lane8_set1( twelfth * ( args->drag + args->lift ) ) };
+    const float twice = args->density / 108.0f, once = args->density / 36.0f; // of sums that have u twice, and once
+    const air_lanes air = { lane8v_set1( args->wind ), lane8_set1( twice * args->drag ),
+                            lane8_set1( twice * args->lift ), lane8_set1( once * ( args->drag + args->lift ) ) };
+    const lane8v wind_x3 = lane8v_scale( air.wind, lane8_set1( 3.0f ) );
     for ( int slice = begin; slice < end; ++slice )
     {
         lane8v point, old;
         lane8 weight, rest;
         lane8_load_xyzw_contiguous( args->position + (size_t)slice * 32, &point.x, &point.y, &point.z, &weight );
         lane8_load_xyzw_contiguous( args->old_velocity + (size_t)slice * 32, &old.x, &old.y, &old.z, &rest );
-        const air_sum sum = walk_ring( args, &air, slice, point, old, lifts );
+        const air_sum sum = walk_ring( args, slice, point, lane8v_sub( wind_x3, old ), lifts );
         const lane8m moves = lane8_lt( zero, weight );
         const lane8 reach = lane8_select( moves, lane8_mul( dt, weight ), zero );
         const lane8 change =
