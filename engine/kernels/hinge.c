@@ -253,8 +253,9 @@ LANE_INLINE void add_bent( lane8 y[4], lane8 c, const lane8 x[4], const lane8 or
     }
 }
 
-// Projects the energy 1/2 |y|^2 / A with y = sum c_i x_i, a constraint C = |y| / sqrt( A ) with gradients c_i y / ( |y| sqrt( A ) ).
-// Area and length cancel: x_i -= k w_i c_i y / sum of w c^2. Particles stay rows of four floats, as those of links do.
+// Projects the energy 1/2 |y|^2 / A with y = sum c_i x_i, a constraint C = |y| / sqrt( A ) with gradients
+// c_i y / ( |y| sqrt( A ) ). Area and length cancel: x_i -= k w_i c_i y / sum of w c^2. Particles stay rows of four
+// floats, as those of links do.
 void KERNEL( hinge_isometric )( const wisp_hinge_args* args, int begin, int end )
 {
     const wisp_hinge_args mine = *args;

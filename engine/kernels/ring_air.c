@@ -10,7 +10,7 @@
 typedef struct air_lanes
 {
     lane8v wind;
-    lane8 drag, lift, rate; // factors of the sums: a third of 1/2 rho, twice the area, three times the wind
+    lane8 drag, lift, rate; // factors of the sums, of C_d, C_l and both
 } air_lanes;
 
 // Sums over the triangles of a vertex, without the factors of air_lanes.
@@ -24,7 +24,8 @@ typedef struct air_sum
 //
 //   2 A |u . n| ( |u| n' - (u . n') / |u| u ) = (c . u) / (|c| |u|) ( |u|^2 c - (c . u) u )
 //
-// so drag needs no root, and lift one root and one division. Here u is three times the relative wind. Triangles with a corner that is not finite add nothing.
+// so drag needs no root, and lift one root and one division. Here u is three times the relative wind. Triangles with
+// a corner that is not finite add nothing.
 LANE_INLINE void add_triangle( lane8v c, lane8v u, bool lifts, air_sum* sum )
 {
     const lane8 one = lane8_set1( 1.0f ), zero = lane8_zero();
@@ -103,7 +104,8 @@ LANE_INLINE air_sum walk_ring( const wisp_ring_air_args* args, int slice, lane8v
 LANE_INLINE void blow( const wisp_ring_air_args* args, int begin, int end, bool lifts )
 {
     const lane8 one = lane8_set1( 1.0f ), zero = lane8_zero(), dt = lane8_set1( args->dt );
-    const float twice = args->density / 108.0f, once = args->density / 36.0f; // of sums that have u twice, and once
+    // a third of 1/2 rho, of sums with twice the area and with three times the wind, squared or once
+    const float twice = args->density / 108.0f, once = args->density / 36.0f;
     const air_lanes air = { lane8v_set1( args->wind ), lane8_set1( twice * args->drag ),
                             lane8_set1( twice * args->lift ), lane8_set1( once * ( args->drag + args->lift ) ) };
     const lane8v wind_x3 = lane8v_scale( air.wind, lane8_set1( 3.0f ) );
