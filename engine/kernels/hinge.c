@@ -232,37 +232,63 @@ void KERNEL( plate_add_moments )( const wisp_plate_angle_args* args, int begin, 
     }
 }
 
-// Projects quadratic bending of isometric surfaces (Bergou et al. 2006). The energy 1/2 k s |y|^2 with y = sum c_i
-// x_i is a constraint C = sqrt(s) |y| with gradients sqrt(s) c_i y / |y|. Steps avoid a division by |y|, which may
-// be 0.
+// ---- quadratic bending of isometric surfaces (Bergou et al. 2006) ----
+
+// Inverse masses of eight particles from their rows.
+LANE_INLINE lane8 last_of_rows( const lane8 row[4] )
+{
+    lane8 q[4] = { row[0], row[1], row[2], row[3] };
+    lane8_transpose_quads( q );
+    return q[3];
+}
+
+// Adds c ( x - origin ) to y, all as rows.
+LANE_INLINE void add_bent( lane8 y[4], lane8 c, const lane8 x[4], const lane8 origin[4] )
+{
+    const lane8 spread[4] = { lane8_spread_first( c ), lane8_spread_second( c ), lane8_spread_third( c ),
+                              lane8_spread_last( c ) };
+    for ( int r = 0; r < 4; ++r )
+    {
+        y[r] = lane8_mul_add( spread[r], lane8_sub( x[r], origin[r] ), y[r] );
+    }
+}
+
+// Projects the energy 1/2 |y|^2 / A with y = sum c_i x_i, a constraint C = |y| / sqrt( A ) with gradients
+// c_i y / ( |y| sqrt( A ) ). Area and length cancel: x_i -= k w_i c_i y / sum of w c^2. Particles stay rows of four
+// floats, as those of links do.
 void KERNEL( hinge_isometric )( const wisp_hinge_args* args, int begin, int end )
 {
-    const lane8 one = lane8_set1( 1.0f );
+    const wisp_hinge_args mine = *args;
+    const lane8 one = lane8_set1( 1.0f ), zero = lane8_zero();
     for ( int hinge = begin; hinge < end; hinge += 8 )
     {
-        corners c = load_corners( args->position, args->slot_x4, hinge );
-        lane8v y = { lane8_zero(), lane8_zero(), lane8_zero() };
-        lane8 cotangent[CORNERS];
+        const int32_t* slot_x4 = mine.slot_x4 + (size_t)hinge * CORNERS;
+        lane8 x[CORNERS][4], c[CORNERS], weighted[CORNERS], sum = zero;
         for ( int k = 0; k < CORNERS; ++k )
         {
-            cotangent[k] = lane8_loadu( args->rest + (size_t)hinge * CORNERS + 8 * k );
+            lane8_load_quads( mine.position, slot_x4 + 8 * k, x[k] );
+            c[k] = lane8_loadu( mine.rest + (size_t)hinge * CORNERS + 8 * k );
+            weighted[k] = lane8_mul( last_of_rows( x[k] ), c[k] );
+            sum = lane8_mul_add( weighted[k], c[k], sum );
         }
-        // weights sum to 0, so differences from one corner reduce rounding far from the origin
+        // c sum to 0, so differences from one corner reduce rounding far from the origin
+        lane8 y[4] = { zero, zero, zero, zero };
         for ( int k = 1; k < CORNERS; ++k )
         {
-            y = lane8v_mul_add( y, cotangent[k], lane8v_sub( c.point[k], c.point[END_I] ) );
+            add_bent( y, c[k], x[k], x[END_I] );
         }
-        lane8 length = lane8v_length( y );
-        lane8m bent = lane8_ge( length, lane8_set1( FLT_MIN ) );
-        lane8 root = lane8_sqrt( lane8_loadu( args->scale + hinge ) );
-        lane8v direction = lane8v_scale( y, lane8_div( root, lane8_select( bent, length, one ) ) );
-        lane8v gradient[CORNERS];
+        const lane8m usable = lane8_ge( sum, lane8_set1( FLT_MIN ) );
+        lane8 step = lane8_div( lane8_loadu( mine.stiffness + hinge ), lane8_select( usable, sum, one ) );
+        step = lane8_select( usable, step, zero );
         for ( int k = 0; k < CORNERS; ++k )
         {
-            gradient[k] = lane8v_scale( direction, cotangent[k] );
+            lane8 move[4];
+            lane8_spread_xyz( lane8_mul( weighted[k], step ), move );
+            for ( int r = 0; r < 4; ++r )
+            {
+                x[k][r] = lane8_sub( x[k][r], lane8_mul( move[r], y[r] ) );
+            }
+            lane8_store_quads( mine.position, slot_x4 + 8 * k, x[k] );
         }
-        lane8 sum = weighted_square( &c, gradient );
-        lane8 step = change_of_lambda( args, hinge, lane8_mul( root, length ), sum, lane8_set1( INFINITY ), bent );
-        move_corners( args, hinge, &c, gradient, step );
     }
 }

@@ -10,52 +10,46 @@
 typedef struct air_lanes
 {
     lane8v wind;
-    lane8 quarter_density, drag, lift;
+    lane8 drag, lift, rate; // factors of the sums, of C_d, C_l and both
 } air_lanes;
 
-// Sums of a vertex: force and the lift in it, in N, and the rate of drag in N s/m.
+// Sums over the triangles of a vertex, without the factors of air_lanes.
 typedef struct air_sum
 {
-    lane8v force, lift;
-    lane8 rate;
+    lane8v drag, lift;
+    lane8 flow; // m^3/s, the rate of drag
 } air_sum;
 
-LANE_INLINE lane8v load_corner( const float* xyzw, const int32_t* slot_x4 )
+// Adds one triangle. With c = 2 A n, a triangle of any area has 2 A |u . n| = |c . u| and the lift
+//
+//   2 A |u . n| ( |u| n' - (u . n') / |u| u ) = (c . u) / (|c| |u|) ( |u|^2 c - (c . u) u )
+//
+// so drag needs no root, and lift one root and one division. Here u is three times the relative wind. Triangles with
+// a corner that is not finite add nothing.
+LANE_INLINE void add_triangle( lane8v c, lane8v u, bool lifts, air_sum* sum )
 {
-    lane8v v;
-    lane8_load_xyz( xyzw, slot_x4, &v.x, &v.y, &v.z );
-    return v;
-}
-
-// Adds one triangle. Triangles without area, without relative wind, or with a corner that is not finite, add
-// nothing.
-LANE_INLINE void add_triangle( const air_lanes* air, lane8v cross, lane8v mean, air_sum* sum )
-{
-    const lane8 one = lane8_set1( 1.0f ), tiny = lane8_set1( 1e-30f ), zero = lane8_zero();
-    const lane8 third = lane8_set1( 1.0f / 3.0f );
-    const lane8v u = lane8v_sub( air->wind, mean );
-    const lane8 raw_area = lane8v_length( cross ), raw_speed = lane8v_length( u );
-    const lane8 most = lane8_set1( FLT_MAX );
-    const lane8m has_area = lane8m_and( lane8_ge( raw_area, tiny ), lane8_le( raw_area, most ) );
-    const lane8m has_wind = lane8m_and( lane8_ge( raw_speed, tiny ), lane8_le( raw_speed, most ) );
-    const lane8m valid = lane8m_and( has_area, has_wind );
-    const lane8 twice_area = lane8_select( valid, raw_area, one ), speed = lane8_select( valid, raw_speed, one );
-
-    const lane8 facing = lane8_div( lane8v_dot( u, cross ), twice_area ); // u . n, m/s
-    const lane8m is_behind = lane8_lt( facing, zero );
-    const lane8 size = lane8_select( is_behind, lane8_sub( zero, facing ), facing );
-    const lane8 side = lane8_select( is_behind, lane8_set1( -1.0f ), one );
-    const lane8v n = lane8v_scale( cross, lane8_div( side, twice_area ) );
-    const lane8 pressure = lane8_mul( lane8_mul( air->quarter_density, twice_area ), size ); // 1/2 rho A |u . n|
-    const lane8v across = lane8v_sub( lane8v_scale( n, speed ), lane8v_scale( u, lane8_div( size, speed ) ) );
-    const lane8v lift = lane8v_scale( across, lane8_mul( pressure, air->lift ) );
-    const lane8v force = lane8v_add( lane8v_scale( u, lane8_mul( pressure, air->drag ) ), lift );
-    const lane8 rate = lane8_mul( pressure, lane8_add( air->drag, air->lift ) );
-
-    const lane8v nothing = { zero, zero, zero };
-    sum->force = lane8v_add( sum->force, lane8v_scale( lane8v_select( valid, force, nothing ), third ) );
-    sum->lift = lane8v_add( sum->lift, lane8v_scale( lane8v_select( valid, lift, nothing ), third ) );
-    sum->rate = lane8_add( sum->rate, lane8_div( lane8_select( valid, rate, zero ), lane8_set1( 3.0f ) ) );
+    const lane8 one = lane8_set1( 1.0f ), zero = lane8_zero();
+    lane8 uu = lane8v_dot( u, u ), squares = lane8_mul( lane8v_dot( c, c ), uu );
+    const lane8m finite = lane8_le( squares, lane8_set1( FLT_MAX ) );
+    if ( lane8m_all( finite ) == false ) // hardly ever
+    {
+        const lane8v nothing = { zero, zero, zero };
+        c = lane8v_select( finite, c, nothing );
+        u = lane8v_select( finite, u, nothing );
+        uu = lane8_select( finite, uu, zero );
+        squares = lane8_select( finite, squares, zero );
+    }
+    const lane8 through = lane8v_dot( c, u ), flow = lane8_abs( through );
+    sum->drag = lane8v_mul_add( sum->drag, flow, u );
+    sum->flow = lane8_add( sum->flow, flow );
+    if ( lifts )
+    {
+        const lane8m flows = lane8_ge( squares, lane8_set1( FLT_MIN ) );
+        squares = lane8_select( flows, squares, one );
+        const lane8 cosine = lane8_mul( lane8_div( through, squares ), lane8_sqrt( squares ) ); // side by side
+        const lane8v across = lane8v_sub( lane8v_scale( c, uu ), lane8v_scale( u, through ) );
+        sum->lift = lane8v_mul_add( sum->lift, cosine, across );
+    }
 }
 
 // Lift is perpendicular to the relative wind and does no work in its frame. An explicit step across a velocity lengthens it all the
@@ -71,43 +65,81 @@ LANE_INLINE lane8v keep_energy( const air_lanes* air, lane8v velocity, lane8v st
     return lane8v_add( air->wind, lane8v_scale( relative, kept ) );
 }
 
+// A corner of a triangle next to a vertex.
+typedef struct air_corner
+{
+    lane8v edge; // from the vertex
+    lane8v velocity;
+} air_corner;
+
+LANE_INLINE air_corner load_corner( const wisp_ring_air_args* args, lane8v point, int entry )
+{
+    const int32_t* slot_x4 = args->ring_x4[entry];
+    air_corner c;
+    lane8_load_xyz( args->position, slot_x4, &c.edge.x, &c.edge.y, &c.edge.z );
+    lane8_load_xyz( args->old_velocity, slot_x4, &c.velocity.x, &c.velocity.y, &c.velocity.z );
+    c.edge = lane8v_sub( c.edge, point );
+    return c;
+}
+
+// @param own three times the wind without the velocity of the vertex
+LANE_INLINE air_sum walk_ring( const wisp_ring_air_args* args, int slice, lane8v point, lane8v own, bool lifts )
+{
+    const lane8v nothing = { lane8_zero(), lane8_zero(), lane8_zero() };
+    const int begin = args->ring_begin[slice], end = args->ring_begin[slice + 1];
+    air_sum sum = { nothing, nothing, lane8_zero() };
+    air_corner last = begin < end ? load_corner( args, point, begin ) : ( air_corner ){ nothing, nothing };
+    for ( int e = begin + 1; e < end; ++e )
+    {
+        const air_corner next = load_corner( args, point, e );
+        const lane8v u = lane8v_sub( lane8v_sub( own, last.velocity ), next.velocity );
+        add_triangle( lane8v_cross( last.edge, next.edge ), u, lifts, &sum );
+        last = next;
+    }
+    return sum;
+}
+
 // Applies the force. Explicit drag can reverse the velocity of a light vertex in one step; a factor implicit in the
 // rate keeps it below the wind's.
-void KERNEL( ring_air )( const wisp_ring_air_args* args, int begin, int end )
+LANE_INLINE void blow( const wisp_ring_air_args* args, int begin, int end, bool lifts )
 {
-    const lane8 one = lane8_set1( 1.0f ), zero = lane8_zero(), third = lane8_set1( 1.0f / 3.0f );
-    const lane8 dt = lane8_set1( args->dt );
-    const lane8v nothing = { zero, zero, zero };
-    const air_lanes air = { lane8v_set1( args->wind ), lane8_set1( 0.25f * args->density ), lane8_set1( args->drag ),
-                            lane8_set1( args->lift ) };
+    const lane8 one = lane8_set1( 1.0f ), zero = lane8_zero(), dt = lane8_set1( args->dt );
+    // a third of 1/2 rho, of sums with twice the area and with three times the wind, squared or once
+    const float twice = args->density / 108.0f, once = args->density / 36.0f;
+    const air_lanes air = { lane8v_set1( args->wind ), lane8_set1( twice * args->drag ),
+                            lane8_set1( twice * args->lift ), lane8_set1( once * ( args->drag + args->lift ) ) };
+    const lane8v wind_x3 = lane8v_scale( air.wind, lane8_set1( 3.0f ) );
     for ( int slice = begin; slice < end; ++slice )
     {
         lane8v point, old;
         lane8 weight, rest;
         lane8_load_xyzw_contiguous( args->position + (size_t)slice * 32, &point.x, &point.y, &point.z, &weight );
         lane8_load_xyzw_contiguous( args->old_velocity + (size_t)slice * 32, &old.x, &old.y, &old.z, &rest );
-        air_sum sum = { nothing, nothing, zero };
-        lane8v edge = nothing, velocity = old;
-        for ( int e = args->ring_begin[slice]; e < args->ring_begin[slice + 1]; ++e )
-        {
-            const lane8v next = lane8v_sub( load_corner( args->position, args->ring_x4[e] ), point );
-            const lane8v next_velocity = load_corner( args->old_velocity, args->ring_x4[e] );
-            const lane8v mean = lane8v_add( lane8v_scale( lane8v_add( old, velocity ), third ),
-                                            lane8v_scale( next_velocity, third ) );
-            add_triangle( &air, lane8v_cross( edge, next ), mean, &sum );
-            edge = next;
-            velocity = next_velocity;
-        }
+        const air_sum sum = walk_ring( args, slice, point, lane8v_sub( wind_x3, old ), lifts );
         const lane8m moves = lane8_lt( zero, weight );
         const lane8 reach = lane8_select( moves, lane8_mul( dt, weight ), zero );
-        const lane8 change = lane8_div( reach, lane8_add( one, lane8_mul( reach, sum.rate ) ) );
-        lane8v blown = lane8v_add( old, lane8v_scale( sum.force, change ) );
-        if ( args->lift > 0.0f )
+        const lane8 change =
+            lane8_div( reach, lane8_add( one, lane8_mul( reach, lane8_mul( air.rate, sum.flow ) ) ) );
+        lane8v blown = lane8v_mul_add( old, lane8_mul( change, air.drag ), sum.drag );
+        if ( lifts )
         {
-            blown = keep_energy( &air, blown, lane8v_scale( sum.lift, change ) );
+            const lane8v step = lane8v_scale( sum.lift, lane8_mul( change, air.lift ) );
+            blown = keep_energy( &air, lane8v_add( blown, step ), step );
         }
         const lane8v new_velocity = lane8v_select( moves, blown, old );
         lane8_store_xyzw_contiguous( args->velocity + (size_t)slice * 32, new_velocity.x, new_velocity.y,
                                      new_velocity.z, rest );
+    }
+}
+
+void KERNEL( ring_air )( const wisp_ring_air_args* args, int begin, int end )
+{
+    if ( args->lift > 0.0f )
+    {
+        blow( args, begin, end, true );
+    }
+    else
+    {
+        blow( args, begin, end, false );
     }
 }

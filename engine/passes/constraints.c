@@ -118,7 +118,6 @@ static void hinges_isometric( wisp_frame* frame, const wisp_span* span, void* us
     (void)user;
     hinge_call call = { .kernel = wisp_frame_kernels( frame )->hinge_isometric };
     call.args.rest = wisp_frame_column( frame, span->entity, WISP_HINGE_COTANGENT, 0 );
-    call.args.scale = wisp_frame_column( frame, span->entity, WISP_HINGE_COTANGENT, 1 );
     project_hinges( frame, span, &call );
 }
 

@@ -120,7 +120,6 @@ void cloth_fill_levels( wisp_world* world, wisp_entity surface, const wisp_cloth
 typedef struct hinge_shape
 {
     vec3d i, j, k, l;
-    double area; // of both triangles, m^2
     double edge; // length, m
     bool sound;  // both triangles have an area, so there is an angle between them
 } hinge_shape;
@@ -133,13 +132,11 @@ static hinge_shape shape_of( const wisp_fabric* f, int hinge )
                       rest_of( f, corner[2] ),
                       rest_of( f, corner[3] ),
                       0.0,
-                      0.0,
                       false };
     vec3d e = minus( s.j, s.i );
     double k_area = 0.5 * length( cross( e, minus( s.k, s.i ) ) );
     double l_area = 0.5 * length( cross( e, minus( s.l, s.i ) ) );
     s.edge = length( e );
-    s.area = k_area + l_area;
     s.sound = k_area > 0.0 && l_area > 0.0;
     return s;
 }
@@ -183,7 +180,6 @@ static void fill_shape( wisp_world* world, wisp_entity surface, const hinge_shap
         return;
     }
     float* weight = wisp_world_column( world, surface, WISP_HINGE_COTANGENT, 0 );
-    float* scale = wisp_world_column( world, surface, WISP_HINGE_COTANGENT, 1 );
     double c[4] = { 0 };
     if ( s->sound )
     {
@@ -193,7 +189,6 @@ static void fill_shape( wisp_world* world, wisp_entity surface, const hinge_shap
     {
         weight[( slot / 8 ) * 32 + 8 * k + slot % 8] = (float)c[k];
     }
-    scale[slot] = s->sound ? (float)( 1.0 / s->area ) : 0.0f;
 }
 
 void cloth_fill_hinges( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def )

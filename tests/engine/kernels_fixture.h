@@ -174,7 +174,6 @@ static inline wisp_hinge_args hinge_args( constraints* s, bool isometric, bool p
         .position = s->position[0],
         .slot_x4 = s->slot_x4[0][0],
         .rest = isometric ? s->weights[0][0] : s->angle,
-        .scale = s->scale,
         .stiffness = pbd ? s->stiffness : NULL,
         .compliance = s->compliance,
         .lambda = s->lambda,

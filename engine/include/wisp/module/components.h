@@ -122,9 +122,8 @@
 /// Sharp folds of cloth without bend links are opened by their hinges too.
 #define WISP_HINGE_FOLDS_COLUMNS( X ) WISP_LINK_FOLDS_COLUMNS( X )
 #define WISP_HINGE_REST_COLUMNS( X ) X( float, angle, 1 ) /* rad, between the normals */
-#define WISP_HINGE_COTANGENT_COLUMNS( X )                                                                            \
-    X( float, weight, 4 ) /* groups [4][8]: c_i of the bending energy 1/2 k s |sum c_i x_i|^2 */                     \
-    X( float, scale, 1 )  /* s, 1/m^2 */
+/// Groups [4][8]: c_i of the bending energy 1/2 k |sum c_i x_i|^2 / A, A the area of both triangles.
+#define WISP_HINGE_COTANGENT_COLUMNS( X ) X( float, weight, 4 )
 #define WISP_HINGE_STIFFNESS_COLUMNS( X ) X( float, stiffness, 1 ) /* pbd, in [0, 1] */
 #define WISP_SURFACE_TETHERS_COLUMNS( X ) X( float, slack, 1 )     /* times the rest distance, >= 1 */
 /// Coarse sheets that carry a surface. Whoever changes masses, or velocities from outside, calls wisp_world_restart_levels().

@@ -31,9 +31,8 @@ typedef struct wisp_hinge_args
     const int32_t* slot_x4; ///< [group][4][8] i, j, k, l, slots times 4
     const float* rest; ///< dihedral: [hinge] rad, rest angle between the normals, 0 is flat. Isometric: [group][4][8]
                        ///< the vector c of Q = c c^T / A, so that Q x = c (c . x) / A (Bergou et al. 2006)
-    const float* scale;      ///< isometric: [hinge] 1 / A in 1/m^2 with A the area of both triangles
-    const float* stiffness;  ///< pbd: [hinge] in [0, 1]; null for xpbd
-    const float* compliance; ///< xpbd: [hinge] dihedral: rad^2/J; isometric: 1/J with the energy of curvature
+    const float* stiffness;  ///< pbd: [hinge] in [0, 1]; null for xpbd, which isometric hinges do not have
+    const float* compliance; ///< xpbd: [hinge] rad^2/J
     float* lambda;           ///< [hinge] multiplier of this substep; null: starts at 0, for a single iteration
     float inverse_dt2;       ///< xpbd: 1/s^2
 } wisp_hinge_args;
