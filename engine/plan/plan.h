@@ -22,6 +22,8 @@ enum
     PLAN_MAX_STATES = 32,
     PLAN_MAX_WORKSPACES = 16,
     PLAN_MAX_AROUNDS = 8,
+    // An entity with fewer rows of sixteen lanes runs on one worker, in parallel with others.
+    PLAN_WIDE_ENTITY_ROWS = 256,
 };
 
 typedef struct plan_workspace
@@ -122,6 +124,7 @@ typedef struct plan_node
     plan_section section;
     int wave; // within the section
     int first_target, target_count;
+    int wave_target_count; // that run in waves; the others have a substep loop of their own
     int grain;
 } plan_node;
 
@@ -132,6 +135,13 @@ typedef struct plan_target
     uint32_t passes; // bit i: passes[i] of the node
     int join;        // index of the fusion in the registry that can run all of them; -1: none
 } plan_target;
+
+/// What a slot of the store runs.
+typedef struct plan_entity
+{
+    store_mask live; // passes
+    bool loops;      // it runs all its substeps before the next entity does
+} plan_entity;
 
 typedef struct plan_block
 {
@@ -151,8 +161,16 @@ typedef struct plan
     int pass_count;
     plan_target* targets;
     int target_count, target_capacity;
+    plan_entity* entities; // [slot]
+    int entity_capacity;
     plan_block* blocks; // capacity of the widest wave
     int block_capacity;
+    // Entities with a substep loop of their own, and what they run of the nodes of substeps, in the order of a substep.
+    int loop_nodes[PLAN_MAX_PASSES];
+    int loop_node_count;
+    int* loop_slots;       // [loop]
+    uint32_t* loop_passes; // [loop][loop_node_count] bit i: passes[i] of the node
+    int loop_count, loop_slot_capacity, loop_pass_capacity;
     uint32_t structure; // structure version of the store for which it was compiled
     uint64_t hash;
 } plan;
@@ -161,12 +179,35 @@ typedef struct plan
 /// and the message names pass and component.
 wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error );
 void plan_release( plan* p, const wisp_allocator* allocator );
+/// Return the bytes of its arrays.
+size_t plan_memory( const plan* p );
 
 /// Explain a compiled plan and the absent passes, in one block of the world's memory. @return null without memory
 wisp_plan_info* plan_explain( const plan* p, const wisp_registry* r, int substeps, int iterations );
 
 /// Print one line per pass: selected passes with their reasons, absent ones with what is missing.
 void plan_print( const wisp_plan_info* report, void ( *write )( void* user, const char* line ), void* user );
+
+// entity_loop.c
+
+/// Find the entities that run all their substeps on their own: small ones whose passes share nothing with others.
+void plan_find_entity_loops( plan* p, const wisp_registry* r );
+/// List them and their passes; there is room for both.
+void plan_fill_entity_loops( plan* p, const store* s );
+
+// compile.c
+
+/// Return the selected passes of an entity that a node has. Bit i: passes[i] of the node.
+uint32_t plan_live_passes( const plan* p, const plan_node* node, int slot );
+
+/// Return the size of an entity in rows of sixteen lanes.
+int plan_row_count( const store_entity* e );
+
+/// Is it a section of the substep loop?
+static inline bool plan_is_substep( plan_section section )
+{
+    return section == PLAN_SUBSTEP || section == PLAN_ITERATION || section == PLAN_AFTER_ITERATION;
+}
 
 /// Return the section of a stage.
 plan_section plan_section_of( wisp_stage stage );
@@ -197,6 +238,7 @@ struct wisp_frame
     const plan_block* wave; // of the current wave
     bool wide;              // one entity at a time, on all workers
     bool sampled;           // times of passes come from samples
+    int only_pass;          // of a wave without samples
     int clocked_blocks;     // one of this many blocks with a substep loop is timed
     _Atomic uint64_t counters[WISP_COUNTER_COUNT];
     double pass_seconds[PLAN_MAX_PASSES]; // of this step
