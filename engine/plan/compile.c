@@ -565,11 +565,13 @@ static bool make_entity_loops( plan* p, const wisp_registry* r )
     plan_find_entity_loops( p, r );
     const bool room = reserve( s->allocator, (void**)&p->loop_slots, &p->loop_slot_capacity, p->loop_count,
                                sizeof( p->loop_slots[0] ) ) &&
+                      reserve( s->allocator, (void**)&p->loop_groups, &p->loop_group_capacity, p->loop_count,
+                               sizeof( plan_loop_group ) ) &&
                       reserve( s->allocator, (void**)&p->loop_passes, &p->loop_pass_capacity,
                                p->loop_count * p->loop_node_count, sizeof( p->loop_passes[0] ) );
     if ( room )
     {
-        plan_fill_entity_loops( p, s );
+        plan_fill_entity_loops( p, r );
     }
     return room;
 }
@@ -634,6 +636,7 @@ size_t plan_memory( const plan* p )
     return (size_t)p->target_capacity * sizeof( plan_target ) + (size_t)p->block_capacity * sizeof( plan_block ) +
            (size_t)p->entity_capacity * sizeof( plan_entity ) +
            (size_t)p->loop_slot_capacity * sizeof( p->loop_slots[0] ) +
+           (size_t)p->loop_group_capacity * sizeof( plan_loop_group ) +
            (size_t)p->loop_pass_capacity * sizeof( p->loop_passes[0] );
 }
 
@@ -642,6 +645,7 @@ void plan_release( plan* p, const wisp_allocator* allocator )
     base_release( allocator, p->targets, (size_t)p->target_capacity * sizeof( plan_target ) );
     base_release( allocator, p->entities, (size_t)p->entity_capacity * sizeof( plan_entity ) );
     base_release( allocator, p->loop_slots, (size_t)p->loop_slot_capacity * sizeof( p->loop_slots[0] ) );
+    base_release( allocator, p->loop_groups, (size_t)p->loop_group_capacity * sizeof( plan_loop_group ) );
     base_release( allocator, p->loop_passes, (size_t)p->loop_pass_capacity * sizeof( p->loop_passes[0] ) );
     base_release( allocator, p->blocks, (size_t)p->block_capacity * sizeof( plan_block ) );
     *p = ( plan ){ 0 };

@@ -2,6 +2,8 @@
 // caches for the whole step, and no worker waits for another between passes (bench case "scenes", crowds).
 #include "execute_parts.h"
 
+#include <string.h>
+
 // ---- compilation ----
 
 // What passes of other entities touch in the substep loop.
@@ -80,19 +82,70 @@ void plan_find_entity_loops( plan* p, const wisp_registry* r )
     }
 }
 
-void plan_fill_entity_loops( plan* p, const store* s )
+// Find the batch that can run all that an entity runs in its loop. @return -1: there is none
+static int find_batch( const plan* p, const wisp_registry* r, int slot )
 {
-    int loop = 0;
-    for ( int slot = 0; slot < s->entity_count; ++slot )
+    store_mask live = { { 0 } };
+    for ( int n = 0; n < p->loop_node_count; ++n )
     {
-        for ( int n = 0; n < p->loop_node_count && p->entities[slot].loops; ++n )
+        const plan_node* node = p->nodes + p->loop_nodes[n];
+        for ( int i = 0; i < node->pass_count; ++i )
         {
-            const plan_node* node = p->nodes + p->loop_nodes[n];
-            p->loop_passes[loop * p->loop_node_count + n] = plan_live_passes( p, node, slot );
+            if ( store_mask_has( &p->entities[slot].live, node->passes[i] ) )
+            {
+                store_mask_add( &live, node->passes[i] );
+            }
         }
-        if ( p->entities[slot].loops )
+    }
+    int found = -1;
+    for ( int i = 0; i < r->batch_count && wisp_registry_iterations( r ) == 1; ++i )
+    {
+        const plan_batch* b = r->batches + i;
+        const bool runs_all = store_mask_holds( store_mask_or( b->required, b->allowed ), live );
+        found = runs_all && store_mask_holds( live, b->required ) ? i : found;
+    }
+    return found;
+}
+
+static void append_loop( plan* p, int slot )
+{
+    const int loop = p->loop_count++;
+    p->loop_slots[loop] = slot;
+    for ( int n = 0; n < p->loop_node_count; ++n )
+    {
+        p->loop_passes[loop * p->loop_node_count + n] = plan_live_passes( p, p->nodes + p->loop_nodes[n], slot );
+    }
+    p->entities[slot].listed = true;
+}
+
+// Append an entity, and others of its fabric that run the same passes.
+static void append_group( plan* p, const wisp_registry* r, int slot )
+{
+    const store* s = r->store;
+    const int batch = s->entities[slot].fabric != NULL ? find_batch( p, r, slot ) : -1;
+    const int lanes = batch >= 0 ? r->batches[batch].def.lanes : 1;
+    plan_loop_group* group = p->loop_groups + p->loop_group_count++;
+    *group = ( plan_loop_group ){ .first = p->loop_count, .batch = batch };
+    for ( int other = slot; other < s->entity_count && p->loop_count - group->first < lanes; ++other )
+    {
+        const plan_entity* e = p->entities + other;
+        if ( e->loops && e->listed == false && s->entities[other].fabric == s->entities[slot].fabric &&
+             memcmp( &e->live, &p->entities[slot].live, sizeof( e->live ) ) == 0 )
         {
-            p->loop_slots[loop++] = slot;
+            append_loop( p, other );
+        }
+    }
+    group->count = p->loop_count - group->first;
+}
+
+void plan_fill_entity_loops( plan* p, const wisp_registry* r )
+{
+    p->loop_count = p->loop_group_count = 0;
+    for ( int slot = 0; slot < r->store->entity_count; ++slot )
+    {
+        if ( p->entities[slot].loops && p->entities[slot].listed == false )
+        {
+            append_group( p, r, slot );
         }
     }
 }
@@ -151,19 +204,84 @@ static void run_substep( void* context, int substep, int worker )
     run_section( loop, behind, PLAN_AFTER_ITERATION, loop->frame->iterations - 1 );
 }
 
-static void run_entity( void* context, int index, int worker )
+// @param loop index of the entity
+static void run_alone( wisp_frame* frame, int loop, int worker )
 {
-    wisp_frame* frame = context;
     const plan* p = frame->plan;
-    const int slot = p->loop_slots[index], timed = execute_timed_substep( frame, index );
-    loop_substep loop = { .frame = frame,
-                          .passes = p->loop_passes + index * p->loop_node_count,
-                          .slot = slot,
-                          .span = { .entity = store_handle( frame->registry->store, slot ) } };
+    const int slot = p->loop_slots[loop], timed = execute_timed_substep( frame, loop );
+    loop_substep substeps = { .frame = frame,
+                              .passes = p->loop_passes + loop * p->loop_node_count,
+                              .slot = slot,
+                              .span = { .entity = store_handle( frame->registry->store, slot ) } };
     for ( int substep = 0; substep < frame->substeps; ++substep )
     {
-        loop.scale = substep == timed ? frame->substeps : 0.0;
-        jobs_run_within( frame->pool, substep, run_substep, &loop, worker );
+        substeps.scale = substep == timed ? frame->substeps * frame->clocked_blocks : 0.0;
+        jobs_run_within( frame->pool, substep, run_substep, &substeps, worker );
+    }
+}
+
+// Entities of a group that run side by side, and bits of the others.
+typedef struct side_by_side
+{
+    wisp_entity entities[WISP_MAX_BATCH];
+    int loops[WISP_MAX_BATCH];
+    int count;
+} side_by_side;
+
+// Less than a third of the lanes take longer than entities one by one.
+static void choose_members( wisp_frame* frame, const plan_loop_group* group, const plan_batch* batch,
+                            side_by_side* out )
+{
+    const store* s = frame->registry->store;
+    out->count = 0;
+    for ( int loop = group->first; loop < group->first + group->count; ++loop )
+    {
+        const int slot = frame->plan->loop_slots[loop];
+        const wisp_entity entity = store_handle( s, slot ), first = out->count > 0 ? out->entities[0] : entity;
+        if ( s->entities[slot].halted == 0 && batch->def.can_join( frame, first, entity, batch->def.user ) )
+        {
+            out->entities[out->count] = entity;
+            out->loops[out->count++] = loop;
+        }
+    }
+    out->count = 3 * out->count < batch->def.lanes ? 0 : out->count;
+}
+
+// Run the entities of a group side by side that can. @return bits of those that have, in the order of the group
+static uint32_t run_batch( wisp_frame* frame, const plan_loop_group* group, int worker )
+{
+    const plan_batch* batch = frame->registry->batches + group->batch;
+    side_by_side members;
+    choose_members( frame, group, batch, &members );
+    double seconds[2 * WISP_MAX_FUSED] = { 0 };
+    uint32_t done = 0, left = 0;
+    if ( members.count > 0 )
+    {
+        left = batch->def.run( frame, members.entities, members.count, worker, seconds, batch->def.user );
+    }
+    for ( int i = 0; i < members.count; ++i )
+    {
+        done |= ( left >> i & 1 ) == 0 ? 1u << ( members.loops[i] - group->first ) : 0;
+    }
+    for ( int i = 0; i < batch->pass_count; ++i )
+    {
+        frame->clocks[worker].seconds[batch->passes[i]] += seconds[i];
+    }
+    return done;
+}
+
+static void run_group( void* context, int index, int worker )
+{
+    wisp_frame* frame = context;
+    const plan_loop_group* group = frame->plan->loop_groups + index;
+    const bool is_batch = group->count > 1 && frame->registry->around_count == 0;
+    const uint32_t done = is_batch ? run_batch( frame, group, worker ) : 0;
+    for ( int i = 0; i < group->count; ++i )
+    {
+        if ( ( done >> i & 1 ) == 0 )
+        {
+            run_alone( frame, group->first + i, worker );
+        }
     }
 }
 
@@ -199,6 +317,6 @@ void execute_entity_loops( wisp_frame* frame )
     if ( frame->plan->loop_count > 0 )
     {
         frame->sampled = true;
-        execute_timed( frame, frame->plan->loop_count, rows, run_entity );
+        execute_timed( frame, frame->plan->loop_group_count, rows, run_group );
     }
 }

@@ -51,6 +51,14 @@ typedef struct plan_fusion
     void* user;
 } plan_fusion;
 
+typedef struct plan_batch
+{
+    wisp_batch def;
+    store_mask required, allowed;   // passes
+    int passes[2 * WISP_MAX_FUSED]; // the required, then the allowed ones
+    int pass_count;
+} plan_batch;
+
 /// A function around a pass or a fusion, and what it surrounds.
 typedef struct plan_around
 {
@@ -71,6 +79,8 @@ struct wisp_registry
     int pass_count;
     plan_fusion joins[PLAN_MAX_FUSIONS];
     int join_count;
+    plan_batch batches[PLAN_MAX_FUSIONS];
+    int batch_count;
     plan_state states[PLAN_MAX_STATES];
     int state_count;
     plan_workspace workspaces[PLAN_MAX_WORKSPACES];
@@ -141,7 +151,15 @@ typedef struct plan_entity
 {
     store_mask live; // passes
     bool loops;      // it runs all its substeps before the next entity does
+    bool listed;     // among the loops
 } plan_entity;
+
+/// Entities with a substep loop of their own that are one block: a single one, or some that can run side by side.
+typedef struct plan_loop_group
+{
+    int first, count; // of loop_slots
+    int batch;        // in the registry; -1: a single entity
+} plan_loop_group;
 
 typedef struct plan_block
 {
@@ -168,9 +186,10 @@ typedef struct plan
     // Entities with a substep loop of their own, and what they run of the nodes of substeps, in the order of a substep.
     int loop_nodes[PLAN_MAX_PASSES];
     int loop_node_count;
-    int* loop_slots;       // [loop]
+    int* loop_slots;       // [loop] those of a group one after another
     uint32_t* loop_passes; // [loop][loop_node_count] bit i: passes[i] of the node
-    int loop_count, loop_slot_capacity, loop_pass_capacity;
+    plan_loop_group* loop_groups;
+    int loop_count, loop_slot_capacity, loop_pass_capacity, loop_group_count, loop_group_capacity;
     uint32_t structure; // structure version of the store for which it was compiled
     uint64_t hash;
 } plan;
@@ -192,8 +211,8 @@ void plan_print( const wisp_plan_info* report, void ( *write )( void* user, cons
 
 /// Find the entities that run all their substeps on their own: small ones whose passes share nothing with others.
 void plan_find_entity_loops( plan* p, const wisp_registry* r );
-/// List them and their passes; there is room for both.
-void plan_fill_entity_loops( plan* p, const store* s );
+/// List them, their passes and groups; there is room for all.
+void plan_fill_entity_loops( plan* p, const wisp_registry* r );
 
 // compile.c
 
