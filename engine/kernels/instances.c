@@ -10,6 +10,7 @@ enum
     LANES = WISP_INSTANCE_LANES,
     ROW = 4 * LANES,    // floats of a particle
     VECTOR = 3 * LANES, // and of its velocity
+    ALL_LANES = ( 1 << LANES ) - 1,
 };
 
 // Minimum denominator as in link.c: squared length times inverse mass, m^2/kg.
@@ -91,9 +92,15 @@ LANE_INLINE lane16 reached( const wisp_instances_args* args, lane16m free, lane1
     return args->damps ? lane16_mul( moving, lane16_loadu( args->keep ) ) : moving;
 }
 
-// Ends a substep and begins the next one, in one sweep.
-LANE_INLINE void advance( const wisp_instances_args mine, const lane16 change[3], bool ends, bool begins )
+LANE_INLINE lane16m is_finite( lane16 a )
 {
+    return lane16_lt( lane16_abs( a ), lane16_set1( INFINITY ) );
+}
+
+// Ends a substep and begins the next one, in one sweep.
+LANE_INLINE uint32_t advance( const wisp_instances_args mine, const lane16 change[3], bool ends, bool begins )
+{
+    uint32_t finite = ALL_LANES;
     const lane16 dt = lane16_set1( mine.dt );
     for ( int slot = 0; slot < mine.slot_count; ++slot )
     {
@@ -117,26 +124,24 @@ LANE_INLINE void advance( const wisp_instances_args mine, const lane16 change[3]
                 const lane16 moved = lane16_mul_add( velocity, dt, position );
                 lane16_store( p + k, lane16_select( free, moved, position ) );
             }
+            else
+            {
+                finite &= lane16m_bits( lane16m_and( is_finite( position ), is_finite( velocity ) ) );
+            }
             lane16_store( v + k, velocity );
         }
     }
+    return ~finite & ALL_LANES;
 }
 
-void KERNEL( instances_advance )( const wisp_instances_args* args, bool ends, bool begins )
+uint32_t KERNEL( instances_advance )( const wisp_instances_args* args, bool ends, bool begins )
 {
     lane16 change[3];
     for ( int k = 0; k < 3; ++k )
     {
         change[k] = lane16_mul( lane16_loadu( args->acceleration + k * LANES ), lane16_set1( args->dt ) );
     }
-    if ( ends && begins )
-    {
-        advance( *args, change, true, true );
-    }
-    else
-    {
-        advance( *args, change, ends, begins );
-    }
+    return ends && begins ? advance( *args, change, true, true ) : advance( *args, change, ends, begins );
 }
 
 // ---- links ----
@@ -153,21 +158,21 @@ LANE_INLINE void store_point( float* row, lane16v p )
     lane16_store( row + 2 * LANES, p.z );
 }
 
-// The dummy particle that pads a group is moved once, by nothing, as in link.c: that makes a zero of -0.
-LANE_INLINE bool repeats_padding( const wisp_instances_args* args, int link )
-{
-    return args->constraint[link] < 0 && link > 0 && args->constraint[link - 1] < 0;
-}
-
+// The dummy particle of a tile, which pads its groups, is moved once, by nothing, as in link.c: that makes 0 of -0.
 LANE_INLINE uint32_t project( const wisp_instances_args mine, bool compliant, bool folds )
 {
     uint32_t folded = 0;
+    int32_t last_dummy_x4 = -1;
     const lane16 least = lane16_set1( MIN_DENOMINATOR );
     for ( int link = 0; link < mine.link_count; ++link )
     {
-        if ( repeats_padding( &mine, link ) )
+        if ( mine.constraint[link] < 0 )
         {
-            continue;
+            if ( mine.a_x4[link] == last_dummy_x4 )
+            {
+                continue;
+            }
+            last_dummy_x4 = mine.a_x4[link];
         }
         float *row_a = mine.position + (size_t)mine.a_x4[link] * LANES,
               *row_b = mine.position + (size_t)mine.b_x4[link] * LANES;

@@ -19,6 +19,7 @@ enum
     VELOCITY,
     LINKS,
     GRAVITY,
+    TARGETS,
     DAMPING,
 };
 
@@ -52,14 +53,23 @@ static bool can_join( wisp_frame* frame, wisp_entity first, wisp_entity entity, 
 
 // ---- the run ----
 
+// A pinned particle of one lane with a target.
+typedef struct moved_pin
+{
+    float* position;     // x, its y and z are LANES and 2 LANES behind it
+    const float* target; // x, y, z in m
+} moved_pin;
+
 typedef struct instances
 {
     wisp_instances_args args;
     const wisp_kernels* kernels;
     int count;
+    moved_pin* pins;
+    int pin_count;
     int32_t wait[LANES];    // passes until folds are searched for
     bool looks_for_folds;   // else there are no bend links whose folds count
-    uint32_t folded;        // bits of lanes with folds
+    uint32_t left;          // bits of lanes whose surfaces run alone: with folds, or without finite numbers
     double moving, solving; // s
 } instances;
 
@@ -71,6 +81,66 @@ static bool take_memory( instances* all, const wisp_parallel* parallel, int work
     all->args.velocity = memory + 4 * floats;
     all->args.previous = memory + 7 * floats;
     return memory != NULL;
+}
+
+// Visits the pinned particles of a lane that have targets, and lists them if there is room already.
+static void list_pins_of_lane( instances* all, wisp_frame* frame, wisp_entity entity, int lane )
+{
+    const float *position = position_of( frame, entity ),
+                *target = wisp_frame_column( frame, entity, WISP_PARTICLE_TARGET, 0 );
+    for ( size_t slot = 0; target != NULL && slot < (size_t)all->args.slot_count; ++slot )
+    {
+        if ( target[4 * slot + 3] != 0.0f && position[4 * slot + 3] == 0.0f )
+        {
+            if ( all->pins != NULL )
+            {
+                all->pins[all->pin_count] =
+                    ( moved_pin ){ all->args.position + 4 * LANES * slot + lane, target + 4 * slot };
+            }
+            all->pin_count += 1;
+        }
+    }
+}
+
+static void list_pins( instances* all, wisp_frame* frame, const wisp_entity* entities )
+{
+    all->pin_count = 0;
+    for ( int lane = 0; lane < all->count; ++lane )
+    {
+        list_pins_of_lane( all, frame, entities[lane], lane );
+    }
+}
+
+// @return false if there is no memory
+static bool take_pins( instances* all, wisp_frame* frame, const wisp_entity* entities, const wisp_parallel* parallel,
+                       int worker )
+{
+    list_pins( all, frame, entities ); // counts them
+    if ( all->pin_count > 0 )
+    {
+        const size_t bytes = (size_t)all->pin_count * sizeof( moved_pin );
+        all->pins = wisp_parallel_scratch( parallel, worker, bytes );
+        if ( all->pins == NULL )
+        {
+            return false;
+        }
+        list_pins( all, frame, entities );
+    }
+    return true;
+}
+
+// As carry_pins() of particles.
+static void carry_pins( instances* all, float fraction )
+{
+    for ( int i = 0; i < all->pin_count; ++i )
+    {
+        const moved_pin pin = all->pins[i];
+        for ( int k = 0; k < 3; ++k )
+        {
+            float* p = pin.position + (ptrdiff_t)k * LANES;
+            *p = fraction == 1.0f ? pin.target[k] : *p + fraction * ( pin.target[k] - *p );
+        }
+    }
 }
 
 static void set_links( instances* all, wisp_frame* frame, wisp_entity first, const void* user )
@@ -136,33 +206,37 @@ static uint32_t lanes_to_search( instances* all )
     return lanes;
 }
 
-static void run_substeps( instances* all, int substeps )
+static void run_substeps( instances* all, const wisp_frame* frame )
 {
     double now = wisp_clock_seconds();
-    for ( int substep = 0; substep < substeps; ++substep )
+    for ( int substep = 0; substep < wisp_frame_substeps( frame ); ++substep )
     {
         all->kernels->instances_advance( &all->args, substep > 0, true );
+        carry_pins( all, wisp_frame_progress_left( frame, substep ) );
         const double moved = wisp_clock_seconds();
         const uint32_t searched = lanes_to_search( all );
-        all->folded |= all->kernels->instances_link( &all->args, searched != 0 ) & searched;
+        all->left |= all->kernels->instances_link( &all->args, searched != 0 ) & searched;
         all->moving += moved - now;
         now = wisp_clock_seconds();
         all->solving += now - moved;
     }
-    all->kernels->instances_advance( &all->args, true, false );
+    all->left |= all->kernels->instances_advance( &all->args, true, false );
     all->moving += wisp_clock_seconds() - now;
 }
 
 static void divide_seconds( const instances* all, double* seconds )
 {
-    const double part = all->moving / ( 2.0 + all->args.accelerates + all->args.damps );
+    const bool has_pins = all->pin_count > 0;
+    const double part = all->moving / ( 2.0 + all->args.accelerates + all->args.damps + has_pins );
     seconds[PREDICT] = seconds[VELOCITY] = part;
     seconds[GRAVITY] = all->args.accelerates ? part : 0.0;
+    seconds[TARGETS] = has_pins ? part : 0.0;
     seconds[DAMPING] = all->args.damps ? part : 0.0;
     seconds[LINKS] = all->solving;
 }
 
-// A surface that folds is left as it was, to run alone.
+// A surface that folds is left as it was, to run alone. So is one that loses its numbers, because which NaN comes out of
+// arithmetic on NaNs is left open.
 static uint32_t run( wisp_frame* frame, const wisp_entity* entities, int count, int worker, double* seconds,
                      void* user )
 {
@@ -170,23 +244,25 @@ static uint32_t run( wisp_frame* frame, const wisp_entity* entities, int count, 
     const wisp_span span = { .entity = entities[0], .worker = worker };
     instances all = { .kernels = wisp_frame_kernels( frame ), .count = count };
     set_links( &all, frame, entities[0], user );
-    if ( take_memory( &all, wisp_frame_parallel( frame, &span ), worker ) == false )
+    const wisp_parallel* parallel = wisp_frame_parallel( frame, &span );
+    if ( take_memory( &all, parallel, worker ) == false ||
+         take_pins( &all, frame, entities, parallel, worker ) == false )
     {
         return every;
     }
     set_particles( &all, frame, entities );
     all.kernels->instances_load( &all.args );
-    run_substeps( &all, wisp_frame_substeps( frame ) );
-    all.kernels->instances_store( &all.args, every & ~all.folded );
+    run_substeps( &all, frame );
+    all.kernels->instances_store( &all.args, every & ~all.left );
     for ( int lane = 0; lane < count && all.looks_for_folds; ++lane )
     {
-        if ( ( all.folded >> lane & 1 ) == 0 )
+        if ( ( all.left >> lane & 1 ) == 0 )
         {
             *(int32_t*)wisp_frame_column( frame, entities[lane], WISP_LINK_FOLDS, 2 ) = all.wait[lane];
         }
     }
     divide_seconds( &all, seconds );
-    return all.folded;
+    return all.left & every;
 }
 
 wisp_status passes_declare_instances( wisp_registry* registry )
@@ -195,11 +271,11 @@ wisp_status passes_declare_instances( wisp_registry* registry )
     const wisp_batch batches[] = {
         { .name = "instances.pbd",
           .required = { "particles.predict", "particles.velocity", "links.pbd" },
-          .allowed = { "particles.gravity", "particles.damping" },
+          .allowed = { "particles.gravity", "particles.targets", "particles.damping" },
           .user = (void*)(uintptr_t)pbd },
         { .name = "instances.xpbd",
           .required = { "particles.predict", "particles.velocity", "links.xpbd" },
-          .allowed = { "particles.gravity", "particles.damping" } },
+          .allowed = { "particles.gravity", "particles.targets", "particles.damping" } },
     };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( batches ) && status == WISP_OK; ++i )

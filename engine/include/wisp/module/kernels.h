@@ -179,7 +179,8 @@ typedef struct wisp_kernels
     /// Positions, velocities and previous positions of some lanes to columns. @param lanes bit l: lane l
     void ( *instances_store )( const wisp_instances_args* args, uint32_t lanes );
     /// The end of a substep, as `velocity` and damping; the begin of the next one, as `accelerate` and `predict`.
-    void ( *instances_advance )( const wisp_instances_args* args, bool ends, bool begins );
+    /// @return bits of lanes that do not end with finite numbers; 0 if a substep begins
+    uint32_t ( *instances_advance )( const wisp_instances_args* args, bool ends, bool begins );
     /// All links, as `link_pbd` or `link_xpbd` without multipliers.
     /// @param folds find bend links shorter than half their rest length @return bits of lanes that have some
     uint32_t ( *instances_link )( const wisp_instances_args* args, bool folds );
