@@ -3,8 +3,6 @@
 // compute, operation by operation.
 #include "kernel_isa.h"
 
-#include "wisp/module/instances.h"
-
 enum
 {
     LANES = WISP_INSTANCE_LANES,

@@ -1,4 +1,4 @@
-// Instances of one fabric side by side: all substeps of up to sixteen surfaces in one go, one per lane. A fifth of the time of
+// Instances of one fabric side by side: all substeps of up to sixteen surfaces in one go, one per lane. A fraction of the time of
 // single small surfaces (bench case "scenes", crowds), with the same bits. Surfaces may differ in all but their stiffness.
 #include "passes_common.h"
 

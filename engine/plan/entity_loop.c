@@ -55,12 +55,14 @@ static void list_nodes( plan* p )
             {
                 if ( (int)p->nodes[n].section == section && p->nodes[n].wave == wave )
                 {
-                    p->loop_nodes[p->loop_node_count++] = n;
+                    p->loop_nodes[p->loop_node_count++] = (uint8_t)n;
                 }
             }
         }
     }
 }
+
+_Static_assert( PLAN_MAX_PASSES <= UINT8_MAX + 1, "loop_nodes hold numbers of nodes" );
 
 void plan_find_entity_loops( plan* p, const wisp_registry* r )
 {
@@ -123,7 +125,7 @@ static void append_group( plan* p, const wisp_registry* r, int slot )
 {
     const store* s = r->store;
     const int batch = s->entities[slot].fabric != NULL ? find_batch( p, r, slot ) : -1;
-    const int lanes = batch >= 0 ? r->batches[batch].def.lanes : 1;
+    const int lanes = batch >= 0 ? r->batches[batch].lanes : 1;
     plan_loop_group* group = p->loop_groups + p->loop_group_count++;
     *group = ( plan_loop_group ){ .first = p->loop_count, .batch = batch };
     for ( int other = slot; other < s->entity_count && p->loop_count - group->first < lanes; ++other )
@@ -220,7 +222,7 @@ static void run_alone( wisp_frame* frame, int loop, int worker )
     }
 }
 
-// Entities of a group that run side by side, and bits of the others.
+// Entities of a group that run side by side.
 typedef struct side_by_side
 {
     wisp_entity entities[WISP_MAX_BATCH];
@@ -238,13 +240,13 @@ static void choose_members( wisp_frame* frame, const plan_loop_group* group, con
     {
         const int slot = frame->plan->loop_slots[loop];
         const wisp_entity entity = store_handle( s, slot ), first = out->count > 0 ? out->entities[0] : entity;
-        if ( s->entities[slot].halted == 0 && batch->def.can_join( frame, first, entity, batch->def.user ) )
+        if ( s->entities[slot].halted == 0 && batch->can_join( frame, first, entity, batch->user ) )
         {
             out->entities[out->count] = entity;
             out->loops[out->count++] = loop;
         }
     }
-    out->count = 3 * out->count < batch->def.lanes ? 0 : out->count;
+    out->count = 3 * out->count < batch->lanes ? 0 : out->count;
 }
 
 // Run the entities of a group side by side that can. @return bits of those that have, in the order of the group
@@ -257,7 +259,7 @@ static uint32_t run_batch( wisp_frame* frame, const plan_loop_group* group, int 
     uint32_t done = 0, left = 0;
     if ( members.count > 0 )
     {
-        left = batch->def.run( frame, members.entities, members.count, worker, seconds, batch->def.user );
+        left = batch->run( frame, members.entities, members.count, worker, seconds, batch->user );
     }
     for ( int i = 0; i < members.count; ++i )
     {

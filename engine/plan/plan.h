@@ -19,6 +19,7 @@ enum
     PLAN_MAX_PASSES = STORE_MASK_BITS,
     PLAN_MAX_FUSED = 32, // one bit each in a mask
     PLAN_MAX_FUSIONS = 8,
+    PLAN_MAX_BATCHES = 4,
     PLAN_MAX_STATES = 32,
     PLAN_MAX_WORKSPACES = 16,
     PLAN_MAX_AROUNDS = 8,
@@ -53,10 +54,14 @@ typedef struct plan_fusion
 
 typedef struct plan_batch
 {
-    wisp_batch def;
-    store_mask required, allowed;   // passes
-    int passes[2 * WISP_MAX_FUSED]; // the required, then the allowed ones
+    store_mask required, allowed;        // passes
+    uint16_t passes[2 * WISP_MAX_FUSED]; // the required, then the allowed ones
     int pass_count;
+    int lanes;
+    bool ( *can_join )( wisp_frame* frame, wisp_entity first, wisp_entity entity, void* user );
+    uint32_t ( *run )( wisp_frame* frame, const wisp_entity* entities, int count, int worker, double* seconds,
+                       void* user );
+    void* user;
 } plan_batch;
 
 /// A function around a pass or a fusion, and what it surrounds.
@@ -79,7 +84,7 @@ struct wisp_registry
     int pass_count;
     plan_fusion joins[PLAN_MAX_FUSIONS];
     int join_count;
-    plan_batch batches[PLAN_MAX_FUSIONS];
+    plan_batch batches[PLAN_MAX_BATCHES];
     int batch_count;
     plan_state states[PLAN_MAX_STATES];
     int state_count;
@@ -184,7 +189,7 @@ typedef struct plan
     plan_block* blocks; // capacity of the widest wave
     int block_capacity;
     // Entities with a substep loop of their own, and what they run of the nodes of substeps, in the order of a substep.
-    int loop_nodes[PLAN_MAX_PASSES];
+    uint8_t loop_nodes[PLAN_MAX_PASSES];
     int loop_node_count;
     int* loop_slots;       // [loop] those of a group one after another
     uint32_t* loop_passes; // [loop][loop_node_count] bit i: passes[i] of the node

@@ -121,17 +121,17 @@ static void list_passes( const wisp_registry* r, const char* const* names, plan_
         {
             i += 1;
         }
-        batch->passes[batch->pass_count++] = i;
+        batch->passes[batch->pass_count++] = (uint16_t)i;
     }
 }
 
 wisp_status wisp_declare_batch( wisp_registry* registry, const wisp_batch* batch )
 {
-    plan_batch b = { .def = *batch };
+    plan_batch b = { .lanes = batch->lanes, .can_join = batch->can_join, .run = batch->run, .user = batch->user };
     const bool found =
         find_passes( registry, batch->required, &b.required ) && find_passes( registry, batch->allowed, &b.allowed );
     if ( found == false || store_mask_any( b.required ) == false || batch->run == NULL || batch->can_join == NULL ||
-         batch->lanes < 2 || batch->lanes > WISP_MAX_BATCH || registry->batch_count == PLAN_MAX_FUSIONS )
+         batch->lanes < 2 || batch->lanes > WISP_MAX_BATCH || registry->batch_count == PLAN_MAX_BATCHES )
     {
         fail_declaration( registry, "too many batches, or one without declared passes:", batch->name );
         return WISP_BAD_INPUT;
