@@ -1,6 +1,6 @@
-// Instances of a fabric side by side: lane l is instance l. A link is then read without shuffles and needs no partners that
-// share none of its particles, so padding of the schedule costs nothing. Each lane computes what link.c and particle.c
-// compute, operation by operation.
+// Instances of a fabric side by side: lane l is instance l. A link is then read without shuffles and needs no
+// partners that share none of its particles, so padding of the schedule costs nothing. Each lane computes what link.c
+// and particle.c compute, operation by operation.
 #include "kernel_isa.h"
 
 enum

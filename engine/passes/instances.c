@@ -1,5 +1,6 @@
-// Instances of one fabric side by side: all substeps of up to sixteen surfaces in one go, one per lane. A fraction of the time of
-// single small surfaces (bench case "scenes", crowds), with the same bits. Surfaces may differ in all but their stiffness.
+// Instances of one fabric side by side: all substeps of up to sixteen surfaces in one go, one per lane. A fraction of
+// the time of single small surfaces (bench case "scenes", crowds), with the same bits. Surfaces may differ in all but
+// their stiffness.
 #include "passes_common.h"
 
 #include "wisp/module/components.h"
@@ -235,8 +236,8 @@ static void divide_seconds( const instances* all, double* seconds )
     seconds[LINKS] = all->solving;
 }
 
-// A surface that folds is left as it was, to run alone. So is one that loses its numbers, because which NaN comes out of
-// arithmetic on NaNs is left open.
+// A surface that folds is left as it was, to run alone. So is one that loses its numbers, because which NaN comes out
+// of arithmetic on NaNs is left open.
 static uint32_t run( wisp_frame* frame, const wisp_entity* entities, int count, int worker, double* seconds,
                      void* user )
 {

@@ -1,5 +1,5 @@
-// Kernels of instances side by side: bit for bit what the kernels of single surfaces give, with every table. Those are held
-// to the oracle.
+// Kernels of instances side by side: bit for bit what the kernels of single surfaces give, with every table. Those
+// are held to the oracle.
 #include "kernels_fixture.h"
 
 enum

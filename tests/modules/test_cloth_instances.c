@@ -1,5 +1,5 @@
-// Small cloths of one fabric run side by side, with the bits that each has alone: whatever they differ in, and whatever
-// happens to one of them.
+// Small cloths of one fabric run side by side, with the bits that each has alone: whatever they differ in, and
+// whatever happens to one of them.
 #include "cloth_fixture.h"
 
 enum
