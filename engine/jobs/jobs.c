@@ -291,6 +291,11 @@ void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* 
     }
 }
 
+void jobs_run_within( jobs_pool* pool, int block, wisp_block_fn* run, void* context, int worker )
+{
+    run_scoped( pool, run, context, block, worker );
+}
+
 const wisp_parallel* jobs_everyone( const jobs_pool* pool )
 {
     return &pool->everyone;

@@ -29,6 +29,9 @@ void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* 
 /// Run blocks one after another on the calling thread as worker 0.
 void jobs_run_inline( jobs_pool* pool, int block_count, wisp_block_fn* run, void* context );
 
+/// Run one block inside another one, on its worker. Scratch memory that it takes is released when it ends.
+void jobs_run_within( jobs_pool* pool, int block, wisp_block_fn* run, void* context, int worker );
+
 /// All workers: valid on the driver thread while no wave runs.
 const wisp_parallel* jobs_everyone( const jobs_pool* pool );
 /// Only this worker.

@@ -29,6 +29,10 @@ float KERNEL( adhesion_brake )( const wisp_adhesion_args* args, int slice_first,
 
 void KERNEL( link_pbd )( const wisp_link_args* args, int begin, int end );
 void KERNEL( link_xpbd )( const wisp_link_args* args, int begin, int end );
+void KERNEL( instances_load )( const wisp_instances_args* args );
+void KERNEL( instances_store )( const wisp_instances_args* args, uint32_t lanes );
+uint32_t KERNEL( instances_advance )( const wisp_instances_args* args, bool ends, bool begins );
+uint32_t KERNEL( instances_link )( const wisp_instances_args* args, bool folds );
 void KERNEL( link_limit )( const wisp_link_args* args, int begin, int end );
 void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end );
 void KERNEL( hinge_isometric )( const wisp_hinge_args* args, int begin, int end );

@@ -8,9 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-// Passes without a search after one that found no sharp folds: with a search links take a tenth longer.
-#define PASSES_BETWEEN 7
-
 static wisp_vec3 from( wisp_vec3 a, wisp_vec3 b )
 {
     return ( wisp_vec3 ){ b.x - a.x, b.y - a.y, b.z - a.z };
@@ -94,7 +91,7 @@ static bool begin_search( wisp_frame* frame, const wisp_span* span, const fold_o
         *wait -= 1;
         return true;
     }
-    *wait = PASSES_BETWEEN;
+    *wait = PASSES_BETWEEN_FOLDS;
     const size_t bytes = (size_t)word_count( order ) * sizeof( uint64_t );
     *out = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, bytes );
     if ( *out == NULL )

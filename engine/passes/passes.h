@@ -11,3 +11,4 @@ wisp_status passes_declare_tethers( wisp_registry* registry );
 wisp_status passes_declare_constraints( wisp_registry* registry );
 wisp_status passes_declare_state_check( wisp_registry* registry );
 wisp_status passes_declare_surface( wisp_registry* registry );
+wisp_status passes_declare_instances( wisp_registry* registry );

@@ -3,6 +3,9 @@
 
 #include "wisp/module/module.h"
 
+/// Passes without a search after one that found no sharp folds: with a search links take a tenth longer.
+#define PASSES_BETWEEN_FOLDS 7
+
 /// Let a kernel of links find folded bend links, if the entity has link.folds: while there are some, and from time to time.
 /// @return false if there is no memory for their bits, which is reported
 bool passes_begin_folds( wisp_frame* frame, const wisp_span* span, wisp_link_args* args );

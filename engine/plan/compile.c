@@ -289,6 +289,11 @@ static void place_pass( plan* p, const wisp_registry* r, int number )
 
 // ---- targets and memory of blocks ----
 
+int plan_row_count( const store_entity* e )
+{
+    return e->rows[WISP_TABLE_STRAND_ROW].count + e->rows[WISP_TABLE_PARTICLE].count / WISP_LANES;
+}
+
 int plan_item_count( const store_entity* e, wisp_domain domain )
 {
     switch ( domain )
@@ -323,28 +328,40 @@ static int find_fusion( const wisp_registry* r, const plan_node* node, uint32_t 
     return found;
 }
 
+uint32_t plan_live_passes( const plan* p, const plan_node* node, int slot )
+{
+    uint32_t passes = 0;
+    for ( int i = 0; i < node->pass_count; ++i )
+    {
+        passes |= store_mask_has( &p->entities[slot].live, node->passes[i] ) ? 1u << i : 0;
+    }
+    return passes;
+}
+
+// Append the targets of a node that run in waves, or those with a substep loop of their own.
+static void append_targets( plan* p, const wisp_registry* r, const plan_node* node, bool loops )
+{
+    for ( int slot = 0; slot < r->store->entity_count; ++slot )
+    {
+        const bool in_loop = p->entities[slot].loops && plan_is_substep( node->section );
+        const uint32_t passes = in_loop == loops ? plan_live_passes( p, node, slot ) : 0;
+        if ( passes != 0 )
+        {
+            p->targets[p->target_count++] = ( plan_target ){ slot, passes, find_fusion( r, node, passes ) };
+        }
+    }
+}
+
 static void fill_targets( plan* p, const wisp_registry* r )
 {
-    const store* s = r->store;
     p->target_count = 0;
     for ( int n = 0; n < p->node_count; ++n )
     {
         plan_node* node = p->nodes + n;
         node->first_target = p->target_count;
-        for ( int slot = 0; slot < s->entity_count; ++slot )
-        {
-            const store_entity* e = s->entities + slot;
-            store_mask live = live_passes( r, e );
-            uint32_t passes = 0;
-            for ( int i = 0; i < node->pass_count; ++i )
-            {
-                passes |= store_mask_has( &live, node->passes[i] ) ? 1u << i : 0;
-            }
-            if ( passes != 0 )
-            {
-                p->targets[p->target_count++] = ( plan_target ){ slot, passes, find_fusion( r, node, passes ) };
-            }
-        }
+        append_targets( p, r, node, false );
+        node->wave_target_count = p->target_count - node->first_target;
+        append_targets( p, r, node, true );
         node->target_count = p->target_count - node->first_target;
     }
 }
@@ -360,7 +377,8 @@ static int widest_wave( const plan* p, const store* s )
             for ( int n = 0; n < p->node_count; ++n )
             {
                 const plan_node* node = p->nodes + n;
-                for ( int i = 0; i < node->target_count && (int)node->section == section && node->wave == wave; ++i )
+                for ( int i = 0; i < node->wave_target_count && (int)node->section == section && node->wave == wave;
+                      ++i )
                 {
                     int items =
                         plan_item_count( s->entities + p->targets[node->first_target + i].slot, node->domain );
@@ -478,7 +496,7 @@ static bool fit_transient( const plan* p, const wisp_registry* r )
     bool room = true;
     for ( int slot = 0; slot < s->entity_count && room; ++slot )
     {
-        store_mask alone = live_passes( r, s->entities + slot );
+        store_mask alone = p->entities[slot].live;
         const plan_target* target =
             loop != NULL && next < loop->target_count ? p->targets + loop->first_target + next : NULL;
         if ( target != NULL && target->slot == slot )
@@ -510,7 +528,8 @@ static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error
     store* s = r->store;
     for ( int slot = 0; slot < s->entity_count; ++slot )
     {
-        store_mask live = live_passes( r, s->entities + slot );
+        const store_mask live = live_passes( r, s->entities + slot );
+        p->entities[slot] = ( plan_entity ){ .live = live };
         wisp_status status = s->entities[slot].alive ? check_supply( r, live, slot, error ) : WISP_OK;
         if ( status != WISP_OK )
         {
@@ -534,16 +553,38 @@ static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error
 
 static void clear( plan* p )
 {
-    p->node_count = p->pass_count = p->target_count = 0;
+    p->node_count = p->pass_count = p->target_count = p->loop_count = 0;
     p->live = ( store_mask ){ { 0 } };
     memset( p->wave_count, 0, sizeof( p->wave_count ) );
     p->structure = 0;
+}
+
+static bool make_entity_loops( plan* p, const wisp_registry* r )
+{
+    const store* s = r->store;
+    plan_find_entity_loops( p, r );
+    const bool room = reserve( s->allocator, (void**)&p->loop_slots, &p->loop_slot_capacity, p->loop_count,
+                               sizeof( p->loop_slots[0] ) ) &&
+                      reserve( s->allocator, (void**)&p->loop_groups, &p->loop_group_capacity, p->loop_count,
+                               sizeof( plan_loop_group ) ) &&
+                      reserve( s->allocator, (void**)&p->loop_passes, &p->loop_pass_capacity,
+                               p->loop_count * p->loop_node_count, sizeof( p->loop_passes[0] ) );
+    if ( room )
+    {
+        plan_fill_entity_loops( p, r );
+    }
+    return room;
 }
 
 wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
 {
     const store* s = r->store;
     clear( p );
+    if ( reserve( s->allocator, (void**)&p->entities, &p->entity_capacity, s->entity_count, sizeof( plan_entity ) ) ==
+         false )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a plan of %d entities", s->entity_count );
+    }
     wisp_status status = find_live( p, r, error );
     int order[PLAN_MAX_PASSES], count = 0;
     for ( int stage = 0; stage < WISP_STAGE_COUNT && status == WISP_OK; ++stage )
@@ -571,6 +612,7 @@ wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
 
     bool room = reserve( s->allocator, (void**)&p->targets, &p->target_capacity, p->node_count * s->entity_count,
                          sizeof( plan_target ) );
+    room = room && make_entity_loops( p, r );
     if ( room )
     {
         fill_targets( p, r );
@@ -589,9 +631,22 @@ wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
     return WISP_OK;
 }
 
+size_t plan_memory( const plan* p )
+{
+    return (size_t)p->target_capacity * sizeof( plan_target ) + (size_t)p->block_capacity * sizeof( plan_block ) +
+           (size_t)p->entity_capacity * sizeof( plan_entity ) +
+           (size_t)p->loop_slot_capacity * sizeof( p->loop_slots[0] ) +
+           (size_t)p->loop_group_capacity * sizeof( plan_loop_group ) +
+           (size_t)p->loop_pass_capacity * sizeof( p->loop_passes[0] );
+}
+
 void plan_release( plan* p, const wisp_allocator* allocator )
 {
     base_release( allocator, p->targets, (size_t)p->target_capacity * sizeof( plan_target ) );
+    base_release( allocator, p->entities, (size_t)p->entity_capacity * sizeof( plan_entity ) );
+    base_release( allocator, p->loop_slots, (size_t)p->loop_slot_capacity * sizeof( p->loop_slots[0] ) );
+    base_release( allocator, p->loop_groups, (size_t)p->loop_group_capacity * sizeof( plan_loop_group ) );
+    base_release( allocator, p->loop_passes, (size_t)p->loop_pass_capacity * sizeof( p->loop_passes[0] ) );
     base_release( allocator, p->blocks, (size_t)p->block_capacity * sizeof( plan_block ) );
     *p = ( plan ){ 0 };
 }

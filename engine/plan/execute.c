@@ -1,7 +1,7 @@
 // Execution of a compiled plan, section by section and wave by wave. The blocks of a wave come from all of its
 // nodes and entities, so that two small entities use two cores. The partition into blocks never depends on the
 // workers.
-#include "plan.h"
+#include "execute_parts.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -13,8 +13,6 @@ enum
     PLAN_SMALL_WAVE_ROWS = 40,
     // One of this many blocks that loop over substeps is timed.
     PLAN_CLOCKED_BLOCKS = 8,
-    // An entity with fewer rows runs on one worker, in parallel with others of its wave.
-    PLAN_WIDE_ENTITY_ROWS = 256,
 };
 
 // ---- callbacks of a pass ----
@@ -146,7 +144,7 @@ void wisp_frame_count( wisp_frame* frame, wisp_counter counter, uint64_t amount 
 
 // ---- blocks ----
 
-static bool is_due( wisp_frame* frame, int number, int slot )
+bool execute_is_due( wisp_frame* frame, int number, int slot )
 {
     const wisp_pass* pass = frame->registry->passes + number;
     const store* s = frame->registry->store;
@@ -174,7 +172,7 @@ static uint32_t due_passes( wisp_frame* frame, const plan_node* node, const plan
     for ( int i = 0; i < node->pass_count && halted == false; ++i )
     {
         bool live = ( target->passes >> i & 1 ) != 0;
-        due |= live && is_due( frame, node->passes[i], target->slot ) ? 1u << i : 0;
+        due |= live && execute_is_due( frame, node->passes[i], target->slot ) ? 1u << i : 0;
     }
     return due;
 }
@@ -184,12 +182,6 @@ typedef struct wave_size
     int count; // blocks
     int rows;  // of sixteen lanes
 } wave_size;
-
-// The size of an entity in rows of sixteen lanes.
-static int row_count( const store_entity* e )
-{
-    return e->rows[WISP_TABLE_STRAND_ROW].count + e->rows[WISP_TABLE_PARTICLE].count / WISP_LANES;
-}
 
 // Number of runs of each pass in one run of its node.
 static int runs_of( const wisp_frame* frame, const plan_node* node, int pass )
@@ -219,7 +211,7 @@ static void add_blocks( wisp_frame* frame, int n, const plan_target* target, uns
         frame->pass_items[node->passes[i]] +=
             ( due >> i & 1 ) != 0 ? items * runs_of( frame, node, node->passes[i] ) : 0;
     }
-    size->rows += row_count( e ) * ( node->section == PLAN_ITEM_LOOP ? frame->substeps : 1 );
+    size->rows += plan_row_count( e ) * ( node->section == PLAN_ITEM_LOOP ? frame->substeps : 1 );
 }
 
 static wave_size collect_blocks( wisp_frame* frame, plan_section section, int wave )
@@ -229,7 +221,7 @@ static wave_size collect_blocks( wisp_frame* frame, plan_section section, int wa
     for ( int n = 0; n < p->node_count; ++n )
     {
         const plan_node* node = p->nodes + n;
-        for ( int i = 0; i < node->target_count && node->section == section && node->wave == wave; ++i )
+        for ( int i = 0; i < node->wave_target_count && node->section == section && node->wave == wave; ++i )
         {
             const plan_target* target = p->targets + node->first_target + i;
             unsigned due = due_passes( frame, node, target );
@@ -258,7 +250,7 @@ static int partition_wide_blocks( const wisp_frame* frame, int count )
         const plan_block block = p->blocks[i];
         const store_entity* e = frame->registry->store->entities + block.slot;
         bool wide = p->nodes[block.node].domain == WISP_DOMAIN_ENTITY &&
-                    ( entity_blocks == 1 || row_count( e ) >= PLAN_WIDE_ENTITY_ROWS );
+                    ( entity_blocks == 1 || plan_row_count( e ) >= PLAN_WIDE_ENTITY_ROWS );
         if ( wide )
         {
             p->blocks[i] = p->blocks[--narrow];
@@ -273,12 +265,6 @@ static int partition_wide_blocks( const wisp_frame* frame, int count )
 }
 
 // ---- running ----
-
-// Range of passes in the list of a node.
-typedef struct pass_range
-{
-    int begin, end;
-} pass_range;
 
 static void run_passes( wisp_frame* frame, const plan_node* node, unsigned due, pass_range range,
                         const wisp_span* span )
@@ -311,9 +297,8 @@ static void sample_passes( wisp_frame* frame, const plan_node* node, unsigned du
     }
 }
 
-// Run the passes of an item, timed if `scale` is above 0.
-static void run_item( wisp_frame* frame, const plan_node* node, unsigned due, pass_range range, const wisp_span* span,
-                      double scale )
+void execute_item( wisp_frame* frame, const plan_node* node, unsigned due, pass_range range, const wisp_span* span,
+                   double scale )
 {
     if ( scale > 0.0 )
     {
@@ -345,12 +330,12 @@ static void loop_passes( wisp_frame* frame, const plan_node* node, const plan_bl
     for ( span.substep = begin; span.substep < end; ++span.substep )
     {
         span.iteration = 0;
-        run_item( frame, node, block->passes, ( pass_range ){ 0, substep_end }, &span, scale );
+        execute_item( frame, node, block->passes, ( pass_range ){ 0, substep_end }, &span, scale );
         for ( ; span.iteration < frame->iterations && iteration_end > substep_end; ++span.iteration )
         {
-            run_item( frame, node, block->passes, ( pass_range ){ substep_end, iteration_end }, &span, scale );
+            execute_item( frame, node, block->passes, ( pass_range ){ substep_end, iteration_end }, &span, scale );
         }
-        run_item( frame, node, block->passes, ( pass_range ){ iteration_end, node->pass_count }, &span, scale );
+        execute_item( frame, node, block->passes, ( pass_range ){ iteration_end, node->pass_count }, &span, scale );
     }
 }
 
@@ -371,17 +356,22 @@ static void loop_fast( wisp_frame* frame, const plan_node* node, const plan_bloc
     }
 }
 
-// Run all substeps of a block of items, so that it stays in the near caches. One substep of one block in eight is
-// timed, a different one in each step: reading the clock for every pass of every substep took a tenth of the time
-// of strands. The timed substep runs pass by pass, because a fused function gives no times of its passes.
+// One substep of one block in eight is timed, a different one in each step: reading the clock for every pass of every
+// substep took a tenth of the time of strands.
+int execute_timed_substep( const wisp_frame* frame, int block )
+{
+    const uint64_t turn = frame->step + (uint64_t)block, interval = (uint64_t)frame->clocked_blocks;
+    const bool is_timed = frame->sampled && turn % interval == 0;
+    return is_timed ? (int)( turn / interval % (uint64_t)frame->substeps ) : frame->substeps;
+}
+
+// Run all substeps of a block of items, so that it stays in the near caches. The timed substep runs pass by pass,
+// because a fused function gives no times of its passes.
 static void loop_block( wisp_frame* frame, const plan_node* node, const plan_block* block, wisp_span span, int index )
 {
-    const uint64_t turn = frame->step + (uint64_t)index, interval = (uint64_t)frame->clocked_blocks;
-    const int substeps = frame->substeps;
-    const bool is_timed = frame->sampled && turn % interval == 0;
-    const int timed = is_timed ? (int)( turn / interval % (uint64_t)substeps ) : substeps;
+    const int substeps = frame->substeps, timed = execute_timed_substep( frame, index );
     loop_fast( frame, node, block, span, 0, timed );
-    if ( is_timed )
+    if ( timed < substeps )
     {
         loop_passes( frame, node, block, span, timed, timed + 1, substeps );
         loop_fast( frame, node, block, span, timed + 1, substeps );
@@ -415,7 +405,7 @@ static void run_block( void* context, int index, int worker )
         const double scale = item == block.begin && frame->sampled ? block.end - block.begin : 0.0;
         span.begin = item;
         span.end = item + 1;
-        run_item( frame, node, block.passes, all, &span, scale );
+        execute_item( frame, node, block.passes, all, &span, scale );
     }
 }
 
@@ -470,19 +460,17 @@ static void divide_time( wisp_frame* frame, double seconds )
     }
 }
 
-static void run_narrow( wisp_frame* frame, int count, int rows )
+void execute_timed( wisp_frame* frame, int count, int rows, wisp_block_fn* run )
 {
-    int only = 0;
-    frame->sampled = has_several_passes( frame, count, &only );
     frame->clocked_blocks = count < PLAN_CLOCKED_BLOCKS ? count : PLAN_CLOCKED_BLOCKS;
     double begin = wisp_clock_seconds();
     if ( rows < PLAN_SMALL_WAVE_ROWS )
     {
-        jobs_run_inline( frame->pool, count, run_block, frame );
+        jobs_run_inline( frame->pool, count, run, frame );
     }
     else
     {
-        jobs_run_wave( frame->pool, count, run_block, frame );
+        jobs_run_wave( frame->pool, count, run, frame );
     }
     double seconds = wisp_clock_seconds() - begin;
     if ( frame->sampled )
@@ -491,8 +479,14 @@ static void run_narrow( wisp_frame* frame, int count, int rows )
     }
     else
     {
-        frame->pass_seconds[only] += seconds;
+        frame->pass_seconds[frame->only_pass] += seconds;
     }
+}
+
+static void run_narrow( wisp_frame* frame, int count, int rows )
+{
+    frame->sampled = has_several_passes( frame, count, &frame->only_pass );
+    execute_timed( frame, count, rows, run_block );
 }
 
 static void run_wide( wisp_frame* frame, int index )
@@ -557,5 +551,6 @@ void plan_execute( wisp_frame* frame )
     frame->substep = frame->substeps - 1;
     frame->iteration = frame->iterations - 1;
     run_section( frame, PLAN_ITEM_LOOP );
+    execute_entity_loops( frame );
     run_section( frame, PLAN_AFTER );
 }

@@ -19,9 +19,12 @@ enum
     PLAN_MAX_PASSES = STORE_MASK_BITS,
     PLAN_MAX_FUSED = 32, // one bit each in a mask
     PLAN_MAX_FUSIONS = 8,
+    PLAN_MAX_BATCHES = 4,
     PLAN_MAX_STATES = 32,
     PLAN_MAX_WORKSPACES = 16,
     PLAN_MAX_AROUNDS = 8,
+    // An entity with fewer rows of sixteen lanes runs on one worker, in parallel with others.
+    PLAN_WIDE_ENTITY_ROWS = 256,
 };
 
 typedef struct plan_workspace
@@ -49,6 +52,18 @@ typedef struct plan_fusion
     void* user;
 } plan_fusion;
 
+typedef struct plan_batch
+{
+    store_mask required, allowed;        // passes
+    uint16_t passes[2 * WISP_MAX_FUSED]; // the required, then the allowed ones
+    int pass_count;
+    int lanes;
+    bool ( *can_join )( wisp_frame* frame, wisp_entity first, wisp_entity entity, void* user );
+    uint32_t ( *run )( wisp_frame* frame, const wisp_entity* entities, int count, int worker, double* seconds,
+                       void* user );
+    void* user;
+} plan_batch;
+
 /// A function around a pass or a fusion, and what it surrounds.
 typedef struct plan_around
 {
@@ -69,6 +84,8 @@ struct wisp_registry
     int pass_count;
     plan_fusion joins[PLAN_MAX_FUSIONS];
     int join_count;
+    plan_batch batches[PLAN_MAX_BATCHES];
+    int batch_count;
     plan_state states[PLAN_MAX_STATES];
     int state_count;
     plan_workspace workspaces[PLAN_MAX_WORKSPACES];
@@ -122,6 +139,7 @@ typedef struct plan_node
     plan_section section;
     int wave; // within the section
     int first_target, target_count;
+    int wave_target_count; // that run in waves; the others have a substep loop of their own
     int grain;
 } plan_node;
 
@@ -132,6 +150,21 @@ typedef struct plan_target
     uint32_t passes; // bit i: passes[i] of the node
     int join;        // index of the fusion in the registry that can run all of them; -1: none
 } plan_target;
+
+/// What a slot of the store runs.
+typedef struct plan_entity
+{
+    store_mask live; // passes
+    bool loops;      // it runs all its substeps before the next entity does
+    bool listed;     // among the loops
+} plan_entity;
+
+/// Entities with a substep loop of their own that are one block: a single one, or some that can run side by side.
+typedef struct plan_loop_group
+{
+    int first, count; // of loop_slots
+    int batch;        // in the registry; -1: a single entity
+} plan_loop_group;
 
 typedef struct plan_block
 {
@@ -151,8 +184,17 @@ typedef struct plan
     int pass_count;
     plan_target* targets;
     int target_count, target_capacity;
+    plan_entity* entities; // [slot]
+    int entity_capacity;
     plan_block* blocks; // capacity of the widest wave
     int block_capacity;
+    // Entities with a substep loop of their own, and what they run of the nodes of substeps, in the order of a substep.
+    uint8_t loop_nodes[PLAN_MAX_PASSES];
+    int loop_node_count;
+    int* loop_slots;       // [loop] those of a group one after another
+    uint32_t* loop_passes; // [loop][loop_node_count] bit i: passes[i] of the node
+    plan_loop_group* loop_groups;
+    int loop_count, loop_slot_capacity, loop_pass_capacity, loop_group_count, loop_group_capacity;
     uint32_t structure; // structure version of the store for which it was compiled
     uint64_t hash;
 } plan;
@@ -161,12 +203,35 @@ typedef struct plan
 /// and the message names pass and component.
 wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error );
 void plan_release( plan* p, const wisp_allocator* allocator );
+/// Return the bytes of its arrays.
+size_t plan_memory( const plan* p );
 
 /// Explain a compiled plan and the absent passes, in one block of the world's memory. @return null without memory
 wisp_plan_info* plan_explain( const plan* p, const wisp_registry* r, int substeps, int iterations );
 
 /// Print one line per pass: selected passes with their reasons, absent ones with what is missing.
 void plan_print( const wisp_plan_info* report, void ( *write )( void* user, const char* line ), void* user );
+
+// entity_loop.c
+
+/// Find the entities that run all their substeps on their own: small ones whose passes share nothing with others.
+void plan_find_entity_loops( plan* p, const wisp_registry* r );
+/// List them, their passes and groups; there is room for all.
+void plan_fill_entity_loops( plan* p, const wisp_registry* r );
+
+// compile.c
+
+/// Return the selected passes of an entity that a node has. Bit i: passes[i] of the node.
+uint32_t plan_live_passes( const plan* p, const plan_node* node, int slot );
+
+/// Return the size of an entity in rows of sixteen lanes.
+int plan_row_count( const store_entity* e );
+
+/// Is it a section of the substep loop?
+static inline bool plan_is_substep( plan_section section )
+{
+    return section == PLAN_SUBSTEP || section == PLAN_ITERATION || section == PLAN_AFTER_ITERATION;
+}
 
 /// Return the section of a stage.
 plan_section plan_section_of( wisp_stage stage );
@@ -197,6 +262,7 @@ struct wisp_frame
     const plan_block* wave; // of the current wave
     bool wide;              // one entity at a time, on all workers
     bool sampled;           // times of passes come from samples
+    int only_pass;          // of a wave without samples
     int clocked_blocks;     // one of this many blocks with a substep loop is timed
     _Atomic uint64_t counters[WISP_COUNTER_COUNT];
     double pass_seconds[PLAN_MAX_PASSES]; // of this step

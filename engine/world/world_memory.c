@@ -80,9 +80,7 @@ static void add_engine( part_list* parts, const wisp_world* world )
     add( parts, "entities", WISP_MEMORY_ENGINE, (size_t)s->entity_count * sizeof( store_entity ),
          (size_t)s->entity_capacity * sizeof( store_entity ) );
     add_whole( parts, "strand topology", WISP_MEMORY_ENGINE, topology_bytes( s ) );
-    add_whole( parts, "plan", WISP_MEMORY_ENGINE,
-               (size_t)world->plan.target_capacity * sizeof( plan_target ) +
-                   (size_t)world->plan.block_capacity * sizeof( plan_block ) );
+    add_whole( parts, "plan", WISP_MEMORY_ENGINE, plan_memory( &world->plan ) );
     add_whole( parts, "blended points", WISP_MEMORY_ENGINE, world->blend.previous.size + world->blend.points.size );
 }
 

@@ -12,6 +12,7 @@
 
 #include "wisp/module/aabb_pairs.h"
 #include "wisp/module/components.h"
+#include "wisp/module/instances.h"
 #include "wisp/module/intersections.h"
 #include "wisp/module/kernels.h"
 #include "wisp/module/module.h"

@@ -1,0 +1,39 @@
+/// Instances of one fabric side by side, one per lane: arguments of their kernels.
+#pragma once
+
+#include "wisp/base.h"
+
+WISP_BEGIN_C
+
+/// Surfaces that move together.
+#define WISP_INSTANCE_LANES 16
+
+/// Particles and links of surfaces with the same fabric and the same stiffness. Arithmetic is that of the kernels of single
+/// surfaces, link by link in the cooked order, so bits are the same.
+typedef struct wisp_instances_args
+{
+    int slot_count;
+    float* position; ///< [slot][4][lane] x, y, z in m, inverse mass in 1/kg
+    float* velocity; ///< [slot][3][lane] m/s
+    float* previous; ///< [slot][3][lane] m, position at the start of the substep
+
+    /// Rows of the surfaces: lane l begins at column + offset[l].
+    float *position_column, *velocity_column, *previous_column; ///< [slot][4]
+    int32_t offset[WISP_INSTANCE_LANES];                        ///< in floats, multiples of 4
+
+    float dt;                                    ///< s
+    float acceleration[3 * WISP_INSTANCE_LANES]; ///< [3][lane] m/s^2
+    float keep[WISP_INSTANCE_LANES];             ///< fraction of a velocity that damping leaves
+    bool accelerates, damps;
+
+    int link_count;             ///< padding included
+    const int32_t *a_x4, *b_x4; ///< [link] slots of the ends times 4
+    const int32_t* constraint;  ///< [link] number of the constraint, -1 pads
+    const float* rest;          ///< [link] m
+    const float* stiffness;     ///< [link] fraction of the error removed; null: xpbd
+    const float* compliance;    ///< [link] m/N
+    float inverse_dt2;          ///< 1/s^2
+    int edge_count;             ///< constraints from this number on are bend links
+} wisp_instances_args;
+
+WISP_END_C

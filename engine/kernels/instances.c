@@ -1,0 +1,212 @@
+// Instances of a fabric side by side: lane l is instance l. A link is then read without shuffles and needs no
+// partners that share none of its particles, so padding of the schedule costs nothing. Each lane computes what link.c
+// and particle.c compute, operation by operation.
+#include "kernel_isa.h"
+
+enum
+{
+    LANES = WISP_INSTANCE_LANES,
+    ROW = 4 * LANES,    // floats of a particle
+    VECTOR = 3 * LANES, // and of its velocity
+    ALL_LANES = ( 1 << LANES ) - 1,
+};
+
+// Minimum denominator as in link.c: squared length times inverse mass, m^2/kg.
+#define MIN_DENOMINATOR 1e-18f
+
+// ---- columns to lanes and back ----
+
+void KERNEL( instances_load )( const wisp_instances_args* args )
+{
+    for ( int slot = 0; slot < args->slot_count; ++slot )
+    {
+        lane8 low[4], high[4];
+        const float* position = args->position_column + 4 * (size_t)slot;
+        lane8_load_xyzw( position, args->offset, low, low + 1, low + 2, low + 3 );
+        lane8_load_xyzw( position, args->offset + 8, high, high + 1, high + 2, high + 3 );
+        for ( int k = 0; k < 4; ++k )
+        {
+            lane16_store( args->position + (size_t)slot * ROW + k * LANES, lane16_join( low[k], high[k] ) );
+        }
+        const float* velocity = args->velocity_column + 4 * (size_t)slot;
+        lane8_load_xyz( velocity, args->offset, low, low + 1, low + 2 );
+        lane8_load_xyz( velocity, args->offset + 8, high, high + 1, high + 2 );
+        for ( int k = 0; k < 3; ++k )
+        {
+            lane16_store( args->velocity + (size_t)slot * VECTOR + k * LANES, lane16_join( low[k], high[k] ) );
+        }
+    }
+}
+
+// Writes rows of one slot to those of eight lanes that are selected.
+LANE_INLINE void store_eight( float* column, const int32_t* offset, uint32_t selected, lane8 x, lane8 y, lane8 z,
+                              lane8 w )
+{
+    if ( selected == 0xffu )
+    {
+        lane8_store_xyzw( column, offset, x, y, z, w );
+        return;
+    }
+    _Alignas( 64 ) float rows[32];
+    lane8_store_xyzw_contiguous( rows, x, y, z, w );
+    for ( ; selected != 0; selected &= selected - 1 )
+    {
+        const int lane = __builtin_ctz( selected );
+        memcpy( column + offset[lane], rows + 4 * lane, 4 * sizeof( float ) );
+    }
+}
+
+void KERNEL( instances_store )( const wisp_instances_args* args, uint32_t lanes )
+{
+    const lane8 zero = lane8_zero();
+    for ( int slot = 0; slot < args->slot_count; ++slot )
+    {
+        const size_t column = 4 * (size_t)slot;
+        for ( int l = 0; l < LANES; l += 8 )
+        {
+            const float *p = args->position + (size_t)slot * ROW + l, *v = args->velocity + (size_t)slot * VECTOR + l,
+                        *old = args->previous + (size_t)slot * VECTOR + l;
+            const uint32_t selected = lanes >> l & 0xffu;
+            const lane8 weight = lane8_load( p + 3 * LANES );
+            store_eight( args->position_column + column, args->offset + l, selected, lane8_load( p ),
+                         lane8_load( p + LANES ), lane8_load( p + 2 * LANES ), weight );
+            store_eight( args->velocity_column + column, args->offset + l, selected, lane8_load( v ),
+                         lane8_load( v + LANES ), lane8_load( v + 2 * LANES ), zero );
+            store_eight( args->previous_column + column, args->offset + l, selected, lane8_load( old ),
+                         lane8_load( old + LANES ), lane8_load( old + 2 * LANES ), weight );
+        }
+    }
+}
+
+// ---- time integration ----
+
+// Velocity at the end of a substep, as in velocity().
+LANE_INLINE lane16 reached( const wisp_instances_args* args, lane16m free, lane16 position, lane16 previous,
+                            lane16 velocity )
+{
+    const lane16 dt = lane16_set1( args->dt ), predicted = lane16_mul_add( velocity, dt, previous );
+    const lane16 v = lane16_add( velocity, lane16_div( lane16_sub( position, predicted ), dt ) );
+    const lane16 moving = lane16_select( free, v, lane16_zero() );
+    return args->damps ? lane16_mul( moving, lane16_loadu( args->keep ) ) : moving;
+}
+
+LANE_INLINE lane16m is_finite( lane16 a )
+{
+    return lane16_lt( lane16_abs( a ), lane16_set1( INFINITY ) );
+}
+
+// Ends a substep and begins the next one, in one sweep.
+LANE_INLINE uint32_t advance( const wisp_instances_args mine, const lane16 change[3], bool ends, bool begins )
+{
+    uint32_t finite = ALL_LANES;
+    const lane16 dt = lane16_set1( mine.dt );
+    for ( int slot = 0; slot < mine.slot_count; ++slot )
+    {
+        float *p = mine.position + (size_t)slot * ROW, *v = mine.velocity + (size_t)slot * VECTOR,
+              *old = mine.previous + (size_t)slot * VECTOR;
+        const lane16m free = lane16_lt( lane16_zero(), lane16_load( p + 3 * LANES ) );
+        for ( int k = 0; k < VECTOR; k += LANES )
+        {
+            const lane16 position = lane16_load( p + k );
+            lane16 velocity = lane16_load( v + k );
+            if ( ends )
+            {
+                velocity = reached( &mine, free, position, lane16_load( old + k ), velocity );
+            }
+            if ( begins )
+            {
+                velocity = mine.accelerates
+                               ? lane16_select( free, lane16_add( velocity, change[k / LANES] ), velocity )
+                               : velocity;
+                lane16_store( old + k, position );
+                const lane16 moved = lane16_mul_add( velocity, dt, position );
+                lane16_store( p + k, lane16_select( free, moved, position ) );
+            }
+            else
+            {
+                finite &= lane16m_bits( lane16m_and( is_finite( position ), is_finite( velocity ) ) );
+            }
+            lane16_store( v + k, velocity );
+        }
+    }
+    return ~finite & ALL_LANES;
+}
+
+uint32_t KERNEL( instances_advance )( const wisp_instances_args* args, bool ends, bool begins )
+{
+    lane16 change[3];
+    for ( int k = 0; k < 3; ++k )
+    {
+        change[k] = lane16_mul( lane16_loadu( args->acceleration + k * LANES ), lane16_set1( args->dt ) );
+    }
+    return ends && begins ? advance( *args, change, true, true ) : advance( *args, change, ends, begins );
+}
+
+// ---- links ----
+
+LANE_INLINE lane16v load_point( const float* row )
+{
+    return ( lane16v ){ lane16_load( row ), lane16_load( row + LANES ), lane16_load( row + 2 * LANES ) };
+}
+
+LANE_INLINE void store_point( float* row, lane16v p )
+{
+    lane16_store( row, p.x );
+    lane16_store( row + LANES, p.y );
+    lane16_store( row + 2 * LANES, p.z );
+}
+
+// The dummy particle of a tile, which pads its groups, is moved once, by nothing, as in link.c: that makes 0 of -0.
+LANE_INLINE uint32_t project( const wisp_instances_args mine, bool compliant, bool folds )
+{
+    uint32_t folded = 0;
+    int32_t last_dummy_x4 = -1;
+    const lane16 least = lane16_set1( MIN_DENOMINATOR );
+    for ( int link = 0; link < mine.link_count; ++link )
+    {
+        if ( mine.constraint[link] < 0 )
+        {
+            if ( mine.a_x4[link] == last_dummy_x4 )
+            {
+                continue;
+            }
+            last_dummy_x4 = mine.a_x4[link];
+        }
+        float *row_a = mine.position + (size_t)mine.a_x4[link] * LANES,
+              *row_b = mine.position + (size_t)mine.b_x4[link] * LANES;
+        const lane16v a = load_point( row_a ), b = load_point( row_b );
+        const lane16 weight_a = lane16_load( row_a + 3 * LANES ), weight_b = lane16_load( row_b + 3 * LANES );
+        const lane16v along = lane16v_sub( a, b );
+        const lane16 squared = lane16v_dot( along, along ), length = lane16_sqrt( squared );
+        const lane16 rest = lane16_set1( mine.rest[link] ), error = lane16_sub( length, rest );
+        lane16 weight = lane16_add( weight_a, weight_b ), fraction;
+        if ( compliant )
+        {
+            weight = lane16_add( weight, lane16_set1( mine.compliance[link] * mine.inverse_dt2 ) );
+            fraction = lane16_set1( 1.0f );
+        }
+        else
+        {
+            fraction = lane16_set1( mine.stiffness[link] );
+        }
+        const lane16 denominator = lane16_max( lane16_mul( squared, weight ), least );
+        const lane16 step = lane16_mul( error, lane16_mul( length, lane16_div( fraction, denominator ) ) );
+        const lane16v move = lane16v_scale( along, step );
+        store_point( row_a, lane16v_sub( a, lane16v_scale( move, weight_a ) ) );
+        store_point( row_b, lane16v_add( b, lane16v_scale( move, weight_b ) ) );
+        if ( folds && mine.constraint[link] >= mine.edge_count )
+        {
+            folded |= lane16m_bits( lane16_lt( lane16_add( length, length ), rest ) );
+        }
+    }
+    return folded;
+}
+
+uint32_t KERNEL( instances_link )( const wisp_instances_args* args, bool folds )
+{
+    if ( args->stiffness != NULL )
+    {
+        return folds ? project( *args, false, true ) : project( *args, false, false );
+    }
+    return folds ? project( *args, true, true ) : project( *args, true, false );
+}

@@ -1,0 +1,324 @@
+// Substeps of small entities, entity by entity: all substeps of one, then of the next. Its rows then stay in the near
+// caches for the whole step, and no worker waits for another between passes (bench case "scenes", crowds).
+#include "execute_parts.h"
+
+#include <string.h>
+
+// ---- compilation ----
+
+// What passes of other entities touch in the substep loop.
+static store_mask columns_across( const plan* p, const wisp_registry* r )
+{
+    store_mask across = { { 0 } };
+    for ( int n = 0; n < p->loop_node_count; ++n )
+    {
+        const plan_node* node = p->nodes + p->loop_nodes[n];
+        for ( int i = 0; i < node->pass_count; ++i )
+        {
+            across = store_mask_or( across, plan_mask( r->passes[node->passes[i]].foreign ) );
+        }
+    }
+    return across;
+}
+
+// A large entity runs on all workers. `should_run` and `on_change` are evaluated on the calling thread.
+static bool can_loop( const plan* p, const wisp_registry* r, int slot, store_mask across )
+{
+    bool has_passes = false, possible = plan_row_count( r->store->entities + slot ) < PLAN_WIDE_ENTITY_ROWS;
+    for ( int n = 0; n < p->loop_node_count && possible; ++n )
+    {
+        const plan_node* node = p->nodes + p->loop_nodes[n];
+        for ( int i = 0; i < node->pass_count; ++i )
+        {
+            const wisp_pass* pass = r->passes + node->passes[i];
+            if ( store_mask_has( &p->entities[slot].live, node->passes[i] ) )
+            {
+                has_passes = true;
+                const store_mask touched = store_mask_or( plan_mask( pass->reads ), plan_mask( pass->writes ) );
+                possible = possible && pass->should_run == NULL && pass->on_change == 0 && pass->foreign[0] == 0 &&
+                           store_mask_meets( touched, across ) == false;
+            }
+        }
+    }
+    return has_passes && possible;
+}
+
+// Nodes of substeps in the order in which they run.
+static void list_nodes( plan* p )
+{
+    p->loop_node_count = 0;
+    for ( int section = PLAN_SUBSTEP; section <= PLAN_AFTER_ITERATION; ++section )
+    {
+        for ( int wave = 0; wave < p->wave_count[section]; ++wave )
+        {
+            for ( int n = 0; n < p->node_count; ++n )
+            {
+                if ( (int)p->nodes[n].section == section && p->nodes[n].wave == wave )
+                {
+                    p->loop_nodes[p->loop_node_count++] = (uint8_t)n;
+                }
+            }
+        }
+    }
+}
+
+_Static_assert( PLAN_MAX_PASSES <= UINT8_MAX + 1, "loop_nodes hold numbers of nodes" );
+
+void plan_find_entity_loops( plan* p, const wisp_registry* r )
+{
+    list_nodes( p );
+    const store_mask across = columns_across( p, r );
+    p->loop_count = 0;
+    for ( int slot = 0; slot < r->store->entity_count; ++slot )
+    {
+        p->entities[slot].loops = can_loop( p, r, slot, across );
+        p->loop_count += p->entities[slot].loops ? 1 : 0;
+    }
+    if ( p->loop_count < 2 ) // a single one has all workers
+    {
+        for ( int slot = 0; slot < r->store->entity_count; ++slot )
+        {
+            p->entities[slot].loops = false;
+        }
+        p->loop_count = 0;
+    }
+}
+
+// Find the batch that can run all that an entity runs in its loop. @return -1: there is none
+static int find_batch( const plan* p, const wisp_registry* r, int slot )
+{
+    store_mask live = { { 0 } };
+    for ( int n = 0; n < p->loop_node_count; ++n )
+    {
+        const plan_node* node = p->nodes + p->loop_nodes[n];
+        for ( int i = 0; i < node->pass_count; ++i )
+        {
+            if ( store_mask_has( &p->entities[slot].live, node->passes[i] ) )
+            {
+                store_mask_add( &live, node->passes[i] );
+            }
+        }
+    }
+    int found = -1;
+    for ( int i = 0; i < r->batch_count && wisp_registry_iterations( r ) == 1; ++i )
+    {
+        const plan_batch* b = r->batches + i;
+        const bool runs_all = store_mask_holds( store_mask_or( b->required, b->allowed ), live );
+        found = runs_all && store_mask_holds( live, b->required ) ? i : found;
+    }
+    return found;
+}
+
+static void append_loop( plan* p, int slot )
+{
+    const int loop = p->loop_count++;
+    p->loop_slots[loop] = slot;
+    for ( int n = 0; n < p->loop_node_count; ++n )
+    {
+        p->loop_passes[loop * p->loop_node_count + n] = plan_live_passes( p, p->nodes + p->loop_nodes[n], slot );
+    }
+    p->entities[slot].listed = true;
+}
+
+// Append an entity, and others of its fabric that run the same passes.
+static void append_group( plan* p, const wisp_registry* r, int slot )
+{
+    const store* s = r->store;
+    const int batch = s->entities[slot].fabric != NULL ? find_batch( p, r, slot ) : -1;
+    const int lanes = batch >= 0 ? r->batches[batch].lanes : 1;
+    plan_loop_group* group = p->loop_groups + p->loop_group_count++;
+    *group = ( plan_loop_group ){ .first = p->loop_count, .batch = batch };
+    for ( int other = slot; other < s->entity_count && p->loop_count - group->first < lanes; ++other )
+    {
+        const plan_entity* e = p->entities + other;
+        if ( e->loops && e->listed == false && s->entities[other].fabric == s->entities[slot].fabric &&
+             memcmp( &e->live, &p->entities[slot].live, sizeof( e->live ) ) == 0 )
+        {
+            append_loop( p, other );
+        }
+    }
+    group->count = p->loop_count - group->first;
+}
+
+void plan_fill_entity_loops( plan* p, const wisp_registry* r )
+{
+    p->loop_count = p->loop_group_count = 0;
+    for ( int slot = 0; slot < r->store->entity_count; ++slot )
+    {
+        if ( p->entities[slot].loops && p->entities[slot].listed == false )
+        {
+            append_group( p, r, slot );
+        }
+    }
+}
+
+// ---- execution ----
+
+// A substep of an entity.
+typedef struct loop_substep
+{
+    wisp_frame* frame;
+    const uint32_t* passes; // [loop node]
+    int slot;
+    wisp_span span;
+    double scale; // above 0: timed
+} loop_substep;
+
+// Runs as many items at once as a block of a wave has.
+static void run_node( const loop_substep* loop, int n, wisp_span span )
+{
+    const plan* p = loop->frame->plan;
+    const plan_node* node = p->nodes + p->loop_nodes[n];
+    const store_entity* e = loop->frame->registry->store->entities + loop->slot;
+    const int items = loop->passes[n] != 0 && e->halted == 0 ? plan_item_count( e, node->domain ) : 0;
+    for ( span.begin = 0; span.begin < items; span.begin = span.end )
+    {
+        span.end = items - span.begin > node->grain ? span.begin + node->grain : items;
+        execute_item( loop->frame, node, loop->passes[n], ( pass_range ){ 0, node->pass_count }, &span, loop->scale );
+    }
+}
+
+// Run the nodes of a section. @return the node behind them
+static int run_section( const loop_substep* loop, int first, plan_section section, int iteration )
+{
+    const plan* p = loop->frame->plan;
+    wisp_span span = loop->span;
+    span.iteration = iteration;
+    int n = first;
+    for ( ; n < p->loop_node_count && p->nodes[p->loop_nodes[n]].section == section; ++n )
+    {
+        run_node( loop, n, span );
+    }
+    return n;
+}
+
+static void run_substep( void* context, int substep, int worker )
+{
+    loop_substep* loop = context;
+    loop->span.substep = substep;
+    loop->span.worker = worker;
+    const int first = run_section( loop, 0, PLAN_SUBSTEP, 0 );
+    int behind = first;
+    for ( int iteration = 0; iteration < loop->frame->iterations; ++iteration )
+    {
+        behind = run_section( loop, first, PLAN_ITERATION, iteration );
+    }
+    run_section( loop, behind, PLAN_AFTER_ITERATION, loop->frame->iterations - 1 );
+}
+
+// @param loop index of the entity
+static void run_alone( wisp_frame* frame, int loop, int worker )
+{
+    const plan* p = frame->plan;
+    const int slot = p->loop_slots[loop], timed = execute_timed_substep( frame, loop );
+    loop_substep substeps = { .frame = frame,
+                              .passes = p->loop_passes + loop * p->loop_node_count,
+                              .slot = slot,
+                              .span = { .entity = store_handle( frame->registry->store, slot ) } };
+    for ( int substep = 0; substep < frame->substeps; ++substep )
+    {
+        substeps.scale = substep == timed ? frame->substeps * frame->clocked_blocks : 0.0;
+        jobs_run_within( frame->pool, substep, run_substep, &substeps, worker );
+    }
+}
+
+// Entities of a group that run side by side.
+typedef struct side_by_side
+{
+    wisp_entity entities[WISP_MAX_BATCH];
+    int loops[WISP_MAX_BATCH];
+    int count;
+} side_by_side;
+
+// Less than a third of the lanes take longer than entities one by one.
+static void choose_members( wisp_frame* frame, const plan_loop_group* group, const plan_batch* batch,
+                            side_by_side* out )
+{
+    const store* s = frame->registry->store;
+    out->count = 0;
+    for ( int loop = group->first; loop < group->first + group->count; ++loop )
+    {
+        const int slot = frame->plan->loop_slots[loop];
+        const wisp_entity entity = store_handle( s, slot ), first = out->count > 0 ? out->entities[0] : entity;
+        if ( s->entities[slot].halted == 0 && batch->can_join( frame, first, entity, batch->user ) )
+        {
+            out->entities[out->count] = entity;
+            out->loops[out->count++] = loop;
+        }
+    }
+    out->count = 3 * out->count < batch->lanes ? 0 : out->count;
+}
+
+// Run the entities of a group side by side that can. @return bits of those that have, in the order of the group
+static uint32_t run_batch( wisp_frame* frame, const plan_loop_group* group, int worker )
+{
+    const plan_batch* batch = frame->registry->batches + group->batch;
+    side_by_side members;
+    choose_members( frame, group, batch, &members );
+    double seconds[2 * WISP_MAX_FUSED] = { 0 };
+    uint32_t done = 0, left = 0;
+    if ( members.count > 0 )
+    {
+        left = batch->run( frame, members.entities, members.count, worker, seconds, batch->user );
+    }
+    for ( int i = 0; i < members.count; ++i )
+    {
+        done |= ( left >> i & 1 ) == 0 ? 1u << ( members.loops[i] - group->first ) : 0;
+    }
+    for ( int i = 0; i < batch->pass_count; ++i )
+    {
+        frame->clocks[worker].seconds[batch->passes[i]] += seconds[i];
+    }
+    return done;
+}
+
+static void run_group( void* context, int index, int worker )
+{
+    wisp_frame* frame = context;
+    const plan_loop_group* group = frame->plan->loop_groups + index;
+    const bool is_batch = group->count > 1 && frame->registry->around_count == 0;
+    const uint32_t done = is_batch ? run_batch( frame, group, worker ) : 0;
+    for ( int i = 0; i < group->count; ++i )
+    {
+        if ( ( done >> i & 1 ) == 0 )
+        {
+            run_alone( frame, group->first + i, worker );
+        }
+    }
+}
+
+// Count the items of an entity, and have what watches its rows run. @return its size in rows of sixteen lanes
+static int begin_entity( wisp_frame* frame, int index )
+{
+    const plan* p = frame->plan;
+    const store_entity* e = frame->registry->store->entities + p->loop_slots[index];
+    for ( int n = 0; n < p->loop_node_count && e->halted == 0; ++n )
+    {
+        const plan_node* node = p->nodes + p->loop_nodes[n];
+        const int items = plan_item_count( e, node->domain ) * frame->substeps *
+                          ( node->section == PLAN_ITERATION ? frame->iterations : 1 );
+        for ( int i = 0; i < node->pass_count; ++i )
+        {
+            if ( ( p->loop_passes[index * p->loop_node_count + n] >> i & 1 ) != 0 )
+            {
+                execute_is_due( frame, node->passes[i], p->loop_slots[index] );
+                frame->pass_items[node->passes[i]] += items;
+            }
+        }
+    }
+    return plan_row_count( e );
+}
+
+void execute_entity_loops( wisp_frame* frame )
+{
+    int rows = 0;
+    for ( int i = 0; i < frame->plan->loop_count; ++i )
+    {
+        rows += begin_entity( frame, i ) * frame->substeps;
+    }
+    if ( frame->plan->loop_count > 0 )
+    {
+        frame->sampled = true;
+        execute_timed( frame, frame->plan->loop_group_count, rows, run_group );
+    }
+}

@@ -1,0 +1,160 @@
+// Which entities run all their substeps before the next one does, and which share the waves of every substep.
+#include "plan_fixture.h"
+
+#define ENTITY WISP_DOMAIN_ENTITY
+#define PREDICT WISP_STAGE_PREDICT
+#define PROJECT WISP_STAGE_PROJECT
+#define VELOCITY WISP_STAGE_VELOCITY
+
+// A world with one substep more and some iterations, on one worker.
+static wisp_world* open_steps( const fake_pass* passes, int count, int iterations )
+{
+    declare_fakes( passes, count );
+    wisp_world_def def = wisp_default_world_def();
+    def.substeps = 2;
+    def.iterations = iterations;
+    def.workers = 1;
+    return open_world_with( &def );
+}
+
+#define OPEN_STEPS( passes, iterations ) open_steps( passes, WISP_COUNT( passes ), iterations )
+
+// Entities with A whose C is requested.
+static void add_pair( wisp_world* world )
+{
+    request( world, add_with( world, "A" ), "C" );
+    request( world, add_with( world, "A" ), "C" );
+}
+
+static const char* trace_of_step( wisp_world* world )
+{
+    step( world );
+    return trace_text();
+}
+
+static const fake_pass CHAIN[] = {
+    { "a", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "A" },
+    { "b", PROJECT, ENTITY, .required = "A", .reads = "A", .writes = "A" },
+    { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
+};
+
+static void small_entities_run_one_after_another( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_STEPS( CHAIN, 1 );
+    add_pair( world );
+    assert_string_equal( trace_of_step( world ), "a1 b1 c1 a1 b1 c1 a2 b2 c2 a2 b2 c2" );
+    wisp_world_destroy( world );
+}
+
+static void iterations_run_inside_a_substep( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_STEPS( CHAIN, 2 );
+    add_pair( world );
+    step( world );
+    static const struct
+    {
+        const char* name;
+        int substep, iteration;
+    } expected[] = { { "a", 0, 0 }, { "b", 0, 0 }, { "b", 0, 1 }, { "c", 0, 1 },
+                     { "a", 1, 0 }, { "b", 1, 0 }, { "b", 1, 1 }, { "c", 1, 1 } };
+    for ( int i = 0; i < WISP_COUNT( expected ); ++i )
+    {
+        assert_string_equal( fake.runs[i].pass->name, expected[i].name );
+        assert_int_equal( fake.runs[i].span.substep, expected[i].substep );
+        assert_int_equal( fake.runs[i].span.iteration, expected[i].iteration );
+    }
+    wisp_world_destroy( world );
+}
+
+static void groups_run_in_ranges_of_their_grain( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "whole", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "A" },
+        { "part", PREDICT, WISP_DOMAIN_STRAND_GROUP, .required = "A", .reads = "A", .writes = "A", .grain = 2 },
+        { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
+    };
+    wisp_world* world = OPEN_STEPS( passes, 1 );
+    add_pair( world );
+    assert_string_equal( trace_of_step( world ), "whole1 part1.0-2 part1.2 c1 whole1 part1.0-2 part1.2 c1 "
+                                                 "whole2 part2.0-2 part2.2 c2 whole2 part2.0-2 part2.2 c2" );
+    wisp_world_destroy( world );
+}
+
+static void a_pass_over_several_entities_keeps_those_it_touches_together( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "A" },
+        { "meet", WISP_STAGE_CONTACT, ENTITY, .required = "M", .reads = "M", .writes = "D", .foreign = "A" },
+        { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
+        { "e", VELOCITY, ENTITY, .required = "E", .reads = "E", .writes = "F" },
+    };
+    wisp_world* world = OPEN_STEPS( passes, 1 );
+    add_pair( world );
+    request( world, add_with( world, "M" ), "D" );
+    request( world, add_with( world, "E" ), "F" );
+    request( world, add_with( world, "E" ), "F" );
+    assert_string_equal( trace_of_step( world ), "a1 a2 meet3 c1 c2 a1 a2 meet3 c1 c2 e4 e4 e5 e5" );
+    wisp_world_destroy( world );
+}
+
+static void a_pass_that_is_asked_in_every_substep_keeps_its_entities_together( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "A", .asks = true },
+        { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
+    };
+    wisp_world* world = OPEN_STEPS( passes, 1 );
+    add_pair( world );
+    assert_string_equal( trace_of_step( world ), "a1 a2 c1 c2 a1 a2 c1 c2" );
+    wisp_world_destroy( world );
+}
+
+static void what_watches_a_loop_runs_behind_it( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "B" },
+        { "watch", WISP_STAGE_OBSERVE, ENTITY, .reads = "B", .writes = "C", .on_change = 'B' },
+    };
+    wisp_world* world = OPEN_STEPS( passes, 1 );
+    add_pair( world );
+    const char* expected = "a1 a1 a2 a2 watch1 watch2";
+    assert_string_equal( trace_of_step( world ), expected );
+    assert_string_equal( trace_of_step( world ), expected );
+    wisp_world_destroy( world );
+}
+
+static void a_profile_counts_all_items( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_STEPS( CHAIN, 3 );
+    add_pair( world );
+    step( world );
+    const wisp_profile profile = wisp_world_profile( world );
+    assert_int_equal( profile.count, 3 );
+    for ( int i = 0; i < profile.count; ++i )
+    {
+        const bool iterated = strcmp( profile.lines[i].pass, "b" ) == 0;
+        assert_int_equal( profile.lines[i].items, 2 * 2 * ( iterated ? 3 : 1 ) );
+    }
+    wisp_world_destroy( world );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( small_entities_run_one_after_another ),
+        cmocka_unit_test( iterations_run_inside_a_substep ),
+        cmocka_unit_test( groups_run_in_ranges_of_their_grain ),
+        cmocka_unit_test( a_pass_over_several_entities_keeps_those_it_touches_together ),
+        cmocka_unit_test( a_pass_that_is_asked_in_every_substep_keeps_its_entities_together ),
+        cmocka_unit_test( what_watches_a_loop_runs_behind_it ),
+        cmocka_unit_test( a_profile_counts_all_items ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
