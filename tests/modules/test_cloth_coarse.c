@@ -49,10 +49,10 @@ static const float* positions_of( wisp_world* world, wisp_entity e )
 static void a_step_is_that_of_the_oracle( void** state )
 {
     (void)state;
-    const sheet_setting settings[] = { { 53, 2, 1, false, 1e-3f, 0.0f },
-                                       { 53, 1, 2, false, 1e-3f, 0.0f },
-                                       { 53, 1, 2, false, 1e-3f, 0.0f },
-                                       { 53, 1, 2, true, 1e-3f, 0.0f } };
+    const sheet_setting settings[] = { { 53, 2, 1, false, 1e-3f, 0.0f, false },
+                                       { 53, 1, 2, false, 1e-3f, 0.0f, false },
+                                       { 53, 1, 2, false, 1e-3f, 0.0f, false },
+                                       { 53, 1, 2, true, 1e-3f, 0.0f, false } };
     const double dts[] = { 1.0 / 60.0, 1.0 / 60.0, 1.0 / 20.0, 1.0 / 60.0 };
     const int steps[] = { 12, 12, 4, 12 };
     const int32_t between[] = { 1, 5 * 53 + 18, 5 * 53 + 19, 27 * 53 + 40 };
@@ -130,8 +130,10 @@ static double distance_of( const sheet_setting* s, const wisp_vec3* reference, i
 static void one_substep_is_nearer_to_the_converged_motion_than_forty( void** state )
 {
     (void)state;
-    const sheet_setting converged = { 65, 320, 0, false, 1e-3f, 0.0f }, forty = { 65, 40, 0, false, 1e-3f, 0.0f };
-    const sheet_setting carried = { 65, 1, 2, false, 1e-3f, 0.0f }, twice = { 65, 2, 1, false, 1e-3f, 0.0f };
+    const sheet_setting converged = { 65, 320, 0, false, 1e-3f, 0.0f, false },
+                        forty = { 65, 40, 0, false, 1e-3f, 0.0f, false };
+    const sheet_setting carried = { 65, 1, 2, false, 1e-3f, 0.0f, false },
+                        twice = { 65, 2, 1, false, 1e-3f, 0.0f, false };
     int count;
     wisp_vec3* reference = run_for( &converged, 20, &count );
     const double plain = distance_of( &forty, reference, 20 ), one = distance_of( &carried, reference, 20 ),
@@ -148,7 +150,7 @@ static void a_sheet_that_falls_freely_follows_the_parabola( void** state )
     (void)state;
     for ( int coarse = 1; coarse <= 4; coarse *= 2 )
     {
-        const sheet_setting falling = { 33, 1, coarse, true, 1e-3f, 0.0f };
+        const sheet_setting falling = { 33, 1, coarse, true, 1e-3f, 0.0f, false };
         hosted h;
         open_world( &h, 1, 1 );
         wisp_entity e = add_sheet( &h, &falling );
@@ -181,7 +183,8 @@ static double energy_of( wisp_world* world, wisp_entity e )
 static void a_swing_of_fifteen_seconds_gains_no_energy( void** state )
 {
     (void)state;
-    const sheet_setting settings[] = { { 33, 1, 2, false, 1e-3f, 0.0f }, { 33, 2, 1, false, 0.0f, 0.0f } };
+    const sheet_setting settings[] = { { 33, 1, 2, false, 1e-3f, 0.0f, false },
+                                       { 33, 2, 1, false, 0.0f, 0.0f, false } };
     for ( int i = 0; i < WISP_COUNT( settings ); ++i )
     {
         hosted h;
@@ -203,7 +206,8 @@ static void a_swing_of_fifteen_seconds_gains_no_energy( void** state )
 static void a_damped_sheet_comes_to_rest_and_stays( void** state )
 {
     (void)state;
-    const sheet_setting settings[] = { { 33, 1, 2, false, 0.0f, 4.0f }, { 65, 2, 1, false, 1e-5f, 4.0f } };
+    const sheet_setting settings[] = { { 33, 1, 2, false, 0.0f, 4.0f, false },
+                                       { 65, 2, 1, false, 1e-5f, 4.0f, false } };
     for ( int i = 0; i < WISP_COUNT( settings ); ++i )
     {
         hosted h;
@@ -249,7 +253,7 @@ static void corners_do_not_flutter_in_short_substeps( void** state )
 static void pins_that_move_take_the_sheet_along( void** state )
 {
     (void)state;
-    const sheet_setting carried = { 33, 1, 2, false, 1e-4f, 2.0f };
+    const sheet_setting carried = { 33, 1, 2, false, 1e-4f, 2.0f, false };
     hosted h;
     open_world( &h, 1, 1 );
     wisp_entity e = add_sheet( &h, &carried );
@@ -273,7 +277,7 @@ static void pins_that_move_take_the_sheet_along( void** state )
 static void pins_between_rows_hold_the_sheet( void** state )
 {
     (void)state;
-    const sheet_setting carried = { 49, 1, 2, true, 1e-4f, 2.0f };
+    const sheet_setting carried = { 49, 1, 2, true, 1e-4f, 2.0f, false };
     const int32_t pins[2] = { 12 * 49 + 13, 12 * 49 + 35 };
     hosted h;
     open_world( &h, 1, 1 );
@@ -300,7 +304,7 @@ static void pins_between_rows_hold_the_sheet( void** state )
 static void teleports_velocities_pins_and_other_steps_leave_no_kick( void** state )
 {
     (void)state;
-    const sheet_setting carried = { 33, 1, 2, true, 1e-4f, 0.0f };
+    const sheet_setting carried = { 33, 1, 2, true, 1e-4f, 0.0f, false };
     hosted h;
     open_world( &h, 1, 1 );
     wisp_entity e = add_sheet( &h, &carried );
