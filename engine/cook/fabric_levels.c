@@ -249,8 +249,8 @@ static bool is_corner( wisp_vec3 at, wisp_vec3 before, wisp_vec3 after )
     return v3_dot( a, b ) > -0.7f * v3_length( a ) * v3_length( b );
 }
 
-// Assigns the order of selection. Attachments come first, so that a level has those that are not near another one. Corners and other vertices
-// on open edges follow, so that coarse vertices surround the others.
+// Assigns the order of selection. Attachments come first, so that a level has those that are not near another one. Corners and
+// other vertices on open edges follow, so that coarse vertices surround the others.
 static bool find_turns( const fabric_parts* parts, const wisp_fabric* f, uint8_t* turn )
 {
     fabric_pool scratch = { .allocator = parts->allocator };

@@ -112,7 +112,7 @@ static int count_pins( const levels_surface* s )
     int most = 0;
     for ( int l = 0; l < s->fabric->level_count; ++l )
     {
-        const int count = levels_find_pins( s, l, NULL );
+        const int count = levels_find_pins( s, l, NULL, 0 );
         most = count > most ? count : most;
     }
     return most;
@@ -268,9 +268,10 @@ static void set_pins( wisp_frame* frame, const wisp_span* span, const levels_mem
                       levels_sheet* sheet )
 {
     const levels_surface surface = surface_of( frame, span->entity );
+    const int room = *columns_of( frame, span->entity ).pins;
+    const int count = room > 0 ? levels_find_pins( &surface, number, m->pins, room ) : 0;
     sheet->pins = m->pins;
-    sheet->pin_count =
-        *columns_of( frame, span->entity ).pins > 0 ? levels_find_pins( &surface, number, m->pins ) : 0;
+    sheet->pin_count = count < room ? count : room;
     sheet->pin_fraction = 1.0f;
 }
 
@@ -525,7 +526,7 @@ wisp_status passes_declare_levels( wisp_registry* registry )
             .stage = WISP_STAGE_INPUT,
             .domain = WISP_DOMAIN_ENTITY,
             .required = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_MOTION },
-            .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_SURFACE_LEVELS },
+            .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_VELOCITY, WISP_SURFACE_LEVELS },
             .writes = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_MOTION },
             .should_run = has_restarted,
             .run = restart,

@@ -46,8 +46,8 @@ typedef struct levels_sheet
     float pin_fraction; ///< of the substep of the surface that ends now
 } levels_sheet;
 
-/// List the pins between rows of a level that moves. @param pins null: only count them
-int levels_find_pins( const levels_surface* surface, int number, levels_pin* pins );
+/// List the pins between rows of a level that moves. @param pins [room] @return their number, which may exceed the room
+int levels_find_pins( const levels_surface* surface, int number, levels_pin* pins, int room );
 /// Move the points of all pins to where these are.
 void levels_project_pins( const levels_sheet* sheet );
 

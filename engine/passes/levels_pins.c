@@ -70,7 +70,7 @@ static bool make_pin( const levels_surface* s, int number, int slot, levels_pin*
     return sum > 0.0f;
 }
 
-int levels_find_pins( const levels_surface* s, int number, levels_pin* pins )
+int levels_find_pins( const levels_surface* s, int number, levels_pin* pins, int room )
 {
     int count = 0;
     for ( int slot = 0; slot < s->fabric->vertex_count; ++slot )
@@ -78,7 +78,7 @@ int levels_find_pins( const levels_surface* s, int number, levels_pin* pins )
         levels_pin pin;
         if ( s->position[4 * slot + 3] <= 0.0f && make_pin( s, number, slot, &pin ) )
         {
-            if ( pins != NULL )
+            if ( count < room )
             {
                 pins[count] = pin;
             }

@@ -62,19 +62,33 @@ static void list_nodes( plan* p )
     }
 }
 
+// Strands in the substep loop follow surfaces from substep to substep, which no list of theirs says.
+static bool has_strands( const plan* p )
+{
+    for ( int n = 0; n < p->loop_node_count; ++n )
+    {
+        if ( p->nodes[p->loop_nodes[n]].domain == WISP_DOMAIN_STRAND_GROUP )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
 _Static_assert( PLAN_MAX_PASSES <= UINT8_MAX + 1, "loop_nodes hold numbers of nodes" );
 
 void plan_find_entity_loops( plan* p, const wisp_registry* r )
 {
     list_nodes( p );
     const store_mask across = columns_across( p, r );
+    const bool strands = has_strands( p );
     p->loop_count = 0;
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
-        p->entities[slot].loops = can_loop( p, r, slot, across );
+        p->entities[slot].loops = strands == false && can_loop( p, r, slot, across );
         p->loop_count += p->entities[slot].loops ? 1 : 0;
     }
-    if ( p->loop_count < 2 ) // a single one has all workers
+    if ( p->loop_count < 2 || p->loop_count < r->workers ) // few have all workers, one after another
     {
         for ( int slot = 0; slot < r->store->entity_count; ++slot )
         {
@@ -120,12 +134,19 @@ static void append_loop( plan* p, int slot )
     p->entities[slot].listed = true;
 }
 
+// Number of lanes that are filled: every worker gets a group, unless so few lanes would be no gain.
+static int lanes_for( int lanes, int entities, int workers )
+{
+    const int share = ( entities + workers - 1 ) / workers, fewest = ( lanes + 2 ) / 3;
+    return share > lanes ? lanes : share > fewest ? share : fewest;
+}
+
 // Append an entity, and others of its fabric that run the same passes.
-static void append_group( plan* p, const wisp_registry* r, int slot )
+static void append_group( plan* p, const wisp_registry* r, int slot, int entities )
 {
     const store* s = r->store;
     const int batch = s->entities[slot].fabric != NULL ? find_batch( p, r, slot ) : -1;
-    const int lanes = batch >= 0 ? r->batches[batch].lanes : 1;
+    const int lanes = batch >= 0 ? lanes_for( r->batches[batch].lanes, entities, r->workers ) : 1;
     plan_loop_group* group = p->loop_groups + p->loop_group_count++;
     *group = ( plan_loop_group ){ .first = p->loop_count, .batch = batch };
     for ( int other = slot; other < s->entity_count && p->loop_count - group->first < lanes; ++other )
@@ -142,12 +163,13 @@ static void append_group( plan* p, const wisp_registry* r, int slot )
 
 void plan_fill_entity_loops( plan* p, const wisp_registry* r )
 {
+    const int entities = p->loop_count;
     p->loop_count = p->loop_group_count = 0;
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
         if ( p->entities[slot].loops && p->entities[slot].listed == false )
         {
-            append_group( p, r, slot );
+            append_group( p, r, slot, entities );
         }
     }
 }
@@ -311,14 +333,14 @@ static int begin_entity( wisp_frame* frame, int index )
 
 void execute_entity_loops( wisp_frame* frame )
 {
-    int rows = 0;
+    int64_t rows = 0;
     for ( int i = 0; i < frame->plan->loop_count; ++i )
     {
-        rows += begin_entity( frame, i ) * frame->substeps;
+        rows += (int64_t)begin_entity( frame, i ) * frame->substeps;
     }
     if ( frame->plan->loop_count > 0 )
     {
         frame->sampled = true;
-        execute_timed( frame, frame->plan->loop_group_count, rows, run_group );
+        execute_timed( frame, frame->plan->loop_group_count, rows < INT32_MAX ? (int)rows : INT32_MAX, run_group );
     }
 }

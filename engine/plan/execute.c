@@ -550,7 +550,7 @@ void plan_execute( wisp_frame* frame )
     }
     frame->substep = frame->substeps - 1;
     frame->iteration = frame->iterations - 1;
+    execute_entity_loops( frame ); // strands follow where surfaces have moved
     run_section( frame, PLAN_ITEM_LOOP );
-    execute_entity_loops( frame );
     run_section( frame, PLAN_AFTER );
 }

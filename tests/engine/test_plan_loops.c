@@ -68,7 +68,8 @@ static void iterations_run_inside_a_substep( void** state )
     wisp_world_destroy( world );
 }
 
-static void groups_run_in_ranges_of_their_grain( void** state )
+// They follow surfaces from substep to substep.
+static void strands_in_the_substep_loop_keep_all_in_waves( void** state )
 {
     (void)state;
     static const fake_pass passes[] = {
@@ -78,8 +79,8 @@ static void groups_run_in_ranges_of_their_grain( void** state )
     };
     wisp_world* world = OPEN_STEPS( passes, 1 );
     add_pair( world );
-    assert_string_equal( trace_of_step( world ), "whole1 part1.0-2 part1.2 c1 whole1 part1.0-2 part1.2 c1 "
-                                                 "whole2 part2.0-2 part2.2 c2 whole2 part2.0-2 part2.2 c2" );
+    assert_string_equal( trace_of_step( world ), "whole1 whole2 part1.0-2 part1.2 part2.0-2 part2.2 c1 c2 "
+                                                 "whole1 whole2 part1.0-2 part1.2 part2.0-2 part2.2 c1 c2" );
     wisp_world_destroy( world );
 }
 
@@ -150,7 +151,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( small_entities_run_one_after_another ),
         cmocka_unit_test( iterations_run_inside_a_substep ),
-        cmocka_unit_test( groups_run_in_ranges_of_their_grain ),
+        cmocka_unit_test( strands_in_the_substep_loop_keep_all_in_waves ),
         cmocka_unit_test( a_pass_over_several_entities_keeps_those_it_touches_together ),
         cmocka_unit_test( a_pass_that_is_asked_in_every_substep_keeps_its_entities_together ),
         cmocka_unit_test( what_watches_a_loop_runs_behind_it ),

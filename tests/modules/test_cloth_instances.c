@@ -9,6 +9,7 @@ enum
     STEPS = 24,
     DAMPED = 12, // cloths from this one on are damped, and so make a batch of their own
     STIFF = 3,   // has another stiffness
+    FLAT = 4,    // does not bend, so it has no folds
     FOLDED = 5,  // is folded onto itself
     WILD = 7,    // loses its bounds
     ROUNDED = 9, // has coordinates of -0
@@ -28,6 +29,7 @@ typedef struct crowd_case
     int workers;
     const char* isa;
     bool apart; // no batches
+    bool limp;  // stiffness of one that does not bend
 } crowd_case;
 
 static void only_call( void* user, void ( *run )( void* call ), void* call )
@@ -55,7 +57,8 @@ static wisp_entity add_instance( crowd* c, wisp_fabric* fabric, const test_mesh*
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.solver = how->solver;
     cloth.warp_compliance = i == STIFF ? 1e-4f : 1e-3f;
-    cloth.bend_stiffness = i == STIFF ? 0.3f : 0.1f;
+    cloth.bend_stiffness = how->limp ? 0.0f : i == STIFF ? 0.3f : 0.1f;
+    cloth.bending = i == FLAT ? WISP_CLOTH_BENDING_NONE : WISP_CLOTH_BENDING_LINKS;
     wisp_entity e;
     assert_status( world, wisp_add_surface( world, &def, &e ), WISP_OK );
     assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
@@ -78,7 +81,8 @@ static void open_crowd( crowd* c, const crowd_case* how )
         assert_status( c->h.world, wisp_world_surround( c->h.world, "particles.predict", only_call, NULL ), WISP_OK );
     }
     test_mesh mesh = test_plane( SIDE, 0.05f );
-    const wisp_fabric_def def = test_fabric_def( &mesh );
+    wisp_fabric_def def = test_fabric_def( &mesh );
+    def.tile_size = 64; // two tiles
     wisp_fabric* fabric = NULL;
     assert_int_equal( wisp_fabric_cook( &def, NULL, &fabric, NULL ), WISP_OK );
     for ( int i = 0; i < CLOTHS; ++i )
@@ -160,9 +164,9 @@ static void cloths_side_by_side_have_the_bits_that_each_has_alone( void** state 
 {
     (void)state;
     static const crowd_case cases[] = {
-        { WISP_SOLVER_PBD, 1, "avx512", false }, { WISP_SOLVER_PBD, 1, "avx2", false },
-        { WISP_SOLVER_PBD, 3, NULL, false },     { WISP_SOLVER_XPBD, 1, "baseline", false },
-        { WISP_SOLVER_XPBD, 2, NULL, false },
+        { WISP_SOLVER_PBD, 1, "avx512", false, false }, { WISP_SOLVER_PBD, 1, "avx2", false, false },
+        { WISP_SOLVER_PBD, 3, NULL, false, false },     { WISP_SOLVER_XPBD, 1, "baseline", false, false },
+        { WISP_SOLVER_XPBD, 2, NULL, false, false },    { WISP_SOLVER_PBD, 1, NULL, false, true },
     };
     for ( int i = 0; i < WISP_COUNT( cases ); ++i )
     {
@@ -184,7 +188,7 @@ static void cloths_side_by_side_have_the_bits_that_each_has_alone( void** state 
 static void a_cloth_that_halts_stops_no_neighbour( void** state )
 {
     (void)state;
-    static const crowd_case how = { WISP_SOLVER_PBD, 2, NULL, false };
+    static const crowd_case how = { WISP_SOLVER_PBD, 2, NULL, false, false };
     uint64_t hashes[STEPS];
     crowd c;
     open_crowd( &c, &how );
@@ -200,7 +204,7 @@ static void a_cloth_that_halts_stops_no_neighbour( void** state )
 static void folds_are_found_and_opened( void** state )
 {
     (void)state;
-    static const crowd_case how = { WISP_SOLVER_XPBD, 1, NULL, false };
+    static const crowd_case how = { WISP_SOLVER_XPBD, 1, NULL, false, false };
     crowd c;
     open_crowd( &c, &how );
     run_steps( c.h.world, SEARCHED, 1.0f / 60.0f );
@@ -214,7 +218,7 @@ static void folds_are_found_and_opened( void** state )
 static void the_times_of_passes_add_up_to_most_of_a_step( void** state )
 {
     (void)state;
-    static const crowd_case how = { WISP_SOLVER_PBD, 1, NULL, false };
+    static const crowd_case how = { WISP_SOLVER_PBD, 1, NULL, false, false };
     crowd c;
     open_crowd( &c, &how );
     run_steps( c.h.world, 8, 1.0f / 60.0f );
@@ -225,14 +229,14 @@ static void the_times_of_passes_add_up_to_most_of_a_step( void** state )
         sum += profile.lines[i].seconds;
         links += strcmp( profile.lines[i].pass, "links.pbd" ) == 0 ? profile.lines[i].seconds : 0.0;
     }
-    assert_true( links > 0.0 && links < sum && sum <= profile.seconds );
+    assert_true( links > 0.0 && links < sum && sum > 0.3 * profile.seconds && sum <= profile.seconds );
     close_world( &c.h );
 }
 
 static void a_warm_step_allocates_nothing( void** state )
 {
     (void)state;
-    static const crowd_case how = { WISP_SOLVER_PBD, 2, NULL, false };
+    static const crowd_case how = { WISP_SOLVER_PBD, 2, NULL, false, false };
     crowd c;
     open_crowd( &c, &how );
     run_steps( c.h.world, 3, 1.0f / 60.0f );

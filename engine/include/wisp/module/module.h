@@ -145,7 +145,8 @@ WISP_API wisp_status wisp_declare_fusion( wisp_registry* registry, const wisp_fu
 
 /// Passes that can run for several entities of one fabric side by side, all substeps in one go: in less time, and bit for bit
 /// what they give entity by entity. Small entities that share nothing with others in the substep loop run so, in steps of one
-/// iteration per substep, while no function is around a pass.
+/// iteration per substep, while no function is around a pass. can_join and run are called on any worker, for several groups at
+/// a time, and may touch only the entities that they are given.
 typedef struct wisp_batch
 {
     const char* name;                     ///< "module.noun"; a static string
