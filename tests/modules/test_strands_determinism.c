@@ -24,6 +24,7 @@ typedef struct golden_case
     int iterations;
     bool carried, blown, mixed; // by a head, by the wind and damped, on a grid
     bool ball;                  // a sphere in their path
+    bool rooted;                // in one of two small surfaces that fall
     bool bdf2;
     bool ghosts; // with ghosts, and curves through those
     strand_curve* curve;
@@ -79,6 +80,8 @@ static const golden_case cases[] = {
     { "carried-over-a-ball", ROD, .rest = WISP_STRAND_REST_SAG_FREE, .iterations = 1, .carried = true, .ball = true,
       .curve = fringe },
     { "ghosts-curves", ROD, .rest = WISP_STRAND_REST_SAG_FREE, .iterations = 1, .carried = true, .ghosts = true,
+      .curve = fringe },
+    { "rooted-in-a-surface", ROD, .rest = WISP_STRAND_REST_SAG_FREE, .iterations = 1, .rooted = true,
       .curve = fringe },
     { "bdf2-bend-links-grid-air", DIRECT, BEND_LINKS, .solver = WISP_SOLVER_XPBD, .iterations = 2, .blown = true,
       .mixed = true, .bdf2 = true, .curve = fringe },
@@ -146,6 +149,25 @@ static void add_ghosts( running* r )
     assert_status( r->s.world, wisp_request( r->s.world, r->curves, WISP_STRAND_POINTS ), WISP_OK );
 }
 
+// Each makes all its substeps before the other one where a worker has no better use for itself.
+static void add_surfaces( running* r )
+{
+    test_mesh mesh = test_plane( 8, 0.02f );
+    const wisp_fabric_def fabric = test_fabric_def( &mesh );
+    for ( int i = 0; i < 2; ++i )
+    {
+        const wisp_entity e = test_surface_of( r->s.world, &fabric, wisp_default_surface_def() );
+        const wisp_vec3 gravity = { 0.5f, -1.0f - (float)i, 0.0f };
+        assert_status( r->s.world, wisp_set_gravity( r->s.world, e, gravity ), WISP_OK );
+        assert_status( r->s.world, wisp_request( r->s.world, e, WISP_SURFACE_POINTS ), WISP_OK );
+        if ( i == 0 )
+        {
+            assert_status( r->s.world, wisp_root_strands( r->s.world, r->strands, e ), WISP_OK );
+        }
+    }
+    test_mesh_free( &mesh );
+}
+
 static void add_case( running* r )
 {
     const wisp_strand_dynamics_def def = def_of( r->c );
@@ -159,6 +181,10 @@ static void add_case( running* r )
     if ( r->c->ball )
     {
         add_ball( r );
+    }
+    if ( r->c->rooted )
+    {
+        add_surfaces( r );
     }
     if ( r->c->ghosts )
     {
@@ -175,7 +201,10 @@ static void run_case_steps( determinism_run* base, int steps )
         const float t = r->c->carried ? SECONDS * (float)r->base.steps : 0.0f;
         const wisp_transform pose =
             wisp_transform_make( ( wisp_quat ){ 0.0f, t, 0.0f, 1.0f }, ( wisp_vec3 ){ 0.1f * t, -0.3f * t, 0.0f } );
-        assert_status( r->s.world, wisp_move_strand_head( r->s.world, r->strands, pose ), WISP_OK );
+        if ( r->c->rooted == false )
+        {
+            assert_status( r->s.world, wisp_move_strand_head( r->s.world, r->strands, pose ), WISP_OK );
+        }
         strand_steps( r->s.world, 1, SECONDS );
     }
 }

@@ -163,15 +163,8 @@ static void add_case( run* r, const shape_case* c, bool apart )
         const wisp_fabric_def fabric = test_fabric_def( &r->mesh );
         r->surface = test_surface_of( r->s.world, &fabric, wisp_default_surface_def() );
         assert_int_equal( wisp_root_strands( r->s.world, r->strands, r->surface ), WISP_OK );
-        // two small surfaces make all their substeps one after another, and before the strands
-        const wisp_entity surfaces[2] = { r->surface,
-                                          test_surface_of( r->s.world, &fabric, wisp_default_surface_def() ) };
-        for ( int i = 0; i < 2; ++i )
-        {
-            const wisp_vec3 gravity = { 0.0f, -1.0f, 0.0f };
-            assert_int_equal( wisp_request( r->s.world, surfaces[i], WISP_SURFACE_POINTS ), WISP_OK );
-            assert_int_equal( wisp_set_gravity( r->s.world, surfaces[i], gravity ), WISP_OK );
-        }
+        assert_int_equal( wisp_request( r->s.world, r->surface, WISP_SURFACE_POINTS ), WISP_OK );
+        assert_int_equal( wisp_set_gravity( r->s.world, r->surface, ( wisp_vec3 ){ 0.0f, -1.0f, 0.0f } ), WISP_OK );
     }
     if ( apart )
     {
