@@ -426,13 +426,18 @@ static void sum_neighbours( const wisp_fabric_level* level, const float* value, 
     }
 }
 
-// The fraction that a row keeps of what is added to it, by the mean of its neighbourhood. Nothing is lost where the neighbours get
-// three quarters of it in the mean. A corner that gets it alone would be driven to and fro by what the sheets do to it.
+// Parts of what is added to a row that the mean over it and its neighbours has at least for it to keep any, and all.
+#define SHARED_BY_SOME 0.3f
+#define SHARED_BY_ALL 0.6f
+
+// The fraction that a row keeps of what is added to it, by the mean over it and its neighbours. A corner that gets it alone would be driven to and fro by what the sheets do to it.
 static float shared_fraction( const float added[3], const float sum[4] )
 {
     const float a2 = added[0] * added[0] + added[1] * added[1] + added[2] * added[2];
     const float both = ( sum[0] * added[0] + sum[1] * added[1] + sum[2] * added[2] ) / sum[3];
-    return both >= 0.75f * a2 ? 1.0f : both > 0.25f * a2 ? 2.0f * both / a2 - 0.5f : 0.0f;
+    return both >= SHARED_BY_ALL * a2   ? 1.0f
+           : both > SHARED_BY_SOME * a2 ? ( both / a2 - SHARED_BY_SOME ) / ( SHARED_BY_ALL - SHARED_BY_SOME )
+                                        : 0.0f;
 }
 
 // Finds what second order adds to the velocities of the coarsest rows, and limits what they remember by what the surface did.

@@ -317,7 +317,7 @@ static double fraction_of( double3 d, double3 c )
     return 2.0 * cd >= d2 || d2 <= 1e-8 * double3_dot( c, c ) ? 1.0 : cd > 0.0 ? 2.0 * cd / d2 : 0.0;
 }
 
-// Of what is added to a row, it keeps all if the mean of it and its neighbours is three quarters of that, and nothing at one quarter.
+// Of what is added to a row, it keeps all if the mean of it and its neighbours has 0.6 of that, and nothing at 0.3.
 static void share( const wisp_fabric_level* level, double3* value )
 {
     double3* sum = zeros( level->row_count, sizeof( double3 ) );
@@ -336,7 +336,7 @@ static void share( const wisp_fabric_level* level, double3* value )
         const double3 mean = double3_scale( 1.0 / ( 1.0 + count[row] ), double3_add( value[row], sum[row] ) );
         const double own = double3_dot( value[row], value[row] );
         const double part = own > 0.0 ? double3_dot( mean, value[row] ) / own : 1.0;
-        value[row] = double3_scale( fmin( 1.0, fmax( 0.0, 2.0 * part - 0.5 ) ), value[row] );
+        value[row] = double3_scale( fmin( 1.0, fmax( 0.0, ( part - 0.3 ) / 0.3 ) ), value[row] );
     }
     free( sum );
     free( count );
