@@ -430,7 +430,8 @@ static void sum_neighbours( const wisp_fabric_level* level, const float* value, 
 #define SHARED_BY_SOME 0.3f
 #define SHARED_BY_ALL 0.6f
 
-// The fraction that a row keeps of what is added to it, by the mean over it and its neighbours. A corner that gets it alone would be driven to and fro by what the sheets do to it.
+// The fraction that a row keeps of what is added to it, by the mean over it and its neighbours. A corner that gets it alone would
+// be driven to and fro by what the sheets do to it.
 static float shared_fraction( const float added[3], const float sum[4] )
 {
     const float a2 = added[0] * added[0] + added[1] * added[1] + added[2] * added[2];

@@ -54,7 +54,7 @@ static void a_step_is_that_of_the_oracle( void** state )
                                        { 53, 1, 2, false, 1e-3f, 0.0f, false },
                                        { 53, 1, 2, true, 1e-3f, 0.0f, false } };
     const double dts[] = { 1.0 / 60.0, 1.0 / 60.0, 1.0 / 20.0, 1.0 / 60.0 };
-    const int steps[] = { 12, 12, 4, 12 };
+    const int steps[] = { 12, 12, 4, 6 };
     const int32_t between[] = { 1, 5 * 53 + 18, 5 * 53 + 19, 27 * 53 + 40 };
     for ( int i = 0; i < WISP_COUNT( settings ); ++i )
     {
