@@ -127,12 +127,9 @@ typedef struct hinge_shape
 static hinge_shape shape_of( const wisp_fabric* f, int hinge )
 {
     const int32_t* corner = f->hinges + 4 * (size_t)hinge;
-    hinge_shape s = { rest_of( f, corner[0] ),
-                      rest_of( f, corner[1] ),
-                      rest_of( f, corner[2] ),
-                      rest_of( f, corner[3] ),
-                      0.0,
-                      false };
+    hinge_shape s = {
+        rest_of( f, corner[0] ), rest_of( f, corner[1] ), rest_of( f, corner[2] ), rest_of( f, corner[3] ), 0.0, false
+    };
     vec3d e = minus( s.j, s.i );
     double k_area = 0.5 * length( cross( e, minus( s.k, s.i ) ) );
     double l_area = 0.5 * length( cross( e, minus( s.l, s.i ) ) );
