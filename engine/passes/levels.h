@@ -16,6 +16,12 @@ typedef struct levels_columns
     int32_t *substeps, *passes, *state, *pins;
 } levels_columns;
 
+/// Index of parent k of a row of the next finer sheet in the parents and weights of a level.
+static inline size_t levels_parent_at( int finer_row, int k )
+{
+    return (size_t)( ( finer_row / 8 * WISP_FABRIC_PARENTS + k ) * 8 + finer_row % 8 );
+}
+
 /// A surface with coarse sheets, in a substep.
 typedef struct levels_surface
 {
@@ -55,6 +61,12 @@ void levels_project_pins( const levels_sheet* sheet );
 void levels_find_band( const levels_sheet* sheet );
 /// Project all links from multipliers of 0, and pins after each pass. @param dt s
 void levels_project( levels_sheet* sheet, float dt, int passes );
+
+/// Find what second order adds to the velocities of the coarsest rows, and limit what they remember by what the surface did.
+/// @param velocity [slot][4] m/s, of the surface @param motion columns of level.motion @param sum [row][4] scratch
+/// @param added [row][4] m/s @return whether there is some, and more than half of it is left
+bool levels_find_added( const wisp_fabric_level* level, const float* velocity, float* const motion[5], float* sum,
+                        float* added );
 
 /// The coarsest sheet in a substep of the surface.
 typedef struct levels_carrier

@@ -5,18 +5,13 @@
 // On a sheet that is not the finest, the point is that of the row of the next finer sheet which the pin follows most.
 #include "levels.h"
 
-static size_t parent_at( int finer_row, int k )
-{
-    return (size_t)( ( finer_row / 8 * WISP_FABRIC_PARENTS + k ) * 8 + finer_row % 8 );
-}
-
 static int heaviest_parent( const wisp_fabric_level* level, int finer_row )
 {
     int best = -1;
     float weight = 0.0f;
     for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
     {
-        const size_t at = parent_at( finer_row, k );
+        const size_t at = levels_parent_at( finer_row, k );
         if ( level->weight[at] > weight )
         {
             best = level->parent_x4[at] / 4;
@@ -50,7 +45,7 @@ static bool make_pin( const levels_surface* s, int number, int slot, levels_pin*
     *pin = ( levels_pin ){ 0 };
     for ( int k = 0; k < WISP_FABRIC_PARENTS && finer_row >= 0; ++k )
     {
-        const size_t at = parent_at( finer_row, k );
+        const size_t at = levels_parent_at( finer_row, k );
         const float weight = level->weight[at];
         const int32_t row_x4 = level->parent_x4[at];
         const float* previous = s->previous + level->slot_x4[row_x4 / 4];

@@ -134,10 +134,16 @@ static void append_loop( plan* p, int slot )
     p->entities[slot].listed = true;
 }
 
+// With less than a third of the lanes, entities side by side take longer than one by one.
+static int fewest_lanes( int lanes )
+{
+    return ( lanes + 2 ) / 3;
+}
+
 // Number of lanes that are filled: every worker gets a group, unless so few lanes would be no gain.
 static int lanes_for( int lanes, int entities, int workers )
 {
-    const int share = ( entities + workers - 1 ) / workers, fewest = ( lanes + 2 ) / 3;
+    const int share = ( entities + workers - 1 ) / workers, fewest = fewest_lanes( lanes );
     return share > lanes ? lanes : share > fewest ? share : fewest;
 }
 
@@ -252,7 +258,6 @@ typedef struct side_by_side
     int count;
 } side_by_side;
 
-// Less than a third of the lanes take longer than entities one by one.
 static void choose_members( wisp_frame* frame, const plan_loop_group* group, const plan_batch* batch,
                             side_by_side* out )
 {
@@ -268,7 +273,7 @@ static void choose_members( wisp_frame* frame, const plan_loop_group* group, con
             out->loops[out->count++] = loop;
         }
     }
-    out->count = 3 * out->count < batch->lanes ? 0 : out->count;
+    out->count = out->count < fewest_lanes( batch->lanes ) ? 0 : out->count;
 }
 
 // Run the entities of a group side by side that can. @return bits of those that have, in the order of the group
