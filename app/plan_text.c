@@ -4,6 +4,19 @@
 
 #include <string.h>
 
+// Runs per step: of all entities, or of the one with the fewest and the one with the most.
+static void runs_text( const wisp_plan_pass* p, char* out, size_t size )
+{
+    if ( p->fewest_runs == p->runs )
+    {
+        snprintf( out, size, "%d", p->runs );
+    }
+    else
+    {
+        snprintf( out, size, "%d-%d", p->fewest_runs, p->runs );
+    }
+}
+
 // ---- the short form ----
 
 static bool is_reader( const wisp_plan_pass* p, const char* name )
@@ -63,18 +76,19 @@ static void print_short( FILE* out, const plan_sheet* sheet )
         fputs( "no active pass: the scene requests nothing\n", out );
         return;
     }
-    fprintf( out, "%-8s %-*s  entities  traffic%%  time%%  why\n", "stage", width, "pass" );
+    fprintf( out, "%-8s %-*s  entities   runs  traffic%%  time%%  why\n", "stage", width, "pass" );
     for ( int i = 0; i < report->active_count; ++i )
     {
         const wisp_plan_pass* p = report->passes + i;
-        char reason[160], time[16] = "-";
+        char reason[160], time[16] = "-", runs[32];
         short_reason( report, i, reason, sizeof( reason ) );
         if ( sheet->pass_seconds > 0.0 )
         {
             snprintf( time, sizeof( time ), "%.1f", 100.0 * plan_sheet_fraction( sheet, i ) );
         }
-        fprintf( out, "%-8s %-*s  %8d  %8.1f  %5s  %s\n", p->stage, width, p->name, p->entities, 100.0 * p->fraction,
-                 time, reason );
+        runs_text( p, runs, sizeof( runs ) );
+        fprintf( out, "%-8s %-*s  %8d  %5s  %8.1f  %5s  %s\n", p->stage, width, p->name, p->entities, runs,
+                 100.0 * p->fraction, time, reason );
     }
 }
 
@@ -102,7 +116,9 @@ static void print_uses( FILE* out, const wisp_plan_pass* p )
 static void print_cost( FILE* out, const plan_sheet* sheet, int pass )
 {
     const wisp_plan_pass* p = sheet->report->passes + pass;
-    fprintf( out, "      %d run%s per step; %d entit%s, %d items (%s) in %d block%s; predicted %.1f %%", p->runs,
+    char runs[32];
+    runs_text( p, runs, sizeof( runs ) );
+    fprintf( out, "      %s run%s per step; %d entit%s, %d items (%s) in %d block%s; predicted %.1f %%", runs,
              p->runs == 1 ? "" : "s", p->entities, p->entities == 1 ? "y" : "ies", p->items, p->domain, p->blocks,
              p->blocks == 1 ? "" : "s", 100.0 * p->fraction );
     if ( sheet->pass_seconds > 0.0 )

@@ -118,6 +118,7 @@ extern "C"
 
         bool has_dynamics, has_grid, has_collision, has_head, has_head_pivot;
         wisp_strand_dynamics_def dynamics; ///< the defaults under the scene's gravity if there are none
+        int substeps;                      ///< in a step of usual length; 0: those of the scene
         int mass_count;                    ///< length of dynamics.vertex_masses, 0 if that is null
         float mass_ratio;                  ///< factor of masses at tips, rising evenly in powers from 1 at roots
         bool has_start;
@@ -197,6 +198,7 @@ extern "C"
         wisp_vec3 gravity; ///< the scene's unless the surface has its own
         float damping;
         float strain_limit[2]; ///< 0 and infinity: none
+        int substeps;          ///< in a step of usual length; 0: those of the scene
 
         bool has_cloth, has_balloon, has_implicit; ///< one of them at most
         wisp_cloth_def cloth;                      ///< the defaults if the scene has none

@@ -38,6 +38,9 @@ static const scene_choice INTEGRATORS[] = { { "euler", "implicit Euler, first or
                                             { NULL, NULL } };
 
 static const scene_field DYNAMICS_FIELDS[] = {
+    { "substeps", SCENE_WHOLE, .at = AT( substeps ), .range = RANGE( 0, 10000 ),
+      .help = "Substeps of these strands, rounded up to a multiple of those of the scene, which has the fewest.",
+      .initial = "those of the scene" },
     { "stretch", SCENE_CHOICE, .at = MOVES( stretch ), .choices = STRETCHES,
       .help = "How segments keep their length." },
     { "stretch_passes", SCENE_WHOLE, .at = MOVES( stretch_passes ), .range = RANGE( 1, 16 ),

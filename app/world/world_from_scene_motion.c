@@ -49,6 +49,7 @@ static wisp_status set_dynamics( scene_world* world, int strands )
     wisp_status status = entry->mass_ratio != 1.0f
                              ? set_weighed( world, strands )
                              : wisp_set_strand_dynamics( world->world, entity, &entry->dynamics );
+    status = status == WISP_OK ? wisp_set_substeps( world->world, entity, entry->substeps ) : status;
     if ( status == WISP_OK && entry->has_grid )
     {
         status = wisp_set_strand_grid( world->world, entity, &entry->grid );

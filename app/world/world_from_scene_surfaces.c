@@ -246,6 +246,7 @@ static wisp_status add_particles( scene_world* world, int surface )
     status = status == WISP_OK
                  ? wisp_set_strain_limit( world->world, s->entity, entry->strain_limit[0], entry->strain_limit[1] )
                  : status;
+    status = status == WISP_OK ? wisp_set_substeps( world->world, s->entity, entry->substeps ) : status;
     return status == WISP_OK ? wisp_set_velocity( world->world, s->entity, entry->velocity, entry->angular_velocity )
                              : status;
 }

@@ -49,9 +49,9 @@ static void project_links( wisp_frame* frame, const wisp_span* span, link_call* 
     }
 }
 
-static float inverse_dt2( const wisp_frame* frame )
+static float inverse_dt2( const wisp_frame* frame, wisp_entity entity )
 {
-    float dt = wisp_frame_dt( frame );
+    float dt = wisp_frame_dt( frame, entity );
     return 1.0f / ( dt * dt );
 }
 
@@ -70,7 +70,7 @@ static void links_xpbd( wisp_frame* frame, const wisp_span* span, void* user )
     link_call call = { .kernel = wisp_frame_kernels( frame )->link_xpbd };
     call.args.compliance = wisp_frame_column( frame, span->entity, WISP_LINK_COMPLIANCE, 0 );
     call.args.lambda = wisp_frame_column( frame, span->entity, WISP_LINK_LAMBDA, 0 );
-    call.args.inverse_dt2 = inverse_dt2( frame );
+    call.args.inverse_dt2 = inverse_dt2( frame, span->entity );
     project_links( frame, span, &call );
 }
 

@@ -110,7 +110,7 @@ static void open_found( wisp_frame* frame, const wisp_span* span, const fold_ord
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
     const float rigidity = *(float*)wisp_frame_column( frame, span->entity, order->component, 0 );
     int32_t* count = wisp_frame_column( frame, span->entity, order->component, 1 );
-    const float dt = wisp_frame_dt( frame );
+    const float dt = wisp_frame_dt( frame, span->entity );
     wisp_hinge_args args = { .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
                              .inverse_dt2 = 1.0f / ( dt * dt ) };
     *count = 0;

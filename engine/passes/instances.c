@@ -158,7 +158,7 @@ static void set_links( instances* all, wisp_frame* frame, wisp_entity first, con
     args->edge_count = fabric->edge_count;
     args->stiffness = user != NULL ? wisp_frame_column( frame, first, WISP_LINK_STIFFNESS, 0 ) : NULL;
     args->compliance = user == NULL ? wisp_frame_column( frame, first, WISP_LINK_COMPLIANCE, 0 ) : NULL;
-    args->dt = wisp_frame_dt( frame );
+    args->dt = wisp_frame_dt( frame, first );
     args->inverse_dt2 = 1.0f / ( args->dt * args->dt );
     all->looks_for_folds = wisp_frame_has( frame, first, WISP_LINK_FOLDS );
 }
@@ -208,13 +208,13 @@ static uint32_t lanes_to_search( instances* all )
     return lanes;
 }
 
-static void run_substeps( instances* all, const wisp_frame* frame )
+static void run_substeps( instances* all, const wisp_frame* frame, wisp_entity first )
 {
     double now = wisp_clock_seconds();
-    for ( int substep = 0; substep < wisp_frame_substeps( frame ); ++substep )
+    for ( int substep = 0; substep < wisp_frame_substeps( frame, first ); ++substep )
     {
         all->kernels->instances_advance( &all->args, substep > 0, true );
-        carry_pins( all, wisp_frame_progress_left( frame, substep ) );
+        carry_pins( all, wisp_frame_progress_left( frame, first, substep ) );
         const double moved = wisp_clock_seconds();
         const uint32_t searched = lanes_to_search( all );
         all->left |= all->kernels->instances_link( &all->args, searched != 0 ) & searched;
@@ -254,7 +254,7 @@ static uint32_t run( wisp_frame* frame, const wisp_entity* entities, int count, 
     }
     set_particles( &all, frame, entities );
     all.kernels->instances_load( &all.args );
-    run_substeps( &all, frame );
+    run_substeps( &all, frame, entities[0] );
     all.kernels->instances_store( &all.args, every & ~all.left );
     for ( int lane = 0; lane < count && all.looks_for_folds; ++lane )
     {

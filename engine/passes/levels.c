@@ -305,7 +305,7 @@ static bool move_coarsest( wisp_frame* frame, const wisp_span* span, const level
 {
     const wisp_fabric_level* level = sheet->level;
     const size_t bytes = 4 * (size_t)level->row_count * sizeof( float );
-    const float dt = wisp_frame_dt( frame );
+    const float dt = wisp_frame_dt( frame, span->entity );
     float* at = sheet->links.position;
     float* target = m->moved + 4 * (size_t)level->first_row;
     float* velocity = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 0 );
@@ -356,7 +356,7 @@ static void move_sheet( wisp_frame* frame, const wisp_span* span, const levels_m
     set_masses( frame, span, level, at );
     prolong( coarser, m->moved + 4 * (size_t)coarser->level->first_row, at, at );
     levels_find_band( sheet );
-    levels_project( sheet, wisp_frame_dt( frame ), 1 );
+    levels_project( sheet, wisp_frame_dt( frame, span->entity ), 1 );
     measure( level, at, moved );
 }
 

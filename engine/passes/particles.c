@@ -15,7 +15,7 @@ static wisp_particle_args particle_args( wisp_frame* frame, const wisp_span* spa
         .position = position_of( frame, span ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
-        .dt = wisp_frame_dt( frame ),
+        .dt = wisp_frame_dt( frame, span->entity ),
     };
 }
 
@@ -27,7 +27,7 @@ static void carry_pins( wisp_frame* frame, const wisp_span* span, void* user )
     float* position = position_of( frame, span );
     const float* target = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TARGET, 0 );
     const wisp_span s = wisp_frame_particles( frame, span );
-    const float fraction = wisp_frame_progress_left( frame, span->substep );
+    const float fraction = wisp_frame_progress_left( frame, span->entity, span->substep );
     for ( int i = 4 * s.begin; i < 4 * s.end; i += 4 )
     {
         for ( int k = 0; k < 3 && target[i + 3] != 0.0f && position[i + 3] == 0.0f; ++k )
@@ -71,7 +71,7 @@ static void damp( wisp_frame* frame, const wisp_span* span, void* user )
     float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     const float* rate = wisp_frame_column( frame, span->entity, WISP_PARTICLE_DAMPING, 0 );
     const wisp_span s = wisp_frame_particles( frame, span );
-    float keep = 1.0f / ( 1.0f + *rate * wisp_frame_dt( frame ) );
+    float keep = 1.0f / ( 1.0f + *rate * wisp_frame_dt( frame, span->entity ) );
     for ( int i = 4 * s.begin; i < 4 * s.end; ++i )
     {
         velocity[i] *= keep;

@@ -423,6 +423,11 @@ static uint64_t hash_plan( const plan* p, const wisp_registry* r )
                 store_hash_bytes( hash, r->passes[node->passes[i]].name, strlen( r->passes[node->passes[i]].name ) );
         }
     }
+    for ( int slot = 0; slot < r->store->entity_count; ++slot )
+    {
+        const int split[2] = { slot, p->entities[slot].split };
+        hash = split[1] > 1 ? store_hash_bytes( hash, split, sizeof( split ) ) : hash;
+    }
     return hash;
 }
 
@@ -553,7 +558,7 @@ static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error
 
 static void clear( plan* p )
 {
-    p->node_count = p->pass_count = p->target_count = p->loop_count = 0;
+    p->node_count = p->pass_count = p->target_count = p->loop_count = p->entity_count = 0;
     p->live = ( store_mask ){ { 0 } };
     memset( p->wave_count, 0, sizeof( p->wave_count ) );
     p->structure = 0;
@@ -562,6 +567,7 @@ static void clear( plan* p )
 static bool make_entity_loops( plan* p, const wisp_registry* r )
 {
     const store* s = r->store;
+    plan_find_splits( p, r );
     plan_find_entity_loops( p, r );
     const bool room = reserve( s->allocator, (void**)&p->loop_slots, &p->loop_slot_capacity, p->loop_count,
                                sizeof( p->loop_slots[0] ) ) &&
@@ -626,6 +632,7 @@ wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a plan of %d passes over %d entities", count,
                           s->entity_count );
     }
+    p->entity_count = s->entity_count;
     p->structure = s->structure;
     p->hash = hash_plan( p, r );
     return WISP_OK;

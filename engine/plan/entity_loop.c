@@ -6,21 +6,6 @@
 
 // ---- compilation ----
 
-// What passes of other entities touch in the substep loop.
-static store_mask columns_across( const plan* p, const wisp_registry* r )
-{
-    store_mask across = { { 0 } };
-    for ( int n = 0; n < p->loop_node_count; ++n )
-    {
-        const plan_node* node = p->nodes + p->loop_nodes[n];
-        for ( int i = 0; i < node->pass_count; ++i )
-        {
-            across = store_mask_or( across, plan_mask( r->passes[node->passes[i]].foreign ) );
-        }
-    }
-    return across;
-}
-
 // A large entity runs on all workers. `should_run` and `on_change` are evaluated on the calling thread.
 static bool can_loop( const plan* p, const wisp_registry* r, int slot, store_mask across )
 {
@@ -62,26 +47,13 @@ static void list_nodes( plan* p )
     }
 }
 
-// Strands in the substep loop follow surfaces from substep to substep, which no list of theirs says.
-static bool has_strands( const plan* p )
-{
-    for ( int n = 0; n < p->loop_node_count; ++n )
-    {
-        if ( p->nodes[p->loop_nodes[n]].domain == WISP_DOMAIN_STRAND_GROUP )
-        {
-            return true;
-        }
-    }
-    return false;
-}
-
 _Static_assert( PLAN_MAX_PASSES <= UINT8_MAX + 1, "loop_nodes hold numbers of nodes" );
 
 void plan_find_entity_loops( plan* p, const wisp_registry* r )
 {
     list_nodes( p );
-    const store_mask across = columns_across( p, r );
-    const bool strands = has_strands( p );
+    const store_mask across = plan_columns_across( p, r );
+    const bool strands = plan_has_strand_waves( p );
     p->loop_count = 0;
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
@@ -159,6 +131,7 @@ static void append_group( plan* p, const wisp_registry* r, int slot, int entitie
     {
         const plan_entity* e = p->entities + other;
         if ( e->loops && e->listed == false && s->entities[other].fabric == s->entities[slot].fabric &&
+             e->split == p->entities[slot].split &&
              memcmp( &e->live, &p->entities[slot].live, sizeof( e->live ) ) == 0 )
         {
             append_loop( p, other );
@@ -238,14 +211,15 @@ static void run_substep( void* context, int substep, int worker )
 static void run_alone( wisp_frame* frame, int loop, int worker )
 {
     const plan* p = frame->plan;
-    const int slot = p->loop_slots[loop], timed = execute_timed_substep( frame, loop );
+    const int slot = p->loop_slots[loop], substep_count = frame->substeps * p->entities[slot].split;
+    const int timed = execute_timed_substep( frame, loop, substep_count );
     loop_substep substeps = { .frame = frame,
                               .passes = p->loop_passes + loop * p->loop_node_count,
                               .slot = slot,
                               .span = { .entity = store_handle( frame->registry->store, slot ) } };
-    for ( int substep = 0; substep < frame->substeps; ++substep )
+    for ( int substep = 0; substep < substep_count; ++substep )
     {
-        substeps.scale = substep == timed ? frame->substeps * frame->clocked_blocks : 0.0;
+        substeps.scale = substep == timed ? substep_count * frame->clocked_blocks : 0.0;
         jobs_run_within( frame->pool, substep, run_substep, &substeps, worker );
     }
 }
@@ -314,26 +288,27 @@ static void run_group( void* context, int index, int worker )
     }
 }
 
-// Count the items of an entity, and have what watches its rows run. @return its size in rows of sixteen lanes
+// Count the items of an entity, and have what watches its rows run. @return rows of sixteen lanes of all of its substeps
 static int begin_entity( wisp_frame* frame, int index )
 {
     const plan* p = frame->plan;
-    const store_entity* e = frame->registry->store->entities + p->loop_slots[index];
+    const int slot = p->loop_slots[index], substeps = frame->substeps * p->entities[slot].split;
+    const store_entity* e = frame->registry->store->entities + slot;
     for ( int n = 0; n < p->loop_node_count && e->halted == 0; ++n )
     {
         const plan_node* node = p->nodes + p->loop_nodes[n];
-        const int items = plan_item_count( e, node->domain ) * frame->substeps *
+        const int items = plan_item_count( e, node->domain ) * substeps *
                           ( node->section == PLAN_ITERATION ? frame->iterations : 1 );
         for ( int i = 0; i < node->pass_count; ++i )
         {
             if ( ( p->loop_passes[index * p->loop_node_count + n] >> i & 1 ) != 0 )
             {
-                execute_is_due( frame, node->passes[i], p->loop_slots[index] );
+                execute_is_due( frame, node->passes[i], slot );
                 frame->pass_items[node->passes[i]] += items;
             }
         }
     }
-    return plan_row_count( e );
+    return plan_row_count( e ) * substeps;
 }
 
 void execute_entity_loops( wisp_frame* frame )
@@ -341,7 +316,7 @@ void execute_entity_loops( wisp_frame* frame )
     int64_t rows = 0;
     for ( int i = 0; i < frame->plan->loop_count; ++i )
     {
-        rows += (int64_t)begin_entity( frame, i ) * frame->substeps;
+        rows += begin_entity( frame, i );
     }
     if ( frame->plan->loop_count > 0 )
     {

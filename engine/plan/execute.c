@@ -52,28 +52,36 @@ wisp_span wisp_frame_particles( wisp_frame* frame, const wisp_span* span )
     return particles;
 }
 
-float wisp_frame_dt( const wisp_frame* frame )
+static int split_of( const wisp_frame* frame, wisp_entity entity )
 {
-    return frame->seconds;
+    return frame->plan->entities[entity.index - 1].split;
 }
 
-int wisp_frame_substeps( const wisp_frame* frame )
+float wisp_frame_dt( const wisp_frame* frame, wisp_entity entity )
 {
-    return frame->substeps;
+    return frame->seconds / (float)split_of( frame, entity );
 }
 
-float wisp_frame_progress( const wisp_frame* frame, int substeps )
+int wisp_frame_substeps( const wisp_frame* frame, wisp_entity entity )
 {
-    const float progress = frame->progress * (float)substeps;
-    return frame->progress == 0.0f ? (float)substeps / (float)frame->substeps : progress < 1.0f ? progress : 1.0f;
+    return frame->substeps * split_of( frame, entity );
 }
 
-float wisp_frame_progress_left( const wisp_frame* frame, int substep )
+float wisp_frame_progress( const wisp_frame* frame, wisp_entity entity, int substeps )
 {
-    const float left = 1.0f - frame->progress * (float)substep;
-    return frame->progress == 0.0f  ? 1.0f / (float)( frame->substeps - substep )
-           : left > frame->progress ? frame->progress / left
-                                    : 1.0f;
+    const float progress = frame->progress / (float)split_of( frame, entity ) * (float)substeps;
+    return frame->progress == 0.0f ? (float)substeps / (float)wisp_frame_substeps( frame, entity )
+           : progress < 1.0f       ? progress
+                                   : 1.0f;
+}
+
+float wisp_frame_progress_left( const wisp_frame* frame, wisp_entity entity, int substep )
+{
+    const float progress = frame->progress / (float)split_of( frame, entity );
+    const float left = 1.0f - progress * (float)substep;
+    return progress == 0.0f  ? 1.0f / (float)( wisp_frame_substeps( frame, entity ) - substep )
+           : left > progress ? progress / left
+                             : 1.0f;
 }
 
 wisp_transform wisp_frame_reached( const wisp_frame* frame, wisp_transform from, wisp_transform to )
@@ -183,15 +191,17 @@ typedef struct wave_size
     int rows;  // of sixteen lanes
 } wave_size;
 
-// Number of runs of each pass in one run of its node.
-static int runs_of( const wisp_frame* frame, const plan_node* node, int pass )
+// Substeps of an entity in one run of a node.
+static int substeps_in( const wisp_frame* frame, const plan_node* node, int slot )
 {
-    if ( node->section != PLAN_ITEM_LOOP )
-    {
-        return 1;
-    }
-    bool iterated = plan_section_of( frame->registry->passes[pass].stage ) == PLAN_ITERATION;
-    return frame->substeps * ( iterated ? frame->iterations : 1 );
+    return node->section == PLAN_ITEM_LOOP ? frame->substeps * frame->plan->entities[slot].split : 1;
+}
+
+// Number of runs of each pass in so many substeps of one run of its node.
+static int runs_of( const wisp_frame* frame, const plan_node* node, int pass, int substeps )
+{
+    const bool iterated = plan_section_of( frame->registry->passes[pass].stage ) == PLAN_ITERATION;
+    return node->section == PLAN_ITEM_LOOP && iterated ? substeps * frame->iterations : substeps;
 }
 
 static void add_blocks( wisp_frame* frame, int n, const plan_target* target, unsigned due, wave_size* size )
@@ -200,7 +210,7 @@ static void add_blocks( wisp_frame* frame, int n, const plan_target* target, uns
     const plan_node* node = p->nodes + n;
     const store_entity* e = frame->registry->store->entities + target->slot;
     const int join = due == target->passes && frame->iterations == 1 ? target->join : -1;
-    int items = plan_item_count( e, node->domain );
+    const int items = plan_item_count( e, node->domain ), substeps = substeps_in( frame, node, target->slot );
     for ( int begin = 0; begin < items; begin += node->grain )
     {
         int end = items - begin > node->grain ? begin + node->grain : items;
@@ -209,9 +219,15 @@ static void add_blocks( wisp_frame* frame, int n, const plan_target* target, uns
     for ( int i = 0; i < node->pass_count; ++i )
     {
         frame->pass_items[node->passes[i]] +=
-            ( due >> i & 1 ) != 0 ? items * runs_of( frame, node, node->passes[i] ) : 0;
+            ( due >> i & 1 ) != 0 ? items * runs_of( frame, node, node->passes[i], substeps ) : 0;
     }
-    size->rows += plan_row_count( e ) * ( node->section == PLAN_ITEM_LOOP ? frame->substeps : 1 );
+    size->rows += plan_row_count( e ) * substeps;
+}
+
+// Entities whose substeps are shorter than those of the world have the substep loop for themselves.
+static bool takes_part( const wisp_frame* frame, plan_section section, int slot )
+{
+    return plan_is_substep( section ) == false || frame->plan->entities[slot].split == frame->split;
 }
 
 static wave_size collect_blocks( wisp_frame* frame, plan_section section, int wave )
@@ -224,7 +240,7 @@ static wave_size collect_blocks( wisp_frame* frame, plan_section section, int wa
         for ( int i = 0; i < node->wave_target_count && node->section == section && node->wave == wave; ++i )
         {
             const plan_target* target = p->targets + node->first_target + i;
-            unsigned due = due_passes( frame, node, target );
+            const unsigned due = takes_part( frame, section, target->slot ) ? due_passes( frame, node, target ) : 0;
             if ( due != 0 )
             {
                 add_blocks( frame, n, target, due, &size );
@@ -358,18 +374,19 @@ static void loop_fast( wisp_frame* frame, const plan_node* node, const plan_bloc
 
 // One substep of one block in eight is timed, a different one in each step: reading the clock for every pass of every
 // substep took a tenth of the time of strands.
-int execute_timed_substep( const wisp_frame* frame, int block )
+int execute_timed_substep( const wisp_frame* frame, int block, int substeps )
 {
     const uint64_t turn = frame->step + (uint64_t)block, interval = (uint64_t)frame->clocked_blocks;
     const bool is_timed = frame->sampled && turn % interval == 0;
-    return is_timed ? (int)( turn / interval % (uint64_t)frame->substeps ) : frame->substeps;
+    return is_timed ? (int)( turn / interval % (uint64_t)substeps ) : substeps;
 }
 
 // Run all substeps of a block of items, so that it stays in the near caches. The timed substep runs pass by pass,
 // because a fused function gives no times of its passes.
 static void loop_block( wisp_frame* frame, const plan_node* node, const plan_block* block, wisp_span span, int index )
 {
-    const int substeps = frame->substeps, timed = execute_timed_substep( frame, index );
+    const int substeps = wisp_frame_substeps( frame, span.entity );
+    const int timed = execute_timed_substep( frame, index, substeps );
     loop_fast( frame, node, block, span, 0, timed );
     if ( timed < substeps )
     {
@@ -388,7 +405,9 @@ static void run_block( void* context, int index, int worker )
                        .begin = block.begin,
                        .end = block.end,
                        .worker = worker,
-                       .substep = frame->substep,
+                       .substep = node->section == PLAN_AFTER
+                                      ? frame->substeps * frame->plan->entities[block.slot].split - 1
+                                      : frame->substep,
                        .iteration = frame->iteration };
     if ( node->section == PLAN_ITEM_LOOP )
     {
@@ -519,6 +538,22 @@ static void run_section( wisp_frame* frame, plan_section section )
     }
 }
 
+// Run the substeps of the entities that wait for each other and split those of the world into so many.
+static void run_substeps( wisp_frame* frame, int split )
+{
+    const bool iterates = frame->plan->wave_count[PLAN_ITERATION] > 0;
+    frame->split = split;
+    for ( frame->substep = 0; frame->substep < frame->substeps * split; ++frame->substep )
+    {
+        run_section( frame, PLAN_SUBSTEP );
+        for ( frame->iteration = 0; frame->iteration < frame->iterations && iterates; ++frame->iteration )
+        {
+            run_section( frame, PLAN_ITERATION );
+        }
+        run_section( frame, PLAN_AFTER_ITERATION );
+    }
+}
+
 bool plan_has_substeps( const plan* p )
 {
     return p->wave_count[PLAN_SUBSTEP] > 0 || p->wave_count[PLAN_ITERATION] > 0 ||
@@ -537,18 +572,10 @@ void plan_execute( wisp_frame* frame )
 
     frame->substep = frame->iteration = 0;
     run_section( frame, PLAN_BEFORE );
-    bool iterates = p->wave_count[PLAN_ITERATION] > 0;
-    bool substeps = iterates || p->wave_count[PLAN_SUBSTEP] > 0 || p->wave_count[PLAN_AFTER_ITERATION] > 0;
-    for ( frame->substep = 0; frame->substep < frame->substeps && substeps; ++frame->substep )
+    for ( int split = plan_next_split( p, 0 ); split > 0; split = plan_next_split( p, split ) )
     {
-        run_section( frame, PLAN_SUBSTEP );
-        for ( frame->iteration = 0; frame->iteration < frame->iterations && iterates; ++frame->iteration )
-        {
-            run_section( frame, PLAN_ITERATION );
-        }
-        run_section( frame, PLAN_AFTER_ITERATION );
+        run_substeps( frame, split );
     }
-    frame->substep = frame->substeps - 1;
     frame->iteration = frame->iterations - 1;
     execute_entity_loops( frame ); // strands follow where surfaces have moved
     run_section( frame, PLAN_ITEM_LOOP );

@@ -21,7 +21,7 @@ void execute_item( wisp_frame* frame, const plan_node* node, unsigned due, pass_
 void execute_timed( wisp_frame* frame, int count, int rows, wisp_block_fn* run );
 
 /// Which of the substeps of a block is timed, pass by pass; the number of substeps: none.
-int execute_timed_substep( const wisp_frame* frame, int block );
+int execute_timed_substep( const wisp_frame* frame, int block, int substeps );
 
 // entity_loop.c
 

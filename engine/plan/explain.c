@@ -24,7 +24,7 @@ typedef struct writer
     wisp_plan_module* modules;
     wisp_plan_reason* reasons;
     int reason_count;
-    int iterations;
+    int substeps, iterations;
 } writer;
 
 static bool is_live( const writer* w, int number )
@@ -69,8 +69,10 @@ static uint64_t across_bytes( const store* s, const wisp_pass* pass )
     return bytes;
 }
 
-static int runs_of( wisp_stage stage, int substeps, int iterations )
+// Runs on an entity in a step of usual length.
+static int runs_on( const writer* w, wisp_stage stage, int slot )
 {
+    const int substeps = w->substeps * w->plan->entities[slot].split, iterations = w->iterations;
     switch ( plan_section_of( stage ) )
     {
         case PLAN_SUBSTEP:
@@ -100,9 +102,15 @@ static void count_work( const writer* w, const plan_node* node, int i, wisp_plan
                 p->fusion = w->registry->joins[target->join].name;
                 p->fusion_code = (uintptr_t)w->registry->joins[target->join].run;
             }
+            const int runs = runs_on( w, pass->stage, target->slot );
+            p->runs = runs > p->runs ? runs : p->runs;
+            p->fewest_runs = p->entities == 1 || runs < p->fewest_runs ? runs : p->fewest_runs;
             p->items += items;
             p->blocks += ( items + node->grain - 1 ) / node->grain;
-            p->bytes += row_bytes( s, e, pass->reads ) + row_bytes( s, e, pass->writes ) + across_bytes( s, pass );
+            const uint64_t bytes =
+                row_bytes( s, e, pass->reads ) + row_bytes( s, e, pass->writes ) + across_bytes( s, pass );
+            p->bytes += bytes;
+            p->fraction += (double)bytes * runs; // of the sum of all passes, in the end
         }
     }
 }
@@ -112,11 +120,11 @@ static void predict_fractions( wisp_plan_info* report, wisp_plan_pass* passes )
     double sum = 0.0;
     for ( int i = 0; i < report->active_count; ++i )
     {
-        sum += (double)passes[i].bytes * passes[i].runs;
+        sum += passes[i].fraction;
     }
     for ( int i = 0; i < report->active_count; ++i )
     {
-        passes[i].fraction = sum > 0.0 ? (double)passes[i].bytes * passes[i].runs / sum : 1.0 / report->active_count;
+        passes[i].fraction = sum > 0.0 ? passes[i].fraction / sum : 1.0 / report->active_count;
     }
 }
 
@@ -160,7 +168,7 @@ static void add_kept( writer* w, wisp_plan_info* report, int n, int i )
     p->wave = node->wave;
     p->node = n;
     p->is_fused = i > 0;
-    p->runs = runs_of( pass->stage, report->substeps, report->iterations );
+    p->fraction = 0.0;
     count_work( w, node, i, p );
     p->reason_count = explain_find_reasons( w->plan, w->registry, pass, w->reasons + w->reason_count );
     w->reason_count += p->reason_count;
@@ -293,7 +301,7 @@ static report_block* make_block( writer* w )
 
 wisp_plan_info* plan_explain( const plan* p, const wisp_registry* r, int substeps, int iterations )
 {
-    writer w = { .plan = p, .registry = r, .iterations = iterations };
+    writer w = { .plan = p, .registry = r, .substeps = substeps, .iterations = iterations };
     report_block* block = make_block( &w );
     if ( block == NULL )
     {

@@ -78,6 +78,7 @@ struct wisp_registry
 {
     store* store;
     int workers;
+    int substeps;   // of the world in a step of usual length; 0 means 1
     int iterations; // per substep; 0 means 1
     wisp_pass passes[PLAN_MAX_PASSES];
     const char* pass_modules[PLAN_MAX_PASSES]; // module that declared the pass
@@ -155,6 +156,9 @@ typedef struct plan_target
 typedef struct plan_entity
 {
     store_mask live; // passes
+    int split;       // substeps in a substep of the world
+    bool runs_waves; // passes of substeps, unless it loops
+    bool meets;      // other entities in them
     bool loops;      // it runs all its substeps before the next entity does
     bool listed;     // among the loops
 } plan_entity;
@@ -185,6 +189,7 @@ typedef struct plan
     plan_target* targets;
     int target_count, target_capacity;
     plan_entity* entities; // [slot]
+    int entity_count;
     int entity_capacity;
     plan_block* blocks; // capacity of the widest wave
     int block_capacity;
@@ -211,6 +216,17 @@ wisp_plan_info* plan_explain( const plan* p, const wisp_registry* r, int substep
 
 /// Print one line per pass: selected passes with their reasons, absent ones with what is missing.
 void plan_print( const wisp_plan_info* report, void ( *write )( void* user, const char* line ), void* user );
+
+// substeps.c
+
+/// Return what passes of other entities touch in the substep loop.
+store_mask plan_columns_across( const plan* p, const wisp_registry* r );
+/// Find into how many substeps each entity splits one of the world, after nodes and before loops.
+void plan_find_splits( plan* p, const wisp_registry* r );
+/// Do strands run substeps in waves? They follow surfaces from substep to substep then, which no list of theirs says.
+bool plan_has_strand_waves( const plan* p );
+/// Return the next larger split among entities that run substeps in waves; 0: none.
+int plan_next_split( const plan* p, int split );
 
 // entity_loop.c
 
@@ -254,9 +270,10 @@ struct wisp_frame
     jobs_pool* pool;
     const wisp_kernels* kernels;
     uint64_t step;
-    int substeps, iterations;
+    int substeps, iterations; // of the world
     int substep, iteration; // current ones
-    float seconds;          // of a substep
+    int split;              // of the entities whose substeps run
+    float seconds;          // of a substep of the world
     float progress;         // fraction of the motion to kinematic targets per substep; 0: 1 / substeps
     float reached;          // fraction of that motion completed by the last step
     const plan_block* wave; // of the current wave

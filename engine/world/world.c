@@ -77,6 +77,7 @@ static wisp_status build( wisp_world* world, const wisp_world_def* def, wisp_err
     int workers = def->workers > 0 ? def->workers : jobs_default_workers();
     store_init( &world->store, &world->allocator );
     plan_registry_init( &world->registry, &world->store, workers );
+    world->registry.substeps = def->substeps;
     world->registry.iterations = def->iterations;
     const wisp_kernels* kernels = kernels_select( def->isa, error );
     if ( kernels == NULL )
@@ -100,7 +101,6 @@ static wisp_status build( wisp_world* world, const wisp_world_def* def, wisp_err
     world->frame.plan = &world->plan;
     world->frame.pool = world->pool;
     world->frame.kernels = kernels;
-    world->substeps = def->substeps;
     world->frame.iterations = def->iterations;
     return WISP_OK;
 }
@@ -214,11 +214,11 @@ static void cut_step( wisp_world* world, float dt, bool is_new_plan )
     wisp_frame* frame = &world->frame;
     if ( plan_has_substeps( &world->plan ) )
     {
-        step_clock_advance( &world->clock, dt, world->substeps, is_new_plan, frame );
+        step_clock_advance( &world->clock, dt, world->registry.substeps, is_new_plan, frame );
         return;
     }
-    frame->substeps = world->substeps;
-    frame->seconds = dt / (float)world->substeps;
+    frame->substeps = world->registry.substeps;
+    frame->seconds = dt / (float)world->registry.substeps;
     frame->progress = 0.0f;
     frame->reached = 1.0f;
 }
@@ -328,7 +328,7 @@ wisp_status wisp_world_explain( wisp_world* world, wisp_plan_info** out )
     wisp_status status = compile_if_changed( world );
     if ( status == WISP_OK )
     {
-        *out = plan_explain( &world->plan, &world->registry, world->substeps, world->frame.iterations );
+        *out = plan_explain( &world->plan, &world->registry, world->registry.substeps, world->frame.iterations );
         status =
             *out != NULL ? WISP_OK : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to explain the plan" );
     }

@@ -40,7 +40,6 @@ struct wisp_world
     wisp_frame frame;
     step_clock clock;
     world_blend blend;
-    int substeps;     // of a step of usual length
     wisp_error error; // of the last call that failed
     wisp_profile_line lines[PLAN_MAX_PASSES];
     int line_count;

@@ -7,6 +7,11 @@
 #include <stdio.h>
 #include <string.h>
 
+enum
+{
+    WORLD_MAX_SUBSTEPS = 10000, // of an entity, as in scenes
+};
+
 // ---- failures ----
 
 const char* wisp_world_message( const wisp_world* world )
@@ -74,6 +79,23 @@ wisp_status wisp_remove( wisp_world* world, wisp_entity entity )
 bool wisp_is_alive( const wisp_world* world, wisp_entity entity )
 {
     return store_find( &world->store, entity ) != NULL;
+}
+
+wisp_status wisp_set_substeps( wisp_world* world, wisp_entity entity, int substeps )
+{
+    store_entity* e = store_find( &world->store, entity );
+    if ( e == NULL )
+    {
+        return world_stale( world, entity );
+    }
+    if ( substeps < 0 || substeps > WORLD_MAX_SUBSTEPS )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "substeps: got %d, expected 0 to %d", substeps,
+                                WORLD_MAX_SUBSTEPS );
+    }
+    world->store.structure += e->substeps != substeps ? 1 : 0;
+    e->substeps = substeps;
+    return WISP_OK;
 }
 
 // ---- components ----

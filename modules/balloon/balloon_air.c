@@ -40,12 +40,13 @@ void balloon_drag( wisp_frame* frame, const wisp_span* span, void* user )
     const float* areas = wisp_frame_column( frame, span->entity, state->rings, 1 );
     const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+    const float dt = wisp_frame_dt( frame, span->entity );
     const wisp_span s = wisp_frame_particles( frame, span );
     for ( int slot = s.begin; slot < s.end; ++slot )
     {
         float* v = velocity + (size_t)slot * 4;
         const float* g = vectors + (size_t)( slot / 8 ) * 24 + slot % 8;
-        float dt_w = wisp_frame_dt( frame ) * position[(size_t)slot * 4 + 3];
+        float dt_w = dt * position[(size_t)slot * 4 + 3];
         wisp_vec3 f = balloon_drag_force( air, ( wisp_vec3 ){ v[0], v[1], v[2] }, ( wisp_vec3 ){ g[0], g[8], g[16] },
                                           areas[slot], dt_w );
         v[0] += dt_w * f.x;
@@ -66,7 +67,7 @@ void balloon_float( wisp_frame* frame, const wisp_span* span, void* user )
     float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     const wisp_span s = wisp_frame_particles( frame, span );
     double lifted = extent->volume * ( gas->air_density - gas->gas_density ); // kg
-    float fraction = body->mass > 0.0 ? (float)( -lifted / body->mass * (double)wisp_frame_dt( frame ) ) : 0.0f;
+    float fraction = body->mass > 0.0 ? (float)( -lifted / body->mass * (double)wisp_frame_dt( frame, span->entity ) ) : 0.0f;
     for ( int slot = s.begin; slot < s.end; ++slot )
     {
         float* v = velocity + (size_t)slot * 4;

@@ -157,7 +157,7 @@ void balloon_keep_angular( wisp_frame* frame, const wisp_span* span, void* user 
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
-        .dt = (double)wisp_frame_dt( frame ),
+        .dt = (double)wisp_frame_dt( frame, span->entity ),
         .blocks = wisp_parallel_scratch( parallel, span->worker, (size_t)blocks * sizeof( turn_moments ) ),
         .count = fabric->vertex_count,
     };

@@ -178,7 +178,7 @@ static void spin_increment( wisp_frame* frame, const wisp_span* span, const ball
     balloon_spin_of( body, torque, out );
     for ( int k = 0; k < 3; ++k )
     {
-        out[k] *= (double)wisp_frame_dt( frame );
+        out[k] *= (double)wisp_frame_dt( frame, span->entity );
     }
 }
 
@@ -214,7 +214,7 @@ void balloon_turn_printed( wisp_frame* frame, const wisp_span* span, void* user 
     float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     double w[3];
     spin_increment( frame, span, state, w );
-    double half[3], square = 1.0, dt = (double)wisp_frame_dt( frame );
+    double half[3], square = 1.0, dt = (double)wisp_frame_dt( frame, span->entity );
     for ( int k = 0; k < 3; ++k )
     {
         turn->omega[k] += isfinite( w[k] ) ? w[k] : 0.0; // the state check restores particles, but not this

@@ -102,7 +102,7 @@ void balloon_inflate( wisp_frame* frame, const wisp_span* span, void* user )
     const balloon_state* state = user;
     balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
     float rate = *(float*)wisp_frame_column( frame, span->entity, state->inflation, 0 );
-    double grown = gas->target_volume + (double)rate * (double)wisp_frame_dt( frame );
+    double grown = gas->target_volume + (double)rate * (double)wisp_frame_dt( frame, span->entity );
     gas->target_volume = fmax( grown, gas->min_volume );
 }
 
@@ -245,7 +245,7 @@ void balloon_project_volume( wisp_frame* frame, const wisp_span* span, void* use
     {
         balloon_add_fans( &open_edge, position, gradient, &sums );
     }
-    double dt = (double)wisp_frame_dt( frame ), change = change_of_lambda( gas, fraction, sums, dt );
+    double dt = (double)wisp_frame_dt( frame, span->entity ), change = change_of_lambda( gas, fraction, sums, dt );
     gas->lambda += change;
     gas->multiplier = gas->lambda / ( dt * dt );
     push_loop loop = {

@@ -55,7 +55,7 @@ void balloon_let_out( wisp_frame* frame, const wisp_span* span, void* user )
     outlet->speed = outlet->mass_flow = 0.0;
     if ( runs && aim( position, vectors, outlet ) )
     {
-        flow( outlet, gas, gauge->pressure, (double)wisp_frame_dt( frame ) );
+        flow( outlet, gas, gauge->pressure, (double)wisp_frame_dt( frame, span->entity ) );
     }
 }
 
@@ -72,7 +72,7 @@ void balloon_jet( wisp_frame* frame, const wisp_span* span, void* user )
     const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     const wisp_span s = wisp_frame_particles( frame, span );
-    double factor = -outlet->mass_flow * outlet->speed / body->mass * (double)wisp_frame_dt( frame );
+    double factor = -outlet->mass_flow * outlet->speed / body->mass * (double)wisp_frame_dt( frame, span->entity );
     const float change[3] = { (float)( factor * outlet->normal[0] ), (float)( factor * outlet->normal[1] ),
                               (float)( factor * outlet->normal[2] ) };
     for ( int slot = s.begin; slot < s.end; ++slot )

@@ -12,12 +12,13 @@ static void sum_drag( wisp_frame* frame, const wisp_span* span, const balloon_st
     const float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     const int count = wisp_frame_fabric( frame, span->entity )->vertex_count;
+    const float dt = wisp_frame_dt( frame, span->entity );
     memset( out, 0, 3 * sizeof( double ) );
     for ( int slot = 0; slot < count && air != NULL && vectors != NULL; ++slot )
     {
         const float* v = velocity + (size_t)slot * 4;
         const float* g = vectors + (size_t)( slot / 8 ) * 24 + slot % 8;
-        float dt_w = wisp_frame_dt( frame ) * position[(size_t)slot * 4 + 3];
+        float dt_w = dt * position[(size_t)slot * 4 + 3];
         wisp_vec3 f = balloon_drag_force( air, ( wisp_vec3 ){ v[0], v[1], v[2] }, ( wisp_vec3 ){ g[0], g[8], g[16] },
                                           areas[slot], dt_w );
         out[0] += (double)f.x;
@@ -106,6 +107,6 @@ void balloon_take_stats( wisp_frame* frame, const wisp_span* span, void* user )
     {
         balloon_spin_of( body, body->angular_momentum, f->angular_velocity );
     }
-    turn( q, f->angular_velocity, (double)wisp_frame_dt( frame ) );
+    turn( q, f->angular_velocity, (double)wisp_frame_dt( frame, span->entity ) );
     memcpy( f->orientation, q, sizeof( q ) );
 }

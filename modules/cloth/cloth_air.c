@@ -53,7 +53,7 @@ void cloth_blow( wisp_frame* frame, const wisp_span* span, void* user )
                   .density = air->density,
                   .drag = air->drag,
                   .lift = air->lift,
-                  .dt = wisp_frame_dt( frame ) },
+                  .dt = wisp_frame_dt( frame, span->entity ) },
         .copy = copy,
     };
     wisp_parallel_for( parallel, fabric->ring_slice_count, GRAIN, copy_slices, &loop );

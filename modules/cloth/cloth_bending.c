@@ -258,8 +258,8 @@ static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending* b )
     b->velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     b->target = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TARGET, 0 );
     b->gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-    b->dt = wisp_frame_dt( frame );
-    b->to_target = wisp_frame_progress_left( frame, span->substep );
+    b->dt = wisp_frame_dt( frame, span->entity );
+    b->to_target = wisp_frame_progress_left( frame, span->entity, span->substep );
     b->predicted = scratch;
     b->args.position = scratch;
     b->args.impulse = scratch + numbers;

@@ -185,7 +185,7 @@ void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user )
     const cloth_state* state = user;
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     const float rate = *(float*)wisp_frame_column( frame, span->entity, state->damping, 0 );
-    const float lost = rate * wisp_frame_dt( frame );
+    const float lost = rate * wisp_frame_dt( frame, span->entity );
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     const int most = ( fabric->slot_count / MAX_BLOCKS + LANES ) / LANES * LANES;
     damping_loop loop = {

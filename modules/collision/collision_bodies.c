@@ -358,8 +358,8 @@ static void set_poses( const wisp_frame* frame, const wisp_span* span, const col
         return;
     }
     set_motion( collider, view );
-    const float before = wisp_frame_progress( frame, span->substep ),
-                after = wisp_frame_progress( frame, span->substep + 1 );
+    const float before = wisp_frame_progress( frame, span->entity, span->substep ),
+                after = wisp_frame_progress( frame, span->entity, span->substep + 1 );
     view->before = wisp_transform_interpolate( collider->from, collider->to, before );
     view->after = wisp_transform_interpolate( collider->from, collider->to, after );
 }

@@ -343,7 +343,7 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
-    const bool is_last = span->substep + 1 == wisp_frame_substeps( frame ) || state->searches_all;
+    const bool is_last = span->substep + 1 == wisp_frame_substeps( frame, span->entity ) || state->searches_all;
     const collision_find_args args = {
         .kernels = wisp_frame_kernels( frame ),
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
@@ -351,7 +351,7 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
         .count = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 0 ),
         .found = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 1 ),
         .contact = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 2 ),
-        .recovery = settings->max_push_out_speed * wisp_frame_dt( frame ),
+        .recovery = settings->max_push_out_speed * wisp_frame_dt( frame, span->entity ),
         .has_settled = span->substep > 0 && is_last == false,
         .settles = is_last == false,
     };

@@ -291,7 +291,7 @@ void collision_sense( wisp_frame* frame, const wisp_span* span, void* user )
     loop.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     loop.velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     loop.gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-    loop.seconds = wisp_frame_dt( frame );
+    loop.seconds = wisp_frame_dt( frame, span->entity );
     loop.recovery = settings->max_push_out_speed;
     loop.body = wisp_frame_column( frame, span->entity, WISP_PARTICLE_CONTACTS, 0 );
     loop.plane = wisp_frame_column( frame, span->entity, WISP_PARTICLE_CONTACTS, 1 );

@@ -26,7 +26,7 @@ static contact_work begin_work( wisp_frame* frame, const wisp_span* span, contac
         .components = &state->components,
         .parallel = wisp_frame_parallel( frame, span ),
         .frame = frame,
-        .seconds = wisp_frame_dt( frame ),
+        .seconds = wisp_frame_dt( frame, span->entity ),
         .worker = span->worker,
     };
 }

@@ -121,7 +121,7 @@ void guide_run_between( wisp_frame* frame, const wisp_span* span, void* user )
             f->resampled ? f->guides.velocity : wisp_frame_column( frame, f->targets, WISP_STRAND_VELOCITY, 0 );
     }
     float* seconds = wisp_frame_column( frame, span->entity, state->interval, 0 );
-    *seconds = wisp_frame_dt( frame ) * (float)wisp_frame_substeps( frame );
+    *seconds = wisp_frame_dt( frame, span->entity ) * (float)wisp_frame_substeps( frame, span->entity );
     wisp_parallel_for( wisp_frame_parallel( frame, span ), loop.topology->group_count, GROUP_GRAIN, keep_groups,
                        &loop );
 }

@@ -77,9 +77,10 @@ static void fill_groups( void* context, int begin, int end, int worker )
     loop->kernels->strand_target( &loop->args, begin, end );
 }
 
-static float dt( const wisp_frame* frame )
+// Time of a step.
+static float seconds_of( const wisp_frame* frame, wisp_entity entity )
 {
-    return wisp_frame_dt( frame ) * (float)wisp_frame_substeps( frame );
+    return wisp_frame_dt( frame, entity ) * (float)wisp_frame_substeps( frame, entity );
 }
 
 static void fill_table( wisp_frame* frame, const wisp_span* span, const guide_state* state, const guide_follower* f,
@@ -106,7 +107,7 @@ static void fill_table( wisp_frame* frame, const wisp_span* span, const guide_st
         .is_capped = settings->capped != 0,
         .is_blended = f->link_count > 1,
         .elastic = (wisp_elastic)settings->elastic,
-        .sway_time = settings->time > 0.0f ? settings->time : dt( frame ),
+        .sway_time = settings->time > 0.0f ? settings->time : seconds_of( frame, span->entity ),
         .tip_gain = settings->tip_gain,
     };
     wisp_parallel_for( wisp_frame_parallel( frame, span ), l->group_count, TARGET_GRAIN, fill_groups, &loop );
@@ -189,7 +190,7 @@ void guide_run_ghosts( wisp_frame* frame, const wisp_span* span, void* user )
         .target_count = f->link_count,
         .rotates_offsets = f->turns,
         .elastic = (wisp_elastic)settings->elastic,
-        .sway_time = settings->time > 0.0f ? settings->time : dt( frame ),
+        .sway_time = settings->time > 0.0f ? settings->time : seconds_of( frame, span->entity ),
         .points = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
     };
     if ( f->link_count > 1 )

@@ -470,7 +470,7 @@ static void choose_integrator( wisp_frame* frame, const wisp_span* span, step* s
 {
     const implicit_material* m = s->system.material;
     const implicit_links* links = s->system.links;
-    const float h = wisp_frame_dt( frame );
+    const float h = wisp_frame_dt( frame, span->entity );
     const double mass = mean_mass( links, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ) );
     const double ratio = (double)links->stiffest * (double)h * (double)h / mass;
     s->stiff = ratio > RATIO_STIFF && m->max_newton_iterations > 1;
@@ -572,7 +572,7 @@ static void find_columns( wisp_frame* frame, const wisp_span* span, const implic
     const float* damping = wisp_frame_column( frame, e, WISP_PARTICLE_DAMPING, 0 );
     s->gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
     s->kept = damping != NULL ? 1.0f / ( 1.0f + *damping * s->system.spring.dt ) : 1.0f;
-    const float h = wisp_frame_dt( frame ), gx = s->gravity.x, gy = s->gravity.y, gz = s->gravity.z;
+    const float h = wisp_frame_dt( frame, span->entity ), gx = s->gravity.x, gy = s->gravity.y, gz = s->gravity.z;
     const float HYSTERESIS = 1e-4f; // of the weight: error of a solve at its tolerance
     s->contact_input = ( implicit_contact_input ){
         .body = s->columns.body,
@@ -585,7 +585,7 @@ static void find_columns( wisp_frame* frame, const wisp_span* span, const implic
         .target = wisp_frame_column( frame, e, WISP_PARTICLE_TARGET, 0 ),
         .seconds = h,
         .hysteresis = HYSTERESIS * h * sqrtf( gx * gx + gy * gy + gz * gz ),
-        .target_fraction = wisp_frame_progress_left( frame, span->substep ),
+        .target_fraction = wisp_frame_progress_left( frame, span->entity, span->substep ),
         .speculative = m->speculative != 0,
     };
 }
@@ -658,6 +658,6 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
     for_slices( &s, scatter_slices );
     // after the impulses, because the right side overwrites them
     tally.newton_residual = material->requests_stats != 0 ? newton_residual( &s ) : 0.0f;
-    material->before = wisp_frame_dt( frame );
+    material->before = wisp_frame_dt( frame, span->entity );
     *(implicit_tally*)wisp_frame_column( frame, span->entity, state->tally, 0 ) = tally;
 }

@@ -22,12 +22,12 @@ void strands_move_head( wisp_frame* frame, const wisp_span* span, void* user )
     head->is_still = memcmp( &head->from, &head->to, sizeof( wisp_transform ) ) == 0 ? 1 : 0;
 }
 
-wisp_transform strands_head_pose( wisp_frame* frame, const strands_head* head, int substeps )
+wisp_transform strands_head_pose( wisp_frame* frame, wisp_entity strands, const strands_head* head, int substeps )
 {
     // a head that stands still keeps its pose exactly in every substep
     const bool is_still = head->jumped != 0 || head->is_still != 0;
     return wisp_transform_interpolate( is_still ? head->to : head->from, head->to,
-                                       is_still ? 1.0f : wisp_frame_progress( frame, substeps ) );
+                                       is_still ? 1.0f : wisp_frame_progress( frame, strands, substeps ) );
 }
 
 // Columns of strands that are turned.
@@ -158,8 +158,8 @@ void strands_root( wisp_frame* frame, const wisp_span* span, void* user )
     float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 0 );
     float* rotation = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 1 );
     float* low = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 2 );
-    const wisp_transform pose = strands_head_pose( frame, head, span->substep + 1 );
-    const float left = head->jumped != 0 ? 0.0f : 1.0f - wisp_frame_progress( frame, span->substep + 1 );
+    const wisp_transform pose = strands_head_pose( frame, span->entity, head, span->substep + 1 );
+    const float left = head->jumped != 0 ? 0.0f : 1.0f - wisp_frame_progress( frame, span->entity, span->substep + 1 );
     pose_row rows[3];
     make_pose_rows( head, pose, left, rows );
     for ( int g = span->begin; g < span->end; ++g )
@@ -192,7 +192,7 @@ void strands_hold_pins( wisp_frame* frame, const wisp_span* span, void* user )
     float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 );
     float* low = wisp_frame_column( frame, span->entity, state->low, 0 );
     float* velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 );
-    const float inverse_dt = 1.0f / wisp_frame_dt( frame );
+    const float inverse_dt = 1.0f / wisp_frame_dt( frame, span->entity );
     for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
     {
         const int group = i / WISP_LANES, lane = i % WISP_LANES, first = t->group_row[group];

@@ -6,7 +6,7 @@
 wisp_pass_fn strands_move_head, strands_jump, strands_jump_frames, strands_root, strands_hold_pins;
 
 /// Return the pose of the head after some substeps of this step.
-wisp_transform strands_head_pose( wisp_frame* frame, const strands_head* head, int substeps );
+wisp_transform strands_head_pose( wisp_frame* frame, wisp_entity strands, const strands_head* head, int substeps );
 
 /// Move a strand as a rigid body, with its velocities: from one position of the root to another. Its history ends.
 void strands_turn( wisp_frame* frame, wisp_entity entity, const strands_state* state, int group, int lane,

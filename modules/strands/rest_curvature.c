@@ -333,7 +333,7 @@ bool strands_balance_is_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
     const strands_state* state = user;
     const float* balanced = wisp_frame_column( frame, entity, state->balance, 0 );
-    return wisp_frame_strands( frame, entity )->group_count > 0 && balanced[0] != wisp_frame_dt( frame );
+    return wisp_frame_strands( frame, entity )->group_count > 0 && balanced[0] != wisp_frame_dt( frame, entity );
 }
 
 void strands_balance_rest( wisp_frame* frame, const wisp_span* span, void* user )
@@ -349,7 +349,7 @@ void strands_balance_rest( wisp_frame* frame, const wisp_span* span, void* user 
         .rest_twist = wisp_frame_column( frame, span->entity, state->curve, 2 ),
         .twist_stiffness = wisp_frame_column( frame, span->entity, state->curve, 3 ),
         .rest_tension = wisp_frame_column( frame, span->entity, state->curve, 4 ),
-        .dt = (double)wisp_frame_dt( frame ),
+        .dt = (double)wisp_frame_dt( frame, span->entity ),
     };
     float* balanced = wisp_frame_column( frame, span->entity, state->balance, 0 );
     float* fractions = wisp_frame_column( frame, span->entity, state->balance, 1 );
@@ -367,7 +367,7 @@ void strands_balance_rest( wisp_frame* frame, const wisp_span* span, void* user 
             lightened += fraction < 1.0 ? 1 : 0;
             soft += own < 1.0 ? 1 : 0;
         }
-        balanced[g] = wisp_frame_dt( frame );
+        balanced[g] = wisp_frame_dt( frame, span->entity );
     }
     if ( lightened > 0 )
     {

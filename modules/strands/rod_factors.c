@@ -256,7 +256,7 @@ bool strands_factor_is_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
     const strands_state* state = user;
     const float* factored = wisp_frame_column( frame, entity, state->clamp, 1 );
-    return wisp_frame_strands( frame, entity )->group_count > 0 && factored[0] != wisp_frame_dt( frame );
+    return wisp_frame_strands( frame, entity )->group_count > 0 && factored[0] != wisp_frame_dt( frame, entity );
 }
 
 static void factor_group( const factor_args* args, int group )
@@ -272,7 +272,7 @@ void strands_factor( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_rows rows = strands_rows_in( frame, span->entity );
-    const double dt = (double)wisp_frame_dt( frame );
+    const double dt = (double)wisp_frame_dt( frame, span->entity );
     const bool has_history = wisp_frame_has( frame, span->entity, state->history );
     const factor_args args = {
         .rows = &rows,
@@ -299,6 +299,6 @@ void strands_factor( wisp_frame* frame, const wisp_span* span, void* user )
         {
             factor_group( &first_order, g );
         }
-        factored[g] = wisp_frame_dt( frame );
+        factored[g] = wisp_frame_dt( frame, span->entity );
     }
 }

@@ -335,7 +335,7 @@ void strands_mix( wisp_frame* frame, const wisp_span* span, void* user )
     const strands_state* state = user;
     strands_grid* settings = wisp_frame_column( frame, span->entity, state->grid, 0 );
     grid_workspace* w = wisp_frame_workspace( frame, state->workspace, span->worker );
-    const float seconds = wisp_frame_dt( frame ) * (float)wisp_frame_substeps( frame );
+    const float seconds = wisp_frame_dt( frame, span->entity ) * (float)wisp_frame_substeps( frame, span->entity );
     grid_loop loop = {
         .weight = wisp_frame_column( frame, span->entity, WISP_STRAND_INVERSE_MASS, 0 ),
         .friction = 1.0f - powf( 1.0f - settings->friction, 60.0f * seconds ),
@@ -354,7 +354,7 @@ void strands_mix( wisp_frame* frame, const wisp_span* span, void* user )
     {
         loop.displacement = wisp_frame_column( frame, span->entity, state->history, 0 );
         loop.before = wisp_frame_column( frame, span->entity, state->history, 1 );
-        loop.dt = wisp_frame_dt( frame );
+        loop.dt = wisp_frame_dt( frame, span->entity );
     }
     if ( fill( frame, span, w, wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ), settings->cell,
                &loop ) )

@@ -139,7 +139,7 @@ static wisp_strand_damp_args damp_args( wisp_frame* frame, const wisp_span* span
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
         .rate = *rate,
-        .dt = wisp_frame_dt( frame ),
+        .dt = wisp_frame_dt( frame, span->entity ),
         .history = history_of( frame, span, state ),
     };
 }
@@ -160,9 +160,9 @@ void strands_damp( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
-    const float dt = wisp_frame_dt( frame );
-    const wisp_transform a = strands_head_pose( frame, head, span->substep );
-    const wisp_transform b = strands_head_pose( frame, head, span->substep + 1 );
+    const float dt = wisp_frame_dt( frame, span->entity );
+    const wisp_transform a = strands_head_pose( frame, span->entity, head, span->substep );
+    const wisp_transform b = strands_head_pose( frame, span->entity, head, span->substep + 1 );
     wisp_strand_damp_args args = damp_args( frame, span, state );
     args.centre = a.translation;
     const wisp_vec3 way = strands_sub( b.translation, a.translation );
@@ -191,7 +191,7 @@ void strands_damp_anchored( wisp_frame* frame, const wisp_span* span, void* user
                 count += 1;
             }
         }
-        const float scale = 1.0f / ( (float)count * wisp_frame_dt( frame ) );
+        const float scale = 1.0f / ( (float)count * wisp_frame_dt( frame, span->entity ) );
         args.linear = ( wisp_vec3 ){ scale * sum.x, scale * sum.y, scale * sum.z };
         wisp_frame_kernels( frame )->strand_damp( &args, g, g + 1 );
     }
@@ -209,7 +209,7 @@ void strands_drag( wisp_frame* frame, const wisp_span* span, void* user )
         .length = column_of( frame, span, WISP_STRAND_LENGTH, 0 ),
         .wind = air->wind,
         .drag = air->drag,
-        .dt = wisp_frame_dt( frame ),
+        .dt = wisp_frame_dt( frame, span->entity ),
         .history = history_of( frame, span, state ),
     };
     wisp_frame_kernels( frame )->strand_air( &args, span->begin, span->end );
@@ -237,7 +237,7 @@ wisp_strand_motion_args strands_motion_args( wisp_frame* frame, const wisp_span*
         .root_low = column_of( frame, span, WISP_STRAND_ROOT, 2 ),
         .acceleration = settings->gravity,
         .acceleration_scale = fraction_of( frame, span, state ),
-        .dt = wisp_frame_dt( frame ),
+        .dt = wisp_frame_dt( frame, span->entity ),
         .history = history_of( frame, span, state ),
     };
 }
@@ -308,7 +308,7 @@ wisp_strand_rod_args strands_rod_args( wisp_frame* frame, const wisp_span* span,
         .damping = settings->bend_damping,
         .acceleration = settings->gravity,
         .acceleration_scale = fraction_of( frame, span, state ),
-        .dt = wisp_frame_dt( frame ),
+        .dt = wisp_frame_dt( frame, span->entity ),
         .history = history_of( frame, span, state ),
     };
     if ( args.history.step != NULL )
@@ -363,7 +363,7 @@ void strands_bend_curved( wisp_frame* frame, const wisp_span* span, void* user )
 static wisp_strand_link_args link_args( wisp_frame* frame, const wisp_span* span, const strands_state* state,
                                         const strands_link* link, wisp_component rows, int stride )
 {
-    const float dt = wisp_frame_dt( frame );
+    const float dt = wisp_frame_dt( frame, span->entity );
     const bool keeps = link->xpbd != 0 && wisp_frame_iterations( frame ) > 1;
     return ( wisp_strand_link_args ){
         .group_row = rows_of( frame, span ),
@@ -415,7 +415,7 @@ static void count_stretched( wisp_frame* frame, const wisp_span* span, const str
                              const wisp_strand_link_args* args )
 {
     const bool is_last =
-        span->substep + 1 == wisp_frame_substeps( frame ) && span->iteration + 1 == wisp_frame_iterations( frame );
+        span->substep + 1 == wisp_frame_substeps( frame, span->entity ) && span->iteration + 1 == wisp_frame_iterations( frame );
     const bool is_inextensible = link->xpbd != 0 ? link->compliance <= 0.0f : link->stiffness >= 1.0f;
     if ( is_last && is_inextensible )
     {
@@ -463,7 +463,7 @@ void strands_follow( wisp_frame* frame, const wisp_span* span, void* user )
 // Return where to store tensions. They are read after the last substep; after others only by rods.
 static float* tension_of( wisp_frame* frame, const wisp_span* span, const strands_state* state, bool has_rod )
 {
-    const bool is_read = has_rod || span->substep + 1 == wisp_frame_substeps( frame );
+    const bool is_read = has_rod || span->substep + 1 == wisp_frame_substeps( frame, span->entity );
     return is_read ? column_of( frame, span, state->tension, 0 ) : NULL;
 }
 
@@ -483,7 +483,7 @@ wisp_strand_stretch_args strands_stretch_args( wisp_frame* frame, const wisp_spa
         .accumulates_tension = direct->has_rod != 0 || span->iteration > 0,
         .iterations = direct->passes,
         .tolerance = direct->tolerance,
-        .dt = wisp_frame_dt( frame ),
+        .dt = wisp_frame_dt( frame, span->entity ),
         .scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH ),
         .acceleration = direct->has_rod != 0 ? ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } : settings->gravity,
         .history = history_of( frame, span, state ),

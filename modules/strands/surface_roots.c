@@ -166,7 +166,7 @@ void strands_anchor( wisp_frame* frame, const wisp_span* span, void* user )
     const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     const anchor_columns c = columns_of( frame, span, state );
-    const int substeps = wisp_frame_substeps( frame );
+    const int substeps = wisp_frame_substeps( frame, span->entity );
     for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
     {
         const int group = i / WISP_LANES, lane = i % WISP_LANES;

@@ -68,6 +68,50 @@ static void iterations_run_inside_a_substep( void** state )
     wisp_world_destroy( world );
 }
 
+// With two substeps of the world, 3 are rounded up to 4.
+static void an_entity_has_the_substeps_that_it_asks_for( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_STEPS( CHAIN, 1 );
+    wisp_entity pair[2];
+    for ( int i = 0; i < 2; ++i )
+    {
+        pair[i] = add_with( world, "A" );
+        request( world, pair[i], "C" );
+    }
+    assert_int_equal( wisp_set_substeps( world, pair[1], 3 ), WISP_OK );
+    assert_string_equal( trace_of_step( world ), "a1 b1 c1 a1 b1 c1 a2 b2 c2 a2 b2 c2 a2 b2 c2 a2 b2 c2" );
+    assert_int_equal( wisp_set_substeps( world, pair[1], 0 ), WISP_OK );
+    assert_string_equal( trace_of_step( world ), "a1 b1 c1 a1 b1 c1 a2 b2 c2 a2 b2 c2" );
+    assert_int_equal( wisp_set_substeps( world, pair[1], -1 ), WISP_BAD_INPUT );
+    assert_non_null( strstr( wisp_world_message( world ), "substeps: got -1, expected 0 to 10000" ) );
+    assert_int_equal( wisp_set_substeps( world, ( wisp_entity ){ 9, 9 }, 1 ), WISP_STALE_ID );
+    wisp_world_destroy( world );
+}
+
+// Waves of the one, then those of the other: iterations keep a single entity without a loop of its own in waves.
+static void waves_of_entities_with_other_substeps_run_one_after_another( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "A", .asks = true },
+        { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
+    };
+    wisp_world* world = OPEN_STEPS( passes, 1 );
+    const wisp_entity fine = add_with( world, "A" ), coarse = add_with( world, "A" );
+    request( world, fine, "C" );
+    request( world, coarse, "C" );
+    fake.due = true;
+    assert_int_equal( wisp_set_substeps( world, fine, 4 ), WISP_OK );
+    assert_string_equal( trace_of_step( world ), "a2 c2 a2 c2 a1 c1 a1 c1 a1 c1 a1 c1" );
+    wisp_plan_info* info = NULL;
+    assert_int_equal( wisp_world_explain( world, &info ), WISP_OK );
+    assert_int_equal( info->passes[0].runs, 4 );
+    assert_int_equal( info->passes[0].fewest_runs, 2 );
+    wisp_plan_info_release( info );
+    wisp_world_destroy( world );
+}
+
 // They follow surfaces from substep to substep.
 static void strands_in_the_substep_loop_keep_all_in_waves( void** state )
 {
@@ -99,6 +143,10 @@ static void a_pass_over_several_entities_keeps_those_it_touches_together( void**
     request( world, add_with( world, "E" ), "F" );
     request( world, add_with( world, "E" ), "F" );
     assert_string_equal( trace_of_step( world ), "a1 a2 meet3 c1 c2 a1 a2 meet3 c1 c2 e4 e4 e5 e5" );
+    // those that it touches have the substeps of the one with the most; the others have theirs
+    assert_int_equal( wisp_set_substeps( world, ( wisp_entity ){ 1, 1 }, 4 ), WISP_OK );
+    assert_string_equal( trace_of_step( world ), "a1 a2 meet3 c1 c2 a1 a2 meet3 c1 c2 a1 a2 meet3 c1 c2 "
+                                                 "a1 a2 meet3 c1 c2 e4 e4 e5 e5" );
     wisp_world_destroy( world );
 }
 
@@ -151,6 +199,8 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( small_entities_run_one_after_another ),
         cmocka_unit_test( iterations_run_inside_a_substep ),
+        cmocka_unit_test( an_entity_has_the_substeps_that_it_asks_for ),
+        cmocka_unit_test( waves_of_entities_with_other_substeps_run_one_after_another ),
         cmocka_unit_test( strands_in_the_substep_loop_keep_all_in_waves ),
         cmocka_unit_test( a_pass_over_several_entities_keeps_those_it_touches_together ),
         cmocka_unit_test( a_pass_that_is_asked_in_every_substep_keeps_its_entities_together ),

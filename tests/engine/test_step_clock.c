@@ -6,6 +6,7 @@
 enum
 {
     SUBSTEPS = 8,
+    SPLIT = 3,
 };
 
 // Take a step. @return its substeps
@@ -16,11 +17,17 @@ static int advance( step_clock* clock, wisp_frame* frame, double dt )
     return frame->substeps;
 }
 
+// A frame of two entities: one with the substeps of the world, one that splits each of those into three.
 static wisp_frame* new_frame( void )
 {
+    static plan_entity entities[] = { { .split = 1 }, { .split = SPLIT } };
+    static plan p = { .entities = entities, .entity_count = WISP_COUNT( entities ) };
     wisp_frame* frame = checked_calloc( 1, sizeof( wisp_frame ) );
+    frame->plan = &p;
     return frame;
 }
+
+static const wisp_entity WHOLE = { .index = 1 }, FINER = { .index = 2 };
 
 static double random_dt( int number )
 {
@@ -37,8 +44,12 @@ static void constant_steps_have_the_same_substeps_exactly( void** state )
     {
         assert_int_equal( advance( &clock, frame, 1.0 / 60.0 ), SUBSTEPS );
         assert_true( frame->seconds == (float)( 1.0 / 60.0 ) / (float)SUBSTEPS );
-        assert_true( wisp_frame_progress( frame, 3 ) == 3.0f / 8.0f );
-        assert_true( wisp_frame_progress_left( frame, SUBSTEPS - 1 ) == 1.0f );
+        assert_true( wisp_frame_progress( frame, WHOLE, 3 ) == 3.0f / 8.0f );
+        assert_true( wisp_frame_progress_left( frame, WHOLE, SUBSTEPS - 1 ) == 1.0f );
+        assert_int_equal( wisp_frame_substeps( frame, FINER ), SUBSTEPS * SPLIT );
+        assert_true( wisp_frame_dt( frame, FINER ) == frame->seconds / (float)SPLIT );
+        assert_true( wisp_frame_progress( frame, FINER, 3 ) == 1.0f / 8.0f );
+        assert_true( wisp_frame_progress_left( frame, FINER, SUBSTEPS * SPLIT - 1 ) == 1.0f );
         assert_true( frame->reached == 1.0f && clock.remainder == 0.0 );
     }
     free( frame );
@@ -68,9 +79,8 @@ static void steps_of_any_length_have_substeps_that_barely_change( void** state )
 }
 
 // A pin with a target for the end of each step moves at constant speed over all substeps.
-static void a_steady_target_is_followed_at_a_steady_speed( void** state )
+static void check_steady_target( wisp_entity entity )
 {
-    (void)state;
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
     double place = 0.0, from = 0.0, to = 0.0, time = 0.0;
@@ -85,17 +95,24 @@ static void a_steady_target_is_followed_at_a_steady_speed( void** state )
         }
         from += (double)frame->reached * ( to - from );
         to = time;
-        for ( int s = 0; s < frame->substeps; ++s )
+        for ( int s = 0; s < wisp_frame_substeps( frame, entity ); ++s )
         {
             const double before = place;
-            place += (double)wisp_frame_progress_left( frame, s ) * ( time - place );
-            const double same = from + (double)wisp_frame_progress( frame, s + 1 ) * ( to - from );
+            place += (double)wisp_frame_progress_left( frame, entity, s ) * ( time - place );
+            const double same = from + (double)wisp_frame_progress( frame, entity, s + 1 ) * ( to - from );
             assert_true( fabs( place - same ) < 1e-5 * time );
-            assert_true( fabs( ( place - before ) / (double)frame->seconds - 1.0 ) < 2e-2 );
+            assert_true( fabs( ( place - before ) / (double)wisp_frame_dt( frame, entity ) - 1.0 ) < 2e-2 );
         }
         assert_true( fabs( time - place - clock.remainder ) < 1e-5 * time );
     }
     free( frame );
+}
+
+static void a_steady_target_is_followed_at_a_steady_speed( void** state )
+{
+    (void)state;
+    check_steady_target( WHOLE );
+    check_steady_target( FINER );
 }
 
 static void a_new_usual_length_is_followed( void** state )

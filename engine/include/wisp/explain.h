@@ -64,11 +64,12 @@ typedef struct wisp_plan_pass
     int entities;          ///< that it runs on
     int items;             ///< of all of these entities: groups of strands, blocks of particles, or entities
     int blocks;            ///< units of work that workers draw, each some items of one entity
-    int runs;              ///< per step, from substeps and iterations
+    int runs;              ///< per step of usual length, from substeps and iterations, on the entity with the most
+    int fewest_runs;       ///< on that with the fewest
 
     /// Bytes that one run reads and writes: rows of every component it reads, and again of every one it writes.
     uint64_t bytes;
-    /// Predicted fraction of a step in [0, 1], NaN if the pass is absent: bytes * runs of this pass over those of all passes.
+    /// Predicted fraction of a step in [0, 1], NaN if the pass is absent: bytes * runs of its entities over those of all passes.
     /// Kernels stream, so bytes are a measure of cost that needs no run. Searches, solves and accesses through the
     /// topology of a mesh are not counted, and every pass counts as if it ran in every step.
     double fraction;

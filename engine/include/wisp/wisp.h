@@ -181,6 +181,12 @@ WISP_API bool wisp_is_halted( const wisp_world* world, wisp_entity entity );
 /// Let passes run on a halted entity again.
 WISP_API wisp_status wisp_resume( wisp_world* world, wisp_entity entity );
 
+/// Set the substeps of an entity in a step of usual length, so that hair with ten and cloth with one can share a world. They are
+/// rounded up to a multiple of those of the world, which has the fewest. Where there is contact, all surfaces have those of the one
+/// with the most, and so have strands that touch. wisp_world_explain() tells how many each pass runs.
+/// @param substeps 0 .. 10000; 0 and the default: those of the world
+WISP_API wisp_status wisp_set_substeps( wisp_world* world, wisp_entity entity, int substeps );
+
 // ---- requests, steps, views ----
 
 /// Request a component of an entity. The passes that compute it exist from the next step on. A step without requests does

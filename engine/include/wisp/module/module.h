@@ -239,17 +239,18 @@ WISP_API const wisp_strand_topology* wisp_frame_strands( wisp_frame* frame, wisp
 WISP_API const wisp_fabric* wisp_frame_fabric( wisp_frame* frame, wisp_entity entity );
 /// The particles [begin, end) of a span of particle blocks.
 WISP_API wisp_span wisp_frame_particles( wisp_frame* frame, const wisp_span* span );
-/// Length of a substep, s.
-WISP_API float wisp_frame_dt( const wisp_frame* frame );
-/// Substeps of this step, and iterations of a substep. Which one runs is in the span.
-WISP_API int wisp_frame_substeps( const wisp_frame* frame );
-/// Fraction of the path of a kinematic object, from where the last step left it to its target, after some substeps. It ends
-/// below 1 if the step is no whole number of substeps; the next step begins there.
-WISP_API float wisp_frame_progress( const wisp_frame* frame, int substeps );
-/// Fraction of the rest of that path that a substep covers; 1 in the last one of an even step.
-WISP_API float wisp_frame_progress_left( const wisp_frame* frame, int substep );
+/// Length of a substep of an entity, s.
+WISP_API float wisp_frame_dt( const wisp_frame* frame, wisp_entity entity );
+/// Substeps of an entity in this step. Which one runs is in the span.
+WISP_API int wisp_frame_substeps( const wisp_frame* frame, wisp_entity entity );
+/// Fraction of the path of a kinematic object, from where the last step left it to its target, after some substeps of an
+/// entity. It ends below 1 if the step is no whole number of substeps; the next step begins there.
+WISP_API float wisp_frame_progress( const wisp_frame* frame, wisp_entity entity, int substeps );
+/// Fraction of the rest of that path that a substep of an entity covers; 1 in the last one of an even step.
+WISP_API float wisp_frame_progress_left( const wisp_frame* frame, wisp_entity entity, int substep );
 /// @return where the step before left what moved from one pose to another
 WISP_API wisp_transform wisp_frame_reached( const wisp_frame* frame, wisp_transform from, wisp_transform to );
+/// Iterations of a substep.
 WISP_API int wisp_frame_iterations( const wisp_frame* frame );
 /// Is the entity left out of passes?
 WISP_API bool wisp_frame_is_halted( wisp_frame* frame, wisp_entity entity );

@@ -1,0 +1,207 @@
+// Entities with substeps of their own in one world: each moves as it would alone in a world with its substeps.
+#include "effects_fixture.h"
+
+#include "wisp/explain.h"
+
+typedef struct member
+{
+    const char* name;
+    effect_setup* add;
+    int substeps; // asked for
+    int made;     // with two substeps of the world
+} member;
+
+static const member MEMBERS[] = {
+    { "cloth of links", cloth_of_links, 0, 2 },  { "dihedral cloth", dihedral_cloth, 4, 4 },
+    { "isometric cloth", isometric_cloth, 6, 6 }, { "implicit cloth", implicit_cloth, 1, 2 },
+    { "balloon", balloon, 7, 8 },                 { "hair of links", hair_of_links, 10, 10 },
+    { "hair of rods", hair_of_rods, 10, 10 },
+};
+
+enum
+{
+    MEMBER_COUNT = WISP_COUNT( MEMBERS ),
+    WORLD_SUBSTEPS = 2,
+    STEPS = 40,
+};
+
+static void open_all( hosted* h, int substeps, int workers )
+{
+    *h = ( hosted ){ 0 };
+    h->def = hosted_def( h );
+    h->def.modules = EFFECTS;
+    h->def.module_count = WISP_COUNT( EFFECTS );
+    h->def.substeps = substeps;
+    h->def.workers = workers;
+    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+}
+
+static bool is_surface( wisp_world* world, wisp_entity e )
+{
+    return wisp_world_has( world, e, WISP_PARTICLE_POSITION );
+}
+
+static wisp_entity add( wisp_world* world, const member* m )
+{
+    const wisp_entity e = m->add( world );
+    assert_status( world,
+                   wisp_request( world, e, is_surface( world, e ) ? WISP_SURFACE_POINTS : WISP_STRAND_POINTS ),
+                   WISP_OK );
+    return e;
+}
+
+static uint64_t hash_of( wisp_world* world, wisp_entity e )
+{
+    uint64_t hash = 0;
+    assert_status( world,
+                   wisp_world_hash_column( world, e,
+                                           is_surface( world, e ) ? WISP_SURFACE_POINTS : WISP_STRAND_POINTS, &hash ),
+                   WISP_OK );
+    return hash;
+}
+
+static void take_steps( wisp_world* world, int count )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        assert_status( world, wisp_world_step( world, 1.0f / 60.0f ), WISP_OK );
+    }
+}
+
+// Alone in a world with its substeps.
+static uint64_t run_alone( const member* m )
+{
+    hosted h;
+    open_all( &h, m->made, 1 );
+    const wisp_entity e = add( h.world, m );
+    take_steps( h.world, STEPS );
+    const uint64_t hash = hash_of( h.world, e );
+    wisp_world_destroy( h.world );
+    assert_host_memory_is_released( &h.host );
+    return hash;
+}
+
+// Members [first, first + count) in one world.
+static void check_together( int first, int count, int workers )
+{
+    hosted h;
+    wisp_entity entities[MEMBER_COUNT];
+    open_all( &h, WORLD_SUBSTEPS, workers );
+    for ( int i = 0; i < count; ++i )
+    {
+        entities[i] = add( h.world, MEMBERS + first + i );
+        assert_status( h.world, wisp_set_substeps( h.world, entities[i], MEMBERS[first + i].substeps ), WISP_OK );
+    }
+    take_steps( h.world, STEPS );
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( hash_of( h.world, entities[i] ) != run_alone( MEMBERS + first + i ) )
+        {
+            fail_msg( "%s: not as alone, among %d with %d workers", MEMBERS[first + i].name, count, workers );
+        }
+    }
+    wisp_world_destroy( h.world );
+    assert_host_memory_is_released( &h.host );
+}
+
+// Many small surfaces have loops of their own; a single one runs in waves.
+static void each_moves_as_alone( void** state )
+{
+    (void)state;
+    check_together( 0, MEMBER_COUNT, 1 );
+    check_together( 0, MEMBER_COUNT, 5 );
+    check_together( 1, 2, 5 );
+    check_together( 3, 3, 2 );
+}
+
+static int runs_of( wisp_world* world, const char* pass, int* fewest )
+{
+    wisp_plan_info* info = NULL;
+    assert_status( world, wisp_world_explain( world, &info ), WISP_OK );
+    int runs = -1;
+    for ( int i = 0; i < info->pass_count; ++i )
+    {
+        if ( strcmp( info->passes[i].name, pass ) == 0 )
+        {
+            runs = info->passes[i].runs;
+            *fewest = info->passes[i].fewest_runs;
+        }
+    }
+    wisp_plan_info_release( info );
+    return runs;
+}
+
+static void the_plan_shows_the_substeps_of_both( void** state )
+{
+    (void)state;
+    hosted h;
+    int fewest = 0;
+    open_all( &h, 1, 1 );
+    add( h.world, MEMBERS );
+    const wisp_entity strands = add( h.world, MEMBERS + MEMBER_COUNT - 1 );
+    assert_status( h.world, wisp_set_substeps( h.world, strands, 10 ), WISP_OK );
+    assert_int_equal( runs_of( h.world, "particles.predict", &fewest ), 1 );
+    assert_int_equal( runs_of( h.world, "strands.predict", &fewest ), 10 );
+    const wisp_entity other = add( h.world, MEMBERS );
+    assert_status( h.world, wisp_set_substeps( h.world, other, 3 ), WISP_OK );
+    assert_int_equal( runs_of( h.world, "particles.predict", &fewest ), 3 );
+    assert_int_equal( fewest, 1 );
+    close_world( &h );
+}
+
+static void surfaces_in_contact_share_the_largest_number( void** state )
+{
+    (void)state;
+    hosted h;
+    int fewest = 0;
+    open_all( &h, 2, 1 );
+    for ( int i = 0; i < 2; ++i )
+    {
+        const wisp_entity e = add( h.world, MEMBERS );
+        const wisp_contact_def contact = wisp_default_contact_def();
+        assert_status( h.world, wisp_set_contact( h.world, e, &contact ), WISP_OK );
+        assert_status( h.world, wisp_set_substeps( h.world, e, i == 0 ? 6 : 0 ), WISP_OK );
+    }
+    assert_int_equal( runs_of( h.world, "contact.find", &fewest ), 6 );
+    assert_int_equal( runs_of( h.world, "particles.predict", &fewest ), 6 );
+    assert_int_equal( fewest, 6 );
+    take_steps( h.world, 4 );
+    close_world( &h );
+}
+
+static void steps_of_any_length_keep_their_bits_with_any_workers( void** state )
+{
+    (void)state;
+    uint64_t hashes[2];
+    for ( int k = 0; k < 2; ++k )
+    {
+        hosted h;
+        open_all( &h, 1, k == 0 ? 1 : 5 );
+        for ( int i = 0; i < MEMBER_COUNT; ++i )
+        {
+            const wisp_entity e = add( h.world, MEMBERS + i );
+            assert_status( h.world, wisp_set_substeps( h.world, e, MEMBERS[i].substeps + 4 ), WISP_OK );
+        }
+        for ( int i = 0; i < 120; ++i )
+        {
+            const float dt = test_random_float( i, 5, 0.002f, 0.04f );
+            assert_status( h.world, wisp_world_step( h.world, dt ), WISP_OK );
+        }
+        assert_int_equal( wisp_world_counter( h.world, WISP_COUNT_HALTED ), 0 );
+        hashes[k] = wisp_world_hash( h.world );
+        wisp_world_destroy( h.world );
+        assert_host_memory_is_released( &h.host );
+    }
+    assert_true( hashes[0] == hashes[1] );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( each_moves_as_alone ),
+        cmocka_unit_test( the_plan_shows_the_substeps_of_both ),
+        cmocka_unit_test( surfaces_in_contact_share_the_largest_number ),
+        cmocka_unit_test( steps_of_any_length_keep_their_bits_with_any_workers ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
