@@ -52,6 +52,9 @@ void world_set_kernels( wisp_world* world, const wisp_kernels* kernels );
 /// An entity with the same fabric and masses as a surface, at its rest shape and without effects.
 wisp_status world_add_surface_instance( wisp_world* world, const store_entity* source, wisp_entity* out );
 
+/// Take an entity that was just added from its rest shape to a pose; on failure it is where it was.
+wisp_status world_place( wisp_world* world, wisp_entity entity, wisp_transform pose );
+
 /// Fail because the handle names no entity.
 wisp_status world_stale( wisp_world* world, wisp_entity entity );
 

@@ -169,7 +169,24 @@ wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* def, wi
 
 // ---- instances ----
 
-wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, wisp_entity* out )
+static wisp_status add_strands_instance( wisp_world* world, wisp_entity source, cook_strands* strands,
+                                         wisp_entity* out )
+{
+    wisp_status status = add_entity( world, strands, out );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    cook_strands_retain( strands );
+    const store_entity* from = store_find( &world->store, source ); // slots may have moved
+    const store_entity* e = store_find( &world->store, *out );
+    const float* rest = store_column( &world->store, from, WISP_STRAND_REST, 0 );
+    memcpy( store_column( &world->store, e, WISP_STRAND_REST, 0 ), rest, row_bytes( &strands->topology ) );
+    memcpy( store_column( &world->store, e, WISP_STRAND_POSITION, 0 ), rest, row_bytes( &strands->topology ) );
+    return WISP_OK;
+}
+
+wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, const wisp_transform* pose, wisp_entity* out )
 {
     *out = ( wisp_entity ){ 0, 0 };
     const store_entity* from = store_find( &world->store, source );
@@ -177,26 +194,23 @@ wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, wisp_entit
     {
         return world_stale( world, source );
     }
-    if ( from->fabric != NULL )
-    {
-        return world_add_surface_instance( world, from, out );
-    }
-    if ( from->strands == NULL )
+    if ( from->fabric == NULL && from->strands == NULL )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "entity %u: has no strands and no surface to share",
                                 source.index );
     }
-    cook_strands* strands = (cook_strands*)(void*)from->strands;
-    wisp_status status = add_entity( world, strands, out );
-    if ( status != WISP_OK )
+    wisp_status status =
+        from->fabric != NULL
+            ? world_add_surface_instance( world, from, out )
+            : add_strands_instance( world, source, (cook_strands*)(void*)from->strands, out );
+    if ( status == WISP_OK && pose != NULL )
     {
-        return status;
+        status = world_place( world, *out, *pose );
+        if ( status != WISP_OK )
+        {
+            (void)wisp_remove( world, *out );
+            *out = ( wisp_entity ){ 0, 0 };
+        }
     }
-    cook_strands_retain( strands );
-    from = store_find( &world->store, source ); // slots may have moved
-    const store_entity* e = store_find( &world->store, *out );
-    const float* rest = store_column( &world->store, from, WISP_STRAND_REST, 0 );
-    memcpy( store_column( &world->store, e, WISP_STRAND_REST, 0 ), rest, row_bytes( &strands->topology ) );
-    memcpy( store_column( &world->store, e, WISP_STRAND_POSITION, 0 ), rest, row_bytes( &strands->topology ) );
-    return WISP_OK;
+    return status;
 }

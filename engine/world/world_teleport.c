@@ -1,4 +1,5 @@
-// Teleports: an entity is moved at once, as a rigid body, so that nothing on the way is met and no velocity comes of it.
+// Teleports: an entity is moved at once, as a rigid body, so that nothing on the way is met and no velocity comes of it. And
+// the pose in which an instance starts.
 // In: a rigid motion. Out: positions, velocities, last valid positions and targets of pins, and what views show of them.
 #include "world_blend.h"
 
@@ -125,28 +126,29 @@ void wisp_world_move_columns( wisp_world* world, wisp_entity entity, const wisp_
     move_views( world, e, teleport );
 }
 
-// ---- the call ----
+// ---- the calls ----
 
-static wisp_status check_motion( wisp_world* world, wisp_transform motion )
+// @param what the message begins with
+static wisp_status check_motion( wisp_world* world, wisp_transform motion, const char* what )
 {
     const wisp_vec3 p = motion.translation;
     const wisp_quat q = motion.rotation;
     const float squared = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
     if ( !( squared >= 1e-12f && squared <= 1e12f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "teleport: the quaternion (%g, %g, %g, %g) is not a rotation",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "%s: the quaternion (%g, %g, %g, %g) is not a rotation", what,
                                 (double)q.x, (double)q.y, (double)q.z, (double)q.w );
     }
     if ( !( fabsf( p.x ) <= FARTHEST && fabsf( p.y ) <= FARTHEST && fabsf( p.z ) <= FARTHEST ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "teleport: got (%g, %g, %g), expected at most 1e6 m",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "%s: got (%g, %g, %g), expected at most 1e6 m", what,
                                 (double)p.x, (double)p.y, (double)p.z );
     }
     return WISP_OK;
 }
 
 static wisp_status check_places( wisp_world* world, const float* rows, row_shape shape, int count,
-                                 wisp_transform motion )
+                                 wisp_transform motion, const char* what )
 {
     for ( int i = 0; i < count && rows != NULL; ++i )
     {
@@ -154,26 +156,44 @@ static wisp_status check_places( wisp_world* world, const float* rows, row_shape
         if ( !( fabsf( p.x ) <= FARTHEST && fabsf( p.y ) <= FARTHEST && fabsf( p.z ) <= FARTHEST ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "teleport: a vertex would be at (%g, %g, %g), farther than 1e6 m from the origin",
+                                    "%s: a vertex would be at (%g, %g, %g), farther than 1e6 m from the origin", what,
                                     (double)p.x, (double)p.y, (double)p.z );
         }
     }
     return WISP_OK;
 }
 
-static wisp_status check_entity( wisp_world* world, const store_entity* e, wisp_transform motion )
+static wisp_status check_entity( wisp_world* world, const store_entity* e, wisp_transform motion, const char* what )
 {
     if ( e->fabric != NULL )
     {
         return check_places( world, store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 ), XYZW,
-                             e->fabric->slot_count, motion );
+                             e->fabric->slot_count, motion, what );
     }
     wisp_status status = WISP_OK;
     const float* lanes = e->strands != NULL ? store_column( &world->store, e, WISP_STRAND_POSITION, 0 ) : NULL;
     for ( int lane = 0; lane < WISP_LANES && lanes != NULL && status == WISP_OK; ++lane )
     {
         status = check_places( world, lanes + lane, ( row_shape ){ (size_t)3 * WISP_LANES, WISP_LANES },
-                               e->strands->row_count, motion );
+                               e->strands->row_count, motion, what );
+    }
+    return status;
+}
+
+wisp_status world_place( wisp_world* world, wisp_entity entity, wisp_transform pose )
+{
+    const wisp_teleport_motion placed = { wisp_transform_make( pose.rotation, pose.translation ), false };
+    const store_entity* e = store_find( &world->store, entity );
+    wisp_status status = check_motion( world, pose, "pose" );
+    status = status == WISP_OK ? check_entity( world, e, placed.motion, "pose" ) : status;
+    if ( status == WISP_OK )
+    {
+        if ( e->strands != NULL )
+        {
+            wisp_teleport_lanes( &placed, wisp_world_column( world, entity, WISP_STRAND_REST, 0 ), NULL,
+                                 e->strands->row_count );
+        }
+        wisp_world_move_columns( world, entity, &placed );
     }
     return status;
 }
@@ -181,10 +201,10 @@ static wisp_status check_entity( wisp_world* world, const store_entity* e, wisp_
 wisp_status wisp_teleport( wisp_world* world, wisp_entity entity, wisp_transform motion, bool keep_velocity )
 {
     const store_entity* e = store_find( &world->store, entity );
-    wisp_status status = e != NULL ? check_motion( world, motion ) : world_stale( world, entity );
+    wisp_status status = e != NULL ? check_motion( world, motion, "teleport" ) : world_stale( world, entity );
     const wisp_teleport_motion teleport = { wisp_transform_make( motion.rotation, motion.translation ),
                                             keep_velocity };
-    status = status == WISP_OK ? check_entity( world, e, teleport.motion ) : status;
+    status = status == WISP_OK ? check_entity( world, e, teleport.motion, "teleport" ) : status;
     if ( status != WISP_OK )
     {
         return status;

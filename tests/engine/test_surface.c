@@ -229,11 +229,31 @@ static void an_instance_starts_at_rest_with_the_same_masses( void** state )
     wisp_entity e = add_plane( h, 5, NULL, 0 );
     run( h->world, 1 );
     wisp_entity copy;
-    assert_int_equal( wisp_add_instance( h->world, e, &copy ), WISP_OK );
+    assert_int_equal( wisp_add_instance( h->world, e, NULL, &copy ), WISP_OK );
     assert_int_equal( wisp_request( h->world, copy, WISP_MOTION_STATS ), WISP_OK );
     run( h->world, 1 );
     assert_true( motion_stats_of( h->world, copy ).mass == motion_stats_of( h->world, e ).mass );
     assert_ptr_equal( wisp_world_fabric( h->world, copy ), wisp_world_fabric( h->world, e ) );
+}
+
+static void an_instance_starts_in_its_pose( void** state )
+{
+    hosted* h = *state;
+    const wisp_entity e = add_plane( h, 5, NULL, 0 );
+    const wisp_transform pose = { { 0.0f, 0.0f, 1.0f, 0.0f }, { 3.0f, 1.0f, 0.0f } }; // half a turn about z
+    wisp_entity copy;
+    assert_int_equal( wisp_add_instance( h->world, e, &pose, &copy ), WISP_OK );
+    const float *from = wisp_world_column( h->world, e, WISP_PARTICLE_POSITION, 0 ),
+                *to = wisp_world_column( h->world, copy, WISP_PARTICLE_POSITION, 0 ),
+                *valid = wisp_world_column( h->world, copy, WISP_PARTICLE_LAST_VALID, 0 );
+    for ( int i = 0; i < 4 * wisp_world_fabric( h->world, e )->slot_count; i += 4 )
+    {
+        assert_near( (double)to[i], 3.0 - (double)from[i], 1e-6 );
+        assert_near( (double)to[i + 1], 1.0 - (double)from[i + 1], 1e-6 );
+        assert_near( (double)to[i + 2], (double)from[i + 2], 1e-6 );
+        assert_true( to[i + 3] == from[i + 3] );
+        assert_memory_equal( valid + i, to + i, 4 * sizeof( float ) );
+    }
 }
 
 static void impossible_surfaces_are_refused( void** state )
@@ -280,6 +300,7 @@ int main( void )
         WORLD_TEST( rigid_motion_keeps_momentum_energy_and_shape ),
         WORLD_TEST( speed_strain_and_normals_are_in_the_users_order ),
         WORLD_TEST( an_instance_starts_at_rest_with_the_same_masses ),
+        WORLD_TEST( an_instance_starts_in_its_pose ),
         WORLD_TEST( impossible_surfaces_are_refused ),
         WORLD_TEST( gravity_that_is_taken_away_takes_its_pass_along ),
     };

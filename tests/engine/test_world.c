@@ -17,7 +17,7 @@ static void every_call_with_a_stale_handle_says_so( void** state )
         assert_false( wisp_is_alive( h->world, stale[i] ) );
         assert_int_equal( wisp_remove( h->world, stale[i] ), WISP_STALE_ID );
         assert_one_message( wisp_world_message( h->world ) );
-        assert_int_equal( wisp_add_instance( h->world, stale[i], &out ), WISP_STALE_ID );
+        assert_int_equal( wisp_add_instance( h->world, stale[i], NULL, &out ), WISP_STALE_ID );
         assert_int_equal( out.index, 0 );
         assert_int_equal( wisp_request( h->world, stale[i], WISP_STRAND_POINTS ), WISP_STALE_ID );
         assert_int_equal( wisp_cancel_request( h->world, stale[i], WISP_STRAND_POINTS ), WISP_STALE_ID );
@@ -134,7 +134,7 @@ static void an_instance_shares_its_sources_topology_and_starts_at_rest( void** s
     step( h->world );
     assert_int_not_equal( hash_of( h->world, source, WISP_STRAND_POINTS ), at_rest );
 
-    assert_int_equal( wisp_add_instance( h->world, source, &instance ), WISP_OK );
+    assert_int_equal( wisp_add_instance( h->world, source, NULL, &instance ), WISP_OK );
     assert_ptr_equal( wisp_world_strands( h->world, instance ), wisp_world_strands( h->world, source ) );
     size_t bytes = (size_t)wisp_world_strands( h->world, source )->row_count * 48 * sizeof( float );
     assert_memory_equal( wisp_world_column( h->world, instance, WISP_STRAND_POSITION, 0 ),
@@ -148,9 +148,9 @@ static void an_instance_survives_its_source( void** state )
     wisp_entity source = add_frozen( h->world, 20, 6 ), instance, second;
     step( h->world );
     uint64_t hash = hash_of( h->world, source, WISP_STRAND_POINTS );
-    assert_int_equal( wisp_add_instance( h->world, source, &instance ), WISP_OK );
+    assert_int_equal( wisp_add_instance( h->world, source, NULL, &instance ), WISP_OK );
     assert_int_equal( wisp_remove( h->world, source ), WISP_OK );
-    assert_int_equal( wisp_add_instance( h->world, instance, &second ), WISP_OK );
+    assert_int_equal( wisp_add_instance( h->world, instance, NULL, &second ), WISP_OK );
     assert_int_equal( wisp_remove( h->world, instance ), WISP_OK );
 
     wisp_frozen_hair_def def = clumping_def();
@@ -412,6 +412,7 @@ int main( void )
         WORLD_TEST( points_requested_again_are_there_again ),
         WORLD_TEST( strands_without_strands_step_and_show_nothing ),
         WORLD_TEST( an_instance_shares_its_sources_topology_and_starts_at_rest ),
+        WORLD_TEST( an_instance_starts_in_its_pose ),
         WORLD_TEST( an_instance_survives_its_source ),
         WORLD_TEST( removing_an_entity_leaves_the_others_as_they_are ),
         WORLD_TEST( a_snapshot_needs_room_and_brings_the_state_back ),

@@ -22,7 +22,7 @@ static void add_and_remove_everything( wisp_world* world )
     {
         entities[i] = add_frozen( world, 10 + 20 * i, 4 + i );
     }
-    assert_int_equal( wisp_add_instance( world, entities[2], entities + 5 ), WISP_OK );
+    assert_int_equal( wisp_add_instance( world, entities[2], NULL, entities + 5 ), WISP_OK );
     step( world );
     for ( int i = 0; i < WISP_COUNT( entities ); ++i )
     {
@@ -149,7 +149,7 @@ static wisp_status add_first( scene* s )
 
 static wisp_status add_second( scene* s )
 {
-    return wisp_add_instance( s->h.world, s->first, &s->second );
+    return wisp_add_instance( s->h.world, s->first, NULL, &s->second );
 }
 
 static wisp_status freeze_first( scene* s )

@@ -241,8 +241,8 @@ static void instances_have_layers_of_their_own( void** state )
     (void)state;
     ball_world* b = ball_open( 2, 2, NULL );
     wisp_entity twin, bare;
-    assert_int_equal( wisp_add_instance( b->world, b->ball, &twin ), WISP_OK );
-    assert_int_equal( wisp_add_instance( b->world, b->ball, &bare ), WISP_OK );
+    assert_int_equal( wisp_add_instance( b->world, b->ball, NULL, &twin ), WISP_OK );
+    assert_int_equal( wisp_add_instance( b->world, b->ball, NULL, &bare ), WISP_OK );
     const wisp_boundary_def coarse = ball_layer( 0.1f ), fine = ball_layer( 0.05f );
     set_layer( b, twin, &fine );
     set_layer( b, b->ball, &coarse );
@@ -255,7 +255,7 @@ static void instances_have_layers_of_their_own( void** state )
     // rows close up over removed ones, and the rest stays correct
     ball_world* alone = ball_open( 2, 1, NULL );
     wisp_entity only;
-    assert_int_equal( wisp_add_instance( alone->world, alone->ball, &only ), WISP_OK );
+    assert_int_equal( wisp_add_instance( alone->world, alone->ball, NULL, &only ), WISP_OK );
     set_layer( alone, only, &fine );
     ball_steps( alone, 2 );
     assert_int_equal( wisp_remove( b->world, b->ball ), WISP_OK );

@@ -493,7 +493,7 @@ static void calls_that_do_not_fit_are_refused_with_a_message( void** state )
     collision.friction_scale = NAN;
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
     wisp_entity copy;
-    assert_int_equal( wisp_add_instance( h->world, body, &copy ), WISP_CONFLICT );
+    assert_int_equal( wisp_add_instance( h->world, body, NULL, &copy ), WISP_CONFLICT );
     assert_int_equal( wisp_request_collision_stats( h->world, e, false ), WISP_OK );
     wisp_collision_stats stats;
     assert_int_equal( wisp_read_collision_stats( h->world, e, &stats ), WISP_CONFLICT );

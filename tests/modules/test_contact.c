@@ -444,7 +444,7 @@ static void instances_meet_like_all_others( void** state )
     hosted h;
     wisp_entity sheets[3];
     open_resting( &h, sheets );
-    assert_status( h.world, wisp_add_instance( h.world, sheets[1], sheets + 2 ), WISP_OK );
+    assert_status( h.world, wisp_add_instance( h.world, sheets[1], NULL, sheets + 2 ), WISP_OK );
     const wisp_contact_def def = contact_of( THICK );
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     assert_status( h.world, wisp_set_cloth( h.world, sheets[2], &cloth ), WISP_OK );

@@ -100,7 +100,7 @@ static void an_instance_shares_the_rest_shape_and_lives_its_own_life( void** sta
     wisp_entity source = hair_add_frozen( world, &groom, &def ), instance;
     hair_step( world );
     size_t before = wisp_world_memory( world );
-    assert_int_equal( wisp_add_instance( world, source, &instance ), WISP_OK );
+    assert_int_equal( wisp_add_instance( world, source, NULL, &instance ), WISP_OK );
     assert_int_equal( wisp_request( world, instance, WISP_STRAND_POINTS ), WISP_OK );
     print_message( "           an instance of %d vertices takes %zu bytes\n", groom.vertex_count,
                    wisp_world_memory( world ) - before );

@@ -426,7 +426,7 @@ static void an_instance_is_a_cloth_of_its_own( void** state )
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     wisp_entity source = add_sheet( h->world, &def, 9, true ), twin;
     const int32_t pins[2] = { 0, 8 };
-    assert_status( h->world, wisp_add_instance( h->world, source, &twin ), WISP_OK );
+    assert_status( h->world, wisp_add_instance( h->world, source, NULL, &twin ), WISP_OK );
     assert_status( h->world, wisp_pin( h->world, twin, pins, 2 ), WISP_OK );
     assert_status( h->world, wisp_set_gravity( h->world, twin, EARTH ), WISP_OK );
     set_implicit( h->world, twin, &def );

@@ -159,8 +159,13 @@ WISP_API wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def
 // ---- entities of any kind ----
 
 /// Add an entity that shares the topology of another one and starts at its rest shape.
+/// @param pose takes the rest shape of the source to where the instance starts; null: it starts where the source is at rest. Roots
+///             of strands are held there
 /// @param out receives the entity, null on failure
-WISP_API wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, wisp_entity* out );
+/// @return WISP_BAD_INPUT a vertex would be beyond 1e6 m, or the rotation is zero or not finite; WISP_CONFLICT it is neither a
+///         surface nor strands; WISP_STALE_ID; WISP_NO_MEMORY
+WISP_API wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, const wisp_transform* pose,
+                                        wisp_entity* out );
 /// Remove an entity and its components.
 WISP_API wisp_status wisp_remove( wisp_world* world, wisp_entity entity );
 /// Move an entity at once, as a rigid body: it meets nothing on the way, and no velocity comes of it. For surfaces with their
