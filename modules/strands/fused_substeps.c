@@ -200,7 +200,7 @@ static void run_pair( wisp_frame* frame, wisp_span pair, int substep_end, const 
                       strands_state* state )
 {
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
-    const int groups = pair.end - pair.begin, last = wisp_frame_substeps( frame, span->entity ) - 1;
+    const int groups = pair.end - pair.begin, last = wisp_frame_substeps( frame, pair.entity ) - 1;
     const bool has_forces = has->has_damping || has->has_air;
     bool is_end_pending = false;
     for ( ; pair.substep < substep_end; ++pair.substep )

@@ -142,6 +142,40 @@ static void an_instance_shares_its_sources_topology_and_starts_at_rest( void** s
     assert_false( wisp_world_has( h->world, instance, WISP_STRAND_STIFFNESS ) );
 }
 
+static void an_instance_starts_in_its_pose( void** state )
+{
+    hosted* h = *state;
+    const wisp_entity source = add_frozen( h->world, 20, 6 );
+    const wisp_transform pose = { { 0.0f, 0.0f, 2.0f, 0.0f }, { 3.0f, 0.0f, -2.0f } }; // half a turn about z
+    wisp_entity instance, none;
+    assert_int_equal( wisp_add_instance( h->world, source, &pose, &instance ), WISP_OK );
+    const int rows = wisp_world_strands( h->world, instance )->row_count;
+    const float *rest = wisp_world_column( h->world, source, WISP_STRAND_REST, 0 ),
+                *placed = wisp_world_column( h->world, instance, WISP_STRAND_REST, 0 );
+    for ( int row = 0; row < rows; ++row )
+    {
+        for ( int lane = 0; lane < WISP_LANES; ++lane )
+        {
+            const float *from = rest + row * 48 + lane, *to = placed + row * 48 + lane;
+            assert_near( (double)to[0], 3.0 - (double)from[0], 1e-6 );
+            assert_near( (double)to[16], -(double)from[16], 1e-6 );
+            assert_near( (double)to[32], (double)from[32] - 2.0, 1e-6 );
+        }
+    }
+    assert_memory_equal( wisp_world_column( h->world, instance, WISP_STRAND_POSITION, 0 ), placed,
+                         (size_t)rows * 48 * sizeof( float ) );
+
+    const wisp_transform impossible[] = { { { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } },
+                                          { { 0.0f, 0.0f, 0.0f, 1.0f }, { 2e6f, 0.0f, 0.0f } } };
+    for ( int i = 0; i < WISP_COUNT( impossible ); ++i )
+    {
+        assert_int_equal( wisp_add_instance( h->world, source, impossible + i, &none ), WISP_BAD_INPUT );
+        assert_non_null( strstr( wisp_world_message( h->world ), "pose: " ) );
+        assert_false( wisp_is_alive( h->world, none ) );
+    }
+    step( h->world );
+}
+
 static void an_instance_survives_its_source( void** state )
 {
     hosted* h = *state;

@@ -22,7 +22,7 @@ static inline void follow( wisp_frame* frame, const wisp_span* span, void* user 
     {
         for ( int k = 0; k < 3 && position[4 * slot + 3] > 0.0f; ++k )
         {
-            position[4 * slot + k] += wisp_frame_dt( frame ) * velocity[4 * slot + k];
+            position[4 * slot + k] += wisp_frame_dt( frame, span->entity ) * velocity[4 * slot + k];
         }
     }
 }

@@ -34,7 +34,7 @@ static inline void guide_mover_run( wisp_frame* frame, const wisp_span* span, vo
     {
         for ( int lane = 0; lane < WISP_LANES; ++lane )
         {
-            position[(size_t)row * 48 + (size_t)lane] += wisp_frame_dt( frame ) * *speed;
+            position[(size_t)row * 48 + (size_t)lane] += wisp_frame_dt( frame, span->entity ) * *speed;
         }
     }
 }

@@ -50,7 +50,7 @@ static wisp_entity add( wisp_world* world, const member* m )
     return e;
 }
 
-static uint64_t hash_of( wisp_world* world, wisp_entity e )
+static uint64_t points_hash( wisp_world* world, wisp_entity e )
 {
     uint64_t hash = 0;
     assert_status( world,
@@ -75,7 +75,7 @@ static uint64_t run_alone( const member* m )
     open_all( &h, m->made, 1 );
     const wisp_entity e = add( h.world, m );
     take_steps( h.world, STEPS );
-    const uint64_t hash = hash_of( h.world, e );
+    const uint64_t hash = points_hash( h.world, e );
     wisp_world_destroy( h.world );
     assert_host_memory_is_released( &h.host );
     return hash;
@@ -95,7 +95,7 @@ static void check_together( int first, int count, int workers )
     take_steps( h.world, STEPS );
     for ( int i = 0; i < count; ++i )
     {
-        if ( hash_of( h.world, entities[i] ) != run_alone( MEMBERS + first + i ) )
+        if ( points_hash( h.world, entities[i] ) != run_alone( MEMBERS + first + i ) )
         {
             fail_msg( "%s: not as alone, among %d with %d workers", MEMBERS[first + i].name, count, workers );
         }
