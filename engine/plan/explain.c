@@ -106,7 +106,8 @@ static void count_work( const writer* w, const plan_node* node, int i, wisp_plan
             p->runs = runs > p->runs ? runs : p->runs;
             p->fewest_runs = p->entities == 1 || runs < p->fewest_runs ? runs : p->fewest_runs;
             p->items += items;
-            p->blocks += ( items + node->grain - 1 ) / node->grain;
+            const bool loops = k >= node->wave_target_count;
+            p->blocks += loops ? 1 : ( items + node->grain - 1 ) / node->grain;
             const uint64_t bytes =
                 row_bytes( s, e, pass->reads ) + row_bytes( s, e, pass->writes ) + across_bytes( s, pass );
             p->bytes += bytes;
