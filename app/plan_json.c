@@ -39,10 +39,10 @@ static json_t* place( const wisp_plan_pass* p )
 {
     return p->state != WISP_PLAN_ACTIVE
                ? json_null()
-               : json_pack( "{s:s, s:i, s:i, s:b, s:o, s:i, s:i, s:i, s:i, s:i, s:I}", "loop", p->loop, "wave", p->wave,
-                            "node", p->node, "fused", p->is_fused, "fusion", text( p->fusion ), "entities",
-                            p->entities, "items", p->items, "blocks", p->blocks, "runs", p->runs,
-                            "fewest_runs", p->fewest_runs, "bytes", (json_int_t)p->bytes );
+               : json_pack( "{s:s, s:i, s:i, s:b, s:o, s:i, s:i, s:i, s:i, s:i, s:I}", "loop", p->loop, "wave",
+                            p->wave, "node", p->node, "fused", p->is_fused, "fusion", text( p->fusion ), "entities",
+                            p->entities, "items", p->items, "blocks", p->blocks, "runs", p->runs, "fewest_runs",
+                            p->fewest_runs, "bytes", (json_int_t)p->bytes );
 }
 
 static json_t* pass_object( const plan_sheet* sheet, int i )

@@ -271,16 +271,16 @@ struct wisp_frame
     const wisp_kernels* kernels;
     uint64_t step;
     int substeps, iterations; // of the world
-    int substep, iteration; // current ones
-    int split;              // of the entities whose substeps run
-    float seconds;          // of a substep of the world
-    float progress;         // fraction of the motion to kinematic targets per substep; 0: 1 / substeps
-    float reached;          // fraction of that motion completed by the last step
-    const plan_block* wave; // of the current wave
-    bool wide;              // one entity at a time, on all workers
-    bool sampled;           // times of passes come from samples
-    int only_pass;          // of a wave without samples
-    int clocked_blocks;     // one of this many blocks with a substep loop is timed
+    int substep, iteration;   // current ones
+    int split;                // of the entities whose substeps run
+    float seconds;            // of a substep of the world
+    float progress;           // fraction of the motion to kinematic targets per substep; 0: 1 / substeps
+    float reached;            // fraction of that motion completed by the last step
+    const plan_block* wave;   // of the current wave
+    bool wide;                // one entity at a time, on all workers
+    bool sampled;             // times of passes come from samples
+    int only_pass;            // of a wave without samples
+    int clocked_blocks;       // one of this many blocks with a substep loop is timed
     _Atomic uint64_t counters[WISP_COUNTER_COUNT];
     double pass_seconds[PLAN_MAX_PASSES]; // of this step
     int pass_items[PLAN_MAX_PASSES];

@@ -67,7 +67,8 @@ void balloon_float( wisp_frame* frame, const wisp_span* span, void* user )
     float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     const wisp_span s = wisp_frame_particles( frame, span );
     double lifted = extent->volume * ( gas->air_density - gas->gas_density ); // kg
-    float fraction = body->mass > 0.0 ? (float)( -lifted / body->mass * (double)wisp_frame_dt( frame, span->entity ) ) : 0.0f;
+    float fraction =
+        body->mass > 0.0 ? (float)( -lifted / body->mass * (double)wisp_frame_dt( frame, span->entity ) ) : 0.0f;
     for ( int slot = s.begin; slot < s.end; ++slot )
     {
         float* v = velocity + (size_t)slot * 4;

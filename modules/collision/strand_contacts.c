@@ -222,7 +222,8 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
         .normal_correction = wisp_frame_column( frame, span->entity, state->strand_contact, 0 ),
         .allowed_depth = wisp_frame_column( frame, span->entity, state->strand_contact, 1 ),
         .remaining_depth = wisp_frame_column( frame, span->entity, state->strand_contact, 2 ),
-        .max_push_out = span->iteration == 0 ? settings->max_push_out_speed * wisp_frame_dt( frame, span->entity ) : 0.0f,
+        .max_push_out =
+            span->iteration == 0 ? settings->max_push_out_speed * wisp_frame_dt( frame, span->entity ) : 0.0f,
     };
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
     for ( loop.group = span->begin; loop.group < span->end; ++loop.group )

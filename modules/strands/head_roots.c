@@ -159,7 +159,8 @@ void strands_root( wisp_frame* frame, const wisp_span* span, void* user )
     float* rotation = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 1 );
     float* low = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 2 );
     const wisp_transform pose = strands_head_pose( frame, span->entity, head, span->substep + 1 );
-    const float left = head->jumped != 0 ? 0.0f : 1.0f - wisp_frame_progress( frame, span->entity, span->substep + 1 );
+    const float left =
+        head->jumped != 0 ? 0.0f : 1.0f - wisp_frame_progress( frame, span->entity, span->substep + 1 );
     pose_row rows[3];
     make_pose_rows( head, pose, left, rows );
     for ( int g = span->begin; g < span->end; ++g )

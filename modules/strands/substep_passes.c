@@ -414,8 +414,8 @@ static bool project_links( wisp_frame* frame, const wisp_span* span, const stran
 static void count_stretched( wisp_frame* frame, const wisp_span* span, const strands_link* link,
                              const wisp_strand_link_args* args )
 {
-    const bool is_last =
-        span->substep + 1 == wisp_frame_substeps( frame, span->entity ) && span->iteration + 1 == wisp_frame_iterations( frame );
+    const bool is_last = span->substep + 1 == wisp_frame_substeps( frame, span->entity ) &&
+                         span->iteration + 1 == wisp_frame_iterations( frame );
     const bool is_inextensible = link->xpbd != 0 ? link->compliance <= 0.0f : link->stiffness >= 1.0f;
     if ( is_last && is_inextensible )
     {

@@ -12,9 +12,12 @@ typedef struct member
 } member;
 
 static const member MEMBERS[] = {
-    { "cloth of links", cloth_of_links, 0, 2 },  { "dihedral cloth", dihedral_cloth, 4, 4 },
-    { "isometric cloth", isometric_cloth, 6, 6 }, { "implicit cloth", implicit_cloth, 1, 2 },
-    { "balloon", balloon, 7, 8 },                 { "hair of links", hair_of_links, 10, 10 },
+    { "cloth of links", cloth_of_links, 0, 2 },
+    { "dihedral cloth", dihedral_cloth, 4, 4 },
+    { "isometric cloth", isometric_cloth, 6, 6 },
+    { "implicit cloth", implicit_cloth, 1, 2 },
+    { "balloon", balloon, 7, 8 },
+    { "hair of links", hair_of_links, 10, 10 },
     { "hair of rods", hair_of_rods, 10, 10 },
 };
 
@@ -44,8 +47,7 @@ static bool is_surface( wisp_world* world, wisp_entity e )
 static wisp_entity add( wisp_world* world, const member* m )
 {
     const wisp_entity e = m->add( world );
-    assert_status( world,
-                   wisp_request( world, e, is_surface( world, e ) ? WISP_SURFACE_POINTS : WISP_STRAND_POINTS ),
+    assert_status( world, wisp_request( world, e, is_surface( world, e ) ? WISP_SURFACE_POINTS : WISP_STRAND_POINTS ),
                    WISP_OK );
     return e;
 }
@@ -53,10 +55,10 @@ static wisp_entity add( wisp_world* world, const member* m )
 static uint64_t points_hash( wisp_world* world, wisp_entity e )
 {
     uint64_t hash = 0;
-    assert_status( world,
-                   wisp_world_hash_column( world, e,
-                                           is_surface( world, e ) ? WISP_SURFACE_POINTS : WISP_STRAND_POINTS, &hash ),
-                   WISP_OK );
+    assert_status(
+        world,
+        wisp_world_hash_column( world, e, is_surface( world, e ) ? WISP_SURFACE_POINTS : WISP_STRAND_POINTS, &hash ),
+        WISP_OK );
     return hash;
 }
 
