@@ -309,7 +309,7 @@ static const scene_field SURFACE_FIELDS[] = {
       .help = "Rate at which all velocities die." },
     { "substeps", SCENE_WHOLE, .at = AT( substeps ), .range = RANGE( 0, 10000 ),
       .help = "Substeps of this surface, rounded up to a multiple of those of the scene, which has the fewest. "
-              "Where there is contact, all surfaces have those of the one with the most.",
+              "Those with `contact` all have those of the one with the most.",
       .initial = "those of the scene" },
     { "strain_limit", SCENE_CUSTOM, .at = AT( strain_limit ), .read = scene_read_strain_limit,
       .help = "Shortest and longest length of an edge, in rest lengths.",

@@ -7,8 +7,9 @@
 // ---- compilation ----
 
 // A large entity runs on all workers. `should_run` and `on_change` are evaluated on the calling thread.
-static bool can_loop( const plan* p, const wisp_registry* r, int slot, store_mask across )
+static bool can_loop( const plan* p, const wisp_registry* r, int slot )
 {
+    const store_mask across = plan_columns_across( p, r, slot );
     bool has_passes = false, possible = plan_row_count( r->store->entities + slot ) < PLAN_WIDE_ENTITY_ROWS;
     for ( int n = 0; n < p->loop_node_count && possible; ++n )
     {
@@ -52,12 +53,11 @@ _Static_assert( PLAN_MAX_PASSES <= UINT8_MAX + 1, "loop_nodes hold numbers of no
 void plan_find_entity_loops( plan* p, const wisp_registry* r )
 {
     list_nodes( p );
-    const store_mask across = plan_columns_across( p, r );
     const bool strands = plan_has_strand_waves( p );
     p->loop_count = 0;
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
-        p->entities[slot].loops = strands == false && can_loop( p, r, slot, across );
+        p->entities[slot].loops = strands == false && can_loop( p, r, slot );
         p->loop_count += p->entities[slot].loops ? 1 : 0;
     }
     if ( p->loop_count < 2 || p->loop_count < r->workers ) // few have all workers, one after another

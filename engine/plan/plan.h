@@ -219,8 +219,8 @@ void plan_print( const wisp_plan_info* report, void ( *write )( void* user, cons
 
 // substeps.c
 
-/// Return what passes of other entities touch in the substep loop.
-store_mask plan_columns_across( const plan* p, const wisp_registry* r );
+/// Return what passes of other entities touch of an entity in the substep loop.
+store_mask plan_columns_across( const plan* p, const wisp_registry* r, int slot );
 /// Find into how many substeps each entity splits one of the world, after nodes and before loops.
 void plan_find_splits( plan* p, const wisp_registry* r );
 /// Do strands run substeps in waves? They follow surfaces from substep to substep then, which no list of theirs says.

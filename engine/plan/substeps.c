@@ -2,15 +2,18 @@
 // as it needs. Entities that meet in substeps have the substeps of the one with the most.
 #include "plan.h"
 
-store_mask plan_columns_across( const plan* p, const wisp_registry* r )
+store_mask plan_columns_across( const plan* p, const wisp_registry* r, int slot )
 {
+    const store_mask components = r->store->entities[slot].components;
     store_mask across = { { 0 } };
     for ( int n = 0; n < p->node_count; ++n )
     {
         const plan_node* node = p->nodes + n;
         for ( int i = 0; i < node->pass_count && plan_is_substep( node->section ); ++i )
         {
-            across = store_mask_or( across, plan_mask( r->passes[node->passes[i]].foreign ) );
+            const wisp_pass* pass = r->passes + node->passes[i];
+            const bool reaches = pass->among == 0 || store_mask_has( &components, pass->among );
+            across = reaches ? store_mask_or( across, plan_mask( pass->foreign ) ) : across;
         }
     }
     return across;
@@ -29,9 +32,10 @@ bool plan_has_strand_waves( const plan* p )
 }
 
 // Find whether an entity runs substeps in waves, and whether others touch what it has there, or it touches theirs.
-static void find_meetings( plan* p, const wisp_registry* r, int slot, store_mask across, bool all_meet )
+static void find_meetings( plan* p, const wisp_registry* r, int slot, bool all_meet )
 {
     plan_entity* e = p->entities + slot;
+    const store_mask across = plan_columns_across( p, r, slot );
     e->runs_waves = e->meets = false;
     for ( int n = 0; n < p->node_count; ++n )
     {
@@ -57,13 +61,12 @@ static int split_for( int substeps, int of_world )
 
 void plan_find_splits( plan* p, const wisp_registry* r )
 {
-    const store_mask across = plan_columns_across( p, r );
     const bool all_meet = plan_has_strand_waves( p );
     int most = 1; // of those that meet
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
         plan_entity* e = p->entities + slot;
-        find_meetings( p, r, slot, across, all_meet );
+        find_meetings( p, r, slot, all_meet );
         e->split = split_for( r->store->entities[slot].substeps, r->substeps > 1 ? r->substeps : 1 );
         most = e->meets && e->split > most ? e->split : most;
     }

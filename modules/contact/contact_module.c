@@ -147,6 +147,7 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .reads = { s->active },
             .writes = { s->pairs },
             .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_HALF_SPACES, beside, before },
+            .among = s->components.settings,
             .run = contact_find,
         },
         {
@@ -158,6 +159,7 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .reads = { s->active, s->pairs },
             .writes = { s->result },
             .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_HALF_SPACES, beside, before },
+            .among = s->components.settings,
             .run = contact_project,
         },
         {
@@ -179,6 +181,7 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .reads = { s->active },
             .writes = { s->stats },
             .foreign = { WISP_PARTICLE_POSITION, beside },
+            .among = s->components.settings,
             .run = contact_measure,
         },
     };

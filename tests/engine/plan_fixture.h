@@ -20,6 +20,7 @@ typedef struct fake_pass
     wisp_stage stage;
     wisp_domain domain;
     const char *required, *excluded, *reads, *writes, *foreign; // letters; null for none
+    char among;                                                 // a letter, or 0
     char on_change;                                             // a letter, or 0
     bool asks;                                                  // should_run returns fake.due
     int grain;
@@ -109,6 +110,7 @@ static inline wisp_status fake_declare( wisp_registry* r )
             .stage = f->stage,
             .domain = f->domain,
             .run = fake_trace,
+            .among = f->among != 0 ? letter( f->among ) : (wisp_component)0,
             .on_change = f->on_change != 0 ? letter( f->on_change ) : (wisp_component)0,
             .should_run = f->asks ? fake_is_due : NULL,
             .user = (void*)(uintptr_t)f,

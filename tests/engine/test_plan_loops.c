@@ -150,6 +150,27 @@ static void a_pass_over_several_entities_keeps_those_it_touches_together( void**
     wisp_world_destroy( world );
 }
 
+// Entities without the component are left alone: they keep their loops and their substeps.
+static void a_pass_keeps_together_only_those_among_which_it_works( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "A" },
+        { "meet", WISP_STAGE_CONTACT, ENTITY, .required = "M", .reads = "M", .writes = "D", .foreign = "A",
+          .among = 'P' },
+        { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
+    };
+    wisp_world* world = OPEN_STEPS( passes, 1 );
+    const wisp_entity guest = add_with( world, "AP" );
+    request( world, guest, "C" );
+    add_pair( world );
+    request( world, add_with( world, "M" ), "D" );
+    assert_int_equal( wisp_set_substeps( world, guest, 4 ), WISP_OK );
+    assert_string_equal( trace_of_step( world ), "a1 meet4 c1 a1 meet4 c1 a1 meet4 c1 a1 meet4 c1 "
+                                                 "a2 c2 a2 c2 a3 c3 a3 c3" );
+    wisp_world_destroy( world );
+}
+
 static void a_pass_that_is_asked_in_every_substep_keeps_its_entities_together( void** state )
 {
     (void)state;
@@ -203,6 +224,7 @@ int main( void )
         cmocka_unit_test( waves_of_entities_with_other_substeps_run_one_after_another ),
         cmocka_unit_test( strands_in_the_substep_loop_keep_all_in_waves ),
         cmocka_unit_test( a_pass_over_several_entities_keeps_those_it_touches_together ),
+        cmocka_unit_test( a_pass_keeps_together_only_those_among_which_it_works ),
         cmocka_unit_test( a_pass_that_is_asked_in_every_substep_keeps_its_entities_together ),
         cmocka_unit_test( what_watches_a_loop_runs_behind_it ),
         cmocka_unit_test( a_profile_counts_all_items ),

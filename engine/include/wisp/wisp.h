@@ -187,8 +187,8 @@ WISP_API bool wisp_is_halted( const wisp_world* world, wisp_entity entity );
 WISP_API wisp_status wisp_resume( wisp_world* world, wisp_entity entity );
 
 /// Set the substeps of an entity in a step of usual length, so that hair with ten and cloth with one can share a world. They are
-/// rounded up to a multiple of those of the world, which has the fewest. Where there is contact, all surfaces have those of the one
-/// with the most, and so have strands that touch. wisp_world_explain() tells how many each pass runs.
+/// rounded up to a multiple of those of the world, which has the fewest. Entities with contact all have those of the one with the
+/// most. wisp_world_explain() tells how often each pass runs.
 /// @param substeps 0 .. 10000; 0 and the default: those of the world
 WISP_API wisp_status wisp_set_substeps( wisp_world* world, wisp_entity entity, int substeps );
 

@@ -110,6 +110,7 @@ typedef struct wisp_pass
     /// Zero-terminated: components of other entities that the pass reads and writes. They put it in its place among the
     /// passes of those entities, and neither make passes exist nor supply anything.
     wisp_component foreign[WISP_MAX_USES];
+    wisp_component among; ///< entities whose components are foreign have this one; 0: they may be any
     wisp_pass_fn* run;
     /// 0, or: run only if this component's rows were written since the pass last ran on the entity.
     wisp_component on_change;
