@@ -28,6 +28,10 @@ void KERNEL( instances_load )( const wisp_instances_args* args )
         {
             lane16_store( args->position + (size_t)slot * ROW + k * LANES, lane16_join( low[k], high[k] ) );
         }
+        if ( args->velocity == NULL )
+        {
+            continue;
+        }
         const float* velocity = args->velocity_column + 4 * (size_t)slot;
         lane8_load_xyz( velocity, args->offset, low, low + 1, low + 2 );
         lane8_load_xyz( velocity, args->offset + 8, high, high + 1, high + 2 );
@@ -56,24 +60,32 @@ LANE_INLINE void store_eight( float* column, const int32_t* offset, uint32_t sel
     }
 }
 
+// Writes what only moving surfaces have.
+LANE_INLINE void store_motion( const wisp_instances_args* args, int slot, int l, uint32_t selected, lane8 weight )
+{
+    const size_t column = 4 * (size_t)slot;
+    const float *v = args->velocity + (size_t)slot * VECTOR + l, *old = args->previous + (size_t)slot * VECTOR + l;
+    store_eight( args->velocity_column + column, args->offset + l, selected, lane8_load( v ), lane8_load( v + LANES ),
+                 lane8_load( v + 2 * LANES ), lane8_zero() );
+    store_eight( args->previous_column + column, args->offset + l, selected, lane8_load( old ),
+                 lane8_load( old + LANES ), lane8_load( old + 2 * LANES ), weight );
+}
+
 void KERNEL( instances_store )( const wisp_instances_args* args, uint32_t lanes )
 {
-    const lane8 zero = lane8_zero();
     for ( int slot = 0; slot < args->slot_count; ++slot )
     {
-        const size_t column = 4 * (size_t)slot;
         for ( int l = 0; l < LANES; l += 8 )
         {
-            const float *p = args->position + (size_t)slot * ROW + l, *v = args->velocity + (size_t)slot * VECTOR + l,
-                        *old = args->previous + (size_t)slot * VECTOR + l;
+            const float* p = args->position + (size_t)slot * ROW + l;
             const uint32_t selected = lanes >> l & 0xffu;
             const lane8 weight = lane8_load( p + 3 * LANES );
-            store_eight( args->position_column + column, args->offset + l, selected, lane8_load( p ),
+            store_eight( args->position_column + 4 * (size_t)slot, args->offset + l, selected, lane8_load( p ),
                          lane8_load( p + LANES ), lane8_load( p + 2 * LANES ), weight );
-            store_eight( args->velocity_column + column, args->offset + l, selected, lane8_load( v ),
-                         lane8_load( v + LANES ), lane8_load( v + 2 * LANES ), zero );
-            store_eight( args->previous_column + column, args->offset + l, selected, lane8_load( old ),
-                         lane8_load( old + LANES ), lane8_load( old + 2 * LANES ), weight );
+            if ( args->velocity != NULL )
+            {
+                store_motion( args, slot, l, selected, weight );
+            }
         }
     }
 }
@@ -93,6 +105,19 @@ LANE_INLINE lane16 reached( const wisp_instances_args* args, lane16m free, lane1
 LANE_INLINE lane16m is_finite( lane16 a )
 {
     return lane16_lt( lane16_abs( a ), lane16_set1( INFINITY ) );
+}
+
+uint32_t KERNEL( instances_find_lost )( const wisp_instances_args* args )
+{
+    uint32_t finite = ALL_LANES;
+    for ( int slot = 0; slot < args->slot_count; ++slot )
+    {
+        for ( int k = 0; k < VECTOR; k += LANES )
+        {
+            finite &= lane16m_bits( is_finite( lane16_load( args->position + (size_t)slot * ROW + k ) ) );
+        }
+    }
+    return ~finite & ALL_LANES;
 }
 
 // Ends a substep and begins the next one, in one sweep.

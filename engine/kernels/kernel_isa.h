@@ -32,6 +32,7 @@ void KERNEL( link_xpbd )( const wisp_link_args* args, int begin, int end );
 void KERNEL( instances_load )( const wisp_instances_args* args );
 void KERNEL( instances_store )( const wisp_instances_args* args, uint32_t lanes );
 uint32_t KERNEL( instances_advance )( const wisp_instances_args* args, bool ends, bool begins );
+uint32_t KERNEL( instances_find_lost )( const wisp_instances_args* args );
 uint32_t KERNEL( instances_link )( const wisp_instances_args* args, bool folds );
 void KERNEL( link_limit )( const wisp_link_args* args, int begin, int end );
 void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end );

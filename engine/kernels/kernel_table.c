@@ -21,6 +21,7 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .instances_load = KERNEL( instances_load ),
     .instances_store = KERNEL( instances_store ),
     .instances_advance = KERNEL( instances_advance ),
+    .instances_find_lost = KERNEL( instances_find_lost ),
     .instances_link = KERNEL( instances_link ),
     .link_limit = KERNEL( link_limit ),
     .hinge_dihedral = KERNEL( hinge_dihedral ),

@@ -1,6 +1,7 @@
-// Instances of one fabric side by side: all substeps of up to sixteen surfaces in one go, one per lane. A fraction of
-// the time of single small surfaces (bench case "scenes", crowds), with the same bits. Surfaces may differ in all but
-// their stiffness.
+// Instances of one fabric side by side: up to sixteen surfaces, one per lane. A fraction of the time of single small
+// surfaces (bench case "scenes", crowds), with the same bits. Surfaces may differ in all but their stiffness. Those that have
+// links alone make all substeps in one go. Where there is air, collision or bending too, the links run side by side in each
+// substep, and the rest surface by surface.
 #include "passes_common.h"
 
 #include "wisp/module/components.h"
@@ -164,11 +165,18 @@ static void set_links( instances* all, wisp_frame* frame, wisp_entity first, con
 }
 
 // A lane without a surface repeats the first one.
+static wisp_entity place_lane( instances* all, wisp_frame* frame, const wisp_entity* entities, int lane )
+{
+    const wisp_entity entity = entities[lane < all->count ? lane : 0];
+    all->args.offset[lane] = (int32_t)( position_of( frame, entity ) - all->args.position_column );
+    all->wait[lane] = all->looks_for_folds ? *(int32_t*)wisp_frame_column( frame, entity, WISP_LINK_FOLDS, 2 ) : 0;
+    return entity;
+}
+
 static void set_lane( instances* all, wisp_frame* frame, const wisp_entity* entities, int lane )
 {
     wisp_instances_args* args = &all->args;
-    const wisp_entity entity = entities[lane < all->count ? lane : 0];
-    args->offset[lane] = (int32_t)( position_of( frame, entity ) - args->position_column );
+    const wisp_entity entity = place_lane( all, frame, entities, lane );
     const wisp_vec3* gravity = wisp_frame_column( frame, entity, WISP_PARTICLE_GRAVITY, 0 );
     if ( args->accelerates )
     {
@@ -178,7 +186,6 @@ static void set_lane( instances* all, wisp_frame* frame, const wisp_entity* enti
     }
     const float* rate = wisp_frame_column( frame, entity, WISP_PARTICLE_DAMPING, 0 );
     args->keep[lane] = args->damps ? 1.0f / ( 1.0f + *rate * args->dt ) : 1.0f;
-    all->wait[lane] = all->looks_for_folds ? *(int32_t*)wisp_frame_column( frame, entity, WISP_LINK_FOLDS, 2 ) : 0;
 }
 
 static void set_particles( instances* all, wisp_frame* frame, const wisp_entity* entities )
@@ -237,6 +244,20 @@ static void divide_seconds( const instances* all, double* seconds )
     seconds[LINKS] = all->solving;
 }
 
+// Hand over what the lanes have that are not left.
+static void store( const instances* all, wisp_frame* frame, const wisp_entity* entities )
+{
+    const uint32_t every = ( 1u << all->count ) - 1u;
+    all->kernels->instances_store( &all->args, every & ~all->left );
+    for ( int lane = 0; lane < all->count && all->looks_for_folds; ++lane )
+    {
+        if ( ( all->left >> lane & 1 ) == 0 )
+        {
+            *(int32_t*)wisp_frame_column( frame, entities[lane], WISP_LINK_FOLDS, 2 ) = all->wait[lane];
+        }
+    }
+}
+
 // A surface that folds is left as it was, to run alone. So is one that loses its numbers, because which NaN comes out
 // of arithmetic on NaNs is left open.
 static uint32_t run( wisp_frame* frame, const wisp_entity* entities, int count, int worker, double* seconds,
@@ -255,15 +276,38 @@ static uint32_t run( wisp_frame* frame, const wisp_entity* entities, int count, 
     set_particles( &all, frame, entities );
     all.kernels->instances_load( &all.args );
     run_substeps( &all, frame, entities[0] );
-    all.kernels->instances_store( &all.args, every & ~all.left );
-    for ( int lane = 0; lane < count && all.looks_for_folds; ++lane )
-    {
-        if ( ( all.left >> lane & 1 ) == 0 )
-        {
-            *(int32_t*)wisp_frame_column( frame, entities[lane], WISP_LINK_FOLDS, 2 ) = all.wait[lane];
-        }
-    }
+    store( &all, frame, entities );
     divide_seconds( &all, seconds );
+    return all.left & every;
+}
+
+// ---- links alone, in a substep ----
+
+// A surface that has folds, or gets some, is left to the pass for one surface, which projects them.
+static uint32_t run_links( wisp_frame* frame, const wisp_entity* entities, int count, const wisp_span* span,
+                           void* user )
+{
+    const uint32_t every = ( 1u << count ) - 1u;
+    instances all = { .kernels = wisp_frame_kernels( frame ), .count = count };
+    set_links( &all, frame, entities[0], user );
+    wisp_instances_args* args = &all.args;
+    const size_t bytes = (size_t)args->slot_count * 4 * LANES * sizeof( float );
+    args->position = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, bytes );
+    if ( args->position == NULL )
+    {
+        return every;
+    }
+    args->position_column = position_of( frame, entities[0] );
+    for ( int lane = 0; lane < LANES; ++lane )
+    {
+        place_lane( &all, frame, entities, lane );
+        all.left |= lane < count && has_folds( frame, entities[lane] ) ? 1u << lane : 0;
+    }
+    all.kernels->instances_load( args );
+    const uint32_t searched = lanes_to_search( &all );
+    all.left |= all.kernels->instances_link( args, searched != 0 ) & searched;
+    all.left |= all.kernels->instances_find_lost( args );
+    store( &all, frame, entities );
     return all.left & every;
 }
 
@@ -274,10 +318,12 @@ wisp_status passes_declare_instances( wisp_registry* registry )
         { .name = "instances.pbd",
           .required = { "particles.predict", "particles.velocity", "links.pbd" },
           .allowed = { "particles.gravity", "particles.targets", "particles.damping" },
+          .pass = "links.pbd",
           .user = (void*)(uintptr_t)pbd },
         { .name = "instances.xpbd",
           .required = { "particles.predict", "particles.velocity", "links.xpbd" },
-          .allowed = { "particles.gravity", "particles.targets", "particles.damping" } },
+          .allowed = { "particles.gravity", "particles.targets", "particles.damping" },
+          .pass = "links.xpbd" },
     };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( batches ) && status == WISP_OK; ++i )
@@ -286,6 +332,7 @@ wisp_status passes_declare_instances( wisp_registry* registry )
         batch.lanes = LANES;
         batch.can_join = can_join;
         batch.run = run;
+        batch.run_pass = run_links;
         status = wisp_declare_batch( registry, &batch );
     }
     return status;

@@ -70,8 +70,9 @@ void plan_find_entity_loops( plan* p, const wisp_registry* r )
     }
 }
 
-// Find the batch that can run all that an entity runs in its loop. @return -1: there is none
-static int find_batch( const plan* p, const wisp_registry* r, int slot )
+// Find the batch that can run all that an entity runs in its loop, or else one that can run a pass of it.
+// @return -1: there is none
+static int find_batch( const plan* p, const wisp_registry* r, int slot, bool* has_others )
 {
     store_mask live = { { 0 } };
     for ( int n = 0; n < p->loop_node_count; ++n )
@@ -86,11 +87,14 @@ static int find_batch( const plan* p, const wisp_registry* r, int slot )
         }
     }
     int found = -1;
+    *has_others = true;
     for ( int i = 0; i < r->batch_count && wisp_registry_iterations( r ) == 1; ++i )
     {
         const plan_batch* b = r->batches + i;
         const bool runs_all = store_mask_holds( store_mask_or( b->required, b->allowed ), live );
-        found = runs_all && store_mask_holds( live, b->required ) ? i : found;
+        const bool fits = store_mask_holds( live, b->required ) && ( runs_all || ( b->pass >= 0 && *has_others ) );
+        found = fits ? i : found;
+        *has_others = *has_others && ( fits && runs_all ) == false;
     }
     return found;
 }
@@ -123,10 +127,11 @@ static int lanes_for( int lanes, int entities, int workers )
 static void append_group( plan* p, const wisp_registry* r, int slot, int entities )
 {
     const store* s = r->store;
-    const int batch = s->entities[slot].fabric != NULL ? find_batch( p, r, slot ) : -1;
+    bool has_others = false;
+    const int batch = s->entities[slot].fabric != NULL ? find_batch( p, r, slot, &has_others ) : -1;
     const int lanes = batch >= 0 ? lanes_for( r->batches[batch].lanes, entities, r->workers ) : 1;
     plan_loop_group* group = p->loop_groups + p->loop_group_count++;
-    *group = ( plan_loop_group ){ .first = p->loop_count, .batch = batch };
+    *group = ( plan_loop_group ){ .first = p->loop_count, .batch = batch, .has_others = has_others };
     for ( int other = slot; other < s->entity_count && p->loop_count - group->first < lanes; ++other )
     {
         const plan_entity* e = p->entities + other;
@@ -155,27 +160,83 @@ void plan_fill_entity_loops( plan* p, const wisp_registry* r )
 
 // ---- execution ----
 
-// A substep of an entity.
+// An entity in its loop.
+typedef struct loop_member
+{
+    const uint32_t* passes; // [loop node]
+    wisp_entity entity;
+    int slot;
+} loop_member;
+
+// A substep of some entities, pass by pass. One pass may run for all of them side by side.
 typedef struct loop_substep
 {
     wisp_frame* frame;
-    const uint32_t* passes; // [loop node]
-    int slot;
+    loop_member members[WISP_MAX_BATCH];
+    int count;
+    const plan_batch* batch;            // null: all passes run entity by entity
+    wisp_entity joined[WISP_MAX_BATCH]; // those that run its pass side by side
+    int joined_members[WISP_MAX_BATCH];
+    int joined_count;
     wisp_span span;
     double scale; // above 0: timed
 } loop_substep;
 
+static void add_member( loop_substep* loop, int index )
+{
+    const plan* p = loop->frame->plan;
+    const int slot = p->loop_slots[index];
+    loop->members[loop->count++] = ( loop_member ){ .passes = p->loop_passes + index * p->loop_node_count,
+                                                    .entity = store_handle( loop->frame->registry->store, slot ),
+                                                    .slot = slot };
+}
+
 // Runs as many items at once as a block of a wave has.
-static void run_node( const loop_substep* loop, int n, wisp_span span )
+static void run_member( const loop_substep* loop, const loop_member* member, int n, wisp_span span )
 {
     const plan* p = loop->frame->plan;
     const plan_node* node = p->nodes + p->loop_nodes[n];
-    const store_entity* e = loop->frame->registry->store->entities + loop->slot;
-    const int items = loop->passes[n] != 0 && e->halted == 0 ? plan_item_count( e, node->domain ) : 0;
+    const store_entity* e = loop->frame->registry->store->entities + member->slot;
+    const int items = member->passes[n] != 0 && e->halted == 0 ? plan_item_count( e, node->domain ) : 0;
+    span.entity = member->entity;
     for ( span.begin = 0; span.begin < items; span.begin = span.end )
     {
         span.end = items - span.begin > node->grain ? span.begin + node->grain : items;
-        execute_item( loop->frame, node, loop->passes[n], ( pass_range ){ 0, node->pass_count }, &span, loop->scale );
+        execute_item( loop->frame, node, member->passes[n], ( pass_range ){ 0, node->pass_count }, &span,
+                      loop->scale );
+    }
+}
+
+// @return bits of members that have run the pass of the batch
+static uint32_t run_side_by_side( const loop_substep* loop, const wisp_span* span )
+{
+    const double begin = loop->scale > 0.0 ? wisp_clock_seconds() : 0.0;
+    const uint32_t left =
+        loop->batch->run_pass( loop->frame, loop->joined, loop->joined_count, span, loop->batch->user );
+    if ( loop->scale > 0.0 )
+    {
+        loop->frame->clocks[span->worker].seconds[loop->batch->pass] +=
+            ( wisp_clock_seconds() - begin ) * loop->scale;
+    }
+    uint32_t done = 0;
+    for ( int i = 0; i < loop->joined_count; ++i )
+    {
+        done |= ( left >> i & 1 ) == 0 ? 1u << loop->joined_members[i] : 0;
+    }
+    return done;
+}
+
+static void run_node( const loop_substep* loop, int n, const wisp_span* span )
+{
+    const plan_node* node = loop->frame->plan->nodes + loop->frame->plan->loop_nodes[n];
+    const bool is_batch = loop->joined_count > 0 && node->passes[0] == loop->batch->pass;
+    const uint32_t done = is_batch ? run_side_by_side( loop, span ) : 0;
+    for ( int i = 0; i < loop->count; ++i )
+    {
+        if ( ( done >> i & 1 ) == 0 )
+        {
+            run_member( loop, loop->members + i, n, *span );
+        }
     }
 }
 
@@ -188,7 +249,7 @@ static int run_section( const loop_substep* loop, int first, plan_section sectio
     int n = first;
     for ( ; n < p->loop_node_count && p->nodes[p->loop_nodes[n]].section == section; ++n )
     {
-        run_node( loop, n, span );
+        run_node( loop, n, &span );
     }
     return n;
 }
@@ -207,68 +268,62 @@ static void run_substep( void* context, int substep, int worker )
     run_section( loop, behind, PLAN_AFTER_ITERATION, loop->frame->iterations - 1 );
 }
 
-// @param loop index of the entity
-static void run_alone( wisp_frame* frame, int loop, int worker )
+// @param index of what is timed in turns
+static void run_substeps( loop_substep* loop, int index, int worker )
 {
-    const plan* p = frame->plan;
-    const int slot = p->loop_slots[loop], substep_count = frame->substeps * p->entities[slot].split;
-    const int timed = execute_timed_substep( frame, loop, substep_count );
-    loop_substep substeps = { .frame = frame,
-                              .passes = p->loop_passes + loop * p->loop_node_count,
-                              .slot = slot,
-                              .span = { .entity = store_handle( frame->registry->store, slot ) } };
-    for ( int substep = 0; substep < substep_count; ++substep )
+    wisp_frame* frame = loop->frame;
+    const int substeps = wisp_frame_substeps( frame, loop->members[0].entity );
+    const int timed = execute_timed_substep( frame, index, substeps );
+    for ( int substep = 0; substep < substeps; ++substep )
     {
-        substeps.scale = substep == timed ? substep_count * frame->clocked_blocks : 0.0;
-        jobs_run_within( frame->pool, substep, run_substep, &substeps, worker );
+        loop->scale = substep == timed ? substeps * frame->clocked_blocks : 0.0;
+        jobs_run_within( frame->pool, substep, run_substep, loop, worker );
     }
 }
 
-// Entities of a group that run side by side.
-typedef struct side_by_side
+// @param index of the entity
+static void run_alone( wisp_frame* frame, int index, int worker )
 {
-    wisp_entity entities[WISP_MAX_BATCH];
-    int loops[WISP_MAX_BATCH];
-    int count;
-} side_by_side;
+    loop_substep loop = { .frame = frame };
+    add_member( &loop, index );
+    run_substeps( &loop, index, worker );
+}
 
-static void choose_members( wisp_frame* frame, const plan_loop_group* group, const plan_batch* batch,
-                            side_by_side* out )
+// Find the members that run side by side.
+static void choose_joined( loop_substep* loop, const plan_batch* batch )
 {
-    const store* s = frame->registry->store;
-    out->count = 0;
-    for ( int loop = group->first; loop < group->first + group->count; ++loop )
+    const store* s = loop->frame->registry->store;
+    loop->batch = batch;
+    for ( int i = 0; i < loop->count; ++i )
     {
-        const int slot = frame->plan->loop_slots[loop];
-        const wisp_entity entity = store_handle( s, slot ), first = out->count > 0 ? out->entities[0] : entity;
-        if ( s->entities[slot].halted == 0 && batch->can_join( frame, first, entity, batch->user ) )
+        const wisp_entity entity = loop->members[i].entity, first = loop->joined_count > 0 ? loop->joined[0] : entity;
+        if ( s->entities[loop->members[i].slot].halted == 0 &&
+             batch->can_join( loop->frame, first, entity, batch->user ) )
         {
-            out->entities[out->count] = entity;
-            out->loops[out->count++] = loop;
+            loop->joined[loop->joined_count] = entity;
+            loop->joined_members[loop->joined_count++] = i;
         }
     }
-    out->count = out->count < fewest_lanes( batch->lanes ) ? 0 : out->count;
+    loop->joined_count = loop->joined_count < fewest_lanes( batch->lanes ) ? 0 : loop->joined_count;
 }
 
-// Run the entities of a group side by side that can. @return bits of those that have, in the order of the group
-static uint32_t run_batch( wisp_frame* frame, const plan_loop_group* group, int worker )
+// Run all substeps of the members that are joined. @return bits of members that have run
+static uint32_t run_batch( const loop_substep* loop, int worker )
 {
-    const plan_batch* batch = frame->registry->batches + group->batch;
-    side_by_side members;
-    choose_members( frame, group, batch, &members );
+    const plan_batch* batch = loop->batch;
     double seconds[2 * WISP_MAX_FUSED] = { 0 };
     uint32_t done = 0, left = 0;
-    if ( members.count > 0 )
+    if ( loop->joined_count > 0 )
     {
-        left = batch->run( frame, members.entities, members.count, worker, seconds, batch->user );
+        left = batch->run( loop->frame, loop->joined, loop->joined_count, worker, seconds, batch->user );
     }
-    for ( int i = 0; i < members.count; ++i )
+    for ( int i = 0; i < loop->joined_count; ++i )
     {
-        done |= ( left >> i & 1 ) == 0 ? 1u << ( members.loops[i] - group->first ) : 0;
+        done |= ( left >> i & 1 ) == 0 ? 1u << loop->joined_members[i] : 0;
     }
     for ( int i = 0; i < batch->pass_count; ++i )
     {
-        frame->clocks[worker].seconds[batch->passes[i]] += seconds[i];
+        loop->frame->clocks[worker].seconds[batch->passes[i]] += seconds[i];
     }
     return done;
 }
@@ -277,8 +332,21 @@ static void run_group( void* context, int index, int worker )
 {
     wisp_frame* frame = context;
     const plan_loop_group* group = frame->plan->loop_groups + index;
-    const bool is_batch = group->count > 1 && frame->registry->around_count == 0;
-    const uint32_t done = is_batch ? run_batch( frame, group, worker ) : 0;
+    loop_substep loop = { .frame = frame };
+    for ( int i = 0; i < group->count; ++i )
+    {
+        add_member( &loop, group->first + i );
+    }
+    if ( group->count > 1 && frame->registry->around_count == 0 )
+    {
+        choose_joined( &loop, frame->registry->batches + group->batch );
+    }
+    if ( loop.joined_count > 0 && group->has_others )
+    {
+        run_substeps( &loop, index, worker );
+        return;
+    }
+    const uint32_t done = loop.joined_count > 0 ? run_batch( &loop, worker ) : 0;
     for ( int i = 0; i < group->count; ++i )
     {
         if ( ( done >> i & 1 ) == 0 )

@@ -111,33 +111,46 @@ wisp_status wisp_declare_fusion( wisp_registry* registry, const wisp_fusion* joi
     return WISP_OK;
 }
 
+// Return the number of a declared pass.
+static int number_of( const wisp_registry* r, const char* name )
+{
+    int i = 0;
+    while ( strcmp( r->passes[i].name, name ) != 0 )
+    {
+        i += 1;
+    }
+    return i;
+}
+
 // Append the numbers of declared passes.
 static void list_passes( const wisp_registry* r, const char* const* names, plan_batch* batch )
 {
     for ( int n = 0; n < WISP_MAX_FUSED && names[n] != NULL; ++n )
     {
-        int i = 0;
-        while ( strcmp( r->passes[i].name, names[n] ) != 0 )
-        {
-            i += 1;
-        }
-        batch->passes[batch->pass_count++] = (uint16_t)i;
+        batch->passes[batch->pass_count++] = (uint16_t)number_of( r, names[n] );
     }
 }
 
 wisp_status wisp_declare_batch( wisp_registry* registry, const wisp_batch* batch )
 {
-    plan_batch b = { .lanes = batch->lanes, .can_join = batch->can_join, .run = batch->run, .user = batch->user };
+    plan_batch b = { .pass = -1,
+                     .lanes = batch->lanes,
+                     .can_join = batch->can_join,
+                     .run = batch->run,
+                     .run_pass = batch->run_pass,
+                     .user = batch->user };
     const bool found =
         find_passes( registry, batch->required, &b.required ) && find_passes( registry, batch->allowed, &b.allowed );
     if ( found == false || store_mask_any( b.required ) == false || batch->run == NULL || batch->can_join == NULL ||
-         batch->lanes < 2 || batch->lanes > WISP_MAX_BATCH || registry->batch_count == PLAN_MAX_BATCHES )
+         batch->lanes < 2 || batch->lanes > WISP_MAX_BATCH || registry->batch_count == PLAN_MAX_BATCHES ||
+         ( batch->pass == NULL ) != ( batch->run_pass == NULL ) )
     {
         fail_declaration( registry, "too many batches, or one without declared passes:", batch->name );
         return WISP_BAD_INPUT;
     }
     list_passes( registry, batch->required, &b );
     list_passes( registry, batch->allowed, &b );
+    b.pass = batch->pass != NULL ? number_of( registry, batch->pass ) : -1;
     registry->batches[registry->batch_count++] = b;
     return WISP_OK;
 }

@@ -30,6 +30,7 @@ typedef struct crowd_case
     const char* isa;
     bool apart; // no batches
     bool limp;  // stiffness of one that does not bend
+    bool windy; // air and internal damping, each its own: only links run side by side
 } crowd_case;
 
 static void only_call( void* user, void ( *run )( void* call ), void* call )
@@ -59,6 +60,13 @@ static wisp_entity add_instance( crowd* c, wisp_fabric* fabric, const test_mesh*
     cloth.warp_compliance = i == STIFF ? 1e-4f : 1e-3f;
     cloth.bend_stiffness = how->limp ? 0.0f : i == STIFF ? 0.3f : 0.1f;
     cloth.bending = i == FLAT ? WISP_CLOTH_BENDING_NONE : WISP_CLOTH_BENDING_LINKS;
+    if ( how->windy )
+    {
+        cloth.wind = ( wisp_vec3 ){ 3.0f, 0.1f * (float)i, 1.0f };
+        cloth.drag_coefficient = 0.2f;
+        cloth.lift_coefficient = i % 5 == 0 ? 0.0f : 0.7f;
+        cloth.internal_damping = 1.0f + (float)( i % 4 );
+    }
     wisp_entity e;
     assert_status( world, wisp_add_surface( world, &def, &e ), WISP_OK );
     assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
@@ -164,9 +172,15 @@ static void cloths_side_by_side_have_the_bits_that_each_has_alone( void** state 
 {
     (void)state;
     static const crowd_case cases[] = {
-        { WISP_SOLVER_PBD, 1, "avx512", false, false }, { WISP_SOLVER_PBD, 1, "avx2", false, false },
-        { WISP_SOLVER_PBD, 3, NULL, false, false },     { WISP_SOLVER_XPBD, 1, "baseline", false, false },
-        { WISP_SOLVER_XPBD, 2, NULL, false, false },    { WISP_SOLVER_PBD, 1, NULL, false, true },
+        { WISP_SOLVER_PBD, 1, "avx512", false, false, false },
+        { WISP_SOLVER_PBD, 1, "avx2", false, false, false },
+        { WISP_SOLVER_PBD, 3, NULL, false, false, false },
+        { WISP_SOLVER_XPBD, 1, "baseline", false, false, false },
+        { WISP_SOLVER_XPBD, 2, NULL, false, false, false },
+        { WISP_SOLVER_PBD, 1, NULL, false, true, false },
+        { .solver = WISP_SOLVER_PBD, .workers = 2, .windy = true },
+        { .solver = WISP_SOLVER_XPBD, .workers = 1, .isa = "avx2", .windy = true },
+        { .solver = WISP_SOLVER_PBD, .workers = 1, .limp = true, .windy = true },
     };
     for ( int i = 0; i < WISP_COUNT( cases ); ++i )
     {
@@ -188,7 +202,7 @@ static void cloths_side_by_side_have_the_bits_that_each_has_alone( void** state 
 static void a_cloth_that_halts_stops_no_neighbour( void** state )
 {
     (void)state;
-    static const crowd_case how = { WISP_SOLVER_PBD, 2, NULL, false, false };
+    static const crowd_case how = { WISP_SOLVER_PBD, 2, NULL, false, false, false };
     uint64_t hashes[STEPS];
     crowd c;
     open_crowd( &c, &how );
@@ -201,12 +215,10 @@ static void a_cloth_that_halts_stops_no_neighbour( void** state )
     close_world( &c.h );
 }
 
-static void folds_are_found_and_opened( void** state )
+static void check_folds( const crowd_case* how )
 {
-    (void)state;
-    static const crowd_case how = { WISP_SOLVER_XPBD, 1, NULL, false, false };
     crowd c;
-    open_crowd( &c, &how );
+    open_crowd( &c, how );
     run_steps( c.h.world, SEARCHED, 1.0f / 60.0f );
     fold( c.h.world, c.cloths[FOLDED] );
     run_steps( c.h.world, 1, 1.0f / 60.0f );
@@ -215,12 +227,17 @@ static void folds_are_found_and_opened( void** state )
     close_world( &c.h );
 }
 
-static void the_times_of_passes_add_up_to_most_of_a_step( void** state )
+static void folds_are_found_and_opened( void** state )
 {
     (void)state;
-    static const crowd_case how = { WISP_SOLVER_PBD, 1, NULL, false, false };
+    check_folds( &( crowd_case ){ .solver = WISP_SOLVER_XPBD, .workers = 1 } );
+    check_folds( &( crowd_case ){ .solver = WISP_SOLVER_XPBD, .workers = 1, .windy = true } );
+}
+
+static void check_times( const crowd_case* how )
+{
     crowd c;
-    open_crowd( &c, &how );
+    open_crowd( &c, how );
     run_steps( c.h.world, 8, 1.0f / 60.0f );
     const wisp_profile profile = wisp_world_profile( c.h.world );
     double links = 0.0, sum = 0.0;
@@ -233,17 +250,29 @@ static void the_times_of_passes_add_up_to_most_of_a_step( void** state )
     close_world( &c.h );
 }
 
-static void a_warm_step_allocates_nothing( void** state )
+static void the_times_of_passes_add_up_to_most_of_a_step( void** state )
 {
     (void)state;
-    static const crowd_case how = { WISP_SOLVER_PBD, 2, NULL, false, false };
+    check_times( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 1 } );
+    check_times( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 1, .windy = true } );
+}
+
+static void check_allocations( const crowd_case* how )
+{
     crowd c;
-    open_crowd( &c, &how );
+    open_crowd( &c, how );
     run_steps( c.h.world, 3, 1.0f / 60.0f );
     const int64_t calls = c.h.host.queried;
     run_steps( c.h.world, 5, 1.0f / 60.0f );
     assert_true( c.h.host.queried == calls );
     close_world( &c.h );
+}
+
+static void a_warm_step_allocates_nothing( void** state )
+{
+    (void)state;
+    check_allocations( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 2 } );
+    check_allocations( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 2, .windy = true } );
 }
 
 int main( void )

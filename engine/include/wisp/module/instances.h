@@ -14,7 +14,7 @@ typedef struct wisp_instances_args
 {
     int slot_count;
     float* position; ///< [slot][4][lane] x, y, z in m, inverse mass in 1/kg
-    float* velocity; ///< [slot][3][lane] m/s
+    float* velocity; ///< [slot][3][lane] m/s; null: positions alone, for links
     float* previous; ///< [slot][3][lane] m, position at the start of the substep
 
     /// Rows of the surfaces: lane l begins at column + offset[l].

@@ -174,13 +174,15 @@ typedef struct wisp_kernels
     void ( *link_xpbd )( const wisp_link_args* args, int begin, int end );
     /// clamps the length to [minimum, maximum] times rest
     void ( *link_limit )( const wisp_link_args* args, int begin, int end );
-    /// Positions and velocities of columns to lanes.
+    /// Positions and velocities of columns to lanes; positions alone if `velocity` is null.
     void ( *instances_load )( const wisp_instances_args* args );
-    /// Positions, velocities and previous positions of some lanes to columns. @param lanes bit l: lane l
+    /// Positions, velocities and previous positions of some lanes to columns, or positions alone. @param lanes bit l: lane l
     void ( *instances_store )( const wisp_instances_args* args, uint32_t lanes );
     /// The end of a substep, as `velocity` and damping; the begin of the next one, as `accelerate` and `predict`.
     /// @return bits of lanes that do not end with finite numbers; 0 if a substep begins
     uint32_t ( *instances_advance )( const wisp_instances_args* args, bool ends, bool begins );
+    /// @return bits of lanes with positions that are not finite
+    uint32_t ( *instances_find_lost )( const wisp_instances_args* args );
     /// All links, as `link_pbd` or `link_xpbd` without multipliers.
     /// @param folds find bend links shorter than half their rest length @return bits of lanes that have some
     uint32_t ( *instances_link )( const wisp_instances_args* args, bool folds );

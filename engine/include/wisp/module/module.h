@@ -144,22 +144,27 @@ typedef struct wisp_fusion
 /// some blocks runs pass by pass, to measure their times.
 WISP_API wisp_status wisp_declare_fusion( wisp_registry* registry, const wisp_fusion* join );
 
-/// Passes that can run for several entities of one fabric side by side, all substeps in one go: in less time, and bit for bit
-/// what they give entity by entity. Small entities that share nothing with others in the substep loop run so, in steps of one
-/// iteration per substep, while no function is around a pass. can_join and run are called on any worker, for several groups at
-/// a time, and may touch only the entities that they are given.
+/// Passes that can run for several entities of one fabric side by side, in less time, and bit for bit what they give entity by
+/// entity. Small entities that share nothing with others in the substep loop run so, in steps of one iteration per substep, while
+/// no function is around a pass. All substeps run in one go if entities have no other passes. Otherwise one pass can run side by
+/// side in each substep, between passes that run entity by entity. Callbacks are called on any worker, for several groups at a
+/// time, and may touch only the entities that they are given.
 typedef struct wisp_batch
 {
     const char* name;                     ///< "module.noun"; a static string
     const char* required[WISP_MAX_FUSED]; ///< names of passes, null-terminated: entities must have all
     const char* allowed[WISP_MAX_FUSED];  ///< the same: they may have them, all of them the same ones, and no others
-    int lanes;                            ///< entities at once, at most WISP_MAX_BATCH
+    const char* pass; ///< of the required ones, that can run side by side among any others; null: none
+    int lanes;        ///< entities at once, at most WISP_MAX_BATCH
     /// Can the entity run beside the first one, in this step? Called for the first one too.
     bool ( *can_join )( wisp_frame* frame, wisp_entity first, wisp_entity entity, void* user );
     /// @param seconds [required, then allowed passes] 0; receives how the time divides
     /// @return bits of entities that are left as they were, and have to run alone
     uint32_t ( *run )( wisp_frame* frame, const wisp_entity* entities, int count, int worker, double* seconds,
                        void* user );
+    /// Run `pass` in the substep of a span, whose entity is left open. @return as run
+    uint32_t ( *run_pass )( wisp_frame* frame, const wisp_entity* entities, int count, const wisp_span* span,
+                            void* user );
     void* user;
 } wisp_batch;
 
