@@ -25,16 +25,18 @@ LANE_INLINE lane8v load_xyz( const float* xyzw, int slot, lane8* w )
     return v;
 }
 
-LANE_INLINE particles8 load_particles( const wisp_moment_args* args, int slot, lane8dv origin, lane8* inverse_mass )
+LANE_INLINE particles8 load_particles( const wisp_moment_args* args, int slot, lane8dv origin, bool moved,
+                                       lane8* inverse_mass )
 {
     lane8 none;
     const lane8d zero = lane8d_set1( 0.0 );
     const lane8v now = load_xyz( args->position, slot, inverse_mass );
+    const lane8v previous = moved ? load_xyz( args->previous, slot, &none ) : now;
     const lane8d w = lane8d_widen( *inverse_mass );
     return ( particles8 ){
         .mass = lane8d_select( lane8d_lt( zero, w ), lane8d_div( lane8d_set1( 1.0 ), w ), zero ),
         .now = lane8dv_sub( lane8dv_widen( now ), origin ),
-        .previous = lane8dv_sub( lane8dv_widen( load_xyz( args->previous, slot, &none ) ), origin ),
+        .previous = lane8dv_sub( lane8dv_widen( previous ), origin ),
         .velocity = lane8dv_widen( load_xyz( args->velocity, slot, &none ) ),
     };
 }
@@ -59,7 +61,8 @@ LANE_INLINE void sum_lanes( lane8dv v, double sum[3] )
     sum[2] = lane8d_sum_ordered( v.z );
 }
 
-void KERNEL( moments )( const wisp_moment_args* args, int begin, int end, wisp_moments* sums )
+// @param moved previous positions are other ones
+LANE_INLINE void sum_particles( const wisp_moment_args* args, int begin, int end, bool moved, wisp_moments* sums )
 {
     const double about[3] = { (double)args->origin.x, (double)args->origin.y, (double)args->origin.z };
     const lane8dv origin = lane8dv_set1( about ), none = lane8dv_set1( ( double[3] ){ 0.0, 0.0, 0.0 } );
@@ -68,7 +71,7 @@ void KERNEL( moments )( const wisp_moment_args* args, int begin, int end, wisp_m
     for ( int slot = begin; slot < end; slot += 8 )
     {
         lane8 inverse_mass;
-        add_particles( &m, load_particles( args, slot, origin, &inverse_mass ) );
+        add_particles( &m, load_particles( args, slot, origin, moved, &inverse_mass ) );
         const lane8m moves = lane8_lt( lane8_zero(), inverse_mass );
         pinned += __builtin_popcount( lane8m_bits( lane8m_and_not( lane8m_first( end - slot ), moves ) ) );
     }
@@ -82,6 +85,18 @@ void KERNEL( moments )( const wisp_moment_args* args, int begin, int end, wisp_m
         sum_lanes( m.mixed[k], sums->mixed[k] );
     }
     sums->pinned = (double)pinned;
+}
+
+void KERNEL( moments )( const wisp_moment_args* args, int begin, int end, wisp_moments* sums )
+{
+    if ( args->previous != args->position )
+    {
+        sum_particles( args, begin, end, true, sums );
+    }
+    else
+    {
+        sum_particles( args, begin, end, false, sums );
+    }
 }
 
 void KERNEL( turn )( const wisp_turn_args* args, int begin, int end )
