@@ -29,6 +29,8 @@ float KERNEL( adhesion_brake )( const wisp_adhesion_args* args, int slice_first,
 
 void KERNEL( link_pbd )( const wisp_link_args* args, int begin, int end );
 void KERNEL( link_xpbd )( const wisp_link_args* args, int begin, int end );
+double KERNEL( link_virial )( const wisp_link_args* args, float edge_stiffness, float bend_stiffness, int begin,
+                              int end );
 void KERNEL( instances_load )( const wisp_instances_args* args );
 void KERNEL( instances_store )( const wisp_instances_args* args, uint32_t lanes );
 uint32_t KERNEL( instances_advance )( const wisp_instances_args* args, bool ends, bool begins );
@@ -45,6 +47,8 @@ void KERNEL( ring_gradient )( const wisp_ring_args* args, int begin, int end, wi
 void KERNEL( ring_normal )( const wisp_ring_args* args, int begin, int end );
 void KERNEL( ring_mean_normal )( const wisp_ring_args* args, int begin, int end, float* xyzw );
 void KERNEL( ring_air )( const wisp_ring_air_args* args, int begin, int end );
+void KERNEL( vertex_drag )( const wisp_vertex_drag_args* args, int begin, int end );
+void KERNEL( sum_vertex_drag )( const wisp_vertex_drag_args* args, int begin, int end, double sum[3] );
 int KERNEL( blend_two )( const wisp_blend_args* args, int begin, int end );
 int KERNEL( blend_three )( const wisp_blend_args* args, int begin, int end );
 void KERNEL( check_edge_extents )( const wisp_extent_args* args, int begin, int end );
@@ -78,6 +82,8 @@ int KERNEL( cull_particles )( const wisp_cull_args* args, int count );
 int KERNEL( find_displaced )( const float* position, const float* place, int begin, int end, int32_t* displaced );
 void KERNEL( rigid_sums )( const wisp_rigid_args* args, int begin, int end, wisp_rigid_sums* sums );
 void KERNEL( rigid_approach )( const wisp_rigid_args* args, int begin, int end );
+void KERNEL( moments )( const wisp_moment_args* args, int begin, int end, wisp_moments* sums );
+void KERNEL( turn )( const wisp_turn_args* args, int begin, int end );
 void KERNEL( velocity )( const wisp_particle_args* args, int begin, int end );
 void KERNEL( strand_extrapolate )( const wisp_strand_motion_args* args, int begin, int end );
 void KERNEL( strand_predict )( const wisp_strand_motion_args* args, int begin, int end );

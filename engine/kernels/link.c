@@ -6,6 +6,8 @@
 // masses.
 #include "kernel_isa.h"
 
+#include "lane_double_vec.h"
+
 static const int32_t XYZ_SIGN[8] = { INT32_MIN, INT32_MIN, INT32_MIN, 0, INT32_MIN, INT32_MIN, INT32_MIN, 0 };
 
 // Minimum denominator: squared length times inverse mass, m^2/kg. A shorter link is corrected more slowly, and not
@@ -166,4 +168,38 @@ void KERNEL( link_limit )( const wisp_link_args* args, int begin, int end )
             move_pairs( &mine, link, &p, step_of( &p, lane8_set1( 1.0f ), error, p.weight ) );
         }
     }
+}
+
+// Loads the vectors from b to a. Their floats are exact where the ends differ by less than a factor of two, so they have the
+// digits that positions have.
+LANE_INLINE lane8dv load_vectors( const wisp_link_args* args, int link )
+{
+    lane8 a[4], b[4];
+    lane8_load_quads( args->position, args->a_x4 + link, a );
+    lane8_load_quads( args->position, args->b_x4 + link, b );
+    for ( int r = 0; r < 4; ++r )
+    {
+        a[r] = lane8_sub( a[r], b[r] );
+    }
+    lane8_transpose_quads( a );
+    return lane8dv_widen( ( lane8v ){ a[0], a[1], a[2] } );
+}
+
+// Sums T l with T = k (l - rest), in doubles: tensions are small differences of lengths.
+double KERNEL( link_virial )( const wisp_link_args* args, float edge_stiffness, float bend_stiffness, int begin,
+                              int end )
+{
+    const wisp_link_args mine = *args;
+    const lane8 zero = lane8_zero(), edge = lane8_set1( edge_stiffness ), bend = lane8_set1( bend_stiffness );
+    lane8d sum = lane8d_set1( 0.0 );
+    for ( int link = begin; link < end; link += 8 )
+    {
+        const lane8i number = lane8i_loadu( mine.constraint + link );
+        const lane8 stiffness = lane8_select( lane8i_lt( number, lane8i_set1( mine.edge_count ) ), edge, bend );
+        const lane8d k = lane8d_widen( lane8_select( lane8i_lt( number, lane8i_set1( 0 ) ), zero, stiffness ) );
+        const lane8d length = lane8dv_length( load_vectors( &mine, link ) );
+        const lane8d tension = lane8d_mul( k, lane8d_sub( length, lane8d_widen( lane8_loadu( mine.rest + link ) ) ) );
+        sum = lane8d_add( sum, lane8d_mul( tension, length ) );
+    }
+    return lane8d_sum_ordered( sum );
 }

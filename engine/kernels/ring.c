@@ -15,6 +15,7 @@ typedef struct vertex_lanes
     lane8v point;
     lane8 weight;  // inverse mass
     lane8v vector; // sum of (a - p) x (b - p), m^2
+    lane8 area;    // sum of their lengths, if asked for
 } vertex_lanes;
 
 LANE_INLINE lane8v load_neighbours( const wisp_ring_args* args, int entry )
@@ -24,43 +25,49 @@ LANE_INLINE lane8v load_neighbours( const wisp_ring_args* args, int entry )
     return n;
 }
 
+LANE_INLINE void add_area( vertex_lanes* v, lane8v a, lane8v b )
+{
+    v->area = lane8_add( v->area, lane8v_length( lane8v_cross( a, b ) ) );
+}
+
 // Two adjacent triangles of a fan share a neighbour, and
 //
 //   (a - p) x (b - p) + (b - p) x (c - p) = (b - p) x (c - a)
 //
-// so a pair of entries needs one cross product, and each neighbour is loaded once.
-LANE_INLINE vertex_lanes walk_ring( const wisp_ring_args* args, int slice )
+// so a pair of entries needs one cross product, and each neighbour is loaded once. Areas need each triangle separately.
+LANE_INLINE vertex_lanes walk_ring( const wisp_ring_args* args, int slice, bool areas )
 {
     const int end = args->ring_begin[slice + 1];
     int e = args->ring_begin[slice];
-    vertex_lanes v = { .vector = { lane8_zero(), lane8_zero(), lane8_zero() } };
+    vertex_lanes v = { .vector = { lane8_zero(), lane8_zero(), lane8_zero() }, .area = lane8_zero() };
     lane8_load_xyzw_contiguous( args->position + (size_t)slice * 32, &v.point.x, &v.point.y, &v.point.z, &v.weight );
     lane8v a = e < end ? load_neighbours( args, e ) : v.point;
     for ( ; e + 2 < end; e += 2 )
     {
         lane8v b = load_neighbours( args, e + 1 ), c = load_neighbours( args, e + 2 );
-        v.vector = lane8v_add( v.vector, lane8v_cross( lane8v_sub( b, v.point ), lane8v_sub( c, a ) ) );
+        lane8v to_b = lane8v_sub( b, v.point );
+        v.vector = lane8v_add( v.vector, lane8v_cross( to_b, lane8v_sub( c, a ) ) );
+        if ( areas )
+        {
+            add_area( &v, lane8v_sub( a, v.point ), to_b );
+            add_area( &v, to_b, lane8v_sub( c, v.point ) );
+        }
         a = c;
     }
     if ( e + 1 < end )
     {
-        lane8v b = load_neighbours( args, e + 1 );
-        v.vector = lane8v_add( v.vector, lane8v_cross( lane8v_sub( a, v.point ), lane8v_sub( b, v.point ) ) );
+        lane8v to_a = lane8v_sub( a, v.point ), to_b = lane8v_sub( load_neighbours( args, e + 1 ), v.point );
+        v.vector = lane8v_add( v.vector, lane8v_cross( to_a, to_b ) );
+        if ( areas )
+        {
+            add_area( &v, to_a, to_b );
+        }
     }
     return v;
 }
 
-// Sums areas too. They need each triangle separately, so this is a second loop, used only if areas are requested.
-static void store_area( const wisp_ring_args* args, int slice, lane8v point )
+LANE_INLINE void store_area( const wisp_ring_args* args, int slice, lane8 area )
 {
-    lane8 area = lane8_zero();
-    lane8v a = point;
-    for ( int e = args->ring_begin[slice]; e < args->ring_begin[slice + 1]; ++e )
-    {
-        lane8v b = load_neighbours( args, e );
-        area = lane8_add( area, lane8v_length( lane8v_cross( lane8v_sub( a, point ), lane8v_sub( b, point ) ) ) );
-        a = b;
-    }
     lane8_storeu( args->area + (size_t)( slice - args->first_slice ) * 8,
                   lane8_mul( area, lane8_set1( 1.0f / 6.0f ) ) );
 }
@@ -70,7 +77,7 @@ LANE_INLINE float* gradient_of( const wisp_ring_args* args, int slice )
     return args->gradient + (size_t)( slice - args->first_slice ) * 24;
 }
 
-void KERNEL( ring_gradient )( const wisp_ring_args* args, int begin, int end, wisp_ring_sums* sums )
+LANE_INLINE void sum_gradients( const wisp_ring_args* args, int begin, int end, bool areas, wisp_ring_sums* sums )
 {
     const lane8v origin = lane8v_set1( args->origin );
     const lane8 sixth = lane8_set1( 1.0f / 6.0f );
@@ -80,14 +87,14 @@ void KERNEL( ring_gradient )( const wisp_ring_args* args, int begin, int end, wi
         lane8 volume = lane8_zero(), weighted = lane8_zero();
         for ( int slice = block; slice < end && slice < block + BLOCK; ++slice )
         {
-            vertex_lanes v = walk_ring( args, slice );
+            vertex_lanes v = walk_ring( args, slice, areas );
             lane8v gradient = lane8v_scale( v.vector, sixth );
             lane8v_store( gradient_of( args, slice ), gradient );
             volume = lane8_add( volume, lane8v_dot( lane8v_sub( v.point, origin ), gradient ) );
             weighted = lane8_add( weighted, lane8_mul( v.weight, lane8v_dot( gradient, gradient ) ) );
-            if ( args->area != NULL )
+            if ( areas )
             {
-                store_area( args, slice, v.point );
+                store_area( args, slice, v.area );
             }
         }
         sums->volume += (double)lane8_sum_ordered( volume ) / 3.0;
@@ -95,21 +102,45 @@ void KERNEL( ring_gradient )( const wisp_ring_args* args, int begin, int end, wi
     }
 }
 
-void KERNEL( ring_normal )( const wisp_ring_args* args, int begin, int end )
+void KERNEL( ring_gradient )( const wisp_ring_args* args, int begin, int end, wisp_ring_sums* sums )
+{
+    if ( args->area != NULL )
+    {
+        sum_gradients( args, begin, end, true, sums );
+    }
+    else
+    {
+        sum_gradients( args, begin, end, false, sums );
+    }
+}
+
+LANE_INLINE void store_normals( const wisp_ring_args* args, int begin, int end, bool areas )
 {
     for ( int slice = begin; slice < end; ++slice )
     {
-        vertex_lanes v = walk_ring( args, slice );
+        vertex_lanes v = walk_ring( args, slice, areas );
         lane8 squared = lane8v_dot( v.vector, v.vector );
         lane8m valid = lane8_ge( squared, lane8_set1( FLT_MIN ) );
         lane8 scale =
             lane8_div( lane8_set1( 1.0f ), lane8_sqrt( lane8_select( valid, squared, lane8_set1( 1.0f ) ) ) );
         lane8v_store( gradient_of( args, slice ),
                       lane8v_scale( v.vector, lane8_select( valid, scale, lane8_zero() ) ) );
-        if ( args->area != NULL )
+        if ( areas )
         {
-            store_area( args, slice, v.point );
+            store_area( args, slice, v.area );
         }
+    }
+}
+
+void KERNEL( ring_normal )( const wisp_ring_args* args, int begin, int end )
+{
+    if ( args->area != NULL )
+    {
+        store_normals( args, begin, end, true );
+    }
+    else
+    {
+        store_normals( args, begin, end, false );
     }
 }
 

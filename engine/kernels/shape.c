@@ -2,49 +2,18 @@
 // wisp_shape_closest(), in doubles and in the same order, so the bits are the same.
 #include "kernel_isa.h"
 
-#include "lane_double.h"
+#include "lane_double_vec.h"
 
 enum
 {
     LANES = 8,
 };
 
-typedef struct lane8d3
-{
-    lane8d x, y, z;
-} lane8d3;
-
 typedef struct surface8
 {
-    lane8d3 point, normal;
+    lane8dv point, normal;
     lane8d distance;
 } surface8;
-
-LANE_INLINE lane8d3 widen( lane8v v )
-{
-    return ( lane8d3 ){ lane8d_widen( v.x ), lane8d_widen( v.y ), lane8d_widen( v.z ) };
-}
-
-LANE_INLINE lane8v narrow( lane8d3 v )
-{
-    return ( lane8v ){ lane8d_narrow( v.x ), lane8d_narrow( v.y ), lane8d_narrow( v.z ) };
-}
-
-LANE_INLINE lane8d3 sub( lane8d3 a, lane8d3 b )
-{
-    return ( lane8d3 ){ lane8d_sub( a.x, b.x ), lane8d_sub( a.y, b.y ), lane8d_sub( a.z, b.z ) };
-}
-
-LANE_INLINE lane8d3 scale( lane8d3 a, lane8d s )
-{
-    return ( lane8d3 ){ lane8d_mul( a.x, s ), lane8d_mul( a.y, s ), lane8d_mul( a.z, s ) };
-}
-
-LANE_INLINE lane8d length_of( lane8d3 a )
-{
-    return lane8d_sqrt(
-        lane8d_add( lane8d_add( lane8d_mul( a.x, a.x ), lane8d_mul( a.y, a.y ) ), lane8d_mul( a.z, a.z ) ) );
-}
 
 LANE_INLINE lane8d clamp( lane8d x, lane8d lower, lane8d upper )
 {
@@ -54,7 +23,7 @@ LANE_INLINE lane8d clamp( lane8d x, lane8d lower, lane8d upper )
 
 // ---- shapes ----
 
-LANE_INLINE surface8 closest_to_plane( lane8d3 p )
+LANE_INLINE surface8 closest_to_plane( lane8dv p )
 {
     const lane8d zero = lane8d_set1( 0.0 );
     return ( surface8 ){ { p.x, zero, p.z }, { zero, lane8d_set1( 1.0 ), zero }, p.y };
@@ -62,19 +31,19 @@ LANE_INLINE surface8 closest_to_plane( lane8d3 p )
 
 // Computes the surface around a point q, the centre of a sphere or the nearest point on the axis of a capsule.
 // @param fallback normal at q
-LANE_INLINE surface8 closest_round( lane8d3 p, lane8d3 q, double radius, wisp_vec3 fallback )
+LANE_INLINE surface8 closest_round( lane8dv p, lane8dv q, double radius, wisp_vec3 fallback )
 {
     const lane8d zero = lane8d_set1( 0.0 ), r = lane8d_set1( radius );
-    const lane8d3 away = sub( p, q );
-    const lane8d length = length_of( away );
+    const lane8dv away = lane8dv_sub( p, q );
+    const lane8d length = lane8dv_length( away );
     const lane8dm has_direction = lane8d_lt( zero, length );
-    const lane8d3 unit = scale( away, lane8d_div( lane8d_set1( 1.0 ), length ) );
-    const lane8d3 normal = {
+    const lane8dv unit = lane8dv_scale( away, lane8d_div( lane8d_set1( 1.0 ), length ) );
+    const lane8dv normal = {
         lane8d_select( has_direction, unit.x, lane8d_set1( (double)fallback.x ) ),
         lane8d_select( has_direction, unit.y, lane8d_set1( (double)fallback.y ) ),
         lane8d_select( has_direction, unit.z, lane8d_set1( (double)fallback.z ) ),
     };
-    const lane8d3 reach = scale( normal, r );
+    const lane8dv reach = lane8dv_scale( normal, r );
     return ( surface8 ){
         { lane8d_add( q.x, reach.x ), lane8d_add( q.y, reach.y ), lane8d_add( q.z, reach.z ) },
         normal,
@@ -82,23 +51,23 @@ LANE_INLINE surface8 closest_round( lane8d3 p, lane8d3 q, double radius, wisp_ve
     };
 }
 
-LANE_INLINE surface8 closest_to_sphere( const wisp_shape* shape, lane8d3 p )
+LANE_INLINE surface8 closest_to_sphere( const wisp_shape* shape, lane8dv p )
 {
     const lane8d zero = lane8d_set1( 0.0 );
-    return closest_round( p, ( lane8d3 ){ zero, zero, zero }, (double)shape->radius,
+    return closest_round( p, ( lane8dv ){ zero, zero, zero }, (double)shape->radius,
                           ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
 }
 
-LANE_INLINE surface8 closest_to_capsule( const wisp_shape* shape, lane8d3 p )
+LANE_INLINE surface8 closest_to_capsule( const wisp_shape* shape, lane8dv p )
 {
     const lane8d zero = lane8d_set1( 0.0 );
     const double half = (double)shape->half_length;
     const lane8d y = clamp( p.y, lane8d_set1( -half ), lane8d_set1( half ) );
-    return closest_round( p, ( lane8d3 ){ zero, y, zero }, (double)shape->radius, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
+    return closest_round( p, ( lane8dv ){ zero, y, zero }, (double)shape->radius, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
 }
 
 // Selects the nearest face for points inside or on the surface; the first of equals.
-LANE_INLINE surface8 closest_inside_box( lane8d3 p, lane8d3 h )
+LANE_INLINE surface8 closest_inside_box( lane8dv p, lane8dv h )
 {
     const lane8d zero = lane8d_set1( 0.0 ), one = lane8d_set1( 1.0 );
     const lane8d at[3] = { p.x, p.y, p.z }, half[3] = { h.x, h.y, h.z };
@@ -123,35 +92,30 @@ LANE_INLINE surface8 closest_inside_box( lane8d3 p, lane8d3 h )
     return ( surface8 ){ { point[0], point[1], point[2] }, { normal[0], normal[1], normal[2] }, most };
 }
 
-LANE_INLINE lane8d3 select3( lane8dm m, lane8d3 a, lane8d3 b )
-{
-    return ( lane8d3 ){ lane8d_select( m, a.x, b.x ), lane8d_select( m, a.y, b.y ), lane8d_select( m, a.z, b.z ) };
-}
-
-LANE_INLINE surface8 closest_to_box( const wisp_shape* shape, lane8d3 p )
+LANE_INLINE surface8 closest_to_box( const wisp_shape* shape, lane8dv p )
 {
     const lane8d zero = lane8d_set1( 0.0 );
     const wisp_vec3 e = shape->half_extent;
-    const lane8d3 h = { lane8d_set1( (double)e.x ), lane8d_set1( (double)e.y ), lane8d_set1( (double)e.z ) };
-    const lane8d3 q = { clamp( p.x, lane8d_set1( -(double)e.x ), h.x ),
+    const lane8dv h = { lane8d_set1( (double)e.x ), lane8d_set1( (double)e.y ), lane8d_set1( (double)e.z ) };
+    const lane8dv q = { clamp( p.x, lane8d_set1( -(double)e.x ), h.x ),
                         clamp( p.y, lane8d_set1( -(double)e.y ), h.y ),
                         clamp( p.z, lane8d_set1( -(double)e.z ), h.z ) };
-    const lane8d3 away = sub( p, q );
-    const lane8d length = length_of( away );
+    const lane8dv away = lane8dv_sub( p, q );
+    const lane8d length = lane8dv_length( away );
     const lane8dm is_outside = lane8d_lt( zero, length );
-    surface8 s = { q, scale( away, lane8d_div( lane8d_set1( 1.0 ), length ) ), length };
+    surface8 s = { q, lane8dv_scale( away, lane8d_div( lane8d_set1( 1.0 ), length ) ), length };
     if ( lane8dm_bits( is_outside ) != 255u )
     {
         const surface8 inside = closest_inside_box( p, h );
-        s = ( surface8 ){ select3( is_outside, s.point, inside.point ),
-                          select3( is_outside, s.normal, inside.normal ),
+        s = ( surface8 ){ lane8dv_select( is_outside, s.point, inside.point ),
+                          lane8dv_select( is_outside, s.normal, inside.normal ),
                           lane8d_select( is_outside, length, inside.distance ) };
     }
     return s;
 }
 
 // `kind` is a constant after inlining.
-LANE_INLINE surface8 closest_to( const wisp_shape* shape, wisp_shape_kind kind, lane8d3 p )
+LANE_INLINE surface8 closest_to( const wisp_shape* shape, wisp_shape_kind kind, lane8dv p )
 {
     switch ( kind )
     {
@@ -202,8 +166,8 @@ LANE_INLINE int find_near( const wisp_shape_query_args* args, wisp_shape_kind ki
     for ( int i = 0; i < count; i += LANES )
     {
         const lane8v to = load_from( args->to, i ), from = load_from( args->from, i );
-        const surface8 s = closest_to( &args->shape, kind, widen( to ) );
-        const lane8v point = narrow( s.point ), normal = narrow( s.normal );
+        const surface8 s = closest_to( &args->shape, kind, lane8dv_widen( to ) );
+        const lane8v point = lane8dv_narrow( s.point ), normal = lane8dv_narrow( s.normal );
         const lane8 distance = lane8d_narrow( s.distance ), reach = lane8_loadu( args->reach + i ),
                     path = lane8_loadu( args->path + i );
         const lane8 start = lane8_sub( lane8v_dot( normal, lane8v_sub( from, point ) ), thickness );

@@ -1,4 +1,4 @@
-/// Eight doubles at once, for kernels that must give the bits of scalar code in doubles: lane8d, with masks lane8dm.
+/// Eight doubles at once, for kernels whose results need more digits than a float has: lane8d, with masks lane8dm.
 /// As in lane.h, every operation is a single correctly rounded IEEE operation, so every backend gives the same bits.
 ///
 ///   lane8d_set1( d )
@@ -7,6 +7,8 @@
 ///   lane8d_abs                                 touches the sign bit only
 ///   lane8d_lt( a, b )                          -> lane8dm, false if one is NaN
 ///   lane8d_select( m, a, b )                   m ? a : b
+///   lane8d_storeu( double*, a )
+///   lane8d_sum_ordered                         -> double; adds lane l and l + half, and again, until one is left
 ///   lane8dm_bits                               -> uint32_t, bit l is lane l
 #pragma once
 
@@ -62,6 +64,7 @@ typedef struct lane8dm
 #define DOUBLE_ABS( a ) _mm512_andnot_pd( _mm512_set1_pd( -0.0 ), a )
 #define DOUBLE_LT( a, b ) _mm512_cmp_pd_mask( a, b, _CMP_LT_OQ )
 #define DOUBLE_SELECT( m, a, b ) _mm512_mask_blend_pd( m, b, a )
+#define DOUBLE_STORE( to, a ) _mm512_storeu_pd( to, a )
 #define DOUBLE_BITS( m ) ( uint32_t )( m )
 
 LANE_INLINE lane8d lane8d_widen( lane8 a )
@@ -85,6 +88,7 @@ LANE_INLINE lane8 lane8d_narrow( lane8d a )
 #define DOUBLE_ABS( a ) _mm256_andnot_pd( _mm256_set1_pd( -0.0 ), a )
 #define DOUBLE_LT( a, b ) _mm256_cmp_pd( a, b, _CMP_LT_OQ )
 #define DOUBLE_SELECT( m, a, b ) _mm256_blendv_pd( b, a, m )
+#define DOUBLE_STORE( to, a ) _mm256_storeu_pd( to, a )
 #define DOUBLE_BITS( m ) ( uint32_t ) _mm256_movemask_pd( m )
 
 LANE_INLINE lane8d lane8d_widen( lane8 a )
@@ -109,6 +113,7 @@ LANE_INLINE lane8 lane8d_narrow( lane8d a )
 #define DOUBLE_ABS( a ) _mm_andnot_pd( _mm_set1_pd( -0.0 ), a )
 #define DOUBLE_LT( a, b ) _mm_cmplt_pd( a, b )
 #define DOUBLE_SELECT( m, a, b ) _mm_or_pd( _mm_and_pd( m, a ), _mm_andnot_pd( m, b ) )
+#define DOUBLE_STORE( to, a ) _mm_storeu_pd( to, a )
 #define DOUBLE_BITS( m ) ( uint32_t ) _mm_movemask_pd( m )
 
 LANE_INLINE lane8d lane8d_widen( lane8 a )
@@ -134,6 +139,7 @@ LANE_INLINE lane8 lane8d_narrow( lane8d a )
 #define DOUBLE_ABS( a ) fabs( a )
 #define DOUBLE_LT( a, b ) ( ( a ) < ( b ) )
 #define DOUBLE_SELECT( m, a, b ) ( ( m ) ? ( a ) : ( b ) )
+#define DOUBLE_STORE( to, a ) ( *( to ) = ( a ) )
 #define DOUBLE_BITS( m ) ( ( m ) ? 1u : 0u )
 
 LANE_INLINE lane8d lane8d_widen( lane8 a )
@@ -181,6 +187,21 @@ DOUBLE_EACH( lane8d, ( lane8d a ), lane8d_abs, DOUBLE_ABS( a.r[k] ) )
 DOUBLE_EACH( lane8dm, ( lane8d a, lane8d b ), lane8d_lt, DOUBLE_LT( a.r[k], b.r[k] ) )
 DOUBLE_EACH( lane8d, ( lane8dm m, lane8d a, lane8d b ), lane8d_select, DOUBLE_SELECT( m.r[k], a.r[k], b.r[k] ) )
 
+LANE_INLINE void lane8d_storeu( double* to, lane8d a )
+{
+    for ( int k = 0; k < DOUBLE_REGISTERS; ++k )
+    {
+        DOUBLE_STORE( to + k * ( 8 / DOUBLE_REGISTERS ), a.r[k] );
+    }
+}
+
+LANE_INLINE double lane8d_sum_ordered( lane8d a )
+{
+    double each[8];
+    lane8d_storeu( each, a );
+    return ( ( each[0] + each[4] ) + ( each[2] + each[6] ) ) + ( ( each[1] + each[5] ) + ( each[3] + each[7] ) );
+}
+
 LANE_INLINE uint32_t lane8dm_bits( lane8dm m )
 {
     uint32_t bits = 0;
@@ -201,4 +222,5 @@ LANE_INLINE uint32_t lane8dm_bits( lane8dm m )
 #undef DOUBLE_ABS
 #undef DOUBLE_LT
 #undef DOUBLE_SELECT
+#undef DOUBLE_STORE
 #undef DOUBLE_BITS

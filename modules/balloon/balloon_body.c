@@ -9,68 +9,61 @@ enum
     BODY_GRAIN = 2048, // particles a block: the unit of every sum
 };
 
-/// Moments about the first particle, which keeps digits far from the origin.
-typedef struct moments
+typedef struct moment_loop
 {
-    double mass, first[3], second[6]; // second: xx yy zz xy xz yz
-    double momentum[3], angular[3];
-} moments;
-
-typedef struct body_loop
-{
-    const float *position, *velocity;
-    moments* blocks;
+    wisp_moment_args args;
+    const wisp_kernels* kernels;
+    wisp_moments* blocks;
     int count;
-} body_loop;
-
-static void add_particle( moments* m, const float* p, const float* v, const float* origin )
-{
-    double mass = p[3] > 0.0f ? 1.0 / (double)p[3] : 0.0;
-    double x = (double)p[0] - (double)origin[0], y = (double)p[1] - (double)origin[1],
-           z = (double)p[2] - (double)origin[2];
-    double px = mass * (double)v[0], py = mass * (double)v[1], pz = mass * (double)v[2];
-    m->mass += mass;
-    m->first[0] += mass * x;
-    m->first[1] += mass * y;
-    m->first[2] += mass * z;
-    m->second[0] += mass * x * x;
-    m->second[1] += mass * y * y;
-    m->second[2] += mass * z * z;
-    m->second[3] += mass * x * y;
-    m->second[4] += mass * x * z;
-    m->second[5] += mass * y * z;
-    m->momentum[0] += px;
-    m->momentum[1] += py;
-    m->momentum[2] += pz;
-    m->angular[0] += y * pz - z * py;
-    m->angular[1] += z * px - x * pz;
-    m->angular[2] += x * py - y * px;
-}
+} moment_loop;
 
 static void sum_blocks( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const body_loop* loop = context;
+    const moment_loop* loop = context;
     for ( int block = begin; block < end; ++block )
     {
-        int last = ( block + 1 ) * BODY_GRAIN < loop->count ? ( block + 1 ) * BODY_GRAIN : loop->count;
-        moments m = { 0 };
-        for ( int slot = block * BODY_GRAIN; slot < last; ++slot )
-        {
-            add_particle( &m, loop->position + (size_t)slot * 4, loop->velocity + (size_t)slot * 4, loop->position );
-        }
-        loop->blocks[block] = m;
+        int first = block * BODY_GRAIN, last = first + BODY_GRAIN < loop->count ? first + BODY_GRAIN : loop->count;
+        loop->kernels->moments( &loop->args, first, last, loop->blocks + block );
     }
 }
 
-static void add_moments( moments* sum, const moments* block )
+static void add_moments( wisp_moments* sum, const wisp_moments* block )
 {
     const double* from = &block->mass;
     double* to = &sum->mass;
-    for ( size_t i = 0; i < sizeof( moments ) / sizeof( double ); ++i )
+    for ( size_t i = 0; i < sizeof( wisp_moments ) / sizeof( double ); ++i )
     {
         to[i] += from[i];
     }
+}
+
+bool balloon_sum_moments( wisp_frame* frame, const wisp_span* span, const float* previous, wisp_moments* out )
+{
+    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    const int count = wisp_frame_fabric( frame, span->entity )->vertex_count;
+    const int blocks = ( count + BODY_GRAIN - 1 ) / BODY_GRAIN;
+    moment_loop loop = {
+        .args = { .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+                  .previous = previous,
+                  .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
+                  .origin = { previous[0], previous[1], previous[2] } },
+        .kernels = wisp_frame_kernels( frame ),
+        .blocks = wisp_parallel_scratch( parallel, span->worker, (size_t)blocks * sizeof( wisp_moments ) ),
+        .count = count,
+    };
+    if ( loop.blocks == NULL )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the moments of %d vertices", count );
+        return false;
+    }
+    wisp_parallel_for( parallel, blocks, 1, sum_blocks, &loop );
+    *out = ( wisp_moments ){ 0 };
+    for ( int block = 0; block < blocks; ++block )
+    {
+        add_moments( out, loop.blocks + block );
+    }
+    return true;
 }
 
 // Inverse of a symmetric matrix by its adjugate; zero where all mass lies on a line.
@@ -91,7 +84,7 @@ static void invert( const double i[6], double out[6] )
     }
 }
 
-static void finish( balloon_body* body, const moments* m, const float* origin )
+static void finish( balloon_body* body, const wisp_moments* m, const float* origin )
 {
     memset( body, 0, sizeof( *body ) );
     body->mass = m->mass;
@@ -105,45 +98,29 @@ static void finish( balloon_body* body, const moments* m, const float* origin )
         c[k] = m->first[k] / m->mass;
         body->centre[k] = (double)origin[k] + c[k];
     }
-    double xx = m->second[0] - m->mass * c[0] * c[0], yy = m->second[1] - m->mass * c[1] * c[1];
-    double zz = m->second[2] - m->mass * c[2] * c[2];
+    double xx = m->mixed[0][0] - m->mass * c[0] * c[0], yy = m->mixed[1][1] - m->mass * c[1] * c[1];
+    double zz = m->mixed[2][2] - m->mass * c[2] * c[2];
     const double inertia[6] = { yy + zz,
                                 xx + zz,
                                 xx + yy,
-                                -( m->second[3] - m->mass * c[0] * c[1] ),
-                                -( m->second[4] - m->mass * c[0] * c[2] ),
-                                -( m->second[5] - m->mass * c[1] * c[2] ) };
+                                -( m->mixed[0][1] - m->mass * c[0] * c[1] ),
+                                -( m->mixed[0][2] - m->mass * c[0] * c[2] ),
+                                -( m->mixed[1][2] - m->mass * c[1] * c[2] ) };
     invert( inertia, body->inverse_inertia );
-    body->angular_momentum[0] = m->angular[0] - ( c[1] * m->momentum[2] - c[2] * m->momentum[1] );
-    body->angular_momentum[1] = m->angular[1] - ( c[2] * m->momentum[0] - c[0] * m->momentum[2] );
-    body->angular_momentum[2] = m->angular[2] - ( c[0] * m->momentum[1] - c[1] * m->momentum[0] );
+    body->angular_momentum[0] = m->angular_momentum[0] - ( c[1] * m->momentum[2] - c[2] * m->momentum[1] );
+    body->angular_momentum[1] = m->angular_momentum[1] - ( c[2] * m->momentum[0] - c[0] * m->momentum[2] );
+    body->angular_momentum[2] = m->angular_momentum[2] - ( c[0] * m->momentum[1] - c[1] * m->momentum[0] );
 }
 
 void balloon_measure_body( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const balloon_state* state = user;
-    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
-    int blocks = ( fabric->vertex_count + BODY_GRAIN - 1 ) / BODY_GRAIN;
-    body_loop loop = {
-        .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
-        .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
-        .blocks = wisp_parallel_scratch( parallel, span->worker, (size_t)blocks * sizeof( moments ) ),
-        .count = fabric->vertex_count,
-    };
-    if ( loop.blocks == NULL )
+    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    wisp_moments sum;
+    if ( balloon_sum_moments( frame, span, position, &sum ) )
     {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the inertia of %d vertices",
-                         fabric->vertex_count );
-        return;
+        finish( wisp_frame_column( frame, span->entity, state->body, 0 ), &sum, position );
     }
-    wisp_parallel_for( parallel, blocks, 1, sum_blocks, &loop );
-    moments sum = { 0 };
-    for ( int block = 0; block < blocks; ++block )
-    {
-        add_moments( &sum, loop.blocks + block );
-    }
-    finish( wisp_frame_column( frame, span->entity, state->body, 0 ), &sum, loop.position );
 }
 
 void balloon_spin_of( const balloon_body* body, const double torque[3], double out[3] )
@@ -187,22 +164,14 @@ void balloon_kick( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const balloon_state* state = user;
     const balloon_body* body = wisp_frame_column( frame, span->entity, state->body, 0 );
-    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
-    double w[3];
-    spin_increment( frame, span, state, w );
+    wisp_turn_args args = {
+        .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+        .rows = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
+        .centre = { body->centre[0], body->centre[1], body->centre[2] },
+    };
+    spin_increment( frame, span, state, args.angle );
     const wisp_span s = wisp_frame_particles( frame, span );
-    for ( int slot = s.begin; slot < s.end; ++slot )
-    {
-        const float* p = position + (size_t)slot * 4;
-        float* v = velocity + (size_t)slot * 4;
-        double r[3] = { (double)p[0] - body->centre[0], (double)p[1] - body->centre[1],
-                        (double)p[2] - body->centre[2] };
-        double moves = p[3] > 0.0f ? 1.0 : 0.0;
-        v[0] += (float)( moves * ( w[1] * r[2] - w[2] * r[1] ) );
-        v[1] += (float)( moves * ( w[2] * r[0] - w[0] * r[2] ) );
-        v[2] += (float)( moves * ( w[0] * r[1] - w[1] * r[0] ) );
-    }
+    wisp_frame_kernels( frame )->turn( &args, s.begin, s.end );
 }
 
 // The printed form, for comparison: a separate angular velocity turns the positions by one step's rotation.

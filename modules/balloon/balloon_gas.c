@@ -108,41 +108,31 @@ void balloon_inflate( wisp_frame* frame, const wisp_span* span, void* user )
 
 // ---- pressure ----
 
-typedef struct tension_loop
-{
-    const wisp_fabric* fabric;
-    const float* position;
-    balloon_skin skin;
-    double* sums; // [block]
-} tension_loop;
-
 enum
 {
     LINK_GRAIN = 4096,
 };
+
+typedef struct tension_loop
+{
+    wisp_link_args args;
+    balloon_skin skin;
+    const wisp_kernels* kernels;
+    double* sums; // [block]
+    int slot_count;
+} tension_loop;
 
 // sum T l with T = k (l - d): links at rest add nothing, slack ones pull inwards like pressure from outside.
 static void sum_tensions( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const tension_loop* loop = context;
-    const wisp_fabric* f = loop->fabric;
     for ( int block = begin; block < end; ++block )
     {
-        int last = ( block + 1 ) * LINK_GRAIN < f->link_order.slot_count ? ( block + 1 ) * LINK_GRAIN
-                                                                         : f->link_order.slot_count;
-        double sum = 0.0;
-        for ( int slot = block * LINK_GRAIN; slot < last; ++slot )
-        {
-            int link = f->link_order.constraint[slot];
-            const float *a = loop->position + f->link_a_x4[slot], *b = loop->position + f->link_b_x4[slot];
-            double x = (double)a[0] - (double)b[0], y = (double)a[1] - (double)b[1], z = (double)a[2] - (double)b[2];
-            double length = sqrt( x * x + y * y + z * z );
-            double stiffness =
-                (double)( link < f->edge_count ? loop->skin.edge_stiffness : loop->skin.bend_link_stiffness );
-            sum += link >= 0 ? stiffness * ( length - (double)f->link_rest[slot] ) * length : 0.0;
-        }
-        loop->sums[block] = sum;
+        int first = block * LINK_GRAIN, last = first + LINK_GRAIN;
+        last = last < loop->slot_count ? last : loop->slot_count;
+        loop->sums[block] = loop->kernels->link_virial( &loop->args, loop->skin.edge_stiffness,
+                                                        loop->skin.bend_link_stiffness, first, last );
     }
 }
 
@@ -153,10 +143,16 @@ static double virial_pressure( wisp_frame* frame, const wisp_span* span, const b
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     int blocks = ( fabric->link_order.slot_count + LINK_GRAIN - 1 ) / LINK_GRAIN;
     tension_loop loop = {
-        .fabric = fabric,
-        .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+        .args = { .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+                  .a_x4 = fabric->link_a_x4,
+                  .b_x4 = fabric->link_b_x4,
+                  .rest = fabric->link_rest,
+                  .constraint = fabric->link_order.constraint,
+                  .edge_count = fabric->edge_count },
         .skin = *(balloon_skin*)wisp_frame_column( frame, span->entity, state->skin, 0 ),
+        .kernels = wisp_frame_kernels( frame ),
         .sums = wisp_parallel_scratch( parallel, span->worker, (size_t)blocks * sizeof( double ) ),
+        .slot_count = fabric->link_order.slot_count,
     };
     if ( loop.sums == NULL )
     {
@@ -178,6 +174,12 @@ void balloon_read_pressure( wisp_frame* frame, const wisp_span* span, void* user
     const balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
     const balloon_extent* extent = wisp_frame_column( frame, span->entity, state->extent, 0 );
     balloon_gauge* gauge = wisp_frame_column( frame, span->entity, state->gauge, 0 );
+    // an outlet reads the pressure of every substep, statistics that of the last one
+    if ( wisp_frame_has( frame, span->entity, state->outlet ) == false &&
+         balloon_is_last_substep( frame, span ) == false )
+    {
+        return;
+    }
     switch ( *(int32_t*)wisp_frame_column( frame, span->entity, state->reading, 0 ) )
     {
         case WISP_BALLOON_PRESSURE_GAS:

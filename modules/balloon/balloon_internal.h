@@ -128,15 +128,18 @@ void balloon_keep_angular( wisp_frame* frame, const wisp_span* span, void* user 
 // balloon_air.c
 void balloon_drag( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_float( wisp_frame* frame, const wisp_span* span, void* user );
-/// Drag on one slot, N (balloon paper, eq. 11).
-wisp_vec3 balloon_drag_force( const balloon_air* air, wisp_vec3 velocity, wisp_vec3 area_vector, float area,
-                              float dt_w );
+/// Arguments of drag (balloon paper, eq. 11). The entity has air and rings.
+wisp_vertex_drag_args balloon_drag_args( wisp_frame* frame, const wisp_span* span, const balloon_state* state );
+/// Add a change of velocity to the particles of a block that are not pinned.
+void balloon_push_all( wisp_frame* frame, const wisp_span* span, wisp_vec3 change );
 
 // balloon_outlet.c
 void balloon_let_out( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_jet( wisp_frame* frame, const wisp_span* span, void* user );
 
 // balloon_body.c
+/// Sum moments of all vertices about the first one of `previous`, [slot][4]. @return false: no memory, and the frame fails
+bool balloon_sum_moments( wisp_frame* frame, const wisp_span* span, const float* previous, wisp_moments* out );
 void balloon_measure_body( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_kick( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_turn_printed( wisp_frame* frame, const wisp_span* span, void* user );
@@ -145,4 +148,5 @@ void balloon_spin_of( const balloon_body* body, const double torque[3], double o
 void balloon_torque_of( const balloon_body* body, const balloon_outlet* outlet, double out[3] );
 
 // balloon_stats.c
+bool balloon_is_last_substep( wisp_frame* frame, const wisp_span* span );
 void balloon_take_stats( wisp_frame* frame, const wisp_span* span, void* user );

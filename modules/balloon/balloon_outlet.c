@@ -69,17 +69,8 @@ void balloon_jet( wisp_frame* frame, const wisp_span* span, void* user )
     {
         return;
     }
-    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
-    const wisp_span s = wisp_frame_particles( frame, span );
     double factor = -outlet->mass_flow * outlet->speed / body->mass * (double)wisp_frame_dt( frame, span->entity );
-    const float change[3] = { (float)( factor * outlet->normal[0] ), (float)( factor * outlet->normal[1] ),
-                              (float)( factor * outlet->normal[2] ) };
-    for ( int slot = s.begin; slot < s.end; ++slot )
-    {
-        for ( int k = 0; k < 3 && position[(size_t)slot * 4 + 3] > 0.0f; ++k )
-        {
-            velocity[(size_t)slot * 4 + (size_t)k] += change[k];
-        }
-    }
+    balloon_push_all( frame, span,
+                      ( wisp_vec3 ){ (float)( factor * outlet->normal[0] ), (float)( factor * outlet->normal[1] ),
+                                     (float)( factor * outlet->normal[2] ) } );
 }

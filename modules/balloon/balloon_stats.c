@@ -4,29 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-static void sum_drag( wisp_frame* frame, const wisp_span* span, const balloon_state* state, double out[3] )
-{
-    const balloon_air* air = wisp_frame_column( frame, span->entity, state->air, 0 );
-    const float* vectors = wisp_frame_column( frame, span->entity, state->rings, 0 );
-    const float* areas = wisp_frame_column( frame, span->entity, state->rings, 1 );
-    const float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
-    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    const int count = wisp_frame_fabric( frame, span->entity )->vertex_count;
-    const float dt = wisp_frame_dt( frame, span->entity );
-    memset( out, 0, 3 * sizeof( double ) );
-    for ( int slot = 0; slot < count && air != NULL && vectors != NULL; ++slot )
-    {
-        const float* v = velocity + (size_t)slot * 4;
-        const float* g = vectors + (size_t)( slot / 8 ) * 24 + slot % 8;
-        float dt_w = dt * position[(size_t)slot * 4 + 3];
-        wisp_vec3 f = balloon_drag_force( air, ( wisp_vec3 ){ v[0], v[1], v[2] }, ( wisp_vec3 ){ g[0], g[8], g[16] },
-                                          areas[slot], dt_w );
-        out[0] += (double)f.x;
-        out[1] += (double)f.y;
-        out[2] += (double)f.z;
-    }
-}
-
 static void take_weight( wisp_frame* frame, const wisp_span* span, const balloon_state* state, double volume,
                          const balloon_body* body, wisp_balloon_stats* f )
 {
@@ -73,7 +50,13 @@ static void turn( double q[4], const double w[3], double dt )
     }
 }
 
-// Measure once a substep, so that the orientation follows. All values belong to the same substep.
+bool balloon_is_last_substep( wisp_frame* frame, const wisp_span* span )
+{
+    return span->substep + 1 == wisp_frame_substeps( frame, span->entity );
+}
+
+// Measure once a substep, so that the orientation follows. At the end of a step all values belong to its last substep, the only
+// one whose drag is summed.
 void balloon_take_stats( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const balloon_state* state = user;
@@ -94,7 +77,12 @@ void balloon_take_stats( wisp_frame* frame, const wisp_span* span, void* user )
         .centre = { body->centre[0], body->centre[1], body->centre[2] },
     };
     take_weight( frame, span, state, extent->volume, body, f );
-    sum_drag( frame, span, state, f->drag );
+    if ( wisp_frame_has( frame, span->entity, state->air ) && balloon_is_last_substep( frame, span ) )
+    {
+        const wisp_vertex_drag_args args = balloon_drag_args( frame, span, state );
+        wisp_frame_kernels( frame )->sum_vertex_drag( &args, 0, wisp_frame_fabric( frame, span->entity )->slot_count,
+                                                      f->drag );
+    }
     if ( outlet != NULL )
     {
         take_jet( outlet, body, f );

@@ -220,6 +220,31 @@ static void a_guard_below_the_rest_volume_lets_a_balloon_go_limp( void** state )
 }
 
 // Memory, at sizes of 642 to 40962 vertices
+// Without an outlet, pressure and drag are measured in the last substep of a step only.
+static void a_closed_outlet_changes_no_reading( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    wisp_balloon_stats stats[2];
+    for ( int k = 0; k < 2; ++k )
+    {
+        balloon_scene scene = balloon_scene_in_air( &mesh );
+        scene.def.gas_ratio = 1.2f;
+        if ( k == 1 )
+        {
+            balloon_scene_give_outlet( &scene, 0, false );
+        }
+        balloon_flight flight = balloon_start( &scene );
+        balloon_steps( &flight, 20 );
+        stats[k] = balloon_read( &flight );
+        balloon_end( &flight );
+    }
+    assert_true( stats[0].pressure > 0.0 && stats[0].drag[1] != 0.0 );
+    assert_true( stats[0].pressure == stats[1].pressure );
+    assert_memory_equal( stats[0].drag, stats[1].drag, sizeof( stats[0].drag ) );
+    balloon_mesh_destroy( &mesh );
+}
+
 static void memory_is_proportional_to_the_vertices( void** state )
 {
     (void)state;
@@ -254,6 +279,7 @@ int main( void )
         cmocka_unit_test( four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflow ),
         cmocka_unit_test( a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_fuller ),
         cmocka_unit_test( a_guard_below_the_rest_volume_lets_a_balloon_go_limp ),
+        cmocka_unit_test( a_closed_outlet_changes_no_reading ),
         cmocka_unit_test( memory_is_proportional_to_the_vertices ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -130,6 +130,36 @@ typedef struct wisp_particle_args
     float dt;               ///< s
 } wisp_particle_args;
 
+/// Arguments of moments of particles at two times.
+typedef struct wisp_moment_args
+{
+    const float* position; ///< [slot][4] m, inverse mass in 1/kg
+    const float* previous; ///< [slot][4] m, at the other time; may be the position
+    const float* velocity; ///< [slot][4] m/s
+    wisp_vec3 origin;      ///< m, reference point of all moments; a point near the body reduces rounding
+} wisp_moment_args;
+
+/// Sums over particles with inverse masses above 0, with p from the origin to the position, x to the previous one.
+typedef struct wisp_moments
+{
+    double mass;                ///< kg
+    double pinned;              ///< number of the other particles
+    double first[3];            ///< kg m, m p
+    double previous[3];         ///< kg m, m x
+    double momentum[3];         ///< kg m/s, m v
+    double angular_momentum[3]; ///< kg m^2/s, m x x v
+    double mixed[3][3];         ///< kg m^2, m p_a x_b
+} wisp_moments;
+
+/// Arguments of a small rotation: row += angle x (position - centre), rounded once. Particles with inverse mass 0 keep theirs.
+typedef struct wisp_turn_args
+{
+    const float* position; ///< [slot][4] m, inverse mass in 1/kg
+    float* rows;           ///< [slot][4] positions or velocities; the fourth component is kept
+    double angle[3];       ///< rad, or rad/s for velocities
+    double centre[3];      ///< m
+} wisp_turn_args;
+
 /// Arguments of the check that positions and velocities of particles are finite and bounded.
 typedef struct wisp_bound_args
 {
@@ -174,6 +204,10 @@ typedef struct wisp_kernels
     void ( *link_xpbd )( const wisp_link_args* args, int begin, int end );
     /// clamps the length to [minimum, maximum] times rest
     void ( *link_limit )( const wisp_link_args* args, int begin, int end );
+    /// Sum k (length - rest) length, with the stiffness of edges or of bend links. Padding adds nothing.
+    /// @return N m
+    double ( *link_virial )( const wisp_link_args* args, float edge_stiffness, float bend_stiffness, int begin,
+                             int end );
     /// Positions and velocities of columns to lanes; positions alone if `velocity` is null.
     void ( *instances_load )( const wisp_instances_args* args );
     /// Positions, velocities and previous positions of some lanes to columns, or positions alone. @param lanes bit l: lane l
@@ -257,11 +291,17 @@ typedef struct wisp_kernels
                           float upper[4] );
     // groups of eight particles
     void ( *half_space )( const wisp_half_space_args* args, int begin, int end );
+    // slots, begin a multiple of 8; from end to the next multiple of 8, inverse masses are 0
+    void ( *moments )( const wisp_moment_args* args, int begin, int end, wisp_moments* sums ); ///< sums: output
+    void ( *turn )( const wisp_turn_args* args, int begin, int end );
     // slots, multiples of 8
     void ( *tether )( const wisp_tether_args* args, int begin, int end );
     void ( *accelerate )( const wisp_particle_args* args, int begin, int end ); ///< v += dt acceleration
     void ( *predict )( const wisp_particle_args* args, int begin, int end );    ///< previous = p, p += dt v
     void ( *velocity )( const wisp_particle_args* args, int begin, int end );   ///< v += (p - (previous + dt v)) / dt
+    void ( *vertex_drag )( const wisp_vertex_drag_args* args, int begin, int end ); ///< v += dt w force
+    /// Sum the forces. @param sum [3] N, output
+    void ( *sum_vertex_drag )( const wisp_vertex_drag_args* args, int begin, int end, double sum[3] );
     void ( *rigid_sums )( const wisp_rigid_args* args, int begin, int end, wisp_rigid_sums* sums ); ///< sums: output
     void ( *rigid_approach )( const wisp_rigid_args* args, int begin,
                               int end ); ///< v += fraction (linear + angular x r - v)

@@ -15,8 +15,8 @@ typedef struct wisp_link_args
     const float* rest;          ///< [link] m, rest length
     const float* stiffness;     ///< [link] pbd: fraction of the error removed, in [0, 1]
     const float* compliance;    ///< [link] xpbd: m/N
-    const int32_t* constraint;  ///< [link] numbers of the constraints, with folded
-    int edge_count;             ///< constraints from this number on are bend links, with folded
+    const int32_t* constraint;  ///< [link] numbers of the constraints, -1 pads; with folded, and for the virial
+    int edge_count;             ///< constraints from this number on are bend links; likewise
     uint8_t* folded; ///< [link / 8] 0; receives the bits of bend links shorter than half their rest length, which are
                      ///< not projected. Null: all links are projected
     float* lambda;   ///< [link] xpbd: N s^2, multiplier of this substep; null: starts at 0, for a single iteration
@@ -113,6 +113,27 @@ typedef struct wisp_ring_air_args
     float drag, lift;              ///< C_d, C_l
     float dt;                      ///< s
 } wisp_ring_air_args;
+
+/// Dependence of drag on the angle between velocity and area vector.
+typedef enum wisp_drag_law
+{
+    WISP_DRAG_MAX,    ///< max( 0, cos ), along the velocity
+    WISP_DRAG_ABS,    ///< |cos|
+    WISP_DRAG_SIGNED, ///< cos
+    WISP_DRAG_NORMAL, ///< cos, along the area vector
+} wisp_drag_law;
+
+/// Arguments of drag of air at rest on vertices. A vertex at rest, or whose area vector cancels, has none.
+typedef struct wisp_vertex_drag_args
+{
+    const float* position;   ///< [slot][4] m, inverse mass in 1/kg
+    float* velocity;         ///< [slot][4] m/s, the fourth component is kept
+    const float* vectors;    ///< [slice][3][8] m^2, area vectors, as from ring_gradient
+    const float* areas;      ///< [slot] m^2
+    float half_density_drag; ///< 1/2 rho C_d, kg/m^3
+    float dt;                ///< s
+    wisp_drag_law law;
+} wisp_vertex_drag_args;
 
 /// Sums over a range of slices. Each is a double, summed from eight ordered float lanes.
 typedef struct wisp_ring_sums
