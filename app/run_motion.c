@@ -147,7 +147,7 @@ void run_motion_add_warnings( const scene_world* world, results* out )
         if ( stretch > TOO_LONG )
         {
             results_add_note( out, "%s is stretched by %.0f %%; more than %d substeps keep lengths better", body.name,
-                              100.0 * stretch, world->scene->substeps );
+                              100.0 * stretch, scene_world_substeps( world, b ) );
         }
     }
 }

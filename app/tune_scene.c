@@ -65,7 +65,7 @@ static wisp_status build( void* user, const int* configuration, int substep_fact
     host* h = user;
     wisp_scene* scene = h->def->scene;
     tune_parameters_set( h->def->parameters, configuration, scene );
-    scene->substeps *= substep_factor;
+    wisp_scene_refine( scene, substep_factor );
     wisp_status status = scene_world_create( scene, &h->options, &h->world, error );
     if ( status == WISP_OK )
     {

@@ -321,6 +321,10 @@ extern "C"
 
     /// @param step >= 0, counted from 0 @return s, its length
     WISP_API float wisp_scene_step_length( const wisp_scene* scene, int step );
+    /// Multiply all substeps, those of entities too.
+    WISP_API void wisp_scene_refine( wisp_scene* scene, int factor );
+    /// Return the most substeps that an entity has of its own; 0: none has.
+    WISP_API int wisp_scene_own_substeps( const wisp_scene* scene );
     /// @return s, where a step begins: the sum of the lengths before it
     WISP_API double wisp_scene_step_time( const wisp_scene* scene, int step );
     /// @return the first step that begins at a time or after it; may be beyond the last step

@@ -74,3 +74,30 @@ double wisp_scene_step_at( const wisp_scene* scene, float time )
     }
     return rounds * count + step;
 }
+
+void wisp_scene_refine( wisp_scene* scene, int factor )
+{
+    scene->substeps *= factor;
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        scene->surfaces[i].substeps *= factor;
+    }
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        scene->strands[i].substeps *= factor;
+    }
+}
+
+int wisp_scene_own_substeps( const wisp_scene* scene )
+{
+    int most = 0;
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        most = scene->surfaces[i].substeps > most ? scene->surfaces[i].substeps : most;
+    }
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        most = scene->strands[i].substeps > most ? scene->strands[i].substeps : most;
+    }
+    return most;
+}

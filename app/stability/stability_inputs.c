@@ -68,10 +68,13 @@ static double farthest( const bounds* b )
 static double find_extent( const scene_world* world, double* rounding )
 {
     bounds all = NOTHING;
+    int most = 0;
     for ( int body = 0; body < scene_world_moving_count( world ); ++body )
     {
         const wisp_vec3* points = points_of( world, body );
-        const int count = scene_world_body( world, body ).vertex_count;
+        const int count = scene_world_body( world, body ).vertex_count,
+                  substeps = scene_world_substeps( world, body );
+        most = substeps > most ? substeps : most;
         for ( int i = 0; i < count; ++i )
         {
             widen( &all, points[i] );
@@ -86,7 +89,7 @@ static double find_extent( const scene_world* world, double* rounding )
             widen( &all, b.upper );
         }
     }
-    *rounding = (double)FLT_EPSILON * farthest( &all ) * world->scene->substeps / (double)world->scene->dt;
+    *rounding = (double)FLT_EPSILON * farthest( &all ) * most / (double)world->scene->dt;
     return diagonal( &all );
 }
 
@@ -319,10 +322,10 @@ static double softness_of( double compliance, double stiffness, double inverse_m
     return ( compliance + 2.0 * inverse_mass * h * h / fmax( stiffness, 1e-2 ) ) * force / edge;
 }
 
-static double surface_softness( const wisp_scene* scene, const wisp_scene_surface* s, const stability_body* body,
-                                double inverse_mass, double force )
+static double surface_softness( const wisp_scene_surface* s, const stability_body* body, double inverse_mass,
+                                double force )
 {
-    const double h = (double)scene->dt / scene->substeps;
+    const double h = body->substep;
     if ( s->has_implicit )
     {
         return softness_of( 1.0 / (double)s->implicit.stretch_stiffness, 1.0, 0.0, h, force, body->edge );
@@ -338,10 +341,10 @@ static double surface_softness( const wisp_scene* scene, const wisp_scene_surfac
     return INFINITY; // a skin that gas stretches, or vertices without links
 }
 
-static double strands_softness( const wisp_scene* scene, const wisp_scene_strands* s, const stability_body* body,
-                                double inverse_mass, double force )
+static double strands_softness( const wisp_scene_strands* s, const stability_body* body, double inverse_mass,
+                                double force )
 {
-    const double h = (double)scene->dt / scene->substeps;
+    const double h = body->substep;
     if ( s->dynamics.stretch != WISP_STRAND_STRETCH_LINKS )
     {
         return (double)s->dynamics.stretch_tolerance;
@@ -377,10 +380,9 @@ static void find_softness( const scene_world* world, stability_trace* trace )
                     trace->inputs.drag + trace->inputs.lift;
         if ( b->moves )
         {
-            b->softness =
-                i < scene->strands_count
-                    ? strands_softness( scene, &scene->strands[i], b, inverse_mass, force )
-                    : surface_softness( scene, &scene->surfaces[i - scene->strands_count], b, inverse_mass, force );
+            b->softness = i < scene->strands_count ? strands_softness( &scene->strands[i], b, inverse_mass, force )
+                                                   : surface_softness( &scene->surfaces[i - scene->strands_count], b,
+                                                                       inverse_mass, force );
         }
     }
 }
@@ -473,6 +475,9 @@ static void describe_body( const scene_world* world, int body, stability_body* b
     const wisp_scene_surface* surface = is_strands ? NULL : &scene->surfaces[body - scene->strands_count];
     snprintf( b->name, sizeof b->name, "%s", scene_world_body( world, body ).name );
     b->moves = is_strands ? hair->has_dynamics : true;
+    const int substeps = scene_world_substeps( world, body );
+    b->substep = (double)scene->dt / substeps;
+    b->shortest = shortest_step( scene ) / substeps;
     const int carrier = is_strands ? hair->on_surface : -1;
     b->is_carried = carrier >= 0 && !scene->surfaces[carrier].has_collision;
     b->is_pinned = is_strands || world->surfaces[body - scene->strands_count].pin_count > 0;
@@ -487,8 +492,7 @@ static void describe_body( const scene_world* world, int body, stability_body* b
     b->twin = INFINITY;
     if ( is_strands && hair->dynamics.stretch == WISP_STRAND_STRETCH_FOLLOW )
     {
-        const double h = (double)scene->dt / scene->substeps;
-        b->kept = b->gravity * h / ( 1.0 - fmin( (double)hair->dynamics.leader_correction, 0.99 ) );
+        b->kept = b->gravity * b->substep / ( 1.0 - fmin( (double)hair->dynamics.leader_correction, 0.99 ) );
     }
     wisp_motion_stats m;
     b->mass = b->moves && scene_world_motion_stats( world, body, &m, NULL ) == WISP_OK ? m.mass : 0.0;
@@ -500,7 +504,6 @@ void stability_find_inputs( const scene_world* world, stability_trace* trace )
     const wisp_scene* scene = world->scene;
     trace->inputs = ( stability_inputs ){ 0 };
     trace->extent = find_extent( world, &trace->rounding );
-    trace->substep = shortest_step( scene ) / scene->substeps;
     for ( int body = 0; body < trace->body_count; ++body )
     {
         describe_body( world, body, &trace->bodies[body] );

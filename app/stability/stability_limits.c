@@ -140,7 +140,7 @@ static double energy_limit( const stability_trace* trace )
     {
         const stability_body* b = &trace->bodies[body];
         const stability_sample* s = stability_sample_of( trace, 0, body );
-        const double fall = b->gravity * trace->substep * trace->substep;
+        const double fall = b->gravity * b->shortest * b->shortest;
         limit += b->moves ? b->mass * b->gravity * ( PART * b->extent + fall ) + PART * ( s->stored + s->bent ) +
                                 0.5 * b->mass * b->kept * b->kept
                           : 0.0;
@@ -243,7 +243,7 @@ static double rest_limit( const stability_trace* trace, int body )
     const double PART = 0.01, ROUNDINGS = 8.0;
     const stability_body* b = &trace->bodies[body];
     const double coordinate = stability_sample_of( trace, trace->steps, body )->coordinate;
-    const double rounding = ROUNDINGS * (double)FLT_EPSILON * fmax( b->extent, coordinate ) / trace->substep;
+    const double rounding = ROUNDINGS * (double)FLT_EPSILON * fmax( b->extent, coordinate ) / b->shortest;
     return fmax( PART * sqrt( fmax( b->gravity, 1.0 ) * b->extent ), rounding );
 }
 

@@ -280,7 +280,7 @@ static void read_strain( const stability_reader* r, const stability_body* body, 
 void stability_read( stability_reader* r, const scene_world* world, const stability_body* body, double dt,
                      stability_sample* out )
 {
-    const double h = ( dt > 0.0 ? dt : (double)world->scene->dt ) / world->scene->substeps;
+    const double h = dt > 0.0 ? body->substep * dt / (double)world->scene->dt : body->substep;
     read_columns( r, world );
     read_travel( r, dt, out );
     out->is_finite &= isfinite( out->travel ) && isfinite( out->coordinate );

@@ -29,6 +29,8 @@ typedef struct stability_body
     bool is_carried;    ///< strands on a surface that no collider stops: their roots go where it goes
     bool is_halted;     ///< at the end
     bool starts_inside; ///< of a collider: being pushed out takes its time, and may go two ways at once
+    double substep;     ///< s, in a step of the scene's length
+    double shortest;    ///< s, in the shortest step
     double mass;        ///< kg, that is free
     double size;        ///< m, diagonal of its bounds at the start
     double area;        ///< m^2, that air meets: triangles; segments times the diameter
@@ -84,7 +86,6 @@ typedef struct stability_trace
     uint64_t hash; ///< of the points of all bodies after the last step
     uint64_t resets, not_converged, degenerate; ///< counters at the end
     double rounding;                            ///< m/s, that the last bit of a coordinate is worth in a substep
-    double substep;                             ///< s, of the shortest step
     double extent; ///< m, diagonal of the bounds of bodies and colliders at the start, without planes
 } stability_trace;
 

@@ -37,11 +37,28 @@ static wisp_status read_halves( const suite_reader* r, suite_run run, const scen
     return status == WISP_OK ? suite_read_run( r, &run, "reference, quarter", &r->out->coarsest ) : status;
 }
 
+// A reference is finer than what is measured with it, also where entities have substeps of their own.
+static wisp_status check_own_substeps( const suite_reader* r, const scene_node* place )
+{
+    wisp_scene scene;
+    wisp_status status = suite_scene( &r->out->reference, &scene, r->source.error );
+    const int own = wisp_scene_own_substeps( &scene ), substeps = scene.substeps;
+    wisp_scene_release( &scene );
+    return status == WISP_OK && own > 0 && 4 * (int64_t)own > substeps
+               ? suite_refuse( r, place,
+                               "got a reference of %d substeps and an entity with %d of its own, expected at least "
+                               "four times as many",
+                               substeps, own )
+               : status;
+}
+
 // All runs are as long as the first row.
-static wisp_status read_runs( const suite_reader* r, const scene_node* const* values )
+static wisp_status read_runs( const suite_reader* r, const scene_node* block, const scene_node* const* values )
 {
     suite_run run = { .file = values[REFERENCE_FILE], .set = values[REFERENCE_SET] };
     wisp_status status = suite_read_run( r, &run, "reference", &r->out->reference );
+    status =
+        status == WISP_OK ? check_own_substeps( r, values[REFERENCE_SET] ? values[REFERENCE_SET] : block ) : status;
     if ( status == WISP_OK && values[REFERENCE_EXTRAPOLATE] )
     {
         return read_halves( r, run, values[REFERENCE_EXTRAPOLATE] );
@@ -109,5 +126,5 @@ wisp_status suite_read_reference( suite_reader* r, const scene_node* block )
                              "expected set, the fields of the converged run, and check, those that make a coarser "
                              "one, or extrapolate, the order at which runs converge" );
     }
-    return read_runs( r, values );
+    return read_runs( r, block, values );
 }

@@ -113,6 +113,14 @@ static wisp_entity entity_of( const scene_world* world, body_place place )
     return is_surface( place ) ? world->surfaces[place.index].entity : world->entities[place.index];
 }
 
+int scene_world_substeps( const scene_world* world, int body )
+{
+    int substeps = 0;
+    const wisp_status status =
+        wisp_read_substeps( world->world, entity_of( world, place_of( world, body ) ), &substeps );
+    return status == WISP_OK ? substeps : world->scene->substeps;
+}
+
 static wisp_status find_component( const scene_world* world, int body, scene_request request, wisp_component* out,
                                    wisp_error* error )
 {

@@ -53,11 +53,11 @@ _Static_assert( PLAN_MAX_PASSES <= UINT8_MAX + 1, "loop_nodes hold numbers of no
 void plan_find_entity_loops( plan* p, const wisp_registry* r )
 {
     list_nodes( p );
-    const bool strands = plan_has_strand_waves( p );
+    const bool followers = plan_has_followers( p, r );
     p->loop_count = 0;
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
-        p->entities[slot].loops = strands == false && can_loop( p, r, slot );
+        p->entities[slot].loops = followers == false && can_loop( p, r, slot );
         p->loop_count += p->entities[slot].loops ? 1 : 0;
     }
     if ( p->loop_count < 2 || p->loop_count < r->workers ) // few have all workers, one after another

@@ -59,7 +59,8 @@ static int split_of( const wisp_frame* frame, wisp_entity entity )
 
 float wisp_frame_dt( const wisp_frame* frame, wisp_entity entity )
 {
-    return frame->seconds / (float)split_of( frame, entity );
+    return frame->even > 0.0f ? frame->even / (float)wisp_frame_substeps( frame, entity )
+                              : frame->seconds / (float)split_of( frame, entity );
 }
 
 int wisp_frame_substeps( const wisp_frame* frame, wisp_entity entity )

@@ -227,8 +227,8 @@ void plan_print( const wisp_plan_info* report, void ( *write )( void* user, cons
 store_mask plan_columns_across( const plan* p, const wisp_registry* r, int slot );
 /// Find into how many substeps each entity splits one of the world, after nodes and before loops.
 void plan_find_splits( plan* p, const wisp_registry* r );
-/// Do strands run substeps in waves? They follow surfaces from substep to substep then, which no list of theirs says.
-bool plan_has_strand_waves( const plan* p );
+/// Does a pass in waves of substeps follow entities that it does not list?
+bool plan_has_followers( const plan* p, const wisp_registry* r );
 /// Return the next larger split among entities that run substeps in waves; 0: none.
 int plan_next_split( const plan* p, int split );
 
@@ -278,6 +278,7 @@ struct wisp_frame
     int substep, iteration;   // current ones
     int split;                // of the entities whose substeps run
     float seconds;            // of a substep of the world
+    float even;               // s, the step if it has its usual length and nothing is left of those before; else 0
     float progress;           // fraction of the motion to kinematic targets per substep; 0: 1 / substeps
     float reached;            // fraction of that motion completed by the last step
     const plan_block* wave;   // of the current wave

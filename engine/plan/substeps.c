@@ -19,16 +19,18 @@ store_mask plan_columns_across( const plan* p, const wisp_registry* r, int slot 
     return across;
 }
 
-bool plan_has_strand_waves( const plan* p )
+bool plan_has_followers( const plan* p, const wisp_registry* r )
 {
+    bool found = false;
     for ( int n = 0; n < p->node_count; ++n )
     {
-        if ( plan_is_substep( p->nodes[n].section ) && p->nodes[n].domain == WISP_DOMAIN_STRAND_GROUP )
+        const plan_node* node = p->nodes + n;
+        for ( int i = 0; i < node->pass_count && plan_is_substep( node->section ); ++i )
         {
-            return true;
+            found = found || r->passes[node->passes[i]].follows;
         }
     }
-    return false;
+    return found;
 }
 
 // Find whether an entity runs substeps in waves, and whether others touch what it has there, or it touches theirs.
@@ -55,13 +57,12 @@ static void find_meetings( plan* p, const wisp_registry* r, int slot, bool all_m
 
 static int split_for( int substeps, int of_world )
 {
-    const int split = ( substeps + of_world - 1 ) / of_world;
-    return split > 1 ? split : 1;
+    return substeps > of_world ? ( substeps - 1 ) / of_world + 1 : 1;
 }
 
 void plan_find_splits( plan* p, const wisp_registry* r )
 {
-    const bool all_meet = plan_has_strand_waves( p );
+    const bool all_meet = plan_has_followers( p, r );
     int most = 1; // of those that meet
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {

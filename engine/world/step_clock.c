@@ -59,6 +59,7 @@ void step_clock_advance( step_clock* clock, float dt, int substeps, bool must_ru
     {
         frame->substeps = substeps;
         frame->seconds = dt / (float)substeps;
+        frame->even = dt;
         frame->progress = 0.0f;
         clock->reached = 1.0f;
         return;
@@ -69,6 +70,7 @@ void step_clock_advance( step_clock* clock, float dt, int substeps, bool must_ru
         count = 1.0;
         substep = time;
     }
+    frame->even = 0.0f;
     frame->substeps = (int)count;
     frame->seconds = (float)substep;
     clock->remainder = time - count * substep;

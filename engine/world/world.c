@@ -164,10 +164,11 @@ void world_set_kernels( wisp_world* world, const wisp_kernels* kernels )
 
 static wisp_status compile_if_changed( wisp_world* world )
 {
-    if ( world->plan.structure == world->store.structure )
+    if ( world->plan.structure == world->store.structure && world->plan_is_stale == false )
     {
         return WISP_OK;
     }
+    world->plan_is_stale = false;
     wisp_error error = { 0 };
     wisp_status status = plan_compile( &world->plan, &world->registry, &error );
     wisp_frame_count( &world->frame, WISP_COUNT_PLANS, 1 );
@@ -218,6 +219,7 @@ static void cut_step( wisp_world* world, float dt, bool is_new_plan )
         return;
     }
     frame->substeps = world->registry.substeps;
+    frame->even = dt;
     frame->seconds = dt / (float)world->registry.substeps;
     frame->progress = 0.0f;
     frame->reached = 1.0f;
@@ -320,6 +322,18 @@ wisp_status wisp_world_surround( wisp_world* world, const char* name, wisp_aroun
                                   "'%s': expected a registered pass or fusion that has no function around it, and "
                                   "fewer than %d that have one",
                                   name, (int)PLAN_MAX_AROUNDS );
+}
+
+wisp_status wisp_read_substeps( wisp_world* world, wisp_entity entity, int* out )
+{
+    *out = 0;
+    const bool is_alive = store_find( &world->store, entity ) != NULL;
+    const wisp_status status = is_alive ? compile_if_changed( world ) : world_stale( world, entity );
+    if ( status == WISP_OK )
+    {
+        *out = world->registry.substeps * world->plan.entities[entity.index - 1].split;
+    }
+    return status;
 }
 
 wisp_status wisp_world_explain( wisp_world* world, wisp_plan_info** out )

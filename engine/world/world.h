@@ -36,6 +36,7 @@ struct wisp_world
     store store;
     wisp_registry registry;
     plan plan;
+    bool plan_is_stale; // although entities and components are those of the plan
     jobs_pool* pool;
     wisp_frame frame;
     step_clock clock;
@@ -52,8 +53,10 @@ void world_set_kernels( wisp_world* world, const wisp_kernels* kernels );
 /// An entity with the same fabric and masses as a surface, at its rest shape and without effects.
 wisp_status world_add_surface_instance( wisp_world* world, const store_entity* source, wisp_entity* out );
 
-/// Take an entity that was just added from its rest shape to a pose; on failure it is where it was.
-wisp_status world_place( wisp_world* world, wisp_entity entity, wisp_transform pose );
+/// Check the pose of an instance to be.
+wisp_status world_check_pose( wisp_world* world, const store_entity* source, wisp_transform pose );
+/// Take an entity that was just added from its rest shape to a pose. That of strands goes along.
+void world_place( wisp_world* world, wisp_entity entity, wisp_transform pose );
 
 /// Fail because the handle names no entity.
 wisp_status world_stale( wisp_world* world, wisp_entity entity );

@@ -9,7 +9,7 @@
 
 enum
 {
-    WORLD_MAX_SUBSTEPS = 10000, // of an entity, as in scenes
+    WORLD_MAX_SUBSTEPS = 1000000, // of an entity
 };
 
 // ---- failures ----
@@ -93,7 +93,7 @@ wisp_status wisp_set_substeps( wisp_world* world, wisp_entity entity, int subste
         return wisp_world_fail( world, WISP_BAD_INPUT, "substeps: got %d, expected 0 to %d", substeps,
                                 WORLD_MAX_SUBSTEPS );
     }
-    world->store.structure += e->substeps != substeps ? 1 : 0;
+    world->plan_is_stale = world->plan_is_stale || e->substeps != substeps; // rows stay where they are
     e->substeps = substeps;
     return WISP_OK;
 }

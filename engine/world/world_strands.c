@@ -199,17 +199,16 @@ wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, const wisp
         return wisp_world_fail( world, WISP_CONFLICT, "entity %u: has no strands and no surface to share",
                                 source.index );
     }
-    wisp_status status = from->fabric != NULL
-                             ? world_add_surface_instance( world, from, out )
-                             : add_strands_instance( world, source, (cook_strands*)(void*)from->strands, out );
+    wisp_status status = pose != NULL ? world_check_pose( world, from, *pose ) : WISP_OK;
+    if ( status == WISP_OK )
+    {
+        status = from->fabric != NULL
+                     ? world_add_surface_instance( world, from, out )
+                     : add_strands_instance( world, source, (cook_strands*)(void*)from->strands, out );
+    }
     if ( status == WISP_OK && pose != NULL )
     {
-        status = world_place( world, *out, *pose );
-        if ( status != WISP_OK )
-        {
-            (void)wisp_remove( world, *out );
-            *out = ( wisp_entity ){ 0, 0 };
-        }
+        world_place( world, *out, *pose );
     }
     return status;
 }

@@ -163,39 +163,64 @@ static wisp_status check_places( wisp_world* world, const float* rows, row_shape
     return WISP_OK;
 }
 
-static wisp_status check_entity( wisp_world* world, const store_entity* e, wisp_transform motion, const char* what )
+// @param lanes [row][3][16] of strands; null: there are none
+static wisp_status check_lanes( wisp_world* world, const float* lanes, int row_count, wisp_transform motion,
+                                const char* what )
 {
-    if ( e->fabric != NULL )
-    {
-        return check_places( world, store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 ), XYZW,
-                             e->fabric->slot_count, motion, what );
-    }
     wisp_status status = WISP_OK;
-    const float* lanes = e->strands != NULL ? store_column( &world->store, e, WISP_STRAND_POSITION, 0 ) : NULL;
     for ( int lane = 0; lane < WISP_LANES && lanes != NULL && status == WISP_OK; ++lane )
     {
-        status = check_places( world, lanes + lane, ( row_shape ){ (size_t)3 * WISP_LANES, WISP_LANES },
-                               e->strands->row_count, motion, what );
+        status = check_places( world, lanes + lane, ( row_shape ){ (size_t)3 * WISP_LANES, WISP_LANES }, row_count,
+                               motion, what );
     }
     return status;
 }
 
-wisp_status world_place( wisp_world* world, wisp_entity entity, wisp_transform pose )
+static wisp_status check_entity( wisp_world* world, const store_entity* e, wisp_transform motion )
+{
+    if ( e->fabric != NULL )
+    {
+        return check_places( world, store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 ), XYZW,
+                             e->fabric->slot_count, motion, "teleport" );
+    }
+    return e->strands != NULL ? check_lanes( world, store_column( &world->store, e, WISP_STRAND_POSITION, 0 ),
+                                             e->strands->row_count, motion, "teleport" )
+                              : WISP_OK;
+}
+
+// Strands of dimension 2 are computed in their plane.
+static bool leaves_plane( const wisp_strand_topology* t, wisp_transform pose )
+{
+    return t->dimension == 2 && ( pose.translation.z != 0.0f || pose.rotation.x != 0.0f || pose.rotation.y != 0.0f );
+}
+
+wisp_status world_check_pose( wisp_world* world, const store_entity* source, wisp_transform pose )
+{
+    wisp_status status = check_motion( world, pose, "pose" );
+    const wisp_transform placed = wisp_transform_make( pose.rotation, pose.translation );
+    if ( status == WISP_OK && source->fabric != NULL )
+    {
+        return check_places( world, &source->fabric->rest[0].x, XYZ, source->fabric->slot_count, placed, "pose" );
+    }
+    if ( status == WISP_OK && leaves_plane( source->strands, pose ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "pose: strands of dimension 2 cannot leave the plane z = 0" );
+    }
+    return status == WISP_OK ? check_lanes( world, store_column( &world->store, source, WISP_STRAND_REST, 0 ),
+                                            source->strands->row_count, placed, "pose" )
+                             : status;
+}
+
+void world_place( wisp_world* world, wisp_entity entity, wisp_transform pose )
 {
     const wisp_teleport_motion placed = { wisp_transform_make( pose.rotation, pose.translation ), false };
-    const store_entity* e = store_find( &world->store, entity );
-    wisp_status status = check_motion( world, pose, "pose" );
-    status = status == WISP_OK ? check_entity( world, e, placed.motion, "pose" ) : status;
-    if ( status == WISP_OK )
+    const wisp_strand_topology* strands = wisp_world_strands( world, entity );
+    if ( strands != NULL )
     {
-        if ( e->strands != NULL )
-        {
-            wisp_teleport_lanes( &placed, wisp_world_column( world, entity, WISP_STRAND_REST, 0 ), NULL,
-                                 e->strands->row_count );
-        }
-        wisp_world_move_columns( world, entity, &placed );
+        wisp_teleport_lanes( &placed, wisp_world_column( world, entity, WISP_STRAND_REST, 0 ), NULL,
+                             strands->row_count );
     }
-    return status;
+    wisp_world_move_columns( world, entity, &placed );
 }
 
 wisp_status wisp_teleport( wisp_world* world, wisp_entity entity, wisp_transform motion, bool keep_velocity )
@@ -204,7 +229,7 @@ wisp_status wisp_teleport( wisp_world* world, wisp_entity entity, wisp_transform
     wisp_status status = e != NULL ? check_motion( world, motion, "teleport" ) : world_stale( world, entity );
     const wisp_teleport_motion teleport = { wisp_transform_make( motion.rotation, motion.translation ),
                                             keep_velocity };
-    status = status == WISP_OK ? check_entity( world, e, teleport.motion, "teleport" ) : status;
+    status = status == WISP_OK ? check_entity( world, e, teleport.motion ) : status;
     if ( status != WISP_OK )
     {
         return status;

@@ -103,6 +103,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .reads = { s->settings, s->surface, s->anchor, s->low, WISP_STRAND_ROOT, WISP_STRAND_POSITION,
                        WISP_STRAND_VELOCITY },
             .writes = { WISP_STRAND_ROOT, s->anchor, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .follows = true, // its surface
             .run = strands_anchor,
         },
         {

@@ -22,6 +22,7 @@ typedef struct fake_pass
     const char *required, *excluded, *reads, *writes, *foreign; // letters; null for none
     char among;                                                 // a letter, or 0
     char on_change;                                             // a letter, or 0
+    bool follows;                                               // an entity that it does not list
     bool asks;                                                  // should_run returns fake.due
     int grain;
 } fake_pass;
@@ -110,6 +111,7 @@ static inline wisp_status fake_declare( wisp_registry* r )
             .stage = f->stage,
             .domain = f->domain,
             .run = fake_trace,
+            .follows = f->follows,
             .among = f->among != 0 ? letter( f->among ) : (wisp_component)0,
             .on_change = f->on_change != 0 ? letter( f->on_change ) : (wisp_component)0,
             .should_run = f->asks ? fake_is_due : NULL,

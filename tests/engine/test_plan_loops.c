@@ -84,7 +84,7 @@ static void an_entity_has_the_substeps_that_it_asks_for( void** state )
     assert_int_equal( wisp_set_substeps( world, pair[1], 0 ), WISP_OK );
     assert_string_equal( trace_of_step( world ), "a1 b1 c1 a1 b1 c1 a2 b2 c2 a2 b2 c2" );
     assert_int_equal( wisp_set_substeps( world, pair[1], -1 ), WISP_BAD_INPUT );
-    assert_non_null( strstr( wisp_world_message( world ), "substeps: got -1, expected 0 to 10000" ) );
+    assert_non_null( strstr( wisp_world_message( world ), "substeps: got -1, expected 0 to 1000000" ) );
     assert_int_equal( wisp_set_substeps( world, ( wisp_entity ){ 9, 9 }, 1 ), WISP_STALE_ID );
     wisp_world_destroy( world );
 }
@@ -113,12 +113,13 @@ static void waves_of_entities_with_other_substeps_run_one_after_another( void** 
 }
 
 // They follow surfaces from substep to substep.
-static void strands_in_the_substep_loop_keep_all_in_waves( void** state )
+static void a_follower_in_the_substep_loop_keeps_all_in_waves( void** state )
 {
     (void)state;
     static const fake_pass passes[] = {
         { "whole", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "A" },
-        { "part", PREDICT, WISP_DOMAIN_STRAND_GROUP, .required = "A", .reads = "A", .writes = "A", .grain = 2 },
+        { "part", PREDICT, WISP_DOMAIN_STRAND_GROUP, .required = "A", .reads = "A", .writes = "A", .follows = true,
+          .grain = 2 },
         { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
     };
     wisp_world* world = OPEN_STEPS( passes, 1 );
@@ -222,7 +223,7 @@ int main( void )
         cmocka_unit_test( iterations_run_inside_a_substep ),
         cmocka_unit_test( an_entity_has_the_substeps_that_it_asks_for ),
         cmocka_unit_test( waves_of_entities_with_other_substeps_run_one_after_another ),
-        cmocka_unit_test( strands_in_the_substep_loop_keep_all_in_waves ),
+        cmocka_unit_test( a_follower_in_the_substep_loop_keeps_all_in_waves ),
         cmocka_unit_test( a_pass_over_several_entities_keeps_those_it_touches_together ),
         cmocka_unit_test( a_pass_keeps_together_only_those_among_which_it_works ),
         cmocka_unit_test( a_pass_that_is_asked_in_every_substep_keeps_its_entities_together ),

@@ -8,25 +8,32 @@ typedef struct member
     const char* name;
     effect_setup* add;
     int substeps; // asked for
-    int made;     // with two substeps of the world
 } member;
 
 static const member MEMBERS[] = {
-    { "cloth of links", cloth_of_links, 0, 2 },
-    { "dihedral cloth", dihedral_cloth, 4, 4 },
-    { "isometric cloth", isometric_cloth, 6, 6 },
-    { "implicit cloth", implicit_cloth, 1, 2 },
-    { "balloon", balloon, 7, 8 },
-    { "hair of links", hair_of_links, 10, 10 },
-    { "hair of rods", hair_of_rods, 10, 10 },
+    { "cloth of links", cloth_of_links, 0 },
+    { "dihedral cloth", dihedral_cloth, 4 },
+    { "isometric cloth", isometric_cloth, 6 },
+    { "implicit cloth", implicit_cloth, 1 },
+    { "balloon", balloon, 7 },
+    { "hair of links", hair_of_links, 9 },
+    { "hair of rods", hair_of_rods, 50 },
 };
 
 enum
 {
     MEMBER_COUNT = WISP_COUNT( MEMBERS ),
-    WORLD_SUBSTEPS = 2,
     STEPS = 40,
 };
+
+// Substeps of a world, and its steps.
+typedef struct pace
+{
+    int substeps;
+    float dt; // s
+} pace;
+
+static const pace PACES[] = { { 2, 1.0f / 60.0f }, { 3, 1.0f / 25.0f }, { 10, 1.0f / 60.0f }, { 7, 1.0f / 30.0f } };
 
 static void open_all( hosted* h, int substeps, int workers )
 {
@@ -62,21 +69,22 @@ static uint64_t points_hash( wisp_world* world, wisp_entity e )
     return hash;
 }
 
-static void take_steps( wisp_world* world, int count )
+static void take_steps( wisp_world* world, int count, float dt )
 {
     for ( int i = 0; i < count; ++i )
     {
-        assert_status( world, wisp_world_step( world, 1.0f / 60.0f ), WISP_OK );
+        assert_status( world, wisp_world_step( world, dt ), WISP_OK );
     }
 }
 
 // Alone in a world with its substeps.
-static uint64_t run_alone( const member* m )
+static uint64_t run_alone( const member* m, const pace* p )
 {
     hosted h;
-    open_all( &h, m->made, 1 );
+    const int split = m->substeps > p->substeps ? ( m->substeps - 1 ) / p->substeps + 1 : 1;
+    open_all( &h, p->substeps * split, 1 );
     const wisp_entity e = add( h.world, m );
-    take_steps( h.world, STEPS );
+    take_steps( h.world, STEPS, p->dt );
     const uint64_t hash = points_hash( h.world, e );
     wisp_world_destroy( h.world );
     assert_host_memory_is_released( &h.host );
@@ -84,22 +92,23 @@ static uint64_t run_alone( const member* m )
 }
 
 // Members [first, first + count) in one world.
-static void check_together( int first, int count, int workers )
+static void check_together( int first, int count, int workers, const pace* p )
 {
     hosted h;
     wisp_entity entities[MEMBER_COUNT];
-    open_all( &h, WORLD_SUBSTEPS, workers );
+    open_all( &h, p->substeps, workers );
     for ( int i = 0; i < count; ++i )
     {
         entities[i] = add( h.world, MEMBERS + first + i );
         assert_status( h.world, wisp_set_substeps( h.world, entities[i], MEMBERS[first + i].substeps ), WISP_OK );
     }
-    take_steps( h.world, STEPS );
+    take_steps( h.world, STEPS, p->dt );
     for ( int i = 0; i < count; ++i )
     {
-        if ( points_hash( h.world, entities[i] ) != run_alone( MEMBERS + first + i ) )
+        if ( points_hash( h.world, entities[i] ) != run_alone( MEMBERS + first + i, p ) )
         {
-            fail_msg( "%s: not as alone, among %d with %d workers", MEMBERS[first + i].name, count, workers );
+            fail_msg( "%s: not as alone, among %d with %d workers and %d substeps of the world",
+                      MEMBERS[first + i].name, count, workers, p->substeps );
         }
     }
     wisp_world_destroy( h.world );
@@ -110,10 +119,12 @@ static void check_together( int first, int count, int workers )
 static void each_moves_as_alone( void** state )
 {
     (void)state;
-    check_together( 0, MEMBER_COUNT, 1 );
-    check_together( 0, MEMBER_COUNT, 5 );
-    check_together( 1, 2, 5 );
-    check_together( 3, 3, 2 );
+    for ( int i = 0; i < WISP_COUNT( PACES ); ++i )
+    {
+        check_together( 0, MEMBER_COUNT, 1 + 4 * ( i % 2 ), PACES + i );
+    }
+    check_together( 1, 2, 5, PACES );
+    check_together( 3, 3, 2, PACES + 1 );
 }
 
 static int runs_of( wisp_world* world, const char* pass, int* fewest )
@@ -148,6 +159,36 @@ static void the_plan_shows_the_substeps_of_both( void** state )
     assert_status( h.world, wisp_set_substeps( h.world, other, 3 ), WISP_OK );
     assert_int_equal( runs_of( h.world, "particles.predict", &fewest ), 3 );
     assert_int_equal( fewest, 1 );
+    int substeps;
+    assert_status( h.world, wisp_read_substeps( h.world, other, &substeps ), WISP_OK );
+    assert_int_equal( substeps, 3 );
+    assert_status( h.world, wisp_read_substeps( h.world, ( wisp_entity ){ 99, 1 }, &substeps ), WISP_STALE_ID );
+    assert_int_equal( substeps, 0 );
+    close_world( &h );
+}
+
+static int substeps_of( wisp_world* world, wisp_entity e )
+{
+    int substeps = 0;
+    assert_status( world, wisp_read_substeps( world, e, &substeps ), WISP_OK );
+    return substeps;
+}
+
+// Hair with contact leaves its own loop, and no one else.
+static void hair_in_contact_leaves_the_others_alone( void** state )
+{
+    (void)state;
+    hosted h;
+    open_all( &h, 2, 1 );
+    const wisp_entity touching = add( h.world, MEMBERS + MEMBER_COUNT - 1 ), cloth = add( h.world, MEMBERS ),
+                      other = add( h.world, MEMBERS + MEMBER_COUNT - 1 );
+    const wisp_contact_def contact = wisp_default_contact_def();
+    assert_status( h.world, wisp_set_contact( h.world, touching, &contact ), WISP_OK );
+    assert_status( h.world, wisp_set_substeps( h.world, other, 16 ), WISP_OK );
+    assert_int_equal( substeps_of( h.world, touching ), 2 );
+    assert_int_equal( substeps_of( h.world, cloth ), 2 );
+    assert_int_equal( substeps_of( h.world, other ), 16 );
+    take_steps( h.world, 4, 1.0f / 60.0f );
     close_world( &h );
 }
 
@@ -167,7 +208,7 @@ static void surfaces_in_contact_share_the_largest_number( void** state )
     assert_int_equal( runs_of( h.world, "contact.find", &fewest ), 6 );
     assert_int_equal( runs_of( h.world, "particles.predict", &fewest ), 6 );
     assert_int_equal( fewest, 6 );
-    take_steps( h.world, 4 );
+    take_steps( h.world, 4, 1.0f / 60.0f );
     close_world( &h );
 }
 
@@ -202,6 +243,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( each_moves_as_alone ),
         cmocka_unit_test( the_plan_shows_the_substeps_of_both ),
+        cmocka_unit_test( hair_in_contact_leaves_the_others_alone ),
         cmocka_unit_test( surfaces_in_contact_share_the_largest_number ),
         cmocka_unit_test( steps_of_any_length_keep_their_bits_with_any_workers ),
     };

@@ -139,7 +139,6 @@ static void a_stretch_that_weight_does_not_explain_breaks( void** state )
 static stability_trace make_close_trace( void )
 {
     stability_trace trace = make_trace();
-    trace.substep = 1.0 / 600.0;
     for ( int row = 0; row <= STEPS; ++row )
     {
         for ( int body = 0; body < BODIES; ++body )
@@ -155,6 +154,7 @@ static stability_trace make_close_trace( void )
     for ( int body = 0; body < BODIES; ++body )
     {
         trace.bodies[body].extent = 0.5;
+        trace.bodies[body].substep = trace.bodies[body].shortest = 1.0 / 600.0;
         trace.bodies[body].damping = 4.0;
         trace.bodies[body].twin = INFINITY;
         trace.bodies[body].is_pinned = true;

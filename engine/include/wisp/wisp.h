@@ -159,11 +159,11 @@ WISP_API wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def
 // ---- entities of any kind ----
 
 /// Add an entity that shares the topology of another one and starts at its rest shape.
-/// @param pose takes the rest shape of the source to where the instance starts; null: it starts where the source is at rest. Roots
-///             of strands are held there
+/// @param pose takes the rest shape to where the instance starts; null: it starts there. The rest shape of a surface is that of its
+///             fabric. That of strands, whose roots are held in it, goes along, and an instance of the instance starts from it
 /// @param out receives the entity, null on failure
-/// @return WISP_BAD_INPUT a vertex would be beyond 1e6 m, or the rotation is zero or not finite; WISP_CONFLICT it is neither a
-///         surface nor strands; WISP_STALE_ID; WISP_NO_MEMORY
+/// @return WISP_BAD_INPUT a vertex would be beyond 1e6 m, the rotation is zero or not finite, or strands of dimension 2 would leave
+///         their plane; WISP_CONFLICT it is neither a surface nor strands; WISP_STALE_ID; WISP_NO_MEMORY
 WISP_API wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, const wisp_transform* pose,
                                         wisp_entity* out );
 /// Remove an entity and its components.
@@ -188,9 +188,12 @@ WISP_API wisp_status wisp_resume( wisp_world* world, wisp_entity entity );
 
 /// Set the substeps of an entity in a step of usual length, so that hair with ten and cloth with one can share a world. They are
 /// rounded up to a multiple of those of the world, which has the fewest. Entities with contact all have those of the one with the
-/// most. wisp_world_explain() tells how often each pass runs.
-/// @param substeps 0 .. 10000; 0 and the default: those of the world
+/// most; if strands that are rooted in a surface are among them, so has all that moves. No snapshot holds the number.
+/// @param substeps 0 .. 1000000; 0 and the default: those of the world
 WISP_API wisp_status wisp_set_substeps( wisp_world* world, wisp_entity entity, int substeps );
+/// Tell how many substeps an entity makes in a step of usual length. Compiles the plan if needed.
+/// @return WISP_STALE_ID, or as wisp_world_explain()
+WISP_API wisp_status wisp_read_substeps( wisp_world* world, wisp_entity entity, int* out );
 
 // ---- requests, steps, views ----
 
@@ -203,7 +206,7 @@ WISP_API wisp_status wisp_cancel_request( wisp_world* world, wisp_entity entity,
 /// Simulate one step. The plan is compiled first if components or requests changed.
 ///
 /// Substeps have a constant length: that of the first step over `substeps`. A step of another length has as many of them as
-/// fit. What is left, less than a substep, is simulated with the next step, so the state may lag by it, and a step shorter
+/// fit. What is left, less than a substep of the world, is simulated with the next step, so the state may lag by it, and a step shorter
 /// than it changes nothing. If the steps change for good (60 in a row agree within a fifth), substeps follow: longer at once,
 /// shorter by 0.2 % per step, since a sudden change would set cloth at rest in motion. A step more than eight times as long
 /// as usual makes substeps longer instead of costing more.

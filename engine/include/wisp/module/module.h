@@ -108,9 +108,12 @@ typedef struct wisp_pass
     /// those that use it, as the velocities do for the history of a strand.
     wisp_component writes[WISP_MAX_USES];
     /// Zero-terminated: components of other entities that the pass reads and writes. They put it in its place among the
-    /// passes of those entities, and neither make passes exist nor supply anything.
+    /// passes of those entities, and neither make passes exist nor supply anything. In the substep loop they also decide
+    /// which entities share substeps (wisp_set_substeps).
     wisp_component foreign[WISP_MAX_USES];
     wisp_component among; ///< entities whose components are foreign have this one; 0: they may be any
+    bool
+        follows; ///< it reads another entity that it does not list, and must not run in a substep before that one has
     wisp_pass_fn* run;
     /// 0, or: run only if this component's rows were written since the pass last ran on the entity.
     wisp_component on_change;
