@@ -76,7 +76,7 @@ static void print_short( FILE* out, const plan_sheet* sheet )
         fputs( "no active pass: the scene requests nothing\n", out );
         return;
     }
-    fprintf( out, "%-8s %-*s  entities   runs  traffic%%  time%%  why\n", "stage", width, "pass" );
+    fprintf( out, "%-8s %-*s entities  runs traffic%% time%%  why\n", "stage", width, "pass" );
     for ( int i = 0; i < report->active_count; ++i )
     {
         const wisp_plan_pass* p = report->passes + i;
@@ -87,7 +87,7 @@ static void print_short( FILE* out, const plan_sheet* sheet )
             snprintf( time, sizeof( time ), "%.1f", 100.0 * plan_sheet_fraction( sheet, i ) );
         }
         runs_text( p, runs, sizeof( runs ) );
-        fprintf( out, "%-8s %-*s  %8d  %5s  %8.1f  %5s  %s\n", p->stage, width, p->name, p->entities, runs,
+        fprintf( out, "%-8s %-*s %8d %5s %8.1f %5s  %s\n", p->stage, width, p->name, p->entities, runs,
                  100.0 * p->fraction, time, reason );
     }
 }

@@ -111,12 +111,11 @@ typedef struct wisp_pass
     /// passes of those entities, and neither make passes exist nor supply anything. In the substep loop they also decide
     /// which entities share substeps (wisp_set_substeps).
     wisp_component foreign[WISP_MAX_USES];
-    wisp_component among; ///< entities whose components are foreign have this one; 0: they may be any
-    bool
-        follows; ///< it reads another entity that it does not list, and must not run in a substep before that one has
     wisp_pass_fn* run;
     /// 0, or: run only if this component's rows were written since the pass last ran on the entity.
     wisp_component on_change;
+    wisp_component among; ///< entities whose components are foreign have this one; 0: they may be any
+    bool follows;         ///< it reads an entity that it does not list, and in a substep waits for that one
     /// Null, or returns whether the pass has to run on the entity in this step. Called on the calling thread when all passes
     /// before it have run.
     bool ( *should_run )( wisp_frame* frame, wisp_entity entity, void* user );
