@@ -13,17 +13,21 @@ enum
 {
     BLOCKS = 32,
     ROUNDS = 24,
-    LOOPS = 2,
+    LOOPS = 3,
+    CHAINS = 8,
     WORKERS = 2,
 };
 
-// A loop that any number of workers can share: each block is of its own words, and gives a number that says it was done.
+// A loop that any number of workers can share: each block is of its own words, and gives a number that says it was done. One
+// chain of operations waits for each result; several fill the units of a core. Where two workers are two threads of one core,
+// they do twice the work of the former, but not of the latter, and steps of scenes are like the latter.
 typedef struct loop
 {
     const char* name;
     const uint64_t* words; // [BLOCKS][words_each]; null: the loop computes without memory
     size_t words_each;
     int turns_each;
+    bool fills; // with CHAINS chains, else one
     int workers;
     uint64_t sums[BLOCKS];
 } loop;
@@ -36,10 +40,22 @@ static void run_block( void* context, int block, int worker )
 {
     (void)worker;
     loop* l = context;
-    uint64_t sum = (uint64_t)block + 1;
+    uint64_t chains[CHAINS], sum = 0;
+    const int chain_count = l->fills ? CHAINS : 1;
+    for ( int c = 0; c < chain_count; ++c )
+    {
+        chains[c] = (uint64_t)( CHAINS * block + c + 1 );
+    }
     for ( int i = 0; i < l->turns_each; ++i )
     {
-        sum = sum * 6364136223846793005u + 1442695040888963407u;
+        for ( int c = 0; c < chain_count; ++c )
+        {
+            chains[c] = chains[c] * 6364136223846793005u + 1442695040888963407u;
+        }
+    }
+    for ( int c = 0; c < chain_count; ++c )
+    {
+        sum += chains[c];
     }
     for ( size_t i = 0; i < l->words_each; ++i )
     {
@@ -106,8 +122,11 @@ static wisp_status measure_loops( const uint64_t* words, const char* when, int t
     const bench_effort effort = { .seconds = 1.0, .rounds_min = 3, .samples_max = ROUNDS };
     for ( int w = 0; w < WORKERS; ++w )
     {
-        loops[0][w] = ( loop ){ .name = "arithmetic", .turns_each = TURNS_EACH, .workers = w + 1 };
-        loops[1][w] =
+        loops[0][w] = ( loop ){ .name = "arithmetic that waits", .turns_each = TURNS_EACH, .workers = w + 1 };
+        loops[1][w] = ( loop ){
+            .name = "arithmetic that fills a core", .turns_each = TURNS_EACH, .fills = true, .workers = w + 1
+        };
+        loops[2][w] =
             ( loop ){ .name = "reads of 64 MiB", .words = words, .words_each = WORDS_EACH, .workers = w + 1 };
     }
     for ( int i = 0; i < LOOPS * WORKERS; ++i )
