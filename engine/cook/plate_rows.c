@@ -19,17 +19,19 @@ static int find_or_add( int32_t* list, int* count, int32_t item )
     return ( *count )++;
 }
 
-static void add_jump( plate_patch* p, int edge, const wisp_plate* plate, int32_t hinge, double factor )
+static void add_jump( plate_patch* p, int edge, const wisp_plate* plate, const wisp_fabric* f, int32_t hinge,
+                      double factor )
 {
     const plate_hinge* h = plate->hinges + hinge;
+    const int32_t* corner = plate_corners( f, h );
     p->of_hinge[edge][find_or_add( p->hinge, &p->hinge_count, hinge )] += factor;
     for ( int k = 0; k < PLATE_CORNERS; ++k )
     {
-        p->of_vertex[edge][find_or_add( p->vertex, &p->vertex_count, h->corner[k] )] += factor * h->row[k];
+        p->of_vertex[edge][find_or_add( p->vertex, &p->vertex_count, corner[k] )] += factor * h->row[k];
     }
 }
 
-plate_patch plate_patch_of( const wisp_plate* plate, int32_t triangle, bool with_pins )
+plate_patch plate_patch_of( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle )
 {
     plate_patch p = { .hinge_count = 0 };
     for ( int edge = 0; edge < 3; ++edge )
@@ -40,13 +42,38 @@ plate_patch plate_patch_of( const wisp_plate* plate, int32_t triangle, bool with
             continue;
         }
         const plate_hinge* h = plate->hinges + hinge;
-        const double* share = with_pins ? h->share : h->fitted;
+        double share[PLATE_STENCIL];
+        plate_share_turn( plate, f, h, share );
         for ( int s = 0; s < PLATE_STENCIL; ++s )
         {
             const double other = ( s == 0 ? 1.0 : 0.0 ) - share[s];
             if ( h->stencil[s] >= 0 && ( s == 0 || h->fitted[s] != 0.0 ) )
             {
-                add_jump( &p, edge, plate, h->stencil[s], h->triangle[0] == triangle ? share[s] : other );
+                add_jump( &p, edge, plate, f, h->stencil[s], h->triangle[0] == triangle ? share[s] : other );
+            }
+        }
+    }
+    return p;
+}
+
+plate_patch plate_patch_members( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle )
+{
+    plate_patch p;
+    p.hinge_count = p.vertex_count = 0;
+    for ( int edge = 0; edge < 3; ++edge )
+    {
+        const int32_t hinge = plate->triangle_hinge[triangle][edge];
+        const plate_hinge* h = hinge >= 0 ? plate->hinges + hinge : NULL;
+        for ( int s = 0; s < PLATE_STENCIL && h != NULL; ++s )
+        {
+            if ( h->stencil[s] >= 0 && ( s == 0 || h->fitted[s] != 0.0 ) )
+            {
+                (void)find_or_add( p.hinge, &p.hinge_count, h->stencil[s] );
+                const int32_t* corner = plate_corners( f, plate->hinges + h->stencil[s] );
+                for ( int k = 0; k < PLATE_CORNERS; ++k )
+                {
+                    (void)find_or_add( p.vertex, &p.vertex_count, corner[k] );
+                }
             }
         }
     }
@@ -86,7 +113,7 @@ static bool list_patches( const wisp_plate* plate, const wisp_fabric* f, const p
     {
         for ( int32_t t = 0; t < f->triangle_count; ++t )
         {
-            const plate_patch p = plate_patch_of( plate, t, false );
+            const plate_patch p = plate_patch_members( plate, f, t );
             const int32_t* members;
             const int member_count = members_of( &p, set, &members );
             for ( int i = 0; i < member_count; ++i )
@@ -116,13 +143,14 @@ static int compare_items( const void* first, const void* second )
 
 // Items of a row in ascending order; a vertex is not in its own row, whose diagonal follows from the others. @return their
 // number
-static int merge_row( const wisp_plate* plate, const plate_row_set* set, const patch_lists* lists, int32_t item )
+static int merge_row( const wisp_plate* plate, const wisp_fabric* f, const plate_row_set* set,
+                      const patch_lists* lists, int32_t item )
 {
     int count = 0;
     lists->mark[item] = set->of_hinges ? -1 : item;
     for ( int32_t at = lists->begin[item]; at < lists->begin[item + 1]; ++at )
     {
-        const plate_patch p = plate_patch_of( plate, lists->triangle[at], false );
+        const plate_patch p = plate_patch_members( plate, f, lists->triangle[at] );
         const int32_t* members;
         const int member_count = members_of( &p, set, &members );
         for ( int i = 0; i < member_count; ++i )
@@ -143,7 +171,7 @@ static void clear_marks( const plate_row_set* set, const patch_lists* lists )
     memset( lists->mark, -1, (size_t)set->item_count * sizeof( int32_t ) );
 }
 
-static void write_rows( const wisp_plate* plate, plate_row_set* set, const patch_lists* lists )
+static void write_rows( const wisp_plate* plate, const wisp_fabric* f, plate_row_set* set, const patch_lists* lists )
 {
     const int times = set->of_hinges ? 1 : 4;
     for ( int slice = 0; slice < set->slice_count; ++slice )
@@ -159,7 +187,7 @@ static void write_rows( const wisp_plate* plate, plate_row_set* set, const patch
     for ( int32_t item = 0; item < set->item_count; ++item )
     {
         const int32_t row = set->item_row[item];
-        const int length = merge_row( plate, set, lists, item );
+        const int length = merge_row( plate, f, set, lists, item );
         for ( int n = 0; n < length; ++n )
         {
             set->other[set->begin[row / 8] + n][row % 8] = times * set->item_row[lists->found[n]];
@@ -178,7 +206,7 @@ bool plate_cook_rows( wisp_plate* plate, const wisp_fabric* f, plate_row_set* se
     clear_marks( set, &lists );
     for ( int32_t item = 0; item < set->item_count; ++item )
     {
-        const int length = merge_row( plate, set, &lists, item );
+        const int length = merge_row( plate, f, set, &lists, item );
         int32_t* longest = set->begin + set->item_row[item] / 8 + 1;
         *longest = length > *longest ? length : *longest;
     }
@@ -194,6 +222,6 @@ bool plate_cook_rows( wisp_plate* plate, const wisp_fabric* f, plate_row_set* se
         return false;
     }
     clear_marks( set, &lists );
-    write_rows( plate, set, &lists );
+    write_rows( plate, f, set, &lists );
     return true;
 }

@@ -12,10 +12,11 @@ static bool is_rigid( const wisp_plate* plate, const wisp_fabric* f, int32_t tri
 
 // A hinge at a rigid triangle turns on the other side alone. It does not measure the curvature beyond, so it is not part of
 // the fit of its neighbours.
-static void share_next_to_pins( const wisp_plate* plate, const wisp_fabric* f, plate_hinge* h )
+void plate_share_turn( const wisp_plate* plate, const wisp_fabric* f, const plate_hinge* h,
+                       double share[PLATE_STENCIL] )
 {
     const bool rigid[2] = { is_rigid( plate, f, h->triangle[0] ), is_rigid( plate, f, h->triangle[1] ) };
-    memcpy( h->share, h->fitted, sizeof( h->share ) );
+    memcpy( share, h->fitted, sizeof( h->fitted ) );
     bool whole = true;
     for ( int s = 1; s < PLATE_STENCIL; ++s )
     {
@@ -28,9 +29,10 @@ static void share_next_to_pins( const wisp_plate* plate, const wisp_fabric* f, p
     }
     if ( rigid[0] || rigid[1] || whole == false )
     {
-        memset( h->share, 0, sizeof( h->share ) );
-        h->share[0] = h->height[0] / ( h->height[0] + h->height[1] );
-        h->share[0] = rigid[0] ? 0.0 : ( rigid[1] ? 1.0 : h->share[0] );
+        plate_shape shape;
+        memset( share, 0, sizeof( h->fitted ) );
+        share[0] = plate_measure_hinge( f, h, &shape ) ? plate_share_by_height( &shape ) : 0.0;
+        share[0] = rigid[0] ? 0.0 : ( rigid[1] ? 1.0 : share[0] );
     }
 }
 
@@ -187,10 +189,6 @@ static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* posi
     {
         plate->pinned[v] = position[4 * (size_t)v + 3] == 0.0f ? 1 : 0;
     }
-    for ( int32_t h = 0; h < plate->hinge_count; ++h )
-    {
-        share_next_to_pins( plate, fabric, plate->hinges + h );
-    }
     clear( plate );
     int lowered = 0;
     for ( int32_t t = 0; t < fabric->triangle_count; ++t )
@@ -200,7 +198,7 @@ static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* posi
             continue;
         }
         double m[3][3], q[PLATE_PATCH][PLATE_PATCH];
-        plate_patch p = plate_patch_of( plate, t, true );
+        plate_patch p = plate_patch_of( plate, fabric, t );
         turn_energy( plate, fabric, t, m );
         patch_matrix( m, p.of_vertex, p.vertex_count, q );
         const double rate = patch_rate( &p, position, q ), most = (double)max_rate;
