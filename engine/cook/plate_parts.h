@@ -113,10 +113,11 @@ bool plate_cook_hinges( wisp_plate* plate, const wisp_fabric* f, fabric_pool* sc
 void plate_share_turn( const wisp_plate* plate, const wisp_fabric* f, const plate_hinge* h,
                        double share[PLATE_STENCIL] );
 
+/// Energy of the turns of a triangle at its edges, 1/2 sum of m d d. Edges at a right angle have exactly none in common.
+void plate_turn_energy( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle, double m[3][3] );
+
 /// Turns of a triangle's edges as linear combinations of those of hinges and of the vertices around.
 plate_patch plate_patch_of( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle );
-/// The hinges and vertices that a patch can have whatever is pinned, without coefficients.
-plate_patch plate_patch_members( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle );
 
 /// List the entries of each row; their weights are 0. @return false if out of memory
 bool plate_cook_rows( wisp_plate* plate, const wisp_fabric* f, plate_row_set* set, fabric_pool* scratch );

@@ -56,10 +56,41 @@ plate_patch plate_patch_of( const wisp_plate* plate, const wisp_fabric* f, int32
     return p;
 }
 
-plate_patch plate_patch_members( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle )
+// The hinges or vertices that a patch can have, whatever is pinned.
+typedef struct patch_members
 {
-    plate_patch p;
-    p.hinge_count = p.vertex_count = 0;
+    int count;
+    int32_t item[PLATE_PATCH];
+    unsigned of_edge[3]; // bits of the items that the turn at an edge depends on
+} patch_members;
+
+static void add_member( patch_members* p, int edge, int32_t item )
+{
+    p->of_edge[edge] |= 1u << find_or_add( p->item, &p->count, item );
+}
+
+// Corners whose entry of the row is 0 do not turn the hinge.
+static void add_hinge( patch_members* p, int edge, const wisp_plate* plate, const wisp_fabric* f, int32_t hinge,
+                       bool of_hinges )
+{
+    const plate_hinge* h = plate->hinges + hinge;
+    if ( of_hinges )
+    {
+        add_member( p, edge, hinge );
+        return;
+    }
+    for ( int k = 0; k < PLATE_CORNERS; ++k )
+    {
+        if ( h->row[k] != 0.0 )
+        {
+            add_member( p, edge, plate_corners( f, h )[k] );
+        }
+    }
+}
+
+static patch_members members_of( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle, bool of_hinges )
+{
+    patch_members p = { .count = 0 };
     for ( int edge = 0; edge < 3; ++edge )
     {
         const int32_t hinge = plate->triangle_hinge[triangle][edge];
@@ -68,12 +99,7 @@ plate_patch plate_patch_members( const wisp_plate* plate, const wisp_fabric* f, 
         {
             if ( h->stencil[s] >= 0 && ( s == 0 || h->fitted[s] != 0.0 ) )
             {
-                (void)find_or_add( p.hinge, &p.hinge_count, h->stencil[s] );
-                const int32_t* corner = plate_corners( f, plate->hinges + h->stencil[s] );
-                for ( int k = 0; k < PLATE_CORNERS; ++k )
-                {
-                    (void)find_or_add( p.vertex, &p.vertex_count, corner[k] );
-                }
+                add_hinge( &p, edge, plate, f, h->stencil[s], of_hinges );
             }
         }
     }
@@ -89,12 +115,22 @@ typedef struct patch_lists
     int32_t* triangle; // [begin[item_count]]
     int32_t* mark;     // [item_count] last row that has the item
     int32_t* found;    // [item_count]
+    uint8_t* common;   // [triangle_count] bit of an edge: its turn has energy in common with that of the next edge
 } patch_lists;
 
-static int members_of( const plate_patch* p, const plate_row_set* set, const int32_t** out )
+static uint8_t* list_common_energy( const wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch )
 {
-    *out = set->of_hinges ? p->hinge : p->vertex;
-    return set->of_hinges ? p->hinge_count : p->vertex_count;
+    uint8_t* common = fabric_pool_push_zeroed( scratch, (size_t)f->triangle_count, sizeof( uint8_t ) );
+    for ( int32_t t = 0; t < f->triangle_count && common != NULL; ++t )
+    {
+        double m[3][3];
+        plate_turn_energy( plate, f, t, m );
+        for ( int edge = 0; edge < 3; ++edge )
+        {
+            common[t] |= (uint8_t)( ( m[edge][( edge + 1 ) % 3] != 0.0 ? 1 : 0 ) << edge );
+        }
+    }
+    return common;
 }
 
 static bool list_patches( const wisp_plate* plate, const wisp_fabric* f, const plate_row_set* set,
@@ -105,7 +141,9 @@ static bool list_patches( const wisp_plate* plate, const wisp_fabric* f, const p
     out->triangle = fabric_pool_push( scratch, PLATE_PATCH * (size_t)f->triangle_count, sizeof( int32_t ) );
     out->mark = fabric_pool_push( scratch, count, sizeof( int32_t ) );
     out->found = fabric_pool_push( scratch, count, sizeof( int32_t ) );
-    if ( out->begin == NULL || out->triangle == NULL || out->mark == NULL || out->found == NULL )
+    out->common = list_common_energy( plate, f, scratch );
+    if ( out->begin == NULL || out->triangle == NULL || out->mark == NULL || out->found == NULL ||
+         out->common == NULL )
     {
         return false;
     }
@@ -113,13 +151,11 @@ static bool list_patches( const wisp_plate* plate, const wisp_fabric* f, const p
     {
         for ( int32_t t = 0; t < f->triangle_count; ++t )
         {
-            const plate_patch p = plate_patch_members( plate, f, t );
-            const int32_t* members;
-            const int member_count = members_of( &p, set, &members );
-            for ( int i = 0; i < member_count; ++i )
+            const patch_members p = members_of( plate, f, t, set->of_hinges );
+            for ( int i = 0; i < p.count; ++i )
             {
                 // first the counts, two places ahead; then each place moves to its end, where the next one begins
-                int32_t* place = out->begin + members[i] + ( pass == 0 ? 2 : 1 );
+                int32_t* place = out->begin + p.item[i] + ( pass == 0 ? 2 : 1 );
                 if ( pass == 1 )
                 {
                     out->triangle[*place] = t;
@@ -141,6 +177,25 @@ static int compare_items( const void* first, const void* second )
     return ( a > b ) - ( a < b );
 }
 
+// Bits of the members of a patch that act on one of them.
+static unsigned find_acting( const patch_members* p, int32_t item, unsigned common )
+{
+    unsigned acting = 0;
+    for ( int edge = 0; edge < 3; ++edge )
+    {
+        const int next = ( edge + 1 ) % 3, before = ( edge + 2 ) % 3;
+        for ( int i = 0; i < p->count; ++i )
+        {
+            if ( p->item[i] == item && ( p->of_edge[edge] >> i & 1 ) != 0 )
+            {
+                acting |= p->of_edge[edge] | ( ( common >> edge & 1 ) != 0 ? p->of_edge[next] : 0 ) |
+                          ( ( common >> before & 1 ) != 0 ? p->of_edge[before] : 0 );
+            }
+        }
+    }
+    return acting;
+}
+
 // Items of a row in ascending order; a vertex is not in its own row, whose diagonal follows from the others. @return their
 // number
 static int merge_row( const wisp_plate* plate, const wisp_fabric* f, const plate_row_set* set,
@@ -150,15 +205,14 @@ static int merge_row( const wisp_plate* plate, const wisp_fabric* f, const plate
     lists->mark[item] = set->of_hinges ? -1 : item;
     for ( int32_t at = lists->begin[item]; at < lists->begin[item + 1]; ++at )
     {
-        const plate_patch p = plate_patch_members( plate, f, lists->triangle[at] );
-        const int32_t* members;
-        const int member_count = members_of( &p, set, &members );
-        for ( int i = 0; i < member_count; ++i )
+        const patch_members p = members_of( plate, f, lists->triangle[at], set->of_hinges );
+        const unsigned acting = find_acting( &p, item, lists->common[lists->triangle[at]] );
+        for ( int i = 0; i < p.count; ++i )
         {
-            if ( lists->mark[members[i]] != item )
+            if ( ( acting >> i & 1 ) != 0 && lists->mark[p.item[i]] != item )
             {
-                lists->mark[members[i]] = item;
-                lists->found[count++] = members[i];
+                lists->mark[p.item[i]] = item;
+                lists->found[count++] = p.item[i];
             }
         }
     }

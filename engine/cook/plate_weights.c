@@ -4,6 +4,9 @@
 #include <math.h>
 #include <string.h>
 
+// Squared cosines below this are rounding errors of right angles: rows of matrices are shorter without.
+static const double LEAST_COSINE2 = 1e-12;
+
 static bool is_rigid( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle )
 {
     const int32_t* t = f->triangles + 3 * (size_t)triangle;
@@ -38,7 +41,7 @@ void plate_share_turn( const wisp_plate* plate, const wisp_fabric* f, const plat
 
 // Energy of turns, 1/2 sum of m d d: m = ( e . e )^2 / ( l l A ) for normals that are as oblique as the edges. Nothing turns
 // a triangle about an open edge, so its energy there is the least possible.
-static void turn_energy( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle, double m[3][3] )
+void plate_turn_energy( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle, double m[3][3] )
 {
     const int32_t* t = f->triangles + 3 * (size_t)triangle;
     const plate_vector e[3] = { plate_edge( f, t[0], t[1] ), plate_edge( f, t[1], t[2] ),
@@ -49,8 +52,8 @@ static void turn_energy( const wisp_plate* plate, const wisp_fabric* f, int32_t 
         for ( int q = 0; q < 3; ++q )
         {
             const double cosine = plate_dot( e[p], e[q] );
-            const double bottom = sqrt( plate_dot( e[p], e[p] ) * plate_dot( e[q], e[q] ) ) * area;
-            m[p][q] = bottom > 0.0 ? cosine * cosine / bottom : 0.0;
+            const double squares = plate_dot( e[p], e[p] ) * plate_dot( e[q], e[q] ), bottom = sqrt( squares ) * area;
+            m[p][q] = cosine * cosine > LEAST_COSINE2 * squares && bottom > 0.0 ? cosine * cosine / bottom : 0.0;
         }
     }
     for ( int open = 0; open < 3; ++open )
@@ -199,7 +202,7 @@ static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* posi
         }
         double m[3][3], q[PLATE_PATCH][PLATE_PATCH];
         plate_patch p = plate_patch_of( plate, fabric, t );
-        turn_energy( plate, fabric, t, m );
+        plate_turn_energy( plate, fabric, t, m );
         patch_matrix( m, p.of_vertex, p.vertex_count, q );
         const double rate = patch_rate( &p, position, q ), most = (double)max_rate;
         const double scale = rate > most ? most / rate : 1.0;
