@@ -218,16 +218,15 @@ static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* posi
     return lowered;
 }
 
+// Most of the time nothing has changed, so the loop does not look for an end.
 static bool has_same_pins( const wisp_plate* plate, const wisp_fabric* fabric, const float* position )
 {
-    for ( int32_t v = 0; v < fabric->vertex_count; ++v )
+    unsigned changed = 0;
+    for ( size_t v = 0; v < (size_t)fabric->vertex_count; ++v )
     {
-        if ( plate->pinned[v] != ( position[4 * (size_t)v + 3] == 0.0f ? 1 : 0 ) )
-        {
-            return false;
-        }
+        changed |= plate->pinned[v] ^ ( position[4 * v + 3] == 0.0f ? 1u : 0u );
     }
-    return true;
+    return changed == 0;
 }
 
 int wisp_plate_update( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate )

@@ -206,13 +206,18 @@ LANE_INLINE lane8 moment_of( const wisp_plate_angle_args* args, int hinge )
 LANE_INLINE void add_to_rows( float* xyzw, const int32_t* slot_x4, lane8v v )
 {
     lane8 add[4] = { v.x, v.y, v.z, lane8_zero() }, row[4];
+    int32_t at_x4[8]; // a copy, which stores to rows cannot change
+    for ( int l = 0; l < 8; ++l )
+    {
+        at_x4[l] = slot_x4[l];
+    }
     lane8_transpose_quads( add );
-    lane8_load_quads( xyzw, slot_x4, row );
+    lane8_load_quads( xyzw, at_x4, row );
     for ( int r = 0; r < 4; ++r )
     {
         row[r] = lane8_add( row[r], add[r] );
     }
-    lane8_store_quads( xyzw, slot_x4, row );
+    lane8_store_quads( xyzw, at_x4, row );
 }
 
 // Adds the impulses of moments. A moment along the exact gradient keeps linear and angular momentum whatever its size, so where
@@ -220,18 +225,24 @@ LANE_INLINE void add_to_rows( float* xyzw, const int32_t* slot_x4, lane8v v )
 // matrix does not have. Hinges around such a vertex act at once, hence AT_ONCE.
 void KERNEL( plate_add_moments )( const wisp_plate_angle_args* args, int begin, int end )
 {
+    const wisp_plate_angle_args copy = *args;
     const lane8 one = lane8_set1( 1.0f ), rate = lane8_set1( -args->rate );
+    args = &copy;
     for ( int hinge = begin; hinge < end; hinge += 8 )
     {
         corners c = load_corners( args->position, args->slot_x4, hinge );
         fold f = measure_fold( &c );
         lane8v gradient[CORNERS];
         const lane8 steep = angle_gradients( &f, gradient );
-        const lane8 within = lane8_min( lane8_div( lane8_loadu( args->turns.steepest + hinge ), steep ), one );
-        lane8 stiff = lane8_mul( rate, lane8_loadu( args->turns.stiffness + hinge ) ); // negative
-        stiff = lane8_mul( lane8_mul( stiff, weighted_square( &c, gradient ) ), lane8_sub( one, within ) );
-        const lane8 gives = lane8_sub( one, lane8_mul( stiff, lane8_set1( AT_ONCE ) ) );
-        lane8 moment = lane8_div( lane8_mul( rate, moment_of( args, hinge ) ), gives );
+        const lane8 steepest = lane8_loadu( args->turns.steepest + hinge );
+        lane8 moment = lane8_mul( rate, moment_of( args, hinge ) );
+        if ( lane8m_any( lane8_lt( steepest, steep ) ) ) // hardly ever; else it is divided by 1
+        {
+            const lane8 within = lane8_min( lane8_div( steepest, steep ), one );
+            lane8 stiff = lane8_mul( rate, lane8_loadu( args->turns.stiffness + hinge ) ); // negative
+            stiff = lane8_mul( lane8_mul( stiff, weighted_square( &c, gradient ) ), lane8_sub( one, within ) );
+            moment = lane8_div( moment, lane8_sub( one, lane8_mul( stiff, lane8_set1( AT_ONCE ) ) ) );
+        }
         moment = lane8_select( f.usable, moment, lane8_zero() );
         for ( int k = 0; k < CORNERS; ++k )
         {
