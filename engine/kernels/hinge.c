@@ -225,28 +225,27 @@ LANE_INLINE void add_to_rows( float* xyzw, const int32_t* slot_x4, lane8v v )
 // matrix does not have. Hinges around such a vertex act at once, hence AT_ONCE.
 void KERNEL( plate_add_moments )( const wisp_plate_angle_args* args, int begin, int end )
 {
-    const wisp_plate_angle_args copy = *args;
-    const lane8 one = lane8_set1( 1.0f ), rate = lane8_set1( -args->rate );
-    args = &copy;
+    const wisp_plate_angle_args mine = *args;
+    const lane8 one = lane8_set1( 1.0f ), rate = lane8_set1( -mine.rate );
     for ( int hinge = begin; hinge < end; hinge += 8 )
     {
-        corners c = load_corners( args->position, args->slot_x4, hinge );
+        corners c = load_corners( mine.position, mine.slot_x4, hinge );
         fold f = measure_fold( &c );
         lane8v gradient[CORNERS];
         const lane8 steep = angle_gradients( &f, gradient );
-        const lane8 steepest = lane8_loadu( args->turns.steepest + hinge );
-        lane8 moment = lane8_mul( rate, moment_of( args, hinge ) );
+        const lane8 steepest = lane8_loadu( mine.turns.steepest + hinge );
+        lane8 moment = lane8_mul( rate, moment_of( &mine, hinge ) );
         if ( lane8m_any( lane8_lt( steepest, steep ) ) ) // hardly ever; else it is divided by 1
         {
             const lane8 within = lane8_min( lane8_div( steepest, steep ), one );
-            lane8 stiff = lane8_mul( rate, lane8_loadu( args->turns.stiffness + hinge ) ); // negative
+            lane8 stiff = lane8_mul( rate, lane8_loadu( mine.turns.stiffness + hinge ) ); // negative
             stiff = lane8_mul( lane8_mul( stiff, weighted_square( &c, gradient ) ), lane8_sub( one, within ) );
             moment = lane8_div( moment, lane8_sub( one, lane8_mul( stiff, lane8_set1( AT_ONCE ) ) ) );
         }
         moment = lane8_select( f.usable, moment, lane8_zero() );
         for ( int k = 0; k < CORNERS; ++k )
         {
-            add_to_rows( args->impulse, args->slot_x4 + (size_t)hinge * CORNERS + 8 * k,
+            add_to_rows( mine.impulse, mine.slot_x4 + (size_t)hinge * CORNERS + 8 * k,
                          lane8v_scale( gradient[k], moment ) );
         }
     }

@@ -71,6 +71,7 @@ typedef struct bending
     wisp_plate_angle_args angles; // dihedral; else without rest angles
     wisp_plate_move_args moves;
     const wisp_kernels* kernels;
+    bool by_angle;  // else impulses are those of the matrix
     bool is_last;   // stage
     float* largest; // [block] square of a move over the least height
 } bending;
@@ -117,13 +118,6 @@ static void predict( void* context, int begin, int end, int worker )
     b->kernels->plate_predict( &b->moves, begin, end );
 }
 
-static void compute_impulse( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const bending* b = context;
-    b->kernels->plate_impulse( &b->args, begin, end );
-}
-
 static void measure_angles( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -139,7 +133,7 @@ static void add_moments( const void* context, int begin, int end )
 
 static void measure_last( const bending* b, int begin, int end )
 {
-    if ( b->is_last && b->largest != NULL )
+    if ( b->is_last && b->by_angle )
     {
         b->largest[begin / GRAIN] = b->kernels->plate_largest_move( &b->moves, begin, end );
     }
@@ -149,6 +143,10 @@ static void begin_stages( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const bending* b = context;
+    if ( b->by_angle == false )
+    {
+        b->kernels->plate_impulse( &b->args, begin, end );
+    }
     b->kernels->plate_begin( &b->args, begin, end );
     measure_last( b, begin, end );
 }
@@ -251,7 +249,8 @@ static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending* b )
         .angle = scratch + 4 * numbers,
         .impulse = b->args.impulse,
     };
-    b->largest = b->angles.rest != NULL ? scratch + 4 * numbers + hinges : NULL;
+    b->by_angle = b->angles.rest != NULL;
+    b->largest = scratch + 4 * numbers + hinges;
     return true;
 }
 
@@ -268,8 +267,7 @@ void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
         return;
     }
     b.args.rate = rigidity * b.moves.dt * b.moves.dt;
-    const bool by_angle = b.angles.rest != NULL;
-    const double reach = recurrence_of( MAX_STAGES ).reach, margin = by_angle ? ANGLE_MARGIN : 1.0;
+    const double reach = recurrence_of( MAX_STAGES ).reach, margin = b.by_angle ? ANGLE_MARGIN : 1.0;
     // where a few triangles alone are too stiff, only they are lowered; a vertex lies in several of their patches
     const int lowered = wisp_plate_update( plate, fabric, b.moves.position,
                                            (float)( reach / ( 4.0 * margin * (double)b.args.rate ) ) );
@@ -281,7 +279,7 @@ void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
         wisp_frame_count( frame, WISP_COUNT_STIFFNESS_CLAMPED, 1 );
     }
     for_slices( parallel, &b, predict );
-    if ( by_angle )
+    if ( b.by_angle )
     {
         b.angles.turns = wisp_plate_get_turns( plate );
         b.moves.least_height = b.angles.turns.least_height;
@@ -289,11 +287,7 @@ void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
         b.args.rate *= (float)ANGLE_MARGIN;
         compute_angle_impulse( parallel, fabric, &b );
     }
-    else
-    {
-        for_slices( parallel, &b, compute_impulse );
-    }
     run_stages( parallel, &b, stages_for( largest ) );
-    b.moves.scale = by_angle ? scale_of_moves( &b ) : 1.0f;
+    b.moves.scale = b.by_angle ? scale_of_moves( &b ) : 1.0f;
     for_slices( parallel, &b, accelerate );
 }
