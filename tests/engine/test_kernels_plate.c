@@ -63,7 +63,7 @@ static plate* new_plate( void )
 static wisp_plate_args stage_args( plate* p )
 {
     return ( wisp_plate_args ){
-        .rows = { SLICES, p->begin, p->other_x4, p->weight },
+        .rows = { SLICES, p->begin, (const int32_t( * )[8])p->other_x4, (const float( * )[8])p->weight },
         .position = p->position,
         .impulse = p->impulse,
         .newer = p->newer,
@@ -246,7 +246,8 @@ static void free_moments( moments* m )
 static wisp_plate_angle_args angle_args( moments* m )
 {
     return ( wisp_plate_angle_args ){
-        .turns = { m->begin, m->other, m->weight, m->stiffness, m->steepest, NULL },
+        .turns = { m->begin, (const int32_t( * )[8])m->other, (const float( * )[8])m->weight, m->stiffness,
+                   m->steepest, NULL },
         .slot_x4 = m->s->slot_x4[0][0],
         .rest = m->s->angle,
         .position = m->s->position[0],

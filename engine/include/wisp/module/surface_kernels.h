@@ -99,12 +99,11 @@ typedef struct wisp_plate_args
 typedef struct wisp_plate_move_args
 {
     const float* position; ///< [slot][4] m; inverse mass, 1/kg
-    const float*
-        target; ///< [slot][4] m, of pinned particles where the fourth component is not 0; the position if there are none
-    float* predicted;   ///< [slot][4] m, where gravity and velocities lead; inverse mass. plate_predict: output
-    float* impulse;     ///< [slot][4] plate_predict makes it 0
-    float* velocity;    ///< [slot][4] m/s; 0
-    const float* moved; ///< [slot][4] m; 0
+    const float* target;   ///< [slot][4] m, where pinned and its fourth component is not 0; may be the position
+    float* predicted;      ///< [slot][4] m, where gravity and velocities lead; inverse mass. plate_predict: output
+    float* impulse;        ///< [slot][4] plate_predict makes it 0
+    float* velocity;       ///< [slot][4] m/s; 0
+    const float* moved;    ///< [slot][4] m; 0
     const float* least_height; ///< [slot] m
     wisp_vec3 gravity;         ///< m/s^2
     float dt, to_target;       ///< s; fraction of the way to a target
