@@ -344,11 +344,28 @@ static bool make_rings( cook_fabric* cooked )
     return done;
 }
 
+static bool make_spans( cook_fabric* cooked )
+{
+    wisp_fabric* f = &cooked->fabric;
+    float* span2 = fabric_pool_push( &cooked->spans, (size_t)f->hinge_order.slot_count, sizeof( float ) );
+    for ( int slot = 0; slot < f->hinge_order.slot_count && span2 != NULL; ++slot )
+    {
+        const int32_t* lane =
+            f->hinge_slot_x4 + 4 * (size_t)( slot - slot % WISP_FABRIC_LANES ) + slot % WISP_FABRIC_LANES;
+        const wisp_vec3 k = f->rest[lane[2 * WISP_FABRIC_LANES] / 4], l = f->rest[lane[3 * WISP_FABRIC_LANES] / 4];
+        const float x = l.x - k.x, y = l.y - k.y, z = l.z - k.z;
+        span2[slot] = x * x + y * y + z * z;
+    }
+    __atomic_store_n( &f->hinge_span2, span2, __ATOMIC_RELEASE );
+    return span2 != NULL;
+}
+
 // Rings are there once their entries are, which are stored last.
 static bool has_arrays( const wisp_fabric* f, unsigned arrays )
 {
     return ( ( arrays & WISP_FABRIC_EDGES ) == 0 || __atomic_load_n( &f->edges, __ATOMIC_ACQUIRE ) != NULL ) &&
-           ( ( arrays & WISP_FABRIC_RINGS ) == 0 || __atomic_load_n( &f->ring_x4, __ATOMIC_ACQUIRE ) != NULL );
+           ( ( arrays & WISP_FABRIC_RINGS ) == 0 || __atomic_load_n( &f->ring_x4, __ATOMIC_ACQUIRE ) != NULL ) &&
+           ( ( arrays & WISP_FABRIC_SPANS ) == 0 || __atomic_load_n( &f->hinge_span2, __ATOMIC_ACQUIRE ) != NULL );
 }
 
 wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned arrays )
@@ -363,7 +380,8 @@ wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned arrays )
         // another thread makes arrays of the same fabric, which takes milliseconds, once
     }
     const bool done = ( ( arrays & WISP_FABRIC_EDGES ) == 0 || fabric->edges != NULL || make_edges( cooked ) ) &&
-                      ( ( arrays & WISP_FABRIC_RINGS ) == 0 || fabric->ring_x4 != NULL || make_rings( cooked ) );
+                      ( ( arrays & WISP_FABRIC_RINGS ) == 0 || fabric->ring_x4 != NULL || make_rings( cooked ) ) &&
+                      ( ( arrays & WISP_FABRIC_SPANS ) == 0 || fabric->hinge_span2 != NULL || make_spans( cooked ) );
     atomic_flag_clear_explicit( &cooked->is_making, memory_order_release );
     return done ? WISP_OK : WISP_NO_MEMORY;
 }

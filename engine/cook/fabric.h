@@ -20,8 +20,8 @@ typedef struct cook_fabric
 {
     wisp_fabric fabric; // first, so that both have the same address
     fabric_pool keep;
-    fabric_pool edges, rings; // arrays that a lean fabric has on request
-    atomic_flag is_making;    // a thread makes them
+    fabric_pool edges, rings, spans; // arrays on request
+    atomic_flag is_making;           // a thread makes them
     atomic_int owners;
 } cook_fabric;
 

@@ -64,7 +64,8 @@ cook_fabric* fabric_create( const wisp_allocator* allocator )
     if ( cooked != NULL )
     {
         memset( cooked, 0, sizeof( *cooked ) );
-        cooked->keep.allocator = cooked->edges.allocator = cooked->rings.allocator = allocator;
+        cooked->keep.allocator = cooked->edges.allocator = allocator;
+        cooked->rings.allocator = cooked->spans.allocator = allocator;
         atomic_flag_clear( &cooked->is_making );
         atomic_init( &cooked->owners, 1 );
     }
@@ -87,6 +88,7 @@ void wisp_fabric_release( wisp_fabric* fabric )
         fabric_pool keep = cooked->keep;
         fabric_pool_release( &cooked->edges );
         fabric_pool_release( &cooked->rings );
+        fabric_pool_release( &cooked->spans );
         fabric_pool_release( &keep );
         base_release( keep.allocator, cooked, sizeof( *cooked ) );
     }
@@ -95,5 +97,6 @@ void wisp_fabric_release( wisp_fabric* fabric )
 size_t wisp_fabric_bytes( const wisp_fabric* fabric )
 {
     const cook_fabric* cooked = (const cook_fabric*)fabric;
-    return sizeof( cook_fabric ) + cooked->keep.bytes + cooked->edges.bytes + cooked->rings.bytes;
+    return sizeof( cook_fabric ) + cooked->keep.bytes + cooked->edges.bytes + cooked->rings.bytes +
+           cooked->spans.bytes;
 }

@@ -16,11 +16,13 @@ static bool list_heights( wisp_plate* plate, const wisp_fabric* f )
     }
     for ( int n = 0; n < plate->hinge_count && plate->least_height != NULL; ++n )
     {
-        const plate_hinge* h = plate->hinges + n;
-        const float least = (float)fmin( h->height[0], h->height[1] );
+        const int32_t* corner = plate_corners( f, plate->hinges + n );
+        plate_shape shape = { 0 };
+        plate_measure_hinge( f, plate->hinges + n, &shape );
+        const float least = (float)fmin( shape.height[0], shape.height[1] );
         for ( int k = 0; k < PLATE_CORNERS; ++k )
         {
-            plate->least_height[h->corner[k]] = fminf( plate->least_height[h->corner[k]], least );
+            plate->least_height[corner[k]] = fminf( plate->least_height[corner[k]], least );
         }
     }
     return plate->least_height != NULL;
@@ -51,9 +53,10 @@ static bool cook_turns( wisp_plate* plate, const wisp_fabric* f, fabric_pool* sc
     }
     for ( int32_t n = 0; n < plate->hinge_count; ++n )
     {
-        const plate_hinge* h = plate->hinges + n;
-        const double k = h->height[0], l = h->height[1];
-        set->item_row[n] = slot_of[h->constraint];
+        plate_shape shape = { 0 };
+        plate_measure_hinge( f, plate->hinges + n, &shape );
+        const double k = shape.height[0], l = shape.height[1];
+        set->item_row[n] = slot_of[plate->hinges[n].constraint];
         plate->steepest[set->item_row[n]] = (float)( STEEPEST * ( 1.0 / ( k * k ) + 1.0 / ( l * l ) ) );
     }
     return plate_cook_rows( plate, f, set, scratch );

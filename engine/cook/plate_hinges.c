@@ -24,28 +24,34 @@ typedef struct vec2d
 // ---- hinges ----
 
 // Place of an opposite corner relative to its edge. @return whether the triangle has a height
-static bool measure_side( const wisp_fabric* f, plate_hinge* h, int side )
+static bool measure_side( const wisp_fabric* f, const int32_t* corner, int side, plate_shape* shape )
 {
-    const int32_t opposite = h->corner[2 + side], t[3] = { h->corner[0], h->corner[1], opposite };
-    const plate_vector e = plate_edge( f, h->corner[0], h->corner[1] ), d = plate_edge( f, h->corner[0], opposite );
-    h->length = sqrt( plate_dot( e, e ) );
-    if ( !( h->length > 0.0 ) )
+    const int32_t opposite = corner[2 + side], t[3] = { corner[0], corner[1], opposite };
+    const plate_vector e = plate_edge( f, corner[0], corner[1] ), d = plate_edge( f, corner[0], opposite );
+    shape->length = sqrt( plate_dot( e, e ) );
+    if ( !( shape->length > 0.0 ) )
     {
         return false;
     }
-    h->foot[side] = plate_dot( d, e ) / plate_dot( e, e );
-    h->height[side] = 2.0 * plate_area( f, t ) / h->length;
-    return h->height[side] > LEAST_HEIGHT * h->length;
+    shape->foot[side] = plate_dot( d, e ) / plate_dot( e, e );
+    shape->height[side] = 2.0 * plate_area( f, t ) / shape->length;
+    return shape->height[side] > LEAST_HEIGHT * shape->length;
+}
+
+bool plate_measure_hinge( const wisp_fabric* f, const plate_hinge* h, plate_shape* out )
+{
+    const int32_t* corner = plate_corners( f, h );
+    return measure_side( f, corner, 0, out ) && measure_side( f, corner, 1, out );
 }
 
 // J is the jump of the gradients of the two triangles along the normal of the edge (Bergou et al. 2006, eq. 4).
-static void set_row( plate_hinge* h )
+static void set_row( plate_hinge* h, const plate_shape* shape )
 {
     for ( int side = 0; side < 2; ++side )
     {
-        const double per_height = 1.0 / h->height[side];
-        h->row[0] += ( 1.0 - h->foot[side] ) * per_height;
-        h->row[1] += h->foot[side] * per_height;
+        const double per_height = 1.0 / shape->height[side];
+        h->row[0] += ( 1.0 - shape->foot[side] ) * per_height;
+        h->row[1] += shape->foot[side] * per_height;
         h->row[2 + side] = -per_height;
     }
 }
@@ -84,7 +90,7 @@ static half_edge* list_half_edges( const wisp_fabric* f, fabric_pool* scratch )
     return edges;
 }
 
-static bool connect_hinges( wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch )
+static bool connect_hinges( wisp_plate* plate, const wisp_fabric* f, plate_shape* shapes, fabric_pool* scratch )
 {
     const half_edge* edges = list_half_edges( f, scratch );
     if ( edges == NULL )
@@ -96,15 +102,14 @@ static bool connect_hinges( wisp_plate* plate, const wisp_fabric* f, fabric_pool
     for ( int n = 0; n < f->hinge_count; ++n )
     {
         plate_hinge h = { .constraint = n };
-        memcpy( h.corner, f->hinges + PLATE_CORNERS * (size_t)n, sizeof( h.corner ) );
-        const half_edge* side[2] = { find_half_edge( edges, count, h.corner[0], h.corner[1] ),
-                                     find_half_edge( edges, count, h.corner[1], h.corner[0] ) };
+        plate_shape* shape = shapes + plate->hinge_count;
+        const int32_t* corner = plate_corners( f, &h );
+        const half_edge* side[2] = { find_half_edge( edges, count, corner[0], corner[1] ),
+                                     find_half_edge( edges, count, corner[1], corner[0] ) };
         // back to back, or without a height: the edge is open
-        const bool measured = side[0] != NULL && side[1] != NULL && h.corner[2] != h.corner[3] &&
-                              measure_side( f, &h, 0 ) && measure_side( f, &h, 1 );
-        if ( measured )
+        if ( side[0] != NULL && side[1] != NULL && corner[2] != corner[3] && plate_measure_hinge( f, &h, shape ) )
         {
-            set_row( &h );
+            set_row( &h, shape );
             for ( int s = 0; s < 2; ++s )
             {
                 h.triangle[s] = side[s]->triangle;
@@ -127,11 +132,12 @@ static int32_t hinge_across( const wisp_plate* plate, const wisp_fabric* f, int3
 static void list_stencil( const wisp_plate* plate, const wisp_fabric* f, int32_t hinge )
 {
     plate_hinge* h = plate->hinges + hinge;
+    const int32_t* corner = plate_corners( f, h );
     h->stencil[0] = hinge;
-    h->stencil[1] = hinge_across( plate, f, h->triangle[0], h->corner[1] );
-    h->stencil[2] = hinge_across( plate, f, h->triangle[0], h->corner[2] );
-    h->stencil[3] = hinge_across( plate, f, h->triangle[1], h->corner[0] );
-    h->stencil[4] = hinge_across( plate, f, h->triangle[1], h->corner[3] );
+    h->stencil[1] = hinge_across( plate, f, h->triangle[0], corner[1] );
+    h->stencil[2] = hinge_across( plate, f, h->triangle[0], corner[2] );
+    h->stencil[3] = hinge_across( plate, f, h->triangle[1], corner[0] );
+    h->stencil[4] = hinge_across( plate, f, h->triangle[1], corner[3] );
 }
 
 // ---- how two triangles share a turn ----
@@ -142,6 +148,13 @@ static vec2d place_right( vec2d a, vec2d b, double foot, double height )
     const double x = b.x - a.x, y = b.y - a.y, per_length = 1.0 / sqrt( x * x + y * y );
     return ( vec2d ){ a.x + foot * x + height * y * per_length, a.y + foot * y - height * x * per_length };
 }
+
+typedef struct hinge_list
+{
+    const wisp_fabric* fabric;
+    const plate_hinge* hinges;
+    const plate_shape* shapes; // of the hinges
+} hinge_list;
 
 // J of a hinge for the three quadratic surfaces. @param at its corners in the plane
 static void add_monomials( const plate_hinge* h, const vec2d at[PLATE_CORNERS], double out[MONOMIALS] )
@@ -155,27 +168,33 @@ static void add_monomials( const plate_hinge* h, const vec2d at[PLATE_CORNERS], 
 }
 
 // J of a hinge next to this one, unfolded into its plane. @param from, to of the edge, so that the far triangle is to the right
-static void unfold( const plate_hinge* h, int32_t from_slot, vec2d from, vec2d to, vec2d near, double out[MONOMIALS] )
+static void unfold( const hinge_list* list, int32_t hinge, int32_t from_slot, vec2d from, vec2d to, vec2d near,
+                    double out[MONOMIALS] )
 {
-    const bool same = h->corner[0] == from_slot; // then `near` is the corner k, the far one l
+    const plate_hinge* h = list->hinges + hinge;
+    const plate_shape* shape = list->shapes + hinge;
+    const bool same = plate_corners( list->fabric, h )[0] == from_slot; // then `near` is the corner k, the far one l
     vec2d at[PLATE_CORNERS];
     at[0] = same ? from : to;
     at[1] = same ? to : from;
     const int far = same ? 1 : 0;
-    at[2 + far] = same ? place_right( from, to, h->foot[1], h->height[1] )
-                       : place_right( from, to, 1.0 - h->foot[0], h->height[0] );
+    at[2 + far] = same ? place_right( from, to, shape->foot[1], shape->height[1] )
+                       : place_right( from, to, 1.0 - shape->foot[0], shape->height[0] );
     at[2 + ( 1 - far )] = near;
     add_monomials( h, at, out );
 }
 
 // Turn of side 0 and of the stencil for quadratic surfaces in the plane of a hinge, the middle of its edge at the origin.
-static void measure_quadratics( const wisp_plate* plate, const plate_hinge* h, double turn[MONOMIALS],
+static void measure_quadratics( const hinge_list* list, int32_t hinge, double turn[MONOMIALS],
                                 double jump[PLATE_STENCIL][MONOMIALS] )
 {
-    const double half = 0.5 * h->length;
+    const plate_hinge* h = list->hinges + hinge;
+    const plate_shape* shape = list->shapes + hinge;
+    const int32_t* corner = plate_corners( list->fabric, h );
+    const double half = 0.5 * shape->length;
     const vec2d i = { -half, 0.0 }, j = { half, 0.0 };
-    const vec2d k = { ( 2.0 * h->foot[0] - 1.0 ) * half, h->height[0] };
-    const vec2d l = { ( 2.0 * h->foot[1] - 1.0 ) * half, -h->height[1] };
+    const vec2d k = { ( 2.0 * shape->foot[0] - 1.0 ) * half, shape->height[0] };
+    const vec2d l = { ( 2.0 * shape->foot[1] - 1.0 ) * half, -shape->height[1] };
     const vec2d own[PLATE_CORNERS] = { i, j, k, l };
     memset( jump, 0, PLATE_STENCIL * sizeof( jump[0] ) );
     add_monomials( h, own, jump[0] );
@@ -184,14 +203,13 @@ static void measure_quadratics( const wisp_plate* plate, const plate_hinge* h, d
         int32_t slot;
         vec2d from, to, near;
     } next[PLATE_STENCIL - 1] = {
-        { h->corner[1], j, k, i }, { h->corner[2], k, i, j }, { h->corner[0], i, l, j }, { h->corner[3], l, j, i }
+        { corner[1], j, k, i }, { corner[2], k, i, j }, { corner[0], i, l, j }, { corner[3], l, j, i }
     };
     for ( int n = 0; n < PLATE_STENCIL - 1; ++n )
     {
         if ( h->stencil[n + 1] >= 0 )
         {
-            unfold( plate->hinges + h->stencil[n + 1], next[n].slot, next[n].from, next[n].to, next[n].near,
-                    jump[n + 1] );
+            unfold( list, h->stencil[n + 1], next[n].slot, next[n].from, next[n].to, next[n].near, jump[n + 1] );
         }
     }
     // the gradient at the middle of the edge is 0, that of the flat triangle leads from the edge to the corner
@@ -226,14 +244,15 @@ static void solve_monomials( double a[MONOMIALS][MONOMIALS], double b[MONOMIALS]
 }
 
 // The shares nearest to one by height, which suits equal triangles, that are right for every quadratic surface.
-static void fit_shares( const wisp_plate* plate, plate_hinge* h )
+static void fit_shares( const hinge_list* list, int32_t hinge, double fitted[PLATE_STENCIL] )
 {
+    const plate_shape* shape = list->shapes + hinge;
     double turn[MONOMIALS], jump[PLATE_STENCIL][MONOMIALS], gram[MONOMIALS][MONOMIALS] = { { 0.0 } }, trace = 0.0;
-    measure_quadratics( plate, h, turn, jump );
-    h->fitted[0] = h->height[0] / ( h->height[0] + h->height[1] );
+    measure_quadratics( list, hinge, turn, jump );
+    fitted[0] = plate_share_by_height( shape );
     for ( int m = 0; m < MONOMIALS; ++m )
     {
-        turn[m] -= h->fitted[0] * jump[0][m];
+        turn[m] -= fitted[0] * jump[0][m];
         for ( int n = 0; n < MONOMIALS; ++n )
         {
             for ( int s = 0; s < PLATE_STENCIL; ++s )
@@ -251,17 +270,19 @@ static void fit_shares( const wisp_plate* plate, plate_hinge* h )
     for ( int s = 0; s < PLATE_STENCIL; ++s )
     {
         const double more = jump[s][0] * turn[0] + jump[s][1] * turn[1] + jump[s][2] * turn[2];
-        h->fitted[s] += s == 0 || fabs( more ) >= LEAST_SHARE ? more : 0.0;
+        fitted[s] += s == 0 || fabs( more ) >= LEAST_SHARE ? more : 0.0;
     }
 }
 
 bool plate_cook_hinges( wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch )
 {
-    const bool done = connect_hinges( plate, f, scratch );
+    plate_shape* shapes = fabric_pool_push( scratch, (size_t)f->hinge_count, sizeof( plate_shape ) );
+    const bool done = shapes != NULL && connect_hinges( plate, f, shapes, scratch );
+    const hinge_list list = { f, plate->hinges, shapes };
     for ( int32_t h = 0; h < plate->hinge_count && done; ++h )
     {
         list_stencil( plate, f, h );
-        fit_shares( plate, plate->hinges + h );
+        fit_shares( &list, h, plate->hinges[h].fitted );
     }
     return done;
 }

@@ -14,19 +14,23 @@ enum
     PLATE_CORNERS = 4, // of a hinge
 };
 
-// A hinge between side 0, the triangle (i, j, k), and side 1, the triangle (j, i, l).
+// A hinge between side 0, the triangle (i, j, k), and side 1, the triangle (j, i, l). There are three of a vertex, so what a
+// plate seldom needs is found again.
 typedef struct plate_hinge
 {
-    int32_t corner[PLATE_CORNERS]; // slots i, j, k, l
-    int32_t constraint;            // of the fabric
+    int32_t constraint; // of the fabric, which has its corners i, j, k, l
     int32_t triangle[2];
     int32_t stencil[PLATE_STENCIL]; // hinges: itself, across (j, k), (k, i), (i, l), (l, j); -1: none
     double row[PLATE_CORNERS];      // J = sum of row x, 1/m
-    double length;                  // m
-    double foot[2], height[2];      // of an opposite corner over the edge: share of the edge from i; m
     double fitted[PLATE_STENCIL];   // turn of side 0 from J of the stencil, without pins
-    double share[PLATE_STENCIL];    // the same next to pins
 } plate_hinge;
+
+// Opposite corners over the edge of a hinge at rest.
+typedef struct plate_shape
+{
+    double length;             // of the edge, m
+    double foot[2], height[2]; // share of the edge from i; m
+} plate_shape;
 
 // A matrix over vertices or over hinges by slices of eight rows. A slice has as many entries as its longest row.
 typedef struct plate_row_set
@@ -89,12 +93,31 @@ static inline double plate_area( const wisp_fabric* f, const int32_t* t )
     return 0.5 * sqrt( plate_dot( n, n ) );
 }
 
+static inline const int32_t* plate_corners( const wisp_fabric* f, const plate_hinge* h )
+{
+    return f->hinges + PLATE_CORNERS * (size_t)h->constraint;
+}
+
+static inline double plate_share_by_height( const plate_shape* shape )
+{
+    return shape->height[0] / ( shape->height[0] + shape->height[1] );
+}
+
+/// Shape of a hinge. @return false: an edge without a length or a triangle without a height
+bool plate_measure_hinge( const wisp_fabric* f, const plate_hinge* h, plate_shape* out );
+
 /// List the hinges, how their triangles share a turn, and the hinge across each edge. @return false if out of memory
 bool plate_cook_hinges( wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch );
 
+/// Turn of side 0 from J of the stencil, next to pins.
+void plate_share_turn( const wisp_plate* plate, const wisp_fabric* f, const plate_hinge* h,
+                       double share[PLATE_STENCIL] );
+
+/// Energy of the turns of a triangle at its edges, 1/2 sum of m d d. Edges at a right angle have exactly none in common.
+void plate_turn_energy( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle, double m[3][3] );
+
 /// Turns of a triangle's edges as linear combinations of those of hinges and of the vertices around.
-/// @param with_pins with the shares next to pins; without, a patch has the vertices and hinges that it can ever have
-plate_patch plate_patch_of( const wisp_plate* plate, int32_t triangle, bool with_pins );
+plate_patch plate_patch_of( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle );
 
 /// List the entries of each row; their weights are 0. @return false if out of memory
 bool plate_cook_rows( wisp_plate* plate, const wisp_fabric* f, plate_row_set* set, fabric_pool* scratch );

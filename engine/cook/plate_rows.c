@@ -19,17 +19,19 @@ static int find_or_add( int32_t* list, int* count, int32_t item )
     return ( *count )++;
 }
 
-static void add_jump( plate_patch* p, int edge, const wisp_plate* plate, int32_t hinge, double factor )
+static void add_jump( plate_patch* p, int edge, const wisp_plate* plate, const wisp_fabric* f, int32_t hinge,
+                      double factor )
 {
     const plate_hinge* h = plate->hinges + hinge;
+    const int32_t* corner = plate_corners( f, h );
     p->of_hinge[edge][find_or_add( p->hinge, &p->hinge_count, hinge )] += factor;
     for ( int k = 0; k < PLATE_CORNERS; ++k )
     {
-        p->of_vertex[edge][find_or_add( p->vertex, &p->vertex_count, h->corner[k] )] += factor * h->row[k];
+        p->of_vertex[edge][find_or_add( p->vertex, &p->vertex_count, corner[k] )] += factor * h->row[k];
     }
 }
 
-plate_patch plate_patch_of( const wisp_plate* plate, int32_t triangle, bool with_pins )
+plate_patch plate_patch_of( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle )
 {
     plate_patch p = { .hinge_count = 0 };
     for ( int edge = 0; edge < 3; ++edge )
@@ -40,13 +42,64 @@ plate_patch plate_patch_of( const wisp_plate* plate, int32_t triangle, bool with
             continue;
         }
         const plate_hinge* h = plate->hinges + hinge;
-        const double* share = with_pins ? h->share : h->fitted;
+        double share[PLATE_STENCIL];
+        plate_share_turn( plate, f, h, share );
         for ( int s = 0; s < PLATE_STENCIL; ++s )
         {
             const double other = ( s == 0 ? 1.0 : 0.0 ) - share[s];
             if ( h->stencil[s] >= 0 && ( s == 0 || h->fitted[s] != 0.0 ) )
             {
-                add_jump( &p, edge, plate, h->stencil[s], h->triangle[0] == triangle ? share[s] : other );
+                add_jump( &p, edge, plate, f, h->stencil[s], h->triangle[0] == triangle ? share[s] : other );
+            }
+        }
+    }
+    return p;
+}
+
+// The hinges or vertices that a patch can have, whatever is pinned.
+typedef struct patch_members
+{
+    int count;
+    int32_t item[PLATE_PATCH];
+    unsigned of_edge[3]; // bits of the items that the turn at an edge depends on
+} patch_members;
+
+static void add_member( patch_members* p, int edge, int32_t item )
+{
+    p->of_edge[edge] |= 1u << find_or_add( p->item, &p->count, item );
+}
+
+// Corners whose entry of the row is 0 do not turn the hinge.
+static void add_hinge( patch_members* p, int edge, const wisp_plate* plate, const wisp_fabric* f, int32_t hinge,
+                       bool of_hinges )
+{
+    const plate_hinge* h = plate->hinges + hinge;
+    if ( of_hinges )
+    {
+        add_member( p, edge, hinge );
+        return;
+    }
+    for ( int k = 0; k < PLATE_CORNERS; ++k )
+    {
+        if ( h->row[k] != 0.0 )
+        {
+            add_member( p, edge, plate_corners( f, h )[k] );
+        }
+    }
+}
+
+static patch_members members_of( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle, bool of_hinges )
+{
+    patch_members p = { .count = 0 };
+    for ( int edge = 0; edge < 3; ++edge )
+    {
+        const int32_t hinge = plate->triangle_hinge[triangle][edge];
+        const plate_hinge* h = hinge >= 0 ? plate->hinges + hinge : NULL;
+        for ( int s = 0; s < PLATE_STENCIL && h != NULL; ++s )
+        {
+            if ( h->stencil[s] >= 0 && ( s == 0 || h->fitted[s] != 0.0 ) )
+            {
+                add_hinge( &p, edge, plate, f, h->stencil[s], of_hinges );
             }
         }
     }
@@ -62,12 +115,22 @@ typedef struct patch_lists
     int32_t* triangle; // [begin[item_count]]
     int32_t* mark;     // [item_count] last row that has the item
     int32_t* found;    // [item_count]
+    uint8_t* common;   // [triangle_count] bit of an edge: its turn has energy in common with that of the next edge
 } patch_lists;
 
-static int members_of( const plate_patch* p, const plate_row_set* set, const int32_t** out )
+static uint8_t* list_common_energy( const wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch )
 {
-    *out = set->of_hinges ? p->hinge : p->vertex;
-    return set->of_hinges ? p->hinge_count : p->vertex_count;
+    uint8_t* common = fabric_pool_push_zeroed( scratch, (size_t)f->triangle_count, sizeof( uint8_t ) );
+    for ( int32_t t = 0; t < f->triangle_count && common != NULL; ++t )
+    {
+        double m[3][3];
+        plate_turn_energy( plate, f, t, m );
+        for ( int edge = 0; edge < 3; ++edge )
+        {
+            common[t] |= (uint8_t)( ( m[edge][( edge + 1 ) % 3] != 0.0 ? 1 : 0 ) << edge );
+        }
+    }
+    return common;
 }
 
 static bool list_patches( const wisp_plate* plate, const wisp_fabric* f, const plate_row_set* set,
@@ -78,7 +141,9 @@ static bool list_patches( const wisp_plate* plate, const wisp_fabric* f, const p
     out->triangle = fabric_pool_push( scratch, PLATE_PATCH * (size_t)f->triangle_count, sizeof( int32_t ) );
     out->mark = fabric_pool_push( scratch, count, sizeof( int32_t ) );
     out->found = fabric_pool_push( scratch, count, sizeof( int32_t ) );
-    if ( out->begin == NULL || out->triangle == NULL || out->mark == NULL || out->found == NULL )
+    out->common = list_common_energy( plate, f, scratch );
+    if ( out->begin == NULL || out->triangle == NULL || out->mark == NULL || out->found == NULL ||
+         out->common == NULL )
     {
         return false;
     }
@@ -86,13 +151,11 @@ static bool list_patches( const wisp_plate* plate, const wisp_fabric* f, const p
     {
         for ( int32_t t = 0; t < f->triangle_count; ++t )
         {
-            const plate_patch p = plate_patch_of( plate, t, false );
-            const int32_t* members;
-            const int member_count = members_of( &p, set, &members );
-            for ( int i = 0; i < member_count; ++i )
+            const patch_members p = members_of( plate, f, t, set->of_hinges );
+            for ( int i = 0; i < p.count; ++i )
             {
                 // first the counts, two places ahead; then each place moves to its end, where the next one begins
-                int32_t* place = out->begin + members[i] + ( pass == 0 ? 2 : 1 );
+                int32_t* place = out->begin + p.item[i] + ( pass == 0 ? 2 : 1 );
                 if ( pass == 1 )
                 {
                     out->triangle[*place] = t;
@@ -114,23 +177,42 @@ static int compare_items( const void* first, const void* second )
     return ( a > b ) - ( a < b );
 }
 
+// Bits of the members of a patch that act on one of them.
+static unsigned find_acting( const patch_members* p, int32_t item, unsigned common )
+{
+    unsigned acting = 0;
+    for ( int edge = 0; edge < 3; ++edge )
+    {
+        const int next = ( edge + 1 ) % 3, before = ( edge + 2 ) % 3;
+        for ( int i = 0; i < p->count; ++i )
+        {
+            if ( p->item[i] == item && ( p->of_edge[edge] >> i & 1 ) != 0 )
+            {
+                acting |= p->of_edge[edge] | ( ( common >> edge & 1 ) != 0 ? p->of_edge[next] : 0 ) |
+                          ( ( common >> before & 1 ) != 0 ? p->of_edge[before] : 0 );
+            }
+        }
+    }
+    return acting;
+}
+
 // Items of a row in ascending order; a vertex is not in its own row, whose diagonal follows from the others. @return their
 // number
-static int merge_row( const wisp_plate* plate, const plate_row_set* set, const patch_lists* lists, int32_t item )
+static int merge_row( const wisp_plate* plate, const wisp_fabric* f, const plate_row_set* set,
+                      const patch_lists* lists, int32_t item )
 {
     int count = 0;
     lists->mark[item] = set->of_hinges ? -1 : item;
     for ( int32_t at = lists->begin[item]; at < lists->begin[item + 1]; ++at )
     {
-        const plate_patch p = plate_patch_of( plate, lists->triangle[at], false );
-        const int32_t* members;
-        const int member_count = members_of( &p, set, &members );
-        for ( int i = 0; i < member_count; ++i )
+        const patch_members p = members_of( plate, f, lists->triangle[at], set->of_hinges );
+        const unsigned acting = find_acting( &p, item, lists->common[lists->triangle[at]] );
+        for ( int i = 0; i < p.count; ++i )
         {
-            if ( lists->mark[members[i]] != item )
+            if ( ( acting >> i & 1 ) != 0 && lists->mark[p.item[i]] != item )
             {
-                lists->mark[members[i]] = item;
-                lists->found[count++] = members[i];
+                lists->mark[p.item[i]] = item;
+                lists->found[count++] = p.item[i];
             }
         }
     }
@@ -143,7 +225,7 @@ static void clear_marks( const plate_row_set* set, const patch_lists* lists )
     memset( lists->mark, -1, (size_t)set->item_count * sizeof( int32_t ) );
 }
 
-static void write_rows( const wisp_plate* plate, plate_row_set* set, const patch_lists* lists )
+static void write_rows( const wisp_plate* plate, const wisp_fabric* f, plate_row_set* set, const patch_lists* lists )
 {
     const int times = set->of_hinges ? 1 : 4;
     for ( int slice = 0; slice < set->slice_count; ++slice )
@@ -159,7 +241,7 @@ static void write_rows( const wisp_plate* plate, plate_row_set* set, const patch
     for ( int32_t item = 0; item < set->item_count; ++item )
     {
         const int32_t row = set->item_row[item];
-        const int length = merge_row( plate, set, lists, item );
+        const int length = merge_row( plate, f, set, lists, item );
         for ( int n = 0; n < length; ++n )
         {
             set->other[set->begin[row / 8] + n][row % 8] = times * set->item_row[lists->found[n]];
@@ -178,7 +260,7 @@ bool plate_cook_rows( wisp_plate* plate, const wisp_fabric* f, plate_row_set* se
     clear_marks( set, &lists );
     for ( int32_t item = 0; item < set->item_count; ++item )
     {
-        const int length = merge_row( plate, set, &lists, item );
+        const int length = merge_row( plate, f, set, &lists, item );
         int32_t* longest = set->begin + set->item_row[item] / 8 + 1;
         *longest = length > *longest ? length : *longest;
     }
@@ -194,6 +276,6 @@ bool plate_cook_rows( wisp_plate* plate, const wisp_fabric* f, plate_row_set* se
         return false;
     }
     clear_marks( set, &lists );
-    write_rows( plate, set, &lists );
+    write_rows( plate, f, set, &lists );
     return true;
 }

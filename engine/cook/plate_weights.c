@@ -4,6 +4,9 @@
 #include <math.h>
 #include <string.h>
 
+// Squared cosines below this are rounding errors of right angles: rows of matrices are shorter without.
+static const double LEAST_COSINE2 = 1e-12;
+
 static bool is_rigid( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle )
 {
     const int32_t* t = f->triangles + 3 * (size_t)triangle;
@@ -12,10 +15,11 @@ static bool is_rigid( const wisp_plate* plate, const wisp_fabric* f, int32_t tri
 
 // A hinge at a rigid triangle turns on the other side alone. It does not measure the curvature beyond, so it is not part of
 // the fit of its neighbours.
-static void share_next_to_pins( const wisp_plate* plate, const wisp_fabric* f, plate_hinge* h )
+void plate_share_turn( const wisp_plate* plate, const wisp_fabric* f, const plate_hinge* h,
+                       double share[PLATE_STENCIL] )
 {
     const bool rigid[2] = { is_rigid( plate, f, h->triangle[0] ), is_rigid( plate, f, h->triangle[1] ) };
-    memcpy( h->share, h->fitted, sizeof( h->share ) );
+    memcpy( share, h->fitted, sizeof( h->fitted ) );
     bool whole = true;
     for ( int s = 1; s < PLATE_STENCIL; ++s )
     {
@@ -28,15 +32,16 @@ static void share_next_to_pins( const wisp_plate* plate, const wisp_fabric* f, p
     }
     if ( rigid[0] || rigid[1] || whole == false )
     {
-        memset( h->share, 0, sizeof( h->share ) );
-        h->share[0] = h->height[0] / ( h->height[0] + h->height[1] );
-        h->share[0] = rigid[0] ? 0.0 : ( rigid[1] ? 1.0 : h->share[0] );
+        plate_shape shape;
+        memset( share, 0, sizeof( h->fitted ) );
+        share[0] = plate_measure_hinge( f, h, &shape ) ? plate_share_by_height( &shape ) : 0.0;
+        share[0] = rigid[0] ? 0.0 : ( rigid[1] ? 1.0 : share[0] );
     }
 }
 
 // Energy of turns, 1/2 sum of m d d: m = ( e . e )^2 / ( l l A ) for normals that are as oblique as the edges. Nothing turns
 // a triangle about an open edge, so its energy there is the least possible.
-static void turn_energy( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle, double m[3][3] )
+void plate_turn_energy( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle, double m[3][3] )
 {
     const int32_t* t = f->triangles + 3 * (size_t)triangle;
     const plate_vector e[3] = { plate_edge( f, t[0], t[1] ), plate_edge( f, t[1], t[2] ),
@@ -47,8 +52,8 @@ static void turn_energy( const wisp_plate* plate, const wisp_fabric* f, int32_t 
         for ( int q = 0; q < 3; ++q )
         {
             const double cosine = plate_dot( e[p], e[q] );
-            const double bottom = sqrt( plate_dot( e[p], e[p] ) * plate_dot( e[q], e[q] ) ) * area;
-            m[p][q] = bottom > 0.0 ? cosine * cosine / bottom : 0.0;
+            const double squares = plate_dot( e[p], e[p] ) * plate_dot( e[q], e[q] ), bottom = sqrt( squares ) * area;
+            m[p][q] = cosine * cosine > LEAST_COSINE2 * squares && bottom > 0.0 ? cosine * cosine / bottom : 0.0;
         }
     }
     for ( int open = 0; open < 3; ++open )
@@ -187,10 +192,6 @@ static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* posi
     {
         plate->pinned[v] = position[4 * (size_t)v + 3] == 0.0f ? 1 : 0;
     }
-    for ( int32_t h = 0; h < plate->hinge_count; ++h )
-    {
-        share_next_to_pins( plate, fabric, plate->hinges + h );
-    }
     clear( plate );
     int lowered = 0;
     for ( int32_t t = 0; t < fabric->triangle_count; ++t )
@@ -200,8 +201,8 @@ static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* posi
             continue;
         }
         double m[3][3], q[PLATE_PATCH][PLATE_PATCH];
-        plate_patch p = plate_patch_of( plate, t, true );
-        turn_energy( plate, fabric, t, m );
+        plate_patch p = plate_patch_of( plate, fabric, t );
+        plate_turn_energy( plate, fabric, t, m );
         patch_matrix( m, p.of_vertex, p.vertex_count, q );
         const double rate = patch_rate( &p, position, q ), most = (double)max_rate;
         const double scale = rate > most ? most / rate : 1.0;
@@ -217,16 +218,15 @@ static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* posi
     return lowered;
 }
 
+// Most of the time nothing has changed, so the loop does not look for an end.
 static bool has_same_pins( const wisp_plate* plate, const wisp_fabric* fabric, const float* position )
 {
-    for ( int32_t v = 0; v < fabric->vertex_count; ++v )
+    unsigned changed = 0;
+    for ( size_t v = 0; v < (size_t)fabric->vertex_count; ++v )
     {
-        if ( plate->pinned[v] != ( position[4 * (size_t)v + 3] == 0.0f ? 1 : 0 ) )
-        {
-            return false;
-        }
+        changed |= plate->pinned[v] ^ ( position[4 * v + 3] == 0.0f ? 1u : 0u );
     }
-    return true;
+    return changed == 0;
 }
 
 int wisp_plate_update( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate )

@@ -202,32 +202,51 @@ LANE_INLINE lane8 moment_of( const wisp_plate_angle_args* args, int hinge )
     return moment;
 }
 
+// Adds vectors to rows of four floats, so that only they are transposed.
+LANE_INLINE void add_to_rows( float* xyzw, const int32_t* slot_x4, lane8v v )
+{
+    lane8 add[4] = { v.x, v.y, v.z, lane8_zero() }, row[4];
+    int32_t at_x4[8]; // a copy, which stores to rows cannot change
+    for ( int l = 0; l < 8; ++l )
+    {
+        at_x4[l] = slot_x4[l];
+    }
+    lane8_transpose_quads( add );
+    lane8_load_quads( xyzw, at_x4, row );
+    for ( int r = 0; r < 4; ++r )
+    {
+        row[r] = lane8_add( row[r], add[r] );
+    }
+    lane8_store_quads( xyzw, at_x4, row );
+}
+
 // Adds the impulses of moments. A moment along the exact gradient keeps linear and angular momentum whatever its size, so where
 // a triangle has lost its height the moment is what gives way: as in xpbd, with the part of A = r K w |gradient|^2 that the
 // matrix does not have. Hinges around such a vertex act at once, hence AT_ONCE.
 void KERNEL( plate_add_moments )( const wisp_plate_angle_args* args, int begin, int end )
 {
-    const lane8 one = lane8_set1( 1.0f ), rate = lane8_set1( -args->rate );
+    const wisp_plate_angle_args mine = *args;
+    const lane8 one = lane8_set1( 1.0f ), rate = lane8_set1( -mine.rate );
     for ( int hinge = begin; hinge < end; hinge += 8 )
     {
-        corners c = load_corners( args->position, args->slot_x4, hinge );
+        corners c = load_corners( mine.position, mine.slot_x4, hinge );
         fold f = measure_fold( &c );
         lane8v gradient[CORNERS];
         const lane8 steep = angle_gradients( &f, gradient );
-        const lane8 within = lane8_min( lane8_div( lane8_loadu( args->turns.steepest + hinge ), steep ), one );
-        lane8 stiff = lane8_mul( rate, lane8_loadu( args->turns.stiffness + hinge ) ); // negative
-        stiff = lane8_mul( lane8_mul( stiff, weighted_square( &c, gradient ) ), lane8_sub( one, within ) );
-        const lane8 gives = lane8_sub( one, lane8_mul( stiff, lane8_set1( AT_ONCE ) ) );
-        lane8 moment = lane8_div( lane8_mul( rate, moment_of( args, hinge ) ), gives );
+        const lane8 steepest = lane8_loadu( mine.turns.steepest + hinge );
+        lane8 moment = lane8_mul( rate, moment_of( &mine, hinge ) );
+        if ( lane8m_any( lane8_lt( steepest, steep ) ) ) // hardly ever; else it is divided by 1
+        {
+            const lane8 within = lane8_min( lane8_div( steepest, steep ), one );
+            lane8 stiff = lane8_mul( rate, lane8_loadu( mine.turns.stiffness + hinge ) ); // negative
+            stiff = lane8_mul( lane8_mul( stiff, weighted_square( &c, gradient ) ), lane8_sub( one, within ) );
+            moment = lane8_div( moment, lane8_sub( one, lane8_mul( stiff, lane8_set1( AT_ONCE ) ) ) );
+        }
         moment = lane8_select( f.usable, moment, lane8_zero() );
         for ( int k = 0; k < CORNERS; ++k )
         {
-            const int32_t* slot_x4 = args->slot_x4 + (size_t)hinge * CORNERS + 8 * k;
-            lane8v b;
-            lane8 unused;
-            lane8_load_xyzw( args->impulse, slot_x4, &b.x, &b.y, &b.z, &unused );
-            b = lane8v_mul_add( b, moment, gradient[k] );
-            lane8_store_xyzw( args->impulse, slot_x4, b.x, b.y, b.z, unused );
+            add_to_rows( mine.impulse, mine.slot_x4 + (size_t)hinge * CORNERS + 8 * k,
+                         lane8v_scale( gradient[k], moment ) );
         }
     }
 }
@@ -290,5 +309,29 @@ void KERNEL( hinge_isometric )( const wisp_hinge_args* args, int begin, int end 
             }
             lane8_store_quads( mine.position, slot_x4 + 8 * k, x[k] );
         }
+    }
+}
+
+// ---- sharp folds ----
+
+// Finds hinges whose opposite vertices are nearer than half their distance at rest. Only differences are transposed.
+void KERNEL( hinge_find_folds )( const wisp_fold_args* args, int begin, int end )
+{
+    const wisp_fold_args mine = *args;
+    const lane8 four = lane8_set1( 4.0f );
+    for ( int hinge = begin; hinge < end; hinge += 8 )
+    {
+        const int32_t* slot_x4 = mine.slot_x4 + (size_t)hinge * CORNERS;
+        lane8 k[4], l[4];
+        lane8_load_quads( mine.position, slot_x4 + 8 * OPPOSITE_K, k );
+        lane8_load_quads( mine.position, slot_x4 + 8 * OPPOSITE_L, l );
+        for ( int r = 0; r < 4; ++r )
+        {
+            l[r] = lane8_sub( l[r], k[r] );
+        }
+        lane8_transpose_quads( l );
+        const lane8v between = { l[0], l[1], l[2] };
+        const lane8 square = lane8_mul( four, lane8v_dot( between, between ) );
+        mine.folded[hinge / 8] = (uint8_t)lane8m_bits( lane8_lt( square, lane8_loadu( mine.span2 + hinge ) ) );
     }
 }

@@ -39,10 +39,15 @@ uint32_t KERNEL( instances_link )( const wisp_instances_args* args, bool folds )
 void KERNEL( link_limit )( const wisp_link_args* args, int begin, int end );
 void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end );
 void KERNEL( hinge_isometric )( const wisp_hinge_args* args, int begin, int end );
+void KERNEL( hinge_find_folds )( const wisp_fold_args* args, int begin, int end );
 void KERNEL( plate_measure_angles )( const wisp_plate_angle_args* args, int begin, int end );
 void KERNEL( plate_add_moments )( const wisp_plate_angle_args* args, int begin, int end );
+void KERNEL( plate_predict )( const wisp_plate_move_args* args, int begin, int end );
 void KERNEL( plate_impulse )( const wisp_plate_args* args, int begin, int end );
+void KERNEL( plate_begin )( const wisp_plate_args* args, int begin, int end );
 void KERNEL( plate_stage )( const wisp_plate_args* args, int begin, int end );
+float KERNEL( plate_largest_move )( const wisp_plate_move_args* args, int begin, int end );
+void KERNEL( plate_accelerate )( const wisp_plate_move_args* args, int begin, int end );
 void KERNEL( ring_gradient )( const wisp_ring_args* args, int begin, int end, wisp_ring_sums* sums );
 void KERNEL( ring_normal )( const wisp_ring_args* args, int begin, int end );
 void KERNEL( ring_mean_normal )( const wisp_ring_args* args, int begin, int end, float* xyzw );

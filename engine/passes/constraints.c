@@ -140,7 +140,14 @@ wisp_status passes_declare_constraints( wisp_registry* registry )
           .run = links_xpbd },
         PROJECTION( "hinges.dihedral_pbd", hinges_dihedral, WISP_HINGE_REST, WISP_HINGE_STIFFNESS ),
         PROJECTION( "hinges.isometric_pbd", hinges_isometric, WISP_HINGE_COTANGENT, WISP_HINGE_STIFFNESS ),
-        PROJECTION( "hinges.folds", passes_open_hinges, WISP_HINGE_FOLDS ),
+        { .name = "hinges.folds",
+          .stage = WISP_STAGE_PROJECT,
+          .domain = WISP_DOMAIN_ENTITY,
+          .required = { WISP_HINGE_FOLDS },
+          .fabric = WISP_FABRIC_SPANS,
+          .reads = { WISP_PARTICLE_POSITION, WISP_HINGE_FOLDS },
+          .writes = { WISP_PARTICLE_POSITION },
+          .run = passes_open_hinges },
         PROJECTION( "links.limit", links_limit, WISP_LINK_LIMIT ),
     };
 #undef PROJECTION

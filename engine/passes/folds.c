@@ -156,32 +156,15 @@ void passes_open_folds( wisp_frame* frame, const wisp_span* span, const uint64_t
 
 typedef struct fold_search
 {
-    const wisp_fabric* fabric;
-    const float* position;
-    uint8_t* folded;
+    wisp_fold_args args;
+    const wisp_kernels* kernels;
 } fold_search;
-
-static float square_between( const float* position, int a, int b )
-{
-    const float *p = position + 4 * (size_t)a, *q = position + 4 * (size_t)b;
-    return square( from( ( wisp_vec3 ){ p[0], p[1], p[2] }, ( wisp_vec3 ){ q[0], q[1], q[2] } ) );
-}
 
 static void search_groups( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const fold_search* search = context;
-    const wisp_fabric* f = search->fabric;
-    for ( int slot = 8 * begin; slot < 8 * end; ++slot )
-    {
-        const int hinge = f->hinge_order.constraint[slot];
-        const int32_t* corner = hinge >= 0 ? f->hinges + 4 * (size_t)hinge : NULL;
-        if ( corner != NULL && 4.0f * square_between( search->position, corner[2], corner[3] ) <
-                                   square( from( f->rest[corner[2]], f->rest[corner[3]] ) ) )
-        {
-            search->folded[slot / 8] |= (uint8_t)( 1 << slot % 8 );
-        }
-    }
+    search->kernels->hinge_find_folds( &search->args, 8 * begin, 8 * end );
 }
 
 void passes_open_hinges( wisp_frame* frame, const wisp_span* span, void* user )
@@ -192,9 +175,10 @@ void passes_open_hinges( wisp_frame* frame, const wisp_span* span, void* user )
     uint64_t* folded;
     if ( begin_search( frame, span, &order, &folded ) && folded != NULL )
     {
-        fold_search search = { fabric, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
-                               (uint8_t*)folded };
-        wisp_parallel_for( wisp_frame_parallel( frame, span ), fabric->hinge_order.slot_count / 8, 256, search_groups,
+        fold_search search = { .kernels = wisp_frame_kernels( frame ) };
+        search.args = ( wisp_fold_args ){ wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+                                          fabric->hinge_slot_x4, fabric->hinge_span2, (uint8_t*)folded };
+        wisp_parallel_for( wisp_frame_parallel( frame, span ), fabric->hinge_order.slot_count / 8, 512, search_groups,
                            &search );
         open_found( frame, span, &order, folded );
     }

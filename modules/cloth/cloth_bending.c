@@ -4,12 +4,11 @@
 #include "cloth_bending.h"
 
 #include <math.h>
-#include <string.h>
 
 enum
 {
-    MAX_STAGES = 512, // of a substep
-    GRAIN = 64,       // slices per block
+    MAX_STAGES = 512, // of a substep, a power of two
+    GRAIN = 32,       // slices per block
 };
 
 // T_s at the start of the recurrence: short waves are damped to a quarter or less per substep. Up to a third would be stable.
@@ -70,16 +69,11 @@ typedef struct bending
 {
     wisp_plate_args args;
     wisp_plate_angle_args angles; // dihedral; else without rest angles
+    wisp_plate_move_args moves;
     const wisp_kernels* kernels;
-    const float *position, *target; // [slot][4]; targets may be null
-    float* velocity;                // [slot][4]
-    float* predicted;               // [slot][4] m, where gravity and velocities lead; inverse mass
-    float* moved;                   // [slot][4] m, y of the last stage
-    wisp_vec3 gravity;
-    float dt, to_target; // s; share of the way to a target
-    float gain;          // of the first stage
-    float* largest;      // [slice] move over the least height
-    float scale;         // of all moves
+    bool by_angle;  // else impulses are those of the matrix
+    bool is_last;   // stage
+    float* largest; // [block] square of a move over the least height
 } bending;
 
 // Coefficients of a recurrence of some stages (van der Houwen and Sommeijer 1980).
@@ -98,47 +92,37 @@ static chebyshev recurrence_of( int stages )
     return c;
 }
 
+// The least number that reaches far enough.
 static int stages_for( double largest )
 {
-    int stages = 1;
+    int below = 0, stages = 1;
     while ( stages < MAX_STAGES && recurrence_of( stages ).reach < largest )
     {
-        ++stages;
+        below = stages;
+        stages *= 2;
+    }
+    while ( stages - below > 1 )
+    {
+        const int middle = ( below + stages ) / 2;
+        const bool is_enough = recurrence_of( middle ).reach >= largest;
+        stages = is_enough ? middle : stages;
+        below = is_enough ? below : middle;
     }
     return stages;
 }
 
-// As the passes that follow predict it.
 static void predict( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const bending* b = context;
-    const float fall[3] = { b->dt * b->gravity.x, b->dt * b->gravity.y, b->dt * b->gravity.z };
-    for ( int i = 32 * begin; i < 32 * end; i += 4 )
-    {
-        const float* x = b->position + i;
-        const bool pinned = x[3] == 0.0f, carried = pinned && b->target != NULL && b->target[i + 3] != 0.0f;
-        for ( int k = 0; k < 3; ++k )
-        {
-            const float free = x[k] + b->dt * ( b->velocity[i + k] + fall[k] );
-            const float held = carried ? x[k] + b->to_target * ( b->target[i + k] - x[k] ) : x[k];
-            b->predicted[i + k] = pinned ? held : free;
-        }
-        b->predicted[i + 3] = x[3];
-    }
+    b->kernels->plate_predict( &b->moves, begin, end );
 }
 
-static void compute_impulse( void* context, int begin, int end, int worker )
+static void measure_angles( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const bending* b = context;
-    b->kernels->plate_impulse( &b->args, begin, end );
-}
-
-static void measure_angles( const void* context, int begin, int end )
-{
-    const bending* b = context;
-    b->kernels->plate_measure_angles( &b->angles, begin, end );
+    b->kernels->plate_measure_angles( &b->angles, 8 * begin, 8 * end );
 }
 
 static void add_moments( const void* context, int begin, int end )
@@ -147,54 +131,39 @@ static void add_moments( const void* context, int begin, int end )
     b->kernels->plate_add_moments( &b->angles, begin, end );
 }
 
+static void measure_last( const bending* b, int begin, int end )
+{
+    if ( b->is_last && b->by_angle )
+    {
+        b->largest[begin / GRAIN] = b->kernels->plate_largest_move( &b->moves, begin, end );
+    }
+}
+
+static void begin_stages( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const bending* b = context;
+    if ( b->by_angle == false )
+    {
+        b->kernels->plate_impulse( &b->args, begin, end );
+    }
+    b->kernels->plate_begin( &b->args, begin, end );
+    measure_last( b, begin, end );
+}
+
 static void run_stage( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const bending* b = context;
     b->kernels->plate_stage( &b->args, begin, end );
-}
-
-// y = gain W b, where both stages before were 0.
-static void begin_stages( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const bending* b = context;
-    for ( int slot = 8 * begin; slot < 8 * end; ++slot )
-    {
-        const float *impulse = b->args.impulse + 4 * (size_t)slot, weight = b->predicted[4 * (size_t)slot + 3];
-        float* moved = b->moved + 4 * (size_t)slot;
-        for ( int k = 0; k < 4; ++k )
-        {
-            moved[k] = b->gain * weight * impulse[k];
-            b->args.older[4 * (size_t)slot + (size_t)k] = 0.0f;
-        }
-    }
+    measure_last( b, begin, end );
 }
 
 static void accelerate( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const bending* b = context;
-    for ( int i = 32 * begin; i < 32 * end; ++i )
-    {
-        b->velocity[i] += b->scale * b->moved[i] / b->dt;
-    }
-}
-
-static void measure_moves( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const bending* b = context;
-    for ( int slice = begin; slice < end; ++slice )
-    {
-        float largest = 0.0f;
-        for ( int slot = 8 * slice; slot < 8 * slice + 8; ++slot )
-        {
-            const float *y = b->moved + 4 * (size_t)slot, least = b->angles.turns.least_height[slot];
-            largest = fmaxf( largest, ( y[0] * y[0] + y[1] * y[1] + y[2] * y[2] ) / ( least * least ) );
-        }
-        b->largest[slice] = largest;
-    }
+    b->kernels->plate_accelerate( &b->moves, begin, end );
 }
 
 static void for_slices( const wisp_parallel* parallel, bending* b, wisp_range_fn* run )
@@ -205,28 +174,30 @@ static void for_slices( const wisp_parallel* parallel, bending* b, wisp_range_fn
 static void run_stages( const wisp_parallel* parallel, bending* b, int stages )
 {
     const chebyshev c = recurrence_of( stages );
-    b->gain = (float)( c.w1 / c.w0 );
+    b->args.gain = (float)( c.w1 / c.w0 );
+    b->moves.moved = b->args.newer;
+    b->is_last = stages == 1;
     for_slices( parallel, b, begin_stages );
     for ( int n = 2; n <= stages; ++n )
     {
         const double now = cosh( n * c.angle );
-        b->args.newer = b->moved;
         b->args.momentum = (float)( cosh( ( n - 2 ) * c.angle ) / now );
         b->args.gain = (float)( 2.0 * c.w1 * cosh( ( n - 1 ) * c.angle ) / now );
+        float* y = b->args.older;
+        b->moves.moved = y;
+        b->is_last = n == stages;
         for_slices( parallel, b, run_stage );
-        float* last = b->moved;
-        b->moved = b->args.older;
-        b->args.older = last;
+        b->args.older = b->args.newer;
+        b->args.newer = y;
     }
 }
 
-static float scale_of_moves( const wisp_parallel* parallel, bending* b )
+static float scale_of_moves( const bending* b )
 {
-    for_slices( parallel, b, measure_moves );
     float largest = 0.0f;
-    for ( int slice = 0; slice < b->args.rows.slice_count; ++slice )
+    for ( int block = 0; GRAIN * block < b->args.rows.slice_count; ++block )
     {
-        largest = fmaxf( largest, b->largest[slice] );
+        largest = fmaxf( largest, b->largest[block] );
     }
     return largest > MAX_MOVE * MAX_MOVE ? MAX_MOVE / sqrtf( largest ) : 1.0f;
 }
@@ -235,8 +206,7 @@ static float scale_of_moves( const wisp_parallel* parallel, bending* b )
 // their heights.
 static void compute_angle_impulse( const wisp_parallel* parallel, const wisp_fabric* fabric, bending* b )
 {
-    memset( b->args.impulse, 0, 4 * (size_t)fabric->slot_count * sizeof( float ) );
-    wisp_run_schedule( parallel, &fabric->hinge_order, measure_angles, b );
+    wisp_parallel_for( parallel, fabric->hinge_order.slot_count / 8, GRAIN, measure_angles, b );
     wisp_run_schedule( parallel, &fabric->hinge_order, add_moments, b );
 }
 
@@ -245,34 +215,42 @@ static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending* b )
 {
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     const size_t numbers = 4 * (size_t)fabric->slot_count, hinges = (size_t)fabric->hinge_order.slot_count;
+    const size_t blocks = numbers / 32 / GRAIN + 1;
     float* scratch = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
-                                            ( 4 * numbers + hinges + numbers / 32 ) * sizeof( float ) );
+                                            ( 4 * numbers + hinges + blocks ) * sizeof( float ) );
     if ( scratch == NULL )
     {
         wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the bending of %zu particles", numbers / 4 );
         return false;
     }
     const wisp_vec3* gravity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GRAVITY, 0 );
+    const float* target = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TARGET, 0 );
+    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     b->kernels = wisp_frame_kernels( frame );
-    b->position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    b->velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
-    b->target = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TARGET, 0 );
-    b->gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-    b->dt = wisp_frame_dt( frame, span->entity );
-    b->to_target = wisp_frame_progress_left( frame, span->entity, span->substep );
-    b->predicted = scratch;
     b->args.position = scratch;
     b->args.impulse = scratch + numbers;
-    b->largest = scratch + 4 * numbers + hinges;
-    b->moved = scratch + 2 * numbers;
+    b->args.newer = scratch + 2 * numbers;
     b->args.older = scratch + 3 * numbers;
+    b->moves = ( wisp_plate_move_args ){
+        .position = position,
+        .target = target != NULL ? target : position,
+        .predicted = scratch,
+        .impulse = b->args.impulse,
+        .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
+        .gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f },
+        .dt = wisp_frame_dt( frame, span->entity ),
+        .to_target = wisp_frame_progress_left( frame, span->entity, span->substep ),
+        .scale = 1.0f,
+    };
     b->angles = ( wisp_plate_angle_args ){
         .slot_x4 = fabric->hinge_slot_x4,
         .rest = wisp_frame_column( frame, span->entity, WISP_HINGE_REST, 0 ),
-        .position = b->predicted,
+        .position = scratch,
         .angle = scratch + 4 * numbers,
         .impulse = b->args.impulse,
     };
+    b->by_angle = b->angles.rest != NULL;
+    b->largest = scratch + 4 * numbers + hinges;
     return true;
 }
 
@@ -283,17 +261,16 @@ void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_plate* plate = state->plates[cloth_find_plate( state, span->entity )].plate;
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     const float rigidity = *(float*)wisp_frame_column( frame, span->entity, state->bending, 0 );
-    bending b = { .gain = 1.0f };
+    bending b = { .is_last = false };
     if ( find_arrays( frame, span, &b ) == false )
     {
         return;
     }
-    b.args.rate = rigidity * b.dt * b.dt;
-    const bool by_angle = b.angles.rest != NULL;
-    const double reach = recurrence_of( MAX_STAGES ).reach, margin = by_angle ? ANGLE_MARGIN : 1.0;
+    b.args.rate = rigidity * b.moves.dt * b.moves.dt;
+    const double reach = recurrence_of( MAX_STAGES ).reach, margin = b.by_angle ? ANGLE_MARGIN : 1.0;
     // where a few triangles alone are too stiff, only they are lowered; a vertex lies in several of their patches
-    const int lowered =
-        wisp_plate_update( plate, fabric, b.position, (float)( reach / ( 4.0 * margin * (double)b.args.rate ) ) );
+    const int lowered = wisp_plate_update( plate, fabric, b.moves.position,
+                                           (float)( reach / ( 4.0 * margin * (double)b.args.rate ) ) );
     b.args.rows = wisp_plate_get_rows( plate );
     const double largest = margin * (double)b.args.rate * (double)wisp_plate_max_rate( plate );
     b.args.rate *= largest > reach ? (float)( reach / largest ) : 1.0f;
@@ -302,18 +279,15 @@ void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
         wisp_frame_count( frame, WISP_COUNT_STIFFNESS_CLAMPED, 1 );
     }
     for_slices( parallel, &b, predict );
-    if ( by_angle )
+    if ( b.by_angle )
     {
         b.angles.turns = wisp_plate_get_turns( plate );
+        b.moves.least_height = b.angles.turns.least_height;
         b.angles.rate = b.args.rate;
         b.args.rate *= (float)ANGLE_MARGIN;
         compute_angle_impulse( parallel, fabric, &b );
     }
-    else
-    {
-        for_slices( parallel, &b, compute_impulse );
-    }
     run_stages( parallel, &b, stages_for( largest ) );
-    b.scale = by_angle ? scale_of_moves( parallel, &b ) : 1.0f;
+    b.moves.scale = b.by_angle ? scale_of_moves( &b ) : 1.0f;
     for_slices( parallel, &b, accelerate );
 }

@@ -99,6 +99,33 @@ static void a_lean_fabric_makes_the_same_arrays_when_they_are_needed( void** sta
     free_cases( cases );
 }
 
+// Of every fabric: nothing has them before.
+static void spans_of_hinges_are_squared_distances( void** state )
+{
+    (void)state;
+    test_case cases[CASE_COUNT];
+    make_cases( cases );
+    for ( int i = 0; i < CASE_COUNT; ++i )
+    {
+        wisp_fabric_def def = test_fabric_def( &cases[i].mesh );
+        def.hinges = true;
+        wisp_fabric* f = test_fabric_cook( &def );
+        const size_t bytes = wisp_fabric_bytes( f );
+        assert_null( f->hinge_span2 );
+        assert_int_equal( wisp_fabric_need( f, WISP_FABRIC_SPANS ), WISP_OK );
+        assert_true( wisp_fabric_bytes( f ) >= bytes + (size_t)f->hinge_order.slot_count * sizeof( float ) );
+        for ( int slot = 0; slot < f->hinge_order.slot_count; ++slot )
+        {
+            const int hinge = f->hinge_order.constraint[slot];
+            const int32_t* corner = f->hinges + 4 * (size_t)( hinge >= 0 ? hinge : 0 );
+            const double span = hinge >= 0 ? vec_distance( f->rest[corner[2]], f->rest[corner[3]] ) : 0.0;
+            assert_true( fabs( (double)f->hinge_span2[slot] - span * span ) <= 1e-6 * span * span );
+        }
+        wisp_fabric_release( f );
+    }
+    free_cases( cases );
+}
+
 static void a_lean_fabric_is_saved_whole( void** state )
 {
     (void)state;
@@ -622,6 +649,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( every_mesh_becomes_the_fabric_that_brute_force_expects ),
         cmocka_unit_test( a_lean_fabric_makes_the_same_arrays_when_they_are_needed ),
+        cmocka_unit_test( spans_of_hinges_are_squared_distances ),
         cmocka_unit_test( a_lean_fabric_is_saved_whole ),
         cmocka_unit_test( shuffled_meshes_hold_as_well ),
         cmocka_unit_test( a_plane_has_the_edges_that_counting_gives ),

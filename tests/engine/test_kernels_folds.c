@@ -1,4 +1,4 @@
-// Links whose bend links give way in sharp folds: which ones stay, and that all others move as without folds.
+// Sharp folds: bend links that give way, and that all other links move as without folds; hinges that are found.
 #include "kernels_fixture.h"
 
 #include "constraint_oracle.h"
@@ -85,10 +85,65 @@ static void short_bend_links_stay_and_are_marked( void** state )
     }
 }
 
+enum
+{
+    SEARCHED = CONSTRAINTS - 8, // whole groups, not all of them
+    HINGES = SEARCHED - 3,      // the last group is padded
+};
+
+// Groups outside the range stay as they are; the padding of the last group is k and l at one place.
+static void expect_hinges_are_found( const wisp_kernels* kernels, constraints* s, const float* span2 )
+{
+    uint8_t folded[GROUPS];
+    memset( folded, 0xa5, sizeof( folded ) );
+    const wisp_fold_args args = { s->position[0], s->slot_x4[0][0], span2, folded };
+    kernels->hinge_find_folds( &args, 8, SEARCHED );
+    int found = 0;
+    for ( int c = 8; c < SEARCHED; ++c )
+    {
+        const float *k = body( s, c, 2 ), *l = body( s, c, 3 );
+        const float x = l[0] - k[0], y = l[1] - k[1], z = l[2] - k[2];
+        const bool near = 4.0f * ( x * x + y * y + z * z ) < span2[c];
+        assert_int_equal( folded[c / 8] >> c % 8 & 1, near );
+        found += near;
+    }
+    assert_true( found > CONSTRAINTS / 8 && found < CONSTRAINTS / 2 );
+    assert_int_equal( folded[0], 0xa5 );
+    assert_int_equal( folded[GROUPS - 1], 0xa5 );
+}
+
+// A quarter of the square is a bound that many distances meet exactly; one place is not a number.
+static void hinges_nearer_than_half_their_span_are_found( void** state )
+{
+    (void)state;
+    constraints* s = new_folds();
+    float span2[CONSTRAINTS] = { 0.0f };
+    for ( int c = 0; c < CONSTRAINTS; ++c )
+    {
+        const float *k = body( s, c, 2 ), *l = body( s, c, 3 );
+        const float x = l[0] - k[0], y = l[1] - k[1], z = l[2] - k[2], square = x * x + y * y + z * z;
+        span2[c] =
+            c < HINGES ? ( c % 3 == 0 ? 4.0f * square : square * test_random_float( c, 17, 3.0f, 5.0f ) ) : 0.0f;
+    }
+    for ( int c = HINGES; c < CONSTRAINTS; ++c )
+    {
+        set_slot( s, c, 3, s->slot_x4[c / 8][2][c % 8] / 4 );
+    }
+    body( s, 17, 2 )[1] = NAN;
+    const wisp_kernels* tables[MAX_TABLES];
+    const int table_count = usable_tables( tables );
+    for ( int t = 0; t < table_count; ++t )
+    {
+        expect_hinges_are_found( tables[t], s, span2 );
+    }
+    free( s );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( short_bend_links_stay_and_are_marked ),
+        cmocka_unit_test( hinges_nearer_than_half_their_span_are_found ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -38,11 +38,12 @@ typedef enum wisp_solve_order
     WISP_SOLVE_ORDER_COUNT,
 } wisp_solve_order;
 
-/// Arrays that a lean fabric has only where something asked for them with wisp_fabric_need().
+/// Arrays that a lean fabric has only where something asked for them with wisp_fabric_need(). Spans are so in any fabric.
 typedef enum wisp_fabric_arrays
 {
     WISP_FABRIC_EDGES = 1, ///< `edges`
     WISP_FABRIC_RINGS = 2, ///< `ring_begin` and `ring_x4`
+    WISP_FABRIC_SPANS = 4, ///< `hinge_span2`
 } wisp_fabric_arrays;
 
 /// What to cook. Fill from wisp_default_fabric_def(). Need not outlive the call.
@@ -143,6 +144,7 @@ typedef struct wisp_fabric
 
     wisp_schedule hinge_order;    ///< empty unless hinges is set
     const int32_t* hinge_slot_x4; ///< [hinge_order.slot_count / 8][4][8] i, j, k, l
+    const float* hinge_span2;     ///< [hinge_order.slot_count] m^2, squared distance of k and l at rest; 0 pads
 
     /// Triangles around each vertex as fans, in slices of eight slots: entry e of slice s is at ring4[ring_begin[s] + e].
     /// A lane lists neighbours of its vertex v; two entries a, b in a row are the triangle (v, a, b), unless one of them
@@ -165,7 +167,7 @@ typedef struct wisp_fabric
     int level_count;
     const wisp_fabric_level* levels; ///< [level_count] from fine to coarse
     wisp_solve_order solve_order;
-    uint64_t hash; ///< of everything above: the same fabric has the same hash on every machine
+    uint64_t hash; ///< of everything above but spans: the same fabric has the same hash on every machine
 } wisp_fabric;
 
 /// Cook a mesh. Takes unreferenced vertices and nonmanifold edges as they are; triangles without area keep their edges and add no

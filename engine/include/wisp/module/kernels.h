@@ -223,12 +223,18 @@ typedef struct wisp_kernels
     // hinges [begin, end), multiples of 8
     void ( *hinge_dihedral )( const wisp_hinge_args* args, int begin, int end );
     void ( *hinge_isometric )( const wisp_hinge_args* args, int begin, int end );
+    void ( *hinge_find_folds )( const wisp_fold_args* args, int begin, int end );
     // hinges [begin, end), multiples of 8; those of a group share no particle
     void ( *plate_measure_angles )( const wisp_plate_angle_args* args, int begin, int end );
     void ( *plate_add_moments )( const wisp_plate_angle_args* args, int begin, int end );
     // slices of eight rows
+    void ( *plate_predict )( const wisp_plate_move_args* args, int begin, int end );
     void ( *plate_impulse )( const wisp_plate_args* args, int begin, int end ); ///< b = - r Q x
+    void ( *plate_begin )( const wisp_plate_args* args, int begin, int end );   ///< the first stage, y = gain W b
     void ( *plate_stage )( const wisp_plate_args* args, int begin, int end );
+    /// @return the largest square of a move over the least height, at least 0; NaN is ignored
+    float ( *plate_largest_move )( const wisp_plate_move_args* args, int begin, int end );
+    void ( *plate_accelerate )( const wisp_plate_move_args* args, int begin, int end ); ///< v += scale moved / dt
     // slices of eight slots
     void ( *ring_gradient )( const wisp_ring_args* args, int begin, int end, wisp_ring_sums* sums );
     void ( *ring_normal )( const wisp_ring_args* args, int begin,

@@ -37,6 +37,15 @@ typedef struct wisp_hinge_args
     float inverse_dt2;       ///< xpbd: 1/s^2
 } wisp_hinge_args;
 
+/// Arguments of the search for sharp folds, hinges as in wisp_hinge_args.
+typedef struct wisp_fold_args
+{
+    const float* position;  ///< [slot][4] m
+    const int32_t* slot_x4; ///< [group][4][8] i, j, k, l, slots times 4
+    const float* span2;     ///< [hinge] m^2, squared distance of k and l at rest; 0 pads
+    uint8_t* folded;        ///< [hinge / 8] receives the bits of hinges whose k and l are nearer than half of that
+} wisp_fold_args;
+
 /// A symmetric matrix whose rows sum to zero, by slices of eight rows: ( Q x )_i = sum of weight ( x_i - x_j ) over the entries of
 /// row i. Cooked by plate.h.
 typedef struct wisp_plate_rows
@@ -79,12 +88,27 @@ typedef struct wisp_plate_args
     wisp_plate_rows rows;
     const float* position; ///< [row][4] m; inverse mass, 1/kg
     float* impulse;        ///< [row][4] kg m: b = - r Q x
-    const float* newer;    ///< [row][4] m, y of the stage before; 0 behind it
-    float* older;          ///< [row][4] m, y of the one before that; replaced by y of this stage
-    float rate;            ///< kg m^2: r, rigidity times the square of the substep
-    float momentum;        ///< y += momentum ( newer - older )
-    float gain;            ///< y += gain W ( b - r Q newer )
+    float* newer;   ///< [row][4] m, y of the stage before; 0 behind it. plate_begin: y of the first stage, output
+    float* older;   ///< [row][4] m, y of the one before that; replaced by y of this stage. plate_begin: 0, output
+    float rate;     ///< kg m^2: r, rigidity times the square of the substep
+    float momentum; ///< y += momentum ( newer - older )
+    float gain;     ///< y += gain W ( b - r Q newer )
 } wisp_plate_args;
+
+/// Arguments of what comes before and after those stages, slices of eight slots.
+typedef struct wisp_plate_move_args
+{
+    const float* position; ///< [slot][4] m; inverse mass, 1/kg
+    const float* target;   ///< [slot][4] m, where pinned and its fourth component is not 0; may be the position
+    float* predicted;      ///< [slot][4] m, where gravity and velocities lead; inverse mass. plate_predict: output
+    float* impulse;        ///< [slot][4] plate_predict makes it 0
+    float* velocity;       ///< [slot][4] m/s; 0
+    const float* moved;    ///< [slot][4] m; 0
+    const float* least_height; ///< [slot] m
+    wisp_vec3 gravity;         ///< m/s^2
+    float dt, to_target;       ///< s; fraction of the way to a target
+    float scale;               ///< of moves
+} wisp_plate_move_args;
 
 /// Arguments of kernels over ordered one-rings: area vectors, volume and normals at vertices (docs/methods.md,
 /// volume and its gradient).
