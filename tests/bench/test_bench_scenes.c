@@ -68,7 +68,7 @@ static void every_quick_row_has_the_same_bits_with_one_worker_and_two( void** st
     assert_ok( scenes_bench( &quick, &all, &error ), error );
     expect_good( &all );
     const results_table* costs = find_table( &all, "Suite `scenes`: cost per vertex" );
-    assert_int_equal( costs->row_count, 1 + 20 );
+    assert_int_equal( costs->row_count, 1 + 22 );
     int pairs = 0;
     for ( int i = 0; i + 1 < all.row_count; ++i )
     {
@@ -81,9 +81,9 @@ static void every_quick_row_has_the_same_bits_with_one_worker_and_two( void** st
             ++pairs;
         }
     }
-    // the rows of the suite, and two loops before and after them
-    assert_int_equal( pairs, 20 + 4 );
-    assert_int_equal( find_table( &all, "What two workers give" )->row_count, 1 + 4 );
+    // the rows of the suite, and three loops before and after them
+    assert_int_equal( pairs, 22 + 6 );
+    assert_int_equal( find_table( &all, "What two workers give" )->row_count, 1 + 6 );
     // tufts have as many vertices as the same strands in one entity
     assert_string_equal( named_cell( costs, row_of( costs, "500 tufts of 20 strands" ), "vertices" ), "120000" );
     assert_string_equal( named_cell( costs, row_of( costs, "10000 strands at once" ), "vertices" ), "120000" );
