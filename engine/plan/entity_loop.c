@@ -9,24 +9,20 @@
 // A large entity runs on all workers. `should_run` and `on_change` are evaluated on the calling thread.
 static bool can_loop( const plan* p, const wisp_registry* r, int slot )
 {
-    const store_mask across = plan_columns_across( p, r, slot );
-    bool has_passes = false, possible = plan_row_count( r->store->entities + slot ) < PLAN_WIDE_ENTITY_ROWS;
+    const plan_entity* e = p->entities + slot;
+    bool possible =
+        e->runs_waves && e->meets == false && plan_row_count( r->store->entities + slot ) < PLAN_WIDE_ENTITY_ROWS;
     for ( int n = 0; n < p->loop_node_count && possible; ++n )
     {
         const plan_node* node = p->nodes + p->loop_nodes[n];
         for ( int i = 0; i < node->pass_count; ++i )
         {
             const wisp_pass* pass = r->passes + node->passes[i];
-            if ( store_mask_has( &p->entities[slot].live, node->passes[i] ) )
-            {
-                has_passes = true;
-                const store_mask touched = store_mask_or( plan_mask( pass->reads ), plan_mask( pass->writes ) );
-                possible = possible && pass->should_run == NULL && pass->on_change == 0 && pass->foreign[0] == 0 &&
-                           store_mask_meets( touched, across ) == false;
-            }
+            const bool is_live = store_mask_has( &e->live, node->passes[i] );
+            possible = possible && ( is_live == false || ( pass->should_run == NULL && pass->on_change == 0 ) );
         }
     }
-    return has_passes && possible;
+    return possible;
 }
 
 // Nodes of substeps in the order in which they run.
@@ -53,11 +49,10 @@ _Static_assert( PLAN_MAX_PASSES <= UINT8_MAX + 1, "loop_nodes hold numbers of no
 void plan_find_entity_loops( plan* p, const wisp_registry* r )
 {
     list_nodes( p );
-    const bool followers = plan_has_followers( p, r );
     p->loop_count = 0;
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
-        p->entities[slot].loops = followers == false && can_loop( p, r, slot );
+        p->entities[slot].loops = can_loop( p, r, slot );
         p->loop_count += p->entities[slot].loops ? 1 : 0;
     }
     if ( p->loop_count < 2 || p->loop_count < r->workers ) // few have all workers, one after another

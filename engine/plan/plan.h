@@ -223,12 +223,8 @@ void plan_print( const wisp_plan_info* report, void ( *write )( void* user, cons
 
 // substeps.c
 
-/// Return what passes of other entities touch of an entity in the substep loop.
-store_mask plan_columns_across( const plan* p, const wisp_registry* r, int slot );
-/// Find into how many substeps each entity splits one of the world, after nodes and before loops.
+/// Find which entities meet in substeps, and into how many each splits one of the world; after nodes and before loops.
 void plan_find_splits( plan* p, const wisp_registry* r );
-/// Does a pass in waves of substeps follow entities that it does not list?
-bool plan_has_followers( const plan* p, const wisp_registry* r );
 /// Return the next larger split among entities that run substeps in waves; 0: none.
 int plan_next_split( const plan* p, int split );
 

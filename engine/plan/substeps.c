@@ -2,7 +2,8 @@
 // as it needs. Entities that meet in substeps have the substeps of the one with the most.
 #include "plan.h"
 
-store_mask plan_columns_across( const plan* p, const wisp_registry* r, int slot )
+// Return what passes of other entities touch of an entity in the substep loop.
+static store_mask columns_across( const plan* p, const wisp_registry* r, int slot )
 {
     const store_mask components = r->store->entities[slot].components;
     store_mask across = { { 0 } };
@@ -19,7 +20,8 @@ store_mask plan_columns_across( const plan* p, const wisp_registry* r, int slot 
     return across;
 }
 
-bool plan_has_followers( const plan* p, const wisp_registry* r )
+// Does a pass follow entities that it does not list? Which ones only the module knows, so all meet.
+static bool has_followers( const plan* p, const wisp_registry* r )
 {
     bool found = false;
     for ( int n = 0; n < p->node_count; ++n )
@@ -37,7 +39,7 @@ bool plan_has_followers( const plan* p, const wisp_registry* r )
 static void find_meetings( plan* p, const wisp_registry* r, int slot, bool all_meet )
 {
     plan_entity* e = p->entities + slot;
-    const store_mask across = plan_columns_across( p, r, slot );
+    const store_mask across = columns_across( p, r, slot );
     e->runs_waves = e->meets = false;
     for ( int n = 0; n < p->node_count; ++n )
     {
@@ -62,7 +64,7 @@ static int split_for( int substeps, int of_world )
 
 void plan_find_splits( plan* p, const wisp_registry* r )
 {
-    const bool all_meet = plan_has_followers( p, r );
+    const bool all_meet = has_followers( p, r );
     int most = 1; // of those that meet
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {

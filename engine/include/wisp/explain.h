@@ -63,9 +63,9 @@ typedef struct wisp_plan_pass
     uintptr_t fusion_code; ///< address of its function; 0 without one
     int entities;          ///< that it runs on
     int items;             ///< of all of these entities: groups of strands, blocks of particles, or entities
-    int blocks;            ///< units of work that workers draw, each some items of one entity
-    int runs;              ///< per step of usual length, from substeps and iterations, on the entity with the most
-    int fewest_runs;       ///< on that with the fewest
+    int blocks; ///< units of work that workers draw, each some items of one entity, or all of one in its own loop
+    int runs;   ///< per step of usual length, from substeps and iterations, on the entity with the most
+    int fewest_runs; ///< on that with the fewest
 
     /// Bytes that one run reads and writes: rows of every component it reads, and again of every one it writes.
     uint64_t bytes;
