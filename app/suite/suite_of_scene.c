@@ -72,9 +72,9 @@ static wisp_status choose_reference( writer* w, wisp_error* error )
     const wisp_status status = time_scene( w, &pace, error );
     const double budget = w->def->seconds / 1.5;
     w->finest_iterations = w->has_links ? 10 * w->iterations : w->iterations;
-    const int own = wisp_scene_own_substeps( &w->read ), most = own > w->substeps ? own : w->substeps;
+    const int own = wisp_scene_own_substeps( &w->read ); // a reference has four times as many
     w->finest = 4 * own > SUBSTEPS_MAX ? 4 * own : SUBSTEPS_MAX;
-    while ( w->finest > 4 * most &&
+    while ( w->finest > 4 * w->substeps && w->finest / 2 >= 4 * own &&
             pace * w->length * w->finest / w->substeps * w->finest_iterations / w->iterations > budget )
     {
         w->finest /= 2;
