@@ -1,0 +1,189 @@
+/**
+ * One world in a worker: it takes inputs, makes steps, and packs what the page draws. The main world and the reference run this
+ * same code with the same inputs before the same steps, so that only their settings differ.
+ *
+ * @typedef {object} Input what a user did; it takes effect at the next step
+ * @property {"grab"|"drag"|"letGo"|"moveCollider"|"gravity"|"wind"|"frozenHair"|"stroke"|"command"|"undo"|"redo"} type
+ * @property {number} [body]
+ * @property {number} [vertex]
+ * @property {number[]} [value] m, m/s or m/s^2
+ * @property {object} [values] parameters of frozen hair
+ *
+ * @typedef {object} Frame
+ * @property {number} step
+ * @property {number} time s
+ * @property {Float32Array[]} points per body, padded to rows of a texture
+ * @property {(Float32Array|null)[]} values strain or speed per body
+ * @property {{width: Float32Array|null, colour: Float32Array|null}[]|null} looks widths and colours, when they may have changed
+ * @property {number} stepMs mean of the steps of this frame
+ * @property {{pass: string, seconds: number}[]} profile of the last step
+ * @property {[number, string][]} hashes of steps that the page compares
+ */
+import { BufferPool, paddedLength } from "./buffer_pool.mjs";
+import { StrokeHistory } from "./stroke_history.mjs";
+
+const NO_PROFILE = [];
+
+/** Bodies as plain data, which a message can carry: views of the engine's memory are copied. */
+function describeBody(body) {
+    return {
+        ...body,
+        triangles: body.triangles ? Int32Array.from(body.triangles) : null,
+        offsets: body.offsets ? Int32Array.from(body.offsets) : null,
+    };
+}
+
+export class Simulation {
+    /**
+     * @param {object} scene of wisp.mjs
+     * @param {{reference?: boolean, hashEvery?: number, colourBy?: string|null}} settings
+     */
+    constructor(scene, settings) {
+        this.scene = scene;
+        this.world = scene.createWorld({ reference: settings.reference === true });
+        this.hashEvery = settings.hashEvery ?? 0;
+        this.pool = new BufferPool();
+        this.bodies = this.world.bodies.map(describeBody);
+        this.strokes = new StrokeHistory(this.world);
+        this.colourBy = null;
+        this.looksChanged = true;
+        for (const body of this.bodies) {
+            if (body.kind !== "strands") continue;
+            for (const look of ["width", "colour"]) if (body.has[look]) this.world.request(body, look);
+        }
+        this.setColour(settings.colourBy ?? null);
+    }
+
+    release() {
+        this.world.release();
+    }
+
+    /** @param {"strain"|"speed"|null} what the values to send, from the next step on */
+    setColour(what) {
+        this.colourBy = what;
+        if (!what) return;
+        for (const body of this.bodies) if (body.has[what]) this.world.request(body, what);
+    }
+
+    /** @param {Input} input */
+    #apply(input) {
+        const world = this.world, body = this.bodies[input.body];
+        switch (input.type) {
+            case "grab": return world.grab(body, input.vertex);
+            case "drag": return world.drag(body, input.vertex, input.value);
+            case "letGo": return world.letGo(body, input.vertex);
+            case "moveCollider": return world.moveCollider(body, input.value);
+            case "gravity": return world.setGravity(input.value);
+            case "wind": return world.setWind(input.value);
+            case "frozenHair":
+                this.looksChanged = true;
+                return this.strokes.setParameters(body, input.values);
+            case "stroke": return this.strokes.begin();
+            case "command":
+                this.looksChanged = true;
+                return this.strokes.command(body, input.value);
+            case "undo":
+                this.looksChanged = true;
+                return this.strokes.undo();
+            case "redo":
+                this.looksChanged = true;
+                return this.strokes.redo();
+            default: throw new Error(`Unknown input ${input.type}.`);
+        }
+    }
+
+    /**
+     * Apply inputs and make steps.
+     * @param {number} count steps; 0 only applies the inputs
+     * @param {Input[]} inputs
+     * @returns {{frame: Frame, transfer: ArrayBuffer[]}}
+     */
+    advance(count, inputs) {
+        const hashes = [];
+        for (const input of inputs) this.#apply(input);
+        const start = performance.now();
+        for (let k = 0; k < count; ++k) {
+            this.world.step();
+            const step = this.world.stepCount;
+            if (this.hashEvery > 0 && step % this.hashEvery === 0) hashes.push([step, this.world.hash()]);
+        }
+        const stepMs = count > 0 ? (performance.now() - start) / count : 0;
+        return this.#pack(stepMs, hashes, count > 0);
+    }
+
+    /** The state as it is. @returns {{frame: Frame, transfer: ArrayBuffer[]}} */
+    now() {
+        return this.#pack(0, [], false);
+    }
+
+    #copy(view, count, channels) {
+        const array = this.pool.take(paddedLength(count, channels));
+        array.set(view);
+        return array;
+    }
+
+    #values(body) {
+        if (!this.colourBy || !body.has[this.colourBy] || this.world.stepCount === 0) return null;
+        return this.#copy(this.world[this.colourBy](body), body.vertexCount, 1);
+    }
+
+    #looks(body) {
+        const looks = { width: null, colour: null };
+        if (body.kind === "strands" && this.world.stepCount > 0) {
+            if (body.has.width) looks.width = this.#copy(this.world.width(body), body.vertexCount, 1);
+            if (body.has.colour) looks.colour = this.#copy(this.world.colour(body), body.vertexCount, 3);
+        }
+        return looks;
+    }
+
+    #pack(stepMs, hashes, hasStepped) {
+        const world = this.world;
+        const points = this.bodies.map((body) => this.#copy(world.points(body), body.vertexCount, 3));
+        const values = this.bodies.map((body) => this.#values(body));
+        let looks = null;
+        // Appearance is derived by a step, so that it is there after the first one.
+        if (this.looksChanged && world.stepCount > 0) {
+            looks = this.bodies.map((body) => this.#looks(body));
+            this.looksChanged = false;
+        }
+        let largest = 0;
+        values.forEach((array, b) => {
+            if (!array) return;
+            const count = this.bodies[b].vertexCount;
+            for (let i = 0; i < count; ++i) if (Math.abs(array[i]) > largest) largest = Math.abs(array[i]);
+        });
+        const frame = {
+            step: world.stepCount, time: world.time, points, values, looks, stepMs, hashes, largest,
+            profile: hasStepped ? world.profile() : NO_PROFILE,
+            counters: hasStepped ? world.counters() : null,
+            strokes: this.strokes.state(),
+        };
+        const lookArrays = looks ? looks.flatMap((look) => [look.width, look.colour]) : [];
+        const transfer = [...points, ...values, ...lookArrays].filter(Boolean).map((array) => array.buffer);
+        return { frame, transfer };
+    }
+
+    /** Copies of the points of all bodies that move, for the reference to measure its distance from. */
+    copyMoving() {
+        return this.bodies.map((body) => (body.moves ? Float32Array.from(this.world.points(body)) : null));
+    }
+
+    /**
+     * @param {(Float32Array|null)[]} others points of another world of the same scene
+     * @returns {number} root mean square distance over all vertices that move, m
+     */
+    distanceTo(others) {
+        let sum = 0, count = 0;
+        for (const body of this.bodies) {
+            const other = others[body.index];
+            if (!other || other.length !== 3 * body.vertexCount) continue;
+            const mine = this.world.points(body);
+            for (let i = 0; i < other.length; ++i) {
+                const d = mine[i] - other[i];
+                sum += d * d;
+            }
+            count += body.vertexCount;
+        }
+        return count > 0 ? Math.sqrt(sum / count) : 0;
+    }
+}
