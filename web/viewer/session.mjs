@@ -25,6 +25,8 @@ export class Session {
     #isStarting = false;
     #followed = 0; // the step that the reference has reached
     #referenceInFlight = 0;
+    /** @type {object[]} frames of the reference that are shown or will be */
+    #referenceFrames = [];
     #interval = 1 / 60; // s between pictures, smoothed
     #lastTick = null;
 
@@ -91,9 +93,10 @@ export class Session {
                 await this.#openReference();
                 ports = new MessageChannel();
                 const twin = await this.#reference.ask("start", { reference: true, port: ports.port2 }, [ports.port2]);
-                this.on.reference?.({ ...twin.frame, isFirst: true });
+                this.#referenceFrames = [twin.frame];
             } else {
                 this.#closeReference();
+                this.#referenceFrames = [];
             }
             const run = await this.#main.ask("start", {
                 knobs, hashEvery: this.hashes.every, colourBy: this.colourBy, port: ports?.port1,
@@ -217,13 +220,15 @@ export class Session {
         --this.#referenceInFlight;
         this.#followed = frame.step;
         this.distance = frame.distance;
+        if (frame.step <= (this.#referenceFrames.at(-1)?.step ?? -1)) this.#referenceFrames = [];
+        this.#referenceFrames.push(frame);
         this.on.reference(frame);
     }
 
     /**
      * Called for each picture.
      * @param {number} now ms
-     * @returns {{from: object, to: object, mix: number}|null} what to draw
+     * @returns {{from: object, to: object, mix: number, reference: {from: object, to: object}|null}|null} what to draw
      */
     tick(now) {
         if (!this.scene || this.#isStarting) return null;
@@ -238,7 +243,17 @@ export class Session {
         if (!pair) return null;
         const [from, to] = pair;
         const span = to.time - from.time;
-        return { from, to, mix: span > 0 ? Math.min(1, Math.max(0, (this.clock.shown - from.time) / span)) : 1 };
+        const mix = span > 0 ? Math.min(1, Math.max(0, (this.clock.shown - from.time) / span)) : 1;
+        return { from, to, mix, reference: this.#referenceAt(from.step, to.step) };
+    }
+
+    /** The frames of the reference at the same steps; earlier ones are given back. */
+    #referenceAt(fromStep, toStep) {
+        if (!this.#reference) return null;
+        const frames = this.#referenceFrames;
+        while (frames.length > 1 && frames[0].step < fromStep) this.#reference.recycle(frames.shift().points);
+        const from = frames.find((frame) => frame.step === fromStep), to = frames.find((frame) => frame.step === toStep);
+        return from && to ? { from, to } : null;
     }
 
     #measureInterval(now) {

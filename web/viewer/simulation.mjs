@@ -3,10 +3,10 @@
  * same code with the same inputs before the same steps, so that only their settings differ.
  *
  * @typedef {object} Input what a user did; it takes effect at the next step
- * @property {"grab"|"drag"|"letGo"|"moveCollider"|"gravity"|"wind"|"frozenHair"|"stroke"|"command"|"undo"|"redo"} type
+ * @property {"grab"|"drag"|"letGo"|"grabCollider"|"moveCollider"|"gravity"|"wind"|"frozenHair"|"stroke"|"command"|"undo"|"redo"} type
  * @property {number} [body]
  * @property {number} [vertex]
- * @property {number[]} [value] m, m/s or m/s^2
+ * @property {number[]} [value] m, m/s or m/s^2; of a collider, how far it was moved since it was grabbed
  * @property {object} [values] parameters of frozen hair
  *
  * @typedef {object} Frame
@@ -17,6 +17,7 @@
  * @property {{width: Float32Array|null, colour: Float32Array|null}[]|null} looks widths and colours, when they may have changed
  * @property {number} stepMs mean of the steps of this frame
  * @property {{pass: string, seconds: number}[]} profile of the last step
+ * @property {string|null} notice an input that could not be taken, and why
  * @property {[number, string][]} hashes of steps that the page compares
  */
 import { BufferPool, paddedLength } from "./buffer_pool.mjs";
@@ -72,7 +73,11 @@ export class Simulation {
             case "grab": return world.grab(body, input.vertex);
             case "drag": return world.drag(body, input.vertex, input.value);
             case "letGo": return world.letGo(body, input.vertex);
-            case "moveCollider": return world.moveCollider(body, input.value);
+            case "grabCollider":
+                this.grabbedPlace = world.colliderPlace(body);
+                return undefined;
+            case "moveCollider":
+                return world.moveCollider(body, this.grabbedPlace.map((x, k) => x + input.value[k]));
             case "gravity": return world.setGravity(input.value);
             case "wind": return world.setWind(input.value);
             case "frozenHair":
@@ -100,7 +105,15 @@ export class Simulation {
      */
     advance(count, inputs) {
         const hashes = [];
-        for (const input of inputs) this.#apply(input);
+        let notice = null;
+        for (const input of inputs) {
+            // What cannot be done leaves the world as it was; the page says why and goes on.
+            try {
+                if (this.#apply(input) === false) notice = `Nothing in this scene feels ${input.type}.`;
+            } catch (error) {
+                notice = error.message;
+            }
+        }
         const start = performance.now();
         for (let k = 0; k < count; ++k) {
             this.world.step();
@@ -108,12 +121,12 @@ export class Simulation {
             if (this.hashEvery > 0 && step % this.hashEvery === 0) hashes.push([step, this.world.hash()]);
         }
         const stepMs = count > 0 ? (performance.now() - start) / count : 0;
-        return this.#pack(stepMs, hashes, count > 0);
+        return this.#pack(stepMs, hashes, count > 0, notice);
     }
 
     /** The state as it is. @returns {{frame: Frame, transfer: ArrayBuffer[]}} */
     now() {
-        return this.#pack(0, [], false);
+        return this.#pack(0, [], false, null);
     }
 
     #copy(view, count, channels) {
@@ -136,7 +149,7 @@ export class Simulation {
         return looks;
     }
 
-    #pack(stepMs, hashes, hasStepped) {
+    #pack(stepMs, hashes, hasStepped, notice) {
         const world = this.world;
         const points = this.bodies.map((body) => this.#copy(world.points(body), body.vertexCount, 3));
         const values = this.bodies.map((body) => this.#values(body));
@@ -153,7 +166,7 @@ export class Simulation {
             for (let i = 0; i < count; ++i) if (Math.abs(array[i]) > largest) largest = Math.abs(array[i]);
         });
         const frame = {
-            step: world.stepCount, time: world.time, points, values, looks, stepMs, hashes, largest,
+            step: world.stepCount, time: world.time, points, values, looks, stepMs, hashes, largest, notice,
             profile: hasStepped ? world.profile() : NO_PROFILE,
             counters: hasStepped ? world.counters() : null,
             strokes: this.strokes.state(),
