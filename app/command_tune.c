@@ -1,5 +1,6 @@
 #include "commands.h"
 
+#include "progress.h"
 #include "tune_report.h"
 
 #include <stdlib.h>
@@ -194,6 +195,12 @@ static wisp_status write_scene( const tune_options* options, const tune_paramete
 
 // ---- the command ----
 
+static bool show( void* user, int run_count, int max_runs )
+{
+    progress_show( user, (double)run_count / max_runs, "of the runs allowed" );
+    return true;
+}
+
 static wisp_status tune( tune_options* options, const wisp_scene* scene, const tune_parameters* parameters,
                          results* out, bool* meets_target, wisp_error* error )
 {
@@ -206,7 +213,11 @@ static wisp_status tune( tune_options* options, const wisp_scene* scene, const t
     {
         return status;
     }
+    progress bar = progress_begin();
+    options->search.progress = show;
+    options->search.progress_user = &bar;
     status = tune_scene_search( &options->search, &found, &info, error );
+    progress_end( &bar );
     if ( status == WISP_OK )
     {
         *meets_target = found.meets_target;

@@ -35,6 +35,7 @@ command_fn command_plan;
 command_fn command_bench;
 command_fn command_info;
 command_fn command_render;
+command_fn command_view;
 command_fn command_tune;
 command_fn command_torture;
 command_fn command_gate;

@@ -15,7 +15,7 @@ static const program_command commands[] = {
     { "run", command_run },         { "plan", command_plan },     { "bench", command_bench },
     { "info", command_info },       { "render", command_render }, { "tune", command_tune },
     { "torture", command_torture }, { "gate", command_gate },     { "accuracy", command_bench },
-    { "compare", command_compare },
+    { "compare", command_compare }, { "view", command_view },
 };
 
 static const char program_doc[] =
@@ -24,6 +24,7 @@ static const char program_doc[] =
     "Commands:\n"
     "  run SCENE      simulate a scene, write its files and print a summary\n"
     "  render FILE    draw pictures of a scene, recording, mesh or groom\n"
+    "  view FILE      write a page that simulates a scene, or plays a recording, in a browser\n"
     "  info FILE      describe a file and report what is wrong with it\n"
     "  plan SCENE     list the passes that a scene needs, and why\n"
     "  tune SCENE     find the cheapest configuration within an error or time\n"
@@ -52,9 +53,8 @@ static error_t parse_program( int key, char* argument, struct argp_state* state 
             state->next = state->argc;
             return 0;
         case ARGP_KEY_NO_ARGS:
-            argp_error(
-                state,
-                "expected a command: run, render, info, plan, tune, bench, accuracy, torture, gate or compare" );
+            argp_error( state, "expected a command: run, render, view, info, plan, tune, bench, accuracy, torture, "
+                               "gate or compare" );
             return 0;
         default:
             return ARGP_ERR_UNKNOWN;
@@ -75,10 +75,11 @@ static int unknown_command( const char* word )
     }
     else
     {
-        fprintf( stderr,
-                 "wisp: got command '%s', expected run, render, info, plan, tune, bench, accuracy, torture, gate or "
-                 "compare\n",
-                 word );
+        fprintf(
+            stderr,
+            "wisp: got command '%s', expected run, render, view, info, plan, tune, bench, accuracy, torture, gate or "
+            "compare\n",
+            word );
     }
     return STATUS_USAGE;
 }

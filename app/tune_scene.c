@@ -1,7 +1,5 @@
 #include "tune_scene.h"
 
-#include "progress.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,7 +17,6 @@ typedef struct host
     scene_world_options options;
     scene_world world;
     wisp_tune_points* points; // [points of the scene]
-    progress bar;
 } host;
 
 // ---- worlds ----
@@ -89,12 +86,6 @@ static void destroy_world( void* user, wisp_tune_world* world )
     scene_world_destroy( &( (host*)user )->world );
 }
 
-static bool show( void* user, int run_count, int max_runs )
-{
-    progress_show( &( (host*)user )->bar, (double)run_count / max_runs, "of the runs allowed" );
-    return true;
-}
-
 // ---- the search ----
 
 static int steps_of( const tune_scene_def* def )
@@ -118,8 +109,8 @@ static wisp_status search( host* h, wisp_tune_result* out, wisp_error* error )
     job.budget_ms = def->budget_ms;
     job.max_runs = RUNS_MAX;
     job.max_seconds = def->limit;
-    job.progress = show;
-    job.progress_user = h;
+    job.progress = def->progress;
+    job.progress_user = def->progress_user;
     wisp_tune_worlds_def worlds = wisp_default_tune_worlds_def();
     worlds.build = build;
     worlds.step = step;
@@ -129,10 +120,7 @@ static wisp_status search( host* h, wisp_tune_result* out, wisp_error* error )
     worlds.step_count = h->info->steps;
     worlds.sample_count = h->info->steps < OBSERVATIONS ? h->info->steps : OBSERVATIONS;
     worlds.reference_factor = TUNE_REFERENCE_FACTOR;
-    h->bar = progress_begin();
-    wisp_status status = wisp_tune_worlds( &job, &worlds, out, error );
-    progress_end( &h->bar );
-    return status;
+    return wisp_tune_worlds( &job, &worlds, out, error );
 }
 
 wisp_status tune_scene_search( const tune_scene_def* def, wisp_tune_result* out, tune_scene_info* info,

@@ -12,9 +12,11 @@ typedef struct tune_scene_def
     wisp_scene* scene; ///< its fields change from run to run
     const tune_parameters* parameters;
     scene_world_options world;
-    double error, budget_ms; ///< m, ms; one of them
-    double seconds;          ///< of simulated time; 0: the scene, or 2 s if that is shorter
-    double limit;            ///< s of wall time
+    double error, budget_ms;         ///< m, ms; one of them
+    double seconds;                  ///< of simulated time; 0: the scene, or 2 s if that is shorter
+    double limit;                    ///< s of wall time
+    wisp_tune_progress_fn* progress; ///< called after every run; null: not
+    void* progress_user;
 } tune_scene_def;
 
 /// The measurements and their settings.

@@ -1,6 +1,6 @@
 #include "balloon_scene.h"
 
-#include "bench_data.h"
+#include "program_data.h"
 
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
@@ -44,7 +44,7 @@ wisp_status balloon_mesh_figure( wisp_mesh* out, const char** name, wisp_error* 
     wisp_error unread = { 0 };
     *name = "bunny";
     char path[1024];
-    bench_data_path( "bunny.obj", path, sizeof path );
+    program_data_path( "bunny.obj", path, sizeof path );
     wisp_status status = wisp_mesh_read( path, out, &unread );
     if ( status == WISP_IO_ERROR )
     {

@@ -2,7 +2,7 @@
 // whose two sides have two colours, so that its layers can be told apart.
 #include "contact_bench.h"
 
-#include "bench_data.h"
+#include "program_data.h"
 #include "io_file.h"
 #include "picture_sheet.h"
 #include "suite_fields.h"
@@ -307,7 +307,7 @@ static wisp_status read_scene( const char* name, const char* const ( *fields )[2
     text_node* tree = NULL;
     snprintf( inner, sizeof inner, "suites/scenes/%s.yaml", name );
     snprintf( number, sizeof number, "%d", steps );
-    bench_data_path( inner, path, sizeof path );
+    program_data_path( inner, path, sizeof path );
     wisp_status status = io_file_read( path, SCENE_BYTES_MAX, &bytes, &size, error );
     status = status == WISP_OK ? text_parse( (const char*)bytes, size, path, &tree, error ) : status;
     if ( status == WISP_OK )

@@ -1,6 +1,6 @@
 // The case `scenes`: whole steps of the scenes of data/suites/scenes.yaml, and what two workers give to loops that share nothing.
 #include "accuracy/accuracy.h"
-#include "bench_data.h"
+#include "program_data.h"
 #include "bench_timing.h"
 #include "cells.h"
 #include "threads.h"
@@ -167,7 +167,7 @@ wisp_status scenes_bench( const bench_options* options, results* out, wisp_error
     const int table = cells_begin_table( &header, "What two workers give to trivial loops that share nothing", out );
     bench_options rest = *options;
     rest.seconds = bench_seconds( options ) - 3.0 > 0.0 ? bench_seconds( options ) - 3.0 : 1e-3;
-    bench_data_path( "suites/scenes.yaml", path, sizeof path );
+    program_data_path( "suites/scenes.yaml", path, sizeof path );
     wisp_status status = measure_loops( words, "before the scenes", table, out, error );
     status = status == WISP_OK ? suite_bench( path, &rest, out, error ) : status;
     status = status == WISP_OK ? measure_loops( words, "after the scenes", table, out, error ) : status;

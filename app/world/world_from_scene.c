@@ -320,5 +320,6 @@ void scene_world_destroy( scene_world* world )
     scene_colliders_release( world );
     free( world->grooms );
     free( world->entities );
+    free( world->head_offsets );
     *world = ( scene_world ){ 0 };
 }

@@ -53,6 +53,7 @@ typedef struct scene_world
     wisp_groom* grooms;              ///< [strands_count] the rest shape; an output's shape once outputs were written
     scene_world_surface* surfaces;   ///< [surface_count]
     scene_world_collider* colliders; ///< [collider_count]
+    wisp_vec3* head_offsets;         ///< [strands_count] m, how far a user has dragged each head; null: none
     int next_step;
     int next_command;
     int next_event;
@@ -152,9 +153,21 @@ typedef enum scene_request
     SCENE_REQUEST_NORMALS       ///< surfaces
 } scene_request;
 
+/// Whether a body can have a value.
+bool scene_world_has( const scene_world* world, int body, scene_request request );
 /// Add a request to those of the scene. A second equal one changes nothing, and colliders need none: their points are known.
 /// @return WISP_BAD_INPUT the body does not have it (the message names the body)
 wisp_status scene_world_request( scene_world* world, int body, scene_request request, wisp_error* error );
+
+/// Request the points of all bodies that are shown, for those who draw them in each frame.
+wisp_status scene_world_request_shown( scene_world* world, wisp_error* error );
+/// Whether pictures show a body: strands that others follow are hidden unless the scene says otherwise.
+bool scene_world_is_shown( const scene_world* world, int body );
+
+/// View a requested value where the engine keeps it: valid until the next call that changes the world.
+/// @return WISP_BAD_INPUT the body does not have it; WISP_CONFLICT it is not requested, or no step was made
+wisp_status scene_world_view( const scene_world* world, int body, scene_request request, wisp_view* out,
+                              wisp_error* error );
 
 /// Positions of the vertices. Before the first step: the initial ones. A collider: at its pose of the last step.
 /// @param out [vertex_count]

@@ -108,6 +108,11 @@ static wisp_component component_of( const scene_world* world, body_place place, 
                                                             : 0;
 }
 
+bool scene_world_has( const scene_world* world, int body, scene_request request )
+{
+    return component_of( world, place_of( world, body ), request ) != 0;
+}
+
 static wisp_entity entity_of( const scene_world* world, body_place place )
 {
     return is_surface( place ) ? world->surfaces[place.index].entity : world->entities[place.index];
@@ -157,17 +162,48 @@ wisp_status scene_world_request( scene_world* world, int body, scene_request req
     return status == WISP_OK ? WISP_OK : fail_at_body( world, body, status, error );
 }
 
+bool scene_world_is_shown( const scene_world* world, int body )
+{
+    return body >= world->scene->strands_count || world->scene->strands[body].is_shown;
+}
+
+wisp_status scene_world_request_shown( scene_world* world, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int body = 0; body < scene_world_moving_count( world ) && status == WISP_OK; ++body )
+    {
+        status = scene_world_is_shown( world, body ) ? scene_world_request( world, body, SCENE_REQUEST_POINTS, error )
+                                                     : WISP_OK;
+    }
+    return status;
+}
+
 // ---- columns ----
+
+static wisp_status view_column( const scene_world* world, int body, wisp_component component, wisp_view* out,
+                                wisp_error* error )
+{
+    const wisp_entity entity = entity_of( world, place_of( world, body ) );
+    const wisp_status status = wisp_world_view( world->world, entity, component, out );
+    return status == WISP_OK ? WISP_OK : fail_at_body( world, body, status, error );
+}
+
+wisp_status scene_world_view( const scene_world* world, int body, scene_request request, wisp_view* out,
+                              wisp_error* error )
+{
+    wisp_component component;
+    const wisp_status status = find_component( world, body, request, &component, error );
+    return status == WISP_OK ? view_column( world, body, component, out, error ) : status;
+}
 
 static wisp_status copy_column( const scene_world* world, int body, wisp_component component, size_t size, void* out,
                                 wisp_error* error )
 {
     wisp_view view;
-    wisp_entity entity = entity_of( world, place_of( world, body ) );
-    wisp_status status = wisp_world_view( world->world, entity, component, &view );
+    const wisp_status status = view_column( world, body, component, &view, error );
     if ( status != WISP_OK )
     {
-        return fail_at_body( world, body, status, error );
+        return status;
     }
     WISP_ASSERT( view.count == scene_world_body( world, body ).vertex_count );
     for ( int i = 0; i < view.count; ++i )

@@ -3,7 +3,7 @@
 
 #include "accuracy_compare.h"
 #include "accuracy_labels.h"
-#include "bench_data.h"
+#include "program_data.h"
 #include "stability/stability_suite.h"
 #include "suite/suite_study.h"
 
@@ -212,7 +212,7 @@ static wisp_status run_entry( const accuracy_entry* entry, double seconds, const
     char inner[128], path[1024];
     wisp_suite suite;
     snprintf( inner, sizeof inner, "suites/accuracy/%s.yaml", entry->name );
-    bench_data_path( inner, path, sizeof path );
+    program_data_path( inner, path, sizeof path );
     wisp_status status = suite_read( path, &suite, error );
     const accuracy_entry read = { entry->name, entry->title, NULL, &suite };
     status = status == WISP_OK ? make_and_run( &read, seconds, options, fraction, out, error ) : status;

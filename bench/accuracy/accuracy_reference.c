@@ -1,6 +1,6 @@
 #include "accuracy_reference.h"
 
-#include "bench_data.h"
+#include "program_data.h"
 #include "reference_bytes.h"
 
 #include <jansson.h>
@@ -51,7 +51,7 @@ void accuracy_reference_free( accuracy_reference* reference )
 const char* accuracy_reference_folder( void )
 {
     static char path[1024];
-    bench_data_path( "reference", path, sizeof path );
+    program_data_path( "reference", path, sizeof path );
     return path;
 }
 

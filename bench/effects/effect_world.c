@@ -1,6 +1,6 @@
 #include "effects/effect_world.h"
 
-#include "bench_data.h"
+#include "program_data.h"
 #include "bench_world.h"
 #include "text_tree.h"
 #include "wisp/explain.h"
@@ -14,7 +14,7 @@ wisp_status effects_read( effects* out, wisp_error* error )
 {
     char path[1024];
     *out = ( effects ){ .count = 0 };
-    bench_data_path( "suites/effects.yaml", path, sizeof path );
+    program_data_path( "suites/effects.yaml", path, sizeof path );
     wisp_status status = suite_read( path, &out->suite, error );
     const wisp_module* const* modules = scene_world_modules( &out->count );
     for ( int i = 0; i < out->count && status == WISP_OK; ++i )

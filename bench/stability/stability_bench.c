@@ -1,7 +1,7 @@
 // The case `stability`: the suites of data/suites/stability, and a comparison that no suite can say.
 #include "stability_bench.h"
 
-#include "bench_data.h"
+#include "program_data.h"
 #include "stability_suite.h"
 
 #include "wisp/explain.h"
@@ -102,7 +102,7 @@ wisp_status stability_bench( const bench_options* options, results* out, wisp_er
         char inner[64], path[1024];
         wisp_suite suite;
         snprintf( inner, sizeof inner, "suites/stability/%s.yaml", suites[i] );
-        bench_data_path( inner, path, sizeof path );
+        program_data_path( inner, path, sizeof path );
         status = suite_read( path, &suite, error );
         status = status == WISP_OK ? stability_bench_suite( &suite, options, &tally, out, error ) : status;
         suite_release( &suite );

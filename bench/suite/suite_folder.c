@@ -1,7 +1,7 @@
 #include "suite_folder.h"
 
 #include "accuracy/accuracy.h"
-#include "bench_data.h"
+#include "program_data.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -24,7 +24,7 @@ wisp_status suite_bench_names( const char* folder, const char* const* names, int
     {
         char inner[128], path[1024];
         snprintf( inner, sizeof inner, "suites/%s/%s.yaml", folder, names[i] );
-        bench_data_path( inner, path, sizeof path );
+        program_data_path( inner, path, sizeof path );
         status = suite_bench( path, &each, out, error );
     }
     return status;
@@ -36,7 +36,7 @@ wisp_status suite_bench_folder( const char* folder, double seconds, const bench_
     char inner[128], path[1024], file[1300];
     struct dirent** entries = NULL;
     snprintf( inner, sizeof inner, "suites/%s", folder );
-    bench_data_path( inner, path, sizeof path );
+    program_data_path( inner, path, sizeof path );
     const int count = scandir( path, &entries, is_suite, alphasort );
     wisp_status status = count > 0 ? WISP_OK
                                    : wisp_fail( error, WISP_IO_ERROR, "%s: no suites are there: %s", path,

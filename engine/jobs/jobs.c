@@ -7,7 +7,6 @@
 #include "arena.h"
 #include "thread_team.h"
 
-#include <sched.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -82,8 +81,7 @@ size_t jobs_memory( const jobs_pool* pool, size_t* pool_bytes )
 
 int jobs_default_workers( void )
 {
-    cpu_set_t set;
-    int count = sched_getaffinity( 0, sizeof( set ), &set ) == 0 ? CPU_COUNT( &set ) : 1;
+    const int count = thread_team_cores();
     return count < 1 ? 1 : ( count > WISP_MAX_WORKERS ? WISP_MAX_WORKERS : count );
 }
 

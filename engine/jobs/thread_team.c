@@ -20,6 +20,12 @@ enum
     YIELDS_BEFORE_SLEEP = 500, // about half a millisecond: consecutive steps need no wake-up
 };
 
+int thread_team_cores( void )
+{
+    cpu_set_t set;
+    return sched_getaffinity( 0, sizeof( set ), &set ) == 0 ? CPU_COUNT( &set ) : 1;
+}
+
 static bool make_lock( jobs_thread_team* thread_team )
 {
     if ( pthread_mutex_init( &thread_team->lock, NULL ) != 0 )

@@ -24,6 +24,9 @@ typedef struct jobs_thread_team
     _Atomic int asleep;
 } jobs_thread_team;
 
+/// @return cores that this process may run on
+int thread_team_cores( void );
+
 /// No thread starts before the first thread_team_call(). @return false if the system has no lock left
 bool thread_team_init( jobs_thread_team* thread_team, int count, thread_team_body_fn* body, void* context );
 /// End all members, and wait for them.

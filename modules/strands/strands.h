@@ -104,6 +104,11 @@ WISP_API wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity st
 /// @return WISP_CONFLICT the strands have no drag
 WISP_API wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_vec3 wind );
 
+/// Change only gravity. A sag-free rest shape stays that of the gravity in the definition, so strands sag under more and rise under
+/// less. @param gravity m/s^2, at most 1e5
+/// @return WISP_BAD_INPUT it is not finite or too large; WISP_CONFLICT the strands have no dynamics
+WISP_API wisp_status wisp_set_strand_gravity( wisp_world* world, wisp_entity strands, wisp_vec3 gravity );
+
 /// Move the head, and the roots with it, to a pose that it reaches at the end of the next step, along a straight line and the
 /// shorter rotation. The pose is relative to the shape that the strands were added with; a head starts at the identity.
 /// Without another call the head rests there.

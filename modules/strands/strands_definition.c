@@ -433,6 +433,19 @@ wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_v
     return WISP_OK;
 }
 
+wisp_status wisp_set_strand_gravity( wisp_world* world, wisp_entity strands, wisp_vec3 gravity )
+{
+    strands_state* s;
+    wisp_status status = strands_find( world, strands, &s );
+    status = status == WISP_OK ? check_vector( world, "gravity", gravity, 1e5f ) : status;
+    if ( status == WISP_OK )
+    {
+        strands_settings* settings = wisp_world_column( world, strands, s->settings, 0 );
+        settings->gravity = gravity;
+    }
+    return status;
+}
+
 wisp_status wisp_read_strand_tension( wisp_world* world, wisp_entity strands, float* tensions )
 {
     strands_state* s;

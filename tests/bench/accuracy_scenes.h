@@ -4,7 +4,7 @@
 #include "unit.h"
 
 #include "accuracy/accuracy.h"
-#include "bench_data.h"
+#include "program_data.h"
 #include "suite/suite_study.h"
 
 /// The suite of that name among those of `accuracy`. @param suite to be released after the scene
@@ -15,7 +15,7 @@ static inline void open_suite( const char* name, wisp_suite* suite, accuracy_sce
     wisp_error error = { 0 };
     setenv( "WISP_CACHE", "suite-cache", 1 );
     snprintf( inner, sizeof inner, "suites/accuracy/%s.yaml", name );
-    bench_data_path( inner, path, sizeof path );
+    program_data_path( inner, path, sizeof path );
     assert_ok( suite_read( path, suite, &error ), error );
     assert_ok( suite_study_make( suite, &options, out, &error ), error );
 }

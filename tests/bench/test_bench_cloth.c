@@ -4,7 +4,7 @@
 
 #include "accuracy/accuracy.h"
 #include "balloon_bench.h"
-#include "bench_data.h"
+#include "program_data.h"
 #include "cloth_bench.h"
 #include "figures_bench.h"
 #include "figures_drape.h"
@@ -209,7 +209,7 @@ static void run_suite( const char* name, int rows, results* all )
     wisp_suite suite;
     wisp_error error = { 0 };
     snprintf( inner, sizeof inner, "suites/balloon/%s.yaml", name );
-    bench_data_path( inner, path, sizeof path );
+    program_data_path( inner, path, sizeof path );
     assert_ok( suite_read( path, &suite, &error ), error );
     const int count = suite.row_count;
     suite.row_count = rows;

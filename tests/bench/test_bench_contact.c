@@ -3,7 +3,7 @@
 #include "bench_tables.h"
 
 #include "accuracy/accuracy.h"
-#include "bench_data.h"
+#include "program_data.h"
 #include "contact_bench.h"
 #include "contact_probe.h"
 #include "contact_query_input.h"
@@ -282,7 +282,7 @@ static void run_suite( const char* name, results* all )
     wisp_suite suite;
     wisp_error error = { 0 };
     snprintf( inner, sizeof inner, "suites/contact/%s.yaml", name );
-    bench_data_path( inner, path, sizeof path );
+    program_data_path( inner, path, sizeof path );
     assert_ok( suite_read( path, &suite, &error ), error );
     for ( int i = 0; i < suite.row_count; ++i )
     {

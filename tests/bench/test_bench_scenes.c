@@ -1,7 +1,7 @@
 // The case `scenes`: its rows, and the same bits with one worker and two. Times are not looked at.
 #include "bench_tables.h"
 
-#include "bench_data.h"
+#include "program_data.h"
 #include "bench_options.h"
 #include "suite.h"
 

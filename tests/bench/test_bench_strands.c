@@ -5,7 +5,7 @@
 #include "figures_bench.h"
 #include "plain/strands_plain.h"
 #include "accuracy/accuracy.h"
-#include "bench_data.h"
+#include "program_data.h"
 #include "strands_bench.h"
 
 static const bench_options quick = { .quick = true, .seconds = 1.0, .workers = 2 };
@@ -313,7 +313,7 @@ static void run_suite( const char* name, const char* beginning, results* all )
     wisp_error error = { 0 };
     setenv( "WISP_CACHE", "suite-cache", 1 );
     snprintf( inner, sizeof inner, "suites/strands/%s.yaml", name );
-    bench_data_path( inner, path, sizeof path );
+    program_data_path( inner, path, sizeof path );
     assert_ok( suite_read( path, &suite, &error ), error );
     const int count = suite.row_count;
     suite.row_count = 0;

@@ -1,9 +1,9 @@
-/// Where the benchmark finds meshes, suites and references.
+/// Where the programs find meshes, suites, references and the page of `wisp view`.
 #pragma once
 
 #include <stddef.h>
 
 /// The path of a file of the project's data: in the folder of the environment variable WISP_DATA, else in `share/wisp` of an installed
-/// program, else in `data` of the source tree that the program was built in.
+/// program, else in `build-web` or `data` of the source tree that the program was built in.
 /// @param inner such as "bunny.obj" @param out receives the path, whether there is such a file or not
-void bench_data_path( const char* inner, char* out, size_t size );
+void program_data_path( const char* inner, char* out, size_t size );

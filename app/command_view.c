@@ -1,0 +1,181 @@
+#include "commands.h"
+
+#include "file_kind.h"
+#include "io_file.h"
+#include "record.h"
+#include "view_page.h"
+#include "view_scene.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define STEPS_MAX 1000000
+
+typedef struct view_options
+{
+    const char* input;
+    const char* output;
+    int steps; ///< that are hashed; -1: those of the scene
+} view_options;
+
+// ---- the command line ----
+
+enum
+{
+    KEY_OUTPUT = 'o',
+    KEY_STEPS = 's',
+};
+
+static const char doc[] =
+    "Write a page that simulates a scene, or plays a recording, in a browser.\n"
+    "\v"
+    "The page is one file with all that it needs. It opens without a network and without a server.\n"
+    "The scene runs in WebAssembly, with the bits of this program: the page shows its hash of every\n"
+    "60th step beside that of a run that is made now. Vertices and colliders can be dragged, settings\n"
+    "of accuracy changed, and hair with `frozen_hair` combed. docs/view.md describes it.\n"
+    "\n"
+    "Recordings end in .wisp, as 'wisp run --record' writes them.\n"
+    "\n"
+    "Examples:\n"
+    "  wisp view data/scenes/flag.yaml -o flag.html\n"
+    "  wisp view flag.wisp -o flag.html\n"
+    "\n" STATUS_HELP;
+
+static const struct argp_option option_list[] = {
+    { "output", KEY_OUTPUT, "FILE.html", 0, "Write the page to FILE.html; required", 1 },
+    { "steps", KEY_STEPS, "N", 0, "Simulate N steps for hashes, 0 for none; default: the scene's steps", 1 },
+    { 0 },
+};
+
+static void check( struct argp_state* state, const view_options* options )
+{
+    if ( !options->output )
+    {
+        argp_error( state, "expected an output file: -o FILE.html" );
+    }
+    if ( !io_has_extension( options->output, ".html" ) )
+    {
+        argp_error( state, "-o: got '%s', expected a file name that ends in .html", options->output );
+    }
+}
+
+static error_t parse( int key, char* argument, struct argp_state* state )
+{
+    view_options* options = state->input;
+    switch ( key )
+    {
+        case KEY_OUTPUT:
+            options->output = argument;
+            return 0;
+        case KEY_STEPS:
+            options->steps = option_whole( state, "--steps", argument, 0, STEPS_MAX );
+            return 0;
+        case ARGP_KEY_SUCCESS:
+            check( state, options );
+            return 0;
+        default:
+            return option_input( state, key, argument, "scene or recording", &options->input ) ? 0 : ARGP_ERR_UNKNOWN;
+    }
+}
+
+// ---- data ----
+
+static const char* base_name( const char* path )
+{
+    const char* slash = strrchr( path, '/' );
+    return slash ? slash + 1 : path;
+}
+
+// The title is the name without its extension.
+static json_t* begin_data( const char* kind, const char* path, json_t* files )
+{
+    const char* name = base_name( path );
+    const char* dot = strrchr( name, '.' );
+    return json_pack( "{s:s, s:s, s:s, s:s%, s:O}", "version", WISP_VERSION_STRING, "kind", kind, "name", name,
+                      "title", name, dot ? (size_t)( dot - name ) : strlen( name ), "files", files );
+}
+
+static wisp_status add_hashes( const view_options* options, const wisp_scene* scene, json_t* data, wisp_error* error )
+{
+    json_t* hashes;
+    const int steps = options->steps >= 0 ? options->steps : scene->steps;
+    const wisp_status status = view_scene_hashes( scene, steps, &hashes, error );
+    if ( status == WISP_OK )
+    {
+        json_object_set_new( data, "hashes", hashes );
+    }
+    return status;
+}
+
+static wisp_status take_scene( const view_options* options, json_t* files, json_t** data, wisp_error* error )
+{
+    wisp_scene scene;
+    wisp_status status = wisp_scene_read( options->input, &scene, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = view_scene_files( &scene, options->input, files, error );
+    *data = status == WISP_OK ? begin_data( "scene", options->input, files ) : NULL;
+    status = *data ? add_hashes( options, &scene, *data, error ) : status;
+    wisp_scene_release( &scene );
+    return status;
+}
+
+static wisp_status take_recording( const view_options* options, json_t* files, json_t** data, wisp_error* error )
+{
+    wisp_recording* recording = NULL;
+    size_t total = 0;
+    wisp_status status = wisp_recording_open( options->input, &recording, error );
+    wisp_recording_close( recording );
+    if ( status == WISP_OK )
+    {
+        status = view_add_file( files, base_name( options->input ), options->input, &total, error );
+    }
+    *data = status == WISP_OK ? begin_data( "recording", options->input, files ) : NULL;
+    return status;
+}
+
+static wisp_status take_input( const view_options* options, json_t* files, json_t** data, wisp_error* error )
+{
+    file_kind kind;
+    const wisp_status status = file_kind_find( options->input, &kind, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( kind != FILE_SCENE && kind != FILE_RECORDING )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got another kind of file, expected a scene or a recording",
+                          options->input );
+    }
+    return kind == FILE_SCENE ? take_scene( options, files, data, error )
+                              : take_recording( options, files, data, error );
+}
+
+int command_view( int argc, char** argv )
+{
+    view_options options = { .steps = -1 };
+    const struct argp parser = { option_list, parse, "SCENE|RECORDING", doc, NULL, NULL, NULL };
+    argp_parse( &parser, argc, argv, 0, NULL, &options );
+
+    wisp_error error = { 0 };
+    json_t* files = json_object();
+    json_t* data = NULL;
+    size_t size = 0;
+    wisp_status status = command_check_writable( options.output, &error );
+    status = status == WISP_OK ? take_input( &options, files, &data, &error ) : status;
+    if ( status == WISP_OK && !data )
+    {
+        status = wisp_fail( &error, WISP_NO_MEMORY, "%s: out of memory for the page", options.input );
+    }
+    status = status == WISP_OK ? view_page_write( data, options.output, &size, &error ) : status;
+    if ( status == WISP_OK )
+    {
+        const size_t hashes = json_array_size( json_object_get( json_object_get( data, "hashes" ), "values" ) );
+        printf( "%s: %.1f MB, %zu hashes\n", options.output, (double)size / 1e6, hashes );
+    }
+    json_decref( data );
+    json_decref( files );
+    return status == WISP_OK ? STATUS_GOOD : command_fail( &error );
+}

@@ -1,0 +1,131 @@
+#include "view_page.h"
+
+#include "io_file.h"
+#include "program_data.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define PAGE_MAX_BYTES ( 64u << 20 )
+
+static const char place_begin[] = "<script type=\"application/json\" id=\"wisp-data\">";
+static const char place_word[] = "null";
+
+// ---- data ----
+
+static void encode( const unsigned char* bytes, size_t size, char* out )
+{
+    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for ( size_t i = 0; i < size; i += 3 )
+    {
+        const size_t left = size - i;
+        const unsigned triple = (unsigned)bytes[i] << 16 | ( left > 1 ? (unsigned)bytes[i + 1] << 8 : 0 ) |
+                                ( left > 2 ? (unsigned)bytes[i + 2] : 0 );
+        *out++ = letters[triple >> 18];
+        *out++ = letters[triple >> 12 & 63];
+        *out++ = left > 1 ? letters[triple >> 6 & 63] : '=';
+        *out++ = left > 2 ? letters[triple & 63] : '=';
+    }
+}
+
+wisp_status view_add_file( json_t* files, const char* name, const char* path, size_t* total, wisp_error* error )
+{
+    unsigned char* bytes;
+    size_t size;
+    const wisp_status status = io_file_read( path, VIEW_MAX_BYTES, &bytes, &size, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    *total += size;
+    if ( *total > VIEW_MAX_BYTES )
+    {
+        free( bytes );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: with this file a page has more than %u MB, which is the limit",
+                          path, VIEW_MAX_BYTES >> 20 );
+    }
+    const size_t length = ( size + 2 ) / 3 * 4;
+    char* text = malloc( length + 1 );
+    if ( text )
+    {
+        encode( bytes, size, text );
+    }
+    const bool is_added = text && json_object_set_new( files, name, json_stringn( text, length ) ) == 0;
+    free( text );
+    free( bytes );
+    return is_added ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the page", path );
+}
+
+// ---- the page ----
+
+static wisp_status read_page( unsigned char** page, size_t* size, size_t* place, wisp_error* error )
+{
+    char path[PATH_MAX];
+    struct stat found;
+    program_data_path( "viewer.html", path, sizeof path );
+    if ( stat( path, &found ) != 0 )
+    {
+        return wisp_fail( error, WISP_IO_ERROR,
+                          "viewer.html: the page is not built: run './dev web', or set WISP_DATA to its folder" );
+    }
+    wisp_status status = io_file_read( path, PAGE_MAX_BYTES, page, size, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const unsigned char* begin = *size ? memmem( *page, *size, place_begin, sizeof place_begin - 1 ) : NULL;
+    const size_t at = begin ? (size_t)( begin - *page ) + sizeof place_begin - 1 : *size;
+    if ( *size - at < sizeof place_word || memcmp( *page + at, place_word, sizeof place_word - 1 ) != 0 )
+    {
+        free( *page );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: the page has no place for data", path );
+    }
+    *place = at;
+    return WISP_OK;
+}
+
+// A script ends where "</script" begins, whatever string that is in.
+static void write_data( const char* text, FILE* stream )
+{
+    for ( const char* at = text; *at; ++at )
+    {
+        if ( *at == '<' )
+        {
+            fputs( "\\u003c", stream );
+        }
+        else
+        {
+            fputc( *at, stream );
+        }
+    }
+}
+
+wisp_status view_page_write( const json_t* data, const char* path, size_t* size, wisp_error* error )
+{
+    unsigned char* page;
+    size_t page_size, place;
+    wisp_status status = read_page( &page, &page_size, &place, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    char* text = json_dumps( data, JSON_COMPACT );
+    io_output output = { 0 };
+    status = text ? io_output_open( path, &output, error )
+                  : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the page", path );
+    if ( status == WISP_OK )
+    {
+        const size_t behind = place + sizeof place_word - 1;
+        fwrite( page, 1, place, output.stream );
+        write_data( text, output.stream );
+        fwrite( page + behind, 1, page_size - behind, output.stream );
+        const long end = ftell( output.stream );
+        *size = end > 0 ? (size_t)end : 0;
+        status = io_output_commit( &output, error );
+    }
+    free( text );
+    free( page );
+    return status;
+}

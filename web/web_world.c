@@ -1,0 +1,277 @@
+// A world: its steps, bodies, values and costs.
+#include "web.h"
+
+#include "tune_parameters.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---- life ----
+
+// The converged run of a scene: the finest value of every setting, and a multiple of its substeps.
+static bool refine( wisp_scene* scene, int factor )
+{
+    tune_parameters settings;
+    int finest[WISP_TUNE_MAX_PARAMETERS];
+    if ( tune_parameters_find( scene, &settings, &web_error ) != WISP_OK )
+    {
+        return false;
+    }
+    for ( int k = 0; k < settings.count; ++k )
+    {
+        finest[k] = settings.parameters[k].value_count - 1;
+    }
+    tune_parameters_set( &settings, finest, scene );
+    wisp_scene_refine( scene, factor );
+    return true;
+}
+
+WEB_API void web_world_close( web_world* w )
+{
+    scene_world_destroy( &w->world );
+    wisp_scene_release( &w->scene );
+    free( w->buffer );
+    free( w );
+}
+
+/// @param reference_factor 0: the scene as it is; else its converged run with that multiple of the finest substeps
+WEB_API web_world* web_world_open( const char* path, int reference_factor )
+{
+    web_world* w = calloc( 1, sizeof *w );
+    if ( !w )
+    {
+        wisp_fail( &web_error, WISP_NO_MEMORY, "%s: out of memory for the world", path );
+        return NULL;
+    }
+    const scene_world_options options = { .workers = 1 };
+    const bool is_made = web_scene_load( path, &w->scene ) &&
+                         ( reference_factor == 0 || refine( &w->scene, reference_factor ) ) &&
+                         scene_world_create( &w->scene, &options, &w->world, &web_error ) == WISP_OK;
+    if ( !is_made )
+    {
+        wisp_scene_release( &w->scene );
+        free( w );
+        return NULL;
+    }
+    if ( scene_world_request_shown( &w->world, &web_error ) != WISP_OK )
+    {
+        web_world_close( w );
+        return NULL;
+    }
+    return w;
+}
+
+WEB_API int web_world_step( web_world* w )
+{
+    return scene_world_step( &w->world, &web_error ) == WISP_OK;
+}
+
+WEB_API int web_world_step_count( const web_world* w )
+{
+    return w->world.next_step;
+}
+
+WEB_API double web_world_time( const web_world* w )
+{
+    return scene_world_time( &w->world );
+}
+
+/// @return the hash of the state as `wisp run` prints it
+WEB_API const char* web_world_hash( web_world* w )
+{
+    snprintf( w->hash, sizeof w->hash, "%016llx", (unsigned long long)wisp_world_hash( w->world.world ) );
+    return w->hash;
+}
+
+// ---- bodies ----
+
+WEB_API int web_body_count( const web_world* w )
+{
+    return scene_world_body_count( &w->world );
+}
+
+WEB_API const char* web_body_name( const web_world* w, int body )
+{
+    return scene_world_body( &w->world, body ).name;
+}
+
+/// @return a scene_body_kind
+WEB_API int web_body_kind( const web_world* w, int body )
+{
+    return (int)scene_world_body( &w->world, body ).kind;
+}
+
+WEB_API int web_body_vertices( const web_world* w, int body )
+{
+    return scene_world_body( &w->world, body ).vertex_count;
+}
+
+WEB_API const int32_t* web_body_triangles( const web_world* w, int body )
+{
+    return scene_world_body( &w->world, body ).triangles;
+}
+
+WEB_API int web_body_triangle_count( const web_world* w, int body )
+{
+    return scene_world_body( &w->world, body ).triangle_count;
+}
+
+WEB_API const int32_t* web_body_offsets( const web_world* w, int body )
+{
+    return scene_world_body( &w->world, body ).offsets;
+}
+
+WEB_API int web_body_strands( const web_world* w, int body )
+{
+    return scene_world_body( &w->world, body ).strand_count;
+}
+
+/// Whether the points of a body can be read, because pictures show it.
+WEB_API int web_body_is_shown( const web_world* w, int body )
+{
+    return scene_world_is_shown( &w->world, body );
+}
+
+// ---- values ----
+
+WEB_API int web_body_has( const web_world* w, int body, int what )
+{
+    return scene_world_has( &w->world, body, (scene_request)what );
+}
+
+/// What the scene does not compute becomes part of the hash. @param what a scene_request
+WEB_API int web_request( web_world* w, int body, int what )
+{
+    return scene_world_request( &w->world, body, (scene_request)what, &web_error ) == WISP_OK;
+}
+
+static float* take_buffer( web_world* w, size_t floats )
+{
+    if ( floats > w->buffer_floats )
+    {
+        float* larger = realloc( w->buffer, floats * sizeof *larger );
+        if ( !larger )
+        {
+            wisp_fail( &web_error, WISP_NO_MEMORY, "out of memory for values" );
+            return NULL;
+        }
+        w->buffer = larger;
+        w->buffer_floats = floats;
+    }
+    return w->buffer;
+}
+
+// What no step has written: positions at the start and those of colliders. Other values are 0 then.
+static const float* copy_values( web_world* w, int body, scene_request what, size_t per_vertex )
+{
+    const size_t floats = (size_t)scene_world_body( &w->world, body ).vertex_count * per_vertex;
+    float* out = take_buffer( w, floats );
+    if ( out && what == SCENE_REQUEST_POINTS )
+    {
+        return scene_world_points( &w->world, body, (wisp_vec3*)(void*)out, &web_error ) == WISP_OK ? out : NULL;
+    }
+    if ( out )
+    {
+        memset( out, 0, floats * sizeof *out );
+    }
+    return out;
+}
+
+/// @param what a scene_request with a value for each vertex
+/// @return [vertices] vectors or numbers, where the engine keeps them; until the next call that changes the world
+WEB_API const float* web_values( web_world* w, int body, int what )
+{
+    const bool is_vector =
+        what == SCENE_REQUEST_POINTS || what == SCENE_REQUEST_NORMALS || what == SCENE_REQUEST_COLOUR;
+    const size_t per_vertex = is_vector ? 3 : 1;
+    if ( w->world.next_step == 0 || body >= scene_world_moving_count( &w->world ) )
+    {
+        return copy_values( w, body, (scene_request)what, per_vertex );
+    }
+    wisp_view view;
+    if ( scene_world_view( &w->world, body, (scene_request)what, &view, &web_error ) != WISP_OK )
+    {
+        return NULL;
+    }
+    WISP_ASSERT( view.stride == per_vertex * sizeof( float ) );
+    return view.data;
+}
+
+/// @param out [7] mass, kinetic and potential energy, volume, largest and mean strain, largest speed
+WEB_API int web_motion_stats( const web_world* w, int body, double* out )
+{
+    wisp_motion_stats m;
+    if ( scene_world_motion_stats( &w->world, body, &m, &web_error ) != WISP_OK )
+    {
+        return 0;
+    }
+    const double values[] = { m.mass,       m.kinetic_energy, m.potential_energy, m.volume,
+                              m.strain_max, m.strain_mean,    m.speed_max };
+    memcpy( out, values, sizeof values );
+    return 1;
+}
+
+// ---- costs ----
+
+WEB_API double web_step_seconds( const web_world* w )
+{
+    return wisp_world_profile( w->world.world ).seconds;
+}
+
+WEB_API int web_profile_count( const web_world* w )
+{
+    return wisp_world_profile( w->world.world ).count;
+}
+
+WEB_API const char* web_profile_pass( const web_world* w, int line )
+{
+    return wisp_world_profile( w->world.world ).lines[line].pass;
+}
+
+WEB_API double web_profile_seconds( const web_world* w, int line )
+{
+    return wisp_world_profile( w->world.world ).lines[line].seconds;
+}
+
+WEB_API int web_counter_count( void )
+{
+    return WISP_COUNTER_COUNT;
+}
+
+WEB_API const char* web_counter_name( int counter )
+{
+    return wisp_counter_name( (wisp_counter)counter );
+}
+
+WEB_API double web_counter( const web_world* w, int counter )
+{
+    return (double)wisp_world_counter( w->world.world, (wisp_counter)counter );
+}
+
+WEB_API double web_memory_bytes( const web_world* w )
+{
+    return (double)scene_world_bytes( &w->world );
+}
+
+// ---- snapshots ----
+
+WEB_API int web_snapshot_size( const web_world* w )
+{
+    return (int)wisp_world_snapshot_size( w->world.world );
+}
+
+static int report( const web_world* w, wisp_status status )
+{
+    return status == WISP_OK ? 1 : ( wisp_fail( &web_error, status, "%s", wisp_world_message( w->world.world ) ), 0 );
+}
+
+WEB_API int web_snapshot( const web_world* w, void* out, int size )
+{
+    return report( w, wisp_world_snapshot( w->world.world, out, (size_t)size ) );
+}
+
+WEB_API int web_restore( web_world* w, const void* bytes, int size )
+{
+    return report( w, wisp_world_restore( w->world.world, bytes, (size_t)size ) );
+}
