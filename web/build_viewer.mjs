@@ -1,10 +1,9 @@
 /**
  * Builds the page: one file that holds its style, its scripts, the worker and the engine, and asks the network for nothing.
  *
- *     node web/build_viewer.mjs [--engine DIR] [--output FILE]
+ *     node web/build_viewer.mjs ENGINE OUTPUT
  *
- * DIR has wisp.mjs and the module that it loads; default build-web. FILE is by default build-web/viewer.html. `wisp view` puts a
- * scene into a copy of it.
+ * ENGINE is the folder of wisp.mjs and the module that it loads, OUTPUT the page. `wisp view` puts a scene into a copy of it.
  */
 import { build } from "esbuild";
 import { readFile, readdir, writeFile } from "node:fs/promises";
@@ -13,9 +12,12 @@ import { fileURLToPath } from "node:url";
 import { parseArgs } from "node:util";
 
 const here = dirname(fileURLToPath(import.meta.url));
-const { values: options } = parseArgs({ options: { engine: { type: "string" }, output: { type: "string" } } });
-const engine = resolve(options.engine ?? join(here, "../build-web"));
-const output = resolve(options.output ?? join(engine, "viewer.html"));
+const { positionals } = parseArgs({ allowPositionals: true });
+if (positionals.length !== 2) {
+    console.error("usage: node web/build_viewer.mjs ENGINE OUTPUT");
+    process.exit(64);
+}
+const [engine, output] = positionals.map((path) => resolve(path));
 
 /** A classic script of a module and all that it imports: workers from a Blob and pages from a file cannot import. */
 async function bundle(entry) {
@@ -29,8 +31,9 @@ async function bundle(entry) {
         legalComments: "inline",
         logLevel: "warning",
         alias: { wisp: join(engine, "wisp.mjs") },
-        // The engine's glue looks for its files beside itself and for Node; here its bytes are given, and there is no Node.
-        define: { "import.meta.url": "self.location.href" },
+        // The engine's glue looks for its files beside itself and for Node; here its bytes are given, and there is no Node. The
+        // address of a Blob cannot be the base of another one.
+        define: { "import.meta.url": '"file:///"' },
         external: ["node:*", "module", "fs", "path", "url", "crypto"],
         nodePaths: [join(here, "node_modules")],
     });

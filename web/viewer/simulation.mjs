@@ -12,7 +12,7 @@
  * @typedef {object} Frame
  * @property {number} step
  * @property {number} time s
- * @property {Float32Array[]} points per body, padded to rows of a texture
+ * @property {(Float32Array|null)[]} points per body, padded to rows of a texture; null for hidden ones
  * @property {(Float32Array|null)[]} values strain or speed per body
  * @property {{width: Float32Array|null, colour: Float32Array|null}[]|null} looks widths and colours, when they may have changed
  * @property {number} stepMs mean of the steps of this frame
@@ -151,7 +151,7 @@ export class Simulation {
 
     #pack(stepMs, hashes, hasStepped, notice) {
         const world = this.world;
-        const points = this.bodies.map((body) => this.#copy(world.points(body), body.vertexCount, 3));
+        const points = this.bodies.map((body) => (body.hidden ? null : this.#copy(world.points(body), body.vertexCount, 3)));
         const values = this.bodies.map((body) => this.#values(body));
         let looks = null;
         // Appearance is derived by a step, so that it is there after the first one.
@@ -178,7 +178,7 @@ export class Simulation {
 
     /** Copies of the points of all bodies that move, for the reference to measure its distance from. */
     copyMoving() {
-        return this.bodies.map((body) => (body.moves ? Float32Array.from(this.world.points(body)) : null));
+        return this.bodies.map((body) => (body.moves && !body.hidden ? Float32Array.from(this.world.points(body)) : null));
     }
 
     /**

@@ -10,14 +10,14 @@ import { ringOf } from "./surface_topology.mjs";
 
 const VERTEX = /* glsl */ `
 ${PLACES}${VALUES}${RING}
-out vec3 world, normal;
+out vec3 world, facing;
 out float hollow, value;
 void main() {
     int i = gl_VertexID;
     vec3 p = placeOf(i);
     vec4 n = normalOf(i, p);
     world = p;
-    normal = n.xyz;
+    facing = n.xyz;
     hollow = n.w;
     value = valueOf(i);
     gl_Position = projectionMatrix * viewMatrix * vec4(p, 1.0);
@@ -28,16 +28,16 @@ precision highp float;
 ${LIGHT}${COLOUR_MAP}${OUTPUT}
 uniform vec3 front, back;
 uniform float gloss, opacity;
-in vec3 world, normal;
+in vec3 world, facing;
 in float hollow, value;
 out vec4 colour;
 void main() {
     float side = gl_FrontFacing ? 1.0 : -1.0;
-    vec3 n = normalize(normal) * side, v = normalize(cameraPosition - world), l = keyDirection;
+    vec3 n = normalize(facing) * side, v = normalize(cameraPosition - world), l = keyDirection;
     vec3 base = value >= 0.0 ? mapColour(value) : gl_FrontFacing ? front : back;
-    float facing = dot(n, l);
+    float cosine = dot(n, l);
     // Light wraps around thin things a little: some passes through the threads.
-    float direct = clamp((facing + 0.18) / 1.18, 0.0, 1.0);
+    float direct = clamp((cosine + 0.18) / 1.18, 0.0, 1.0);
     float lit = shadowAt(world + n * shadowBias, 0.0008);
     float cavity = clamp(1.0 - 1.5 * hollow * side, 0.55, 1.18);
     vec3 h = normalize(l + v);
@@ -50,7 +50,7 @@ void main() {
 
 const DEPTH_FRAGMENT = /* glsl */ `
 precision highp float;
-in vec3 world, normal;
+in vec3 world, facing;
 in float hollow, value;
 void main() {}`;
 

@@ -22,7 +22,7 @@ import { TransportBar } from "./transport_bar.mjs";
 /** ms between updates of numbers: faster ones cannot be read. */
 const UPDATE_MS = 120;
 /** Vertices up to which a reference runs from the start; it takes many times the steps. */
-const REFERENCE_VERTICES = 3000;
+const REFERENCE_VERTICES = 600;
 
 const byId = (id) => document.getElementById(id);
 

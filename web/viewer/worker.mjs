@@ -76,7 +76,7 @@ const requests = {
         const { frame } = simulation.now();
         const frozen = {};
         for (const body of simulation.bodies) {
-            if (body.has.frozenHair) frozen[body.index] = simulation.world.frozenHair(body);
+            if (body.isFrozenHair) frozen[body.index] = simulation.world.frozenHair(body);
         }
         return { frame, bodies: simulation.bodies, memoryBytes: simulation.world.memoryBytes, frozen, knobs: changed.knobs };
     },
