@@ -12,7 +12,7 @@ const HINTS = {
 
 function knobText(knob, value) {
     const isSwitch = knob.values.length === 2 && knob.values.includes(0) && knob.values.includes(1);
-    return isSwitch ? (value ? "on" : "off") : number(value, 3);
+    return isSwitch ? (value ? "on" : "off") : String(+value.toPrecision(3));
 }
 
 export class AccuracyPanel {

@@ -70,7 +70,12 @@ export class CameraControl {
         controls.update();
     }
 
+    /** @returns {boolean} whether the camera has moved since the last call */
     update() {
         this.controls.update();
+        const key = [...this.camera.position, ...this.camera.quaternion].join();
+        const hasMoved = key !== this.last;
+        this.last = key;
+        return hasMoved;
     }
 }

@@ -5,6 +5,8 @@ const PICTURE_MS = 1000 / 60;
 const MAX_PASSES = 7;
 /** Part that a new measurement has in what is shown: about half a second at 60 steps per second. */
 const SMOOTHING = 0.06;
+/** Counters of work done; the others tell of limits reached and failures. */
+const WORK = new Set(["steps", "plans", "neighbours", "neighbour searches", "first order substeps"]);
 /** Hues of equal lightness, far apart for neighbours. */
 const COLOURS = ["#6d9eeb", "#e0a458", "#5fb3a1", "#d27a8f", "#9a8ad8", "#8fb55a", "#c98f6b", "#8b929b"];
 
@@ -78,7 +80,7 @@ export class CostPanel {
         this.bars.setAttribute("aria-label",
             `Time of a step: ${number(this.#total)} ms. ${shown.map(([pass, ms]) => `${pass} ${number(ms, 2)} ms`).join(", ")}.`);
         this.#updateScale(full);
-        const lines = Object.entries(counters ?? {}).map(([name, n]) => `${name}: ${n}`);
+        const lines = Object.entries(counters ?? {}).filter(([name]) => !WORK.has(name)).map(([name, n]) => `${name}: ${n}`);
         this.warning.hidden = lines.length === 0;
         setText(this.warning, lines.join(", "));
     }

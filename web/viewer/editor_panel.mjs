@@ -8,7 +8,7 @@ const logarithmic = (low, high) => ({
 const millimetres = (x) => `${number(1000 * x, 2)} mm`;
 
 export class EditorPanel {
-    /** @param {{parameters: (values: object) => void, undo: Function, redo: Function, save: Function}} on */
+    /** @param {{climate: (temperature: number, wetness: number) => Promise<number>, undo: Function, redo: Function, save: Function}} on */
     constructor(on) {
         this.on = on;
         this.rows = {};
@@ -41,20 +41,38 @@ export class EditorPanel {
             ["clumpRadius", "Clump radius h", clumps, millimetres],
             ["temperature", "Temperature", null, (x) => `${x.toFixed(0)} \u00b0C`, -40, 20],
             ["wetness", "Wetness", null, (x) => `${(100 * x).toFixed(0)} %`, 0, 1],
-        ].filter(([key]) => typeof values[key] === "number");
+        ].filter(([key]) => this.#isUsed(key, values));
         this.sliders.replaceChildren(...rows.map(([key, label, scale, text, min, max]) => {
             const to = scale?.to ?? ((x) => x), from = scale?.from ?? ((x) => x);
             const row = slider({
                 label, min: min ?? 0, max: max ?? 1, step: "any", value: from(values[key]), text: (x) => text(to(x)),
-                change: (x) => {
+                input: (x) => {
                     this.values[key] = to(x);
-                    this.on.parameters({ [key]: to(x) });
+                    if (key === "temperature" || key === "wetness") this.#followClimate();
                 },
-                input: (x) => (this.values[key] = to(x)),
             });
-            this.rows[key] = row;
+            this.rows[key] = { set: (value) => row.set(from(value)) };
             return row.element;
         }));
+    }
+
+    /** A parameter of a stage that the scene leaves out would do nothing. */
+    #isUsed(key, values) {
+        if (key === "reach" || key === "intensity") return values.aligns;
+        return key === "clumpRadius" ? values.clumps : values.freezes;
+    }
+
+    /** The climate sets the stiffness, as it does in a scene. */
+    async #followClimate() {
+        const stiffness = await this.on.climate(this.values.temperature, this.values.wetness);
+        this.values.bendStiffness = this.values.stretchStiffness = stiffness;
+        this.rows.bendStiffness?.set(stiffness);
+    }
+
+    /** Parameters of the next command. */
+    get parameters() {
+        const { intensity, reach, stretchStiffness, bendStiffness, clumpRadius } = this.values;
+        return { intensity, reach, stretchStiffness, bendStiffness, clumpRadius };
     }
 
     get radius() {

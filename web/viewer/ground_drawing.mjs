@@ -42,8 +42,8 @@ void main() {
 
 export class GroundDrawing {
     /**
-     * @param {number[]} point @param {number[]} normal @param {number} radius of the scene, m
-     * @param {number[]} focus middle of the scene: the grid is strongest below it
+     * @param {Vector3} point @param {Vector3} normal @param {number} radius of the scene, m
+     * @param {Vector3} focus middle of the scene: the grid is strongest below it
      */
     constructor(point, normal, radius, focus, shared) {
         const cell = 10 ** Math.round(Math.log10(radius * 0.25));
@@ -51,15 +51,15 @@ export class GroundDrawing {
             vertexShader: VERTEX, fragmentShader: FRAGMENT, side: DoubleSide, glslVersion: GLSL3, transparent: true, depthWrite: false,
             uniforms: {
                 ...shared, size: { value: radius * 16 }, cell: { value: cell }, line: shared.line, shade: shared.shade,
-                focus: { value: new Vector3(...focus) },
+                focus: { value: new Vector3() },
             },
         });
         this.object = new Mesh(new PlaneGeometry(2, 2), this.material);
-        const n = new Vector3(...normal).normalize();
+        const n = normal.clone().normalize();
+        if (n.y < 0) n.negate();
         this.object.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), n));
         // The grid's middle is below the scene, on a line of the grid.
-        const p = new Vector3(...point), f = new Vector3(...focus);
-        const below = f.sub(n.clone().multiplyScalar(f.clone().sub(p).dot(n)));
+        const below = focus.clone().addScaledVector(n, -focus.clone().sub(point).dot(n));
         const snap = (x) => Math.round(x / (10 * cell)) * 10 * cell;
         if (Math.abs(n.y) > 0.99) below.set(snap(below.x), below.y, snap(below.z));
         this.object.position.copy(below);

@@ -118,15 +118,15 @@ export class Pointer {
         return this.#pick(event, (body) => Boolean(this.viewer.session.frozen[body.index]));
     }
 
-    #beginStroke(event) {
+    async #beginStroke(event) {
         const found = this.#frozen(event);
         if (!found) return;
         this.#isBrushing = true;
         this.viewer.camera.controls.enabled = false;
         this.canvas.setPointerCapture(event.pointerId);
-        this.viewer.beginStroke();
-        this.viewer.command(found.body, found.point.toArray());
         event.stopPropagation();
+        await this.viewer.beginStroke();
+        this.viewer.command(found.body, found.point.toArray());
     }
 
     #brushMove(event) {

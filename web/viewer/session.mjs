@@ -21,7 +21,8 @@ export class Session {
     #inputs = [];
     #requested = 0; // the step that the last request leads to
     #arrived = 0;
-    #inFlight = 0;
+    /** @type {number[]} steps of each request under way */
+    #flight = [];
     #isStarting = false;
     #followed = 0; // the step that the reference has reached
     #referenceInFlight = 0;
@@ -38,6 +39,8 @@ export class Session {
     bodies = [];
     knobs = {};
     usesReference = false;
+    /** Whether strokes of the brush add up, though the scene's own commands replace each other. */
+    strokes = false;
     hashes = new HashCheck(null);
     colourBy = null;
     /** @type {object} parameters of frozen hair per body */
@@ -81,28 +84,30 @@ export class Session {
         this.knobs = {};
     }
 
-    /** Start from step 0. @param {{knobs?: object, usesReference?: boolean}} [changes] */
+    /** Start from step 0. @param {{knobs?: object, usesReference?: boolean, strokes?: boolean}} [changes] */
     async start(changes = {}) {
         if (this.#isStarting) return;
         this.#isStarting = true;
         try {
             const knobs = changes.knobs ?? this.knobs;
             const usesReference = changes.usesReference ?? this.usesReference;
+            const strokes = changes.strokes ?? this.strokes;
             let ports = null;
             if (usesReference) {
                 await this.#openReference();
                 ports = new MessageChannel();
-                const twin = await this.#reference.ask("start", { reference: true, port: ports.port2 }, [ports.port2]);
+                const twin = await this.#reference.ask("start", { reference: true, strokes, port: ports.port2 }, [ports.port2]);
                 this.#referenceFrames = [twin.frame];
             } else {
                 this.#closeReference();
                 this.#referenceFrames = [];
             }
             const run = await this.#main.ask("start", {
-                knobs, hashEvery: this.hashes.every, colourBy: this.colourBy, port: ports?.port1,
+                knobs, strokes, hashEvery: this.hashes.every, colourBy: this.colourBy, port: ports?.port1,
             }, ports ? [ports.port1] : []);
             this.knobs = knobs;
             this.usesReference = usesReference;
+            this.strokes = strokes;
             this.#begin(run);
         } finally {
             this.#isStarting = false;
@@ -137,11 +142,13 @@ export class Session {
         this.#queue.clear();
         this.#inputs.length = 0;
         this.#requested = this.#arrived = this.#followed = run.frame.step;
-        this.#inFlight = this.#referenceInFlight = 0;
+        this.#flight.length = 0;
+        this.#referenceInFlight = 0;
         this.#queue.push(run.frame);
         this.clock.reset(run.frame.time);
         this.hashes.restart();
         const changed = Object.keys(this.knobs).filter((name) => this.knobs[name] !== this.ownValue(name));
+        if (this.strokes) this.hashes.exclude("strokes of the brush add up here");
         if (changed.length > 0) this.hashes.exclude("the settings differ from those of the scene");
         this.on.frame({ ...run.frame, isFirst: true });
     }
@@ -169,7 +176,7 @@ export class Session {
         const inputs = this.#inputs;
         this.#inputs = [];
         this.#requested += count;
-        ++this.#inFlight;
+        this.#flight.push(count);
         if (this.#reference) ++this.#referenceInFlight;
         this.#main.advance(count, inputs, this.#queue.takeSpent());
     }
@@ -187,7 +194,7 @@ export class Session {
     }
 
     get isBusy() {
-        return this.#inFlight > 0;
+        return this.#flight.length > 0;
     }
 
     play() {
@@ -202,12 +209,13 @@ export class Session {
 
     #mainFrame(frame) {
         if (this.#isStarting) return;
-        --this.#inFlight;
+        this.#flight.shift();
         this.#arrived = frame.step;
+        this.#requested = frame.step + this.#flight.reduce((sum, steps) => sum + steps, 0);
+        if (frame.requested) this.hashes.exclude(`the page asks for ${frame.requested}, which the scene does not compute`);
         // An undone stroke leads back to an earlier step.
         if (this.#queue.last && frame.step <= this.#queue.last.step) {
             this.#queue.clear();
-            this.#requested = frame.step;
             this.clock.reset(frame.time);
         }
         this.#queue.push(frame);
@@ -269,7 +277,7 @@ export class Session {
         const perPicture = this.clock.speed * this.#interval / this.scene.dt;
         const count = Math.min(MAX_STEPS_PER_REQUEST, Math.max(1, Math.floor(perPicture + 0.25)));
         const ahead = (this.clock.shown + 2 * count * this.scene.dt) / this.scene.dt;
-        while (this.#inFlight < MAX_IN_FLIGHT && this.#requested < ahead && this.#referenceInFlight < MAX_LAG) {
+        while (this.#flight.length < MAX_IN_FLIGHT && this.#requested < ahead && this.#referenceInFlight < MAX_LAG) {
             this.#request(count);
         }
     }
@@ -277,7 +285,13 @@ export class Session {
     /** @param {"strain"|"speed"|null} colourBy */
     setColour(colourBy) {
         this.colourBy = colourBy;
-        return this.#main.ask("setColour", { colourBy });
+        this.#main.ask("setColour", { colourBy });
+        if (!this.clock.isPlaying) this.applyNow(0);
+    }
+
+    /** @returns {Promise<number>} the stiffness that a climate gives hair */
+    climate(body, temperature, wetness) {
+        return this.#main.ask("climate", { body, temperature, wetness });
     }
 
     /** @returns {Promise<{step: number, hash: string}>} */

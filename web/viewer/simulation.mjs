@@ -3,11 +3,11 @@
  * same code with the same inputs before the same steps, so that only their settings differ.
  *
  * @typedef {object} Input what a user did; it takes effect at the next step
- * @property {"grab"|"drag"|"letGo"|"grabCollider"|"moveCollider"|"gravity"|"wind"|"frozenHair"|"stroke"|"command"|"undo"|"redo"} type
+ * @property {"grab"|"drag"|"letGo"|"grabCollider"|"moveCollider"|"gravity"|"wind"|"stroke"|"command"|"undo"|"redo"} type
  * @property {number} [body]
  * @property {number} [vertex]
  * @property {number[]} [value] m, m/s or m/s^2; of a collider, how far it was moved since it was grabbed
- * @property {object} [values] parameters of frozen hair
+ * @property {Record<string, number>} [values] parameters of frozen hair
  *
  * @typedef {object} Frame
  * @property {number} step
@@ -17,6 +17,7 @@
  * @property {{width: Float32Array|null, colour: Float32Array|null}[]|null} looks widths and colours, when they may have changed
  * @property {number} stepMs mean of the steps of this frame
  * @property {{pass: string, seconds: number}[]} profile of the last step
+ * @property {string|null} requested a value that the page needs and the scene does not compute
  * @property {string|null} notice an input that could not be taken, and why
  * @property {[number, string][]} hashes of steps that the page compares
  */
@@ -46,13 +47,8 @@ export class Simulation {
         this.pool = new BufferPool();
         this.bodies = this.world.bodies.map(describeBody);
         this.strokes = new StrokeHistory(this.world);
-        this.colourBy = null;
+        this.colourBy = settings.colourBy ?? null;
         this.looksChanged = true;
-        for (const body of this.bodies) {
-            if (body.kind !== "strands") continue;
-            for (const look of ["width", "colour"]) if (body.has[look]) this.world.request(body, look);
-        }
-        this.setColour(settings.colourBy ?? null);
     }
 
     release() {
@@ -62,8 +58,28 @@ export class Simulation {
     /** @param {"strain"|"speed"|null} what the values to send, from the next step on */
     setColour(what) {
         this.colourBy = what;
-        if (!what) return;
-        for (const body of this.bodies) if (body.has[what]) this.world.request(body, what);
+    }
+
+    /** A value of a body, if the world computes it. Known after a step. */
+    #read(body, what) {
+        if (this.world.stepCount === 0 || body.hidden || !body.has?.[what]) return null;
+        try {
+            return this.world[what](body);
+        } catch {
+            return null;
+        }
+    }
+
+    /**
+     * Ask for the values that colour the picture, where the scene does not compute them.
+     * @returns {string|null} what was asked for: it makes the hash another one than that of the scene
+     */
+    #requestColour() {
+        const what = this.colourBy;
+        if (!what || this.world.stepCount === 0) return null;
+        const lacking = this.bodies.filter((body) => !body.hidden && body.has?.[what] && !this.#read(body, what));
+        for (const body of lacking) this.world.request(body, what);
+        return lacking.length > 0 ? what : null;
     }
 
     /** @param {Input} input */
@@ -80,13 +96,10 @@ export class Simulation {
                 return world.moveCollider(body, this.grabbedPlace.map((x, k) => x + input.value[k]));
             case "gravity": return world.setGravity(input.value);
             case "wind": return world.setWind(input.value);
-            case "frozenHair":
-                this.looksChanged = true;
-                return this.strokes.setParameters(body, input.values);
             case "stroke": return this.strokes.begin();
             case "command":
                 this.looksChanged = true;
-                return this.strokes.command(body, input.value);
+                return this.strokes.command(body, input.value, input.values);
             case "undo":
                 this.looksChanged = true;
                 return this.strokes.undo();
@@ -121,12 +134,12 @@ export class Simulation {
             if (this.hashEvery > 0 && step % this.hashEvery === 0) hashes.push([step, this.world.hash()]);
         }
         const stepMs = count > 0 ? (performance.now() - start) / count : 0;
-        return this.#pack(stepMs, hashes, count > 0, notice);
+        return this.#pack(stepMs, hashes, count > 0, { notice, requested: this.#requestColour() });
     }
 
     /** The state as it is. @returns {{frame: Frame, transfer: ArrayBuffer[]}} */
     now() {
-        return this.#pack(0, [], false, null);
+        return this.#pack(0, [], false, { notice: null, requested: null });
     }
 
     #copy(view, count, channels) {
@@ -136,20 +149,19 @@ export class Simulation {
     }
 
     #values(body) {
-        if (!this.colourBy || !body.has[this.colourBy] || this.world.stepCount === 0) return null;
-        return this.#copy(this.world[this.colourBy](body), body.vertexCount, 1);
+        const values = this.colourBy ? this.#read(body, this.colourBy) : null;
+        return values && this.#copy(values, body.vertexCount, 1);
     }
 
     #looks(body) {
-        const looks = { width: null, colour: null };
-        if (body.kind === "strands" && this.world.stepCount > 0) {
-            if (body.has.width) looks.width = this.#copy(this.world.width(body), body.vertexCount, 1);
-            if (body.has.colour) looks.colour = this.#copy(this.world.colour(body), body.vertexCount, 3);
-        }
-        return looks;
+        const width = this.#read(body, "width"), colour = this.#read(body, "colour");
+        return {
+            width: width && this.#copy(width, body.vertexCount, 1),
+            colour: colour && this.#copy(colour, body.vertexCount, 3),
+        };
     }
 
-    #pack(stepMs, hashes, hasStepped, notice) {
+    #pack(stepMs, hashes, hasStepped, news) {
         const world = this.world;
         const points = this.bodies.map((body) => (body.hidden ? null : this.#copy(world.points(body), body.vertexCount, 3)));
         const values = this.bodies.map((body) => this.#values(body));
@@ -166,7 +178,7 @@ export class Simulation {
             for (let i = 0; i < count; ++i) if (Math.abs(array[i]) > largest) largest = Math.abs(array[i]);
         });
         const frame = {
-            step: world.stepCount, time: world.time, points, values, looks, stepMs, hashes, largest, notice,
+            step: world.stepCount, time: world.time, points, values, looks, stepMs, hashes, largest, ...news,
             profile: hasStepped ? world.profile() : NO_PROFILE,
             counters: hasStepped ? world.counters() : null,
             strokes: this.strokes.state(),

@@ -1,6 +1,6 @@
 /** The picture: camera, light, shadow and the drawings of all bodies. */
 import {
-    Color, DepthTexture, LessEqualCompare, Matrix4, OrthographicCamera, PerspectiveCamera, Scene, UnsignedIntType,
+    Box3, Color, DepthTexture, LessEqualCompare, Matrix4, OrthographicCamera, PerspectiveCamera, Scene, UnsignedIntType,
     Vector2, Vector3, Vector4, WebGLRenderTarget, WebGLRenderer, LinearFilter,
 } from "three";
 import { mapTexture } from "./colour_map.mjs";
@@ -14,14 +14,20 @@ const SHADOW_SIZE = 2048;
 
 const THEMES = {
     dark: {
-        background: 0x15171a, sky: [0.44, 0.49, 0.56], ground: [0.15, 0.145, 0.14], key: [1.62, 1.56, 1.46],
+        background: 0x15171a, sky: [0.34, 0.39, 0.46], ground: [0.12, 0.115, 0.11], key: [1.70, 1.63, 1.52],
         line: [0.55, 0.58, 0.62, 0.22], shade: 0.5, ink: [1.0, 0.80, 0.42, 0.62],
     },
     light: {
-        background: 0xe9eaec, sky: [0.60, 0.64, 0.70], ground: [0.30, 0.29, 0.27], key: [1.72, 1.66, 1.56],
+        background: 0xe9eaec, sky: [0.46, 0.50, 0.56], ground: [0.27, 0.26, 0.24], key: [1.72, 1.66, 1.56],
         line: [0.30, 0.33, 0.38, 0.22], shade: 0.26, ink: [0.75, 0.30, 0.02, 0.66],
     },
 };
+
+function boxOf(points, count) {
+    const box = new Box3(), p = new Vector3();
+    for (let i = 0; i < 3 * count; i += 3) box.expandByPoint(p.set(points[i], points[i + 1], points[i + 2]));
+    return box;
+}
 
 export class Stage {
     #shadowCamera = new OrthographicCamera();
@@ -38,7 +44,7 @@ export class Stage {
         this.camera = new PerspectiveCamera(36, 1, 0.01, 100);
         this.#shadowTarget = this.#makeShadowTarget();
         this.shared = {
-            keyDirection: { value: new Vector3(0.45, 0.78, 0.44).normalize() },
+            keyDirection: { value: new Vector3(-0.58, 0.72, 0.46).normalize() },
             keyColour: { value: new Color() }, skyColour: { value: new Color() }, groundColour: { value: new Color() },
             shadowMap: { value: this.#shadowTarget.depthTexture }, shadowMatrix: { value: new Matrix4() },
             shadowTexel: { value: 1 / SHADOW_SIZE }, shadowBias: { value: 0 },
@@ -100,8 +106,10 @@ export class Stage {
     }
 
     #addGround(body, points) {
-        const point = body.point ?? [points[0] || 0, points[1] || 0, points[2] || 0];
-        const ground = new GroundDrawing(point, body.normal ?? [0, 1, 0], this.radius, this.centre.toArray(), this.shared);
+        // A plane comes as a square.
+        const [a, b, c] = [0, 3, 6].map((i) => new Vector3().fromArray(points, i));
+        const normal = b.sub(a).cross(c.sub(a));
+        const ground = new GroundDrawing(a, normal, this.radius, this.centre, this.shared);
         this.#grounds.push(ground);
         this.scene.add(ground.object);
     }
@@ -122,24 +130,27 @@ export class Stage {
         this.#grounds.length = 0;
     }
 
-    /** Middle and size of what is there at the start; bodies that only stand there count less than those that move. */
+    /** Middle and size of what is there at the start: all that moves, and what it can fall on. */
     #measure(bodies, points) {
-        const low = new Vector3(Infinity, Infinity, Infinity), high = low.clone().negate();
-        const hasMoving = bodies.some((body) => body.moves && !body.hidden && body.vertexCount > 0);
+        const moving = new Box3(), all = new Box3();
         for (const body of bodies) {
-            if (body.kind === "plane" || body.hidden || (hasMoving && !body.moves)) continue;
-            const p = points[body.index];
-            for (let i = 0; i < 3 * body.vertexCount; i += 3) {
-                low.min({ x: p[i], y: p[i + 1], z: p[i + 2] });
-                high.max({ x: p[i], y: p[i + 1], z: p[i + 2] });
-            }
+            if (body.kind === "plane" || body.hidden || !points[body.index]) continue;
+            const box = boxOf(points[body.index], body.vertexCount);
+            all.union(box);
+            if (body.moves) moving.union(box);
         }
-        if (low.x > high.x) {
-            low.set(-1, 0, -1);
-            high.set(1, 1, 1);
+        if (all.isEmpty()) all.set(new Vector3(-1, 0, -1), new Vector3(1, 1, 1));
+        const box = moving.isEmpty() ? all : moving;
+        // A collider much larger than what moves would make that small.
+        const size = box.getSize(new Vector3()).length();
+        if (all.getSize(new Vector3()).length() < 2.2 * size) box.copy(all);
+        for (const body of bodies) {
+            if (body.kind !== "plane") continue;
+            const height = points[body.index][1], drop = box.min.y - height;
+            if (drop > 0 && drop < size) box.min.y = height;
         }
-        this.centre.addVectors(low, high).multiplyScalar(0.5);
-        this.radius = Math.max(1e-3, high.distanceTo(low) / 2);
+        box.getCenter(this.centre);
+        this.radius = Math.max(1e-3, box.getSize(new Vector3()).length() / 2);
     }
 
     #placeShadow() {

@@ -21,8 +21,8 @@ void main() {
     int i = gl_VertexID >> 1;
     int flags = int(strand.x + 0.5);
     vec3 p = placeOf(i);
-    vec3 a = (flags & 1) != 0 ? placeOf(i - 1) : p, b = (flags & 2) != 0 ? placeOf(i + 1) : p;
-    vec3 t = b - a;
+    // The direction of the later frame will do for both.
+    vec3 t = texelFetch(pointsNow, texelOf((flags & 2) != 0 ? i + 1 : i), 0).xyz - texelFetch(pointsNow, texelOf((flags & 1) != 0 ? i - 1 : i), 0).xyz;
     float size = length(t);
     tangent = size > 0.0 ? t / size : vec3(0.0, 1.0, 0.0);
     along = strand.z / 255.0;
@@ -64,10 +64,12 @@ void main() {
     float lit = shadowAt(world + l * 2.0 * shadowBias, 0.0015);
     vec3 b = value >= 0.0 ? mapColour(value) : base * (0.8 + 0.4 * random);
     vec3 n = normalize(v - t * dot(v, t));
-    vec3 diffuse = b * (keyColour * 0.85 * sinTL * mix(0.16, 1.0, lit) + skyAt(n) * (0.55 + 0.45 * along));
+    vec3 diffuse = b * (keyColour * 0.9 * sinTL * mix(0.14, 1.0, lit) + skyAt(n) * (0.75 + 0.5 * along));
+    // Light from behind passes along the edge of the hair.
+    vec3 rim = skyColour * b * 0.9 * pow(max(0.0, 1.0 - abs(dot(v, vec3(0.0, 1.0, 0.0)))), 2.0) * highlight(t, normalize(v + vec3(0.5, 0.3, -0.8)), shift, 14.0);
     float first = highlight(t, h, 0.10 + shift, 110.0), second = highlight(t, h, -0.12 + shift, 26.0);
     vec3 shine = keyColour * lit * (0.16 * first + 0.55 * second * b);
-    colour = vec4(toScreen(diffuse + (value >= 0.0 ? 0.2 : 1.0) * shine), cover);
+    colour = vec4(toScreen(diffuse + rim + (value >= 0.0 ? 0.2 : 1.0) * shine), cover);
 }`;
 
 const DEPTH_FRAGMENT = /* glsl */ `
@@ -113,7 +115,7 @@ export class StrandDrawing {
             // A model has a hundredth of the hairs of a head; each stands for several.
             width: { value: 4e-4 },
             minPixels: { value: 1.15 },
-            rootColour: { value: new Color(0.13, 0.062, 0.030) }, tipColour: { value: new Color(0.36, 0.19, 0.085) },
+            rootColour: { value: new Color(0.17, 0.080, 0.038) }, tipColour: { value: new Color(0.46, 0.25, 0.115) },
         };
         this.uniforms = uniforms;
         const { attributes, indices } = ribbonsOf(body.offsets, body.vertexCount);

@@ -37,13 +37,13 @@ void main() {
     vec3 base = value >= 0.0 ? mapColour(value) : gl_FrontFacing ? front : back;
     float cosine = dot(n, l);
     // Light wraps around thin things a little: some passes through the threads.
-    float direct = clamp((cosine + 0.18) / 1.18, 0.0, 1.0);
+    float direct = clamp((cosine + 0.12) / 1.12, 0.0, 1.0);
     float lit = shadowAt(world + n * shadowBias, 0.0008);
-    float cavity = clamp(1.0 - 1.5 * hollow * side, 0.55, 1.18);
+    float cavity = clamp(1.0 - 2.2 * hollow * side, 0.45, 1.25);
     vec3 h = normalize(l + v);
     float rim = pow(1.0 - clamp(dot(n, v), 0.0, 1.0), 3.5);
     float shine = gloss * pow(clamp(dot(n, h), 0.0, 1.0), 48.0);
-    vec3 light = keyColour * direct * mix(0.12, 1.0, lit) + skyAt(n) * cavity;
+    vec3 light = keyColour * direct * mix(0.10, 1.0, lit) * mix(1.0, cavity, 0.5) + skyAt(n) * cavity;
     vec3 sheen = skyColour * rim * 0.38 + keyColour * shine * lit;
     colour = vec4(toScreen(base * light + (value >= 0.0 ? 0.25 : 1.0) * sheen * (0.15 + 0.85 * base)), opacity);
 }`;

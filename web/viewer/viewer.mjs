@@ -11,6 +11,7 @@ import { HashPanel } from "./hash_panel.mjs";
 import { Keyboard } from "./keyboard.mjs";
 import { LookPanel } from "./look_panel.mjs";
 import { PanelSheet } from "./panel_sheet.mjs";
+import { PixelRatio } from "./pixel_ratio.mjs";
 import { Playback } from "./playback.mjs";
 import { Pointer } from "./pointer.mjs";
 import { Search, sentenceOf } from "./search.mjs";
@@ -24,6 +25,9 @@ const UPDATE_MS = 120;
 /** Vertices up to which a reference runs from the start; it takes many times the steps. */
 const REFERENCE_VERTICES = 600;
 
+/** What tells one picture of the same view from another. */
+const pictureOf = (shown) => `${shown.from.step} ${shown.to.step} ${shown.mix}`;
+
 const byId = (id) => document.getElementById(id);
 
 export class Viewer {
@@ -33,12 +37,15 @@ export class Viewer {
     playback = null;
     shownPoints = null;
     frameCost = new FrameCost();
+    pixels = new PixelRatio();
     #search = new Search();
     #looks = null; // of a frame that has arrived and is not drawn yet
     #lastUpdate = 0;
     #counters = null;
     #commands = 0;
-    #parametersToSend = null;
+    #isPreparing = false;
+    #isDirty = true;
+    #drawn = "";
     #rate = { time: 0, at: 0, value: null };
 
     constructor() {
@@ -47,7 +54,10 @@ export class Viewer {
         this.camera = new CameraControl(this.stage, canvas);
         this.pointer = new Pointer(this, byId("view"), canvas);
         this.sheet = new PanelSheet(byId("panel"), byId("sheet-handle"), () => this.#resize());
-        this.theme = new Theme((name) => this.stage.setTheme(name));
+        this.theme = new Theme((name) => {
+            this.stage.setTheme(name);
+            this.#isDirty = true;
+        });
         this.#buildPanels();
         this.keyboard = new Keyboard(byId("help"), {
             toggle: () => this.toggle(), step: () => this.step(), reset: () => this.reset(), undo: () => this.undo(), redo: () => this.redo(),
@@ -71,7 +81,7 @@ export class Viewer {
             tune: (error) => this.#tune(error), stopTune: () => this.#search.stop(),
         });
         this.editor = new EditorPanel({
-            parameters: () => (this.#parametersToSend = this.editor.values), undo: () => this.undo(), redo: () => this.redo(),
+            climate: (temperature, wetness) => this.session.climate(this.#frozenBody, temperature, wetness), undo: () => this.undo(), redo: () => this.redo(),
             save: () => this.#save(),
         });
         this.hashPanel = new HashPanel();
@@ -80,7 +90,10 @@ export class Viewer {
             wind: (value) => this.session.input({ type: "wind", value }),
         });
         this.look = new LookPanel(byId("legend"), {
-            colour: (what) => this.session?.setColour(what), theme: (choice) => this.theme.choose(choice),
+            colour: (what) => {
+                this.session?.setColour(what);
+                this.#isDirty = true;
+            }, theme: (choice) => this.theme.choose(choice),
         });
         this.look.theme.set(this.theme.choice);
         byId("sections").append(this.cost.element, this.accuracy.element, this.editor.element, this.forces.element, this.look.element,
@@ -135,7 +148,6 @@ export class Viewer {
         this.#describe();
         const frozen = Object.values(session.frozen)[0] ?? null;
         this.editor.open(frozen);
-        this.#parametersToSend = frozen ? this.editor.values : null;
         const standsStill = session.scene.knobs.length === 0 && frozen !== null;
         this.bar.open({ frameCount: null, hasBrush: frozen !== null });
         this.#chooseTool(frozen ? "brush" : "drag");
@@ -210,6 +222,7 @@ export class Viewer {
             this.look.restart();
         }
         if (frame.looks) this.#looks = frame;
+        this.#isDirty = true;
         if (frame.notice) this.#notice(frame.notice);
         this.cost.add(frame);
         this.look.add(frame);
@@ -228,11 +241,17 @@ export class Viewer {
         if (shown) {
             this.shownPoints = shown.to.points;
             if (this.#looks) this.stage.showLooks(this.#looks);
+            this.#isDirty ||= this.#looks !== null;
             this.#looks = null;
             this.stage.show(shown, this.look.scale);
         }
-        this.camera.update();
-        if (shown) this.stage.render();
+        const hasMoved = this.camera.update();
+        if (shown && (this.#isDirty || hasMoved || this.#drawn !== pictureOf(shown))) {
+            this.stage.render();
+            this.#drawn = pictureOf(shown);
+            this.#isDirty = false;
+            this.#resolution(now);
+        }
         if (now - this.#lastUpdate > UPDATE_MS) this.#updateNumbers(now);
         if (shown) this.frameCost.add(performance.now() - start);
     }
@@ -331,16 +350,26 @@ export class Viewer {
         return this.editor.radius;
     }
 
-    beginStroke() {
-        this.session.input({ type: "stroke" });
+    get #frozenBody() {
+        return Number(Object.keys(this.session.frozen)[0]);
+    }
+
+    /** Strokes add up only in a scene that says so: at the first one, the scene starts again as such. */
+    async beginStroke() {
+        const { session } = this;
+        if (!session.strokes && session.frozen[this.#frozenBody].base !== "stroke") {
+            this.#isPreparing = true;
+            await session.start({ strokes: true });
+            this.#isPreparing = false;
+        }
+        session.input({ type: "stroke" });
     }
 
     /** @param {object} body @param {number[]} cursor m */
     command(body, cursor) {
         const { session } = this;
-        if (this.#parametersToSend) session.input({ type: "frozenHair", body: body.index, values: { ...this.#parametersToSend, base: "previous" } });
-        this.#parametersToSend = null;
-        session.input({ type: "command", body: body.index, value: cursor });
+        if (this.#isPreparing) return;
+        session.input({ type: "command", body: body.index, value: cursor, values: this.editor.parameters });
         if (!session.clock.isPlaying) session.applyNow(1);
     }
 
@@ -356,8 +385,6 @@ export class Viewer {
         if (!this.session || this.editor.element.hidden || this.session.isBusy) return;
         this.session.input({ type });
         this.session.applyNow(0);
-        // The parameters of the former state are back; those of the sliders come with the next command.
-        this.#parametersToSend = this.editor.values;
     }
 
     async #save() {
@@ -392,10 +419,16 @@ export class Viewer {
         return new Vector3().fromArray(this.shownPoints[body], 3 * vertex);
     }
 
+    /** On slow graphics fewer pixels are drawn, so that motion stays smooth. */
+    #resolution(now) {
+        if (this.pixels.picture(now)) this.#resize();
+    }
+
     #resize() {
         const view = byId("view"), width = Math.max(1, view.clientWidth), height = Math.max(1, view.clientHeight);
-        this.stage.resize(width, height, Math.min(2, devicePixelRatio));
+        this.stage.resize(width, height, this.pixels.ratio);
         const { right, bottom } = this.sheet.insets;
         this.camera.setInsets(right, bottom, width, height);
+        this.#isDirty = true;
     }
 }

@@ -11,6 +11,7 @@ import { RecordingPlayer } from "./recording_player.mjs";
 
 let wisp = null;
 let scene = null;
+let derived = null; // the scene with other settings, that the world was made of
 let simulation = null;
 let player = null;
 /** @type {MessagePort|null} to the reference, where this is the main world; to the main world, where this is the reference */
@@ -61,24 +62,29 @@ const requests = {
         return describeScene();
     },
 
-    start({ knobs, reference, hashEvery, colourBy, port }) {
-        const changes = knobs && Object.keys(knobs).length > 0;
-        const changed = changes ? scene.withKnobs(knobs) : scene;
-        const next = new Simulation(changed, { reference, hashEvery, colourBy });
+    start({ knobs, strokes, reference, hashEvery, colourBy, port }) {
+        let next = strokes ? scene.withStrokes() : scene;
+        if (knobs && Object.keys(knobs).length > 0) next = next.withKnobs(knobs);
+        const started = new Simulation(next, { reference, hashEvery, colourBy });
         simulation?.release();
-        if (simulation && simulation.scene !== scene && simulation.scene !== changed) simulation.scene.release();
-        simulation = next;
+        if (derived && derived !== scene) derived.release();
+        derived = next;
+        simulation = started;
         // Messages of the former run that still wait must not reach this one.
         if (peer) peer.onmessage = null;
         peer?.close();
         peer = port ?? null;
         if (peer && reference) peer.onmessage = (event) => guarded(() => follow(event.data));
-        const { frame } = simulation.now();
         const frozen = {};
         for (const body of simulation.bodies) {
             if (body.isFrozenHair) frozen[body.index] = simulation.world.frozenHair(body);
         }
-        return { frame, bodies: simulation.bodies, memoryBytes: simulation.world.memoryBytes, frozen, knobs: changed.knobs };
+        return { frame: simulation.now().frame, bodies: simulation.bodies, memoryBytes: simulation.world.memoryBytes, frozen };
+    },
+
+    /** Stiffness that a climate gives hair. */
+    climate({ body, temperature, wetness }) {
+        return simulation.world.climateStiffness(simulation.bodies[body], temperature, wetness);
     },
 
     setColour({ colourBy }) {
@@ -91,7 +97,7 @@ const requests = {
 
     /** The scene with the commands that were given, as text; `wisp run` makes the same state from it. */
     saveScene() {
-        const saved = simulation.scene.withFrozenCommands(simulation.strokes.commands, { steps: simulation.world.stepCount });
+        const saved = simulation.scene.withFrozenCommands(simulation.strokes.events, { steps: simulation.world.stepCount });
         const text = saved.text;
         saved.release();
         return { text, hash: simulation.world.hash(), step: simulation.world.stepCount };
