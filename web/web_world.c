@@ -140,6 +140,36 @@ WEB_API int web_body_has( const web_world* w, int body, int what )
     return scene_world_has( &w->world, body, (scene_request)what );
 }
 
+/// Whether the scene computes a value itself, so that requesting it changes nothing.
+WEB_API int web_body_computes( const web_world* w, int body, int what )
+{
+    if ( body >= scene_world_moving_count( &w->world ) )
+    {
+        return 0;
+    }
+    const bool is_strands = body < w->scene.strands_count;
+    const wisp_scene_strands* strands = is_strands ? &w->scene.strands[body] : NULL;
+    const wisp_scene_surface* surface = is_strands ? NULL : &w->scene.surfaces[body - w->scene.strands_count];
+    switch ( (scene_request)what )
+    {
+        case SCENE_REQUEST_POINTS:
+            return is_strands ? strands->request_points : surface->request_points;
+        case SCENE_REQUEST_STRAIN:
+            return is_strands ? strands->request_strain : surface->request_strain;
+        case SCENE_REQUEST_SPEED:
+            return is_strands ? strands->request_speed : surface->request_speed;
+        case SCENE_REQUEST_MOTION_STATS:
+            return is_strands ? strands->request_motion_stats : surface->request_motion_stats;
+        case SCENE_REQUEST_WIDTH:
+            return is_strands && strands->request_width;
+        case SCENE_REQUEST_COLOUR:
+            return is_strands && strands->request_colour;
+        case SCENE_REQUEST_NORMALS:
+            return !is_strands && surface->request_normals;
+    }
+    return 0;
+}
+
 /// What the scene does not compute becomes part of the hash. @param what a scene_request
 WEB_API int web_request( web_world* w, int body, int what )
 {

@@ -109,6 +109,8 @@ export interface WorldBody extends Body {
   readonly isFrozenHair: boolean;
   /** Values that can be requested. */
   readonly has: Record<Value, boolean>;
+  /** Values that the scene computes itself: requesting them changes nothing, other values become part of the hash. */
+  readonly computes: Record<Value, boolean>;
 }
 
 export interface FrozenHair {

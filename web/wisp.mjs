@@ -299,8 +299,13 @@ class World {
       moves: kind !== "collider" && kind !== "plane",
       hidden: this.#call("body_is_shown", index) === 0,
       isFrozenHair: this.#call("hair_is_frozen", index) === 1,
-      has: Object.fromEntries(Object.entries(VALUES).map(([what, number]) => [what, this.#call("body_has", index, number) === 1])),
+      has: this.#flags("body_has", index),
+      computes: this.#flags("body_computes", index),
     };
+  }
+
+  #flags(name, index) {
+    return Object.fromEntries(Object.entries(VALUES).map(([what, number]) => [what, this.#call(name, index, number) === 1]));
   }
 
   step() {
