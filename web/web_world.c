@@ -140,6 +140,36 @@ WEB_API int web_body_has( const web_world* w, int body, int what )
     return scene_world_has( &w->world, body, (scene_request)what );
 }
 
+/// Whether the scene computes a value itself, so that requesting it changes nothing.
+WEB_API int web_body_computes( const web_world* w, int body, int what )
+{
+    if ( body >= scene_world_moving_count( &w->world ) )
+    {
+        return 0;
+    }
+    const bool is_strands = body < w->scene.strands_count;
+    const wisp_scene_strands* strands = is_strands ? &w->scene.strands[body] : NULL;
+    const wisp_scene_surface* surface = is_strands ? NULL : &w->scene.surfaces[body - w->scene.strands_count];
+    switch ( (scene_request)what )
+    {
+        case SCENE_REQUEST_POINTS:
+            return is_strands ? strands->request_points : surface->request_points;
+        case SCENE_REQUEST_STRAIN:
+            return is_strands ? strands->request_strain : surface->request_strain;
+        case SCENE_REQUEST_SPEED:
+            return is_strands ? strands->request_speed : surface->request_speed;
+        case SCENE_REQUEST_MOTION_STATS:
+            return is_strands ? strands->request_motion_stats : surface->request_motion_stats;
+        case SCENE_REQUEST_WIDTH:
+            return is_strands && strands->request_width;
+        case SCENE_REQUEST_COLOUR:
+            return is_strands && strands->request_colour;
+        case SCENE_REQUEST_NORMALS:
+            return !is_strands && surface->request_normals;
+    }
+    return 0;
+}
+
 /// What the scene does not compute becomes part of the hash. @param what a scene_request
 WEB_API int web_request( web_world* w, int body, int what )
 {
@@ -256,22 +286,50 @@ WEB_API double web_memory_bytes( const web_world* w )
 
 // ---- snapshots ----
 
+/// Where the scene stands; in front of the world's own bytes.
+typedef struct snapshot_place
+{
+    int32_t next_step, next_command, next_event, padding;
+} snapshot_place;
+
 WEB_API int web_snapshot_size( const web_world* w )
 {
-    return (int)wisp_world_snapshot_size( w->world.world );
+    return (int)( sizeof( snapshot_place ) + wisp_world_snapshot_size( w->world.world ) );
 }
 
 static int report( const web_world* w, wisp_status status )
 {
-    return status == WISP_OK ? 1 : ( wisp_fail( &web_error, status, "%s", wisp_world_message( w->world.world ) ), 0 );
+    if ( status != WISP_OK )
+    {
+        wisp_fail( &web_error, status, "%s", wisp_world_message( w->world.world ) );
+    }
+    return status == WISP_OK;
 }
 
+/// @param size at least web_snapshot_size()
 WEB_API int web_snapshot( const web_world* w, void* out, int size )
 {
-    return report( w, wisp_world_snapshot( w->world.world, out, (size_t)size ) );
+    const snapshot_place place = { w->world.next_step, w->world.next_command, w->world.next_event, 0 };
+    memcpy( out, &place, sizeof place );
+    return report( w, wisp_world_snapshot( w->world.world, (char*)out + sizeof place, (size_t)size - sizeof place ) );
 }
 
 WEB_API int web_restore( web_world* w, const void* bytes, int size )
 {
-    return report( w, wisp_world_restore( w->world.world, bytes, (size_t)size ) );
+    snapshot_place place;
+    if ( size < (int)sizeof place )
+    {
+        wisp_fail( &web_error, WISP_BAD_INPUT, "got %d bytes, which is no snapshot", size );
+        return 0;
+    }
+    memcpy( &place, bytes, sizeof place );
+    const wisp_status status =
+        wisp_world_restore( w->world.world, (const char*)bytes + sizeof place, (size_t)size - sizeof place );
+    if ( status == WISP_OK )
+    {
+        w->world.next_step = place.next_step;
+        w->world.next_command = place.next_command;
+        w->world.next_event = place.next_event;
+    }
+    return report( w, status );
 }

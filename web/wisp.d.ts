@@ -106,8 +106,29 @@ export interface Body {
 }
 
 export interface WorldBody extends Body {
+  readonly isFrozenHair: boolean;
   /** Values that can be requested. */
   readonly has: Record<Value, boolean>;
+  /** Values that the scene computes itself: requesting them changes nothing, other values become part of the hash. */
+  readonly computes: Record<Value, boolean>;
+}
+
+export interface FrozenHair {
+  /** x: 1 turns whole strands, 0 their tips alone */
+  intensity: number;
+  /** m, of the cursor */
+  reach: number;
+  stretchStiffness: number;
+  bendStiffness: number;
+  /** m */
+  clumpRadius: number;
+  /** stages that the scene has */
+  freezes: boolean;
+  aligns: boolean;
+  clumps: boolean;
+  /** of the scene's climate or the default one: degrees Celsius, and 0 to 1 */
+  temperature: number;
+  wetness: number;
 }
 
 /** Arrays are views of the engine's memory, in the order of the scene's vertices, until the next call. Copy what is to stay. */
@@ -160,6 +181,16 @@ export interface World {
   /** m/s. @returns whether anything feels it */
   setWind(wind: [number, number, number]): boolean;
 
+  /** Parameters of frozen hair (`isFrozenHair`). */
+  frozenHair(body: Body): FrozenHair;
+  /** Other parameters from the next step on. */
+  setFrozenHair(body: Body, changes: Partial<Pick<FrozenHair, "intensity" | "reach" | "stretchStiffness" | "bendStiffness" | "clumpRadius">>): void;
+  /** The next step updates the strands, those within reach towards a point. */
+  commandFrozenHair(body: Body, cursor: [number, number, number]): void;
+  /** Stiffness that a climate gives strands, by the scene's curve or the default one. @param temperature degrees Celsius @param wetness 0 to 1 */
+  climateStiffness(body: Body, temperature: number, wetness: number): number;
+
+  /** State and step count. */
   snapshot(): Uint8Array;
   /** @throws WispError the bytes are no snapshot of this world; nothing has changed then */
   restore(bytes: Uint8Array): void;

@@ -298,8 +298,14 @@ class World {
       strandCount,
       moves: kind !== "collider" && kind !== "plane",
       hidden: this.#call("body_is_shown", index) === 0,
-      has: Object.fromEntries(Object.entries(VALUES).map(([what, number]) => [what, this.#call("body_has", index, number) === 1])),
+      isFrozenHair: this.#call("hair_is_frozen", index) === 1,
+      has: this.#flags("body_has", index),
+      computes: this.#flags("body_computes", index),
     };
+  }
+
+  #flags(name, index) {
+    return Object.fromEntries(Object.entries(VALUES).map(([what, number]) => [what, this.#call(name, index, number) === 1]));
   }
 
   step() {
@@ -417,6 +423,29 @@ class World {
       throw new WispError(this.#engine.text(this.#engine.call("message")));
     }
     return felt > 0;
+  }
+
+  // ---- frozen hair ----
+
+  frozenHair(body) {
+    const [v] = this.#engine.numbers(Float64Array, 10, (out) => this.#demand("hair_read", body.index, out));
+    return {
+      intensity: v[0], reach: v[1], stretchStiffness: v[2], bendStiffness: v[3], clumpRadius: v[4],
+      freezes: v[5] === 1, aligns: v[6] === 1, clumps: v[7] === 1, temperature: v[8], wetness: v[9],
+    };
+  }
+
+  setFrozenHair(body, changes) {
+    const v = { ...this.frozenHair(body), ...changes };
+    this.#demand("hair_set", body.index, v.intensity, v.reach, v.stretchStiffness, v.bendStiffness, v.clumpRadius);
+  }
+
+  commandFrozenHair(body, [x, y, z]) {
+    this.#demand("hair_command", body.index, x, y, z);
+  }
+
+  climateStiffness(body, temperature, wetness) {
+    return this.#call("hair_climate_stiffness", body.index, temperature, wetness);
   }
 
   // ---- snapshots ----

@@ -1,0 +1,64 @@
+/**
+ * Scenes of frozen hair that was combed by hand. The page combs a scene whose strands have `base: stroke` and no climate, which
+ * is a stiffness there; the commands become its `hair_events`, so that `wisp run` makes the same bits.
+ */
+import { parseDocument } from "yaml";
+
+/** Numbers of the engine are floats: written with the digits that give the same float back. */
+function toFloat(value) {
+    return Number(Math.fround(value).toPrecision(9));
+}
+
+function findStrands(document, name) {
+    const list = document.get("strands");
+    const entry = list?.items?.find((item) => item.get("name") === name);
+    if (!entry) throw new Error(`the scene has no strands '${name}'`);
+    return entry;
+}
+
+/**
+ * The scene as a brush starts from it.
+ * @param {string} text of the scene @param {string} name of the strands
+ * @param {{freezes: boolean, stiffness: number|null}} hair stiffness that the scene's climate gives, null without a climate
+ */
+export function combableScene(text, name, hair) {
+    const document = parseDocument(text);
+    const entry = findStrands(document, name);
+    entry.setIn(["frozen_hair", "base"], "stroke");
+    entry.deleteIn(["frozen_hair", "update_on"]);
+    if (!entry.hasIn(["frozen_hair", "align"])) {
+        entry.setIn(["frozen_hair", "align"], document.createNode({}));
+    }
+    entry.deleteIn(["frozen_hair", "align", "cursor"]);
+    if (entry.has("environment")) {
+        entry.delete("environment");
+        if (hair.freezes && hair.stiffness !== null) {
+            entry.setIn(["frozen_hair", "freeze", "stretch_stiffness"], toFloat(hair.stiffness));
+            entry.setIn(["frozen_hair", "freeze", "bend_stiffness"], toFloat(hair.stiffness));
+        }
+    }
+    document.delete("hair_events");
+    return document.toString({ lineWidth: 0 });
+}
+
+/**
+ * The scene with the commands that were given.
+ * @param {string} text from combableScene()
+ * @param {{step: number, strands: string, cursor?: number[], values?: Record<string, number>}[]} commands in the order of their
+ *   steps; `values` are scene keys that change from there on
+ * @param {number} steps that the page has made
+ */
+export function combedScene(text, commands, steps) {
+    const document = parseDocument(text);
+    const events = commands.map(({ step, strands, cursor, values }) => {
+        const event = { step, strands };
+        if (cursor) event.cursor = cursor.map(toFloat);
+        for (const [key, value] of Object.entries(values ?? {})) event[key] = toFloat(value);
+        return event;
+    });
+    const list = document.createNode(events);
+    for (const item of list.items) item.flow = true;
+    document.set("hair_events", list);
+    document.set("steps", steps);
+    return document.toString({ lineWidth: 0 });
+}
