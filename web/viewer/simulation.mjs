@@ -1,0 +1,214 @@
+/**
+ * One world in a worker: it takes inputs, makes steps, and packs what the page draws. The main world and the reference run this
+ * same code with the same inputs before the same steps, so that only their settings differ.
+ *
+ * @typedef {object} Input what a user did; it takes effect at the next step
+ * @property {"grab"|"drag"|"letGo"|"grabCollider"|"moveCollider"|"gravity"|"wind"|"stroke"|"command"|"undo"|"redo"} type
+ * @property {number} [body]
+ * @property {number} [vertex]
+ * @property {number[]} [value] m, m/s or m/s^2; of a collider, how far it was moved since it was grabbed
+ * @property {Record<string, number>} [values] parameters of frozen hair
+ *
+ * @typedef {object} Frame
+ * @property {number} step
+ * @property {number} time s
+ * @property {(Float32Array|null)[]} points per body, padded to rows of a texture; null for hidden ones
+ * @property {(Float32Array|null)[]} values strain or speed per body
+ * @property {{width: Float32Array|null, colour: Float32Array|null}[]|null} looks widths and colours, when they may have changed
+ * @property {number} stepMs mean of the steps of this frame
+ * @property {{pass: string, seconds: number}[]} profile of the last step
+ * @property {string|null} requested a value that the page needs and the scene does not compute
+ * @property {string|null} notice an input that could not be taken, and why
+ * @property {[number, string][]} hashes of steps that the page compares
+ */
+import { BufferPool, paddedLength } from "./buffer_pool.mjs";
+import { StrokeHistory } from "./stroke_history.mjs";
+
+const NO_PROFILE = [];
+
+/** Bodies as plain data, which a message can carry: views of the engine's memory are copied. */
+function describeBody(body) {
+    return {
+        ...body,
+        triangles: body.triangles ? Int32Array.from(body.triangles) : null,
+        offsets: body.offsets ? Int32Array.from(body.offsets) : null,
+    };
+}
+
+export class Simulation {
+    /**
+     * @param {object} scene of wisp.mjs
+     * @param {{reference?: boolean, hashEvery?: number, colourBy?: string|null}} settings
+     */
+    constructor(scene, settings) {
+        this.scene = scene;
+        this.world = scene.createWorld({ reference: settings.reference === true });
+        this.hashEvery = settings.hashEvery ?? 0;
+        this.pool = new BufferPool();
+        this.bodies = this.world.bodies.map(describeBody);
+        this.strokes = new StrokeHistory(this.world);
+        this.colourBy = settings.colourBy ?? null;
+        this.looksChanged = true;
+    }
+
+    release() {
+        this.world.release();
+    }
+
+    /** @param {"strain"|"speed"|null} what the values to send, from the next step on */
+    setColour(what) {
+        this.colourBy = what;
+    }
+
+    /** A value of a body, if the world computes it. Known after a step. */
+    #read(body, what) {
+        if (this.world.stepCount === 0 || body.hidden || !body.has?.[what]) return null;
+        try {
+            return this.world[what](body);
+        } catch {
+            return null;
+        }
+    }
+
+    /**
+     * Ask for the values that colour the picture, where the scene does not compute them.
+     * @returns {string|null} what was asked for: it makes the hash another one than that of the scene
+     */
+    #requestColour() {
+        const what = this.colourBy;
+        if (!what || this.world.stepCount === 0) return null;
+        const lacking = this.bodies.filter((body) => !body.hidden && body.has?.[what] && !this.#read(body, what));
+        for (const body of lacking) this.world.request(body, what);
+        return lacking.length > 0 ? what : null;
+    }
+
+    /** @param {Input} input */
+    #apply(input) {
+        const world = this.world, body = this.bodies[input.body];
+        switch (input.type) {
+            case "grab": return world.grab(body, input.vertex);
+            case "drag": return world.drag(body, input.vertex, input.value);
+            case "letGo": return world.letGo(body, input.vertex);
+            case "grabCollider":
+                this.grabbedPlace = world.colliderPlace(body);
+                return undefined;
+            case "moveCollider":
+                return world.moveCollider(body, this.grabbedPlace.map((x, k) => x + input.value[k]));
+            case "gravity": return world.setGravity(input.value);
+            case "wind": return world.setWind(input.value);
+            case "stroke": return this.strokes.begin();
+            case "command":
+                this.looksChanged = true;
+                return this.strokes.command(body, input.value, input.values);
+            case "undo":
+                this.looksChanged = true;
+                return this.strokes.undo();
+            case "redo":
+                this.looksChanged = true;
+                return this.strokes.redo();
+            default: throw new Error(`Unknown input ${input.type}.`);
+        }
+    }
+
+    /**
+     * Apply inputs and make steps.
+     * @param {number} count steps; 0 only applies the inputs
+     * @param {Input[]} inputs
+     * @returns {{frame: Frame, transfer: ArrayBuffer[]}}
+     */
+    advance(count, inputs) {
+        const hashes = [];
+        let notice = null;
+        for (const input of inputs) {
+            // What cannot be done leaves the world as it was; the page says why and goes on.
+            try {
+                if (this.#apply(input) === false) notice = `Nothing in this scene feels ${input.type}.`;
+            } catch (error) {
+                notice = error.message;
+            }
+        }
+        const start = performance.now();
+        for (let k = 0; k < count; ++k) {
+            this.world.step();
+            const step = this.world.stepCount;
+            if (this.hashEvery > 0 && step % this.hashEvery === 0) hashes.push([step, this.world.hash()]);
+        }
+        const stepMs = count > 0 ? (performance.now() - start) / count : 0;
+        return this.#pack(stepMs, hashes, count > 0, { notice, requested: this.#requestColour() });
+    }
+
+    /** The state as it is. @returns {{frame: Frame, transfer: ArrayBuffer[]}} */
+    now() {
+        return this.#pack(0, [], false, { notice: null, requested: null });
+    }
+
+    #copy(view, count, channels) {
+        const array = this.pool.take(paddedLength(count, channels));
+        array.set(view);
+        return array;
+    }
+
+    #values(body) {
+        const values = this.colourBy ? this.#read(body, this.colourBy) : null;
+        return values && this.#copy(values, body.vertexCount, 1);
+    }
+
+    #looks(body) {
+        const width = this.#read(body, "width"), colour = this.#read(body, "colour");
+        return {
+            width: width && this.#copy(width, body.vertexCount, 1),
+            colour: colour && this.#copy(colour, body.vertexCount, 3),
+        };
+    }
+
+    #pack(stepMs, hashes, hasStepped, news) {
+        const world = this.world;
+        const points = this.bodies.map((body) => (body.hidden ? null : this.#copy(world.points(body), body.vertexCount, 3)));
+        const values = this.bodies.map((body) => this.#values(body));
+        let looks = null;
+        // Appearance is derived by a step, so that it is there after the first one.
+        if (this.looksChanged && world.stepCount > 0) {
+            looks = this.bodies.map((body) => this.#looks(body));
+            this.looksChanged = false;
+        }
+        let largest = 0;
+        values.forEach((array, b) => {
+            if (!array) return;
+            const count = this.bodies[b].vertexCount;
+            for (let i = 0; i < count; ++i) if (Math.abs(array[i]) > largest) largest = Math.abs(array[i]);
+        });
+        const frame = {
+            step: world.stepCount, time: world.time, points, values, looks, stepMs, hashes, largest, ...news,
+            profile: hasStepped ? world.profile() : NO_PROFILE,
+            counters: hasStepped ? world.counters() : null,
+            strokes: this.strokes.state(),
+        };
+        const lookArrays = looks ? looks.flatMap((look) => [look.width, look.colour]) : [];
+        const transfer = [...points, ...values, ...lookArrays].filter(Boolean).map((array) => array.buffer);
+        return { frame, transfer };
+    }
+
+    /** Copies of the points of all bodies that move, for the reference to measure its distance from. */
+    copyMoving() {
+        return this.bodies.map((body) => (body.moves && !body.hidden ? Float32Array.from(this.world.points(body)) : null));
+    }
+
+    /**
+     * @param {(Float32Array|null)[]} others points of another world of the same scene
+     * @returns {number} root mean square distance over all vertices that move, m
+     */
+    distanceTo(others) {
+        let sum = 0, count = 0;
+        for (const body of this.bodies) {
+            const other = others[body.index];
+            if (!other || other.length !== 3 * body.vertexCount) continue;
+            const mine = this.world.points(body);
+            for (let i = 0; i < other.length; ++i) {
+                const d = mine[i] - other[i];
+                sum += d * d;
+            }
+            count += body.vertexCount;
+        }
+        return count > 0 ? Math.sqrt(sum / count) : 0;
+    }
+}

@@ -1,0 +1,140 @@
+/**
+ * The worker: an instance of the engine and what the page asks of it. The page starts it once for the main world, once for the
+ * reference and once for a search of settings; each has its own memory.
+ *
+ * Requests are `{ id, type, ... }`, answers `{ type: "answer", id, value }` or `{ type: "answer", id, error }`. Frames come on their
+ * own as `{ type: "frame", frame }`, or `{ type: "failed", error }` when a step could not be made.
+ */
+import { loadWisp } from "wisp";
+import { Simulation } from "./simulation.mjs";
+import { RecordingPlayer } from "./recording_player.mjs";
+
+let wisp = null;
+let scene = null;
+let derived = null; // the scene with other settings, that the world was made of
+let simulation = null;
+let player = null;
+/** @type {MessagePort|null} to the reference, where this is the main world; to the main world, where this is the reference */
+let peer = null;
+
+function describeScene() {
+    return { name: scene.name, dt: scene.dt, steps: scene.steps, gravity: scene.gravity, wind: scene.wind ?? null, knobs: scene.knobs };
+}
+
+function send(frame, transfer) {
+    self.postMessage({ type: "frame", frame }, transfer);
+}
+
+function advance(count, inputs) {
+    const { frame, transfer } = simulation.advance(count, inputs);
+    if (peer) {
+        const points = simulation.copyMoving();
+        peer.postMessage({ count, inputs, points }, points.filter(Boolean).map((array) => array.buffer));
+    }
+    send(frame, transfer);
+}
+
+/** As the reference: make the same steps with the same inputs, and measure the distance to where the main world is. */
+function follow({ count, inputs, points }) {
+    const { frame, transfer } = simulation.advance(count, inputs);
+    frame.distance = simulation.distanceTo(points);
+    send(frame, transfer);
+}
+
+function guarded(work) {
+    try {
+        work();
+    } catch (error) {
+        self.postMessage({ type: "failed", error: error.message });
+    }
+}
+
+const requests = {
+    async load({ wasm }) {
+        wisp = await loadWisp({ wasm });
+        return wisp.version;
+    },
+
+    openScene({ name, files }) {
+        const next = wisp.readScene(name, files);
+        scene?.release();
+        scene = next;
+        return describeScene();
+    },
+
+    start({ knobs, strokes, reference, hashEvery, colourBy, port }) {
+        let next = strokes ? scene.withStrokes() : scene;
+        if (knobs && Object.keys(knobs).length > 0) next = next.withKnobs(knobs);
+        const started = new Simulation(next, { reference, hashEvery, colourBy });
+        simulation?.release();
+        if (derived && derived !== scene) derived.release();
+        derived = next;
+        simulation = started;
+        // Messages of the former run that still wait must not reach this one.
+        if (peer) peer.onmessage = null;
+        peer?.close();
+        peer = port ?? null;
+        if (peer && reference) peer.onmessage = (event) => guarded(() => follow(event.data));
+        const frozen = {};
+        for (const body of simulation.bodies) {
+            if (body.isFrozenHair) frozen[body.index] = simulation.world.frozenHair(body);
+        }
+        return { frame: simulation.now().frame, bodies: simulation.bodies, memoryBytes: simulation.world.memoryBytes, frozen };
+    },
+
+    /** Stiffness that a climate gives hair. */
+    climate({ body, temperature, wetness }) {
+        return simulation.world.climateStiffness(simulation.bodies[body], temperature, wetness);
+    },
+
+    setColour({ colourBy }) {
+        simulation.setColour(colourBy);
+    },
+
+    hash() {
+        return { step: simulation.world.stepCount, hash: simulation.world.hash() };
+    },
+
+    /** The scene with the commands that were given, as text; `wisp run` makes the same state from it. */
+    saveScene() {
+        const saved = simulation.scene.withFrozenCommands(simulation.strokes.events, { steps: simulation.world.stepCount });
+        const text = saved.text;
+        saved.release();
+        return { text, hash: simulation.world.hash(), step: simulation.world.stepCount };
+    },
+
+    /** Blocks this worker, which is made for it. The page stops a search by ending the worker. */
+    tune({ error, seconds, limit }) {
+        return wisp.tune(scene, {
+            error, seconds, limit,
+            progress(runs, maxRuns) {
+                self.postMessage({ type: "progress", runs, maxRuns });
+                return true;
+            },
+        });
+    },
+
+    openRecording({ bytes }) {
+        player = new RecordingPlayer(wisp.openRecording(bytes));
+        return player.describe();
+    },
+
+    seek({ frame }) {
+        const found = player.seek(frame);
+        send(found.frame, found.transfer);
+    },
+};
+
+self.onmessage = async ({ data }) => {
+    if (data.type === "advance") {
+        if (data.recycle) (simulation ?? player).pool.give(data.recycle);
+        return guarded(() => advance(data.count, data.inputs));
+    }
+    if (data.type === "recycle") return (simulation ?? player)?.pool.give(data.arrays);
+    try {
+        const value = await requests[data.type](data);
+        self.postMessage({ type: "answer", id: data.id, value });
+    } catch (error) {
+        self.postMessage({ type: "answer", id: data.id, error: error.message });
+    }
+};
