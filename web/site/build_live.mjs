@@ -30,5 +30,5 @@ for (const { scene, picture } of gallery) {
     const from = join(tree, "data/scenes", scene);
     const to = join(output, basename(scene, ".yaml"));
     run("view", from, "-o", `${to}.html`);
-    run("render", from, ...picture, "--size", "960x600", "--samples", "64", "-o", `${to}.png`);
+    run("render", from, ...picture, "--size", "960x600", "--samples", "24", "-o", `${to}.png`);
 }
