@@ -17,7 +17,7 @@ function sidebar(groups, pages, path) {
 function contents(headings) {
     const items = headings.filter(({ depth }) => depth === 2 || depth === 3);
     if (items.length < 2) return "";
-    const links = items.map(({ depth, id, text }) => `<li class="depth${depth}"><a href="#${id}">${escape(text)}</a></li>`);
+    const links = items.map(({ depth, id, text }) => `<li class="depth${depth}"><a href="#${id}">${escape(text).replaceAll(".", ".<wbr>")}</a></li>`);
     return `<details class="contents" open><summary>On this page</summary><ul>${links.join("\n")}</ul></details>`;
 }
 
