@@ -33,7 +33,10 @@ function code(text, language) {
     return html + escape(text.slice(end));
 }
 
-/** `link(href)` returns where a link or picture of the page leads. */
+/**
+ * `link(href)` returns where a link or picture of the page leads, `to`, and the title of the page that it leads to, if it is one of the site.
+ * A link whose text is the name of a file has that title as text: the site has no such files.
+ */
 export function markdown(link) {
     const used = new Map();
     const headings = [];
@@ -47,12 +50,12 @@ export function markdown(link) {
             return `<h${depth} id="${id}">${html}${here}</h${depth}>\n`;
         },
         link({ href, tokens }) {
+            const { to, title } = link(href);
             const text = this.parser.parseInline(tokens);
-            const to = link(href);
-            return to === null ? text : `<a href="${escape(to)}">${text}</a>`;
+            return `<a href="${escape(to)}">${title && text.endsWith(".md") ? escape(title) : text}</a>`;
         },
         image({ href, text }) {
-            return `<img src="${escape(link(href))}" alt="${escape(text)}" loading="lazy">`;
+            return `<img src="${escape(link(href).to)}" alt="${escape(text)}" loading="lazy">`;
         },
         code({ text, lang }) {
             return `<pre tabindex="0"><code>${code(text, lang ?? "")}</code></pre>\n`;

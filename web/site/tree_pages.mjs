@@ -45,7 +45,11 @@ export class TreePages {
     async #read(file) {
         const text = await readFile(join(this.tree, file), "utf8");
         const targets = new Map();
-        const parser = markdown((href) => (targets.has(href) ? targets.get(href) : href));
+        // All pages are read before the first is rendered.
+        const parser = markdown((href) => {
+            const { to, page: target } = targets.get(href);
+            return { to, title: this.pages.get(target)?.title };
+        });
         const tokens = parser.lexer(text);
         const hrefs = new Set();
         walk(tokens, (token) => {
@@ -63,16 +67,16 @@ export class TreePages {
     }
 
     async #target(file, href) {
-        if (/^[a-z]+:/i.test(href) || href.startsWith("#")) return href;
+        if (/^[a-z]+:/i.test(href) || href.startsWith("#")) return { to: href };
         const [path, fragment] = href.split("#");
         const target = posix.normalize(posix.join(posix.dirname(file), decodeURIComponent(path))).replace(/\/$/, "");
         const kind = target.startsWith("..") ? "none" : await kindOf(join(this.tree, target));
         if (kind === "none") {
             this.problems.push(`${file}: link to '${href}': there is no such file`);
-            return null;
+            return { to: href };
         }
         const place = kind === "folder" ? await this.#folder(target) : this.#file(target);
-        return address(placeOf(file), place) + (fragment ? `#${fragment}` : "");
+        return { to: address(placeOf(file), place) + (fragment ? `#${fragment}` : ""), page: target };
     }
 
     #file(file) {
