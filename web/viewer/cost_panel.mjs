@@ -101,8 +101,8 @@ export class CostPanel {
         this.scale.dataset.marks = key;
         const stride = Math.ceil(marks / 4);
         const spans = [];
-        for (let k = stride; k < marks; k += stride) {
-            if (marks - k < stride / 2) break;
+        // The last label needs the space before it.
+        for (let k = stride; k < 0.8 * marks; k += stride) {
             spans.push(h("span", { style: `left:${(100 * k) / marks}%` }, (k * PICTURE_MS).toFixed(1)));
         }
         spans.push(h("span", { style: "left:100%" }, `${full.toFixed(1)} ms`));

@@ -18,10 +18,12 @@
  * @property {number} stepMs mean of the steps of this frame
  * @property {{pass: string, seconds: number}[]} profile of the last step
  * @property {string|null} requested a value that the page needs and the scene does not compute
+ * @property {string[]} log what the engine has to say, a sentence each
  * @property {string|null} notice an input that could not be taken, and why
  * @property {[number, string][]} hashes of steps that the page compares
  */
 import { BufferPool, paddedLength } from "./buffer_pool.mjs";
+import { engineLog } from "./engine_log.mjs";
 import { StrokeHistory } from "./stroke_history.mjs";
 
 const NO_PROFILE = [];
@@ -63,10 +65,13 @@ export class Simulation {
     /** A value of a body, if the world computes it. Known after a step. */
     #read(body, what) {
         if (this.world.stepCount === 0 || body.hidden || !body.has?.[what]) return null;
+        engineLog.isQuiet = true;
         try {
             return this.world[what](body);
         } catch {
             return null;
+        } finally {
+            engineLog.isQuiet = false;
         }
     }
 
@@ -178,7 +183,7 @@ export class Simulation {
             for (let i = 0; i < count; ++i) if (Math.abs(array[i]) > largest) largest = Math.abs(array[i]);
         });
         const frame = {
-            step: world.stepCount, time: world.time, points, values, looks, stepMs, hashes, largest, ...news,
+            step: world.stepCount, time: world.time, points, values, looks, stepMs, hashes, largest, ...news, log: engineLog.take(),
             profile: hasStepped ? world.profile() : NO_PROFILE,
             counters: hasStepped ? world.counters() : null,
             strokes: this.strokes.state(),

@@ -38,7 +38,9 @@ export class Stage {
 
     /** @param {HTMLCanvasElement} canvas */
     constructor(canvas) {
-        this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
+        // Without an alpha channel: hair writes its coverage there, and the page would shine through.
+        const context = canvas.getContext("webgl2", { alpha: false, antialias: true, powerPreference: "high-performance" });
+        this.renderer = new WebGLRenderer({ canvas, context });
         this.renderer.autoClear = true;
         this.scene = new Scene();
         this.camera = new PerspectiveCamera(36, 1, 0.01, 100);

@@ -112,8 +112,8 @@ export class StrandDrawing {
             ...points.uniforms, ...shared,
             values: { value: this.values }, valueScale: { value: 0 },
             widths: { value: null }, colours: { value: null }, hasWidth: { value: false }, hasColour: { value: false },
-            // A model has a hundredth of the hairs of a head; each stands for several.
-            width: { value: 4e-4 },
+            // A model has a hundredth of the hairs of a head: the fewer there are, the more each stands for.
+            width: { value: 4e-4 * Math.min(3, Math.max(1, Math.sqrt(10000 / body.strandCount))) },
             minPixels: { value: 1.15 },
             rootColour: { value: new Color(0.17, 0.080, 0.038) }, tipColour: { value: new Color(0.46, 0.25, 0.115) },
         };

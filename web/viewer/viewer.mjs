@@ -223,7 +223,7 @@ export class Viewer {
         }
         if (frame.looks) this.#looks = frame;
         this.#isDirty = true;
-        if (frame.notice) this.#notice(frame.notice);
+        if (frame.notice ?? frame.log.at(-1)) this.#notice(frame.notice ?? frame.log.at(-1));
         this.cost.add(frame);
         this.look.add(frame);
         this.#counters = frame.counters ?? this.#counters;

@@ -6,6 +6,7 @@
  * own as `{ type: "frame", frame }`, or `{ type: "failed", error }` when a step could not be made.
  */
 import { loadWisp } from "wisp";
+import { engineLog } from "./engine_log.mjs";
 import { Simulation } from "./simulation.mjs";
 import { RecordingPlayer } from "./recording_player.mjs";
 
@@ -51,7 +52,7 @@ function guarded(work) {
 
 const requests = {
     async load({ wasm }) {
-        wisp = await loadWisp({ wasm });
+        wisp = await loadWisp({ wasm, print: engineLog.print });
         return wisp.version;
     },
 
