@@ -108,6 +108,7 @@ extern "C"
             copies; ///< those are entries of their own at the end of the list, whose copies are not to be made
 
         bool has_frozen_hair, has_environment, has_appearance;
+        bool has_cursor;                  ///< `frozen_hair.align` gives one
         wisp_frozen_hair_def frozen_hair; ///< the defaults without a stage if the scene has none
         wisp_environment_def environment;
         wisp_strand_appearance_def appearance;
@@ -240,13 +241,20 @@ extern "C"
 
     // ---- what happens when ----
 
-    /// The user points at a place before a step.
+    /// The user points at a place before a step, or changes parameters.
     typedef struct wisp_scene_hair_event
     {
         int step;    ///< in [0, steps)
         int strands; ///< index into the scene's strands
+        bool has_cursor, begin_stroke;
         wisp_vec3 cursor;
-        int line, column; ///< of the entry, for messages
+        bool changes; ///< parameters differ from those of the entry before
+
+        /// Of this entry or of one before it; without, the number is that of the strands.
+        bool has_intensity, has_reach, has_stretch_stiffness, has_bend_stiffness, has_clump_radius;
+        float intensity, stretch_stiffness, bend_stiffness;
+        float reach, clump_radius; ///< m
+        int line, column;          ///< of the entry, for messages
     } wisp_scene_hair_event;
 
     /// What is done to a surface, or to strands, before a step.

@@ -93,6 +93,12 @@ wisp_status scene_check_strands( scene_reader* r, const scene_node* node, const 
     {
         return scene_refuse_node( r, node, "got neither ghosts.targets nor 'scatter', expected one of them" );
     }
+    if ( !status && s->has_frozen_hair && s->frozen_hair.base == WISP_FROZEN_BASE_STROKE && s->has_cursor )
+    {
+        return scene_refuse_node(
+            r, scene_child( r, node, "frozen_hair" ),
+            "'align.cursor' is not possible with 'base: stroke', where only hair events turn strands" );
+    }
     return status ? status : s->has_dynamics ? check_dynamics( r, node, s ) : check_still( r, node, s );
 }
 

@@ -14,6 +14,7 @@
 #define TIME RANGE( 0, 1e6 )
 #define COMPLIANCE RANGE( 0, 1e12 )
 #define DT_FACTOR RANGE( 0.001, 1000 )
+#define FROZEN_STIFFNESS RANGE( 1e-3, 1e12 )
 #define ANY_MASS RANGE( 1e-12, 1e12 )
 
 // Vectors whose length is bounded: each part is at most the bound over the square root of three.

@@ -6,18 +6,16 @@
 
 #include <stddef.h>
 
-#define STIFFNESS RANGE( 1e-3, 1e12 )
-
 // ---- frozen_hair ----
 
 #define AT( member ) offsetof( wisp_scene_strands, member )
 #define HAIR( member ) offsetof( wisp_scene_strands, frozen_hair.member )
 
 static const scene_field FREEZE_FIELDS[] = {
-    { "stretch_stiffness", SCENE_NUMBERS, .at = HAIR( stretch_stiffness ), .range = STIFFNESS,
+    { "stretch_stiffness", SCENE_NUMBERS, .at = HAIR( stretch_stiffness ), .range = FROZEN_STIFFNESS,
       .list = HAIR( strand_stretch_stiffness ), .list_count = AT( stretch_count ),
       .help = "Stiffness against stretching; a larger value changes lengths less." },
-    { "bend_stiffness", SCENE_NUMBERS, .at = HAIR( bend_stiffness ), .range = STIFFNESS,
+    { "bend_stiffness", SCENE_NUMBERS, .at = HAIR( bend_stiffness ), .range = FROZEN_STIFFNESS,
       .list = HAIR( strand_bend_stiffness ), .list_count = AT( bend_count ),
       .help = "Stiffness against bending; a larger value bends less." },
     { "max_bend_angle", SCENE_NUMBER, .at = HAIR( max_bend_angle ), .range = RANGE( 0, 3.14159265358979 ),
@@ -39,8 +37,8 @@ static const scene_field ALIGN_FIELDS[] = {
     { "intensity", SCENE_NUMBERS, .at = HAIR( intensity ), .range = UNIT_RANGE, .list = HAIR( strand_intensity ),
       .list_count = AT( intensity_count ),
       .help = "How far strands turn towards the cursor, from 0 (not at all) to 1 (all the way)." },
-    { "cursor", SCENE_VECTOR, .at = HAIR( cursor ), .range = COORDINATE, .unit = METRES,
-      .help = "Point that the first hair event turns strands towards." },
+    { "cursor", SCENE_VECTOR, .at = HAIR( cursor ), .range = COORDINATE, .unit = METRES, .given = AT( has_cursor ),
+      .help = "Point that the first update turns strands towards; not with `base: stroke`." },
     { "reach", SCENE_NUMBER, .at = HAIR( reach ), .range = RANGE( 0, 1e7 ), .unit = METRES,
       .help = "Strands farther from the cursor than this do not turn." },
     { "reach_by", SCENE_EITHER, .at = HAIR( reach_nearest ), .choices = REACHES,
@@ -85,6 +83,9 @@ static const scene_block CLUMP_BLOCK = { CLUMP_FIELDS, WISP_COUNT( CLUMP_FIELDS 
 
 static const scene_choice BASES[] = { { "rest", "the rest shape" },
                                       { "previous", "the output of the last update" },
+                                      { "stroke",
+                                        "the rest shape; random numbers are drawn once, and strands keep the "
+                                        "direction and intensity of the last hair event that reached them" },
                                       { NULL, NULL } };
 static const scene_choice EVENTS[] = { { "hair_event", "each hair event" },
                                        { "frame", "each step" },

@@ -102,6 +102,11 @@ static void put_frozen_hair( strands_maker* m )
             torture_put_block( m->b, block, frozen, stages[i], 30 );
         }
     }
+    text_node* align = text_find( frozen, "align" );
+    if ( align && strcmp( text_at( frozen, "base" ), "stroke" ) == 0 )
+    {
+        text_remove_key( align, "cursor" ); // it only comes with hair events then
+    }
     if ( chance( m, 40 ) )
     {
         torture_put_block( m->b, m->block, m->entry, "environment", 40 );

@@ -126,6 +126,37 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
     return status;
 }
 
+// The parameters of strands from an event on: a number stands for all strands, also where the scene has a list.
+static wisp_frozen_hair_def hair_from( const wisp_scene* scene, const wisp_scene_hair_event* e )
+{
+    wisp_frozen_hair_def def = scene->strands[e->strands].frozen_hair;
+    def.intensity = e->has_intensity ? e->intensity : def.intensity;
+    def.strand_intensity = e->has_intensity ? NULL : def.strand_intensity;
+    def.reach = e->has_reach ? e->reach : def.reach;
+    def.stretch_stiffness = e->has_stretch_stiffness ? e->stretch_stiffness : def.stretch_stiffness;
+    def.strand_stretch_stiffness = e->has_stretch_stiffness ? NULL : def.strand_stretch_stiffness;
+    def.bend_stiffness = e->has_bend_stiffness ? e->bend_stiffness : def.bend_stiffness;
+    def.strand_bend_stiffness = e->has_bend_stiffness ? NULL : def.strand_bend_stiffness;
+    def.clump_radius = e->has_clump_radius ? e->clump_radius : def.clump_radius;
+    return def;
+}
+
+static wisp_status give_command( scene_world* world, const wisp_scene_hair_event* e )
+{
+    const wisp_entity strands = world->entities[e->strands];
+    wisp_status status = WISP_OK;
+    if ( e->changes )
+    {
+        const wisp_frozen_hair_def def = hair_from( world->scene, e );
+        status = wisp_set_frozen_hair( world->world, strands, &def );
+    }
+    if ( status == WISP_OK && e->begin_stroke )
+    {
+        status = wisp_begin_frozen_hair_stroke( world->world, strands );
+    }
+    return status == WISP_OK && e->has_cursor ? wisp_command_frozen_hair( world->world, strands, e->cursor ) : status;
+}
+
 static wisp_status give_commands( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
@@ -133,8 +164,7 @@ static wisp_status give_commands( scene_world* world, wisp_error* error )
             scene->commands[world->next_command].step <= world->next_step )
     {
         const wisp_scene_hair_event* command = &scene->commands[world->next_command++];
-        wisp_status status =
-            wisp_command_frozen_hair( world->world, world->entities[command->strands], command->cursor );
+        const wisp_status status = give_command( world, command );
         if ( status != WISP_OK )
         {
             return scene_fail_at_line( world, command->line, command->column, status, error );

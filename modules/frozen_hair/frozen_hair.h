@@ -20,6 +20,10 @@ typedef enum wisp_frozen_base
 {
     WISP_FROZEN_BASE_REST,     ///< every update starts from the rest shape
     WISP_FROZEN_BASE_PREVIOUS, ///< directions start from the last output, lengths from the original
+
+    /// Every update starts from the rest shape, random numbers are drawn once for a stroke of any number of commands, and each
+    /// strand keeps the direction and intensity of the last command that reached it. Clumping is not fed back.
+    WISP_FROZEN_BASE_STROKE,
 } wisp_frozen_base;
 
 typedef enum wisp_frozen_update
@@ -48,11 +52,11 @@ typedef struct wisp_frozen_hair_def
     // align, eq. 8-13
     float intensity;               ///< x in [0, 1], default 0.8
     const float* strand_intensity; ///< [strand_count] or null
-    wisp_vec3 cursor;              ///< c, m, target of the first update; default the origin
-    float reach;                   ///< r, m, >= 0, default 0.15
-    bool reach_nearest;            ///< any vertex within reach, not only the tip; default false (as printed)
-    bool blend_chord;              ///< eq. 13 as printed (shortens); default false: arc, keeps distances to the root
-    bool direction_from_root;      ///< tip - root instead of tip - mean; default false (as printed)
+    wisp_vec3 cursor;         ///< c, m, target of the first update; default the origin; not read with base stroke
+    float reach;              ///< r, m, >= 0, default 0.15
+    bool reach_nearest;       ///< any vertex within reach, not only the tip; default false (as printed)
+    bool blend_chord;         ///< eq. 13 as printed (shortens); default false: arc, keeps distances to the root
+    bool direction_from_root; ///< tip - root instead of tip - mean; default false (as printed)
 
     // clump, eq. 14-19
     float clump_radius;      ///< h, m, > 0, default 0.01
@@ -70,15 +74,22 @@ typedef struct wisp_frozen_hair_def
 
 WISP_API wisp_frozen_hair_def wisp_default_frozen_hair_def( void );
 
-/// Give strands frozen hair, or replace its parameters. The next step makes the first update.
+/// Give strands frozen hair, or replace its parameters. The next step makes the first update. A stroke goes on: strands keep
+/// their alignment, and only commands change it. A swept strand keeps its intensity, all other parameters act on every strand;
+/// another seed gives the stroke other random numbers.
 /// @return WISP_BAD_INPUT a parameter is out of its range (the message names it, and the strand of a
 ///         per-strand value); WISP_CONFLICT the module is not registered in this world
 WISP_API wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const wisp_frozen_hair_def* def );
 
-/// Point at a place: the next step updates the strands with new random numbers. @param cursor m, finite
+/// Point at a place: the next step updates the strands, with new random numbers unless the base is stroke. One command counts
+/// a step: a second one before it replaces the first. @param cursor m, finite
 WISP_API wisp_status wisp_command_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor );
 
-/// Repeat an update by its number: the same one from rest gives the same bits.
+/// Begin a stroke: the next step updates the strands with new random numbers, and their alignment is forgotten.
+/// @return WISP_CONFLICT the base is not stroke
+WISP_API wisp_status wisp_begin_frozen_hair_stroke( wisp_world* world, wisp_entity strands );
+
+/// Repeat an update by its number: the same one from rest gives the same bits. With base stroke it begins a stroke.
 /// @param cursor m, finite @param event number of the update, which selects its random numbers
 WISP_API wisp_status wisp_replay_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor,
                                               uint64_t event );

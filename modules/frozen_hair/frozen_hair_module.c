@@ -22,11 +22,14 @@ static void command( wisp_frame* frame, const wisp_span* span, void* user )
     frozen_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     frozen_event* event = wisp_frame_column( frame, span->entity, state->event, 0 );
     wisp_frozen_hair_stats* report = wisp_frame_column( frame, span->entity, state->report, 0 );
-    event->number = settings->next;
+    const frozen_stroke* stroke = wisp_frame_column( frame, span->entity, state->stroke, 0 );
+    event->number = stroke != NULL ? stroke->number : settings->next;
+    event->points = stroke == NULL || settings->points != 0;
     memcpy( event->cursor, settings->cursor, sizeof( event->cursor ) );
+    *report = ( wisp_frozen_hair_stats ){ .event = settings->next };
     settings->next += 1;
     settings->pending = 0;
-    *report = ( wisp_frozen_hair_stats ){ .event = event->number };
+    settings->points = 0;
 }
 
 // ---- start: from the rest shape, from the moved shape, or from the last output ----
@@ -74,7 +77,7 @@ static void freeze( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_frame_kernels( frame )->strand_jitter( &args, span->begin, span->end );
 }
 
-// ---- align: eq. 8-13 ----
+// ---- align: eq. 8-13; with base stroke, strands keep their turns ----
 
 static void align( wisp_frame* frame, const wisp_span* span, void* user )
 {
@@ -88,12 +91,20 @@ static void align( wisp_frame* frame, const wisp_span* span, void* user )
         .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
         .intensity = wisp_frame_column( frame, span->entity, state->intensity, 0 ),
         .target = { event->cursor[0], event->cursor[1], event->cursor[2] },
-        .radius = a->reach,
+        .radius = event->points ? a->reach : -1.0f,
         .chord = a->blend_chord != 0,
         .from_root = a->direction_from_root != 0,
         .nearest = a->reach_nearest != 0,
         .dimension = t->dimension,
+        .swept = wisp_frame_column( frame, span->entity, state->swept, 0 ),
     };
+    if ( args.swept != NULL && wisp_frame_has( frame, span->entity, WISP_STRAND_POSED ) )
+    {
+        const frozen_stroke* stroke = wisp_frame_column( frame, span->entity, state->stroke, 0 );
+        args.rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 );
+        args.moved = wisp_frame_column( frame, span->entity, WISP_STRAND_POSED, 0 );
+        memcpy( args.turn, stroke->turn, sizeof( args.turn ) );
+    }
     wisp_frame_kernels( frame )->strand_align( &args, span->begin, span->end );
 }
 
@@ -142,8 +153,29 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .stage = WISP_STAGE_SHAPE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->align },
+            .excluded = { s->swept },
             .reads = { s->event, s->intensity, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
+            .run = align,
+            .on_change = s->event,
+        },
+        {
+            .name = "frozen_hair.turn",
+            .stage = WISP_STAGE_SHAPE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { s->align, s->swept },
+            .reads = { s->event, WISP_STRAND_REST },
+            .writes = { s->stroke },
+            .run = frozen_find_turn,
+            .on_change = s->event,
+        },
+        {
+            .name = "frozen_hair.stroke",
+            .stage = WISP_STAGE_SHAPE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .required = { s->align, s->swept },
+            .reads = { s->event, s->stroke, s->intensity, WISP_STRAND_POSITION },
+            .writes = { s->swept, WISP_STRAND_POSITION },
             .run = align,
             .on_change = s->event,
         },

@@ -53,7 +53,7 @@ static wisp_status check_choices( wisp_world* world, const wisp_frozen_hair_def*
         const char* name;
         int value, upper;
     } choices[] = {
-        { "base", (int)d->base, WISP_FROZEN_BASE_PREVIOUS },
+        { "base", (int)d->base, WISP_FROZEN_BASE_STROKE },
         { "update_on", (int)d->update_on, WISP_FROZEN_UPDATE_FRAME },
         { "gap", (int)d->gap, WISP_GAP_NONE },
     };
@@ -126,6 +126,8 @@ static wisp_status attach_all( wisp_world* world, wisp_entity entity, const froz
         { WISP_STRAND_STIFFNESS, d->freeze },
         { s->align, d->align },
         { s->intensity, d->align },
+        { s->stroke, d->base == WISP_FROZEN_BASE_STROKE },
+        { s->swept, d->base == WISP_FROZEN_BASE_STROKE && d->align },
         { s->clump, d->clump && d->clump_iterations > 0 },
     };
     bool had[WISP_COUNT( parts )];
@@ -195,6 +197,22 @@ static void write_stages( wisp_world* world, wisp_entity entity, const frozen_st
     }
 }
 
+// Strands are as at rest until a command reaches them. Without base stroke there is nothing to begin.
+static void begin_stroke( wisp_world* world, wisp_entity entity, const frozen_state* s, uint64_t number )
+{
+    const wisp_strand_topology* t = wisp_world_strands( world, entity );
+    frozen_stroke* stroke = wisp_world_column( world, entity, s->stroke, 0 );
+    float* swept = wisp_world_column( world, entity, s->swept, 0 );
+    if ( stroke != NULL )
+    {
+        *stroke = ( frozen_stroke ){ .number = number, .turn = { 0.0f, 0.0f, 0.0f, 1.0f } };
+    }
+    if ( swept != NULL )
+    {
+        memset( swept, 0, (size_t)t->group_count * 4 * WISP_LANES * sizeof( float ) );
+    }
+}
+
 wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const wisp_frozen_hair_def* def )
 {
     WISP_ASSERT( def->cookie == FROZEN_DEF_COOKIE );
@@ -210,6 +228,7 @@ wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const 
                                 strands.index );
     }
     wisp_status status = check_def( world, def, t->strand_count );
+    const bool goes_on = wisp_world_has( world, strands, s->stroke );
     status = status == WISP_OK ? attach_all( world, strands, s, def ) : status;
     if ( status != WISP_OK )
     {
@@ -226,6 +245,10 @@ wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const 
         .cursor = { def->cursor.x, def->cursor.y, def->cursor.z },
     };
     write_stages( world, strands, s, def );
+    if ( def->base == WISP_FROZEN_BASE_STROKE && goes_on == false )
+    {
+        begin_stroke( world, strands, s, settings->next );
+    }
     return WISP_OK;
 }
 
@@ -266,14 +289,36 @@ static wisp_status point_at( wisp_world* world, wisp_entity strands, wisp_vec3 c
     settings->cursor[0] = cursor.x;
     settings->cursor[1] = cursor.y;
     settings->cursor[2] = cursor.z;
-    settings->next = event != NULL ? *event : settings->next;
     settings->pending = 1;
+    settings->points = 1;
+    if ( event != NULL )
+    {
+        settings->next = *event;
+        begin_stroke( world, strands, wisp_world_module_state( world, "frozen_hair" ), *event );
+    }
     return WISP_OK;
 }
 
 wisp_status wisp_command_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor )
 {
     return point_at( world, strands, cursor, NULL );
+}
+
+wisp_status wisp_begin_frozen_hair_stroke( wisp_world* world, wisp_entity strands )
+{
+    frozen_settings* settings;
+    wisp_status status = find_settings( world, strands, &settings );
+    if ( status == WISP_OK && settings->base != WISP_FROZEN_BASE_STROKE )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u: the base of its frozen hair is not 'stroke'",
+                                strands.index );
+    }
+    if ( status == WISP_OK )
+    {
+        begin_stroke( world, strands, wisp_world_module_state( world, "frozen_hair" ), settings->next );
+        settings->pending = 1;
+    }
+    return status;
 }
 
 wisp_status wisp_replay_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor, uint64_t event )

@@ -13,18 +13,18 @@ typedef struct frozen_settings
     int32_t base;  // wisp_frozen_base
     int32_t event; // wisp_frozen_update
     float epsilon;
-    uint32_t pending; // a command waits
-    uint64_t next;    // event number of the next command
+    uint32_t pending; // an update waits
+    uint64_t next;    // event number of the next update
     float cursor[3];  // of the next command, m
-    uint32_t unused;
+    uint32_t points;  // the update that waits is a command: strands turn towards the cursor
 } frozen_settings;
 
-/// The command that the stages run.
+/// The update that the stages run.
 typedef struct frozen_event
 {
-    uint64_t number;
+    uint64_t number; // of the random numbers
     float cursor[3]; // m
-    uint32_t unused;
+    uint32_t points; // no: with base stroke, strands only keep their turns
 } frozen_event;
 
 typedef struct frozen_freeze
@@ -38,6 +38,13 @@ typedef struct frozen_align
     int32_t reach_nearest, blend_chord, direction_from_root;
 } frozen_align;
 
+/// With base stroke.
+typedef struct frozen_stroke
+{
+    uint64_t number; // of the random numbers
+    float turn[4];   // quaternion x y z w: how the moved strands are turned as a whole
+} frozen_stroke;
+
 typedef struct frozen_clump
 {
     float radius, step, distance_min, lambda_min; // m, m, m, 1
@@ -48,6 +55,8 @@ typedef struct frozen_clump
 #define FROZEN_EVENT_COLUMNS( X ) X( frozen_event, event, 1 )
 #define FROZEN_FREEZE_COLUMNS( X ) X( frozen_freeze, freeze, 1 )
 #define FROZEN_ALIGN_COLUMNS( X ) X( frozen_align, align, 1 )
+#define FROZEN_STROKE_COLUMNS( X ) X( frozen_stroke, stroke, 1 )
+#define FROZEN_SWEPT_COLUMNS( X ) X( float, swept, 64 ) /* [4][16] last turn of a strand (wisp_strand_align_args) */
 #define FROZEN_CLUMP_COLUMNS( X ) X( frozen_clump, clump, 1 )
 #define FROZEN_INTENSITY_COLUMNS( X ) X( float, intensity, 16 ) /* x in [0, 1], lane = strand */
 #define FROZEN_STATS_COLUMNS( X ) X( wisp_frozen_hair_stats, report, 1 )
@@ -58,6 +67,8 @@ typedef struct frozen_clump
     X( event, "frozen_hair.event", WISP_TABLE_ENTITY, FROZEN_EVENT_COLUMNS )                                         \
     X( freeze, "frozen_hair.freeze", WISP_TABLE_ENTITY, FROZEN_FREEZE_COLUMNS )                                      \
     X( align, "frozen_hair.align", WISP_TABLE_ENTITY, FROZEN_ALIGN_COLUMNS )                                         \
+    X( stroke, "frozen_hair.stroke", WISP_TABLE_ENTITY, FROZEN_STROKE_COLUMNS )                                      \
+    X( swept, "frozen_hair.swept", WISP_TABLE_STRAND_GROUP, FROZEN_SWEPT_COLUMNS )                                   \
     X( clump, "frozen_hair.clump", WISP_TABLE_ENTITY, FROZEN_CLUMP_COLUMNS )                                         \
     X( intensity, "frozen_hair.intensity", WISP_TABLE_STRAND_GROUP, FROZEN_INTENSITY_COLUMNS )                       \
     X( report, "frozen_hair.stats", WISP_TABLE_ENTITY, FROZEN_STATS_COLUMNS )
@@ -79,6 +90,9 @@ enum
     FROZEN_STREAM_GAP,        // zeta
     FROZEN_STREAM_AXIS,
 };
+
+/// How moved strands are turned as a whole (whole_turn.c).
+wisp_pass_fn frozen_find_turn;
 
 /// The third stage (clump.c).
 wisp_pass_fn frozen_clump_run;

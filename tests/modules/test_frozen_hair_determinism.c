@@ -84,6 +84,12 @@ static void capped( wisp_frozen_hair_def* def )
     def->max_neighbours = 6;
 }
 
+static void stroke( wisp_frozen_hair_def* def )
+{
+    def->base = WISP_FROZEN_BASE_STROKE;
+    def->reach = 0.1f;
+}
+
 static const golden_case cases[] = {
     { "plane-wavy-all", HAIR_WAVY, 2, 220, false, keep },
     { "space-curly-all", HAIR_CURLY, 3, 220, false, keep },
@@ -97,6 +103,8 @@ static const golden_case cases[] = {
     { "plane-wavy-printed-form", HAIR_WAVY, 2, 60, false, printed_form },
     { "space-curly-mixed-lengths", HAIR_CURLY, 3, 120, true, keep },
     { "space-wavy-capped", HAIR_WAVY, 3, 60, false, capped },
+    { "plane-wavy-stroke", HAIR_WAVY, 2, 220, false, stroke },
+    { "space-curly-stroke-mixed-lengths", HAIR_CURLY, 3, 120, true, stroke },
 };
 
 static hair_groom make_groom( const golden_case* c )
@@ -111,7 +119,7 @@ static hair_groom make_groom( const golden_case* c )
     return hair_groom_create_mixed( c->shape, c->dimension, c->strands, counts, 0.004f );
 }
 
-// Two commands, the second from the first one's numbers and a different cursor.
+// Two commands, the second from the first one's numbers and a different cursor; a stroke goes on from there.
 static uint64_t hash_case( const golden_case* c, const hair_host* host )
 {
     hair_groom groom = make_groom( c );
@@ -125,6 +133,11 @@ static uint64_t hash_case( const golden_case* c, const hair_host* host )
     assert_int_equal( wisp_world_hash_column( world, entity, WISP_STRAND_POINTS, &first ), WISP_OK );
     hair_command( world, entity, ( wisp_vec3 ){ 0.12f, -0.06f, 0.0f } );
     hair_step( world );
+    for ( int n = 0; n < 6 && def.base == WISP_FROZEN_BASE_STROKE; ++n )
+    {
+        hair_command( world, entity, ( wisp_vec3 ){ 0.1f * (float)n, -0.06f, 0.02f * (float)n } );
+        hair_step( world );
+    }
     assert_int_equal( wisp_world_hash_column( world, entity, WISP_STRAND_POINTS, &second ), WISP_OK );
     wisp_world_destroy( world );
     hair_groom_destroy( &groom );

@@ -30,7 +30,7 @@
     X( "max_neighbours: got 4097,", d->max_neighbours = 4097 )                                                       \
     X( "epsilon: got -1e-06,", d->epsilon = -1e-6f )                                                                 \
     X( "gap: got 4,", d->gap = (wisp_gap)4 )                                                                         \
-    X( "base: got 2,", d->base = (wisp_frozen_base)2 )                                                               \
+    X( "base: got 3,", d->base = (wisp_frozen_base)3 )                                                               \
     X( "update_on: got 9,", d->update_on = (wisp_frozen_update)9 )                                                   \
     X( "stretch_stiffness of strand 3: got 0,", d->strand_stretch_stiffness = with_a_zero )                          \
     X( "bend_stiffness of strand 3: got 0,", d->strand_bend_stiffness = with_a_zero )                                \

@@ -476,6 +476,67 @@ void frozen_oracle_align_strand( const frozen_oracle_hair* hair, const frozen_or
     }
 }
 
+// R(a, angle) of the shape as a whole, then the smallest rotation that takes the direction of the strand along; or both
+// backwards.
+static double3 follow_strand( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
+                              const frozen_oracle_stroke* stroke, int strand, bool back, double3 v )
+{
+    int first = hair->offsets[strand];
+    int count = hair->offsets[strand + 1] - first;
+    double3 from = frozen_oracle_representative( hair->rest + first, count, options->direction );
+    double3 to = frozen_oracle_representative( stroke->moved + first, count, options->direction ), axis;
+    double phi;
+    if ( !frozen_oracle_turn( frozen_oracle_rotate( stroke->axis, stroke->angle, from ), to, options->dimension,
+                              &axis, &phi ) )
+    {
+        axis = double3_make( 0.0, 0.0, 1.0 );
+        phi = 0.0;
+    }
+    return back ? frozen_oracle_rotate( stroke->axis, -stroke->angle, frozen_oracle_rotate( axis, -phi, v ) )
+                : frozen_oracle_rotate( axis, phi, frozen_oracle_rotate( stroke->axis, stroke->angle, v ) );
+}
+
+static void turn_points( const frozen_oracle_options* options, double3 target, double intensity, int count,
+                         const double3* p, double3* out )
+{
+    double3 v = frozen_oracle_representative( p, count, options->direction ), axis;
+    double phi;
+    bool turns = frozen_oracle_turn( v, target, options->dimension, &axis, &phi );
+    for ( int i = 0; i < count; ++i )
+    {
+        out[i] = turns ? frozen_oracle_blend_point( options->blend, p[0], p[i], axis, phi,
+                                                    frozen_oracle_weight( i, count, intensity ) )
+                       : p[i];
+    }
+}
+
+void frozen_oracle_align_in_stroke( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
+                                    frozen_oracle_stroke* stroke, bool sweeps, int strand, const double3* in,
+                                    double3* out )
+{
+    int first = hair->offsets[strand];
+    int count = hair->offsets[strand + 1] - first;
+    if ( count < 1 )
+    {
+        return;
+    }
+    double3 target = stroke->target[strand];
+    if ( stroke->moved != NULL )
+    {
+        target = follow_strand( hair, options, stroke, strand, false, target );
+    }
+    turn_points( options, target, stroke->intensity[strand], count, in + first, out + first );
+    double3 wanted = double3_sub( options->cursor, in[first] );
+    if ( sweeps && count > 1 && double3_length( wanted ) >= 1e-12 &&
+         frozen_oracle_in_reach( out + first, count, options->cursor, options->cursor_radius, options->reach ) )
+    {
+        stroke->intensity[strand] = hair->intensity[strand];
+        stroke->target[strand] =
+            stroke->moved != NULL ? follow_strand( hair, options, stroke, strand, true, wanted ) : wanted;
+        turn_points( options, wanted, stroke->intensity[strand], count, in + first, out + first );
+    }
+}
+
 void frozen_oracle_align( const frozen_oracle_hair* hair, const frozen_oracle_options* options, const double3* in,
                           double3* out )
 {

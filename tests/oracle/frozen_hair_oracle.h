@@ -221,6 +221,23 @@ void frozen_oracle_align_strand( const frozen_oracle_hair* hair, const frozen_or
 void frozen_oracle_align( const frozen_oracle_hair* hair, const frozen_oracle_options* options, const double3* in,
                           double3* out );
 
+/// What strands keep between the commands of a stroke.
+typedef struct frozen_oracle_stroke
+{
+    double3* target;      ///< [strand_count] m, root to cursor of the last command that reached it; zero: none has
+    double* intensity;    ///< [strand_count] x of that command
+    const double3* moved; ///< shape that strands have moved to, m; null: the rest shape
+    double3 axis;         ///< how the moved shape is turned as a whole: unit axis
+    double angle;         ///< and angle, rad
+} frozen_oracle_stroke;
+
+/// Stage 2 in a stroke for one strand: the cursor reaches it as it is turned already; a strand that it does not reach
+/// keeps its turn, which follows the moved shape.
+/// @param sweeps false: the update is no command, no strand is reached
+void frozen_oracle_align_in_stroke( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
+                                    frozen_oracle_stroke* stroke, bool sweeps, int strand, const double3* in,
+                                    double3* out );
+
 /// One Jacobi iteration of stage 3.
 /// @param reference p'', read with gap_reference = stage
 /// @param delta, lambda receive Eq. 17 and 18 of every vertex (roots: 0); either may be null

@@ -36,11 +36,18 @@ typedef struct wisp_strand_align_args
     float* position;           ///< [row][3][16] m
     const float* intensity;    ///< [group_count][16] weight x at the root, in [0, 1]
     wisp_vec3 target;          ///< m
-    float radius;              ///< m, strands outside keep their bits
+    float radius;              ///< m, strands outside keep their bits; below 0: all are outside
     bool chord;                ///< blend positions, as the paper prints it, instead of rotating by part of the angle
     bool from_root;            ///< strand direction is tip - root instead of tip - mean
     bool nearest;              ///< a strand is inside if any vertex is within radius, not only the tip
     int dimension;             ///< 2: a strand that points away from the target turns about the z axis
+
+    /// [group_count][4][16] vector from root to target, in m, and intensity, of the last turn of each strand; 0: none. Strands
+    /// outside the radius turn by it, those inside replace it. Null: strands outside do not turn.
+    float* swept;
+    const float *rest,
+        *moved;    ///< [row][3][16] m: `swept` belongs to the shape `rest` and turns along to `moved`; or null
+    float turn[4]; ///< quaternion x y z w: how the moved shape is turned as a whole
 } wisp_strand_align_args;
 
 /// Arguments of the copy from lanes to strands one after the other, in the user's order.
