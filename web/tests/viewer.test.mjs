@@ -4,7 +4,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { loadWisp, wisp as runProgram } from "./package.mjs";
+import { loadWisp, nativeHash, wisp as runProgram } from "./package.mjs";
 import { launch, pageData, scene, settledVertex, state, until, withPage } from "./page.mjs";
 
 /** A small cloth that hangs from two corners: quick with a reference and a search. */
@@ -278,4 +278,65 @@ test("10 000 strands cost the page's own thread little per picture", { skip: !pr
         const { frameCost } = await until(page, (s) => s.frameCost.count > 30);
         console.log(`median ${frameCost.median} ms, largest ${frameCost.largest} ms`);
     });
+});
+
+/** Curls on a small head, as a brush starts from them. */
+const CURLS = `wisp: 1
+steps: 1
+strands:
+  - name: curls
+    generate: { shape: curly, dimension: 3, strands: 60, vertices: 16, scalp_radius: 0.1, seed: 7 }
+    frozen_hair:
+      seed: 7
+      freeze: { stretch_stiffness: 12, bend_stiffness: 5 }
+      align: { intensity: 0.6, reach: 0.08, reach_by: nearest }
+      clump: { radius: 0.006, iterations: 3 }
+    environment: { temperature_celsius: -6, wetness: 0.7 } # the page folds it into a stiffness
+    compute: [points]
+`;
+
+async function brush(page, vertex, moves) {
+    const [x, y] = await settledVertex(page, 0, vertex);
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    for (let k = 1; k <= moves; ++k) {
+        await page.mouse.move(x + 6 * k, y + 3 * k);
+        await page.waitForTimeout(150);
+    }
+    await page.mouse.up();
+    return until(page, (s) => s.step === s.requested && s.step > 0);
+}
+
+test("strokes of the brush undo, redo and save as a scene that the native program runs to the same bits", async () => {
+    const folder = mkdtempSync(join(tmpdir(), "wisp-"));
+    try {
+        await withPage(browser, pageData("curls.yaml", { "curls.yaml": CURLS }), {}, async (page) => {
+            await until(page, (s) => s.tool === "brush" && s.step === 1);
+            await brush(page, 8, 3);
+            const first = await page.evaluate(() => window.wispPage.hash());
+            await page.getByLabel("Intensity x").focus();
+            await page.keyboard.press("PageUp");
+            await page.getByLabel("Temperature").focus();
+            await page.keyboard.press("PageDown");
+            await page.waitForTimeout(300);
+            await brush(page, 16 * 30 + 8, 3);
+            const second = await page.evaluate(() => window.wispPage.hash());
+            assert.notEqual(second.hash, first.hash);
+            await page.getByRole("button", { name: "Undo" }).click();
+            await until(page, (s) => s.step === first.step);
+            assert.deepEqual(await page.evaluate(() => window.wispPage.hash()), first);
+            await page.getByRole("button", { name: "Redo" }).click();
+            await until(page, (s) => s.step === second.step);
+            assert.deepEqual(await page.evaluate(() => window.wispPage.hash()), second);
+            await page.getByText(/^Last command: [0-9.]+ ms/).waitFor();
+
+            const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save scene" }).click()]);
+            const path = join(folder, download.suggestedFilename());
+            await download.saveAs(path);
+            assert.match(readFileSync(path, "utf8"), /hair_events:\n {2}- \{ step: 0, strands: curls, cursor: /);
+            assert.equal(nativeHash(path), second.hash);
+        });
+    } finally {
+        rmSync(folder, { recursive: true });
+    }
 });

@@ -306,6 +306,11 @@ export class Session {
         return this.#main.ask("hash");
     }
 
+    /** Whether strokes of the brush add up: the scene says so, or was started as one that does. */
+    get canComb() {
+        return Object.values(this.frozen).every((hair) => hair.isCombable);
+    }
+
     /** @returns {Promise<{text: string, hash: string, step: number}>} the scene with the strokes that were made */
     saveScene() {
         return this.#main.ask("saveScene");
