@@ -364,10 +364,15 @@ export class Viewer {
         const { session } = this;
         if (!session.canComb) {
             this.#isPreparing = true;
-            await session.start({ strokes: true });
-            this.#isPreparing = false;
+            try {
+                await session.start({ strokes: true });
+            } catch (error) {
+                return this.#notice(error.message);
+            } finally {
+                this.#isPreparing = false;
+            }
         }
-        session.input({ type: "stroke" });
+        return session.input({ type: "stroke" });
     }
 
     /** @param {object} body @param {number[]} cursor m */
