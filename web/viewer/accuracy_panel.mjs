@@ -45,7 +45,7 @@ export class AccuracyPanel {
     }
 
     #buildTune() {
-        this.target = h("input", { type: "number", min: 0.001, step: "any", value: 5, "aria-label": "Error to meet, millimetres" });
+        this.target = h("input", { type: "number", min: 0, step: "any", value: 5, "aria-label": "Error to meet, millimetres" });
         this.find = h("button", { type: "submit", class: "primary" }, "Find");
         this.stop = h("button", { type: "button", hidden: true, onclick: () => this.on.stopTune() }, "Stop");
         this.progress = h("progress", { hidden: true, "aria-label": "Progress of the search" });
@@ -56,7 +56,7 @@ export class AccuracyPanel {
             if (error > 0) this.on.tune(error / 1000);
             else this.showAnswer("The error must be above 0 mm.", "bad");
         };
-        this.tune = h("form", { class: "section", style: "padding:0", onsubmit: submit },
+        this.tune = h("form", { class: "section", style: "padding:0", onsubmit: submit, novalidate: true },
             h("div", { class: "line" }, h("span", {}, "Find me"), this.target, h("span", { class: "grow" }, "mm"), this.find, this.stop),
             this.progress, this.answer);
     }

@@ -5,6 +5,7 @@ const PICTURE_MS = 1000 / 60;
 const MAX_PASSES = 7;
 /** Part that a new measurement has in what is shown: about half a second at 60 steps per second. */
 const SMOOTHING = 0.06;
+const WARM_UP = 5; // steps
 /** Counters of work done; the others tell of limits reached and failures. */
 const WORK = new Set(["steps", "plans", "neighbours", "neighbour searches", "first order substeps"]);
 /** Hues of equal lightness, far apart for neighbours. */
@@ -37,8 +38,9 @@ export class CostPanel {
     /** @param {object} frame */
     add(frame) {
         if (frame.stepMs <= 0) return;
-        // The first steps count fully, later ones smoothly.
-        const weight = Math.max(SMOOTHING, 1 / ++this.#count);
+        // The first steps compile the plan, and the browser still compiles the engine: they count until there are others.
+        ++this.#count;
+        const weight = this.#count <= WARM_UP ? 1 : Math.max(SMOOTHING, 1 / (this.#count - WARM_UP));
         const seen = new Set();
         for (const { pass, seconds } of frame.profile) {
             const before = this.#passes.get(pass) ?? 0;

@@ -41,24 +41,40 @@ export function combableScene(text, name, hair) {
     return document.toString({ lineWidth: 0 });
 }
 
+/** Whether the strokes of a scene add up already, so that a brush goes on from where the scene is. */
+export function isCombable(text, name) {
+    return findStrands(parseDocument(text), name).getIn(["frozen_hair", "base"]) === "stroke";
+}
+
+/**
+ * @param {string} text of a scene @returns {object[]} its entries of `hair_events`
+ */
+export function hairEvents(text) {
+    return parseDocument(text).toJS().hair_events ?? [];
+}
+
+function toEntry(event) {
+    return Object.fromEntries(Object.entries(event).map(([key, value]) => {
+        if (Array.isArray(value)) return [key, value.map(toFloat)];
+        return [key, typeof value === "number" && key !== "step" ? toFloat(value) : value];
+    }));
+}
+
 /**
  * The scene with the commands that were given.
  * @param {string} text from combableScene()
- * @param {{step: number, strands: string, cursor?: number[], values?: Record<string, number>}[]} commands in the order of their
- *   steps; `values` are scene keys that change from there on
+ * @param {object[]} commands entries of `hair_events`: step, strands, cursor, and the parameters that change from there on
  * @param {number} steps that the page has made
  */
 export function combedScene(text, commands, steps) {
     const document = parseDocument(text);
-    const events = commands.map(({ step, strands, cursor, values }) => {
-        const event = { step, strands };
-        if (cursor) event.cursor = cursor.map(toFloat);
-        for (const [key, value] of Object.entries(values ?? {})) event[key] = toFloat(value);
-        return event;
-    });
-    const list = document.createNode(events);
+    const entries = commands.filter(({ step }) => step < steps).sort((a, b) => a.step - b.step).map(toEntry);
+    const list = document.createNode(entries);
     for (const item of list.items) item.flow = true;
     document.set("hair_events", list);
     document.set("steps", steps);
-    return document.toString({ lineWidth: 0 });
+    // A file that was JSON stays JSON.
+    return text.trimStart().startsWith("{")
+        ? `${JSON.stringify(document.toJS(), null, 2)}\n`
+        : document.toString({ lineWidth: 0 });
 }

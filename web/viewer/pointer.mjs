@@ -64,7 +64,7 @@ export class Pointer {
     }
 
     #take(event) {
-        const found = this.#pick(event, (body) => body.kind === "collider" || this.viewer.canGrab(body));
+        const found = this.#pick(event, (body) => this.viewer.canGrab(body));
         if (!found) return;
         const { body, vertex } = found, session = this.viewer.session;
         const points = this.viewer.shownPoints[body.index];

@@ -33,7 +33,7 @@ export class RecordingPlayer {
         });
         const frame = {
             step: index, time: this.recording.time, points, values: points.map(() => null), looks: null,
-            stepMs: 0, profile: [], counters: null, hashes: [], largest: 0, strokes: null, log: [],
+            stepMs: 0, profile: [], counters: null, hashes: [], largest: 0, strokes: null, refused: [], log: [],
         };
         return { frame, transfer: points.map((array) => array.buffer) };
     }

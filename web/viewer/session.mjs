@@ -24,6 +24,7 @@ export class Session {
     /** @type {number[]} steps of each request under way */
     #flight = [];
     #isStarting = false;
+    #lastStart = Promise.resolve();
     #followed = 0; // the step that the reference has reached
     #referenceInFlight = 0;
     /** @type {object[]} frames of the reference that are shown or will be */
@@ -85,8 +86,14 @@ export class Session {
     }
 
     /** Start from step 0. @param {{knobs?: object, usesReference?: boolean, strokes?: boolean}} [changes] */
-    async start(changes = {}) {
-        if (this.#isStarting) return;
+    start(changes = {}) {
+        // A change that comes while the scene starts waits until it has started, and then starts it again.
+        const started = this.#lastStart.then(() => this.#startNow(changes));
+        this.#lastStart = started.catch(() => {});
+        return started;
+    }
+
+    async #startNow(changes) {
         this.#isStarting = true;
         try {
             const knobs = changes.knobs ?? this.knobs;
@@ -297,6 +304,11 @@ export class Session {
     /** @returns {Promise<{step: number, hash: string}>} */
     hash() {
         return this.#main.ask("hash");
+    }
+
+    /** Whether strokes of the brush add up: the scene says so, or was started as one that does. */
+    get canComb() {
+        return Object.values(this.frozen).every((hair) => hair.isCombable);
     }
 
     /** @returns {Promise<{text: string, hash: string, step: number}>} the scene with the strokes that were made */

@@ -18,6 +18,7 @@
  * @property {number} stepMs mean of the steps of this frame
  * @property {{pass: string, seconds: number}[]} profile of the last step
  * @property {string|null} requested a value that the page needs and the scene does not compute
+ * @property {number[]} refused bodies that cannot be held
  * @property {string[]} log what the engine has to say, a sentence each
  * @property {string|null} notice an input that could not be taken, and why
  * @property {[number, string][]} hashes of steps that the page compares
@@ -40,7 +41,7 @@ function describeBody(body) {
 export class Simulation {
     /**
      * @param {object} scene of wisp.mjs
-     * @param {{reference?: boolean, hashEvery?: number, colourBy?: string|null}} settings
+     * @param {{reference?: boolean, hashEvery?: number, colourBy?: string|null, hairEvents?: object[]}} settings
      */
     constructor(scene, settings) {
         this.scene = scene;
@@ -48,9 +49,13 @@ export class Simulation {
         this.hashEvery = settings.hashEvery ?? 0;
         this.pool = new BufferPool();
         this.bodies = this.world.bodies.map(describeBody);
-        this.strokes = new StrokeHistory(this.world);
+        this.strokes = new StrokeHistory(this.world, settings.hairEvents ?? []);
         this.colourBy = settings.colourBy ?? null;
         this.looksChanged = true;
+        /** @type {Set<number>} bodies that cannot be held, such as those that keyframes move */
+        this.refused = new Set();
+        /** @type {Set<string>} values that the page asked for */
+        this.requested = new Set();
     }
 
     release() {
@@ -62,17 +67,10 @@ export class Simulation {
         this.colourBy = what;
     }
 
-    /** A value of a body, if the world computes it. Known after a step. */
+    /** A value of a body, if the world computes it. It is there after a step. */
     #read(body, what) {
-        if (this.world.stepCount === 0 || body.hidden || !body.has?.[what]) return null;
-        engineLog.isQuiet = true;
-        try {
-            return this.world[what](body);
-        } catch {
-            return null;
-        } finally {
-            engineLog.isQuiet = false;
-        }
+        const isThere = body.computes[what] || this.requested.has(`${body.index} ${what}`);
+        return this.world.stepCount > 0 && !body.hidden && isThere ? this.world[what](body) : null;
     }
 
     /**
@@ -81,10 +79,16 @@ export class Simulation {
      */
     #requestColour() {
         const what = this.colourBy;
-        if (!what || this.world.stepCount === 0) return null;
-        const lacking = this.bodies.filter((body) => !body.hidden && body.has?.[what] && !this.#read(body, what));
-        for (const body of lacking) this.world.request(body, what);
-        return lacking.length > 0 ? what : null;
+        if (!what) return null;
+        let isNew = false;
+        for (const body of this.bodies) {
+            const key = `${body.index} ${what}`;
+            if (body.hidden || !body.has[what] || body.computes[what] || this.requested.has(key)) continue;
+            this.world.request(body, what);
+            this.requested.add(key);
+            isNew = true;
+        }
+        return isNew ? what : null;
     }
 
     /** @param {Input} input */
@@ -124,12 +128,15 @@ export class Simulation {
     advance(count, inputs) {
         const hashes = [];
         let notice = null;
+        const requested = count > 0 ? this.#requestColour() : null;
         for (const input of inputs) {
+            if (this.refused.has(input.body)) continue;
             // What cannot be done leaves the world as it was; the page says why and goes on.
             try {
                 if (this.#apply(input) === false) notice = `Nothing in this scene feels ${input.type}.`;
             } catch (error) {
                 notice = error.message;
+                if (/grab|drag|moveCollider/i.test(input.type)) this.refused.add(input.body);
             }
         }
         const start = performance.now();
@@ -139,7 +146,7 @@ export class Simulation {
             if (this.hashEvery > 0 && step % this.hashEvery === 0) hashes.push([step, this.world.hash()]);
         }
         const stepMs = count > 0 ? (performance.now() - start) / count : 0;
-        return this.#pack(stepMs, hashes, count > 0, { notice, requested: this.#requestColour() });
+        return this.#pack(stepMs, hashes, count > 0, { notice, requested });
     }
 
     /** The state as it is. @returns {{frame: Frame, transfer: ArrayBuffer[]}} */
@@ -183,7 +190,7 @@ export class Simulation {
             for (let i = 0; i < count; ++i) if (Math.abs(array[i]) > largest) largest = Math.abs(array[i]);
         });
         const frame = {
-            step: world.stepCount, time: world.time, points, values, looks, stepMs, hashes, largest, ...news, log: engineLog.take(),
+            step: world.stepCount, time: world.time, points, values, looks, stepMs, hashes, largest, ...news, refused: [...this.refused], log: engineLog.take(),
             profile: hasStepped ? world.profile() : NO_PROFILE,
             counters: hasStepped ? world.counters() : null,
             strokes: this.strokes.state(),

@@ -38,7 +38,6 @@ export class Stage {
 
     /** @param {HTMLCanvasElement} canvas */
     constructor(canvas) {
-        // Without an alpha channel: hair writes its coverage there, and the page would shine through.
         const context = canvas.getContext("webgl2", { alpha: false, antialias: true, powerPreference: "high-performance" });
         this.renderer = new WebGLRenderer({ canvas, context });
         this.renderer.autoClear = true;

@@ -16,7 +16,7 @@ uniform float width, minPixels;
 uniform vec2 viewport;
 uniform vec3 rootColour, tipColour;
 out vec3 world, tangent, base;
-out float along, random, value, cover;
+out float along, random, value;
 void main() {
     int i = gl_VertexID >> 1;
     int flags = int(strand.x + 0.5);
@@ -38,9 +38,9 @@ void main() {
     across = length2 > 1e-12 ? across * inversesqrt(length2) : vec3(1.0, 0.0, 0.0);
     float pixel = 2.0 * (isParallel ? 1.0 : -view.z) / (projectionMatrix[1][1] * viewport.y);
     float wanted = (hasWidth ? texelFetch(widths, texelOf(i), 0).r : width) * mix(1.0, 0.45, hasWidth ? 0.0 : along);
-    // Hair thinner than a pixel keeps that width and covers less of it; below a third it would only shimmer.
+    // Hair thinner than a pixel is drawn a pixel wide. Covering part of it would need an order of drawing, or leave the same
+    // samples of each pixel open however many strands lie over each other.
     float least = minPixels * pixel;
-    cover = clamp(wanted / least, 0.35, 1.0);
     view.xyz += across * (strand.y - 0.5) * max(wanted, least);
     world = p;
     gl_Position = projectionMatrix * view;
@@ -50,7 +50,7 @@ const FRAGMENT = /* glsl */ `
 precision highp float;
 ${LIGHT}${COLOUR_MAP}${OUTPUT}
 in vec3 world, tangent, base;
-in float along, random, value, cover;
+in float along, random, value;
 out vec4 colour;
 float highlight(vec3 t, vec3 h, float shift, float power) {
     // Scales of a hair tilt its surface; the same as tilting the tangent towards the half vector.
@@ -64,18 +64,18 @@ void main() {
     float lit = shadowAt(world + l * 2.0 * shadowBias, 0.0015);
     vec3 b = value >= 0.0 ? mapColour(value) : base * (0.8 + 0.4 * random);
     vec3 n = normalize(v - t * dot(v, t));
-    vec3 diffuse = b * (keyColour * 0.9 * sinTL * mix(0.14, 1.0, lit) + skyAt(n) * (0.75 + 0.5 * along));
+    vec3 diffuse = b * (keyColour * 0.5 * sinTL * mix(0.2, 1.0, lit) + skyAt(n) * (0.5 + 0.4 * along));
     // Light from behind passes along the edge of the hair.
-    vec3 rim = skyColour * b * 0.9 * pow(max(0.0, 1.0 - abs(dot(v, vec3(0.0, 1.0, 0.0)))), 2.0) * highlight(t, normalize(v + vec3(0.5, 0.3, -0.8)), shift, 14.0);
+    vec3 rim = skyColour * b * 0.6 * pow(max(0.0, 1.0 - abs(dot(v, vec3(0.0, 1.0, 0.0)))), 2.0) * highlight(t, normalize(v + vec3(0.5, 0.3, -0.8)), shift, 14.0);
     float first = highlight(t, h, 0.10 + shift, 110.0), second = highlight(t, h, -0.12 + shift, 26.0);
-    vec3 shine = keyColour * lit * (0.16 * first + 0.55 * second * b);
-    colour = vec4(toScreen(diffuse + rim + (value >= 0.0 ? 0.2 : 1.0) * shine), cover);
+    vec3 shine = keyColour * lit * (0.10 * first + 0.45 * second * b);
+    colour = vec4(toScreen(diffuse + rim + (value >= 0.0 ? 0.2 : 1.0) * shine), 1.0);
 }`;
 
 const DEPTH_FRAGMENT = /* glsl */ `
 precision highp float;
 in vec3 world, tangent, base;
-in float along, random, value, cover;
+in float along, random, value;
 void main() {}`;
 
 /** Ribbons of all strands: two vertices per vertex, two triangles per segment. */
@@ -114,7 +114,7 @@ export class StrandDrawing {
             widths: { value: null }, colours: { value: null }, hasWidth: { value: false }, hasColour: { value: false },
             // A model has a hundredth of the hairs of a head: the fewer there are, the more each stands for.
             width: { value: 4e-4 * Math.min(3, Math.max(1, Math.sqrt(10000 / body.strandCount))) },
-            minPixels: { value: 1.15 },
+            minPixels: { value: 0.9 },
             rootColour: { value: new Color(0.17, 0.080, 0.038) }, tipColour: { value: new Color(0.46, 0.25, 0.115) },
         };
         this.uniforms = uniforms;
@@ -123,7 +123,7 @@ export class StrandDrawing {
         geometry.setAttribute("strand", new BufferAttribute(attributes, 4));
         geometry.setIndex(new BufferAttribute(indices, 1));
         this.material = new ShaderMaterial({
-            vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms, side: DoubleSide, glslVersion: GLSL3, alphaToCoverage: true,
+            vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms, side: DoubleSide, glslVersion: GLSL3,
         });
         const depthUniforms = { ...uniforms, minPixels: { value: 1.0 }, viewport: { value: new Vector2(2048, 2048) } };
         this.depthMaterial = new ShaderMaterial({

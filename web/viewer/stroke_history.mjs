@@ -21,10 +21,12 @@ export class StrokeHistory {
     /** @type {Map<number, Record<string, number>>} parameters of each body, as they are */
     #parameters = new Map();
     /** @type {object[]} entries of `hair_events` that led to the present state */
-    events = [];
+    events;
 
-    constructor(world) {
+    /** @param {object} world @param {object[]} events that its scene has already */
+    constructor(world, events) {
         this.#world = world;
+        this.events = events;
         for (const body of world.bodies) if (body.isFrozenHair) this.#parameters.set(body.index, this.#read(body));
     }
 

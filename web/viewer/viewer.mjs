@@ -44,6 +44,7 @@ export class Viewer {
     #counters = null;
     #commands = 0;
     #isPreparing = false;
+    #refused = new Set(); // bodies that cannot be held
     #isDirty = true;
     #drawn = "";
     #rate = { time: 0, at: 0, value: null };
@@ -224,6 +225,10 @@ export class Viewer {
         if (frame.looks) this.#looks = frame;
         this.#isDirty = true;
         if (frame.notice ?? frame.log.at(-1)) this.#notice(frame.notice ?? frame.log.at(-1));
+        if (frame.refused.length !== this.#refused.size) {
+            this.#refused = new Set(frame.refused);
+            this.pointer.release();
+        }
         this.cost.add(frame);
         this.look.add(frame);
         this.#counters = frame.counters ?? this.#counters;
@@ -357,7 +362,7 @@ export class Viewer {
     /** Strokes add up only in a scene that says so: at the first one, the scene starts again as such. */
     async beginStroke() {
         const { session } = this;
-        if (!session.strokes && session.frozen[this.#frozenBody].base !== "stroke") {
+        if (!session.canComb) {
             this.#isPreparing = true;
             await session.start({ strokes: true });
             this.#isPreparing = false;
@@ -405,7 +410,7 @@ export class Viewer {
 
     /** Whether a body's vertices can be held. */
     canGrab(body) {
-        return body.moves && (body.kind !== "strands" || body.has?.grab === true);
+        return (body.moves || body.kind === "collider") && !body.isFrozenHair && !this.#refused.has(body.index);
     }
 
     /** @param {Vector3} point @returns {[number, number]} pixels from the view's corner */

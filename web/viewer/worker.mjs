@@ -8,18 +8,33 @@
 import { loadWisp } from "wisp";
 import { engineLog } from "./engine_log.mjs";
 import { Simulation } from "./simulation.mjs";
+import { combableScene, combedScene, hairEvents, isCombable } from "./hair_scene.mjs";
 import { RecordingPlayer } from "./recording_player.mjs";
 
 let wisp = null;
 let scene = null;
 let derived = null; // the scene with other settings, that the world was made of
 let simulation = null;
+let climateWorld = null; // of the scene itself, made when the editor asks for a climate
 let player = null;
 /** @type {MessagePort|null} to the reference, where this is the main world; to the main world, where this is the reference */
 let peer = null;
 
 function describeScene() {
     return { name: scene.name, dt: scene.dt, steps: scene.steps, gravity: scene.gravity, wind: scene.wind ?? null, knobs: scene.knobs };
+}
+
+/** The scene as a brush starts from it: strokes add up, and a climate is the stiffness that it gives. */
+function combable() {
+    const world = scene.createWorld();
+    let text = scene.text;
+    for (const body of world.bodies) {
+        if (!body.isFrozenHair || isCombable(text, body.name)) continue;
+        const { freezes, temperature, wetness } = world.frozenHair(body);
+        text = combableScene(text, body.name, { freezes, stiffness: world.climateStiffness(body, temperature, wetness) });
+    }
+    world.release();
+    return scene.withText(text);
 }
 
 function send(frame, transfer) {
@@ -59,14 +74,16 @@ const requests = {
     openScene({ name, files }) {
         const next = wisp.readScene(name, files);
         scene?.release();
+        climateWorld?.release();
+        climateWorld = null;
         scene = next;
         return describeScene();
     },
 
     start({ knobs, strokes, reference, hashEvery, colourBy, port }) {
-        let next = strokes ? scene.withStrokes() : scene;
+        let next = strokes ? combable() : scene;
         if (knobs && Object.keys(knobs).length > 0) next = next.withKnobs(knobs);
-        const started = new Simulation(next, { reference, hashEvery, colourBy });
+        const started = new Simulation(next, { reference, hashEvery, colourBy, hairEvents: hairEvents(next.text) });
         simulation?.release();
         if (derived && derived !== scene) derived.release();
         derived = next;
@@ -78,14 +95,17 @@ const requests = {
         if (peer && reference) peer.onmessage = (event) => guarded(() => follow(event.data));
         const frozen = {};
         for (const body of simulation.bodies) {
-            if (body.isFrozenHair) frozen[body.index] = simulation.world.frozenHair(body);
+            if (!body.isFrozenHair) continue;
+            const isReady = isCombable(next.text, body.name);
+            frozen[body.index] = { ...simulation.world.frozenHair(body), isCombable: isReady };
         }
         return { frame: simulation.now().frame, bodies: simulation.bodies, memoryBytes: simulation.world.memoryBytes, frozen };
     },
 
-    /** Stiffness that a climate gives hair. */
+    /** Stiffness that a climate gives hair, by the scene's own curve, which a combed scene no longer has. */
     climate({ body, temperature, wetness }) {
-        return simulation.world.climateStiffness(simulation.bodies[body], temperature, wetness);
+        climateWorld ??= scene.createWorld();
+        return climateWorld.climateStiffness(climateWorld.bodies[body], temperature, wetness);
     },
 
     setColour({ colourBy }) {
@@ -98,10 +118,8 @@ const requests = {
 
     /** The scene with the commands that were given, as text; `wisp run` makes the same state from it. */
     saveScene() {
-        const saved = simulation.scene.withFrozenCommands(simulation.strokes.events, { steps: simulation.world.stepCount });
-        const text = saved.text;
-        saved.release();
-        return { text, hash: simulation.world.hash(), step: simulation.world.stepCount };
+        const step = simulation.world.stepCount;
+        return { text: combedScene(simulation.scene.text, simulation.strokes.events, step), hash: simulation.world.hash(), step };
     },
 
     /** Blocks this worker, which is made for it. The page stops a search by ending the worker. */
