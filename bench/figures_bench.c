@@ -26,11 +26,29 @@ wisp_status figures_run( figures_fn* const* experiments, int count, const bench_
 wisp_status figures_bench( const bench_options* options, results* out, wisp_error* error )
 {
     static figures_fn* const all[] = {
-        figures_two_particles,   figures_links,        figures_fixed_volume,     figures_four_forces,
-        figures_inflate_release, figures_spin,         figures_rise_and_reverse, figures_real_time,
-        figures_ghost_centre,    figures_ghost_sway,   figures_ghost_block,      figures_ghost_apart,
-        figures_ghost_curves,    figures_ghost_spread, figures_ghost_pairing,    figures_drape,
-        figures_drape_steps,     figures_free_flight,  figures_hang_accuracy,    figures_hang_refined,
+        figures_two_particles,
+        figures_links,
+        figures_fixed_volume,
+        figures_four_forces,
+        figures_inflate_release,
+        figures_spin,
+        figures_rise_and_reverse,
+        figures_real_time,
+        figures_ghost_centre,
+        figures_ghost_sway,
+        figures_ghost_block,
+        figures_ghost_apart,
+        figures_ghost_curves,
+        figures_ghost_spread,
+        figures_ghost_pairing,
+        figures_frozen_intensity,
+        figures_frozen_stiffness,
+        figures_frozen_clumps,
+        figures_drape,
+        figures_drape_steps,
+        figures_free_flight,
+        figures_hang_accuracy,
+        figures_hang_refined,
     };
     return figures_run( all, WISP_COUNT( all ), options, out, error );
 }

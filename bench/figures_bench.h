@@ -1,4 +1,4 @@
-/// The case `figures`: the figures of the balloon paper, of Park and Kim 2024 and
+/// The case `figures`: the figures of the balloon paper, of Park and Kim 2024, of Kim 2026 and
 /// of Noh and Jung (figures_drape.h) as experiments, each with a measured check.
 #pragma once
 
@@ -26,6 +26,10 @@ figures_fn figures_ghost_curves; ///< Park and Kim 2024, Fig. 3: curves have few
 figures_fn figures_ghost_spread; ///< the spread of a group is the requested one (extension)
 figures_fn
     figures_ghost_pairing; ///< extension: ghosts with twice as many vertices, by the nearest vertex and by arc length
+
+figures_fn figures_frozen_intensity; ///< Kim 2026, Fig. 1: intensity 0.8 and 0.2 along one cursor path
+figures_fn figures_frozen_stiffness; ///< Kim 2026, Fig. 2: original, stiffness 7 and 3
+figures_fn figures_frozen_clumps;    ///< Kim 2026, Fig. 3: aligned strands form locks, and gaps stay
 
 /// Run some of the experiments. @param pictures folder, or null
 wisp_status figures_run( figures_fn* const* experiments, int count, const bench_options* options, results* out,

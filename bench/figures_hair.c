@@ -48,6 +48,33 @@ wisp_status figures_hair_add( const figures_case* page, figures_hair_album* albu
     return WISP_OK;
 }
 
+static float blend( float a, float b, float t )
+{
+    return a + ( b - a ) * t;
+}
+
+wisp_status figures_hair_add_blended( const figures_case* page, figures_hair_album* album, const wisp_vec3* points,
+                                      int strand_count, int vertices, wisp_vec3 root_colour, wisp_vec3 tip_colour,
+                                      float radius, wisp_error* error )
+{
+    const int shot = album->count - 1;
+    const int layers = page->pictures && shot >= 0 ? album->layer_count[shot] : FIGURES_HAIR_LAYERS_MAX;
+    wisp_status status = figures_hair_add( page, album, points, strand_count, vertices, root_colour, radius, error );
+    if ( status != WISP_OK || layers == FIGURES_HAIR_LAYERS_MAX )
+    {
+        return status;
+    }
+    wisp_vec3* colours = malloc( (size_t)strand_count * (size_t)vertices * sizeof( wisp_vec3 ) );
+    for ( int i = 0; i < strand_count * vertices && colours; ++i )
+    {
+        const float t = vertices > 1 ? (float)( i % vertices ) / (float)( vertices - 1 ) : 0.0f;
+        colours[i] = ( wisp_vec3 ){ blend( root_colour.x, tip_colour.x, t ), blend( root_colour.y, tip_colour.y, t ),
+                                    blend( root_colour.z, tip_colour.z, t ) };
+    }
+    album->layers[shot][layers].colours = colours;
+    return colours ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for a picture" );
+}
+
 void figures_hair_free( figures_hair_album* album )
 {
     for ( int shot = 0; shot < album->count; ++shot )
@@ -56,6 +83,7 @@ void figures_hair_free( figures_hair_album* album )
         {
             free( album->layers[shot][i].points );
             free( album->layers[shot][i].offsets );
+            free( album->layers[shot][i].colours );
         }
     }
     *album = ( figures_hair_album ){ .count = 0 };
@@ -71,11 +99,16 @@ static void set_scene( const figures_hair_album* album, int shot, render_curves*
         curves[i].offsets = layer->offsets;
         curves[i].strand_count = layer->strand_count;
         curves[i].colour = layer->colour;
+        curves[i].colours = layer->colours;
         curves[i].radius = layer->radius;
     }
     *scene = render_default_scene();
     scene->curves = curves;
     scene->curves_count = album->layer_count[shot];
+    if ( album->is_flat )
+    {
+        scene->background_top = scene->background_bottom = ( wisp_vec3 ){ 1.0f, 1.0f, 1.0f };
+    }
 }
 
 // One camera for all shots, so that they can be compared.
@@ -92,7 +125,11 @@ static wisp_status find_camera( const figures_hair_album* album, render_camera* 
         status = render_scene_bounds( &scene, &one, error );
         all = render_bounds_union( all, one );
     }
-    const render_view view = render_default_view();
+    render_view view = render_default_view();
+    if ( album->is_flat )
+    {
+        view.azimuth_degrees = view.elevation_degrees = 0.0f;
+    }
     return status == WISP_OK ? render_frame_camera( &all, &view, 1.0f, camera, error ) : status;
 }
 

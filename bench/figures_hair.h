@@ -10,6 +10,7 @@ typedef struct figures_hair_layer
 {
     wisp_vec3* points;
     int32_t* offsets;
+    wisp_vec3* colours; ///< of each point; null: the one colour below
     int strand_count;
     wisp_vec3 colour;
     float radius; ///< m
@@ -22,6 +23,7 @@ typedef struct figures_hair_album
     int layer_count[FIGURES_HAIR_SHOTS_MAX];
     char labels[FIGURES_HAIR_SHOTS_MAX][40];
     int count;
+    bool is_flat; ///< strands in the plane z = 0, drawn from the front on white
 } figures_hair_album;
 
 /// Begin a shot. Without a folder for pictures, or beyond the last shot, nothing is kept.
@@ -30,6 +32,10 @@ void figures_hair_begin( const figures_case* page, figures_hair_album* album, co
 /// Add strands of equally many vertices to the shot begun last. @param points [strand_count][vertices] m
 wisp_status figures_hair_add( const figures_case* page, figures_hair_album* album, const wisp_vec3* points,
                               int strand_count, int vertices, wisp_vec3 colour, float radius, wisp_error* error );
+/// As figures_hair_add(), with colours that blend from root to tip.
+wisp_status figures_hair_add_blended( const figures_case* page, figures_hair_album* album, const wisp_vec3* points,
+                                      int strand_count, int vertices, wisp_vec3 root_colour, wisp_vec3 tip_colour,
+                                      float radius, wisp_error* error );
 /// Write the shots side by side as FOLDER/<name>.png and link it from the page.
 wisp_status figures_hair_write( figures_case* page, const figures_hair_album* album, const char* name,
                                 const char* caption, wisp_error* error );

@@ -80,6 +80,13 @@ WEB_API int web_hair_command( web_world* w, int body, float x, float y, float z 
            report( w, wisp_command_frozen_hair( w->world.world, w->world.entities[body], ( wisp_vec3 ){ x, y, z } ) );
 }
 
+/// Forget the alignment of all strands, and draw new random numbers at the next step.
+WEB_API int web_hair_begin_stroke( web_world* w, int body )
+{
+    return frozen( w, body ) != NULL &&
+           report( w, wisp_begin_frozen_hair_stroke( w->world.world, w->world.entities[body] ) );
+}
+
 /// @return the stiffness of strands in a climate, by the scene's curve or the default one
 WEB_API double web_hair_climate_stiffness( web_world* w, int body, float temperature, float wetness )
 {

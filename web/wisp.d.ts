@@ -187,6 +187,8 @@ export interface World {
   setFrozenHair(body: Body, changes: Partial<Pick<FrozenHair, "intensity" | "reach" | "stretchStiffness" | "bendStiffness" | "clumpRadius">>): void;
   /** The next step updates the strands, those within reach towards a point. */
   commandFrozenHair(body: Body, cursor: [number, number, number]): void;
+  /** Forget what commands have done, where strokes add up (`base: stroke`). */
+  beginStroke(body: Body): void;
   /** Stiffness that a climate gives strands, by the scene's curve or the default one. @param temperature degrees Celsius @param wetness 0 to 1 */
   climateStiffness(body: Body, temperature: number, wetness: number): number;
 

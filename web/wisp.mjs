@@ -444,6 +444,10 @@ class World {
     this.#demand("hair_command", body.index, x, y, z);
   }
 
+  beginStroke(body) {
+    this.#demand("hair_begin_stroke", body.index);
+  }
+
   climateStiffness(body, temperature, wetness) {
     return this.#call("hair_climate_stiffness", body.index, temperature, wetness);
   }

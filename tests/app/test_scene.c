@@ -251,6 +251,33 @@ static void commands_come_in_the_order_of_their_steps( void** state )
     wisp_scene_release( &scene );
 }
 
+static void hair_events_change_parameters_from_then_on( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\nsteps: 9\n"
+                             "strands:\n"
+                             "  - name: a\n    generate: {}\n"
+                             "    frozen_hair: { base: stroke, freeze: {}, align: {}, clump: {} }\n"
+                             "  - { name: b, generate: {}, frozen_hair: { freeze: {} } }\n"
+                             "hair_events:\n"
+                             "  - { step: 4, strands: a, begin_stroke: true }\n"
+                             "  - { step: 1, strands: a, cursor: [1, 0, 0], intensity: 0.25, reach: 0.5 }\n"
+                             "  - { step: 2, strands: a, stretch_stiffness: 4, bend_stiffness: 5, intensity: 0.5 }\n"
+                             "  - { step: 2, strands: b, cursor: [0, 0, 0], bend_stiffness: 6 }\n"
+                             "  - { step: 5, strands: a, clump_radius: 0.02 }\n" );
+    assert_int_equal( scene.strands[0].frozen_hair.base, WISP_FROZEN_BASE_STROKE );
+    assert_int_equal( scene.command_count, 5 );
+    const wisp_scene_hair_event* e = scene.commands;
+    assert_true( e[0].has_cursor && e[0].changes && e[0].intensity == 0.25f && e[0].reach == 0.5f );
+    assert_false( e[0].has_bend_stiffness || e[0].begin_stroke );
+    assert_true( e[1].changes && !e[1].has_cursor && e[1].intensity == 0.5f && e[1].reach == 0.5f );
+    assert_true( e[1].stretch_stiffness == 4.0f && e[1].bend_stiffness == 5.0f );
+    assert_true( e[2].has_bend_stiffness && e[2].bend_stiffness == 6.0f && !e[2].has_intensity );
+    assert_true( e[3].begin_stroke && !e[3].changes && !e[3].has_cursor && e[3].intensity == 0.5f );
+    assert_true( e[4].changes && e[4].clump_radius == 0.02f && e[4].bend_stiffness == 5.0f );
+    wisp_scene_release( &scene );
+}
+
 static void files_are_looked_for_beside_the_scene( void** state )
 {
     (void)state;
@@ -270,8 +297,9 @@ static void files_are_looked_for_beside_the_scene( void** state )
 static void the_scenes_of_the_project_are_read( void** state )
 {
     (void)state;
-    static const char* const files[] = { "empty.yaml",       "frozen_2d.yaml",   "frozen_3d_curly.yaml",
-                                         "freeze_only.yaml", "freeze_only.json", "environment_and_appearance.yaml" };
+    static const char* const files[] = { "empty.yaml",        "frozen_2d.yaml",   "frozen_3d_curly.yaml",
+                                         "freeze_only.yaml",  "freeze_only.json", "environment_and_appearance.yaml",
+                                         "frozen_stroke.yaml" };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )
     {
         wisp_scene scene = read_good( files[i] );
@@ -581,6 +609,7 @@ int main( void )
         cmocka_unit_test( an_event_at_a_time_comes_before_the_step_that_begins_then_or_later ),
         cmocka_unit_test( points_are_requested_unless_the_scene_says_what_to_compute ),
         cmocka_unit_test( commands_come_in_the_order_of_their_steps ),
+        cmocka_unit_test( hair_events_change_parameters_from_then_on ),
         cmocka_unit_test( files_are_looked_for_beside_the_scene ),
         cmocka_unit_test( the_scenes_of_the_project_are_read ),
         cmocka_unit_test( a_scene_in_json_says_the_same_as_in_yaml ),

@@ -454,6 +454,30 @@ static void the_stats_of_guide_hair_are_met( void** state )
     results_free( &all );
 }
 
+static void the_figures_of_frozen_hair_are_met_and_drawn( void** state )
+{
+    (void)state;
+    static figures_fn* const frozen[] = { figures_frozen_intensity, figures_frozen_stiffness, figures_frozen_clumps };
+    static const char* const files[] = { "frozen_hair_1_intensity.png", "frozen_hair_2_stiffness.png",
+                                         "frozen_hair_3_clumps.png" };
+    bench_options options = quick;
+    options.pictures = ".";
+    results all = { 0 };
+    wisp_error error = { 0 };
+    assert_ok( figures_run( frozen, WISP_COUNT( frozen ), &options, &all, &error ), error );
+    expect_good( &all );
+    assert_int_equal( all.tables[0].row_count, 1 + WISP_COUNT( frozen ) );
+    assert_int_equal( all.picture_count, 3 );
+    for ( int i = 0; i < 3; ++i )
+    {
+        FILE* file = fopen( files[i], "rb" );
+        assert_non_null( file );
+        fclose( file );
+        remove( files[i] );
+    }
+    results_free( &all );
+}
+
 static void pictures_of_ghosts_are_written( void** state )
 {
     (void)state;
@@ -489,6 +513,7 @@ int main( void )
         cmocka_unit_test( lone_ghosts_without_sway_are_their_guides ),
         cmocka_unit_test( a_million_vertices_are_held_to_their_claims ),
         cmocka_unit_test( the_stats_of_guide_hair_are_met ),
+        cmocka_unit_test( the_figures_of_frozen_hair_are_met_and_drawn ),
         cmocka_unit_test( pictures_of_ghosts_are_written ),
     };
     return cmocka_run_group_tests_name( "bench strands", tests, NULL, NULL );

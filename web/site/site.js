@@ -57,7 +57,7 @@ if (filter) {
             shown += line.hidden ? 0 : 1;
         }
         for (const group of document.querySelectorAll("details.names")) {
-            group.hidden = group.querySelector("[data-name]:not([hidden])") === null;
+            group.closest("section").hidden = group.querySelector("[data-name]:not([hidden])") === null;
             group.open = words.length > 0;
         }
         count.textContent = words.length > 0 ? `${shown} of ${lines.length} names` : `${lines.length} names`;

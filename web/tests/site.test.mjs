@@ -34,8 +34,8 @@ after(async () => {
     if (folder) await rm(folder, { recursive: true, force: true });
 });
 
-/** Opens a page of the site and collects what it asks for and complains about. */
-async function open(path, width = 1440) {
+/** Opens a page of a site and collects what it asks for and complains about. */
+async function open(path, width = 1440, root = site) {
     const context = await browser.newContext({ viewport: { width, height: 844 } });
     const page = await context.newPage();
     const requests = [];
@@ -43,7 +43,7 @@ async function open(path, width = 1440) {
     page.on("request", (request) => requests.push(request.url()));
     page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
     page.on("pageerror", (error) => errors.push(error.message));
-    await page.goto(pathToFileURL(join(site, path)).href);
+    await page.goto(pathToFileURL(join(root, path)).href);
     return { page, requests, errors, close: () => context.close() };
 }
 
@@ -137,4 +137,43 @@ test("the first key leads to the text", async () => {
     await page.keyboard.press("Enter");
     assert.equal(new URL(page.url()).hash, "#content");
     await close();
+});
+
+/** A site with a gallery whose live pages only have a title. */
+async function siteWithGallery() {
+    const live = join(folder, "live");
+    await mkdir(live, { recursive: true });
+    const { gallery } = JSON.parse(await readFile(join(tree, "web/site/site.json"), "utf8"));
+    for (const { scene } of gallery) {
+        await writeFile(join(live, scene.replace(".yaml", ".html")), `<!DOCTYPE html><title>${scene}</title>`);
+        await cp(join(tree, "docs/pictures/cloth_fold.png"), join(live, scene.replace(".yaml", ".png")));
+    }
+    const output = join(folder, "gallery-site");
+    await run(process.execPath, [builder, tree, output, "--live", live]);
+    return { output, count: gallery.length, live };
+}
+
+test("a picture of the gallery becomes its live page, one at a time, and opens it on a phone", async () => {
+    const { output, count } = await siteWithGallery();
+    const desktop = await open("gallery.html", 1440, output);
+    assert.equal(await desktop.page.locator("a.poster").count(), count);
+    assert.equal(await desktop.page.locator("iframe").count(), 0);
+    await desktop.page.click("#flag a.poster");
+    await desktop.page.click("#cloth_fold a.poster");
+    assert.deepEqual(await desktop.page.locator("iframe").evaluateAll((frames) => frames.map(({ src }) => src.split("/").at(-1))), ["cloth_fold.html"]);
+    assert.deepEqual(desktop.errors, []);
+    await desktop.close();
+
+    const phone = await open("gallery.html", 390, output);
+    assert.equal(await phone.page.evaluate(() => document.documentElement.scrollWidth), 390);
+    await phone.page.click("#flag a.poster");
+    await phone.page.waitForURL(/live\/flag\.html$/);
+    await phone.close();
+});
+
+test("a gallery that lacks a live page is refused", async () => {
+    const { live, count } = await siteWithGallery();
+    await rm(join(live, "flag.png"));
+    await assert.rejects(run(process.execPath, [builder, tree, join(folder, "out"), "--live", live]),
+        new RegExp(`got ${count - 1} live pages with pictures, expected ${count}`));
 });

@@ -1,0 +1,423 @@
+// The figures of Kim 2026: frozen hair in the plane, red at the root and blue at the tip as in the source.
+#include "figures_hair.h"
+
+#include "frozen_hair.h"
+#include "groom.h"
+#include "bench_world.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    VERTICES = 20, // of a strand, from Table 1
+    PATH = 40,     // commands of a stroke
+    CIRCLE = 49,   // points of the circle of reach
+};
+
+static const wisp_vec3 root_colour = { 0.80f, 0.03f, 0.03f }, tip_colour = { 0.03f, 0.06f, 0.80f };
+static const wisp_vec3 cursor_colour = { 0.02f, 0.02f, 0.02f };
+static const float HAIR_RADIUS = 4e-4f, CURSOR_RADIUS = 6e-4f; // m
+static const double DEGREE = 3.14159265358979323846 / 180.0;
+
+// Strands in the plane, and a world in which they freeze.
+typedef struct frozen_plane
+{
+    wisp_groom groom;
+    wisp_world* world;
+    wisp_entity hair;
+    const wisp_vec3* points; ///< of the last step
+} frozen_plane;
+
+static void plane_free( frozen_plane* f )
+{
+    if ( f->world )
+    {
+        wisp_world_destroy( f->world );
+    }
+    wisp_groom_release( &f->groom );
+    *f = ( frozen_plane ){ .world = NULL };
+}
+
+static wisp_status plane_step( frozen_plane* f, wisp_error* error )
+{
+    const wisp_status status = wisp_world_step( f->world, 1.0f / 60.0f );
+    return status == WISP_OK
+               ? bench_world_points( f->world, f->hair, WISP_STRAND_POINTS, f->groom.vertex_count, &f->points, error )
+               : bench_world_fail( f->world, status, error );
+}
+
+static wisp_status plane_make( wisp_groom_shape shape, int strands, float spacing, const wisp_frozen_hair_def* def,
+                               frozen_plane* f, wisp_error* error )
+{
+    static const wisp_module* const modules[] = { &wisp_frozen_hair_module };
+    const bench_world_def world = { modules, WISP_COUNT( modules ), .workers = 1 };
+    wisp_groom_generator generator = wisp_default_groom_generator( shape, 2 );
+    *f = ( frozen_plane ){ .world = NULL };
+    generator.strand_count = strands;
+    generator.vertices_per_strand = VERTICES;
+    generator.length = 0.14f;
+    generator.length_variation = 0.0f;
+    generator.spacing = spacing;
+    wisp_status status = wisp_groom_generate( &generator, &f->groom, error );
+    status = status == WISP_OK ? bench_world_create( &world, &f->world, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    wisp_strands_def added = wisp_default_strands_def();
+    added.points = f->groom.points;
+    added.offsets = f->groom.offsets;
+    added.strand_count = strands;
+    added.dimension = 2;
+    status = wisp_add_strands( f->world, &added, &f->hair );
+    status = status == WISP_OK ? wisp_set_frozen_hair( f->world, f->hair, def ) : status;
+    status = status == WISP_OK ? wisp_request( f->world, f->hair, WISP_STRAND_POINTS ) : status;
+    return status == WISP_OK ? plane_step( f, error ) : bench_world_fail( f->world, status, error );
+}
+
+static wisp_status take( const figures_case* page, figures_hair_album* album, const wisp_vec3* points, int strands,
+                         wisp_error* error )
+{
+    return figures_hair_add_blended( page, album, points, strands, VERTICES, root_colour, tip_colour, HAIR_RADIUS,
+                                     error );
+}
+
+static double angle_between( wisp_vec3 a, wisp_vec3 b )
+{
+    return atan2( (double)a.x * (double)b.y - (double)a.y * (double)b.x,
+                  (double)a.x * (double)b.x + (double)a.y * (double)b.y );
+}
+
+static wisp_vec3 from_to( wisp_vec3 a, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ b.x - a.x, b.y - a.y, b.z - a.z };
+}
+
+// ---- Fig. 1 ----
+
+// A cursor that goes from left to right below the tips and rises on its way.
+static wisp_vec3 cursor_at( int command )
+{
+    const float s = (float)command / (float)( PATH - 1 );
+    return ( wisp_vec3 ){ -0.16f + 0.36f * s, -0.15f + 0.11f * s * s, 0.0f };
+}
+
+static wisp_status take_cursor( const figures_case* page, figures_hair_album* album, float reach, wisp_error* error )
+{
+    wisp_vec3 path[PATH], circle[CIRCLE];
+    for ( int i = 0; i < PATH; ++i )
+    {
+        path[i] = cursor_at( i );
+    }
+    for ( int i = 0; i < CIRCLE; ++i )
+    {
+        const double angle = 360.0 * DEGREE * i / ( CIRCLE - 1 );
+        const wisp_vec3 c = path[PATH - 1];
+        circle[i] = ( wisp_vec3 ){ c.x + reach * (float)cos( angle ), c.y + reach * (float)sin( angle ), 0.0f };
+    }
+    const wisp_status status = figures_hair_add( page, album, path, 1, PATH, cursor_colour, CURSOR_RADIUS, error );
+    return status == WISP_OK ? figures_hair_add( page, album, circle, 1, CIRCLE, cursor_colour, CURSOR_RADIUS, error )
+                             : status;
+}
+
+static wisp_status sweep( frozen_plane* f, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int n = 0; n < PATH && status == WISP_OK; ++n )
+    {
+        status = wisp_command_frozen_hair( f->world, f->hair, cursor_at( n ) );
+        status = status == WISP_OK ? plane_step( f, error ) : bench_world_fail( f->world, status, error );
+    }
+    return status;
+}
+
+// Turns of vertices about their root, in parts of the turn of the tip, for straight strands that only align.
+typedef struct turn_stats
+{
+    double first, bend; // mean of the vertex after the root; largest distance from eq. 12
+    int swept;
+} turn_stats;
+
+static turn_stats measure_turns( const frozen_plane* f, double intensity )
+{
+    turn_stats t = { .first = 0.0 };
+    for ( int s = 0; s < f->groom.strand_count; ++s )
+    {
+        const wisp_vec3 *rest = f->groom.points + s * VERTICES, *now = f->points + s * VERTICES;
+        const double tip =
+            angle_between( from_to( rest[0], rest[VERTICES - 1] ), from_to( now[0], now[VERTICES - 1] ) );
+        if ( fabs( tip ) < 5.0 * DEGREE )
+        {
+            continue;
+        }
+        for ( int i = 1; i < VERTICES; ++i )
+        {
+            const double turn = angle_between( from_to( rest[0], rest[i] ), from_to( now[0], now[i] ) ) / tip;
+            const double w = intensity + ( 1.0 - intensity ) * i / ( VERTICES - 1 );
+            t.bend = fmax( t.bend, fabs( turn - w ) );
+            t.first += i == 1 ? turn : 0.0;
+        }
+        t.swept += 1;
+    }
+    t.first /= t.swept > 0 ? t.swept : 1;
+    return t;
+}
+
+wisp_status figures_frozen_intensity( figures_case* page, wisp_error* error )
+{
+    static const float intensities[] = { 0.8f, 0.2f };
+    figures_hair_album album = { .count = 0, .is_flat = true };
+    turn_stats turns[2] = { { .first = 0.0 } };
+    wisp_status status = WISP_OK;
+    for ( int n = 0; n < 4 && status == WISP_OK; ++n )
+    {
+        // in the picture strands freeze, too; turns are those of eq. 12 without noise
+        frozen_plane f;
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        def.base = WISP_FROZEN_BASE_STROKE;
+        def.freeze = n < 2;
+        def.clump = false;
+        def.reach = 0.05f;
+        def.intensity = intensities[n % 2];
+        status = plane_make( WISP_GROOM_STRAIGHT, 80, 0.004f, &def, &f, error );
+        if ( n == 0 && status == WISP_OK )
+        {
+            figures_hair_begin( page, &album, "original" );
+            status = take( page, &album, f.groom.points, f.groom.strand_count, error );
+        }
+        status = status == WISP_OK ? sweep( &f, error ) : status;
+        if ( n < 2 && status == WISP_OK )
+        {
+            figures_hair_begin( page, &album, "intensity %.1f", (double)intensities[n] );
+            status = take( page, &album, f.points, f.groom.strand_count, error );
+            status = status == WISP_OK ? take_cursor( page, &album, def.reach, error ) : status;
+        }
+        else if ( status == WISP_OK )
+        {
+            turns[n % 2] = measure_turns( &f, (double)def.intensity );
+        }
+        plane_free( &f );
+    }
+    if ( status == WISP_OK )
+    {
+        // at the root 19 / 20 of the rest comes later; floats of 7 mm round a turn by 1e-4 of it
+        const double expected[] = { 0.8 + 0.2 / 19.0, 0.2 + 0.8 / 19.0 };
+        const bool is_met = turns[0].bend < 2e-3 && turns[1].bend < 2e-3 && turns[0].swept > 40 &&
+                            fabs( turns[0].first - expected[0] ) < 1e-3 &&
+                            fabs( turns[1].first - expected[1] ) < 1e-3;
+        figures_add(
+            page, "Kim 2026, Fig. 1", "a stroke of 40 commands on 80 strands, intensity 0.8 and 0.2",
+            "0.8: the whole strand turns; 0.2: a curve; vertex 1 turns by 0.811 and 0.242 of the tip's turn, "
+            "linear from there",
+            is_met, "%.3f and %.3f; at most %.0e from linear; %d and %d strands", turns[0].first, turns[1].first,
+            fmax( turns[0].bend, turns[1].bend ), turns[0].swept, turns[1].swept );
+        status =
+            figures_hair_write( page, &album, "frozen_hair_1_intensity",
+                                "Kim 2026, Fig. 1: one cursor path (black, with its reach at the end), red at the "
+                                "root and blue at the tip",
+                                error );
+    }
+    figures_hair_free( &album );
+    return status;
+}
+
+// ---- Fig. 2 ----
+
+typedef struct noise_stats
+{
+    double bend, spread; // degrees, mean change of the turning angle; standard deviation of relative lengths
+} noise_stats;
+
+static double turning( const wisp_vec3* p )
+{
+    return angle_between( from_to( p[0], p[1] ), from_to( p[1], p[2] ) );
+}
+
+static double length_of( wisp_vec3 v )
+{
+    return hypot( (double)v.x, (double)v.y );
+}
+
+static noise_stats measure_noise( const frozen_plane* f )
+{
+    double bend = 0.0, square = 0.0;
+    for ( int v = 0; v < f->groom.vertex_count; ++v )
+    {
+        const wisp_vec3 *rest = f->groom.points + v, *now = f->points + v;
+        if ( v % VERTICES > 0 )
+        {
+            const double change = length_of( from_to( now[-1], now[0] ) ) / length_of( from_to( rest[-1], rest[0] ) );
+            square += ( change - 1.0 ) * ( change - 1.0 );
+        }
+        if ( v % VERTICES > 1 )
+        {
+            bend += fabs( remainder( turning( now - 2 ) - turning( rest - 2 ), 360.0 * DEGREE ) );
+        }
+    }
+    const double strands = f->groom.strand_count;
+    return ( noise_stats ){ bend / DEGREE / ( strands * ( VERTICES - 2 ) ),
+                            sqrt( square / ( strands * ( VERTICES - 1 ) ) ) };
+}
+
+wisp_status figures_frozen_stiffness( figures_case* page, wisp_error* error )
+{
+    static const float stiffness[] = { 7.0f, 3.0f };
+    figures_hair_album album = { .count = 0, .is_flat = true };
+    noise_stats noise[2] = { { .bend = 0.0 } };
+    wisp_status status = WISP_OK;
+    for ( int n = 0; n < 2 && status == WISP_OK; ++n )
+    {
+        frozen_plane f;
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        def.align = def.clump = false;
+        def.stretch_stiffness = def.bend_stiffness = stiffness[n];
+        status = plane_make( WISP_GROOM_WAVY, 1000, 0.006f, &def, &f, error );
+        if ( n == 0 && status == WISP_OK )
+        {
+            figures_hair_begin( page, &album, "original" );
+            status = take( page, &album, f.groom.points, 40, error );
+        }
+        if ( status == WISP_OK )
+        {
+            noise[n] = measure_noise( &f );
+            figures_hair_begin( page, &album, "stiffness %.0f", (double)stiffness[n] );
+            status = take( page, &album, f.points, 40, error );
+        }
+        plane_free( &f );
+    }
+    if ( status == WISP_OK )
+    {
+        // 3 sigma of 18 000 bends, neighbours correlated by 0.1, and of 19 000 lengths
+        const bool is_met = fabs( noise[0].bend - 4.29 ) < 0.08 && fabs( noise[1].bend - 10.0 ) < 0.18 &&
+                            fabs( noise[0].spread - 0.0825 ) < 0.001 && fabs( noise[1].spread - 0.1925 ) < 0.002;
+        figures_add( page, "Kim 2026, Fig. 2", "1000 wavy strands, stiffness 7 and 3",
+                     "bends change by 4.29 and 10.0 degrees in the mean, lengths spread by 8.2 and 19.2 %", is_met,
+                     "%.2f and %.2f degrees, %.2f and %.2f %%", noise[0].bend, noise[1].bend, 100.0 * noise[0].spread,
+                     100.0 * noise[1].spread );
+        status =
+            figures_hair_write( page, &album, "frozen_hair_2_stiffness",
+                                "Kim 2026, Fig. 2: stiffness 7 is less wavy than 3, and both more than the original, "
+                                "as eq. 4 to 7 can only add noise",
+                                error );
+    }
+    figures_hair_free( &album );
+    return status;
+}
+
+// ---- Fig. 3 ----
+
+typedef struct clump_stats
+{
+    int locks;  // sets of strands that run side by side
+    double gap; // m, mean distance of a vertex to the nearest one of another strand
+} clump_stats;
+
+static double nearest_vertex( wisp_vec3 p, const wisp_vec3* strand )
+{
+    double nearest = HUGE_VAL;
+    for ( int i = 0; i < VERTICES; ++i )
+    {
+        nearest = fmin( nearest, length_of( from_to( p, strand[i] ) ) );
+    }
+    return nearest;
+}
+
+// Most of the vertices of either strand are nearer to the other one than half of the distance of neighbouring roots.
+static bool run_together( const wisp_vec3* a, const wisp_vec3* b, double spacing )
+{
+    int near_a = 0, near_b = 0;
+    for ( int i = 1; i < VERTICES; ++i )
+    {
+        near_a += nearest_vertex( a[i], b ) < spacing / 2.0;
+        near_b += nearest_vertex( b[i], a ) < spacing / 2.0;
+    }
+    return 2 * near_a > VERTICES - 1 && 2 * near_b > VERTICES - 1;
+}
+
+static clump_stats measure_clumps( const frozen_plane* f, double spacing, int* lock )
+{
+    clump_stats c = { .locks = f->groom.strand_count };
+    for ( int s = 0; s < f->groom.strand_count; ++s )
+    {
+        const wisp_vec3* strand = f->points + s * VERTICES;
+        lock[s] = s;
+        for ( int q = 0; q < s; ++q )
+        {
+            if ( lock[q] != lock[s] && run_together( strand, f->points + q * VERTICES, spacing ) )
+            {
+                const int from = lock[q], to = lock[s];
+                for ( int k = 0; k <= s; ++k )
+                {
+                    lock[k] = lock[k] == from ? to : lock[k];
+                }
+                c.locks -= 1;
+            }
+        }
+        for ( int i = 1; i < VERTICES; ++i )
+        {
+            double nearest = HUGE_VAL;
+            for ( int q = 0; q < f->groom.strand_count; ++q )
+            {
+                nearest = q == s ? nearest : fmin( nearest, nearest_vertex( strand[i], f->points + q * VERTICES ) );
+            }
+            c.gap += nearest / ( f->groom.strand_count * ( VERTICES - 1 ) );
+        }
+    }
+    return c;
+}
+
+wisp_status figures_frozen_clumps( figures_case* page, wisp_error* error )
+{
+    enum
+    {
+        STRANDS = 100
+    };
+    static const float spacing = 0.002f; // 0.2 of the clump radius
+    static const wisp_gap gaps[] = { WISP_GAP_NONE, WISP_GAP_SIGNED, WISP_GAP_ABSOLUTE, WISP_GAP_NONE };
+    static const char* const labels[] = { "aligned", "printed gap", "absolute gap", "no gap" };
+    figures_hair_album album = { .count = 0, .is_flat = true };
+    clump_stats c[4] = { { .locks = 0 } };
+    int lock[STRANDS];
+    wisp_status status = WISP_OK;
+    for ( int n = 0; n < 4 && status == WISP_OK; ++n )
+    {
+        frozen_plane f;
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        def.cursor = ( wisp_vec3 ){ 0.08f, -0.17f, 0.0f };
+        def.reach = 1.0f;
+        def.clump = n > 0;
+        def.gap = gaps[n];
+        status = plane_make( WISP_GROOM_STRAIGHT, STRANDS, spacing, &def, &f, error );
+        if ( n == 0 && status == WISP_OK )
+        {
+            figures_hair_begin( page, &album, "original" );
+            status = take( page, &album, f.groom.points, STRANDS, error );
+        }
+        if ( status == WISP_OK )
+        {
+            c[n] = measure_clumps( &f, (double)spacing, lock );
+            figures_hair_begin( page, &album, "%s, %d locks", labels[n], c[n].locks );
+            status = take( page, &album, f.points, STRANDS, error );
+        }
+        plane_free( &f );
+    }
+    if ( status == WISP_OK )
+    {
+        const bool is_met = c[1].locks < c[0].locks && c[2].locks < c[0].locks && c[3].locks < c[0].locks &&
+                            c[0].gap > c[2].gap && c[2].gap > c[1].gap && c[1].gap > c[3].gap;
+        figures_add( page, "Kim 2026, Fig. 3", "100 aligned strands, roots 0.2 h apart, clumped by three rules",
+                     "fewer locks of strands than before; gaps: absolute > printed > none", is_met,
+                     "%d locks before, %d, %d and %d; gaps of %.2f mm before, %.2f, %.2f and %.2f", c[0].locks,
+                     c[2].locks, c[1].locks, c[3].locks, 1e3 * c[0].gap, 1e3 * c[2].gap, 1e3 * c[1].gap,
+                     1e3 * c[3].gap );
+        status = figures_hair_write(
+            page, &album, "frozen_hair_3_clumps",
+            "Kim 2026, Fig. 3: strands that were aligned, then clumped; a lock is strands that run "
+            "side by side, and a strand alone is one",
+            error );
+    }
+    figures_hair_free( &album );
+    return status;
+}
