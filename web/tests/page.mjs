@@ -10,8 +10,7 @@ import { fileURLToPath, pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
 const ROOT = fileURLToPath(new URL("../../", import.meta.url));
-export const BUILD = join(ROOT, "build-web");
-export const SCENES = join(ROOT, "data/scenes");
+const BUILD = join(ROOT, "build-web");
 const EXECUTABLE = process.env.CHROMIUM ?? "/usr/bin/chromium";
 // The renderer in software draws WebGL2 on machines without a graphics card.
 const FLAGS = [
@@ -92,8 +91,4 @@ export async function settledVertex(page, body, vertex) {
         if (Math.hypot(now[0] - before[0], now[1] - before[1]) < 0.05) return now;
         before = now;
     }
-}
-
-export async function scene(name) {
-    return readFile(join(SCENES, name));
 }

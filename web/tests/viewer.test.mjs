@@ -5,7 +5,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { loadWisp, nativeHash, wisp as runProgram } from "./package.mjs";
-import { launch, pageData, scene, settledVertex, state, until, withPage } from "./page.mjs";
+import { launch, pageData, settledVertex, state, until, withPage } from "./page.mjs";
 
 /** A small cloth that hangs from two corners: quick with a reference and a search. */
 const CLOTH = `wisp: 1
@@ -271,13 +271,6 @@ test("a recording plays, stops at its end, and its slider goes to any frame", as
     } finally {
         rmSync(folder, { recursive: true });
     }
-});
-
-test("10 000 strands cost the page's own thread little per picture", { skip: !process.env.WISP_FRAME_COST }, async () => {
-    await withPage(browser, pageData("head.yaml", { "head.yaml": await scene("shaking_head.yaml") }), {}, async (page) => {
-        const { frameCost } = await until(page, (s) => s.frameCost.count > 30);
-        console.log(`median ${frameCost.median} ms, largest ${frameCost.largest} ms`);
-    });
 });
 
 /** Curls on a small head, as a brush starts from them. */
