@@ -18,7 +18,7 @@ enum
 
 static const wisp_vec3 root_colour = { 0.80f, 0.03f, 0.03f }, tip_colour = { 0.03f, 0.06f, 0.80f };
 static const wisp_vec3 cursor_colour = { 0.02f, 0.02f, 0.02f };
-static const float HAIR_RADIUS = 4e-4f, CURSOR_RADIUS = 6e-4f; // m
+static const float HAIR_RADIUS = 6e-4f, CURSOR_RADIUS = 8e-4f; // m
 static const double DEGREE = 3.14159265358979323846 / 180.0;
 
 // Strands in the plane, and a world in which they freeze.

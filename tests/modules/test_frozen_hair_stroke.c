@@ -443,7 +443,7 @@ static void undo_and_redo_by_snapshots_are_bit_for_bit( void** state )
         hash[n] = wisp_world_hash( world );
         def.intensity = (float)n / commands;
         hair_set( world, hair, &def );
-        hair_command( world, hair, path( &groom, n, commands ) );
+        hair_command( world, hair, path( &groom, n, commands + 1 ) );
         hair_step( world );
     }
     for ( int n = commands - 1; n >= 0; --n )
@@ -452,7 +452,7 @@ static void undo_and_redo_by_snapshots_are_bit_for_bit( void** state )
         assert_int_equal( wisp_world_hash( world ), hash[n] );
         def.intensity = (float)n / commands;
         hair_set( world, hair, &def );
-        hair_command( world, hair, path( &groom, n, commands ) );
+        hair_command( world, hair, path( &groom, n, commands + 1 ) );
         hair_step( world );
         assert_int_equal( wisp_world_hash( world ), hash[n + 1] );
     }

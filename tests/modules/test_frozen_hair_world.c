@@ -296,12 +296,13 @@ static void replay( wisp_world* world, wisp_entity entity, int event )
 static void a_warm_step_allocates_nothing( void** state )
 {
     (void)state;
-    for ( int n = 0; n < 4; ++n )
+    for ( int n = 0; n < 8; ++n )
     {
         counting_memory memory;
         const hair_host host = counted_host( &memory, 1 + n % 2 );
-        hair_groom groom = hair_groom_create( HAIR_WAVY, 2 + n / 2, 300, 20, 0.004f );
+        hair_groom groom = hair_groom_create( HAIR_WAVY, 2 + n / 2 % 2, 300, 20, 0.004f );
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        def.base = n < 4 ? WISP_FROZEN_BASE_REST : WISP_FROZEN_BASE_STROKE;
         def.clump_step_length = 0.003f; // lists are rebuilt
         wisp_world* world = hair_world_create( &host );
         wisp_entity entity = hair_add_frozen( world, &groom, &def );
@@ -427,7 +428,7 @@ static void a_step_after_a_restore_changes_nothing( void** state )
 {
     (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
-    for ( int base = WISP_FROZEN_BASE_REST; base <= WISP_FROZEN_BASE_PREVIOUS; ++base )
+    for ( int base = WISP_FROZEN_BASE_REST; base <= WISP_FROZEN_BASE_STROKE; ++base )
     {
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
         def.base = (wisp_frozen_base)base;
@@ -442,8 +443,8 @@ static void a_step_after_a_restore_changes_nothing( void** state )
         hair_step( world );
         if ( !hair_same_bits( first, hair_view( world, entity, 600 ), 600 ) )
         {
-            fail_msg( "base %s: the look changed without a command",
-                      base == WISP_FROZEN_BASE_REST ? "rest" : "previous" );
+            static const char* const names[] = { "rest", "previous", "stroke" };
+            fail_msg( "base %s: the look changed without a command", names[base] );
         }
         free( first );
         free( saved.bytes );
