@@ -29,7 +29,7 @@ function comb(name, strands, stiffness, changes) {
       world.setFrozenHair(hair, Object.fromEntries(Object.entries(values).map(([key, value]) => [KEYS[key], value])));
     }
     world.commandFrozenHair(hair, cursor);
-    commands.push({ step: world.stepCount, strands, cursor, values });
+    commands.push({ step: world.stepCount, strands, cursor, ...values });
     world.step();
   }
   return { saved: combedScene(text, commands, world.stepCount), hash: world.hash() };

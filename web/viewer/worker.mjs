@@ -37,6 +37,26 @@ function combable() {
     return scene.withText(text);
 }
 
+/**
+ * Parameters of frozen hair per body, as a brush starts from them: those of the scene that it combs, which aligns and has a stiffness
+ * in place of a climate.
+ */
+function frozenHair() {
+    const bodies = simulation.bodies.filter((body) => body.isFrozenHair);
+    const isReady = (body) => isCombable(derived.text, body.name);
+    if (bodies.every(isReady)) {
+        return Object.fromEntries(bodies.map((body) => [body.index, { ...simulation.world.frozenHair(body), isCombable: true }]));
+    }
+    const combed = combable(), world = combed.createWorld();
+    const frozen = bodies.map((body) => {
+        const { temperature, wetness } = simulation.world.frozenHair(body);
+        return [body.index, { ...world.frozenHair(body), temperature, wetness, isCombable: isReady(body) }];
+    });
+    world.release();
+    combed.release();
+    return Object.fromEntries(frozen);
+}
+
 function send(frame, transfer) {
     self.postMessage({ type: "frame", frame }, transfer);
 }
@@ -93,13 +113,9 @@ const requests = {
         peer?.close();
         peer = port ?? null;
         if (peer && reference) peer.onmessage = (event) => guarded(() => follow(event.data));
-        const frozen = {};
-        for (const body of simulation.bodies) {
-            if (!body.isFrozenHair) continue;
-            const isReady = isCombable(next.text, body.name);
-            frozen[body.index] = { ...simulation.world.frozenHair(body), isCombable: isReady };
-        }
-        return { frame: simulation.now().frame, bodies: simulation.bodies, memoryBytes: simulation.world.memoryBytes, frozen };
+        return {
+            frame: simulation.now().frame, bodies: simulation.bodies, memoryBytes: simulation.world.memoryBytes, frozen: frozenHair(),
+        };
     },
 
     /** Stiffness that a climate gives hair, by the scene's own curve, which a combed scene no longer has. */
