@@ -160,11 +160,12 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .on_change = s->event,
         },
         {
+            // It reads the moved shape too, where there is one. Positions put it behind the start, which waits for what moves it.
             .name = "frozen_hair.turn",
             .stage = WISP_STAGE_SHAPE,
             .domain = WISP_DOMAIN_ENTITY,
             .required = { s->align, s->swept },
-            .reads = { s->event, WISP_STRAND_REST },
+            .reads = { s->event, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { s->stroke },
             .run = frozen_find_turn,
             .on_change = s->event,

@@ -535,7 +535,7 @@ static wisp_status declare_mover( wisp_registry* r )
                                                  .stage = WISP_STAGE_DERIVE,
                                                  .domain = WISP_DOMAIN_STRAND_GROUP,
                                                  .required = { mover_pose },
-                                                 .reads = { mover_pose, WISP_STRAND_REST },
+                                                 .reads = { mover_pose, WISP_STRAND_REST, WISP_STRAND_POSITION },
                                                  .writes = { WISP_STRAND_POSED },
                                                  .run = move_rigidly } );
 }

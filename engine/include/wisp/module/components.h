@@ -70,6 +70,7 @@
     X( float, position, 48 ) /* m, [3][16] a group: where roots are at the end of the substep */                     \
     X( float, rotation, 64 ) /* quaternion [4][16], x y z w: how roots are turned from rest */                       \
     X( float, low, 48 )      /* m, what does not fit the digits of the position */
+/* A pass that writes it reads STRAND_POSITION too: it then runs before the appearance, which starts from it. */
 #define WISP_STRAND_POSED_COLUMNS( X )                                                                               \
     X( float, posed, 48 ) /* m, [3][16] a row: where motion has taken the rest shape, before appearance changes it */
 #define WISP_STRAND_POINTS_COLUMNS( X ) X( wisp_vec3, points, 1 ) /* m, the user's order */
