@@ -126,7 +126,16 @@ static wisp_status take_recording( const view_options* options, json_t* files, j
 {
     wisp_recording* recording = NULL;
     size_t total = 0;
+    if ( options->steps >= 0 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got --steps, but a recording is played, not simulated",
+                          options->input );
+    }
     wisp_status status = wisp_recording_open( options->input, &recording, error );
+    if ( status == WISP_OK && wisp_recording_describe( recording ).frame_count == 0 )
+    {
+        status = wisp_fail( error, WISP_BAD_INPUT, "%s: the recording has no whole frame", options->input );
+    }
     wisp_recording_close( recording );
     if ( status == WISP_OK )
     {

@@ -32,6 +32,13 @@ static void encode( const unsigned char* bytes, size_t size, char* out )
 
 wisp_status view_add_file( json_t* files, const char* name, const char* path, size_t* total, wisp_error* error )
 {
+    json_t* word = json_string( name );
+    if ( !word )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got a file name that is not UTF-8, which a page cannot hold",
+                          path );
+    }
+    json_decref( word );
     unsigned char* bytes;
     size_t size;
     const wisp_status status = io_file_read( path, VIEW_MAX_BYTES, &bytes, &size, error );

@@ -25,6 +25,53 @@ WEB_API int web_hair_is_frozen( const web_world* w, int body )
     return body < w->scene.strands_count && w->scene.strands[body].has_frozen_hair;
 }
 
+// What the scene's own events have changed so far. They carry what they leave unchanged.
+static void follow_events( web_world* w, int body )
+{
+    wisp_frozen_hair_def* def = &w->scene.strands[body].frozen_hair;
+    for ( int k = 0; k < w->world.next_command && !w->is_combed; ++k )
+    {
+        const wisp_scene_hair_event* e = &w->scene.commands[k];
+        if ( e->strands != body )
+        {
+            continue;
+        }
+        def->intensity = e->has_intensity ? e->intensity : def->intensity;
+        def->reach = e->has_reach ? e->reach : def->reach;
+        def->stretch_stiffness = e->has_stretch_stiffness ? e->stretch_stiffness : def->stretch_stiffness;
+        def->bend_stiffness = e->has_bend_stiffness ? e->bend_stiffness : def->bend_stiffness;
+        def->clump_radius = e->has_clump_radius ? e->clump_radius : def->clump_radius;
+        def->strand_intensity = e->has_intensity ? NULL : def->strand_intensity;
+        def->strand_stretch_stiffness = e->has_stretch_stiffness ? NULL : def->strand_stretch_stiffness;
+        def->strand_bend_stiffness = e->has_bend_stiffness ? NULL : def->strand_bend_stiffness;
+    }
+}
+
+web_hair web_hair_state( const web_world* w, int body )
+{
+    const wisp_frozen_hair_def* def = &w->scene.strands[body].frozen_hair;
+    return ( web_hair ){ def->intensity,
+                         def->reach,
+                         def->stretch_stiffness,
+                         def->bend_stiffness,
+                         def->clump_radius,
+                         ( def->strand_intensity ? 1 : 0 ) | ( def->strand_stretch_stiffness ? 2 : 0 ) |
+                             ( def->strand_bend_stiffness ? 4 : 0 ) };
+}
+
+void web_hair_restore( web_world* w, int body, web_hair hair )
+{
+    wisp_frozen_hair_def* def = &w->scene.strands[body].frozen_hair;
+    def->intensity = hair.intensity;
+    def->reach = hair.reach;
+    def->stretch_stiffness = hair.stretch_stiffness;
+    def->bend_stiffness = hair.bend_stiffness;
+    def->clump_radius = hair.clump_radius;
+    def->strand_intensity = hair.lists & 1 ? w->hair[body].strand_intensity : NULL;
+    def->strand_stretch_stiffness = hair.lists & 2 ? w->hair[body].strand_stretch_stiffness : NULL;
+    def->strand_bend_stiffness = hair.lists & 4 ? w->hair[body].strand_bend_stiffness : NULL;
+}
+
 /// @param out [10] intensity, reach, stretch and bend stiffness, clump radius; whether it freezes, aligns, clumps; temperature, wetness
 WEB_API int web_hair_read( web_world* w, int body, double* out )
 {
@@ -33,6 +80,7 @@ WEB_API int web_hair_read( web_world* w, int body, double* out )
     {
         return 0;
     }
+    follow_events( w, body );
     const wisp_frozen_hair_def* def = &entry->frozen_hair;
     out[0] = (double)def->intensity;
     out[1] = (double)def->reach;
@@ -56,6 +104,7 @@ WEB_API int web_hair_set( web_world* w, int body, float intensity, float reach, 
     {
         return 0;
     }
+    follow_events( w, body );
     wisp_frozen_hair_def def = entry->frozen_hair;
     def.strand_intensity = def.intensity == intensity ? def.strand_intensity : NULL;
     def.strand_stretch_stiffness = def.stretch_stiffness == stretch_stiffness ? def.strand_stretch_stiffness : NULL;
@@ -73,11 +122,18 @@ WEB_API int web_hair_set( web_world* w, int body, float intensity, float reach, 
     return report( w, status );
 }
 
-/// The next step updates the strands. @param x, y, z m
+/// The next step updates the strands. The scene's own events that are still to come are over: they would take the brush out of
+/// the user's hand. @param x, y, z m
 WEB_API int web_hair_command( web_world* w, int body, float x, float y, float z )
 {
-    return frozen( w, body ) != NULL &&
-           report( w, wisp_command_frozen_hair( w->world.world, w->world.entities[body], ( wisp_vec3 ){ x, y, z } ) );
+    if ( !frozen( w, body ) )
+    {
+        return 0;
+    }
+    follow_events( w, body );
+    w->is_combed = 1;
+    w->world.next_command = w->scene.command_count;
+    return report( w, wisp_command_frozen_hair( w->world.world, w->world.entities[body], ( wisp_vec3 ){ x, y, z } ) );
 }
 
 /// Forget the alignment of all strands, and draw new random numbers at the next step.

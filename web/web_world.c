@@ -32,7 +32,23 @@ WEB_API void web_world_close( web_world* w )
     scene_world_destroy( &w->world );
     wisp_scene_release( &w->scene );
     free( w->buffer );
+    free( w->hair );
     free( w );
+}
+
+// The lists of the scene, which commands replace and a snapshot may bring back.
+static bool keep_hair( web_world* w )
+{
+    w->hair = calloc( (size_t)w->scene.strands_count + 1, sizeof *w->hair );
+    for ( int i = 0; w->hair && i < w->scene.strands_count; ++i )
+    {
+        w->hair[i] = w->scene.strands[i].frozen_hair;
+    }
+    if ( !w->hair )
+    {
+        wisp_fail( &web_error, WISP_NO_MEMORY, "%s: out of memory for the world", w->scene.name );
+    }
+    return w->hair != NULL;
 }
 
 /// @param reference_factor 0: the scene as it is; else its converged run with that multiple of the finest substeps
@@ -52,6 +68,11 @@ WEB_API web_world* web_world_open( const char* path, int reference_factor )
     {
         wisp_scene_release( &w->scene );
         free( w );
+        return NULL;
+    }
+    if ( !keep_hair( w ) )
+    {
+        web_world_close( w );
         return NULL;
     }
     if ( scene_world_request_shown( &w->world, &web_error ) != WISP_OK )
@@ -286,15 +307,22 @@ WEB_API double web_memory_bytes( const web_world* w )
 
 // ---- snapshots ----
 
-/// Where the scene stands; in front of the world's own bytes.
+/// Where the scene stands. In front of the world's own bytes, with the parameters of each strands behind it.
 typedef struct snapshot_place
 {
-    int32_t next_step, next_command, next_event, padding;
+    int32_t next_step, next_command, next_event, is_combed;
 } snapshot_place;
 
+static size_t front_size( const web_world* w )
+{
+    return sizeof( snapshot_place ) + (size_t)w->scene.strands_count * sizeof( web_hair );
+}
+
+/// @return bytes, -1 if they are more than a call can name
 WEB_API int web_snapshot_size( const web_world* w )
 {
-    return (int)( sizeof( snapshot_place ) + wisp_world_snapshot_size( w->world.world ) );
+    const size_t size = front_size( w ) + wisp_world_snapshot_size( w->world.world );
+    return size < INT32_MAX ? (int)size : -1;
 }
 
 static int report( const web_world* w, wisp_status status )
@@ -309,27 +337,49 @@ static int report( const web_world* w, wisp_status status )
 /// @param size at least web_snapshot_size()
 WEB_API int web_snapshot( const web_world* w, void* out, int size )
 {
-    const snapshot_place place = { w->world.next_step, w->world.next_command, w->world.next_event, 0 };
+    const snapshot_place place = { w->world.next_step, w->world.next_command, w->world.next_event, w->is_combed };
     memcpy( out, &place, sizeof place );
-    return report( w, wisp_world_snapshot( w->world.world, (char*)out + sizeof place, (size_t)size - sizeof place ) );
+    for ( int i = 0; i < w->scene.strands_count; ++i )
+    {
+        const web_hair hair = web_hair_state( w, i );
+        memcpy( (char*)out + sizeof place + (size_t)i * sizeof hair, &hair, sizeof hair );
+    }
+    const size_t front = front_size( w );
+    return report( w, wisp_world_snapshot( w->world.world, (char*)out + front, (size_t)size - front ) );
+}
+
+static bool is_place( const web_world* w, const snapshot_place* place )
+{
+    return place->next_step >= 0 && place->next_command >= 0 && place->next_command <= w->scene.command_count &&
+           place->next_event >= 0 && place->next_event <= w->scene.event_count;
 }
 
 WEB_API int web_restore( web_world* w, const void* bytes, int size )
 {
-    snapshot_place place;
-    if ( size < (int)sizeof place )
+    const size_t front = front_size( w );
+    snapshot_place place = { .next_step = -1 };
+    if ( size >= 0 && (size_t)size >= front )
     {
-        wisp_fail( &web_error, WISP_BAD_INPUT, "got %d bytes, which is no snapshot", size );
+        memcpy( &place, bytes, sizeof place );
+    }
+    if ( !is_place( w, &place ) )
+    {
+        wisp_fail( &web_error, WISP_BAD_INPUT, "got %d bytes, which are no snapshot of this world", size );
         return 0;
     }
-    memcpy( &place, bytes, sizeof place );
-    const wisp_status status =
-        wisp_world_restore( w->world.world, (const char*)bytes + sizeof place, (size_t)size - sizeof place );
+    const wisp_status status = wisp_world_restore( w->world.world, (const char*)bytes + front, (size_t)size - front );
+    for ( int i = 0; i < w->scene.strands_count && status == WISP_OK; ++i )
+    {
+        web_hair hair;
+        memcpy( &hair, (const char*)bytes + sizeof place + (size_t)i * sizeof hair, sizeof hair );
+        web_hair_restore( w, i, hair );
+    }
     if ( status == WISP_OK )
     {
         w->world.next_step = place.next_step;
         w->world.next_command = place.next_command;
         w->world.next_event = place.next_event;
+        w->is_combed = place.is_combed;
     }
     return report( w, status );
 }

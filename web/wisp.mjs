@@ -49,7 +49,7 @@ async function readBytes(source) {
 /** Load an instance of the engine, with memory of its own. */
 export async function loadWisp(options = {}) {
   if (!isSupported()) {
-    throw new WispError("WebAssembly with SIMD is missing: Wisp needs Chrome 91, Firefox 89, Safari 16.4 or newer");
+    throw new WispError("WebAssembly with SIMD is missing: Wisp needs Chrome 91, Firefox 90, Safari 16.4 or newer");
   }
   const print = options.print ?? ((line) => console.warn(line));
   const module = await createModule({ wasmBinary: await readBytes(options.wasm), print, printErr: print });
@@ -254,13 +254,32 @@ class Scene {
 
   createWorld({ reference = false, factor = 4 } = {}) {
     const engine = this.#engine;
+    if (!Number.isInteger(factor) || factor < 1 || factor > 64) {
+      throw new WispError(`${this.name}: factor: got ${factor}, expected a whole number from 1 to 64`);
+    }
     return new World(engine, this.at((path) => engine.demand("world_open", path, reference ? factor : 0)), this);
   }
 
   release() {
-    this.#engine.call("scene_close", this.#handle);
-    this.#handle = 0;
+    if (this.#handle) {
+      this.#engine.call("scene_close", this.#handle);
+      this.#handle = 0;
+      this.#engine.module.FS.chdir("/");
+      removeFolder(this.#engine.module.FS, `/${this.#folder.split("/")[1]}`);
+    }
   }
+}
+
+function removeFolder(fs, path) {
+  for (const name of fs.readdir(path).filter((entry) => entry !== "." && entry !== "..")) {
+    const inner = `${path}/${name}`;
+    if (fs.isDir(fs.stat(inner).mode)) {
+      removeFolder(fs, inner);
+    } else {
+      fs.unlink(inner);
+    }
+  }
+  fs.rmdir(path);
 }
 
 // ---- worlds ----
@@ -277,10 +296,16 @@ class World {
   }
 
   #call(name, ...values) {
+    if (!this.#handle) {
+      throw new WispError("the world is released");
+    }
     return this.#engine.call(name, this.#handle, ...values);
   }
 
   #demand(name, ...values) {
+    if (!this.#handle) {
+      throw new WispError("the world is released");
+    }
     return this.#engine.demand(name, this.#handle, ...values);
   }
 
@@ -325,10 +350,25 @@ class World {
   }
 
   request(body, what) {
+    if (!this.#own(body).has[what]) {
+      throw new WispError(`'${body.name}' has no value '${what}'`);
+    }
     this.#demand("request", body.index, VALUES[what]);
   }
 
+  /** The body of this world that a body describes. */
+  #own(body) {
+    const own = this.bodies[body?.index];
+    if (!own || own.name !== body.name) {
+      throw new WispError(`got body ${JSON.stringify(body?.name)}, which is not of this world`);
+    }
+    return own;
+  }
+
   #values(body, what, perVertex) {
+    if (!this.#own(body).has[what] && what !== "points") {
+      throw new WispError(`'${body.name}' has no value '${what}'`);
+    }
     return this.#engine.floats(this.#demand("values", body.index, VALUES[what]), perVertex * body.vertexCount);
   }
 
@@ -456,6 +496,9 @@ class World {
 
   snapshot() {
     const size = this.#call("snapshot_size");
+    if (size < 0) {
+      throw new WispError("the world is too large for a snapshot");
+    }
     return this.#engine.withBytes(size, (pointer) => {
       this.#demand("snapshot", pointer, size);
       return this.#engine.module.HEAPU8.slice(pointer, pointer + size);
@@ -470,8 +513,10 @@ class World {
   }
 
   release() {
-    this.#call("world_close");
-    this.#handle = 0;
+    if (this.#handle) {
+      this.#call("world_close");
+      this.#handle = 0;
+    }
   }
 }
 
@@ -540,8 +585,10 @@ class Recording {
   }
 
   release() {
-    this.#call("close");
-    this.#engine.module._free(this.#bytes);
-    this.#handle = 0;
+    if (this.#handle) {
+      this.#call("close");
+      this.#engine.module._free(this.#bytes);
+      this.#handle = 0;
+    }
   }
 }

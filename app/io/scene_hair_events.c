@@ -64,6 +64,7 @@ static wisp_status check_stages( scene_reader* r, const scene_node* node, const 
         const char *key, *stage;
         bool is_given, runs;
     } rows[] = {
+        { "cursor", "align", e->has_cursor && s->frozen_hair.base == WISP_FROZEN_BASE_STROKE, s->frozen_hair.align },
         { "intensity", "align", e->has_intensity, s->frozen_hair.align },
         { "reach", "align", e->has_reach, s->frozen_hair.align },
         { "stretch_stiffness", "freeze", e->has_stretch_stiffness, s->frozen_hair.freeze },

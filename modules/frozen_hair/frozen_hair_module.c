@@ -175,7 +175,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .stage = WISP_STAGE_SHAPE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->align, s->swept },
-            .reads = { s->event, s->stroke, s->intensity, WISP_STRAND_POSITION },
+            .reads = { s->event, s->stroke, s->intensity, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { s->swept, WISP_STRAND_POSITION },
             .run = align,
             .on_change = s->event,

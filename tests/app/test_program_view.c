@@ -141,6 +141,11 @@ static void wrong_input_is_refused_and_writes_nothing( void** state )
     assert_usage( "view scenes/square.yaml -o none.png", "expected a file name that ends in .html" );
     assert_usage( "view scenes/square.yaml", "expected an output file" );
     assert_usage( "view scenes/square.yaml -o none.html --steps -1", "--steps: got '-1'" );
+    assert_refused( "view \xff.yaml -o none.html", "No such file" );
+    write_text( "bad\xff.yaml", "wisp: 1\n" );
+    assert_refused( "view bad\xff.yaml -o none.html", "not UTF-8" );
+    run_ok( "run scenes/square.yaml --steps 3 --record run.wisp" );
+    assert_refused( "view run.wisp --steps 3 -o none.html", "a recording is played, not simulated" );
     write_text( "viewer.html", "<html></html>" );
     assert_refused( "view scenes/square.yaml -o none.html --steps 0", "the page has no place for data" );
     remove( "viewer.html" );

@@ -5,7 +5,8 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
 
-import { combableScene, combedScene } from "../viewer/hair_scene.mjs";
+import { combableScene, combedScene, hairEvents, hasEntry } from "../viewer/hair_scene.mjs";
+import { StrokeHistory } from "../viewer/stroke_history.mjs";
 import { loadWisp, nativeHash, sceneFiles } from "./package.mjs";
 
 const wisp = await loadWisp({ print: () => {} });
@@ -84,4 +85,72 @@ test("strokes add up: commands in other places leave swept strands where they ar
   world.beginStroke(hair);
   world.step();
   tips().forEach((x, s) => assert.ok(Math.abs(x - before[s]) < 0.1, `strand ${s} is back`));
+});
+
+test("the first command ends the events of the scene, whose parameters it goes on with", () => {
+  const name = "frozen_stroke.yaml";
+  const scene = wisp.readScene(name, sceneFiles(name));
+  const world = scene.createWorld();
+  const history = new StrokeHistory(world, hairEvents(scene.text));
+  const hair = world.bodies[0];
+  for (let step = 0; step < 25; ++step) {
+    world.step();
+  }
+  const before = world.frozenHair(hair);
+  history.begin();
+  history.command(hair, [0.05, -0.2, 0], { clumpRadius: 0.004 });
+  history.command(hair, [0.06, -0.2, 0], { clumpRadius: 0.004, reach: 0.09 }); // before the same step
+  world.step();
+  history.command(hair, [0.07, -0.2, 0], { clumpRadius: 0.004, reach: 0.09 });
+  world.step();
+  assert.equal(world.frozenHair(hair).intensity, before.intensity);
+  assert.equal(history.events.filter((event) => event.step >= 25).length, 2);
+  const saved = combedScene(scene.text, history.events, world.stepCount);
+  assert.equal(hashOfRun(saved), world.hash());
+  history.undo();
+  assert.deepEqual(world.frozenHair(hair), before);
+  assert.equal(world.stepCount, 25);
+  history.redo();
+  assert.equal(hashOfRun(saved), world.hash());
+});
+
+test("an undo that the world refuses loses nothing", () => {
+  const text = `wisp: 1
+strands:
+  - name: hair
+    generate: { shape: wavy, strands: 20, vertices: 8 }
+    frozen_hair: { base: stroke, freeze: {}, align: {} }
+surfaces:
+  - name: cloth
+    generate: { shape: plane, columns: 4, rows: 4 }
+    cloth: {}
+`;
+  const world = wisp.readScene("a.yaml", { "a.yaml": text }).createWorld();
+  const history = new StrokeHistory(world, []);
+  world.step();
+  history.begin();
+  history.command(world.bodies[0], [0, 0, 0], {});
+  world.step();
+  world.request(world.bodies[1], "strain");
+  world.step();
+  assert.throws(() => history.undo(), /snapshot/);
+  assert.deepEqual(history.state(), { commands: 1, canUndo: true, canRedo: false });
+});
+
+test("a copy of strands has no entry to comb", () => {
+  const text = "wisp: 1\nstrands:\n  - name: hair\n    generate: { shape: wavy }\n    copies: { count: 2, spacing: [1, 0, 0] }\n    frozen_hair: { freeze: {} }\n";
+  assert.equal(hasEntry(text, "hair"), true);
+  assert.equal(hasEntry(text, "hair-2"), false);
+});
+
+test("events of other strands stay in a scene that is combed", () => {
+  const text = `wisp: 1
+strands:
+  - { name: a, generate: { shape: wavy }, frozen_hair: { align: {} } }
+  - { name: b, generate: { shape: wavy }, frozen_hair: { align: {} } }
+hair_events:
+  - { step: 0, strands: a, cursor: [0, 0, 0] }
+  - { step: 0, strands: b, cursor: [1, 0, 0] }
+`;
+  assert.deepEqual(hairEvents(combableScene(text, "a", { freezes: false, stiffness: null })), [{ step: 0, strands: "b", cursor: [1, 0, 0] }]);
 });

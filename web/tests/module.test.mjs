@@ -236,3 +236,40 @@ test("frozen hair turns towards a command, and a climate gives a stiffness", () 
   assert.throws(() => world.setFrozenHair(hair, { intensity: 2 }), /intensity/);
   world.release();
 });
+
+test("what is not of a world is refused", () => {
+  const world = scene(HANGING).createWorld(), other = open("flag.yaml").createWorld();
+  assert.throws(() => world.request(world.bodies[0], "strains"), /'cloth' has no value 'strains'/);
+  assert.throws(() => world.width(world.bodies[0]), /'cloth' has no value 'width'/);
+  assert.throws(() => world.points(other.bodies[0]), /not of this world/);
+  assert.throws(() => scene(HANGING).createWorld({ reference: true, factor: 0 }), /factor: got 0/);
+  world.release();
+  world.release();
+  assert.throws(() => world.step(), /released/);
+  other.release();
+});
+
+test("a snapshot with a wrong place in its scene is refused and changes nothing", () => {
+  const world = open("frozen_2d.yaml").createWorld();
+  world.step();
+  const bytes = world.snapshot(), hash = world.hash();
+  for (const [at, value] of [[0, -1], [4, -5], [4, 1000], [8, 7]]) {
+    const damaged = bytes.slice();
+    new DataView(damaged.buffer).setInt32(at, value, true);
+    assert.throws(() => world.restore(damaged), /no snapshot of this world/);
+  }
+  assert.equal(world.hash(), hash);
+  world.release();
+});
+
+test("a scene that is released leaves no files", () => {
+  const folders = [];
+  for (let k = 0; k < 50; ++k) {
+    const flag = open("flag.yaml");
+    folders.push(flag.withKnobs({ substeps: 2 }));
+    folders.pop().release();
+    flag.release();
+    flag.release();
+  }
+  assert.equal(open("flag.yaml").steps, 360);
+});

@@ -89,7 +89,7 @@ export class AccuracyPanel {
         const rows = this.#knobs.map((knob) => {
             const key = knob.name.split(".").at(-1);
             const row = slider({
-                label: (knob.label ?? knob.name).replaceAll(".", " ").replaceAll("_", " "),
+                label: knob.name.replaceAll(".", " ").replaceAll("_", " "),
                 min: 0, max: knob.values.length - 1, step: 1, value: knob.values.indexOf(knob.value),
                 text: (i) => knobText(knob, knob.values[i]),
                 change: () => this.#applyAll(this.#values()),
@@ -118,7 +118,7 @@ export class AccuracyPanel {
         this.chart.add(time, 1000 * distance);
     }
 
-    /** @param {number|null} distance m @param {number} lag steps @param {number|null} slowness of real time */
+    /** @param {number|null} distance m @param {number} lag steps */
     update(distance, lag) {
         if (this.result.hidden) return;
         if (distance !== null) {

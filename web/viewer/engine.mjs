@@ -69,6 +69,7 @@ export class Engine {
 
     stop() {
         this.#worker.terminate();
+        for (const { reject } of this.#waiting.values()) reject(new Error("The engine was stopped."));
         this.#waiting.clear();
     }
 }

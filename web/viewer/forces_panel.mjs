@@ -1,13 +1,10 @@
 /** Gravity and wind. */
 import { h, section, slider, vectorInput } from "./dom.mjs";
 
-const length = (v) => Math.hypot(...v);
-
 export class ForcesPanel {
     /** @param {{gravity: (v: number[]) => void, wind: (v: number[]) => void}} on */
     constructor(on) {
         this.gravity = vectorInput("Gravity", "m/s\u00b2", [0, -9.81, 0], on.gravity);
-        this.wind = [0, 0, 0];
         this.speed = slider({
             label: "Wind, m/s", min: 0, max: 15, step: 0.1, value: 0, text: (x) => x.toFixed(1), input: () => this.#sendWind(on),
         });
@@ -19,16 +16,19 @@ export class ForcesPanel {
     }
 
     #sendWind(on) {
+        // Until a speed is set the wind is the scene's, and a heading alone must not still it.
+        this.isBlowing ||= this.speed.value > 0;
+        if (!this.isBlowing) return;
         const angle = (this.heading.value * Math.PI) / 180, speed = this.speed.value;
         // 0 degrees blows along x, as the wind of most scenes.
         on.wind([speed * Math.cos(angle), 0, -speed * Math.sin(angle)]);
     }
 
-    /** @param {number[]} gravity @param {number[]|null} wind of the scene */
-    open(gravity, wind) {
+    /** @param {number[]} gravity of the scene */
+    open(gravity) {
         this.gravity.set(gravity);
-        const w = wind ?? [0, 0, 0];
-        this.speed.set(length(w));
-        this.heading.set(Math.round((((Math.atan2(-w[2], w[0]) * 180) / Math.PI + 360) % 360) / 5) * 5);
+        this.speed.set(0);
+        this.heading.set(0);
+        this.isBlowing = false;
     }
 }

@@ -11,9 +11,12 @@ function toFloat(value) {
 
 function findStrands(document, name) {
     const list = document.get("strands");
-    const entry = list?.items?.find((item) => item.get("name") === name);
-    if (!entry) throw new Error(`the scene has no strands '${name}'`);
-    return entry;
+    return list?.items?.find((item) => item.get("name") === name);
+}
+
+/** Whether a scene can be combed at all: a copy of strands has no entry of its own. */
+export function hasEntry(text, name) {
+    return findStrands(parseDocument(text), name) !== undefined;
 }
 
 /**
@@ -37,7 +40,11 @@ export function combableScene(text, name, hair) {
             entry.setIn(["frozen_hair", "freeze", "bend_stiffness"], toFloat(hair.stiffness));
         }
     }
-    document.delete("hair_events");
+    const events = document.get("hair_events");
+    if (events) {
+        events.items = events.items.filter((event) => event.get("strands") !== name);
+        if (events.items.length === 0) document.delete("hair_events");
+    }
     return document.toString({ lineWidth: 0 });
 }
 

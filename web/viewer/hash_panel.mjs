@@ -14,7 +14,7 @@ export class HashPanel {
         this.brief = built.brief;
     }
 
-    /** @param {import("./hash_check.mjs").HashCheck} check @param {boolean} isSmallSet */
+    /** @param {import("./hash_check.mjs").HashCheck} check */
     update(check) {
         const key = `${check.rows.length} ${check.excluded}`;
         if (key === this.#shown) return;

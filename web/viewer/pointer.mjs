@@ -72,7 +72,7 @@ export class Pointer {
         const start = isCollider ? found.point.clone() : new Vector3().fromArray(points, 3 * vertex);
         const normal = this.viewer.stage.camera.getWorldDirection(new Vector3());
         this.#held = { id: event.pointerId, body, vertex, isCollider, start, grip: found.point, plane: new Plane().setFromNormalAndCoplanarPoint(normal, found.point) };
-        session.input(isCollider ? { type: "grabCollider", body: body.index } : { type: "grab", body: body.index, vertex });
+        session.input(isCollider ? { type: "grabCollider", body: body.index } : { type: "grab", body: body.index, vertex, value: start.toArray() });
         this.viewer.camera.controls.enabled = false;
         this.canvas.setPointerCapture(event.pointerId);
         this.canvas.classList.add("grabbing");
@@ -125,8 +125,7 @@ export class Pointer {
         this.viewer.camera.controls.enabled = false;
         this.canvas.setPointerCapture(event.pointerId);
         event.stopPropagation();
-        await this.viewer.beginStroke();
-        this.viewer.command(found.body, found.point.toArray());
+        if (await this.viewer.beginStroke()) this.viewer.command(found.body, found.point.toArray());
     }
 
     #brushMove(event) {

@@ -116,6 +116,11 @@ export class Session {
             this.usesReference = usesReference;
             this.strokes = strokes;
             this.#begin(run);
+        } catch (error) {
+            // The reference may have started already: without the main world it has nobody to follow.
+            this.#closeReference();
+            this.usesReference = false;
+            throw error;
         } finally {
             this.#isStarting = false;
         }
@@ -169,7 +174,7 @@ export class Session {
     input(input) {
         // Only the last place of a drag before a step counts.
         if (input.type === "drag" || input.type === "moveCollider") {
-            const same = this.#inputs.findLast((other) => other.body === input.body && other.vertex === input.vertex);
+            const same = this.#inputs.slice().reverse().find((other) => other.body === input.body && other.vertex === input.vertex);
             if (same?.type === input.type) {
                 same.value = input.value;
                 return;

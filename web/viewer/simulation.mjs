@@ -91,12 +91,20 @@ export class Simulation {
         return isNew ? what : null;
     }
 
+    #vertex(body, vertex) {
+        return Array.from(this.world.points(body).slice(3 * vertex, 3 * vertex + 3));
+    }
+
     /** @param {Input} input */
     #apply(input) {
         const world = this.world, body = this.bodies[input.body];
         switch (input.type) {
-            case "grab": return world.grab(body, input.vertex);
-            case "drag": return world.drag(body, input.vertex, input.value);
+            case "grab":
+                world.grab(body, input.vertex);
+                // Strands come along with their head: by how far the hand has moved, wherever the vertex is in this world.
+                this.grip = body.kind === "strands" ? this.#vertex(body, input.vertex).map((x, k) => x - input.value[k]) : [0, 0, 0];
+                return undefined;
+            case "drag": return world.drag(body, input.vertex, input.value.map((x, k) => x + this.grip[k]));
             case "letGo": return world.letGo(body, input.vertex);
             case "grabCollider":
                 this.grabbedPlace = world.colliderPlace(body);

@@ -18,8 +18,7 @@ export class StrokeHistory {
     #world;
     #done = [];
     #undone = [];
-    /** @type {Map<number, Record<string, number>>} parameters of each body, as they are */
-    #parameters = new Map();
+    #isCombed = false;
     /** @type {object[]} entries of `hair_events` that led to the present state */
     events;
 
@@ -27,22 +26,16 @@ export class StrokeHistory {
     constructor(world, events) {
         this.#world = world;
         this.events = events;
-        for (const body of world.bodies) if (body.isFrozenHair) this.#parameters.set(body.index, this.#read(body));
-    }
-
-    #read(body) {
-        const values = this.#world.frozenHair(body);
-        return Object.fromEntries(Object.keys(KEYS).map((key) => [key, values[key]]));
     }
 
     #state() {
-        return { snapshot: this.#world.snapshot(), events: this.events.slice(), parameters: new Map(this.#parameters) };
+        return { snapshot: this.#world.snapshot(), events: this.events.slice(), isCombed: this.#isCombed };
     }
 
     #restore(state) {
         this.#world.restore(state.snapshot);
         this.events = state.events.slice();
-        this.#parameters = new Map(state.parameters);
+        this.#isCombed = state.isCombed;
     }
 
     begin() {
@@ -65,19 +58,29 @@ export class StrokeHistory {
     command(body, place, wanted) {
         // The engine computes in single precision: what is saved is what it got.
         const cursor = place.map(Math.fround), event = { step: this.#world.stepCount, strands: body.name, cursor };
-        const parameters = { ...this.#parameters.get(body.index) };
+        const parameters = this.#world.frozenHair(body);
         let isChanged = false;
         for (const [key, sceneKey] of Object.entries(KEYS)) {
             const value = Math.fround(wanted[key] ?? parameters[key]);
-            if (value === Math.fround(parameters[key])) continue;
+            if (value === parameters[key] || !this.#isUsed(key, parameters)) continue;
             parameters[key] = event[sceneKey] = value;
             isChanged = true;
         }
         if (isChanged) this.#world.setFrozenHair(body, parameters);
         this.#world.commandFrozenHair(body, cursor);
-        this.#parameters.set(body.index, parameters);
-        this.events = this.events.filter((other) => other.step !== event.step || other.strands !== event.strands);
-        this.events.push(event);
+        // With the first command the scene's own events that are still to come are over.
+        if (!this.#isCombed) this.events = this.events.filter((other) => other.step < event.step);
+        this.#isCombed = true;
+        // Of several commands before one step the last counts, with the parameters that the others have changed.
+        const same = this.events.find((other) => other.step === event.step && other.strands === event.strands);
+        this.events = this.events.filter((other) => other !== same);
+        this.events.push({ ...same, ...event });
+    }
+
+    /** A parameter of a stage that the scene leaves out does nothing, and a scene refuses it. */
+    #isUsed(key, parameters) {
+        if (key === "reach" || key === "intensity") return parameters.aligns;
+        return key === "clumpRadius" ? parameters.clumps : parameters.freezes;
     }
 
     undo() {
@@ -89,10 +92,13 @@ export class StrokeHistory {
     }
 
     #move(from, to) {
-        const state = from.pop();
+        const state = from.at(-1);
         if (!state) return;
-        to.push(this.#state());
+        const now = this.#state();
+        // Refused if the world has other values than then, such as colours by strain: both lists then stay as they are.
         this.#restore(state);
+        from.pop();
+        to.push(now);
     }
 
     state() {

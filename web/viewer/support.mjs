@@ -8,7 +8,7 @@ const SIMD_MODULE = new Uint8Array([
 /** @returns {string|null} a sentence on what is missing */
 export function missingFeature() {
     if (typeof WebAssembly !== "object" || !WebAssembly.validate(SIMD_MODULE)) {
-        return "This browser has no WebAssembly SIMD, which the engine is compiled for. Use Chrome 91, Firefox 89, Safari 16.4 or newer.";
+        return "This browser has no WebAssembly SIMD, which the engine is compiled for. Use Chrome 92, Firefox 90, Safari 16.4 or newer.";
     }
     if (!document.createElement("canvas").getContext("webgl2")) {
         return "This browser has no WebGL2, which draws the scene. It may be switched off, or the graphics driver may be blocked.";

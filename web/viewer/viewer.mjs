@@ -126,6 +126,7 @@ export class Viewer {
     }
 
     #close() {
+        this.#search.stop();
         this.player?.close();
         this.session = this.playback = null;
         this.shownPoints = null;
@@ -152,7 +153,7 @@ export class Viewer {
         const standsStill = session.scene.knobs.length === 0 && frozen !== null;
         this.bar.open({ frameCount: null, hasBrush: frozen !== null });
         this.#chooseTool(frozen ? "brush" : "drag");
-        this.forces.open(session.scene.gravity, session.scene.wind);
+        this.forces.open(session.scene.gravity);
         this.look.open(session.bodies);
         for (const panel of [this.cost, this.forces, this.hashPanel]) panel.element.hidden = false;
         this.forces.element.hidden = standsStill;
@@ -367,12 +368,14 @@ export class Viewer {
             try {
                 await session.start({ strokes: true });
             } catch (error) {
-                return this.#notice(error.message);
+                this.#notice(error.message);
+                return false;
             } finally {
                 this.#isPreparing = false;
             }
         }
-        return session.input({ type: "stroke" });
+        session.input({ type: "stroke" });
+        return true;
     }
 
     /** @param {object} body @param {number[]} cursor m */
@@ -392,7 +395,7 @@ export class Viewer {
     }
 
     #travel(type) {
-        if (!this.session || this.editor.element.hidden || this.session.isBusy) return;
+        if (!this.session || this.editor.element.hidden) return;
         this.session.input({ type });
         this.session.applyNow(0);
     }

@@ -8,7 +8,7 @@
 import { loadWisp } from "wisp";
 import { engineLog } from "./engine_log.mjs";
 import { Simulation } from "./simulation.mjs";
-import { combableScene, combedScene, hairEvents, isCombable } from "./hair_scene.mjs";
+import { combableScene, combedScene, hairEvents, hasEntry, isCombable } from "./hair_scene.mjs";
 import { RecordingPlayer } from "./recording_player.mjs";
 
 let wisp = null;
@@ -21,7 +21,7 @@ let player = null;
 let peer = null;
 
 function describeScene() {
-    return { name: scene.name, dt: scene.dt, steps: scene.steps, gravity: scene.gravity, wind: scene.wind ?? null, knobs: scene.knobs };
+    return { name: scene.name, dt: scene.dt, steps: scene.steps, gravity: scene.gravity, knobs: scene.knobs };
 }
 
 /** The scene as a brush starts from it: strokes add up, and a climate is the stiffness that it gives. */
@@ -29,7 +29,7 @@ function combable() {
     const world = scene.createWorld();
     let text = scene.text;
     for (const body of world.bodies) {
-        if (!body.isFrozenHair || isCombable(text, body.name)) continue;
+        if (!body.isFrozenHair || !hasEntry(text, body.name) || isCombable(text, body.name)) continue;
         const { freezes, temperature, wetness } = world.frozenHair(body);
         text = combableScene(text, body.name, { freezes, stiffness: world.climateStiffness(body, temperature, wetness) });
     }
@@ -42,7 +42,7 @@ function combable() {
  * in place of a climate.
  */
 function frozenHair() {
-    const bodies = simulation.bodies.filter((body) => body.isFrozenHair);
+    const bodies = simulation.bodies.filter((body) => body.isFrozenHair && hasEntry(derived.text, body.name));
     const isReady = (body) => isCombable(derived.text, body.name);
     if (bodies.every(isReady)) {
         return Object.fromEntries(bodies.map((body) => [body.index, { ...simulation.world.frozenHair(body), isCombable: true }]));
@@ -101,8 +101,9 @@ const requests = {
     },
 
     start({ knobs, strokes, reference, hashEvery, colourBy, port }) {
-        let next = strokes ? combable() : scene;
-        if (knobs && Object.keys(knobs).length > 0) next = next.withKnobs(knobs);
+        const base = strokes ? combable() : scene;
+        const next = knobs && Object.keys(knobs).length > 0 ? base.withKnobs(knobs) : base;
+        if (next !== base && base !== scene) base.release();
         const started = new Simulation(next, { reference, hashEvery, colourBy, hairEvents: hairEvents(next.text) });
         simulation?.release();
         if (derived && derived !== scene) derived.release();
