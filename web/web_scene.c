@@ -1,4 +1,4 @@
-// Scenes: what a page shows of one before it runs, and the settings that it may change, which are those of `wisp tune`.
+// Scenes: what a page shows of one before it runs, and the parameters that it may change, which are those of `wisp tune`.
 #include "web.h"
 
 #include "tune_parameters.h"
@@ -8,11 +8,11 @@
 
 wisp_error web_error;
 
-/// A scene as read, and its settings.
+/// A scene as read, and its parameters.
 typedef struct web_scene
 {
     wisp_scene scene;
-    tune_parameters settings; // none if nothing moves in time
+    tune_parameters parameters; // none if nothing moves in time
 } web_scene;
 
 WEB_API const char* web_version( void )
@@ -44,9 +44,9 @@ WEB_API web_scene* web_scene_open( const char* path )
         return NULL;
     }
     wisp_error nothing_moves;
-    if ( tune_parameters_find( &s->scene, &s->settings, &nothing_moves ) != WISP_OK )
+    if ( tune_parameters_find( &s->scene, &s->parameters, &nothing_moves ) != WISP_OK )
     {
-        s->settings.count = 0;
+        s->parameters.count = 0;
     }
     return s;
 }
@@ -75,49 +75,50 @@ WEB_API void web_scene_gravity( const web_scene* s, float* out )
     out[2] = s->scene.gravity.z;
 }
 
-// ---- settings ----
+// ---- parameters ----
 
-WEB_API int web_scene_setting_count( const web_scene* s )
+WEB_API int web_scene_parameter_count( const web_scene* s )
 {
-    return s->settings.count;
+    return s->parameters.count;
 }
 
-WEB_API const char* web_scene_setting_name( const web_scene* s, int setting )
+WEB_API const char* web_scene_parameter_name( const web_scene* s, int parameter )
 {
-    return s->settings.parameters[setting].name;
+    return s->parameters.parameters[parameter].name;
 }
 
-WEB_API int web_scene_setting_is_unordered( const web_scene* s, int setting )
+WEB_API int web_scene_parameter_is_unordered( const web_scene* s, int parameter )
 {
-    return s->settings.parameters[setting].is_unordered;
+    return s->parameters.parameters[parameter].is_unordered;
 }
 
 /// @param out [WISP_TUNE_MAX_VALUES] @return how many values there are
-WEB_API int web_scene_setting_values( const web_scene* s, int setting, double* out )
+WEB_API int web_scene_parameter_values( const web_scene* s, int parameter, double* out )
 {
-    const wisp_tune_parameter* parameter = &s->settings.parameters[setting];
-    for ( int i = 0; i < parameter->value_count; ++i )
+    const wisp_tune_parameter* p = &s->parameters.parameters[parameter];
+    for ( int i = 0; i < p->value_count; ++i )
     {
-        out[i] = parameter->values[i];
+        out[i] = p->values[i];
     }
-    return parameter->value_count;
+    return p->value_count;
 }
 
 /// @return the scene's own value
-WEB_API double web_scene_setting_value( const web_scene* s, int setting )
+WEB_API double web_scene_parameter_value( const web_scene* s, int parameter )
 {
     double own = 0.0;
-    tune_field_own( &s->scene, s->settings.fields[setting], &own );
+    tune_field_own( &s->scene, s->parameters.fields[parameter], &own );
     return own;
 }
 
-/// Write the scene with other settings; every other byte of its file stays.
-/// @param configuration [setting count] index of a value for each setting
+/// Write the scene with other parameters; every other byte of its file stays.
+/// @param configuration [parameter count] index of a value for each parameter
 WEB_API int web_scene_write( const web_scene* s, const char* from, const int* configuration, const char* to )
 {
     wisp_scene_edit* edits;
     int count;
-    wisp_status status = tune_parameters_edits( &s->settings, configuration, &s->scene, &edits, &count, &web_error );
+    wisp_status status =
+        tune_parameters_edits( &s->parameters, configuration, &s->scene, &edits, &count, &web_error );
     status = status == WISP_OK ? wisp_scene_edit_file( from, edits, count, to, &web_error ) : status;
     free( edits );
     return status == WISP_OK;

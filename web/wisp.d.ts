@@ -43,7 +43,7 @@ export interface TuneOptions {
 export interface Tuned {
   /** False: no settings meet the target, and these are the closest. */
   meetsTarget: boolean;
-  knobs: Record<string, number>;
+  parameters: Record<string, number>;
   /** median time of a step */
   ms: number;
   /** m */
@@ -54,7 +54,7 @@ export interface Tuned {
 }
 
 /** A setting that determines the accuracy of a scene, not its material. */
-export interface Knob {
+export interface Parameter {
   readonly name: string;
   /** From cheap and coarse to expensive and fine, unless unordered. */
   readonly values: number[];
@@ -72,12 +72,12 @@ export interface Scene {
   readonly steps: number;
   readonly gravity: [number, number, number];
   /** Empty where nothing moves in time. */
-  readonly knobs: Knob[];
+  readonly parameters: Parameter[];
   /** The scene's file as text, and all files. */
   readonly text: string;
   readonly files: Files;
   /** The same scene with other settings; comments and order of the file stay. */
-  withKnobs(changes: Record<string, number>): Scene;
+  withParameters(changes: Record<string, number>): Scene;
   /** The same files with another text of the scene. */
   withText(text: string): Scene;
   /** @param options.reference the converged run: finest settings, and `factor` (default 4) times their substeps */

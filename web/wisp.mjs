@@ -19,7 +19,7 @@ export class WispError extends Error {
 
 const KINDS = ["strands", "cloth", "balloon", "collider", "plane"];
 const VALUES = { points: 0, strain: 1, speed: 2, width: 3, colour: 4, motionStats: 5, normals: 6 };
-const MAX_SETTING_VALUES = 16;
+const MAX_PARAMETER_VALUES = 16;
 // A scene may read files of the folders above its own.
 const FOLDERS_ABOVE = "0/1/2/3/4/5/6/7";
 
@@ -142,15 +142,15 @@ class Wisp {
   tune(scene, { error, seconds = 0, limit = 60, progress = null }) {
     const engine = this.#engine;
     engine.module.tuneProgress = progress;
-    const count = scene.knobs.length;
+    const count = scene.parameters.length;
     const [configuration, out] = engine.numbers(Int32Array, count, (indices) =>
       engine.numbers(Float64Array, 5, (values) =>
         scene.at((path) => engine.demand("tune", path, error, seconds, limit, indices, values)))[0]);
-    const knobs = {};
-    scene.knobs.forEach((knob, k) => {
-      knobs[knob.name] = knob.values[configuration[k]];
+    const parameters = {};
+    scene.parameters.forEach((parameter, k) => {
+      parameters[parameter.name] = parameter.values[configuration[k]];
     });
-    return { meetsTarget: out[0] === 1, knobs, ms: out[1], error: out[2], runs: out[3], stoppedEarly: out[4] === 1 };
+    return { meetsTarget: out[0] === 1, parameters, ms: out[1], error: out[2], runs: out[3], stoppedEarly: out[4] === 1 };
   }
 }
 
@@ -190,7 +190,7 @@ class Scene {
     this.dt = engine.call("scene_dt", this.#handle);
     this.steps = engine.call("scene_steps", this.#handle);
     this.gravity = engine.numbers(Float32Array, 3, (out) => engine.call("scene_gravity", this.#handle, out))[0];
-    this.knobs = Array.from({ length: engine.call("scene_setting_count", this.#handle) }, (_, k) => this.#knob(k));
+    this.parameters = Array.from({ length: engine.call("scene_parameter_count", this.#handle) }, (_, k) => this.#parameter(k));
   }
 
   /** Call a function with the path of the scene; messages then begin with its name alone. */
@@ -199,15 +199,15 @@ class Scene {
     return this.#engine.withText(this.name, use);
   }
 
-  #knob(k) {
+  #parameter(k) {
     const engine = this.#engine;
-    const [values, count] = engine.numbers(Float64Array, MAX_SETTING_VALUES,
-      (out) => engine.call("scene_setting_values", this.#handle, k, out));
+    const [values, count] = engine.numbers(Float64Array, MAX_PARAMETER_VALUES,
+      (out) => engine.call("scene_parameter_values", this.#handle, k, out));
     return {
-      name: engine.text(engine.call("scene_setting_name", this.#handle, k)),
+      name: engine.text(engine.call("scene_parameter_name", this.#handle, k)),
       values: values.slice(0, count),
-      value: engine.call("scene_setting_value", this.#handle, k),
-      unordered: engine.call("scene_setting_is_unordered", this.#handle, k) === 1,
+      value: engine.call("scene_parameter_value", this.#handle, k),
+      unordered: engine.call("scene_parameter_is_unordered", this.#handle, k) === 1,
     };
   }
 
@@ -224,18 +224,18 @@ class Scene {
     return this.#wisp.readScene(this.name, { ...this.#files, [this.name]: text });
   }
 
-  withKnobs(changes) {
+  withParameters(changes) {
     const engine = this.#engine;
-    const unknown = Object.keys(changes).find((name) => !this.knobs.some((knob) => knob.name === name));
+    const unknown = Object.keys(changes).find((name) => !this.parameters.some((parameter) => parameter.name === name));
     if (unknown !== undefined) {
-      throw new WispError(`${this.name}: got setting '${unknown}', expected one of ${this.knobs.map((k) => k.name).join(", ")}`);
+      throw new WispError(`${this.name}: got setting '${unknown}', expected one of ${this.parameters.map((k) => k.name).join(", ")}`);
     }
     const nearest = (values, value) => values.reduce((best, v, i) => Math.abs(v - value) < Math.abs(values[best] - value) ? i : best, 0);
-    const configuration = this.knobs.map((knob) => {
-      const value = changes[knob.name] ?? knob.value;
-      const index = nearest(knob.values, value);
-      if (Math.abs(knob.values[index] - value) > 1e-6 * Math.abs(value)) {
-        throw new WispError(`${this.name}: ${knob.name}: got ${value}, expected one of ${knob.values.join(", ")}`);
+    const configuration = this.parameters.map((parameter) => {
+      const value = changes[parameter.name] ?? parameter.value;
+      const index = nearest(parameter.values, value);
+      if (Math.abs(parameter.values[index] - value) > 1e-6 * Math.abs(value)) {
+        throw new WispError(`${this.name}: ${parameter.name}: got ${value}, expected one of ${parameter.values.join(", ")}`);
       }
       return index;
     });

@@ -148,16 +148,16 @@ strands:
 
 test("settings are those of wisp tune, and other ones are written into the scene as it is", () => {
   const hanging = scene(`# a comment\n${HANGING}`);
-  assert.deepEqual(hanging.knobs.map((knob) => knob.name), ["substeps", "iterations", "cloth.tethers", "cloth.coarse_substeps"]);
-  const changed = hanging.withKnobs({ substeps: 8 });
+  assert.deepEqual(hanging.parameters.map((parameter) => parameter.name), ["substeps", "iterations", "cloth.tethers", "cloth.coarse_substeps"]);
+  const changed = hanging.withParameters({ substeps: 8 });
   assert.equal(changed.text, `# a comment\n${HANGING}`.replace("substeps: 4", "substeps: 8"));
-  assert.throws(() => hanging.withKnobs({ substep: 8 }), /got setting 'substep'/);
-  assert.throws(() => hanging.withKnobs({ substeps: 3 }), /substeps: got 3, expected one of/);
+  assert.throws(() => hanging.withParameters({ substep: 8 }), /got setting 'substep'/);
+  assert.throws(() => hanging.withParameters({ substeps: 3 }), /substeps: got 3, expected one of/);
 });
 
 test("the converged run differs from a coarse one, by less the finer that is", () => {
   const distance = (settings) => {
-    const world = scene(HANGING).withKnobs(settings).createWorld();
+    const world = scene(HANGING).withParameters(settings).createWorld();
     const reference = scene(HANGING).createWorld({ reference: true });
     for (let step = 0; step < 60; ++step) {
       world.step();
@@ -179,7 +179,7 @@ test("tuning finds settings that are within the error", () => {
   const unmet = wisp.tune(scene(HANGING), { error: 1e-5, seconds: 0.2 });
   assert.equal(unmet.meetsTarget, false);
   assert.ok(unmet.error > 1e-5);
-  assert.ok(scene(HANGING).withKnobs(found.knobs).text.includes(`substeps: ${found.knobs.substeps}`));
+  assert.ok(scene(HANGING).withParameters(found.parameters).text.includes(`substeps: ${found.parameters.substeps}`));
 });
 
 test("a snapshot brings back every bit and the step", () => {
@@ -266,7 +266,7 @@ test("a scene that is released leaves no files", () => {
   const folders = [];
   for (let k = 0; k < 50; ++k) {
     const flag = open("flag.yaml");
-    folders.push(flag.withKnobs({ substeps: 2 }));
+    folders.push(flag.withParameters({ substeps: 2 }));
     folders.pop().release();
     flag.release();
     flag.release();

@@ -76,7 +76,11 @@ export async function until(page, holds) {
     const end = Date.now() + 60000;
     for (;;) {
         const now = await state(page);
-        if (now.isOpen && holds(now)) return now;
+        if (now.isOpen && holds(now)) {
+            // What has arrived is shown with the next picture.
+            await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+            return now;
+        }
         if (Date.now() > end) assert.fail(`not within a minute: ${holds}, but ${JSON.stringify({ ...now, passes: [], bodies: [] })}`);
         await new Promise((resolve) => setTimeout(resolve, 50));
     }

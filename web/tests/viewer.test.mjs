@@ -174,11 +174,11 @@ test("settings restart the scene and change its error, which the reference measu
         assert.ok(first.step - first.followed <= 5, "the scene waits for its reference");
         await page.getByLabel("substeps", { exact: true }).focus();
         await page.keyboard.press("End");
-        const finer = await until(page, (s) => s.knobs.find((k) => k.name === "substeps").value >= 16 && s.followed >= 40);
+        const finer = await until(page, (s) => s.parameters.find((k) => k.name === "substeps").value >= 16 && s.followed >= 40);
         assert.ok(finer.rms < first.rms, `${finer.rms} m is less than ${first.rms} m`);
         assert.match(finer.hashes.excluded, /settings differ/);
         await page.getByRole("button", { name: "Scene's own settings" }).click();
-        const own = await until(page, (s) => s.knobs.find((k) => k.name === "substeps").value === 2 && s.followed >= 5);
+        const own = await until(page, (s) => s.parameters.find((k) => k.name === "substeps").value === 2 && s.followed >= 5);
         assert.equal(own.hashes.excluded, null);
     });
 });
@@ -188,7 +188,7 @@ test("both worlds receive the same inputs before the same steps", async () => {
         await page.getByLabel("substeps", { exact: true }).waitFor();
         await page.getByLabel("substeps", { exact: true }).focus();
         await page.keyboard.press("End");
-        await until(page, (s) => s.knobs[0].value >= 16 && s.followed >= 5);
+        await until(page, (s) => s.parameters[0].value >= 16 && s.followed >= 5);
         await page.getByText("Forces").click();
         await page.getByLabel("Gravity, y").fill("9.81");
         await page.keyboard.press("Tab");

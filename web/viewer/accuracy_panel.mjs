@@ -10,19 +10,19 @@ const HINTS = {
     coarse_substeps: "Substeps of the coarse sheets that carry load; 0 is none",
 };
 
-function knobText(knob, value) {
-    const isSwitch = knob.values.length === 2 && knob.values.includes(0) && knob.values.includes(1);
+function parameterText(parameter, value) {
+    const isSwitch = parameter.values.length === 2 && parameter.values.includes(0) && parameter.values.includes(1);
     return isSwitch ? (value ? "on" : "off") : String(+value.toPrecision(3));
 }
 
 export class AccuracyPanel {
     /** @type {Map<string, object>} */
     #sliders = new Map();
-    #knobs = [];
+    #parameters = [];
     #scene = null;
 
     /**
-     * @param {{knobs: (values: object) => void, reference: (isOn: boolean) => void, tune: (error: number) => void, stopTune: () => void}} on
+     * @param {{parameters: (values: object) => void, reference: (isOn: boolean) => void, tune: (error: number) => void, stopTune: () => void}} on
      */
     constructor(on) {
         this.on = on;
@@ -34,12 +34,12 @@ export class AccuracyPanel {
         this.result = h("div", { class: "section", style: "padding:0" },
             h("div", { class: "line" }, this.distance, h("span", { class: "note grow" }, "from the reference (root mean square)")),
             this.canvas, this.lag);
-        this.knobs = h("div", { class: "section", style: "padding:0" });
+        this.parameters = h("div", { class: "section", style: "padding:0" });
         this.own = h("button", { type: "button", onclick: () => this.#applyAll(this.#ownValues()) }, "Scene's own settings");
         this.#buildTune();
         const built = section("Accuracy", true,
             h("label", { class: "check" }, this.toggle, "Compare with a converged reference"),
-            this.result, this.knobs, h("div", { class: "line" }, this.own), this.tune);
+            this.result, this.parameters, h("div", { class: "line" }, this.own), this.tune);
         this.element = built.element;
         this.brief = built.brief;
     }
@@ -61,22 +61,22 @@ export class AccuracyPanel {
             this.progress, this.answer);
     }
 
-    /** @param {object} scene @param {object} knobs @param {boolean} usesReference */
-    open(scene, knobs, usesReference) {
+    /** @param {object} scene @param {object} parameters @param {boolean} usesReference */
+    open(scene, parameters, usesReference) {
         const isNew = scene !== this.#scene;
         this.#scene = scene;
-        this.#knobs = scene.knobs;
-        this.element.hidden = scene.knobs.length === 0;
+        this.#parameters = scene.parameters;
+        this.element.hidden = scene.parameters.length === 0;
         if (isNew) {
-            this.#buildKnobs();
+            this.#buildParameters();
             this.showAnswer("");
         }
-        for (const knob of scene.knobs) {
-            const row = this.#sliders.get(knob.name), value = knobs[knob.name] ?? knob.value;
-            row.set(knob.values.indexOf(value));
-            row.element.classList.toggle("changed", value !== knob.value);
+        for (const parameter of scene.parameters) {
+            const row = this.#sliders.get(parameter.name), value = parameters[parameter.name] ?? parameter.value;
+            row.set(parameter.values.indexOf(value));
+            row.element.classList.toggle("changed", value !== parameter.value);
         }
-        this.own.disabled = scene.knobs.every((knob) => (knobs[knob.name] ?? knob.value) === knob.value);
+        this.own.disabled = scene.parameters.every((parameter) => (parameters[parameter.name] ?? parameter.value) === parameter.value);
         this.toggle.checked = usesReference;
         this.result.hidden = !usesReference;
         this.chart.clear();
@@ -84,33 +84,33 @@ export class AccuracyPanel {
         setText(this.brief, "");
     }
 
-    #buildKnobs() {
+    #buildParameters() {
         this.#sliders.clear();
-        const rows = this.#knobs.map((knob) => {
-            const key = knob.name.split(".").at(-1);
+        const rows = this.#parameters.map((parameter) => {
+            const key = parameter.name.split(".").at(-1);
             const row = slider({
-                label: knob.name.replaceAll(".", " ").replaceAll("_", " "),
-                min: 0, max: knob.values.length - 1, step: 1, value: knob.values.indexOf(knob.value),
-                text: (i) => knobText(knob, knob.values[i]),
+                label: parameter.name.replaceAll(".", " ").replaceAll("_", " "),
+                min: 0, max: parameter.values.length - 1, step: 1, value: parameter.values.indexOf(parameter.value),
+                text: (i) => parameterText(parameter, parameter.values[i]),
                 change: () => this.#applyAll(this.#values()),
             });
             row.element.title = HINTS[key] ?? "";
-            this.#sliders.set(knob.name, row);
+            this.#sliders.set(parameter.name, row);
             return row.element;
         });
-        this.knobs.replaceChildren(...rows);
+        this.parameters.replaceChildren(...rows);
     }
 
     #values() {
-        return Object.fromEntries(this.#knobs.map((knob) => [knob.name, knob.values[this.#sliders.get(knob.name).value]]));
+        return Object.fromEntries(this.#parameters.map((parameter) => [parameter.name, parameter.values[this.#sliders.get(parameter.name).value]]));
     }
 
     #ownValues() {
-        return Object.fromEntries(this.#knobs.map((knob) => [knob.name, knob.value]));
+        return Object.fromEntries(this.#parameters.map((parameter) => [parameter.name, parameter.value]));
     }
 
     #applyAll(values) {
-        this.on.knobs(values);
+        this.on.parameters(values);
     }
 
     /** @param {number} time s @param {number} distance m */

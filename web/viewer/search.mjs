@@ -44,7 +44,7 @@ const millimetres = (metres) => `${+(1000 * metres).toPrecision(3)} mm`;
 
 /** @param {object} found @param {number} error m @returns {string} */
 export function sentenceOf(found, error) {
-    const setting = Object.entries(found.knobs).map(([name, value]) => `${name.replaceAll("_", " ")} ${+value.toPrecision(3)}`).join(", ");
+    const setting = Object.entries(found.parameters).map(([name, value]) => `${name.replaceAll("_", " ")} ${+value.toPrecision(3)}`).join(", ");
     const cost = `${+found.ms.toPrecision(3)} ms per step`;
     const early = found.stoppedEarly ? " The time limit ended the search, so a cheaper one may exist." : "";
     return found.meetsTarget

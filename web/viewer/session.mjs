@@ -38,7 +38,7 @@ export class Session {
     scene = null;
     /** @type {object[]} */
     bodies = [];
-    knobs = {};
+    parameters = {};
     usesReference = false;
     /** Whether strokes of the brush add up, though the scene's own commands replace each other. */
     strokes = false;
@@ -82,10 +82,10 @@ export class Session {
         this.files = files;
         this.name = name;
         this.hashes = new HashCheck(hashes);
-        this.knobs = {};
+        this.parameters = {};
     }
 
-    /** Start from step 0. @param {{knobs?: object, usesReference?: boolean, strokes?: boolean}} [changes] */
+    /** Start from step 0. @param {{parameters?: object, usesReference?: boolean, strokes?: boolean}} [changes] */
     start(changes = {}) {
         // A change that comes while the scene starts waits until it has started, and then starts it again.
         const started = this.#lastStart.then(() => this.#startNow(changes));
@@ -96,7 +96,7 @@ export class Session {
     async #startNow(changes) {
         this.#isStarting = true;
         try {
-            const knobs = changes.knobs ?? this.knobs;
+            const parameters = changes.parameters ?? this.parameters;
             const usesReference = changes.usesReference ?? this.usesReference;
             const strokes = changes.strokes ?? this.strokes;
             let ports = null;
@@ -110,9 +110,9 @@ export class Session {
                 this.#referenceFrames = [];
             }
             const run = await this.#main.ask("start", {
-                knobs, strokes, hashEvery: this.hashes.every, colourBy: this.colourBy, port: ports?.port1,
+                parameters, strokes, hashEvery: this.hashes.every, colourBy: this.colourBy, port: ports?.port1,
             }, ports ? [ports.port1] : []);
-            this.knobs = knobs;
+            this.parameters = parameters;
             this.usesReference = usesReference;
             this.strokes = strokes;
             this.#begin(run);
@@ -159,15 +159,15 @@ export class Session {
         this.#queue.push(run.frame);
         this.clock.reset(run.frame.time);
         this.hashes.restart();
-        const changed = Object.keys(this.knobs).filter((name) => this.knobs[name] !== this.ownValue(name));
+        const changed = Object.keys(this.parameters).filter((name) => this.parameters[name] !== this.ownValue(name));
         if (this.strokes) this.hashes.exclude("strokes of the brush add up here");
         if (changed.length > 0) this.hashes.exclude("the settings differ from those of the scene");
         this.on.frame({ ...run.frame, isFirst: true });
     }
 
-    /** @param {string} name of a knob @returns {number} its value in the scene */
+    /** @param {string} name of a parameter @returns {number} its value in the scene */
     ownValue(name) {
-        return this.scene.knobs.find((knob) => knob.name === name)?.value;
+        return this.scene.parameters.find((parameter) => parameter.name === name)?.value;
     }
 
     /** What a user did, for both worlds. @param {import("./simulation.mjs").Input} input */

@@ -14,7 +14,7 @@ export function testInterface(viewer) {
                 speed: player.clock.speed, tool: viewer.pointer.tool,
                 ms: viewer.cost.ms, passes: viewer.cost.passes, frameCost: viewer.frameCost.stats,
                 rms: session?.distance ?? null, usesReference: session?.usesReference ?? false,
-                knobs: session ? session.scene.knobs.map((knob) => ({ ...knob, value: session.knobs[knob.name] ?? knob.value })) : [],
+                parameters: session ? session.scene.parameters.map((parameter) => ({ ...parameter, value: session.parameters[parameter.name] ?? parameter.value })) : [],
                 hashes: session ? { rows: session.hashes.rows, excluded: session.hashes.excluded } : null,
                 bodies: player.bodies.map(({ index, name, kind, vertexCount, strandCount, moves, hidden }) => (
                     { index, name, kind, vertexCount, strandCount, moves, hidden })),

@@ -78,7 +78,7 @@ export class Viewer {
         });
         this.cost = new CostPanel();
         this.accuracy = new AccuracyPanel({
-            knobs: (knobs) => this.#restart({ knobs }), reference: (usesReference) => this.#restart({ usesReference }),
+            parameters: (parameters) => this.#restart({ parameters }), reference: (usesReference) => this.#restart({ usesReference }),
             tune: (error) => this.#tune(error), stopTune: () => this.#search.stop(),
         });
         this.editor = new EditorPanel({
@@ -150,7 +150,7 @@ export class Viewer {
         this.#describe();
         const frozen = Object.values(session.frozen)[0] ?? null;
         this.editor.open(frozen);
-        const standsStill = session.scene.knobs.length === 0 && frozen !== null;
+        const standsStill = session.scene.parameters.length === 0 && frozen !== null;
         this.bar.open({ frameCount: null, hasBrush: frozen !== null });
         this.#chooseTool(frozen ? "brush" : "drag");
         this.forces.open(session.scene.gravity);
@@ -158,7 +158,7 @@ export class Viewer {
         for (const panel of [this.cost, this.forces, this.hashPanel]) panel.element.hidden = false;
         this.forces.element.hidden = standsStill;
         const vertices = this.#movingVertices();
-        if (session.scene.knobs.length > 0 && vertices <= REFERENCE_VERTICES) await this.#restart({ usesReference: true });
+        if (session.scene.parameters.length > 0 && vertices <= REFERENCE_VERTICES) await this.#restart({ usesReference: true });
         // Frozen hair has its shape after one step, and then waits for a command.
         if (standsStill) session.step();
         else session.play();
@@ -209,7 +209,7 @@ export class Viewer {
         } catch (error) {
             this.#notice(error.message);
         }
-        this.accuracy.open(this.session.scene, this.session.knobs, this.session.usesReference);
+        this.accuracy.open(this.session.scene, this.session.parameters, this.session.usesReference);
     }
 
     /** A frame has arrived. @param {object} frame */
@@ -220,7 +220,7 @@ export class Viewer {
             this.shownPoints = frame.points;
             this.#commands = 0;
             this.stage.setBodies(this.bodies, frame.points, this.session?.usesReference ?? false);
-            if (this.session) this.accuracy.open(this.session.scene, this.session.knobs, this.session.usesReference);
+            if (this.session) this.accuracy.open(this.session.scene, this.session.parameters, this.session.usesReference);
             this.look.restart();
         }
         if (frame.looks) this.#looks = frame;
@@ -346,7 +346,7 @@ export class Viewer {
         this.accuracy.setSearching(false);
         if (session !== this.session) return;
         if (wasPlaying) session.play();
-        if (found?.meetsTarget) await this.#restart({ knobs: found.knobs });
+        if (found?.meetsTarget) await this.#restart({ parameters: found.parameters });
         this.accuracy.showAnswer(failure ?? (found ? sentenceOf(found, error) : "Stopped."), failure || found?.meetsTarget === false ? "bad" : found ? "good" : "");
     }
 

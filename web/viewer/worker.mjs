@@ -21,7 +21,7 @@ let player = null;
 let peer = null;
 
 function describeScene() {
-    return { name: scene.name, dt: scene.dt, steps: scene.steps, gravity: scene.gravity, knobs: scene.knobs };
+    return { name: scene.name, dt: scene.dt, steps: scene.steps, gravity: scene.gravity, parameters: scene.parameters };
 }
 
 /** The scene as a brush starts from it: strokes add up, and a climate is the stiffness that it gives. */
@@ -100,9 +100,9 @@ const requests = {
         return describeScene();
     },
 
-    start({ knobs, strokes, reference, hashEvery, colourBy, port }) {
+    start({ parameters, strokes, reference, hashEvery, colourBy, port }) {
         const base = strokes ? combable() : scene;
-        const next = knobs && Object.keys(knobs).length > 0 ? base.withKnobs(knobs) : base;
+        const next = parameters && Object.keys(parameters).length > 0 ? base.withParameters(parameters) : base;
         if (next !== base && base !== scene) base.release();
         const started = new Simulation(next, { reference, hashEvery, colourBy, hairEvents: hairEvents(next.text) });
         simulation?.release();
