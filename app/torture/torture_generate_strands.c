@@ -102,10 +102,16 @@ static void put_frozen_hair( strands_maker* m )
             torture_put_block( m->b, block, frozen, stages[i], 30 );
         }
     }
+    // A stroke has its cursors from hair events, and they need strands that align.
+    const bool is_stroke = strcmp( text_at( frozen, "base" ), "stroke" ) == 0;
     text_node* align = text_find( frozen, "align" );
-    if ( align && strcmp( text_at( frozen, "base" ), "stroke" ) == 0 )
+    if ( is_stroke && align )
     {
-        text_remove_key( align, "cursor" ); // it only comes with hair events then
+        text_remove_key( align, "cursor" );
+    }
+    else if ( is_stroke )
+    {
+        text_remove_key( frozen, "base" );
     }
     if ( chance( m, 40 ) )
     {
