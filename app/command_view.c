@@ -80,16 +80,10 @@ static error_t parse( int key, char* argument, struct argp_state* state )
 
 // ---- data ----
 
-static const char* base_name( const char* path )
-{
-    const char* slash = strrchr( path, '/' );
-    return slash ? slash + 1 : path;
-}
-
 // The title is the name without its extension.
 static json_t* begin_data( const char* kind, const char* path, json_t* files )
 {
-    const char* name = base_name( path );
+    const char* name = io_file_name( path );
     const char* dot = strrchr( name, '.' );
     return json_pack( "{s:s, s:s, s:s, s:s%, s:O}", "version", WISP_VERSION_STRING, "kind", kind, "name", name,
                       "title", name, dot ? (size_t)( dot - name ) : strlen( name ), "files", files );
@@ -139,7 +133,7 @@ static wisp_status take_recording( const view_options* options, json_t* files, j
     wisp_recording_close( recording );
     if ( status == WISP_OK )
     {
-        status = view_add_file( files, base_name( options->input ), options->input, &total, error );
+        status = view_add_file( files, io_file_name( options->input ), options->input, &total, error );
     }
     *data = status == WISP_OK ? begin_data( "recording", options->input, files ) : NULL;
     return status;

@@ -1,5 +1,6 @@
 #include "run_summary.h"
 
+#include "io_file.h"
 #include "run_memory.h"
 #include "run_motion.h"
 #include "stats.h"
@@ -9,12 +10,6 @@
 #include <string.h>
 
 #define SMALL_PERCENT 1.0 // passes below this are combined into one line of the text
-
-static const char* last_part( const char* path )
-{
-    const char* slash = strrchr( path, '/' );
-    return slash ? slash + 1 : path;
-}
 
 // ---- the result ----
 
@@ -233,7 +228,7 @@ static void add_command_note( results* out, const scene_world* world )
 
 static void add_row( results* out, const scene_world* world, run_record* record, stats_summary times )
 {
-    results_row* row = results_add_row( out, last_part( world->scene->name ), "run" );
+    results_row* row = results_add_row( out, io_file_name( world->scene->name ), "run" );
     if ( !row )
     {
         return;

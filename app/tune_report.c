@@ -1,13 +1,9 @@
 #include "tune_report.h"
 
+#include "io_file.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-static const char* last_part( const char* path )
-{
-    const char* slash = strrchr( path, '/' );
-    return slash ? slash + 1 : path;
-}
 
 static bool is_chosen( const tune_parameters* parameters, const wisp_tune_result* found,
                        const wisp_tune_trial* trial )
@@ -30,7 +26,7 @@ static void name_setting( const tune_parameters* parameters, const int* configur
 static void add_row( results* out, const tune_scene_def* def, const tune_scene_info* info,
                      const wisp_tune_result* found, const wisp_tune_trial* trial )
 {
-    results_row* row = results_add_row( out, last_part( def->scene->name ),
+    results_row* row = results_add_row( out, io_file_name( def->scene->name ),
                                         is_chosen( def->parameters, found, trial ) ? "chosen" : "trial" );
     if ( !row )
     {

@@ -1,5 +1,6 @@
 #include "view_page.h"
 
+#include "base64.h"
 #include "io_file.h"
 #include "program_data.h"
 
@@ -15,19 +16,23 @@ static const char place_word[] = "null";
 
 // ---- data ----
 
-static void encode( const unsigned char* bytes, size_t size, char* out )
+// @return a string for json_decref(), null without memory
+static json_t* encode( const unsigned char* bytes, size_t size )
 {
-    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for ( size_t i = 0; i < size; i += 3 )
+    char* text = NULL;
+    size_t length = 0;
+    FILE* stream = open_memstream( &text, &length );
+    if ( !stream )
     {
-        const size_t left = size - i;
-        const unsigned triple = (unsigned)bytes[i] << 16 | ( left > 1 ? (unsigned)bytes[i + 1] << 8 : 0 ) |
-                                ( left > 2 ? (unsigned)bytes[i + 2] : 0 );
-        *out++ = letters[triple >> 18];
-        *out++ = letters[triple >> 12 & 63];
-        *out++ = left > 1 ? letters[triple >> 6 & 63] : '=';
-        *out++ = left > 2 ? letters[triple & 63] : '=';
+        return NULL;
     }
+    io_base64 letters = { .out = stream };
+    io_base64_put( &letters, bytes, size );
+    io_base64_end( &letters );
+    const bool is_whole = !ferror( stream );
+    json_t* string = fclose( stream ) == 0 && is_whole ? json_stringn( text, length ) : NULL;
+    free( text );
+    return string;
 }
 
 wisp_status view_add_file( json_t* files, const char* name, const char* path, size_t* total, wisp_error* error )
@@ -53,14 +58,7 @@ wisp_status view_add_file( json_t* files, const char* name, const char* path, si
         return wisp_fail( error, WISP_BAD_INPUT, "%s: with this file a page has more than %u MB, which is the limit",
                           path, VIEW_MAX_BYTES >> 20 );
     }
-    const size_t length = ( size + 2 ) / 3 * 4;
-    char* text = malloc( length + 1 );
-    if ( text )
-    {
-        encode( bytes, size, text );
-    }
-    const bool is_added = text && json_object_set_new( files, name, json_stringn( text, length ) ) == 0;
-    free( text );
+    const bool is_added = json_object_set_new( files, name, encode( bytes, size ) ) == 0;
     free( bytes );
     return is_added ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the page", path );
 }

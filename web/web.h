@@ -33,6 +33,9 @@ typedef struct web_world
 /// The message of the last failure.
 extern wisp_error web_error;
 
+/// Keep the message of a world's call that failed. @return whether it was WISP_OK
+int web_report( const web_world* w, wisp_status status );
+
 /// Parameters of strands as they are now; without frozen hair those of the scene.
 web_hair web_hair_state( const web_world* w, int body );
 void web_hair_restore( web_world* w, int body, web_hair hair );

@@ -11,15 +11,6 @@ static wisp_scene_strands* frozen( web_world* w, int body )
     return &w->scene.strands[body];
 }
 
-static int report( const web_world* w, wisp_status status )
-{
-    if ( status != WISP_OK )
-    {
-        wisp_fail( &web_error, status, "%s", wisp_world_message( w->world.world ) );
-    }
-    return status == WISP_OK;
-}
-
 WEB_API int web_hair_is_frozen( const web_world* w, int body )
 {
     return body < w->scene.strands_count && w->scene.strands[body].has_frozen_hair;
@@ -28,22 +19,13 @@ WEB_API int web_hair_is_frozen( const web_world* w, int body )
 // What the scene's own events have changed so far. They carry what they leave unchanged.
 static void follow_events( web_world* w, int body )
 {
-    wisp_frozen_hair_def* def = &w->scene.strands[body].frozen_hair;
     for ( int k = 0; k < w->world.next_command && !w->is_combed; ++k )
     {
         const wisp_scene_hair_event* e = &w->scene.commands[k];
-        if ( e->strands != body )
+        if ( e->strands == body )
         {
-            continue;
+            scene_hair_event_apply( e, &w->scene.strands[body].frozen_hair );
         }
-        def->intensity = e->has_intensity ? e->intensity : def->intensity;
-        def->reach = e->has_reach ? e->reach : def->reach;
-        def->stretch_stiffness = e->has_stretch_stiffness ? e->stretch_stiffness : def->stretch_stiffness;
-        def->bend_stiffness = e->has_bend_stiffness ? e->bend_stiffness : def->bend_stiffness;
-        def->clump_radius = e->has_clump_radius ? e->clump_radius : def->clump_radius;
-        def->strand_intensity = e->has_intensity ? NULL : def->strand_intensity;
-        def->strand_stretch_stiffness = e->has_stretch_stiffness ? NULL : def->strand_stretch_stiffness;
-        def->strand_bend_stiffness = e->has_bend_stiffness ? NULL : def->strand_bend_stiffness;
     }
 }
 
@@ -119,7 +101,7 @@ WEB_API int web_hair_set( web_world* w, int body, float intensity, float reach, 
     {
         entry->frozen_hair = def;
     }
-    return report( w, status );
+    return web_report( w, status );
 }
 
 /// The next step updates the strands. The scene's own events that are still to come are over: they would take the brush out of
@@ -133,14 +115,15 @@ WEB_API int web_hair_command( web_world* w, int body, float x, float y, float z 
     follow_events( w, body );
     w->is_combed = 1;
     w->world.next_command = w->scene.command_count;
-    return report( w, wisp_command_frozen_hair( w->world.world, w->world.entities[body], ( wisp_vec3 ){ x, y, z } ) );
+    return web_report(
+        w, wisp_command_frozen_hair( w->world.world, w->world.entities[body], ( wisp_vec3 ){ x, y, z } ) );
 }
 
 /// Forget the alignment of all strands, and draw new random numbers at the next step.
 WEB_API int web_hair_begin_stroke( web_world* w, int body )
 {
     return frozen( w, body ) != NULL &&
-           report( w, wisp_begin_frozen_hair_stroke( w->world.world, w->world.entities[body] ) );
+           web_report( w, wisp_begin_frozen_hair_stroke( w->world.world, w->world.entities[body] ) );
 }
 
 /// @return the stiffness of strands in a climate, by the scene's curve or the default one

@@ -325,7 +325,7 @@ WEB_API int web_snapshot_size( const web_world* w )
     return size < INT32_MAX ? (int)size : -1;
 }
 
-static int report( const web_world* w, wisp_status status )
+int web_report( const web_world* w, wisp_status status )
 {
     if ( status != WISP_OK )
     {
@@ -345,7 +345,7 @@ WEB_API int web_snapshot( const web_world* w, void* out, int size )
         memcpy( (char*)out + sizeof place + (size_t)i * sizeof hair, &hair, sizeof hair );
     }
     const size_t front = front_size( w );
-    return report( w, wisp_world_snapshot( w->world.world, (char*)out + front, (size_t)size - front ) );
+    return web_report( w, wisp_world_snapshot( w->world.world, (char*)out + front, (size_t)size - front ) );
 }
 
 static bool is_place( const web_world* w, const snapshot_place* place )
@@ -381,5 +381,5 @@ WEB_API int web_restore( web_world* w, const void* bytes, int size )
         w->world.next_event = place.next_event;
         w->is_combed = place.is_combed;
     }
-    return report( w, status );
+    return web_report( w, status );
 }

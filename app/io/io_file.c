@@ -25,6 +25,12 @@ const char* io_short_name( const char* name )
     return length > NAME_SHOWN ? name + ( length - NAME_SHOWN ) : name;
 }
 
+const char* io_file_name( const char* path )
+{
+    const char* slash = strrchr( path, '/' );
+    return slash ? slash + 1 : path;
+}
+
 bool io_has_extension( const char* path, const char* extension )
 {
     size_t length = strlen( path );

@@ -54,5 +54,8 @@ void io_numbers_end( io_numbers* numbers );
 /// Independent of the locale.
 bool io_has_extension( const char* path, const char* extension );
 
+/// The name of a file without its folders.
+const char* io_file_name( const char* path );
+
 /// The end of a long path, so that a message of 500 characters has room for the error.
 const char* io_short_name( const char* name );

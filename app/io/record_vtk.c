@@ -2,70 +2,34 @@
 // inside the XML: exact like raw bytes, and still XML for every other reader. The array's length in bytes and its
 // numbers are one base64 stream, as in VTK's own writer.
 
+#include "base64.h"
 #include "record_internal.h"
 
 #include <stdlib.h>
 
-// ---- base64 ----------------------------------------------------------------------------------------------------
+// ---- arrays ----------------------------------------------------------------------------------------------------
 
-typedef struct base64
-{
-    FILE* out;
-    unsigned char pending[3];
-    int count;
-} base64;
-
-static void put_group( base64* stream )
-{
-    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const unsigned char* p = stream->pending;
-    char group[4] = {
-        letters[p[0] >> 2],
-        letters[( p[0] & 3 ) << 4 | p[1] >> 4],
-        stream->count > 1 ? letters[( p[1] & 15 ) << 2 | p[2] >> 6] : '=',
-        stream->count > 2 ? letters[p[2] & 63] : '=',
-    };
-    fwrite( group, 1, sizeof group, stream->out );
-    stream->count = 0;
-    memset( stream->pending, 0, sizeof stream->pending );
-}
-
-static void put_bytes( base64* stream, const unsigned char* bytes, size_t size )
-{
-    for ( size_t i = 0; i < size; ++i )
-    {
-        stream->pending[stream->count++] = bytes[i];
-        if ( stream->count == 3 )
-        {
-            put_group( stream );
-        }
-    }
-}
-
-static void put_number( base64* stream, int value )
+static void put_number( io_base64* stream, int value )
 {
     unsigned char bytes[4];
     io_put_u32( bytes, (uint32_t)value );
-    put_bytes( stream, bytes, sizeof bytes );
+    io_base64_put( stream, bytes, sizeof bytes );
 }
 
 // All numbers are 4 bytes wide.
-static base64 begin_array( FILE* out, const char* attributes, uint64_t number_count )
+static io_base64 begin_array( FILE* out, const char* attributes, uint64_t number_count )
 {
     fprintf( out, "        <DataArray %s format=\"binary\">", attributes );
-    base64 stream = { .out = out };
+    io_base64 stream = { .out = out };
     unsigned char bytes[8];
     io_put_u64( bytes, 4 * number_count );
-    put_bytes( &stream, bytes, sizeof bytes );
+    io_base64_put( &stream, bytes, sizeof bytes );
     return stream;
 }
 
-static void end_array( base64* stream )
+static void end_array( io_base64* stream )
 {
-    if ( stream->count > 0 )
-    {
-        put_group( stream );
-    }
+    io_base64_end( stream );
     fputs( "</DataArray>\n", stream->out );
 }
 
@@ -77,13 +41,13 @@ static const char ends[] = "type=\"Int32\" Name=\"offsets\"";
 static void write_points( FILE* out, const wisp_vec3* points, int count )
 {
     fputs( "      <Points>\n", out );
-    base64 stream =
+    io_base64 stream =
         begin_array( out, "type=\"Float32\" Name=\"Points\" NumberOfComponents=\"3\"", 3 * (uint64_t)count );
     for ( int v = 0; v < count; ++v )
     {
         unsigned char bytes[RECORD_POINT_SIZE];
         io_put_vec3( bytes, points[v] );
-        put_bytes( &stream, bytes, sizeof bytes );
+        io_base64_put( &stream, bytes, sizeof bytes );
     }
     end_array( &stream );
     fputs( "      </Points>\n", out );
@@ -93,7 +57,7 @@ static void write_triangles( FILE* out, const wisp_record_body* body )
 {
     size_t corners = 3 * (size_t)body->triangle_count;
     fputs( "      <Polys>\n", out );
-    base64 stream = begin_array( out, connectivity, corners );
+    io_base64 stream = begin_array( out, connectivity, corners );
     for ( size_t i = 0; i < corners; ++i )
     {
         put_number( &stream, body->triangles[i] );
@@ -134,7 +98,7 @@ static line_counts count_lines( const wisp_record_body* body )
 static void write_lines( FILE* out, const wisp_record_body* body, line_counts counts )
 {
     fputs( "      <Lines>\n", out );
-    base64 stream = begin_array( out, connectivity, (uint64_t)counts.vertices );
+    io_base64 stream = begin_array( out, connectivity, (uint64_t)counts.vertices );
     for ( int s = 0; s < body->strand_count; ++s )
     {
         for ( int v = body->offsets[s]; is_line( body, s ) && v < body->offsets[s + 1]; ++v )

@@ -1,5 +1,7 @@
 #include "report_picture.h"
 
+#include "base64.h"
+#include "io_file.h"
 #include "report_text.h"
 
 #include <errno.h>
@@ -83,27 +85,6 @@ static const char* read_picture( const char* path, picture_bytes* out )
 
 // ---- writing ----
 
-static void put_base64( const unsigned char* bytes, size_t size, FILE* stream )
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for ( size_t i = 0; i < size; i += 3 )
-    {
-        size_t left = size - i;
-        unsigned bits = (unsigned)bytes[i] << 16 | ( left > 1 ? (unsigned)bytes[i + 1] << 8 : 0u ) |
-                        ( left > 2 ? (unsigned)bytes[i + 2] : 0u );
-        const char group[4] = { digits[bits >> 18], digits[bits >> 12 & 63], left > 1 ? digits[bits >> 6 & 63] : '=',
-                                left > 2 ? digits[bits & 63] : '=' };
-        fwrite( group, 1, sizeof( group ), stream );
-    }
-}
-
-// Folders depend on the machine, the name does not.
-static const char* file_name( const char* path )
-{
-    const char* slash = strrchr( path, '/' );
-    return slash ? slash + 1 : path;
-}
-
 void report_put_picture( const results_picture* picture, int number, FILE* stream )
 {
     picture_bytes content = { .bytes = NULL };
@@ -112,7 +93,8 @@ void report_put_picture( const results_picture* picture, int number, FILE* strea
     if ( wrong )
     {
         fputs( "<p class=\"empty\">The picture ", stream );
-        report_put_text( file_name( picture->path ), stream );
+        // Folders depend on the machine, the name does not.
+        report_put_text( io_file_name( picture->path ), stream );
         fputs( " cannot be shown: ", stream );
         report_put_text( wrong, stream );
         fputs( ".</p>\n", stream );
@@ -122,7 +104,9 @@ void report_put_picture( const results_picture* picture, int number, FILE* strea
         fprintf( stream, "<img width=\"%u\" height=\"%u\" alt=\"", content.width, content.height );
         report_put_text( picture->caption, stream );
         fputs( "\" src=\"data:image/png;base64,", stream );
-        put_base64( content.bytes, content.size, stream );
+        io_base64 picture_text = { .out = stream };
+        io_base64_put( &picture_text, content.bytes, content.size );
+        io_base64_end( &picture_text );
         fputs( "\"/>\n", stream );
     }
     fputs( "<figcaption>", stream );

@@ -126,19 +126,16 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
     return status;
 }
 
-// The parameters of strands from an event on: a number stands for all strands, also where the scene has a list.
-static wisp_frozen_hair_def hair_from( const wisp_scene* scene, const wisp_scene_hair_event* e )
+void scene_hair_event_apply( const wisp_scene_hair_event* e, wisp_frozen_hair_def* def )
 {
-    wisp_frozen_hair_def def = scene->strands[e->strands].frozen_hair;
-    def.intensity = e->has_intensity ? e->intensity : def.intensity;
-    def.strand_intensity = e->has_intensity ? NULL : def.strand_intensity;
-    def.reach = e->has_reach ? e->reach : def.reach;
-    def.stretch_stiffness = e->has_stretch_stiffness ? e->stretch_stiffness : def.stretch_stiffness;
-    def.strand_stretch_stiffness = e->has_stretch_stiffness ? NULL : def.strand_stretch_stiffness;
-    def.bend_stiffness = e->has_bend_stiffness ? e->bend_stiffness : def.bend_stiffness;
-    def.strand_bend_stiffness = e->has_bend_stiffness ? NULL : def.strand_bend_stiffness;
-    def.clump_radius = e->has_clump_radius ? e->clump_radius : def.clump_radius;
-    return def;
+    def->intensity = e->has_intensity ? e->intensity : def->intensity;
+    def->strand_intensity = e->has_intensity ? NULL : def->strand_intensity;
+    def->reach = e->has_reach ? e->reach : def->reach;
+    def->stretch_stiffness = e->has_stretch_stiffness ? e->stretch_stiffness : def->stretch_stiffness;
+    def->strand_stretch_stiffness = e->has_stretch_stiffness ? NULL : def->strand_stretch_stiffness;
+    def->bend_stiffness = e->has_bend_stiffness ? e->bend_stiffness : def->bend_stiffness;
+    def->strand_bend_stiffness = e->has_bend_stiffness ? NULL : def->strand_bend_stiffness;
+    def->clump_radius = e->has_clump_radius ? e->clump_radius : def->clump_radius;
 }
 
 static wisp_status give_command( scene_world* world, const wisp_scene_hair_event* e )
@@ -147,7 +144,8 @@ static wisp_status give_command( scene_world* world, const wisp_scene_hair_event
     wisp_status status = WISP_OK;
     if ( e->changes )
     {
-        const wisp_frozen_hair_def def = hair_from( world->scene, e );
+        wisp_frozen_hair_def def = world->scene->strands[e->strands].frozen_hair;
+        scene_hair_event_apply( e, &def );
         status = wisp_set_frozen_hair( world->world, strands, &def );
     }
     if ( status == WISP_OK && e->begin_stroke )

@@ -77,6 +77,9 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
 /// Apply the events of the next step, then run it.
 wisp_status scene_world_step( scene_world* world, wisp_error* error );
 
+/// Change parameters as a hair event does: a number stands for all strands, also where the scene has a list.
+void scene_hair_event_apply( const wisp_scene_hair_event* event, wisp_frozen_hair_def* def );
+
 /// Write the files of the scene's `output`, with width and colour where they are requested.
 wisp_status scene_world_write_outputs( scene_world* world, wisp_error* error );
 

@@ -21,20 +21,13 @@ static bool is_surface( const scene_world* world, int body )
     return body >= world->scene->strands_count;
 }
 
-static int compare_vertices( const void* a, const void* b )
-{
-    const int32_t *x = a, *y = b;
-    return ( *x > *y ) - ( *x < *y );
-}
-
 static wisp_status grab_surface( scene_world* world, scene_hold* hold, wisp_error* error )
 {
     const int index = hold->body - world->scene->strands_count;
     const wisp_scene_surface* entry = &world->scene->surfaces[index];
     const scene_world_surface* s = &world->surfaces[index];
     const int32_t vertex = hold->vertex;
-    hold->was_pinned = !s->is_released && s->pin_count > 0 &&
-                       bsearch( &vertex, s->pins, (size_t)s->pin_count, sizeof vertex, compare_vertices ) != NULL;
+    hold->was_pinned = !s->is_released && scene_pins_find_vertex( s->pins, s->pin_count, vertex ) >= 0;
     if ( hold->was_pinned && entry->pin_path.count > 0 )
     {
         return wisp_fail( error, WISP_CONFLICT, "vertex %d of '%s' follows the keyframes of its pins", hold->vertex,

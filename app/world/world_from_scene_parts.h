@@ -49,6 +49,8 @@ void scene_colliders_release( scene_world* world );
 /// @param kept [kept_count] index in the file of each vertex that a repair kept; null if none was dropped
 wisp_status scene_pins_find( const wisp_scene* scene, int surface, const int32_t* kept, int kept_count,
                              scene_world_surface* out, wisp_error* error );
+/// @return where a vertex stands in an ascending list, -1: it does not
+int32_t scene_pins_find_vertex( const int32_t* ascending, int count, int32_t vertex );
 /// The balloon of a surface with the vertices of its outlet found.
 wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const int32_t* kept, int kept_count,
                                const wisp_mesh* mesh, wisp_balloon_def* out, wisp_error* error );

@@ -27,6 +27,13 @@ static int compare_vertices( const void* a, const void* b )
     return ( *x > *y ) - ( *x < *y );
 }
 
+int32_t scene_pins_find_vertex( const int32_t* ascending, int count, int32_t vertex )
+{
+    const int32_t* found =
+        count > 0 ? bsearch( &vertex, ascending, (size_t)count, sizeof vertex, compare_vertices ) : NULL;
+    return found ? (int32_t)( found - ascending ) : -1;
+}
+
 // A repair that drops vertices renumbers the others; the scene keeps the numbers of the file.
 static wisp_status find_number( const vertex_finder* f, const char* what, int32_t number, int32_t* vertex )
 {
@@ -34,14 +41,13 @@ static wisp_status find_number( const vertex_finder* f, const char* what, int32_
     *vertex = number;
     if ( f->kept )
     {
-        const int32_t* found = bsearch( &number, f->kept, (size_t)f->kept_count, sizeof number, compare_vertices );
-        if ( !found )
+        *vertex = scene_pins_find_vertex( f->kept, f->kept_count, number );
+        if ( *vertex < 0 )
         {
             snprintf( message, sizeof message,
                       "%s: got vertex %d, which the mesh does not have or which repair removed", what, number );
             return refuse( f, message );
         }
-        *vertex = (int32_t)( found - f->kept );
     }
     if ( *vertex >= f->mesh->vertex_count )
     {
