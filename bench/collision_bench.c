@@ -10,7 +10,7 @@
 #include "cloth/cloth.h"
 #include "collision/collision.h"
 #include "wisp/fabric.h"
-#include "wisp/collision_mesh.h"
+#include "wisp/module/collision_mesh.h"
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 #include "wisp/module/random.h"
@@ -370,7 +370,6 @@ static wisp_status add_cloth( cloth_run* run, wisp_fabric* fabric )
     wisp_cloth_def cloth = wisp_default_cloth_def();
     surface.fabric = fabric;
     wisp_status status = wisp_add_surface( run->world, &surface, &run->cloth );
-    status = status ? status : wisp_set_gravity( run->world, run->cloth, ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f } );
     status = status ? status : wisp_set_cloth( run->world, run->cloth, &cloth );
     status = status ? status : wisp_set_collision( run->world, run->cloth, &collision );
     status = status ? status : wisp_request_collision_stats( run->world, run->cloth, true );

@@ -39,11 +39,8 @@ static wisp_status add_surface( const surface_generator* generator, surface_impl
     def.vertex_mass = generator->vertex_mass;
     def.pins = generator->pins;
     def.pin_count = generator->pin_count;
+    def.gravity = generator->gravity;
     wisp_status status = wisp_add_surface( implementation->world, &def, &implementation->entity );
-    if ( status == WISP_OK )
-    {
-        status = wisp_set_gravity( implementation->world, implementation->entity, generator->gravity );
-    }
     if ( status == WISP_OK )
     {
         status = wisp_set_damping( implementation->world, implementation->entity, generator->damping );

@@ -67,13 +67,13 @@ static wisp_status add_cloth( const triangle_scene* scene, const triangle_settin
     surface.area_density = TRIANGLE_DENSITY;
     surface.pins = setting->pins;
     surface.pin_count = setting->pin_count;
+    surface.gravity = setting->gravity;
     wisp_implicit_cloth_def cloth = setting->cloth;
     cloth.stretch_pairs = scene->pairs.stretch;
     cloth.stretch_pair_count = scene->pairs.stretch_count;
     cloth.bend_pairs = scene->pairs.bend;
     cloth.bend_pair_count = scene->pairs.bend_count;
     wisp_status status = wisp_add_surface( out->world, &surface, &out->entity );
-    status = status ? status : wisp_set_gravity( out->world, out->entity, setting->gravity );
     status = status ? status : wisp_set_implicit_cloth( out->world, out->entity, &cloth );
     if ( status == WISP_OK && setting->requests_stats )
     {

@@ -5,46 +5,25 @@
 // Prints a line a second; exit status 0 if all is as it should be, 1 if not.
 #include <wisp/cloth.h>
 #include <wisp/fabric.h>
+#include <wisp/generate.h>
 #include <wisp/wisp.h>
 
 #include <stdio.h>
 
 #define SIDE 33 // vertices
 #define STEP ( 1.0f / 60.0f )
+#define SPACING ( 1.0f / ( SIDE - 1 ) ) // m: a square of a metre
 
-static wisp_vec3 points[SIDE * SIDE];
-static int32_t triangles[2 * ( SIDE - 1 ) * ( SIDE - 1 )][3];
+static wisp_vec3 points[WISP_GRID_VERTICES( SIDE, SIDE )];
+static int32_t triangles[WISP_GRID_TRIANGLES( SIDE, SIDE )][3];
 static const int32_t corners[2] = { 0, SIDE - 1 };
-
-// A square of a metre in the plane y = 0.
-static void make_mesh( void )
-{
-    int count = 0;
-    for ( int v = 0; v < SIDE * SIDE; ++v )
-    {
-        points[v] = ( wisp_vec3 ){ (float)( v % SIDE ) / ( SIDE - 1 ), 0.0f, (float)( v / SIDE ) / ( SIDE - 1 ) };
-    }
-    for ( int32_t v = 0; v < SIDE * ( SIDE - 1 ); ++v )
-    {
-        if ( v % SIDE < SIDE - 1 )
-        {
-            const int32_t pair[2][3] = { { v, v + SIDE, v + 1 }, { v + 1, v + SIDE, v + SIDE + 1 } };
-            for ( int corner = 0; corner < 3; ++corner )
-            {
-                triangles[count][corner] = pair[0][corner];
-                triangles[count + 1][corner] = pair[1][corner];
-            }
-            count += 2;
-        }
-    }
-}
 
 // Cook once, share as often as you like. The corners are where it hangs: the order begins there, and tethers reach there.
 static wisp_status cook( wisp_fabric** out, wisp_error* error )
 {
     wisp_fabric_def def = wisp_default_fabric_def();
     def.points = points;
-    def.vertex_count = SIDE * SIDE;
+    def.vertex_count = WISP_COUNT( points );
     def.triangles = &triangles[0][0];
     def.triangle_count = WISP_COUNT( triangles );
     def.attachments = corners;
@@ -67,10 +46,6 @@ static wisp_status add_cloth( wisp_world* world, wisp_fabric* fabric, wisp_entit
         cloth.drag_coefficient = 1.0f;
         cloth.wind = ( wisp_vec3 ){ 0.0f, 0.0f, -2.0f };
         status = wisp_set_cloth( world, *out, &cloth );
-    }
-    if ( status == WISP_OK )
-    {
-        status = wisp_set_gravity( world, *out, ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f } );
     }
     // Asking creates the passes: without a request a step does nothing.
     if ( status == WISP_OK )
@@ -103,7 +78,6 @@ static wisp_status run( wisp_world* world, wisp_entity cloth )
 
 int main( void )
 {
-    make_mesh();
     static const wisp_module* const modules[] = { &wisp_cloth_module };
     wisp_world_def def = wisp_default_world_def();
     def.modules = modules;
@@ -112,7 +86,8 @@ int main( void )
     wisp_error error = { 0 };
     wisp_fabric* fabric;
     wisp_world* world;
-    if ( cook( &fabric, &error ) != WISP_OK || wisp_world_create( &def, &world, &error ) != WISP_OK )
+    if ( wisp_generate_grid( SIDE, SIDE, SPACING, SPACING, points, &triangles[0][0], &error ) != WISP_OK ||
+         cook( &fabric, &error ) != WISP_OK || wisp_world_create( &def, &world, &error ) != WISP_OK )
     {
         printf( "%s\n", error.message );
         return 1;

@@ -5,15 +5,17 @@
 // Prints what was tried and what was chosen; exit status 0 if the error is met, 1 if not.
 #include <wisp/cloth.h>
 #include <wisp/fabric.h>
+#include <wisp/generate.h>
 #include <wisp/tune.h>
 #include <wisp/wisp.h>
 
 #include <stdio.h>
 
-#define SIDE 13 // vertices
+#define SIDE 13                         // vertices
+#define SPACING ( 0.5f / ( SIDE - 1 ) ) // m: a square of half a metre
 
-static wisp_vec3 points[SIDE * SIDE];
-static int32_t triangles[2 * ( SIDE - 1 ) * ( SIDE - 1 )][3];
+static wisp_vec3 points[WISP_GRID_VERTICES( SIDE, SIDE )];
+static int32_t triangles[WISP_GRID_TRIANGLES( SIDE, SIDE )][3];
 static const int32_t corners[2] = { 0, SIDE - 1 };
 
 // From rough to fine.
@@ -24,30 +26,6 @@ static const wisp_tune_parameter parameters[] = {
     { "iterations", iterations, WISP_COUNT( iterations ), false },
 };
 
-// A square of half a metre in the plane y = 0.
-static void make_mesh( void )
-{
-    int count = 0;
-    for ( int v = 0; v < SIDE * SIDE; ++v )
-    {
-        points[v] = ( wisp_vec3 ){ 0.5f * (float)( v % SIDE ) / ( SIDE - 1 ), 0.0f,
-                                   0.5f * (float)( v / SIDE ) / ( SIDE - 1 ) };
-    }
-    for ( int32_t v = 0; v < SIDE * ( SIDE - 1 ); ++v )
-    {
-        if ( v % SIDE < SIDE - 1 )
-        {
-            const int32_t pair[2][3] = { { v, v + SIDE, v + 1 }, { v + 1, v + SIDE, v + SIDE + 1 } };
-            for ( int corner = 0; corner < 3; ++corner )
-            {
-                triangles[count][corner] = pair[0][corner];
-                triangles[count + 1][corner] = pair[1][corner];
-            }
-            count += 2;
-        }
-    }
-}
-
 static wisp_status add_cloth( wisp_world* world, wisp_fabric* fabric, wisp_entity* out )
 {
     wisp_surface_def surface = wisp_default_surface_def();
@@ -56,8 +34,7 @@ static wisp_status add_cloth( wisp_world* world, wisp_fabric* fabric, wisp_entit
     surface.pin_count = WISP_COUNT( corners );
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     wisp_status status = wisp_add_surface( world, &surface, out );
-    status = status == WISP_OK ? wisp_set_cloth( world, *out, &cloth ) : status;
-    return status == WISP_OK ? wisp_set_gravity( world, *out, ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f } ) : status;
+    return status == WISP_OK ? wisp_set_cloth( world, *out, &cloth ) : status;
 }
 
 // Build the world of a configuration. Tuning requests the points, runs the world and destroys it.
@@ -95,7 +72,7 @@ static wisp_status tune( wisp_fabric* fabric, wisp_tune_result* out, wisp_error*
     wisp_tune_def args = wisp_default_tune_def();
     args.parameters = parameters;
     args.parameter_count = WISP_COUNT( parameters );
-    args.error = 0.02; // m; or job.budget_ms
+    args.error = 0.02; // m; or args.budget_ms
     wisp_tune_worlds_def worlds = wisp_default_tune_worlds_def();
     worlds.build = build;
     worlds.user = fabric;
@@ -118,16 +95,20 @@ static void print( const wisp_tune_result* found )
 
 int main( void )
 {
-    make_mesh();
+    wisp_error error = { 0 };
+    if ( wisp_generate_grid( SIDE, SIDE, SPACING, SPACING, points, &triangles[0][0], &error ) != WISP_OK )
+    {
+        printf( "%s\n", error.message );
+        return 1;
+    }
     wisp_fabric_def def = wisp_default_fabric_def();
     def.points = points;
-    def.vertex_count = SIDE * SIDE;
+    def.vertex_count = WISP_COUNT( points );
     def.triangles = &triangles[0][0];
     def.triangle_count = WISP_COUNT( triangles );
     def.attachments = corners;
     def.attachment_count = WISP_COUNT( corners );
     def.bend_links = true;
-    wisp_error error = { 0 };
     wisp_fabric* fabric;
     wisp_tune_result found;
     if ( wisp_fabric_cook( &def, NULL, &fabric, &error ) != WISP_OK )

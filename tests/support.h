@@ -9,6 +9,14 @@
 
 #include <stdatomic.h>
 
+/// Defaults of a surface that no force acts on, for tests that add their own.
+static inline wisp_surface_def support_weightless_surface_def( void )
+{
+    wisp_surface_def def = wisp_default_surface_def();
+    def.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    return def;
+}
+
 // ---- memory ----
 
 /// A host that counts its allocations, fills them with a pattern, checks releases, and can refuse one request or all

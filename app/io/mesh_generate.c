@@ -5,6 +5,8 @@
 
 #include <math.h>
 
+#include "wisp/generate.h"
+
 enum
 {
     MAX_LEVEL = 10,
@@ -165,15 +167,14 @@ static wisp_status check_sizes( const wisp_mesh_generator* r, wisp_error* error 
 
 // ---- planes ----------------------------------------------------------------------------------------------------
 
-static void put_cell( int32_t* t, int32_t corner, int32_t columns, bool other_diagonal )
+// Two triangles (a, c, d) and (a, d, b) become (a, c, b) and (b, c, d).
+static void turn_diagonal( int32_t* t )
 {
-    // Two corners of each of two rows; counter-clockwise seen from above, where y points at the viewer.
-    int32_t a = corner, b = corner + 1, c = corner + columns, d = corner + columns + 1;
-    const int32_t first[] = { a, c, d, a, d, b };
-    const int32_t second[] = { a, c, b, b, c, d };
+    const int32_t a = t[0], c = t[1], d = t[2], b = t[5];
+    const int32_t other[] = { a, c, b, b, c, d };
     for ( int i = 0; i < 6; ++i )
     {
-        t[i] = other_diagonal ? second[i] : first[i];
+        t[i] = other[i];
     }
 }
 
@@ -186,23 +187,17 @@ wisp_status mesh_generate_plane( const wisp_mesh_generator* r, wisp_mesh* out, w
     {
         return status;
     }
-    int32_t* t = out->triangles;
-    for ( int j = 0; j < rows; ++j )
+    status = wisp_generate_grid( columns, rows, r->spacing, r->spacing, out->points, out->triangles, error );
+    // every second diagonal the other way
+    for ( int cell = 0; r->shape == WISP_MESH_PLANE_ALTERNATING && cell < ( columns - 1 ) * ( rows - 1 ); ++cell )
     {
-        for ( int i = 0; i < columns; ++i )
+        const int i = cell % ( columns - 1 ), j = cell / ( columns - 1 );
+        if ( ( ( i + j ) & 1 ) != 0 )
         {
-            out->points[j * columns + i] = ( wisp_vec3 ){
-                .x = (float)( ( i - 0.5 * ( columns - 1 ) ) * (double)r->spacing ),
-                .z = (float)( ( j - 0.5 * ( rows - 1 ) ) * (double)r->spacing ),
-            };
-        }
-        for ( int i = 0; i + 1 < columns && j + 1 < rows; ++i, t += 6 )
-        {
-            bool other = r->shape == WISP_MESH_PLANE_ALTERNATING && ( ( i + j ) & 1 ) != 0;
-            put_cell( t, j * columns + i, columns, other );
+            turn_diagonal( out->triangles + 6 * cell );
         }
     }
-    return WISP_OK;
+    return status;
 }
 
 // ---- generation ------------------------------------------------------------------------------------------------

@@ -1,10 +1,12 @@
-// Round shapes: subdivided icosahedra, and profiles swept around the axis y.
+// Round shapes: subdivided icosahedra, and those of the engine around the axis y.
 #include "mesh_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "trig.h"
+#include "wisp/generate.h"
+
+static const char NAME[] = "mesh generator";
 
 // ---- from the icosahedron --------------------------------------------------------------------------------------
 
@@ -128,7 +130,7 @@ wisp_status mesh_generate_icosphere( const wisp_mesh_generator* r, wisp_mesh* ou
 {
     int quadrupled = 1 << 2 * r->level;
     int vertex_count = 10 * quadrupled + 2;
-    wisp_status status = mesh_allocate( out, vertex_count, ICO_TRIANGLES * quadrupled, "mesh generator", error );
+    wisp_status status = mesh_allocate( out, vertex_count, ICO_TRIANGLES * quadrupled, NAME, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -160,171 +162,34 @@ wisp_status mesh_generate_icosphere( const wisp_mesh_generator* r, wisp_mesh* ou
 
 // ---- around an axis --------------------------------------------------------------------------------------------
 
-// Rings of vertices from above to below.
-typedef struct profile
-{
-    int ring_count;
-    bool has_poles; // a vertex above the first ring and one below the last
-    bool is_cyclic; // the last ring is the first one's neighbour
-} profile;
-
-typedef struct profile_point
-{
-    double out, up; // m, from the axis and along it
-} profile_point;
-
-// Cosine and sine of part / whole of a turn, 0 <= part <= whole: exact at the quarters, equal where symmetry requires
-// it, on the unit circle to double precision.
-static void turn( int part, int whole, double* cosine, double* sine )
-{
-    // Down to an eighth of a turn in whole numbers, so that opposite and mirrored points are so exactly.
-    int64_t quarters = 4 * (int64_t)part, quarter = quarters / whole, rest = quarters % whole;
-    bool mirrored = 2 * rest > whole;
-    int64_t small = mirrored ? whole - rest : rest;
-    float s, c;
-    trig_sincos( (float)( 1.5707963267948966 * (double)small / (double)whole ), &s, &c );
-    // The engine's sine is exact to seven digits; the circle needs sixteen.
-    double length = sqrt( (double)c * (double)c + (double)s * (double)s );
-    double x = ( mirrored ? (double)s : (double)c ) / length, y = ( mirrored ? (double)c : (double)s ) / length;
-    if ( 2 * small == whole )
-    {
-        x = y = sqrt( 0.5 );
-    }
-    switch ( quarter & 3 )
-    {
-        case 0:
-            *cosine = x, *sine = y;
-            break;
-        case 1:
-            *cosine = -y, *sine = x;
-            break;
-        case 2:
-            *cosine = -x, *sine = -y;
-            break;
-        default:
-            *cosine = y, *sine = -x;
-            break;
-    }
-}
-
-static profile profile_of( const wisp_mesh_generator* r )
-{
-    switch ( r->shape )
-    {
-        case WISP_MESH_TORUS:
-            return ( profile ){ r->rings, false, true };
-        case WISP_MESH_TUBE:
-            return ( profile ){ r->length_segments + 1, false, false };
-        case WISP_MESH_CAPSULE:
-            return ( profile ){ 2 * r->rings + r->length_segments - 1, true, false };
-        default:
-            return ( profile ){ r->rings - 1, true, false };
-    }
-}
-
-// Point k of the quarter of a circle that leads down from the pole, of `rings` parts.
-static profile_point cap_point( const wisp_mesh_generator* r, int k )
-{
-    double cosine, sine;
-    turn( k, 4 * r->rings, &cosine, &sine );
-    return ( profile_point ){ (double)r->radius * sine, (double)r->radius * cosine };
-}
-
-// Ring k, the first one below the pole being 0 where there is a pole.
-static profile_point ring_point( const wisp_mesh_generator* r, int k )
-{
-    double radius = (double)r->radius, half = 0.5 * (double)r->length;
-    double cosine, sine;
-    int below = k - ( r->rings - 1 + r->length_segments ); // of a capsule: counts from the lower end of the cylinder
-    switch ( r->shape )
-    {
-        case WISP_MESH_TORUS:
-            turn( k, r->rings, &cosine, &sine );
-            return ( profile_point ){ radius + (double)r->tube_radius * cosine, -(double)r->tube_radius * sine };
-        case WISP_MESH_TUBE:
-            return ( profile_point ){ radius, half - (double)r->length * k / r->length_segments };
-        case WISP_MESH_CAPSULE:
-            if ( k < r->rings )
-            {
-                profile_point p = cap_point( r, k + 1 );
-                return ( profile_point ){ p.out, half + p.up };
-            }
-            if ( below >= 0 )
-            {
-                profile_point p = cap_point( r, r->rings - below );
-                return ( profile_point ){ p.out, -half - p.up };
-            }
-            return ( profile_point ){ radius, half - (double)r->length * ( k - r->rings + 1 ) / r->length_segments };
-        default:
-            turn( k + 1, 2 * r->rings, &cosine, &sine );
-            return ( profile_point ){ radius * sine, radius * cosine };
-    }
-}
-
-static void put_rings( const wisp_mesh_generator* r, const profile* p, wisp_vec3* points )
-{
-    double top = (double)r->radius + ( r->shape == WISP_MESH_CAPSULE ? 0.5 * (double)r->length : 0.0 );
-    wisp_vec3* ring = points + p->has_poles;
-    for ( int k = 0; k < p->ring_count; ++k, ring += r->segments )
-    {
-        profile_point at = ring_point( r, k );
-        for ( int i = 0; i < r->segments; ++i )
-        {
-            double cosine, sine;
-            turn( i, r->segments, &cosine, &sine );
-            ring[i] = ( wisp_vec3 ){ (float)( at.out * cosine ), (float)at.up, (float)( -at.out * sine ) };
-        }
-    }
-    if ( p->has_poles )
-    {
-        points[0] = ( wisp_vec3 ){ 0.0f, (float)top, 0.0f };
-        *ring = ( wisp_vec3 ){ 0.0f, (float)-top, 0.0f };
-    }
-}
-
-static int32_t* put_triangle( int32_t* t, int32_t a, int32_t b, int32_t c )
-{
-    t[0] = a;
-    t[1] = b;
-    t[2] = c;
-    return t + 3;
-}
-
-static void put_bands( const wisp_mesh_generator* r, const profile* p, int32_t* t )
-{
-    int n = r->segments, base = p->has_poles;
-    int last = base + n * p->ring_count;
-    for ( int i = 0; p->has_poles && i < n; ++i )
-    {
-        t = put_triangle( t, 0, base + i, base + ( i + 1 ) % n );
-    }
-    int bands = p->is_cyclic ? p->ring_count : p->ring_count - 1;
-    for ( int k = 0; k < bands; ++k )
-    {
-        int above = base + k * n, below = base + ( k + 1 ) % p->ring_count * n;
-        for ( int i = 0; i < n; ++i )
-        {
-            int next = ( i + 1 ) % n;
-            t = put_triangle( t, above + i, below + i, below + next );
-            t = put_triangle( t, above + i, below + next, above + next );
-        }
-    }
-    for ( int i = 0; p->has_poles && i < n; ++i )
-    {
-        t = put_triangle( t, last, last - n + ( i + 1 ) % n, last - n + i );
-    }
-}
-
 wisp_status mesh_generate_turned( const wisp_mesh_generator* r, wisp_mesh* out, wisp_error* error )
 {
-    profile p = profile_of( r );
-    int bands = p.is_cyclic || p.has_poles ? p.ring_count : p.ring_count - 1;
-    int vertex_count = r->segments * p.ring_count + 2 * p.has_poles;
-    wisp_status status = mesh_allocate( out, vertex_count, 2 * r->segments * bands, "mesh generator", error );
-    if ( status == WISP_OK )
+    const int n = r->segments, rings = r->rings, parts = r->length_segments;
+    wisp_status status;
+    switch ( r->shape )
     {
-        put_rings( r, &p, out->points );
-        put_bands( r, &p, out->triangles );
+        case WISP_MESH_TORUS:
+            status =
+                mesh_allocate( out, WISP_TORUS_VERTICES( n, rings ), WISP_TORUS_TRIANGLES( n, rings ), NAME, error );
+            return status == WISP_OK ? wisp_generate_torus( n, rings, r->radius, r->tube_radius, out->points,
+                                                            out->triangles, error )
+                                     : status;
+        case WISP_MESH_TUBE:
+            status = mesh_allocate( out, WISP_CYLINDER_VERTICES( n, parts ), WISP_CYLINDER_TRIANGLES( n, parts ),
+                                    NAME, error );
+            return status == WISP_OK
+                       ? wisp_generate_cylinder( n, parts, r->radius, r->length, out->points, out->triangles, error )
+                       : status;
+        case WISP_MESH_CAPSULE:
+            status = mesh_allocate( out, WISP_CAPSULE_VERTICES( n, rings, parts ),
+                                    WISP_CAPSULE_TRIANGLES( n, rings, parts ), NAME, error );
+            return status == WISP_OK ? wisp_generate_capsule( n, rings, parts, r->radius, r->length, out->points,
+                                                              out->triangles, error )
+                                     : status;
+        default:
+            status = mesh_allocate( out, WISP_SPHERE_VERTICES( n, rings ), WISP_SPHERE_TRIANGLES( n, rings ), NAME,
+                                    error );
+            return status == WISP_OK ? wisp_generate_sphere( n, rings, r->radius, out->points, out->triangles, error )
+                                     : status;
     }
-    return status;
 }

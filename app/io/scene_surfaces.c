@@ -137,6 +137,8 @@ static wisp_status check_entry( scene_reader* r, const scene_node* node, const w
 wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
 {
     const wisp_surface_def def = wisp_default_surface_def();
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.coarse_substeps = 0; // a scene asks for coarse sheets by this number alone
     return ( wisp_scene_surface ){
         .mesh = { .generator = wisp_default_mesh_generator( WISP_MESH_PLANE_REGULAR ), .scale = 1.0f },
         .copies = { .count = 1 },
@@ -148,7 +150,7 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
         .vertex_mass = def.vertex_mass,
         .gravity = gravity,
         .strain_limit = { 0.0f, INFINITY },
-        .cloth = wisp_default_cloth_def(),
+        .cloth = cloth,
         .balloon = wisp_default_balloon_def(),
         .implicit = wisp_default_implicit_cloth_def(),
         .solve_order = wisp_default_fabric_def().solve_order,

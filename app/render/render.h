@@ -6,7 +6,7 @@
 
 #include "image.h"
 #include "wisp/base.h"
-#include "wisp/jobs.h"
+#include "wisp/module/jobs.h"
 
 // ---- bodies ----
 

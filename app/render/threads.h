@@ -1,7 +1,7 @@
 /// Threads for callers without a job system.
 #pragma once
 
-#include "wisp/jobs.h"
+#include "wisp/module/jobs.h"
 
 /// A wisp_parallel_for_fn. Blocks are taken one by one from a common counter; the calling thread is worker 0. A
 /// thread that the system refuses is left out.

@@ -1,6 +1,6 @@
 #include "suite_match.h"
 
-#include "wisp/collision_mesh.h"
+#include "wisp/module/collision_mesh.h"
 
 #include <math.h>
 #include <stdlib.h>

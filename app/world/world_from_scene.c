@@ -1,5 +1,7 @@
 #include "world_from_scene_parts.h"
 
+#include "create.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,7 +38,7 @@ static wisp_status create_world( const scene_world_options* options, scene_world
     const wisp_scene* scene = out->scene;
     const wisp_module* used[SCENE_MAX_MODULES];
     wisp_world_def def = wisp_default_world_def();
-    def.modules = scene_world_modules( &def.module_count );
+    def.modules = wisp_all_modules( &def.module_count );
     if ( options->only_used_modules )
     {
         def.modules = used;

@@ -64,9 +64,7 @@ typedef struct scene_world
     char late_error[500]; ///< logged as an error by a call that continued; printed after the call
 } scene_world;
 
-/// Every module of modules.inc, in its order.
-const wisp_module* const* scene_world_modules( int* count );
-/// Those that act in a scene. @param out [SCENE_MAX_MODULES] @return their number
+/// Modules that act in a scene. @param out [SCENE_MAX_MODULES] @return their number
 int scene_world_used_modules( const wisp_scene* scene, const wisp_module** out );
 
 /// @param out zero on failure; must stay where it is, because the world's log points at it

@@ -1,6 +1,8 @@
 // Which modules a scene uses. A module of modules.inc without a function here does not compile.
 #include "world_from_scene_parts.h"
 
+#include "create.h"
+
 static bool any_surface( const wisp_scene* scene, bool ( *has )( const wisp_scene_surface* ) )
 {
     bool any = false;
@@ -60,34 +62,19 @@ USES( strand_appearance, any_strands( scene, strands_appearance ) )
 USES( strands, any_strands( scene, strands_dynamics ) )
 #undef USES
 
-#define WISP_MODULE( name ) extern const wisp_module wisp_##name##_module;
-#include "modules.inc"
-#undef WISP_MODULE
-
-#define WISP_MODULE( name ) &wisp_##name##_module,
-static const wisp_module* const all_modules[] = {
-#include "modules.inc"
-};
-#undef WISP_MODULE
-
 #define WISP_MODULE( name ) uses_##name,
 static bool ( *const is_used[] )( const wisp_scene* ) = {
 #include "modules.inc"
 };
 #undef WISP_MODULE
 
-_Static_assert( WISP_COUNT( all_modules ) <= SCENE_MAX_MODULES, "room for every module" );
-
-const wisp_module* const* scene_world_modules( int* count )
-{
-    *count = WISP_COUNT( all_modules );
-    return all_modules;
-}
+_Static_assert( WISP_COUNT( is_used ) <= SCENE_MAX_MODULES, "room for every module" );
 
 int scene_world_used_modules( const wisp_scene* scene, const wisp_module** out )
 {
+    const wisp_module* const* all_modules = wisp_all_modules( NULL );
     int count = 0;
-    for ( int i = 0; i < WISP_COUNT( all_modules ); ++i )
+    for ( int i = 0; i < WISP_COUNT( is_used ); ++i )
     {
         if ( is_used[i]( scene ) )
         {

@@ -236,12 +236,12 @@ static wisp_status add_particles( scene_world* world, int surface )
     def.vertex_mass = entry->vertex_mass;
     def.pins = s->pins;
     def.pin_count = s->pin_count;
+    def.gravity = entry->gravity;
     wisp_status status = wisp_add_surface( world->world, &def, &s->entity );
     if ( status == WISP_OK )
     {
         scene_surface_weigh( entry, s, world->world );
     }
-    status = status == WISP_OK ? wisp_set_gravity( world->world, s->entity, entry->gravity ) : status;
     status = status == WISP_OK ? wisp_set_damping( world->world, s->entity, entry->damping ) : status;
     status = status == WISP_OK
                  ? wisp_set_strain_limit( world->world, s->entity, entry->strain_limit[0], entry->strain_limit[1] )

@@ -1,5 +1,7 @@
 #include "effects/effect_world.h"
 
+#include "create.h"
+
 #include "program_data.h"
 #include "bench_world.h"
 #include "text_tree.h"
@@ -16,7 +18,7 @@ wisp_status effects_read( effects* out, wisp_error* error )
     *out = ( effects ){ .count = 0 };
     program_data_path( "suites/effects.yaml", path, sizeof path );
     wisp_status status = suite_read( path, &out->suite, error );
-    const wisp_module* const* modules = scene_world_modules( &out->count );
+    const wisp_module* const* modules = wisp_all_modules( &out->count );
     for ( int i = 0; i < out->count && status == WISP_OK; ++i )
     {
         const bool has_scene =

@@ -4,6 +4,11 @@
 
 _Static_assert( sizeof( ( (wisp_error*)0 )->message ) <= BASE_MESSAGE_CAPACITY, "a message fits" );
 
+const char* wisp_version( void )
+{
+    return WISP_VERSION_STRING;
+}
+
 const char* wisp_status_name( wisp_status status )
 {
     switch ( status )

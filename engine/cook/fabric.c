@@ -1,21 +1,20 @@
 #include "fabric.h"
 
 #include "alloc.h"
+#include "wisp/module/definition.h"
 
 #include <math.h>
 #include <string.h>
 
-#define FABRIC_DEF_COOKIE 0x66616272u
-
 // ---- input ----
 
-wisp_fabric_def wisp_default_fabric_def( void )
+void wisp_init_fabric_def( wisp_fabric_def* def, size_t size )
 {
-    return ( wisp_fabric_def ){
+    const wisp_fabric_def values = {
         .bend_links = true,
         .solve_order = WISP_SOLVE_ORDER_COLOUR,
-        .cookie = FABRIC_DEF_COOKIE,
     };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 static wisp_status check_numbers( const wisp_fabric_def* def, wisp_error* error )
@@ -415,12 +414,17 @@ static bool cook( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* 
     return done;
 }
 
-wisp_status wisp_fabric_cook( const wisp_fabric_def* def, const wisp_allocator* allocator, wisp_fabric** out,
+wisp_status wisp_fabric_cook( const wisp_fabric_def* given, const wisp_allocator* allocator, wisp_fabric** out,
                               wisp_error* error )
 {
-    WISP_ASSERT( def->cookie == FABRIC_DEF_COOKIE );
-
+    if ( out == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "out: got null, expected where to store the fabric" );
+    }
     *out = NULL;
+    wisp_fabric_def values = wisp_default_fabric_def();
+    const wisp_fabric_def* def = &values;
+    WISP_TRY( wisp_def_read( &values, given, "wisp_default_fabric_def", error ) );
     wisp_status status = check_def( def, error );
     if ( status != WISP_OK )
     {

@@ -1,7 +1,7 @@
 /// Workers of a world: persistent OpenMP threads, the host's own parallel loop, or the calling thread alone.
 #pragma once
 
-#include "wisp/jobs.h"
+#include "wisp/module/jobs.h"
 
 typedef struct jobs_pool jobs_pool;
 

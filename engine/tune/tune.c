@@ -1,16 +1,16 @@
 #include "tune.h"
 
 #include "alloc.h"
+#include "wisp/module/definition.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const uint32_t TUNE_JOB_COOKIE = 0x54554e45;
-
-wisp_tune_def wisp_default_tune_def( void )
+void wisp_init_tune_def( wisp_tune_def* def, size_t size )
 {
-    return ( wisp_tune_def ){ .max_runs = 100, .max_seconds = INFINITY, .repeats = 3, .cookie = TUNE_JOB_COOKIE };
+    const wisp_tune_def values = { .max_runs = 100, .max_seconds = INFINITY, .repeats = 3 };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // ---- checks of a definition ----
@@ -56,7 +56,6 @@ static wisp_status check_parameters( const wisp_tune_def* args, int* setting_cou
 
 wisp_status tune_check_def( const wisp_tune_def* args, int* setting_count, wisp_error* error )
 {
-    WISP_ASSERT( args->cookie == TUNE_JOB_COOKIE );
     if ( !isfinite( args->error ) || !isfinite( args->budget_ms ) || args->error < 0.0 || args->budget_ms < 0.0 ||
          ( args->error > 0.0 ) == ( args->budget_ms > 0.0 ) )
     {
@@ -165,9 +164,16 @@ static wisp_status search_with_room( tune_search* s, void* room, wisp_tune_resul
     return status;
 }
 
-wisp_status wisp_tune( const wisp_tune_def* args, wisp_tune_result* out, wisp_error* error )
+wisp_status wisp_tune( const wisp_tune_def* given, wisp_tune_result* out, wisp_error* error )
 {
+    if ( out == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "out: got null, expected where to store the result" );
+    }
     *out = ( wisp_tune_result ){ 0 };
+    wisp_tune_def values = wisp_default_tune_def();
+    const wisp_tune_def* args = &values;
+    WISP_TRY( wisp_def_read( &values, given, "wisp_default_tune_def", error ) );
     tune_search s = { .args = args, .best = -1, .start = wisp_clock_seconds() };
     wisp_status status = tune_check_def( args, &s.setting_count, error );
     if ( status == WISP_OK && !args->run )

@@ -1,25 +1,26 @@
 // Runs of worlds: the reference once, then each configuration against it.
 #include "tune.h"
 
+#include "wisp/module/definition.h"
+
 #include "alloc.h"
 
 #include <float.h>
 #include <math.h>
 
-static const uint32_t TUNE_WORLDS_DEF_COOKIE = 0x54554e57;
-
-wisp_tune_worlds_def wisp_default_tune_worlds_def( void )
+void wisp_init_tune_worlds_def( wisp_tune_worlds_def* def, size_t size )
 {
-    return ( wisp_tune_worlds_def ){ .dt = 1.0f / 60.0f,
-                                     .step_count = 120,
-                                     .sample_count = 12,
-                                     .reference_factor = 16,
-                                     .cookie = TUNE_WORLDS_DEF_COOKIE };
+    const wisp_tune_worlds_def values = {
+        .dt = 1.0f / 60.0f,
+        .step_count = 120,
+        .sample_count = 12,
+        .reference_factor = 16,
+    };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 static wisp_status check_def( const wisp_tune_worlds_def* def, wisp_error* error )
 {
-    WISP_ASSERT( def->cookie == TUNE_WORLDS_DEF_COOKIE );
     if ( !def->build )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "expected a callback that builds the world of a configuration" );
@@ -290,10 +291,20 @@ static wisp_status search_worlds( worlds_run* r, wisp_tune_result* out, wisp_err
     return status;
 }
 
-wisp_status wisp_tune_worlds( const wisp_tune_def* args, const wisp_tune_worlds_def* def, wisp_tune_result* out,
-                              wisp_error* error )
+wisp_status wisp_tune_worlds( const wisp_tune_def* given_args, const wisp_tune_worlds_def* given,
+                              wisp_tune_result* out, wisp_error* error )
 {
+    if ( out == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "out: got null, expected where to store the result" );
+    }
     *out = ( wisp_tune_result ){ 0 };
+    wisp_tune_def arg_values = wisp_default_tune_def();
+    wisp_tune_worlds_def values = wisp_default_tune_worlds_def();
+    const wisp_tune_def* args = &arg_values;
+    const wisp_tune_worlds_def* def = &values;
+    WISP_TRY( wisp_def_read( &arg_values, given_args, "wisp_default_tune_def", error ) );
+    WISP_TRY( wisp_def_read( &values, given, "wisp_default_tune_worlds_def", error ) );
     int setting_count;
     wisp_status status = tune_check_def( args, &setting_count, error );
     status = status == WISP_OK ? check_def( def, error ) : status;

@@ -5,11 +5,10 @@
 #include <stdio.h>
 #include <string.h>
 
-static const uint32_t WORLD_DEF_COOKIE = 0x57495350;
-
-wisp_world_def wisp_default_world_def( void )
+void wisp_init_world_def( wisp_world_def* def, size_t size )
 {
-    return ( wisp_world_def ){ .substeps = 10, .iterations = 1, .cookie = WORLD_DEF_COOKIE };
+    const wisp_world_def values = { .substeps = 10, .iterations = 1 };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 static void* counted_allocate( void* user, size_t size, size_t alignment )
@@ -37,10 +36,11 @@ static wisp_status check_def( const wisp_world_def* def, wisp_error* error )
         return wisp_fail( error, WISP_BAD_INPUT, "workers: got %d, expected 0 (one per core) or 1 to %d",
                           def->workers, WISP_MAX_WORKERS );
     }
-    if ( def->substeps < 1 || def->iterations < 1 )
+    if ( def->substeps < 1 || def->iterations < 1 || def->substeps > WORLD_MAX_SUBSTEPS ||
+         def->iterations > WORLD_MAX_SUBSTEPS )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "substeps, iterations: got %d and %d, expected at least 1 of both",
-                          def->substeps, def->iterations );
+        return wisp_fail( error, WISP_BAD_INPUT, "substeps, iterations: got %d and %d, expected 1 to %d of both",
+                          def->substeps, def->iterations, WORLD_MAX_SUBSTEPS );
     }
     if ( ( def->allocator.allocate == NULL ) != ( def->allocator.release == NULL ) )
     {
@@ -105,10 +105,16 @@ static wisp_status build( wisp_world* world, const wisp_world_def* def, wisp_err
     return WISP_OK;
 }
 
-wisp_status wisp_world_create( const wisp_world_def* def, wisp_world** out, wisp_error* error )
+wisp_status wisp_world_create( const wisp_world_def* given, wisp_world** out, wisp_error* error )
 {
-    WISP_ASSERT( def->cookie == WORLD_DEF_COOKIE );
+    if ( out == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "out: got null, expected where to store the world" );
+    }
     *out = NULL;
+    wisp_world_def values = wisp_default_world_def();
+    const wisp_world_def* def = &values;
+    WISP_TRY( wisp_def_read( &values, given, "wisp_default_world_def", error ) );
     wisp_status status = check_def( def, error );
     if ( status != WISP_OK )
     {
@@ -137,6 +143,11 @@ void wisp_world_destroy( wisp_world* world )
 {
     if ( world == NULL )
     {
+        return;
+    }
+    if ( atomic_load( &world->is_stepping ) )
+    {
+        wisp_world_warn( world, "destroy: a step of this world runs, so the world stays" );
         return;
     }
     const wisp_allocator host = world->memory.host;
@@ -225,11 +236,23 @@ static void cut_step( wisp_world* world, float dt, bool is_new_plan )
     frame->reached = 1.0f;
 }
 
-wisp_status wisp_world_step( wisp_world* world, float seconds )
+// Once: a newcomer's world that does not move has a reason.
+static void warn_of_nothing( wisp_world* world )
+{
+    if ( world->plan.node_count == 0 && world->store.entity_count > 0 && world->has_warned_of_nothing == false )
+    {
+        world->has_warned_of_nothing = true;
+        wisp_world_warn( world,
+                         "step: nothing is requested of any entity, so nothing is computed; see wisp_request()" );
+    }
+}
+
+static wisp_status step( wisp_world* world, float seconds )
 {
     if ( !( seconds > 0.0f && seconds < 1e6f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "step: got %g s, expected a number above 0", (double)seconds );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "step: got %g s, expected a number above 0 and below 1e6",
+                                (double)seconds );
     }
     const bool is_new_plan = world->plan.structure != world->store.structure;
     wisp_status status = compile_if_changed( world );
@@ -249,6 +272,7 @@ wisp_status wisp_world_step( wisp_world* world, float seconds )
     {
         warn_without_threads( world, jobs_enter( world->pool, drive, frame ) );
     }
+    warn_of_nothing( world );
     write_profile( world );
     frame->step += 1;
     wisp_frame_count( frame, WISP_COUNT_STEPS, 1 );
@@ -264,8 +288,24 @@ wisp_status wisp_world_step( wisp_world* world, float seconds )
     return WISP_OK;
 }
 
+wisp_status wisp_world_step( wisp_world* world, float seconds )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    if ( atomic_exchange( &world->is_stepping, true ) )
+    {
+        return WISP_CONFLICT; // another thread was first
+    }
+    const wisp_status status = step( world, seconds );
+    atomic_store( &world->is_stepping, false );
+    return status;
+}
+
 wisp_profile wisp_world_profile( const wisp_world* world )
 {
+    if ( world == NULL )
+    {
+        return ( wisp_profile ){ NULL, 0, 0.0 };
+    }
     return ( wisp_profile ){ world->lines, world->line_count, world->seconds };
 }
 
@@ -273,7 +313,8 @@ wisp_profile wisp_world_profile( const wisp_world* world )
 
 uint64_t wisp_world_counter( const wisp_world* world, wisp_counter counter )
 {
-    return atomic_load( &world->frame.counters[counter] );
+    return world != NULL && (unsigned)counter < WISP_COUNTER_COUNT ? atomic_load( &world->frame.counters[counter] )
+                                                                   : 0;
 }
 
 const char* wisp_counter_name( wisp_counter counter )
@@ -301,17 +342,17 @@ const char* wisp_counter_name( wisp_counter counter )
 
 size_t wisp_world_memory( const wisp_world* world )
 {
-    return sizeof( *world ) + atomic_load( &world->memory.bytes );
+    return world != NULL ? sizeof( *world ) + atomic_load( &world->memory.bytes ) : 0;
 }
 
 int wisp_world_workers( const wisp_world* world )
 {
-    return world->registry.workers;
+    return world != NULL ? world->registry.workers : 0;
 }
 
 const char* wisp_world_isa( const wisp_world* world )
 {
-    return world->frame.kernels->isa;
+    return world != NULL ? world->frame.kernels->isa : "none";
 }
 
 wisp_status wisp_world_surround( wisp_world* world, const char* name, wisp_around_fn* around, void* user )
@@ -326,9 +367,11 @@ wisp_status wisp_world_surround( wisp_world* world, const char* name, wisp_aroun
 
 wisp_status wisp_read_substeps( wisp_world* world, wisp_entity entity, int* out )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = 0;
-    const bool is_alive = store_find( &world->store, entity ) != NULL;
-    const wisp_status status = is_alive ? compile_if_changed( world ) : world_stale( world, entity );
+    const wisp_status status = compile_if_changed( world );
     if ( status == WISP_OK )
     {
         *out = world->registry.substeps * world->plan.entities[entity.index - 1].split;
@@ -338,6 +381,8 @@ wisp_status wisp_read_substeps( wisp_world* world, wisp_entity entity, int* out 
 
 wisp_status wisp_world_explain( wisp_world* world, wisp_plan_info** out )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = NULL;
     wisp_status status = compile_if_changed( world );
     if ( status == WISP_OK )
@@ -351,6 +396,8 @@ wisp_status wisp_world_explain( wisp_world* world, wisp_plan_info** out )
 
 wisp_status wisp_world_plan( wisp_world* world, void ( *write )( void* user, const char* line ), void* user )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_pointer( world, "write", (const void*)(uintptr_t)write ) );
     wisp_plan_info* report;
     wisp_status status = wisp_world_explain( world, &report );
     if ( status == WISP_OK )
@@ -363,27 +410,31 @@ wisp_status wisp_world_plan( wisp_world* world, void ( *write )( void* user, con
 
 int wisp_world_plan_passes( wisp_world* world )
 {
-    return compile_if_changed( world ) == WISP_OK ? world->plan.pass_count : -1;
+    return wisp_world_begin( world ) == WISP_OK && compile_if_changed( world ) == WISP_OK ? world->plan.pass_count
+                                                                                          : -1;
 }
 
 // ---- snapshots ----
 
 uint64_t wisp_world_hash( const wisp_world* world )
 {
-    return store_hash( &world->store );
+    return world != NULL ? store_hash( &world->store ) : 0;
 }
 
 size_t wisp_world_snapshot_size( const wisp_world* world )
 {
-    return store_snapshot_size( &world->store ) + sizeof( world->clock );
+    return world != NULL ? store_snapshot_size( &world->store ) + sizeof( world->clock ) : 0;
 }
 
-wisp_status wisp_world_snapshot( const wisp_world* world, void* out, size_t size )
+wisp_status wisp_world_snapshot( wisp_world* world, void* out, size_t size )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     const size_t store_size = store_snapshot_size( &world->store );
     if ( size < store_size + sizeof( world->clock ) )
     {
-        return WISP_BAD_INPUT;
+        return wisp_world_fail( world, WISP_BAD_INPUT, "snapshot: got room for %zu bytes, expected at least %zu",
+                                size, store_size + sizeof( world->clock ) );
     }
     store_snapshot( &world->store, out );
     memcpy( (char*)out + store_size, &world->clock, sizeof( world->clock ) );
@@ -392,6 +443,8 @@ wisp_status wisp_world_snapshot( const wisp_world* world, void* out, size_t size
 
 wisp_status wisp_world_restore( wisp_world* world, const void* bytes, size_t size )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_pointer( world, "bytes", bytes ) );
     step_clock clock = { 0 };
     const size_t store_size = size > sizeof( clock ) ? size - sizeof( clock ) : 0;
     if ( store_size > 0 )

@@ -12,6 +12,11 @@
 
 #include "wisp/module/module.h"
 
+enum
+{
+    WORLD_MAX_SUBSTEPS = 1000000, // of a step, and most iterations of a substep
+};
+
 /// The host's memory, counted.
 typedef struct world_memory
 {
@@ -32,7 +37,8 @@ struct wisp_world
     world_memory memory;
     wisp_allocator allocator; // counts, then calls the host
     base_log log;
-    bool has_warned_of_threads;
+    bool has_warned_of_threads, has_warned_of_nothing;
+    _Atomic bool is_stepping;
     store store;
     wisp_registry registry;
     plan plan;

@@ -11,6 +11,7 @@ enum
 wisp_status wisp_world_advance( wisp_world* world, float seconds, float dt, wisp_before_step_fn* before_step,
                                 void* user )
 {
+    WISP_TRY( wisp_world_begin( world ) );
     if ( !( seconds >= 0.0f && seconds < 1e6f ) || !( dt > 0.0f && dt < 1e6f ) )
     {
         return wisp_world_fail(

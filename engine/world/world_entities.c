@@ -7,16 +7,61 @@
 #include <stdio.h>
 #include <string.h>
 
-enum
-{
-    WORLD_MAX_SUBSTEPS = 1000000, // of an entity
-};
-
 // ---- failures ----
 
+static const char STEPS_NOW[] =
+    "a step of this world runs: calls from its callbacks or from other threads are refused";
+
+// Another thread may write the message of a world that steps, so there it is a constant.
 const char* wisp_world_message( const wisp_world* world )
 {
-    return world->error.message;
+    if ( world == NULL )
+    {
+        return "world: got null";
+    }
+    return atomic_load( &world->is_stepping ) ? STEPS_NOW : world->error.message;
+}
+
+wisp_status wisp_world_begin( wisp_world* world )
+{
+    if ( world == NULL )
+    {
+        return WISP_BAD_INPUT;
+    }
+    if ( atomic_load( &world->is_stepping ) )
+    {
+        return WISP_CONFLICT;
+    }
+    world->error.status = WISP_OK;
+    world->error.message[0] = '\0';
+    return WISP_OK;
+}
+
+wisp_status wisp_world_begin_def( wisp_world* world, const char* filled_by, void* values, const void* given )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    wisp_error error = { 0 };
+    const wisp_status status = wisp_def_read( values, given, filled_by, &error );
+    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
+}
+
+wisp_status wisp_world_check_entity( wisp_world* world, wisp_entity entity )
+{
+    return store_find( &world->store, entity ) != NULL ? WISP_OK : world_stale( world, entity );
+}
+
+wisp_status wisp_world_check_pointer( wisp_world* world, const char* name, const void* pointer )
+{
+    return pointer != NULL ? WISP_OK : wisp_world_fail( world, WISP_BAD_INPUT, "%s: got null", name );
+}
+
+wisp_status wisp_world_check_list( wisp_world* world, const char* name, const void* list, int count )
+{
+    if ( count < 0 )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "%s: got %d of them, expected at least 0", name, count );
+    }
+    return count == 0 ? WISP_OK : wisp_world_check_pointer( world, name, list );
 }
 
 wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* format, ... )
@@ -26,7 +71,10 @@ wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* 
     vsnprintf( world->error.message, sizeof( world->error.message ), format, arguments );
     va_end( arguments );
     world->error.status = status;
-    base_log_write( &world->log, WISP_LOG_ERROR, "%s", world->error.message );
+    if ( world->log.function != NULL ) // the status says it; only a host that asked gets it twice
+    {
+        base_log_write( &world->log, WISP_LOG_ERROR, "%s", world->error.message );
+    }
     return status;
 }
 
@@ -60,12 +108,12 @@ const wisp_allocator* wisp_world_allocator( wisp_world* world )
     return &world->allocator;
 }
 
-wisp_status wisp_remove( wisp_world* world, wisp_entity entity )
+void wisp_world_remove( wisp_world* world, wisp_entity entity )
 {
     const store_entity* e = store_find( &world->store, entity );
     if ( e == NULL )
     {
-        return world_stale( world, entity );
+        return;
     }
     plan_registry_removed( &world->registry, world, entity );
     cook_strands* strands = (cook_strands*)(void*)e->strands;
@@ -73,21 +121,26 @@ wisp_status wisp_remove( wisp_world* world, wisp_entity entity )
     store_remove( &world->store, entity );
     cook_strands_release( strands );
     wisp_fabric_release( fabric );
+}
+
+wisp_status wisp_remove( wisp_world* world, wisp_entity entity )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    wisp_world_remove( world, entity );
     return WISP_OK;
 }
 
 bool wisp_is_alive( const wisp_world* world, wisp_entity entity )
 {
-    return store_find( &world->store, entity ) != NULL;
+    return world != NULL && store_find( &world->store, entity ) != NULL;
 }
 
 wisp_status wisp_set_substeps( wisp_world* world, wisp_entity entity, int substeps )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
     store_entity* e = store_find( &world->store, entity );
-    if ( e == NULL )
-    {
-        return world_stale( world, entity );
-    }
     if ( substeps < 0 || substeps > WORLD_MAX_SUBSTEPS )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "substeps: got %d, expected 0 to %d", substeps,
@@ -204,6 +257,29 @@ wisp_status wisp_world_check_ranges( wisp_world* world, const char* subject, con
     return WISP_OK;
 }
 
+wisp_component wisp_world_find_component( wisp_world* world, const char* name )
+{
+    if ( wisp_world_begin( world ) != WISP_OK || wisp_world_check_pointer( world, "name", name ) != WISP_OK )
+    {
+        return 0;
+    }
+    for ( int c = 1; c < world->store.component_count; ++c )
+    {
+        if ( strcmp( world->store.components[c].def.name, name ) == 0 )
+        {
+            return (wisp_component)c;
+        }
+    }
+    wisp_world_fail( world, WISP_BAD_INPUT, "component: got '%s', expected a name such as '%s'", name,
+                     world->store.components[WISP_SURFACE_POINTS].def.name );
+    return 0;
+}
+
+const char* wisp_world_component_name( const wisp_world* world, wisp_component component )
+{
+    return world != NULL && known( world, component ) ? world->store.components[component].def.name : "unknown";
+}
+
 // ---- requests and views ----
 
 static wisp_status check_component( wisp_world* world, wisp_entity entity, wisp_component component )
@@ -220,7 +296,7 @@ static wisp_status check_component( wisp_world* world, wisp_entity entity, wisp_
     return WISP_OK;
 }
 
-wisp_status wisp_request( wisp_world* world, wisp_entity entity, wisp_component component )
+wisp_status wisp_world_request( wisp_world* world, wisp_entity entity, wisp_component component )
 {
     wisp_status status = check_component( world, entity, component );
     if ( status != WISP_OK )
@@ -243,7 +319,14 @@ wisp_status wisp_request( wisp_world* world, wisp_entity entity, wisp_component 
     return WISP_OK;
 }
 
-wisp_status wisp_cancel_request( wisp_world* world, wisp_entity entity, wisp_component component )
+wisp_status wisp_request( wisp_world* world, wisp_entity entity, wisp_component component )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    return wisp_world_request( world, entity, component );
+}
+
+wisp_status wisp_world_cancel_request( wisp_world* world, wisp_entity entity, wisp_component component )
 {
     wisp_status status = check_component( world, entity, component );
     if ( status != WISP_OK )
@@ -262,6 +345,13 @@ wisp_status wisp_cancel_request( wisp_world* world, wisp_entity entity, wisp_com
         store_detach( &world->store, entity, component );
     }
     return WISP_OK;
+}
+
+wisp_status wisp_cancel_request( wisp_world* world, wisp_entity entity, wisp_component component )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    return wisp_world_cancel_request( world, entity, component );
 }
 
 static wisp_status user_rows( const wisp_world* world, wisp_entity entity, wisp_component component, wisp_view* out,
@@ -288,6 +378,9 @@ static wisp_status user_rows( const wisp_world* world, wisp_entity entity, wisp_
 
 wisp_status wisp_world_view( wisp_world* world, wisp_entity entity, wisp_component component, wisp_view* out )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     wisp_error error = { 0 };
     wisp_status status = user_rows( world, entity, component, out, &error );
     if ( status != WISP_OK )
@@ -301,6 +394,9 @@ wisp_status wisp_world_view( wisp_world* world, wisp_entity entity, wisp_compone
 
 wisp_status wisp_world_hash_column( wisp_world* world, wisp_entity entity, wisp_component component, uint64_t* out )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     wisp_view view;
     wisp_error error = { 0 };
     wisp_status status = user_rows( world, entity, component, &view, &error );

@@ -103,6 +103,10 @@ enum
 
 int wisp_world_memory_parts( const wisp_world* world, wisp_memory_part* out, int capacity )
 {
+    if ( world == NULL )
+    {
+        return 0;
+    }
     wisp_memory_part found[ALL_PARTS + 2];
     part_list engine = { found, 0, ENGINE_PARTS };
     add_engine( &engine, world );
@@ -127,7 +131,7 @@ int wisp_world_memory_parts( const wisp_world* world, wisp_memory_part* out, int
     add_whole( &engine, "other", WISP_MEMORY_ENGINE, all > known ? all - known : 0 );
     add_whole( &rest, "fabrics", WISP_MEMORY_OUTSIDE, fabric_bytes( &world->store ) );
     add_whole( &rest, "trees of Embree", WISP_MEMORY_OUTSIDE, outside );
-    for ( int i = 0; i < engine.count + rest.count && i < capacity; ++i )
+    for ( int i = 0; out != NULL && i < engine.count + rest.count && i < capacity; ++i )
     {
         out[i] = i < engine.count ? found[i] : own[i - engine.count];
     }

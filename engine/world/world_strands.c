@@ -6,16 +6,17 @@
 #include <math.h>
 #include <string.h>
 
-static const uint32_t STRANDS_DEF_COOKIE = 0x53545244;
-
 enum
 {
     WORLD_MAX_VERTICES = 1 << 28, // quads of floats stay addressable by 32-bit numbers
 };
 
-wisp_strands_def wisp_default_strands_def( void )
+void wisp_init_strands_def( wisp_strands_def* def, size_t size )
 {
-    return ( wisp_strands_def ){ .dimension = 3, .cookie = STRANDS_DEF_COOKIE };
+    const wisp_strands_def values = {
+        .dimension = 3,
+    };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // ---- the pass that hands points out ----
@@ -140,9 +141,12 @@ static size_t row_bytes( const wisp_strand_topology* t )
     return (size_t)t->row_count * 3 * WISP_LANES * sizeof( float );
 }
 
-wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* def, wisp_entity* out )
+wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* given, wisp_entity* out )
 {
-    WISP_ASSERT( def->cookie == STRANDS_DEF_COOKIE );
+    wisp_strands_def values = wisp_default_strands_def();
+    const wisp_strands_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_strands_def", &values, given ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_entity ){ 0, 0 };
     wisp_status status = check_strands( world, def );
     if ( status != WISP_OK )
@@ -188,12 +192,11 @@ static wisp_status add_strands_instance( wisp_world* world, wisp_entity source, 
 
 wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, const wisp_transform* pose, wisp_entity* out )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, source ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_entity ){ 0, 0 };
     const store_entity* from = store_find( &world->store, source );
-    if ( from == NULL )
-    {
-        return world_stale( world, source );
-    }
     if ( from->fabric == NULL && from->strands == NULL )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "entity %u: has no strands and no surface to share",

@@ -7,11 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-static const uint32_t SURFACE_DEF_COOKIE = 0x53555246;
-
-wisp_surface_def wisp_default_surface_def( void )
+void wisp_init_surface_def( wisp_surface_def* def, size_t size )
 {
-    return ( wisp_surface_def ){ .area_density = 0.15f, .cookie = SURFACE_DEF_COOKIE };
+    const wisp_surface_def values = { .area_density = 0.15f, .gravity = { 0.0f, -9.81f, 0.0f } };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // ---- a new surface ----
@@ -27,6 +26,15 @@ static wisp_status check_masses( wisp_world* world, const wisp_surface_def* def 
                                 by_vertex ? "kg" : "kg/m^2" );
     }
     return WISP_OK;
+}
+
+static wisp_status check_gravity( wisp_world* world, wisp_vec3 gravity )
+{
+    const float length = v3_length( gravity );
+    return length <= 1e6f
+               ? WISP_OK
+               : wisp_world_fail( world, WISP_BAD_INPUT,
+                                  "gravity: got %g m/s^2, expected a finite number of at most 1e6", (double)length );
 }
 
 static wisp_status check_vertices( wisp_world* world, const wisp_fabric* fabric, const int32_t* vertices, int count )
@@ -68,6 +76,7 @@ static wisp_status check_surface( wisp_world* world, const wisp_surface_def* def
         return wisp_world_fail( world, WISP_BAD_INPUT, "surface: got no fabric" );
     }
     wisp_status status = check_masses( world, def );
+    status = status == WISP_OK ? check_gravity( world, def->gravity ) : status;
     status = status == WISP_OK ? check_vertices( world, def->fabric, def->pins, def->pin_count ) : status;
     return status == WISP_OK ? check_places( world, def->points, def->fabric->vertex_count, "vertex" ) : status;
 }
@@ -79,7 +88,7 @@ static float inverse_mass( const wisp_fabric* fabric, int slot, float area_densi
     return mass > 0.0f ? 1.0f / mass : 0.0f;
 }
 
-static bool attach_all( store* s, wisp_entity entity )
+static bool attach_all( store* s, wisp_entity entity, bool has_gravity )
 {
     static const wisp_component GIVEN[] = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_LAST_VALID,
                                             WISP_PARTICLE_MASS };
@@ -90,11 +99,13 @@ static bool attach_all( store* s, wisp_entity entity )
             return false;
         }
     }
-    return true;
+    return has_gravity == false || store_attach( s, entity, WISP_PARTICLE_GRAVITY );
 }
 
-static wisp_status add_entity( wisp_world* world, wisp_fabric* fabric, wisp_entity* out )
+static wisp_status add_entity( wisp_world* world, const wisp_surface_def* def, wisp_entity* out )
 {
+    wisp_fabric* fabric = def->fabric;
+    const bool has_gravity = v3_length( def->gravity ) > 0.0f;
     const wisp_fabric_level none = { 0 };
     const wisp_fabric_level* coarsest = fabric->level_count > 0 ? fabric->levels + fabric->level_count - 1 : &none;
     const int rows[WISP_TABLE_COUNT] = {
@@ -115,14 +126,19 @@ static wisp_status add_entity( wisp_world* world, wisp_fabric* fabric, wisp_enti
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for a surface of %d vertices",
                                 fabric->vertex_count );
     }
-    if ( attach_all( &world->store, entity ) == false )
+    if ( attach_all( &world->store, entity, has_gravity ) == false )
     {
         store_remove( &world->store, entity );
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the particles of %d vertices",
                                 fabric->vertex_count );
     }
     wisp_fabric_retain( fabric );
-    store_find( &world->store, entity )->fabric = fabric;
+    store_entity* e = store_find( &world->store, entity );
+    e->fabric = fabric;
+    if ( has_gravity )
+    {
+        *(wisp_vec3*)store_column( &world->store, e, WISP_PARTICLE_GRAVITY, 0 ) = def->gravity;
+    }
     *out = entity;
     return WISP_OK;
 }
@@ -158,12 +174,15 @@ static int fill_particles( wisp_world* world, wisp_entity entity, const wisp_sur
     return weightless;
 }
 
-wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* def, wisp_entity* out )
+wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* given, wisp_entity* out )
 {
-    WISP_ASSERT( def->cookie == SURFACE_DEF_COOKIE );
+    wisp_surface_def values = wisp_default_surface_def();
+    const wisp_surface_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_surface_def", &values, given ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_entity ){ 0, 0 };
     wisp_status status = check_surface( world, def );
-    status = status == WISP_OK ? add_entity( world, def->fabric, out ) : status;
+    status = status == WISP_OK ? add_entity( world, def, out ) : status;
     if ( status != WISP_OK )
     {
         return status;
@@ -184,6 +203,8 @@ wisp_status world_add_surface_instance( wisp_world* world, const store_entity* s
     def.fabric = (wisp_fabric*)(void*)source->fabric;
     def.area_density = *(float*)store_column( &world->store, source, WISP_PARTICLE_MASS, 0 );
     def.vertex_mass = *(float*)store_column( &world->store, source, WISP_PARTICLE_MASS, 1 );
+    const wisp_vec3* gravity = store_column( &world->store, source, WISP_PARTICLE_GRAVITY, 0 );
+    def.gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
     return wisp_add_surface( world, &def, out );
 }
 
@@ -199,7 +220,8 @@ static wisp_status find_surface( wisp_world* world, wisp_entity entity, store_en
     }
     if ( ( *out )->fabric == NULL )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "entity %u: is not a surface", entity.index );
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u: is not a surface%s", entity.index,
+                                ( *out )->strands != NULL ? ": it has strands" : "" );
     }
     return WISP_OK;
 }
@@ -259,11 +281,17 @@ static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int
 
 wisp_status wisp_pin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     return set_pinned( world, surface, vertices, count, true );
 }
 
 wisp_status wisp_unpin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     return set_pinned( world, surface, vertices, count, false );
 }
 
@@ -284,6 +312,10 @@ static wisp_status check_pinned( wisp_world* world, const store_entity* e, const
 wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_t* vertices, const wisp_vec3* targets,
                             int count )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
+    WISP_TRY( wisp_world_check_list( world, "targets", targets, count ) );
     store_entity* e;
     wisp_status status = find_surface( world, surface, &e );
     status = status == WISP_OK ? check_vertices( world, e->fabric, vertices, count ) : status;
@@ -323,13 +355,10 @@ static wisp_status set_component( wisp_world* world, wisp_entity surface, wisp_c
 
 wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 gravity )
 {
-    float length = v3_length( gravity );
-    if ( !( length <= 1e6f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "gravity: got %g m/s^2, expected a finite number of at most 1e6", (double)length );
-    }
-    wisp_status status = set_component( world, surface, WISP_PARTICLE_GRAVITY, length > 0.0f );
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( check_gravity( world, gravity ) );
+    wisp_status status = set_component( world, surface, WISP_PARTICLE_GRAVITY, v3_length( gravity ) > 0.0f );
     wisp_vec3* column = wisp_world_column( world, surface, WISP_PARTICLE_GRAVITY, 0 );
     if ( status == WISP_OK && column != NULL )
     {
@@ -340,6 +369,8 @@ wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 
 
 wisp_status wisp_set_damping( wisp_world* world, wisp_entity surface, float rate )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
     if ( !( rate >= 0.0f && rate <= 1e9f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "damping: got %g 1/s, expected 0 to 1e9", (double)rate );
@@ -355,6 +386,8 @@ wisp_status wisp_set_damping( wisp_world* world, wisp_entity surface, float rate
 
 wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float minimum, float maximum )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
     if ( !( minimum >= 0.0f && minimum <= 1.0f && maximum >= 1.0f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
@@ -397,6 +430,8 @@ static wisp_vec3 centre_of( const wisp_fabric* fabric, const float* position )
 
 wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3 linear, wisp_vec3 angular )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
     store_entity* e;
     wisp_status status = find_surface( world, surface, &e );
     if ( status != WISP_OK )
@@ -426,13 +461,11 @@ wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3
 
 wisp_status wisp_read_motion_stats( wisp_world* world, wisp_entity entity, wisp_motion_stats* out )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_motion_stats ){ 0 };
     const store_entity* e = store_find( &world->store, entity );
-    if ( e == NULL )
-    {
-        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u: does not exist or was removed",
-                                entity.index, entity.generation );
-    }
     const wisp_motion_stats* column = store_column( &world->store, e, WISP_MOTION_STATS, 0 );
     if ( column == NULL || store_mask_has( &e->requests, WISP_MOTION_STATS ) == false )
     {
@@ -445,18 +478,15 @@ wisp_status wisp_read_motion_stats( wisp_world* world, wisp_entity entity, wisp_
 
 bool wisp_is_halted( const wisp_world* world, wisp_entity entity )
 {
-    const store_entity* e = store_find( &world->store, entity );
+    const store_entity* e = world != NULL ? store_find( &world->store, entity ) : NULL;
     return e != NULL && e->halted != 0;
 }
 
 wisp_status wisp_resume( wisp_world* world, wisp_entity entity )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
     store_entity* e = store_find( &world->store, entity );
-    if ( e == NULL )
-    {
-        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u: does not exist or was removed",
-                                entity.index, entity.generation );
-    }
     e->halted = 0;
     return WISP_OK;
 }

@@ -225,8 +225,10 @@ void world_place( wisp_world* world, wisp_entity entity, wisp_transform pose )
 
 wisp_status wisp_teleport( wisp_world* world, wisp_entity entity, wisp_transform motion, bool keep_velocity )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
     const store_entity* e = store_find( &world->store, entity );
-    wisp_status status = e != NULL ? check_motion( world, motion, "teleport" ) : world_stale( world, entity );
+    wisp_status status = check_motion( world, motion, "teleport" );
     const wisp_teleport_motion teleport = { wisp_transform_make( motion.rotation, motion.translation ),
                                             keep_velocity };
     status = status == WISP_OK ? check_entity( world, e, teleport.motion ) : status;

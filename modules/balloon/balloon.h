@@ -20,28 +20,30 @@ WISP_API extern const wisp_module wisp_balloon_module;
 /// How the inner pressure is measured. All agree at equilibrium with many substeps, and differ before.
 typedef enum wisp_balloon_pressure
 {
-    WISP_BALLOON_PRESSURE_VIRIAL, ///< from the skin's tensions: sum T l / (3 V), smooth, and nearly independent of the mesh
-    WISP_BALLOON_PRESSURE_MULTIPLIER, ///< lambda / dt^2 of the volume constraint
-    WISP_BALLOON_PRESSURE_GAS,        ///< P_atm V_0 / V, as printed: 1 % of volume is 1013 Pa
-    WISP_BALLOON_PRESSURE_COUNT,
+    WISP_BALLOON_PRESSURE_VIRIAL =
+        0, ///< from the skin's tensions: sum T l / (3 V), smooth, and nearly independent of the mesh
+    WISP_BALLOON_PRESSURE_MULTIPLIER = 1, ///< lambda / dt^2 of the volume constraint
+    WISP_BALLOON_PRESSURE_GAS = 2,        ///< P_atm V_0 / V, as printed: 1 % of volume is 1013 Pa
+    WISP_BALLOON_PRESSURE_COUNT = 3,
 } wisp_balloon_pressure;
 
 /// Dependence of drag on the angle between velocity and normal (balloon paper, eq. 11).
 typedef enum wisp_balloon_drag
 {
-    WISP_BALLOON_DRAG_MAX,    ///< max( 0, cos ): the textbook drag of a closed body
-    WISP_BALLOON_DRAG_ABS,    ///< |cos|: twice the frontal area
-    WISP_BALLOON_DRAG_SIGNED, ///< cos, as printed: nothing on a closed rigid body
-    WISP_BALLOON_DRAG_NORMAL, ///< along the normal: 4/3 of the frontal area on a sphere
-    WISP_BALLOON_DRAG_COUNT,
+    WISP_BALLOON_DRAG_MAX = 0,    ///< max( 0, cos ): the textbook drag of a closed body
+    WISP_BALLOON_DRAG_ABS = 1,    ///< |cos|: twice the frontal area
+    WISP_BALLOON_DRAG_SIGNED = 2, ///< cos, as printed: nothing on a closed rigid body
+    WISP_BALLOON_DRAG_NORMAL = 3, ///< along the normal: 4/3 of the frontal area on a sphere
+    WISP_BALLOON_DRAG_COUNT = 4,
 } wisp_balloon_drag;
 
 typedef enum wisp_balloon_spin
 {
-    WISP_BALLOON_SPIN_VELOCITY, ///< the angular velocity increment of the torque is added to velocities, as delta omega x r
-    WISP_BALLOON_SPIN_POSITION, ///< a separate angular velocity rotates positions, as printed
-    WISP_BALLOON_SPIN_NONE,     ///< no torque, no pass
-    WISP_BALLOON_SPIN_COUNT,
+    WISP_BALLOON_SPIN_VELOCITY =
+        0, ///< the angular velocity increment of the torque is added to velocities, as delta omega x r
+    WISP_BALLOON_SPIN_POSITION = 1, ///< a separate angular velocity rotates positions, as printed
+    WISP_BALLOON_SPIN_NONE = 2,     ///< no torque, no pass
+    WISP_BALLOON_SPIN_COUNT = 3,
 } wisp_balloon_spin;
 
 #define WISP_BALLOON_MAX_OUTLET 64
@@ -49,6 +51,7 @@ typedef enum wisp_balloon_spin
 /// Skin, gas, air and outlet of a balloon. Fill from wisp_default_balloon_def(). Copied.
 typedef struct wisp_balloon_def
 {
+    uint32_t size;             ///< bytes; set by wisp_default_balloon_def()
     wisp_solver solver;        ///< of the skin, default xpbd
     float edge_stiffness;      ///< N/m, > 0, default 2000: of the edges (xpbd), and of the virial pressure
     float bend_link_stiffness; ///< N/m, > 0, default 20: the same for bend links
@@ -83,10 +86,9 @@ typedef struct wisp_balloon_def
     /// Default false: an open mesh is refused. True: each hole is closed by a virtual fan about the mean of its open edges, for
     /// the volume only; a fan has no mass, links, normal or drag.
     bool allow_open;
-    uint32_t cookie;
 } wisp_balloon_def;
 
-WISP_API wisp_balloon_def wisp_default_balloon_def( void );
+WISP_DEFINITION( balloon_def );
 
 /// Make a surface a balloon, or replace its definition. Gas lost or added so far is reset.
 /// @return WISP_CONFLICT the module is not registered or the entity is not a surface; WISP_BAD_INPUT a value is out of

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-static const uint32_t BALLOON_DEF_COOKIE = 0x42414c4c;
-
 #define ONE_COLUMN( name, type ) static const wisp_column_def name##_COLUMNS[] = { { "value", sizeof( type ) } };
 ONE_COLUMN( GAS, balloon_gas )
 ONE_COLUMN( SKIN, balloon_skin )
@@ -23,9 +21,9 @@ ONE_COLUMN( STATS, wisp_balloon_stats )
 static const wisp_column_def RING_COLUMNS[] = { { "vectors", 3 * sizeof( float ) }, { "areas", sizeof( float ) } };
 static const wisp_column_def BORDER_COLUMNS[] = { { "vertex", sizeof( int32_t ) }, { "size", sizeof( int32_t ) } };
 
-wisp_balloon_def wisp_default_balloon_def( void )
+void wisp_init_balloon_def( wisp_balloon_def* def, size_t size )
 {
-    return ( wisp_balloon_def ){
+    const wisp_balloon_def values = {
         .solver = WISP_SOLVER_XPBD,
         .edge_stiffness = 2000.0f,
         .bend_link_stiffness = 20.0f,
@@ -46,8 +44,8 @@ wisp_balloon_def wisp_default_balloon_def( void )
         .outlet_area = 1e-4f,
         .spin = WISP_BALLOON_SPIN_VELOCITY,
         .keep_angular_momentum = true,
-        .cookie = BALLOON_DEF_COOKIE,
     };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // ---- components and passes ----
@@ -506,9 +504,12 @@ static wisp_status check_alone( wisp_world* world, wisp_entity surface )
                : WISP_OK;
 }
 
-wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp_balloon_def* def )
+wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp_balloon_def* given )
 {
-    WISP_ASSERT( def->cookie == BALLOON_DEF_COOKIE );
+    wisp_balloon_def values = wisp_default_balloon_def();
+    const wisp_balloon_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_balloon_def", &values, given ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
     const balloon_state* state;
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_alone( world, surface ) : status;
@@ -525,6 +526,8 @@ wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp
 
 wisp_status wisp_set_balloon_gas_ratio( wisp_world* world, wisp_entity balloon, float fill_fraction )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     wisp_status status = find_balloon( world, balloon, &state );
     if ( status != WISP_OK )
@@ -544,6 +547,8 @@ wisp_status wisp_set_balloon_gas_ratio( wisp_world* world, wisp_entity balloon, 
 
 wisp_status wisp_set_balloon_inflation( wisp_world* world, wisp_entity balloon, float rate )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     wisp_status status = find_balloon( world, balloon, &state );
     if ( status == WISP_OK && !( fabsf( rate ) <= 1e6f ) )
@@ -569,6 +574,8 @@ wisp_status wisp_set_balloon_inflation( wisp_world* world, wisp_entity balloon, 
 
 wisp_status wisp_open_balloon( wisp_world* world, wisp_entity balloon, bool open )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     wisp_status status = find_balloon( world, balloon, &state );
     if ( status != WISP_OK )
@@ -586,18 +593,23 @@ wisp_status wisp_open_balloon( wisp_world* world, wisp_entity balloon, bool open
 
 wisp_status wisp_request_balloon_stats( wisp_world* world, wisp_entity balloon, bool requested )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     wisp_status status = find_balloon( world, balloon, &state );
     if ( status != WISP_OK )
     {
         return status;
     }
-    return requested ? wisp_request( world, balloon, state->stats )
-                     : wisp_cancel_request( world, balloon, state->stats );
+    return requested ? wisp_world_request( world, balloon, state->stats )
+                     : wisp_world_cancel_request( world, balloon, state->stats );
 }
 
 wisp_status wisp_read_balloon_stats( wisp_world* world, wisp_entity balloon, wisp_balloon_stats* out )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, balloon ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_balloon_stats ){ 0 };
     const balloon_state* state;
     wisp_status status = find_balloon( world, balloon, &state );

@@ -20,6 +20,7 @@ WISP_API extern const wisp_module wisp_boundary_module;
 /// How to sample a surface. Fill from wisp_default_boundary_def(). Copied.
 typedef struct wisp_boundary_def
 {
+    uint32_t size;          ///< bytes; set by wisp_default_boundary_def()
     float spacing;          ///< d, m, > 0; default 0: half of the mean rest length of the edges
     wisp_spacing policy;    ///< default even
     wisp_rounding rounding; ///< default down
@@ -42,10 +43,9 @@ typedef struct wisp_boundary_def
     wisp_vec3 eye;   ///< m, position of the camera, with by_screen
     float pixel_angle; ///< rad spanned by a pixel, > 0; default 0.001
     float pixels;      ///< distance of points on the screen, default 4
-    uint32_t cookie;
 } wisp_boundary_def;
 
-WISP_API wisp_boundary_def wisp_default_boundary_def( void );
+WISP_DEFINITION( boundary_def );
 
 /// Give a surface a layer, or replace its definition. The next step samples every element.
 /// @return WISP_BAD_INPUT a value is out of range (the message names it); WISP_CONFLICT the module is not registered, or

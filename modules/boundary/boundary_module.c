@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-static const uint32_t BOUNDARY_DEF_COOKIE = 0x424f554e;
-
 enum
 {
     BOUNDARY_MAX_POINTS = 1 << 27, // rows of four floats stay addressable by 32-bit numbers
@@ -28,14 +26,14 @@ static const wisp_column_def NORMALS_COLUMNS[] = { NORMALS_LIST( WISP_COLUMN_DEF
 static const wisp_column_def EDGES_COLUMNS[] = { EDGES_LIST( WISP_COLUMN_DEF ) };
 static const wisp_column_def TRIANGLES_COLUMNS[] = { TRIANGLES_LIST( WISP_COLUMN_DEF ) };
 
-wisp_boundary_def wisp_default_boundary_def( void )
+void wisp_init_boundary_def( wisp_boundary_def* def, size_t size )
 {
-    return ( wisp_boundary_def ){
+    const wisp_boundary_def values = {
         .max_points = 4000000,
         .pixel_angle = 1e-3f,
         .pixels = 4.0f,
-        .cookie = BOUNDARY_DEF_COOKIE,
     };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // ---- components and passes ----
@@ -264,7 +262,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const boundary
     {
         status = given[i] != state->local || local ? wisp_world_attach( world, surface, given[i] ) : WISP_OK;
     }
-    status = status == WISP_OK ? wisp_request( world, surface, state->triangles ) : status;
+    status = status == WISP_OK ? wisp_world_request( world, surface, state->triangles ) : status;
     if ( status != WISP_OK && had == false )
     {
         undress( world, surface, state );
@@ -318,9 +316,12 @@ static wisp_status provide_layer( wisp_world* world, wisp_entity surface, bounda
                                            "boundary: out of memory for the elements of entity %u", surface.index );
 }
 
-wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wisp_boundary_def* def )
+wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wisp_boundary_def* given )
 {
-    WISP_ASSERT( def->cookie == BOUNDARY_DEF_COOKIE );
+    wisp_boundary_def values = wisp_default_boundary_def();
+    const wisp_boundary_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_boundary_def", &values, given ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
     boundary_state* state;
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_ranges( world, def ) : status;
@@ -354,6 +355,8 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
 
 wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
     boundary_state* state;
     wisp_status status = find_state( world, surface, &state );
     if ( status == WISP_OK )
@@ -375,6 +378,8 @@ static wisp_status find_layer( wisp_world* world, wisp_entity surface, boundary_
 
 wisp_status wisp_set_boundary_eye( wisp_world* world, wisp_entity surface, wisp_vec3 eye )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
     boundary_state* state;
     boundary_layer* layer;
     wisp_status status = find_layer( world, surface, &state, &layer );
@@ -411,6 +416,9 @@ static wisp_status find_made( wisp_world* world, wisp_entity surface, boundary_l
 
 wisp_status wisp_read_boundary( wisp_world* world, wisp_entity surface, wisp_boundary_view* out )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_boundary_view ){ 0 };
     boundary_layer* layer;
     wisp_status status = find_made( world, surface, &layer );
@@ -438,6 +446,9 @@ static size_t bytes_of( const boundary_layer* layer )
 
 wisp_status wisp_read_boundary_stats( wisp_world* world, wisp_entity surface, wisp_boundary_stats* out )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_boundary_stats ){ 0 };
     boundary_layer* layer;
     wisp_status status = find_made( world, surface, &layer );

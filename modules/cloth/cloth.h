@@ -16,14 +16,17 @@ WISP_API extern const wisp_module wisp_cloth_module;
 /// How cloth bends.
 typedef enum wisp_cloth_bending
 {
-    WISP_CLOTH_BENDING_LINKS, ///< a link between the opposite vertices of an edge: cheap, resists stretching too. Where
+    WISP_CLOTH_BENDING_LINKS =
+        0, ///< a link between the opposite vertices of an edge: cheap, resists stretching too. Where
     ///< it is shorter than half its rest length the fold is bent by its angle. The fabric must
     ///< have bend links
-    WISP_CLOTH_BENDING_DIHEDRAL, ///< the angle between two triangles (Bridson et al. 2003); the fabric must have hinges
-    WISP_CLOTH_BENDING_ISOMETRIC, ///< quadratic in the positions (Bergou et al. 2006), cheaper than the angle and right
-                                  ///< where the cloth hardly stretches; the fabric must have hinges
-    WISP_CLOTH_BENDING_NONE,
-    WISP_CLOTH_BENDING_COUNT,
+    WISP_CLOTH_BENDING_DIHEDRAL =
+        1, ///< the angle between two triangles (Bridson et al. 2003); the fabric must have hinges
+    WISP_CLOTH_BENDING_ISOMETRIC =
+        2, ///< quadratic in the positions (Bergou et al. 2006), cheaper than the angle and right
+           ///< where the cloth hardly stretches; the fabric must have hinges
+    WISP_CLOTH_BENDING_NONE = 3,
+    WISP_CLOTH_BENDING_COUNT = 4,
 } wisp_cloth_bending;
 
 /// Material of a surface, and the air around it. Fill from wisp_default_cloth_def(). Copied.
@@ -34,6 +37,7 @@ typedef enum wisp_cloth_bending
 /// shear sin^2 t cos^2 t; shear = warp + weft is isotropic if both are equal.
 typedef struct wisp_cloth_def
 {
+    uint32_t size;           ///< bytes; set by wisp_default_cloth_def()
     wisp_solver solver;      ///< default xpbd
     float warp_compliance;   ///< xpbd, m/N, >= 0, along `warp`; default 0: inextensible
     float weft_compliance;   ///< xpbd, m/N, across it; default 0
@@ -60,18 +64,17 @@ typedef struct wisp_cloth_def
 
     bool tethers;       ///< default false; the fabric must have attachments and tethers
     float tether_slack; ///< times the rest distance, >= 1, default 1
-    /// Coarse sheets that carry the cloth, 0 .. 64, default 0: none. Needs xpbd and a fabric with coarse sheets: a mesh of fewer
-    /// than about 600 vertices has none, which is a warning. Substeps of the coarsest one in a substep of the cloth, by BDF2. 2
+    /// Coarse sheets that carry the cloth, -1 .. 64. Default -1: 1 with xpbd if the fabric has coarse sheets, else 0, none. Above 0
+    /// it needs xpbd and a fabric with them: a mesh of fewer than about 600 vertices has none, which is a warning. Substeps of the coarsest one in a substep of the cloth, by BDF2. 2
     /// with one substep, or 1 with two, are nearer to the converged motion than 40 plain substeps, and than 80 where the cloth
     /// touches nothing, for the time of four or five (docs/methods.md). To set any value of a cloth starts their history again
     int coarse_substeps;
     /// Over the links of the coarsest sheet in each of its substeps, 1 .. 64, default 10. Cloth that moves all the time is as near
     /// to its converged motion with 4 substeps of 2 passes, which cost less; at rest it quivers more
     int coarse_passes;
-    uint32_t cookie;
 } wisp_cloth_def;
 
-WISP_API wisp_cloth_def wisp_default_cloth_def( void );
+WISP_DEFINITION( cloth_def );
 
 /// Make a surface a cloth, or change the cloth it is.
 /// @return WISP_CONFLICT the module is not registered, the entity is not a surface, another solver moves it, or its fabric lacks what

@@ -3,8 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-static const uint32_t CLOTH_DEF_COOKIE = 0x434c4f54;
-
 #define CLOTH_AIR_COLUMNS( X ) X( cloth_air, air, 1 )
 #define CLOTH_DAMPING_COLUMNS( X ) X( float, rate, 1 )
 #define CLOTH_BENDING_COLUMNS( X ) X( float, rigidity, 1 ) /* N m */
@@ -13,9 +11,9 @@ static const wisp_column_def AIR_COLUMNS[] = { CLOTH_AIR_COLUMNS( WISP_COLUMN_DE
 static const wisp_column_def DAMPING_COLUMNS[] = { CLOTH_DAMPING_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def BENDING_COLUMNS[] = { CLOTH_BENDING_COLUMNS( WISP_COLUMN_DEF ) };
 
-wisp_cloth_def wisp_default_cloth_def( void )
+void wisp_init_cloth_def( wisp_cloth_def* def, size_t size )
 {
-    return ( wisp_cloth_def ){
+    const wisp_cloth_def values = {
         .solver = WISP_SOLVER_XPBD,
         .stretch_stiffness = 1.0f,
         .shear_stiffness = 1.0f,
@@ -27,8 +25,9 @@ wisp_cloth_def wisp_default_cloth_def( void )
         .air_density = 1.204f,
         .tether_slack = 1.0f,
         .coarse_passes = 10,
-        .cookie = CLOTH_DEF_COOKIE,
+        .coarse_substeps = -1,
     };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // ---- state ----
@@ -142,7 +141,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_cloth_def* d )
         { "drag_coefficient", d->drag_coefficient, 0.0f, 1e6f },
         { "lift_coefficient", d->lift_coefficient, 0.0f, 1e6f },
         { "tether_slack", d->tether_slack, 1.0f, 1e6f },
-        { "coarse_substeps", (float)d->coarse_substeps, 0.0f, 64.0f },
+        { "coarse_substeps", (float)d->coarse_substeps, -1.0f, 64.0f },
         { "coarse_passes", (float)d->coarse_passes, 1.0f, 64.0f },
         { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
         { "bending", (float)d->bending, 0.0f, (float)( WISP_CLOTH_BENDING_COUNT - 1 ) },
@@ -337,13 +336,21 @@ static void warn_of_sheets( wisp_world* world, wisp_entity surface )
     }
 }
 
-wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def )
+wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_cloth_def* given )
 {
-    WISP_ASSERT( def->cookie == CLOTH_DEF_COOKIE );
+    wisp_cloth_def values = wisp_default_cloth_def();
+    const wisp_cloth_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_cloth_def", &values, given ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
     cloth_state* state;
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_alone( world, surface ) : status;
     status = status == WISP_OK ? check_ranges( world, def ) : status;
+    if ( status == WISP_OK && values.coarse_substeps < 0 )
+    {
+        const bool has_sheets = wisp_world_fabric( world, surface )->level_count > 0;
+        values.coarse_substeps = has_sheets && def->solver == WISP_SOLVER_XPBD ? 1 : 0;
+    }
     status = status == WISP_OK ? check_vectors( world, def ) : status;
     status = status == WISP_OK ? check_solver( world, def ) : status;
     status = status == WISP_OK ? check_fabric( world, wisp_world_fabric( world, surface ), def ) : status;
@@ -371,6 +378,8 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
 
 wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_vec3 wind )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
     cloth_state* state;
     wisp_status status = find_state( world, surface, &state );
     if ( status != WISP_OK )

@@ -10,7 +10,7 @@
 ///     wisp_move_collider( world, collider, pose );           // before a step
 #pragma once
 
-#include "wisp/collision_mesh.h"
+#include "wisp/variants.h"
 #include "wisp/shapes.h"
 #include "wisp/wisp.h"
 
@@ -23,17 +23,18 @@ WISP_API extern const wisp_module wisp_collision_module;
 
 typedef enum wisp_collider_kind
 {
-    WISP_COLLIDER_PLANE,   ///< the half space y <= 0 of its own frame
-    WISP_COLLIDER_SPHERE,  ///< around the origin of its frame
-    WISP_COLLIDER_CAPSULE, ///< along the y axis of its frame
-    WISP_COLLIDER_BOX,     ///< around the origin, edges along the axes
-    WISP_COLLIDER_MESH,    ///< triangles; needs Embree unless it is searched by voxels
-    WISP_COLLIDER_COUNT,
+    WISP_COLLIDER_PLANE = 0,   ///< the half space y <= 0 of its own frame
+    WISP_COLLIDER_SPHERE = 1,  ///< around the origin of its frame
+    WISP_COLLIDER_CAPSULE = 2, ///< along the y axis of its frame
+    WISP_COLLIDER_BOX = 3,     ///< around the origin, edges along the axes
+    WISP_COLLIDER_MESH = 4,    ///< triangles; needs Embree unless it is searched by voxels
+    WISP_COLLIDER_COUNT = 5,
 } wisp_collider_kind;
 
 /// A rigid body that surfaces and strands collide with. Fill from wisp_default_collider_def(). Copied; need not outlive the call.
 typedef struct wisp_collider_def
 {
+    uint32_t size; ///< bytes; set by wisp_default_collider_def()
     wisp_collider_kind kind;
     float radius;             ///< m, > 0: sphere, capsule; default 1
     float half_length;        ///< m, >= 0: capsule, from the centre to that of a cap; default 1
@@ -49,10 +50,9 @@ typedef struct wisp_collider_def
     float kinetic_friction;  ///< mu while sliding, 0 .. static_friction, default 0.5
     float thickness;         ///< m, >= 0: added to the thickness of what touches the collider, default 0
     uint32_t layers;         ///< bits; an entity collides with it if its mask has one of them; default 1
-    uint32_t cookie;
 } wisp_collider_def;
 
-WISP_API wisp_collider_def wisp_default_collider_def( void );
+WISP_DEFINITION( collider_def );
 
 /// Add a collider. wisp_remove() removes it.
 /// @param out receives the entity, null on failure
@@ -69,6 +69,7 @@ WISP_API wisp_status wisp_move_collider( wisp_world* world, wisp_entity collider
 /// How a surface or strands collide. Fill from wisp_default_collision_def(). Copied.
 typedef struct wisp_collision_def
 {
+    uint32_t size; ///< bytes; set by wisp_default_collision_def()
     float
         thickness; ///< m, the distance that vertices keep; default 0: a quarter of the mean rest length of the edges,
                    ///< of strands the mean rest length of the segments. Of a surface with an external solver: the
@@ -80,10 +81,9 @@ typedef struct wisp_collision_def
     ///< second
     uint32_t mask; ///< of the layers to collide with, default all
     bool enabled;  ///< default true
-    uint32_t cookie;
 } wisp_collision_def;
 
-WISP_API wisp_collision_def wisp_default_collision_def( void );
+WISP_DEFINITION( collision_def );
 
 /// Make a surface or strands collide with the colliders of the world, or replace their definition. Pinned vertices are not
 /// moved. Strands collide vertex by vertex before their lengths are restored, which may pull a vertex back by part of the

@@ -12,11 +12,9 @@
 #include <math.h>
 #include <string.h>
 
-static const uint32_t COLLIDER_DEF_COOKIE = 0x434f4c44;
-
-wisp_collider_def wisp_default_collider_def( void )
+void wisp_init_collider_def( wisp_collider_def* def, size_t size )
 {
-    return ( wisp_collider_def ){
+    const wisp_collider_def values = {
         .kind = WISP_COLLIDER_PLANE,
         .radius = 1.0f,
         .half_length = 1.0f,
@@ -25,8 +23,8 @@ wisp_collider_def wisp_default_collider_def( void )
         .static_friction = 0.5f,
         .kinetic_friction = 0.5f,
         .layers = 1,
-        .cookie = COLLIDER_DEF_COOKIE,
     };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // ---- checks ----
@@ -257,14 +255,17 @@ static wisp_status append_body( wisp_world* world, collision_state* state, const
     }
     if ( status != WISP_OK )
     {
-        wisp_remove( world, entity );
+        wisp_world_remove( world, entity );
     }
     return status;
 }
 
-wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* def, wisp_entity* out )
+wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* given, wisp_entity* out )
 {
-    WISP_ASSERT( def->cookie == COLLIDER_DEF_COOKIE );
+    wisp_collider_def values = wisp_default_collider_def();
+    const wisp_collider_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_collider_def", &values, given ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_entity ){ 0, 0 };
     collision_state* state;
     wisp_status status = collision_find_state( world, &state );
@@ -295,6 +296,8 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* def, 
 
 wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_transform pose )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
     collision_state* state;
     wisp_status status = collision_find_state( world, &state );
     if ( status != WISP_OK )
@@ -311,7 +314,7 @@ wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_tran
     if ( status == WISP_OK && wisp_world_has( world, entity, state->motion ) == false )
     {
         status = wisp_world_attach( world, entity, state->motion );
-        status = status == WISP_OK ? wisp_request( world, entity, state->collider ) : status;
+        status = status == WISP_OK ? wisp_world_request( world, entity, state->collider ) : status;
         if ( status == WISP_OK )
         {
             *(wisp_transform*)wisp_world_column( world, entity, state->motion, 0 ) = now;

@@ -6,8 +6,6 @@
 
 #include <string.h>
 
-static const uint32_t COLLISION_DEF_COOKIE = 0x434f4c53;
-
 bool collision_forget_participant( collision_state* state, wisp_entity participant )
 {
     for ( int i = 0; i < state->participant_count; ++i )
@@ -69,7 +67,7 @@ static wisp_status update( wisp_world* world, const collision_state* state, wisp
     wisp_status status = WISP_OK;
     if ( stats == false )
     {
-        status = wisp_cancel_request( world, participant, state->stats );
+        status = wisp_world_cancel_request( world, participant, state->stats );
     }
     if ( status == WISP_OK )
     {
@@ -77,7 +75,7 @@ static wisp_status update( wisp_world* world, const collision_state* state, wisp
                      ? update_surface( world, state, participant, active )
                      : update_strands( world, state, participant, active );
     }
-    return status == WISP_OK && stats ? wisp_request( world, participant, state->stats ) : status;
+    return status == WISP_OK && stats ? wisp_world_request( world, participant, state->stats ) : status;
 }
 
 wisp_status collision_update_components( wisp_world* world, collision_state* state )
@@ -92,14 +90,14 @@ wisp_status collision_update_components( wisp_world* world, collision_state* sta
 
 // ---- definitions ----
 
-wisp_collision_def wisp_default_collision_def( void )
+void wisp_init_collision_def( wisp_collision_def* def, size_t size )
 {
-    return ( wisp_collision_def ){
+    const wisp_collision_def values = {
         .friction_scale = 1.0f,
         .mask = UINT32_MAX,
         .enabled = true,
-        .cookie = COLLISION_DEF_COOKIE,
     };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 static wisp_status check_def( wisp_world* world, const wisp_collision_def* d )
@@ -226,9 +224,12 @@ static wisp_status find_participant( wisp_world* world, wisp_entity participant,
     return status;
 }
 
-wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, const wisp_collision_def* def )
+wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, const wisp_collision_def* given )
 {
-    WISP_ASSERT( def->cookie == COLLISION_DEF_COOKIE );
+    wisp_collision_def values = wisp_default_collision_def();
+    const wisp_collision_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_collision_def", &values, given ) );
+    WISP_TRY( wisp_world_check_entity( world, participant ) );
     collision_state* state;
     wisp_status status = find_participant( world, participant, &state );
     status = status == WISP_OK ? check_def( world, def ) : status;

@@ -4,7 +4,7 @@
 #include "collision.h"
 
 #include "wisp/module/components.h"
-#include "wisp/collision_mesh.h"
+#include "wisp/module/collision_mesh.h"
 #include "wisp/module/module.h"
 
 /// What never changes about a body.

@@ -22,16 +22,17 @@ typedef enum wisp_contact_primitives
     /// Vertices from triangles, and edges from edges. A state without intersections stays free of them: no vertex moves
     /// farther than the separating planes of its pairs allow. Pinned vertices move freely; what they pass through is
     /// untangled.
-    WISP_CONTACT_TRIANGLES,
+    WISP_CONTACT_TRIANGLES = 0,
     /// Boundary particles from each other, as spheres of the thickness at fixed places of the rest shape. Details finer than
     /// their spacing pass through, so the spacing sets both the cost and what is missed (benchmark, case contact).
-    WISP_CONTACT_PARTICLES,
-    WISP_CONTACT_PRIMITIVES_COUNT,
+    WISP_CONTACT_PARTICLES = 1,
+    WISP_CONTACT_PRIMITIVES_COUNT = 2,
 } wisp_contact_primitives;
 
 /// Contact detection of a world. Fill from wisp_default_contact_settings(). Copied.
 typedef struct wisp_contact_settings
 {
+    uint32_t size;                      ///< bytes; set by wisp_default_contact_settings()
     wisp_contact_primitives primitives; ///< default triangles
     wisp_pair_search search;            ///< default auto; changes the time and not the result
     float particle_spacing; ///< m, > 0, with particles; default 0: the smallest thickness of the participants
@@ -39,10 +40,9 @@ typedef struct wisp_contact_settings
     /// with the same bits.
     float margin;
     bool displacement_limit; ///< default true: displacements are limited before they intersect (triangles only)
-    uint32_t cookie;
 } wisp_contact_settings;
 
-WISP_API wisp_contact_settings wisp_default_contact_settings( void );
+WISP_DEFINITION( contact_settings );
 
 /// @return WISP_BAD_INPUT a value is out of range (the message names it); WISP_CONFLICT the module is not registered;
 ///         WISP_NO_MEMORY
@@ -51,6 +51,7 @@ WISP_API wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_co
 /// How a surface or strands take part in contact. Fill from wisp_default_contact_def(). Copied.
 typedef struct wisp_contact_def
 {
+    uint32_t size; ///< bytes; set by wisp_default_contact_def()
     float
         thickness; ///< m; two participants keep half the sum of their thicknesses apart; default 0: a quarter of the mean
     ///< rest length of edges or segments. Must be below the shortest edge, or the surface cannot lie flat
@@ -62,10 +63,9 @@ typedef struct wisp_contact_def
     uint32_t layers,
         mask;     ///< bits, default 1 and all: two participants collide if each has a layer in the mask of the other
     bool enabled; ///< default true
-    uint32_t cookie;
 } wisp_contact_def;
 
-WISP_API wisp_contact_def wisp_default_contact_def( void );
+WISP_DEFINITION( contact_def );
 
 /// Add a surface or strands to contact, or replace their definition. Pinned vertices push and are not pushed.
 /// @return WISP_BAD_INPUT a value is out of range (the message names it); WISP_CONFLICT the module is not registered,

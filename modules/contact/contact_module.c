@@ -5,8 +5,6 @@
 
 #include <string.h>
 
-static const uint32_t CONTACT_SETTINGS_COOKIE = 0x434f4e53;
-
 static const wisp_column_def SETTINGS_COLUMNS[] = { { "settings", sizeof( contact_settings ) } };
 static const wisp_column_def PARTICLE_COLUMNS[] = {
     { "intersection_free", 4 * sizeof( float ) },
@@ -17,9 +15,13 @@ static const wisp_column_def MEMORY_COLUMNS[] = { { "memory", sizeof( contact_me
 static const wisp_column_def MARK_COLUMNS[] = { { "mark", sizeof( int32_t ) } };
 static const wisp_column_def STATS_COLUMNS[] = { { "figures", sizeof( wisp_contact_stats ) } };
 
-wisp_contact_settings wisp_default_contact_settings( void )
+void wisp_init_contact_settings( wisp_contact_settings* def, size_t size )
 {
-    return ( wisp_contact_settings ){ .margin = 1.0f, .displacement_limit = true, .cookie = CONTACT_SETTINGS_COOKIE };
+    const wisp_contact_settings values = {
+        .margin = 1.0f,
+        .displacement_limit = true,
+    };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // ---- declaration ----
@@ -221,9 +223,11 @@ const wisp_module wisp_contact_module = { .name = "contact", .declare = declare 
 
 // ---- settings of the world ----
 
-wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_settings* settings )
+wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_settings* given )
 {
-    WISP_ASSERT( settings->cookie == CONTACT_SETTINGS_COOKIE );
+    wisp_contact_settings values = wisp_default_contact_settings();
+    const wisp_contact_settings* settings = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_contact_settings", &values, given ) );
     contact_state* state;
     wisp_status status = contact_find_state( world, &state );
     const wisp_number_range ranges[] = {
@@ -249,12 +253,13 @@ wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_set
 
 wisp_status wisp_request_contact_stats( wisp_world* world, bool requested, bool count_intersections )
 {
+    WISP_TRY( wisp_world_begin( world ) );
     contact_state* state;
     wisp_status status = contact_find_state( world, &state );
     if ( status == WISP_OK && state->participant_count > 0 )
     {
-        status = requested ? wisp_request( world, state->mesh_entity, state->stats )
-                           : wisp_cancel_request( world, state->mesh_entity, state->stats );
+        status = requested ? wisp_world_request( world, state->mesh_entity, state->stats )
+                           : wisp_world_cancel_request( world, state->mesh_entity, state->stats );
     }
     if ( status == WISP_OK )
     {
@@ -283,6 +288,8 @@ static wisp_status find_stats( wisp_world* world, contact_state** state, const w
 
 wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     contact_state* state;
     const wisp_contact_stats* stats;
     const wisp_status status = find_stats( world, &state, &stats );
@@ -298,6 +305,9 @@ wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out 
 
 wisp_status wisp_read_contact_impulse( wisp_world* world, wisp_entity participant, double out[3] )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, participant ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     contact_state* state;
     const wisp_contact_stats* stats;
     const wisp_status status = find_stats( world, &state, &stats );

@@ -5,18 +5,16 @@
 
 #include <string.h>
 
-static const uint32_t CONTACT_DEF_COOKIE = 0x434f4e54;
-
-wisp_contact_def wisp_default_contact_def( void )
+void wisp_init_contact_def( wisp_contact_def* def, size_t size )
 {
-    return ( wisp_contact_def ){
+    const wisp_contact_def values = {
         .friction = 0.3f,
         .self = true,
         .layers = 1,
         .mask = UINT32_MAX,
         .enabled = true,
-        .cookie = CONTACT_DEF_COOKIE,
     };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 int contact_find_participant( const contact_state* state, wisp_entity entity )
@@ -55,8 +53,8 @@ void contact_forget_participant( wisp_world* world, contact_state* state, int nu
     }
     if ( state->participant_count == 0 )
     {
-        wisp_cancel_request( world, state->mesh_entity, state->result );
-        wisp_cancel_request( world, state->mesh_entity, state->stats );
+        wisp_world_cancel_request( world, state->mesh_entity, state->result );
+        wisp_world_cancel_request( world, state->mesh_entity, state->stats );
         wisp_world_detach( world, state->mesh_entity, state->active );
     }
 }
@@ -151,8 +149,8 @@ static wisp_status add_mesh_entity( wisp_world* world, contact_state* state, boo
     }
     status = status == WISP_OK ? wisp_world_attach( world, state->mesh_entity, state->active ) : status;
     status = status == WISP_OK && strands ? wisp_world_attach( world, state->mesh_entity, state->touches ) : status;
-    status = status == WISP_OK ? wisp_request( world, state->mesh_entity, state->result ) : status;
-    return status == WISP_OK && state->requests_stats ? wisp_request( world, state->mesh_entity, state->stats )
+    status = status == WISP_OK ? wisp_world_request( world, state->mesh_entity, state->result ) : status;
+    return status == WISP_OK && state->requests_stats ? wisp_world_request( world, state->mesh_entity, state->stats )
                                                       : status;
 }
 
@@ -165,7 +163,7 @@ static void remove_mesh_entity( wisp_world* world, contact_state* state )
     }
     if ( state->participant_count == 0 && wisp_is_alive( world, state->mesh_entity ) )
     {
-        wisp_remove( world, state->mesh_entity );
+        wisp_world_remove( world, state->mesh_entity );
     }
 }
 
@@ -174,7 +172,7 @@ static wisp_status attach_components( wisp_world* world, contact_state* state, w
 {
     wisp_status status = wisp_world_attach( world, participant, positions );
     status = status == WISP_OK ? wisp_world_attach( world, participant, state->components.settings ) : status;
-    return status == WISP_OK ? wisp_request( world, participant, positions ) : status;
+    return status == WISP_OK ? wisp_world_request( world, participant, positions ) : status;
 }
 
 static wisp_status add_participant( wisp_world* world, contact_state* state, wisp_entity participant )
@@ -191,7 +189,7 @@ static wisp_status add_participant( wisp_world* world, contact_state* state, wis
     status = status == WISP_OK ? add_mesh_entity( world, state, strands ) : status;
     if ( status != WISP_OK )
     {
-        wisp_cancel_request( world, participant, positions );
+        wisp_world_cancel_request( world, participant, positions );
         wisp_world_detach( world, participant, positions );
         wisp_world_detach( world, participant, state->components.settings );
         remove_mesh_entity( world, state );
@@ -208,14 +206,17 @@ static void remove_participant( wisp_world* world, contact_state* state, int num
     const wisp_component positions =
         participant.is_strands ? state->components.strand_free : state->components.particle_free;
     contact_forget_participant( world, state, number );
-    wisp_cancel_request( world, participant.entity, positions );
+    wisp_world_cancel_request( world, participant.entity, positions );
     wisp_world_detach( world, participant.entity, state->components.settings );
     wisp_world_detach( world, participant.entity, positions );
 }
 
-wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const wisp_contact_def* def )
+wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const wisp_contact_def* given )
 {
-    WISP_ASSERT( def->cookie == CONTACT_DEF_COOKIE );
+    wisp_contact_def values = wisp_default_contact_def();
+    const wisp_contact_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_contact_def", &values, given ) );
+    WISP_TRY( wisp_world_check_entity( world, participant ) );
     contact_state* state;
     wisp_status status = contact_find_state( world, &state );
     status = status == WISP_OK ? check_participant( world, participant, def ) : status;
@@ -240,6 +241,8 @@ wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const 
 
 wisp_status wisp_unset_contact( wisp_world* world, wisp_entity participant )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, participant ) );
     contact_state* state;
     const wisp_status status = contact_find_state( world, &state );
     const int number = status == WISP_OK ? contact_find_participant( state, participant ) : -1;

@@ -20,6 +20,7 @@ WISP_BEGIN_C
 /// Temperature, wetness and stiffness curve. Fill from wisp_default_environment_def(). Copied.
 typedef struct wisp_environment_def
 {
+    uint32_t size;                          ///< bytes; set by wisp_default_environment_def()
     float temperature_celsius;              ///< degrees Celsius, default -10
     float wetness;                          ///< in [0, 1], default 1
     float freezing_celsius;                 ///< degrees Celsius where ice begins, default 0
@@ -28,10 +29,9 @@ typedef struct wisp_environment_def
     float ice[WISP_ENVIRONMENT_MAX_POINTS]; ///< strictly ascending from 0 to 1
     float stiffness
         [WISP_ENVIRONMENT_MAX_POINTS]; ///< ascending or descending throughout, in [1e-3, 1e12]; default 1 to 20
-    uint32_t cookie;
 } wisp_environment_def;
 
-WISP_API wisp_environment_def wisp_default_environment_def( void );
+WISP_DEFINITION( environment_def );
 
 /// @return the stiffness at a temperature and a wetness, which the pass writes for every strand. Pure
 WISP_API float wisp_environment_stiffness( const wisp_environment_def* def, float temperature, float wetness );

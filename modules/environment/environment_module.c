@@ -5,8 +5,6 @@
 
 #include <math.h>
 
-static const uint32_t CLIMATE_DEF_COOKIE = 0x434c494d;
-
 #define ENVIRONMENT_SETTINGS_COLUMNS( X ) X( wisp_environment_def, settings, 1 )
 
 static const wisp_column_def SETTINGS_COLUMNS[] = { ENVIRONMENT_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
@@ -16,9 +14,9 @@ typedef struct environment_state
     wisp_component settings;
 } environment_state;
 
-wisp_environment_def wisp_default_environment_def( void )
+void wisp_init_environment_def( wisp_environment_def* def, size_t size )
 {
-    return ( wisp_environment_def ){
+    const wisp_environment_def values = {
         .temperature_celsius = -10.0f,
         .wetness = 1.0f,
         .freezing_celsius = 0.0f,
@@ -26,8 +24,8 @@ wisp_environment_def wisp_default_environment_def( void )
         .point_count = 2,
         .ice = { 0.0f, 1.0f },
         .stiffness = { 1.0f, 20.0f },
-        .cookie = CLIMATE_DEF_COOKIE,
     };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // ---- the curve ----
@@ -169,9 +167,12 @@ static wisp_status check_def( wisp_world* world, const wisp_environment_def* d )
     return check_curve( world, d );
 }
 
-wisp_status wisp_set_environment( wisp_world* world, wisp_entity strands, const wisp_environment_def* def )
+wisp_status wisp_set_environment( wisp_world* world, wisp_entity strands, const wisp_environment_def* given )
 {
-    WISP_ASSERT( def->cookie == CLIMATE_DEF_COOKIE );
+    wisp_environment_def values = wisp_default_environment_def();
+    const wisp_environment_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_environment_def", &values, given ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
     const environment_state* state = wisp_world_module_state( world, "environment" );
     if ( state == NULL )
     {

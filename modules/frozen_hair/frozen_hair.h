@@ -18,23 +18,24 @@ WISP_BEGIN_C
 
 typedef enum wisp_frozen_base
 {
-    WISP_FROZEN_BASE_REST,     ///< every update starts from the rest shape
-    WISP_FROZEN_BASE_PREVIOUS, ///< directions start from the last output, lengths from the original
+    WISP_FROZEN_BASE_REST = 0,     ///< every update starts from the rest shape
+    WISP_FROZEN_BASE_PREVIOUS = 1, ///< directions start from the last output, lengths from the original
 
     /// Every update starts from the rest shape, random numbers are drawn once for a stroke of any number of commands, and each
     /// strand keeps the direction and intensity of the last command that reached it. Clumping is not fed back.
-    WISP_FROZEN_BASE_STROKE,
+    WISP_FROZEN_BASE_STROKE = 2,
 } wisp_frozen_base;
 
 typedef enum wisp_frozen_update
 {
-    WISP_FROZEN_UPDATE_HAIR_EVENT, ///< update with each command: the strands are still between commands
-    WISP_FROZEN_UPDATE_FRAME,      ///< update in every step: reproduces the flicker of new random numbers per frame
+    WISP_FROZEN_UPDATE_HAIR_EVENT = 0, ///< update with each command: the strands are still between commands
+    WISP_FROZEN_UPDATE_FRAME = 1, ///< update in every step: reproduces the flicker of new random numbers per frame
 } wisp_frozen_update;
 
 /// Parameters. Fill from wisp_default_frozen_hair_def(). Copied; need not outlive the call.
 typedef struct wisp_frozen_hair_def
 {
+    uint32_t size;             ///< bytes; set by wisp_default_frozen_hair_def()
     bool freeze, align, clump; ///< stages to run; default all
 
     uint64_t seed;                ///< default 1
@@ -69,10 +70,9 @@ typedef struct wisp_frozen_hair_def
     float min_lambda;        ///< in [0, 1], default 0
     int max_neighbours;      ///< in [1, 4096], default 256: further ones are ignored and counted
 
-    uint32_t cookie;
 } wisp_frozen_hair_def;
 
-WISP_API wisp_frozen_hair_def wisp_default_frozen_hair_def( void );
+WISP_DEFINITION( frozen_hair_def );
 
 /// Give strands frozen hair, or replace its parameters. The next step makes the first update. A stroke goes on: strands keep
 /// their alignment, and only commands change it. A swept strand keeps its intensity, all other parameters act on every strand;

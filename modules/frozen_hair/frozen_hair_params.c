@@ -3,13 +3,11 @@
 
 #include <math.h>
 #include <string.h>
-
-static const uint32_t FROZEN_DEF_COOKIE = 0x46525a48;
 static const char* const NOT_REGISTERED = "module frozen_hair: not registered in this world";
 
-wisp_frozen_hair_def wisp_default_frozen_hair_def( void )
+void wisp_init_frozen_hair_def( wisp_frozen_hair_def* def, size_t size )
 {
-    return ( wisp_frozen_hair_def ){
+    const wisp_frozen_hair_def values = {
         .freeze = true,
         .align = true,
         .clump = true,
@@ -26,8 +24,8 @@ wisp_frozen_hair_def wisp_default_frozen_hair_def( void )
         .min_distance_clamp = true,
         .min_distance = -1.0f,
         .max_neighbours = 256,
-        .cookie = FROZEN_DEF_COOKIE,
     };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // ---- ranges ----
@@ -213,9 +211,12 @@ static void begin_stroke( wisp_world* world, wisp_entity entity, const frozen_st
     }
 }
 
-wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const wisp_frozen_hair_def* def )
+wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const wisp_frozen_hair_def* given )
 {
-    WISP_ASSERT( def->cookie == FROZEN_DEF_COOKIE );
+    wisp_frozen_hair_def values = wisp_default_frozen_hair_def();
+    const wisp_frozen_hair_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_frozen_hair_def", &values, given ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
     const frozen_state* s = wisp_world_module_state( world, "frozen_hair" );
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     if ( s == NULL )
@@ -224,8 +225,7 @@ wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const 
     }
     if ( t == NULL )
     {
-        return wisp_world_fail( world, WISP_STALE_ID, "frozen hair: entity %u does not exist or was removed",
-                                strands.index );
+        return wisp_world_fail( world, WISP_CONFLICT, "frozen hair: entity %u: has no strands", strands.index );
     }
     wisp_status status = check_def( world, def, t->strand_count );
     const bool goes_on = wisp_world_has( world, strands, s->stroke );
@@ -260,11 +260,6 @@ static wisp_status find_settings( wisp_world* world, wisp_entity strands, frozen
     if ( s == NULL )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "%s", NOT_REGISTERED );
-    }
-    if ( wisp_is_alive( world, strands ) == false )
-    {
-        return wisp_world_fail( world, WISP_STALE_ID, "frozen hair: entity %u does not exist or was removed",
-                                strands.index );
     }
     *out = wisp_world_column( world, strands, s->settings, 0 );
     return *out != NULL ? WISP_OK
@@ -301,11 +296,15 @@ static wisp_status point_at( wisp_world* world, wisp_entity strands, wisp_vec3 c
 
 wisp_status wisp_command_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
     return point_at( world, strands, cursor, NULL );
 }
 
 wisp_status wisp_begin_frozen_hair_stroke( wisp_world* world, wisp_entity strands )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
     frozen_settings* settings;
     wisp_status status = find_settings( world, strands, &settings );
     if ( status == WISP_OK && settings->base != WISP_FROZEN_BASE_STROKE )
@@ -323,11 +322,16 @@ wisp_status wisp_begin_frozen_hair_stroke( wisp_world* world, wisp_entity strand
 
 wisp_status wisp_replay_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor, uint64_t event )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
     return point_at( world, strands, cursor, &event );
 }
 
 wisp_status wisp_read_frozen_hair_stats( wisp_world* world, wisp_entity strands, wisp_frozen_hair_stats* out )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     frozen_settings* settings;
     wisp_status status = find_settings( world, strands, &settings );
     const frozen_state* s = wisp_world_module_state( world, "frozen_hair" );

@@ -1,8 +1,6 @@
 // Curves through the vertices of strands: how many samples, which lanes they follow, and when they are drawn.
 #include "guide_internal.h"
 
-static const uint32_t CURVES_DEF_COOKIE = 0x43555256;
-
 enum
 {
     CURVE_GRAIN = 4, // groups a block
@@ -10,13 +8,13 @@ enum
     MAX_VERTICES = 1 << 28,
 };
 
-wisp_curves_def wisp_default_curves_def( void )
+void wisp_init_curves_def( wisp_curves_def* def, size_t size )
 {
-    return ( wisp_curves_def ){
+    const wisp_curves_def values = {
         .kind = WISP_CURVE_CATMULL_ROM,
         .samples = 8,
-        .cookie = CURVES_DEF_COOKIE,
     };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // ---- passes ----
@@ -331,7 +329,7 @@ static wisp_status watch_source( wisp_world* world, const guide_state* s, wisp_e
 {
     const bool had = wisp_world_has( world, source, s->drawn );
     wisp_status status = wisp_world_attach( world, source, s->drawn );
-    status = status == WISP_OK ? wisp_request( world, source, s->drawn ) : status;
+    status = status == WISP_OK ? wisp_world_request( world, source, s->drawn ) : status;
     if ( status == WISP_OK && had == false )
     {
         uint64_t* changes = wisp_world_column( world, source, s->drawn, 0 );
@@ -340,9 +338,12 @@ static wisp_status watch_source( wisp_world* world, const guide_state* s, wisp_e
     return status;
 }
 
-wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* def, wisp_entity* out )
+wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* given, wisp_entity* out )
 {
-    WISP_ASSERT( def->cookie == CURVES_DEF_COOKIE );
+    wisp_curves_def values = wisp_default_curves_def();
+    const wisp_curves_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_curves_def", &values, given ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
     *out = ( wisp_entity ){ 0, 0 };
     wisp_status status = check( world, s, def );
@@ -371,7 +372,7 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* def, wisp
     if ( status != WISP_OK )
     {
         guide_drawing_release( drawing );
-        wisp_remove( world, curves );
+        wisp_world_remove( world, curves );
         return status;
     }
     s->drawings[s->drawing_count++] = drawing;

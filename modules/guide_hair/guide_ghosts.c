@@ -1,11 +1,9 @@
 // Definition of ghosts: defaults, ranges, which strands may follow which.
 #include "guide_internal.h"
 
-static const uint32_t GHOSTS_DEF_COOKIE = 0x47484f53;
-
-wisp_ghosts_def wisp_default_ghosts_def( void )
+void wisp_init_ghosts_def( wisp_ghosts_def* def, size_t size )
 {
-    return ( wisp_ghosts_def ){
+    const wisp_ghosts_def values = {
         .target_count = 1,
         .elastic = WISP_GHOST_ELASTIC_CHANGE,
         .tip_gain = 0.5f,
@@ -14,8 +12,8 @@ wisp_ghosts_def wisp_default_ghosts_def( void )
         .keep_offset = true,
         .spread = 1.0f,
         .frame = WISP_GHOST_FRAME_PARALLEL,
-        .cookie = GHOSTS_DEF_COOKIE,
     };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // ---- checks ----
@@ -109,16 +107,16 @@ static wisp_status keep_running( wisp_world* world, const guide_state* s, wisp_e
         wisp_component component;
         bool on;
     } parts[] = { { s->feedback, def->feedback }, { s->between, def->between }, { s->interval, def->between } };
-    wisp_status status = wisp_request( world, def->targets, s->table );
+    wisp_status status = wisp_world_request( world, def->targets, s->table );
     for ( int i = 0; i < WISP_COUNT( parts ) && status == WISP_OK; ++i )
     {
         if ( parts[i].on )
         {
-            status = wisp_request( world, ghosts, parts[i].component );
+            status = wisp_world_request( world, ghosts, parts[i].component );
         }
         else if ( wisp_world_has( world, ghosts, parts[i].component ) )
         {
-            wisp_cancel_request( world, ghosts, parts[i].component );
+            wisp_world_cancel_request( world, ghosts, parts[i].component );
             wisp_world_detach( world, ghosts, parts[i].component );
         }
     }
@@ -200,9 +198,12 @@ static void install( wisp_world* world, guide_state* s, guide_follower* follower
     s->followers[s->follower_count++] = follower;
 }
 
-wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* def )
+wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* given )
 {
-    WISP_ASSERT( def->cookie == GHOSTS_DEF_COOKIE );
+    wisp_ghosts_def values = wisp_default_ghosts_def();
+    const wisp_ghosts_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_ghosts_def", &values, given ) );
+    WISP_TRY( wisp_world_check_entity( world, ghosts ) );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
     wisp_status status = check( world, s, ghosts, def );
     if ( status != WISP_OK )
@@ -246,6 +247,9 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
 
 wisp_status wisp_read_ghosts_stats( wisp_world* world, wisp_entity ghosts, wisp_ghosts_stats* out )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, ghosts ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     const guide_follower* follower;
     const wisp_status status = guide_find_ghosts( world, ghosts, &follower );
     *out = status == WISP_OK ? follower->report : ( wisp_ghosts_stats ){ 0 };
@@ -254,6 +258,9 @@ wisp_status wisp_read_ghosts_stats( wisp_world* world, wisp_entity ghosts, wisp_
 
 wisp_status wisp_read_ghost_targets( wisp_world* world, wisp_entity ghosts, int32_t* targets )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, ghosts ) );
+    WISP_TRY( wisp_world_check_pointer( world, "targets", targets ) );
     const guide_follower* follower;
     const wisp_status status = guide_find_ghosts( world, ghosts, &follower );
     for ( int g = 0; status == WISP_OK && g < follower->report.ghost_count; ++g )

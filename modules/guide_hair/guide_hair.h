@@ -16,25 +16,26 @@ WISP_API extern const wisp_module wisp_guide_hair_module;
 /// Elastic weight W (eq. 4), from the directions of the velocity of the target in this and the previous step.
 typedef enum wisp_ghost_elastic
 {
-    WISP_GHOST_ELASTIC_CHANGE, ///< 0.5 - 0.5 cos: 0 for steady motion, 1 for a reversal
-    WISP_GHOST_ELASTIC_COSINE, ///< 0.5 + 0.5 cos
-    WISP_GHOST_ELASTIC_DOT,    ///< 0.5 v . v0 + 0.5, m^2/s^2 as printed and not bounded: for comparison only
-    WISP_GHOST_ELASTIC_OFF,    ///< 0
-    WISP_GHOST_ELASTIC_COUNT,
+    WISP_GHOST_ELASTIC_CHANGE = 0, ///< 0.5 - 0.5 cos: 0 for steady motion, 1 for a reversal
+    WISP_GHOST_ELASTIC_COSINE = 1, ///< 0.5 + 0.5 cos
+    WISP_GHOST_ELASTIC_DOT = 2,    ///< 0.5 v . v0 + 0.5, m^2/s^2 as printed and not bounded: for comparison only
+    WISP_GHOST_ELASTIC_OFF = 3,    ///< 0
+    WISP_GHOST_ELASTIC_COUNT = 4,
 } wisp_ghost_elastic;
 
 /// Rotation of the offset of a ghost.
 typedef enum wisp_ghost_frame
 {
-    WISP_GHOST_FRAME_OFF,      ///< none: offsets keep their direction in the world (printed)
-    WISP_GHOST_FRAME_ROOT,     ///< that of the target's root
-    WISP_GHOST_FRAME_PARALLEL, ///< that of the root, transported along the target without twist
-    WISP_GHOST_FRAME_COUNT,
+    WISP_GHOST_FRAME_OFF = 0,      ///< none: offsets keep their direction in the world (printed)
+    WISP_GHOST_FRAME_ROOT = 1,     ///< that of the target's root
+    WISP_GHOST_FRAME_PARALLEL = 2, ///< that of the root, transported along the target without twist
+    WISP_GHOST_FRAME_COUNT = 3,
 } wisp_ghost_frame;
 
 /// How ghosts follow. Fill from wisp_default_ghosts_def(). Copied.
 typedef struct wisp_ghosts_def
 {
+    uint32_t size;       ///< bytes; set by wisp_default_ghosts_def()
     wisp_entity targets; ///< the guides: strands with dynamics
     int target_count;    ///< targets per ghost, 1 .. 4, weighted by the inverse square of their distance; default 1.
                          ///< If there are fewer targets, all of them
@@ -53,10 +54,9 @@ typedef struct wisp_ghosts_def
     /// up. Default false. Requires frame off and one target. A spread other than 1 then includes the sway.
     bool feedback;
     bool between; ///< keep the data of wisp_ghosts_between(), default false
-    uint32_t cookie;
 } wisp_ghosts_def;
 
-WISP_API wisp_ghosts_def wisp_default_ghosts_def( void );
+WISP_DEFINITION( ghosts_def );
 
 /// Make strands follow others as ghosts, or replace their definition. Ghosts are assigned to targets by eq. 1 in the shapes
 /// that both were added with, and keep their offsets. Request WISP_STRAND_POSED of ghosts that also get frozen hair.
@@ -92,21 +92,21 @@ WISP_API wisp_status wisp_read_ghost_targets( wisp_world* world, wisp_entity gho
 /// Kind of curve through the vertices of strands.
 typedef enum wisp_curve_kind
 {
-    WISP_CURVE_BEZIER,      ///< eq. 6 on groups of four vertices that share their ends, coefficient 3
-    WISP_CURVE_CATMULL_ROM, ///< once continuously differentiable
-    WISP_CURVE_KIND_COUNT,
+    WISP_CURVE_BEZIER = 0,      ///< eq. 6 on groups of four vertices that share their ends, coefficient 3
+    WISP_CURVE_CATMULL_ROM = 1, ///< once continuously differentiable
+    WISP_CURVE_KIND_COUNT = 2,
 } wisp_curve_kind;
 
 /// Smooth curves. Fill from wisp_default_curves_def(). Copied.
 typedef struct wisp_curves_def
 {
+    uint32_t size;        ///< bytes; set by wisp_default_curves_def()
     wisp_entity source;   ///< strands of any kind
     wisp_curve_kind kind; ///< default Catmull-Rom
     int samples;          ///< M, per segment of the curve, 1 .. 64, default 8
-    uint32_t cookie;
 } wisp_curves_def;
 
-WISP_API wisp_curves_def wisp_default_curves_def( void );
+WISP_DEFINITION( curves_def );
 
 /// Add smooth curves through the vertices of other strands: an entity with strands of its own, whose points are the samples.
 /// Strands of one vertex have no curve. A Bezier segment spans three segments of the strand, a Catmull-Rom segment one.

@@ -16,39 +16,41 @@ WISP_API extern const wisp_module wisp_implicit_cloth_module;
 /// Weight of the force of a neighbour (Noh and Jung, eq. 1-3).
 typedef enum wisp_implicit_weights
 {
-    WISP_IMPLICIT_WEIGHTS_EFFECTIVE, ///< eq. 3 exactly, with symmetric forces and masses m |N| / max |N|
-    WISP_IMPLICIT_WEIGHTS_NONE,      ///< 1
-    WISP_IMPLICIT_WEIGHTS_PAIR,      ///< a link's force times the mean weight of its two ends, true masses
-    WISP_IMPLICIT_WEIGHTS_COUNT,
+    WISP_IMPLICIT_WEIGHTS_EFFECTIVE = 0, ///< eq. 3 exactly, with symmetric forces and masses m |N| / max |N|
+    WISP_IMPLICIT_WEIGHTS_NONE = 1,      ///< 1
+    WISP_IMPLICIT_WEIGHTS_PAIR = 2,      ///< a link's force times the mean weight of its two ends, true masses
+    WISP_IMPLICIT_WEIGHTS_COUNT = 3,
 } wisp_implicit_weights;
 
 /// What a stiffness describes.
 typedef enum wisp_implicit_stiffness
 {
-    WISP_IMPLICIT_STIFFNESS_LINK,     ///< each link, as printed: another mesh is another cloth
-    WISP_IMPLICIT_STIFFNESS_MATERIAL, ///< the material: a link has the part of its length and area, so that
-                                      ///< refinement does not change the cloth. Only with the mesh's own links
-    WISP_IMPLICIT_STIFFNESS_COUNT,
+    WISP_IMPLICIT_STIFFNESS_LINK = 0,     ///< each link, as printed: another mesh is another cloth
+    WISP_IMPLICIT_STIFFNESS_MATERIAL = 1, ///< the material: a link has the part of its length and area, so that
+                                          ///< refinement does not change the cloth. Only with the mesh's own links
+    WISP_IMPLICIT_STIFFNESS_COUNT = 2,
 } wisp_implicit_stiffness;
 
 typedef enum wisp_implicit_damping
 {
-    WISP_IMPLICIT_DAMPING_ISOTROPIC, ///< damps all relative velocity of the ends of a link (eq. 14)
-    WISP_IMPLICIT_DAMPING_AXIAL,     ///< damps only the velocity along the link, so that rigid rotation is kept
-    WISP_IMPLICIT_DAMPING_COUNT,
+    WISP_IMPLICIT_DAMPING_ISOTROPIC = 0, ///< damps all relative velocity of the ends of a link (eq. 14)
+    WISP_IMPLICIT_DAMPING_AXIAL = 1,     ///< damps only the velocity along the link, so that rigid rotation is kept
+    WISP_IMPLICIT_DAMPING_COUNT = 2,
 } wisp_implicit_damping;
 
 /// The derivative of bending forces (Noh and Jung, eq. 13).
 typedef enum wisp_implicit_jacobian
 {
-    WISP_IMPLICIT_JACOBIAN_DROPPED, ///< without its negative second term: the matrix stays positive definite
-    WISP_IMPLICIT_JACOBIAN_FULL, ///< complete: a solve that meets negative curvature is counted, and made again with it dropped
-    WISP_IMPLICIT_JACOBIAN_COUNT,
+    WISP_IMPLICIT_JACOBIAN_DROPPED = 0, ///< without its negative second term: the matrix stays positive definite
+    WISP_IMPLICIT_JACOBIAN_FULL =
+        1, ///< complete: a solve that meets negative curvature is counted, and made again with it dropped
+    WISP_IMPLICIT_JACOBIAN_COUNT = 2,
 } wisp_implicit_jacobian;
 
 /// Material and solver of a surface. Fill from wisp_default_implicit_cloth_def(). Copied; need not outlive the call.
 typedef struct wisp_implicit_cloth_def
 {
+    uint32_t size;                           ///< bytes; set by wisp_default_implicit_cloth_def()
     wisp_implicit_stiffness stiffness_model; ///< default link
     float
         stretch_stiffness; ///< k_s, N/m, >= 0, default 200: of a link, or of the material (force per width and strain)
@@ -83,10 +85,9 @@ typedef struct wisp_implicit_cloth_def
     const int32_t* stretch_pairs; ///< [stretch_pair_count][2] in the user's order; null: the edges of the mesh
     const int32_t* bend_pairs; ///< [bend_pair_count][2]; null: the diagonals of the mesh, or none with stretch pairs
     int stretch_pair_count, bend_pair_count;
-    uint32_t cookie;
 } wisp_implicit_cloth_def;
 
-WISP_API wisp_implicit_cloth_def wisp_default_implicit_cloth_def( void );
+WISP_DEFINITION( implicit_cloth_def );
 
 /// Make a surface an implicit cloth, or replace its definition. Gravity, pins, targets and damping of the surface apply.
 /// Colliders act through wisp_set_collision(): its thickness is the margin within which a vertex is held, its push-out

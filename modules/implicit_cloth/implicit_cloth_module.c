@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-static const uint32_t IMPLICIT_DEF_COOKIE = 0x494d5043;
-
 #define MATERIAL_COLUMNS_LIST( X ) X( implicit_material, material, 1 )
 #define TALLY_COLUMNS_LIST( X ) X( implicit_tally, tally, 1 )
 #define CONTACT_COLUMNS_LIST( X ) X( implicit_contact, contact, 1 )
@@ -20,9 +18,9 @@ static const wisp_column_def CHANGE_COLUMNS[] = { CHANGE_COLUMNS_LIST( WISP_COLU
 static const wisp_column_def HISTORY_COLUMNS[] = { HISTORY_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 static const wisp_column_def STATS_COLUMNS[] = { STATS_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 
-wisp_implicit_cloth_def wisp_default_implicit_cloth_def( void )
+void wisp_init_implicit_cloth_def( wisp_implicit_cloth_def* def, size_t size )
 {
-    return ( wisp_implicit_cloth_def ){
+    const wisp_implicit_cloth_def values = {
         .stretch_stiffness = 200.0f,
         .bend_stiffness = 1e-6f,
         .bend_rigidity = 5e-6f,
@@ -32,8 +30,8 @@ wisp_implicit_cloth_def wisp_default_implicit_cloth_def( void )
         .tolerance = 1e-4f,
         .warm_start = true,
         .speculative = true,
-        .cookie = IMPLICIT_DEF_COOKIE,
     };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // ---- state ----
@@ -287,9 +285,12 @@ static wisp_status find_state( wisp_world* world, wisp_entity surface, implicit_
     return status;
 }
 
-wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, const wisp_implicit_cloth_def* def )
+wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, const wisp_implicit_cloth_def* given )
 {
-    WISP_ASSERT( def->cookie == IMPLICIT_DEF_COOKIE );
+    wisp_implicit_cloth_def values = wisp_default_implicit_cloth_def();
+    const wisp_implicit_cloth_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_implicit_cloth_def", &values, given ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
     implicit_state* state;
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_ranges( world, def ) : status;
@@ -334,14 +335,16 @@ static wisp_status find_cloth( wisp_world* world, wisp_entity surface, implicit_
 
 wisp_status wisp_request_implicit_cloth_stats( wisp_world* world, wisp_entity surface, bool requested )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
     implicit_state* state;
     wisp_status status = find_cloth( world, surface, &state );
     if ( status != WISP_OK )
     {
         return status;
     }
-    status = requested ? wisp_request( world, surface, state->stats )
-                       : wisp_cancel_request( world, surface, state->stats );
+    status = requested ? wisp_world_request( world, surface, state->stats )
+                       : wisp_world_cancel_request( world, surface, state->stats );
     if ( status == WISP_OK )
     {
         implicit_material* m = wisp_world_column( world, surface, state->material, 0 );
@@ -352,6 +355,9 @@ wisp_status wisp_request_implicit_cloth_stats( wisp_world* world, wisp_entity su
 
 wisp_status wisp_read_implicit_cloth_stats( wisp_world* world, wisp_entity surface, wisp_implicit_cloth_stats* out )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     implicit_state* state;
     wisp_status status = find_cloth( world, surface, &state );
     const wisp_implicit_cloth_stats* stats =

@@ -3,8 +3,6 @@
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 
-static const uint32_t LOOK_DEF_COOKIE = 0x4c4f4f4b;
-
 #define LOOK_SETTINGS_COLUMNS( X ) X( wisp_strand_appearance_def, settings, 1 )
 
 static const wisp_column_def SETTINGS_COLUMNS[] = { LOOK_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
@@ -14,16 +12,16 @@ typedef struct look_state
     wisp_component settings;
 } look_state;
 
-wisp_strand_appearance_def wisp_default_strand_appearance_def( void )
+void wisp_init_strand_appearance_def( wisp_strand_appearance_def* def, size_t size )
 {
-    return ( wisp_strand_appearance_def ){
+    const wisp_strand_appearance_def values = {
         .root_width = 80e-6f,
         .tip_width = 20e-6f,
         .root_colour = { 0.12f, 0.07f, 0.04f },
         .tip_colour = { 0.85f, 0.92f, 1.0f },
         .colour_bias = 0.5f,
-        .cookie = LOOK_DEF_COOKIE,
     };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // t from root 0 to tip 1; a strand of one vertex is all root.
@@ -127,9 +125,12 @@ static wisp_status check_def( wisp_world* world, const wisp_strand_appearance_de
 }
 
 wisp_status wisp_set_strand_appearance( wisp_world* world, wisp_entity strands,
-                                        const wisp_strand_appearance_def* def )
+                                        const wisp_strand_appearance_def* given )
 {
-    WISP_ASSERT( def->cookie == LOOK_DEF_COOKIE );
+    wisp_strand_appearance_def values = wisp_default_strand_appearance_def();
+    const wisp_strand_appearance_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_strand_appearance_def", &values, given ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
     const look_state* state = wisp_world_module_state( world, "strand_appearance" );
     if ( state == NULL )
     {

@@ -239,6 +239,8 @@ static wisp_status check_pose( wisp_world* world, wisp_transform pose )
 
 wisp_status wisp_move_strand_head( wisp_world* world, wisp_entity strands, wisp_transform pose )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* state;
     wisp_status status = strands_find( world, strands, &state );
     status = status == WISP_OK ? check_pose( world, pose ) : status;

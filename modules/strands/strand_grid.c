@@ -11,8 +11,6 @@
 
 #include <string.h>
 
-static const uint32_t GRID_DEF_COOKIE = 0x53544744;
-
 enum
 {
     GRAIN = 256, // cells or corners per block
@@ -366,9 +364,13 @@ void strands_mix( wisp_frame* frame, const wisp_span* span, void* user )
 
 // ---- definition ----
 
-wisp_strand_grid_def wisp_default_strand_grid_def( void )
+void wisp_init_strand_grid_def( wisp_strand_grid_def* def, size_t size )
 {
-    return ( wisp_strand_grid_def ){ .enabled = true, .friction = 0.1f, .cookie = GRID_DEF_COOKIE };
+    const wisp_strand_grid_def values = {
+        .enabled = true,
+        .friction = 0.1f,
+    };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 static wisp_status check_def( wisp_world* world, const wisp_strand_grid_def* d )
@@ -395,9 +397,12 @@ static float cell_for( const strands_rows* rows )
     return count > 0 ? (float)( 2.0 * sum / count ) : 1e-3f;
 }
 
-wisp_status wisp_set_strand_grid( wisp_world* world, wisp_entity strands, const wisp_strand_grid_def* def )
+wisp_status wisp_set_strand_grid( wisp_world* world, wisp_entity strands, const wisp_strand_grid_def* given )
 {
-    WISP_ASSERT( def->cookie == GRID_DEF_COOKIE );
+    wisp_strand_grid_def values = wisp_default_strand_grid_def();
+    const wisp_strand_grid_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_strand_grid_def", &values, given ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* state;
     wisp_status status = strands_find( world, strands, &state );
     status = status == WISP_OK ? check_def( world, def ) : status;

@@ -18,35 +18,39 @@ WISP_API extern const wisp_module wisp_strands_module;
 /// How segments keep their length.
 typedef enum wisp_strand_stretch
 {
-    WISP_STRAND_STRETCH_DIRECT, ///< the whole strand at once: one tridiagonal system per Newton pass, exact
-    WISP_STRAND_STRETCH_LINKS,  ///< one sweep of distance constraints per iteration, pbd or xpbd: cheap and common
-    WISP_STRAND_STRETCH_FOLLOW, ///< follow the leader, from the root: exact lengths, wrong momentum (Mueller et al. 2012)
-    WISP_STRAND_STRETCH_COUNT,
+    WISP_STRAND_STRETCH_DIRECT = 0, ///< the whole strand at once: one tridiagonal system per Newton pass, exact
+    WISP_STRAND_STRETCH_LINKS = 1, ///< one sweep of distance constraints per iteration, pbd or xpbd: cheap and common
+    WISP_STRAND_STRETCH_FOLLOW =
+        2, ///< follow the leader, from the root: exact lengths, wrong momentum (Mueller et al. 2012)
+    WISP_STRAND_STRETCH_COUNT = 3,
 } wisp_strand_stretch;
 
 /// How strands resist bending.
 typedef enum wisp_strand_bend
 {
-    WISP_STRAND_BEND_ROD,   ///< an elastic rod in SI units, implicit and direct: EI, GJ, rest curvature
-    WISP_STRAND_BEND_LINKS, ///< distances between vertices two apart, pbd or xpbd: cheap, straight or as the rest shape
-    WISP_STRAND_BEND_NONE, ///< a chain
-    WISP_STRAND_BEND_COUNT,
+    WISP_STRAND_BEND_ROD = 0, ///< an elastic rod in SI units, implicit and direct: EI, GJ, rest curvature
+    WISP_STRAND_BEND_LINKS =
+        1, ///< distances between vertices two apart, pbd or xpbd: cheap, straight or as the rest shape
+    WISP_STRAND_BEND_NONE = 2, ///< a chain
+    WISP_STRAND_BEND_COUNT = 3,
 } wisp_strand_bend;
 
 /// Shape of a rod without load.
 typedef enum wisp_strand_rest
 {
-    WISP_STRAND_REST_SAG_FREE, ///< computed so that the given shape is in equilibrium under gravity and does not sag at the
-                               ///< start. If substeps are too long for that, gravity is scaled down
-                               ///< (WISP_COUNT_GRAVITY_SCALED)
-    WISP_STRAND_REST_SHAPE,    ///< the given shape itself
-    WISP_STRAND_REST_STRAIGHT, ///< straight, without twist
-    WISP_STRAND_REST_COUNT,
+    WISP_STRAND_REST_SAG_FREE =
+        0, ///< computed so that the given shape is in equilibrium under gravity and does not sag at the
+           ///< start. If substeps are too long for that, gravity is scaled down
+           ///< (WISP_COUNT_GRAVITY_SCALED)
+    WISP_STRAND_REST_SHAPE = 1,    ///< the given shape itself
+    WISP_STRAND_REST_STRAIGHT = 2, ///< straight, without twist
+    WISP_STRAND_REST_COUNT = 3,
 } wisp_strand_rest;
 
 /// How strands move. Fill from wisp_default_strand_dynamics_def(). Copied; need not outlive the call.
 typedef struct wisp_strand_dynamics_def
 {
+    uint32_t size;               ///< bytes; set by wisp_default_strand_dynamics_def()
     wisp_strand_stretch stretch; ///< default direct
     int stretch_passes;          ///< direct: most Newton passes per iteration, 1 .. 16, default 8; they end early
     float
@@ -87,10 +91,9 @@ typedef struct wisp_strand_dynamics_def
     float diameter;         ///< m, > 0, of a strand in the air, default 8e-5
     float teleport;         ///< times the longest strand, > 0: a head that moves farther in a step moves its strands
                             ///< without giving them velocity; default 5
-    uint32_t cookie;
 } wisp_strand_dynamics_def;
 
-WISP_API wisp_strand_dynamics_def wisp_default_strand_dynamics_def( void );
+WISP_DEFINITION( strand_dynamics_def );
 
 /// Make strands move, or replace their definition. They start at rest in the shape they were added with; roots (the first vertex of
 /// each strand) are pinned. Strands of one vertex only follow the head.
@@ -125,6 +128,7 @@ WISP_API wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, 
 /// wisp_default_strand_grid_def(). Copied.
 typedef struct wisp_strand_grid_def
 {
+    uint32_t size;   ///< bytes; set by wisp_default_strand_grid_def()
     bool enabled;    ///< default true
     float cell_size; ///< m, > 0: edge of a cell; default 0: twice the mean segment
     float
@@ -133,10 +137,9 @@ typedef struct wisp_strand_grid_def
     float
         repulsion; ///< m/s^2, >= 0: acceleration down the gradient of density where it is twice the density at rest,
                    ///< default 0
-    uint32_t cookie;
 } wisp_strand_grid_def;
 
-WISP_API wisp_strand_grid_def wisp_default_strand_grid_def( void );
+WISP_DEFINITION( strand_grid_def );
 /// @return WISP_BAD_INPUT a value is out of range; WISP_CONFLICT the strands have no dynamics; WISP_NO_MEMORY
 WISP_API wisp_status wisp_set_strand_grid( wisp_world* world, wisp_entity strands, const wisp_strand_grid_def* def );
 

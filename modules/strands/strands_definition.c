@@ -9,11 +9,9 @@
 
 #include <string.h>
 
-static const uint32_t DYNAMICS_DEF_COOKIE = 0x5354444e;
-
-wisp_strand_dynamics_def wisp_default_strand_dynamics_def( void )
+void wisp_init_strand_dynamics_def( wisp_strand_dynamics_def* def, size_t size )
 {
-    return ( wisp_strand_dynamics_def ){
+    const wisp_strand_dynamics_def values = {
         .stretch = WISP_STRAND_STRETCH_DIRECT,
         .stretch_passes = 8,
         .stretch_tolerance = 1e-2f,
@@ -31,8 +29,8 @@ wisp_strand_dynamics_def wisp_default_strand_dynamics_def( void )
         .air_density = 1.204f,
         .diameter = 8e-5f,
         .teleport = 5.0f,
-        .cookie = DYNAMICS_DEF_COOKIE,
     };
+    wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
 // ---- checks ----
@@ -125,11 +123,6 @@ static wisp_status find_strands( wisp_world* world, wisp_entity strands, strands
     if ( *state == NULL )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "the module strands is not registered in this world" );
-    }
-    if ( wisp_is_alive( world, strands ) == false )
-    {
-        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
-                                strands.index, strands.generation );
     }
     if ( wisp_world_strands( world, strands ) == NULL )
     {
@@ -373,9 +366,12 @@ static void cook( wisp_world* world, wisp_entity strands, const strands_state* s
 
 // ---- calls ----
 
-wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, const wisp_strand_dynamics_def* def )
+wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, const wisp_strand_dynamics_def* given )
 {
-    WISP_ASSERT( def->cookie == DYNAMICS_DEF_COOKIE );
+    wisp_strand_dynamics_def values = wisp_default_strand_dynamics_def();
+    const wisp_strand_dynamics_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_strand_dynamics_def", &values, given ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
     wisp_status status = find_strands( world, strands, &s );
     status = status == WISP_OK ? check_ranges( world, def ) : status;
@@ -416,6 +412,8 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
 
 wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_vec3 wind )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
     wisp_status status = strands_find( world, strands, &s );
     status = status == WISP_OK ? check_vector( world, "wind", wind, 1e5f ) : status;
@@ -435,6 +433,8 @@ wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_v
 
 wisp_status wisp_set_strand_gravity( wisp_world* world, wisp_entity strands, wisp_vec3 gravity )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
     wisp_status status = strands_find( world, strands, &s );
     status = status == WISP_OK ? check_vector( world, "gravity", gravity, 1e5f ) : status;
@@ -448,6 +448,9 @@ wisp_status wisp_set_strand_gravity( wisp_world* world, wisp_entity strands, wis
 
 wisp_status wisp_read_strand_tension( wisp_world* world, wisp_entity strands, float* tensions )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
+    WISP_TRY( wisp_world_check_pointer( world, "tensions", tensions ) );
     strands_state* s;
     wisp_status status = strands_find( world, strands, &s );
     if ( status == WISP_OK && wisp_world_has( world, strands, s->direct ) == false )
@@ -484,6 +487,9 @@ static double length_of( const wisp_strand_topology* t, const float* length, int
 
 wisp_status wisp_read_strand_hold( wisp_world* world, wisp_entity strands, wisp_strand_hold* out )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     strands_state* s;
     wisp_status status = strands_find( world, strands, &s );
     if ( status == WISP_OK && wisp_world_has( world, strands, s->rod ) == false )

@@ -191,6 +191,8 @@ static wisp_status attach_anchor( wisp_world* world, wisp_entity strands, const 
 
 wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_entity surface )
 {
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* state;
     wisp_status status = strands_find( world, strands, &state );
     if ( status != WISP_OK )
@@ -215,7 +217,7 @@ wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_enti
     }
     const bool is_new = wisp_world_has( world, strands, state->anchor ) == false;
     // roots read positions of the surface, so those must be requested
-    status = wisp_request( world, surface, WISP_PARTICLE_POSITION );
+    status = wisp_world_request( world, surface, WISP_PARTICLE_POSITION );
     status = status == WISP_OK ? attach_anchor( world, strands, state ) : status;
     if ( status == WISP_OK )
     {

@@ -66,7 +66,7 @@ static void strands_without_blocks_have_the_defaults_and_compute_points( void** 
     assert_true( s->request_points );
     assert_false( s->request_width || s->request_colour );
     assert_true( s->frozen_hair.clump_radius == wisp_default_frozen_hair_def().clump_radius );
-    assert_int_equal( s->frozen_hair.cookie, wisp_default_frozen_hair_def().cookie );
+    assert_int_equal( s->frozen_hair.size, wisp_default_frozen_hair_def().size );
     assert_true( s->environment.stiffness[1] == wisp_default_environment_def().stiffness[1] );
     assert_true( s->appearance.root_width == wisp_default_strand_appearance_def().root_width );
     wisp_scene_release( &scene );

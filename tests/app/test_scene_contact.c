@@ -27,7 +27,7 @@ static void a_layer_without_keys_has_the_defaults_of_its_module( void** state )
     assert_true( b->max_spacing == def.max_spacing && b->curvature_gain == def.curvature_gain );
     assert_true( b->strain_gain == def.strain_gain && b->by_screen == def.by_screen );
     assert_true( b->pixel_angle == def.pixel_angle && b->pixels == def.pixels );
-    assert_int_equal( b->cookie, def.cookie );
+    assert_int_equal( b->size, def.size );
     wisp_scene_release( &scene );
 }
 
@@ -41,7 +41,7 @@ static void a_participant_without_keys_has_the_defaults_of_its_module( void** st
     assert_true( c->thickness == def.thickness && c->friction == def.friction && c->self == def.self );
     assert_true( c->max_push_out_speed == def.max_push_out_speed && c->enabled == def.enabled );
     assert_true( c->layers == def.layers && c->mask == def.mask );
-    assert_int_equal( c->cookie, def.cookie );
+    assert_int_equal( c->size, def.size );
     wisp_scene_release( &scene );
 }
 
@@ -57,7 +57,7 @@ static void contact_of_a_scene_has_the_defaults_of_its_module( void** state )
         assert_true( scene.contact.primitives == def.primitives && scene.contact.search == def.search );
         assert_true( scene.contact.particle_spacing == def.particle_spacing && scene.contact.margin == def.margin );
         assert_true( scene.contact.displacement_limit == def.displacement_limit );
-        assert_int_equal( scene.contact.cookie, def.cookie );
+        assert_int_equal( scene.contact.size, def.size );
         assert_false( scene.request_contact_stats || scene.request_intersections );
         wisp_scene_release( &scene );
     }

@@ -22,7 +22,7 @@ static void an_implicit_cloth_without_keys_has_the_defaults_of_its_module( void*
     assert_int_equal( d->max_newton_iterations, def.max_newton_iterations );
     assert_int_equal( d->max_iterations, def.max_iterations );
     assert_true( d->warm_start == def.warm_start && d->speculative == def.speculative );
-    assert_int_equal( d->cookie, def.cookie );
+    assert_int_equal( d->size, def.size );
     wisp_scene_release( &scene );
 }
 

@@ -34,7 +34,7 @@ static void dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_
     assert_true( def->bend_rigidity == expected.bend_rigidity && def->line_density == expected.line_density );
     assert_true( def->clamped == expected.clamped && def->diameter == expected.diameter );
     assert_int_equal( def->stretch_passes, expected.stretch_passes );
-    assert_int_equal( def->cookie, expected.cookie );
+    assert_int_equal( def->size, expected.size );
     assert_null( def->pins );
     assert_null( def->vertex_masses );
     wisp_scene_release( &scene );
@@ -51,14 +51,14 @@ static void ghosts_and_curves_without_keys_are_the_modules_defaults( void** stat
     wisp_strand_grid_def grid = wisp_default_strand_grid_def();
     assert_true( scene.strands[0].grid.enabled && scene.strands[0].grid.cell_size == grid.cell_size );
     assert_true( scene.strands[0].grid.friction == grid.friction );
-    assert_int_equal( scene.strands[0].grid.cookie, grid.cookie );
+    assert_int_equal( scene.strands[0].grid.size, grid.size );
     assert_int_equal( scene.strands[1].ghosts.target_count, ghosts.target_count );
     assert_int_equal( scene.strands[1].ghosts.frame, ghosts.frame );
     assert_true( scene.strands[1].ghosts.tip_gain == ghosts.tip_gain && scene.strands[1].ghosts.capped );
-    assert_int_equal( scene.strands[1].ghosts.cookie, ghosts.cookie );
+    assert_int_equal( scene.strands[1].ghosts.size, ghosts.size );
     assert_int_equal( scene.strands[2].curves.kind, curves.kind );
     assert_int_equal( scene.strands[2].curves.samples, curves.samples );
-    assert_int_equal( scene.strands[2].curves.cookie, curves.cookie );
+    assert_int_equal( scene.strands[2].curves.size, curves.size );
     wisp_scene_release( &scene );
 }
 

@@ -2,8 +2,9 @@
 #include "wisp/base.h"
 #include "wisp/explain.h"
 #include "wisp/fabric.h"
-#include "wisp/jobs.h"
-#include "wisp/collision_mesh.h"
+#include "wisp/generate.h"
+#include "wisp/module/jobs.h"
+#include "wisp/module/collision_mesh.h"
 #include "wisp/samples.h"
 #include "wisp/shapes.h"
 #include "wisp/tune.h"
@@ -12,6 +13,7 @@
 
 #include "wisp/module/aabb_pairs.h"
 #include "wisp/module/components.h"
+#include "wisp/module/definition.h"
 #include "wisp/module/instances.h"
 #include "wisp/module/intersections.h"
 #include "wisp/module/kernels.h"
@@ -28,6 +30,7 @@
 
 #include "balloon.h"
 #include "boundary.h"
+#include "create.h"
 #include "environment.h"
 #include "cloth.h"
 #include "collision.h"
@@ -37,6 +40,7 @@
 #include "implicit_cloth.h"
 #include "strand_appearance.h"
 #include "strands.h"
+#include "wisp.hpp"
 
 #include <cstdio>
 

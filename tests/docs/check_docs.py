@@ -17,8 +17,9 @@ import tempfile
 
 source, build = (os.path.abspath(path) for path in sys.argv[1:3])
 compiler = " ".join(sys.argv[3:])
+sanitizer = " ".join(word for word in sys.argv[3:] if word.startswith("-fsanitize"))
 PAGES = ["README.md", "examples/README.md", "data/README.md"] + ["docs/" + name for name in sorted(os.listdir(f"{source}/docs")) if name.endswith(".md")]
-PROGRAMS = r"(\./dev|wisp|meson|cc)\b"
+PROGRAMS = r"(\./dev|wisp|meson|cc|c\+\+)(?= )"
 STRICT = "-std=c17 -Wall -Wextra -Wpedantic -Werror"
 
 PAGE = '<script type="application/json" id="wisp-data">null</script>'
@@ -30,6 +31,7 @@ REWRITTEN = [
     (r"^\./dev (setup|test)$", rf"{source}/dev \1"),    # the script of the tree
     (r"/dev test$", "/dev test --list"),                # a test cannot run all tests
     (r"^meson setup build && meson install -C build$", "meson install --no-rebuild --quiet -C {build} --destdir $PWD/installed"),
+    (r"^c\+\+ ", "g++ {sanitizer} "),
     (r"^cc ", "{compiler} "),                           # a sanitizer of the build is in its libraries
     (r"^wisp view ", f"mkdir -p page && printf '%s' '{PAGE}' >page/viewer.html && WISP_DATA=page wisp view "), # the page needs a compiler of its own
     (r" \| dot .*$", ""),                               # draws a graph; not a package of Wisp's
@@ -72,7 +74,7 @@ def shell(command, folder):
 def run(page, number, command, folder):
     line = command
     for pattern, replacement in REWRITTEN:
-        line = re.sub(pattern, replacement.replace("{build}", build).replace("{compiler}", compiler), line)
+        line = re.sub(pattern, replacement.replace("{build}", build).replace("{compiler}", compiler).replace("{sanitizer}", sanitizer), line)
     status, said = shell(line, folder)
     if status != 0:
         fail(page, number, f"'{command}' ends with {status}: {said[-600:]}")
@@ -88,7 +90,7 @@ def clean(command):
 
 def write_files(page, text, commands, folder):
     """Write the files that the commands of a page name."""
-    for file in set(re.findall(r"\b\w+\.c\b", "\n".join(commands))):
+    for file in set(re.findall(r"\b\w+\.c(?:pp)?\b", "\n".join(commands))):
         programs = fenced(text, "c")
         if os.path.exists(f"{source}/examples/{file}"):
             shutil.copy(f"{source}/examples/{file}", folder)
@@ -128,9 +130,20 @@ def check_programs(folder):
         if not os.path.exists(f"{folder}/{file}"):
             fail("README.md" if file == "hang.c" else "docs/embedding.md", 1, f"no command names {file}")
             continue
-        status, said = shell(f"{compiler} {STRICT} {file} $(pkg-config --cflags --libs wisp) -o program && ./program", folder)
+        status, said = shell(f"{compiler} {STRICT} {file} $(pkg-config --cflags --libs wisp) -lm -o program && ./program", folder)
         if status != 0:
             fail(file, 1, said[-2000:])
+
+
+def check_cpp(page, text, folder):
+    """Programs in C++ compile without a warning, and run, if there is a compiler for them."""
+    for number, program in enumerate(fenced(text, "cpp"), 1):
+        if shutil.which("g++"):
+            open(f"{folder}/program.cpp", "w", encoding="utf-8").write(program)
+            flags = STRICT.replace("-std=c17", "-std=c++17")
+            status, said = shell(f"g++ {flags} {sanitizer} program.cpp $(pkg-config --cflags --libs wisp) -o program && ./program", folder)
+            if status != 0:
+                fail(page, 1, f"program {number} in C++: {said[-2000:]}")
 
 
 def check_scenes(page, text, folder):
@@ -200,6 +213,7 @@ def main():
                 run(page, number, command, folder)
                 count += 1
             check_scenes(page, text, folder)
+            check_cpp(page, text, folder)
         check_programs(folder)
     print("\n".join(failures))
     print(f"{count} commands of {len(PAGES)} pages ran")

@@ -5,7 +5,7 @@
 
 #include "mesh_triangle.h"
 
-#include "wisp/collision_mesh.h"
+#include "wisp/module/collision_mesh.h"
 
 typedef struct test_mesh
 {

@@ -35,7 +35,7 @@ static wisp_entity add_link( hosted* h, float length, wisp_component component, 
     fabric.triangles = triangle;
     fabric.vertex_count = 3;
     fabric.triangle_count = 1;
-    wisp_surface_def def = wisp_default_surface_def();
+    wisp_surface_def def = support_weightless_surface_def();
     def.vertex_mass = 0.5f;
     def.points = start;
     def.pins = pins;
@@ -152,7 +152,7 @@ static wisp_entity add_far( hosted* h, int n, float scale )
     fabric.attachments = &pin;
     fabric.attachment_count = 1;
     fabric.tethers = true;
-    wisp_surface_def def = wisp_default_surface_def();
+    wisp_surface_def def = support_weightless_surface_def();
     wisp_vec3* start = checked_calloc( (size_t)mesh.vertex_count, sizeof( wisp_vec3 ) );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
@@ -311,7 +311,7 @@ static void stats_of_a_turning_ball_are_those_of_the_mesh( void** state )
     hosted* h = *state;
     test_mesh ball = test_ball( 3 );
     wisp_fabric_def fabric = test_fabric_def( &ball );
-    wisp_surface_def def = wisp_default_surface_def();
+    wisp_surface_def def = support_weightless_surface_def();
     def.vertex_mass = 0.01f;
     wisp_entity e = test_surface_of( h->world, &fabric, def );
     assert_int_equal( wisp_request( h->world, e, WISP_MOTION_STATS ), WISP_OK );

@@ -153,7 +153,7 @@ static wisp_entity add_surface( wisp_world* world )
     fabric.triangles = CORNERS;
     fabric.vertex_count = 3;
     fabric.triangle_count = 1;
-    wisp_surface_def def = wisp_default_surface_def();
+    wisp_surface_def def = support_weightless_surface_def();
     def.pins = &PIN;
     def.pin_count = 1;
     wisp_error error = { WISP_OK, "" };

@@ -13,7 +13,7 @@ static wisp_entity add_plane( hosted* h, int n, const int32_t* pins, int pin_cou
 {
     test_mesh mesh = test_plane( n, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def def = wisp_default_surface_def();
+    wisp_surface_def def = support_weightless_surface_def();
     def.pins = pins;
     def.pin_count = pin_count;
     wisp_entity e = test_surface_of( h->world, &fabric, def );
@@ -261,7 +261,7 @@ static void impossible_surfaces_are_refused( void** state )
     hosted* h = *state;
     test_mesh mesh = test_plane( 3, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def def = wisp_default_surface_def();
+    wisp_surface_def def = support_weightless_surface_def();
     wisp_entity e;
     assert_int_equal( wisp_add_surface( h->world, &def, &e ), WISP_BAD_INPUT );
     assert_int_equal( wisp_fabric_cook( &fabric, NULL, &def.fabric, NULL ), WISP_OK );

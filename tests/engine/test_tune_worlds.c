@@ -47,7 +47,7 @@ static wisp_world* make_world( int substeps, int iterations, int side, float gra
     test_mesh mesh = test_plane( side, 0.05f );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     const int32_t corners[2] = { 0, side - 1 };
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = corners;
     surface.pin_count = gravity < TOO_MUCH ? WISP_COUNT( corners ) : 0;
     *out = test_surface_of( world, &fabric, surface );

@@ -13,7 +13,7 @@ static wisp_entity add_flying( wisp_world* world )
 {
     test_mesh mesh = test_plane( SIDE, 0.1f );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
-    const wisp_entity e = test_surface_of( world, &fabric, wisp_default_surface_def() );
+    const wisp_entity e = test_surface_of( world, &fabric, support_weightless_surface_def() );
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
     assert_status( world, wisp_set_velocity( world, e, ( wisp_vec3 ){ 1, 0, 0 }, ( wisp_vec3 ){ 0 } ), WISP_OK );

@@ -79,6 +79,7 @@ layer_info layer_of( const char* path )
         { "app/world/", LAYER_IO },
         { "app/", LAYER_APP },
         { "bench/", LAYER_BENCH },
+        { "create/", LAYER_CREATE },
         { "tests/", LAYER_TESTS },
         { "examples/", LAYER_EXAMPLES },
     };
@@ -203,6 +204,10 @@ static const char* upper_fault( const layer_info* from, const layer_info* to, co
         bool is_below = to->kind == LAYER_IO || to->kind == LAYER_ORACLE;
         return is_below ? NULL : "the benchmark stands on app/io, app/world, app/suite and the oracle, not on this";
     }
+    if ( from->kind == LAYER_CREATE )
+    {
+        return "covers stand on the engine and the modules";
+    }
     return from->kind == LAYER_IO ? "that is above app/io, app/render, app/results, app/world and app/suite"
                                   : "an example sees what an installed library shows";
 }
@@ -222,6 +227,7 @@ const char* layer_fault( const char* from_path, const char* to_path )
         case LAYER_IO:
         case LAYER_BENCH:
         case LAYER_APP:
+        case LAYER_CREATE:
         case LAYER_EXAMPLES:
             return upper_fault( &from, &to, to_path );
         case LAYER_ORACLE:

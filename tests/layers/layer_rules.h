@@ -9,6 +9,7 @@ typedef enum layer_kind
     LAYER_IO,       ///< app/io, app/render, app/results
     LAYER_BENCH,    ///< bench
     LAYER_APP,      ///< app
+    LAYER_CREATE,   ///< create
     LAYER_EXAMPLES, ///< examples
     LAYER_ORACLE,   ///< tests/oracle
     LAYER_TESTS,    ///< tests: may include everything

@@ -52,7 +52,7 @@ static const planted clean_tree[] = {
     { "app/io/scene.h", "#include \"frozen_hair/frozen_hair.h\"\n#include <yaml.h>\n", NULL, NULL },
     { "app/io/groom.c", "#include \"vec.h\"\n#include \"scene.h\"\n", NULL, NULL },
     { "app/results/rows.h", "#include <jansson.h>\n", NULL, NULL },
-    { "app/world/modules.inc", "WISP_MODULE( frozen_hair )\n", NULL, NULL },
+    { "modules/modules.inc", "WISP_MODULE( frozen_hair )\n", NULL, NULL },
     { "app/main.c", "#include \"bench.h\"\n#include \"scene.h\"\n#include \"modules.inc\"\n", NULL, NULL },
     { "bench/bench.h",
       "#include \"oracle/reference.h\"\n#include \"rows.h\"\n#include \"scene.h\"\n#include \"facts.h\"\n", NULL,

@@ -129,7 +129,7 @@ static wisp_fabric* cook( const balloon_scene* scene )
 
 wisp_entity balloon_surface_add( wisp_world* world, const balloon_scene* scene )
 {
-    wisp_surface_def def = wisp_default_surface_def();
+    wisp_surface_def def = support_weightless_surface_def();
     wisp_vec3* points = rounded_points( scene, scene->scale, scene->place );
     def.fabric = cook( scene );
     def.points = points;

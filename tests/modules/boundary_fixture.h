@@ -18,7 +18,7 @@ static inline wisp_entity add_ball( ball_world* b, const test_mesh* mesh )
 {
     static const int32_t PINS[] = { 0, 2 };
     const wisp_fabric_def fabric = test_fabric_def( mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = PINS;
     surface.pin_count = WISP_COUNT( PINS );
     const wisp_entity e = test_surface_of( b->world, &fabric, surface );

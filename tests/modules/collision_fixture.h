@@ -48,7 +48,7 @@ static inline void run_for( wisp_world* world, float dt, int steps )
 static inline wisp_entity add_colliding( wisp_world* world, const test_mesh* mesh, const wisp_collision_def* def )
 {
     wisp_fabric_def fabric = test_fabric_def( mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     wisp_entity e = test_surface_of( world, &fabric, surface );
     assert_int_equal( wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
     assert_int_equal( wisp_request( world, e, WISP_MOTION_STATS ), WISP_OK );

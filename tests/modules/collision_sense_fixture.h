@@ -62,7 +62,7 @@ static inline int open_sense( void** state )
 static inline wisp_entity add_surface( wisp_world* world, const test_mesh* mesh )
 {
     wisp_fabric_def fabric = test_fabric_def( mesh );
-    wisp_entity e = test_surface_of( world, &fabric, wisp_default_surface_def() );
+    wisp_entity e = test_surface_of( world, &fabric, support_weightless_surface_def() );
     assert_int_equal( wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
     return e;
 }

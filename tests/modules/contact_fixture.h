@@ -92,7 +92,7 @@ static inline wisp_entity add_mesh( wisp_world* world, test_mesh* mesh, const in
                                     float area_density )
 {
     const wisp_fabric_def fabric = test_fabric_def( mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = pins;
     surface.pin_count = pin_count;
     surface.area_density = area_density;

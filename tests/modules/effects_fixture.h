@@ -23,7 +23,7 @@ static inline wisp_entity hang( wisp_world* world, wisp_cloth_bending bending, b
     test_mesh mesh = test_plane( 21, 0.05f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = bending != WISP_CLOTH_BENDING_LINKS;
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     const int32_t pins[2] = { 0, 20 };
     surface.pins = pins;
     surface.pin_count = 2;
@@ -69,7 +69,7 @@ static inline wisp_entity balloon( wisp_world* world )
         mesh.points[v] = ( wisp_vec3 ){ 0.2f * mesh.points[v].x, 0.2f * mesh.points[v].y, 0.2f * mesh.points[v].z };
     }
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
-    const wisp_entity e = test_surface_of( world, &fabric, wisp_default_surface_def() );
+    const wisp_entity e = test_surface_of( world, &fabric, support_weightless_surface_def() );
     wisp_balloon_def def = wisp_default_balloon_def();
     def.gas_ratio = 1.5f;
     assert_status( world, wisp_set_balloon( world, e, &def ), WISP_OK );

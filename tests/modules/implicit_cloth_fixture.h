@@ -101,7 +101,7 @@ static inline wisp_entity add_chain( wisp_world* world, wisp_implicit_cloth_def*
     static const int32_t PAIRS[6] = { 0, 1, 1, 2, 2, 3 }, PINS[2] = { 0, 4 };
     test_mesh mesh = chain_mesh();
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.points = points;
     surface.vertex_mass = mass;
     surface.pins = PINS;
@@ -123,7 +123,7 @@ static inline wisp_entity add_sheet( wisp_world* world, const wisp_implicit_clot
     test_mesh mesh = test_plane( n, 0.03125f );
     const int32_t pins[2] = { 0, n - 1 };
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = pins;
     surface.pin_count = pinned ? 2 : 0;
     wisp_entity e = test_surface_of( world, &fabric, surface );

@@ -171,7 +171,7 @@ static inline match* open_match( const duel* rules )
     }
     const int32_t pins[2] = { 0, DUEL_SIDE - 1 };
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = pins;
     surface.pin_count = rules->loose ? 0 : 2;
     m->cloth = test_surface_of( m->h.world, &fabric, surface );

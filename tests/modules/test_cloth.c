@@ -74,7 +74,7 @@ static double hung_extension( const test_mesh* mesh, const wisp_cloth_def* cloth
     const int32_t pins[2] = { 0, 1 };
     wisp_fabric_def fabric = test_fabric_def( mesh );
     fabric.bend_links = false;
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.vertex_mass = (float)( weight / 9.81 );
     surface.pins = pins;
     surface.pin_count = 2;
@@ -152,7 +152,7 @@ static stretch hang( const hanging* c, double time )
     fabric.coarse_sheets = c->coarse;
     fabric.attachments = pins;
     fabric.attachment_count = pin_count;
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.vertex_mass = c->vertex_mass;
     surface.pins = pins;
     surface.pin_count = pin_count;
@@ -318,7 +318,7 @@ static void assert_survives( float scale, start how, float heavy, float seconds,
     const int32_t pins[2] = { 0, 8 };
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = true;
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.points = points;
     surface.pins = pins;
     surface.pin_count = 2;
@@ -366,7 +366,7 @@ static void a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along( void** stat
     test_mesh mesh = test_plane( 9, 0.1f );
     const int32_t pin = 0;
     wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = &pin;
     surface.pin_count = 1;
     wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -403,7 +403,7 @@ static void bad_meshes_are_cloth_all_the_same( void** state )
         cloth.bending = (wisp_cloth_bending)b;
         cloth.drag_coefficient = cloth.lift_coefficient = cloth.internal_damping = 1.0f;
         int before = h->log.count;
-        wisp_entity e = add_cloth( h->world, &fabric, wisp_default_surface_def(), &cloth, EARTH );
+        wisp_entity e = add_cloth( h->world, &fabric, support_weightless_surface_def(), &cloth, EARTH );
         assert_int_equal( h->log.count, before + 1 );
         assert_one_message( h->log.last );
         run_steps( h->world, 100, 0.01f );
@@ -424,7 +424,7 @@ static void a_mesh_too_small_for_coarse_sheets_has_none( void** state )
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.coarse_substeps = 3;
     cloth.bending = WISP_CLOTH_BENDING_DIHEDRAL;
-    add_cloth( h->world, &fabric, wisp_default_surface_def(), &cloth, EARTH );
+    add_cloth( h->world, &fabric, support_weightless_surface_def(), &cloth, EARTH );
     assert_contains( h->log.last, "the fabric has no coarse sheets" );
     step( h->world );
     assert_int_equal( count_passes_named( h->world, "surface.levels" ), 0 );
@@ -438,7 +438,7 @@ static void who_asks_for_coarse_sheets_in_vain_is_told_once( void** state )
     test_mesh mesh = test_plane( 30, 0.1f );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_cloth_def cloth = wisp_default_cloth_def();
-    wisp_entity e = add_cloth( h->world, &fabric, wisp_default_surface_def(), &cloth, EARTH );
+    wisp_entity e = add_cloth( h->world, &fabric, support_weightless_surface_def(), &cloth, EARTH );
     const int before = h->log.count;
     cloth.coarse_substeps = 1;
     for ( int i = 0; i < 2; ++i )

@@ -9,7 +9,7 @@ static wisp_entity add_triangle( wisp_world* world, wisp_vec3 wind, float drag, 
     test_mesh mesh = triangle_mesh( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, ( wisp_vec3 ){ 0.0f, 0.0f, 0.4f },
                                     ( wisp_vec3 ){ 0.4f, 0.0f, 0.0f } );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.vertex_mass = 0.01f;
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.air_density = DENSITY;
@@ -74,7 +74,7 @@ static void a_plate_falls_broadside_at_its_terminal_velocity( void** state )
         wisp_cloth_def cloth = wisp_default_cloth_def();
         cloth.drag_coefficient = 1.28f;
         cloth.air_density = DENSITY;
-        wisp_entity e = add_cloth( h.world, &fabric, wisp_default_surface_def(), &cloth, EARTH );
+        wisp_entity e = add_cloth( h.world, &fabric, support_weightless_surface_def(), &cloth, EARTH );
         run_steps( h.world, 6, 1.0f / 60.0f );
         // the symplectic step is up to g dt early
         assert_near( motion_stats_of( h.world, e ).speed_max, terminal * tanh( 9.81 * 0.1 / terminal ),
@@ -112,7 +112,7 @@ static void lift_adds_no_energy_to_what_is_light( void** state )
     hosted* h = *state;
     test_mesh mesh = test_plane( 9, 0.05f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.area_density = 1e-4f;
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.lift_coefficient = 0.5f;
@@ -179,7 +179,7 @@ static void drag_knows_no_axis( void** state )
         cloth.drag_coefficient = 1.0f;
         cloth.lift_coefficient = 0.5f;
         cloth.wind = i == 0 ? ( wisp_vec3 ){ 0.0f, 4.0f, 0.0f } : ( wisp_vec3 ){ 0.0f, 0.0f, 4.0f };
-        wisp_entity e = add_cloth( h->world, &fabric, wisp_default_surface_def(), &cloth, ( wisp_vec3 ){ 0 } );
+        wisp_entity e = add_cloth( h->world, &fabric, support_weightless_surface_def(), &cloth, ( wisp_vec3 ){ 0 } );
         run_steps( h->world, 10, 0.01f );
         wisp_motion_stats q = motion_stats_of( h->world, e );
         speed[i] = ( i == 0 ? q.momentum[1] : q.momentum[2] ) / q.mass;

@@ -65,7 +65,7 @@ static shape hang_out( const beam* b )
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = true;
     fabric.bend_links = false;
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = pins;
     surface.pin_count = b->mesh == EQUILATERAL ? 3 : 4;
     wisp_cloth_def cloth = cloth_of( b );
@@ -159,7 +159,7 @@ static double span_in_the_end( const wisp_cloth_def* cloth, bool born_creased )
     wisp_fabric_def fabric = test_fabric_def( born_creased ? &creased : &flat );
     fabric.hinges = true;
     fabric.bend_links = false;
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.points = creased.points;
     wisp_entity e = add_cloth( h.world, &fabric, surface, cloth, ( wisp_vec3 ){ 0 } );
     assert_status( h.world, wisp_set_damping( h.world, e, 20.0f ), WISP_OK );
@@ -200,7 +200,7 @@ static void bending_that_is_chosen_brings_its_pass_and_no_other( void** state )
     fabric.hinges = true;
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.bending = WISP_CLOTH_BENDING_NONE;
-    wisp_entity e = add_cloth( h->world, &fabric, wisp_default_surface_def(), &cloth, EARTH );
+    wisp_entity e = add_cloth( h->world, &fabric, support_weightless_surface_def(), &cloth, EARTH );
     const char* const names[2][2] = { { "cloth.bending", "hinges.dihedral_pbd" },
                                       { "cloth.bending", "hinges.isometric_pbd" } };
     int bare = wisp_world_plan_passes( h->world );
@@ -234,7 +234,7 @@ static double strain_of_solid( float size, float flatness, const wisp_cloth_def*
     }
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = true;
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     const int32_t pin = 0;
     surface.pins = &pin;
     surface.pin_count = 1;

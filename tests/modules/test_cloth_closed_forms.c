@@ -23,7 +23,7 @@ static double spring_extension( int substeps, int iterations, float seconds )
                                     ( wisp_vec3 ){ 0.0f, -0.1f, 0.0f } );
     const int32_t pins[2] = { 0, 1 };
     wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.vertex_mass = 0.1f;
     surface.pins = pins;
     surface.pin_count = 2;
@@ -68,7 +68,7 @@ static double chain_error( int substeps, int iterations )
     const int32_t pins[2] = { 0, 1 };
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.bend_links = false;
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.vertex_mass = mass;
     surface.pins = pins;
     surface.pin_count = 2;
@@ -120,7 +120,7 @@ static double sag_of_strip( int columns, int substeps )
     const int32_t pins[4] = { 0, columns - 1, columns, 2 * columns - 1 };
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.bend_links = false;
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.vertex_mass = 1e-3f;
     surface.points = start;
     surface.pins = pins;
@@ -169,7 +169,7 @@ static double pendulum_period( double degrees, int substeps )
                                  { (float)( length * sin( angle ) ), (float)( -length * cos( angle ) ), 0.0f } };
     const int32_t pins[2] = { 0, 1 };
     wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.points = start;
     surface.pins = pins;
     surface.pin_count = 2;
@@ -242,7 +242,7 @@ static drift drift_of( wisp_cloth_bending bending, int substeps )
     cloth.bending = bending;
     cloth.bend_rigidity = 1e-4f;
     cloth.warp_compliance = cloth.weft_compliance = 1e-3f;
-    wisp_entity e = add_cloth( h.world, &fabric, wisp_default_surface_def(), &cloth, ( wisp_vec3 ){ 0 } );
+    wisp_entity e = add_cloth( h.world, &fabric, support_weightless_surface_def(), &cloth, ( wisp_vec3 ){ 0 } );
     assert_status(
         h.world,
         wisp_set_velocity( h.world, e, ( wisp_vec3 ){ 0.1f, -0.2f, 0.3f }, ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } ),
@@ -299,7 +299,7 @@ static energy_stats energy_of_hanging( int substeps )
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.attachments = pins;
     fabric.attachment_count = 2;
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = pins;
     surface.pin_count = 2;
     wisp_cloth_def cloth = wisp_default_cloth_def();

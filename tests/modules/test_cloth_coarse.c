@@ -22,7 +22,7 @@ static wisp_entity add_sheet( hosted* h, const sheet_setting* s )
     fabric.coarse_sheets = true;
     fabric.attachments = pins;
     fabric.attachment_count = s->is_free ? 0 : 2;
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.area_density = 0.2f;
     surface.pins = pins;
     surface.pin_count = s->is_free ? 0 : 2;

@@ -7,7 +7,7 @@ static wisp_entity add_damped( wisp_world* world, const test_mesh* mesh, float r
                                int pin_count )
 {
     wisp_fabric_def fabric = test_fabric_def( mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = pins;
     surface.pin_count = pin_count;
     wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -169,7 +169,7 @@ static void check_line( hosted* h, wisp_vec3 along, wisp_vec3 foreign, float wid
         line[v] =
             ( wisp_vec3 ){ x * along.x + y * foreign.x, x * along.y + y * foreign.y, x * along.z + y * foreign.z };
     }
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.points = line;
     wisp_cloth_def cloth = wisp_default_cloth_def();
     wisp_entity e = add_cloth( h->world, &fabric, surface, &cloth, ( wisp_vec3 ){ 0 } );

@@ -52,7 +52,7 @@ static wisp_entity add_case( wisp_world* world, const golden_case* c, int n )
     fabric.solve_order = c->solve_order;
     fabric.attachments = pins;
     fabric.attachment_count = 2;
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = pins;
     surface.pin_count = 2;
     wisp_cloth_def cloth = wisp_default_cloth_def();

@@ -50,7 +50,7 @@ static wisp_entity add_instance( crowd* c, wisp_fabric* fabric, const test_mesh*
         points[v] = i == ROUNDED ? ( wisp_vec3 ){ -p.x, -p.y, -p.z } : points[v];
     }
     const int32_t pins[2] = { 0, i % 3 == 0 ? SIDE - 1 : SIDE * SIDE - 1 };
-    wisp_surface_def def = wisp_default_surface_def();
+    wisp_surface_def def = support_weightless_surface_def();
     def.fabric = fabric;
     def.points = points;
     def.pins = pins;

@@ -10,7 +10,7 @@ static wisp_entity add_plain( hosted* h, bool cross, bool hinges, bool attached 
     fabric.hinges = hinges;
     fabric.attachments = &pin;
     fabric.attachment_count = attached ? 1 : 0;
-    wisp_entity e = test_surface_of( h->world, &fabric, wisp_default_surface_def() );
+    wisp_entity e = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
     test_mesh_free( &mesh );
     return e;
 }

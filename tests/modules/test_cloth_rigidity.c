@@ -91,7 +91,7 @@ static wisp_entity clamped_strip( hosted* h, solver_kind kind, bool irregular, d
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = true;
     fabric.bend_links = false;
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = pins;
     surface.pin_count = 2 * ROWS;
     wisp_entity e = test_surface_of( h->world, &fabric, surface );
@@ -206,7 +206,7 @@ static void pins_that_come_later_clamp_too( void** state )
         wisp_fabric_def fabric = test_fabric_def( &mesh );
         fabric.hinges = true;
         fabric.bend_links = false;
-        wisp_surface_def surface = wisp_default_surface_def();
+        wisp_surface_def surface = support_weightless_surface_def();
         surface.pins = pins;
         surface.pin_count = later ? 0 : 2 * ROWS;
         fabric.attachments = pins;

@@ -283,7 +283,7 @@ static void nothing_to_collide_with_costs_no_pass( void** state )
     wisp_collision_def collision = wisp_default_collision_def();
     test_mesh mesh = test_plane( 3, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_entity e = test_surface_of( h->world, &fabric, wisp_default_surface_def() );
+    wisp_entity e = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
     test_mesh_free( &mesh );
     assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
     int bare = wisp_world_plan_passes( h->world );
@@ -399,7 +399,7 @@ static void without_memory_a_call_changes_nothing( void** state )
     hosted* h = *state;
     test_mesh mesh = test_plane( 3, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_entity e = test_surface_of( h->world, &fabric, wisp_default_surface_def() );
+    wisp_entity e = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
     test_mesh_free( &mesh );
     assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
     const int bare = wisp_world_plan_passes( h->world );

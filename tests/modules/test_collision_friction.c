@@ -262,7 +262,7 @@ static double tension_ratio( float mu, double ratio )
     collision.thickness = 0.005f;
     test_mesh mesh = cord_over_post( 0.2 + 0.005 );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.vertex_mass = CORD_MASS;
     wisp_entity e = test_surface_of( h->world, &fabric, surface );
     test_mesh_free( &mesh );

@@ -34,7 +34,7 @@ static void add_sheet( pile* p, float density, wisp_vec3 gravity, float friction
                                         x * sinf( angle ) + z * cosf( angle ) };
     }
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.area_density = density;
     const wisp_entity e = p->sheets[number] = test_surface_of( p->h.world, &fabric, surface );
     const wisp_cloth_def cloth = wisp_default_cloth_def();

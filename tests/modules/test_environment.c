@@ -274,7 +274,7 @@ static void an_environment_that_cannot_be_is_refused( void** state )
     for ( int n = 0; n < WISP_COUNT( bad ); ++n )
     {
         wisp_environment_def def = bad[n].def;
-        def.cookie = wisp_default_environment_def().cookie;
+        def.size = wisp_default_environment_def().size;
         def.point_count = def.point_count == 0 ? 3 : def.point_count;
         if ( def.ice[1] == 0.0f && def.ice[2] == 0.0f )
         {

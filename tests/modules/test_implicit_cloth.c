@@ -9,7 +9,7 @@ static const float DT = 1.0f / 64.0f; // s
 static wisp_implicit_cloth_stats links_of( wisp_world* world, const test_mesh* mesh, wisp_implicit_cloth_def* def )
 {
     const wisp_fabric_def fabric = test_fabric_def( mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     wisp_entity e = test_surface_of( world, &fabric, surface );
     set_implicit( world, e, def );
     run_steps( world, 1, DT );
@@ -232,7 +232,7 @@ static double spin_left( wisp_world* world, wisp_implicit_damping form )
     test_mesh mesh =
         triangle_mesh( ( wisp_vec3 ){ -0.5f, 0, 0 }, ( wisp_vec3 ){ 0.5f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 1 } );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.vertex_mass = 0.01f;
     wisp_entity e = test_surface_of( world, &fabric, surface );
     set_implicit( world, e, &def );
@@ -326,7 +326,7 @@ static void stats_hold_the_energy_of_bending( void** state )
     def.link_damping = 0.0f;
     test_mesh mesh = triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0.5f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 1 } );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.vertex_mass = 1e3f; // it does not move meanwhile
     // y = sin u / u at u = pi / 2
     const wisp_vec3 points[3] = { { 0, 0, 0 }, { 0.31830988f, 0, 0 }, { 0, 0, 1 } };
@@ -481,7 +481,7 @@ static void a_light_chain_of_stiff_links_keeps_its_length( void** state )
         mesh.points[i] = ( wisp_vec3 ){ 0.06f * (float)i, -0.07f * (float)i, 0.083f * (float)i };
     }
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.vertex_mass = 1e-4f;
     surface.pins = PINS;
     surface.pin_count = 2;

@@ -10,7 +10,7 @@ static wisp_entity add_plain( hosted* h )
     test_mesh mesh = test_plane( 4, 0.125f );
     const int32_t pin = 0;
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = &pin;
     surface.pin_count = 1;
     wisp_entity e = test_surface_of( h->world, &fabric, surface );
@@ -166,7 +166,7 @@ static void a_link_without_a_length_is_named( void** state )
     int32_t triangles[6] = { 0, 1, 2, 3, 4, 5 };
     const test_mesh mesh = { points, triangles, 6, 2 };
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_entity e = test_surface_of( h->world, &fabric, wisp_default_surface_def() );
+    wisp_entity e = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     def.stretch_pairs = PAIR;
     def.stretch_pair_count = 1;
@@ -202,8 +202,8 @@ static void an_implicit_cloth_becomes_no_other_cloth_and_no_balloon( void** stat
     test_mesh mesh = test_ball( 1 );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.bend_links = true;
-    wisp_entity e = test_surface_of( h->world, &fabric, wisp_default_surface_def() );
-    wisp_entity blown = test_surface_of( h->world, &fabric, wisp_default_surface_def() );
+    wisp_entity e = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
+    wisp_entity blown = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
     test_mesh_free( &mesh );
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     set_implicit( h->world, e, &def );

@@ -118,7 +118,7 @@ static void compare_with_oracle( float off, bool with_pins )
         pinned[n] = with_pins;
     }
     wisp_fabric_def fabric_def = test_fabric_def( &m );
-    wisp_surface_def surface = wisp_default_surface_def();
+    wisp_surface_def surface = support_weightless_surface_def();
     surface.pins = pins;
     surface.pin_count = with_pins ? 3 * SIDE : 0;
     const wisp_entity e = test_surface_of( h.world, &fabric_def, surface );

@@ -306,7 +306,7 @@ static void roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes( vo
     open_strands( &s, 2, 1, 1 );
     test_mesh mesh = test_plane( 5, 0.05f );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
-    wisp_surface_def surface_def = wisp_default_surface_def();
+    wisp_surface_def surface_def = support_weightless_surface_def();
     const wisp_entity surface = test_surface_of( s.world, &fabric, surface_def );
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 3, 10, straight_down, 0.1f, &def );

@@ -156,7 +156,7 @@ static void add_surfaces( running* r )
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     for ( int i = 0; i < 2; ++i )
     {
-        const wisp_entity e = test_surface_of( r->s.world, &fabric, wisp_default_surface_def() );
+        const wisp_entity e = test_surface_of( r->s.world, &fabric, support_weightless_surface_def() );
         const wisp_vec3 gravity = { 0.5f, -1.0f - (float)i, 0.0f };
         assert_status( r->s.world, wisp_set_gravity( r->s.world, e, gravity ), WISP_OK );
         assert_status( r->s.world, wisp_request( r->s.world, e, WISP_SURFACE_POINTS ), WISP_OK );

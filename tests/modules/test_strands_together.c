@@ -161,7 +161,7 @@ static void add_case( run* r, const shape_case* c, bool apart )
     {
         r->mesh = test_plane( 5, 0.05f );
         const wisp_fabric_def fabric = test_fabric_def( &r->mesh );
-        r->surface = test_surface_of( r->s.world, &fabric, wisp_default_surface_def() );
+        r->surface = test_surface_of( r->s.world, &fabric, support_weightless_surface_def() );
         assert_int_equal( wisp_root_strands( r->s.world, r->strands, r->surface ), WISP_OK );
         assert_int_equal( wisp_request( r->s.world, r->surface, WISP_SURFACE_POINTS ), WISP_OK );
         assert_int_equal( wisp_set_gravity( r->s.world, r->surface, ( wisp_vec3 ){ 0.0f, -1.0f, 0.0f } ), WISP_OK );

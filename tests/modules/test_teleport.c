@@ -164,7 +164,7 @@ static wisp_entity lay_on_ball( wisp_world* world, wisp_entity* ball, wisp_entit
             mesh.points[v].z -= i == 0 ? 0.3f : 0.0f;
             mesh.points[v].y = 0.02f + 0.02f * (float)i;
         }
-        sheets[i] = test_surface_of( world, &fabric, wisp_default_surface_def() );
+        sheets[i] = test_surface_of( world, &fabric, support_weightless_surface_def() );
         const wisp_cloth_def cloth = wisp_default_cloth_def();
         const wisp_collision_def collision = wisp_default_collision_def();
         const wisp_contact_def contact = wisp_default_contact_def();

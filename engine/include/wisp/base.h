@@ -1,4 +1,4 @@
-/// Status and errors, hooks for memory, log and asserts, vectors. C17, usable from C++.
+/// Version, status and errors, hooks for memory, threads, log and asserts, vectors. C17, usable from C++.
 ///
 ///     wisp_error error = { 0 };
 ///     if ( wisp_fabric_cook( &def, NULL, &fabric, &error ) != WISP_OK )
@@ -14,10 +14,13 @@
 #define WISP_VERSION_PATCH 0
 #define WISP_VERSION_STRING "0.15.0"
 
-#if defined( _WIN32 )
-#define WISP_API __declspec( dllexport )
-#else
+// Names that the shared library exports, and printf formats that the compiler checks: number of the format, of the first argument.
+#if defined( __GNUC__ ) && !defined( _WIN32 )
 #define WISP_API __attribute__( ( visibility( "default" ) ) )
+#define WISP_PRINTF( text, first ) __attribute__( ( format( printf, text, first ) ) )
+#else
+#define WISP_API
+#define WISP_PRINTF( text, first )
 #endif
 
 #ifdef __cplusplus
@@ -32,15 +35,31 @@
 
 WISP_BEGIN_C
 
+/// @return the version of the library that runs, such as "0.15.0". WISP_VERSION_STRING is that of the headers
+WISP_API const char* wisp_version( void );
+
+/// Declare wisp_default_NAME(), which returns the defaults of the definition wisp_NAME, and wisp_init_NAME( def, size ), which writes
+/// them, for languages that cannot include this header. Both store the size of the definition in its first member: a program
+/// that was compiled with an older version of Wisp has a shorter one, and members that it does not know keep their defaults.
+#define WISP_DEFINITION( name )                                                                                      \
+    WISP_API void wisp_init_##name( struct wisp_##name* def, size_t size );                                          \
+    static inline wisp_##name wisp_default_##name( void )                                                            \
+    {                                                                                                                \
+        wisp_##name def;                                                                                             \
+        wisp_init_##name( &def, sizeof( def ) );                                                                     \
+        return def;                                                                                                  \
+    }                                                                                                                \
+    struct wisp_##name
+
 /// What a call returns. Wrong data is a status other than WISP_OK, with a message that names the element.
 typedef enum wisp_status
 {
     WISP_OK = 0,
-    WISP_NO_MEMORY, ///< the host's allocator returned null; the call changed nothing
-    WISP_BAD_INPUT, ///< a value, file or scene is wrong; the message names file, line or element
-    WISP_STALE_ID,  ///< the entity was removed, or never existed
-    WISP_CONFLICT,  ///< the call does not fit the state of the world (no such component, plan that cannot be met)
-    WISP_IO_ERROR,  ///< the operating system refused to open, read or write a file
+    WISP_NO_MEMORY = 1, ///< the host's allocator returned null; the call changed nothing
+    WISP_BAD_INPUT = 2, ///< a value, file or scene is wrong; the message names file, line or element
+    WISP_STALE_ID = 3,  ///< the entity was removed, or never existed
+    WISP_CONFLICT = 4,  ///< the call does not fit the state of the world (no such component, plan that cannot be met)
+    WISP_IO_ERROR = 5,  ///< the operating system refused to open, read or write a file
 } wisp_status;
 
 /// Name a status for logs: "ok", "out of memory", "bad input" ...
@@ -57,8 +76,7 @@ typedef struct wisp_error
 /// Fill an error and return its status, so that a failing function ends in one line.
 /// @param error may be null: then only the status is returned
 /// @return status
-WISP_API wisp_status wisp_fail( wisp_error* error, wisp_status status, const char* format, ... )
-    __attribute__( ( format( printf, 3, 4 ) ) );
+WISP_API wisp_status wisp_fail( wisp_error* error, wisp_status status, const char* format, ... ) WISP_PRINTF( 3, 4 );
 
 /// The host's memory. Both functions or neither; a zero-initialised struct means the C library's aligned_alloc and free.
 /// Called from the thread that calls the engine, and from workers when a buffer must grow: must be thread-safe.
@@ -77,11 +95,27 @@ typedef struct wisp_buffer
     size_t size; ///< bytes that may be used
 } wisp_buffer;
 
+#define WISP_MAX_WORKERS 64
+
+/// Runs one block of a parallel loop. Blocks do not depend on the number of workers, so results do not either.
+typedef void wisp_block_fn( void* context, int block, int worker );
+
+/// A parallel loop of a host with its own job system: call run( context, block, worker ) once for every block in
+/// [0, block_count), in any order, on any thread, with worker in [0, workers) and no two threads on the same worker at once; return
+/// when all are done.
+///
+///     static void host_parallel_for( void* user, int block_count, wisp_block_fn* run, void* context )
+///     {
+///         for ( int block = 0; block < block_count; ++block ) // or on the host's threads, each with a worker of its own
+///             run( context, block, 0 );
+///     }
+typedef void wisp_parallel_for_fn( void* user, int block_count, wisp_block_fn* run, void* context );
+
 typedef enum wisp_log_level
 {
-    WISP_LOG_INFO,
-    WISP_LOG_WARNING,
-    WISP_LOG_ERROR,
+    WISP_LOG_INFO = 0,
+    WISP_LOG_WARNING = 1,
+    WISP_LOG_ERROR = 2,
 } wisp_log_level;
 
 /// Receives one message without a newline. Called on the thread that called the engine.

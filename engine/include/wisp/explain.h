@@ -20,11 +20,11 @@ WISP_BEGIN_C
 /// Whether a pass is in the plan, and if not, why. Later states are closer to being active.
 typedef enum wisp_plan_state
 {
-    WISP_PLAN_MISSING,     ///< no entity has a component that it requires
-    WISP_PLAN_SPLIT,       ///< entities have the required components, but none has all of them
-    WISP_PLAN_EXCLUDED,    ///< every entity with the required components has an excluded one
-    WISP_PLAN_UNREQUESTED, ///< it could run, but nothing requests or reads what it writes
-    WISP_PLAN_ACTIVE,      ///< it is in the plan
+    WISP_PLAN_MISSING = 0,     ///< no entity has a component that it requires
+    WISP_PLAN_SPLIT = 1,       ///< entities have the required components, but none has all of them
+    WISP_PLAN_EXCLUDED = 2,    ///< every entity with the required components has an excluded one
+    WISP_PLAN_UNREQUESTED = 3, ///< it could run, but nothing requests or reads what it writes
+    WISP_PLAN_ACTIVE = 4,      ///< it is in the plan
 } wisp_plan_state;
 
 /// Why a component that a pass writes is needed.

@@ -18,7 +18,6 @@
 #pragma once
 
 #include "wisp/base.h"
-#include "wisp/jobs.h"
 
 WISP_BEGIN_C
 
@@ -32,10 +31,11 @@ WISP_BEGIN_C
 /// In which order constraints of a tile are projected.
 typedef enum wisp_solve_order
 {
-    WISP_SOLVE_ORDER_COLOUR, ///< colour by colour: stable at any stiffness
-    WISP_SOLVE_ORDER_LIST, ///< along the mesh from the attachments: carries error further a pass, can pump energy when
-                           ///< constraints are stiff (see the stability table)
-    WISP_SOLVE_ORDER_COUNT,
+    WISP_SOLVE_ORDER_COLOUR = 0, ///< colour by colour: stable at any stiffness
+    WISP_SOLVE_ORDER_LIST =
+        1, ///< along the mesh from the attachments: carries error further a pass, can pump energy when
+           ///< constraints are stiff (see the stability table)
+    WISP_SOLVE_ORDER_COUNT = 2,
 } wisp_solve_order;
 
 /// Arrays that a lean fabric has only where something asked for them with wisp_fabric_need(). Spans are so in any fabric.
@@ -49,6 +49,7 @@ typedef enum wisp_fabric_arrays
 /// What to cook. Fill from wisp_default_fabric_def(). Need not outlive the call.
 typedef struct wisp_fabric_def
 {
+    uint32_t size;            ///< bytes; set by wisp_default_fabric_def()
     const wisp_vec3* points;  ///< [vertex_count] m, the rest shape; finite, within 1e6 m of the origin
     const int32_t* triangles; ///< [triangle_count][3] counter-clockwise seen from outside
     int vertex_count, triangle_count;
@@ -68,10 +69,9 @@ typedef struct wisp_fabric_def
     ///< saves about 60 bytes per vertex where nothing does. Effects and requests of a world ask for what they need
     wisp_solve_order solve_order; ///< default WISP_SOLVE_ORDER_COLOUR
     int tile_size; ///< vertices, a multiple of 8 in 64 .. 65536; default 0: 1024, 512 or 256, so that there are at least 4
-    uint32_t cookie;
 } wisp_fabric_def;
 
-WISP_API wisp_fabric_def wisp_default_fabric_def( void );
+WISP_DEFINITION( fabric_def );
 
 /// Constraints in the order of projection. Tiles of one colour share no vertex, so they run in parallel; within a tile
 /// each group of eight slots shares no vertex, so it runs in lanes.

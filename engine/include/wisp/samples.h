@@ -13,18 +13,18 @@ WISP_BEGIN_C
 /// How points are placed along an edge or a line (boundary particle paper, sections 2.2 and 3.4).
 typedef enum wisp_spacing
 {
-    WISP_SPACING_EVEN,  ///< n parts of equal length, points between them
-    WISP_SPACING_EXACT, ///< one spacing apart, from the first end; the last interval is shorter
-    WISP_SPACING_COUNT,
+    WISP_SPACING_EVEN = 0,  ///< n parts of equal length, points between them
+    WISP_SPACING_EXACT = 1, ///< one spacing apart, from the first end; the last interval is shorter
+    WISP_SPACING_COUNT = 2,
 } wisp_spacing;
 
 /// How length / spacing is rounded to a count. With WISP_ROUND_UP and even spacing no interval exceeds the spacing.
 typedef enum wisp_rounding
 {
-    WISP_ROUND_DOWN,
-    WISP_ROUND_NEAREST,
-    WISP_ROUND_UP,
-    WISP_ROUND_COUNT,
+    WISP_ROUND_DOWN = 0,
+    WISP_ROUND_NEAREST = 1,
+    WISP_ROUND_UP = 2,
+    WISP_ROUND_COUNT = 3,
 } wisp_rounding;
 
 /// Sampled points. Zero-initialised is empty. The struct owns its arrays; they are valid until the next call.

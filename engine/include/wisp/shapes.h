@@ -120,10 +120,11 @@ static inline wisp_vec3 wisp_transform_velocity( wisp_transform from, wisp_trans
 
 typedef enum wisp_shape_kind
 {
-    WISP_SHAPE_PLANE,   ///< the half space y <= 0
-    WISP_SHAPE_SPHERE,  ///< around the origin
-    WISP_SHAPE_CAPSULE, ///< all points within the radius of the line from (0, -half_length, 0) to (0, half_length, 0)
-    WISP_SHAPE_BOX,     ///< around the origin, edges along the axes
+    WISP_SHAPE_PLANE = 0,  ///< the half space y <= 0
+    WISP_SHAPE_SPHERE = 1, ///< around the origin
+    WISP_SHAPE_CAPSULE =
+        2,              ///< all points within the radius of the line from (0, -half_length, 0) to (0, half_length, 0)
+    WISP_SHAPE_BOX = 3, ///< around the origin, edges along the axes
 } wisp_shape_kind;
 
 /// A solid in its own frame. Sizes that a kind does not have are not read. Sizes of zero are allowed: a point, a line

@@ -59,6 +59,7 @@ typedef bool wisp_tune_progress_fn( void* user, int run_count, int max_runs );
 /// The target of a search and its limits. Fill from wisp_default_tune_def(). Need not outlive the call.
 typedef struct wisp_tune_def
 {
+    uint32_t size;                         ///< bytes; set by wisp_default_tune_def()
     const wisp_tune_parameter* parameters; ///< [parameter_count]
     int parameter_count;                   ///< 1 .. WISP_TUNE_MAX_PARAMETERS
     double
@@ -72,10 +73,9 @@ typedef struct wisp_tune_def
     wisp_tune_progress_fn* progress; ///< default null
     void* progress_user;
     wisp_allocator allocator; ///< default: the C library
-    uint32_t cookie;          ///< set by wisp_default_tune_def(), asserted on use
 } wisp_tune_def;
 
-WISP_API wisp_tune_def wisp_default_tune_def( void );
+WISP_DEFINITION( tune_def );
 
 /// A configuration that was run.
 typedef struct wisp_tune_trial
@@ -134,6 +134,7 @@ typedef struct wisp_tune_world
 /// How to build and run worlds. Fill from wisp_default_tune_worlds_def().
 typedef struct wisp_tune_worlds_def
 {
+    uint32_t size; ///< bytes; set by wisp_default_tune_worlds_def()
     /// Build the world of a configuration, with its substeps multiplied by a factor: 1, or reference_factor for the reference.
     /// @param out zero; must be left empty on failure
     wisp_status ( *build )( void* user, const int* configuration, int substep_factor, wisp_tune_world* out,
@@ -146,10 +147,9 @@ typedef struct wisp_tune_worlds_def
     int step_count;       ///< >= 1, default 120
     int sample_count;     ///< 1 .. step_count, comparisons of points, the last one after the last step; default 12
     int reference_factor; ///< >= 2, default 16
-    uint32_t cookie;
 } wisp_tune_worlds_def;
 
-WISP_API wisp_tune_worlds_def wisp_default_tune_worlds_def( void );
+WISP_DEFINITION( tune_worlds_def );
 
 /// Search with worlds. The reference is the world of the last value of every parameter with reference_factor times the
 /// substeps, run once. The error of a configuration is the root mean square, over all comparisons and all points, of the

@@ -1,7 +1,9 @@
 /// Wisp: position-based simulation of thin things. Worlds, entities, requests, steps and views.
 ///
 /// Units are SI. Worlds are opaque and independent of each other; there are no globals. No function is thread-safe on
-/// the same world; different worlds may be used on different threads. A failed call changes nothing.
+/// the same world; different worlds may be used on different threads. A failed call changes nothing, and prints nothing unless the
+/// host gave a log. Null pointers, removed entities and definitions that no function has filled are WISP_BAD_INPUT or
+/// WISP_STALE_ID. A call during a step of the same world, from a callback or another thread, is WISP_CONFLICT.
 ///
 ///     const wisp_module* const modules[] = { &wisp_cloth_module };
 ///     wisp_world_def def = wisp_default_world_def();
@@ -14,7 +16,6 @@
 ///     wisp_entity cloth;
 ///     wisp_add_surface( world, &surface, &cloth );
 ///     wisp_set_cloth( world, cloth, &material );                 // an effect, see cloth.h
-///     wisp_set_gravity( world, cloth, ( wisp_vec3 ){ 0, -9.81f, 0 } );
 ///     wisp_request( world, cloth, WISP_SURFACE_POINTS );         // a request creates the passes that answer it
 ///
 ///     wisp_view view;
@@ -23,7 +24,6 @@
 #pragma once
 
 #include "wisp/base.h"
-#include "wisp/jobs.h"
 #include "wisp/shapes.h"
 
 WISP_BEGIN_C
@@ -38,24 +38,24 @@ typedef uint16_t wisp_component;
 /// How to create a world. Fill from wisp_default_world_def(). Copied; need not outlive the call (the modules must).
 typedef struct wisp_world_def
 {
+    uint32_t size; ///< bytes; set by wisp_default_world_def()
     const wisp_module* const*
         modules;              ///< [module_count]; passes that the plan cannot order otherwise run in this order
     int module_count;         ///< default 0
     wisp_allocator allocator; ///< default: the C library
-    wisp_log_fn* log;         ///< default null: warnings and errors go to stderr
+    wisp_log_fn* log;         ///< default null: warnings go to stderr, failed calls only to wisp_world_message()
     void* log_user;           ///< passed to log
-    wisp_parallel_for_fn* parallel_for; ///< default null: the engine's own threads
+    wisp_parallel_for_fn* parallel_for; ///< one call per wave of passes; default null: the engine's own threads
     void* parallel_for_user;            ///< passed to parallel_for
     int workers;                        ///< 1 .. WISP_MAX_WORKERS; default 0: one per core. 1 never starts a thread
     const char*
         isa; ///< "baseline", "avx2" or "avx512" limits the instruction set; default null: the environment variable
              ///< WISP_ISA, else the best that the processor supports
-    int substeps;    ///< per step of usual length, >= 1, default 10; see wisp_world_step()
-    int iterations;  ///< per substep, >= 1, default 1
-    uint32_t cookie; ///< set by wisp_default_world_def(), asserted on use
+    int substeps;   ///< per step of usual length, 1 .. 1000000, default 10; see wisp_world_step()
+    int iterations; ///< per substep, 1 .. 1000000, default 1
 } wisp_world_def;
 
-WISP_API wisp_world_def wisp_default_world_def( void );
+WISP_DEFINITION( world_def );
 
 /// Create a world.
 /// @param out receives the world, null on failure
@@ -65,7 +65,7 @@ WISP_API wisp_status wisp_world_create( const wisp_world_def* def, wisp_world** 
 /// Destroy a world and everything in it. Null is allowed.
 WISP_API void wisp_world_destroy( wisp_world* world );
 
-/// @return the message of the last failed call on this world; empty if none failed. Owned by the world
+/// @return the message of the last call on this world; empty if it did not fail. Owned by the world
 WISP_API const char* wisp_world_message( const wisp_world* world );
 
 // ---- surfaces: the particles of a triangle mesh ----
@@ -73,16 +73,17 @@ WISP_API const char* wisp_world_message( const wisp_world* world );
 /// Particles of a triangle mesh. Fill from wisp_default_surface_def(). Copied; need not outlive the call.
 typedef struct wisp_surface_def
 {
+    uint32_t size;              ///< bytes; set by wisp_default_surface_def()
     struct wisp_fabric* fabric; ///< cooked (fabric.h); the world takes a reference of its own
     const wisp_vec3* points; ///< [vertex_count] m, start positions in the user's order; default null: the rest shape
     float area_density;      ///< kg/m^2, > 0, default 0.15
     float vertex_mass;       ///< kg; above 0 it is the mass of every vertex, whatever its area; default 0
     const int32_t* pins;     ///< [pin_count] vertices that move only by wisp_move_pins(), the user's order
     int pin_count;           ///< default 0
-    uint32_t cookie;         ///< set by wisp_default_surface_def(), asserted on use
+    wisp_vec3 gravity;       ///< m/s^2, default (0, -9.81, 0), as for strands; zero: none, and no pass
 } wisp_surface_def;
 
-WISP_API wisp_surface_def wisp_default_surface_def( void );
+WISP_DEFINITION( surface_def );
 
 /// Add the particles of a mesh. Effects give them a material; without an effect they only fly.
 /// @param out receives the entity, null on failure
@@ -103,7 +104,7 @@ WISP_API wisp_status wisp_unpin( wisp_world* world, wisp_entity surface, const i
 /// @return WISP_BAD_INPUT a vertex is not pinned, or a target is not finite
 WISP_API wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_t* vertices,
                                      const wisp_vec3* targets, int count );
-/// Set the gravity of a surface. Surfaces start without gravity.
+/// Change the gravity of a surface. Strands have wisp_set_strand_gravity().
 /// @param gravity m/s^2; zero removes gravity and its pass
 WISP_API wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 gravity );
 /// Set the damping of all velocities of a surface.
@@ -120,19 +121,22 @@ WISP_API wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, 
 /// How constraints respond to an error. Chosen per entity, so that one scene can compare both.
 typedef enum wisp_solver
 {
-    WISP_SOLVER_XPBD, ///< compliance in SI units: once converged, the result does not depend on iterations or the step
-                      ///< (Macklin, Mueller and Chentanez 2016)
-    WISP_SOLVER_PBD, ///< stiffness in [0, 1], the fraction of an error that one projection removes (Mueller et al. 2007)
-    WISP_SOLVER_COUNT,
+    WISP_SOLVER_XPBD =
+        0, ///< compliance in SI units: once converged, the result does not depend on iterations or the step
+           ///< (Macklin, Mueller and Chentanez 2016)
+    WISP_SOLVER_PBD =
+        1, ///< stiffness in [0, 1], the fraction of an error that one projection removes (Mueller et al. 2007)
+    WISP_SOLVER_COUNT = 2,
 } wisp_solver;
 
 /// Integration of time.
 typedef enum wisp_integrator
 {
-    WISP_INTEGRATOR_EULER, ///< implicit Euler: first order, damps motion
-    WISP_INTEGRATOR_BDF2, ///< second order, from the last two substeps. A substep goes back to Euler where that would gain
-                          ///< energy (WISP_COUNT_FIRST_ORDER)
-    WISP_INTEGRATOR_COUNT,
+    WISP_INTEGRATOR_EULER = 0, ///< implicit Euler: first order, damps motion
+    WISP_INTEGRATOR_BDF2 =
+        1, ///< second order, from the last two substeps. A substep goes back to Euler where that would gain
+           ///< energy (WISP_COUNT_FIRST_ORDER)
+    WISP_INTEGRATOR_COUNT = 2,
 } wisp_integrator;
 
 // ---- strands: polylines ----
@@ -140,15 +144,15 @@ typedef enum wisp_integrator
 /// Strands, made from a set of polylines. Fill from wisp_default_strands_def(). Copied; need not outlive the call.
 typedef struct wisp_strands_def
 {
+    uint32_t size;           ///< bytes; set by wisp_default_strands_def()
     const wisp_vec3* points; ///< [offsets[strand_count]] m, root first; finite, no coordinate beyond 1e6
     const int32_t*
         offsets;      ///< [strand_count + 1] first vertex of each strand, ascending from 0; a strand may be empty
     int strand_count; ///< >= 0
     int dimension;    ///< 2 (every z must be 0) or 3; default 3
-    uint32_t cookie;  ///< set by wisp_default_strands_def(), asserted on use
 } wisp_strands_def;
 
-WISP_API wisp_strands_def wisp_default_strands_def( void );
+WISP_DEFINITION( strands_def );
 
 /// Add strands. Effects make them move, follow others or change their appearance.
 /// @param out receives the entity, null on failure
@@ -158,7 +162,7 @@ WISP_API wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def
 
 // ---- entities of any kind ----
 
-/// Add an entity that shares the topology of another one and starts at its rest shape.
+/// Add an entity that shares topology, masses and gravity of another one and starts at its rest shape, without its effects.
 /// @param pose takes the rest shape to where the instance starts; null: it starts there. The rest shape of a surface is that of its
 ///             fabric. That of strands, whose roots are held in it, goes along, and an instance of the instance starts from it
 /// @param out receives the entity, null on failure
@@ -284,24 +288,27 @@ WISP_API wisp_profile wisp_world_profile( const wisp_world* world );
 /// Counts of numerical failures, limits reached and work done since the world was created.
 typedef enum wisp_counter
 {
-    WISP_COUNT_STEPS,             ///< steps
-    WISP_COUNT_PLANS,             ///< compilations of the plan
-    WISP_COUNT_NEIGHBOURS,        ///< neighbours within the radius at the last search of each entity
-    WISP_COUNT_CAPPED,            ///< queries that reached the neighbour limit
-    WISP_COUNT_COARSE_GRIDS,      ///< grids with widened cells, because the scene is too sparse for its radius
-    WISP_COUNT_SEARCHES,          ///< neighbour searches
-    WISP_COUNT_HALTED,            ///< entities restored to their last valid state and halted
-    WISP_COUNT_STRAND_RESET,      ///< strands too far from their rest lengths to be solved, reset from the root
-    WISP_COUNT_NOT_CONVERGED,     ///< linear solves that reached their iteration limit
-    WISP_COUNT_INDEFINITE,        ///< linear solves that met negative curvature and were made again
-    WISP_COUNT_DEGENERATE_LINK,   ///< links between coincident vertices, which have no direction, at each projection
-    WISP_COUNT_STIFFNESS_CLAMPED, ///< substeps whose links were too stiff for single precision and were softened
-    WISP_COUNT_FIRST_ORDER,       ///< substeps of BDF2 made by implicit Euler instead: of a cloth, of each strand
-    WISP_COUNT_GRAVITY_SCALED, ///< strands that feel part of gravity, because substeps are too long for their curls
-    WISP_COUNT_SAGGING,        ///< strands too soft to hold their shape under gravity, which sag
-    WISP_COUNT_STRETCHED, ///< strands of inextensible links that end a step more than 5 % too long, in each step: too few
-                          ///< sweeps for their masses
-    WISP_COUNTER_COUNT,
+    WISP_COUNT_STEPS = 0,         ///< steps
+    WISP_COUNT_PLANS = 1,         ///< compilations of the plan
+    WISP_COUNT_NEIGHBOURS = 2,    ///< neighbours within the radius at the last search of each entity
+    WISP_COUNT_CAPPED = 3,        ///< queries that reached the neighbour limit
+    WISP_COUNT_COARSE_GRIDS = 4,  ///< grids with widened cells, because the scene is too sparse for its radius
+    WISP_COUNT_SEARCHES = 5,      ///< neighbour searches
+    WISP_COUNT_HALTED = 6,        ///< entities restored to their last valid state and halted
+    WISP_COUNT_STRAND_RESET = 7,  ///< strands too far from their rest lengths to be solved, reset from the root
+    WISP_COUNT_NOT_CONVERGED = 8, ///< linear solves that reached their iteration limit
+    WISP_COUNT_INDEFINITE = 9,    ///< linear solves that met negative curvature and were made again
+    WISP_COUNT_DEGENERATE_LINK =
+        10, ///< links between coincident vertices, which have no direction, at each projection
+    WISP_COUNT_STIFFNESS_CLAMPED = 11, ///< substeps whose links were too stiff for single precision and were softened
+    WISP_COUNT_FIRST_ORDER = 12, ///< substeps of BDF2 made by implicit Euler instead: of a cloth, of each strand
+    WISP_COUNT_GRAVITY_SCALED =
+        13,                  ///< strands that feel part of gravity, because substeps are too long for their curls
+    WISP_COUNT_SAGGING = 14, ///< strands too soft to hold their shape under gravity, which sag
+    WISP_COUNT_STRETCHED =
+        15, ///< strands of inextensible links that end a step more than 5 % too long, in each step: too few
+            ///< sweeps for their masses
+    WISP_COUNTER_COUNT = 16,
 } wisp_counter;
 
 WISP_API uint64_t wisp_world_counter( const wisp_world* world, wisp_counter counter );
@@ -314,10 +321,12 @@ WISP_API size_t wisp_world_memory( const wisp_world* world );
 /// What a part of a world's memory is.
 typedef enum wisp_memory_kind
 {
-    WISP_MEMORY_ENGINE,    ///< the world itself, entities, topology of strands, plan, scratch of the workers
-    WISP_MEMORY_MODULE,    ///< state of a module and what that keeps: lists of contacts, colliders, followers, plates
-    WISP_MEMORY_COMPONENT, ///< columns of a component
-    WISP_MEMORY_OUTSIDE, ///< not in wisp_world_memory(): fabrics, which have allocators of their own, and trees of Embree
+    WISP_MEMORY_ENGINE = 0, ///< the world itself, entities, topology of strands, plan, scratch of the workers
+    WISP_MEMORY_MODULE =
+        1, ///< state of a module and what that keeps: lists of contacts, colliders, followers, plates
+    WISP_MEMORY_COMPONENT = 2, ///< columns of a component
+    WISP_MEMORY_OUTSIDE =
+        3, ///< not in wisp_world_memory(): fabrics, which have allocators of their own, and trees of Embree
 } wisp_memory_kind;
 
 typedef struct wisp_memory_part
@@ -356,61 +365,68 @@ WISP_API wisp_status wisp_world_hash_column( wisp_world* world, wisp_entity enti
 /// @return bytes that wisp_world_snapshot() writes now
 WISP_API size_t wisp_world_snapshot_size( const wisp_world* world );
 /// Write all columns of all entities, except those that have no meaning between steps.
-/// @param size of `out`, at least wisp_world_snapshot_size()
-WISP_API wisp_status wisp_world_snapshot( const wisp_world* world, void* out, size_t size );
+/// @param size of `out`
+/// @return WISP_BAD_INPUT `out` has fewer bytes than wisp_world_snapshot_size(), and stays as it is
+WISP_API wisp_status wisp_world_snapshot( wisp_world* world, void* out, size_t size );
 /// Restore the columns. The world must hold the same entities with the same components and shapes.
 /// @return WISP_BAD_INPUT the bytes are not a snapshot of this world (checked before anything changes)
 WISP_API wisp_status wisp_world_restore( wisp_world* world, const void* bytes, size_t size );
 
 // ---- components ----
 
+/// Find a component by its name, such as "point.strain": those of every world, and those that a module of the world declares.
+/// @return 0 if there is none, with a message
+WISP_API wisp_component wisp_world_find_component( wisp_world* world, const char* name );
+/// @return the name of a component, "unknown" if there is none. Owned by the world
+WISP_API const char* wisp_world_component_name( const wisp_world* world, wisp_component component );
+
 /// Components that exist in every world. Hosts request those with a comment; the others belong to modules and are described
 /// in module/components.h, whose order this is.
 enum
 {
     WISP_STRAND_REST = 1,
-    WISP_STRAND_POSITION,
-    WISP_STRAND_STIFFNESS,
-    WISP_STRAND_VELOCITY,
-    WISP_STRAND_PREVIOUS,
-    WISP_STRAND_INVERSE_MASS,
-    WISP_STRAND_LENGTH,
-    WISP_STRAND_ROOT,
-    WISP_STRAND_POSED,  ///< rest shape after motion, before effects on the appearance
-    WISP_STRAND_POINTS, ///< wisp_vec3, m: vertices of strands in the user's order
-    WISP_POINT_WIDTH,   ///< float, m: diameter of a strand at a vertex
-    WISP_POINT_COLOUR,  ///< wisp_vec3: linear red, green, blue in [0, 1]
-    WISP_PARTICLE_POSITION,
-    WISP_PARTICLE_VELOCITY,
-    WISP_PARTICLE_PREVIOUS,
-    WISP_PARTICLE_TARGET,
-    WISP_PARTICLE_LAST_VALID,
-    WISP_PARTICLE_MASS,
-    WISP_PARTICLE_GRAVITY,
-    WISP_PARTICLE_DAMPING,
-    WISP_PARTICLE_EXTERNAL_SOLVER,
-    WISP_PARTICLE_CONTACTS,
-    WISP_PARTICLE_HALF_SPACES,
-    WISP_LINK_STIFFNESS,
-    WISP_LINK_COMPLIANCE,
-    WISP_LINK_LAMBDA,
-    WISP_LINK_LIMIT,
-    WISP_LINK_FOLDS,
-    WISP_HINGE_REST,
-    WISP_HINGE_COTANGENT,
-    WISP_HINGE_STIFFNESS,
-    WISP_HINGE_FOLDS,
-    WISP_SURFACE_TETHERS,
-    WISP_SURFACE_LEVELS,
-    WISP_LEVEL_MASS,
-    WISP_LEVEL_COMPLIANCE,
-    WISP_LEVEL_MOTION,
-    WISP_SURFACE_POINTS,  ///< wisp_vec3, m: vertices of a mesh in the user's order
-    WISP_SURFACE_NORMALS, ///< wisp_vec3: unit normals in the user's order, 0 where they cancel
-    WISP_POINT_STRAIN,    ///< float: largest |l/l0 - 1| of the edges or segments at a vertex
-    WISP_POINT_SPEED,     ///< float, m/s
-    WISP_MOTION_STATS,    ///< read with wisp_read_motion_stats()
-    WISP_SHARED_COMPONENT_COUNT,
+    WISP_STRAND_POSITION = 2,
+    WISP_STRAND_STIFFNESS = 3,
+    WISP_STRAND_VELOCITY = 4,
+    WISP_STRAND_PREVIOUS = 5,
+    WISP_STRAND_INVERSE_MASS = 6,
+    WISP_STRAND_LENGTH = 7,
+    WISP_STRAND_ROOT = 8,
+    WISP_STRAND_POSED = 9,   ///< rest shape after motion, before effects on the appearance
+    WISP_STRAND_POINTS = 10, ///< wisp_vec3, m: vertices of strands in the user's order
+    WISP_POINT_WIDTH = 11,   ///< float, m: diameter of a strand at a vertex
+    WISP_POINT_COLOUR = 12,  ///< wisp_vec3: linear red, green, blue in [0, 1]
+    WISP_PARTICLE_POSITION = 13,
+    WISP_PARTICLE_VELOCITY = 14,
+    WISP_PARTICLE_PREVIOUS = 15,
+    WISP_PARTICLE_TARGET = 16,
+    WISP_PARTICLE_LAST_VALID = 17,
+    WISP_PARTICLE_MASS = 18,
+    WISP_PARTICLE_GRAVITY = 19,
+    WISP_PARTICLE_DAMPING = 20,
+    WISP_PARTICLE_EXTERNAL_SOLVER = 21,
+    WISP_PARTICLE_CONTACTS = 22,
+    WISP_PARTICLE_HALF_SPACES = 23,
+    WISP_LINK_STIFFNESS = 24,
+    WISP_LINK_COMPLIANCE = 25,
+    WISP_LINK_LAMBDA = 26,
+    WISP_LINK_LIMIT = 27,
+    WISP_LINK_FOLDS = 28,
+    WISP_HINGE_REST = 29,
+    WISP_HINGE_COTANGENT = 30,
+    WISP_HINGE_STIFFNESS = 31,
+    WISP_HINGE_FOLDS = 32,
+    WISP_SURFACE_TETHERS = 33,
+    WISP_SURFACE_LEVELS = 34,
+    WISP_LEVEL_MASS = 35,
+    WISP_LEVEL_COMPLIANCE = 36,
+    WISP_LEVEL_MOTION = 37,
+    WISP_SURFACE_POINTS = 38,  ///< wisp_vec3, m: vertices of a mesh in the user's order
+    WISP_SURFACE_NORMALS = 39, ///< wisp_vec3: unit normals in the user's order, 0 where they cancel
+    WISP_POINT_STRAIN = 40,    ///< float: largest |l/l0 - 1| of the edges or segments at a vertex
+    WISP_POINT_SPEED = 41,     ///< float, m/s
+    WISP_MOTION_STATS = 42,    ///< read with wisp_read_motion_stats()
+    WISP_SHARED_COMPONENT_COUNT = 43,
 };
 
 WISP_END_C

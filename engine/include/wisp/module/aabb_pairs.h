@@ -2,7 +2,7 @@
 /// float, ordered by query, then by box.
 #pragma once
 
-#include "wisp/jobs.h"
+#include "wisp/module/jobs.h"
 #include "wisp/module/space.h"
 #include "wisp/variants.h"
 

@@ -2,7 +2,8 @@
 #pragma once
 
 #include "wisp/fabric.h"
-#include "wisp/jobs.h"
+#include "wisp/module/jobs.h"
+#include "wisp/module/definition.h"
 #include "wisp/module/kernels.h"
 #include "wisp/wisp.h"
 
@@ -14,19 +15,19 @@ typedef struct wisp_registry wisp_registry;
 /// Rows of one kind. An entity owns a contiguous range of rows in each table.
 typedef enum wisp_table
 {
-    WISP_TABLE_ENTITY,       ///< one row an entity
-    WISP_TABLE_STRAND_GROUP, ///< sixteen strands, lane = strand
-    WISP_TABLE_STRAND_ROW,   ///< one vertex of each of a group's sixteen strands
-    WISP_TABLE_POINT,        ///< one vertex in the user's order
-    WISP_TABLE_PARTICLE,     ///< one slot of a fabric: vertices in its order, then what pads; a multiple of 8
-    WISP_TABLE_LINK,         ///< one slot of a fabric's schedule of links; a multiple of 8
-    WISP_TABLE_HINGE,        ///< one slot of a fabric's schedule of hinges; a multiple of 8
-    WISP_TABLE_EDGE,         ///< one edge of a surface, each once, in an order that its users agree on
-    WISP_TABLE_TRIANGLE,     ///< one triangle of a surface, in the user's order
-    WISP_TABLE_LEVEL_ROW,    ///< one row of a fabric's coarse sheets, from fine to coarse; a multiple of 8
-    WISP_TABLE_LEVEL_LINK,   ///< one slot of the schedules of their links; a multiple of 8
-    WISP_TABLE_COARSEST_ROW, ///< one row of the coarsest sheet; a multiple of 8
-    WISP_TABLE_COUNT,
+    WISP_TABLE_ENTITY = 0,        ///< one row an entity
+    WISP_TABLE_STRAND_GROUP = 1,  ///< sixteen strands, lane = strand
+    WISP_TABLE_STRAND_ROW = 2,    ///< one vertex of each of a group's sixteen strands
+    WISP_TABLE_POINT = 3,         ///< one vertex in the user's order
+    WISP_TABLE_PARTICLE = 4,      ///< one slot of a fabric: vertices in its order, then what pads; a multiple of 8
+    WISP_TABLE_LINK = 5,          ///< one slot of a fabric's schedule of links; a multiple of 8
+    WISP_TABLE_HINGE = 6,         ///< one slot of a fabric's schedule of hinges; a multiple of 8
+    WISP_TABLE_EDGE = 7,          ///< one edge of a surface, each once, in an order that its users agree on
+    WISP_TABLE_TRIANGLE = 8,      ///< one triangle of a surface, in the user's order
+    WISP_TABLE_LEVEL_ROW = 9,     ///< one row of a fabric's coarse sheets, from fine to coarse; a multiple of 8
+    WISP_TABLE_LEVEL_LINK = 10,   ///< one slot of the schedules of their links; a multiple of 8
+    WISP_TABLE_COARSEST_ROW = 11, ///< one row of the coarsest sheet; a multiple of 8
+    WISP_TABLE_COUNT = 12,
 } wisp_table;
 
 /// One column: an array of row_size bytes a row, 64-byte aligned.
@@ -55,26 +56,28 @@ WISP_API wisp_component wisp_declare_component( wisp_registry* registry, const w
 /// Order of a step. Substep and iteration are loops that vanish when nothing is in them.
 typedef enum wisp_stage
 {
-    WISP_STAGE_INPUT, ///< kinematic targets, parameters
-    WISP_STAGE_FORCE, ///< substep loop from here ...
-    WISP_STAGE_PREDICT,
-    WISP_STAGE_CONTACT,
-    WISP_STAGE_PROJECT,  ///< iteration loop
-    WISP_STAGE_VELOCITY, ///< ... to here
-    WISP_STAGE_CHECK,    ///< state checks; later stages see only what they let through or restored
-    WISP_STAGE_DERIVE,   ///< normals, samples, curves
-    WISP_STAGE_SHAPE,    ///< appearance without time
-    WISP_STAGE_OBSERVE,  ///< quality figures, output in the user's order
-    WISP_STAGE_COUNT,
+    WISP_STAGE_INPUT = 0, ///< kinematic targets, parameters
+    WISP_STAGE_FORCE = 1, ///< substep loop from here ...
+    WISP_STAGE_PREDICT = 2,
+    WISP_STAGE_CONTACT = 3,
+    WISP_STAGE_PROJECT = 4,  ///< iteration loop
+    WISP_STAGE_VELOCITY = 5, ///< ... to here
+    WISP_STAGE_CHECK = 6,    ///< state checks; later stages see only what they let through or restored
+    WISP_STAGE_DERIVE = 7,   ///< normals, samples, curves
+    WISP_STAGE_SHAPE = 8,    ///< appearance without time
+    WISP_STAGE_OBSERVE = 9,  ///< quality figures, output in the user's order
+    WISP_STAGE_COUNT = 10,
 } wisp_stage;
 
 /// What a pass runs over.
 typedef enum wisp_domain
 {
-    WISP_DOMAIN_ENTITY,         ///< called once an entity; may use wisp_frame_parallel()
-    WISP_DOMAIN_STRAND_GROUP,   ///< called for ranges of groups; touches only its own groups, so neighbours fuse, and
-                                ///< passes of the substep loop run all substeps of a block before the next block
-    WISP_DOMAIN_PARTICLE_BLOCK, ///< called for ranges of blocks of WISP_PARTICLE_BLOCK particles; touches only its own
+    WISP_DOMAIN_ENTITY = 0, ///< called once an entity; may use wisp_frame_parallel()
+    WISP_DOMAIN_STRAND_GROUP =
+        1, ///< called for ranges of groups; touches only its own groups, so neighbours fuse, and
+           ///< passes of the substep loop run all substeps of a block before the next block
+    WISP_DOMAIN_PARTICLE_BLOCK =
+        2, ///< called for ranges of blocks of WISP_PARTICLE_BLOCK particles; touches only its own
 } wisp_domain;
 
 /// Particles of a block; the last block of an entity may have fewer.
@@ -276,8 +279,7 @@ typedef void wisp_schedule_fn( const void* args, int begin, int end );
 WISP_API void wisp_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule, wisp_schedule_fn* run,
                                  const void* args );
 /// Report a failure from inside a pass; the step returns one of them and finishes its other passes. Thread-safe.
-WISP_API void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char* format, ... )
-    __attribute__( ( format( printf, 3, 4 ) ) );
+WISP_API void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char* format, ... ) WISP_PRINTF( 3, 4 );
 /// Add to a counter of the world. Thread-safe; sums are order-free.
 WISP_API void wisp_frame_count( wisp_frame* frame, wisp_counter counter, uint64_t amount );
 
@@ -293,6 +295,23 @@ typedef void wisp_around_fn( void* user, void ( *run )( void* call ), void* call
 WISP_API wisp_status wisp_world_surround( wisp_world* world, const char* name, wisp_around_fn* around, void* user );
 
 // ---- between steps, for a module's public functions ----
+
+/// Begin a call of the host, before anything else: the message of the world becomes empty.
+/// @return WISP_BAD_INPUT the world is null; WISP_CONFLICT a step of it runs: the call comes from a callback or from another thread
+WISP_API wisp_status wisp_world_begin( wisp_world* world );
+/// Begin a call that is given a definition, and read it as wisp_def_read() does.
+WISP_API wisp_status wisp_world_begin_def( wisp_world* world, const char* filled_by, void* values,
+                                           const void* given );
+/// @return WISP_STALE_ID the entity was removed or never existed, with a message
+WISP_API wisp_status wisp_world_check_entity( wisp_world* world, wisp_entity entity );
+/// @return WISP_BAD_INPUT the pointer is null; the message has its name
+WISP_API wisp_status wisp_world_check_pointer( wisp_world* world, const char* name, const void* pointer );
+/// @return WISP_BAD_INPUT the count is negative, or above 0 with a null list; the message has the name of the list
+WISP_API wisp_status wisp_world_check_list( wisp_world* world, const char* name, const void* list, int count );
+/// As wisp_remove(), wisp_request() and wisp_cancel_request(), inside a call: the message of the world stays.
+WISP_API void wisp_world_remove( wisp_world* world, wisp_entity entity );
+WISP_API wisp_status wisp_world_request( wisp_world* world, wisp_entity entity, wisp_component component );
+WISP_API wisp_status wisp_world_cancel_request( wisp_world* world, wisp_entity entity, wisp_component component );
 
 /// Add an entity that is neither strands nor a surface: it has rows in WISP_TABLE_ENTITY alone, for what a module
 /// attaches. @param out receives the entity, null on failure
@@ -345,11 +364,10 @@ typedef struct wisp_number_range
 /// Check numbers in their order. @return WISP_BAD_INPUT, "subject: name is value, it must be low to high"
 WISP_API wisp_status wisp_world_check_ranges( wisp_world* world, const char* subject, const wisp_number_range* ranges,
                                               int count );
-/// Keep a message for wisp_world_message(), log it, and hand the status back.
+/// Keep a message for wisp_world_message(), hand it to the log of the host if there is one, and return the status.
 WISP_API wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* format, ... )
-    __attribute__( ( format( printf, 3, 4 ) ) );
+    WISP_PRINTF( 3, 4 );
 /// Log a warning: what was asked for is done, but not in full.
-WISP_API void wisp_world_warn( wisp_world* world, const char* format, ... )
-    __attribute__( ( format( printf, 2, 3 ) ) );
+WISP_API void wisp_world_warn( wisp_world* world, const char* format, ... ) WISP_PRINTF( 2, 3 );
 
 WISP_END_C

@@ -55,11 +55,11 @@ static inline uint64_t wisp_random_bits( wisp_random_key key, uint32_t a, uint32
 /// Uniform in [0, 1), 53 bits.
 static inline double wisp_random_unit( wisp_random_key key, uint32_t a, uint32_t b, uint32_t c )
 {
-    return (double)( wisp_random_bits( key, a, b, c ) >> 11 ) * 0x1p-53;
+    return (double)( wisp_random_bits( key, a, b, c ) >> 11 ) * 1.1102230246251565e-16; // 2^-53
 }
 
 /// Uniform in [0, 1), the top 24 bits of wisp_random_unit(): lower than it by less than 2^-24.
 static inline float wisp_random_unit_float( wisp_random_key key, uint32_t a, uint32_t b, uint32_t c )
 {
-    return (float)( wisp_random_bits( key, a, b, c ) >> 40 ) * 0x1p-24f;
+    return (float)( wisp_random_bits( key, a, b, c ) >> 40 ) * 5.9604644775390625e-8f; // 2^-24
 }

@@ -1,7 +1,7 @@
 /// Neighbour search: a uniform grid by counting sort, and neighbour lists in a fixed order.
 #pragma once
 
-#include "wisp/jobs.h"
+#include "wisp/module/jobs.h"
 #include "wisp/module/kernels.h"
 
 WISP_BEGIN_C

@@ -1,4 +1,4 @@
-/// Triangle meshes to collide with: the closest point within a radius, with a signed distance, and the first triangle that a
+/// For modules: triangle meshes to collide with, the closest point within a radius, with a signed distance, and the first triangle that a
 /// path crosses. Results are a pure function of mesh and query: they depend neither on the search structure and its
 /// history nor on the thread.
 ///
@@ -14,7 +14,7 @@
 ///     }
 #pragma once
 
-#include "wisp/base.h"
+#include "wisp/variants.h"
 
 WISP_BEGIN_C
 
@@ -23,14 +23,6 @@ WISP_BEGIN_C
 
 /// Opaque: a mesh and its search structure.
 typedef struct wisp_collision_mesh wisp_collision_mesh;
-
-/// Search structure. All of them give the same results to the last bit.
-typedef enum wisp_mesh_search
-{
-    WISP_MESH_SEARCH_TREE,   ///< a bounding volume tree; needs Embree
-    WISP_MESH_SEARCH_VOXELS, ///< a grid of cubes, each with a list of the triangles that touch it (Zhang and Yuen 2000)
-    WISP_MESH_SEARCH_COUNT,
-} wisp_mesh_search;
 
 /// A mesh. Copied; need not outlive the call. A surface is closed where its triangles share indices; coincident points
 /// are different points.

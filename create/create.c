@@ -1,0 +1,152 @@
+#include "create.h"
+
+#include "balloon.h"
+#include "boundary.h"
+#include "environment.h"
+#include "frozen_hair.h"
+#include "guide_hair.h"
+#include "implicit_cloth.h"
+#include "strand_appearance.h"
+#include "wisp/fabric.h"
+#include "wisp/module/module.h"
+
+// ---- worlds ----
+
+#define WISP_MODULE( name ) &wisp_##name##_module,
+static const wisp_module* const ALL_MODULES[] = {
+#include "modules.inc"
+};
+#undef WISP_MODULE
+
+const wisp_module* const* wisp_all_modules( int* count )
+{
+    if ( count != NULL )
+    {
+        *count = WISP_COUNT( ALL_MODULES );
+    }
+    return ALL_MODULES;
+}
+
+wisp_status wisp_create_world( wisp_world** out, wisp_error* error )
+{
+    wisp_world_def def = wisp_default_world_def();
+    def.modules = wisp_all_modules( &def.module_count );
+    return wisp_world_create( &def, out, error );
+}
+
+// ---- what cloth and hair share ----
+
+static wisp_status add_collision( wisp_world* world, wisp_entity entity, bool collides,
+                                  const wisp_collision_def* given )
+{
+    const wisp_collision_def usual = wisp_default_collision_def();
+    return collides ? wisp_set_collision( world, entity, given != NULL ? given : &usual ) : WISP_OK;
+}
+
+// An entity that is not whole is removed, and the message of what failed stays.
+static wisp_status finish( wisp_world* world, wisp_status status, wisp_entity* entity )
+{
+    if ( status != WISP_OK )
+    {
+        wisp_world_remove( world, *entity );
+        *entity = ( wisp_entity ){ 0, 0 };
+    }
+    return status;
+}
+
+// ---- cloth ----
+
+void wisp_init_create_cloth_def( wisp_create_cloth_def* def, size_t size )
+{
+    const wisp_surface_def surface = wisp_default_surface_def();
+    const wisp_create_cloth_def values = {
+        .area_density = surface.area_density,
+        .gravity = surface.gravity,
+        .collides = true,
+        .normals = true,
+    };
+    wisp_def_init( def, size, &values, sizeof( values ) );
+}
+
+static wisp_status cook( wisp_world* world, const wisp_create_cloth_def* def, const wisp_cloth_def* material,
+                         wisp_fabric** out )
+{
+    wisp_fabric_def fabric = wisp_default_fabric_def();
+    fabric.points = def->points;
+    fabric.vertex_count = def->vertex_count;
+    fabric.triangles = def->triangles;
+    fabric.triangle_count = def->triangle_count;
+    fabric.attachments = def->pins;
+    fabric.attachment_count = def->pin_count;
+    fabric.bend_links = material->bending == WISP_CLOTH_BENDING_LINKS;
+    fabric.hinges =
+        material->bending == WISP_CLOTH_BENDING_DIHEDRAL || material->bending == WISP_CLOTH_BENDING_ISOMETRIC;
+    fabric.tethers = material->tethers;
+    fabric.coarse_sheets = material->coarse_substeps > 0;
+    fabric.lean = true;
+    wisp_error error = { 0 };
+    const wisp_status status = wisp_fabric_cook( &fabric, NULL, out, &error );
+    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
+}
+
+static wisp_status dress( wisp_world* world, const wisp_create_cloth_def* def, const wisp_cloth_def* material,
+                          wisp_entity cloth )
+{
+    WISP_TRY( wisp_set_cloth( world, cloth, material ) );
+    WISP_TRY( wisp_set_damping( world, cloth, def->damping ) );
+    WISP_TRY( add_collision( world, cloth, def->collides, def->collision ) );
+    WISP_TRY( def->contact != NULL ? wisp_set_contact( world, cloth, def->contact ) : WISP_OK );
+    WISP_TRY( def->normals ? wisp_request( world, cloth, WISP_SURFACE_NORMALS ) : WISP_OK );
+    return wisp_request( world, cloth, WISP_SURFACE_POINTS );
+}
+
+wisp_status wisp_create_cloth( wisp_world* world, const wisp_create_cloth_def* given, wisp_entity* out )
+{
+    wisp_create_cloth_def def = wisp_default_create_cloth_def();
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_create_cloth_def", &def, given ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    *out = ( wisp_entity ){ 0, 0 };
+    wisp_cloth_def material = wisp_default_cloth_def();
+    if ( def.material != NULL )
+    {
+        WISP_TRY( wisp_world_begin_def( world, "wisp_default_cloth_def", &material, def.material ) );
+    }
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.area_density = def.area_density;
+    surface.gravity = def.gravity;
+    surface.pins = def.pins;
+    surface.pin_count = def.pin_count;
+    WISP_TRY( cook( world, &def, &material, &surface.fabric ) );
+    const wisp_status status = wisp_add_surface( world, &surface, out );
+    wisp_fabric_release( surface.fabric );
+    WISP_TRY( status );
+    return finish( world, dress( world, &def, &material, *out ), out );
+}
+
+// ---- hair ----
+
+void wisp_init_create_hair_def( wisp_create_hair_def* def, size_t size )
+{
+    const wisp_create_hair_def values = { .collides = true };
+    wisp_def_init( def, size, &values, sizeof( values ) );
+}
+
+static wisp_status animate( wisp_world* world, const wisp_create_hair_def* def, wisp_entity hair )
+{
+    const wisp_strand_dynamics_def usual = wisp_default_strand_dynamics_def();
+    WISP_TRY( wisp_set_strand_dynamics( world, hair, def->dynamics != NULL ? def->dynamics : &usual ) );
+    WISP_TRY( add_collision( world, hair, def->collides, def->collision ) );
+    return wisp_request( world, hair, WISP_STRAND_POINTS );
+}
+
+wisp_status wisp_create_hair( wisp_world* world, const wisp_create_hair_def* given, wisp_entity* out )
+{
+    wisp_create_hair_def def = wisp_default_create_hair_def();
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_create_hair_def", &def, given ) );
+    wisp_strands_def strands = wisp_default_strands_def();
+    strands.points = def.points;
+    strands.offsets = def.offsets;
+    strands.strand_count = def.strand_count;
+    WISP_TRY( wisp_add_strands( world, &strands, out ) );
+    return finish( world, animate( world, &def, *out ), out );
+}
