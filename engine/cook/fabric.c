@@ -369,6 +369,10 @@ static bool has_arrays( const wisp_fabric* f, unsigned arrays )
 
 wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned arrays )
 {
+    if ( fabric == NULL )
+    {
+        return WISP_BAD_INPUT;
+    }
     if ( has_arrays( fabric, arrays ) )
     {
         return WISP_OK;

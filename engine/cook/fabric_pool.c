@@ -75,7 +75,10 @@ cook_fabric* fabric_create( const wisp_allocator* allocator )
 void wisp_fabric_retain( wisp_fabric* fabric )
 {
     cook_fabric* cooked = (cook_fabric*)fabric;
-    atomic_fetch_add_explicit( &cooked->owners, 1, memory_order_relaxed );
+    if ( cooked != NULL )
+    {
+        atomic_fetch_add_explicit( &cooked->owners, 1, memory_order_relaxed );
+    }
 }
 
 void wisp_fabric_release( wisp_fabric* fabric )
@@ -97,6 +100,7 @@ void wisp_fabric_release( wisp_fabric* fabric )
 size_t wisp_fabric_bytes( const wisp_fabric* fabric )
 {
     const cook_fabric* cooked = (const cook_fabric*)fabric;
-    return sizeof( cook_fabric ) + cooked->keep.bytes + cooked->edges.bytes + cooked->rings.bytes +
-           cooked->spans.bytes;
+    return cooked != NULL ? sizeof( cook_fabric ) + cooked->keep.bytes + cooked->edges.bytes + cooked->rings.bytes +
+                                cooked->spans.bytes
+                          : 0;
 }

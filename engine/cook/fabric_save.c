@@ -194,9 +194,22 @@ size_t wisp_fabric_saved_size( const wisp_fabric* fabric )
     return SAVED_HEAD + 4 * (size_t)words;
 }
 
-void wisp_fabric_save( const wisp_fabric* fabric, void* out )
+wisp_status wisp_fabric_save( const wisp_fabric* fabric, void* out, size_t size, wisp_error* error )
 {
-    WISP_ASSERT( fabric->edges != NULL && fabric->ring_x4 != NULL );
+    if ( fabric == NULL || out == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got null", fabric == NULL ? "fabric" : "out" );
+    }
+    const size_t needed = wisp_fabric_saved_size( fabric );
+    if ( needed == 0 )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the arrays of a lean fabric" );
+    }
+    if ( size < needed )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "fabric: got room for %zu bytes, expected at least %zu", size,
+                          needed );
+    }
     unsigned char* head = out;
     unsigned char* cursor = head + SAVED_HEAD;
     wisp_fabric copy = *fabric;
@@ -204,6 +217,7 @@ void wisp_fabric_save( const wisp_fabric* fabric, void* out )
     memcpy( head, SAVED_MAGIC, 8 );
     write_long( head + 8, (uint64_t)( cursor - head - SAVED_HEAD ) / 4 );
     write_long( head + 16, fabric->hash );
+    return WISP_OK;
 }
 
 // ---- load ----
@@ -356,6 +370,10 @@ static wisp_status load( const unsigned char* bytes, size_t size, cook_fabric* c
 wisp_status wisp_fabric_load( const void* bytes, size_t size, const wisp_allocator* allocator, wisp_fabric** out,
                               wisp_error* error )
 {
+    if ( out == NULL || bytes == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got null", out == NULL ? "out" : "bytes" );
+    }
     *out = NULL;
     wisp_status status = check_head( bytes, size, error );
     if ( status != WISP_OK )

@@ -368,9 +368,9 @@ wisp_status wisp_world_surround( wisp_world* world, const char* name, wisp_aroun
 wisp_status wisp_read_substeps( wisp_world* world, wisp_entity entity, int* out )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, entity ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = 0;
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
     const wisp_status status = compile_if_changed( world );
     if ( status == WISP_OK )
     {

@@ -193,9 +193,9 @@ static wisp_status add_strands_instance( wisp_world* world, wisp_entity source, 
 wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, const wisp_transform* pose, wisp_entity* out )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, source ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_entity ){ 0, 0 };
+    WISP_TRY( wisp_world_check_entity( world, source ) );
     const store_entity* from = store_find( &world->store, source );
     if ( from->fabric == NULL && from->strands == NULL )
     {

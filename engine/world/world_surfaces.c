@@ -462,9 +462,9 @@ wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3
 wisp_status wisp_read_motion_stats( wisp_world* world, wisp_entity entity, wisp_motion_stats* out )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, entity ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_motion_stats ){ 0 };
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
     const store_entity* e = store_find( &world->store, entity );
     const wisp_motion_stats* column = store_column( &world->store, e, WISP_MOTION_STATS, 0 );
     if ( column == NULL || store_mask_has( &e->requests, WISP_MOTION_STATS ) == false )

@@ -608,9 +608,9 @@ wisp_status wisp_request_balloon_stats( wisp_world* world, wisp_entity balloon, 
 wisp_status wisp_read_balloon_stats( wisp_world* world, wisp_entity balloon, wisp_balloon_stats* out )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, balloon ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_balloon_stats ){ 0 };
+    WISP_TRY( wisp_world_check_entity( world, balloon ) );
     const balloon_state* state;
     wisp_status status = find_balloon( world, balloon, &state );
     if ( status != WISP_OK )

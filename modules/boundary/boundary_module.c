@@ -417,9 +417,9 @@ static wisp_status find_made( wisp_world* world, wisp_entity surface, boundary_l
 wisp_status wisp_read_boundary( wisp_world* world, wisp_entity surface, wisp_boundary_view* out )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_boundary_view ){ 0 };
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
     boundary_layer* layer;
     wisp_status status = find_made( world, surface, &layer );
     if ( status == WISP_OK )
@@ -447,9 +447,9 @@ static size_t bytes_of( const boundary_layer* layer )
 wisp_status wisp_read_boundary_stats( wisp_world* world, wisp_entity surface, wisp_boundary_stats* out )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = ( wisp_boundary_stats ){ 0 };
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
     boundary_layer* layer;
     wisp_status status = find_made( world, surface, &layer );
     if ( status == WISP_OK )

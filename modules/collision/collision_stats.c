@@ -317,9 +317,9 @@ wisp_status wisp_request_collision_stats( wisp_world* world, wisp_entity partici
 wisp_status wisp_read_collision_stats( wisp_world* world, wisp_entity participant, wisp_collision_stats* out )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, participant ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     *out = NOTHING;
+    WISP_TRY( wisp_world_check_entity( world, participant ) );
     collision_state* state;
     collision_settings* settings;
     wisp_status status = find_settings( world, participant, &state, &settings );

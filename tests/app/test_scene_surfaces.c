@@ -40,7 +40,7 @@ static void a_surface_without_blocks_has_the_defaults_and_computes_points( void*
     assert_int_equal( s->mesh.repairs + s->mesh.demands, 0 );
     assert_int_equal( s->instance_of, -1 );
     assert_true( s->pose.rotation.w == 1.0f );
-    assert_true( s->area_density == support_weightless_surface_def().area_density && s->vertex_mass == 0.0f );
+    assert_true( s->area_density == wisp_default_surface_def().area_density && s->vertex_mass == 0.0f );
     assert_vector( s->gravity, 0.0f, -9.8f, 0.0f );
     assert_true( s->strain_limit[0] == 0.0f && isinf( s->strain_limit[1] ) );
     assert_false( s->has_cloth || s->has_balloon || s->has_collision || s->has_pin_pivot || s->has_outlet_nearest );

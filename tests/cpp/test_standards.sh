@@ -49,7 +49,7 @@ done
 for compiler in clang clang-14; do
     command -v "$compiler" >/dev/null || continue
     mkdir -p "$folder/msvc"
-    printf 'float sqrtf( float );\nfloat fabsf( float );\ndouble sqrt( double );\nfloat fmaxf( float, float );\nfloat fminf( float, float );\n' >"$folder/msvc/math.h"
+    printf '#define INFINITY __builtin_inff()\nfloat sqrtf( float );\nfloat fabsf( float );\ndouble sqrt( double );\nfloat fmaxf( float, float );\nfloat fminf( float, float );\n' >"$folder/msvc/math.h"
     printf '#include <stddef.h>\nvoid* memcpy( void*, const void*, size_t );\nvoid* memset( void*, int, size_t );\n' >"$folder/msvc/string.h"
     # Hosts include no headers for modules.
     grep -v module/ "$folder/all.c" >"$folder/hosts.c"

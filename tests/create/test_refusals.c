@@ -271,6 +271,15 @@ static void pointers_that_are_null_are_named( void** state )
     wisp_error error;
     assert_int_equal( wisp_world_create( NULL, NULL, &error ), WISP_BAD_INPUT );
     assert_int_equal( wisp_fabric_cook( NULL, NULL, NULL, &error ), WISP_BAD_INPUT );
+    assert_int_equal( wisp_fabric_load( NULL, 8, NULL, NULL, &error ), WISP_BAD_INPUT );
+    assert_int_equal( wisp_fabric_save( NULL, NULL, 8, &error ), WISP_BAD_INPUT );
+    assert_contains( error.message, "fabric: got null" );
+    assert_int_equal( wisp_fabric_need( NULL, WISP_FABRIC_EDGES ), WISP_BAD_INPUT );
+    assert_int_equal( wisp_fabric_bytes( NULL ) + wisp_fabric_saved_size( NULL ), 0 );
+    wisp_fabric_retain( NULL );
+    wisp_fabric_release( NULL );
+    wisp_plan_info_release( NULL );
+    wisp_tune_release( NULL );
     assert_int_equal( wisp_tune( NULL, NULL, &error ), WISP_BAD_INPUT );
     assert_int_equal( wisp_tune_worlds( NULL, NULL, NULL, NULL ), WISP_BAD_INPUT );
     assert_true( wisp_world_hash( W ) == f->hash );

@@ -137,8 +137,8 @@ static void a_lean_fabric_is_saved_whole( void** state )
     const size_t size = wisp_fabric_saved_size( lean );
     assert_int_equal( size, wisp_fabric_saved_size( whole ) );
     unsigned char *a = checked_malloc( size ), *b = checked_malloc( size );
-    wisp_fabric_save( lean, a );
-    wisp_fabric_save( whole, b );
+    assert_int_equal( wisp_fabric_save( lean, a, size, NULL ), WISP_OK );
+    assert_int_equal( wisp_fabric_save( whole, b, size, NULL ), WISP_OK );
     assert_memory_equal( a, b, size );
     free( a );
     free( b );

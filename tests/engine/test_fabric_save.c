@@ -14,7 +14,7 @@ static saved save( const wisp_fabric* fabric )
 {
     saved s = { .size = wisp_fabric_saved_size( fabric ) };
     s.bytes = malloc( s.size );
-    wisp_fabric_save( fabric, s.bytes );
+    assert_int_equal( wisp_fabric_save( fabric, s.bytes, s.size, NULL ), WISP_OK );
     return s;
 }
 

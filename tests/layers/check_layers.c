@@ -453,7 +453,7 @@ static bool collect_effects( checker* c )
 
 static bool read_tree( checker* c )
 {
-    static const char* const folders[] = { "engine", "modules", "app", "bench", "examples", "tests" };
+    static const char* const folders[] = { "engine", "modules", "create", "app", "bench", "examples", "tests" };
     bool good = true;
     for ( size_t i = 0; i < sizeof( folders ) / sizeof( folders[0] ) && good; ++i )
     {

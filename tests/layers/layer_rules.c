@@ -14,7 +14,7 @@ typedef struct engine_room
 } engine_room;
 
 static const engine_room engine_rooms[] = {
-    { "base", 0, " base.h " },
+    { "base", 0, " base.h definition.h " },
     { "math", 1, " base.h random.h " },
     { "jobs", 2, " base.h random.h jobs.h " },
     { "kernels", 3, " base.h random.h jobs.h fabric.h kernels.h springs.h variants.h " },
@@ -179,13 +179,14 @@ static const char* upper_fault( const layer_info* from, const layer_info* to, co
     {
         return "wisp/module/ is for modules, not for hosts";
     }
-    if ( to->kind == LAYER_PUBLIC || to->kind == from->kind )
+    if ( to->kind == LAYER_PUBLIC || to->kind == LAYER_CREATE || to->kind == from->kind )
     {
         return NULL;
     }
     if ( to->kind == LAYER_MODULE )
     {
-        return is_module_face( to_path, to->name ) ? NULL : "that header is the module's own";
+        const bool is_list = strcmp( to_path, "modules/modules.inc" ) == 0;
+        return is_list || is_module_face( to_path, to->name ) ? NULL : "that header is the module's own";
     }
     if ( to->kind == LAYER_ENGINE )
     {

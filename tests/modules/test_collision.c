@@ -318,7 +318,7 @@ static void removed_bodies_and_surfaces_are_forgotten( void** state )
     wisp_entity second = add_collider( h->world, &ball );
     run_for( h->world, DT, 5 );
     assert_int_equal( wisp_remove( h->world, second ), WISP_OK );
-    assert_int_equal( wisp_move_collider( h->world, second, plane.pose ), WISP_CONFLICT );
+    assert_int_equal( wisp_move_collider( h->world, second, plane.pose ), WISP_STALE_ID );
     // a cloth in the body's slot is not mistaken for the body
     wisp_entity other = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 2.0f, 0.02f, 0.0f }, GRAVITY );
     assert_int_equal( other.index, second.index );

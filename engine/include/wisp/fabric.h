@@ -186,13 +186,15 @@ WISP_API void wisp_fabric_release( wisp_fabric* fabric );
 
 /// Make arrays that a lean fabric does not have yet. Thread-safe; they stay as long as the fabric.
 /// @param arrays wisp_fabric_arrays or-ed
-/// @return WISP_NO_MEMORY
+/// @return WISP_NO_MEMORY; WISP_BAD_INPUT the fabric is null
 WISP_API wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned arrays );
 
 /// Makes all arrays of a lean fabric. @return bytes that wisp_fabric_save() writes; 0 without memory for them
 WISP_API size_t wisp_fabric_saved_size( const wisp_fabric* fabric );
-/// Write a fabric, for wisp_fabric_load(). @param out [wisp_fabric_saved_size()] bytes, which was called before
-WISP_API void wisp_fabric_save( const wisp_fabric* fabric, void* out );
+/// Write a fabric, for wisp_fabric_load().
+/// @param size of `out` @param error may be null
+/// @return WISP_BAD_INPUT `out` has fewer bytes than wisp_fabric_saved_size(); WISP_NO_MEMORY
+WISP_API wisp_status wisp_fabric_save( const wisp_fabric* fabric, void* out, size_t size, wisp_error* error );
 /// Read a saved fabric. The bytes are untrusted: every index is checked.
 /// @return WISP_BAD_INPUT the bytes are not a fabric of this version (the message names the defect); WISP_NO_MEMORY
 WISP_API wisp_status wisp_fabric_load( const void* bytes, size_t size, const wisp_allocator* allocator,
