@@ -1,13 +1,9 @@
-// USD text: a mesh or linear curves per body, points as time samples. All samples of a body are together in the file,
-// while frames arrive with all bodies together: they are kept in a file without a name and written at the end.
-#define _XOPEN_SOURCE 700
-
+// USD text: a mesh or linear curves per body, points as time samples. All samples of an attribute are together in the
+// file, while frames arrive with all bodies together: they wait until the recorder is closed.
 #include "record_internal.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 // m. Curves without widths are drawn a metre thick; this is a hair.
 static const float drawn_width = 1e-4f;
@@ -15,10 +11,9 @@ static const float drawn_width = 1e-4f;
 typedef struct usda_file
 {
     io_output output;
-    FILE* waiting;   // the points of all bodies, frame after frame, as they are in memory
-    double* codes;   // [frame_count] times in steps
-    int capacity;    // of codes
-    wisp_vec3* body; // [largest vertex_count]
+    record_waiting* waiting;
+    wisp_vec3* points[2]; // [largest vertex_count] of two frames
+    float* numbers;       // [largest vertex_count]
 } usda_file;
 
 // ---- opening ---------------------------------------------------------------------------------------------------
@@ -79,64 +74,35 @@ static wisp_status check_strands( const wisp_recorder* recorder, wisp_error* err
     return WISP_OK;
 }
 
-// Next to the recording, where there is space for it; without a name, so that a crash leaves nothing behind.
-static wisp_status open_waiting( const char* path, FILE** waiting, wisp_error* error )
-{
-    static const char hidden[] = ".wisp-XXXXXX";
-    const char* slash = strrchr( path, '/' );
-    size_t folder = slash == NULL ? 0 : (size_t)( slash - path ) + 1;
-    char* name = malloc( folder + sizeof hidden );
-    if ( name == NULL )
-    {
-        return record_no_memory( path, error );
-    }
-    memcpy( name, path, folder );
-    memcpy( name + folder, hidden, sizeof hidden );
-    int descriptor = mkstemp( name );
-    if ( descriptor >= 0 )
-    {
-        unlink( name );
-        *waiting = fdopen( descriptor, "w+b" );
-    }
-    wisp_status status =
-        *waiting != NULL ? WISP_OK : record_refused( path, "create a file for frames beside it", error );
-    if ( *waiting == NULL && descriptor >= 0 )
-    {
-        close( descriptor );
-    }
-    free( name );
-    return status;
-}
-
 static void release_file( usda_file* file )
 {
     if ( file->output.stream != NULL )
     {
         io_output_discard( &file->output );
     }
-    if ( file->waiting != NULL )
-    {
-        fclose( file->waiting );
-    }
-    free( file->codes );
-    free( file->body );
+    record_waiting_close( file->waiting );
+    free( file->points[0] );
+    free( file->points[1] );
+    free( file->numbers );
     free( file );
 }
 
 static wisp_status usda_start( const wisp_recorder* recorder, usda_file* file, wisp_error* error )
 {
-    int largest = 0;
+    size_t largest = 0;
     for ( int b = 0; b < recorder->bodies.count; ++b )
     {
-        int count = recorder->bodies.list[b].vertex_count;
+        size_t count = (size_t)recorder->bodies.list[b].vertex_count;
         largest = count > largest ? count : largest;
     }
-    file->body = malloc( (size_t)largest * sizeof *file->body );
-    if ( file->body == NULL )
+    file->points[0] = malloc( largest * sizeof( wisp_vec3 ) );
+    file->points[1] = malloc( largest * sizeof( wisp_vec3 ) );
+    file->numbers = malloc( largest * sizeof( float ) );
+    if ( file->points[0] == NULL || file->points[1] == NULL || file->numbers == NULL )
     {
         return record_no_memory( recorder->path, error );
     }
-    wisp_status status = open_waiting( recorder->path, &file->waiting, error );
+    wisp_status status = record_waiting_open( recorder, &file->waiting, error );
     return status == WISP_OK ? io_output_open( recorder->path, &file->output, error ) : status;
 }
 
@@ -176,48 +142,41 @@ static double to_code( double time, double dt )
     return fabs( code - whole ) <= 1e-9 * fmax( 1.0, fabs( whole ) ) ? whole : code;
 }
 
-static wisp_status add_code( usda_file* file, const wisp_recorder* recorder, double code, wisp_error* error )
+static double code_of( const wisp_recorder* recorder, int frame )
 {
-    int count = recorder->frame_count;
-    if ( !isfinite( code ) || ( count > 0 && code <= file->codes[count - 1] ) )
+    const usda_file* file = recorder->file;
+    return to_code( record_waiting_time( file->waiting, frame ), recorder->dt );
+}
+
+static wisp_status usda_frame( wisp_recorder* recorder, const record_frame* frame, wisp_error* error )
+{
+    const usda_file* file = recorder->file;
+    const double code = to_code( frame->time, recorder->dt );
+    const int count = recorder->frame_count;
+    if ( !isfinite( code ) || ( count > 0 && code <= code_of( recorder, count - 1 ) ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           "%s: frame %d: no time code of its own, %.9g is not after the frame before",
                           io_short_name( recorder->path ), count, code );
     }
-    if ( count == file->capacity )
-    {
-        size_t capacity = file->capacity > 0 ? 2 * (size_t)file->capacity : 256;
-        double* larger = realloc( file->codes, capacity * sizeof *larger );
-        if ( larger == NULL || capacity > INT32_MAX )
-        {
-            file->codes = larger != NULL ? larger : file->codes;
-            return record_no_memory( recorder->path, error );
-        }
-        file->codes = larger;
-        file->capacity = (int)capacity;
-    }
-    file->codes[count] = code;
-    return WISP_OK;
+    return record_waiting_add( recorder, file->waiting, frame, error );
 }
 
-static wisp_status usda_frame( wisp_recorder* recorder, const record_frame* frame, wisp_error* error )
+// ---- one sample ------------------------------------------------------------------------------------------------
+
+// A prim that is being written.
+typedef struct usda_prim
 {
-    usda_file* file = recorder->file;
-    wisp_status status = add_code( file, recorder, to_code( frame->time, recorder->dt ), error );
-    for ( int b = 0; status == WISP_OK && b < recorder->bodies.count; ++b )
-    {
-        size_t count = (size_t)recorder->bodies.list[b].vertex_count;
-        if ( fwrite( frame->points[b], sizeof( wisp_vec3 ), count, file->waiting ) != count )
-        {
-            status = record_refused( recorder->path, "write", error );
-            recorder->lost = true;
-        }
-    }
-    return status;
-}
+    const wisp_recorder* recorder;
+    const usda_file* file;
+    const wisp_record_body* body;
+    int number; // of the body
+    int value;  // of the body, for write_numbers()
+    FILE* out;
+} usda_prim;
 
-// ---- text ------------------------------------------------------------------------------------------------------
+// Writes the sample of a frame, without brackets.
+typedef wisp_status sample_writer( const usda_prim* prim, int frame, wisp_error* error );
 
 static void write_vector( FILE* out, wisp_vec3 v )
 {
@@ -225,76 +184,222 @@ static void write_vector( FILE* out, wisp_vec3 v )
     fprintf( out, "(%.9g, %.9g, %.9g)", (double)v.x, (double)v.y, (double)v.z );
 }
 
-// The box of a body as drawn: half a width around the points of curves.
-static void write_extent( FILE* out, const wisp_record_body* body, const wisp_vec3* points )
+static void write_vectors( FILE* out, const wisp_vec3* vectors, int count )
 {
-    record_bounds bounds = { .filled = false };
-    record_extend_bounds( &bounds, points, body->vertex_count );
-    float half = body->offsets != NULL ? 0.5f * drawn_width : 0.0f;
-    wisp_vec3 least = bounds.least, most = bounds.most;
-    write_vector( out, ( wisp_vec3 ){ least.x - half, least.y - half, least.z - half } );
-    fputs( ", ", out );
-    write_vector( out, ( wisp_vec3 ){ most.x + half, most.y + half, most.z + half } );
-}
-
-static void write_points( FILE* out, const wisp_record_body* body, const wisp_vec3* points )
-{
-    for ( int v = 0; v < body->vertex_count; ++v )
+    for ( int v = 0; v < count; ++v )
     {
         fputs( v > 0 ? ", " : "", out );
-        write_vector( out, points[v] );
+        write_vector( out, vectors[v] );
     }
 }
 
-typedef void sample_writer( FILE* out, const wisp_record_body* body, const wisp_vec3* points );
+static void write_floats( FILE* out, const float* numbers, int count )
+{
+    for ( int v = 0; v < count; ++v )
+    {
+        fprintf( out, "%s%.9g", v > 0 ? ", " : "", (double)numbers[v] );
+    }
+}
 
-// Read the stored frames for one body and one attribute.
-static wisp_status write_samples( const wisp_recorder* recorder, int b, const char* type_and_name,
+static wisp_status load_points( const usda_prim* prim, int frame, wisp_vec3* out, wisp_error* error )
+{
+    if ( prim->body->is_static )
+    {
+        memcpy( out, prim->recorder->fixed[prim->number], (size_t)prim->body->vertex_count * sizeof *out );
+        return WISP_OK;
+    }
+    return record_waiting_points( prim->recorder, prim->file->waiting, frame, prim->number, out, error );
+}
+
+static wisp_status write_points( const usda_prim* prim, int frame, wisp_error* error )
+{
+    wisp_vec3* points = prim->file->points[0];
+    wisp_status status = load_points( prim, frame, points, error );
+    if ( status == WISP_OK )
+    {
+        write_vectors( prim->out, points, prim->body->vertex_count );
+    }
+    return status;
+}
+
+static wisp_status write_normals( const usda_prim* prim, int frame, wisp_error* error )
+{
+    wisp_vec3* points = prim->file->points[0];
+    wisp_status status = load_points( prim, frame, points, error );
+    if ( status == WISP_OK )
+    {
+        write_vectors( prim->out, record_normals( prim->recorder, prim->number, points ), prim->body->vertex_count );
+    }
+    return status;
+}
+
+static float largest_width( const wisp_record_body* body )
+{
+    float width = body->offsets != NULL && body->widths == NULL ? drawn_width : 0.0f;
+    for ( int v = 0; body->offsets != NULL && body->widths != NULL && v < body->vertex_count; ++v )
+    {
+        width = fmaxf( width, body->widths[v] );
+    }
+    return width;
+}
+
+// The box of a body as drawn: half a width around the points of curves.
+static wisp_status write_extent( const usda_prim* prim, int frame, wisp_error* error )
+{
+    wisp_vec3* points = prim->file->points[0];
+    wisp_status status = load_points( prim, frame, points, error );
+    if ( status == WISP_OK )
+    {
+        record_bounds bounds = { .filled = false };
+        record_extend_bounds( &bounds, points, prim->body->vertex_count );
+        const float half = 0.5f * largest_width( prim->body );
+        const wisp_vec3 corners[2] = {
+            { bounds.least.x - half, bounds.least.y - half, bounds.least.z - half },
+            { bounds.most.x + half, bounds.most.y + half, bounds.most.z + half },
+        };
+        write_vectors( prim->out, corners, 2 );
+    }
+    return status;
+}
+
+// Central differences of the frames around, one-sided at the ends: what motion blur around a frame needs.
+static wisp_status write_velocities( const usda_prim* prim, int frame, wisp_error* error )
+{
+    const usda_file* file = prim->file;
+    const int before = frame > 0 ? frame - 1 : 0;
+    const int after = frame + 1 < prim->recorder->frame_count ? frame + 1 : frame;
+    wisp_status status = load_points( prim, before, file->points[0], error );
+    status = status == WISP_OK ? load_points( prim, after, file->points[1], error ) : status;
+    if ( status == WISP_OK )
+    {
+        const double time =
+            record_waiting_time( file->waiting, after ) - record_waiting_time( file->waiting, before );
+        for ( int v = 0; v < prim->body->vertex_count; ++v )
+        {
+            const wisp_vec3 a = file->points[0][v], b = file->points[1][v];
+            file->points[1][v] = ( wisp_vec3 ){ (float)( ( (double)b.x - (double)a.x ) / time ),
+                                                (float)( ( (double)b.y - (double)a.y ) / time ),
+                                                (float)( ( (double)b.z - (double)a.z ) / time ) };
+        }
+        write_vectors( prim->out, file->points[1], prim->body->vertex_count );
+    }
+    return status;
+}
+
+static wisp_status write_numbers( const usda_prim* prim, int frame, wisp_error* error )
+{
+    wisp_status status = record_waiting_numbers( prim->recorder, prim->file->waiting, frame, prim->number,
+                                                 prim->value, prim->file->numbers, error );
+    if ( status == WISP_OK )
+    {
+        write_floats( prim->out, prim->file->numbers, prim->body->vertex_count );
+    }
+    return status;
+}
+
+// ---- attributes ------------------------------------------------------------------------------------------------
+
+static void write_interpolation( FILE* out, const char* interpolation )
+{
+    fprintf( out, " (\n            interpolation = \"%s\"\n        )\n", interpolation );
+}
+
+// @param interpolation null: none is written
+static wisp_status write_samples( const usda_prim* prim, const char* type_and_name, const char* interpolation,
                                   sample_writer* write, wisp_error* error )
 {
-    const usda_file* file = recorder->file;
-    const wisp_record_body* body = &recorder->bodies.list[b];
-    FILE* out = file->output.stream;
-    const record_bodies before = { recorder->bodies.list, b };
-    uint64_t frame_bytes = record_point_bytes( &recorder->bodies );
-    size_t count = (size_t)body->vertex_count;
-    fprintf( out, "        %s.timeSamples = {\n", type_and_name );
-    for ( int f = 0; f < recorder->frame_count; ++f )
+    FILE* out = prim->out;
+    if ( interpolation != NULL )
     {
-        uint64_t at = (uint64_t)f * frame_bytes + record_point_bytes( &before );
-        if ( fseeko( file->waiting, (off_t)at, SEEK_SET ) != 0 ||
-             fread( file->body, sizeof *file->body, count, file->waiting ) != count )
-        {
-            return record_refused( recorder->path, "read the frames that waited beside it", error );
-        }
-        fprintf( out, "            %.17g: [", file->codes[f] );
-        write( out, body, file->body );
+        fprintf( out, "        %s", type_and_name );
+        write_interpolation( out, interpolation );
+    }
+    fprintf( out, "        %s.timeSamples = {\n", type_and_name );
+    wisp_status status = WISP_OK;
+    for ( int f = 0; f < prim->recorder->frame_count && status == WISP_OK; ++f )
+    {
+        fprintf( out, "            %.17g: [", code_of( prim->recorder, f ) );
+        status = write( prim, f, error );
         fputs( "],\n", out );
     }
     fputs( "        }\n", out );
-    return WISP_OK;
+    return status;
 }
 
-static void write_numbers( FILE* out, const int32_t* numbers, size_t count )
+// An attribute of points: one default value of a static body, time samples of others.
+static wisp_status write_attribute( const usda_prim* prim, const char* type_and_name, const char* interpolation,
+                                    sample_writer* write, wisp_error* error )
 {
-    for ( size_t i = 0; i < count; ++i )
+    if ( !prim->body->is_static )
     {
-        fprintf( out, "%s%d", i > 0 ? ", " : "", numbers[i] );
+        return write_samples( prim, type_and_name, interpolation, write, error );
     }
-    fputs( "]\n", out );
+    if ( prim->recorder->frame_count == 0 )
+    {
+        return WISP_OK;
+    }
+    fprintf( prim->out, "        %s = [", type_and_name );
+    wisp_status status = write( prim, 0, error );
+    fputs( "]", prim->out );
+    if ( interpolation != NULL )
+    {
+        write_interpolation( prim->out, interpolation );
+    }
+    else
+    {
+        fputs( "\n", prim->out );
+    }
+    return status;
 }
+
+static wisp_status write_values( usda_prim* prim, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < prim->body->value_count && status == WISP_OK; ++i )
+    {
+        char name[WISP_RECORD_MAX_NAME + 2], attribute[WISP_RECORD_MAX_NAME + 32];
+        make_name( prim->body->values[i].name, name );
+        snprintf( attribute, sizeof attribute, "float[] primvars:%s", name );
+        prim->value = i;
+        status = write_samples( prim, attribute, "vertex", write_numbers, error );
+    }
+    return status;
+}
+
+static wisp_status write_all_attributes( usda_prim* prim, wisp_error* error )
+{
+    const wisp_record_body* body = prim->body;
+    wisp_status status = write_attribute( prim, "float3[] extent", NULL, write_extent, error );
+    status = status == WISP_OK ? write_attribute( prim, "point3f[] points", NULL, write_points, error ) : status;
+    if ( status == WISP_OK && body->triangle_count > 0 )
+    {
+        status = write_attribute( prim, "normal3f[] normals", "vertex", write_normals, error );
+    }
+    if ( status == WISP_OK && !body->is_static && prim->recorder->frame_count > 1 )
+    {
+        status = write_samples( prim, "vector3f[] velocities", NULL, write_velocities, error );
+    }
+    return status == WISP_OK ? write_values( prim, error ) : status;
+}
+
+// ---- prims -----------------------------------------------------------------------------------------------------
 
 static void write_mesh( FILE* out, const wisp_record_body* body )
 {
-    fputs( "        int[] faceVertexCounts = [", out );
+    fputs( "        uniform bool doubleSided = 1\n"
+           "        int[] faceVertexCounts = [",
+           out );
     for ( int t = 0; t < body->triangle_count; ++t )
     {
         fputs( t > 0 ? ", 3" : "3", out );
     }
     fputs( "]\n        int[] faceVertexIndices = [", out );
-    write_numbers( out, body->triangles, 3 * (size_t)body->triangle_count );
+    for ( size_t i = 0; i < 3 * (size_t)body->triangle_count; ++i )
+    {
+        fprintf( out, "%s%d", i > 0 ? ", " : "", body->triangles[i] );
+    }
     // Without this the mesh would be drawn as a subdivision surface, smoother than what was simulated.
-    fputs( "        uniform token subdivisionScheme = \"none\"\n", out );
+    fputs( "]\n        uniform token subdivisionScheme = \"none\"\n", out );
 }
 
 static void write_curves( FILE* out, const wisp_record_body* body )
@@ -304,31 +409,38 @@ static void write_curves( FILE* out, const wisp_record_body* body )
     {
         fprintf( out, "%s%d", s > 0 ? ", " : "", body->offsets[s + 1] - body->offsets[s] );
     }
-    fprintf( out,
-             "]\n"
-             "        uniform token type = \"linear\"\n"
-             "        uniform token wrap = \"nonperiodic\"\n"
-             "        float[] widths = [%.9g] (\n"
-             "            interpolation = \"constant\"\n"
-             "        )\n",
-             (double)drawn_width );
+    fputs( "]\n"
+           "        uniform token type = \"linear\"\n"
+           "        uniform token wrap = \"nonperiodic\"\n"
+           "        float[] widths = [",
+           out );
+    body->widths != NULL ? write_floats( out, body->widths, body->vertex_count )
+                         : write_floats( out, &drawn_width, 1 );
+    fputs( "]", out );
+    write_interpolation( out, body->widths != NULL ? "vertex" : "constant" );
+}
+
+static void write_colour( FILE* out, const wisp_record_body* body )
+{
+    const wisp_vec3 base = record_base_colour( body );
+    fputs( "        color3f[] primvars:displayColor = [", out );
+    body->colours != NULL ? write_vectors( out, body->colours, body->vertex_count ) : write_vectors( out, &base, 1 );
+    fputs( "]", out );
+    write_interpolation( out, body->colours != NULL ? "vertex" : "constant" );
 }
 
 static wisp_status write_body( const wisp_recorder* recorder, int b, wisp_error* error )
 {
-    const usda_file* file = recorder->file;
     const wisp_record_body* body = &recorder->bodies.list[b];
-    FILE* out = file->output.stream;
+    const usda_file* file = recorder->file;
+    usda_prim prim = { recorder, file, body, b, 0, file->output.stream };
     char name[WISP_RECORD_MAX_NAME + 2];
     make_name( body->name, name );
-    fprintf( out, "\n    def %s \"%s\"\n    {\n", body->offsets != NULL ? "BasisCurves" : "Mesh", name );
-    body->offsets != NULL ? write_curves( out, body ) : write_mesh( out, body );
-    wisp_status status = write_samples( recorder, b, "float3[] extent", write_extent, error );
-    if ( status == WISP_OK )
-    {
-        status = write_samples( recorder, b, "point3f[] points", write_points, error );
-    }
-    fputs( "    }\n", out );
+    fprintf( prim.out, "\n    def %s \"%s\"\n    {\n", body->offsets != NULL ? "BasisCurves" : "Mesh", name );
+    body->offsets != NULL ? write_curves( prim.out, body ) : write_mesh( prim.out, body );
+    write_colour( prim.out, body );
+    wisp_status status = write_all_attributes( &prim, error );
+    fputs( "    }\n", prim.out );
     return status;
 }
 
@@ -357,7 +469,7 @@ static wisp_status write_stage( const wisp_recorder* recorder, wisp_error* error
              "    timeCodesPerSecond = %.17g\n"
              "    upAxis = \"Y\"\n"
              ")\n\ndef Xform \"Recording\"\n{",
-             count > 0 ? file->codes[count - 1] : 0.0, rate, count > 0 ? file->codes[0] : 0.0, rate );
+             count > 0 ? code_of( recorder, count - 1 ) : 0.0, rate, count > 0 ? code_of( recorder, 0 ) : 0.0, rate );
     wisp_status status = WISP_OK;
     for ( int b = 0; status == WISP_OK && b < recorder->bodies.count; ++b )
     {
@@ -370,10 +482,6 @@ static wisp_status write_stage( const wisp_recorder* recorder, wisp_error* error
 static wisp_status usda_finish( const wisp_recorder* recorder, wisp_error* error )
 {
     usda_file* file = recorder->file;
-    if ( fflush( file->waiting ) != 0 )
-    {
-        return record_refused( recorder->path, "write", error );
-    }
     io_numbers numbers;
     wisp_status status = io_numbers_begin( &numbers, error );
     if ( status != WISP_OK )
@@ -393,4 +501,4 @@ static wisp_status usda_close( wisp_recorder* recorder, wisp_error* error )
     return status;
 }
 
-const record_format record_format_usda = { ".usda", usda_open, usda_frame, usda_close };
+const record_format record_format_usda = { ".usda", true, usda_open, usda_frame, usda_close };

@@ -114,7 +114,9 @@ static void copy_with_one_bit_off( const char* from, const char* to )
     wisp_recording* recording;
     assert_int_equal( wisp_recording_open( from, &recording, &error ), WISP_OK );
     wisp_recording_info info = wisp_recording_describe( recording );
-    const wisp_recorder_def def = { wisp_recording_body( recording, 0 ), info.body_count, info.dt };
+    const wisp_recorder_def def = { .bodies = wisp_recording_body( recording, 0 ),
+                                    .body_count = info.body_count,
+                                    .dt = info.dt };
     wisp_recorder* recorder;
     assert_int_equal( wisp_recorder_open( to, WISP_RECORD_WISP, &def, &recorder, &error ), WISP_OK );
     for ( int f = 0; f < info.frame_count; ++f )

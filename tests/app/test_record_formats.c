@@ -242,7 +242,7 @@ static void a_strand_without_a_segment_is_no_line( void** state )
     wisp_record_body bodies[] = { fixture_bodies[0], fixture_bodies[1] };
     bodies[1].offsets = offsets;
     bodies[1].strand_count = 3;
-    wisp_recorder_def def = { bodies, 2, 0.1 };
+    wisp_recorder_def def = { .bodies = bodies, .body_count = 2, .dt = 0.1 };
     fixture_record( path_in( state, "a.pvd" ), &def, 1 );
     size_t size = 0;
     char* text = read_bytes( path_in( state, "a/hair-2_0001.vtp" ), &size );
@@ -422,7 +422,7 @@ static void names_that_usd_cannot_tell_apart_are_refused( void** state )
     wisp_record_body bodies[] = { fixture_bodies[0], fixture_bodies[0] };
     bodies[0].name = "a-b";
     bodies[1].name = "a_b";
-    wisp_recorder_def def = { bodies, 2, 0.1 };
+    wisp_recorder_def def = { .bodies = bodies, .body_count = 2, .dt = 0.1 };
     wisp_recorder* recorder = NULL;
     wisp_error error = { .status = WISP_OK };
     char* path = path_in( state, "a.usda" );
