@@ -177,9 +177,8 @@ static bool is_static( const scene_world* world, int body )
     return collider >= 0 && world->scene->colliders[collider].path.count == 0;
 }
 
-// What a recording of points alone does not hold.
-static wisp_status add_details( scene_world* world, int number, const scene_body* body, unsigned asked,
-                                wisp_record_body* to, run_body_data* data, wisp_error* error )
+static wisp_status add_appearance( const scene_world* world, int number, const scene_body* body, wisp_record_body* to,
+                                   run_body_data* data, wisp_error* error )
 {
     to->is_static = is_static( world, number );
     if ( body->kind == SCENE_BODY_STRANDS && !dress_strands( world, number, body, data ) )
@@ -188,7 +187,7 @@ static wisp_status add_details( scene_world* world, int number, const scene_body
     }
     to->widths = data->widths;
     to->colours = data->colours;
-    return number < scene_world_moving_count( world ) ? add_values( world, number, asked, to, data, error ) : WISP_OK;
+    return WISP_OK;
 }
 
 static wisp_status list_bodies( scene_world* world, bool has_values, unsigned asked, run_bodies* out,
@@ -206,8 +205,12 @@ static wisp_status list_bodies( scene_world* world, bool has_values, unsigned as
         wisp_record_body* to = &out->list[out->count];
         *to = entry_of( &body, picture_body_colour( body.kind, &cloths, &balloons ) );
         out->numbers[out->count] = i;
-        status = has_values ? add_details( world, i, &body, asked, to, &out->data[out->count], error ) : WISP_OK;
-        ++out->count;
+        run_body_data* data = &out->data[out->count++];
+        status = add_appearance( world, i, &body, to, data, error );
+        if ( status == WISP_OK && has_values && i < scene_world_moving_count( world ) )
+        {
+            status = add_values( world, i, asked, to, data, error );
+        }
     }
     return status;
 }

@@ -28,7 +28,7 @@ typedef struct run_bodies
 
 /// Request the points of all bodies, list them, and prepare their values: those that the scene computes and those that
 /// are asked for, which are requested too. Call before the first step.
-/// @param has_values the recording holds values, widths and colours; false: they are left out
+/// @param has_values the recording holds values; false: they are left out
 /// @param asked set of RUN_VALUE_..; each must exist in one body at least
 /// @param out to be released, after a failure too
 /// @return WISP_BAD_INPUT no body has the value that is asked for; WISP_NO_MEMORY

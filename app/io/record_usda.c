@@ -311,8 +311,8 @@ static wisp_status write_samples( const usda_prim* prim, const char* type_and_na
     FILE* out = prim->out;
     if ( interpolation != NULL )
     {
-        fprintf( out, "        %s", type_and_name );
-        write_interpolation( out, interpolation );
+        // In one line: three.js takes a line with a colon and without an equals sign for a sample.
+        fprintf( out, "        %s (interpolation = \"%s\")\n", type_and_name, interpolation );
     }
     fprintf( out, "        %s.timeSamples = {\n", type_and_name );
     wisp_status status = WISP_OK;
@@ -444,12 +444,12 @@ static wisp_status write_body( const wisp_recorder* recorder, int b, wisp_error*
     return status;
 }
 
-// 1/60 as a float is not exact; programs expect 60 frames a second.
+// 1/60 as a float, or as 0.0166667 in a scene, is not exact; programs expect 60 frames a second.
 static double rate_of( double dt )
 {
     double rate = 1.0 / dt;
     double whole = round( rate );
-    return whole >= 1.0 && fabs( rate - whole ) <= 1e-6 * whole ? whole : rate;
+    return whole >= 1.0 && fabs( rate - whole ) <= 1e-5 * whole ? whole : rate;
 }
 
 static wisp_status write_stage( const wisp_recorder* recorder, wisp_error* error )
