@@ -40,7 +40,7 @@ extern "C"
     /// A number per vertex that changes with the frames, such as strain.
     typedef struct wisp_record_value
     {
-        const char* name;     ///< letters as of a body, no two of a body the same
+        const char* name; ///< 1 to WISP_RECORD_MAX_NAME of A-Z a-z 0-9 _, no digit first, no two of a body the same
         const float* numbers; ///< [vertex_count], finite; not copied: each wisp_recorder_frame() reads them
     } wisp_record_value;
 

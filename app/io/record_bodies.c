@@ -78,6 +78,20 @@ static wisp_status check_strands( const wisp_record_body* body, const char* name
                             body->name, end, body->vertex_count );
 }
 
+// Names that files use themselves, and USD's rule for names.
+static bool is_value_name( const char* text )
+{
+    static const char* const taken[] = { "Normals", "Points", "RGB", "width", "displayColor" };
+    for ( int i = 0; i < WISP_COUNT( taken ); ++i )
+    {
+        if ( strcmp( text, taken[i] ) == 0 )
+        {
+            return false;
+        }
+    }
+    return is_name( text ) && strchr( text, '-' ) == NULL && !( text[0] >= '0' && text[0] <= '9' );
+}
+
 static bool is_fraction( wisp_vec3 c )
 {
     return c.x >= 0.0f && c.x <= 1.0f && c.y >= 0.0f && c.y <= 1.0f && c.z >= 0.0f && c.z <= 1.0f;
@@ -114,10 +128,12 @@ static wisp_status check_values( const wisp_record_body* body, const char* name,
     for ( int i = 0; i < body->value_count; ++i )
     {
         const wisp_record_value* value = &body->values[i];
-        if ( value->name == NULL || !is_name( value->name ) || value->numbers == NULL )
+        if ( value->name == NULL || !is_value_name( value->name ) || value->numbers == NULL )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: value %d has no name or no numbers", name,
-                              body->name, i );
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "%s: body %s: value %d has no numbers, or a name that files use or that has other "
+                              "characters than A-Z a-z 0-9 _",
+                              name, body->name, i );
         }
         for ( int other = 0; other < i; ++other )
         {

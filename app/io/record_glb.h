@@ -24,7 +24,16 @@ typedef struct glb_layout
     uint64_t size;
 } glb_layout;
 
-/// Bytes of one vertex, of the points, normals or colours that a body has.
+typedef struct glb_file
+{
+    io_output output;
+    record_waiting* waiting;
+    wisp_vec3 *first, *points; ///< [largest vertex_count] in the first frame and in another one
+    wisp_vec3* first_normals;  ///< [largest vertex_count]
+    glb_layout layout;         ///< when the recorder is closed
+} glb_file;
+
+/// Bytes of the points, normals or colours of a body.
 uint64_t glb_block_bytes( const wisp_record_body* body );
 /// Blocks of a body before its targets, and in each target.
 int glb_base_blocks( const wisp_record_body* body, const glb_body* place );
@@ -32,3 +41,8 @@ int glb_target_blocks( const glb_body* place );
 
 /// Write the JSON part. @return false: out of memory
 bool glb_write_json( const wisp_recorder* recorder, const glb_layout* layout, char** text, size_t* size );
+
+/// Find the bounds of a body and of its targets. Reads the frames that wait.
+wisp_status glb_find_bounds( const wisp_recorder* recorder, int body, wisp_error* error );
+/// Write the binary part; errors of the output are left to its commit.
+wisp_status glb_put_binary( const wisp_recorder* recorder, wisp_error* error );

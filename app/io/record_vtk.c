@@ -194,22 +194,34 @@ static void write_lines( FILE* out, const wisp_record_body* body, line_counts co
     fputs( "      </Lines>\n", out );
 }
 
+// The first file of a static body without values serves all frames, and has no time.
+static bool is_for_all_frames( const wisp_record_body* body )
+{
+    return body->is_static && body->value_count == 0;
+}
+
 static void write_vtp( FILE* out, const wisp_recorder* recorder, int b, const record_frame* frame )
 {
     const wisp_record_body* body = &recorder->bodies.list[b];
     const wisp_vec3* points = frame->points[b];
     line_counts counts = count_lines( body );
+    fputs( "<?xml version=\"1.0\"?>\n"
+           "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+           "  <PolyData>\n",
+           out );
+    if ( !is_for_all_frames( body ) )
+    {
+        fprintf( out,
+                 "    <FieldData>\n"
+                 "      <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">%.17g"
+                 "</DataArray>\n"
+                 "    </FieldData>\n",
+                 frame->time );
+    }
     fprintf( out,
-             "<?xml version=\"1.0\"?>\n"
-             "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-             "  <PolyData>\n"
-             "    <FieldData>\n"
-             "      <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">%.17g"
-             "</DataArray>\n"
-             "    </FieldData>\n"
              "    <Piece NumberOfPoints=\"%d\" NumberOfVerts=\"0\" NumberOfLines=\"%d\" NumberOfStrips=\"0\" "
              "NumberOfPolys=\"%d\">\n",
-             frame->time, body->vertex_count, counts.lines, body->triangle_count );
+             body->vertex_count, counts.lines, body->triangle_count );
     write_point_data( out, body, body->triangle_count > 0 ? record_normals( recorder, b, points ) : NULL );
     write_points( out, points, body->vertex_count );
     if ( body->offsets != NULL )
@@ -314,10 +326,9 @@ static wisp_status write_body( const char* path, const wisp_recorder* recorder, 
     return io_output_commit( &output, error );
 }
 
-// The file of a static body without values serves all frames.
 static bool is_written( const wisp_recorder* recorder, const wisp_record_body* body )
 {
-    return recorder->frame_count == 0 || !body->is_static || body->value_count > 0;
+    return recorder->frame_count == 0 || !is_for_all_frames( body );
 }
 
 static wisp_status write_bodies( const wisp_recorder* recorder, const record_frame* frame, wisp_error* error )
