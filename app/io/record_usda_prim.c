@@ -178,10 +178,6 @@ static wisp_status write_attribute( const usda_prim* prim, const char* type_and_
     {
         return write_samples( prim, type_and_name, interpolation, write, error );
     }
-    if ( prim->recorder->frame_count == 0 )
-    {
-        return WISP_OK;
-    }
     fprintf( prim->out, "        %s = [", type_and_name );
     wisp_status status = write( prim, 0, error );
     fputs( "]", prim->out );
@@ -209,9 +205,14 @@ static wisp_status write_values( usda_prim* prim, wisp_error* error )
     return status;
 }
 
+// Without a frame there are none, because some readers refuse an empty list of samples.
 static wisp_status write_all_attributes( usda_prim* prim, wisp_error* error )
 {
     const wisp_record_body* body = prim->body;
+    if ( prim->recorder->frame_count == 0 )
+    {
+        return WISP_OK;
+    }
     wisp_status status = write_attribute( prim, "float3[] extent", NULL, write_extent, error );
     status = status == WISP_OK ? write_attribute( prim, "point3f[] points", NULL, write_points, error ) : status;
     if ( status == WISP_OK && body->triangle_count > 0 )
