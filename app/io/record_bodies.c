@@ -105,15 +105,20 @@ static wisp_status check_appearance( const wisp_record_body* body, const char* n
                           body->name, (double)body->base_colour.x, (double)body->base_colour.y,
                           (double)body->base_colour.z );
     }
-    for ( int v = 0; v < body->vertex_count; ++v )
+    // Readers have neither, and a count of vertices that nothing confirms.
+    for ( int v = 0; body->colours != NULL && v < body->vertex_count; ++v )
     {
-        if ( body->colours != NULL && !is_fraction( body->colours[v] ) )
+        const wisp_vec3 c = body->colours[v];
+        if ( !is_fraction( c ) )
         {
-            return wisp_fail(
-                error, WISP_BAD_INPUT, "%s: body %s, vertex %d: got a colour of (%g, %g, %g), expected 0 to 1", name,
-                body->name, v, (double)body->colours[v].x, (double)body->colours[v].y, (double)body->colours[v].z );
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "%s: body %s, vertex %d: got a colour of (%g, %g, %g), expected 0 to 1", name,
+                              body->name, v, (double)c.x, (double)c.y, (double)c.z );
         }
-        if ( body->widths != NULL && ( !isfinite( body->widths[v] ) || body->widths[v] < 0.0f ) )
+    }
+    for ( int v = 0; body->widths != NULL && v < body->vertex_count; ++v )
+    {
+        if ( !isfinite( body->widths[v] ) || body->widths[v] < 0.0f )
         {
             return wisp_fail( error, WISP_BAD_INPUT,
                               "%s: body %s, vertex %d: got a width of %g m, expected at least 0", name, body->name, v,
