@@ -63,7 +63,7 @@ static void release_recorder( wisp_recorder* recorder )
     free( recorder );
 }
 
-// Where static bodies stand, and room for the normals of any mesh.
+// Room for where static bodies stand, and for the normals of any mesh.
 static bool make_room( wisp_recorder* recorder )
 {
     size_t largest = 1;
@@ -77,8 +77,12 @@ static bool make_room( wisp_recorder* recorder )
         recorder->fixed[b] = body->is_static ? malloc( count * sizeof **recorder->fixed ) : NULL;
         made = !body->is_static || recorder->fixed[b] != NULL;
     }
-    recorder->normal_sums = made ? malloc( 3 * largest * sizeof *recorder->normal_sums ) : NULL;
-    recorder->normals = made ? malloc( largest * sizeof *recorder->normals ) : NULL;
+    if ( !made || !recorder->format->has_normals )
+    {
+        return made;
+    }
+    recorder->normal_sums = malloc( 3 * largest * sizeof *recorder->normal_sums );
+    recorder->normals = malloc( largest * sizeof *recorder->normals );
     return recorder->normal_sums != NULL && recorder->normals != NULL;
 }
 

@@ -111,7 +111,7 @@ struct wisp_recorder
     void* file;          ///< the format's own
 
     wisp_vec3** fixed;   ///< [body_count] points of static bodies in the first frame; null for the others
-    double* normal_sums; ///< [largest vertex_count of a mesh][3]
+    double* normal_sums; ///< [largest vertex_count of a mesh][3]; null without normals
     wisp_vec3* normals;  ///< [largest vertex_count of a mesh]
 };
 
@@ -119,7 +119,8 @@ struct wisp_recorder
 struct record_format
 {
     const char* extension;
-    bool has_values; ///< holds the values of bodies
+    bool has_values;  ///< holds the values of bodies
+    bool has_normals; ///< calls record_normals()
     /// Fill recorder->file; a failure leaves nothing behind.
     wisp_status ( *open )( wisp_recorder* recorder, wisp_error* error );
     wisp_status ( *frame )( wisp_recorder* recorder, const record_frame* frame, wisp_error* error );
