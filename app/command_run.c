@@ -2,6 +2,7 @@
 
 #include "io_file.h"
 #include "progress.h"
+#include "run_bodies.h"
 #include "run_summary.h"
 #include "scene.h"
 
@@ -33,6 +34,7 @@ enum
     KEY_OUTPUT = 'o',
     KEY_ISA = 256,
     KEY_RECORD,
+    KEY_RECORD_WITH,
     KEY_EVERY,
     KEY_TRACK,
     KEY_TRACK_FILE,
@@ -49,6 +51,7 @@ static const char doc[] = "Simulate a scene, write its files and print a summary
                           "  .pvd    ParaView, one numbered .vtp file per frame\n"
                           "  .obj    one numbered file per frame\n"
                           "  .usda   USD with time samples\n"
+                          "  .glb    glTF with a morph target per frame\n"
                           "\n"
                           "--boundary writes one file per frame: FILE_0002.ply follows the first step, and\n"
                           "FILE_SURFACE_0002.ply if several surfaces have boundary points.\n"
@@ -69,7 +72,9 @@ static const struct argp_option option_list[] = {
       2 },
     { "output", KEY_OUTPUT, "FILE", 0, "Write the summary to FILE; default: standard output", 2 },
     { 0, 0, 0, 0, "Recording:", 3 },
-    { "record", KEY_RECORD, "FILE", 0, "Record all vertices (.wisp, .pc2, .pvd, .obj, .usda)", 3 },
+    { "record", KEY_RECORD, "FILE", 0, "Record all vertices (.wisp, .pc2, .pvd, .obj, .usda, .glb)", 3 },
+    { "record-with", KEY_RECORD_WITH, "VALUE[,VALUE]", 0,
+      "Compute strain or speed and record them too (.pvd, .usda); default: those that the scene computes", 3 },
     { "every", KEY_EVERY, "N", 0, "Record every Nth step, default 1", 3 },
     { "track", KEY_TRACK, "BODY:VERTEX[,VERTEX...]", 0, "Write the path of these vertices; can be repeated", 3 },
     { "track-file", KEY_TRACK_FILE, "FILE.csv", 0, "File for the paths of --track", 3 },
@@ -101,6 +106,27 @@ static void parse_track( struct argp_state* state, const char* argument, run_rec
     }
 }
 
+static void parse_values( struct argp_state* state, const char* argument, unsigned* values )
+{
+    for ( const char* at = argument; at; )
+    {
+        const size_t length = strcspn( at, "," );
+        int found = -1;
+        for ( int k = 0; k < RUN_VALUE_COUNT; ++k )
+        {
+            const bool is_equal =
+                strlen( run_value_names[k] ) == length && !strncmp( at, run_value_names[k], length );
+            found = is_equal ? k : found;
+        }
+        if ( found < 0 )
+        {
+            argp_error( state, "--record-with: got '%s', expected strain, speed or both with a comma", argument );
+        }
+        *values |= 1u << found;
+        at = at[length] ? at + length + 1 : NULL;
+    }
+}
+
 /// Options about recording. @return whether it was one of them
 static bool parse_recorder( int key, char* argument, struct argp_state* state, run_recorder_def* def )
 {
@@ -108,6 +134,9 @@ static bool parse_recorder( int key, char* argument, struct argp_state* state, r
     {
         case KEY_RECORD:
             def->record = argument;
+            return true;
+        case KEY_RECORD_WITH:
+            parse_values( state, argument, &def->values );
             return true;
         case KEY_EVERY:
             def->every = option_whole( state, "--every", argument, 1, STEPS_MAX );
@@ -136,6 +165,14 @@ static void check( struct argp_state* state, const run_options* options )
     if ( ( def->track_count > 0 ) != ( def->track_file != NULL ) )
     {
         argp_error( state, "--track: expected together with --track-file, or neither of them" );
+    }
+    if ( def->values && !( def->record && wisp_record_has_values( def->record ) ) )
+    {
+        argp_error( state, "--record-with: expected together with --record and a file that ends in .pvd or .usda" );
+    }
+    if ( def->values && def->verify )
+    {
+        argp_error( state, "--record-with: expected without --verify, since hashes cover what is computed" );
     }
     if ( def->verify && def->record && strcmp( def->verify, def->record ) == 0 )
     {

@@ -21,7 +21,7 @@ static int palette_place( int number )
 }
 
 // Cloth and balloons start at different ends, so that the first of each has the colour that suits it best.
-static wisp_vec3 body_colour( scene_body_kind kind, int* cloths, int* balloons )
+wisp_vec3 picture_body_colour( scene_body_kind kind, int* cloths, int* balloons )
 {
     switch ( kind )
     {
@@ -30,6 +30,7 @@ static wisp_vec3 body_colour( scene_body_kind kind, int* cloths, int* balloons )
         case SCENE_BODY_BALLOON:
             return render_palette( palette_place( ( *balloons )++ ) );
         case SCENE_BODY_STRANDS:
+            return render_default_curves().colour;
         case SCENE_BODY_COLLIDER:
         case SCENE_BODY_PLANE:
             break;
@@ -205,7 +206,7 @@ wisp_status picture_stage_make( const picture_source* source, const picture_look
     for ( int i = 0; i < source->body_count && made; ++i )
     {
         const picture_body* body = &source->bodies[i];
-        wisp_vec3 colour = body_colour( body->kind, &cloths, &balloons );
+        wisp_vec3 colour = picture_body_colour( body->kind, &cloths, &balloons );
         if ( body->kind == SCENE_BODY_STRANDS )
         {
             made = add_strands( out, look, body );

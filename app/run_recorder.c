@@ -1,6 +1,7 @@
 #include "run_recorder.h"
 
 #include "nearest.h"
+#include "run_bodies.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,16 +14,13 @@ struct run_recorder
     wisp_recorder* recorder; ///< or null
     wisp_track* track;       ///< or null
 
-    int count;              ///< recorded bodies: all except planes, which are infinite
-    int* numbers;           ///< [count] of the bodies in the world
-    wisp_record_body* list; ///< [count]
-    wisp_vec3** points;     ///< [count] present positions
+    run_bodies bodies;
 
     const char* proof_name;
     wisp_recording* proof;    ///< the recording to compare, or null
     int proof_every;          ///< steps between its frames
     int proof_frames;         ///<
-    wisp_vec3** proof_points; ///< [count] recorded positions
+    wisp_vec3** proof_points; ///< [bodies.count] recorded positions
 
     int written, verified;
 };
@@ -32,87 +30,24 @@ static wisp_status no_memory( const run_recorder* r, wisp_error* error )
     return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its recording", r->world->scene->name );
 }
 
-// ---- bodies ----
-
-static bool make_points( const run_recorder* r, wisp_vec3*** out )
-{
-    wisp_vec3** points = calloc( (size_t)r->count + 1, sizeof *points );
-    bool made = points != NULL;
-    *out = points;
-    for ( int i = 0; made && i < r->count; ++i )
-    {
-        points[i] = malloc( ( (size_t)r->list[i].vertex_count + 1 ) * sizeof *points[i] );
-        made = points[i] != NULL;
-    }
-    return made;
-}
-
-static void free_points( const run_recorder* r, wisp_vec3** points )
-{
-    for ( int i = 0; points && i < r->count; ++i )
-    {
-        free( points[i] );
-    }
-    free( points );
-}
-
-static wisp_status list_bodies( run_recorder* r, wisp_error* error )
-{
-    int all = scene_world_body_count( r->world );
-    r->numbers = calloc( (size_t)all + 1, sizeof *r->numbers );
-    r->list = calloc( (size_t)all + 1, sizeof *r->list );
-    if ( !r->numbers || !r->list )
-    {
-        return no_memory( r, error );
-    }
-    for ( int i = 0; i < all; ++i )
-    {
-        scene_body body = scene_world_body( r->world, i );
-        if ( body.kind == SCENE_BODY_PLANE )
-        {
-            continue;
-        }
-        r->numbers[r->count] = i;
-        r->list[r->count++] = ( wisp_record_body ){
-            .name = body.name,
-            .triangles = body.triangles,
-            .offsets = body.offsets,
-            .vertex_count = body.vertex_count,
-            .triangle_count = body.triangle_count,
-            .strand_count = body.strand_count,
-        };
-    }
-    return make_points( r, &r->points ) ? WISP_OK : no_memory( r, error );
-}
-
-static wisp_status request_points( run_recorder* r, wisp_error* error )
-{
-    int moving = scene_world_moving_count( r->world );
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < moving && status == WISP_OK; ++i )
-    {
-        status = scene_world_request( r->world, i, SCENE_REQUEST_POINTS, error );
-    }
-    return status;
-}
-
 // ---- writing ----
 
 static wisp_status open_recorder( run_recorder* r, const run_recorder_def* def, wisp_error* error )
 {
     const wisp_recorder_def recorder = {
-        .bodies = r->list,
-        .body_count = r->count,
+        .bodies = r->bodies.list,
+        .body_count = r->bodies.count,
         .dt = def->every * (double)r->world->scene->dt,
+        .frame_count = def->steps / def->every + 1,
     };
     return wisp_recorder_open( def->record, WISP_RECORD_BY_NAME, &recorder, &r->recorder, error );
 }
 
 static int find_body( const run_recorder* r, const run_track* track )
 {
-    for ( int i = 0; i < r->count; ++i )
+    for ( int i = 0; i < r->bodies.count; ++i )
     {
-        const char* name = r->list[i].name;
+        const char* name = r->bodies.list[i].name;
         if ( strlen( name ) == (size_t)track->name_length && memcmp( name, track->name, strlen( name ) ) == 0 )
         {
             return i;
@@ -125,12 +60,12 @@ static wisp_status refuse_name( const run_recorder* r, const run_track* track, w
 {
     char word[2 * WISP_RECORD_MAX_NAME];
     snprintf( word, sizeof( word ), "%.*s", track->name_length, track->name );
-    const char** names = calloc( (size_t)r->count + 1, sizeof *names );
-    for ( int i = 0; names && i < r->count; ++i )
+    const char** names = calloc( (size_t)r->bodies.count + 1, sizeof *names );
+    for ( int i = 0; names && i < r->bodies.count; ++i )
     {
-        names[i] = r->list[i].name;
+        names[i] = r->bodies.list[i].name;
     }
-    const char* nearest = names ? nearest_word( word, names, r->count ) : NULL;
+    const char* nearest = names ? nearest_word( word, names, r->bodies.count ) : NULL;
     free( names );
     return nearest ? wisp_fail( error, WISP_BAD_INPUT, "--track: %s has no body '%s'; did you mean '%s'?",
                                 r->world->scene->name, word, nearest )
@@ -148,10 +83,10 @@ static wisp_status find_tracks( const run_recorder* r, const run_recorder_def* d
         {
             return refuse_name( r, track, error );
         }
-        if ( track->vertex >= r->list[body].vertex_count )
+        if ( track->vertex >= r->bodies.list[body].vertex_count )
         {
             return wisp_fail( error, WISP_BAD_INPUT, "--track: %s: got vertex %d, expected 0 to %d",
-                              r->list[body].name, track->vertex, r->list[body].vertex_count - 1 );
+                              r->bodies.list[body].name, track->vertex, r->bodies.list[body].vertex_count - 1 );
         }
         points[i] = ( wisp_track_point ){ body, track->vertex };
     }
@@ -163,8 +98,8 @@ static wisp_status open_track( run_recorder* r, const run_recorder_def* def, wis
     wisp_track_point points[RUN_TRACKS_MAX];
     wisp_status status = find_tracks( r, def, points, error );
     const wisp_track_def track = {
-        .bodies = r->list,
-        .body_count = r->count,
+        .bodies = r->bodies.list,
+        .body_count = r->bodies.count,
         .points = points,
         .point_count = def->track_count,
     };
@@ -212,19 +147,19 @@ static wisp_status check_proof( run_recorder* r, const run_recorder_def* def, wi
         return wisp_fail( error, WISP_BAD_INPUT, "%s: the recording is cut: it has no end after frame %d",
                           r->proof_name, info.frame_count - 1 );
     }
-    if ( info.body_count != r->count )
+    if ( info.body_count != r->bodies.count )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: got %d bodies, but %s has %d", r->proof_name, info.body_count,
-                          scene->name, r->count );
+                          scene->name, r->bodies.count );
     }
-    for ( int i = 0; i < r->count; ++i )
+    for ( int i = 0; i < r->bodies.count; ++i )
     {
-        if ( !same_body( &r->list[i], wisp_recording_body( r->proof, i ) ) )
+        if ( !same_body( &r->bodies.list[i], wisp_recording_body( r->proof, i ) ) )
         {
             return wisp_fail(
                 error, WISP_BAD_INPUT,
                 "%s: body %d differs in its name or in its number of vertices, triangles or strands from %s of %s",
-                r->proof_name, i, r->list[i].name, scene->name );
+                r->proof_name, i, r->bodies.list[i].name, scene->name );
         }
     }
     double steps = info.dt / (double)scene->dt;
@@ -247,21 +182,23 @@ static wisp_status open_proof( run_recorder* r, const run_recorder_def* def, wis
         status = check_proof( r, def, error );
     }
     // Only now: a recording that matches the scene does not need more memory than the scene.
-    return status != WISP_OK ? status : make_points( r, &r->proof_points ) ? WISP_OK : no_memory( r, error );
+    r->proof_points = status == WISP_OK ? run_bodies_make_points( &r->bodies ) : NULL;
+    return status != WISP_OK ? status : r->proof_points ? WISP_OK : no_memory( r, error );
 }
 
 static wisp_status compare_body( const run_recorder* r, int body, int frame, double time, wisp_error* error )
 {
-    const wisp_vec3 *now = r->points[body], *then = r->proof_points[body];
-    for ( int v = 0; v < r->list[body].vertex_count; ++v )
+    const wisp_vec3 *now = r->bodies.points[body], *then = r->proof_points[body];
+    for ( int v = 0; v < r->bodies.list[body].vertex_count; ++v )
     {
         if ( memcmp( &now[v], &then[v], sizeof now[v] ) != 0 )
         {
             return wisp_fail( error, WISP_CONFLICT,
                               "%s: frame %d at %g s: %s differs at vertex %d: got (%.9g, %.9g, %.9g), expected "
                               "(%.9g, %.9g, %.9g)",
-                              r->proof_name, frame, time, r->list[body].name, v, (double)now[v].x, (double)now[v].y,
-                              (double)now[v].z, (double)then[v].x, (double)then[v].y, (double)then[v].z );
+                              r->proof_name, frame, time, r->bodies.list[body].name, v, (double)now[v].x,
+                              (double)now[v].y, (double)now[v].z, (double)then[v].x, (double)then[v].y,
+                              (double)then[v].z );
         }
     }
     return WISP_OK;
@@ -272,7 +209,7 @@ static wisp_status compare( run_recorder* r, int frame, uint64_t hash, wisp_erro
     double time = 0.0;
     uint64_t old_hash = 0;
     wisp_status status = wisp_recording_frame( r->proof, frame, r->proof_points, &time, &old_hash, error );
-    for ( int i = 0; i < r->count && status == WISP_OK; ++i )
+    for ( int i = 0; i < r->bodies.count && status == WISP_OK; ++i )
     {
         status = compare_body( r, i, frame, time, error );
     }
@@ -292,11 +229,8 @@ static wisp_status compare( run_recorder* r, int frame, uint64_t hash, wisp_erro
 
 static wisp_status open_all( run_recorder* r, const run_recorder_def* def, wisp_error* error )
 {
-    wisp_status status = list_bodies( r, error );
-    if ( status == WISP_OK )
-    {
-        status = request_points( r, error );
-    }
+    const bool has_values = def->record && wisp_record_has_values( def->record );
+    wisp_status status = run_bodies_open( r->world, has_values, def->values, &r->bodies, error );
     // Read-only steps come first, so that a rejection leaves no file behind.
     if ( status == WISP_OK && def->verify )
     {
@@ -342,7 +276,7 @@ wisp_status run_recorder_open( const run_recorder_def* def, scene_world* world, 
 static wisp_status write_frame( run_recorder* r, uint64_t hash, wisp_error* error )
 {
     double time = scene_world_time( r->world );
-    const wisp_vec3* const* points = (const wisp_vec3* const*)r->points;
+    const wisp_vec3* const* points = (const wisp_vec3* const*)r->bodies.points;
     wisp_status status = WISP_OK;
     if ( r->recorder )
     {
@@ -366,9 +300,9 @@ wisp_status run_recorder_step( run_recorder* r, wisp_error* error )
     bool is_written = ( r->recorder || r->track ) && step % r->every == 0;
     bool is_compared = r->proof && step % r->proof_every == 0 && step / r->proof_every < r->proof_frames;
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < r->count && status == WISP_OK && ( is_written || is_compared ); ++i )
+    if ( is_written || is_compared )
     {
-        status = scene_world_points( r->world, r->numbers[i], r->points[i], error );
+        status = run_bodies_load( &r->bodies, r->world, is_written, error );
     }
     uint64_t hash = is_written || is_compared ? wisp_world_hash( r->world->world ) : 0;
     if ( status == WISP_OK && is_written )
@@ -394,10 +328,8 @@ wisp_status run_recorder_close( run_recorder* r, wisp_error* error )
     wisp_error later = { 0 };
     wisp_status track = wisp_track_close( r->track, status == WISP_OK ? error : &later );
     wisp_recording_close( r->proof );
-    free_points( r, r->proof_points );
-    free_points( r, r->points );
-    free( r->list );
-    free( r->numbers );
+    run_bodies_free_points( &r->bodies, r->proof_points );
+    run_bodies_release( &r->bodies );
     free( r );
     return status == WISP_OK ? track : status;
 }

@@ -19,6 +19,7 @@ typedef struct run_recorder_def
 {
     const char* record; ///< file, or null; its extension decides on the format
     int every;          ///< steps between two frames, >= 1
+    unsigned values;    ///< to be recorded besides those that the scene computes: a set of RUN_VALUE_..
     const char* track_file;
     run_track tracks[RUN_TRACKS_MAX];
     int track_count;
@@ -33,7 +34,7 @@ typedef struct run_recorder run_recorder;
 /// @param world must stay where it is and outlive the recorder
 /// @param out receives the recorder, for run_recorder_close(); null if nothing is to be written, and on failure
 /// @return WISP_BAD_INPUT a body or vertex that does not exist, a recording of another scene, a format that cannot
-///         hold a body; WISP_IO_ERROR; WISP_NO_MEMORY
+///         hold a body or so many frames, a value that no body has; WISP_IO_ERROR; WISP_NO_MEMORY
 wisp_status run_recorder_open( const run_recorder_def* def, scene_world* world, run_recorder** out,
                                wisp_error* error );
 
@@ -50,6 +51,7 @@ typedef struct run_recorder_counts
 
 run_recorder_counts run_recorder_count( const run_recorder* recorder );
 
-/// Finish the files and free the recorder, after any failure too. Null is allowed.
+/// Finish the files and free the recorder, at any step and after any failure too: a run that ends early leaves valid
+/// files of the frames so far. Null is allowed.
 /// @return the first file that could not be finished
 wisp_status run_recorder_close( run_recorder* recorder, wisp_error* error );

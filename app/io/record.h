@@ -7,6 +7,7 @@
 ///     .pvd       no    yes    ParaView's list of times; frames are .vtp files in a folder next to it
 ///     .obj       no    yes    one numbered file per frame
 ///     .usda      no    yes    USD text: meshes and curves with time samples
+///     .glb       no    yes    binary glTF 2.0: a morph target per frame, and an animation of their weights
 ///
 /// A recording has a list of bodies that is fixed when it starts, and frames that hold the points of all of them.
 /// Files are untrusted bytes: memory is allocated only after the file is known to be long enough to fill it.
@@ -30,6 +31,19 @@ extern "C"
 /// Bytes of the longest list of bodies that is read: names, triangles, offsets.
 #define WISP_RECORD_HEADER_CAP ( (uint64_t)1 << 30 )
 
+/// Frames of a .glb file: programs keep every morph target in memory, and three.js one layer of a texture for each.
+#define WISP_RECORD_GLB_MAX_FRAMES 1000
+
+/// Bytes of a .glb file: readers in browsers load it as one block of memory.
+#define WISP_RECORD_GLB_MAX_BYTES ( (uint64_t)1 << 30 )
+
+    /// A number per vertex that changes with the frames, such as strain.
+    typedef struct wisp_record_value
+    {
+        const char* name; ///< 1 to WISP_RECORD_MAX_NAME of A-Z a-z 0-9 _, no digit first, no two of a body the same
+        const float* numbers; ///< [vertex_count], finite; not copied: each wisp_recorder_frame() reads them
+    } wisp_record_value;
+
     /// A body: strands if it has offsets, else a triangle mesh.
     typedef struct wisp_record_body
     {
@@ -39,6 +53,14 @@ extern "C"
         int vertex_count;         ///< >= 1
         int triangle_count;       ///< >= 0, of a mesh
         int strand_count;         ///< >= 1, of strands
+
+        // What .pvd, .usda and .glb hold besides. Other formats and the readers leave it out.
+        const float* widths;             ///< [vertex_count] m, diameters of strands, >= 0; null: none
+        const wisp_vec3* colours;        ///< [vertex_count] linear RGB in [0, 1]; null: none
+        wisp_vec3 base_colour;           ///< linear RGB in [0, 1] of a body without colours; (0, 0, 0): a light grey
+        const wisp_record_value* values; ///< [value_count], see wisp_record_has_values()
+        int value_count;                 ///< >= 0
+        bool is_static;                  ///< its points are those of the first frame in every frame
     } wisp_record_body;
 
     // ---- writing -----------------------------------------------------------------------------------------------
@@ -51,14 +73,16 @@ extern "C"
         WISP_RECORD_PVD,
         WISP_RECORD_OBJ,
         WISP_RECORD_USDA,
+        WISP_RECORD_GLB,
     } wisp_record_format;
 
     /// The bodies of a recording. Copied; need not outlive the call.
     typedef struct wisp_recorder_def
     {
         const wisp_record_body* bodies;
-        int body_count; ///< 1 to WISP_RECORD_MAX_BODIES
-        double dt;      ///< s, > 0, between two frames; .usda counts its time codes in it
+        int body_count;  ///< 1 to WISP_RECORD_MAX_BODIES
+        double dt;       ///< s, > 0, between two frames; .usda counts its time codes in it
+        int frame_count; ///< expected; .glb refuses more than it can hold before the first one. 0: unknown
     } wisp_recorder_def;
 
     typedef struct wisp_recorder wisp_recorder;
@@ -68,26 +92,31 @@ extern "C"
     /// - .pc2: `path` when the recorder is closed. Several bodies are one file each: `drape_<body>.pc2`.
     /// - .pvd: `path` when the recorder is closed, a file `drape/<body>_0001.vtp` per body and frame at once.
     /// - .obj: `drape_0001.obj` per frame at once, for `drape.obj`. Frames count from 1.
-    /// - .usda: `path` when the recorder is closed; until then the frames are in a hidden file next to it.
+    /// - .usda, .glb: `path` when the recorder is closed; until then the frames are in a file without a name next to it.
     /// An existing file is replaced in one step. Numbered files of a longer recording under the same name remain
     /// beyond the last frame.
     /// @param out receives the recorder, for wisp_recorder_close(); null on failure
     /// @return WISP_BAD_INPUT an unknown extension, or a body (the message names it) that is malformed or does not
-    ///        fit the format; WISP_IO_ERROR; WISP_NO_MEMORY
+    ///        fit the format, or more frames than the format can hold; WISP_IO_ERROR; WISP_NO_MEMORY
     WISP_API wisp_status wisp_recorder_open( const char* path, wisp_record_format format,
                                              const wisp_recorder_def* def, wisp_recorder** out, wisp_error* error );
+
+    /// Whether files of this name hold the values of bodies: .pvd and .usda do.
+    WISP_API bool wisp_record_has_values( const char* path );
 
     /// Add a frame.
     /// @param time s, finite, greater than that of the frame before
     /// @param hash of the world's state, to be compared by a replay; 0: none. Only .wisp keeps it.
     /// @param points [body_count][vertex_count], m, finite
-    /// @return WISP_BAD_INPUT the time, or a vertex that is not finite: nothing is written and the recording
-    ///        continues. WISP_IO_ERROR: .wisp, .pvd and .obj keep the frames before, and the call may be repeated;
-    ///        .pc2 and .usda are lost, and wisp_recorder_close() reports it again.
+    /// @return WISP_BAD_INPUT the time, a number that is not finite, a static body that has moved, or a frame more than
+    ///        the format can hold: nothing is written and the recording continues.
+    ///        WISP_IO_ERROR: .wisp, .pvd and .obj keep the frames before, and the call may be repeated;
+    ///        .pc2, .usda and .glb are lost, and wisp_recorder_close() reports it again.
     WISP_API wisp_status wisp_recorder_frame( wisp_recorder* recorder, double time, uint64_t hash,
                                               const wisp_vec3* const* points, wisp_error* error );
 
-    /// Finish the files and free the recorder, after any failure too. Null is allowed.
+    /// Finish the files and free the recorder, at any frame and after any failure too: the files are valid and hold the
+    /// frames so far, however many were expected. Null is allowed.
     /// @return WISP_IO_ERROR the first file that could not be finished: the old one, if there was one, is unchanged,
     ///        except for .wisp, which keeps its whole frames and lacks only the mark of its end
     WISP_API wisp_status wisp_recorder_close( wisp_recorder* recorder, wisp_error* error );

@@ -78,6 +78,80 @@ static wisp_status check_strands( const wisp_record_body* body, const char* name
                             body->name, end, body->vertex_count );
 }
 
+// Names that files use themselves, and USD's rule for names.
+static bool is_value_name( const char* text )
+{
+    static const char* const taken[] = { "Normals", "Points", "RGB", "width", "displayColor" };
+    for ( int i = 0; i < WISP_COUNT( taken ); ++i )
+    {
+        if ( strcmp( text, taken[i] ) == 0 )
+        {
+            return false;
+        }
+    }
+    return is_name( text ) && strchr( text, '-' ) == NULL && !( text[0] >= '0' && text[0] <= '9' );
+}
+
+static bool is_fraction( wisp_vec3 c )
+{
+    return c.x >= 0.0f && c.x <= 1.0f && c.y >= 0.0f && c.y <= 1.0f && c.z >= 0.0f && c.z <= 1.0f;
+}
+
+static wisp_status check_appearance( const wisp_record_body* body, const char* name, wisp_error* error )
+{
+    if ( !is_fraction( body->base_colour ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: got a colour of (%g, %g, %g), expected 0 to 1", name,
+                          body->name, (double)body->base_colour.x, (double)body->base_colour.y,
+                          (double)body->base_colour.z );
+    }
+    // Readers have neither, and a count of vertices that nothing confirms.
+    for ( int v = 0; body->colours != NULL && v < body->vertex_count; ++v )
+    {
+        const wisp_vec3 c = body->colours[v];
+        if ( !is_fraction( c ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "%s: body %s, vertex %d: got a colour of (%g, %g, %g), expected 0 to 1", name,
+                              body->name, v, (double)c.x, (double)c.y, (double)c.z );
+        }
+    }
+    for ( int v = 0; body->widths != NULL && v < body->vertex_count; ++v )
+    {
+        if ( !isfinite( body->widths[v] ) || body->widths[v] < 0.0f )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "%s: body %s, vertex %d: got a width of %g m, expected at least 0", name, body->name, v,
+                              (double)body->widths[v] );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_values( const wisp_record_body* body, const char* name, wisp_error* error )
+{
+    for ( int i = 0; i < body->value_count; ++i )
+    {
+        const wisp_record_value* value = &body->values[i];
+        if ( value->name == NULL || !is_value_name( value->name ) || value->numbers == NULL )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "%s: body %s: value %d has no numbers, or a name that files use or that has other "
+                              "characters than A-Z a-z 0-9 _",
+                              name, body->name, i );
+        }
+        for ( int other = 0; other < i; ++other )
+        {
+            if ( strcmp( body->values[other].name, value->name ) == 0 )
+            {
+                return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: two values are called %s", name, body->name,
+                                  value->name );
+            }
+        }
+    }
+    return WISP_OK;
+}
+
 static wisp_status check_body( const wisp_record_body* bodies, int b, const char* name, wisp_error* error )
 {
     const wisp_record_body* body = &bodies[b];
@@ -100,7 +174,9 @@ static wisp_status check_body( const wisp_record_body* bodies, int b, const char
         return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: got %d vertices, expected at least 1", name,
                           body->name, body->vertex_count );
     }
-    return body->offsets != NULL ? check_strands( body, name, error ) : check_mesh( body, name, error );
+    wisp_status status = body->offsets != NULL ? check_strands( body, name, error ) : check_mesh( body, name, error );
+    status = status == WISP_OK ? check_appearance( body, name, error ) : status;
+    return status == WISP_OK ? check_values( body, name, error ) : status;
 }
 
 wisp_status record_check_bodies( const wisp_record_body* bodies, int count, const char* name, wisp_error* error )
@@ -130,19 +206,31 @@ wisp_status record_check_bodies( const wisp_record_body* bodies, int count, cons
 
 // ---- memory ----------------------------------------------------------------------------------------------------
 
-static bool copy_numbers( const int32_t* from, size_t count, const int32_t** to )
+// @return null where there is nothing to copy, and without memory, which `made` then says
+static void* copy_block( const void* from, size_t size, bool* made )
 {
-    if ( from == NULL || count == 0 )
-    {
-        return true;
-    }
-    int32_t* copy = malloc( count * sizeof *copy );
+    void* copy = from != NULL && size > 0 ? malloc( size ) : NULL;
     if ( copy != NULL )
     {
-        memcpy( copy, from, count * sizeof *copy );
+        memcpy( copy, from, size );
     }
-    *to = copy;
-    return copy != NULL;
+    *made = *made && ( copy != NULL || from == NULL || size == 0 );
+    return copy;
+}
+
+// The numbers remain the caller's.
+static bool copy_values( const wisp_record_body* from, wisp_record_body* to )
+{
+    wisp_record_value* values = from->value_count > 0 ? calloc( (size_t)from->value_count, sizeof *values ) : NULL;
+    bool made = values != NULL || from->value_count == 0;
+    to->values = values;
+    for ( int i = 0; made && i < from->value_count; ++i )
+    {
+        values[i] = ( wisp_record_value ){ strdup( from->values[i].name ), from->values[i].numbers };
+        to->value_count = i + 1;
+        made = values[i].name != NULL;
+    }
+    return made;
 }
 
 static bool copy_body( const wisp_record_body* from, wisp_record_body* to )
@@ -153,9 +241,16 @@ static bool copy_body( const wisp_record_body* from, wisp_record_body* to )
         .vertex_count = from->vertex_count,
         .triangle_count = strands ? 0 : from->triangle_count,
         .strand_count = strands ? from->strand_count : 0,
+        .base_colour = from->base_colour,
+        .is_static = from->is_static,
     };
-    return to->name != NULL && copy_numbers( from->triangles, 3 * (size_t)to->triangle_count, &to->triangles ) &&
-           copy_numbers( from->offsets, (size_t)to->strand_count + 1, &to->offsets );
+    const size_t vertices = (size_t)from->vertex_count;
+    bool made = to->name != NULL;
+    to->triangles = copy_block( from->triangles, 3 * (size_t)to->triangle_count * sizeof *to->triangles, &made );
+    to->offsets = copy_block( from->offsets, ( (size_t)to->strand_count + 1 ) * sizeof *to->offsets, &made );
+    to->widths = copy_block( from->widths, vertices * sizeof *to->widths, &made );
+    to->colours = copy_block( from->colours, vertices * sizeof *to->colours, &made );
+    return made && copy_values( from, to );
 }
 
 wisp_status record_copy_bodies( const wisp_record_body* bodies, int count, const char* name, record_bodies* out,
@@ -175,14 +270,27 @@ wisp_status record_copy_bodies( const wisp_record_body* bodies, int count, const
     return WISP_OK;
 }
 
+// The structs are read-only for callers, and owned here.
+static void release( const void* block )
+{
+    free( (void*)(uintptr_t)block );
+}
+
 void record_release_bodies( record_bodies* bodies )
 {
     for ( int b = 0; bodies->list != NULL && b < bodies->count; ++b )
     {
-        // The struct is read-only for callers, and owned here.
-        free( (void*)(uintptr_t)bodies->list[b].name );
-        free( (void*)(uintptr_t)bodies->list[b].triangles );
-        free( (void*)(uintptr_t)bodies->list[b].offsets );
+        const wisp_record_body* body = &bodies->list[b];
+        for ( int i = 0; i < body->value_count; ++i )
+        {
+            release( body->values[i].name );
+        }
+        release( body->values );
+        release( body->name );
+        release( body->triangles );
+        release( body->offsets );
+        release( body->widths );
+        release( body->colours );
     }
     free( bodies->list );
     *bodies = ( record_bodies ){ 0 };

@@ -106,14 +106,21 @@ struct wisp_recorder
     double dt;
     double last_time; ///< of the previous frame, if there is one
     int frame_count;
-    bool lost;  ///< a write failed that cannot be undone
-    void* file; ///< the format's own
+    int frames_expected; ///< 0: unknown
+    bool lost;           ///< a write failed that cannot be undone
+    void* file;          ///< the format's own
+
+    wisp_vec3** fixed;   ///< [body_count] points of static bodies in the first frame; null for the others
+    double* normal_sums; ///< [largest vertex_count of a mesh][3]; null without normals
+    wisp_vec3* normals;  ///< [largest vertex_count of a mesh]
 };
 
 /// Functions of a format. Frames are checked before.
 struct record_format
 {
     const char* extension;
+    bool has_values;  ///< holds the values of bodies
+    bool has_normals; ///< calls record_normals()
     /// Fill recorder->file; a failure leaves nothing behind.
     wisp_status ( *open )( wisp_recorder* recorder, wisp_error* error );
     wisp_status ( *frame )( wisp_recorder* recorder, const record_frame* frame, wisp_error* error );
@@ -122,7 +129,34 @@ struct record_format
 };
 
 extern const record_format record_format_wisp, record_format_pc2, record_format_pvd, record_format_obj,
-    record_format_usda;
+    record_format_usda, record_format_glb;
+
+// ---- what formats for pictures have in common ----
+
+/// Compute the unit normals of a mesh, weighted by area as those of the engine; 0 where they cancel.
+/// @return [vertex_count], valid until the next call
+const wisp_vec3* record_normals( const wisp_recorder* recorder, int body, const wisp_vec3* points );
+
+/// Linear RGB of a body without colours.
+wisp_vec3 record_base_colour( const wisp_record_body* body );
+
+/// Frames that wait in a file without a name until all are known, because a format stores bodies one after the other.
+typedef struct record_waiting record_waiting;
+
+wisp_status record_waiting_open( const wisp_recorder* recorder, record_waiting** out, wisp_error* error );
+/// Add a frame after those of the recorder. A write that failed loses the recording.
+wisp_status record_waiting_add( wisp_recorder* recorder, record_waiting* waiting, const record_frame* frame,
+                                wisp_error* error );
+/// Seconds of a frame.
+double record_waiting_time( const record_waiting* waiting, int frame );
+/// Points of a body that is not static. @param out [vertex_count]
+wisp_status record_waiting_points( const wisp_recorder* recorder, const record_waiting* waiting, int frame, int body,
+                                   wisp_vec3* out, wisp_error* error );
+/// A value of a body. @param out [vertex_count]
+wisp_status record_waiting_numbers( const wisp_recorder* recorder, const record_waiting* waiting, int frame, int body,
+                                    int value, float* out, wisp_error* error );
+/// Null is allowed.
+void record_waiting_close( record_waiting* waiting );
 
 /// The path with `insert` before its extension: drape.pc2, _cloth -> drape_cloth.pc2.
 /// @return for free(); null without memory

@@ -186,8 +186,14 @@ static wisp_status begin( suite_motion* motion, const scene_world* world, wisp_e
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
         const scene_body body = scene_world_body( world, i );
-        const wisp_record_body copied = { body.name,         body.triangles,      body.offsets,
-                                          body.vertex_count, body.triangle_count, body.strand_count };
+        const wisp_record_body copied = {
+            .name = body.name,
+            .triangles = body.triangles,
+            .offsets = body.offsets,
+            .vertex_count = body.vertex_count,
+            .triangle_count = body.triangle_count,
+            .strand_count = body.strand_count,
+        };
         status = add_body( motion, &copied, error );
     }
     motion->start = calloc( (size_t)suite_motion_points( motion ) + 1, sizeof *motion->start );
@@ -396,7 +402,7 @@ wisp_status suite_motion_write( const suite_motion* motion, const char* path, wi
     {
         memcpy( bodies, motion->bodies, (size_t)motion->body_count * sizeof *bodies );
         bodies[motion->body_count] = ( wisp_record_body ){ .name = ENERGIES, .vertex_count = 1 };
-        const wisp_recorder_def def = { bodies, (int)count, motion->times[0] };
+        const wisp_recorder_def def = { .bodies = bodies, .body_count = (int)count, .dt = motion->times[0] };
         status = wisp_recorder_open( path, WISP_RECORD_WISP, &def, &recorder, error );
         status = status == WISP_OK ? write_frames( motion, recorder, places, error ) : status;
     }

@@ -22,6 +22,12 @@ typedef struct wisp_strand_appearance_def
 
 WISP_DEFINITION( strand_appearance_def );
 
+/// Compute width and colour of one vertex, with the bits of the components, for those who need them without a world.
+/// @param t 0 at the root, 1 at the tip; of vertex i of n: i / (n - 1), or 0 if n is 1
+/// @param width, colour either may be null
+WISP_API void wisp_strand_appearance_at( const wisp_strand_appearance_def* def, float t, float* width,
+                                         wisp_vec3* colour );
+
 /// Give strands an appearance, or replace it.
 /// @return WISP_BAD_INPUT a value is out of range; WISP_CONFLICT module not registered
 WISP_API wisp_status wisp_set_strand_appearance( wisp_world* world, wisp_entity strands,

@@ -24,6 +24,20 @@ void wisp_init_strand_appearance_def( wisp_strand_appearance_def* def, size_t si
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
+void wisp_strand_appearance_at( const wisp_strand_appearance_def* def, float t, float* width, wisp_vec3* colour )
+{
+    if ( width != NULL )
+    {
+        *width = def->root_width + t * ( def->tip_width - def->root_width );
+    }
+    if ( colour != NULL )
+    {
+        const wisp_vec3 a = def->root_colour, b = def->tip_colour;
+        const float w = t / ( ( 1.0f / def->colour_bias - 2.0f ) * ( 1.0f - t ) + 1.0f );
+        *colour = ( wisp_vec3 ){ a.x + w * ( b.x - a.x ), a.y + w * ( b.y - a.y ), a.z + w * ( b.z - a.z ) };
+    }
+}
+
 // t from root 0 to tip 1; a strand of one vertex is all root.
 static float along( int vertex, int count )
 {
@@ -40,8 +54,8 @@ static void paint_width( wisp_frame* frame, const wisp_span* span, void* user )
     {
         for ( int v = 0; v < t->lane_count[i]; ++v )
         {
-            float w = along( v, t->lane_count[i] );
-            width[t->offsets[t->lane_strand[i]] + v] = d->root_width + w * ( d->tip_width - d->root_width );
+            wisp_strand_appearance_at( d, along( v, t->lane_count[i] ), &width[t->offsets[t->lane_strand[i]] + v],
+                                       NULL );
         }
     }
 }
@@ -52,15 +66,12 @@ static void paint_colour( wisp_frame* frame, const wisp_span* span, void* user )
     const wisp_strand_appearance_def* d = wisp_frame_column( frame, span->entity, state->settings, 0 );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     wisp_vec3* colour = wisp_frame_column( frame, span->entity, WISP_POINT_COLOUR, 0 );
-    const wisp_vec3 a = d->root_colour, b = d->tip_colour;
     for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
     {
         for ( int v = 0; v < t->lane_count[i]; ++v )
         {
-            float x = along( v, t->lane_count[i] );
-            float w = x / ( ( 1.0f / d->colour_bias - 2.0f ) * ( 1.0f - x ) + 1.0f );
-            colour[t->offsets[t->lane_strand[i]] + v] =
-                ( wisp_vec3 ){ a.x + w * ( b.x - a.x ), a.y + w * ( b.y - a.y ), a.z + w * ( b.z - a.z ) };
+            wisp_strand_appearance_at( d, along( v, t->lane_count[i] ), NULL,
+                                       &colour[t->offsets[t->lane_strand[i]] + v] );
         }
     }
 }

@@ -59,7 +59,7 @@ static inline uint64_t fixture_hash( int f )
 
 static inline wisp_recorder_def fixture_def( void )
 {
-    return ( wisp_recorder_def ){ fixture_bodies, FIXTURE_BODIES, 1.0 / 60.0 };
+    return ( wisp_recorder_def ){ .bodies = fixture_bodies, .body_count = FIXTURE_BODIES, .dt = 1.0 / 60.0 };
 }
 
 static inline wisp_status fixture_add_frame( wisp_recorder* recorder, int f, wisp_error* error )

@@ -102,7 +102,7 @@ static void the_recorder_writes_the_good_file_byte_for_byte( void** state )
     };
     static const wisp_vec3 ones[] = { { 1, 1, 1 }, { 1, 1, 1 }, { 1, 1, 1 }, { 1, 1, 1 } };
     const wisp_vec3* points[] = { ones, ones };
-    wisp_recorder_def def = { bodies, 2, 1.0 };
+    wisp_recorder_def def = { .bodies = bodies, .body_count = 2, .dt = 1.0 };
     wisp_error error = { .status = WISP_OK };
     wisp_recorder* recorder = NULL;
     char* path = path_in( state, "good.wisp" );

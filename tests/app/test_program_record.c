@@ -9,7 +9,7 @@ static void a_run_is_recorded_in_every_format( void** state )
     (void)state;
     static const char* const files[][2] = {
         { "a.wisp", "a.wisp" },    { "a.pc2", "a.pc2" },   { "a.pvd", "a/hair_0004.vtp" },
-        { "a.obj", "a_0004.obj" }, { "a.usda", "a.usda" },
+        { "a.obj", "a_0004.obj" }, { "a.usda", "a.usda" }, { "a.glb", "a.glb" },
     };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )
     {
@@ -20,6 +20,108 @@ static void a_run_is_recorded_in_every_format( void** state )
         assert_non_null( strstr( result.out, ": 4 frames\n" ) );
         assert_true( exists( files[i][1] ) );
     }
+}
+
+/// The sixteen digits after the last `hash`.
+static void read_hash( char* out )
+{
+    const char* line = strstr( result.out, "\nhash " );
+    assert_non_null( line );
+    assert_int_equal( sscanf( line, "\nhash %16s", out ), 1 );
+}
+
+static bool has_array( const char* path, const char* name )
+{
+    char words[60];
+    size_t size;
+    char* text = read_bytes( path, &size );
+    snprintf( words, sizeof( words ), "Name=\"%s\"", name );
+    const bool found = strstr( text, words ) != NULL;
+    free( text );
+    return found;
+}
+
+static void recording_does_not_change_the_hash_unless_more_is_computed( void** state )
+{
+    (void)state;
+    static const char* const files[] = { "h.wisp", "h.pc2", "h.pvd", "h.obj", "h.usda", "h.glb" };
+    char plain[20], recorded[20];
+    run_ok( "run cloth.yaml" );
+    read_hash( plain );
+    for ( int i = 0; i < WISP_COUNT( files ); ++i )
+    {
+        char command[100];
+        snprintf( command, sizeof( command ), "run cloth.yaml --record %s", files[i] );
+        run_ok( command );
+        read_hash( recorded );
+        assert_string_equal( recorded, plain );
+    }
+    assert_true( has_array( "h/cloth_0007.vtp", "Normals" ) );
+    assert_false( has_array( "h/cloth_0007.vtp", "strain" ) );
+    assert_false( exists( "h/ball_0002.vtp" ) );
+    assert_true( has_array( "h/ball_0001.vtp", "Normals" ) );
+}
+
+static void values_that_are_asked_for_are_computed_and_move_no_vertex( void** state )
+{
+    (void)state;
+    run_ok( "run cloth.yaml --record plain.usda" );
+    run_ok( "run cloth.yaml --record with.usda --record-with strain,speed" );
+    run_ok( "run cloth.yaml --record plain.pvd" );
+    run_ok( "run cloth.yaml --record with.pvd --record-with speed" );
+    assert_true( has_array( "with/cloth_0007.vtp", "speed" ) );
+    assert_false( has_array( "with/cloth_0007.vtp", "strain" ) );
+    size_t size;
+    char *plain = read_bytes( "plain/cloth_0007.vtp", &size ), *with = read_bytes( "with/cloth_0007.vtp", &size );
+    const char *points = strstr( plain, "<Points>" ), *same = strstr( with, "<Points>" );
+    assert_true( points && same );
+    assert_string_equal( points, same );
+    free( plain );
+    free( with );
+    char* text = read_bytes( "with.usda", &size );
+    assert_non_null( strstr( text, "primvars:strain.timeSamples" ) );
+    assert_non_null( strstr( text, "primvars:speed.timeSamples" ) );
+    free( text );
+}
+
+static void what_the_scene_computes_is_recorded_without_asking( void** state )
+{
+    (void)state;
+    char scene[1200];
+    const char* at = strstr( cloth_scene, "    cloth: {}\n" );
+    assert_non_null( at );
+    snprintf( scene, sizeof( scene ), "%.*s    compute: [points, strain]\n%s", (int)( at - cloth_scene ), cloth_scene,
+              at );
+    write_text( "strained.yaml", scene );
+    run_ok( "run strained.yaml --record strained.pvd" );
+    assert_true( has_array( "strained/cloth_0007.vtp", "strain" ) );
+    assert_false( has_array( "strained/cloth_0007.vtp", "speed" ) );
+}
+
+static void hair_is_recorded_with_the_widths_and_colours_of_its_appearance( void** state )
+{
+    (void)state;
+    run_ok( "run hair.yaml --record dressed.pvd" );
+    assert_true( has_array( "dressed/hair_0001.vtp", "width" ) );
+    assert_true( has_array( "dressed/hair_0001.vtp", "RGB" ) );
+}
+
+static void a_value_that_cannot_be_recorded_is_refused( void** state )
+{
+    (void)state;
+    assert_refused( "run hair.yaml --record r.pvd --record-with strain", "hair.yaml has no body with strain" );
+    assert_false( exists( "r.pvd" ) );
+    run( "run cloth.yaml --record r.glb --record-with strain" );
+    assert_int_equal( result.status, 64 );
+    assert_non_null(
+        strstr( result.err, "--record-with: expected together with --record and a file that ends in .pvd" ) );
+    run( "run cloth.yaml --record r.pvd --record-with strain,mass" );
+    assert_int_equal( result.status, 64 );
+    assert_non_null( strstr( result.err, "--record-with: got 'strain,mass', expected strain, speed or both" ) );
+    run( "run cloth.yaml --record r.pvd --record-with strain --verify fly.wisp" );
+    assert_int_equal( result.status, 64 );
+    assert_refused( "run cloth.yaml --record r.glb --steps 1001", "r.glb: got 1002 frames, expected at most 1000" );
+    assert_false( exists( "r.glb" ) );
 }
 
 static void a_recording_has_the_start_and_every_nth_step_with_hashes( void** state )
@@ -114,7 +216,9 @@ static void copy_with_one_bit_off( const char* from, const char* to )
     wisp_recording* recording;
     assert_int_equal( wisp_recording_open( from, &recording, &error ), WISP_OK );
     wisp_recording_info info = wisp_recording_describe( recording );
-    const wisp_recorder_def def = { wisp_recording_body( recording, 0 ), info.body_count, info.dt };
+    const wisp_recorder_def def = { .bodies = wisp_recording_body( recording, 0 ),
+                                    .body_count = info.body_count,
+                                    .dt = info.dt };
     wisp_recorder* recorder;
     assert_int_equal( wisp_recorder_open( to, WISP_RECORD_WISP, &def, &recorder, &error ), WISP_OK );
     for ( int f = 0; f < info.frame_count; ++f )
@@ -191,6 +295,11 @@ int main( int argc, char** argv )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_run_is_recorded_in_every_format ),
+        cmocka_unit_test( recording_does_not_change_the_hash_unless_more_is_computed ),
+        cmocka_unit_test( values_that_are_asked_for_are_computed_and_move_no_vertex ),
+        cmocka_unit_test( what_the_scene_computes_is_recorded_without_asking ),
+        cmocka_unit_test( hair_is_recorded_with_the_widths_and_colours_of_its_appearance ),
+        cmocka_unit_test( a_value_that_cannot_be_recorded_is_refused ),
         cmocka_unit_test( a_recording_has_the_start_and_every_nth_step_with_hashes ),
         cmocka_unit_test( tracks_are_the_points_of_the_recording ),
         cmocka_unit_test( a_run_verifies_its_recording_on_other_workers ),

@@ -301,7 +301,7 @@ static void a_frame_of_another_recording_is_refused( void** state )
 static void assert_refused_body( void** state, wisp_record_body body, const char* words )
 {
     wisp_record_body bodies[] = { fixture_bodies[0], body };
-    wisp_recorder_def def = { bodies, 2, 0.1 };
+    wisp_recorder_def def = { .bodies = bodies, .body_count = 2, .dt = 0.1 };
     wisp_recorder* recorder = NULL;
     wisp_error error = { .status = WISP_OK };
     char* path = path_in( state, "precious.wisp" );
@@ -365,7 +365,7 @@ static void a_definition_that_makes_no_sense_is_refused( void** state )
     assert_int_equal(
         wisp_recorder_open( path_in( state, "a.wisp.txt" ), WISP_RECORD_BY_NAME, &def, &recorder, &error ),
         WISP_BAD_INPUT );
-    assert_one_message( &error, WISP_BAD_INPUT, "ends in .wisp, .pc2, .pvd, .obj or .usda" );
+    assert_one_message( &error, WISP_BAD_INPUT, "ends in .wisp, .pc2, .pvd, .obj, .usda or .glb" );
     assert_int_equal( count_files( state ), 0 );
 }
 

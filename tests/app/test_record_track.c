@@ -157,7 +157,7 @@ static const wisp_record_body plain_body = {
 
 static void record_plain( const char* path, int frame_count )
 {
-    wisp_recorder_def def = { &plain_body, 1, 0.5 };
+    wisp_recorder_def def = { .bodies = &plain_body, .body_count = 1, .dt = 0.5 };
     wisp_recorder* recorder = NULL;
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, NULL ), WISP_OK );
     for ( int f = 0; f < frame_count; ++f )

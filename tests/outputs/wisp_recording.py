@@ -1,0 +1,39 @@
+"""A .wisp recording, read from the description of the format in app/io/record_internal.h."""
+import array
+import struct
+import sys
+
+
+class Body:
+    def __init__(self, kind, name, vertices, numbers):
+        self.is_strands = kind == 1
+        self.name = name
+        self.vertices = vertices
+        self.numbers = numbers  # corners of triangles, or offsets of strands
+        self.frames = []  # an array of 3 * vertices floats each
+
+
+def read(path):
+    """Return the bodies and the times of a recording."""
+    with open(path, "rb") as file:
+        data = file.read()
+    assert data[:8] == b"WISP\r\n\x1a\n" and sys.byteorder == "little"
+    body_count, header_bytes, frame_bytes = struct.unpack_from("<IQQ", data, 12)
+    bodies, at = [], 40
+    for _ in range(body_count):
+        kind, letters, vertices, elements = struct.unpack_from("<4I", data, at)
+        name = data[at + 16:at + 16 + letters].decode()
+        at += 16 + (letters + 3) // 4 * 4
+        count = elements + 1 if kind == 1 else 3 * elements
+        bodies.append(Body(kind, name, vertices, struct.unpack_from(f"<{count}i", data, at)))
+        at += 4 * count
+    times = []
+    for start in range(header_bytes, len(data) - frame_bytes + 1, frame_bytes):
+        assert data[start:start + 8] == b"WISPFRAM"
+        times.append(struct.unpack_from("<d", data, start + 24)[0])
+        at = start + 40
+        for body in bodies:
+            size = 12 * body.vertices
+            body.frames.append(array.array("f", data[at:at + size]))
+            at += size
+    return bodies, times
