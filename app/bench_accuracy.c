@@ -1,7 +1,7 @@
 // `wisp accuracy`: what accuracy costs in a scene of the user's.
 #include "bench_accuracy.h"
 
-#include "commands.h"
+#include "bench_texts.h"
 
 #include "accuracy/accuracy.h"
 #include "io_file.h"
@@ -14,44 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    KEY_SECONDS = 256,
-    KEY_LENGTH,
-    KEY_REPORT,
-    KEY_SUITE,
-};
-
-static const char doc[] =
-    "Show what accuracy costs in a scene: error and time by substeps, iterations and solvers, the settings that\n"
-    "no other beats, the fastest ones at equal error, the most accurate ones at equal time, and observed orders.\n"
-    "\v"
-    "Errors are distances to the same scene with so many substeps and iterations that it has converged.\n"
-    "How far it has is printed; smaller errors are not resolved. That run is kept in $WISP_CACHE, or in\n"
-    "~/.cache/wisp, and is not made again. Only the first second of a scene is compared unless --length is given:\n"
-    "motion becomes chaotic, and distances say nothing then.\n"
-    "\n"
-    "Examples:\n"
-    "  wisp accuracy scene.yaml\n"
-    "  wisp accuracy scene.yaml --length 0.5 --report accuracy.html\n"
-    "  wisp accuracy scene.yaml --suite suite.yaml\n"
-    "\n" STATUS_HELP_UNMET( "a check failed: two runs of one setting have other bits" );
-
-static const struct argp_option option_list[] = {
-    { 0, 0, 0, 0, "Measurement:", 1 },
-    { "length", KEY_LENGTH, "S", 0, "Seconds of motion that are compared; default: all of the scene, at most 1", 1 },
-    { "seconds", KEY_SECONDS, "S", 0, "Approximate time limit, without that of the converged run; default 30", 1 },
-    { "workers", 'w', "N", 0, "Workers of the parallel variant, 1 to 64, default 2", 1 },
-    { "quick", 'q', NULL, 0, "Fewer settings and samples", 1 },
-    { 0, 0, 0, 0, "Output:", 2 },
-    { "format", 'f', "FORMAT", 0, "text (default), markdown, csv, json, gbench, bencher, github or hyperfine", 2 },
-    { "output", 'o', "FILE", 0, "Write the results to FILE; default: standard output", 2 },
-    { "report", KEY_REPORT, "FILE", 0, "Also write an HTML page with charts", 2 },
-    { "suite", KEY_SUITE, "FILE", 0,
-      "Only write the suite that this would run, to be changed, run by `wisp bench` and gated", 2 },
-    { 0 },
-};
-
 typedef struct accuracy_arguments
 {
     bench_options options;
@@ -60,38 +22,37 @@ typedef struct accuracy_arguments
     double length;
 } accuracy_arguments;
 
-static error_t parse( int key, char* argument, struct argp_state* state )
+static bool take( options_state* o, int key, const char* argument )
 {
-    accuracy_arguments* a = state->input;
+    accuracy_arguments* a = o->input;
     switch ( key )
     {
-        case KEY_LENGTH:
-            a->length = option_positive( state, "--length", argument, 1e6 );
-            return 0;
-        case KEY_SECONDS:
-            a->options.seconds = option_positive( state, "--seconds", argument, 1e6 );
-            return 0;
-        case 'w':
-            a->options.workers = option_whole( state, "--workers", argument, 1, WISP_MAX_WORKERS );
-            return 0;
-        case 'q':
+        case BENCH_KEY_LENGTH:
+            a->length = option_positive( o, argument, 1e6 );
+            return true;
+        case BENCH_KEY_SECONDS:
+            a->options.seconds = option_positive( o, argument, 1e6 );
+            return true;
+        case BENCH_KEY_WORKERS:
+            a->options.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
+            return true;
+        case BENCH_KEY_QUICK:
             a->options.quick = true;
-            return 0;
-        case 'f':
-            a->format = (results_format)option_word( state, "--format", argument, results_format_names,
-                                                     RESULTS_FORMAT_COUNT );
-            return 0;
-        case 'o':
+            return true;
+        case BENCH_KEY_FORMAT:
+            a->format = (results_format)option_word( o, argument );
+            return true;
+        case BENCH_KEY_OUTPUT:
             a->output = argument;
-            return 0;
-        case KEY_REPORT:
+            return true;
+        case BENCH_KEY_REPORT:
             a->report = argument;
-            return 0;
-        case KEY_SUITE:
+            return true;
+        case BENCH_KEY_SUITE:
             a->suite = argument;
-            return 0;
+            return true;
         default:
-            return option_input( state, key, argument, "scene", &a->scene ) ? 0 : ARGP_ERR_UNKNOWN;
+            return option_input( o, key, argument, &a->scene );
     }
 }
 
@@ -147,8 +108,7 @@ int bench_accuracy( int argc, char** argv )
 {
     accuracy_arguments a = { .options = bench_default_options() };
     a.options.seconds = 30.0;
-    const struct argp parser = { option_list, parse, "SCENE", doc, NULL, NULL, NULL };
-    argp_parse( &parser, argc, argv, 0, NULL, &a );
+    options_parse( &accuracy_text, take, &a, argc, argv );
     results out = { .is_result_first = true };
     results_put_options( &out, argc, argv );
     wisp_error error = { 0 };

@@ -6,54 +6,58 @@
 #include "scene_keys.h"
 #include "world_from_scene.h"
 
-static const char doc[] = "Describe a file, and report what is wrong with it.\n"
-                          "\v"
-                          "Known are grooms (.hair, .tfx), meshes (.obj, .ply), scenes (.yaml, .yml, .json),\n"
-                          "recordings (.wisp, .pc2) and results (.json).\n"
-                          "\n"
-                          "A mesh is checked for open and non-manifold edges, inconsistent winding, inverted\n"
-                          "components, degenerate triangles and more; each finding names the elements. Such\n"
-                          "findings are no failure (status 0). A file that cannot be read is (status 2).\n"
-                          "\n"
-                          "Examples:\n"
-                          "  wisp info data/bunny.obj\n"
-                          "  wisp info data/scenes/flag.yaml\n"
-                          "\n" STATUS_HELP;
-
 typedef struct info_options
 {
     const char* argument; // a file, or a block of keys
     bool keys;
 } info_options;
 
-static const struct argp_option options[] = {
-    { "keys", 'k', NULL, 0, "print every key of a scene, or those of a BLOCK such as surfaces.cloth", 0 },
-    { 0 },
+static const option_row rows[] = {
+    { "keys", 'k', NULL, "Print every key of a scene, or those of a BLOCK such as surfaces.cloth", OPTION_ANY },
 };
 
-static error_t parse( int key, char* argument, struct argp_state* state )
+const command_text info_text = {
+    .name = "info",
+    .operands = "FILE\n--keys [BLOCK]",
+    .noun = "file",
+    .summary = "describe a file and report what is wrong with it",
+    .about = "Describe a file, and report what is wrong with it.",
+    .notes = "Known are grooms (.hair, .tfx), meshes (.obj, .ply), scenes (.yaml, .yml, .json),\n"
+             "recordings (.wisp, .pc2) and results (.json).\n"
+             "\n"
+             "A mesh is checked for open and non-manifold edges, inconsistent winding, inverted\n"
+             "components, degenerate triangles and more; each finding names the elements. Such\n"
+             "findings are no failure (status 0). A file that cannot be read is (status 2).",
+    .examples = "wisp info data/bunny.obj\n"
+                "wisp info data/scenes/flag.yaml",
+    .rows = rows,
+    .row_count = WISP_COUNT( rows ),
+    .values = OPTION_FILES( ".yaml .yml .json .wisp .pc2 .obj .ply .hair .tfx" ),
+};
+
+static bool take( options_state* o, int key, const char* argument )
 {
-    info_options* given = state->input;
+    info_options* given = o->input;
     switch ( key )
     {
         case 'k':
             given->keys = true;
-            return 0;
-        case ARGP_KEY_ARG:
+            return true;
+        case OPTIONS_OPERAND:
             if ( given->argument )
             {
-                argp_error( state, "got a second file '%s', expected one", argument );
+                options_fail( o, "got a second file '%s', expected one", argument );
             }
             given->argument = argument;
-            return 0;
-        case ARGP_KEY_END:
+            return true;
+        case OPTIONS_END:
             if ( !given->argument && !given->keys )
             {
-                argp_error( state, "expected a file" );
+                options_fail( o, "expected a file" );
             }
-            return 0;
+            return true;
         default:
-            return ARGP_ERR_UNKNOWN;
+            return false;
     }
 }
 
@@ -412,10 +416,7 @@ static wisp_status info_keys( const char* block, wisp_error* error )
 int command_info( int argc, char** argv )
 {
     info_options given = { 0 };
-    const struct argp parser = {
-        .options = options, .parser = parse, .args_doc = "FILE\n--keys [BLOCK]", .doc = doc
-    };
-    argp_parse( &parser, argc, argv, 0, NULL, &given );
+    options_parse( &info_text, take, &given, argc, argv );
 
     wisp_error error = { 0 };
     wisp_status status = given.keys ? info_keys( given.argument, &error ) : info_file( given.argument, &error );

@@ -26,55 +26,59 @@ enum
     KEY_STEPS = 's',
 };
 
-static const char doc[] =
-    "Write a page that simulates a scene, or plays a recording, in a browser.\n"
-    "\v"
-    "The page is one file with all that it needs. It opens without a network and without a server.\n"
-    "The scene runs in WebAssembly, with the bits of this program: the page shows its hash of every\n"
-    "60th step beside that of a run that is made now. Vertices and colliders can be dragged, settings\n"
-    "of accuracy changed, and hair with `frozen_hair` combed. docs/view.md describes it.\n"
-    "\n"
-    "Recordings end in .wisp, as 'wisp run --record' writes them.\n"
-    "\n"
-    "Examples:\n"
-    "  wisp view data/scenes/flag.yaml -o flag.html\n"
-    "  wisp view flag.wisp -o flag.html\n"
-    "\n" STATUS_HELP;
-
-static const struct argp_option option_list[] = {
-    { "output", KEY_OUTPUT, "FILE.html", 0, "Write the page to FILE.html; required", 1 },
-    { "steps", KEY_STEPS, "N", 0, "Simulate N steps for hashes, 0 for none; default: the scene's steps", 1 },
-    { 0 },
+static const option_row rows[] = {
+    { "output", KEY_OUTPUT, "FILE.html", "Write the page to FILE.html; required", OPTION_FILES( ".html" ) },
+    { "steps", KEY_STEPS, "N", "Simulate N steps for hashes, 0 for none; default: the scene's steps", OPTION_ANY },
 };
 
-static void check( struct argp_state* state, const view_options* options )
+const command_text view_text = {
+    .name = "view",
+    .operands = "SCENE|RECORDING",
+    .noun = "scene or recording",
+    .summary = "write a page that simulates a scene, or plays a recording, in a browser",
+    .about = "Write a page that simulates a scene, or plays a recording, in a browser.",
+    .notes = "The page is one file with all that it needs. It opens without a network and without a server.\n"
+             "The scene runs in WebAssembly, with the bits of this program: the page shows its hash of every\n"
+             "60th step beside that of a run that is made now. Vertices and colliders can be dragged, settings\n"
+             "of accuracy changed, and hair with `frozen_hair` combed. docs/view.md describes it.\n"
+             "\n"
+             "Recordings end in .wisp, as 'wisp run --record' writes them.",
+    .examples = "wisp view data/scenes/flag.yaml -o flag.html\n"
+                "wisp view flag.wisp -o flag.html",
+    .rows = rows,
+    .row_count = WISP_COUNT( rows ),
+    .values = OPTION_FILES( ".yaml .yml .json .wisp" ),
+};
+
+static void check( const options_state* o, const view_options* options )
 {
     if ( !options->output )
     {
-        argp_error( state, "expected an output file: -o FILE.html" );
+        options_fail( o, "expected an output file: -o FILE.html" );
     }
     if ( !io_has_extension( options->output, ".html" ) )
     {
-        argp_error( state, "-o: got '%s', expected a file name that ends in .html", options->output );
+        options_fail( o, "-o: got '%s', expected a file name that ends in .html", options->output );
     }
 }
 
-static error_t parse( int key, char* argument, struct argp_state* state )
+static bool take( options_state* o, int key, const char* argument )
 {
-    view_options* options = state->input;
+    view_options* options = o->input;
     switch ( key )
     {
         case KEY_OUTPUT:
             options->output = argument;
-            return 0;
+            return true;
         case KEY_STEPS:
-            options->steps = option_whole( state, "--steps", argument, 0, STEPS_MAX );
-            return 0;
-        case ARGP_KEY_SUCCESS:
-            check( state, options );
-            return 0;
+            options->steps = option_whole( o, argument, 0, STEPS_MAX );
+            return true;
+        case OPTIONS_END:
+            option_input( o, key, argument, &options->input );
+            check( o, options );
+            return true;
         default:
-            return option_input( state, key, argument, "scene or recording", &options->input ) ? 0 : ARGP_ERR_UNKNOWN;
+            return option_input( o, key, argument, &options->input );
     }
 }
 
@@ -159,8 +163,7 @@ static wisp_status take_input( const view_options* options, json_t* files, json_
 int command_view( int argc, char** argv )
 {
     view_options options = { .steps = -1 };
-    const struct argp parser = { option_list, parse, "SCENE|RECORDING", doc, NULL, NULL, NULL };
-    argp_parse( &parser, argc, argv, 0, NULL, &options );
+    options_parse( &view_text, take, &options, argc, argv );
 
     wisp_error error = { 0 };
     json_t* files = json_object();
