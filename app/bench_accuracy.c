@@ -4,6 +4,7 @@
 #include "bench_texts.h"
 
 #include "accuracy/accuracy.h"
+#include "interruption.h"
 #include "io_file.h"
 #include "progress.h"
 #include "report.h"
@@ -83,18 +84,18 @@ static wisp_status run_suite( accuracy_arguments* a, const char* text, results* 
     status = status == WISP_OK ? suite_bench_rows( &suite, &a->options, out, error ) : status;
     progress_end( &bar );
     suite_release( &suite );
-    return status;
+    return bench_keep_interrupted( out, status );
 }
 
 static wisp_status write_results( const accuracy_arguments* a, const results* out, wisp_error* error )
 {
-    wisp_status status = results_write_file( out, a->format, a->output, error );
-    if ( status == WISP_OK && a->report )
+    wisp_status status = WISP_OK;
+    if ( a->report )
     {
         const report_run run = { .what = a->scene, .how = "wisp accuracy" };
         status = report_write_file( out, &run, a->report, error );
     }
-    return status;
+    return status == WISP_OK ? results_write_file( out, a->format, a->output, error ) : status;
 }
 
 static wisp_status check_files( const accuracy_arguments* a, wisp_error* error )
@@ -109,6 +110,7 @@ int bench_accuracy( int argc, char** argv )
     accuracy_arguments a = { .options = bench_default_options() };
     a.options.seconds = 30.0;
     options_parse( &accuracy_text, take, &a, argc, argv );
+    interruption_begin();
     results out = { .is_result_first = true };
     results_put_options( &out, argc, argv );
     wisp_error error = { 0 };
@@ -135,5 +137,5 @@ int bench_accuracy( int argc, char** argv )
     const bool failed = out.failed;
     results_free( &out );
     free( text );
-    return status != WISP_OK ? command_fail( &error ) : failed ? STATUS_UNMET : STATUS_GOOD;
+    return status != WISP_OK ? command_fail( &error ) : interruption_status( failed ? STATUS_UNMET : STATUS_GOOD );
 }

@@ -4,6 +4,7 @@
 
 #include "accuracy/accuracy.h"
 #include "bench.h"
+#include "interruption.h"
 #include "io_file.h"
 #include "nearest.h"
 #include "progress.h"
@@ -193,6 +194,17 @@ static void show_progress( void* user, double fraction, const char* what )
     progress_show( user, fraction, what );
 }
 
+// What was measured before the signal is written as usual.
+wisp_status bench_keep_interrupted( results* out, wisp_status status )
+{
+    if ( status == WISP_CONFLICT && interruption_came() )
+    {
+        results_add_note( out, "interrupted: what was not measured by then is missing" );
+        return WISP_OK;
+    }
+    return status;
+}
+
 static wisp_status run_cases( bench_arguments* arguments, results* out, wisp_error* error )
 {
     int count;
@@ -210,11 +222,12 @@ static wisp_status run_cases( bench_arguments* arguments, results* out, wisp_err
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
         const bench_case* chosen = arguments->chosen + i;
+        progress_part( &bar, (double)i / count, 1.0 / count );
         status = chosen->run ? chosen->run( &arguments->options, out, error )
                              : suite_bench( chosen->name, &arguments->options, out, error );
     }
     progress_end( &bar );
-    return status;
+    return bench_keep_interrupted( out, status );
 }
 
 // ---- what is written ----
@@ -271,6 +284,7 @@ int main( int argc, char** argv )
         return list_cases();
     }
 
+    interruption_begin();
     results out = { 0 };
     results_put_options( &out, argc, argv );
     wisp_error error = { 0 };
@@ -282,13 +296,14 @@ int main( int argc, char** argv )
         status = io_folder_make( arguments.options.pictures, &error );
     }
     status = status == WISP_OK ? run_cases( &arguments, &out, &error ) : status;
-    if ( status == WISP_OK )
-    {
-        status = results_write_file( &out, arguments.format, arguments.output, &error );
-    }
+    // The report first: a reader of standard output may leave early.
     if ( status == WISP_OK && arguments.report != NULL )
     {
         status = write_report( &arguments, &out, &error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = results_write_file( &out, arguments.format, arguments.output, &error );
     }
     bool failed = out.failed;
     results_free( &out );
@@ -300,5 +315,5 @@ int main( int argc, char** argv )
     {
         fprintf( stderr, "wisp: a result is wrong; the lines that begin with FAILED say which.\n" );
     }
-    return failed ? STATUS_UNMET : STATUS_GOOD;
+    return interruption_status( failed ? STATUS_UNMET : STATUS_GOOD );
 }

@@ -2,6 +2,7 @@
 
 #include "gate_page.h"
 #include "gate_paired.h"
+#include "interruption.h"
 #include "machine.h"
 #include "progress.h"
 #include "suite_callgrind.h"
@@ -219,7 +220,8 @@ static char* default_base( const char* suite )
     return path;
 }
 
-static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, suite_measurement* out,
+// @param done receives how many rows were measured, fewer after an interruption
+static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, suite_measurement* out, int* done,
                                 wisp_error* error )
 {
     const suite_count_options counts = { .has_cycles = o->has_cycles };
@@ -227,6 +229,7 @@ static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, 
     progress bar = progress_begin();
     progress_show( &bar, 0.0, "the reference" );
     wisp_status status = suite_reference_make( suite, &reference, error );
+    *done = 0;
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {
         progress_show( &bar, (double)i / suite->row_count, suite->rows[i].name );
@@ -234,6 +237,7 @@ static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, 
         status = status == WISP_OK && !o->no_instructions
                      ? suite_count_instructions( o->suite, i, &counts, out + i, error )
                      : status;
+        *done += status == WISP_OK ? 1 : 0;
     }
     suite_reference_release( &reference );
     progress_end( &bar );
@@ -308,7 +312,16 @@ static wisp_status record( const wisp_suite* suite, const gate_options* o, const
 
 // ---- check ----
 
-static wisp_status report( const wisp_suite* suite, const gate_options* o, const gate_base* base,
+static void note_interruption( const char* what, int done, int all, results* out )
+{
+    if ( done < all )
+    {
+        results_add_note( out, "interrupted: %s %d of %d rows", what, done, all );
+    }
+}
+
+// @param all rows of the suite, of which there are fewer after an interruption
+static wisp_status report( const wisp_suite* suite, int all, const gate_options* o, const gate_base* base,
                            const suite_measurement* measured, bool* is_worse, wisp_error* error )
 {
     gate_row_check* checks = calloc( (size_t)suite->row_count, sizeof *checks );
@@ -318,6 +331,7 @@ static wisp_status report( const wisp_suite* suite, const gate_options* o, const
     }
     results out = { .machine = machine_describe( measured[0].isa ), .is_result_first = true };
     results_put_options( &out, o->argc, o->argv );
+    note_interruption( "checked", suite->row_count, all, &out );
     const bool compares = gate_counts_are_comparable( base );
     if ( !compares && !o->no_instructions )
     {
@@ -330,7 +344,7 @@ static wisp_status report( const wisp_suite* suite, const gate_options* o, const
         *is_worse = *is_worse || checks[i].state == GATE_WORSE || ( o->is_strict && checks[i].state == GATE_NEW );
     }
     const int missing = gate_count_missing( base, suite->rows, suite->row_count );
-    if ( missing > 0 )
+    if ( missing > 0 && suite->row_count == all )
     {
         results_add_note( &out, "%d rows of the base are not in the suite any more", missing );
         *is_worse = *is_worse || o->is_strict;
@@ -360,8 +374,9 @@ static bool base_has( const gate_base* base, suite_measure m )
 }
 
 // Counts what the base has, if its counts can be compared.
-static int check( const wisp_suite* suite, gate_options* o, wisp_error* error )
+static int check( wisp_suite* suite, gate_options* o, wisp_error* error )
 {
+    const int all = suite->row_count;
     gate_base base;
     bool is_worse = false;
     wisp_status status = gate_base_read( o->base, &base, error );
@@ -371,19 +386,26 @@ static int check( const wisp_suite* suite, gate_options* o, wisp_error* error )
     {
         o->has_cycles = base_has( &base, SUITE_CYCLES ) && gate_counts_are_comparable( &base );
         o->no_instructions = o->no_instructions || !base_has( &base, SUITE_INSTRUCTIONS );
-        status = measured ? measure_all( suite, o, measured, error )
+        int done = 0;
+        status = measured ? measure_all( suite, o, measured, &done, error )
                           : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
+        if ( status != WISP_OK && interruption_came() && done > 0 )
+        {
+            suite->row_count = done;
+            status = WISP_OK;
+        }
     }
-    status = status == WISP_OK ? report( suite, o, &base, measured, &is_worse, error ) : status;
+    status = status == WISP_OK ? report( suite, all, o, &base, measured, &is_worse, error ) : status;
     free( measured );
     gate_base_release( &base );
-    return status != WISP_OK ? command_fail( error ) : is_worse ? STATUS_UNMET : STATUS_GOOD;
+    return status != WISP_OK ? command_fail( error ) : interruption_status( is_worse ? STATUS_UNMET : STATUS_GOOD );
 }
 
 // ---- times ----
 
-static int compare_times( const wisp_suite* suite, const gate_options* o, wisp_error* error )
+static int compare_times( wisp_suite* suite, const gate_options* o, wisp_error* error )
 {
+    const int all = suite->row_count;
     gate_pair_check* checks = calloc( (size_t)suite->row_count, sizeof *checks );
     results out = { .machine = machine_describe( o->isa ? o->isa : "avx2" ), .is_result_first = true };
     results_put_options( &out, o->argc, o->argv );
@@ -399,12 +421,13 @@ static int compare_times( const wisp_suite* suite, const gate_options* o, wisp_e
     }
     if ( status == WISP_OK )
     {
+        note_interruption( "compared", suite->row_count, all, &out );
         gate_report_pairs( suite, checks, &out );
         status = results_write_file( &out, o->format, NULL, error );
     }
     results_free( &out );
     free( checks );
-    return status != WISP_OK ? command_fail( error ) : is_worse ? STATUS_UNMET : STATUS_GOOD;
+    return status != WISP_OK ? command_fail( error ) : interruption_status( is_worse ? STATUS_UNMET : STATUS_GOOD );
 }
 
 static int test_itself( const wisp_suite* suite, const gate_options* o, wisp_error* error )
@@ -416,9 +439,14 @@ static int test_itself( const wisp_suite* suite, const gate_options* o, wisp_err
     const gate_self_test_options options = { o->pass, o->trials > 0 ? o->trials : 10, !o->no_instructions };
     wisp_status status = gate_self_test( suite, &turns, &options, &bar, &out, error );
     progress_end( &bar );
+    if ( status != WISP_OK && interruption_came() )
+    {
+        results_add_note( &out, "interrupted: slow-downs that are not listed were not tested" );
+        status = WISP_OK;
+    }
     status = status == WISP_OK ? results_write_file( &out, o->format, NULL, error ) : status;
     results_free( &out );
-    return status == WISP_OK ? STATUS_GOOD : command_fail( error );
+    return status == WISP_OK ? interruption_status( STATUS_GOOD ) : command_fail( error );
 }
 
 static wisp_status slow_down( void* user, const scene_world* world, wisp_error* error )
@@ -443,7 +471,7 @@ static int step_row( const wisp_suite* suite, gate_options* o, wisp_error* error
     return STATUS_GOOD;
 }
 
-static int run_action( const wisp_suite* suite, gate_options* o, wisp_error* error )
+static int run_action( wisp_suite* suite, gate_options* o, wisp_error* error )
 {
     if ( o->row >= suite->row_count )
     {
@@ -466,8 +494,14 @@ static int run_action( const wisp_suite* suite, gate_options* o, wisp_error* err
     suite_measurement* measured = calloc( (size_t)suite->row_count, sizeof *measured );
     if ( status == WISP_OK )
     {
-        status = measured ? measure_all( suite, o, measured, error )
+        int done = 0;
+        status = measured ? measure_all( suite, o, measured, &done, error )
                           : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
+        if ( status != WISP_OK && interruption_came() )
+        {
+            wisp_fail( error, WISP_CONFLICT, "interrupted after %d of %d rows: %s is as it was", done,
+                       suite->row_count, o->base );
+        }
     }
     status = status == WISP_OK ? record( suite, o, measured, error ) : status;
     free( measured );
@@ -478,12 +512,14 @@ int command_gate( int argc, char** argv )
 {
     gate_options options = { .argc = argc, .argv = argv, .patience = 120.0 };
     options_parse( &gate_text, take, &options, argc, argv );
+    interruption_begin();
     char* beside = options.base ? NULL : default_base( options.suite );
     options.base = options.base ? options.base : beside;
     wisp_error error = { 0 };
     wisp_suite all;
-    const int status = suite_read( options.suite, &all, &error ) == WISP_OK ? run_action( &all, &options, &error )
-                                                                            : command_fail( &error );
+    const bool is_read = suite_read( options.suite, &all, &error ) == WISP_OK;
+    wisp_suite part = all; // an interruption leaves fewer rows of it
+    const int status = is_read ? run_action( &part, &options, &error ) : command_fail( &error );
     suite_release( &all );
     free( beside );
     return status;

@@ -1,5 +1,6 @@
 #include "commands.h"
 
+#include "interruption.h"
 #include "io_file.h"
 #include "picture_draw.h"
 
@@ -270,6 +271,7 @@ int command_render( int argc, char** argv )
 {
     picture_options options = picture_default_options();
     options_parse( &render_text, take, &options, argc, argv );
+    interruption_begin();
 
     wisp_error error = { 0 };
     wisp_status status = picture_draw( &options, &error );
@@ -277,5 +279,5 @@ int command_render( int argc, char** argv )
     {
         status = wisp_fail( &error, WISP_IO_ERROR, "standard output: the list of pictures could not be written" );
     }
-    return status == WISP_OK ? STATUS_GOOD : command_fail( &error );
+    return status == WISP_OK ? interruption_status( STATUS_GOOD ) : command_fail( &error );
 }

@@ -1,5 +1,6 @@
 #include "commands.h"
 
+#include "interruption.h"
 #include "io_file.h"
 #include "progress.h"
 #include "run_summary.h"
@@ -199,7 +200,7 @@ static wisp_status simulate( scene_world* world, int steps, run_recorder* record
     }
     progress bar = progress_begin();
     wisp_status status = run_recorder_step( recorder, error );
-    while ( record->steps < steps && status == WISP_OK )
+    while ( record->steps < steps && status == WISP_OK && !interruption_came() )
     {
         const double start = wisp_clock_seconds(), cpu_start = machine_cpu_seconds();
         status = scene_world_step( world, error );
@@ -261,7 +262,9 @@ static wisp_status simulate_and_record( run_options* options, scene_world* world
     wisp_error later = { 0 };
     wisp_status closed = run_recorder_close( recorder, status == WISP_OK ? error : &later );
     status = status == WISP_OK ? closed : status;
-    if ( status == WISP_OK )
+    record->all_steps = steps;
+    // What the scene writes is its end, which an interrupted run has not reached.
+    if ( status == WISP_OK && record->steps == steps )
     {
         status = scene_world_write_outputs( world, error );
     }
@@ -311,6 +314,7 @@ int command_run( int argc, char** argv )
 {
     run_options options = { .recorder = { .every = 1 } };
     options_parse( &run_text, take, &options, argc, argv );
+    interruption_begin();
 
     wisp_error error = { 0 };
     wisp_scene scene;
@@ -328,5 +332,5 @@ int command_run( int argc, char** argv )
     }
     results_free( &out );
     wisp_scene_release( &scene );
-    return status == WISP_OK ? STATUS_GOOD : command_fail( &error );
+    return status == WISP_OK ? interruption_status( STATUS_GOOD ) : command_fail( &error );
 }

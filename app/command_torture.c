@@ -1,5 +1,6 @@
 #include "commands.h"
 
+#include "interruption.h"
 #include "torture_search.h"
 
 #include <math.h>
@@ -190,6 +191,7 @@ int command_torture( int argc, char** argv )
     {
         return print_scene( &options.search );
     }
+    interruption_begin();
     wisp_error error = { 0 };
     results out = { .is_result_first = true };
     results_put_options( &out, argc, argv );
@@ -204,7 +206,6 @@ int command_torture( int argc, char** argv )
     {
         free( (void*)(uintptr_t)options.meshes[i] );
     }
-    return status != WISP_OK                    ? command_fail( &error )
-           : torture_broken_count( &found ) > 0 ? STATUS_UNMET
-                                                : STATUS_GOOD;
+    return status != WISP_OK ? command_fail( &error )
+                             : interruption_status( torture_broken_count( &found ) > 0 ? STATUS_UNMET : STATUS_GOOD );
 }

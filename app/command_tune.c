@@ -1,5 +1,6 @@
 #include "commands.h"
 
+#include "interruption.h"
 #include "progress.h"
 #include "tune_report.h"
 
@@ -203,7 +204,7 @@ static wisp_status write_scene( const tune_options* options, const tune_paramete
 static bool show( void* user, int run_count, int max_runs )
 {
     progress_show( user, (double)run_count / max_runs, "of the runs allowed" );
-    return true;
+    return !interruption_came();
 }
 
 static wisp_status tune( tune_options* options, const wisp_scene* scene, const tune_parameters* parameters,
@@ -227,6 +228,10 @@ static wisp_status tune( tune_options* options, const wisp_scene* scene, const t
     {
         *meets_target = found.meets_target;
         tune_report( out, &options->search, &info, &found );
+        if ( interruption_came() )
+        {
+            results_add_note( out, "interrupted after %d runs: a better configuration may exist", found.run_count );
+        }
     }
     if ( status == WISP_OK && options->output && found.meets_target )
     {
@@ -245,6 +250,7 @@ int command_tune( int argc, char** argv )
 {
     tune_options options = { .search = { .limit = DEFAULT_LIMIT } };
     options_parse( &tune_text, take, &options, argc, argv );
+    interruption_begin();
 
     // The scene is read twice: the fields of the second copy change from run to run.
     wisp_error error = { 0 };
@@ -262,5 +268,6 @@ int command_tune( int argc, char** argv )
     results_free( &out );
     wisp_scene_release( &varied );
     wisp_scene_release( &scene );
-    return status != WISP_OK ? command_fail( &error ) : meets_target ? STATUS_GOOD : STATUS_UNMET;
+    return status != WISP_OK ? command_fail( &error )
+                             : interruption_status( meets_target ? STATUS_GOOD : STATUS_UNMET );
 }

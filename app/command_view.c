@@ -1,6 +1,7 @@
 #include "commands.h"
 
 #include "file_kind.h"
+#include "interruption.h"
 #include "io_file.h"
 #include "record.h"
 #include "view_page.h"
@@ -96,10 +97,15 @@ static json_t* begin_data( const char* kind, const char* path, json_t* files )
 static wisp_status add_hashes( const view_options* options, const wisp_scene* scene, json_t* data, wisp_error* error )
 {
     json_t* hashes;
-    const int steps = options->steps >= 0 ? options->steps : scene->steps;
-    const wisp_status status = view_scene_hashes( scene, steps, &hashes, error );
+    const int all = options->steps >= 0 ? options->steps : scene->steps;
+    int made = all;
+    const wisp_status status = view_scene_hashes( scene, &made, &hashes, error );
     if ( status == WISP_OK )
     {
+        if ( made < all )
+        {
+            fprintf( stderr, "wisp: interrupted at step %d of %d: the page has the hashes until then\n", made, all );
+        }
         json_object_set_new( data, "hashes", hashes );
     }
     return status;
@@ -164,6 +170,7 @@ int command_view( int argc, char** argv )
 {
     view_options options = { .steps = -1 };
     options_parse( &view_text, take, &options, argc, argv );
+    interruption_begin();
 
     wisp_error error = { 0 };
     json_t* files = json_object();
@@ -183,5 +190,5 @@ int command_view( int argc, char** argv )
     }
     json_decref( data );
     json_decref( files );
-    return status == WISP_OK ? STATUS_GOOD : command_fail( &error );
+    return status == WISP_OK ? interruption_status( STATUS_GOOD ) : command_fail( &error );
 }

@@ -1,5 +1,7 @@
 #include "commands.h"
 
+#include "interruption.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -13,7 +15,7 @@ int command_fail( const wisp_error* error )
 {
     const char* message = error->message[0] ? error->message : wisp_status_name( error->status );
     fprintf( stderr, "wisp: %s\n", message );
-    return STATUS_FAILED;
+    return interruption_status( STATUS_FAILED );
 }
 
 wisp_status command_check_writable( const char* path, wisp_error* error )

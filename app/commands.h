@@ -38,7 +38,7 @@ extern const command_text program_text;
 /// End the program with STATUS_USAGE and the nearest command. @param word null: there was none
 _Noreturn void command_unknown( const char* word );
 
-/// Print the message of a failure to stderr. @return STATUS_FAILED
+/// Print the message of a failure to stderr. @return STATUS_FAILED, or the status of an interruption
 int command_fail( const wisp_error* error );
 
 /// Check that a file can be written, before the work that fills it. Changes nothing.

@@ -53,29 +53,23 @@ static void put_line( const char* text, int length, FILE* out )
 }
 
 // Paragraphs are divided by empty lines; lines that begin with blanks stay lines.
-static void put_paragraphs( const char* text, FILE* out )
+static void put_paragraphs( const char* text, bool is_first, FILE* out )
 {
-    bool is_kept = false, is_begun = false;
+    bool is_kept = false, is_begun = is_first;
     while ( *text )
     {
         const int length = (int)strcspn( text, "\n" );
-        const bool keeps = length > 0 && *text == ' ';
-        if ( is_kept != keeps )
-        {
-            fputs( keeps ? ".PP\n.nf\n" : ".fi\n", out );
-            is_kept = keeps;
-        }
-        if ( length == 0 || ( !is_begun && !keeps ) )
-        {
-            fputs( ".PP\n", out );
-        }
+        const bool keeps = *text == ' ';
         if ( length > 0 )
         {
+            fputs( is_kept && !keeps ? ".fi\n" : "", out );
+            fputs( !is_begun || is_kept != keeps ? ".PP\n" : "", out );
+            fputs( keeps && !is_kept ? ".nf\n" : "", out );
             put_line( text, length, out );
+            is_kept = keeps;
         }
-        is_begun = true;
+        is_begun = length > 0;
         text += length;
-        // an empty line before lines that are kept would be a second space
         text += *text == '\n' ? 1 : 0;
     }
     fputs( is_kept ? ".fi\n" : "", out );
@@ -165,7 +159,7 @@ static void put_commands( const command_text* command, FILE* out )
     fputs( count > 0 ? ".SH COMMANDS\n" : "", out );
     for ( int i = 0; i < count; ++i )
     {
-        fprintf( out, ".TP\n\\fB%s\\fR, see \\fBwisp\\-%s\\fR(1)\n", list[i]->name, list[i]->name );
+        fprintf( out, ".TP\n\\fB%s\\fR\n", list[i]->name );
         put_line( list[i]->summary, (int)strlen( list[i]->summary ), out );
     }
 }
@@ -210,8 +204,8 @@ void options_print_manual( const command_text* command, FILE* out )
 {
     put_head( command, out );
     fputs( ".SH DESCRIPTION\n", out );
-    put_paragraphs( command->about, out );
-    put_paragraphs( command->notes ? command->notes : "", out );
+    put_paragraphs( command->about, true, out );
+    put_paragraphs( command->notes ? command->notes : "", false, out );
     put_commands( command, out );
     put_options( command, out );
     fputs( command->commands ? environment : "", out );

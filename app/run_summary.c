@@ -39,6 +39,10 @@ static void add_head_line( results* out, int table, const char* label, const cha
 static void add_times( results* out, int table, const scene_world* world, const run_record* record,
                        stats_summary times )
 {
+    if ( record->steps < record->all_steps )
+    {
+        add_head_line( out, table, "interrupted", "at step %d of %d", record->steps, record->all_steps );
+    }
     if ( record->steps == 0 )
     {
         add_head_line( out, table, "steps", "none: the files hold the rest shape" );
@@ -68,12 +72,13 @@ static void add_sizes( results* out, int table, const scene_world* world )
                    vertices > 0 ? bytes / vertices : 0.0 );
 }
 
-static void add_files( results* out, int table, const wisp_scene* scene, const run_recorder_def* def,
-                       run_recorder_counts counts )
+static void add_files( results* out, int table, const wisp_scene* scene, const run_record* record,
+                       const run_recorder_def* def, run_recorder_counts counts )
 {
     for ( int i = 0; i < scene->output_count; ++i )
     {
-        add_head_line( out, table, "written", "%s", scene->outputs[i].file );
+        add_head_line( out, table, record->steps < record->all_steps ? "not written" : "written", "%s",
+                       scene->outputs[i].file );
     }
     if ( def->record )
     {
@@ -103,7 +108,7 @@ static void add_head( results* out, const scene_world* world, const run_record* 
     add_head_line( out, table, "scene", "%s", world->scene->name );
     add_times( out, table, world, record, times );
     add_sizes( out, table, world );
-    add_files( out, table, world->scene, def, counts );
+    add_files( out, table, world->scene, record, def, counts );
     add_head_line( out, table, "hash", "%016llx", (unsigned long long)wisp_world_hash( world->world ) );
 }
 

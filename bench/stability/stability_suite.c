@@ -1,6 +1,7 @@
 #include "stability_suite.h"
 
 #include "cells.h"
+#include "interruption.h"
 
 #include <math.h>
 #include <string.h>
@@ -218,6 +219,7 @@ wisp_status stability_bench_suite( const wisp_suite* suite, const bench_options*
         bench_progress( options, (double)i / suite->row_count, label );
         suite_outcome outcome;
         status = suite_judge_row( row, &twins, &outcome, error );
+        status = status == WISP_OK ? interruption_check( error ) : status;
         if ( status == WISP_OK )
         {
             stability_add( table, label, &outcome, row->known, tally, out );
