@@ -52,6 +52,17 @@ static bool take( options_state* o, int key, const char* argument )
         case BENCH_KEY_SUITE:
             a->suite = argument;
             return true;
+        case OPTIONS_END:
+            option_input( o, key, argument, &a->scene );
+            if ( bench_writes_twice( a->report, a->output ) )
+            {
+                options_fail( o, "--report and --output both write to '%s'", a->report );
+            }
+            if ( a->suite && io_is_standard( a->scene ) )
+            {
+                options_fail( o, "--suite: expected a scene in a file, which the suite names" );
+            }
+            return true;
         default:
             return option_input( o, key, argument, &a->scene );
     }

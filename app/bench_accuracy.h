@@ -7,6 +7,8 @@
 /// `wisp accuracy`. @return exit status
 int bench_accuracy( int argc, char** argv );
 
+/// @return whether a report and results, which are to go to standard output if it is null, have one file
+bool bench_writes_twice( const char* report, const char* output );
 /// @return WISP_OK in place of the status of an interruption, which becomes a note
 wisp_status bench_keep_interrupted( results* out, wisp_status status );
 

@@ -33,7 +33,7 @@ typedef struct bench_arguments
 // A suite is a file. Cases have neither a folder nor an extension.
 static bool is_path( const char* word )
 {
-    return strchr( word, '/' ) != NULL || strchr( word, '.' ) != NULL;
+    return strchr( word, '/' ) != NULL || strchr( word, '.' ) != NULL || io_is_standard( word );
 }
 
 static void choose_case( const options_state* o, bench_arguments* arguments, const char* word )
@@ -97,6 +97,12 @@ static void check_option( const options_state* o, const bench_arguments* argumen
     }
 }
 
+// Without a file the results go to standard output.
+bool bench_writes_twice( const char* report, const char* output )
+{
+    return report != NULL && strcmp( report, output ? output : "-" ) == 0;
+}
+
 static bool has_suite( const bench_arguments* arguments )
 {
     bool has = false;
@@ -134,7 +140,7 @@ static bool take( options_state* o, int key, const char* argument )
             arguments->report = argument;
             return true;
         case BENCH_KEY_PICTURES:
-            arguments->options.pictures = argument;
+            arguments->options.pictures = option_file( o, argument );
             return true;
         case BENCH_KEY_SCENE:
             choose_scenes( o, arguments, argument );
@@ -159,8 +165,7 @@ static bool take( options_state* o, int key, const char* argument )
                 check_option( o, arguments, "--pictures", " figures boundary contact ",
                               "cases 'figures', 'boundary' and 'contact'" );
             }
-            if ( arguments->report != NULL && arguments->output != NULL &&
-                 strcmp( arguments->report, arguments->output ) == 0 )
+            if ( bench_writes_twice( arguments->report, arguments->output ) )
             {
                 options_fail( o, "--report and --output both write to '%s'", arguments->report );
             }

@@ -3,6 +3,7 @@
 #include "gate_page.h"
 #include "gate_paired.h"
 #include "interruption.h"
+#include "io_file.h"
 #include "machine.h"
 #include "progress.h"
 #include "suite_callgrind.h"
@@ -167,13 +168,13 @@ static bool take( options_state* p, int key, const char* argument )
             o->is_strict = true;
             return true;
         case KEY_JUNIT:
-            o->junit = argument;
+            o->junit = option_file( p, argument );
             return true;
         case KEY_HTML:
-            o->html = argument;
+            o->html = option_file( p, argument );
             return true;
         case KEY_BADGE:
-            o->badge = argument;
+            o->badge = option_file( p, argument );
             return true;
         case KEY_GITHUB:
             o->prints_annotations = true;
@@ -186,6 +187,10 @@ static bool take( options_state* p, int key, const char* argument )
             if ( o->has_action )
             {
                 o->suite = argument;
+                if ( strcmp( argument, "-" ) == 0 )
+                {
+                    options_fail( p, "suite: got '-', expected a file: other processes read it too" );
+                }
                 return true;
             }
             o->has_action = true;
@@ -303,8 +308,8 @@ static wisp_status record( const wisp_suite* suite, const gate_options* o, const
     status = status == WISP_OK ? gate_base_write( &base, o->base, error ) : status;
     if ( status == WISP_OK )
     {
-        printf( "gate %s: %s: %d rows in %s\n", suite->name, o->action == ACTION_ACCEPT ? "accepted" : "recorded",
-                suite->row_count, o->base );
+        fprintf( io_is_standard( o->base ) ? stderr : stdout, "gate %s: %s: %d rows in %s\n", suite->name,
+                 o->action == ACTION_ACCEPT ? "accepted" : "recorded", suite->row_count, o->base );
     }
     gate_base_release( &base );
     return status;

@@ -2,6 +2,7 @@
 
 #include "file_kind.h"
 #include "info_results.h"
+#include "io_file.h"
 #include "record.h"
 #include "scene_keys.h"
 #include "world_from_scene.h"
@@ -72,14 +73,14 @@ static wisp_status info_groom( const char* path, wisp_error* error )
         return status;
     }
     // Describe first and reject afterwards: the whole list of findings is more useful than the first one.
-    status = wisp_groom_info( stdout, &groom, path );
+    status = wisp_groom_info( stdout, &groom, io_input_name( path ) );
     if ( status == WISP_OK )
     {
         wisp_error cause = { 0 };
         status = wisp_groom_check( &groom, &cause );
         if ( status != WISP_OK )
         {
-            wisp_fail( error, status, "%s: %s", path, cause.message );
+            wisp_fail( error, status, "%s: %s", io_input_name( path ), cause.message );
         }
     }
     else
@@ -100,7 +101,7 @@ static wisp_status info_mesh( const char* path, wisp_error* error )
     {
         return status;
     }
-    status = wisp_mesh_info( stdout, &mesh, path );
+    status = wisp_mesh_info( stdout, &mesh, io_input_name( path ) );
     if ( status != WISP_OK )
     {
         wisp_fail( error, status, "%s: cannot be examined: %s", path, wisp_status_name( status ) );
@@ -117,7 +118,7 @@ static wisp_status info_recording( const char* path, wisp_error* error )
     wisp_status status = wisp_recording_open( path, &recording, error );
     if ( status == WISP_OK )
     {
-        status = wisp_recording_print( stdout, recording, path, error );
+        status = wisp_recording_print( stdout, recording, io_input_name( path ), error );
     }
     wisp_recording_close( recording );
     return status;
@@ -129,7 +130,7 @@ static wisp_status info_cache( const char* path, wisp_error* error )
     wisp_status status = wisp_pc2_open( path, &cache, error );
     if ( status == WISP_OK )
     {
-        status = wisp_pc2_print( stdout, cache, path, error );
+        status = wisp_pc2_print( stdout, cache, io_input_name( path ), error );
     }
     wisp_pc2_close( cache );
     return status;
@@ -351,10 +352,10 @@ static wisp_status info_scene( const char* path, wisp_error* error )
     {
         return status;
     }
-    printf( "%s: scene, %.4g s in %d step%s of %.4g ms, %d substep%s and %d iteration%s each\n", path,
-            wisp_scene_step_time( &scene, scene.steps ), scene.steps, scene.steps == 1 ? "" : "s",
-            1e3 * (double)scene.dt, scene.substeps, scene.substeps == 1 ? "" : "s", scene.iterations,
-            scene.iterations == 1 ? "" : "s" );
+    printf( "%s: scene, %.4g s in %d step%s of %.4g ms, %d substep%s and %d iteration%s each\n",
+            io_input_name( path ), wisp_scene_step_time( &scene, scene.steps ), scene.steps,
+            scene.steps == 1 ? "" : "s", 1e3 * (double)scene.dt, scene.substeps, scene.substeps == 1 ? "" : "s",
+            scene.iterations, scene.iterations == 1 ? "" : "s" );
     status = info_strands( &scene, error );
     if ( status == WISP_OK )
     {
@@ -402,7 +403,7 @@ static wisp_status info_file( const char* path, wisp_error* error )
         error, WISP_BAD_INPUT,
         "%s: unknown kind of file, expected a groom (.hair, .tfx), a mesh (.obj, .ply), a scene (.yaml, .yml, "
         ".json), a recording (.wisp, .pc2) or results (.json)",
-        path );
+        io_input_name( path ) );
 }
 
 static wisp_status info_keys( const char* block, wisp_error* error )

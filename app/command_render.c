@@ -5,6 +5,7 @@
 #include "picture_draw.h"
 
 #include <stdlib.h>
+#include <unistd.h>
 
 #define FRAME_MAX 100000000
 #define TURNTABLE_MAX 10000
@@ -234,7 +235,18 @@ static void check( const options_state* o, const picture_options* options )
     {
         options_fail( o, "expected -o FILE.png" );
     }
-    if ( !io_has_extension( options->output, ".png" ) )
+    if ( io_is_standard( options->output ) )
+    {
+        if ( isatty( STDOUT_FILENO ) )
+        {
+            options_fail( o, "-o: got '-', but standard output is a terminal, which cannot show a PNG file" );
+        }
+        if ( !options->is_sheet && ( options->turntable > 1 || options->choice == PICTURE_FRAMES ) )
+        {
+            options_fail( o, "-o: got '-', expected a file name for several pictures" );
+        }
+    }
+    else if ( !io_has_extension( options->output, ".png" ) )
     {
         options_fail( o, "-o: got '%s', expected a file name that ends in .png", options->output );
     }

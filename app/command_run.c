@@ -116,7 +116,7 @@ static bool parse_recorder( const options_state* o, int key, const char* argumen
     switch ( key )
     {
         case KEY_RECORD:
-            def->record = argument;
+            def->record = option_file( o, argument );
             return true;
         case KEY_EVERY:
             def->every = option_whole( o, argument, 1, STEPS_MAX );
@@ -125,7 +125,7 @@ static bool parse_recorder( const options_state* o, int key, const char* argumen
             parse_track( o, argument, def );
             return true;
         case KEY_TRACK_FILE:
-            def->track_file = argument;
+            def->track_file = option_file( o, argument );
             return true;
         case KEY_VERIFY:
             def->verify = argument;
@@ -177,7 +177,7 @@ static bool take( options_state* o, int key, const char* argument )
             options->output = argument;
             return true;
         case KEY_BOUNDARY:
-            options->boundary = argument;
+            options->boundary = option_file( o, argument );
             return true;
         case OPTIONS_END:
             option_input( o, key, argument, &options->scene );

@@ -140,7 +140,7 @@ static bool take( options_state* o, int key, const char* argument )
             options->prints = true;
             return true;
         case KEY_OUT:
-            search->folder = argument;
+            search->folder = option_file( o, argument );
             return true;
         case KEY_KEEP:
             search->keep = option_whole( o, argument, 0, 1000000 );

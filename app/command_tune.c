@@ -1,6 +1,7 @@
 #include "commands.h"
 
 #include "interruption.h"
+#include "io_file.h"
 #include "progress.h"
 #include "tune_report.h"
 
@@ -185,6 +186,10 @@ static wisp_status write_scene( const tune_options* options, const tune_paramete
 {
     wisp_status status = edit_scene( options, parameters, configuration, scene, options->output, error );
     wisp_scene written;
+    if ( io_is_standard( options->output ) )
+    {
+        return status;
+    }
     status = status == WISP_OK ? wisp_scene_read( options->output, &written, error ) : status;
     if ( status != WISP_OK )
     {
@@ -264,7 +269,10 @@ int command_tune( int argc, char** argv )
     results_put_options( &out, argc, argv );
     bool meets_target = false;
     status = status == WISP_OK ? tune( &options, &scene, &parameters, &out, &meets_target, &error ) : status;
-    status = status == WISP_OK ? results_write_file( &out, options.format, NULL, &error ) : status;
+    // A scene on standard output leaves the error stream for the report.
+    const bool is_scene_shown = options.output != NULL && io_is_standard( options.output );
+    status =
+        status == WISP_OK ? results_write( &out, options.format, is_scene_shown ? stderr : stdout, &error ) : status;
     results_free( &out );
     wisp_scene_release( &varied );
     wisp_scene_release( &scene );

@@ -57,7 +57,7 @@ static void check( const options_state* o, const view_options* options )
     {
         options_fail( o, "expected an output file: -o FILE.html" );
     }
-    if ( !io_has_extension( options->output, ".html" ) )
+    if ( !io_is_standard( options->output ) && !io_has_extension( options->output, ".html" ) )
     {
         options_fail( o, "-o: got '%s', expected a file name that ends in .html", options->output );
     }
@@ -88,7 +88,7 @@ static bool take( options_state* o, int key, const char* argument )
 // The title is the name without its extension.
 static json_t* begin_data( const char* kind, const char* path, json_t* files )
 {
-    const char* name = io_file_name( path );
+    const char* name = io_file_name( io_input_name( path ) );
     const char* dot = strrchr( name, '.' );
     return json_pack( "{s:s, s:s, s:s, s:s%, s:O}", "version", WISP_VERSION_STRING, "kind", kind, "name", name,
                       "title", name, dot ? (size_t)( dot - name ) : strlen( name ), "files", files );
@@ -143,7 +143,8 @@ static wisp_status take_recording( const view_options* options, json_t* files, j
     wisp_recording_close( recording );
     if ( status == WISP_OK )
     {
-        status = view_add_file( files, io_file_name( options->input ), options->input, &total, error );
+        status =
+            view_add_file( files, io_file_name( io_input_name( options->input ) ), options->input, &total, error );
     }
     *data = status == WISP_OK ? begin_data( "recording", options->input, files ) : NULL;
     return status;
@@ -186,7 +187,8 @@ int command_view( int argc, char** argv )
     if ( status == WISP_OK )
     {
         const size_t hashes = json_array_size( json_object_get( json_object_get( data, "hashes" ), "values" ) );
-        printf( "%s: %.1f MB, %zu hashes\n", options.output, (double)size / 1e6, hashes );
+        fprintf( io_is_standard( options.output ) ? stderr : stdout, "%s: %.1f MB, %zu hashes\n", options.output,
+                 (double)size / 1e6, hashes );
     }
     json_decref( data );
     json_decref( files );

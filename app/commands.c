@@ -1,6 +1,7 @@
 #include "commands.h"
 
 #include "interruption.h"
+#include "io_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -22,7 +23,7 @@ wisp_status command_check_writable( const char* path, wisp_error* error )
 {
     struct stat info;
     int number = 0;
-    if ( path == NULL )
+    if ( path == NULL || io_is_standard( path ) )
     {
         return WISP_OK;
     }

@@ -302,6 +302,15 @@ int option_word( const options_state* o, const char* text )
     return option_word_of( o, text, o->values.words, o->values.word_count );
 }
 
+const char* option_file( const options_state* o, const char* text )
+{
+    if ( strcmp( text, "-" ) == 0 )
+    {
+        options_fail( o, "%s: got '-', expected a file: standard output has the results", o->name );
+    }
+    return text;
+}
+
 bool option_input( const options_state* o, int key, const char* argument, const char** input )
 {
     if ( key == OPTIONS_END && *input == NULL )

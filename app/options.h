@@ -98,6 +98,8 @@ double option_positive( const options_state* o, const char* text, double upper )
 int option_word( const options_state* o, const char* text );
 /// The same, of another list.
 int option_word_of( const options_state* o, const char* text, const char* const* words, int count );
+/// A file that is written beside the results, which standard output has already: "-" is refused.
+const char* option_file( const options_state* o, const char* text );
 /// The one operand of a command, such as its scene: keep it, or fail if there are none or two. @return whether the key was about it
 bool option_input( const options_state* o, int key, const char* argument, const char** input );
 

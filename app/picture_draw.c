@@ -1,6 +1,7 @@
 #include "picture_draw.h"
 
 #include "interruption.h"
+#include "io_file.h"
 #include "picture_survey.h"
 
 #include <errno.h>
@@ -319,6 +320,10 @@ static wisp_status check_folder( const char* output, wisp_error* error )
 {
     const char* slash = strrchr( output, '/' );
     char folder[PATH_SIZE] = ".";
+    if ( io_is_standard( output ) )
+    {
+        return WISP_OK;
+    }
     if ( strlen( output ) + sizeof( "_2147483647" ) >= sizeof( folder ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
@@ -367,26 +372,27 @@ static void set_render_options( drawing* d )
 static void print_summary( const drawing* d, double seconds )
 {
     const plan* p = &d->plan;
+    FILE* out = io_is_standard( d->options->output ) ? stderr : stdout; // which has the picture
     char first[PATH_SIZE];
     name_of( d, 0, first );
-    printf( "%s: ", p->count > 1 && d->sheet ? d->options->output : first );
+    fprintf( out, "%s: ", p->count > 1 && d->sheet ? d->options->output : first );
     if ( p->count > 1 )
     {
-        printf( "%s%d pictures of ", d->sheet ? "" : "the first of ", d->picture );
+        fprintf( out, "%s%d pictures of ", d->sheet ? "" : "the first of ", d->picture );
     }
-    printf( "%d x %d pixels, ", d->render.width, d->render.height );
+    fprintf( out, "%d x %d pixels, ", d->render.width, d->render.height );
     if ( p->count > 1 && !p->is_turning )
     {
-        printf( "frames %d to %d of ", frame_of( p, 0 ), frame_of( p, d->picture - 1 ) );
+        fprintf( out, "frames %d to %d of ", frame_of( p, 0 ), frame_of( p, d->picture - 1 ) );
     }
     else
     {
-        printf( "frame %d of ", p->first );
+        fprintf( out, "frame %d of ", p->first );
     }
-    printf( "%s, %.2f s\n", d->source.path, seconds );
+    fprintf( out, "%s, %.2f s\n", d->source.path, seconds );
     if ( d->picture < p->count )
     {
-        printf( "interrupted at picture %d of %d\n", d->picture + 1, p->count );
+        fprintf( out, "interrupted at picture %d of %d\n", d->picture + 1, p->count );
     }
 }
 

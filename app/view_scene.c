@@ -1,6 +1,7 @@
 #include "view_scene.h"
 
 #include "interruption.h"
+#include "io_file.h"
 #include "progress.h"
 #include "view_page.h"
 #include "world_from_scene.h"
@@ -21,7 +22,7 @@ typedef struct page_files
 
 static const char* name_in_page( const page_files* page, const char* path )
 {
-    return strncmp( path, page->scene, page->folder ) == 0 ? path + page->folder : path;
+    return strncmp( path, page->scene, page->folder ) == 0 ? io_input_name( path ) + page->folder : path;
 }
 
 static wisp_status add_file( page_files* page, const char* path, wisp_error* error )

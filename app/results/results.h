@@ -173,5 +173,5 @@ extern const char* const results_format_names[RESULTS_FORMAT_COUNT];
 
 /// @return WISP_IO_ERROR the stream refused a byte; WISP_NO_MEMORY now or while the results were gathered
 wisp_status results_write( const results* all, results_format format, FILE* stream, wisp_error* error );
-/// @param path null writes to standard output
+/// @param path null or "-" writes to standard output
 wisp_status results_write_file( const results* all, results_format format, const char* path, wisp_error* error );
