@@ -100,13 +100,11 @@ static wisp_status run_suite( accuracy_arguments* a, const char* text, results* 
 
 static wisp_status write_results( const accuracy_arguments* a, const results* out, wisp_error* error )
 {
-    wisp_status status = WISP_OK;
-    if ( a->report )
-    {
-        const report_run run = { .what = a->scene, .how = "wisp accuracy" };
-        status = report_write_file( out, &run, a->report, error );
-    }
-    return status == WISP_OK ? results_write_file( out, a->format, a->output, error ) : status;
+    const report_run run = { .what = io_input_name( a->scene ), .how = "wisp accuracy" };
+    wisp_error later = { 0 };
+    const wisp_status reported = a->report ? report_write_file( out, &run, a->report, error ) : WISP_OK;
+    const wisp_status written = results_write_file( out, a->format, a->output, reported == WISP_OK ? error : &later );
+    return reported == WISP_OK ? written : reported;
 }
 
 static wisp_status check_files( const accuracy_arguments* a, wisp_error* error )

@@ -258,6 +258,16 @@ static wisp_status write_report( const bench_arguments* arguments, const results
     return report_write_file( out, &run, arguments->report, error );
 }
 
+// The report first, since a reader of standard output may leave early; the results also if it fails.
+static wisp_status write_results( const bench_arguments* arguments, const results* out, wisp_error* error )
+{
+    wisp_error later = { 0 };
+    const wisp_status reported = arguments->report ? write_report( arguments, out, error ) : WISP_OK;
+    const wisp_status written =
+        results_write_file( out, arguments->format, arguments->output, reported == WISP_OK ? error : &later );
+    return reported == WISP_OK ? written : reported;
+}
+
 // The instruction set of the engine's kernels on this machine, from an empty world.
 wisp_status bench_describe_machine( machine_info* out, wisp_error* error )
 {
@@ -301,14 +311,9 @@ int main( int argc, char** argv )
         status = io_folder_make( arguments.options.pictures, &error );
     }
     status = status == WISP_OK ? run_cases( &arguments, &out, &error ) : status;
-    // The report first: a reader of standard output may leave early.
-    if ( status == WISP_OK && arguments.report != NULL )
-    {
-        status = write_report( &arguments, &out, &error );
-    }
     if ( status == WISP_OK )
     {
-        status = results_write_file( &out, arguments.format, arguments.output, &error );
+        status = write_results( &arguments, &out, &error );
     }
     bool failed = out.failed;
     results_free( &out );
