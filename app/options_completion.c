@@ -73,11 +73,11 @@ static const char bash_head[] = "# Files of some extensions, and folders; '*' is
                                 "_wisp()\n"
                                 "{\n"
                                 "    local cur=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}\n"
-                                "    local command= options= words= files= value= i\n"
+                                "    local command='' options='' words='' files='' value='' i\n"
                                 "    COMPREPLY=()\n"
                                 "    # bash divides --format=json at the sign\n"
                                 "    if [[ $cur == = ]]; then\n"
-                                "        cur=\n"
+                                "        cur=''\n"
                                 "    elif [[ $before == = ]]; then\n"
                                 "        before=${COMP_WORDS[COMP_CWORD - 2]}\n"
                                 "    fi\n"
@@ -203,8 +203,9 @@ static void put_zsh_values( const command_text* program, const option_values* va
     }
     else if ( values->word_count > 0 && values->files )
     {
-        fputs( "_wisp_words_or_files ", out );
+        fputs( "{_alternative \"words:word:(", out );
         put_words( values, out );
+        fputs( ")\" \"files:file:_files\"}", out );
     }
     else if ( values->word_count > 0 )
     {
@@ -283,7 +284,6 @@ void options_print_zsh( const command_text* program, FILE* out )
     fprintf( out,
              "#compdef wisp\n"
              "# Completions of wisp %s for zsh, made by 'wisp completion zsh'.\n\n"
-             "_wisp_words_or_files()\n{\n    compadd -- \"$@\"\n    _files\n}\n\n"
              "_wisp()\n{\n    local curcontext=$curcontext state line\n    typeset -A opt_args\n"
              "    _arguments -C '(- *)'{-h,--help}'[Print this help]' '(- *)'{-V,--version}'[Print the version]' \\\n"
              "        '1:command:->command' '*::argument:->argument'\n"
