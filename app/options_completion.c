@@ -55,7 +55,7 @@ static const char bash_head[] = "# Files of some extensions, and folders; '*' is
                                 "    local extension line\n"
                                 "    local -a extensions\n"
                                 "    read -ra extensions <<<\"$1\"\n"
-                                "    compopt -o filenames 2>/dev/null\n"
+                                "    compopt -o filenames 2>/dev/null || :\n"
                                 "    while IFS= read -r line; do\n"
                                 "        COMPREPLY+=(\"$line\")\n"
                                 "    done < <(\n"
