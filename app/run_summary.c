@@ -108,6 +108,10 @@ static void add_head( results* out, const scene_world* world, const run_record* 
     add_head_line( out, table, "scene", "%s", world->scene->name );
     add_times( out, table, world, record, times );
     add_sizes( out, table, world );
+    if ( record->steps > 0 && record->profile.pass_count == 0 )
+    {
+        add_head_line( out, table, "computed", "nothing, since the scene requests nothing (key `compute`)" );
+    }
     add_files( out, table, world->scene, record, def, counts );
     add_head_line( out, table, "hash", "%016llx", (unsigned long long)wisp_world_hash( world->world ) );
 }
@@ -272,7 +276,10 @@ void run_summarise( const scene_world* world, run_record* record, const run_reco
     {
         run_motion_add_table( world, out );
         run_collision_report( record->collision, out );
-        add_pass_table( out, record );
+        if ( record->profile.pass_count > 0 )
+        {
+            add_pass_table( out, record );
+        }
         run_memory_report( world->world, scene_world_vertices( world ), out );
         run_motion_add_warnings( world, out );
     }

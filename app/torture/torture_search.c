@@ -189,7 +189,10 @@ static void report( const torture_found* found, results* out )
     results_put( &row->size, "scenes", found->scenes );
     results_put( &row->size, "scenes_per_second", found->scenes / fmax( found->seconds, 1e-9 ) );
     snprintf( text, sizeof text, "%d", found->refused );
-    results_add_cells( out, table, ( const char* const[] ){ "refused", text } );
+    if ( found->refused > 0 )
+    {
+        results_add_cells( out, table, ( const char* const[] ){ "refused", text } );
+    }
     results_put( &row->size, "refused", found->refused );
     snprintf( text, sizeof text, "%d", torture_broken_count( found ) );
     results_add_cells( out, table, ( const char* const[] ){ "broken", text } );
