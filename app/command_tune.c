@@ -212,6 +212,11 @@ static bool show( void* user, int run_count, int max_runs )
     return !interruption_came();
 }
 
+static void show_reference( void* user, double fraction )
+{
+    progress_show( user, fraction, "of the reference run" );
+}
+
 static wisp_status tune( tune_options* options, const wisp_scene* scene, const tune_parameters* parameters,
                          results* out, bool* meets_target, wisp_error* error )
 {
@@ -226,6 +231,7 @@ static wisp_status tune( tune_options* options, const wisp_scene* scene, const t
     }
     progress bar = progress_begin();
     options->search.progress = show;
+    options->search.reference_progress = show_reference;
     options->search.progress_user = &bar;
     status = tune_scene_search( &options->search, &found, &info, error );
     progress_end( &bar );

@@ -80,8 +80,11 @@ static wisp_status build( void* user, const int* configuration, int substep_fact
 static wisp_status step( void* user, wisp_tune_world* world, int number, wisp_error* error )
 {
     (void)world;
-    (void)number;
     host* h = user;
+    if ( h->is_reference && h->def->reference_progress )
+    {
+        h->def->reference_progress( h->def->progress_user, (double)number / h->info->steps );
+    }
     // A trial that has begun ends: it is the last one. Without a reference there is nothing to keep.
     const wisp_status status = h->is_reference ? interruption_check( error ) : WISP_OK;
     return status == WISP_OK ? scene_world_step( &h->world, error ) : status;

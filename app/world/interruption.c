@@ -56,7 +56,9 @@ bool interruption_came( void )
 
 wisp_status interruption_check( wisp_error* error )
 {
-    return noted == 0 ? WISP_OK : wisp_fail( error, WISP_CONFLICT, "interrupted by %s", noted == SIGINT ? "Ctrl-C" : "SIGTERM" );
+    return noted == 0
+               ? WISP_OK
+               : wisp_fail( error, WISP_CONFLICT, "interrupted by %s", noted == SIGINT ? "Ctrl-C" : "SIGTERM" );
 }
 
 int interruption_status( int status )
