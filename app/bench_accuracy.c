@@ -1,9 +1,10 @@
 // `wisp accuracy`: what accuracy costs in a scene of the user's.
 #include "bench_accuracy.h"
 
-#include "commands.h"
+#include "bench_texts.h"
 
 #include "accuracy/accuracy.h"
+#include "interruption.h"
 #include "io_file.h"
 #include "progress.h"
 #include "report.h"
@@ -14,44 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    KEY_SECONDS = 256,
-    KEY_LENGTH,
-    KEY_REPORT,
-    KEY_SUITE,
-};
-
-static const char doc[] =
-    "Show what accuracy costs in a scene: error and time by substeps, iterations and solvers, the settings that\n"
-    "no other beats, the fastest ones at equal error, the most accurate ones at equal time, and observed orders.\n"
-    "\v"
-    "Errors are distances to the same scene with so many substeps and iterations that it has converged.\n"
-    "How far it has is printed; smaller errors are not resolved. That run is kept in $WISP_CACHE, or in\n"
-    "~/.cache/wisp, and is not made again. Only the first second of a scene is compared unless --length is given:\n"
-    "motion becomes chaotic, and distances say nothing then.\n"
-    "\n"
-    "Examples:\n"
-    "  wisp accuracy scene.yaml\n"
-    "  wisp accuracy scene.yaml --length 0.5 --report accuracy.html\n"
-    "  wisp accuracy scene.yaml --suite suite.yaml\n"
-    "\n" STATUS_HELP_UNMET( "a check failed: two runs of one setting have other bits" );
-
-static const struct argp_option option_list[] = {
-    { 0, 0, 0, 0, "Measurement:", 1 },
-    { "length", KEY_LENGTH, "S", 0, "Seconds of motion that are compared; default: all of the scene, at most 1", 1 },
-    { "seconds", KEY_SECONDS, "S", 0, "Approximate time limit, without that of the converged run; default 30", 1 },
-    { "workers", 'w', "N", 0, "Workers of the parallel variant, 1 to 64, default 2", 1 },
-    { "quick", 'q', NULL, 0, "Fewer settings and samples", 1 },
-    { 0, 0, 0, 0, "Output:", 2 },
-    { "format", 'f', "FORMAT", 0, "text (default), markdown, csv, json, gbench, bencher, github or hyperfine", 2 },
-    { "output", 'o', "FILE", 0, "Write the results to FILE; default: standard output", 2 },
-    { "report", KEY_REPORT, "FILE", 0, "Also write an HTML page with charts", 2 },
-    { "suite", KEY_SUITE, "FILE", 0,
-      "Only write the suite that this would run, to be changed, run by `wisp bench` and gated", 2 },
-    { 0 },
-};
-
 typedef struct accuracy_arguments
 {
     bench_options options;
@@ -60,38 +23,48 @@ typedef struct accuracy_arguments
     double length;
 } accuracy_arguments;
 
-static error_t parse( int key, char* argument, struct argp_state* state )
+static bool take( options_state* o, int key, const char* argument )
 {
-    accuracy_arguments* a = state->input;
+    accuracy_arguments* a = o->input;
     switch ( key )
     {
-        case KEY_LENGTH:
-            a->length = option_positive( state, "--length", argument, 1e6 );
-            return 0;
-        case KEY_SECONDS:
-            a->options.seconds = option_positive( state, "--seconds", argument, 1e6 );
-            return 0;
-        case 'w':
-            a->options.workers = option_whole( state, "--workers", argument, 1, WISP_MAX_WORKERS );
-            return 0;
-        case 'q':
+        case BENCH_KEY_LENGTH:
+            a->length = option_positive( o, argument, 1e6 );
+            return true;
+        case BENCH_KEY_SECONDS:
+            a->options.seconds = option_positive( o, argument, 1e6 );
+            return true;
+        case BENCH_KEY_WORKERS:
+            a->options.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
+            return true;
+        case BENCH_KEY_QUICK:
             a->options.quick = true;
-            return 0;
-        case 'f':
-            a->format = (results_format)option_word( state, "--format", argument, results_format_names,
-                                                     RESULTS_FORMAT_COUNT );
-            return 0;
-        case 'o':
+            return true;
+        case BENCH_KEY_FORMAT:
+            a->format = (results_format)option_word( o, argument );
+            return true;
+        case BENCH_KEY_OUTPUT:
             a->output = argument;
-            return 0;
-        case KEY_REPORT:
+            return true;
+        case BENCH_KEY_REPORT:
             a->report = argument;
-            return 0;
-        case KEY_SUITE:
+            return true;
+        case BENCH_KEY_SUITE:
             a->suite = argument;
-            return 0;
+            return true;
+        case OPTIONS_END:
+            option_input( o, key, argument, &a->scene );
+            if ( bench_writes_twice( a->report, a->output ) )
+            {
+                options_fail( o, "--report and --output both write to '%s'", a->report );
+            }
+            if ( a->suite && io_is_standard( a->scene ) )
+            {
+                options_fail( o, "--suite: expected a scene in a file, which the suite names" );
+            }
+            return true;
         default:
-            return option_input( state, key, argument, "scene", &a->scene ) ? 0 : ARGP_ERR_UNKNOWN;
+            return option_input( o, key, argument, &a->scene );
     }
 }
 
@@ -122,18 +95,16 @@ static wisp_status run_suite( accuracy_arguments* a, const char* text, results* 
     status = status == WISP_OK ? suite_bench_rows( &suite, &a->options, out, error ) : status;
     progress_end( &bar );
     suite_release( &suite );
-    return status;
+    return bench_keep_interrupted( out, status );
 }
 
 static wisp_status write_results( const accuracy_arguments* a, const results* out, wisp_error* error )
 {
-    wisp_status status = results_write_file( out, a->format, a->output, error );
-    if ( status == WISP_OK && a->report )
-    {
-        const report_run run = { .what = a->scene, .how = "wisp accuracy" };
-        status = report_write_file( out, &run, a->report, error );
-    }
-    return status;
+    const report_run run = { .what = io_input_name( a->scene ), .how = "wisp accuracy" };
+    wisp_error later = { 0 };
+    const wisp_status reported = a->report ? report_write_file( out, &run, a->report, error ) : WISP_OK;
+    const wisp_status written = results_write_file( out, a->format, a->output, reported == WISP_OK ? error : &later );
+    return reported == WISP_OK ? written : reported;
 }
 
 static wisp_status check_files( const accuracy_arguments* a, wisp_error* error )
@@ -147,8 +118,8 @@ int bench_accuracy( int argc, char** argv )
 {
     accuracy_arguments a = { .options = bench_default_options() };
     a.options.seconds = 30.0;
-    const struct argp parser = { option_list, parse, "SCENE", doc, NULL, NULL, NULL };
-    argp_parse( &parser, argc, argv, 0, NULL, &a );
+    options_parse( &accuracy_text, take, &a, argc, argv );
+    interruption_begin();
     results out = { .is_result_first = true };
     results_put_options( &out, argc, argv );
     wisp_error error = { 0 };
@@ -175,5 +146,5 @@ int bench_accuracy( int argc, char** argv )
     const bool failed = out.failed;
     results_free( &out );
     free( text );
-    return status != WISP_OK ? command_fail( &error ) : failed ? STATUS_UNMET : STATUS_GOOD;
+    return status != WISP_OK ? command_fail( &error ) : interruption_status( failed ? STATUS_UNMET : STATUS_GOOD );
 }

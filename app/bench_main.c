@@ -1,9 +1,10 @@
 // The program wisp-bench, which `wisp bench` runs: its options, the cases in turn, the written files.
 #include "bench_accuracy.h"
-#include "commands.h"
+#include "bench_texts.h"
 
 #include "accuracy/accuracy.h"
 #include "bench.h"
+#include "interruption.h"
 #include "io_file.h"
 #include "nearest.h"
 #include "progress.h"
@@ -29,57 +30,13 @@ typedef struct bench_arguments
 
 // ---- the command line ----
 
-enum
-{
-    KEY_WORKERS = 'w',
-    KEY_FORMAT = 'f',
-    KEY_OUTPUT = 'o',
-    KEY_QUICK = 'q',
-    KEY_LIST = 'l',
-    KEY_SECONDS = 256,
-    KEY_PICTURES,
-    KEY_REPORT,
-    KEY_SCENE,
-    KEY_LONG,
-};
-
-static const char doc[] = "Measure time, error and hash together. Without a CASE all cases run.\n"
-                          "A SUITE is a YAML file of scenes and settings: docs/suites.md has its format.\n"
-                          "\v"
-                          "A check fails if hashes differ between worker counts, if an error is above its\n"
-                          "tolerance, or if a hard case breaks. Its line begins with FAILED.\n"
-                          "\n"
-                          "Examples:\n"
-                          "  wisp bench --list\n"
-                          "  wisp bench cloth --quick --report cloth.html\n"
-                          "  wisp bench suite.yaml\n"
-                          "\n" STATUS_HELP_UNMET( "a check failed" );
-
-static const struct argp_option option_list[] = {
-    { 0, 0, 0, 0, "Measurement:", 1 },
-    { "list", KEY_LIST, NULL, 0, "Print the cases and what each measures", 1 },
-    { "quick", KEY_QUICK, NULL, 0, "Fewer samples and no large sizes: 20 s per case, not 90", 1 },
-    { "seconds", KEY_SECONDS, "S", 0, "Approximate time limit per case", 1 },
-    { "workers", KEY_WORKERS, "N", 0, "Workers of the parallel variant, 1 to 64, default 2", 1 },
-    { 0, 0, 0, 0, "Output:", 2 },
-    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json, gbench, bencher, github or hyperfine",
-      2 },
-    { "output", KEY_OUTPUT, "FILE", 0, "Write the results to FILE; default: standard output", 2 },
-    { "report", KEY_REPORT, "FILE", 0, "Also write an HTML page with charts and pictures", 2 },
-    { 0, 0, 0, 0, "Options of single cases:", 3 },
-    { "pictures", KEY_PICTURES, "FOLDER", 0, "figures, boundary, contact: write pictures to FOLDER", 3 },
-    { "scene", KEY_SCENE, "NAME[,NAME...]", 0, "accuracy: only these scenes; can be repeated", 3 },
-    { "long", KEY_LONG, NULL, 0, "stability, suites: also rows that are long, such as a million steps at rest", 3 },
-    { 0 },
-};
-
 // A suite is a file. Cases have neither a folder nor an extension.
 static bool is_path( const char* word )
 {
-    return strchr( word, '/' ) != NULL || strchr( word, '.' ) != NULL;
+    return strchr( word, '/' ) != NULL || strchr( word, '.' ) != NULL || io_is_standard( word );
 }
 
-static void choose_case( struct argp_state* state, bench_arguments* arguments, const char* word )
+static void choose_case( const options_state* o, bench_arguments* arguments, const char* word )
 {
     int count;
     const bench_case* cases = bench_cases( &count );
@@ -90,14 +47,14 @@ static void choose_case( struct argp_state* state, bench_arguments* arguments, c
     }
     if ( arguments->chosen_count == CASES_MAX )
     {
-        argp_error( state, "no more than %d cases in one run", CASES_MAX );
+        options_fail( o, "no more than %d cases in one run", CASES_MAX );
     }
     arguments->chosen[arguments->chosen_count++] =
         is_path( word ) ? ( bench_case ){ .name = word }
-                        : cases[option_word( state, "CASE", word, names, count < CASES_MAX ? count : CASES_MAX )];
+                        : cases[option_word_of( o, word, names, count < CASES_MAX ? count : CASES_MAX )];
 }
 
-static void choose_scene( struct argp_state* state, bench_arguments* arguments, const char* word )
+static void choose_scene( const options_state* o, bench_arguments* arguments, const char* word )
 {
     int count;
     const accuracy_entry* entries = accuracy_entries( &count );
@@ -107,24 +64,24 @@ static void choose_scene( struct argp_state* state, bench_arguments* arguments, 
     {
         names[i] = entries[i].name;
     }
-    arguments->options.scenes |= 1ull << option_word( state, "--scene", word, names, count );
+    arguments->options.scenes |= 1ull << option_word_of( o, word, names, count );
 }
 
-static void choose_scenes( struct argp_state* state, bench_arguments* arguments, const char* words )
+static void choose_scenes( const options_state* o, bench_arguments* arguments, const char* words )
 {
     for ( const char* word = words; word; )
     {
         char one[64];
         const char* comma = strchr( word, ',' );
         snprintf( one, sizeof( one ), "%.*s", comma ? (int)( comma - word ) : (int)strlen( word ), word );
-        choose_scene( state, arguments, one );
+        choose_scene( o, arguments, one );
         word = comma ? comma + 1 : NULL;
     }
 }
 
 // An option of some cases is an error where none of them runs. Without a CASE all of them do.
 // @param names the cases, separated by spaces @param told the same for the message
-static void check_option( struct argp_state* state, const bench_arguments* arguments, const char* option,
+static void check_option( const options_state* o, const bench_arguments* arguments, const char* option,
                           const char* names, const char* told )
 {
     bool runs = arguments->chosen_count == 0;
@@ -136,8 +93,14 @@ static void check_option( struct argp_state* state, const bench_arguments* argum
     }
     if ( runs == false )
     {
-        argp_error( state, "%s is an option of the %s, which does not run", option, told );
+        options_fail( o, "%s is an option of the %s, which does not run", option, told );
     }
+}
+
+// Without a file the results go to standard output.
+bool bench_writes_twice( const char* report, const char* output )
+{
+    return report != NULL && strcmp( report, output ? output : "-" ) == 0;
 }
 
 static bool has_suite( const bench_arguments* arguments )
@@ -150,67 +113,65 @@ static bool has_suite( const bench_arguments* arguments )
     return has;
 }
 
-static error_t parse( int key, char* argument, struct argp_state* state )
+static bool take( options_state* o, int key, const char* argument )
 {
-    bench_arguments* arguments = state->input;
+    bench_arguments* arguments = o->input;
     switch ( key )
     {
-        case KEY_LIST:
+        case BENCH_KEY_LIST:
             arguments->only_list = true;
-            return 0;
-        case KEY_QUICK:
+            return true;
+        case BENCH_KEY_QUICK:
             arguments->options.quick = true;
-            return 0;
-        case KEY_SECONDS:
-            arguments->options.seconds = option_positive( state, "--seconds", argument, 1e6 );
-            return 0;
-        case KEY_WORKERS:
-            arguments->options.workers = option_whole( state, "--workers", argument, 1, WISP_MAX_WORKERS );
-            return 0;
-        case KEY_FORMAT:
-            arguments->format = (results_format)option_word( state, "--format", argument, results_format_names,
-                                                             RESULTS_FORMAT_COUNT );
-            return 0;
-        case KEY_OUTPUT:
+            return true;
+        case BENCH_KEY_SECONDS:
+            arguments->options.seconds = option_positive( o, argument, 1e6 );
+            return true;
+        case BENCH_KEY_WORKERS:
+            arguments->options.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
+            return true;
+        case BENCH_KEY_FORMAT:
+            arguments->format = (results_format)option_word( o, argument );
+            return true;
+        case BENCH_KEY_OUTPUT:
             arguments->output = argument;
-            return 0;
-        case KEY_REPORT:
+            return true;
+        case BENCH_KEY_REPORT:
             arguments->report = argument;
-            return 0;
-        case KEY_PICTURES:
-            arguments->options.pictures = argument;
-            return 0;
-        case KEY_SCENE:
-            choose_scenes( state, arguments, argument );
-            return 0;
-        case KEY_LONG:
+            return true;
+        case BENCH_KEY_PICTURES:
+            arguments->options.pictures = option_file( o, argument );
+            return true;
+        case BENCH_KEY_SCENE:
+            choose_scenes( o, arguments, argument );
+            return true;
+        case BENCH_KEY_LONG:
             arguments->options.longest = true;
-            return 0;
-        case ARGP_KEY_ARG:
-            choose_case( state, arguments, argument );
-            return 0;
-        case ARGP_KEY_END:
+            return true;
+        case OPTIONS_OPERAND:
+            choose_case( o, arguments, argument );
+            return true;
+        case OPTIONS_END:
             if ( arguments->options.scenes != 0 )
             {
-                check_option( state, arguments, "--scene", " accuracy ", "case 'accuracy'" );
+                check_option( o, arguments, "--scene", " accuracy ", "case 'accuracy'" );
             }
             if ( arguments->options.longest && !has_suite( arguments ) )
             {
-                check_option( state, arguments, "--long", " stability ", "case 'stability' and of suites" );
+                check_option( o, arguments, "--long", " stability ", "case 'stability' and of suites" );
             }
             if ( arguments->options.pictures != NULL )
             {
-                check_option( state, arguments, "--pictures", " figures boundary contact ",
+                check_option( o, arguments, "--pictures", " figures boundary contact ",
                               "cases 'figures', 'boundary' and 'contact'" );
             }
-            if ( arguments->report != NULL && arguments->output != NULL &&
-                 strcmp( arguments->report, arguments->output ) == 0 )
+            if ( bench_writes_twice( arguments->report, arguments->output ) )
             {
-                argp_error( state, "--report and --output both write to '%s'", arguments->report );
+                options_fail( o, "--report and --output both write to '%s'", arguments->report );
             }
-            return 0;
+            return true;
         default:
-            return ARGP_ERR_UNKNOWN;
+            return false;
     }
 }
 
@@ -238,6 +199,17 @@ static void show_progress( void* user, double fraction, const char* what )
     progress_show( user, fraction, what );
 }
 
+// What was measured before the signal is written as usual.
+wisp_status bench_keep_interrupted( results* out, wisp_status status )
+{
+    if ( status == WISP_CONFLICT && interruption_came() )
+    {
+        results_add_note( out, "interrupted: what was not measured by then is missing" );
+        return WISP_OK;
+    }
+    return status;
+}
+
 static wisp_status run_cases( bench_arguments* arguments, results* out, wisp_error* error )
 {
     int count;
@@ -255,11 +227,12 @@ static wisp_status run_cases( bench_arguments* arguments, results* out, wisp_err
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
         const bench_case* chosen = arguments->chosen + i;
+        progress_part( &bar, (double)i / count, 1.0 / count );
         status = chosen->run ? chosen->run( &arguments->options, out, error )
                              : suite_bench( chosen->name, &arguments->options, out, error );
     }
     progress_end( &bar );
-    return status;
+    return bench_keep_interrupted( out, status );
 }
 
 // ---- what is written ----
@@ -285,6 +258,16 @@ static wisp_status write_report( const bench_arguments* arguments, const results
     return report_write_file( out, &run, arguments->report, error );
 }
 
+// The report first, since a reader of standard output may leave early; the results also if it fails.
+static wisp_status write_results( const bench_arguments* arguments, const results* out, wisp_error* error )
+{
+    wisp_error later = { 0 };
+    const wisp_status reported = arguments->report ? write_report( arguments, out, error ) : WISP_OK;
+    const wisp_status written =
+        results_write_file( out, arguments->format, arguments->output, reported == WISP_OK ? error : &later );
+    return reported == WISP_OK ? written : reported;
+}
+
 // The instruction set of the engine's kernels on this machine, from an empty world.
 wisp_status bench_describe_machine( machine_info* out, wisp_error* error )
 {
@@ -306,17 +289,17 @@ int main( int argc, char** argv )
     {
         return bench_accuracy( argc, argv );
     }
-    // argp uses argv[0] in its messages: users know the program as a command of wisp.
+    // users know the program as a command of wisp, also in the results
     char program[] = "wisp bench";
     argv[0] = program;
     bench_arguments arguments = { .options = bench_default_options() };
-    const struct argp parser = { option_list, parse, "[CASE|SUITE...]", doc, NULL, NULL, NULL };
-    argp_parse( &parser, argc, argv, 0, NULL, &arguments );
+    options_parse( &bench_text, take, &arguments, argc, argv );
     if ( arguments.only_list )
     {
         return list_cases();
     }
 
+    interruption_begin();
     results out = { 0 };
     results_put_options( &out, argc, argv );
     wisp_error error = { 0 };
@@ -330,11 +313,7 @@ int main( int argc, char** argv )
     status = status == WISP_OK ? run_cases( &arguments, &out, &error ) : status;
     if ( status == WISP_OK )
     {
-        status = results_write_file( &out, arguments.format, arguments.output, &error );
-    }
-    if ( status == WISP_OK && arguments.report != NULL )
-    {
-        status = write_report( &arguments, &out, &error );
+        status = write_results( &arguments, &out, &error );
     }
     bool failed = out.failed;
     results_free( &out );
@@ -346,5 +325,5 @@ int main( int argc, char** argv )
     {
         fprintf( stderr, "wisp: a result is wrong; the lines that begin with FAILED say which.\n" );
     }
-    return failed ? STATUS_UNMET : STATUS_GOOD;
+    return interruption_status( failed ? STATUS_UNMET : STATUS_GOOD );
 }

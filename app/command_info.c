@@ -2,23 +2,10 @@
 
 #include "file_kind.h"
 #include "info_results.h"
+#include "io_file.h"
 #include "record.h"
 #include "scene_keys.h"
 #include "world_from_scene.h"
-
-static const char doc[] = "Describe a file, and report what is wrong with it.\n"
-                          "\v"
-                          "Known are grooms (.hair, .tfx), meshes (.obj, .ply), scenes (.yaml, .yml, .json),\n"
-                          "recordings (.wisp, .pc2) and results (.json).\n"
-                          "\n"
-                          "A mesh is checked for open and non-manifold edges, inconsistent winding, inverted\n"
-                          "components, degenerate triangles and more; each finding names the elements. Such\n"
-                          "findings are no failure (status 0). A file that cannot be read is (status 2).\n"
-                          "\n"
-                          "Examples:\n"
-                          "  wisp info data/bunny.obj\n"
-                          "  wisp info data/scenes/flag.yaml\n"
-                          "\n" STATUS_HELP;
 
 typedef struct info_options
 {
@@ -26,34 +13,52 @@ typedef struct info_options
     bool keys;
 } info_options;
 
-static const struct argp_option options[] = {
-    { "keys", 'k', NULL, 0, "print every key of a scene, or those of a BLOCK such as surfaces.cloth", 0 },
-    { 0 },
+static const option_row rows[] = {
+    { "keys", 'k', NULL, "Print every key of a scene, or those of a BLOCK such as surfaces.cloth", OPTION_ANY },
 };
 
-static error_t parse( int key, char* argument, struct argp_state* state )
+const command_text info_text = {
+    .name = "info",
+    .operands = "FILE\n--keys [BLOCK]",
+    .noun = "file",
+    .summary = "describe a file and report what is wrong with it",
+    .about = "Describe a file, and report what is wrong with it.",
+    .notes = "Known are grooms (.hair, .tfx), meshes (.obj, .ply), scenes (.yaml, .yml, .json),\n"
+             "recordings (.wisp, .pc2) and results (.json).\n"
+             "\n"
+             "A mesh is checked for open and non-manifold edges, inconsistent winding, inverted\n"
+             "components, degenerate triangles and more; each finding names the elements. Such\n"
+             "findings are no failure (status 0). A file that cannot be read is (status 2).",
+    .examples = "wisp info data/bunny.obj\n"
+                "wisp info data/scenes/flag.yaml",
+    .rows = rows,
+    .row_count = WISP_COUNT( rows ),
+    .values = OPTION_FILES( ".yaml .yml .json .wisp .pc2 .obj .ply .hair .tfx" ),
+};
+
+static bool take( options_state* o, int key, const char* argument )
 {
-    info_options* given = state->input;
+    info_options* given = o->input;
     switch ( key )
     {
         case 'k':
             given->keys = true;
-            return 0;
-        case ARGP_KEY_ARG:
+            return true;
+        case OPTIONS_OPERAND:
             if ( given->argument )
             {
-                argp_error( state, "got a second file '%s', expected one", argument );
+                options_fail( o, "got a second file '%s', expected one", argument );
             }
             given->argument = argument;
-            return 0;
-        case ARGP_KEY_END:
+            return true;
+        case OPTIONS_END:
             if ( !given->argument && !given->keys )
             {
-                argp_error( state, "expected a file" );
+                options_fail( o, "expected a file" );
             }
-            return 0;
+            return true;
         default:
-            return ARGP_ERR_UNKNOWN;
+            return false;
     }
 }
 
@@ -68,14 +73,14 @@ static wisp_status info_groom( const char* path, wisp_error* error )
         return status;
     }
     // Describe first and reject afterwards: the whole list of findings is more useful than the first one.
-    status = wisp_groom_info( stdout, &groom, path );
+    status = wisp_groom_info( stdout, &groom, io_input_name( path ) );
     if ( status == WISP_OK )
     {
         wisp_error cause = { 0 };
         status = wisp_groom_check( &groom, &cause );
         if ( status != WISP_OK )
         {
-            wisp_fail( error, status, "%s: %s", path, cause.message );
+            wisp_fail( error, status, "%s: %s", io_input_name( path ), cause.message );
         }
     }
     else
@@ -96,7 +101,7 @@ static wisp_status info_mesh( const char* path, wisp_error* error )
     {
         return status;
     }
-    status = wisp_mesh_info( stdout, &mesh, path );
+    status = wisp_mesh_info( stdout, &mesh, io_input_name( path ) );
     if ( status != WISP_OK )
     {
         wisp_fail( error, status, "%s: cannot be examined: %s", path, wisp_status_name( status ) );
@@ -113,7 +118,7 @@ static wisp_status info_recording( const char* path, wisp_error* error )
     wisp_status status = wisp_recording_open( path, &recording, error );
     if ( status == WISP_OK )
     {
-        status = wisp_recording_print( stdout, recording, path, error );
+        status = wisp_recording_print( stdout, recording, io_input_name( path ), error );
     }
     wisp_recording_close( recording );
     return status;
@@ -125,7 +130,7 @@ static wisp_status info_cache( const char* path, wisp_error* error )
     wisp_status status = wisp_pc2_open( path, &cache, error );
     if ( status == WISP_OK )
     {
-        status = wisp_pc2_print( stdout, cache, path, error );
+        status = wisp_pc2_print( stdout, cache, io_input_name( path ), error );
     }
     wisp_pc2_close( cache );
     return status;
@@ -347,10 +352,10 @@ static wisp_status info_scene( const char* path, wisp_error* error )
     {
         return status;
     }
-    printf( "%s: scene, %.4g s in %d step%s of %.4g ms, %d substep%s and %d iteration%s each\n", path,
-            wisp_scene_step_time( &scene, scene.steps ), scene.steps, scene.steps == 1 ? "" : "s",
-            1e3 * (double)scene.dt, scene.substeps, scene.substeps == 1 ? "" : "s", scene.iterations,
-            scene.iterations == 1 ? "" : "s" );
+    printf( "%s: scene, %.4g s in %d step%s of %.4g ms, %d substep%s and %d iteration%s each\n",
+            io_input_name( path ), wisp_scene_step_time( &scene, scene.steps ), scene.steps,
+            scene.steps == 1 ? "" : "s", 1e3 * (double)scene.dt, scene.substeps, scene.substeps == 1 ? "" : "s",
+            scene.iterations, scene.iterations == 1 ? "" : "s" );
     status = info_strands( &scene, error );
     if ( status == WISP_OK )
     {
@@ -398,7 +403,7 @@ static wisp_status info_file( const char* path, wisp_error* error )
         error, WISP_BAD_INPUT,
         "%s: unknown kind of file, expected a groom (.hair, .tfx), a mesh (.obj, .ply), a scene (.yaml, .yml, "
         ".json), a recording (.wisp, .pc2) or results (.json)",
-        path );
+        io_input_name( path ) );
 }
 
 static wisp_status info_keys( const char* block, wisp_error* error )
@@ -412,10 +417,7 @@ static wisp_status info_keys( const char* block, wisp_error* error )
 int command_info( int argc, char** argv )
 {
     info_options given = { 0 };
-    const struct argp parser = {
-        .options = options, .parser = parse, .args_doc = "FILE\n--keys [BLOCK]", .doc = doc
-    };
-    argp_parse( &parser, argc, argv, 0, NULL, &given );
+    options_parse( &info_text, take, &given, argc, argv );
 
     wisp_error error = { 0 };
     wisp_status status = given.keys ? info_keys( given.argument, &error ) : info_file( given.argument, &error );

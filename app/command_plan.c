@@ -23,23 +23,27 @@ enum
 
 static const char* const format_words[FORMAT_COUNT] = { "text", "dot", "json" };
 
-static const char doc[] = "Print the passes that a scene needs, and why each is there.\n"
-                          "\v"
-                          "One line per pass: its stage, the entities it runs on, its predicted percentage\n"
-                          "of the memory traffic, its measured percentage of the time, and why it is active.\n"
-                          "Below are the modules that the scene does not use. docs/outputs.md explains both\n"
-                          "percentages and the JSON format.\n"
-                          "\n"
-                          "Examples:\n"
-                          "  wisp plan data/scenes/flag.yaml\n"
-                          "  wisp plan data/scenes/flag.yaml --format dot | dot -Tsvg > plan.svg\n"
-                          "\n" STATUS_HELP;
+static const option_row rows[] = {
+    { "verbose", KEY_VERBOSE, NULL, "Also print what passes read and write, and absent passes", OPTION_ANY },
+    { "format", KEY_FORMAT, "FORMAT", "text (default), dot for Graphviz, or json", OPTION_WORDS( format_words ) },
+    { "steps", KEY_STEPS, "N", "Measure the first N steps, 10 by default, 0 for none", OPTION_ANY },
+};
 
-static const struct argp_option option_list[] = {
-    { "verbose", KEY_VERBOSE, 0, 0, "Also print what passes read and write, and absent passes", 0 },
-    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), dot for Graphviz, or json", 0 },
-    { "steps", KEY_STEPS, "N", 0, "Measure the first N steps, 10 by default, 0 for none", 0 },
-    { 0 },
+const command_text plan_text = {
+    .name = "plan",
+    .operands = "SCENE",
+    .noun = "scene",
+    .summary = "list the passes that a scene needs, and why",
+    .about = "Print the passes that a scene needs, and why each is there.",
+    .notes = "One line per pass: its stage, the entities it runs on, its predicted percentage\n"
+             "of the memory traffic, its measured percentage of the time, and why it is active.\n"
+             "Below are the modules that the scene does not use. docs/outputs.md explains both\n"
+             "percentages and the JSON format.",
+    .examples = "wisp plan data/scenes/flag.yaml\n"
+                "wisp plan data/scenes/flag.yaml --format dot | dot -Tsvg > plan.svg",
+    .rows = rows,
+    .row_count = WISP_COUNT( rows ),
+    .values = OPTION_FILES( ".yaml .yml .json" ),
 };
 
 typedef struct plan_options
@@ -50,22 +54,22 @@ typedef struct plan_options
     bool is_verbose;
 } plan_options;
 
-static error_t parse( int key, char* argument, struct argp_state* state )
+static bool take( options_state* o, int key, const char* argument )
 {
-    plan_options* options = state->input;
+    plan_options* options = o->input;
     switch ( key )
     {
         case KEY_FORMAT:
-            options->format = option_word( state, "--format", argument, format_words, FORMAT_COUNT );
-            return 0;
+            options->format = option_word( o, argument );
+            return true;
         case KEY_STEPS:
-            options->steps = option_whole( state, "--steps", argument, 0, STEPS_MAX );
-            return 0;
+            options->steps = option_whole( o, argument, 0, STEPS_MAX );
+            return true;
         case KEY_VERBOSE:
             options->is_verbose = true;
-            return 0;
+            return true;
         default:
-            return option_input( state, key, argument, "scene", &options->scene ) ? 0 : ARGP_ERR_UNKNOWN;
+            return option_input( o, key, argument, &options->scene );
     }
 }
 
@@ -96,8 +100,7 @@ static wisp_status write_sheet( const plan_sheet* sheet, const plan_options* opt
 int command_plan( int argc, char** argv )
 {
     plan_options options = { .format = FORMAT_TEXT, .steps = STEPS_DEFAULT };
-    const struct argp parser = { .options = option_list, .parser = parse, .args_doc = "SCENE", .doc = doc };
-    argp_parse( &parser, argc, argv, 0, NULL, &options );
+    options_parse( &plan_text, take, &options, argc, argv );
 
     wisp_error error = { 0 };
     wisp_scene scene;

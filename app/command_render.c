@@ -1,9 +1,11 @@
 #include "commands.h"
 
+#include "interruption.h"
 #include "io_file.h"
 #include "picture_draw.h"
 
 #include <stdlib.h>
+#include <unistd.h>
 
 #define FRAME_MAX 100000000
 #define TURNTABLE_MAX 10000
@@ -32,137 +34,149 @@ enum
     KEY_NORMALS,
 };
 
-static const char doc[] = "Draw pictures of a scene, recording, mesh or groom by ray tracing.\n"
-                          "\v"
-                          "Inputs are scenes (.yaml, .yml, .json), recordings (.wisp, .pc2), meshes (.obj,\n"
-                          ".ply) and grooms (.hair, .tfx). A scene is simulated as far as the pictures need.\n"
-                          "Frame 0 is the start, frame N follows step N; by default the last frame is drawn.\n"
-                          "The default camera shows all bodies in all frames. Several pictures are written as\n"
-                          "FILE_0001.png and so on, or as one contact sheet.\n"
-                          "\n"
-                          "Examples:\n"
-                          "  wisp render data/scenes/flag.yaml -o flag.png\n"
-                          "  wisp render flag.wisp --sheet -o sheet.png\n"
-                          "  wisp render flag.wisp --frames 0::2 --colour strain -o film.png\n"
-                          "  wisp render data/bunny.obj --turntable 36 -o bunny.png\n"
-                          "\n" STATUS_HELP;
+static const char* const value_words[] = { "body", "strain", "speed" };
+static const char* const layer_words[] = { "normal", "class", "none" };
+static const char* const ground_words[] = { "auto", "none" };
+static const char* const background_words[] = { "studio", "white", "dark" };
 
-static const struct argp_option option_list[] = {
-    { 0, 0, 0, 0, "Picture:", 1 },
-    { "output", KEY_OUTPUT, "FILE.png", 0, "Write the picture to FILE.png; required", 1 },
-    { "size", KEY_SIZE, "WxH", 0, "Pixels, default 640x480; on a sheet 400x300 each", 1 },
-    { "samples", KEY_SAMPLES, "N", 0, "Rays per pixel, 1 to 4096, default 16", 1 },
-    { "workers", KEY_WORKERS, "N", 0, "Use N workers, 1 to 64, default one per core", 1 },
-    { 0, 0, 0, 0, "Frames, default the last one:", 2 },
-    { "frame", KEY_FRAME, "N", 0, "Frame N, counted from 0", 2 },
-    { "time", KEY_TIME, "S", 0, "The frame nearest to S seconds", 2 },
-    { "frames", KEY_FRAMES, "A:B:STEP", 0, "Frames A to B, both included; parts can be omitted", 2 },
-    { "sheet", KEY_SHEET, "COLUMNS", OPTION_ARG_OPTIONAL, "One contact sheet of --frames, or of twelve frames", 2 },
-    { 0, 0, 0, 0, "Camera:", 3 },
-    { "from", KEY_FROM, "AZIMUTH,ELEVATION", 0,
-      "Direction in degrees: about y from +z to +x, and up; default 32,16, or 0,0 for strands in a plane", 3 },
-    { "fov", KEY_FOV, "DEGREES", 0, "Vertical angle of view, 1 to 150, default 28", 3 },
-    { "camera", KEY_CAMERA, "X,Y,Z,X,Y,Z", 0, "Eye and target in metres, instead of --from", 3 },
-    { "turntable", KEY_TURNTABLE, "N", 0, "N views around one frame", 3 },
-    { 0, 0, 0, 0, "Appearance:", 4 },
-    { "colour", KEY_COLOUR, "WHAT", 0, "body (default), strain or speed", 4 },
-    { "color", 0, 0, OPTION_ALIAS | OPTION_HIDDEN, 0, 4 },
-    { "range", KEY_RANGE, "LOW,HIGH", 0, "Strain or speed at the ends of the colour scale", 4 },
-    { "boundary", KEY_BOUNDARY, "WHAT", 0, "Boundary points by normal (default) or class, or none", 4 },
-    { "normals", KEY_NORMALS, 0, 0, "Draw normals of boundary points", 4 },
-    { "ground", KEY_GROUND, "WHERE", 0, "auto (default), none, or y in metres", 4 },
-    { "background", KEY_BACKGROUND, "WHAT", 0, "studio (default), white, dark, #20242c, or #top,#bottom", 4 },
-    { "mesh", KEY_MESH, "FILE", 0, "Triangles for a point cache (.obj, .ply)", 4 },
-    { 0 },
+static const option_row rows[] = {
+    OPTION_TITLE( "Picture:" ),
+    { "output", KEY_OUTPUT, "FILE.png", "Write the picture to FILE.png; required", OPTION_FILES( ".png" ) },
+    { "size", KEY_SIZE, "WxH", "Pixels, default 640x480; on a sheet 400x300 each", OPTION_ANY },
+    { "samples", KEY_SAMPLES, "N", "Rays per pixel, 1 to 4096, default 16", OPTION_ANY },
+    { "workers", KEY_WORKERS, "N", "Use N workers, 1 to 64, default one per core", OPTION_ANY },
+    OPTION_TITLE( "Frames, default the last one:" ),
+    { "frame", KEY_FRAME, "N", "Frame N, counted from 0", OPTION_ANY },
+    { "time", KEY_TIME, "S", "The frame nearest to S seconds", OPTION_ANY },
+    { "frames", KEY_FRAMES, "A:B:STEP", "Frames A to B, both included; parts can be omitted", OPTION_ANY },
+    { "sheet", KEY_SHEET, "[COLUMNS]", "One contact sheet of --frames, or of twelve frames", OPTION_ANY },
+    OPTION_TITLE( "Camera:" ),
+    { "from", KEY_FROM, "AZIMUTH,ELEVATION",
+      "Direction in degrees: about y from +z to +x, and up; default 32,16, or 0,0 for strands in a plane",
+      OPTION_ANY },
+    { "fov", KEY_FOV, "DEGREES", "Vertical angle of view, 1 to 150, default 28", OPTION_ANY },
+    { "camera", KEY_CAMERA, "X,Y,Z,X,Y,Z", "Eye and target in metres, instead of --from", OPTION_ANY },
+    { "turntable", KEY_TURNTABLE, "N", "N views around one frame", OPTION_ANY },
+    OPTION_TITLE( "Appearance:" ),
+    { "colour", KEY_COLOUR, "WHAT", "body (default), strain or speed", OPTION_WORDS( value_words ) },
+    { "color", KEY_COLOUR, "WHAT", NULL, OPTION_WORDS( value_words ) },
+    { "range", KEY_RANGE, "LOW,HIGH", "Strain or speed at the ends of the colour scale", OPTION_ANY },
+    { "boundary", KEY_BOUNDARY, "WHAT", "Boundary points by normal (default) or class, or none",
+      OPTION_WORDS( layer_words ) },
+    { "normals", KEY_NORMALS, NULL, "Draw normals of boundary points", OPTION_ANY },
+    { "ground", KEY_GROUND, "WHERE", "auto (default), none, or y in metres", OPTION_WORDS( ground_words ) },
+    { "background", KEY_BACKGROUND, "WHAT", "studio (default), white, dark, #20242c, or #top,#bottom",
+      OPTION_WORDS( background_words ) },
+    { "mesh", KEY_MESH, "FILE", "Triangles for a point cache (.obj, .ply)", OPTION_FILES( ".obj .ply" ) },
 };
 
-static void choose_frames( struct argp_state* state, picture_options* options, picture_choice choice )
+const command_text render_text = {
+    .name = "render",
+    .operands = "SCENE|RECORDING|MESH|GROOM",
+    .noun = "file",
+    .summary = "draw pictures of a scene, recording, mesh or groom",
+    .about = "Draw pictures of a scene, recording, mesh or groom by ray tracing.",
+    .notes = "Inputs are scenes (.yaml, .yml, .json), recordings (.wisp, .pc2), meshes (.obj,\n"
+             ".ply) and grooms (.hair, .tfx). A scene is simulated as far as the pictures need.\n"
+             "Frame 0 is the start, frame N follows step N; by default the last frame is drawn.\n"
+             "The default camera shows all bodies in all frames. Several pictures are written as\n"
+             "FILE_0001.png and so on, or as one contact sheet.",
+    .examples = "wisp render data/scenes/flag.yaml -o flag.png\n"
+                "wisp render flag.wisp --sheet -o sheet.png\n"
+                "wisp render flag.wisp --frames 0::2 --colour strain -o film.png\n"
+                "wisp render data/bunny.obj --turntable 36 -o bunny.png",
+    .rows = rows,
+    .row_count = WISP_COUNT( rows ),
+    .values = OPTION_FILES( ".yaml .yml .json .wisp .pc2 .obj .ply .hair .tfx" ),
+};
+
+static void choose_frames( const options_state* o, picture_options* options, picture_choice choice )
 {
     if ( options->choice != PICTURE_LAST )
     {
-        argp_error( state, "got several of --frame, --time and --frames, expected one" );
+        options_fail( o, "got several of --frame, --time and --frames, expected one" );
     }
     options->choice = choice;
 }
 
-static void parse_range( struct argp_state* state, const char* argument, picture_options* options )
+static void parse_range( const options_state* o, const char* argument, picture_options* options )
 {
-    picture_parse_numbers( state, "--range", argument, 2, options->range );
+    picture_parse_numbers( o, argument, 2, options->range );
     if ( !( options->range[0] < options->range[1] ) )
     {
-        argp_error( state, "--range: got '%s', expected two rising numbers", argument );
+        options_fail( o, "--range: got '%s', expected two rising numbers", argument );
     }
     options->has_range = true;
 }
 
-static void parse_camera( struct argp_state* state, const char* argument, picture_options* options )
+static void parse_camera( const options_state* o, const char* argument, picture_options* options )
 {
     float n[6];
-    picture_parse_numbers( state, "--camera", argument, 6, n );
+    picture_parse_numbers( o, argument, 6, n );
     options->eye = ( wisp_vec3 ){ n[0], n[1], n[2] };
     options->target = ( wisp_vec3 ){ n[3], n[4], n[5] };
     options->has_camera = true;
 }
 
-static void parse_from( struct argp_state* state, const char* argument, picture_options* options )
+static void parse_from( const options_state* o, const char* argument, picture_options* options )
 {
     float n[2];
-    picture_parse_numbers( state, "--from", argument, 2, n );
+    picture_parse_numbers( o, argument, 2, n );
     if ( !( n[1] >= -89.0f && n[1] <= 89.0f ) )
     {
-        argp_error( state, "--from: got an elevation of %g, expected -89 to 89 degrees", (double)n[1] );
+        options_fail( o, "--from: got an elevation of %g, expected -89 to 89 degrees", (double)n[1] );
     }
     options->view.azimuth_degrees = n[0];
     options->view.elevation_degrees = n[1];
     options->has_from = true;
 }
 
-static void parse_fov( struct argp_state* state, const char* argument, picture_options* options )
+static void parse_fov( const options_state* o, const char* argument, picture_options* options )
 {
-    picture_parse_numbers( state, "--fov", argument, 1, &options->view.fov_degrees );
+    picture_parse_numbers( o, argument, 1, &options->view.fov_degrees );
     if ( !( options->view.fov_degrees >= 1.0f && options->view.fov_degrees <= 150.0f ) )
     {
-        argp_error( state, "--fov: got '%s', expected 1 to 150 degrees", argument );
+        options_fail( o, "--fov: got '%s', expected 1 to 150 degrees", argument );
     }
 }
 
 /// Options about time and place. @return whether it was one of them
-static bool parse_view( int key, char* argument, struct argp_state* state )
+static bool parse_view( const options_state* o, int key, const char* argument )
 {
-    picture_options* options = state->input;
+    picture_options* options = o->input;
     switch ( key )
     {
         case KEY_FRAME:
-            choose_frames( state, options, PICTURE_FRAME );
-            options->first = option_whole( state, "--frame", argument, 0, FRAME_MAX );
+            choose_frames( o, options, PICTURE_FRAME );
+            options->first = option_whole( o, argument, 0, FRAME_MAX );
             return true;
         case KEY_TIME:
         {
             float seconds;
-            choose_frames( state, options, PICTURE_TIME );
-            picture_parse_numbers( state, "--time", argument, 1, &seconds );
+            choose_frames( o, options, PICTURE_TIME );
+            picture_parse_numbers( o, argument, 1, &seconds );
             options->seconds = (double)seconds;
             return true;
         }
         case KEY_FRAMES:
-            choose_frames( state, options, PICTURE_FRAMES );
-            picture_parse_frames( state, argument, options );
+            choose_frames( o, options, PICTURE_FRAMES );
+            picture_parse_frames( o, argument, options );
             return true;
         case KEY_SHEET:
             options->is_sheet = true;
-            options->columns = argument ? option_whole( state, "--sheet", argument, 1, COLUMNS_MAX ) : 0;
+            options->columns = argument ? option_whole( o, argument, 1, COLUMNS_MAX ) : 0;
             return true;
         case KEY_TURNTABLE:
-            options->turntable = option_whole( state, "--turntable", argument, 1, TURNTABLE_MAX );
+            options->turntable = option_whole( o, argument, 1, TURNTABLE_MAX );
             return true;
         case KEY_CAMERA:
-            parse_camera( state, argument, options );
+            parse_camera( o, argument, options );
             return true;
         case KEY_FROM:
-            parse_from( state, argument, options );
+            parse_from( o, argument, options );
             return true;
         case KEY_FOV:
-            parse_fov( state, argument, options );
+            parse_fov( o, argument, options );
             return true;
         default:
             return false;
@@ -170,47 +184,44 @@ static bool parse_view( int key, char* argument, struct argp_state* state )
 }
 
 /// Options about the look of things. @return whether it was one of them
-static bool parse_look( int key, char* argument, struct argp_state* state )
+static bool parse_look( const options_state* o, int key, const char* argument )
 {
-    static const char* const values[] = { "body", "strain", "speed" };
-    static const char* const layers[] = { "normal", "class", "none" };
     static const picture_layer_look looks[] = { PICTURE_LAYER_NORMAL, PICTURE_LAYER_CLASS, PICTURE_LAYER_NONE };
-    picture_options* options = state->input;
+    picture_options* options = o->input;
     switch ( key )
     {
         case KEY_COLOUR:
-            options->source.value =
-                (picture_value)option_word( state, "--colour", argument, values, WISP_COUNT( values ) );
+            options->source.value = (picture_value)option_word( o, argument );
             return true;
         case KEY_BOUNDARY:
-            options->source.layer = looks[option_word( state, "--boundary", argument, layers, WISP_COUNT( layers ) )];
+            options->source.layer = looks[option_word( o, argument )];
             return true;
         case KEY_NORMALS:
             options->source.has_layer_normals = true;
             return true;
         case KEY_RANGE:
-            parse_range( state, argument, options );
+            parse_range( o, argument, options );
             return true;
         case KEY_GROUND:
-            picture_parse_ground( state, argument, options );
+            picture_parse_ground( o, argument, options );
             return true;
         case KEY_BACKGROUND:
-            picture_parse_background( state, argument, options );
+            picture_parse_background( o, argument, options );
             return true;
         case KEY_MESH:
             options->source.mesh = argument;
             return true;
         case KEY_SIZE:
-            picture_parse_size( state, argument, options );
+            picture_parse_size( o, argument, options );
             return true;
         case KEY_SAMPLES:
-            options->samples = option_whole( state, "--samples", argument, 1, RENDER_MAX_SAMPLES );
+            options->samples = option_whole( o, argument, 1, RENDER_MAX_SAMPLES );
             return true;
         case KEY_OUTPUT:
             options->output = argument;
             return true;
         case KEY_WORKERS:
-            options->workers = option_whole( state, "--workers", argument, 1, WISP_MAX_WORKERS );
+            options->workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
             options->source.world.workers = options->workers;
             return true;
         default:
@@ -218,54 +229,61 @@ static bool parse_look( int key, char* argument, struct argp_state* state )
     }
 }
 
-static void check( struct argp_state* state, const picture_options* options )
+static void check( const options_state* o, const picture_options* options )
 {
     if ( !options->output )
     {
-        argp_error( state, "expected -o FILE.png" );
+        options_fail( o, "expected -o FILE.png" );
     }
-    if ( !io_has_extension( options->output, ".png" ) )
+    if ( io_is_standard( options->output ) )
     {
-        argp_error( state, "-o: got '%s', expected a file name that ends in .png", options->output );
+        if ( isatty( STDOUT_FILENO ) )
+        {
+            options_fail( o, "-o: got '-', but standard output is a terminal, which cannot show a PNG file" );
+        }
+        if ( !options->is_sheet && ( options->turntable > 1 || options->choice == PICTURE_FRAMES ) )
+        {
+            options_fail( o, "-o: got '-', expected a file name for several pictures" );
+        }
+    }
+    else if ( !io_has_extension( options->output, ".png" ) )
+    {
+        options_fail( o, "-o: got '%s', expected a file name that ends in .png", options->output );
     }
     if ( options->turntable > 0 && options->choice == PICTURE_FRAMES )
     {
-        argp_error( state, "--turntable: expected one frame, but --frames selects several" );
+        options_fail( o, "--turntable: expected one frame, but --frames selects several" );
     }
     if ( options->has_range && options->source.value == PICTURE_BODY )
     {
-        argp_error( state, "--range: expected together with --colour strain or --colour speed" );
+        options_fail( o, "--range: expected together with --colour strain or --colour speed" );
     }
 }
 
-static error_t parse( int key, char* argument, struct argp_state* state )
+static bool take( options_state* o, int key, const char* argument )
 {
-    picture_options* options = state->input;
+    picture_options* options = o->input;
     switch ( key )
     {
-        case ARGP_KEY_ARG:
-            if ( options->source.path )
+        case OPTIONS_OPERAND:
+            return option_input( o, key, argument, &options->source.path );
+        case OPTIONS_END:
+            if ( !options->source.path )
             {
-                argp_error( state, "got a second file '%s', expected one", argument );
+                options_fail( o, "expected a scene, recording, mesh or groom" );
             }
-            options->source.path = argument;
-            return 0;
-        case ARGP_KEY_NO_ARGS:
-            argp_error( state, "expected a scene, recording, mesh or groom" );
-            return 0;
-        case ARGP_KEY_SUCCESS:
-            check( state, options );
-            return 0;
+            check( o, options );
+            return true;
         default:
-            return parse_view( key, argument, state ) || parse_look( key, argument, state ) ? 0 : ARGP_ERR_UNKNOWN;
+            return parse_view( o, key, argument ) || parse_look( o, key, argument );
     }
 }
 
 int command_render( int argc, char** argv )
 {
     picture_options options = picture_default_options();
-    const struct argp parser = { option_list, parse, "SCENE|RECORDING|MESH|GROOM", doc, NULL, NULL, NULL };
-    argp_parse( &parser, argc, argv, 0, NULL, &options );
+    options_parse( &render_text, take, &options, argc, argv );
+    interruption_begin();
 
     wisp_error error = { 0 };
     wisp_status status = picture_draw( &options, &error );
@@ -273,5 +291,5 @@ int command_render( int argc, char** argv )
     {
         status = wisp_fail( &error, WISP_IO_ERROR, "standard output: the list of pictures could not be written" );
     }
-    return status == WISP_OK ? STATUS_GOOD : command_fail( &error );
+    return status == WISP_OK ? interruption_status( STATUS_GOOD ) : command_fail( &error );
 }

@@ -1,5 +1,6 @@
 #include "commands.h"
 
+#include "interruption.h"
 #include "io_file.h"
 #include "progress.h"
 #include "run_bodies.h"
@@ -42,48 +43,57 @@ enum
     KEY_BOUNDARY,
 };
 
-static const char doc[] = "Simulate a scene, write its files and print a summary.\n"
-                          "\v"
-                          "Recordings hold the start of the scene and the state after each step. The extension\n"
-                          "selects the format:\n"
-                          "  .wisp   every bit, for 'wisp render' and --verify\n"
-                          "  .pc2    point cache, one file per body\n"
-                          "  .pvd    ParaView, one numbered .vtp file per frame\n"
-                          "  .obj    one numbered file per frame\n"
-                          "  .usda   USD with time samples\n"
-                          "  .glb    glTF with a morph target per frame\n"
-                          "\n"
-                          "--boundary writes one file per frame: FILE_0002.ply follows the first step, and\n"
-                          "FILE_SURFACE_0002.ply if several surfaces have boundary points.\n"
-                          "docs/outputs.md describes each format, the summary and the hash.\n"
-                          "\n"
-                          "Examples:\n"
-                          "  wisp run data/scenes/flag.yaml\n"
-                          "  wisp run data/scenes/flag.yaml --steps 100 --record flag.wisp\n"
-                          "\n" STATUS_HELP;
-
-static const struct argp_option option_list[] = {
-    { 0, 0, 0, 0, "Simulation:", 1 },
-    { "steps", KEY_STEPS, "N", 0, "Simulate N steps; default: the scene's steps", 1 },
-    { "workers", KEY_WORKERS, "N", 0, "Use N workers, 1 to 64; default: the scene's, or one per core", 1 },
-    { "isa", KEY_ISA, "SET", 0, "Use at most baseline, avx2 or avx512; default: the best available", 1 },
-    { 0, 0, 0, 0, "Summary:", 2 },
-    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json, gbench, bencher, github or hyperfine",
-      2 },
-    { "output", KEY_OUTPUT, "FILE", 0, "Write the summary to FILE; default: standard output", 2 },
-    { 0, 0, 0, 0, "Recording:", 3 },
-    { "record", KEY_RECORD, "FILE", 0, "Record all vertices (.wisp, .pc2, .pvd, .obj, .usda, .glb)", 3 },
-    { "record-with", KEY_RECORD_WITH, "VALUE[,VALUE]", 0,
-      "Compute strain or speed and record them too (.pvd, .usda); default: those that the scene computes", 3 },
-    { "every", KEY_EVERY, "N", 0, "Record every Nth step, default 1", 3 },
-    { "track", KEY_TRACK, "BODY:VERTEX[,VERTEX...]", 0, "Write the path of these vertices; can be repeated", 3 },
-    { "track-file", KEY_TRACK_FILE, "FILE.csv", 0, "File for the paths of --track", 3 },
-    { "boundary", KEY_BOUNDARY, "FILE.ply", 0, "Write the boundary points of all surfaces", 3 },
-    { "verify", KEY_VERIFY, "FILE.wisp", 0, "Fail at the first frame that differs from this recording", 3 },
-    { 0 },
+static const option_row rows[] = {
+    OPTION_TITLE( "Simulation:" ),
+    { "steps", KEY_STEPS, "N", "Simulate N steps; default: the scene's steps", OPTION_ANY },
+    { "workers", KEY_WORKERS, "N", "Use N workers, 1 to 64; default: the scene's, or one per core", OPTION_ANY },
+    { "isa", KEY_ISA, "SET", "Use at most baseline, avx2 or avx512; default: the best available",
+      OPTION_WORDS( option_isa_words ) },
+    OPTION_TITLE( "Summary:" ),
+    { "format", KEY_FORMAT, "FORMAT", "text (default), markdown, csv, json, gbench, bencher, github or hyperfine",
+      OPTION_WORDS( results_format_names ) },
+    { "output", KEY_OUTPUT, "FILE", "Write the summary to FILE; default: standard output", OPTION_FILES( "*" ) },
+    OPTION_TITLE( "Recording:" ),
+    { "record", KEY_RECORD, "FILE", "Record all vertices (.wisp, .pc2, .pvd, .obj, .usda, .glb)",
+      OPTION_FILES( ".wisp .pc2 .pvd .obj .usda .glb" ) },
+    { "record-with", KEY_RECORD_WITH, "VALUE[,VALUE]",
+      "Compute strain or speed and record them too (.pvd, .usda); default: those that the scene computes",
+      OPTION_WORDS( run_value_names ) },
+    { "every", KEY_EVERY, "N", "Record every Nth step, default 1", OPTION_ANY },
+    { "track", KEY_TRACK, "BODY:VERTEX[,VERTEX...]", "Write the path of these vertices; can be repeated",
+      OPTION_ANY },
+    { "track-file", KEY_TRACK_FILE, "FILE.csv", "File for the paths of --track", OPTION_FILES( ".csv" ) },
+    { "boundary", KEY_BOUNDARY, "FILE.ply", "Write the boundary points of all surfaces", OPTION_FILES( ".ply" ) },
+    { "verify", KEY_VERIFY, "FILE.wisp", "Fail at the first frame that differs from this recording",
+      OPTION_FILES( ".wisp" ) },
 };
 
-static void parse_track( struct argp_state* state, const char* argument, run_recorder_def* def )
+const command_text run_text = {
+    .name = "run",
+    .operands = "SCENE",
+    .noun = "scene",
+    .summary = "simulate a scene, write its files and print a summary",
+    .about = "Simulate a scene, write its files and print a summary.",
+    .notes = "Recordings hold the start of the scene and the state after each step. The extension\n"
+             "selects the format:\n"
+             "  .wisp   every bit, for 'wisp render' and --verify\n"
+             "  .pc2    point cache, one file per body\n"
+             "  .pvd    ParaView, one numbered .vtp file per frame\n"
+             "  .obj    one numbered file per frame\n"
+             "  .usda   USD with time samples\n"
+             "  .glb    glTF with a morph target per frame\n"
+             "\n"
+             "--boundary writes one file per frame: FILE_0002.ply follows the first step, and\n"
+             "FILE_SURFACE_0002.ply if several surfaces have boundary points.\n"
+             "docs/outputs.md describes each format, the summary and the hash.",
+    .examples = "wisp run data/scenes/flag.yaml\n"
+                "wisp run data/scenes/flag.yaml --steps 100 --record flag.wisp",
+    .rows = rows,
+    .row_count = WISP_COUNT( rows ),
+    .values = OPTION_FILES( ".yaml .yml .json" ),
+};
+
+static void parse_track( const options_state* o, const char* argument, run_recorder_def* def )
 {
     const char* colon = strrchr( argument, ':' );
     bool is_good = colon && colon > argument && colon - argument <= WISP_RECORD_MAX_NAME;
@@ -95,18 +105,18 @@ static void parse_track( struct argp_state* state, const char* argument, run_rec
         is_good = end > at + 1 && !errno && vertex >= 0 && vertex < INT_MAX && ( *end == ',' || !*end );
         if ( def->track_count == RUN_TRACKS_MAX )
         {
-            argp_error( state, "--track: got more than %d vertices, which is the limit", RUN_TRACKS_MAX );
+            options_fail( o, "--track: got more than %d vertices, which is the limit", RUN_TRACKS_MAX );
         }
         def->tracks[def->track_count++] = ( run_track ){ argument, (int)( colon - argument ), (int)vertex };
         at = end;
     }
     if ( !is_good )
     {
-        argp_error( state, "--track: got '%s', expected a body and its vertices, such as flag:0,31", argument );
+        options_fail( o, "--track: got '%s', expected a body and its vertices, such as flag:0,31", argument );
     }
 }
 
-static void parse_values( struct argp_state* state, const char* argument, unsigned* values )
+static void parse_values( const options_state* o, const char* argument, unsigned* values )
 {
     for ( const char* at = argument; at; )
     {
@@ -120,7 +130,7 @@ static void parse_values( struct argp_state* state, const char* argument, unsign
         }
         if ( found < 0 )
         {
-            argp_error( state, "--record-with: got '%s', expected strain, speed or both with a comma", argument );
+            options_fail( o, "--record-with: got '%s', expected strain, speed or both with a comma", argument );
         }
         *values |= 1u << found;
         at = at[length] ? at + length + 1 : NULL;
@@ -128,24 +138,24 @@ static void parse_values( struct argp_state* state, const char* argument, unsign
 }
 
 /// Options about recording. @return whether it was one of them
-static bool parse_recorder( int key, char* argument, struct argp_state* state, run_recorder_def* def )
+static bool parse_recorder( const options_state* o, int key, const char* argument, run_recorder_def* def )
 {
     switch ( key )
     {
         case KEY_RECORD:
-            def->record = argument;
+            def->record = option_file( o, argument );
             return true;
         case KEY_RECORD_WITH:
-            parse_values( state, argument, &def->values );
+            parse_values( o, argument, &def->values );
             return true;
         case KEY_EVERY:
-            def->every = option_whole( state, "--every", argument, 1, STEPS_MAX );
+            def->every = option_whole( o, argument, 1, STEPS_MAX );
             return true;
         case KEY_TRACK:
-            parse_track( state, argument, def );
+            parse_track( o, argument, def );
             return true;
         case KEY_TRACK_FILE:
-            def->track_file = argument;
+            def->track_file = option_file( o, argument );
             return true;
         case KEY_VERIFY:
             def->verify = argument;
@@ -155,64 +165,64 @@ static bool parse_recorder( int key, char* argument, struct argp_state* state, r
     }
 }
 
-static void check( struct argp_state* state, const run_options* options )
+static void check( const options_state* o, const run_options* options )
 {
     const run_recorder_def* def = &options->recorder;
     if ( options->boundary && !io_has_extension( options->boundary, ".ply" ) )
     {
-        argp_error( state, "--boundary: got '%s', expected a file name that ends in .ply", options->boundary );
+        options_fail( o, "--boundary: got '%s', expected a file name that ends in .ply", options->boundary );
     }
     if ( ( def->track_count > 0 ) != ( def->track_file != NULL ) )
     {
-        argp_error( state, "--track: expected together with --track-file, or neither of them" );
+        options_fail( o, "--track: expected together with --track-file, or neither of them" );
     }
     if ( def->values && !( def->record && wisp_record_has_values( def->record ) ) )
     {
-        argp_error( state, "--record-with: expected together with --record and a file that ends in .pvd or .usda" );
+        options_fail( o, "--record-with: expected together with --record and a file that ends in .pvd or .usda" );
     }
     if ( def->values && def->verify )
     {
-        argp_error( state, "--record-with: expected without --verify, since hashes cover what is computed" );
+        options_fail( o, "--record-with: expected without --verify, since hashes cover what is computed" );
     }
     if ( def->verify && def->record && strcmp( def->verify, def->record ) == 0 )
     {
-        argp_error( state, "--record: got '%s', which --verify reads; expected another file", def->verify );
+        options_fail( o, "--record: got '%s', which --verify reads; expected another file", def->verify );
     }
 }
 
-static error_t parse( int key, char* argument, struct argp_state* state )
+static bool take( options_state* o, int key, const char* argument )
 {
-    run_options* options = state->input;
-    if ( parse_recorder( key, argument, state, &options->recorder ) )
+    run_options* options = o->input;
+    if ( parse_recorder( o, key, argument, &options->recorder ) )
     {
-        return 0;
+        return true;
     }
     switch ( key )
     {
         case KEY_STEPS:
-            options->steps = option_whole( state, "--steps", argument, 1, STEPS_MAX );
-            return 0;
+            options->steps = option_whole( o, argument, 1, STEPS_MAX );
+            return true;
         case KEY_WORKERS:
-            options->world.workers = option_whole( state, "--workers", argument, 1, WISP_MAX_WORKERS );
-            return 0;
+            options->world.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
+            return true;
         case KEY_ISA:
-            options->world.isa = option_isa_words[option_word( state, "--isa", argument, option_isa_words, 3 )];
-            return 0;
+            options->world.isa = option_isa_words[option_word( o, argument )];
+            return true;
         case KEY_FORMAT:
-            options->format = (results_format)option_word( state, "--format", argument, results_format_names,
-                                                           RESULTS_FORMAT_COUNT );
-            return 0;
+            options->format = (results_format)option_word( o, argument );
+            return true;
         case KEY_OUTPUT:
             options->output = argument;
-            return 0;
+            return true;
         case KEY_BOUNDARY:
-            options->boundary = argument;
-            return 0;
-        case ARGP_KEY_SUCCESS:
-            check( state, options );
-            return 0;
+            options->boundary = option_file( o, argument );
+            return true;
+        case OPTIONS_END:
+            option_input( o, key, argument, &options->scene );
+            check( o, options );
+            return true;
         default:
-            return option_input( state, key, argument, "scene", &options->scene ) ? 0 : ARGP_ERR_UNKNOWN;
+            return option_input( o, key, argument, &options->scene );
     }
 }
 
@@ -228,7 +238,7 @@ static wisp_status simulate( scene_world* world, int steps, run_recorder* record
     }
     progress bar = progress_begin();
     wisp_status status = run_recorder_step( recorder, error );
-    while ( record->steps < steps && status == WISP_OK )
+    while ( record->steps < steps && status == WISP_OK && !interruption_came() )
     {
         const double start = wisp_clock_seconds(), cpu_start = machine_cpu_seconds();
         status = scene_world_step( world, error );
@@ -290,7 +300,9 @@ static wisp_status simulate_and_record( run_options* options, scene_world* world
     wisp_error later = { 0 };
     wisp_status closed = run_recorder_close( recorder, status == WISP_OK ? error : &later );
     status = status == WISP_OK ? closed : status;
-    if ( status == WISP_OK )
+    record->all_steps = steps;
+    // What the scene writes is its end, which an interrupted run has not reached.
+    if ( status == WISP_OK && record->steps == steps )
     {
         status = scene_world_write_outputs( world, error );
     }
@@ -339,8 +351,8 @@ static wisp_status run_scene( run_options* options, const wisp_scene* scene, res
 int command_run( int argc, char** argv )
 {
     run_options options = { .recorder = { .every = 1 } };
-    const struct argp parser = { option_list, parse, "SCENE", doc, NULL, NULL, NULL };
-    argp_parse( &parser, argc, argv, 0, NULL, &options );
+    options_parse( &run_text, take, &options, argc, argv );
+    interruption_begin();
 
     wisp_error error = { 0 };
     wisp_scene scene;
@@ -358,5 +370,5 @@ int command_run( int argc, char** argv )
     }
     results_free( &out );
     wisp_scene_release( &scene );
-    return status == WISP_OK ? STATUS_GOOD : command_fail( &error );
+    return status == WISP_OK ? interruption_status( STATUS_GOOD ) : command_fail( &error );
 }

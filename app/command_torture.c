@@ -1,5 +1,6 @@
 #include "commands.h"
 
+#include "interruption.h"
 #include "torture_search.h"
 
 #include <math.h>
@@ -41,112 +42,117 @@ enum
     KEY_CLOSE,
 };
 
-static const char doc[] = "Search for scenes that break the engine, or judge scenes.\n"
-                          "\v"
-                          "Random scenes over all that a scene can say are run, each in a process of its own, and\n"
-                          "judged: crash, time, status, finite, halted, energy, strain, penetration,\n"
-                          "intersections, rest, bits, snapshot, scale, shift. docs/outputs.md explains each.\n"
-                          "A scene that breaks is made smaller while it breaks the same way, and written with a\n"
-                          "sentence that says what breaks. Scene number i of a seed is always the same.\n"
-                          "\n"
-                          "With SCENE no scenes are made: those given are judged.\n"
-                          "\n"
-                          "Examples:\n"
-                          "  wisp torture --minutes 10 --seed 7\n"
-                          "  wisp torture torture/energy_7_123.yaml\n"
-                          "\n" STATUS_HELP_UNMET( "a scene breaks" );
+static const option_row rows[] = {
+    OPTION_TITLE( "Search:" ),
+    { "minutes", KEY_MINUTES, "M", "Search for M minutes, default 1", OPTION_ANY },
+    { "scenes", KEY_SCENES, "N", "Try N scenes", OPTION_ANY },
+    { "seed", KEY_SEED, "S", "Seed of the scenes, default 1", OPTION_ANY },
+    { "first", KEY_FIRST, "I", "Begin with scene I of the seed, default 0", OPTION_ANY },
+    { "mesh", KEY_MESH, "FILE", "Make surfaces and colliders of this mesh too; can be repeated",
+      OPTION_FILES( "*" ) },
+    { "jobs", KEY_JOBS, "N", "Judge N scenes at the same time, 1 to 64; default: one per core", OPTION_ANY },
+    { "limit", KEY_LIMIT, "SECONDS", "Wall time of a scene, default 20", OPTION_ANY },
+    { "close", KEY_CLOSE, NULL, "Judge by the close limits of suites with checks, too", OPTION_ANY },
+    { "print", KEY_PRINT, NULL, "Print the first scene and run nothing", OPTION_ANY },
+    OPTION_TITLE( "Output:" ),
+    { "out", KEY_OUT, "FOLDER", "Write scenes that break to FOLDER, default " DEFAULT_FOLDER, OPTION_FILES( "/" ) },
+    { "keep", KEY_KEEP, "N", "Write the first N scenes of each kind, default 3", OPTION_ANY },
+    { "format", KEY_FORMAT, "FORMAT", "text (default), markdown, csv, json, gbench, bencher, github or hyperfine",
+      OPTION_WORDS( results_format_names ) },
+};
 
-static const struct argp_option option_list[] = {
-    { 0, 0, 0, 0, "Search:", 1 },
-    { "minutes", KEY_MINUTES, "M", 0, "Search for M minutes, default 1", 1 },
-    { "scenes", KEY_SCENES, "N", 0, "Try N scenes", 1 },
-    { "seed", KEY_SEED, "S", 0, "Seed of the scenes, default 1", 1 },
-    { "first", KEY_FIRST, "I", 0, "Begin with scene I of the seed, default 0", 1 },
-    { "mesh", KEY_MESH, "FILE", 0, "Make surfaces and colliders of this mesh too; can be repeated", 1 },
-    { "jobs", KEY_JOBS, "N", 0, "Judge N scenes at the same time, 1 to 64; default: one per core", 1 },
-    { "limit", KEY_LIMIT, "SECONDS", 0, "Wall time of a scene, default 20", 1 },
-    { "close", KEY_CLOSE, 0, 0, "Judge by the close limits of suites with checks, too", 1 },
-    { "print", KEY_PRINT, 0, 0, "Print the first scene and run nothing", 1 },
-    { 0, 0, 0, 0, "Output:", 2 },
-    { "out", KEY_OUT, "FOLDER", 0, "Write scenes that break to FOLDER, default " DEFAULT_FOLDER, 2 },
-    { "keep", KEY_KEEP, "N", 0, "Write the first N scenes of each kind, default 3", 2 },
-    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json, gbench, bencher, github or hyperfine",
-      2 },
-    { 0 },
+const command_text torture_text = {
+    .name = "torture",
+    .operands = "[SCENE...]",
+    .noun = "scene",
+    .summary = "search for scenes that break the engine, or judge scenes",
+    .about = "Search for scenes that break the engine, or judge scenes.",
+    .notes = "Random scenes over all that a scene can say are run, each in a process of its own, and\n"
+             "judged: crash, time, status, finite, halted, energy, strain, penetration,\n"
+             "intersections, rest, bits, snapshot, scale, shift. docs/outputs.md explains each.\n"
+             "A scene that breaks is made smaller while it breaks the same way, and written with a\n"
+             "sentence that says what breaks. Scene number i of a seed is always the same.\n"
+             "\n"
+             "With SCENE no scenes are made: those given are judged.",
+    .examples = "wisp torture --minutes 10 --seed 7\n"
+                "wisp torture torture/energy_7_123.yaml",
+    .unmet = "a scene breaks",
+    .rows = rows,
+    .row_count = WISP_COUNT( rows ),
+    .values = OPTION_FILES( ".yaml .yml .json" ),
 };
 
 // A path of a mesh must not depend on the folder of the scenes that name it.
-static void add_mesh( struct argp_state* state, torture_options* options, const char* path )
+static void add_mesh( const options_state* o, torture_options* options, const char* path )
 {
     if ( options->search.generator.mesh_count == MESHES_MAX )
     {
-        argp_error( state, "--mesh: got more than %d files", MESHES_MAX );
+        options_fail( o, "--mesh: got more than %d files", MESHES_MAX );
     }
     char* absolute = realpath( path, NULL );
     if ( absolute == NULL )
     {
-        argp_error( state, "--mesh: got '%s', expected a file", path );
+        options_fail( o, "--mesh: got '%s', expected a file", path );
     }
     options->meshes[options->search.generator.mesh_count++] = absolute;
 }
 
-static void add_file( struct argp_state* state, torture_options* options, const char* path )
+static void add_file( const options_state* o, torture_options* options, const char* path )
 {
     if ( options->file_count == FILES_MAX )
     {
-        argp_error( state, "got more than %d scenes", FILES_MAX );
+        options_fail( o, "got more than %d scenes", FILES_MAX );
     }
     options->files[options->file_count++] = path;
 }
 
-static error_t parse( int key, char* argument, struct argp_state* state )
+static bool take( options_state* o, int key, const char* argument )
 {
-    torture_options* options = state->input;
+    torture_options* options = o->input;
     torture_search* search = &options->search;
     switch ( key )
     {
         case KEY_MINUTES:
-            options->minutes = option_positive( state, "--minutes", argument, MINUTES_MAX );
-            return 0;
+            options->minutes = option_positive( o, argument, MINUTES_MAX );
+            return true;
         case KEY_SCENES:
-            search->max_scenes = option_whole( state, "--scenes", argument, 1, 1000000000 );
-            return 0;
+            search->max_scenes = option_whole( o, argument, 1, 1000000000 );
+            return true;
         case KEY_SEED:
-            search->generator.seed = (uint64_t)option_whole( state, "--seed", argument, 0, 2000000000 );
-            return 0;
+            search->generator.seed = (uint64_t)option_whole( o, argument, 0, 2000000000 );
+            return true;
         case KEY_FIRST:
-            search->first = option_whole( state, "--first", argument, 0, 1000000000 );
-            return 0;
+            search->first = option_whole( o, argument, 0, 1000000000 );
+            return true;
         case KEY_MESH:
-            add_mesh( state, options, argument );
-            return 0;
+            add_mesh( o, options, argument );
+            return true;
         case KEY_LIMIT:
-            search->scene_seconds = option_positive( state, "--limit", argument, 1e6 );
-            return 0;
+            search->scene_seconds = option_positive( o, argument, 1e6 );
+            return true;
         case KEY_JOBS:
-            search->jobs = option_whole( state, "--jobs", argument, 1, 64 );
-            return 0;
+            search->jobs = option_whole( o, argument, 1, 64 );
+            return true;
         case KEY_CLOSE:
             search->close = TORTURE_CLOSE;
-            return 0;
+            return true;
         case KEY_PRINT:
             options->prints = true;
-            return 0;
+            return true;
         case KEY_OUT:
-            search->folder = argument;
-            return 0;
+            search->folder = option_file( o, argument );
+            return true;
         case KEY_KEEP:
-            search->keep = option_whole( state, "--keep", argument, 0, 1000000 );
-            return 0;
+            search->keep = option_whole( o, argument, 0, 1000000 );
+            return true;
         case KEY_FORMAT:
-            options->format = (results_format)option_word( state, "--format", argument, results_format_names,
-                                                           RESULTS_FORMAT_COUNT );
-            return 0;
-        case ARGP_KEY_ARG:
-            add_file( state, options, argument );
-            return 0;
+            options->format = (results_format)option_word( o, argument );
+            return true;
+        case OPTIONS_OPERAND:
+            add_file( o, options, argument );
+            return true;
         default:
-            return ARGP_ERR_UNKNOWN;
+            return false;
     }
 }
 
@@ -177,8 +183,7 @@ int command_torture( int argc, char** argv )
                     .keep = 3 },
     };
     options.search.generator.meshes = options.meshes;
-    const struct argp parser = { option_list, parse, "[SCENE...]", doc, NULL, NULL, NULL };
-    argp_parse( &parser, argc, argv, 0, NULL, &options );
+    options_parse( &torture_text, take, &options, argc, argv );
     const bool has_end = options.minutes > 0.0 || options.search.max_scenes == 0;
     options.search.max_seconds = has_end ? 60.0 * ( options.minutes > 0.0 ? options.minutes : 1.0 ) : INFINITY;
 
@@ -186,6 +191,7 @@ int command_torture( int argc, char** argv )
     {
         return print_scene( &options.search );
     }
+    interruption_begin();
     wisp_error error = { 0 };
     results out = { .is_result_first = true };
     results_put_options( &out, argc, argv );
@@ -200,7 +206,6 @@ int command_torture( int argc, char** argv )
     {
         free( (void*)(uintptr_t)options.meshes[i] );
     }
-    return status != WISP_OK                    ? command_fail( &error )
-           : torture_broken_count( &found ) > 0 ? STATUS_UNMET
-                                                : STATUS_GOOD;
+    return status != WISP_OK ? command_fail( &error )
+                             : interruption_status( torture_broken_count( &found ) > 0 ? STATUS_UNMET : STATUS_GOOD );
 }

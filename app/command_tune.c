@@ -1,5 +1,7 @@
 #include "commands.h"
 
+#include "interruption.h"
+#include "io_file.h"
 #include "progress.h"
 #include "tune_report.h"
 
@@ -29,82 +31,87 @@ enum
     KEY_LIMIT = 256,
 };
 
-static const char doc[] = "Find the cheapest configuration of a scene within an error, or the most accurate\n"
-                          "one within a time.\n"
-                          "\v"
-                          "Tuned are, as far as the scene uses them: substeps and iterations; tethers of cloth\n"
-                          "and substeps of its coarse sheets; tolerance and Newton iterations of implicit cloth;\n"
-                          "stretch passes of strands. Configurations are timed on this machine, which should be\n"
-                          "idle.\n"
-                          "\n"
-                          "The error is a root mean square distance in metres, over all points and 12 samples\n"
-                          "of time, from a reference: the same scene with 16 times the finest substeps,\n"
-                          "without tethers and coarse sheets. Chaotic scenes, such as crumpling cloth, cannot\n"
-                          "meet a small error.\n"
-                          "\n"
-                          "--output writes the scene with the changed keys, and everything else as it was, if\n"
-                          "the target is met.\n"
-                          "\n"
-                          "Examples:\n"
-                          "  wisp tune data/scenes/hanging_cloth.yaml --error 0.005\n"
-                          "  wisp tune data/scenes/hanging_cloth.yaml --budget 2 -o data/scenes/tuned.yaml\n"
-                          "\n" STATUS_HELP_UNMET( "no configuration meets the target" );
-
-static const struct argp_option option_list[] = {
-    { 0, 0, 0, 0, "Target, one of:", 1 },
-    { "error", KEY_ERROR, "METRES", 0, "Cheapest configuration with at most this error", 1 },
-    { "budget", KEY_BUDGET, "MS", 0, "Most accurate configuration within MS ms per step", 1 },
-    { 0, 0, 0, 0, "Search:", 2 },
-    { "seconds", KEY_SECONDS, "S", 0, "Simulate S seconds per run; default: the scene, at most 2", 2 },
-    { "limit", KEY_LIMIT, "SECONDS", 0, "Start no run after this time, default 300", 2 },
-    { "workers", KEY_WORKERS, "N", 0, "Use N workers, 1 to 64; default: the scene's, or one per core", 2 },
-    { 0, 0, 0, 0, "Output:", 3 },
-    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json, gbench, bencher, github or hyperfine",
-      3 },
-    { "output", KEY_OUTPUT, "FILE", 0, "Write the tuned scene to FILE; default: not written", 3 },
-    { 0 },
+static const option_row rows[] = {
+    OPTION_TITLE( "Target, one of:" ),
+    { "error", KEY_ERROR, "METRES", "Cheapest configuration with at most this error", OPTION_ANY },
+    { "budget", KEY_BUDGET, "MS", "Most accurate configuration within MS ms per step", OPTION_ANY },
+    OPTION_TITLE( "Search:" ),
+    { "seconds", KEY_SECONDS, "S", "Simulate S seconds per run; default: the scene, at most 2", OPTION_ANY },
+    { "limit", KEY_LIMIT, "SECONDS", "Start no run after this time, default 300", OPTION_ANY },
+    { "workers", KEY_WORKERS, "N", "Use N workers, 1 to 64; default: the scene's, or one per core", OPTION_ANY },
+    OPTION_TITLE( "Output:" ),
+    { "format", KEY_FORMAT, "FORMAT", "text (default), markdown, csv, json, gbench, bencher, github or hyperfine",
+      OPTION_WORDS( results_format_names ) },
+    { "output", KEY_OUTPUT, "FILE", "Write the tuned scene to FILE; default: not written", OPTION_FILES( ".yaml" ) },
 };
 
-static void check( struct argp_state* state, const tune_options* options )
+const command_text tune_text = {
+    .name = "tune",
+    .operands = "SCENE",
+    .noun = "scene",
+    .summary = "find the cheapest configuration within an error or time",
+    .about = "Find the cheapest configuration of a scene within an error, or the most accurate\n"
+             "one within a time.",
+    .notes = "Tuned are, as far as the scene uses them: substeps and iterations; tethers of cloth\n"
+             "and substeps of its coarse sheets; tolerance and Newton iterations of implicit cloth;\n"
+             "stretch passes of strands. Configurations are timed on this machine, which should be\n"
+             "idle.\n"
+             "\n"
+             "The error is a root mean square distance in metres, over all points and 12 samples\n"
+             "of time, from a reference: the same scene with 16 times the finest substeps,\n"
+             "without tethers and coarse sheets. Chaotic scenes, such as crumpling cloth, cannot\n"
+             "meet a small error.\n"
+             "\n"
+             "--output writes the scene with the changed keys, and everything else as it was, if\n"
+             "the target is met.",
+    .examples = "wisp tune data/scenes/hanging_cloth.yaml --error 0.005\n"
+                "wisp tune data/scenes/hanging_cloth.yaml --budget 2 -o data/scenes/tuned.yaml",
+    .unmet = "no configuration meets the target",
+    .rows = rows,
+    .row_count = WISP_COUNT( rows ),
+    .values = OPTION_FILES( ".yaml .yml .json" ),
+};
+
+static void check( const options_state* o, const tune_options* options )
 {
     if ( ( options->search.error > 0.0 ) == ( options->search.budget_ms > 0.0 ) )
     {
-        argp_error( state, "expected one of --error and --budget" );
+        options_fail( o, "expected one of --error and --budget" );
     }
 }
 
-static error_t parse( int key, char* argument, struct argp_state* state )
+static bool take( options_state* o, int key, const char* argument )
 {
-    tune_options* options = state->input;
+    tune_options* options = o->input;
     switch ( key )
     {
         case KEY_ERROR:
-            options->search.error = option_positive( state, "--error", argument, 1e6 );
-            return 0;
+            options->search.error = option_positive( o, argument, 1e6 );
+            return true;
         case KEY_BUDGET:
-            options->search.budget_ms = option_positive( state, "--budget", argument, 1e6 );
-            return 0;
+            options->search.budget_ms = option_positive( o, argument, 1e6 );
+            return true;
         case KEY_SECONDS:
-            options->search.seconds = option_positive( state, "--seconds", argument, 1e6 );
-            return 0;
+            options->search.seconds = option_positive( o, argument, 1e6 );
+            return true;
         case KEY_LIMIT:
-            options->search.limit = option_positive( state, "--limit", argument, 1e9 );
-            return 0;
+            options->search.limit = option_positive( o, argument, 1e9 );
+            return true;
         case KEY_WORKERS:
-            options->search.world.workers = option_whole( state, "--workers", argument, 1, WISP_MAX_WORKERS );
-            return 0;
+            options->search.world.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
+            return true;
         case KEY_FORMAT:
-            options->format = (results_format)option_word( state, "--format", argument, results_format_names,
-                                                           RESULTS_FORMAT_COUNT );
-            return 0;
+            options->format = (results_format)option_word( o, argument );
+            return true;
         case KEY_OUTPUT:
             options->output = argument;
-            return 0;
-        case ARGP_KEY_SUCCESS:
-            check( state, options );
-            return 0;
+            return true;
+        case OPTIONS_END:
+            option_input( o, key, argument, &options->scene );
+            check( o, options );
+            return true;
         default:
-            return option_input( state, key, argument, "scene", &options->scene ) ? 0 : ARGP_ERR_UNKNOWN;
+            return option_input( o, key, argument, &options->scene );
     }
 }
 
@@ -179,6 +186,10 @@ static wisp_status write_scene( const tune_options* options, const tune_paramete
 {
     wisp_status status = edit_scene( options, parameters, configuration, scene, options->output, error );
     wisp_scene written;
+    if ( io_is_standard( options->output ) )
+    {
+        return status;
+    }
     status = status == WISP_OK ? wisp_scene_read( options->output, &written, error ) : status;
     if ( status != WISP_OK )
     {
@@ -198,7 +209,12 @@ static wisp_status write_scene( const tune_options* options, const tune_paramete
 static bool show( void* user, int run_count, int max_runs )
 {
     progress_show( user, (double)run_count / max_runs, "of the runs allowed" );
-    return true;
+    return !interruption_came();
+}
+
+static void show_reference( void* user, double fraction )
+{
+    progress_show( user, fraction, "of the reference run" );
 }
 
 static wisp_status tune( tune_options* options, const wisp_scene* scene, const tune_parameters* parameters,
@@ -215,6 +231,7 @@ static wisp_status tune( tune_options* options, const wisp_scene* scene, const t
     }
     progress bar = progress_begin();
     options->search.progress = show;
+    options->search.reference_progress = show_reference;
     options->search.progress_user = &bar;
     status = tune_scene_search( &options->search, &found, &info, error );
     progress_end( &bar );
@@ -222,6 +239,10 @@ static wisp_status tune( tune_options* options, const wisp_scene* scene, const t
     {
         *meets_target = found.meets_target;
         tune_report( out, &options->search, &info, &found );
+        if ( interruption_came() )
+        {
+            results_add_note( out, "interrupted after %d runs: a better configuration may exist", found.run_count );
+        }
     }
     if ( status == WISP_OK && options->output && found.meets_target )
     {
@@ -239,8 +260,8 @@ static wisp_status tune( tune_options* options, const wisp_scene* scene, const t
 int command_tune( int argc, char** argv )
 {
     tune_options options = { .search = { .limit = DEFAULT_LIMIT } };
-    const struct argp parser = { option_list, parse, "SCENE", doc, NULL, NULL, NULL };
-    argp_parse( &parser, argc, argv, 0, NULL, &options );
+    options_parse( &tune_text, take, &options, argc, argv );
+    interruption_begin();
 
     // The scene is read twice: the fields of the second copy change from run to run.
     wisp_error error = { 0 };
@@ -254,9 +275,13 @@ int command_tune( int argc, char** argv )
     results_put_options( &out, argc, argv );
     bool meets_target = false;
     status = status == WISP_OK ? tune( &options, &scene, &parameters, &out, &meets_target, &error ) : status;
-    status = status == WISP_OK ? results_write_file( &out, options.format, NULL, &error ) : status;
+    // A scene on standard output leaves the error stream for the report.
+    const bool is_scene_shown = options.output != NULL && io_is_standard( options.output );
+    status =
+        status == WISP_OK ? results_write( &out, options.format, is_scene_shown ? stderr : stdout, &error ) : status;
     results_free( &out );
     wisp_scene_release( &varied );
     wisp_scene_release( &scene );
-    return status != WISP_OK ? command_fail( &error ) : meets_target ? STATUS_GOOD : STATUS_UNMET;
+    return status != WISP_OK ? command_fail( &error )
+                             : interruption_status( meets_target ? STATUS_GOOD : STATUS_UNMET );
 }

@@ -1,6 +1,7 @@
 #include "commands.h"
 
 #include "file_kind.h"
+#include "interruption.h"
 #include "io_file.h"
 #include "record.h"
 #include "view_page.h"
@@ -26,55 +27,59 @@ enum
     KEY_STEPS = 's',
 };
 
-static const char doc[] =
-    "Write a page that simulates a scene, or plays a recording, in a browser.\n"
-    "\v"
-    "The page is one file with all that it needs. It opens without a network and without a server.\n"
-    "The scene runs in WebAssembly, with the bits of this program: the page shows its hash of every\n"
-    "60th step beside that of a run that is made now. Vertices and colliders can be dragged, settings\n"
-    "of accuracy changed, and hair with `frozen_hair` combed. docs/view.md describes it.\n"
-    "\n"
-    "Recordings end in .wisp, as 'wisp run --record' writes them.\n"
-    "\n"
-    "Examples:\n"
-    "  wisp view data/scenes/flag.yaml -o flag.html\n"
-    "  wisp view flag.wisp -o flag.html\n"
-    "\n" STATUS_HELP;
-
-static const struct argp_option option_list[] = {
-    { "output", KEY_OUTPUT, "FILE.html", 0, "Write the page to FILE.html; required", 1 },
-    { "steps", KEY_STEPS, "N", 0, "Simulate N steps for hashes, 0 for none; default: the scene's steps", 1 },
-    { 0 },
+static const option_row rows[] = {
+    { "output", KEY_OUTPUT, "FILE.html", "Write the page to FILE.html; required", OPTION_FILES( ".html" ) },
+    { "steps", KEY_STEPS, "N", "Simulate N steps for hashes, 0 for none; default: the scene's steps", OPTION_ANY },
 };
 
-static void check( struct argp_state* state, const view_options* options )
+const command_text view_text = {
+    .name = "view",
+    .operands = "SCENE|RECORDING",
+    .noun = "scene or recording",
+    .summary = "write a page that simulates a scene, or plays a recording, in a browser",
+    .about = "Write a page that simulates a scene, or plays a recording, in a browser.",
+    .notes = "The page is one file with all that it needs. It opens without a network and without a server.\n"
+             "The scene runs in WebAssembly, with the bits of this program: the page shows its hash of every\n"
+             "60th step beside that of a run that is made now. Vertices and colliders can be dragged, settings\n"
+             "of accuracy changed, and hair with `frozen_hair` combed. docs/view.md describes it.\n"
+             "\n"
+             "Recordings end in .wisp, as 'wisp run --record' writes them.",
+    .examples = "wisp view data/scenes/flag.yaml -o flag.html\n"
+                "wisp view flag.wisp -o flag.html",
+    .rows = rows,
+    .row_count = WISP_COUNT( rows ),
+    .values = OPTION_FILES( ".yaml .yml .json .wisp" ),
+};
+
+static void check( const options_state* o, const view_options* options )
 {
     if ( !options->output )
     {
-        argp_error( state, "expected an output file: -o FILE.html" );
+        options_fail( o, "expected an output file: -o FILE.html" );
     }
-    if ( !io_has_extension( options->output, ".html" ) )
+    if ( !io_is_standard( options->output ) && !io_has_extension( options->output, ".html" ) )
     {
-        argp_error( state, "-o: got '%s', expected a file name that ends in .html", options->output );
+        options_fail( o, "-o: got '%s', expected a file name that ends in .html", options->output );
     }
 }
 
-static error_t parse( int key, char* argument, struct argp_state* state )
+static bool take( options_state* o, int key, const char* argument )
 {
-    view_options* options = state->input;
+    view_options* options = o->input;
     switch ( key )
     {
         case KEY_OUTPUT:
             options->output = argument;
-            return 0;
+            return true;
         case KEY_STEPS:
-            options->steps = option_whole( state, "--steps", argument, 0, STEPS_MAX );
-            return 0;
-        case ARGP_KEY_SUCCESS:
-            check( state, options );
-            return 0;
+            options->steps = option_whole( o, argument, 0, STEPS_MAX );
+            return true;
+        case OPTIONS_END:
+            option_input( o, key, argument, &options->input );
+            check( o, options );
+            return true;
         default:
-            return option_input( state, key, argument, "scene or recording", &options->input ) ? 0 : ARGP_ERR_UNKNOWN;
+            return option_input( o, key, argument, &options->input );
     }
 }
 
@@ -83,7 +88,7 @@ static error_t parse( int key, char* argument, struct argp_state* state )
 // The title is the name without its extension.
 static json_t* begin_data( const char* kind, const char* path, json_t* files )
 {
-    const char* name = io_file_name( path );
+    const char* name = io_file_name( io_input_name( path ) );
     const char* dot = strrchr( name, '.' );
     return json_pack( "{s:s, s:s, s:s, s:s%, s:O}", "version", WISP_VERSION_STRING, "kind", kind, "name", name,
                       "title", name, dot ? (size_t)( dot - name ) : strlen( name ), "files", files );
@@ -92,10 +97,15 @@ static json_t* begin_data( const char* kind, const char* path, json_t* files )
 static wisp_status add_hashes( const view_options* options, const wisp_scene* scene, json_t* data, wisp_error* error )
 {
     json_t* hashes;
-    const int steps = options->steps >= 0 ? options->steps : scene->steps;
-    const wisp_status status = view_scene_hashes( scene, steps, &hashes, error );
+    const int all = options->steps >= 0 ? options->steps : scene->steps;
+    int made = all;
+    const wisp_status status = view_scene_hashes( scene, &made, &hashes, error );
     if ( status == WISP_OK )
     {
+        if ( made < all )
+        {
+            fprintf( stderr, "wisp: interrupted at step %d of %d: the page has the hashes until then\n", made, all );
+        }
         json_object_set_new( data, "hashes", hashes );
     }
     return status;
@@ -133,7 +143,8 @@ static wisp_status take_recording( const view_options* options, json_t* files, j
     wisp_recording_close( recording );
     if ( status == WISP_OK )
     {
-        status = view_add_file( files, io_file_name( options->input ), options->input, &total, error );
+        status =
+            view_add_file( files, io_file_name( io_input_name( options->input ) ), options->input, &total, error );
     }
     *data = status == WISP_OK ? begin_data( "recording", options->input, files ) : NULL;
     return status;
@@ -159,8 +170,8 @@ static wisp_status take_input( const view_options* options, json_t* files, json_
 int command_view( int argc, char** argv )
 {
     view_options options = { .steps = -1 };
-    const struct argp parser = { option_list, parse, "SCENE|RECORDING", doc, NULL, NULL, NULL };
-    argp_parse( &parser, argc, argv, 0, NULL, &options );
+    options_parse( &view_text, take, &options, argc, argv );
+    interruption_begin();
 
     wisp_error error = { 0 };
     json_t* files = json_object();
@@ -176,9 +187,10 @@ int command_view( int argc, char** argv )
     if ( status == WISP_OK )
     {
         const size_t hashes = json_array_size( json_object_get( json_object_get( data, "hashes" ), "values" ) );
-        printf( "%s: %.1f MB, %zu hashes\n", options.output, (double)size / 1e6, hashes );
+        fprintf( io_is_standard( options.output ) ? stderr : stdout, "%s: %.1f MB, %zu hashes\n", options.output,
+                 (double)size / 1e6, hashes );
     }
     json_decref( data );
     json_decref( files );
-    return status == WISP_OK ? STATUS_GOOD : command_fail( &error );
+    return status == WISP_OK ? interruption_status( STATUS_GOOD ) : command_fail( &error );
 }

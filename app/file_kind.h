@@ -1,5 +1,6 @@
 /// The kind of a file. Names decide, except that a groom, a recording and a point cache may have any name if their
-/// first bytes identify them, and that scenes and results can both be JSON.
+/// first bytes identify them, and that scenes and results can both be JSON. Standard input, "-", has no name: its
+/// first bytes decide.
 #pragma once
 
 #include "wisp/base.h"

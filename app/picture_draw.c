@@ -1,5 +1,7 @@
 #include "picture_draw.h"
 
+#include "interruption.h"
+#include "io_file.h"
 #include "picture_survey.h"
 
 #include <errno.h>
@@ -262,19 +264,20 @@ static wisp_status write_picture( const drawing* d, const image* picture, wisp_e
     return image_write_png( path, picture, error );
 }
 
-static wisp_status write_sheet( const drawing* d, wisp_error* error )
+// @param count of pictures that are drawn
+static wisp_status write_sheet( const drawing* d, int count, wisp_error* error )
 {
     const char** labels = calloc( (size_t)d->plan.count, sizeof *labels );
     if ( !labels )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "render: out of memory for a sheet of %d pictures", d->plan.count );
     }
-    for ( int i = 0; i < d->plan.count; ++i )
+    for ( int i = 0; i < count; ++i )
     {
         labels[i] = d->labels[i];
     }
     image sheet = { 0 };
-    wisp_status status = image_sheet( d->sheet, d->plan.count, d->options->columns, labels, &sheet, error );
+    wisp_status status = image_sheet( d->sheet, count, d->options->columns, labels, &sheet, error );
     if ( status == WISP_OK )
     {
         status = image_write_png( d->options->output, &sheet, error );
@@ -303,7 +306,13 @@ static wisp_status draw_all( drawing* d, wisp_error* error )
         }
         image_release( &picture );
     }
-    return status == WISP_OK && d->sheet ? write_sheet( d, error ) : status;
+    // After an interruption the pictures that are whole are kept. The loop counted the one that is not.
+    if ( status != WISP_OK && interruption_came() && d->picture > 1 )
+    {
+        --d->picture;
+        status = WISP_OK;
+    }
+    return status == WISP_OK && d->sheet ? write_sheet( d, d->picture, error ) : status;
 }
 
 // Checked before anything is drawn; changes of the folder meanwhile are reported at the end.
@@ -311,6 +320,10 @@ static wisp_status check_folder( const char* output, wisp_error* error )
 {
     const char* slash = strrchr( output, '/' );
     char folder[PATH_SIZE] = ".";
+    if ( io_is_standard( output ) )
+    {
+        return WISP_OK;
+    }
     if ( strlen( output ) + sizeof( "_2147483647" ) >= sizeof( folder ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
@@ -353,28 +366,34 @@ static void set_render_options( drawing* d )
     d->render.threads = options->workers > 0 ? options->workers : core_count();
     d->render.progress = show_fraction;
     d->render.progress_user = d;
+    d->render.is_cancelled = interruption_came;
 }
 
 static void print_summary( const drawing* d, double seconds )
 {
     const plan* p = &d->plan;
+    FILE* out = io_is_standard( d->options->output ) ? stderr : stdout; // which has the picture
     char first[PATH_SIZE];
     name_of( d, 0, first );
-    printf( "%s: ", p->count > 1 && d->sheet ? d->options->output : first );
+    fprintf( out, "%s: ", p->count > 1 && d->sheet ? d->options->output : first );
     if ( p->count > 1 )
     {
-        printf( "%s%d pictures of ", d->sheet ? "" : "the first of ", p->count );
+        fprintf( out, "%s%d pictures of ", d->sheet ? "" : "the first of ", d->picture );
     }
-    printf( "%d x %d pixels, ", d->render.width, d->render.height );
+    fprintf( out, "%d x %d pixels, ", d->render.width, d->render.height );
     if ( p->count > 1 && !p->is_turning )
     {
-        printf( "frames %d to %d of ", frame_of( p, 0 ), frame_of( p, p->count - 1 ) );
+        fprintf( out, "frames %d to %d of ", frame_of( p, 0 ), frame_of( p, d->picture - 1 ) );
     }
     else
     {
-        printf( "frame %d of ", p->first );
+        fprintf( out, "frame %d of ", p->first );
     }
-    printf( "%s, %.2f s\n", d->source.path, seconds );
+    fprintf( out, "%s, %.2f s\n", d->source.path, seconds );
+    if ( d->picture < p->count )
+    {
+        fprintf( out, "interrupted at picture %d of %d\n", d->picture + 1, p->count );
+    }
 }
 
 static void release( drawing* d )

@@ -1,6 +1,8 @@
 // A scene is simulated up to the requested frame; frame 0 is the start, frame n follows step n.
 #include "picture_source.h"
 
+#include "interruption.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -159,7 +161,8 @@ static wisp_status step_to( picture_source* source, simulation* s, int frame, wi
     int first = s->world.next_step;
     while ( s->world.next_step < frame && status == WISP_OK )
     {
-        status = scene_world_step( &s->world, error );
+        status = interruption_check( error );
+        status = status == WISP_OK ? scene_world_step( &s->world, error ) : status;
         if ( source->bar )
         {
             progress_show( source->bar, (double)( s->world.next_step - first ) / ( frame - first ), "steps" );

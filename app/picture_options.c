@@ -18,7 +18,7 @@ picture_options picture_default_options( void )
     };
 }
 
-void picture_parse_numbers( struct argp_state* state, const char* option, const char* text, int count, float* out )
+void picture_parse_numbers( const options_state* o, const char* text, int count, float* out )
 {
     const char* at = text;
     for ( int i = 0; i < count; ++i )
@@ -28,22 +28,22 @@ void picture_parse_numbers( struct argp_state* state, const char* option, const 
         char requested = i + 1 < count ? ',' : '\0';
         if ( end == at || *end != requested || !isfinite( out[i] ) )
         {
-            argp_error( state, "%s: got '%s', expected %d number%s", option, text, count,
-                        count == 1 ? "" : "s separated by commas" );
+            options_fail( o, "%s: got '%s', expected %d number%s", o->name, text, count,
+                          count == 1 ? "" : "s separated by commas" );
         }
         at = end + 1;
     }
 }
 
-void picture_parse_size( struct argp_state* state, const char* text, picture_options* out )
+void picture_parse_size( const options_state* o, const char* text, picture_options* out )
 {
     char* end = NULL;
     long width = strtol( text, &end, 10 );
     long height = *end == 'x' ? strtol( end + 1, &end, 10 ) : 0;
     if ( *end || width < 1 || height < 1 || width > RENDER_MAX_SIDE || height > RENDER_MAX_SIDE )
     {
-        argp_error( state, "--size: got '%s', expected a size such as 640x480, each side from 1 to %d", text,
-                    RENDER_MAX_SIDE );
+        options_fail( o, "--size: got '%s', expected a size such as 640x480, each side from 1 to %d", text,
+                      RENDER_MAX_SIDE );
     }
     out->width = (int)width;
     out->height = (int)height;
@@ -63,7 +63,7 @@ static const char* parse_part( const char* text, int empty, int* value, bool* is
     return *end == ':' ? end + 1 : end;
 }
 
-void picture_parse_frames( struct argp_state* state, const char* text, picture_options* out )
+void picture_parse_frames( const options_state* o, const char* text, picture_options* out )
 {
     bool is_good = strchr( text, ':' ) != NULL;
     const char* at = parse_part( text, 0, &out->first, &is_good );
@@ -71,15 +71,15 @@ void picture_parse_frames( struct argp_state* state, const char* text, picture_o
     at = parse_part( at, 1, &out->step, &is_good );
     if ( !is_good || *at || out->step < 1 || ( out->last != PICTURE_FRAME_END && out->last < out->first ) )
     {
-        argp_error( state, "--frames: got '%s', expected FIRST:LAST or FIRST:LAST:STEP with rising whole numbers",
-                    text );
+        options_fail( o, "--frames: got '%s', expected FIRST:LAST or FIRST:LAST:STEP with rising whole numbers",
+                      text );
     }
     out->choice = PICTURE_FRAMES;
 }
 
 // ---- surroundings of the bodies ----
 
-void picture_parse_ground( struct argp_state* state, const char* text, picture_options* out )
+void picture_parse_ground( const options_state* o, const char* text, picture_options* out )
 {
     char* end = NULL;
     float height = strtof( text, &end );
@@ -89,8 +89,7 @@ void picture_parse_ground( struct argp_state* state, const char* text, picture_o
         out->ground_height = height;
         return;
     }
-    static const char* const words[] = { "auto", "none" };
-    out->ground = (picture_ground)option_word( state, "--ground", text, words, WISP_COUNT( words ) );
+    out->ground = (picture_ground)option_word( o, text );
 }
 
 static float linear_of_srgb( unsigned long byte )
@@ -114,9 +113,8 @@ static const char* parse_colour( const char* text, wisp_vec3* out )
     return text + 7;
 }
 
-void picture_parse_background( struct argp_state* state, const char* text, picture_options* out )
+void picture_parse_background( const options_state* o, const char* text, picture_options* out )
 {
-    static const char* const words[] = { "studio", "white", "dark" };
     const render_scene studio = render_default_scene();
     const wisp_vec3 colours[][2] = {
         { studio.background_top, studio.background_bottom },
@@ -125,7 +123,7 @@ void picture_parse_background( struct argp_state* state, const char* text, pictu
     };
     if ( *text != '#' )
     {
-        int word = option_word( state, "--background", text, words, WISP_COUNT( words ) );
+        int word = option_word( o, text );
         out->background[0] = colours[word][0];
         out->background[1] = colours[word][1];
         return;
@@ -138,7 +136,7 @@ void picture_parse_background( struct argp_state* state, const char* text, pictu
     }
     if ( !end || *end )
     {
-        argp_error( state, "--background: got '%s', expected a colour such as #20242c, or two separated by a comma",
-                    text );
+        options_fail( o, "--background: got '%s', expected a colour such as #20242c, or two separated by a comma",
+                      text );
     }
 }

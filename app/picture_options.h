@@ -1,10 +1,9 @@
 /// The options of `wisp render`.
 #pragma once
 
+#include "options.h"
 #include "picture_source.h"
 #include "render.h"
-
-#include <argp.h>
 
 /// The frames to draw.
 typedef enum picture_choice
@@ -57,12 +56,12 @@ picture_options picture_default_options( void );
 // ---- values of options; each ends the program with STATUS_USAGE if the text is invalid ----
 
 /// Numbers between commas, exactly `count`, finite.
-void picture_parse_numbers( struct argp_state* state, const char* option, const char* text, int count, float* out );
+void picture_parse_numbers( const options_state* o, const char* text, int count, float* out );
 /// Such as 640x480.
-void picture_parse_size( struct argp_state* state, const char* text, picture_options* out );
+void picture_parse_size( const options_state* o, const char* text, picture_options* out );
 /// Such as 10:50:5; each part may be empty.
-void picture_parse_frames( struct argp_state* state, const char* text, picture_options* out );
-/// auto, none or a height.
-void picture_parse_ground( struct argp_state* state, const char* text, picture_options* out );
-/// A word, or one or two colours such as #20242c.
-void picture_parse_background( struct argp_state* state, const char* text, picture_options* out );
+void picture_parse_frames( const options_state* o, const char* text, picture_options* out );
+/// The words of the option, auto and none, or a height.
+void picture_parse_ground( const options_state* o, const char* text, picture_options* out );
+/// The words of the option, studio, white and dark, or one or two colours such as #20242c.
+void picture_parse_background( const options_state* o, const char* text, picture_options* out );

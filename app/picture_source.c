@@ -1,5 +1,7 @@
 #include "picture_source.h"
 
+#include "io_file.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,11 +42,11 @@ static void close_still( picture_source* source )
 
 static const picture_input still_input = { load_still, time_of_still, close_still };
 
-static wisp_status read_still_groom( picture_source* source, wisp_error* error )
+static wisp_status read_still_groom( picture_source* source, const char* path, wisp_error* error )
 {
     wisp_groom* groom = &( (still*)source->state )->groom;
     picture_body* body = &source->bodies[0];
-    wisp_status status = wisp_groom_read( source->path, groom, error );
+    wisp_status status = wisp_groom_read( path, groom, error );
     wisp_error cause = { 0 };
     if ( status == WISP_OK && wisp_groom_check( groom, &cause ) != WISP_OK )
     {
@@ -69,10 +71,10 @@ static wisp_status read_still_groom( picture_source* source, wisp_error* error )
     return picture_make_points( source, 0, false, error );
 }
 
-static wisp_status read_still_mesh( picture_source* source, wisp_error* error )
+static wisp_status read_still_mesh( picture_source* source, const char* path, wisp_error* error )
 {
     wisp_mesh* mesh = &( (still*)source->state )->mesh;
-    wisp_status status = wisp_mesh_read( source->path, mesh, error );
+    wisp_status status = wisp_mesh_read( path, mesh, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -114,7 +116,8 @@ wisp_status picture_open_still( picture_source* source, file_kind kind, const pi
     }
     if ( status == WISP_OK )
     {
-        status = kind == FILE_GROOM ? read_still_groom( source, error ) : read_still_mesh( source, error );
+        status = kind == FILE_GROOM ? read_still_groom( source, def->path, error )
+                                    : read_still_mesh( source, def->path, error );
     }
     return status;
 }
@@ -169,7 +172,7 @@ static wisp_status check_layers( const picture_source* source, const picture_sou
 
 wisp_status picture_source_open( const picture_source_def* def, picture_source* out, wisp_error* error )
 {
-    *out = ( picture_source ){ .path = def->path, .value = def->value, .frame = -1, .step = 1.0 };
+    *out = ( picture_source ){ .path = io_input_name( def->path ), .value = def->value, .frame = -1, .step = 1.0 };
     file_kind kind = FILE_UNKNOWN;
     wisp_status status = file_kind_find( def->path, &kind, error );
     if ( status == WISP_OK )

@@ -64,7 +64,7 @@ typedef struct picture_input
 
 struct picture_source
 {
-    const char* path;
+    const char* path; ///< for messages
     picture_value value;
     const picture_input* input;
     picture_body* bodies; ///< [body_count]

@@ -39,6 +39,10 @@ static void add_head_line( results* out, int table, const char* label, const cha
 static void add_times( results* out, int table, const scene_world* world, const run_record* record,
                        stats_summary times )
 {
+    if ( record->steps < record->all_steps )
+    {
+        add_head_line( out, table, "interrupted", "at step %d of %d", record->steps, record->all_steps );
+    }
     if ( record->steps == 0 )
     {
         add_head_line( out, table, "steps", "none: the files hold the rest shape" );
@@ -68,12 +72,13 @@ static void add_sizes( results* out, int table, const scene_world* world )
                    vertices > 0 ? bytes / vertices : 0.0 );
 }
 
-static void add_files( results* out, int table, const wisp_scene* scene, const run_recorder_def* def,
-                       run_recorder_counts counts )
+static void add_files( results* out, int table, const wisp_scene* scene, const run_record* record,
+                       const run_recorder_def* def, run_recorder_counts counts )
 {
     for ( int i = 0; i < scene->output_count; ++i )
     {
-        add_head_line( out, table, "written", "%s", scene->outputs[i].file );
+        add_head_line( out, table, record->steps < record->all_steps ? "not written" : "written", "%s",
+                       scene->outputs[i].file );
     }
     if ( def->record )
     {
@@ -103,7 +108,11 @@ static void add_head( results* out, const scene_world* world, const run_record* 
     add_head_line( out, table, "scene", "%s", world->scene->name );
     add_times( out, table, world, record, times );
     add_sizes( out, table, world );
-    add_files( out, table, world->scene, def, counts );
+    if ( record->steps > 0 && record->profile.pass_count == 0 )
+    {
+        add_head_line( out, table, "computed", "nothing, since the scene requests nothing (key `compute`)" );
+    }
+    add_files( out, table, world->scene, record, def, counts );
     add_head_line( out, table, "hash", "%016llx", (unsigned long long)wisp_world_hash( world->world ) );
 }
 
@@ -267,7 +276,10 @@ void run_summarise( const scene_world* world, run_record* record, const run_reco
     {
         run_motion_add_table( world, out );
         run_collision_report( record->collision, out );
-        add_pass_table( out, record );
+        if ( record->profile.pass_count > 0 )
+        {
+            add_pass_table( out, record );
+        }
         run_memory_report( world->world, scene_world_vertices( world ), out );
         run_motion_add_warnings( world, out );
     }

@@ -12,8 +12,9 @@
 typedef struct run_record
 {
     profile_samples profile;
-    double* ms; ///< [steps]
-    int steps;
+    double* ms;               ///< [steps]
+    int steps;                ///< that were made
+    int all_steps;            ///< more if the run was interrupted
     double cpu_seconds;       ///< processor time of all steps
     run_layers* layers;       ///< or null
     run_collision* collision; ///< or null

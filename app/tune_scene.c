@@ -1,5 +1,7 @@
 #include "tune_scene.h"
 
+#include "interruption.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,6 +19,7 @@ typedef struct host
     scene_world_options options;
     scene_world world;
     wisp_tune_points* points; // [points of the scene]
+    bool is_reference;        // the world is that of the reference run
 } host;
 
 // ---- worlds ----
@@ -62,6 +65,7 @@ static wisp_status build( void* user, const int* configuration, int substep_fact
     host* h = user;
     wisp_scene* scene = h->def->scene;
     tune_parameters_set( h->def->parameters, configuration, scene );
+    h->is_reference = substep_factor > 1;
     wisp_scene_refine( scene, substep_factor );
     wisp_status status = scene_world_create( scene, &h->options, &h->world, error );
     if ( status == WISP_OK )
@@ -76,8 +80,14 @@ static wisp_status build( void* user, const int* configuration, int substep_fact
 static wisp_status step( void* user, wisp_tune_world* world, int number, wisp_error* error )
 {
     (void)world;
-    (void)number;
-    return scene_world_step( &( (host*)user )->world, error );
+    host* h = user;
+    if ( h->is_reference && h->def->reference_progress )
+    {
+        h->def->reference_progress( h->def->progress_user, (double)number / h->info->steps );
+    }
+    // A trial that has begun ends: it is the last one. Without a reference there is nothing to keep.
+    const wisp_status status = h->is_reference ? interruption_check( error ) : WISP_OK;
+    return status == WISP_OK ? scene_world_step( &h->world, error ) : status;
 }
 
 static void destroy_world( void* user, wisp_tune_world* world )

@@ -16,6 +16,8 @@ typedef struct tune_scene_def
     double seconds;                  ///< of simulated time; 0: the scene, or 2 s if that is shorter
     double limit;                    ///< s of wall time
     wisp_tune_progress_fn* progress; ///< called after every run; null: not
+    /// Called during the reference run, which takes longer than all others; null: not. @param fraction of its steps
+    void ( *reference_progress )( void* user, double fraction );
     void* progress_user;
 } tune_scene_def;
 

@@ -73,7 +73,9 @@ static wisp_status read_page( unsigned char** page, size_t* size, size_t* place,
     if ( stat( path, &found ) != 0 )
     {
         return wisp_fail( error, WISP_IO_ERROR,
-                          "viewer.html: the page is not built: run './dev web', or set WISP_DATA to its folder" );
+                          "%s: the page of `wisp view` is not there: './dev web' builds it, and WISP_DATA names the "
+                          "folder that has it",
+                          io_short_name( path ) );
     }
     wisp_status status = io_file_read( path, PAGE_MAX_BYTES, page, size, error );
     if ( status != WISP_OK )

@@ -1,5 +1,7 @@
 #include "view_scene.h"
 
+#include "interruption.h"
+#include "io_file.h"
 #include "progress.h"
 #include "view_page.h"
 #include "world_from_scene.h"
@@ -20,7 +22,7 @@ typedef struct page_files
 
 static const char* name_in_page( const page_files* page, const char* path )
 {
-    return strncmp( path, page->scene, page->folder ) == 0 ? path + page->folder : path;
+    return strncmp( path, page->scene, page->folder ) == 0 ? io_input_name( path ) + page->folder : path;
 }
 
 static wisp_status add_file( page_files* page, const char* path, wisp_error* error )
@@ -60,25 +62,28 @@ static wisp_status add_hash( const scene_world* world, json_t* values, wisp_erro
                : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for hashes", world->scene->name );
 }
 
-static wisp_status run( scene_world* world, int steps, json_t* values, wisp_error* error )
+static wisp_status run( scene_world* world, int* steps, json_t* values, wisp_error* error )
 {
     progress bar = progress_begin();
     // The page requests the same, and a request that the scene lacks is part of the hash.
     wisp_status status = scene_world_request_shown( world, error );
-    for ( int step = 1; step <= steps && status == WISP_OK; ++step )
+    int step = 0;
+    while ( step < *steps && status == WISP_OK && !interruption_came() )
     {
+        ++step;
         status = scene_world_step( world, error );
         if ( status == WISP_OK && step % VIEW_HASH_EVERY == 0 )
         {
             status = add_hash( world, values, error );
         }
-        progress_show( &bar, (double)step / steps, "steps" );
+        progress_show( &bar, (double)step / *steps, "steps" );
     }
+    *steps = step;
     progress_end( &bar );
     return status;
 }
 
-wisp_status view_scene_hashes( const wisp_scene* scene, int steps, json_t** out, wisp_error* error )
+wisp_status view_scene_hashes( const wisp_scene* scene, int* steps, json_t** out, wisp_error* error )
 {
     scene_world world;
     const scene_world_options options = { 0 };

@@ -12,5 +12,6 @@
 wisp_status view_scene_files( const wisp_scene* scene, const char* path, json_t* files, wisp_error* error );
 
 /// Simulate the scene, and hash its state after every VIEW_HASH_EVERY-th step.
+/// @param steps to make; receives those that were made, fewer after an interruption
 /// @param out receives an object for json_decref()
-wisp_status view_scene_hashes( const wisp_scene* scene, int steps, json_t** out, wisp_error* error );
+wisp_status view_scene_hashes( const wisp_scene* scene, int* steps, json_t** out, wisp_error* error );

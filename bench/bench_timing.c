@@ -1,5 +1,6 @@
 #include "bench_timing.h"
 
+#include "interruption.h"
 #include "machine.h"
 
 #include <math.h>
@@ -113,7 +114,8 @@ wisp_status bench_interleave( bench_variant* variants, int count, const bench_ef
         }
         for ( int i = 0; i < count; ++i )
         {
-            wisp_status status = take_turn( &variants[i], effort->samples_max, error );
+            wisp_status status = interruption_check( error );
+            status = status == WISP_OK ? take_turn( &variants[i], effort->samples_max, error ) : status;
             if ( status != WISP_OK )
             {
                 return status;

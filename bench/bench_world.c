@@ -1,5 +1,7 @@
 #include "bench_world.h"
 
+#include "interruption.h"
+
 void bench_world_drop_log( void* user, wisp_log_level level, const char* message )
 {
     (void)user;
@@ -27,7 +29,12 @@ wisp_status bench_world_fail( const wisp_world* world, wisp_status status, wisp_
 wisp_status bench_world_step( wisp_world* world, wisp_entity entity, float seconds, int* steps, int* halted_at,
                               wisp_error* error )
 {
-    wisp_status status = wisp_world_step( world, seconds );
+    wisp_status status = interruption_check( error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = wisp_world_step( world, seconds );
     if ( status != WISP_OK )
     {
         return bench_world_fail( world, status, error );

@@ -234,9 +234,19 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
             results_add_note( out, "%s: %s", name, checks[i].message );
         }
     }
-    results_add_note( out, "gate %s: %s: %d rows, %d the same, %d moved, %d worse, %d new", suite->name,
-                      gate_verdict_names[gate_verdict_of( suite, checks )], suite->row_count, counts[GATE_SAME],
-                      counts[GATE_MOVED], counts[GATE_WORSE], counts[GATE_NEW] );
+    static const struct
+    {
+        gate_state state;
+        const char* what;
+    } told[] = { { GATE_SAME, "the same" }, { GATE_MOVED, "moved" }, { GATE_WORSE, "worse" }, { GATE_NEW, "new" } };
+    char line[200];
+    snprintf( line, sizeof line, "gate %.80s: %s: %d rows", suite->name,
+              gate_verdict_names[gate_verdict_of( suite, checks )], suite->row_count );
+    for ( int i = 0; i < WISP_COUNT( told ); ++i )
+    {
+        results_append_count( line, sizeof line, counts[told[i].state], told[i].what );
+    }
+    results_add_headline( out, "%s", line );
 }
 
 // ---- JUnit ----

@@ -136,8 +136,6 @@ wisp_status gate_write_page( const wisp_suite* suite, const gate_row_check* chec
         has_counts = has_counts || is_counted( checks + i );
     }
     snprintf( what, sizeof what, "gate %s", suite->name );
-    results_add_headline( report, "%s: %d rows of suite %s compared with the base",
-                          gate_verdict_names[gate_verdict_of( suite, checks )], suite->row_count, suite->name );
     if ( has_counts )
     {
         add_rows_chart( suite, checks, report );

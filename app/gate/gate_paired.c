@@ -6,6 +6,7 @@
 // signs (Fisher 1935), at a level that is shared by all rows (Holm 1979).
 #include "gate_paired.h"
 
+#include "interruption.h"
 #include "stats.h"
 
 #include <errno.h>
@@ -281,21 +282,27 @@ wisp_status gate_compare_row( const gate_program programs[2], const gate_turns* 
     return status;
 }
 
-wisp_status gate_compare_programs( const wisp_suite* suite, const char* old_program, gate_turns turns, progress* bar,
+wisp_status gate_compare_programs( wisp_suite* suite, const char* old_program, gate_turns turns, progress* bar,
                                    gate_pair_check* out, wisp_error* error )
 {
+    const int all = suite->row_count;
     char own[4096];
     wisp_status status = gate_own_path( own, sizeof own, error );
     const gate_program programs[] = { { .path = old_program }, { .path = own } };
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {
         turns.row = i;
-        progress_show( bar, (double)i / suite->row_count, suite->rows[i].name );
-        status = compare_row( programs, &turns, suite->row_count, out + i, error );
+        progress_show( bar, (double)i / all, suite->rows[i].name );
+        status = compare_row( programs, &turns, all, out + i, error );
+        if ( status != WISP_OK && interruption_came() )
+        {
+            suite->row_count = i;
+            status = WISP_OK;
+        }
     }
     if ( status == WISP_OK )
     {
-        decide( suite->row_count, suite->row_count, out );
+        decide( suite->row_count, all, out );
     }
     return status;
 }

@@ -30,7 +30,7 @@ typedef struct gate_pair_check
 /// @param bar that shows how far it is
 /// @param out [row_count]
 /// @return WISP_BAD_INPUT the other program cannot time a row of this suite
-wisp_status gate_compare_programs( const wisp_suite* suite, const char* old_program, gate_turns turns, progress* bar,
+wisp_status gate_compare_programs( wisp_suite* suite, const char* old_program, gate_turns turns, progress* bar,
                                    gate_pair_check* out, wisp_error* error );
 
 /// Compare one row as one of a gate of `row_count` rows, which share the level of false alarms.

@@ -38,10 +38,14 @@ void gate_report_pairs( const wisp_suite* suite, const gate_pair_check* checks, 
             results_put( &row->size, "p", c->p );
         }
     }
-    results_add_note(
-        out, "gate %s: time: %s: %d rows, %d as fast, %d in doubt, %d not measurable, %d slower", suite->name,
-        counts[PACE_SLOWER] > 0                                ? "regression"
-        : counts[PACE_DOUBT] + counts[PACE_NOT_MEASURABLE] > 0 ? "inconclusive"
-                                                               : "pass",
-        suite->row_count, counts[PACE_FINE], counts[PACE_DOUBT], counts[PACE_NOT_MEASURABLE], counts[PACE_SLOWER] );
+    const char* verdict = counts[PACE_SLOWER] > 0                                ? "regression"
+                          : counts[PACE_DOUBT] + counts[PACE_NOT_MEASURABLE] > 0 ? "inconclusive"
+                                                                                 : "pass";
+    char line[200];
+    snprintf( line, sizeof line, "gate %.80s: time: %s: %d rows", suite->name, verdict, suite->row_count );
+    for ( int i = 0; i < PACE_COUNT; ++i )
+    {
+        results_append_count( line, sizeof line, counts[i], names[i] );
+    }
+    results_add_headline( out, "%s", line );
 }

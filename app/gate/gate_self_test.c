@@ -112,7 +112,10 @@ wisp_status gate_self_test( const wisp_suite* suite, const gate_turns* turns, co
         status = status == WISP_OK ? run_trials( programs, turns, suite->row_count, (double)k / WISP_COUNT( slow ),
                                                  1.0 / WISP_COUNT( slow ), bar, &t, error )
                                    : status;
-        add_line( &t, table, out );
+        if ( status == WISP_OK )
+        {
+            add_line( &t, table, out );
+        }
     }
     if ( status == WISP_OK )
     {

@@ -1,5 +1,7 @@
 #include "gate_turns.h"
 
+#include "interruption.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -91,6 +93,7 @@ static _Noreturn void be_child( const gate_program* program, const gate_turns* t
         arguments[count++] = slow;
         arguments[count] = pass;
     }
+    interruption_leave_to_parent();
     setpgid( 0, 0 ); // so that what it starts ends with it
     // the last processor: the first one serves most interrupts
     cpu_set_t mine;
@@ -160,10 +163,15 @@ static bool read_line( const gate_process* process, double patience, char* out, 
     {
         struct pollfd ready = { .fd = process->from, .events = POLLIN };
         const double left = end - wisp_clock_seconds();
-        if ( left <= 0.0 || poll( &ready, 1, (int)( 1e3 * left ) + 1 ) == 0 )
+        if ( left <= 0.0 || interruption_came() )
         {
-            *is_late = true;
+            *is_late = left <= 0.0;
             return false;
+        }
+        // in slices: a signal just before poll() does not end it
+        if ( poll( &ready, 1, left < 0.2 ? (int)( 1e3 * left ) + 1 : 200 ) <= 0 )
+        {
+            continue;
         }
         const ssize_t got = read( process->from, out + used, 1 );
         if ( got <= 0 || out[used] == '\n' )
@@ -186,6 +194,10 @@ wisp_status gate_process_turn( gate_process* process, const gate_turns* turns, i
     const bool has_line = write( process->to, line, (size_t)size ) == size &&
                           read_line( process, turns->patience, line, sizeof line, &is_late );
     *out = ( gate_turn ){ 0 };
+    if ( interruption_came() )
+    {
+        return interruption_check( error );
+    }
     if ( has_line && strncmp( line, ANSWER, before ) == 0 )
     {
         char* end;

@@ -30,7 +30,7 @@ wisp_status wisp_groom_read( const char* path, wisp_groom* out, wisp_error* erro
     wisp_status status = io_file_read( path, WISP_GROOM_FILE_CAP, &bytes, &size, error );
     if ( status == WISP_OK )
     {
-        status = read_bytes( path, bytes, size, out, error );
+        status = read_bytes( io_input_name( path ), bytes, size, out, error );
     }
     free( bytes );
     return status;

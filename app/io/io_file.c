@@ -19,8 +19,19 @@ enum
     PARTIAL_ATTEMPTS = 100,  // names tried before giving up; one is enough unless a crash left files behind
 };
 
+bool io_is_standard( const char* path )
+{
+    return strcmp( path, "-" ) == 0;
+}
+
+const char* io_input_name( const char* path )
+{
+    return io_is_standard( path ) ? "standard input" : path;
+}
+
 const char* io_short_name( const char* name )
 {
+    name = io_input_name( name );
     size_t length = strlen( name );
     return length > NAME_SHOWN ? name + ( length - NAME_SHOWN ) : name;
 }
@@ -63,6 +74,48 @@ static wisp_status too_long( wisp_error* error, const char* path, size_t size_ca
 }
 
 // ---- reading ---------------------------------------------------------------------------------------------------
+
+static int keep_standard_input( void )
+{
+    FILE* file = tmpfile();
+    int kept = file ? fcntl( fileno( file ), F_DUPFD_CLOEXEC, 0 ) : -1;
+    if ( file )
+    {
+        fclose( file );
+    }
+    char block[FIRST_BLOCK];
+    long long total = 0;
+    ssize_t count = kept >= 0 ? read( STDIN_FILENO, block, sizeof block ) : -1;
+    for ( ; count > 0; count = read( STDIN_FILENO, block, sizeof block ) )
+    {
+        total += count;
+        errno = total > IO_STANDARD_INPUT_MAX ? EFBIG : 0;
+        if ( errno || write( kept, block, (size_t)count ) != count )
+        {
+            count = -1;
+            break;
+        }
+    }
+    if ( count < 0 && kept >= 0 )
+    {
+        const int reason = errno != 0 ? errno : ENOSPC;
+        close( kept );
+        errno = reason;
+        kept = -1;
+    }
+    return kept;
+}
+
+int io_file_open( const char* path, int flags )
+{
+    static int kept = -1;
+    if ( !io_is_standard( path ) )
+    {
+        return open( path, O_RDONLY | O_CLOEXEC | flags );
+    }
+    kept = kept >= 0 ? kept : keep_standard_input();
+    return kept < 0 || lseek( kept, 0, SEEK_SET ) < 0 ? -1 : fcntl( kept, F_DUPFD_CLOEXEC, 0 );
+}
 
 // A regular file has a size, so one block is enough. The extra byte detects the end of the file.
 static wisp_status first_capacity( FILE* file, const char* path, size_t size_cap, size_t* capacity,
@@ -151,7 +204,8 @@ wisp_status io_file_read( const char* path, size_t size_cap, unsigned char** byt
 {
     *bytes = NULL;
     *size = 0;
-    FILE* file = fopen( path, "rb" );
+    const int descriptor = io_file_open( path, 0 );
+    FILE* file = descriptor >= 0 ? fdopen( descriptor, "rb" ) : NULL;
     if ( file == NULL )
     {
         return system_refused( error, path, "open" );
@@ -219,10 +273,67 @@ static wisp_status open_partial( const char* path, io_output* output, int* descr
     return system_refused( error, path, "create a file beside it" );
 }
 
+// A file without a name in the folder of the final one. @return false where the system has none
+static bool open_nameless( io_output* output, int* descriptor )
+{
+#if defined( O_TMPFILE ) && defined( __linux__ )
+    char* slash = strrchr( output->path, '/' );
+    char* folder = slash == NULL           ? strdup( "." )
+                   : slash == output->path ? strdup( "/" )
+                                           : strndup( output->path, (size_t)( slash - output->path ) );
+    const bool has_links = access( "/proc/self/fd", X_OK ) == 0;
+    *descriptor = folder && has_links ? open( folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666 ) : -1;
+    free( folder );
+    return *descriptor >= 0;
+#else
+    (void)output;
+    (void)descriptor;
+    return false;
+#endif
+}
+
+// Give the file the final name, or a hidden one beside it if the final one is taken: only renaming replaces a file.
+static bool give_name( io_output* output )
+{
+#if defined( O_TMPFILE ) && defined( __linux__ )
+    char link[64];
+    snprintf( link, sizeof link, "/proc/self/fd/%d", fileno( output->stream ) );
+    if ( linkat( AT_FDCWD, link, AT_FDCWD, output->path, AT_SYMLINK_FOLLOW ) == 0 )
+    {
+        return true;
+    }
+    for ( int attempt = 0; attempt < PARTIAL_ATTEMPTS && errno == EEXIST; ++attempt )
+    {
+        char* name = partial_name( output->path, attempt );
+        if ( name != NULL && linkat( AT_FDCWD, link, AT_FDCWD, name, AT_SYMLINK_FOLLOW ) == 0 )
+        {
+            output->partial = name;
+            return true;
+        }
+        const int reason = name != NULL ? errno : ENOMEM;
+        free( name );
+        errno = reason;
+    }
+#else
+    (void)output;
+#endif
+    return false;
+}
+
 // Initial target of the bytes. A device or a pipe is written in place: renaming over /dev/stdout would destroy it.
 static wisp_status open_descriptor( const char* path, io_output* output, int* descriptor, wisp_error* error )
 {
     struct stat info;
+    if ( io_is_standard( path ) )
+    {
+        fflush( stdout );
+        output->in_place = true;
+        output->path = strdup( "standard output" );
+        *descriptor = fcntl( STDOUT_FILENO, F_DUPFD_CLOEXEC, 0 );
+        return output->path == NULL ? no_memory( error, path )
+               : *descriptor >= 0   ? WISP_OK
+                                    : system_refused( error, output->path, "open for writing" );
+    }
     bool exists = stat( path, &info ) == 0;
     if ( exists && S_ISDIR( info.st_mode ) )
     {
@@ -233,18 +344,19 @@ static wisp_status open_descriptor( const char* path, io_output* output, int* de
     {
         return system_refused( error, path, "open for writing" );
     }
-    bool in_place = exists && !S_ISREG( info.st_mode );
-    output->path = exists && !in_place ? realpath( path, NULL ) : strdup( path );
+    output->in_place = exists && !S_ISREG( info.st_mode );
+    output->path = exists && !output->in_place ? realpath( path, NULL ) : strdup( path );
     if ( output->path == NULL )
     {
         return no_memory( error, path );
     }
-    if ( in_place )
+    if ( output->in_place )
     {
         *descriptor = open( path, O_WRONLY | O_CLOEXEC );
         return *descriptor >= 0 ? WISP_OK : system_refused( error, path, "open for writing" );
     }
-    wisp_status status = open_partial( path, output, descriptor, error );
+    output->has_name = !open_nameless( output, descriptor );
+    wisp_status status = output->has_name ? open_partial( path, output, descriptor, error ) : WISP_OK;
     if ( status == WISP_OK && exists && fchmod( *descriptor, info.st_mode & 07777 ) != 0 )
     {
         status = system_refused( error, path, "keep the permissions" );
@@ -296,7 +408,8 @@ wisp_status io_output_commit( io_output* output, wisp_error* error )
     bool failed = ferror( output->stream ) != 0;
     failed = fflush( output->stream ) != 0 || failed;
     // Without fsync a power failure after the rename can leave the new name with no content.
-    failed = failed || ( output->partial != NULL && fsync( fileno( output->stream ) ) != 0 );
+    failed = failed || ( !output->in_place && fsync( fileno( output->stream ) ) != 0 );
+    failed = failed || ( !output->in_place && !output->has_name && !give_name( output ) );
     int reason = errno;
     if ( fclose( output->stream ) != 0 && !failed )
     {

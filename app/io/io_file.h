@@ -9,6 +9,19 @@
 
 #include "wisp/base.h"
 
+/// Whether a path is "-": standard input where it is read, standard output where it is written. Standard input is read
+/// once, when it is first opened, and kept in a file without a name, so that it can be opened again.
+bool io_is_standard( const char* path );
+
+/// What messages call a file that is read: its path, or "standard input".
+const char* io_input_name( const char* path );
+
+/// Open a file, or standard input, to be read from its beginning. @param flags of open(), besides O_RDONLY
+/// @return a descriptor that is closed in other programs, or -1 with errno; EFBIG: more than IO_STANDARD_INPUT_MAX bytes
+int io_file_open( const char* path, int flags );
+
+#define IO_STANDARD_INPUT_MAX ( (long long)1 << 33 ) ///< bytes; readers have caps of their own
+
 /// Read a whole file. Works on pipes too, whose size is not known in advance.
 /// @param size_cap bytes; a longer file is WISP_BAD_INPUT
 /// @param bytes receives a block for free(), exactly as long as the file; null for an empty file and on failure
@@ -20,9 +33,13 @@ typedef struct io_output
 {
     FILE* stream;  ///< write here, and leave errors to io_output_commit(): the stream remembers them
     char* path;    ///< file that commit replaces; symbolic links are followed
-    char* partial; ///< the new file next to it; null when path is a device or a pipe, which is written in place
+    char* partial; ///< the new file next to it; null when it has no name yet, or path is written in place
+    bool
+        has_name; ///< false: the new file gets a name when it is whole, so that nothing remains if the program is killed
+    bool in_place; ///< path is a device, a pipe or standard output
 } io_output;
 
+/// @param path "-" is standard output
 /// @return WISP_IO_ERROR an error of the operating system (the message has its reason); WISP_NO_MEMORY
 wisp_status io_output_open( const char* path, io_output* output, wisp_error* error );
 

@@ -2,6 +2,7 @@
 #include "mesh_internal.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "io_file.h"
 
@@ -36,8 +37,9 @@ static const mesh_format* find_format( const char* path )
 wisp_status wisp_mesh_read( const char* path, wisp_mesh* out, wisp_error* error )
 {
     *out = ( wisp_mesh ){ 0 };
+    const bool has_name = !io_is_standard( path );
     const mesh_format* format = find_format( path );
-    if ( format == NULL )
+    if ( format == NULL && has_name )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: not a mesh, expected a file that ends in .obj or .ply",
                           io_short_name( path ) );
@@ -47,7 +49,9 @@ wisp_status wisp_mesh_read( const char* path, wisp_mesh* out, wisp_error* error 
     wisp_status status = io_file_read( path, WISP_MESH_FILE_CAP, &bytes, &size, error );
     if ( status == WISP_OK )
     {
-        status = format->read( bytes, size, path, out, error );
+        // Standard input has no extension, but a PLY begins with its name.
+        format = has_name ? format : &formats[size >= 3 && memcmp( bytes, "ply", 3 ) == 0 ? 1 : 0];
+        status = format->read( bytes, size, io_input_name( path ), out, error );
     }
     free( bytes );
     return status;

@@ -164,7 +164,7 @@ wisp_status wisp_scene_read( const char* path, wisp_scene* out, wisp_error* erro
     {
         return status;
     }
-    status = wisp_scene_parse( bytes ? (const char*)bytes : "", size, path, out, error );
+    status = wisp_scene_parse( bytes ? (const char*)bytes : "", size, io_input_name( path ), out, error );
     free( bytes );
     return status;
 }

@@ -145,6 +145,10 @@ static void store( picture* p, int column, int row, wisp_vec3 light )
 static void draw_tile( void* context, int tile, int worker )
 {
     picture* p = context;
+    if ( p->options->is_cancelled != NULL && p->options->is_cancelled() )
+    {
+        return;
+    }
     int left = TILE * ( tile % p->columns ), top = TILE * ( tile / p->columns );
     for ( int row = top; row < top + TILE && row < p->options->height; ++row )
     {
@@ -200,6 +204,11 @@ wisp_status render_picture( const render_scene* scene, const render_camera* came
     p.key = wisp_random_make_key( options->seed, RANDOM_STREAM, 0 );
     draw( &p );
     stage_release( &p.stage );
+    if ( atomic_load( &p.done ) < p.tiles )
+    {
+        image_release( &p.target );
+        return wisp_fail( error, WISP_CONFLICT, "the picture was cancelled" );
+    }
     image_release( out );
     *out = p.target;
     return WISP_OK;

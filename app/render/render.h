@@ -147,7 +147,9 @@ typedef struct render_options
     wisp_parallel_for_fn* parallel_for; ///< the host's own loop instead of internal threads, or null
     void* parallel_user;                ///< for parallel_for
     render_progress_fn* progress;       ///< or null
-    void* progress_user;                ///< for progress
+    void* progress_user;
+    bool ( *is_cancelled )(
+        void ); ///< asked before each tile, by any thread; null: never                ///< for progress
 } render_options;
 
 render_options render_default_options( void );

@@ -1,5 +1,6 @@
 #include "report.h"
 
+#include "io_file.h"
 #include "report_chart.h"
 #include "report_drawing.h"
 #include "report_picture.h"
@@ -271,23 +272,17 @@ wisp_status report_write( const results* all, const report_run* run, FILE* strea
 
 wisp_status report_write_file( const results* all, const report_run* run, const char* path, wisp_error* error )
 {
-    FILE* stream = fopen( path, "w" );
-    if ( !stream )
+    io_output output;
+    wisp_status status = io_output_open( path, &output, error );
+    if ( status != WISP_OK )
     {
-        return wisp_fail( error, WISP_IO_ERROR, "%s: the report cannot be written there: %s", path,
-                          strerror( errno ) );
+        return status;
     }
     wisp_error cause = { 0 };
-    wisp_status status = report_write( all, run, stream, &cause );
-    int number = errno;
-    if ( fclose( stream ) != 0 && status == WISP_OK )
+    status = report_write( all, run, output.stream, &cause );
+    if ( status != WISP_OK )
     {
-        number = errno;
-        status = WISP_IO_ERROR;
+        wisp_fail( error, status, "%s: %s", path, cause.message );
     }
-    if ( status == WISP_IO_ERROR )
-    {
-        return wisp_fail( error, status, "%s: the report could not be written: %s", path, strerror( number ) );
-    }
-    return status == WISP_OK ? WISP_OK : wisp_fail( error, status, "%s: %s", path, cause.message );
+    return io_output_end( &output, status, error );
 }

@@ -1,5 +1,6 @@
 #include "info_results.h"
 
+#include "io_file.h"
 #include "results_json.h"
 
 #include <errno.h>
@@ -45,17 +46,19 @@ static size_t read_capped( void* buffer, size_t size, void* user )
 
 static json_t* parse( const char* path, wisp_error* error )
 {
-    capped_file source = { .file = fopen( path, "rb" ) };
+    const int descriptor = io_file_open( path, 0 );
+    capped_file source = { .file = descriptor >= 0 ? fdopen( descriptor, "rb" ) : NULL };
     if ( !source.file )
     {
-        wisp_fail( error, WISP_IO_ERROR, "%s: %s", path, strerror( errno ) );
+        wisp_fail( error, WISP_IO_ERROR, "%s: %s", io_input_name( path ), strerror( errno ) );
         return NULL;
     }
     json_error_t cause;
     json_t* root = json_load_callback( read_capped, &source, JSON_REJECT_DUPLICATES, &cause );
     if ( !root )
     {
-        wisp_fail( error, WISP_BAD_INPUT, "%s:%d:%d: %s", path, cause.line, cause.column, cause.text );
+        wisp_fail( error, WISP_BAD_INPUT, "%s:%d:%d: %s", io_input_name( path ), cause.line, cause.column,
+                   cause.text );
     }
     fclose( source.file );
     return root;
@@ -177,7 +180,7 @@ static wisp_status check( const char* path, json_t* root, wisp_error* error )
 json_t* results_json_load( const char* path, wisp_error* error )
 {
     json_t* root = parse( path, error );
-    if ( root && check( path, root, error ) != WISP_OK )
+    if ( root && check( io_input_name( path ), root, error ) != WISP_OK )
     {
         json_decref( root );
         root = NULL;
@@ -247,7 +250,7 @@ wisp_status info_results( const char* path, FILE* out, wisp_error* error )
         return error->status;
     }
     json_t* rows = json_object_get( root, "rows" );
-    fprintf( out, "%s: results, %zu rows\n", path, json_array_size( rows ) );
+    fprintf( out, "%s: results, %zu rows\n", io_input_name( path ), json_array_size( rows ) );
     print_object( "measurement", root, out );
     print_object( "machine", json_object_get( root, "machine" ), out );
     print_object( "build", json_object_get( root, "build" ), out );

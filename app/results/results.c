@@ -213,6 +213,15 @@ void results_add_picture( results* all, const char* path, const char* caption )
     }
 }
 
+void results_append_count( char* line, size_t size, int count, const char* what )
+{
+    const size_t used = strlen( line );
+    if ( count > 0 )
+    {
+        snprintf( line + used, size - used, ", %d %s", count, what );
+    }
+}
+
 void results_add_headline( results* all, const char* format, ... )
 {
     WISP_ASSERT( all->headline_count < RESULTS_MAX_HEADLINES );

@@ -145,6 +145,8 @@ void results_add_point( results* all, int chart, int series, results_point point
 void results_add_picture( results* all, const char* path, const char* caption );
 
 /// A line above all tables. Beyond RESULTS_MAX_HEADLINES is an assert.
+/// Append ", 3 slower" to a line, and nothing for 0: what did not happen needs no words.
+void results_append_count( char* line, size_t size, int count, const char* what );
 void results_add_headline( results* all, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 void results_add_note( results* all, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 /// A note that also makes the run a failed one.
@@ -173,5 +175,5 @@ extern const char* const results_format_names[RESULTS_FORMAT_COUNT];
 
 /// @return WISP_IO_ERROR the stream refused a byte; WISP_NO_MEMORY now or while the results were gathered
 wisp_status results_write( const results* all, results_format format, FILE* stream, wisp_error* error );
-/// @param path null writes to standard output
+/// @param path null or "-" writes to standard output
 wisp_status results_write_file( const results* all, results_format format, const char* path, wisp_error* error );

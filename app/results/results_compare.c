@@ -295,9 +295,14 @@ static void add_head( comparison* c, const char* before, const char* after, int 
         bits += c->pairs[i].has_other_bits;
         fresh += c->pairs[i].before == NULL;
     }
-    results_add_headline(
-        c->out, "rows: %d; %d slower, %d faster, %d with other bits, %d numbers that differ, %d new, %d gone.",
-        c->count, slower, faster, bits, numbers, fresh, c->gone );
+    char line[200] = "";
+    results_append_count( line, sizeof line, slower, "slower" );
+    results_append_count( line, sizeof line, faster, "faster" );
+    results_append_count( line, sizeof line, bits, "with other bits" );
+    results_append_count( line, sizeof line, numbers, "numbers that differ" );
+    results_append_count( line, sizeof line, fresh, "new" );
+    results_append_count( line, sizeof line, c->gone, "gone" );
+    results_add_headline( c->out, "rows: %d; %s.", c->count, line[0] ? line + 2 : "nothing differs" );
     results_add_headline( c->out, "before: %s, %s; after: %s, %s", before, date_of( c->before ), after,
                           date_of( c->after ) );
     results_add_note( c->out,

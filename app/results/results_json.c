@@ -188,6 +188,10 @@ wisp_status results_write_json( const results* all, FILE* stream, wisp_error* er
         json_array_append_new( rows, row_object( &all->rows[i] ) );
     }
     json_t* notes = json_array();
+    for ( int i = 0; i < all->headline_count; ++i )
+    {
+        json_array_append_new( notes, results_json_text( all->headlines[i] ) );
+    }
     for ( int t = 0; t < all->table_count; ++t )
     {
         if ( all->tables[t].title[0] == '\0' )

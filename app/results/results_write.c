@@ -1,4 +1,6 @@
 #include "results.h"
+
+#include "io_file.h"
 #include "results_json.h"
 #include "results_text.h"
 
@@ -300,27 +302,21 @@ wisp_status results_write( const results* all, results_format format, FILE* stre
 
 wisp_status results_write_file( const results* all, results_format format, const char* path, wisp_error* error )
 {
-    if ( !path )
+    io_output output;
+    if ( path == NULL || io_is_standard( path ) )
     {
         return results_write( all, format, stdout, error );
     }
-    FILE* stream = fopen( path, "w" );
-    if ( !stream )
+    wisp_status status = io_output_open( path, &output, error );
+    if ( status != WISP_OK )
     {
-        return wisp_fail( error, WISP_IO_ERROR, "%s: the results cannot be written there: %s", path,
-                          strerror( errno ) );
+        return status;
     }
     wisp_error cause = { 0 };
-    wisp_status status = results_write( all, format, stream, &cause );
-    int number = errno;
-    if ( fclose( stream ) != 0 && status == WISP_OK )
+    status = results_write( all, format, output.stream, &cause );
+    if ( status != WISP_OK )
     {
-        number = errno;
-        status = WISP_IO_ERROR;
+        wisp_fail( error, status, "%s: %s", path, cause.message );
     }
-    if ( status == WISP_IO_ERROR )
-    {
-        return wisp_fail( error, status, "%s: the results could not be written: %s", path, strerror( number ) );
-    }
-    return status == WISP_OK ? WISP_OK : wisp_fail( error, status, "%s: %s", path, cause.message );
+    return io_output_end( &output, status, error );
 }

@@ -1,5 +1,6 @@
 #include "stability_parts.h"
 
+#include "interruption.h"
 #include "text_tree.h"
 #include "wisp/module/components.h"
 #include "wisp/module/random.h"
@@ -207,7 +208,8 @@ static void make_steps( scene_world* world, stability_reader* const* readers, st
     const int steps = world->scene->steps;
     const bool counts = scene_has_contact( world->scene ), counts_all = counts && world->scene->request_intersections;
     wisp_error error = { 0 };
-    for ( int step = 0; step < steps && trace->status == WISP_OK && is_finite_row( trace, step ); ++step )
+    for ( int step = 0;
+          step < steps && trace->status == WISP_OK && is_finite_row( trace, step ) && !interruption_came(); ++step )
     {
         const bool is_end = step == 0 || step + 1 == steps;
         if ( counts && !counts_all && ( step < 2 || is_end ) )

@@ -1,5 +1,7 @@
 #include "suite_callgrind.h"
 
+#include "interruption.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <link.h>
@@ -46,6 +48,7 @@ static _Noreturn void be_child( const char* program, const char* suite, int numb
                                 (char*)(uintptr_t)options->step[1],
                                 NULL };
     char* const environment[] = { "PATH=/usr/local/bin:/usr/bin:/bin", "LC_ALL=C", NULL };
+    interruption_leave_to_parent();
     const int nothing = open( "/dev/null", O_RDWR );
     dup2( nothing, STDIN_FILENO );
     dup2( nothing, STDOUT_FILENO );
@@ -262,16 +265,23 @@ wisp_status suite_count_instructions( const char* suite, int number, const suite
     {
         be_child( program, suite, number, options, path );
     }
-    int ended = -1;
-    const bool is_over = child > 0 && waitpid( child, &ended, 0 ) == child;
-    const bool is_good = is_over && WIFEXITED( ended ) && WEXITSTATUS( ended ) == 0;
+    int ended = 0xff00;
+    if ( child > 0 )
+    {
+        interruption_wait( child, &ended );
+    }
+    const bool is_good = WIFEXITED( ended ) && WEXITSTATUS( ended ) == 0;
     const totals t = is_good ? read_counts( path, program, out ) : ( totals ){ .events = { NAN } };
     keep_counts( &t, options->has_cycles, out );
     unlink( path );
+    if ( !is_good && interruption_came() )
+    {
+        return interruption_check( error );
+    }
     if ( !( out->values[SUITE_INSTRUCTIONS] > 0.0 ) )
     {
         return wisp_fail( error, WISP_IO_ERROR, "gate: valgrind %s",
-                          is_over && WIFEXITED( ended ) && WEXITSTATUS( ended ) == 127
+                          WIFEXITED( ended ) && WEXITSTATUS( ended ) == 127
                               ? "is not installed; --no-instructions gates without it"
                               : "counted no instructions of this row" );
     }

@@ -2,6 +2,7 @@
 #include "suite_measure.h"
 
 #include "implicit_cloth/implicit_cloth.h"
+#include "interruption.h"
 #include "wisp/explain.h"
 
 #include <math.h>
@@ -191,7 +192,8 @@ static wisp_status run_steps( scene_world* world, int steps, const double* alloc
                 (void)wisp_request_contact_stats( world->world, true, true );
             }
         }
-        status = scene_world_step( world, error );
+        status = interruption_check( error );
+        status = status == WISP_OK ? scene_world_step( world, error ) : status;
         warm = step < steps / 2 ? *allocations : warm;
         if ( status == WISP_OK )
         {

@@ -1,6 +1,8 @@
 // A scene in a process of its own: a crash or an endless loop is a verdict like any other.
 #include "torture_twins.h"
 
+#include "interruption.h"
+
 #include <errno.h>
 #include <math.h>
 #include <poll.h>
@@ -49,6 +51,7 @@ static _Noreturn void be_child( const torture_subject* subject, int twins, int o
 {
     const struct rlimit none = { 0, 0 };
     setrlimit( RLIMIT_CORE, &none );
+    interruption_leave_to_parent();
     static const int fatal[] = { SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT };
     for ( int i = 0; i < WISP_COUNT( fatal ); ++i )
     {
@@ -83,12 +86,13 @@ torture_child torture_start( const torture_subject* subject, int twins, double s
 // it is asked for.
 static bool wait_for( const torture_child* child, stability_verdict* out )
 {
+    const double SLICE = 0.2; // s: a signal just before poll() does not end it
     struct pollfd wait = { child->in, POLLIN, 0 };
     double left = 0.0;
     do
     {
-        left = fmax( 0.0, child->end - wisp_clock_seconds() );
-        const int ready = poll( &wait, 1, (int)( 1e3 * left ) );
+        left = interruption_came() ? 0.0 : fmax( 0.0, child->end - wisp_clock_seconds() );
+        const int ready = poll( &wait, 1, (int)( 1e3 * fmin( left, SLICE ) ) );
         if ( ready > 0 )
         {
             return read( child->in, out, sizeof *out ) == (ssize_t)sizeof *out;

@@ -1,5 +1,6 @@
 #include "torture_search.h"
 
+#include "interruption.h"
 #include "io_file.h"
 #include "progress.h"
 #include "torture_shrink.h"
@@ -46,12 +47,12 @@ static bool breaks_the_same( void* user, const text_node* scene )
     wisp_scene read;
     const wisp_status status = torture_read( &subject, &read, NULL );
     wisp_scene_release( &read );
-    if ( status != WISP_OK )
+    if ( status != WISP_OK || interruption_came() )
     {
         return false;
     }
     const stability_verdict verdict = torture_judge_scene( &subject, s->twins, s->search->scene_seconds );
-    const bool is_same = verdict.check == s->check && verdict.severity >= s->severity;
+    const bool is_same = !interruption_came() && verdict.check == s->check && verdict.severity >= s->severity;
     s->verdict = is_same ? verdict : s->verdict;
     return is_same;
 }
@@ -86,12 +87,15 @@ static void name_of( const torture_search* search, char* name, size_t size, stab
 static wisp_status write_scene( const char* path, const text_node* scene, const char* comment, wisp_error* error )
 {
     char* text = text_write( scene, comment );
-    FILE* file = fopen( path, "w" );
-    const bool is_good = file != NULL && fputs( text, file ) >= 0;
+    io_output output;
+    wisp_status status = io_output_open( path, &output, error );
+    if ( status == WISP_OK )
+    {
+        fputs( text, output.stream );
+        status = io_output_commit( &output, error );
+    }
     free( text );
-    return ( file == NULL || fclose( file ) == 0 ) && is_good
-               ? WISP_OK
-               : wisp_fail( error, WISP_IO_ERROR, "%s: %s", path, strerror( errno ) );
+    return status;
 }
 
 static wisp_status keep_scene( const torture_search* search, text_node* scene, const stability_verdict* verdict,
@@ -152,6 +156,11 @@ static wisp_status finish_scene( const torture_search* search, const pending* p,
     subject_name( search, name, sizeof name );
     const stability_verdict verdict = torture_finish( &p->child );
     wisp_status status = WISP_OK;
+    if ( interruption_came() ) // the verdict is that of a process that was stopped
+    {
+        text_release( p->scene );
+        return WISP_OK;
+    }
     ++found->scenes;
     found->refused += verdict.check == STABILITY_REFUSED;
     if ( verdict.check != STABILITY_HOLDS && verdict.check != STABILITY_REFUSED )
@@ -169,13 +178,21 @@ static void report( const torture_found* found, results* out )
     char text[64];
     out->machine = machine_describe( "every set" );
     const int table = results_add_table( out, "", 2, ( const char* const[] ){ "", "" } );
+    if ( interruption_came() )
+    {
+        snprintf( text, sizeof text, "after %d scenes", found->scenes );
+        results_add_cells( out, table, ( const char* const[] ){ "interrupted", text } );
+    }
     results_row* row = results_add_row( out, "torture", "search" );
     snprintf( text, sizeof text, "%d, %.3g per second", found->scenes, found->scenes / fmax( found->seconds, 1e-9 ) );
     results_add_cells( out, table, ( const char* const[] ){ "scenes", text } );
     results_put( &row->size, "scenes", found->scenes );
     results_put( &row->size, "scenes_per_second", found->scenes / fmax( found->seconds, 1e-9 ) );
     snprintf( text, sizeof text, "%d", found->refused );
-    results_add_cells( out, table, ( const char* const[] ){ "refused", text } );
+    if ( found->refused > 0 )
+    {
+        results_add_cells( out, table, ( const char* const[] ){ "refused", text } );
+    }
     results_put( &row->size, "refused", found->refused );
     snprintf( text, sizeof text, "%d", torture_broken_count( found ) );
     results_add_cells( out, table, ( const char* const[] ){ "broken", text } );
@@ -205,8 +222,8 @@ wisp_status torture_search_run( const torture_search* search, torture_found* fou
     int started = 0, finished = 0;
     for ( bool goes_on = true; goes_on || finished < started; )
     {
-        goes_on = status == WISP_OK && ( search->max_scenes == 0 || started < search->max_scenes ) &&
-                  found->seconds < search->max_seconds;
+        goes_on = status == WISP_OK && !interruption_came() &&
+                  ( search->max_scenes == 0 || started < search->max_scenes ) && found->seconds < search->max_seconds;
         if ( goes_on && started - finished < jobs )
         {
             ring[started % jobs] = start_scene( search, search->first + started );
@@ -251,7 +268,7 @@ wisp_status torture_replay( const char* const* files, int count, int close, doub
     *found = ( torture_found ){ 0 };
     const double start = wisp_clock_seconds();
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    for ( int i = 0; i < count && status == WISP_OK && !interruption_came(); ++i )
     {
         text_node* tree;
         wisp_scene scene = { 0 };
@@ -262,8 +279,8 @@ wisp_status torture_replay( const char* const* files, int count, int close, doub
         {
             const stability_verdict verdict =
                 torture_judge_scene( &subject, TORTURE_TWIN_ALL | close, scene_seconds );
-            ++found->scenes;
-            if ( verdict.check != STABILITY_HOLDS )
+            found->scenes += interruption_came() ? 0 : 1;
+            if ( verdict.check != STABILITY_HOLDS && !interruption_came() )
             {
                 ++found->broken[verdict.check];
                 results_add_note( out, "%s: %s: %s", files[i], stability_check_names[verdict.check],

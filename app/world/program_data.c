@@ -18,15 +18,25 @@ static void find_program( char* out, size_t size )
 
 void program_data_path( const char* inner, char* out, size_t size )
 {
-    const char* const places[] = { "../share/wisp", "../../build-web", "../../data" };
-    const char* chosen = getenv( "WISP_DATA" );
-    char program[PATH_MAX];
+    const char* const chosen = getenv( "WISP_DATA" );
+    char program[PATH_MAX], build[PATH_MAX + 32];
     struct stat found;
-    find_program( program, sizeof program );
-    snprintf( out, size, "%s/%s", chosen ? chosen : program, inner );
-    for ( size_t i = 0; chosen == NULL && i < sizeof places / sizeof places[0]; ++i )
+    if ( chosen )
     {
-        snprintf( out, size, "%s/%s/%s", program, places[i], inner );
-        chosen = stat( out, &found ) == 0 ? places[i] : NULL;
+        snprintf( out, size, "%s/%s", chosen, inner );
+        return;
+    }
+    find_program( program, sizeof program );
+    // meson's own folder tells a build in a tree from an installed program, which has nothing to do with any tree
+    snprintf( build, sizeof build, "%s/../meson-private", program );
+    if ( stat( build, &found ) != 0 )
+    {
+        snprintf( out, size, "%s/../share/wisp/%s", program, inner );
+        return;
+    }
+    snprintf( out, size, "%s/../../build-web/%s", program, inner );
+    if ( stat( out, &found ) != 0 )
+    {
+        snprintf( out, size, "%s/../../data/%s", program, inner );
     }
 }

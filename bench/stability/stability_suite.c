@@ -1,6 +1,7 @@
 #include "stability_suite.h"
 
 #include "cells.h"
+#include "interruption.h"
 
 #include <math.h>
 #include <string.h>
@@ -218,6 +219,7 @@ wisp_status stability_bench_suite( const wisp_suite* suite, const bench_options*
         bench_progress( options, (double)i / suite->row_count, label );
         suite_outcome outcome;
         status = suite_judge_row( row, &twins, &outcome, error );
+        status = status == WISP_OK ? interruption_check( error ) : status;
         if ( status == WISP_OK )
         {
             stability_add( table, label, &outcome, row->known, tally, out );
@@ -231,11 +233,14 @@ wisp_status stability_bench_suite( const wisp_suite* suite, const bench_options*
 
 void stability_note( const stability_tally* t, const char* name, results* out )
 {
-    results_add_note(
-        out,
-        "%s: %d cells: %d hold, %d recover, %d are refused as they should be, %d break as known, %d fail, "
-        "%d have NaN or infinity",
-        name, t->rows, t->held, t->recovered, t->refused, t->known, t->failed, t->not_finite );
+    char line[300] = "";
+    results_append_count( line, sizeof line, t->held, "hold" );
+    results_append_count( line, sizeof line, t->recovered, "recover" );
+    results_append_count( line, sizeof line, t->refused, "are refused as they should be" );
+    results_append_count( line, sizeof line, t->known, "break as known" );
+    results_append_count( line, sizeof line, t->failed, "fail" );
+    results_append_count( line, sizeof line, t->not_finite, "have NaN or infinity" );
+    results_add_note( out, "%s: %d cells: %s", name, t->rows, line[0] ? line + 2 : "none ran" );
     if ( t->without_limit > 0 )
     {
         results_add_note( out,

@@ -1,6 +1,7 @@
 #include "suite_study.h"
 
 #include "accuracy/scene_tools.h"
+#include "interruption.h"
 #include "suite_reference.h"
 #include "suite_sampler.h"
 
@@ -70,7 +71,8 @@ static wisp_status time_steps( const study* own, int row, scene_world* world, in
     for ( int step = 0; step < steps && status == WISP_OK; ++step )
     {
         const double begin = wisp_clock_seconds();
-        status = scene_world_step( world, error );
+        status = interruption_check( error );
+        status = status == WISP_OK ? scene_world_step( world, error ) : status;
         const double ms = 1e3 * ( wisp_clock_seconds() - begin ) * scale;
         status = status == WISP_OK ? accuracy_keep_ms( out, ms ) : status;
         status =

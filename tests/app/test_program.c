@@ -426,6 +426,9 @@ static void a_scene_without_requests_has_a_plan_without_passes( void** state )
                               "    compute: []\n" );
     run_ok( "plan empty.yaml" );
     assert_non_null( strstr( result.out, ": 0 passes" ) );
+    run_ok( "run empty.yaml --steps 2" );
+    assert_non_null( strstr( result.out, "\ncomputed     nothing, since the scene requests nothing" ) );
+    assert_null( strstr( result.out, "Time per step by pass" ) );
     run_ok( "plan good.yaml" );
     assert_non_null( strstr( result.out, "frozen_hair.freeze" ) );
     assert_null( strstr( result.out, ": 0 passes" ) );

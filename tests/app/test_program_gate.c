@@ -44,7 +44,7 @@ static void what_did_not_change_passes( void** state )
     run_ok( "gate check suite.yaml --no-instructions --base base.json --junit gate.xml --strict" );
     assert_contains( result.out, "cloth, substeps=4, bending=bend_links" );
     assert_contains( result.out, "cloth, substeps=10, bending=none" );
-    assert_contains( result.out, "pass: 5 rows, 5 the same, 0 moved, 0 worse, 0 new" );
+    assert_contains( result.out, "pass: 5 rows, 5 the same\n" );
     size_t size;
     char* junit = read_bytes( "gate.xml", &size );
     assert_contains( junit, "tests=\"5\" failures=\"0\"" );
@@ -59,7 +59,7 @@ static void other_bits_without_a_worse_value_are_moved_and_pass( void** state )
     write_text( "cloth.yaml", CLOTH( "1.01", "9" ) );
     run_ok( "gate check suite.yaml --no-instructions" );
     assert_contains( result.out,
-                     "pass: 5 rows, 1 the same, 4 moved, 0 worse, 0 new" ); // the damping of `short` is its own
+                     "pass: 5 rows, 1 the same, 4 moved\n" ); // the damping of `short` is its own
 }
 
 static void a_worse_value_is_status_1_with_a_sentence( void** state )

@@ -30,8 +30,8 @@ static void scenes_that_hold_are_status_0( void** state )
     (void)state;
     run_ok( "torture good.yaml" );
     assert_string_equal( result.err, "" );
-    assert_contains( result.out, "scenes   1, " );
-    assert_contains( result.out, "broken   0" );
+    assert_contains( result.out, "scenes  1, " );
+    assert_contains( result.out, "broken  0" );
 }
 
 static void a_scene_that_breaks_is_status_1_and_a_sentence( void** state )

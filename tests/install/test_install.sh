@@ -63,6 +63,39 @@ wisp=$(find "$root" -path '*/bin/wisp')
 [ -s "$folder/cases.txt" ] || fail "wisp bench --list prints nothing"
 echo "wisp and wisp bench run"
 
+# ---- manual pages and completions ----
+
+# A cross build has none.
+share=$(dirname "$(find "$root" -path '*/share/wisp' -type d)")
+if [ "$(find "$root" -name wisp.1)" ]; then
+    for command in $("$wisp" help | sed -n '/^Commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do
+        page=$(find "$root" -path "*/man1/wisp-$command.1")
+        diff "$page" <("$wisp" help --man "$command") || fail "the manual page of wisp $command is not that of the program"
+    done
+    diff "$share/bash-completion/completions/wisp.bash" <("$wisp" completion bash) || fail "the completions of bash"
+    diff "$share/zsh/site-functions/_wisp" <("$wisp" completion zsh) || fail "the completions of zsh"
+    diff "$share/fish/vendor_completions.d/wisp.fish" <("$wisp" completion fish) || fail "the completions of fish"
+    echo "manual pages and completions are those of the program"
+fi
+[ -s "$share/doc/wisp/LICENSE" ] || fail "no licence is installed"
+[ -s "$share/doc/wisp/examples/embed.c" ] || fail "no examples are installed"
+
+# ---- data, wherever the installation is moved to ----
+
+prefix_now=$(dirname "$share") # not that of the build
+(
+    cd "$folder"
+    "$wisp" run "$prefix_now/share/wisp/scenes/flag.yaml" --steps 2 >/dev/null || fail "a scene that is installed does not run"
+    "$wisp" gate record "$prefix_now/share/wisp/suites/gate.yaml" --no-instructions -o base.json >/dev/null ||
+        fail "a suite that is installed does not find its scenes"
+    "$wisp" view "$prefix_now/share/wisp/scenes/flag.yaml" --steps 0 -o page.html >said 2>&1 && [ -s page.html ] ||
+        grep -q "share/wisp/viewer.html: the page of .wisp view. is not there" said || fail "wisp view says $(cat said)"
+    WISP_DATA=/nowhere "$wisp" view "$prefix_now/share/wisp/scenes/flag.yaml" --steps 0 -o page.html >said 2>&1 &&
+        fail "WISP_DATA has no effect"
+    grep -q "/nowhere/viewer.html" said || fail "WISP_DATA has no effect: $(cat said)"
+)
+echo "data of the installation are found"
+
 # ---- every header by itself, as C and as C++ ----
 
 include=$(dirname "$(find "$root" -path '*/wisp/wisp.h')")

@@ -1,0 +1,329 @@
+// getopt_long() is in glibc, musl, the BSDs and macOS, unlike argp. It reads; messages are our own.
+#include "options.h"
+
+#include "commands.h"
+#include "nearest.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <getopt.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ROWS_MAX 64
+
+enum
+{
+    KEY_HELP = 'h',
+    KEY_VERSION = 'V',
+    KEY_USAGE = 0x10000,
+};
+
+const option_row options_common[3] = {
+    { "help", KEY_HELP, NULL, "Print this help", OPTION_ANY },
+    { "usage", KEY_USAGE, NULL, "Print the options in short", OPTION_ANY },
+    { "version", KEY_VERSION, NULL, "Print the version", OPTION_ANY },
+};
+
+// ---- messages ----
+
+void command_name( const command_text* command, char* out )
+{
+    snprintf( out, 48, "wisp%s%s", command->name[0] ? " " : "", command->name );
+}
+
+void options_fail( const options_state* o, const char* format, ... )
+{
+    char name[48];
+    command_name( o->command, name );
+    fprintf( stderr, "%s: ", name );
+    va_list arguments;
+    va_start( arguments, format );
+    vfprintf( stderr, format, arguments );
+    va_end( arguments );
+    fprintf( stderr, "\n" );
+    exit( STATUS_USAGE );
+}
+
+// ---- tables ----
+
+static bool takes_argument( const option_row* row )
+{
+    return row->argument != NULL;
+}
+
+static bool can_omit_argument( const option_row* row )
+{
+    return row->argument != NULL && row->argument[0] == '[';
+}
+
+/// All rows with a name, those of all commands last.
+typedef struct row_list
+{
+    const option_row* rows[ROWS_MAX];
+    int count;
+} row_list;
+
+static row_list list_rows( const command_text* command )
+{
+    row_list list = { .count = 0 };
+    for ( int i = 0; i < command->row_count; ++i )
+    {
+        if ( command->rows[i].name )
+        {
+            WISP_ASSERT( list.count + WISP_COUNT( options_common ) < ROWS_MAX );
+            list.rows[list.count++] = command->rows + i;
+        }
+    }
+    for ( int i = 0; i < WISP_COUNT( options_common ); ++i )
+    {
+        list.rows[list.count++] = options_common + i;
+    }
+    return list;
+}
+
+static const option_row* find_row( const row_list* list, int key )
+{
+    for ( int i = 0; i < list->count; ++i )
+    {
+        if ( list->rows[i]->key == key )
+        {
+            return list->rows[i];
+        }
+    }
+    return NULL;
+}
+
+// ---- what getopt_long() refuses ----
+
+// The name of a long option in an argument, without dashes and value.
+static void long_name( const char* argument, char* out, size_t size )
+{
+    const char* name = argument + strspn( argument, "-" );
+    snprintf( out, size, "%.*s", (int)strcspn( name, "=" ), name );
+}
+
+static int names_that_begin( const row_list* list, const char* begin, char* out, size_t size )
+{
+    int count = 0;
+    out[0] = '\0';
+    for ( int i = 0; i < list->count; ++i )
+    {
+        if ( strncmp( list->rows[i]->name, begin, strlen( begin ) ) == 0 && list->rows[i]->text )
+        {
+            const size_t used = strlen( out );
+            snprintf( out + used, size - used, "%s--%s", count++ > 0 ? ", " : "", list->rows[i]->name );
+        }
+    }
+    return count;
+}
+
+// Unknown, or an abbreviation of several.
+static _Noreturn void refuse_long( const options_state* o, const row_list* list, const char* argument )
+{
+    char word[48], names[400], name[48];
+    const char* all[ROWS_MAX];
+    long_name( argument, word, sizeof word );
+    for ( int i = 0; i < list->count; ++i )
+    {
+        all[i] = list->rows[i]->name;
+    }
+    if ( names_that_begin( list, word, names, sizeof names ) > 1 )
+    {
+        options_fail( o, "got option '--%s', which can be %s", word, names );
+    }
+    const char* nearest = nearest_word( word, all, list->count );
+    if ( nearest )
+    {
+        options_fail( o, "got option '--%s'; did you mean '--%s'?", word, nearest );
+    }
+    command_name( o->command, name );
+    options_fail( o, "got option '--%s', which does not exist; '%s --help' lists all", word, name );
+}
+
+// Only an unknown long option leaves no character behind.
+static _Noreturn void refuse( const options_state* o, const row_list* list, int result, char** argv )
+{
+    const option_row* row = find_row( list, optopt );
+    char name[48];
+    if ( optopt == 0 )
+    {
+        refuse_long( o, list, argv[optind - 1] );
+    }
+    if ( row && result == ':' )
+    {
+        options_fail( o, "--%s: got no value, expected %s", row->name, row->argument );
+    }
+    if ( row )
+    {
+        options_fail( o, "--%s: got a value, expected none", row->name );
+    }
+    command_name( o->command, name );
+    options_fail( o, "got option '-%c', which does not exist; '%s --help' lists all", optopt, name );
+}
+
+// ---- the command line ----
+
+static _Noreturn void print_and_exit( const command_text* command, int key )
+{
+    switch ( key )
+    {
+        case KEY_HELP:
+            options_print_help( command, stdout );
+            break;
+        case KEY_USAGE:
+            options_print_usage( command, stdout );
+            break;
+        default:
+            printf( "wisp %s\n", WISP_VERSION_STRING );
+            break;
+    }
+    exit( fflush( stdout ) == 0 && !ferror( stdout ) ? STATUS_GOOD : STATUS_FAILED );
+}
+
+static void make_tables( const row_list* list, struct option* longs, char* shorts )
+{
+    *shorts++ = ':'; // tells a missing argument from an unknown option
+    for ( int i = 0; i < list->count; ++i )
+    {
+        const option_row* row = list->rows[i];
+        const int argument = can_omit_argument( row ) ? optional_argument
+                             : takes_argument( row )  ? required_argument
+                                                      : no_argument;
+        longs[i] = ( struct option ){ row->name, argument, NULL, row->key };
+        if ( row->key < OPTION_KEY )
+        {
+            *shorts++ = (char)row->key;
+            *shorts = ':';
+            shorts += argument != no_argument ? 1 : 0;
+        }
+    }
+    *shorts = '\0';
+    longs[list->count] = ( struct option ){ 0 };
+}
+
+static void take_options( options_state* o, const row_list* list, options_fn* take, int argc, char** argv )
+{
+    struct option longs[ROWS_MAX + 1];
+    char shorts[2 * ROWS_MAX + 2];
+    make_tables( list, longs, shorts );
+    opterr = 0;
+    for ( ;; )
+    {
+        optopt = 0;
+        const int key = getopt_long( argc, argv, shorts, longs, NULL );
+        if ( key == -1 )
+        {
+            return;
+        }
+        if ( key == KEY_HELP || key == KEY_USAGE || key == KEY_VERSION || ( key == '?' && optopt == '?' ) )
+        {
+            print_and_exit( o->command, key == '?' ? KEY_HELP : key );
+        }
+        const option_row* row = find_row( list, key );
+        if ( row == NULL )
+        {
+            refuse( o, list, key, argv );
+        }
+        snprintf( o->name, sizeof o->name, "--%s", row->name );
+        o->values = row->values;
+        take( o, key, optarg );
+    }
+}
+
+void options_parse( const command_text* command, options_fn* take, void* input, int argc, char** argv )
+{
+    options_state o = { .command = command, .input = input };
+    const row_list list = list_rows( command );
+    take_options( &o, &list, take, argc, argv );
+    snprintf( o.name, sizeof o.name, "%s", command->noun );
+    o.values = command->values;
+    for ( int i = optind; i < argc; ++i )
+    {
+        if ( !take( &o, OPTIONS_OPERAND, argv[i] ) )
+        {
+            options_fail( &o, "got '%s', expected only options", argv[i] );
+        }
+    }
+    take( &o, OPTIONS_END, NULL );
+}
+
+// ---- values ----
+
+int option_whole( const options_state* o, const char* text, int lower, int upper )
+{
+    char* end = NULL;
+    errno = 0;
+    long value = strtol( text, &end, 10 );
+    if ( end == text || *end || errno || value < lower || value > upper )
+    {
+        options_fail( o, "%s: got '%s', expected a whole number from %d to %d", o->name, text, lower, upper );
+    }
+    return (int)value;
+}
+
+double option_positive( const options_state* o, const char* text, double upper )
+{
+    char* end = NULL;
+    double value = strtod( text, &end );
+    if ( end == text || *end || !( value > 0.0 ) || !( value <= upper ) )
+    {
+        options_fail( o, "%s: got '%s', expected a number above 0 and at most %g", o->name, text, upper );
+    }
+    return value;
+}
+
+int option_word_of( const options_state* o, const char* text, const char* const* words, int count )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( strcmp( text, words[i] ) == 0 )
+        {
+            return i;
+        }
+    }
+    const char* nearest = nearest_word( text, words, count );
+    if ( nearest )
+    {
+        options_fail( o, "%s: got '%s'; did you mean '%s'?", o->name, text, nearest );
+    }
+    char all[300] = "";
+    for ( int i = 0; i < count; ++i )
+    {
+        strncat( all, i > 0 ? ", " : "", sizeof( all ) - strlen( all ) - 1 );
+        strncat( all, words[i], sizeof( all ) - strlen( all ) - 1 );
+    }
+    options_fail( o, "%s: got '%s', expected one of %s", o->name, text, all );
+}
+
+int option_word( const options_state* o, const char* text )
+{
+    return option_word_of( o, text, o->values.words, o->values.word_count );
+}
+
+const char* option_file( const options_state* o, const char* text )
+{
+    if ( strcmp( text, "-" ) == 0 )
+    {
+        options_fail( o, "%s: got '-', expected a file: standard output has the results", o->name );
+    }
+    return text;
+}
+
+bool option_input( const options_state* o, int key, const char* argument, const char** input )
+{
+    if ( key == OPTIONS_END && *input == NULL )
+    {
+        options_fail( o, "expected a %s", o->command->noun );
+    }
+    if ( key == OPTIONS_OPERAND && *input )
+    {
+        options_fail( o, "got a second %s '%s', expected one", o->command->noun, argument );
+    }
+    if ( key == OPTIONS_OPERAND )
+    {
+        *input = argument;
+    }
+    return key == OPTIONS_OPERAND || key == OPTIONS_END;
+}

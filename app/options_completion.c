@@ -1,0 +1,386 @@
+// Scripts for shells. What can be completed is in the tables: commands, options, words and files.
+#include "options.h"
+
+#include <string.h>
+
+// ---- tables ----
+
+static bool is_shown( const option_row* row )
+{
+    return row->name && row->text;
+}
+
+/// Rows of a command and those of all commands, by number. @return null after the last one
+static const option_row* row_at( const command_text* command, int i )
+{
+    return i < command->row_count                                  ? command->rows + i
+           : i < command->row_count + WISP_COUNT( options_common ) ? options_common + ( i - command->row_count )
+                                                                   : NULL;
+}
+
+static bool needs_value( const option_row* row )
+{
+    return row->argument && row->argument[0] != '[';
+}
+
+// The operand of `help` is a command, so those are its words.
+static bool wants_command( const command_text* command )
+{
+    return strcmp( command->noun, "command" ) == 0;
+}
+
+static void put_words( const option_values* values, FILE* out )
+{
+    for ( int i = 0; i < values->word_count; ++i )
+    {
+        fprintf( out, "%s%s", i > 0 ? " " : "", values->words[i] );
+    }
+}
+
+static void put_commands( const command_text* program, FILE* out )
+{
+    int count;
+    const command_text* const* list = program->commands( &count );
+    for ( int i = 0; i < count; ++i )
+    {
+        fprintf( out, "%s%s", i > 0 ? " " : "", list[i]->name );
+    }
+}
+
+// ---- bash ----
+
+static const char bash_head[] = "# Files of some extensions, and folders; '*' is any file and '/' folders alone.\n"
+                                "_wisp_files()\n"
+                                "{\n"
+                                "    local extension line\n"
+                                "    local -a extensions\n"
+                                "    read -ra extensions <<<\"$1\"\n"
+                                "    compopt -o filenames 2>/dev/null || :\n"
+                                "    while IFS= read -r line; do\n"
+                                "        COMPREPLY+=(\"$line\")\n"
+                                "    done < <(\n"
+                                "        for extension in \"${extensions[@]}\"; do\n"
+                                "            case $extension in\n"
+                                "                '*') compgen -f -- \"$cur\" ;;\n"
+                                "                /) ;;\n"
+                                "                *) compgen -f -X \"!*$extension\" -- \"$cur\" ;;\n"
+                                "            esac\n"
+                                "        done\n"
+                                "        [[ $1 == '*' ]] || compgen -d -- \"$cur\"\n"
+                                "    )\n"
+                                "}\n"
+                                "\n"
+                                "_wisp()\n"
+                                "{\n"
+                                "    local cur=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}\n"
+                                "    local command='' options='' words='' files='' value='' i\n"
+                                "    COMPREPLY=()\n"
+                                "    # bash divides --format=json at the sign\n"
+                                "    if [[ $cur == = ]]; then\n"
+                                "        cur=''\n"
+                                "    elif [[ $before == = ]]; then\n"
+                                "        before=${COMP_WORDS[COMP_CWORD - 2]}\n"
+                                "    fi\n"
+                                "    for ((i = 1; i < COMP_CWORD; i++)); do\n"
+                                "        if [[ ${COMP_WORDS[i]} != -* ]]; then\n"
+                                "            command=${COMP_WORDS[i]}\n"
+                                "            break\n"
+                                "        fi\n"
+                                "    done\n"
+                                "    case $command in\n";
+
+static const char bash_tail[] = "    esac\n"
+                                "    if [[ -z $value && $cur == -* ]]; then\n"
+                                "        words=$options files=\n"
+                                "    fi\n"
+                                "    while IFS= read -r i; do\n"
+                                "        COMPREPLY+=(\"$i\")\n"
+                                "    done < <(compgen -W \"$words\" -- \"$cur\")\n"
+                                "    if [[ -n $files ]]; then\n"
+                                "        _wisp_files \"$files\"\n"
+                                "    fi\n"
+                                "}\n"
+                                "\n"
+                                "complete -F _wisp wisp\n";
+
+static void put_bash_values( const option_values* values, FILE* out )
+{
+    if ( values->word_count > 0 )
+    {
+        fputs( " words='", out );
+        put_words( values, out );
+        fputs( "'", out );
+    }
+    if ( values->files )
+    {
+        fprintf( out, " files='%s'", values->files );
+    }
+}
+
+static void put_bash_command( const command_text* program, const command_text* command, FILE* out )
+{
+    fprintf( out, "        %s)\n            options='", command->name[0] ? command->name : "''" );
+    const option_row* row;
+    for ( int i = 0, count = 0; ( row = row_at( command, i ) ) != NULL; ++i )
+    {
+        if ( is_shown( row ) )
+        {
+            fprintf( out, "%s--%s", count++ > 0 ? " " : "", row->name );
+        }
+    }
+    fputs( "'\n            case $before in\n", out );
+    for ( int i = 0; ( row = row_at( command, i ) ) != NULL; ++i )
+    {
+        if ( is_shown( row ) && needs_value( row ) )
+        {
+            fprintf( out, "                --%s", row->name );
+            if ( row->key < OPTION_KEY )
+            {
+                fprintf( out, " | -%c", row->key );
+            }
+            fputs( ") value=1", out );
+            put_bash_values( &row->values, out );
+            fputs( " ;;\n", out );
+        }
+    }
+    fputs( "                *)", out );
+    put_bash_values( &command->values, out );
+    if ( wants_command( command ) )
+    {
+        fputs( " words='", out );
+        put_commands( program, out );
+        fputs( "'", out );
+    }
+    fputs( " ;;\n            esac\n            ;;\n", out );
+}
+
+void options_print_bash( const command_text* program, FILE* out )
+{
+    int count;
+    const command_text* const* list = program->commands( &count );
+    fprintf( out, "# Completions of wisp %s for bash, made by 'wisp completion bash'.\n\n%s", WISP_VERSION_STRING,
+             bash_head );
+    put_bash_command( program, program, out );
+    for ( int i = 0; i < count; ++i )
+    {
+        put_bash_command( program, list[i], out );
+    }
+    fputs( bash_tail, out );
+}
+
+// ---- zsh ----
+
+// Text inside of single quotes. @param special characters that need a backslash
+static void put_quoted( const char* text, const char* special, const char* quote, FILE* out )
+{
+    for ( ; *text; ++text )
+    {
+        if ( *text == '\'' )
+        {
+            fputs( quote, out );
+        }
+        else
+        {
+            fprintf( out, "%s%c", strchr( special, *text ) ? "\\" : "", *text );
+        }
+    }
+}
+
+static void put_zsh_text( const char* text, FILE* out )
+{
+    put_quoted( text, "[]:", "'\\''", out );
+}
+
+// What completes a value, after the name of it.
+static void put_zsh_values( const command_text* program, const option_values* values, bool is_command, FILE* out )
+{
+    fputc( ':', out );
+    if ( is_command )
+    {
+        fputs( "(", out );
+        put_commands( program, out );
+        fputs( ")", out );
+    }
+    else if ( values->word_count > 0 && values->files )
+    {
+        fputs( "{_alternative \"words:word:(", out );
+        put_words( values, out );
+        fputs( ")\" \"files:file:_files\"}", out );
+    }
+    else if ( values->word_count > 0 )
+    {
+        fputs( "(", out );
+        put_words( values, out );
+        fputs( ")", out );
+    }
+    else if ( values->files && values->files[0] == '/' )
+    {
+        fputs( "_files -/", out );
+    }
+    else if ( values->files && values->files[0] == '*' )
+    {
+        fputs( "_files", out );
+    }
+    else if ( values->files )
+    {
+        fputs( "_files -g \"*.(", out );
+        for ( const char* at = values->files + 1; *at; ++at )
+        {
+            fputc( *at == ' ' ? '|' : *at, out );
+            at += *at == ' ' ? 1 : 0; // the dot
+        }
+        fputs( ")\"", out );
+    }
+    else
+    {
+        fputc( ' ', out );
+    }
+}
+
+static void put_zsh_row( const command_text* program, const option_row* row, FILE* out )
+{
+    const char* sign = needs_value( row ) ? "=" : row->argument ? "=-" : "";
+    if ( row->key < OPTION_KEY )
+    {
+        fprintf( out, " \\\n                '(-%c --%s)'{-%c%s,--%s%s}'[", row->key, row->name, row->key,
+                 needs_value( row ) ? "+" : "", row->name, sign );
+    }
+    else
+    {
+        fprintf( out, " \\\n                '--%s%s[", row->name, sign );
+    }
+    put_zsh_text( row->text, out );
+    fputs( "]", out );
+    if ( row->argument )
+    {
+        fputs( needs_value( row ) ? ":" : "::", out );
+        put_zsh_text( row->argument, out );
+        put_zsh_values( program, &row->values, false, out );
+    }
+    fputs( "'", out );
+}
+
+static void put_zsh_command( const command_text* program, const command_text* command, FILE* out )
+{
+    fprintf( out, "            %s)\n                _arguments -s", command->name );
+    const option_row* row;
+    for ( int i = 0; ( row = row_at( command, i ) ) != NULL; ++i )
+    {
+        if ( is_shown( row ) )
+        {
+            put_zsh_row( program, row, out );
+        }
+    }
+    fputs( " \\\n                '*:", out );
+    put_zsh_text( command->noun, out );
+    put_zsh_values( program, &command->values, wants_command( command ), out );
+    fputs( "'\n                ;;\n", out );
+}
+
+void options_print_zsh( const command_text* program, FILE* out )
+{
+    int count;
+    const command_text* const* list = program->commands( &count );
+    fprintf( out,
+             "#compdef wisp\n"
+             "# Completions of wisp %s for zsh, made by 'wisp completion zsh'.\n\n"
+             "_wisp()\n{\n    local curcontext=$curcontext state line\n    typeset -A opt_args\n"
+             "    _arguments -C '(- *)'{-h,--help}'[Print this help]' '(- *)'{-V,--version}'[Print the version]' \\\n"
+             "        '1:command:->command' '*::argument:->argument'\n"
+             "    case $state in\n        command)\n            local -a commands=(\n",
+             WISP_VERSION_STRING );
+    for ( int i = 0; i < count; ++i )
+    {
+        fprintf( out, "                '%s:", list[i]->name );
+        put_zsh_text( list[i]->summary, out );
+        fputs( "'\n", out );
+    }
+    fputs( "            )\n            _describe -t commands command commands\n            ;;\n"
+           "        argument)\n            case $words[1] in\n",
+           out );
+    for ( int i = 0; i < count; ++i )
+    {
+        put_zsh_command( program, list[i], out );
+    }
+    fputs(
+        "            esac\n            ;;\n    esac\n}\n\n"
+        "if [[ $zsh_eval_context[-1] == loadautofunc ]]; then\n    _wisp \"$@\"\nelse\n    compdef _wisp wisp\nfi\n",
+        out );
+}
+
+// ---- fish ----
+
+static void put_fish_text( const char* text, FILE* out )
+{
+    put_quoted( text, "\\", "\\'", out );
+}
+
+static void put_fish_values( const option_values* values, FILE* out )
+{
+    fputs( values->files ? " -r -F" : " -x", out );
+    if ( values->word_count > 0 )
+    {
+        fputs( " -a '", out );
+        put_words( values, out );
+        fputs( "'", out );
+    }
+}
+
+static void put_fish_command( const command_text* program, const command_text* command, FILE* out )
+{
+    const option_row* row;
+    for ( int i = 0; ( row = row_at( command, i ) ) != NULL; ++i )
+    {
+        if ( is_shown( row ) )
+        {
+            fprintf( out, "complete -c wisp -n '__fish_seen_subcommand_from %s' -l %s", command->name, row->name );
+            if ( row->key < OPTION_KEY )
+            {
+                fprintf( out, " -s %c", row->key );
+            }
+            if ( needs_value( row ) )
+            {
+                put_fish_values( &row->values, out );
+            }
+            fputs( " -d '", out );
+            put_fish_text( row->text, out );
+            fputs( "'\n", out );
+        }
+    }
+    if ( command->values.files )
+    {
+        fprintf( out, "complete -c wisp -n '__fish_seen_subcommand_from %s' -F\n", command->name );
+    }
+    if ( command->values.word_count > 0 || wants_command( command ) )
+    {
+        fprintf( out, "complete -c wisp -n '__fish_seen_subcommand_from %s' -a '", command->name );
+        put_words( &command->values, out );
+        if ( wants_command( command ) )
+        {
+            put_commands( program, out );
+        }
+        fputs( "'\n", out );
+    }
+}
+
+void options_print_fish( const command_text* program, FILE* out )
+{
+    int count;
+    const command_text* const* list = program->commands( &count );
+    fprintf( out,
+             "# Completions of wisp %s for fish, made by 'wisp completion fish'.\n\n"
+             "complete -c wisp -f\n"
+             "complete -c wisp -n __fish_use_subcommand -s h -l help -d 'Print this help'\n"
+             "complete -c wisp -n __fish_use_subcommand -s V -l version -d 'Print the version'\n",
+             WISP_VERSION_STRING );
+    for ( int i = 0; i < count; ++i )
+    {
+        fprintf( out, "complete -c wisp -n __fish_use_subcommand -a %s -d '", list[i]->name );
+        put_fish_text( list[i]->summary, out );
+        fputs( "'\n", out );
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        put_fish_command( program, list[i], out );
+    }
+}
