@@ -56,15 +56,17 @@ def main():
             configure(["meson", "setup", f"{folder}/meson", source, "-Dapp=false", "-Dtests=false", "-Dexamples=false"] + meson_options, flags, folder)
             configure(["cmake", "-S", source, "-B", f"{folder}/cmake", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"] + cmake_options, flags, folder)
             meson, cmake = commands(f"{folder}/meson"), commands(f"{folder}/cmake")
+        found = []
         for key in sorted(set(meson) | set(cmake)):
             if key not in cmake or key not in meson:
-                failures.append(f"{name}: {' '.join(key)} is only built by {'meson' if key in meson else 'CMake'}")
+                found.append(f"{name}: {' '.join(key)} is only built by {'meson' if key in meson else 'CMake'}")
             elif meson[key] != cmake[key]:
-                failures.append(f"{name}: {' '.join(key)}: meson has {meson[key]}, CMake has {cmake[key]}")
+                found.append(f"{name}: {' '.join(key)}: meson has {meson[key]}, CMake has {cmake[key]}")
+        failures += found[:4] + ([f"{name}: and {len(found) - 4} objects more"] if len(found) > 4 else [])
         levels = {flags[0] for build in (meson, cmake) for (_, isa), flags in build.items() if isa}
         if levels != {level}:
             failures.append(f"{name}: kernels have {sorted(levels)}, expected {level}")
-        print(f"{name}: {len(meson)} objects, kernels {level}")
+        print(f"{name}: {len(meson)} objects, kernels {' '.join(sorted(levels))}")
     print("\n".join(failures))
     print(f"{len(BUILDS) if not failures else 0} passed, {len(failures)} failed")
     return 1 if failures else 0
