@@ -41,9 +41,10 @@ expect("wisp.wrap: directory", wrap["wrap-file"]["directory"], f"wisp-{version}"
 expect("wisp.wrap: file", wrap["wrap-file"]["source_filename"], f"wisp-{version}.tar.gz")
 expect("wisp.wrap: provides", wrap["provide"]["dependency_names"], "wisp")
 
-soname = ".".join(version.split(".")[: 2 if version.startswith("0.") else 1])
+major, minor, _ = version.split(".")
+series = f"{major}.{minor}"
 page = read("docs/embedding.md")
-for piece in (f"find_package(wisp {soname} ", f"version : '>= {soname}'", f"libwisp.so.{soname}`"):
+for piece in (f"find_package(wisp {series} ", f"version : ['>= {series}', '< {major}.{int(minor) + 1}']", f"libwisp.so.{series}`"):
     if piece not in page:
         failures.append(f"docs/embedding.md: found no '{piece}', which names this version")
 
