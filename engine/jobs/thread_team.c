@@ -10,6 +10,8 @@
 // team of its own at its first step.
 #include "thread_team.h"
 
+#if defined( _OPENMP )
+
 #include <omp.h>
 #include <sched.h>
 #include <unistd.h>
@@ -161,3 +163,5 @@ void thread_team_wait( int* idle )
     }
     *idle += *idle < SPINS_BEFORE_YIELD + YIELDS_BEFORE_SLEEP ? 1 : 0;
 }
+
+#endif

@@ -1,6 +1,8 @@
 // A build without OpenMP, such as WebAssembly: no member ever starts, and the calling thread runs all blocks.
 #include "thread_team.h"
 
+#if !defined( _OPENMP )
+
 int thread_team_cores( void )
 {
     return 1;
@@ -39,3 +41,5 @@ void thread_team_wait( int* idle )
 {
     (void)idle;
 }
+
+#endif

@@ -45,14 +45,25 @@ static void enter( ranking* r, double distance, int target )
     r->target[at] = target;
 }
 
+// In place of fmin() and fmax(), with which gcc 12 for 64-bit ARM ends with an internal error in the loops below.
+static double lesser( double a, double b )
+{
+    return b < a ? b : a;
+}
+
+static double greater( double a, double b )
+{
+    return b > a ? b : a;
+}
+
 static box box_of( const wisp_vec3* points, int count )
 {
     box b = { { HUGE_VAL, HUGE_VAL, HUGE_VAL }, { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
     for ( int i = 0; i < count; ++i )
     {
         const guide_point p = guide_widen( points[i] );
-        b.lower = ( guide_point ){ fmin( b.lower.x, p.x ), fmin( b.lower.y, p.y ), fmin( b.lower.z, p.z ) };
-        b.upper = ( guide_point ){ fmax( b.upper.x, p.x ), fmax( b.upper.y, p.y ), fmax( b.upper.z, p.z ) };
+        b.lower = ( guide_point ){ lesser( b.lower.x, p.x ), lesser( b.lower.y, p.y ), lesser( b.lower.z, p.z ) };
+        b.upper = ( guide_point ){ greater( b.upper.x, p.x ), greater( b.upper.y, p.y ), greater( b.upper.z, p.z ) };
     }
     return b;
 }
@@ -89,7 +100,7 @@ static double strand_distance( const wisp_vec3* ghost, int ghost_count, const wi
         for ( int i = 0; i < target_count; ++i )
         {
             const guide_point d = guide_sub( p, guide_widen( target[i] ) );
-            nearest = fmin( nearest, guide_dot( d, d ) );
+            nearest = lesser( nearest, guide_dot( d, d ) );
         }
         sum += nearest;
     }

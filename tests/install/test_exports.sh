@@ -1,11 +1,15 @@
 #!/bin/sh
-# Checks that the shared library exports only names that begin with wisp_.
+# Checks that a library, shared or static, defines only global names that begin with wisp_.
 #
-#     test_exports.sh LIBWISP.SO
+#     test_exports.sh LIBWISP.SO|LIBWISP.A
 set -eu
 
 library=${1:?which library?}
-names=$(nm -D --defined-only "$library" | awk '{ print $NF }')
+case $library in
+    *.a) dynamic= ;;
+    *) dynamic=-D ;;
+esac
+names=$(nm $dynamic -g --defined-only "$library" | awk 'NF == 3 { print $3 }')
 
 foreign=$(printf '%s\n' "$names" | grep -v '^wisp_' || true)
 if [ -n "$foreign" ]; then
