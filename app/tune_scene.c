@@ -76,8 +76,13 @@ static wisp_status build( void* user, const int* configuration, int substep_fact
 static wisp_status step( void* user, wisp_tune_world* world, int number, wisp_error* error )
 {
     (void)world;
-    (void)number;
-    return scene_world_step( &( (host*)user )->world, error );
+    host* h = user;
+    if ( h->def->go_on && !h->def->go_on( h->def->go_on_user ) )
+    {
+        return wisp_fail( error, WISP_CONFLICT, "%s: the search was ended in step %d of a run", h->def->scene->name,
+                          number );
+    }
+    return scene_world_step( &h->world, error );
 }
 
 static void destroy_world( void* user, wisp_tune_world* world )

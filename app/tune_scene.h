@@ -17,6 +17,8 @@ typedef struct tune_scene_def
     double limit;                    ///< s of wall time
     wisp_tune_progress_fn* progress; ///< called after every run; null: not
     void* progress_user;
+    bool ( *go_on )( void* user ); ///< called before every step; false ends the search with WISP_CONFLICT; null: not
+    void* go_on_user;
 } tune_scene_def;
 
 /// The measurements and their settings.
