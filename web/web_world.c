@@ -222,11 +222,12 @@ WEB_API double web_memory_bytes( const web_world* w )
 
 // ---- snapshots ----
 
-/// @return bytes, -1 if they are more than a call can name
-WEB_API int web_snapshot_size( const web_world* w )
+/// @return bytes, -1 if they are more than a call can name, or on failure
+WEB_API int web_snapshot_size( web_world* w )
 {
-    const size_t size = binding_snapshot_size( w->world );
-    return size < INT32_MAX ? (int)size : -1;
+    size_t size;
+    const wisp_status status = binding_snapshot_prepare( w->world, &size, &web_error );
+    return status == WISP_OK && size < INT32_MAX ? (int)size : -1;
 }
 
 /// @param size at least web_snapshot_size()

@@ -196,11 +196,11 @@ wisp_status binding_hair_climate_stiffness( binding_world* world, int body, floa
 
 // ---- snapshots ----
 
-/// Bytes of a snapshot.
-size_t binding_snapshot_size( const binding_world* world );
-/// @param size at least binding_snapshot_size()
+/// Compile the plan, which adds the columns that steps fill, and tell the bytes of a snapshot.
+wisp_status binding_snapshot_prepare( binding_world* world, size_t* size, wisp_error* error );
+/// @param size at least that of binding_snapshot_prepare()
 wisp_status binding_snapshot( const binding_world* world, void* out, size_t size, wisp_error* error );
-/// @return WISP_BAD_INPUT the bytes are no snapshot of this world; nothing has changed then
+/// @return WISP_BAD_INPUT the bytes are no snapshot of this world, or it has other components since then; nothing has changed then
 wisp_status binding_restore( binding_world* world, const void* bytes, size_t size, wisp_error* error );
 
 // ---- tuning ----

@@ -28,14 +28,22 @@ static const char* take( const char* at, void* to, size_t size )
     return at + size;
 }
 
-size_t binding_snapshot_size( const binding_world* w )
+// Columns that only steps fill exist once the plan is compiled. A snapshot of the start has them, so that it fits later.
+static wisp_status compile( const binding_world* w, wisp_error* error )
 {
-    return front_size( w ) + wisp_world_snapshot_size( w->world.world );
+    return wisp_world_plan_passes( w->world.world ) >= 0 ? WISP_OK : binding_fail( w, WISP_CONFLICT, error );
+}
+
+wisp_status binding_snapshot_prepare( binding_world* w, size_t* size, wisp_error* error )
+{
+    const wisp_status status = compile( w, error );
+    *size = status == WISP_OK ? front_size( w ) + wisp_world_snapshot_size( w->world.world ) : 0;
+    return status;
 }
 
 wisp_status binding_snapshot( const binding_world* w, void* out, size_t size, wisp_error* error )
 {
-    const size_t expected = binding_snapshot_size( w ), front = front_size( w );
+    const size_t front = front_size( w ), expected = front + wisp_world_snapshot_size( w->world.world );
     if ( size < expected )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: got room for %zu bytes, expected %zu", w->scene.name, size,
@@ -111,7 +119,12 @@ wisp_status binding_restore( binding_world* w, const void* bytes, size_t size, w
         return wisp_fail( error, WISP_BAD_INPUT, "%s: got %zu bytes, which are no snapshot of this world",
                           w->scene.name, size );
     }
-    const wisp_status status = wisp_world_restore( w->world.world, (const char*)bytes + front, size - front );
+    wisp_status status = compile( w, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = wisp_world_restore( w->world.world, (const char*)bytes + front, size - front );
     if ( status != WISP_OK )
     {
         return binding_fail( w, status, error );

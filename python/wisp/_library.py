@@ -96,7 +96,7 @@ def integers(values: npt.ArrayLike, what: str) -> Integers:
     """[count] integers that fit the engine's, C order."""
     array = _as_array(values, what)
     if array.size == 0:
-        return np.zeros(0, dtype=np.int32)
+        return np.zeros(array.shape, dtype=np.int32)
     if array.dtype.kind not in "iu":
         raise BadInput(f"{what}: got {_kind(array)}, expected integers")
     if int(array.min()) < -(2**31) or int(array.max()) >= 2**31:

@@ -48,6 +48,10 @@ class Scene:
     def __init__(self, *arguments: Any, **named: Any) -> None:
         raise TypeError("make scenes with Scene.from_file(), Scene.from_text() or Scene.from_dict()")
 
+    _handle: Any
+    _content: bytes
+    _arrays: Tuple[_Arrays, ...]
+
     name: str
     """What messages call it: the path of its file."""
 

@@ -42,6 +42,11 @@ class World:
     def __init__(self, *arguments: Any, **named: Any) -> None:
         raise TypeError("make worlds with Scene.create_world()")
 
+    _handle: Any
+    _lock: threading.Lock
+    _recorders: List[Recorder]
+    _by_name: Dict[str, Body]
+
     scene: Scene
     """What the world was made of."""
     bodies: Tuple[Body, ...]
@@ -56,7 +61,7 @@ class World:
         raise_kept()
         check(status, error)
         self._lock = threading.Lock()
-        self._recorders: List[Recorder] = []
+        self._recorders = []
         self.scene = scene
         self.bodies = tuple(_describe(self._handle, index) for index in range(lib.binding_body_count(self._handle)))
         self._by_name = {body.name: body for body in self.bodies}
@@ -295,10 +300,12 @@ class World:
     def motion_stats(self, body: BodyOrName) -> MotionStats:
         """Raises Conflict unless they are computed and a step was made."""
         own = self._with_value(body, "motion_stats")
+        if self.step_count == 0:
+            raise Conflict(f"{self.scene.name}: '{own.name}': motion stats exist after the first step")
         m = ffi.new("wisp_motion_stats*")
         self._call(lib.binding_motion_stats, own.index, m)
         return MotionStats(
-            m.mass, tuple(m.centre), tuple(m.momentum), tuple(m.angular_momentum), m.kinetic_energy, m.potential_energy, m.volume,
+            m.mass, _three(m.centre), _three(m.momentum), _three(m.angular_momentum), m.kinetic_energy, m.potential_energy, m.volume,
             m.strain_max, m.strain_mean, m.speed_max,
         )
 
@@ -454,12 +461,19 @@ class World:
     # ---- snapshots ----
 
     def snapshot(self) -> bytes:
-        """State and step count, for restore() of a world of the same scene. Gravity, wind and dragged heads are not part of it."""
+        """State and step count, for restore() of a world of the same scene. Gravity, wind and dragged heads are not part of it.
+
+        It fits worlds with the same components. The first move_pins(), drag() or move_collider(), wind on cloth without air, and gravity
+        that becomes zero add or remove one: make those calls before.
+        """
         error = ffi.new("wisp_error*")
         handle = self._enter()
         try:
-            buffer = bytearray(lib.binding_snapshot_size(handle))
-            status = lib.binding_snapshot(handle, ffi.from_buffer(buffer), len(buffer), error)
+            size = ffi.new("size_t*")
+            status = lib.binding_snapshot_prepare(handle, size, error)
+            buffer = bytearray(size[0])
+            if status == lib.WISP_OK:
+                status = lib.binding_snapshot(handle, ffi.from_buffer(buffer), len(buffer), error)
         finally:
             self._lock.release()
         check(status, error)
@@ -488,6 +502,11 @@ class Recorder:
 
     def __init__(self, *arguments: Any, **named: Any) -> None:
         raise TypeError("make recorders with World.record()")
+
+    _handle: Any
+    _world: weakref.ReferenceType[World]
+    _count: int
+    path: Path
 
     @classmethod
     def _open(cls, world: World, path: Path, every: int) -> Recorder:
@@ -554,6 +573,10 @@ class Recorder:
 
     def __reduce_ex__(self, protocol: Any) -> NoReturn:
         raise TypeError("a recorder cannot be copied or pickled")
+
+
+def _three(values: Any) -> Vector:
+    return values[0], values[1], values[2]
 
 
 def _vertices(vertices: npt.ArrayLike) -> Integers:
