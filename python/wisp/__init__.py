@@ -43,3 +43,6 @@ __all__ = [
     "grid",
     "tune",
 ]
+
+for _name in __all__:  # where users find them, also in tracebacks and pickles
+    globals()[_name].__module__ = __name__

@@ -17,6 +17,7 @@ Integers = npt.NDArray[np.int32]
 Path = Union[str, "os.PathLike[str]"]
 
 logger = logging.getLogger("wisp")
+logger.addHandler(logging.NullHandler())  # a program that wants messages says so
 LEVELS = {lib.WISP_LOG_INFO: logging.INFO, lib.WISP_LOG_WARNING: logging.WARNING, lib.WISP_LOG_ERROR: logging.ERROR}
 
 # An exception of a callback waits here until the call that it happened in has returned. One thread, one call.
