@@ -154,8 +154,8 @@ static void warnings_of_a_world_go_to_the_log_of_its_host( void** state )
 // ---- frames of any length ----
 
 #define MOVED                                                                                                        \
-    SHEET "events:\n  - { step: 2, surface: sheet, velocity: [1, 0, 0] }\n  - { step: 5, surface: sheet, wind: [2, " \
-          "0, 0] }\n"
+    SHEET "events:\n  - { step: 2, surface: sheet, velocity: [1, 0, 0] }\n  - { step: 5, surface: sheet, release: "  \
+          "true }\n"
 
 static void frames_of_any_length_make_the_steps_of_the_scene( void** state )
 {
