@@ -147,6 +147,44 @@ def test_an_interrupt_ends_a_run_between_two_steps(large):
     assert large.step_count == count + 1
 
 
+def test_interrupts_at_any_place_leave_a_world_that_goes_on(sheet):
+    """Hundreds of interrupts, most of them in Python's own code around a short call."""
+    interrupts, stop = 0, threading.Event()
+
+    def interrupt():
+        while not stop.wait(0.002):
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with sheet.create_world(workers=1) as world:
+        thread = threading.Thread(target=interrupt)
+        thread.start()
+        try:
+            deadline = time.monotonic() + 10
+            while interrupts < 300 and time.monotonic() < deadline:
+                try:
+                    while True:
+                        world.hash()
+                        world.points("sheet")
+                        world.set_gravity([0, -9.8, 0])
+                        world.step()
+                except KeyboardInterrupt:
+                    interrupts += 1
+        finally:
+            while thread.is_alive():
+                try:
+                    stop.set()
+                    thread.join()
+                except KeyboardInterrupt:
+                    pass
+        try:
+            time.sleep(0.01)
+        except KeyboardInterrupt:
+            pass
+        count = world.step_count
+        world.step()
+        assert interrupts >= 50 and world.step_count == count + 1
+
+
 def test_an_interrupt_ends_a_search(sheet):
     threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     start = time.monotonic()

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from types import TracebackType
 from typing import Any, NoReturn, Optional, Tuple, Type, Union
 
@@ -14,7 +15,7 @@ from ._native import ffi, lib
 class Recording:
     """A .wisp file, opened at its first frame. `with` closes it.
 
-    Arrays of points are read-only views, which seek() refreshes, and which stay valid after close(). One thread at a time.
+    Arrays of points are read-only views, which seek() refreshes, and which stay valid after close().
     """
 
     def __init__(self, path: Path) -> None:
@@ -22,6 +23,7 @@ class Recording:
         out, error = ffi.new("binding_recording**"), ffi.new("wisp_error*")
         check(lib.binding_recording_open(name, out, error), error)
         self._handle = ffi.gc(out[0], lib.binding_recording_close)
+        self._lock = threading.Lock()
         self.path = os.fsdecode(name)
         self.frame_count = int(lib.binding_recording_frames(self._handle))
         self.dt = float(lib.binding_recording_dt(self._handle))
@@ -60,8 +62,9 @@ class Recording:
         """Read a frame. Raises BadInput if it does not exist or is damaged."""
         number = whole(frame, "frame", 0, self.frame_count - 1)
         error = ffi.new("wisp_error*")
-        check(lib.binding_recording_seek(self._open(), number, error), error)
-        self.frame = number
+        with self._lock:
+            check(lib.binding_recording_seek(self._open(), number, error), error)
+            self.frame = number
 
     @property
     def time(self) -> float:

@@ -43,7 +43,8 @@ class World:
         raise TypeError("make worlds with Scene.create_world()")
 
     _handle: Any
-    _lock: threading.Lock
+    _owner: Dict[str, int]  # the thread that uses the world; empty: none
+    _in_call: bool
     _recorders: List[Recorder]
     _by_name: Dict[str, Body]
 
@@ -60,7 +61,8 @@ class World:
         self._handle = ffi.gc(out[0], lib.binding_world_close) if out[0] else None
         raise_kept()
         check(status, error)
-        self._lock = threading.Lock()
+        self._owner = {}
+        self._in_call = False
         self._recorders = []
         self.scene = scene
         self.bodies = tuple(_describe(self._handle, index) for index in range(lib.binding_body_count(self._handle)))
@@ -83,7 +85,7 @@ class World:
                     failure = failure or error
             self._handle = None
         finally:
-            self._lock.release()
+            self._leave()
         if failure is not None:
             raise failure
 
@@ -106,15 +108,23 @@ class World:
 
     # ---- calls ----
 
+    # An interrupt from the keyboard may come between any two calls of Python. If it comes between _enter() and `try`, the world is left
+    # to this thread, which may go on; a lock would be left taken for ever.
     def _enter(self) -> Any:
-        """Take the world for a call. The caller releases the lock."""
-        if not self._lock.acquire(blocking=False):
+        """Take the world for a call, which the caller ends with _leave()."""
+        thread = threading.get_ident()
+        if self._owner.setdefault("thread", thread) != thread or self._in_call:
             raise Conflict("the world is in use: another thread, or a message that a call has logged, called it")
         handle = self._handle
         if handle is None:
-            self._lock.release()
+            self._leave()
             raise Conflict("the world is closed")
+        self._in_call = True
         return handle
+
+    def _leave(self) -> None:
+        self._in_call = False
+        self._owner.clear()
 
     def _call(self, function: Any, *arguments: Any) -> None:
         """Call what returns a status."""
@@ -123,7 +133,7 @@ class World:
         try:
             status = function(handle, *arguments, error)
         finally:
-            self._lock.release()
+            self._leave()
         raise_kept()
         check(status, error)
 
@@ -133,7 +143,7 @@ class World:
         try:
             return function(handle, *arguments)
         finally:
-            self._lock.release()
+            self._leave()
 
     def body(self, name: BodyOrName) -> Body:
         """The body of a name."""
@@ -155,7 +165,7 @@ class World:
                 if status == lib.WISP_OK:
                     status = recorder._frame(error)
         finally:
-            self._lock.release()
+            self._leave()
         raise_kept()
         check(status, error)
 
@@ -246,7 +256,7 @@ class World:
                 status = lib.binding_value_copy(handle, own.index, value, ffi.from_buffer("float[]", array), error)
                 array.flags.writeable = False
         finally:
-            self._lock.release()
+            self._leave()
         check(status, error)
         result: Floats = array
         return result
@@ -295,7 +305,7 @@ class World:
             array: Integers = view(handle, function(handle, body.index), shape, "<i4")
             return array
         finally:
-            self._lock.release()
+            self._leave()
 
     def motion_stats(self, body: BodyOrName) -> MotionStats:
         """Raises Conflict unless they are computed and a step was made."""
@@ -333,7 +343,7 @@ class World:
                 for line in range(lib.binding_profile_count(handle))
             ]
         finally:
-            self._lock.release()
+            self._leave()
 
     def counters(self) -> Dict[str, int]:
         """Numerical failures, limits reached and work done, without those that are 0."""
@@ -341,7 +351,7 @@ class World:
         try:
             counts = {text(lib.binding_counter_name(k)): lib.binding_counter(handle, k) for k in range(lib.binding_counter_count())}
         finally:
-            self._lock.release()
+            self._leave()
         return {name: count for name, count in counts.items() if count > 0}
 
     @property
@@ -358,7 +368,7 @@ class World:
             lib.binding_memory_parts(handle, parts, count)
             return [MemoryPart(text(p.name), _MEMORY_KINDS.get(p.kind, "other"), p.bytes, p.capacity) for p in parts]
         finally:
-            self._lock.release()
+            self._leave()
 
     # ---- input, from the next step on ----
 
@@ -475,7 +485,7 @@ class World:
             if status == lib.WISP_OK:
                 status = lib.binding_snapshot(handle, ffi.from_buffer(buffer), len(buffer), error)
         finally:
-            self._lock.release()
+            self._leave()
         check(status, error)
         return bytes(buffer)
 
@@ -527,7 +537,7 @@ class Recorder:
                 if status != lib.WISP_OK:
                     world._recorders.remove(self)
         finally:
-            world._lock.release()
+            world._leave()
         check(status, error)
         return self
 
@@ -535,7 +545,7 @@ class Recorder:
         return int(lib.binding_recorder_step(self._handle, error))
 
     def _finish(self) -> None:
-        """The world's lock is held."""
+        """The caller has entered the world."""
         world = self._world()
         handle, self._handle = self._handle, None
         if world is not None:
@@ -563,7 +573,7 @@ class Recorder:
         try:
             self._finish()
         finally:
-            world._lock.release()
+            world._leave()
 
     def __enter__(self) -> Recorder:
         return self
