@@ -212,6 +212,13 @@ static bool show( void* user, int run_count, int max_runs )
     return !interruption_came();
 }
 
+// A trial that has begun ends: it is the last one. Without a reference there is nothing to keep.
+static bool go_on( void* user, bool is_reference )
+{
+    (void)user;
+    return !( is_reference && interruption_came() );
+}
+
 static void show_reference( void* user, double fraction )
 {
     progress_show( user, fraction, "of the reference run" );
@@ -233,6 +240,7 @@ static wisp_status tune( tune_options* options, const wisp_scene* scene, const t
     options->search.progress = show;
     options->search.reference_progress = show_reference;
     options->search.progress_user = &bar;
+    options->search.go_on = go_on;
     status = tune_scene_search( &options->search, &found, &info, error );
     progress_end( &bar );
     if ( status == WISP_OK )

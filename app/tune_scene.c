@@ -1,7 +1,5 @@
 #include "tune_scene.h"
 
-#include "interruption.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -85,9 +83,12 @@ static wisp_status step( void* user, wisp_tune_world* world, int number, wisp_er
     {
         h->def->reference_progress( h->def->progress_user, (double)number / h->info->steps );
     }
-    // A trial that has begun ends: it is the last one. Without a reference there is nothing to keep.
-    const wisp_status status = h->is_reference ? interruption_check( error ) : WISP_OK;
-    return status == WISP_OK ? scene_world_step( &h->world, error ) : status;
+    if ( h->def->go_on && !h->def->go_on( h->def->go_on_user, h->is_reference ) )
+    {
+        return wisp_fail( error, WISP_CONFLICT, "%s: the search was ended in step %d of a run", h->def->scene->name,
+                          number );
+    }
+    return scene_world_step( &h->world, error );
 }
 
 static void destroy_world( void* user, wisp_tune_world* world )

@@ -19,6 +19,10 @@ typedef struct tune_scene_def
     /// Called during the reference run, which takes longer than all others; null: not. @param fraction of its steps
     void ( *reference_progress )( void* user, double fraction );
     void* progress_user;
+    /// Called before every step; false ends the search with WISP_CONFLICT; null: not. A host that keeps what was found so far
+    /// ends the reference run alone: there is nothing to keep before its end.
+    bool ( *go_on )( void* user, bool is_reference );
+    void* go_on_user;
 } tune_scene_def;
 
 /// The measurements and their settings.

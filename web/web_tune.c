@@ -1,8 +1,6 @@
 // The search of `wisp tune`, on the machine that shows the page.
 #include "web.h"
 
-#include "tune_scene.h"
-
 // clang-format off
 EM_JS( int, web_tune_progress, ( int runs, int max_runs ), {
     return Module["tuneProgress"] && Module["tuneProgress"]( runs, max_runs ) === false ? 0 : 1;
@@ -21,24 +19,17 @@ static bool report( void* user, int run_count, int max_runs )
 /// @param out [5] 1 if the target is met, ms per step, error in m, runs, 1 if the search ended early
 WEB_API int web_tune( const char* path, double error, double seconds, double limit, int* configuration, double* out )
 {
-    wisp_scene scene;
-    tune_parameters settings;
-    if ( !web_scene_load( path, &scene ) )
+    binding_scene* scene = NULL;
+    if ( binding_scene_read( path, &scene, &web_error ) != WISP_OK )
     {
         return 0;
     }
-    const tune_scene_def def = { .scene = &scene,
-                                 .parameters = &settings,
-                                 .world = { .workers = 1 },
-                                 .error = error,
-                                 .seconds = seconds,
-                                 .limit = limit,
-                                 .progress = report };
-    wisp_tune_result found = { 0 };
-    tune_scene_info info;
-    wisp_status status = tune_parameters_find( &scene, &settings, &web_error );
-    status = status == WISP_OK ? tune_scene_search( &def, &found, &info, &web_error ) : status;
-    for ( int k = 0; status == WISP_OK && k < settings.count; ++k )
+    const binding_tune_def def = {
+        .error = error, .seconds = seconds, .limit = limit, .workers = 1, .progress = report
+    };
+    wisp_tune_result found;
+    const wisp_status status = binding_tune( scene, &def, &found, &web_error );
+    for ( int k = 0; status == WISP_OK && k < binding_parameter_count( scene ); ++k )
     {
         configuration[k] = found.configuration[k];
     }
@@ -48,6 +39,6 @@ WEB_API int web_tune( const char* path, double error, double seconds, double lim
     out[3] = found.run_count;
     out[4] = found.stopped_early;
     wisp_tune_release( &found );
-    wisp_scene_release( &scene );
+    binding_scene_close( scene );
     return status == WISP_OK;
 }

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "io_file.h"
 
@@ -198,6 +199,31 @@ wisp_status wisp_groom_check( const wisp_groom* groom, wisp_error* error )
         {
             status = check_vertex_range( groom, s, v, error );
         }
+    }
+    return status;
+}
+
+wisp_status wisp_groom_of_arrays( const wisp_vec3* points, int vertex_count, const int32_t* offsets, int strand_count,
+                                  const char* name, wisp_groom* out, wisp_error* error )
+{
+    *out = ( wisp_groom ){ 0 };
+    // The checks only read; there is no groom of read-only arrays.
+    wisp_groom given = { .strand_count = strand_count,
+                         .vertex_count = vertex_count,
+                         .dimension = 3,
+                         .offsets = (int*)(uintptr_t)offsets,
+                         .points = (wisp_vec3*)(uintptr_t)points };
+    wisp_error cause = { 0 };
+    if ( wisp_groom_check( &given, &cause ) != WISP_OK )
+    {
+        return wisp_fail( error, cause.status, "%s: %s", io_short_name( name ), cause.message );
+    }
+    wisp_status status = groom_allocate( out, strand_count, vertex_count, 0, name, error );
+    if ( status == WISP_OK )
+    {
+        memcpy( out->points, points, (size_t)vertex_count * sizeof *points );
+        memcpy( out->offsets, offsets, ( (size_t)strand_count + 1 ) * sizeof *offsets );
+        out->dimension = groom_dimension_of( out );
     }
     return status;
 }

@@ -63,6 +63,14 @@ extern "C"
     WISP_API wisp_status wisp_groom_read_tfx( const void* bytes, size_t size, const char* name, wisp_groom* out,
                                               wisp_error* error );
 
+    /// Make a groom of arrays, checked by wisp_groom_check(). It has two dimensions if every z is 0.
+    /// @param points [offsets[strand_count]] m @param offsets [strand_count + 1]
+    /// @param name of the groom in messages
+    /// @param out receives a copy, to be released by the caller; empty on failure
+    WISP_API wisp_status wisp_groom_of_arrays( const wisp_vec3* points, int vertex_count, const int32_t* offsets,
+                                               int strand_count, const char* name, wisp_groom* out,
+                                               wisp_error* error );
+
     /// Write a file in the format of its extension: .hair, .usda or .obj. The old file, if there is one, is replaced
     /// only when the new one is complete.
     /// @return WISP_BAD_INPUT the groom does not fit the format, or the extension is unknown; WISP_IO_ERROR;

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "io_file.h"
 
@@ -142,6 +143,23 @@ wisp_status mesh_check( const wisp_mesh* mesh, const char* name, wisp_error* err
             status = wisp_fail( error, WISP_BAD_INPUT, "%s: triangle %d: corner %d: got vertex %d, expected 0 .. %d",
                                 io_short_name( name ), c / 3, c % 3, vertex, mesh->vertex_count - 1 );
         }
+    }
+    return status;
+}
+
+wisp_status wisp_mesh_of_arrays( const wisp_vec3* points, int vertex_count, const int32_t* triangles,
+                                 int triangle_count, const char* name, wisp_mesh* out, wisp_error* error )
+{
+    *out = ( wisp_mesh ){ 0 };
+    // The check only reads; there is no mesh of read-only arrays.
+    const wisp_mesh given = { (wisp_vec3*)(uintptr_t)points, (int32_t*)(uintptr_t)triangles, vertex_count,
+                              triangle_count };
+    wisp_status status = mesh_check( &given, name, error );
+    status = status == WISP_OK ? mesh_allocate( out, vertex_count, triangle_count, name, error ) : status;
+    if ( status == WISP_OK )
+    {
+        memcpy( out->points, points, (size_t)vertex_count * sizeof *points );
+        memcpy( out->triangles, triangles, 3 * (size_t)triangle_count * sizeof *triangles );
     }
     return status;
 }

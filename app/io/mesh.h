@@ -65,6 +65,15 @@ extern "C"
     WISP_API wisp_status wisp_mesh_read_ply( const void* bytes, size_t size, const char* name, wisp_mesh* out,
                                              wisp_error* error );
 
+    /// Make a mesh of arrays, checked as those of files are.
+    /// @param points [vertex_count] m @param triangles [triangle_count][3]
+    /// @param name of the mesh in messages
+    /// @param out receives a copy, to be released by the caller; empty on failure
+    /// @return WISP_BAD_INPUT the mesh is empty, a coordinate is not finite or a corner is out of range; WISP_NO_MEMORY
+    WISP_API wisp_status wisp_mesh_of_arrays( const wisp_vec3* points, int vertex_count, const int32_t* triangles,
+                                              int triangle_count, const char* name, wisp_mesh* out,
+                                              wisp_error* error );
+
     /// Write a file in the format of its extension, or in a given one: OBJ with nine digits, which restore every
     /// float bit for bit, or little-endian PLY. The old file, if there is one, is replaced only when the new one is
     /// complete.

@@ -47,6 +47,18 @@ extern "C"
         int count;
     } wisp_scene_path;
 
+    /// A mesh or strands that a host has in memory, in place of a file.
+    typedef struct wisp_scene_arrays
+    {
+        const char* file;        ///< what entries name as their file, relative to the scene's folder as they do
+        const wisp_vec3* points; ///< [point_count] m
+        int point_count;
+        const int32_t* triangles; ///< [triangle_count][3] of a mesh; null: strands
+        int triangle_count;
+        const int32_t* offsets; ///< [strand_count + 1] of strands
+        int strand_count;
+    } wisp_scene_arrays;
+
     // ---- strands ----
 
     /// Strands to be made around those of another entry, which is read or made itself.
@@ -93,14 +105,15 @@ extern "C"
         int line, column; ///< of the entry, for messages about it that come later
 
         // Where they come from: one of these.
-        const char* file;  ///< where to read the strands, already relative to the scene's folder; or null
-        bool is_generated; ///< `recipe` tells how to make them
-        bool is_scattered; ///< `scatter` does
-        bool is_curves;    ///< `curves` does: smooth curves through the strands of another entry
-        wisp_groom_generator generator; ///< the defaults if not made
-        wisp_scene_scatter scatter;     ///< around none (-1) if not scattered
-        wisp_curves_def curves;         ///< without a source
-        int curves_of;                  ///< index into the scene's strands, of those the curves run through; -1: none
+        const char* file; ///< where to read the strands, already relative to the scene's folder; or null
+        const wisp_scene_arrays* arrays; ///< a host has them in memory: the file is not read
+        bool is_generated;               ///< `recipe` tells how to make them
+        bool is_scattered;               ///< `scatter` does
+        bool is_curves;                  ///< `curves` does: smooth curves through the strands of another entry
+        wisp_groom_generator generator;  ///< the defaults if not made
+        wisp_scene_scatter scatter;      ///< around none (-1) if not scattered
+        wisp_curves_def curves;          ///< without a source
+        int curves_of; ///< index into the scene's strands, of those the curves run through; -1: none
 
         float scale; ///< > 0, about the groom's own origin, before the pose
         wisp_transform pose;
@@ -149,12 +162,13 @@ extern "C"
     /// Where a mesh comes from, and what is done to it before it is used.
     typedef struct wisp_scene_mesh
     {
-        const char* file;              ///< already relative to the scene's folder; null if made
-        bool is_generated;             ///< `recipe` tells how to make it
-        wisp_mesh_generator generator; ///< the defaults if not made
-        int repairs;                   ///< WISP_MESH_DROP_DEGENERATES ... or-ed; 0: none
-        int demands;                   ///< WISP_MESH_CLOSED ... or-ed, of the repaired mesh; 0: none
-        float scale;                   ///< > 0, about the mesh's own origin
+        const char* file;                ///< already relative to the scene's folder; null if made
+        const wisp_scene_arrays* arrays; ///< a host has it in memory: the file is not read
+        bool is_generated;               ///< `recipe` tells how to make it
+        wisp_mesh_generator generator;   ///< the defaults if not made
+        int repairs;                     ///< WISP_MESH_DROP_DEGENERATES ... or-ed; 0: none
+        int demands;                     ///< WISP_MESH_CLOSED ... or-ed, of the repaired mesh; 0: none
+        float scale;                     ///< > 0, about the mesh's own origin
     } wisp_scene_mesh;
 
     /// A filling at a time.
@@ -326,6 +340,13 @@ extern "C"
     /// @param name what messages call it, and whose folder relative files are in
     WISP_API wisp_status wisp_scene_parse( const char* text, size_t size, const char* name, wisp_scene* out,
                                            wisp_error* error );
+
+    /// Have the entries that name certain files take arrays in their place.
+    /// @param name of the scene, as it was read
+    /// @param arrays [count] copied as pointers: they must outlive the scene. Checked when a world is made, as files are
+    /// @return WISP_BAD_INPUT no entry names the file; WISP_NO_MEMORY
+    WISP_API wisp_status wisp_scene_set_arrays( wisp_scene* scene, const wisp_scene_arrays* arrays, int count,
+                                                wisp_error* error );
 
     /// @param step >= 0, counted from 0 @return s, its length
     WISP_API float wisp_scene_step_length( const wisp_scene* scene, int step );

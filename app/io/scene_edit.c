@@ -457,8 +457,38 @@ static wisp_status edit_text( const scene_source* source, const wisp_scene_edit*
     return status;
 }
 
-static wisp_status write_text( const char* path, const char* head, size_t head_size, const char* text, size_t size,
-                               wisp_error* error )
+// The result is read as any scene is. Places of the tree do not count a byte order mark, which is kept.
+wisp_status wisp_scene_edit_text( const char* text, size_t size, const char* name, const wisp_scene_edit* edits,
+                                  int count, char** out, size_t* out_size, wisp_error* error )
+{
+    *out = NULL;
+    *out_size = 0;
+    const size_t mark = size >= 3 && memcmp( text, "\xef\xbb\xbf", 3 ) == 0 ? 3 : 0;
+    const scene_source source = { name, text + mark, size - mark, error };
+    char* edited = NULL;
+    size_t edited_size = 0;
+    wisp_status status = edit_text( &source, edits, count, &edited, &edited_size );
+    wisp_scene scene = { 0 };
+    status = status == WISP_OK ? wisp_scene_parse( edited, edited_size, name, &scene, error ) : status;
+    wisp_scene_release( &scene );
+    char* whole = status == WISP_OK ? malloc( mark + edited_size + 1 ) : NULL;
+    if ( status == WISP_OK && !whole )
+    {
+        status = wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the scene", name );
+    }
+    if ( status == WISP_OK )
+    {
+        memcpy( whole, text, mark );
+        memcpy( whole + mark, edited, edited_size );
+        whole[mark + edited_size] = '\0';
+        *out = whole;
+        *out_size = mark + edited_size;
+    }
+    free( edited );
+    return status;
+}
+
+static wisp_status write_text( const char* path, const char* text, size_t size, wisp_error* error )
 {
     io_output output;
     wisp_status status = io_output_open( path, &output, error );
@@ -466,19 +496,8 @@ static wisp_status write_text( const char* path, const char* head, size_t head_s
     {
         return status;
     }
-    fwrite( head, 1, head_size, output.stream );
     fwrite( text, 1, size, output.stream );
     return io_output_commit( &output, error );
-}
-
-// The result is read as any scene before it is written.
-static wisp_status check_and_write( const char* head, size_t head_size, const char* text, size_t size,
-                                    const char* from, const char* to, wisp_error* error )
-{
-    wisp_scene scene;
-    wisp_status status = wisp_scene_parse( text, size, to ? to : from, &scene, error );
-    wisp_scene_release( &scene );
-    return status == WISP_OK && to ? write_text( to, head, head_size, text, size, error ) : status;
 }
 
 wisp_status wisp_scene_edit_file( const char* from, const wisp_scene_edit* edits, int count, const char* to,
@@ -491,17 +510,11 @@ wisp_status wisp_scene_edit_file( const char* from, const wisp_scene_edit* edits
     {
         return status;
     }
-    // Places of the tree do not count a byte order mark, which is kept.
-    const char* text = bytes ? (const char*)bytes : "";
-    const size_t mark = size >= 3 && memcmp( text, "\xef\xbb\xbf", 3 ) == 0 ? 3 : 0;
-    const scene_source source = { from, text + mark, size - mark, error };
     char* edited = NULL;
     size_t edited_size = 0;
-    status = edit_text( &source, edits, count, &edited, &edited_size );
-    if ( status == WISP_OK )
-    {
-        status = check_and_write( text, mark, edited, edited_size, from, to, error );
-    }
+    status = wisp_scene_edit_text( bytes ? (const char*)bytes : "", size, from, edits, count, &edited, &edited_size,
+                                   error );
+    status = status == WISP_OK && to ? write_text( to, edited, edited_size, error ) : status;
     free( edited );
     free( bytes );
     return status;

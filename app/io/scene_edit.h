@@ -19,6 +19,13 @@ extern "C"
         char value[32]; ///< a number, true or false, as it is to be written; empty takes the key out
     } wisp_scene_edit;
 
+    /// Change the text of a scene as wisp_scene_edit_file() does.
+    /// @param name what messages call it, and whose folder relative files are in
+    /// @param out receives a block for free() of `out_size` bytes and a zero behind them; null on failure
+    WISP_API wisp_status wisp_scene_edit_text( const char* text, size_t size, const char* name,
+                                               const wisp_scene_edit* edits, int count, char** out, size_t* out_size,
+                                               wisp_error* error );
+
     /// Read a scene, set values, and write what is then a scene that reads as such. A value that is there is replaced in its
     /// place; a key that is not there is added to its mapping, as YAML or as JSON, whatever the file is. A key that is taken
     /// out goes with its comma, or with its line unless a comment is on it; one that is not there stays away.

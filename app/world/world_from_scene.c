@@ -7,6 +7,18 @@
 
 // ---- messages ----
 
+void scene_tell( const scene_world* world, wisp_log_level level, const char* message )
+{
+    if ( world && world->log )
+    {
+        world->log( world->log_user, level, message );
+    }
+    else
+    {
+        fprintf( stderr, "wisp: %s%s\n", level == WISP_LOG_WARNING ? "warning: " : "", message );
+    }
+}
+
 // An error that ends a call is returned as its status and would be printed twice. An error that a call survives, such
 // as an entity restored to its last valid state, must be printed.
 static void keep_log( void* user, wisp_log_level level, const char* message )
@@ -14,7 +26,7 @@ static void keep_log( void* user, wisp_log_level level, const char* message )
     scene_world* world = user;
     if ( level == WISP_LOG_WARNING && !world->is_quiet )
     {
-        fprintf( stderr, "wisp: warning: %s\n", message );
+        scene_tell( world, level, message );
     }
     else if ( level == WISP_LOG_ERROR && !world->is_quiet )
     {
@@ -26,7 +38,7 @@ static void print_late_error( scene_world* world )
 {
     if ( world->late_error[0] )
     {
-        fprintf( stderr, "wisp: %s\n", world->late_error );
+        scene_tell( world, WISP_LOG_ERROR, world->late_error );
         world->late_error[0] = '\0';
     }
 }
@@ -100,7 +112,9 @@ static wisp_status add_strands( scene_world* out, int strands, wisp_error* error
 wisp_status scene_world_create( const wisp_scene* scene, const scene_world_options* options, scene_world* out,
                                 wisp_error* error )
 {
-    *out = ( scene_world ){ .scene = scene, .is_quiet = options->is_quiet };
+    *out = ( scene_world ){
+        .scene = scene, .is_quiet = options->is_quiet, .log = options->log, .log_user = options->log_user
+    };
 
     // One more than needed: an empty scene is valid, and an allocation of no bytes may return null.
     size_t count = (size_t)scene->strands_count + 1;
@@ -191,6 +205,54 @@ wisp_status scene_world_step( scene_world* world, wisp_error* error )
     print_late_error( world );
     ++world->next_step;
     return WISP_OK;
+}
+
+// ---- frames of any length ----
+
+typedef struct advance_state
+{
+    scene_world* world;
+    bool is_begun; // a step is being made, or has been made
+    wisp_status status;
+    wisp_error* error;
+} advance_state;
+
+// The step before, if any, is made by now. A step whose events fail cannot be stopped here: it is made without them.
+static void before_step( void* user, wisp_world* world )
+{
+    (void)world;
+    advance_state* state = user;
+    scene_world* w = state->world;
+    w->next_step += state->is_begun;
+    state->is_begun = true;
+    if ( state->status == WISP_OK )
+    {
+        state->status = give_commands( w, state->error );
+    }
+    if ( state->status == WISP_OK )
+    {
+        state->status = scene_events_play( w, state->error );
+    }
+}
+
+wisp_status scene_world_advance( scene_world* world, float seconds, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    if ( scene->dt_factor_count > 0 )
+    {
+        return wisp_fail( error, WISP_CONFLICT, "%s: got dt_factors, but advancing needs steps of one length",
+                          scene->name );
+    }
+    advance_state state = { .world = world, .error = error };
+    const wisp_status status = wisp_world_advance( world->world, seconds, scene->dt, before_step, &state );
+    if ( status != WISP_OK )
+    {
+        return wisp_fail( error, status, "%s: step %d: %s", scene->name, world->next_step,
+                          wisp_world_message( world->world ) );
+    }
+    world->next_step += state.is_begun;
+    print_late_error( world );
+    return state.status;
 }
 
 // ---- outputs ----

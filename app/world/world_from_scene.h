@@ -16,9 +16,11 @@ enum
 /// Options of the command line that override the scene.
 typedef struct scene_world_options
 {
-    int workers;     ///< 0: that of the scene
-    const char* isa; ///< null: the best available
-    bool is_quiet;   ///< print no warnings, because the first of several worlds of one scene has printed them
+    int workers;      ///< 0: that of the scene
+    const char* isa;  ///< null: the best available
+    bool is_quiet;    ///< print no warnings, because the first of several worlds of one scene has printed them
+    wisp_log_fn* log; ///< receives warnings and late errors on the calling thread; null: they go to stderr
+    void* log_user;
     const wisp_allocator* allocator; ///< of the world; null: the C library
     bool only_used_modules;          ///< register those that the scene uses, not all of modules.inc
 } scene_world_options;
@@ -61,6 +63,8 @@ typedef struct scene_world
     size_t
         empty_bytes; ///< of the world before anything was added: modules' states and workspaces, and the world itself
     bool is_quiet;
+    wisp_log_fn* log;
+    void* log_user;
     char late_error[500]; ///< logged as an error by a call that continued; printed after the call
 } scene_world;
 
@@ -74,6 +78,12 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
 
 /// Apply the events of the next step, then run it.
 wisp_status scene_world_step( scene_world* world, wisp_error* error );
+
+/// Advance by the time of a frame as wisp_world_advance() does, in steps of the scene with their events. Afterwards points are
+/// interpolated between the last two steps.
+/// @param seconds since the last call, >= 0
+/// @return also WISP_CONFLICT the scene has dt_factors
+wisp_status scene_world_advance( scene_world* world, float seconds, wisp_error* error );
 
 /// Change parameters as a hair event does: a number stands for all strands, also where the scene has a list.
 void scene_hair_event_apply( const wisp_scene_hair_event* event, wisp_frozen_hair_def* def );

@@ -81,7 +81,7 @@ static wisp_status find_mesh( const scene_world* world, int collider, wisp_mesh*
         case WISP_COLLIDER_BOX:
             return show_box( entry->def.half_extent, out, error );
         case WISP_COLLIDER_MESH:
-            return scene_mesh_load( &entry->mesh, world->is_quiet ? NULL : called, out, NULL, error );
+            return scene_mesh_load( world, &entry->mesh, world->is_quiet ? NULL : called, out, NULL, error );
         default:
             return show_round( &entry->def, out, error );
     }

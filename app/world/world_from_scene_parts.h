@@ -3,6 +3,11 @@
 
 #include "world_from_scene.h"
 
+// ---- messages ----
+
+/// Hand a message to the world's log, or print it to stderr. @param world may be null: stderr
+void scene_tell( const scene_world* world, wisp_log_level level, const char* message );
+
 // ---- errors that name the scene's line ----
 
 /// @param what the kind of entry, such as "surface"
@@ -23,11 +28,12 @@ wisp_status scene_motion_set( scene_world* world, wisp_error* error );
 
 // ---- surfaces and colliders ----
 
-/// Read or generate, repair, check and scale a mesh. Repairs are reported on stderr.
+/// Read or generate, repair, check and scale a mesh.
+/// @param world whose log receives warnings about repairs; may be null: stderr
 /// @param called start of a warning about repairs; null: no warning
 /// @param repairs receives the repairs, to be released; may be null
-wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, wisp_mesh* out,
-                             wisp_mesh_repairs* repairs, wisp_error* error );
+wisp_status scene_mesh_load( const scene_world* world, const wisp_scene_mesh* source, const char* called,
+                             wisp_mesh* out, wisp_mesh_repairs* repairs, wisp_error* error );
 
 /// Add all surfaces, then all colliders.
 wisp_status scene_surfaces_add( scene_world* world, wisp_error* error );

@@ -35,6 +35,12 @@ static wisp_status read_or_make( const wisp_scene_strands* entry, const wisp_gro
     {
         return wisp_groom_generate( &entry->generator, out, error );
     }
+    const wisp_scene_arrays* a = entry->arrays;
+    if ( a )
+    {
+        return wisp_groom_of_arrays( a->points, a->point_count, a->offsets, a->strand_count, entry->file, out,
+                                     error );
+    }
     wisp_status status = wisp_groom_read( entry->file, out, error );
     return status == WISP_OK ? wisp_groom_check( out, error ) : status;
 }

@@ -25,16 +25,34 @@ static wisp_status fail_at_surface( const wisp_scene* scene, int surface, wisp_s
 
 // ---- meshes ----
 
-static void tell_repairs( const wisp_mesh_repairs* repairs, const char* called )
+static wisp_status tell_repairs( const scene_world* world, const wisp_mesh_repairs* repairs, const char* called,
+                                 wisp_error* error )
 {
     const int done = repairs->degenerates_dropped + repairs->duplicates_dropped + repairs->triangles_turned +
                      repairs->unreferenced_dropped;
-    if ( called && done > 0 )
+    if ( !called || done == 0 )
     {
-        char name[300];
-        snprintf( name, sizeof name, "wisp: warning: %s", called );
-        wisp_mesh_print_repairs( stderr, repairs, name );
+        return WISP_OK;
     }
+    char* text = NULL;
+    size_t size = 0;
+    FILE* lines = open_memstream( &text, &size );
+    if ( lines )
+    {
+        wisp_mesh_print_repairs( lines, repairs, called );
+    }
+    if ( !lines || fclose( lines ) != 0 )
+    {
+        free( text );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the report of its repairs" );
+    }
+    char* rest = NULL;
+    for ( const char* line = strtok_r( text, "\n", &rest ); line; line = strtok_r( NULL, "\n", &rest ) )
+    {
+        scene_tell( world, WISP_LOG_WARNING, line );
+    }
+    free( text );
+    return WISP_OK;
 }
 
 static wisp_status check_demands( const wisp_scene_mesh* source, const wisp_mesh* mesh, wisp_error* error )
@@ -46,13 +64,21 @@ static wisp_status check_demands( const wisp_scene_mesh* source, const wisp_mesh
                : status;
 }
 
-wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, wisp_mesh* out,
-                             wisp_mesh_repairs* repairs, wisp_error* error )
+static wisp_status read_mesh( const wisp_scene_mesh* source, wisp_mesh* out, wisp_error* error )
+{
+    const wisp_scene_arrays* a = source->arrays;
+    return source->is_generated ? wisp_mesh_generate( &source->generator, out, error )
+           : a ? wisp_mesh_of_arrays( a->points, a->point_count, a->triangles, a->triangle_count, source->file, out,
+                                      error )
+               : wisp_mesh_read( source->file, out, error );
+}
+
+wisp_status scene_mesh_load( const scene_world* world, const wisp_scene_mesh* source, const char* called,
+                             wisp_mesh* out, wisp_mesh_repairs* repairs, wisp_error* error )
 {
     *out = ( wisp_mesh ){ 0 };
     wisp_mesh_repairs done = { 0 };
-    wisp_status status = source->is_generated ? wisp_mesh_generate( &source->generator, out, error )
-                                              : wisp_mesh_read( source->file, out, error );
+    wisp_status status = read_mesh( source, out, error );
     if ( status == WISP_OK && source->repairs != 0 )
     {
         status = wisp_mesh_repair( out, source->repairs, &done, error );
@@ -61,13 +87,13 @@ wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, 
     {
         status = check_demands( source, out, error );
     }
+    status = status == WISP_OK ? tell_repairs( world, &done, called, error ) : status;
     if ( status != WISP_OK )
     {
         wisp_mesh_release( out );
         wisp_mesh_repairs_release( &done );
         return status;
     }
-    tell_repairs( &done, called );
     for ( int v = 0; v < out->vertex_count; ++v )
     {
         wisp_vec3* p = &out->points[v];
@@ -85,7 +111,7 @@ wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, 
 }
 
 // In the mesh's own frame.
-static wisp_status load_mesh( const wisp_scene* scene, int surface, bool is_quiet, wisp_mesh* out,
+static wisp_status load_mesh( const scene_world* world, const wisp_scene* scene, int surface, wisp_mesh* out,
                               wisp_mesh_repairs* repairs, wisp_error* error )
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
@@ -93,7 +119,8 @@ static wisp_status load_mesh( const wisp_scene* scene, int surface, bool is_quie
     snprintf( called, sizeof called, "%.120s:%d:%d: surface '%s'", scene->name, entry->line, entry->column,
               entry->name );
     wisp_error cause = { 0 };
-    wisp_status status = scene_mesh_load( &entry->mesh, is_quiet ? NULL : called, out, repairs, &cause );
+    wisp_status status =
+        scene_mesh_load( world, &entry->mesh, world && world->is_quiet ? NULL : called, out, repairs, &cause );
     return status == WISP_OK ? WISP_OK : fail_at_surface( scene, surface, status, cause.message, error );
 }
 
@@ -109,7 +136,7 @@ wisp_status scene_surface_mesh( const wisp_scene* scene, int surface, wisp_mesh*
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
     int source = entry->instance_of >= 0 ? entry->instance_of : surface;
-    wisp_status status = load_mesh( scene, source, false, out, NULL, error );
+    wisp_status status = load_mesh( NULL, scene, source, out, NULL, error );
     if ( status == WISP_OK )
     {
         place( out->points, out->vertex_count, entry->pose );
@@ -178,7 +205,7 @@ static wisp_status make_source( scene_world* world, int surface, unsigned char r
 {
     const wisp_scene* scene = world->scene;
     scene_world_surface* s = &world->surfaces[surface];
-    wisp_status status = load_mesh( scene, surface, world->is_quiet, &s->mesh, &s->repairs, error );
+    wisp_status status = load_mesh( world, scene, surface, &s->mesh, &s->repairs, error );
     wisp_vec3* rest = NULL;
     status = status == WISP_OK ? copy_points( s->mesh.points, s->mesh.vertex_count, &rest, error ) : status;
     if ( status == WISP_OK )

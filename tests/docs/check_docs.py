@@ -3,7 +3,7 @@
 
 usage: check_docs.py SOURCE_TREE BUILD_FOLDER COMPILER...
 
-Every indented or fenced line of README.md, docs/*.md, data/README.md and examples/README.md that is a command runs, in an empty folder with the data of the tree,
+Every indented or fenced line of README.md, docs/*.md and the READMEs of data, examples and python that is a command runs, in an empty folder with the data of the tree,
 the programs of the build and a copy of Wisp installed from it. Files that commands name are those of the page: `scene.yaml` is its first whole scene, `suite.yaml` its first suite, a C file its
 program, or the example of that name. docs/embedding.md shows pieces of a host: embedding_host.c.in puts them together. Three commands run
 in part, since the build exists: `meson setup build` and `./dev` programs are not built again, `./dev test` lists the tests, of which this is one.
@@ -18,7 +18,7 @@ import tempfile
 source, build = (os.path.abspath(path) for path in sys.argv[1:3])
 compiler = " ".join(sys.argv[3:])
 sanitizer = " ".join(word for word in sys.argv[3:] if word.startswith("-fsanitize"))
-PAGES = ["README.md", "examples/README.md", "data/README.md"] + ["docs/" + name for name in sorted(os.listdir(f"{source}/docs")) if name.endswith(".md")]
+PAGES = ["README.md", "examples/README.md", "data/README.md", "python/README.md"] + ["docs/" + name for name in sorted(os.listdir(f"{source}/docs")) if name.endswith(".md")]
 PROGRAMS = r"(\./dev|wisp|meson|cc|c\+\+)(?= )"
 STRICT = "-std=c17 -Wall -Wextra -Wpedantic -Werror"
 
@@ -34,6 +34,7 @@ REWRITTEN = [
     (r"^c\+\+ ", "g++ {sanitizer} "),
     (r"^cc ", "{compiler} "),                           # a sanitizer of the build is in its libraries
     (r"^wisp view ", f"mkdir -p page && printf '%s' '{PAGE}' >page/viewer.html && WISP_DATA=page wisp view "), # the page needs a compiler of its own
+    (r"^(\./dev python|meson setup .*-Dpython=enabled|meson install -C build$|meson install --tags python).*", "true"), # builds of their own: ./dev python
     (r" \| dot .*$", ""),                               # draws a graph; not a package of Wisp's
 ]
 failures = []

@@ -1,0 +1,208 @@
+// Scenes: their text, what was read of it, and the parameters that may change.
+#include "binding_internal.h"
+
+#include "io_file.h"
+#include "tune_fields.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define TEXT_MAX ( (size_t)1 << 30 ) // the reader of scenes has a lower limit of its own
+
+// ---- arrays ----
+
+static void* copy_block( const void* from, size_t size )
+{
+    void* copy = from ? malloc( size + 1 ) : NULL;
+    return copy ? memcpy( copy, from, size ) : NULL;
+}
+
+static void release_arrays( binding_scene* s )
+{
+    for ( int i = 0; s->arrays && i < s->array_count; ++i )
+    {
+        wisp_scene_arrays* a = &s->arrays[i];
+        free( (void*)(uintptr_t)a->file );
+        free( (void*)(uintptr_t)a->points );
+        free( (void*)(uintptr_t)a->triangles );
+        free( (void*)(uintptr_t)a->offsets );
+    }
+    free( s->arrays );
+}
+
+static bool copy_arrays( binding_scene* s, const wisp_scene_arrays* arrays, int count )
+{
+    s->arrays = calloc( (size_t)count + 1, sizeof *s->arrays );
+    for ( int i = 0; s->arrays && i < count; ++i )
+    {
+        const wisp_scene_arrays* from = &arrays[i];
+        wisp_scene_arrays* to = &s->arrays[s->array_count++];
+        *to = *from;
+        to->file = copy_block( from->file, strlen( from->file ) + 1 );
+        to->points = copy_block( from->points, (size_t)from->point_count * sizeof *from->points );
+        to->triangles = copy_block( from->triangles, 3 * (size_t)from->triangle_count * sizeof *from->triangles );
+        to->offsets = copy_block( from->offsets, ( (size_t)from->strand_count + 1 ) * sizeof *from->offsets );
+        if ( !to->file || !to->points || ( from->triangles && !to->triangles ) || ( from->offsets && !to->offsets ) )
+        {
+            return false;
+        }
+    }
+    return s->arrays != NULL;
+}
+
+// ---- life ----
+
+void binding_scene_close( binding_scene* s )
+{
+    if ( s )
+    {
+        wisp_scene_release( &s->scene );
+        release_arrays( s );
+        free( s->text );
+        free( s->name );
+        free( s );
+    }
+}
+
+wisp_status binding_scene_again( const binding_scene* s, wisp_scene* out, wisp_error* error )
+{
+    wisp_status status = wisp_scene_parse( s->text, s->size, s->name, out, error );
+    if ( status == WISP_OK && wisp_scene_set_arrays( out, s->arrays, s->array_count, error ) != WISP_OK )
+    {
+        status = error->status;
+        wisp_scene_release( out );
+    }
+    return status;
+}
+
+wisp_status binding_scene_parse( const char* text, size_t size, const char* name, const wisp_scene_arrays* arrays,
+                                 int array_count, binding_scene** out, wisp_error* error )
+{
+    *out = NULL;
+    binding_scene* s = calloc( 1, sizeof *s );
+    bool is_there = s != NULL;
+    if ( is_there )
+    {
+        s->size = size;
+        s->text = malloc( size + 1 );
+        s->name = copy_block( name, strlen( name ) + 1 );
+        is_there = s->text && s->name && copy_arrays( s, arrays, array_count );
+    }
+    if ( !is_there )
+    {
+        binding_scene_close( s );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the scene", io_short_name( name ) );
+    }
+    memcpy( s->text, text, size );
+    s->text[size] = '\0';
+    const wisp_status status = binding_scene_again( s, &s->scene, error );
+    if ( status != WISP_OK )
+    {
+        binding_scene_close( s );
+        return status;
+    }
+    wisp_error nothing_moves;
+    if ( tune_parameters_find( &s->scene, &s->parameters, &nothing_moves ) != WISP_OK )
+    {
+        s->parameters.count = 0;
+    }
+    *out = s;
+    return WISP_OK;
+}
+
+wisp_status binding_scene_read( const char* path, binding_scene** out, wisp_error* error )
+{
+    *out = NULL;
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    wisp_status status = io_file_read( path, TEXT_MAX, &bytes, &size, error );
+    if ( status == WISP_OK )
+    {
+        status = binding_scene_parse( bytes ? (const char*)bytes : "", size, path, NULL, 0, out, error );
+    }
+    free( bytes );
+    return status;
+}
+
+const char* binding_scene_text( const binding_scene* s, size_t* size )
+{
+    *size = s->size;
+    return s->text;
+}
+
+double binding_scene_dt( const binding_scene* s )
+{
+    return (double)s->scene.dt;
+}
+
+int binding_scene_steps( const binding_scene* s )
+{
+    return s->scene.steps;
+}
+
+void binding_scene_gravity( const binding_scene* s, float* out )
+{
+    out[0] = s->scene.gravity.x;
+    out[1] = s->scene.gravity.y;
+    out[2] = s->scene.gravity.z;
+}
+
+// ---- parameters ----
+
+int binding_parameter_count( const binding_scene* s )
+{
+    return s->parameters.count;
+}
+
+const char* binding_parameter_name( const binding_scene* s, int parameter )
+{
+    return s->parameters.parameters[parameter].name;
+}
+
+bool binding_parameter_is_unordered( const binding_scene* s, int parameter )
+{
+    return s->parameters.parameters[parameter].is_unordered;
+}
+
+int binding_parameter_values( const binding_scene* s, int parameter, double* out )
+{
+    const wisp_tune_parameter* p = &s->parameters.parameters[parameter];
+    memcpy( out, p->values, (size_t)p->value_count * sizeof *out );
+    return p->value_count;
+}
+
+double binding_parameter_value( const binding_scene* s, int parameter )
+{
+    double own = 0.0;
+    tune_field_own( &s->scene, s->parameters.fields[parameter], &own );
+    return own;
+}
+
+wisp_status binding_scene_edit( const binding_scene* s, const int* configuration, char** out, size_t* size,
+                                wisp_error* error )
+{
+    wisp_scene_edit* edits = NULL;
+    int count = 0;
+    *out = NULL;
+    wisp_status status = tune_parameters_edits( &s->parameters, configuration, &s->scene, &edits, &count, error );
+    status = status == WISP_OK ? wisp_scene_edit_text( s->text, s->size, s->name, edits, count, out, size, error )
+                               : status;
+    free( edits );
+    return status;
+}
+
+wisp_status binding_scene_edit_file( const binding_scene* s, const char* from, const int* configuration,
+                                     const char* to, wisp_error* error )
+{
+    wisp_scene_edit* edits = NULL;
+    int count = 0;
+    wisp_status status = tune_parameters_edits( &s->parameters, configuration, &s->scene, &edits, &count, error );
+    status = status == WISP_OK ? wisp_scene_edit_file( from, edits, count, to, error ) : status;
+    free( edits );
+    return status;
+}
+
+void binding_free( void* block )
+{
+    free( block );
+}

@@ -1,0 +1,157 @@
+// Snapshots: where the scene stands, the parameters of strands, surfaces that were released, places of colliders, and the bytes of
+// the world behind them.
+#include "binding_internal.h"
+
+#include <string.h>
+
+typedef struct snapshot_place
+{
+    int32_t next_step, next_command, next_event, is_combed;
+} snapshot_place;
+
+static size_t front_size( const binding_world* w )
+{
+    return sizeof( snapshot_place ) + (size_t)w->scene.strands_count * sizeof( hair_state ) +
+           (size_t)w->scene.surface_count * sizeof( int32_t ) +
+           (size_t)w->scene.collider_count * sizeof( wisp_transform );
+}
+
+static char* put( char* at, const void* from, size_t size )
+{
+    memcpy( at, from, size );
+    return at + size;
+}
+
+static const char* take( const char* at, void* to, size_t size )
+{
+    memcpy( to, at, size );
+    return at + size;
+}
+
+// Columns that only steps fill exist once the plan is compiled. A snapshot of the start has them, so that it fits later.
+static wisp_status compile( const binding_world* w, wisp_error* error )
+{
+    return wisp_world_plan_passes( w->world.world ) >= 0 ? WISP_OK : binding_fail( w, WISP_CONFLICT, error );
+}
+
+wisp_status binding_snapshot_prepare( binding_world* w, size_t* size, wisp_error* error )
+{
+    const wisp_status status = compile( w, error );
+    *size = status == WISP_OK ? front_size( w ) + wisp_world_snapshot_size( w->world.world ) : 0;
+    return status;
+}
+
+wisp_status binding_snapshot( const binding_world* w, void* out, size_t size, wisp_error* error )
+{
+    const size_t front = front_size( w ), expected = front + wisp_world_snapshot_size( w->world.world );
+    if ( size < expected )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got room for %zu bytes, expected %zu", w->scene.name, size,
+                          expected );
+    }
+    const snapshot_place place = { w->world.next_step, w->world.next_command, w->world.next_event, w->is_combed };
+    char* at = put( out, &place, sizeof place );
+    for ( int i = 0; i < w->scene.strands_count; ++i )
+    {
+        const hair_state hair = binding_hair_state( w, i );
+        at = put( at, &hair, sizeof hair );
+    }
+    for ( int i = 0; i < w->scene.surface_count; ++i )
+    {
+        const int32_t is_released = w->world.surfaces[i].is_released;
+        at = put( at, &is_released, sizeof is_released );
+    }
+    for ( int i = 0; i < w->scene.collider_count; ++i )
+    {
+        at = put( at, &w->world.colliders[i].pose, sizeof( wisp_transform ) );
+    }
+    return binding_fail( w, wisp_world_snapshot( w->world.world, at, size - front ), error );
+}
+
+static bool is_place( const binding_world* w, const snapshot_place* place )
+{
+    return place->next_step >= 0 && place->next_command >= 0 && place->next_command <= w->scene.command_count &&
+           place->next_event >= 0 && place->next_event <= w->scene.event_count;
+}
+
+// The rotation that follows `a` to give `b`: exactly none if they are equal.
+static wisp_quat turn_between( wisp_quat a, wisp_quat b )
+{
+    if ( memcmp( &a, &b, sizeof a ) == 0 )
+    {
+        return ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f };
+    }
+    return (
+        wisp_quat ){ -b.w * a.x + b.x * a.w - b.y * a.z + b.z * a.y, -b.w * a.y + b.x * a.z + b.y * a.w - b.z * a.x,
+                     -b.w * a.z - b.x * a.y + b.y * a.x + b.z * a.w, b.w * a.w + b.x * a.x + b.y * a.y + b.z * a.z };
+}
+
+// Colliders are no part of the world's own bytes. Without a teleport the next step would sweep from where they are now.
+static void restore_collider( binding_world* w, int collider, wisp_transform pose )
+{
+    scene_world_collider* c = &w->world.colliders[collider];
+    if ( memcmp( &c->pose, &pose, sizeof pose ) == 0 )
+    {
+        return;
+    }
+    const wisp_transform turn =
+        wisp_transform_make( turn_between( c->pose.rotation, pose.rotation ), ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    const wisp_vec3 origin = wisp_transform_to_world( turn, c->pose.translation );
+    const wisp_transform motion = {
+        turn.rotation, { pose.translation.x - origin.x, pose.translation.y - origin.y, pose.translation.z - origin.z }
+    };
+    if ( wisp_teleport( w->world.world, c->entity, motion, true ) == WISP_OK )
+    {
+        c->pose = pose;
+    }
+}
+
+wisp_status binding_restore( binding_world* w, const void* bytes, size_t size, wisp_error* error )
+{
+    const size_t front = front_size( w );
+    snapshot_place place = { .next_step = -1 };
+    if ( size >= front )
+    {
+        memcpy( &place, bytes, sizeof place );
+    }
+    if ( !is_place( w, &place ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got %zu bytes, which are no snapshot of this world",
+                          w->scene.name, size );
+    }
+    wisp_status status = compile( w, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = wisp_world_restore( w->world.world, (const char*)bytes + front, size - front );
+    if ( status != WISP_OK )
+    {
+        return binding_fail( w, status, error );
+    }
+    const char* at = (const char*)bytes + sizeof place;
+    for ( int i = 0; i < w->scene.strands_count; ++i )
+    {
+        hair_state hair;
+        at = take( at, &hair, sizeof hair );
+        binding_hair_restore( w, i, hair );
+    }
+    for ( int i = 0; i < w->scene.surface_count; ++i )
+    {
+        int32_t is_released;
+        at = take( at, &is_released, sizeof is_released );
+        w->world.surfaces[i].is_released = is_released != 0;
+    }
+    for ( int i = 0; i < w->scene.collider_count; ++i )
+    {
+        wisp_transform pose;
+        at = take( at, &pose, sizeof pose );
+        restore_collider( w, i, pose );
+    }
+    w->world.next_step = place.next_step;
+    w->world.next_command = place.next_command;
+    w->world.next_event = place.next_event;
+    w->is_combed = place.is_combed != 0;
+    w->is_between = false;
+    return WISP_OK;
+}
