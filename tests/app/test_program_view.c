@@ -149,7 +149,7 @@ static void wrong_input_is_refused_and_writes_nothing( void** state )
     write_text( "viewer.html", "<html></html>" );
     assert_refused( "view scenes/square.yaml -o none.html --steps 0", "the page has no place for data" );
     remove( "viewer.html" );
-    assert_refused( "view scenes/square.yaml -o none.html --steps 0", "run './dev web'" );
+    assert_refused( "view scenes/square.yaml -o none.html --steps 0", "'./dev web' builds it" );
     assert_int_not_equal( access( "none.html", F_OK ), 0 );
 }
 
