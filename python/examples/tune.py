@@ -12,7 +12,7 @@ points, triangles = wisp.grid(13, 13, 1 / 12)
 scene = wisp.Scene.from_dict(
     {"steps": 60, "surfaces": [{"name": "cloth", "points": points, "triangles": triangles, "pins": [0, 12], "damping": 1, "cloth": {}}]}
 )
-found = wisp.tune(scene, error=ERROR, limit=30)
+found = wisp.tune(scene, error=ERROR, limit=300)
 for trial in sorted(found.trials, key=lambda trial: trial.ms):
     if trial.is_pareto:
         values = ", ".join(f"{name} {value:g}" for name, value in trial.parameters.items())

@@ -5,7 +5,7 @@ import wisp
 
 
 def test_the_error_is_that_of_the_tuner(sheet):
-    found = wisp.tune(sheet, error=0.005, limit=30)
+    found = wisp.tune(sheet, error=0.005, limit=600)
     reference = wisp.Reference(sheet)
     assert reference.steps == 40
     for trial in found.trials[:6]:
@@ -22,7 +22,7 @@ def test_more_substeps_are_nearer_to_the_reference(sheet):
 
 def test_the_tuner_finds_parameters_within_the_error(sheet):
     runs = []
-    found = wisp.tune(sheet, error=0.1, seconds=0.3, limit=30, progress=lambda run, most: runs.append((run, most)))
+    found = wisp.tune(sheet, error=0.1, seconds=0.3, limit=600, progress=lambda run, most: runs.append((run, most)))
     assert found.meets_target and found.error <= 0.1 and not found.stopped_early
     assert len(runs) == found.runs and runs[-1][0] == found.runs
     assert set(found.parameters) == {parameter.name for parameter in sheet.parameters}
@@ -32,12 +32,12 @@ def test_the_tuner_finds_parameters_within_the_error(sheet):
 
 
 def test_the_tuner_finds_the_most_accurate_parameters_within_a_time(sheet):
-    found = wisp.tune(sheet, budget_ms=1000, seconds=0.1, limit=30)
+    found = wisp.tune(sheet, budget_ms=1000, seconds=0.1, limit=600)
     assert found.meets_target and found.error == min(trial.error for trial in found.trials)
 
 
 def test_an_error_that_is_out_of_reach_is_told(sheet):
-    found = wisp.tune(sheet, error=1e-12, seconds=0.1, limit=30)
+    found = wisp.tune(sheet, error=1e-12, seconds=0.1, limit=600)
     assert not found.meets_target and found.error > 1e-12
 
 

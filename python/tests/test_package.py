@@ -1,4 +1,5 @@
 """The package as it is installed: errors, types, examples, import in an empty folder."""
+import os
 import pathlib
 import re
 import subprocess
@@ -53,6 +54,11 @@ def test_nothing_of_the_engine_is_visible_to_other_extensions():
     assert [name for name in names if not name.startswith("__")] == ["PyInit__native"]
 
 
+# With the sanitizer a converged run takes minutes, and mypy runs none of the engine.
+plain = pytest.mark.skipif("ASAN_OPTIONS" in os.environ, reason="runs without the sanitizer")
+
+
+@plain
 def test_the_types_are_those_of_the_code():
     mypy = pytest.importorskip("mypy.api")
     package = str(pathlib.Path(wisp.__file__).parent)
@@ -60,6 +66,7 @@ def test_the_types_are_those_of_the_code():
     assert status == 0, out + errors
 
 
+@plain
 def test_the_types_are_found_by_programs_that_use_the_package(tmp_path):
     mypy = pytest.importorskip("mypy.api")
     (tmp_path / "use.py").write_text(
@@ -79,6 +86,7 @@ def test_an_example_runs_and_its_result_holds(path, tmp_path):
 PAGES = ["docs/python.md", "python/README.md"]
 
 
+@plain
 @pytest.mark.parametrize("page", PAGES)
 def test_the_code_of_a_page_runs_from_top_to_bottom(page, tmp_path, monkeypatch):
     """In an empty folder with the data of the tree; a block may use what the blocks before it made. `>>>` blocks show what is printed."""
