@@ -1,5 +1,8 @@
 #include "picture_stage.h"
 
+#include "body_colour.h"
+#include "palette.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -11,31 +14,6 @@
 static render_material material_of( scene_body_kind kind )
 {
     return kind == SCENE_BODY_CLOTH ? RENDER_CLOTH : kind == SCENE_BODY_BALLOON ? RENDER_LATEX : RENDER_SOLID;
-}
-
-// Every other colour first and the rest afterwards, so that all eight occur before one repeats, and cloth and
-// balloons of a small scene share none.
-static int palette_place( int number )
-{
-    return 2 * number + number / 4 % 2;
-}
-
-// Cloth and balloons start at different ends, so that the first of each has the colour that suits it best.
-wisp_vec3 picture_body_colour( scene_body_kind kind, int* cloths, int* balloons )
-{
-    switch ( kind )
-    {
-        case SCENE_BODY_CLOTH:
-            return render_palette( 1 + palette_place( ( *cloths )++ ) );
-        case SCENE_BODY_BALLOON:
-            return render_palette( palette_place( ( *balloons )++ ) );
-        case SCENE_BODY_STRANDS:
-            return render_default_curves().colour;
-        case SCENE_BODY_COLLIDER:
-        case SCENE_BODY_PLANE:
-            break;
-    }
-    return render_default_mesh( RENDER_SOLID ).colour;
 }
 
 // A level infinite plane is drawn as the renderer's ground; a slope is drawn as its square.
@@ -136,7 +114,7 @@ static bool add_balls( picture_stage* stage, const picture_look* look, const pic
     for ( int i = 0; colours && i < layer->count; ++i )
     {
         colours[i] = look->layer != PICTURE_LAYER_CLASS ? direction_colour( layer->normals[i] )
-                                                        : render_palette( i < layer->edge_count ? 2 : 5 );
+                                                        : palette_body( i < layer->edge_count ? 2 : 5 );
     }
     render_points* points = &stage->points[stage->scene.points_count++];
     *points = render_default_points();
@@ -206,7 +184,7 @@ wisp_status picture_stage_make( const picture_source* source, const picture_look
     for ( int i = 0; i < source->body_count && made; ++i )
     {
         const picture_body* body = &source->bodies[i];
-        wisp_vec3 colour = picture_body_colour( body->kind, &cloths, &balloons );
+        wisp_vec3 colour = scene_body_colour( body->kind, &cloths, &balloons );
         if ( body->kind == SCENE_BODY_STRANDS )
         {
             made = add_strands( out, look, body );

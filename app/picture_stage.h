@@ -31,8 +31,5 @@ wisp_status picture_stage_make( const picture_source* source, const picture_look
                                 wisp_error* error );
 void picture_stage_release( picture_stage* stage );
 
-/// Return the linear colour of the next body of a scene. @param cloths, balloons 0 before the first; they are counted
-wisp_vec3 picture_body_colour( scene_body_kind kind, int* cloths, int* balloons );
-
 /// Whether a body is a level infinite plane, which is drawn as the ground.
 bool picture_is_floor( const picture_body* body );

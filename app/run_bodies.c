@@ -1,6 +1,6 @@
 #include "run_bodies.h"
 
-#include "picture_stage.h"
+#include "body_colour.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -203,7 +203,7 @@ static wisp_status list_bodies( scene_world* world, bool has_values, unsigned as
             continue;
         }
         wisp_record_body* to = &out->list[out->count];
-        *to = entry_of( &body, picture_body_colour( body.kind, &cloths, &balloons ) );
+        *to = entry_of( &body, scene_body_colour( body.kind, &cloths, &balloons ) );
         out->numbers[out->count] = i;
         run_body_data* data = &out->data[out->count++];
         status = add_appearance( world, i, &body, to, data, error );

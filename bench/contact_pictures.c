@@ -1,5 +1,6 @@
 // What contact looks like: balloons that flatten on each other, whole and cut open, a stack of them, and a cloth
 // whose two sides have two colours, so that its layers can be told apart.
+#include "palette.h"
 #include "contact_bench.h"
 
 #include "program_data.h"
@@ -156,7 +157,7 @@ static wisp_status add_balloons( shot* s, const scene_world* world, float cut, w
     wisp_status status = WISP_OK;
     for ( int i = 0; i < scene_world_moving_count( world ) && status == WISP_OK; ++i )
     {
-        status = add_body( s, world, i, RENDER_LATEX, render_palette( i ), error );
+        status = add_body( s, world, i, RENDER_LATEX, palette_body( i ), error );
         if ( status == WISP_OK && cut < INFINITY )
         {
             status = cut_open( s->bodies + s->count - 1, cut, error );

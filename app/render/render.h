@@ -75,9 +75,6 @@ render_curves render_default_curves( void );
 render_points render_default_points( void );
 render_scene render_default_scene( void );
 
-/// Colours that suit each other, for the bodies of one scene. @param body any number, taken modulo their count
-wisp_vec3 render_palette( int body );
-
 // ---- camera ----
 
 /// An axis-aligned box. Zero-initialised is empty.
