@@ -242,6 +242,7 @@ static wisp_status tune( tune_options* options, const wisp_scene* scene, const t
     options->search.progress_user = &bar;
     options->search.go_on = go_on;
     status = tune_scene_search( &options->search, &found, &info, error );
+    status = status != WISP_OK && interruption_came() ? interruption_check( error ) : status;
     progress_end( &bar );
     if ( status == WISP_OK )
     {

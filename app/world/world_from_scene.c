@@ -24,7 +24,9 @@ void scene_tell( const scene_world* world, wisp_log_level level, const char* mes
 static void keep_log( void* user, wisp_log_level level, const char* message )
 {
     scene_world* world = user;
-    if ( level == WISP_LOG_WARNING && !world->is_quiet )
+    // That nothing is requested, the summary says in the words of scenes.
+    const bool is_for_hosts = strstr( message, "wisp_request()" ) != NULL;
+    if ( level == WISP_LOG_WARNING && !world->is_quiet && !is_for_hosts )
     {
         scene_tell( world, level, message );
     }
