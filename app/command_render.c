@@ -283,7 +283,6 @@ int command_render( int argc, char** argv )
 {
     picture_options options = picture_default_options();
     options_parse( &render_text, take, &options, argc, argv );
-    interruption_begin();
 
     wisp_error error = { 0 };
     wisp_status status = picture_draw( &options, &error );

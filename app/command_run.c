@@ -352,7 +352,6 @@ int command_run( int argc, char** argv )
 {
     run_options options = { .recorder = { .every = 1 } };
     options_parse( &run_text, take, &options, argc, argv );
-    interruption_begin();
 
     wisp_error error = { 0 };
     wisp_scene scene;
@@ -360,6 +359,7 @@ int command_run( int argc, char** argv )
     {
         return command_fail( &error );
     }
+    interruption_begin(); // before that there is nothing to keep
     results out = { 0 };
     results_put_options( &out, argc, argv );
     wisp_status status = check_files( &options, &scene, &error );

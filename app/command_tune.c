@@ -270,13 +270,13 @@ int command_tune( int argc, char** argv )
 {
     tune_options options = { .search = { .limit = DEFAULT_LIMIT } };
     options_parse( &tune_text, take, &options, argc, argv );
-    interruption_begin();
 
     // The scene is read twice: the fields of the second copy change from run to run.
     wisp_error error = { 0 };
     wisp_scene scene, varied = { 0 };
     wisp_status status = wisp_scene_read( options.scene, &scene, &error );
     status = status == WISP_OK ? wisp_scene_read( options.scene, &varied, &error ) : status;
+    interruption_begin(); // before that there is nothing to keep
     options.search.scene = &varied;
     tune_parameters parameters;
     status = status == WISP_OK ? tune_parameters_find( &scene, &parameters, &error ) : status;

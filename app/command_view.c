@@ -119,6 +119,7 @@ static wisp_status take_scene( const view_options* options, json_t* files, json_
     {
         return status;
     }
+    interruption_begin(); // before that there is nothing to keep
     status = view_scene_files( &scene, options->input, files, error );
     *data = status == WISP_OK ? begin_data( "scene", options->input, files ) : NULL;
     status = *data ? add_hashes( options, &scene, *data, error ) : status;
@@ -171,7 +172,6 @@ int command_view( int argc, char** argv )
 {
     view_options options = { .steps = -1 };
     options_parse( &view_text, take, &options, argc, argv );
-    interruption_begin();
 
     wisp_error error = { 0 };
     json_t* files = json_object();

@@ -6,6 +6,8 @@
 #include <errno.h>
 #include <string.h>
 
+#define HEAD_BYTES 4096
+
 static bool begins_with( const char* head, size_t size, const char* start, size_t length )
 {
     return size >= length && memcmp( head, start, length ) == 0;
@@ -84,13 +86,13 @@ static file_kind kind_of_text( const char* head, size_t size )
 
 wisp_status file_kind_find( const char* path, file_kind* kind, wisp_error* error )
 {
-    const int descriptor = io_file_open( path, 0 );
+    const int descriptor = io_file_open( path, 0, HEAD_BYTES );
     FILE* file = descriptor >= 0 ? fdopen( descriptor, "rb" ) : NULL;
     if ( !file )
     {
         return wisp_fail( error, WISP_IO_ERROR, "%s: %s", io_input_name( path ), strerror( errno ) );
     }
-    char head[4097];
+    char head[HEAD_BYTES + 1];
     size_t size = fread( head, 1, sizeof( head ) - 1, file );
     head[size] = '\0';
     bool failed = ferror( file ) != 0;

@@ -419,6 +419,7 @@ wisp_status picture_draw( const picture_options* options, wisp_error* error )
     }
     if ( status == WISP_OK )
     {
+        interruption_begin(); // before that there is nothing to keep
         d.source.bar = &d.bar;
         status = choose( &d, error );
     }

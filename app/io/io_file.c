@@ -75,46 +75,53 @@ static wisp_status too_long( wisp_error* error, const char* path, size_t size_ca
 
 // ---- reading ---------------------------------------------------------------------------------------------------
 
-static int keep_standard_input( void )
+// The part of standard input that readers have asked for, in a file without a name.
+typedef struct kept_input
 {
-    FILE* file = tmpfile();
-    int kept = file ? fcntl( fileno( file ), F_DUPFD_CLOEXEC, 0 ) : -1;
-    if ( file )
-    {
-        fclose( file );
-    }
+    int descriptor; // -1: nothing was read yet
+    unsigned long long size;
+    bool is_whole;
+} kept_input;
+
+static bool keep_block( kept_input* input )
+{
     char block[FIRST_BLOCK];
-    long long total = 0;
-    ssize_t count = kept >= 0 ? read( STDIN_FILENO, block, sizeof block ) : -1;
-    for ( ; count > 0; count = read( STDIN_FILENO, block, sizeof block ) )
-    {
-        total += count;
-        errno = total > IO_STANDARD_INPUT_MAX ? EFBIG : 0;
-        if ( errno || write( kept, block, (size_t)count ) != count )
-        {
-            count = -1;
-            break;
-        }
-    }
-    if ( count < 0 && kept >= 0 )
-    {
-        const int reason = errno != 0 ? errno : ENOSPC;
-        close( kept );
-        errno = reason;
-        kept = -1;
-    }
-    return kept;
+    const ssize_t count = read( STDIN_FILENO, block, sizeof block );
+    input->is_whole = count == 0;
+    input->size += count > 0 ? (size_t)count : 0;
+    return count >= 0 && write( input->descriptor, block, (size_t)count ) == count;
 }
 
-int io_file_open( const char* path, int flags )
+static int open_standard_input( unsigned long long most )
 {
-    static int kept = -1;
-    if ( !io_is_standard( path ) )
+    static kept_input input = { .descriptor = -1 };
+    if ( input.descriptor < 0 )
     {
-        return open( path, O_RDONLY | O_CLOEXEC | flags );
+        FILE* file = tmpfile();
+        input.descriptor = file ? fcntl( fileno( file ), F_DUPFD_CLOEXEC, 0 ) : -1;
+        if ( file )
+        {
+            fclose( file );
+        }
     }
-    kept = kept >= 0 ? kept : keep_standard_input();
-    return kept < 0 || lseek( kept, 0, SEEK_SET ) < 0 ? -1 : fcntl( kept, F_DUPFD_CLOEXEC, 0 );
+    bool is_good = input.descriptor >= 0 && lseek( input.descriptor, 0, SEEK_END ) >= 0;
+    while ( is_good && !input.is_whole && input.size <= most )
+    {
+        is_good = keep_block( &input );
+    }
+    if ( is_good && input.size > IO_STANDARD_INPUT_MAX )
+    {
+        errno = EFBIG;
+        is_good = false;
+    }
+    return is_good && lseek( input.descriptor, 0, SEEK_SET ) == 0 ? fcntl( input.descriptor, F_DUPFD_CLOEXEC, 0 )
+                                                                  : -1;
+}
+
+int io_file_open( const char* path, int flags, unsigned long long most )
+{
+    return io_is_standard( path ) ? open_standard_input( most < IO_STANDARD_INPUT_MAX ? most : IO_STANDARD_INPUT_MAX )
+                                  : open( path, O_RDONLY | O_CLOEXEC | flags );
 }
 
 // A regular file has a size, so one block is enough. The extra byte detects the end of the file.
@@ -204,7 +211,7 @@ wisp_status io_file_read( const char* path, size_t size_cap, unsigned char** byt
 {
     *bytes = NULL;
     *size = 0;
-    const int descriptor = io_file_open( path, 0 );
+    const int descriptor = io_file_open( path, 0, size_cap );
     FILE* file = descriptor >= 0 ? fdopen( descriptor, "rb" ) : NULL;
     if ( file == NULL )
     {

@@ -10,17 +10,19 @@
 #include "wisp/base.h"
 
 /// Whether a path is "-": standard input where it is read, standard output where it is written. Standard input is read
-/// once, when it is first opened, and kept in a file without a name, so that it can be opened again.
+/// once, as far as its readers need it, and kept in a file without a name, so that it can be opened again.
 bool io_is_standard( const char* path );
 
 /// What messages call a file that is read: its path, or "standard input".
 const char* io_input_name( const char* path );
 
-/// Open a file, or standard input, to be read from its beginning. @param flags of open(), besides O_RDONLY
+/// Open a file, or standard input, to be read from its beginning.
+/// @param flags of open(), besides O_RDONLY
+/// @param most bytes that the caller can use: of longer standard input a part is there, which is longer than that
 /// @return a descriptor that is closed in other programs, or -1 with errno; EFBIG: more than IO_STANDARD_INPUT_MAX bytes
-int io_file_open( const char* path, int flags );
+int io_file_open( const char* path, int flags, unsigned long long most );
 
-#define IO_STANDARD_INPUT_MAX ( (long long)1 << 33 ) ///< bytes; readers have caps of their own
+#define IO_STANDARD_INPUT_MAX ( 1ull << 33 ) ///< bytes
 
 /// Read a whole file. Works on pipes too, whose size is not known in advance.
 /// @param size_cap bytes; a longer file is WISP_BAD_INPUT

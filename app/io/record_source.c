@@ -31,7 +31,7 @@ wisp_status record_source_open( const char* path, record_source* source, wisp_er
 {
     *source = ( record_source ){ .descriptor = -1 };
     // Without O_NONBLOCK a pipe without a writer would block the caller before it can be rejected.
-    source->descriptor = io_file_open( path, O_NONBLOCK );
+    source->descriptor = io_file_open( path, O_NONBLOCK, IO_STANDARD_INPUT_MAX );
     if ( source->descriptor < 0 )
     {
         return record_refused( path, "open", error );

@@ -46,7 +46,7 @@ static size_t read_capped( void* buffer, size_t size, void* user )
 
 static json_t* parse( const char* path, wisp_error* error )
 {
-    const int descriptor = io_file_open( path, 0 );
+    const int descriptor = io_file_open( path, 0, FILE_CAP );
     capped_file source = { .file = descriptor >= 0 ? fdopen( descriptor, "rb" ) : NULL };
     if ( !source.file )
     {

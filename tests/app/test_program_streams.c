@@ -94,6 +94,24 @@ static void an_error_in_standard_input_has_its_line( void** state )
     assert_non_null( strstr( result.err, "wisp: standard input: got an empty file" ) );
 }
 
+// The cap of the reader holds, not the room on the disk.
+static void standard_input_without_an_end_is_refused( void** state )
+{
+    (void)state;
+    const int before = dup( STDIN_FILENO ), zeros = open( "/dev/zero", O_RDONLY );
+    assert_true( zeros >= 0 );
+    dup2( zeros, STDIN_FILENO );
+    close( zeros );
+    run( "run -" );
+    const bool is_refused = result.status == 2 && strstr( result.err, "wisp: standard input: expected at most " );
+    run( "info -" );
+    dup2( before, STDIN_FILENO );
+    close( before );
+    assert_true( is_refused );
+    assert_int_equal( result.status, 2 );
+    assert_non_null( strstr( result.err, "wisp: standard input: unknown kind of file" ) );
+}
+
 static void a_picture_goes_to_standard_output_and_its_line_to_the_error_stream( void** state )
 {
     (void)state;
@@ -161,6 +179,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( a_scene_comes_from_standard_input_with_files_of_the_current_folder ),
         cmocka_unit_test( every_kind_of_file_is_told_by_its_first_bytes ),
         cmocka_unit_test( an_error_in_standard_input_has_its_line ),
+        cmocka_unit_test( standard_input_without_an_end_is_refused ),
         cmocka_unit_test( a_picture_goes_to_standard_output_and_its_line_to_the_error_stream ),
         cmocka_unit_test( a_tuned_scene_goes_to_standard_output_and_the_report_to_the_error_stream ),
         cmocka_unit_test( results_go_to_standard_output ),
