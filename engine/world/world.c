@@ -421,15 +421,19 @@ uint64_t wisp_world_hash( const wisp_world* world )
     return world != NULL ? store_hash( &world->store ) : 0;
 }
 
-size_t wisp_world_snapshot_size( const wisp_world* world )
+// Passes attach what they write when the plan is compiled, so a world has all its columns only then.
+size_t wisp_world_snapshot_size( wisp_world* world )
 {
-    return world != NULL ? store_snapshot_size( &world->store ) + sizeof( world->clock ) : 0;
+    return wisp_world_begin( world ) == WISP_OK && compile_if_changed( world ) == WISP_OK
+               ? store_snapshot_size( &world->store ) + sizeof( world->clock )
+               : 0;
 }
 
 wisp_status wisp_world_snapshot( wisp_world* world, void* out, size_t size )
 {
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    WISP_TRY( compile_if_changed( world ) );
     const size_t store_size = store_snapshot_size( &world->store );
     if ( size < store_size + sizeof( world->clock ) )
     {
@@ -445,6 +449,7 @@ wisp_status wisp_world_restore( wisp_world* world, const void* bytes, size_t siz
 {
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_pointer( world, "bytes", bytes ) );
+    WISP_TRY( compile_if_changed( world ) );
     step_clock clock = { 0 };
     const size_t store_size = size > sizeof( clock ) ? size - sizeof( clock ) : 0;
     if ( store_size > 0 )

@@ -110,6 +110,7 @@ def write_files(page, text, commands, folder):
 def host_of_embedding():
     pieces, heading, last = {}, "", -1
     text = open(f"{source}/docs/embedding.md", encoding="utf-8").read()
+    text = re.sub(r"(?ms)^```.*?^```$", "", text) # programs of their own
     for number, line in enumerate(text.split("\n")):
         if line.startswith("#"):
             heading, count = line.lstrip("# "), 0

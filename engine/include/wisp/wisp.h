@@ -362,8 +362,8 @@ WISP_API uint64_t wisp_world_hash( const wisp_world* world );
 WISP_API wisp_status wisp_world_hash_column( wisp_world* world, wisp_entity entity, wisp_component component,
                                              uint64_t* out );
 
-/// @return bytes that wisp_world_snapshot() writes now
-WISP_API size_t wisp_world_snapshot_size( const wisp_world* world );
+/// @return bytes that wisp_world_snapshot() writes now; 0 if the plan cannot be compiled, which it is first
+WISP_API size_t wisp_world_snapshot_size( wisp_world* world );
 /// Write all columns of all entities, except those that have no meaning between steps.
 /// @param size of `out`
 /// @return WISP_BAD_INPUT `out` has fewer bytes than wisp_world_snapshot_size(), and stays as it is
