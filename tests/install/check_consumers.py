@@ -4,8 +4,8 @@
 usage: check_consumers.py installed|sources SOURCE_TREE BUILD_FOLDER HOST COMPILER...
 
 installed: the library that meson installs, through pkg-config, CMake and meson.
-sources: what CMake builds and installs, and Wisp as a part of projects of CMake and meson, without optimisation. Each of these
-builds the whole library, which takes minutes without ccache.
+sources: what CMake builds and installs, and Wisp as a part of projects of CMake and meson. Each of these builds the whole library,
+which takes minutes; without optimisation where nothing is cached.
 
 The project files are the pieces of docs/embedding.md, under "Build and link".
 """
@@ -19,6 +19,7 @@ import tempfile
 mode, source, build, host = sys.argv[1], *(os.path.abspath(path) for path in sys.argv[2:5])
 compiler = sys.argv[5:]
 JOBS = os.environ.get("JOBS") or "2"
+LAUNCHER = ["-DCMAKE_C_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
 results = {}
 
 
@@ -66,8 +67,7 @@ def project(folder, name, file, text, language="C"):
 
 
 def cmake_build(path, *options):
-    launcher = ["-DCMAKE_C_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-    run(["cmake", "-S", path, "-B", f"{path}/build"] + launcher + list(options), path)
+    run(["cmake", "-S", path, "-B", f"{path}/build"] + LAUNCHER + list(options), path)
     run(["cmake", "--build", f"{path}/build", "-j", JOBS], path)
 
 
@@ -114,8 +114,7 @@ def installed(folder):
 def sources(folder):
     # A library that CMake builds, in the folders of its own choice.
     path = f"{folder}/cmake"
-    launcher = ["-DCMAKE_C_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-    run(["cmake", "-S", source, "-B", path, f"-DCMAKE_INSTALL_PREFIX={folder}/root"] + launcher, folder)
+    run(["cmake", "-S", source, "-B", path, f"-DCMAKE_INSTALL_PREFIX={folder}/root"] + LAUNCHER, folder)
     run(["cmake", "--build", path, "-j", JOBS], folder)
     run(["cmake", "--install", path], folder)
     names = []
@@ -130,14 +129,14 @@ def sources(folder):
     expect("CMake's library, pkg-config", f"{host_folder}/host")
     cmake_with_installed(folder, "CMake's library", f"{folder}/root")
 
-    # As a part of other projects.
-    unoptimised = ["-DCMAKE_BUILD_TYPE=None", "-DCMAKE_C_FLAGS=-O0"]
+    # As a part of other projects. With ccache they share the objects of above; without, no optimisation is faster.
+    options = [f"-DFETCHCONTENT_SOURCE_DIR_WISP={source}"]
+    options += ["-DCMAKE_BUILD_TYPE=Release"] if LAUNCHER else ["-DCMAKE_BUILD_TYPE=None", "-DCMAKE_C_FLAGS=-O0"]
     fetch = pieces()[1]
-    added = fetch[fetch.index("add_executable"):]
-    for name, text in (("FetchContent", fetch), ("add_subdirectory", "add_subdirectory(wisp)\n" + added.replace("wisp::wisp_static", "wisp::wisp"))):
+    added = fetch[fetch.index("add_executable"):].replace("wisp::wisp_static", "wisp::wisp")
+    for name, text in (("FetchContent", fetch), ("add_subdirectory", f'add_subdirectory("{source}" wisp)\n{added}')):
         path = project(folder, name, "CMakeLists.txt", text)
-        os.symlink(source, f"{path}/wisp")
-        cmake_build(path, *unoptimised)
+        cmake_build(path, *options)
         expect(name, f"{path}/build/host")
     path = project(folder, "subproject", "meson.build", pieces()[2])
     os.makedirs(f"{path}/subprojects/packagefiles")
