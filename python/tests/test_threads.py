@@ -149,40 +149,36 @@ def test_an_interrupt_ends_a_run_between_two_steps(large):
 
 def test_interrupts_at_any_place_leave_a_world_that_goes_on(sheet):
     """Hundreds of interrupts, most of them in Python's own code around a short call."""
-    interrupts, stop = 0, threading.Event()
+    count, inside = 0, False
 
-    def interrupt():
-        while not stop.wait(0.002):
-            os.kill(os.getpid(), signal.SIGINT)
+    def interrupt(number, frame):
+        nonlocal count, inside
+        if inside:  # one for each round
+            inside = False
+            count += 1
+            raise KeyboardInterrupt
 
-    with sheet.create_world(workers=1) as world:
-        thread = threading.Thread(target=interrupt)
-        thread.start()
-        try:
-            deadline = time.monotonic() + 10
-            while interrupts < 300 and time.monotonic() < deadline:
+    before = signal.signal(signal.SIGALRM, interrupt)
+    signal.setitimer(signal.ITIMER_REAL, 0.002, 0.002)
+    deadline = time.monotonic() + 20
+    try:
+        with sheet.create_world(workers=1) as world:
+            while count < 300 and time.monotonic() < deadline:
                 try:
+                    inside = True
                     while True:
                         world.hash()
                         world.points("sheet")
                         world.set_gravity([0, -9.8, 0])
                         world.step()
                 except KeyboardInterrupt:
-                    interrupts += 1
-        finally:
-            while thread.is_alive():
-                try:
-                    stop.set()
-                    thread.join()
-                except KeyboardInterrupt:
                     pass
-        try:
-            time.sleep(0.01)
-        except KeyboardInterrupt:
-            pass
-        count = world.step_count
-        world.step()
-        assert interrupts >= 50 and world.step_count == count + 1
+            steps = world.step_count
+            world.step()
+            assert count >= 50 and world.step_count == steps + 1
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def test_an_interrupt_ends_a_search(sheet):

@@ -85,6 +85,7 @@ class World:
                     failure = failure or error
             self._handle = None
         finally:
+            self._in_call = False
             self._leave()
         if failure is not None:
             raise failure
@@ -108,8 +109,8 @@ class World:
 
     # ---- calls ----
 
-    # An interrupt from the keyboard may come between any two calls of Python. If it comes between _enter() and `try`, the world is left
-    # to this thread, which may go on; a lock would be left taken for ever.
+    # An interrupt from the keyboard may come at any call of Python, and at no assignment. After one the world may be left to this thread,
+    # which may go on; a lock would be left taken for ever. So _in_call is false before anything else is called.
     def _enter(self) -> Any:
         """Take the world for a call, which the caller ends with _leave()."""
         thread = threading.get_ident()
@@ -123,7 +124,6 @@ class World:
         return handle
 
     def _leave(self) -> None:
-        self._in_call = False
         self._owner.clear()
 
     def _call(self, function: Any, *arguments: Any) -> None:
@@ -133,6 +133,7 @@ class World:
         try:
             status = function(handle, *arguments, error)
         finally:
+            self._in_call = False
             self._leave()
         raise_kept()
         check(status, error)
@@ -143,6 +144,7 @@ class World:
         try:
             return function(handle, *arguments)
         finally:
+            self._in_call = False
             self._leave()
 
     def body(self, name: BodyOrName) -> Body:
@@ -165,6 +167,7 @@ class World:
                 if status == lib.WISP_OK:
                     status = recorder._frame(error)
         finally:
+            self._in_call = False
             self._leave()
         raise_kept()
         check(status, error)
@@ -256,6 +259,7 @@ class World:
                 status = lib.binding_value_copy(handle, own.index, value, ffi.from_buffer("float[]", array), error)
                 array.flags.writeable = False
         finally:
+            self._in_call = False
             self._leave()
         check(status, error)
         result: Floats = array
@@ -305,6 +309,7 @@ class World:
             array: Integers = view(handle, function(handle, body.index), shape, "<i4")
             return array
         finally:
+            self._in_call = False
             self._leave()
 
     def motion_stats(self, body: BodyOrName) -> MotionStats:
@@ -343,6 +348,7 @@ class World:
                 for line in range(lib.binding_profile_count(handle))
             ]
         finally:
+            self._in_call = False
             self._leave()
 
     def counters(self) -> Dict[str, int]:
@@ -351,6 +357,7 @@ class World:
         try:
             counts = {text(lib.binding_counter_name(k)): lib.binding_counter(handle, k) for k in range(lib.binding_counter_count())}
         finally:
+            self._in_call = False
             self._leave()
         return {name: count for name, count in counts.items() if count > 0}
 
@@ -368,6 +375,7 @@ class World:
             lib.binding_memory_parts(handle, parts, count)
             return [MemoryPart(text(p.name), _MEMORY_KINDS.get(p.kind, "other"), p.bytes, p.capacity) for p in parts]
         finally:
+            self._in_call = False
             self._leave()
 
     # ---- input, from the next step on ----
@@ -485,6 +493,7 @@ class World:
             if status == lib.WISP_OK:
                 status = lib.binding_snapshot(handle, ffi.from_buffer(buffer), len(buffer), error)
         finally:
+            self._in_call = False
             self._leave()
         check(status, error)
         return bytes(buffer)
@@ -537,6 +546,7 @@ class Recorder:
                 if status != lib.WISP_OK:
                     world._recorders.remove(self)
         finally:
+            world._in_call = False
             world._leave()
         check(status, error)
         return self
@@ -573,6 +583,7 @@ class Recorder:
         try:
             self._finish()
         finally:
+            world._in_call = False
             world._leave()
 
     def __enter__(self) -> Recorder:
