@@ -20,11 +20,11 @@ typedef struct wisp_plate wisp_plate;
 /// @param row_count rows, a multiple of 8
 /// @param with_turns also the energy of angles; the fabric must have hinges
 /// @param out receives the plate without coefficients, null on failure
-wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_row, int row_count, bool with_turns,
-                               const wisp_allocator* allocator, wisp_plate** out );
-void wisp_plate_release( wisp_plate* plate, const wisp_allocator* allocator );
+WISP_API wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_row, int row_count,
+                                        bool with_turns, const wisp_allocator* allocator, wisp_plate** out );
+WISP_API void wisp_plate_release( wisp_plate* plate, const wisp_allocator* allocator );
 /// @return bytes that it holds; 0 of null
-size_t wisp_plate_bytes( const wisp_plate* plate );
+WISP_API size_t wisp_plate_bytes( const wisp_plate* plate );
 
 /// Compute the coefficients if that is due: the first time, where other vertices are pinned than before, and where max_rate
 /// changes what is scaled down. A triangle between three pins is rigid, so the plate is clamped at the edge of those triangles.
@@ -32,13 +32,13 @@ size_t wisp_plate_bytes( const wisp_plate* plate );
 /// @param max_rate 1/(kg m^2), > 0: where the share of a triangle in the largest eigenvalue of W Q could exceed this, its energy
 ///        is scaled down to it
 /// @return number of triangles that are scaled down
-int wisp_plate_update( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate );
+WISP_API int wisp_plate_update( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate );
 
 /// @return the matrix; the pointers stay valid as long as the plate
-wisp_plate_rows wisp_plate_get_rows( const wisp_plate* plate );
+WISP_API wisp_plate_rows wisp_plate_get_rows( const wisp_plate* plate );
 /// @return the matrix over angles, of a plate that was created with it
-wisp_plate_turns wisp_plate_get_turns( const wisp_plate* plate );
+WISP_API wisp_plate_turns wisp_plate_get_turns( const wisp_plate* plate );
 /// @return 1/(kg m^2), an upper bound of the eigenvalues of W Q, W the inverse masses at the last fill
-float wisp_plate_max_rate( const wisp_plate* plate );
+WISP_API float wisp_plate_max_rate( const wisp_plate* plate );
 
 WISP_END_C
