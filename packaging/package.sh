@@ -57,7 +57,7 @@ package_sources()
     printf 'wisp (%s) bookworm; urgency=medium\n\n  * See CHANGES.md.\n\n -- The Wisp authors <wisp@localhost>  %s\n' \
         "$version" "$(date -R -u -d "@$package_epoch")" >"$1/debian/changelog"
     rm "$1/debian/control.in" "$1/debian/try.sh"
-    find "$1" -newermt "@$package_epoch" -exec touch -h -d "@$package_epoch" {} +
+    find "$1" -exec touch -h -d "@$package_epoch" {} +
 }
 
 # package_build NAME PLACE : build the packages at PLACE of a clean system, and print the folder that has them
