@@ -102,10 +102,13 @@ static wisp_status dress( wisp_world* world, const wisp_create_cloth_def* def, c
 
 wisp_status wisp_create_cloth( wisp_world* world, const wisp_create_cloth_def* given, wisp_entity* out )
 {
+    if ( out != NULL )
+    {
+        *out = ( wisp_entity ){ 0, 0 };
+    }
     wisp_create_cloth_def def = wisp_default_create_cloth_def();
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_create_cloth_def", &def, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_entity ){ 0, 0 };
     wisp_cloth_def material = wisp_default_cloth_def();
     if ( def.material != NULL )
     {
@@ -141,6 +144,10 @@ static wisp_status animate( wisp_world* world, const wisp_create_hair_def* def, 
 
 wisp_status wisp_create_hair( wisp_world* world, const wisp_create_hair_def* given, wisp_entity* out )
 {
+    if ( out != NULL )
+    {
+        *out = ( wisp_entity ){ 0, 0 };
+    }
     wisp_create_hair_def def = wisp_default_create_hair_def();
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_create_hair_def", &def, given ) );
     wisp_strands_def strands = wisp_default_strands_def();

@@ -103,6 +103,7 @@ class fabric
     fabric() noexcept = default;
     fabric( const wisp_fabric_def& def, wisp_error& error ) noexcept
     {
+        error = wisp_error{};
         wisp_fabric_cook( &def, nullptr, &handle_, &error );
     }
     fabric( const fabric& other ) noexcept : handle_( other.handle_ )
@@ -144,10 +145,12 @@ class world
   public:
     explicit world( wisp_error& error ) noexcept
     {
+        error = wisp_error{};
         wisp_create_world( &handle_, &error );
     }
     world( const wisp_world_def& def, wisp_error& error ) noexcept
     {
+        error = wisp_error{};
         wisp_world_create( &def, &handle_, &error );
     }
     world( const world& ) = delete;
@@ -158,9 +161,10 @@ class world
     }
     world& operator=( world&& other ) noexcept
     {
+        world next( static_cast<world&&>( other ) ); // the old world ends with it
         wisp_world* const mine = handle_;
-        handle_ = other.handle_;
-        other.handle_ = mine;
+        handle_ = next.handle_;
+        next.handle_ = mine;
         return *this;
     }
     ~world()
@@ -324,8 +328,8 @@ class world
     /// Points of a surface, or of strands.
     span<const wisp_vec3> points( wisp_entity entity ) noexcept
     {
-        const span<const wisp_vec3> surface = view<wisp_vec3>( entity, WISP_SURFACE_POINTS );
-        return surface.data() != nullptr ? surface : view<wisp_vec3>( entity, WISP_STRAND_POINTS );
+        return view<wisp_vec3>( entity,
+                                wisp_has_strands( handle_, entity ) ? WISP_STRAND_POINTS : WISP_SURFACE_POINTS );
     }
     span<const wisp_vec3> normals( wisp_entity entity ) noexcept
     {

@@ -12,10 +12,10 @@ package_system()
 {
     local root="$here/$package_folder/$1" tar="$here/$package_folder/bookworm.tar"
     package_unmount "$1"
-    as_root rm -rf "$root"
+    as_root rm -rf --one-file-system "$root"
     if [ ! -f "$tar" ]; then
         say "downloading a clean system of Debian 12"
-        as_root mmdebstrap --quiet --variant=minbase --include=ca-certificates bookworm "$tar.part" "${WISP_DEBIAN_MIRROR:-http://deb.debian.org/debian}"
+        as_root mmdebstrap --quiet --format=tar --variant=minbase --include=ca-certificates bookworm "$tar.part" "${WISP_DEBIAN_MIRROR:-http://deb.debian.org/debian}"
         as_root mv "$tar.part" "$tar"
     fi
     mkdir -p "$root"
@@ -49,8 +49,9 @@ package_sources()
     version=$(sed -n "s/^  version : '\(.*\)',$/\1/p" "$here/meson.build")
     soversion=${version%.*}
     [ "${version%%.*}" = 0 ] || soversion=${version%%.*}
+    rm -rf "$1"
     mkdir -p "$1"
-    git -C "$here" ls-files -z | tar -C "$here" --null --files-from=- -c | tar -C "$1" -x
+    git -C "$here" ls-files -z | (cd "$here" && xargs -0 ls -d 2>/dev/null || true) | tar -C "$here" --files-from=- -c | tar -C "$1" -x
     cp -r "$here/packaging/debian" "$1/debian"
     sed "s/@SOVERSION@/$soversion/g" "$here/packaging/debian/control.in" >"$1/debian/control"
     mv "$1/debian/libwisp.install" "$1/debian/libwisp$soversion.install"
@@ -90,10 +91,17 @@ package_try()
 
 command_package()
 {
+    case ${1:-} in
+        '' | --twice) ;;
+        *) say "package takes --twice or nothing, got '$1'" >&2 && exit 64 ;;
+    esac
     need "$packages_package"
     package_epoch=$(git -C "$here" log -1 --format=%ct)
     mkdir -p "$here/$package_folder/debs"
-    trap 'package_unmount build; package_unmount again; package_unmount try' EXIT
+    # Two runs would share their folders.
+    exec 9>"$here/$package_folder/lock"
+    flock -n 9 || fail "another ./dev package is running"
+    trap 'for system in build again try; do package_unmount "$system" || :; done' EXIT
     package_build build /build
     rm -f "$here/$package_folder"/debs/*
     cp "$here/$package_folder"/build/build/*.deb "$here/$package_folder/debs/"

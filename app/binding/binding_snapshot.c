@@ -74,38 +74,6 @@ static bool is_place( const binding_world* w, const snapshot_place* place )
            place->next_event >= 0 && place->next_event <= w->scene.event_count;
 }
 
-// The rotation that follows `a` to give `b`: exactly none if they are equal.
-static wisp_quat turn_between( wisp_quat a, wisp_quat b )
-{
-    if ( memcmp( &a, &b, sizeof a ) == 0 )
-    {
-        return ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f };
-    }
-    return (
-        wisp_quat ){ -b.w * a.x + b.x * a.w - b.y * a.z + b.z * a.y, -b.w * a.y + b.x * a.z + b.y * a.w - b.z * a.x,
-                     -b.w * a.z - b.x * a.y + b.y * a.x + b.z * a.w, b.w * a.w + b.x * a.x + b.y * a.y + b.z * a.z };
-}
-
-// Colliders are no part of the world's own bytes. Without a teleport the next step would sweep from where they are now.
-static void restore_collider( binding_world* w, int collider, wisp_transform pose )
-{
-    scene_world_collider* c = &w->world.colliders[collider];
-    if ( memcmp( &c->pose, &pose, sizeof pose ) == 0 )
-    {
-        return;
-    }
-    const wisp_transform turn =
-        wisp_transform_make( turn_between( c->pose.rotation, pose.rotation ), ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
-    const wisp_vec3 origin = wisp_transform_to_world( turn, c->pose.translation );
-    const wisp_transform motion = {
-        turn.rotation, { pose.translation.x - origin.x, pose.translation.y - origin.y, pose.translation.z - origin.z }
-    };
-    if ( wisp_teleport( w->world.world, c->entity, motion, true ) == WISP_OK )
-    {
-        c->pose = pose;
-    }
-}
-
 wisp_status binding_restore( binding_world* w, const void* bytes, size_t size, wisp_error* error )
 {
     const size_t front = front_size( w );
@@ -144,9 +112,8 @@ wisp_status binding_restore( binding_world* w, const void* bytes, size_t size, w
     }
     for ( int i = 0; i < w->scene.collider_count; ++i )
     {
-        wisp_transform pose;
-        at = take( at, &pose, sizeof pose );
-        restore_collider( w, i, pose );
+        at = take( at, &w->world.colliders[i].pose,
+                   sizeof( wisp_transform ) ); // the world's bytes have moved the collider itself
     }
     w->world.next_step = place.next_step;
     w->world.next_command = place.next_command;

@@ -370,11 +370,14 @@ static wisp_status load( const unsigned char* bytes, size_t size, cook_fabric* c
 wisp_status wisp_fabric_load( const void* bytes, size_t size, const wisp_allocator* allocator, wisp_fabric** out,
                               wisp_error* error )
 {
+    if ( out != NULL )
+    {
+        *out = NULL;
+    }
     if ( out == NULL || bytes == NULL )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: got null", out == NULL ? "out" : "bytes" );
     }
-    *out = NULL;
     wisp_status status = check_head( bytes, size, error );
     if ( status != WISP_OK )
     {

@@ -5,6 +5,10 @@
 
 void wisp_plan_info_text( const wisp_plan_info* report, char* out, size_t size )
 {
+    if ( report == NULL || out == NULL )
+    {
+        return;
+    }
     snprintf( out, size, "plan %016llx: %d passes in %d nodes and %d waves, %s", (unsigned long long)report->hash,
               report->active_count, report->node_count, report->wave_count,
               report->has_substep_loop ? "with a substep loop" : "no substep loop" );
@@ -12,6 +16,10 @@ void wisp_plan_info_text( const wisp_plan_info* report, char* out, size_t size )
 
 void wisp_plan_pass_text( const wisp_plan_pass* pass, char* out, size_t size )
 {
+    if ( pass == NULL || out == NULL )
+    {
+        return;
+    }
     if ( pass->state == WISP_PLAN_ACTIVE )
     {
         const bool is_joined = pass->fusion != NULL;

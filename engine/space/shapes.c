@@ -21,6 +21,10 @@ static bool is_size( float size )
 // Returns the name of the first invalid size, or null.
 static const char* size_fault( const wisp_shape* shape )
 {
+    if ( shape == NULL )
+    {
+        return "shape";
+    }
     const wisp_vec3 h = shape->half_extent;
     switch ( shape->kind )
     {
@@ -43,6 +47,10 @@ wisp_status wisp_shape_check( const wisp_shape* shape, wisp_error* error )
     if ( fault == NULL )
     {
         return WISP_OK;
+    }
+    if ( shape == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "shape: got null" );
     }
     if ( (unsigned)shape->kind >= (unsigned)WISP_COUNT( names ) )
     {
@@ -134,6 +142,10 @@ static void closest_to( const wisp_shape* shape, double3 p, wisp_surface_point* 
 
 bool wisp_shape_closest( const wisp_shape* shape, wisp_vec3 p, wisp_surface_point* surface )
 {
+    if ( surface == NULL )
+    {
+        return false;
+    }
     if ( !is_finite( p ) || size_fault( shape ) != NULL )
     {
         *surface = ( wisp_surface_point ){ .normal = { 0.0f, 1.0f, 0.0f }, .distance = INFINITY };
@@ -237,6 +249,10 @@ static double enter_time( const wisp_shape* shape, double3 from, double3 step, i
 
 bool wisp_shape_cast( const wisp_shape* shape, wisp_vec3 from, wisp_vec3 to, wisp_shape_hit* hit )
 {
+    if ( hit == NULL )
+    {
+        return false;
+    }
     *hit = ( wisp_shape_hit ){ .normal = { 0.0f, 1.0f, 0.0f } };
     wisp_surface_point first, last;
     if ( !wisp_shape_closest( shape, from, &first ) || !wisp_shape_closest( shape, to, &last ) ||

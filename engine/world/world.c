@@ -179,11 +179,18 @@ static wisp_status compile_if_changed( wisp_world* world )
     {
         return WISP_OK;
     }
-    world->plan_is_stale = false;
+    const bool has_other_rows = world->plan.structure != world->store.structure;
     wisp_error error = { 0 };
     wisp_status status = plan_compile( &world->plan, &world->registry, &error );
     wisp_frame_count( &world->frame, WISP_COUNT_PLANS, 1 );
-    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
+    if ( status != WISP_OK )
+    {
+        world->plan_is_stale = true;
+        return wisp_world_fail( world, status, "%s", error.message );
+    }
+    world->plan_is_stale = false;
+    world->plan_is_new = world->plan_is_new || has_other_rows;
+    return WISP_OK;
 }
 
 static void drive( void* context )
@@ -254,12 +261,7 @@ static wisp_status step( wisp_world* world, float seconds )
         return wisp_world_fail( world, WISP_BAD_INPUT, "step: got %g s, expected a number above 0 and below 1e6",
                                 (double)seconds );
     }
-    const bool is_new_plan = world->plan.structure != world->store.structure;
-    wisp_status status = compile_if_changed( world );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( compile_if_changed( world ) );
     world->blend.is_shown = false;
     double begin = wisp_clock_seconds();
     wisp_frame* frame = &world->frame;
@@ -267,7 +269,8 @@ static wisp_status step( wisp_world* world, float seconds )
     atomic_store( &frame->failed, false );
     atomic_flag_clear( &frame->halting );
     frame->halted_message[0] = '\0';
-    cut_step( world, seconds, is_new_plan );
+    cut_step( world, seconds, world->plan_is_new );
+    world->plan_is_new = false;
     if ( world->plan.node_count > 0 )
     {
         warn_without_threads( world, jobs_enter( world->pool, drive, frame ) );
@@ -295,6 +298,7 @@ wisp_status wisp_world_step( wisp_world* world, float seconds )
     {
         return WISP_CONFLICT; // another thread was first
     }
+    world->error.message[0] = '\0'; // of a call that ended meanwhile
     const wisp_status status = step( world, seconds );
     atomic_store( &world->is_stepping, false );
     return status;
@@ -398,7 +402,7 @@ wisp_status wisp_world_plan( wisp_world* world, void ( *write )( void* user, con
 {
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_pointer( world, "write", (const void*)(uintptr_t)write ) );
-    wisp_plan_info* report;
+    wisp_plan_info* report = NULL;
     wisp_status status = wisp_world_explain( world, &report );
     if ( status == WISP_OK )
     {

@@ -43,6 +43,7 @@ struct wisp_world
     wisp_registry registry;
     plan plan;
     bool plan_is_stale; // although entities and components are those of the plan
+    bool plan_is_new;   // no step was made with it
     jobs_pool* pool;
     wisp_frame frame;
     step_clock clock;

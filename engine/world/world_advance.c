@@ -32,7 +32,12 @@ wisp_status wisp_world_advance( wisp_world* world, float seconds, float dt, wisp
             before_step( user, world );
         }
         // Compiling first keeps the layout of the kept points.
-        if ( i + 1 == steps && wisp_world_plan_passes( world ) >= 0 && world_keep_points( world ) == false )
+        const bool is_last = i + 1 == steps;
+        if ( is_last && wisp_world_plan_passes( world ) < 0 )
+        {
+            return world->error.status;
+        }
+        if ( is_last && world_keep_points( world ) == false )
         {
             return wisp_world_fail( world, WISP_NO_MEMORY, "advance: out of memory for the points of a step" );
         }

@@ -136,6 +136,12 @@ bool wisp_is_alive( const wisp_world* world, wisp_entity entity )
     return world != NULL && store_find( &world->store, entity ) != NULL;
 }
 
+bool wisp_has_strands( const wisp_world* world, wisp_entity entity )
+{
+    const store_entity* e = world != NULL ? store_find( &world->store, entity ) : NULL;
+    return e != NULL && e->strands != NULL;
+}
+
 wisp_status wisp_set_substeps( wisp_world* world, wisp_entity entity, int substeps )
 {
     WISP_TRY( wisp_world_begin( world ) );
@@ -379,8 +385,9 @@ static wisp_status user_rows( const wisp_world* world, wisp_entity entity, wisp_
 wisp_status wisp_world_view( wisp_world* world, wisp_entity entity, wisp_component component, wisp_view* out )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, entity ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    *out = ( wisp_view ){ 0 };
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
     wisp_error error = { 0 };
     wisp_status status = user_rows( world, entity, component, out, &error );
     if ( status != WISP_OK )
@@ -395,8 +402,9 @@ wisp_status wisp_world_view( wisp_world* world, wisp_entity entity, wisp_compone
 wisp_status wisp_world_hash_column( wisp_world* world, wisp_entity entity, wisp_component component, uint64_t* out )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, entity ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    *out = 0;
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
     wisp_view view;
     wisp_error error = { 0 };
     wisp_status status = user_rows( world, entity, component, &view, &error );

@@ -143,11 +143,14 @@ static size_t row_bytes( const wisp_strand_topology* t )
 
 wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* given, wisp_entity* out )
 {
+    if ( out != NULL )
+    {
+        *out = ( wisp_entity ){ 0, 0 };
+    }
     wisp_strands_def values = wisp_default_strands_def();
     const wisp_strands_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_strands_def", &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_entity ){ 0, 0 };
     wisp_status status = check_strands( world, def );
     if ( status != WISP_OK )
     {
@@ -192,9 +195,12 @@ static wisp_status add_strands_instance( wisp_world* world, wisp_entity source, 
 
 wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, const wisp_transform* pose, wisp_entity* out )
 {
+    if ( out != NULL )
+    {
+        *out = ( wisp_entity ){ 0, 0 };
+    }
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_entity ){ 0, 0 };
     WISP_TRY( wisp_world_check_entity( world, source ) );
     const store_entity* from = store_find( &world->store, source );
     if ( from->fabric == NULL && from->strands == NULL )

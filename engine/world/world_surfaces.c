@@ -176,11 +176,14 @@ static int fill_particles( wisp_world* world, wisp_entity entity, const wisp_sur
 
 wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* given, wisp_entity* out )
 {
+    if ( out != NULL )
+    {
+        *out = ( wisp_entity ){ 0, 0 };
+    }
     wisp_surface_def values = wisp_default_surface_def();
     const wisp_surface_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_surface_def", &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_entity ){ 0, 0 };
     wisp_status status = check_surface( world, def );
     status = status == WISP_OK ? add_entity( world, def, out ) : status;
     if ( status != WISP_OK )

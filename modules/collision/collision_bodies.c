@@ -262,11 +262,14 @@ static wisp_status append_body( wisp_world* world, collision_state* state, const
 
 wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* given, wisp_entity* out )
 {
+    if ( out != NULL )
+    {
+        *out = ( wisp_entity ){ 0, 0 };
+    }
     wisp_collider_def values = wisp_default_collider_def();
     const wisp_collider_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_collider_def", &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_entity ){ 0, 0 };
     collision_state* state;
     wisp_status status = collision_find_state( world, &state );
     status = status == WISP_OK ? check_sizes( world, def ) : status;

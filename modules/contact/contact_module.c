@@ -290,6 +290,7 @@ wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out 
 {
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    *out = ( wisp_contact_stats ){ 0 };
     contact_state* state;
     const wisp_contact_stats* stats;
     const wisp_status status = find_stats( world, &state, &stats );
@@ -306,8 +307,9 @@ wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out 
 wisp_status wisp_read_contact_impulse( wisp_world* world, wisp_entity participant, double out[3] )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, participant ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    out[0] = out[1] = out[2] = 0.0;
+    WISP_TRY( wisp_world_check_entity( world, participant ) );
     contact_state* state;
     const wisp_contact_stats* stats;
     const wisp_status status = find_stats( world, &state, &stats );

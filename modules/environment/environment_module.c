@@ -65,11 +65,20 @@ static float curve_at( const wisp_environment_def* d, float ice )
     return k < lower ? lower : ( k > upper ? upper : k );
 }
 
-float wisp_environment_stiffness( const wisp_environment_def* def, float temperature, float wetness )
+static float stiffness_at( const wisp_environment_def* def, float temperature, float wetness )
 {
     float t = ( def->freezing_celsius - temperature ) / def->span;
     t = t < 0.0f ? 0.0f : ( t > 1.0f ? 1.0f : t );
     return curve_at( def, wetness * ( t * t * ( 3.0f - 2.0f * t ) ) );
+}
+
+float wisp_environment_stiffness( const wisp_environment_def* given, float temperature, float wetness )
+{
+    wisp_environment_def def = wisp_default_environment_def();
+    const bool is_read = wisp_def_read( &def, given, "wisp_default_environment_def", NULL ) == WISP_OK;
+    const bool is_usable =
+        is_read && def.span > 0.0f && def.point_count >= 2 && def.point_count <= WISP_COUNT( def.ice );
+    return is_usable ? stiffness_at( &def, temperature, wetness ) : 0.0f;
 }
 
 // ---- the pass ----
@@ -80,7 +89,7 @@ static void drive_stiffness( wisp_frame* frame, const wisp_span* span, void* use
     const wisp_environment_def* d = wisp_frame_column( frame, span->entity, state->settings, 0 );
     float* stretch = wisp_frame_column( frame, span->entity, WISP_STRAND_STIFFNESS, 0 );
     float* bend = wisp_frame_column( frame, span->entity, WISP_STRAND_STIFFNESS, 1 );
-    float k = wisp_environment_stiffness( d, d->temperature_celsius, d->wetness );
+    float k = stiffness_at( d, d->temperature_celsius, d->wetness );
     for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
     {
         stretch[i] = bend[i] = k;
@@ -118,7 +127,7 @@ static wisp_status check_curve( wisp_world* world, const wisp_environment_def* d
 {
     if ( d->point_count < 2 || d->point_count > WISP_ENVIRONMENT_MAX_POINTS )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "climate: curve: got %d points, expected 2 to %d",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "environment: curve: got %d points, expected 2 to %d",
                                 d->point_count, WISP_ENVIRONMENT_MAX_POINTS );
     }
     for ( int i = 0; i < d->point_count; ++i )
@@ -126,15 +135,16 @@ static wisp_status check_curve( wisp_world* world, const wisp_environment_def* d
         if ( !( d->stiffness[i] >= 1e-3f && d->stiffness[i] <= 1e12f ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "climate: stiffness of curve point %d: got %g, expected 0.001 to 1e12", i,
+                                    "environment: stiffness of curve point %d: got %g, expected 0.001 to 1e12", i,
                                     (double)d->stiffness[i] );
         }
         bool rises = i == 0 ? d->ice[0] == 0.0f : d->ice[i] > d->ice[i - 1];
         if ( rises == false || ( i == d->point_count - 1 && d->ice[i] != 1.0f ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "climate: ice of curve point %d: got %g, expected ascending values from 0 to 1",
-                                    i, (double)d->ice[i] );
+            return wisp_world_fail(
+                world, WISP_BAD_INPUT,
+                "environment: ice of curve point %d: got %g, expected ascending values from 0 to 1", i,
+                (double)d->ice[i] );
         }
     }
     float direction = 0.0f; // of the first segment that is not level
@@ -145,7 +155,7 @@ static wisp_status check_curve( wisp_world* world, const wisp_environment_def* d
         if ( ( change < 0.0f && direction > 0.0f ) || ( change > 0.0f && direction < 0.0f ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "climate: stiffness of curve point %d: expected a monotone curve", i + 1 );
+                                    "environment: stiffness of curve point %d: expected a monotone curve", i + 1 );
         }
     }
     return WISP_OK;
@@ -176,7 +186,7 @@ wisp_status wisp_set_environment( wisp_world* world, wisp_entity strands, const 
     const environment_state* state = wisp_world_module_state( world, "environment" );
     if ( state == NULL )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "module climate: not registered in this world" );
+        return wisp_world_fail( world, WISP_CONFLICT, "module environment: not registered in this world" );
     }
     wisp_status status = check_def( world, def );
     bool had = wisp_world_has( world, strands, state->settings );

@@ -330,12 +330,12 @@ wisp_status wisp_replay_frozen_hair( wisp_world* world, wisp_entity strands, wis
 wisp_status wisp_read_frozen_hair_stats( wisp_world* world, wisp_entity strands, wisp_frozen_hair_stats* out )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    *out = ( wisp_frozen_hair_stats ){ 0 };
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
     frozen_settings* settings;
     wisp_status status = find_settings( world, strands, &settings );
     const frozen_state* s = wisp_world_module_state( world, "frozen_hair" );
-    *out = ( wisp_frozen_hair_stats ){ 0 };
     if ( status == WISP_OK )
     {
         const wisp_frozen_hair_stats* report = wisp_world_column( world, strands, s->report, 0 );

@@ -340,12 +340,15 @@ static wisp_status watch_source( wisp_world* world, const guide_state* s, wisp_e
 
 wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* given, wisp_entity* out )
 {
+    if ( out != NULL )
+    {
+        *out = ( wisp_entity ){ 0, 0 };
+    }
     wisp_curves_def values = wisp_default_curves_def();
     const wisp_curves_def* def = &values;
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_curves_def", &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
-    *out = ( wisp_entity ){ 0, 0 };
     wisp_status status = check( world, s, def );
     if ( status != WISP_OK )
     {

@@ -248,8 +248,9 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
 wisp_status wisp_read_ghosts_stats( wisp_world* world, wisp_entity ghosts, wisp_ghosts_stats* out )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, ghosts ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    *out = ( wisp_ghosts_stats ){ 0 };
+    WISP_TRY( wisp_world_check_entity( world, ghosts ) );
     const guide_follower* follower;
     const wisp_status status = guide_find_ghosts( world, ghosts, &follower );
     *out = status == WISP_OK ? follower->report : ( wisp_ghosts_stats ){ 0 };

@@ -24,7 +24,7 @@ void wisp_init_strand_appearance_def( wisp_strand_appearance_def* def, size_t si
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
-void wisp_strand_appearance_at( const wisp_strand_appearance_def* def, float t, float* width, wisp_vec3* colour )
+static void appearance_at( const wisp_strand_appearance_def* def, float t, float* width, wisp_vec3* colour )
 {
     if ( width != NULL )
     {
@@ -36,6 +36,13 @@ void wisp_strand_appearance_at( const wisp_strand_appearance_def* def, float t, 
         const float w = t / ( ( 1.0f / def->colour_bias - 2.0f ) * ( 1.0f - t ) + 1.0f );
         *colour = ( wisp_vec3 ){ a.x + w * ( b.x - a.x ), a.y + w * ( b.y - a.y ), a.z + w * ( b.z - a.z ) };
     }
+}
+
+void wisp_strand_appearance_at( const wisp_strand_appearance_def* given, float t, float* width, wisp_vec3* colour )
+{
+    wisp_strand_appearance_def def = wisp_default_strand_appearance_def();
+    (void)wisp_def_read( &def, given, "wisp_default_strand_appearance_def", NULL ); // else the defaults
+    appearance_at( &def, t, width, colour );
 }
 
 // t from root 0 to tip 1; a strand of one vertex is all root.
@@ -54,8 +61,7 @@ static void paint_width( wisp_frame* frame, const wisp_span* span, void* user )
     {
         for ( int v = 0; v < t->lane_count[i]; ++v )
         {
-            wisp_strand_appearance_at( d, along( v, t->lane_count[i] ), &width[t->offsets[t->lane_strand[i]] + v],
-                                       NULL );
+            appearance_at( d, along( v, t->lane_count[i] ), &width[t->offsets[t->lane_strand[i]] + v], NULL );
         }
     }
 }
@@ -70,8 +76,7 @@ static void paint_colour( wisp_frame* frame, const wisp_span* span, void* user )
     {
         for ( int v = 0; v < t->lane_count[i]; ++v )
         {
-            wisp_strand_appearance_at( d, along( v, t->lane_count[i] ), NULL,
-                                       &colour[t->offsets[t->lane_strand[i]] + v] );
+            appearance_at( d, along( v, t->lane_count[i] ), NULL, &colour[t->offsets[t->lane_strand[i]] + v] );
         }
     }
 }

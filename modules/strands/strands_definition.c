@@ -488,8 +488,9 @@ static double length_of( const wisp_strand_topology* t, const float* length, int
 wisp_status wisp_read_strand_hold( wisp_world* world, wisp_entity strands, wisp_strand_hold* out )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    *out = ( wisp_strand_hold ){ 0 };
+    WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
     wisp_status status = strands_find( world, strands, &s );
     if ( status == WISP_OK && wisp_world_has( world, strands, s->rod ) == false )

@@ -199,6 +199,7 @@ wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_enti
     {
         return status;
     }
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
     surface_view view = { .fabric = wisp_world_fabric( world, surface ) };
     if ( view.fabric == NULL || view.fabric->triangle_count == 0 )
     {

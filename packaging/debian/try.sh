@@ -26,7 +26,10 @@ PYTHON
 cp -r /usr/share/doc/wisp-data/examples .
 cc -std=c17 examples/cloth.c $(pkg-config --cflags --libs wisp) -lm -o shared && ./shared
 cc -std=c17 examples/cloth.c $(pkg-config --static --cflags --libs wisp | sed 's/-lwisp/-l:libwisp.a/') -o static && ./static
-ldd static | grep -q libwisp && { echo "the static host wants libwisp.so"; exit 1; }
+if grep -q libwisp <<<"$(ldd static)"; then
+    echo "the static host wants libwisp.so"
+    exit 1
+fi
 c++ -std=c++17 examples/cloth.cpp $(pkg-config --cflags --libs wisp) -o cpp && ./cpp
 cat >CMakeLists.txt <<'CMAKE'
 cmake_minimum_required(VERSION 3.16)

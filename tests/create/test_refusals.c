@@ -195,7 +195,7 @@ static void a_world_that_is_null_is_a_status( void** state )
     WORLD_CALLS( X )
 #undef X
     assert_string_equal( wisp_world_message( NULL ), "world: got null" );
-    assert_false( wisp_is_alive( NULL, E ) || wisp_is_halted( NULL, E ) );
+    assert_false( wisp_is_alive( NULL, E ) || wisp_is_halted( NULL, E ) || wisp_has_strands( NULL, E ) );
     assert_int_equal( wisp_world_counter( NULL, WISP_COUNT_STEPS ) + wisp_world_hash( NULL ), 0 );
     assert_int_equal( wisp_world_memory( NULL ) + wisp_world_snapshot_size( NULL ), 0 );
     assert_int_equal( wisp_world_workers( NULL ) + wisp_world_memory_parts( NULL, NULL, 0 ), 0 );
@@ -272,6 +272,16 @@ static void pointers_that_are_null_are_named( void** state )
     assert_int_equal( wisp_world_create( NULL, NULL, &error ), WISP_BAD_INPUT );
     assert_int_equal( wisp_fabric_cook( NULL, NULL, NULL, &error ), WISP_BAD_INPUT );
     assert_int_equal( wisp_fabric_load( NULL, 8, NULL, NULL, &error ), WISP_BAD_INPUT );
+    assert_int_equal( wisp_shape_check( NULL, &error ), WISP_BAD_INPUT );
+    assert_false( wisp_shape_closest( NULL, points[0], &( wisp_surface_point ){ 0 } ) );
+    assert_false( wisp_shape_cast( NULL, points[0], points[1], &( wisp_shape_hit ){ 0 } ) );
+    assert_true( wisp_environment_stiffness( NULL, 0.0f, 0.0f ) == 0.0f );
+    wisp_strand_appearance_at( NULL, 0.5f, &( float ){ 0 }, NULL );
+    wisp_plan_info_text( NULL, NULL, 0 );
+    wisp_plan_pass_text( NULL, NULL, 0 );
+    wisp_entity garbage = { 7, 7 };
+    assert_int_equal( wisp_add_surface( W, NULL, &garbage ), WISP_BAD_INPUT );
+    assert_int_equal( garbage.index, 0 );
     assert_int_equal( wisp_fabric_save( NULL, NULL, 8, &error ), WISP_BAD_INPUT );
     assert_contains( error.message, "fabric: got null" );
     assert_int_equal( wisp_fabric_need( NULL, WISP_FABRIC_EDGES ), WISP_BAD_INPUT );

@@ -62,10 +62,12 @@ WISP_DEFINITION( world_def );
 /// @param error receives the message on failure, since there is no world yet to hold it; may be null
 /// @return WISP_BAD_INPUT a worker count, isa or module is not usable; WISP_NO_MEMORY
 WISP_API wisp_status wisp_world_create( const wisp_world_def* def, wisp_world** out, wisp_error* error );
-/// Destroy a world and everything in it. Null is allowed.
+/// Destroy a world and everything in it. Null is allowed. During a step of the world, from a callback or another thread, nothing
+/// happens but a warning.
 WISP_API void wisp_world_destroy( wisp_world* world );
 
-/// @return the message of the last call on this world; empty if it did not fail. Owned by the world
+/// @return the message of the last call on this world; empty if it did not fail. Owned by the world. Of a null world and during a
+///         step it says so
 WISP_API const char* wisp_world_message( const wisp_world* world );
 
 // ---- surfaces: the particles of a triangle mesh ----
@@ -183,6 +185,9 @@ WISP_API wisp_status wisp_teleport( wisp_world* world, wisp_entity entity, wisp_
                                     bool keep_velocity );
 /// @return false if the entity was removed or never existed
 WISP_API bool wisp_is_alive( const wisp_world* world, wisp_entity entity );
+
+/// @return true if the entity has strands; false also if it was removed
+WISP_API bool wisp_has_strands( const wisp_world* world, wisp_entity entity );
 
 /// @return true if the entity was halted: its state was not finite or left its bounds, was restored to the last valid
 ///         one, and passes leave the entity out since then
@@ -356,7 +361,7 @@ WISP_API int wisp_world_plan_passes( wisp_world* world );
 
 // ---- hashes and snapshots ----
 
-/// @return a 64-bit hash of the whole state
+/// @return a 64-bit hash of the whole state. Compiling the plan, in a step or a snapshot, adds the columns that passes write
 WISP_API uint64_t wisp_world_hash( const wisp_world* world );
 /// Hash one column of an entity in the user's order.
 WISP_API wisp_status wisp_world_hash_column( wisp_world* world, wisp_entity entity, wisp_component component,
