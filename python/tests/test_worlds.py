@@ -340,6 +340,21 @@ def test_a_snapshot_of_the_start_can_be_restored(sheet):
         assert fresh.hash() == expected
 
 
+def test_a_snapshot_has_the_places_of_colliders(sheet):
+    with sheet.create_world() as world:
+        world.move_collider("ball", [0, 0.7, 0])
+        world.run(5)
+        before, hash_before = world.snapshot(), world.hash()
+        world.run(10)
+        expected = world.hash()
+        world.move_collider("ball", [0.1, 0.9, 0.1])
+        world.run(5)
+        world.restore(before)
+        assert world.hash() == hash_before
+        world.run(10)
+        assert world.hash() == expected
+
+
 def test_a_snapshot_before_the_first_move_of_a_pin_does_not_fit_after_it(sheet):
     with sheet.create_world() as world:
         world.step()

@@ -510,7 +510,7 @@ class World:
     def record(self, path: Path, *, every: int = 1) -> Recorder:
         """Record all bodies but planes: a frame now, and one after every `every`-th step, until the recorder or the world is closed.
 
-        The extension selects the format: .wisp, .pc2, .pvd (with .vtp files), .obj or .usda (docs/outputs.md).
+        The extension selects the format: .wisp, .pc2, .pvd (with .vtp files), .obj, .usda or .glb (docs/outputs.md).
         Points that the scene does not compute change the hash.
         """
         return Recorder._open(self, path, whole(every, "every", 1, 2**31 - 1))
