@@ -82,7 +82,8 @@ static wisp_status cook( wisp_world* world, const wisp_create_cloth_def* def, co
     fabric.hinges =
         material->bending == WISP_CLOTH_BENDING_DIHEDRAL || material->bending == WISP_CLOTH_BENDING_ISOMETRIC;
     fabric.tethers = material->tethers;
-    fabric.coarse_sheets = material->coarse_substeps > 0;
+    // unless the material says otherwise: a mesh that is too small for them has none
+    fabric.coarse_sheets = material->solver == WISP_SOLVER_XPBD && material->coarse_substeps != 0;
     fabric.lean = true;
     wisp_error error = { 0 };
     const wisp_status status = wisp_fabric_cook( &fabric, NULL, out, &error );

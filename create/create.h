@@ -43,7 +43,7 @@ typedef struct wisp_create_cloth_def
     wisp_vec3 gravity;  ///< m/s^2, default (0, -9.81, 0)
     const wisp_cloth_def*
         material;  ///< default null: that of wisp_default_cloth_def(). The fabric is cooked with what it needs:
-                   ///< hinges, tethers, and coarse sheets if coarse_substeps is above 0
+                   ///< hinges, tethers, and coarse sheets unless coarse_substeps is 0
     bool collides; ///< with the colliders of the world, default true; needs the module collision
     const wisp_collision_def* collision; ///< how; default null: wisp_default_collision_def()
     const wisp_contact_def*

@@ -54,7 +54,7 @@ wisp_status run( wisp::world& world, wisp_entity cloth, wisp_entity ball )
             std::printf( "%d s: a free corner is at (%.2f, %.2f, %.2f), the largest strain is %.2f %%\n", step / 60,
                          static_cast<double>( last.x ), static_cast<double>( last.y ), static_cast<double>( last.z ),
                          100.0 * stats.value.strain_max );
-            if ( !stats || stats.value.strain_max > 0.15 || last.y > 0.0f )
+            if ( !stats || stats.value.strain_max > 0.1 || last.y > 0.0f )
             {
                 return WISP_BAD_INPUT;
             }
