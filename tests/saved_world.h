@@ -11,7 +11,7 @@ typedef struct saved_world
     size_t size;
 } saved_world;
 
-static inline saved_world save_world( const wisp_world* world )
+static inline saved_world save_world( wisp_world* world )
 {
     saved_world saved = { .size = wisp_world_snapshot_size( world ) };
     saved.bytes = checked_malloc( saved.size );
