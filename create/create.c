@@ -90,8 +90,8 @@ static wisp_status cook( wisp_world* world, const wisp_create_cloth_def* def, co
     return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
 }
 
-static wisp_status dress( wisp_world* world, const wisp_create_cloth_def* def, const wisp_cloth_def* material,
-                          wisp_entity cloth )
+static wisp_status apply_material( wisp_world* world, const wisp_create_cloth_def* def,
+                                   const wisp_cloth_def* material, wisp_entity cloth )
 {
     WISP_TRY( wisp_set_cloth( world, cloth, material ) );
     WISP_TRY( wisp_set_damping( world, cloth, def->damping ) );
@@ -124,7 +124,7 @@ wisp_status wisp_create_cloth( wisp_world* world, const wisp_create_cloth_def* g
     const wisp_status status = wisp_add_surface( world, &surface, out );
     wisp_fabric_release( surface.fabric );
     WISP_TRY( status );
-    return finish( world, dress( world, &def, &material, *out ), out );
+    return finish( world, apply_material( world, &def, &material, *out ), out );
 }
 
 // ---- hair ----
@@ -135,7 +135,7 @@ void wisp_init_create_hair_def( wisp_create_hair_def* def, size_t size )
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
-static wisp_status animate( wisp_world* world, const wisp_create_hair_def* def, wisp_entity hair )
+static wisp_status apply_dynamics( wisp_world* world, const wisp_create_hair_def* def, wisp_entity hair )
 {
     const wisp_strand_dynamics_def usual = wisp_default_strand_dynamics_def();
     WISP_TRY( wisp_set_strand_dynamics( world, hair, def->dynamics != NULL ? def->dynamics : &usual ) );
@@ -156,5 +156,5 @@ wisp_status wisp_create_hair( wisp_world* world, const wisp_create_hair_def* giv
     strands.offsets = def.offsets;
     strands.strand_count = def.strand_count;
     WISP_TRY( wisp_add_strands( world, &strands, out ) );
-    return finish( world, animate( world, &def, *out ), out );
+    return finish( world, apply_dynamics( world, &def, *out ), out );
 }

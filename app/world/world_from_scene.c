@@ -24,9 +24,7 @@ void scene_tell( const scene_world* world, wisp_log_level level, const char* mes
 static void keep_log( void* user, wisp_log_level level, const char* message )
 {
     scene_world* world = user;
-    // That nothing is requested, the summary says in the words of scenes.
-    const bool is_for_hosts = strstr( message, "wisp_request()" ) != NULL;
-    if ( level == WISP_LOG_WARNING && !world->is_quiet && !is_for_hosts )
+    if ( level == WISP_LOG_WARNING && !world->is_quiet )
     {
         scene_tell( world, level, message );
     }

@@ -243,14 +243,14 @@ static void cut_step( wisp_world* world, float dt, bool is_new_plan )
     frame->reached = 1.0f;
 }
 
-// Once: a newcomer's world that does not move has a reason.
-static void warn_of_nothing( wisp_world* world )
+// Once: a newcomer's world that does not move has a reason. It is information, and without a log it is printed like a warning.
+static void tell_of_nothing( wisp_world* world )
 {
     if ( world->plan.node_count == 0 && world->store.entity_count > 0 && world->has_warned_of_nothing == false )
     {
         world->has_warned_of_nothing = true;
-        wisp_world_warn( world,
-                         "step: nothing is requested of any entity, so nothing is computed; see wisp_request()" );
+        base_log_write( &world->log, world->log.function != NULL ? WISP_LOG_INFO : WISP_LOG_WARNING,
+                        "step: nothing is requested of any entity, so nothing is computed; see wisp_request()" );
     }
 }
 
@@ -275,7 +275,7 @@ static wisp_status step( wisp_world* world, float seconds )
     {
         warn_without_threads( world, jobs_enter( world->pool, drive, frame ) );
     }
-    warn_of_nothing( world );
+    tell_of_nothing( world );
     write_profile( world );
     frame->step += 1;
     wisp_frame_count( frame, WISP_COUNT_STEPS, 1 );

@@ -365,11 +365,6 @@ static wisp_status user_rows( const wisp_world* world, wisp_entity entity, wisp_
 {
     *out = ( wisp_view ){ 0 };
     const store_entity* e = store_find( &world->store, entity );
-    if ( e == NULL )
-    {
-        return wisp_fail( error, WISP_STALE_ID, "entity %u of generation %u: does not exist or was removed",
-                          entity.index, entity.generation );
-    }
     const wisp_component_def* def = known( world, component ) ? &world->store.components[component].def : NULL;
     if ( def == NULL || def->table != WISP_TABLE_POINT || store_mask_has( &e->components, component ) == false )
     {

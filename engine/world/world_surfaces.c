@@ -218,8 +218,7 @@ static wisp_status find_surface( wisp_world* world, wisp_entity entity, store_en
     *out = store_find( &world->store, entity );
     if ( *out == NULL )
     {
-        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u: does not exist or was removed",
-                                entity.index, entity.generation );
+        return world_stale( world, entity );
     }
     if ( ( *out )->fabric == NULL )
     {
