@@ -57,8 +57,7 @@ static const option_row rows[] = {
     OPTION_TITLE( "Output:" ),
     { "out", KEY_OUT, "FOLDER", "Write scenes that break to FOLDER, default " DEFAULT_FOLDER, OPTION_FILES( "/" ) },
     { "keep", KEY_KEEP, "N", "Write the first N scenes of each kind, default 3", OPTION_ANY },
-    { "format", KEY_FORMAT, "FORMAT", "text (default), markdown, csv, json, gbench, bencher, github or hyperfine",
-      OPTION_WORDS( results_format_names ) },
+    OPTION_RESULTS_FORMAT( KEY_FORMAT ),
 };
 
 const command_text torture_text = {

@@ -40,8 +40,7 @@ static const option_row rows[] = {
     { "limit", KEY_LIMIT, "SECONDS", "Start no run after this time, default 300", OPTION_ANY },
     { "workers", KEY_WORKERS, "N", "Use N workers, 1 to 64; default: the scene's, or one per core", OPTION_ANY },
     OPTION_TITLE( "Output:" ),
-    { "format", KEY_FORMAT, "FORMAT", "text (default), markdown, csv, json, gbench, bencher, github or hyperfine",
-      OPTION_WORDS( results_format_names ) },
+    OPTION_RESULTS_FORMAT( KEY_FORMAT ),
     { "output", KEY_OUTPUT, "FILE", "Write the tuned scene to FILE; default: not written", OPTION_FILES( ".yaml" ) },
 };
 

@@ -13,6 +13,13 @@ enum
     STATUS_USAGE = 64, ///< EX_USAGE of sysexits.h
 };
 
+/// The row of --format, of commands that print results.
+#define OPTION_RESULTS_FORMAT( key )                                                                                 \
+    {                                                                                                                \
+        "format", ( key ), "FORMAT", "text (default), markdown, csv, json, gbench, bencher, github or hyperfine",    \
+            OPTION_WORDS( results_format_names )                                                                     \
+    }
+
 /// One command: argv[0] is "wisp <command>". @return exit status
 typedef int command_fn( int argc, char** argv );
 
