@@ -32,6 +32,7 @@ enum
     KEY_BACKGROUND,
     KEY_BOUNDARY,
     KEY_NORMALS,
+    KEY_CUT,
 };
 
 static const char* const value_words[] = { "body", "strain", "speed" };
@@ -63,6 +64,7 @@ static const option_row rows[] = {
     { "range", KEY_RANGE, "LOW,HIGH", "Strain or speed at the ends of the colour scale", OPTION_ANY },
     { "boundary", KEY_BOUNDARY, "WHAT", "Boundary points by normal (default) or class, or none",
       OPTION_WORDS( layer_words ) },
+    { "cut", KEY_CUT, "X,Y,Z,D", "Cut bodies open: draw what has X x + Y y + Z z <= D", OPTION_ANY },
     { "normals", KEY_NORMALS, NULL, "Draw normals of boundary points", OPTION_ANY },
     { "ground", KEY_GROUND, "WHERE", "auto (default), none, or y in metres", OPTION_WORDS( ground_words ) },
     { "background", KEY_BACKGROUND, "WHAT", "studio (default), white, dark, #20242c, or #top,#bottom",
@@ -131,6 +133,18 @@ static void parse_from( const options_state* o, const char* argument, picture_op
     options->has_from = true;
 }
 
+static void parse_cut( const options_state* o, const char* argument, picture_options* options )
+{
+    float n[4];
+    picture_parse_numbers( o, argument, 4, n );
+    options->cut_normal = ( wisp_vec3 ){ n[0], n[1], n[2] };
+    options->cut_offset = n[3];
+    if ( n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f )
+    {
+        options_fail( o, "--cut: got '%s', expected a direction that is not zero, and a distance", argument );
+    }
+}
+
 static void parse_fov( const options_state* o, const char* argument, picture_options* options )
 {
     picture_parse_numbers( o, argument, 1, &options->view.fov_degrees );
@@ -177,6 +191,9 @@ static bool parse_view( const options_state* o, int key, const char* argument )
             return true;
         case KEY_FOV:
             parse_fov( o, argument, options );
+            return true;
+        case KEY_CUT:
+            parse_cut( o, argument, options );
             return true;
         default:
             return false;

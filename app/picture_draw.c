@@ -34,7 +34,8 @@ typedef struct drawing
     picture_source source;
     plan plan;
     picture_look look;
-    render_camera camera;
+    picture_survey survey;
+    picture_fit* fits; ///< [plan.count] bounds of each picture; one if it is turned
     render_options render;
     image* sheet;         ///< [plan.count] pictures kept for their sheet, or null
     char ( *labels )[32]; ///< [plan.count] below them
@@ -131,22 +132,37 @@ static wisp_status make_sheet_room( drawing* d, wisp_error* error )
 
 // ---- the camera, the light of all pictures ----
 
+// What of the loaded frame a collider hides: those through which it must be seen are drawn as glass.
+static wisp_status find_glass( drawing* d, const picture_fit* frame, wisp_error* error )
+{
+    render_camera camera;
+    wisp_status status = picture_survey_camera( &d->survey, frame, &camera, error );
+    wisp_error cause = { 0 };
+    status = status == WISP_OK ? picture_stage_find_glass( &d->source, &camera, &d->look, &cause ) : status;
+    return cause.status == WISP_OK ? status : wisp_fail( error, status, "%s: %s", d->source.path, cause.message );
+}
+
 static wisp_status survey_frames( drawing* d, wisp_error* error )
 {
     int frames = d->plan.is_turning ? 1 : d->plan.count;
     float aspect = (float)d->render.width / (float)d->render.height;
+    d->fits = calloc( (size_t)frames, sizeof *d->fits );
+    if ( !d->fits )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "render: out of memory for %d pictures", frames );
+    }
     wisp_status status = picture_source_load( &d->source, frame_of( &d->plan, 0 ), error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    picture_survey survey = picture_survey_begin( d->options, &d->source, aspect );
+    d->survey = picture_survey_begin( d->options, &d->source, aspect );
     for ( int i = 0; i < frames && status == WISP_OK; ++i )
     {
         status = picture_source_load( &d->source, frame_of( &d->plan, i ), error );
         if ( status == WISP_OK )
         {
-            picture_survey_add( &d->source, &survey );
+            d->fits[i] = picture_survey_add( &d->source, &d->survey );
         }
         progress_show( &d->bar, (double)( i + 1 ) / frames, "frames" );
     }
@@ -154,23 +170,24 @@ static wisp_status survey_frames( drawing* d, wisp_error* error )
     {
         return status;
     }
-    d->look = picture_survey_look( &survey );
-    return picture_survey_camera( &survey, &d->camera, error );
+    d->look = picture_survey_look( &d->survey );
+    return find_glass( d, &d->fits[frames - 1], error );
 }
 
 // A turntable turns about the vertical axis through the camera's target.
-static render_camera camera_of( const drawing* d, int picture )
+static wisp_status camera_of( const drawing* d, int picture, render_camera* out, wisp_error* error )
 {
-    render_camera camera = d->camera;
-    if ( d->plan.is_turning )
+    const picture_fit* frame = &d->fits[d->plan.is_turning ? 0 : picture];
+    wisp_status status = picture_survey_camera( &d->survey, frame, out, error );
+    if ( status == WISP_OK && d->plan.is_turning )
     {
         double angle = 6.283185307179586 * picture / d->plan.count;
         double c = cos( angle ), s = sin( angle );
-        double x = (double)( camera.eye.x - camera.target.x ), z = (double)( camera.eye.z - camera.target.z );
-        camera.eye.x = (float)( (double)camera.target.x + c * x + s * z );
-        camera.eye.z = (float)( (double)camera.target.z - s * x + c * z );
+        double x = (double)( out->eye.x - out->target.x ), z = (double)( out->eye.z - out->target.z );
+        out->eye.x = (float)( (double)out->target.x + c * x + s * z );
+        out->eye.z = (float)( (double)out->target.z - s * x + c * z );
     }
-    return camera;
+    return status;
 }
 
 // ---- one picture ----
@@ -204,9 +221,10 @@ static wisp_status render_one( drawing* d, image* out, wisp_error* error )
     {
         status = picture_stage_make( &d->source, &d->look, &stage, error );
     }
+    render_camera camera;
+    status = status == WISP_OK ? camera_of( d, d->picture, &camera, error ) : status;
     if ( status == WISP_OK )
     {
-        render_camera camera = camera_of( d, d->picture );
         wisp_error cause = { 0 };
         status = render_picture( &stage.scene, &camera, &d->render, out, &cause );
         if ( status != WISP_OK )
@@ -404,6 +422,8 @@ static void release( drawing* d )
     }
     free( d->sheet );
     free( d->labels );
+    free( d->fits );
+    free( d->look.is_glass );
     picture_source_close( &d->source );
 }
 

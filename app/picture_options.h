@@ -46,6 +46,9 @@ typedef struct picture_options
     bool has_from; ///< `view` has the angles given by the user
     render_view view;
 
+    wisp_vec3 cut_normal; ///< what is drawn has cut_normal . p <= cut_offset; zero: everything
+    float cut_offset;
+
     picture_ground ground;
     float ground_height;
     wisp_vec3 background[2]; ///< top and bottom, linear

@@ -65,6 +65,7 @@ static bool add_strands( picture_stage* stage, const picture_look* look, const p
     curves->offsets = body->offsets;
     curves->strand_count = body->strand_count;
     curves->colours = body->colours;
+    curves->is_hair = true;
     if ( body->widths )
     {
         float* radii = keep( stage, (size_t)body->vertex_count * sizeof *radii );
@@ -77,7 +78,8 @@ static bool add_strands( picture_stage* stage, const picture_look* look, const p
     return ( curves->radii || !body->widths ) && colour_by_value( stage, look, body, &curves->colours );
 }
 
-static bool add_mesh( picture_stage* stage, const picture_look* look, const picture_body* body, wisp_vec3 colour )
+static bool add_mesh( picture_stage* stage, const picture_look* look, const picture_body* body, wisp_vec3 colour,
+                      bool is_glass )
 {
     render_mesh* mesh = &stage->meshes[stage->scene.mesh_count++];
     *mesh = render_default_mesh( material_of( body->kind ) );
@@ -87,6 +89,7 @@ static bool add_mesh( picture_stage* stage, const picture_look* look, const pict
     mesh->vertex_count = body->vertex_count;
     mesh->triangle_count = body->triangle_count;
     mesh->colour = colour;
+    mesh->material = is_glass ? RENDER_GLASS : mesh->material;
     mesh->is_faceted = body->kind == SCENE_BODY_PLANE ||
                        ( body->kind == SCENE_BODY_COLLIDER && body->triangle_count <= BOX_TRIANGLES );
     bool is_solid = body->kind == SCENE_BODY_COLLIDER || body->kind == SCENE_BODY_PLANE;
@@ -191,7 +194,8 @@ wisp_status picture_stage_make( const picture_source* source, const picture_look
         }
         else if ( body->triangle_count > 0 && !picture_is_floor( body ) )
         {
-            made = add_mesh( out, look, body, colour ) && add_layer( out, look, body );
+            const bool is_glass = look->is_glass && look->is_glass[i];
+            made = add_mesh( out, look, body, colour, is_glass ) && add_layer( out, look, body );
         }
     }
     if ( !made )
@@ -206,6 +210,8 @@ wisp_status picture_stage_make( const picture_source* source, const picture_look
     out->scene.ground_height = look->ground_height;
     out->scene.background_top = look->background[0];
     out->scene.background_bottom = look->background[1];
+    out->scene.cut_normal = look->cut_normal;
+    out->scene.cut_offset = look->cut_offset;
     return WISP_OK;
 }
 

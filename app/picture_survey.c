@@ -35,8 +35,7 @@ picture_survey picture_survey_begin( const picture_options* options, const pictu
         .is_turning = options->turntable > 0,
         .aspect = aspect,
         .view = options->view,
-        .fit_moving = empty_fit(),
-        .fit_colliders = empty_fit(),
+        .fit = empty_fit(),
     };
     survey.view.is_turntable = survey.is_turning;
     if ( !options->has_from && !survey.is_turning && is_flat( source ) )
@@ -78,17 +77,56 @@ static void fit_point( const picture_survey* survey, wisp_vec3 p, picture_fit* f
 }
 
 // Unreferenced vertices are invisible and must not move the camera away.
-static render_bounds survey_points( const picture_survey* survey, const picture_body* body, picture_fit* fit )
+static size_t corner_count( const picture_body* body )
+{
+    return body->offsets ? (size_t)body->vertex_count : 3 * (size_t)body->triangle_count;
+}
+
+static wisp_vec3 corner( const picture_body* body, size_t k )
+{
+    return body->points[body->offsets ? (int32_t)k : body->triangles[k]];
+}
+
+static render_bounds bounds_of( const picture_body* body )
 {
     render_bounds bounds = { .is_filled = false };
-    size_t count = body->offsets ? (size_t)body->vertex_count : 3 * (size_t)body->triangle_count;
-    for ( size_t k = 0; k < count; ++k )
+    for ( size_t k = 0; k < corner_count( body ); ++k )
     {
-        wisp_vec3 p = body->points[body->offsets ? (int32_t)k : body->triangles[k]];
+        wisp_vec3 p = corner( body, k );
         bounds = render_bounds_union( bounds, ( render_bounds ){ p, p, true } );
-        fit_point( survey, p, fit );
     }
     return bounds;
+}
+
+static float clamp( float value, float lower, float upper )
+{
+    return fminf( fmaxf( value, lower ), upper );
+}
+
+// A point that is cut away counts as if it was on the cut.
+static wisp_vec3 before_cut( const picture_options* options, wisp_vec3 p )
+{
+    const wisp_vec3 n = options->cut_normal;
+    const double beyond = dot( n, p ) - (double)options->cut_offset, square = dot( n, n );
+    const float back = square > 0.0 && beyond > 0.0 ? (float)( -beyond / square ) : 0.0f;
+    return ( wisp_vec3 ){ p.x + back * n.x, p.y + back * n.y, p.z + back * n.z };
+}
+
+// @param limit what is outside counts as if it was on its border; an empty one limits nothing
+static void fit_body( const picture_survey* survey, const picture_body* body, const render_bounds* limit,
+                      picture_fit* fit )
+{
+    for ( size_t k = 0; k < corner_count( body ); ++k )
+    {
+        wisp_vec3 p = corner( body, k );
+        if ( limit->is_filled )
+        {
+            p.x = clamp( p.x, limit->lower.x, limit->upper.x );
+            p.y = clamp( p.y, limit->lower.y, limit->upper.y );
+            p.z = clamp( p.z, limit->lower.z, limit->upper.z );
+        }
+        fit_point( survey, before_cut( survey->options, p ), fit );
+    }
 }
 
 static void survey_values( const picture_body* body, picture_survey* survey )
@@ -102,8 +140,18 @@ static void survey_values( const picture_body* body, picture_survey* survey )
     survey->value_count += body->values ? body->vertex_count : 0;
 }
 
-void picture_survey_add( const picture_source* source, picture_survey* survey )
+static double size_of( const render_bounds* bounds )
 {
+    double x = (double)( bounds->upper.x - bounds->lower.x ), y = (double)( bounds->upper.y - bounds->lower.y );
+    double z = (double)( bounds->upper.z - bounds->lower.z );
+    return bounds->is_filled ? sqrt( x * x + y * y + z * z ) : 0.0;
+}
+
+// What moves in the loaded frame, and the floor.
+static render_bounds add_moving( const picture_source* source, picture_survey* survey, picture_fit* fit )
+{
+    const render_bounds no_limit = { .is_filled = false };
+    render_bounds moving = { .is_filled = false };
     for ( int i = 0; i < source->body_count; ++i )
     {
         const picture_body* body = &source->bodies[i];
@@ -113,30 +161,73 @@ void picture_survey_add( const picture_source* source, picture_survey* survey )
             survey->has_floor = true;
             survey->floor_height = body->points[0].y;
         }
-        else if ( body->kind == SCENE_BODY_COLLIDER )
+        else if ( body->kind != SCENE_BODY_COLLIDER && body->kind != SCENE_BODY_PLANE )
         {
-            render_bounds bounds = survey_points( survey, body, &survey->fit_colliders );
-            survey->colliders = render_bounds_union( survey->colliders, bounds );
-        }
-        else if ( body->kind != SCENE_BODY_PLANE )
-        {
-            render_bounds bounds = survey_points( survey, body, &survey->fit_moving );
-            survey->moving = render_bounds_union( survey->moving, bounds );
+            moving = render_bounds_union( moving, bounds_of( body ) );
+            fit_body( survey, body, &no_limit, fit );
             survey_values( body, survey );
+        }
+    }
+    survey->moving = render_bounds_union( survey->moving, moving );
+    return moving;
+}
+
+// A collider is in the picture as far as it is near to what moves: a mast, a large table or a hall would make that a speck.
+static void add_colliders( const picture_source* source, const render_bounds* moving, picture_survey* survey,
+                           picture_fit* fit )
+{
+    const double hall = 3.0, near = 0.35; // sizes of what moves
+    const float reach = (float)( near * size_of( moving ) );
+    render_bounds limit = *moving;
+    limit.lower = ( wisp_vec3 ){ limit.lower.x - reach, limit.lower.y - reach, limit.lower.z - reach };
+    limit.upper = ( wisp_vec3 ){ limit.upper.x + reach, limit.upper.y + reach, limit.upper.z + reach };
+    for ( int i = 0; i < source->body_count; ++i )
+    {
+        const picture_body* body = &source->bodies[i];
+        if ( body->kind != SCENE_BODY_COLLIDER )
+        {
+            continue;
+        }
+        const render_bounds bounds = bounds_of( body );
+        survey->colliders = render_bounds_union( survey->colliders, bounds );
+        if ( !moving->is_filled || size_of( &bounds ) <= hall * size_of( moving ) )
+        {
+            fit_body( survey, body, &limit, fit );
         }
     }
 }
 
-// ---- the camera ----
-
-static double size_of( const render_bounds* bounds )
+static double distance_of( const picture_fit* fit )
 {
-    double x = (double)( bounds->upper.x - bounds->lower.x ), y = (double)( bounds->upper.y - bounds->lower.y );
-    double z = (double)( bounds->upper.z - bounds->lower.z );
-    return bounds->is_filled ? sqrt( x * x + y * y + z * z ) : 0.0;
+    double distance = fmax( 0.5 * ( fit->right[0] + fit->right[1] ), 0.5 * ( fit->up[0] + fit->up[1] ) );
+    // A single point has no size; the camera keeps a distance all the same.
+    return fmax( distance, fit->nearest + 1e-3 );
 }
 
-// A large collider around a small cloth would make the cloth a speck.
+static double middle_of( const picture_fit* fit )
+{
+    return 0.5 * ( fit->nearest + fit->farthest );
+}
+
+picture_fit picture_survey_add( const picture_source* source, picture_survey* survey )
+{
+    picture_fit fit = empty_fit();
+    const render_bounds moving = add_moving( source, survey, &fit );
+    add_colliders( source, &moving, survey, &fit );
+    for ( int k = 0; k < 2; ++k )
+    {
+        survey->fit.right[k] = fmax( survey->fit.right[k], fit.right[k] );
+        survey->fit.up[k] = fmax( survey->fit.up[k], fit.up[k] );
+    }
+    survey->fit.nearest = fmax( survey->fit.nearest, fit.nearest );
+    survey->fit.farthest = fmin( survey->fit.farthest, fit.farthest );
+    survey->zoom = fmax( survey->zoom, distance_of( &fit ) - middle_of( &fit ) );
+    return fit;
+}
+
+// ---- the camera ----
+
+// A large collider around a small cloth does not say where the ground is.
 static bool is_hall( const picture_survey* survey )
 {
     return survey->moving.is_filled && size_of( &survey->colliders ) > 3.0 * size_of( &survey->moving );
@@ -145,23 +236,6 @@ static bool is_hall( const picture_survey* survey )
 static render_bounds bounds_of_all( const picture_survey* survey )
 {
     return is_hall( survey ) ? survey->moving : render_bounds_union( survey->moving, survey->colliders );
-}
-
-static picture_fit fit_of_all( const picture_survey* survey )
-{
-    picture_fit a = survey->fit_moving;
-    const picture_fit* b = &survey->fit_colliders;
-    if ( !is_hall( survey ) )
-    {
-        for ( int k = 0; k < 2; ++k )
-        {
-            a.right[k] = fmax( a.right[k], b->right[k] );
-            a.up[k] = fmax( a.up[k], b->up[k] );
-        }
-        a.nearest = fmax( a.nearest, b->nearest );
-        a.farthest = fmin( a.farthest, b->farthest );
-    }
-    return a;
 }
 
 static wisp_vec3 place( const picture_survey* survey, double right, double up, double back )
@@ -175,24 +249,22 @@ static wisp_vec3 place( const picture_survey* survey, double right, double up, d
 }
 
 // Both edges of an axis touch where d = (first + second) / 2 and c = t (first - second) / 2.
-static render_camera fitted_camera( const picture_survey* survey )
+static render_camera fitted_camera( const picture_survey* survey, const picture_fit* fit, double distance )
 {
-    picture_fit fit = fit_of_all( survey );
-    double aside = 0.5 * survey->across * ( fit.right[0] - fit.right[1] );
-    double above = 0.5 * survey->along * ( fit.up[0] - fit.up[1] );
-    double distance = fmax( 0.5 * ( fit.right[0] + fit.right[1] ), 0.5 * ( fit.up[0] + fit.up[1] ) );
-    // A single point has no size; the camera keeps a distance all the same.
-    distance = fmax( distance, fit.nearest + 1e-3 );
+    double aside = 0.5 * survey->across * ( fit->right[0] - fit->right[1] );
+    double above = 0.5 * survey->along * ( fit->up[0] - fit->up[1] );
     return ( render_camera ){
         .eye = place( survey, aside, above, distance ),
-        .target = place( survey, aside, above, 0.5 * ( fit.nearest + fit.farthest ) ),
+        .target = place( survey, aside, above, middle_of( fit ) ),
         .up = { 0.0f, 1.0f, 0.0f },
         .fov_degrees = survey->view.fov_degrees,
     };
 }
 
-wisp_status picture_survey_camera( const picture_survey* survey, render_camera* camera, wisp_error* error )
+wisp_status picture_survey_camera( const picture_survey* survey, const picture_fit* frame, render_camera* camera,
+                                   wisp_error* error )
 {
+    const double travelled = 2.5; // sizes
     const picture_options* options = survey->options;
     render_bounds bounds = bounds_of_all( survey );
     wisp_status status = render_frame_camera( &bounds, &survey->view, survey->aspect, camera, error );
@@ -207,7 +279,11 @@ wisp_status picture_survey_camera( const picture_survey* survey, render_camera* 
     }
     else if ( bounds.is_filled && !survey->is_turning )
     {
-        *camera = fitted_camera( survey );
+        const double distance = distance_of( &survey->fit );
+        const bool follows =
+            isfinite( frame->nearest ) && distance - middle_of( &survey->fit ) > travelled * survey->zoom;
+        *camera = follows ? fitted_camera( survey, frame, middle_of( frame ) + survey->zoom )
+                          : fitted_camera( survey, &survey->fit, distance );
     }
     return WISP_OK;
 }
@@ -234,6 +310,8 @@ picture_look picture_survey_look( const picture_survey* survey )
         .has_ground = options->ground == PICTURE_GROUND_HEIGHT,
         .ground_height = options->ground_height,
         .background = { options->background[0], options->background[1] },
+        .cut_normal = options->cut_normal,
+        .cut_offset = options->cut_offset,
     };
     if ( !options->has_range )
     {

@@ -17,10 +17,11 @@ typedef struct picture_survey
     bool is_turning;
     float aspect;
     render_view view;
-    wisp_vec3 right, up, back;             ///< directions of the picture
-    double across, along;                  ///< tangents of the half angles of view, without the margin
-    render_bounds moving, colliders;       ///< colliders: without planes
-    picture_fit fit_moving, fit_colliders; ///<
+    wisp_vec3 right, up, back;       ///< directions of the picture
+    double across, along;            ///< tangents of the half angles of view, without the margin
+    render_bounds moving, colliders; ///< colliders: without planes
+    picture_fit fit;                 ///< of all frames
+    double zoom;                     ///< m, largest distance that a single frame needs from its own middle
     bool has_mesh;
     bool has_floor; ///< a level plane
     float floor_height;
@@ -32,9 +33,12 @@ typedef struct picture_survey
 /// @param source the first frame is loaded
 picture_survey picture_survey_begin( const picture_options* options, const picture_source* source, float aspect );
 
-/// Add the loaded frame.
-void picture_survey_add( const picture_source* source, picture_survey* survey );
+/// Add the loaded frame. @return the bounds of this frame alone
+picture_fit picture_survey_add( const picture_source* source, picture_survey* survey );
 
-/// The closest camera that shows everything in all frames, or the one given by the user.
-wisp_status picture_survey_camera( const picture_survey* survey, render_camera* camera, wisp_error* error );
+/// The closest camera that shows everything in all frames, or the one given by the user. What travels several times its own
+/// size would be a speck in it: then the camera goes along and keeps its distance.
+/// @param frame bounds of the frame to be drawn, as picture_survey_add() returned them
+wisp_status picture_survey_camera( const picture_survey* survey, const picture_fit* frame, render_camera* camera,
+                                   wisp_error* error );
 picture_look picture_survey_look( const picture_survey* survey );

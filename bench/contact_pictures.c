@@ -37,6 +37,7 @@ typedef struct shot
 {
     body bodies[BODIES_MAX];
     int count;
+    float cut; // m, z: what is before it is left out; infinite: nothing is
     char label[40];
 } shot;
 
@@ -88,80 +89,12 @@ static wisp_status add_body( shot* s, const scene_world* world, int number, rend
     return scene_world_points( world, number, b->points, error );
 }
 
-static wisp_vec3 on_plane( wisp_vec3 a, wisp_vec3 b, float z )
-{
-    const float t = ( z - a.z ) / ( b.z - a.z );
-    return ( wisp_vec3 ){ a.x + t * ( b.x - a.x ), a.y + t * ( b.y - a.y ), z };
-}
-
-// What a triangle has behind the plane: up to four corners.
-static int clip( const wisp_vec3* corners, float z, wisp_vec3* out )
-{
-    int count = 0;
-    for ( int i = 0; i < 3; ++i )
-    {
-        const wisp_vec3 a = corners[i], b = corners[( i + 1 ) % 3];
-        if ( a.z <= z )
-        {
-            out[count++] = a;
-        }
-        if ( ( a.z <= z ) != ( b.z <= z ) )
-        {
-            out[count++] = on_plane( a, b, z );
-        }
-    }
-    return count;
-}
-
-// Leave what is behind a plane across z. Triangles that it cuts get corners of their own, behind those of the mesh.
-static wisp_status cut_open( body* b, float z, wisp_error* error )
-{
-    const size_t triangles = (size_t)b->triangle_count, vertices = (size_t)b->vertex_count;
-    wisp_vec3* points = realloc( b->points, ( vertices + 4 * triangles ) * sizeof( wisp_vec3 ) );
-    b->points = points != NULL ? points : b->points;
-    int32_t* kept = malloc( 2 * 3 * triangles * sizeof( int32_t ) );
-    if ( points == NULL || kept == NULL )
-    {
-        free( kept );
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a picture" );
-    }
-    int count = 0;
-    for ( int t = 0; t < b->triangle_count; ++t )
-    {
-        const int32_t* v = b->triangles + 3 * (size_t)t;
-        const wisp_vec3 corners[3] = { points[v[0]], points[v[1]], points[v[2]] };
-        wisp_vec3 left[4];
-        const int left_count = clip( corners, z, left );
-        if ( left_count == 3 && memcmp( left, corners, sizeof( corners ) ) == 0 )
-        {
-            memcpy( kept + 3 * (size_t)count++, v, 3 * sizeof( int32_t ) );
-            continue;
-        }
-        for ( int i = 2; i < left_count; ++i )
-        {
-            const int32_t fan[3] = { b->vertex_count, b->vertex_count + i - 1, b->vertex_count + i };
-            memcpy( kept + 3 * (size_t)count++, fan, sizeof( fan ) );
-        }
-        memcpy( points + b->vertex_count, left, (size_t)left_count * sizeof( wisp_vec3 ) );
-        b->vertex_count += left_count;
-    }
-    free( b->triangles );
-    b->triangles = kept;
-    b->triangle_count = count;
-    return WISP_OK;
-}
-
-// @param cut m, what is before it is left out; infinite: nothing is
-static wisp_status add_balloons( shot* s, const scene_world* world, float cut, wisp_error* error )
+static wisp_status add_balloons( shot* s, const scene_world* world, wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int i = 0; i < scene_world_moving_count( world ) && status == WISP_OK; ++i )
     {
         status = add_body( s, world, i, RENDER_LATEX, palette_body( i ), error );
-        if ( status == WISP_OK && cut < INFINITY )
-        {
-            status = cut_open( s->bodies + s->count - 1, cut, error );
-        }
     }
     return status;
 }
@@ -275,6 +208,11 @@ static const render_scene* set_stage( void* context, int number )
     out->scene.meshes = out->meshes;
     out->scene.mesh_count = s->count;
     out->scene.has_ground = out->has_ground;
+    if ( s->cut < INFINITY )
+    {
+        out->scene.cut_normal = ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f };
+        out->scene.cut_offset = s->cut;
+    }
     return &out->scene;
 }
 
@@ -345,12 +283,11 @@ static wisp_status take_shot( album* all, scene_world* world, int steps, float c
 {
     wisp_status status = step_to( world, steps, error );
     shot* s = all->shots + all->count++;
+    s->cut = cut;
     snprintf( s->label, sizeof( s->label ), "%.2f s%s", scene_world_time( world ),
               cut < INFINITY ? ", cut open" : "" );
     const bool is_cloth = world->scene->surfaces[0].has_cloth;
-    status = status != WISP_OK ? status
-             : is_cloth        ? add_cloth( s, world, error )
-                               : add_balloons( s, world, cut, error );
+    status = status != WISP_OK ? status : is_cloth ? add_cloth( s, world, error ) : add_balloons( s, world, error );
     return status == WISP_OK ? add_colliders( s, world, error ) : status;
 }
 

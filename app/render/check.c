@@ -115,7 +115,7 @@ static wisp_status check_mesh( const render_mesh* mesh, int number, wisp_error* 
         return wisp_fail( error, WISP_BAD_INPUT, "%s: %d vertices and %d triangles do not fit their arrays",
                           body.text, mesh->vertex_count, mesh->triangle_count );
     }
-    if ( (int)mesh->material < RENDER_SOLID || (int)mesh->material > RENDER_LATEX )
+    if ( (int)mesh->material < RENDER_SOLID || (int)mesh->material > RENDER_GLASS )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: material %d is none of solid, cloth and latex", body.text,
                           (int)mesh->material );
@@ -219,6 +219,12 @@ static wisp_status check_surroundings( const render_scene* scene, wisp_error* er
     {
         return wisp_fail( error, WISP_BAD_INPUT, "ground: height %g is not in -%g .. %g",
                           (double)scene->ground_height, (double)RENDER_FARTHEST, (double)RENDER_FARTHEST );
+    }
+    if ( status == WISP_OK && !( is_finite( scene->cut_normal ) && is_near( scene->cut_normal ) &&
+                                 fabsf( scene->cut_offset ) <= RENDER_FARTHEST ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "cut: normal or offset is not in -%g .. %g", (double)RENDER_FARTHEST,
+                          (double)RENDER_FARTHEST );
     }
     return status;
 }

@@ -10,6 +10,7 @@ static wisp_vec3 default_colour( render_material material )
             return palette_body( 1 );
         case RENDER_LATEX:
             return palette_body( 0 );
+        case RENDER_GLASS:
         case RENDER_SOLID:
             break;
     }
@@ -34,8 +35,8 @@ render_points render_default_points( void )
 render_scene render_default_scene( void )
 {
     return ( render_scene ){
-        .background_top = { 0.52f, 0.57f, 0.63f },
-        .background_bottom = { 0.80f, 0.80f, 0.79f },
+        .background_top = { 0.21f, 0.24f, 0.28f },
+        .background_bottom = { 0.46f, 0.46f, 0.45f },
     };
 }
 

@@ -1,15 +1,16 @@
 // The lamps, and visibility between them and a point.
 #include "shade.h"
 
-const float light_key_strength = 1.30f;
-const float light_sky_strength = 0.40f;
+const float light_key_strength = 1.75f;
+const float light_sky_strength = 0.26f;
 
 // Tangent of the key light's half angle: about seven degrees, like a window rather than the sun.
 static const float KEY_WIDTH = 0.12f;
 
 enum
 {
-    SKINS_MAX = 8, // limit of bodies that light passes through
+    SKINS_MAX = 32, // limit of bodies that light passes through
+    PANES_MAX = 32, // and of panes of glass that a ray passes
 };
 
 // Colours of the sky in the upper half, and of the floor of the room in the lower one, where there is no ground.
@@ -133,10 +134,23 @@ static wisp_vec3 ground_light( const stage* s, float distance )
     return v3_scale( s->scene->background_bottom, BOUNCE * open );
 }
 
-static wisp_vec3 surroundings( const stage* s, const trace_ray* ray, bool is_mirror )
+bool light_find_opaque( const stage* s, trace_ray* ray, trace_hit* hit )
 {
+    bool is_found = trace_nearest( s->tree, ray, hit );
+    for ( int pane = 0; is_found && stage_is_glass( s, hit->body ) && pane < PANES_MAX; ++pane )
+    {
+        ray->origin = v3_mul_add( ray->origin, hit->distance + s->lift, ray->direction );
+        is_found = trace_nearest( s->tree, ray, hit );
+    }
+    return is_found;
+}
+
+static wisp_vec3 surroundings( const stage* s, const trace_ray* start, bool is_mirror )
+{
+    trace_ray moved = *start;
+    const trace_ray* ray = &moved;
     trace_hit hit;
-    if ( trace_nearest( s->tree, ray, &hit ) )
+    if ( light_find_opaque( s, &moved, &hit ) )
     {
         return v3_scale( stage_colour( s, &hit ), BOUNCE );
     }

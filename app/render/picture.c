@@ -8,6 +8,7 @@
 
 enum
 {
+    PANES_MAX = 16,             // panes of glass between the camera and what it sees
     TILE = 16,                  // pixels, side of a tile of one thread
     RANDOM_STREAM = 0x70696374, // any number that no other stream of the program uses
 };
@@ -69,7 +70,8 @@ static float ground_hit( const stage* s, const trace_ray* ray )
     return is_seen ? -height / ray->direction.y : INFINITY;
 }
 
-static wisp_vec3 light_along( const picture* p, const trace_ray* ray, float y, shade_sample sample )
+// @param panes_left of glass that the ray may still pass
+static wisp_vec3 light_along( const picture* p, const trace_ray* ray, float y, shade_sample sample, int panes_left )
 {
     const stage* s = &p->stage;
     float ground = ground_hit( s, ray );
@@ -77,7 +79,15 @@ static wisp_vec3 light_along( const picture* p, const trace_ray* ray, float y, s
     if ( trace_nearest( s->tree, ray, &hit ) && hit.distance < ground )
     {
         surface at = stage_surface( s, ray, &hit );
-        return shade_surface( s, ray, &at, sample );
+        wisp_vec3 light = shade_surface( s, ray, &at, sample );
+        if ( !stage_is_glass( s, hit.body ) || panes_left == 0 )
+        {
+            return light;
+        }
+        trace_ray behind = *ray;
+        behind.origin = v3_mul_add( ray->origin, hit.distance + s->lift, ray->direction );
+        wisp_vec3 through = stage_passage( s, hit.body, at.colour );
+        return v3_add( light, rgb_mul( through, light_along( p, &behind, y, sample, panes_left - 1 ) ) );
     }
     wisp_vec3 background = background_at( p, y );
     return isfinite( ground ) ? shade_ground( s, ray, ground, background, sample ) : background;
@@ -109,7 +119,8 @@ static wisp_vec3 light_of_pixel( const picture* p, int column, int row )
         float x = (float)column + tent( at.x ), y = (float)row + tent( at.y );
         wisp_vec3 aim = v3_mul_add( v3_mul_add( p->lens.corner, x, p->lens.right ), y, p->lens.down );
         trace_ray ray = { p->lens.eye, v3_normalize_or( aim, aim ), INFINITY };
-        sum = v3_add( sum, tamed( light_along( p, &ray, (float)row + 0.5f, ( shade_sample ){ &pixel, k } ) ) );
+        sum = v3_add( sum,
+                      tamed( light_along( p, &ray, (float)row + 0.5f, ( shade_sample ){ &pixel, k }, PANES_MAX ) ) );
     }
     return v3_scale( sum, 1.0f / (float)samples );
 }

@@ -13,8 +13,9 @@
 typedef enum render_material
 {
     RENDER_SOLID, ///< colliders: matte, a broad weak gloss, opaque
-    RENDER_CLOTH, ///< two-sided and rough, with a little fuzz at the rim; some light comes through
+    RENDER_CLOTH, ///< rough, with a little fuzz at the rim; some light comes through; its back is paler, unless it has `colours`
     RENDER_LATEX, ///< balloons: glossy, lamps mirrored in it, coloured light comes through the skin
+    RENDER_GLASS, ///< walls that would hide what is behind them: nearly clear
 } render_material;
 
 /// Triangles. Fill from render_default_mesh().
@@ -38,10 +39,12 @@ typedef struct render_curves
     const wisp_vec3* points;  ///< [offsets[strand_count]], finite
     const int32_t* offsets;   ///< [strand_count + 1] from 0, never falling; a strand of one point is not drawn
     const float* radii;       ///< [offsets[strand_count]] m, or null: the one radius below
-    const wisp_vec3* colours; ///< [offsets[strand_count]], or null: the one colour below, varied a little by strand
+    const wisp_vec3* colours; ///< [offsets[strand_count]], or null: the one colour below
     int strand_count;         ///<
     float radius;             ///< m, default 4e-5 (a human hair)
     wisp_vec3 colour;         ///< default chestnut
+    bool is_hair;             ///< smooth through the points, pointed at the tip if it has one radius, and each strand
+                              ///< a little thicker and lighter than the next; default false: segments as they are
 } render_curves;
 
 /// Points as matte balls. Fill from render_default_points().
@@ -67,7 +70,9 @@ typedef struct render_scene
     bool has_ground;          ///< default false
     float ground_height;      ///< m, y; seen from above only. Its squares are 1, 2 or 5 times a power of ten metres
     wisp_vec3 background_top; ///< default a cool grey
-    wisp_vec3 background_bottom; ///< default nearly white; the ground is made of it
+    wisp_vec3 background_bottom; ///< default a lighter one; the ground is made of it
+    wisp_vec3 cut_normal; ///< any length; bodies are drawn where cut_normal . p <= cut_offset. Zero (default): whole
+    float cut_offset;     ///<
 } render_scene;
 
 render_mesh render_default_mesh( render_material material );
@@ -115,6 +120,13 @@ render_view render_default_view( void );
 /// @return WISP_BAD_INPUT a number is not finite or outside its range
 wisp_status render_frame_camera( const render_bounds* bounds, const render_view* view, float aspect,
                                  render_camera* camera, wisp_error* error );
+
+/// The first body on the line from the camera to each point, without the ground.
+/// @param points [count], finite
+/// @param bodies [count]: the number of the body, meshes first, then curves, then points; -1 where the view is free
+/// @return WISP_BAD_INPUT as render_picture(), or a point is not finite; WISP_NO_MEMORY; WISP_CONFLICT
+wisp_status render_find_hiding( const render_scene* scene, const render_camera* camera, const wisp_vec3* points,
+                                int count, int* bodies, wisp_error* error );
 
 // ---- pictures ----
 

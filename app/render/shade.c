@@ -71,29 +71,37 @@ static float rough_diffuse( float facing, float seen, float between )
     return facing * ( a + b * s / fmaxf( t, 1e-3f ) );
 }
 
+// The back of a cloth is paler, so that the eye can follow folds and hems.
+static wisp_vec3 cloth_colour( const surface* at )
+{
+    const wisp_vec3 pale = { 0.66f, 0.60f, 0.50f };
+    return at->is_back && !at->is_painted ? rgb_mix( at->colour, pale, 0.55f ) : at->colour;
+}
+
 static wisp_vec3 shade_cloth( const stage* s, const trace_ray* ray, const surface* at, shade_sample sample )
 {
+    wisp_vec3 colour = cloth_colour( at );
     wisp_vec3 towards = light_key_direction( s, sample );
     float facing = v3_dot( at->normal, towards ), seen = clamp01( -v3_dot( at->normal, ray->direction ) );
     wisp_vec3 sky = sky_on( s, at, sample );
-    wisp_vec3 sum = rgb_mul( at->colour, sky );
+    wisp_vec3 sum = rgb_mul( colour, sky );
     if ( facing > 0.0f )
     {
         wisp_vec3 key = light_of_key( s, at->lifted, towards, INFINITY );
         float amount = rough_diffuse( facing, seen, -v3_dot( towards, ray->direction ) );
-        sum = v3_add( sum, rgb_mul( at->colour, v3_scale( key, fmaxf( 0.0f, amount ) ) ) );
+        sum = v3_add( sum, rgb_mul( colour, v3_scale( key, fmaxf( 0.0f, amount ) ) ) );
     }
     else
     {
         // The lamp is behind the cloth: the ray starts on the lit side, and a little of the light passes through.
         wisp_vec3 behind = v3_mul_add( at->place, -2.0f * s->lift, at->face );
         wisp_vec3 key = light_of_key( s, behind, towards, INFINITY );
-        sum = v3_add( sum, rgb_mul( at->colour, v3_scale( key, -0.14f * facing ) ) );
+        sum = v3_add( sum, rgb_mul( colour, v3_scale( key, -0.14f * facing ) ) );
     }
     // Fuzz: raised fibres shine at grazing angles.
     float rim = 1.0f - seen;
     float fuzz = 0.22f * rim * rim * rim;
-    return v3_mul_add( sum, fuzz, rgb_mul( sky, rgb_mix( rgb_grey( 1.0f ), at->colour, 0.5f ) ) );
+    return v3_mul_add( sum, fuzz, rgb_mul( sky, rgb_mix( rgb_grey( 1.0f ), colour, 0.5f ) ) );
 }
 
 // Light enters latex and leaves elsewhere: the shadow's edge is soft and the far side glows. At the rim the skin is
@@ -117,6 +125,14 @@ static wisp_vec3 shade_latex( const stage* s, const trace_ray* ray, const surfac
     glow = v3_add( glow, rgb_grey( 0.10f * light_sky_strength ) );
     sum = v3_add( sum, rgb_mul( colour, glow ) );
     return v3_mul_add( sum, fminf( fresnel( 0.045f, seen ), 0.45f ), mirror( s, ray, at, 0.035f, sample ) );
+}
+
+// What a pane of glass adds to what is seen through it: a grey veil, and reflections at the rim.
+static wisp_vec3 shade_glass( const stage* s, const trace_ray* ray, const surface* at, shade_sample sample )
+{
+    float seen = clamp01( -v3_dot( at->normal, ray->direction ) );
+    wisp_vec3 veil = v3_scale( rgb_mul( at->colour, sky_on( s, at, sample ) ), 0.12f );
+    return v3_mul_add( veil, 0.6f * fresnel( 0.04f, seen ), mirror( s, ray, at, 0.01f, sample ) );
 }
 
 // ---- strands ---------------------------------------------------------------------------------------------------
@@ -170,6 +186,8 @@ wisp_vec3 shade_surface( const stage* s, const trace_ray* ray, const surface* at
             return shade_cloth( s, ray, at, sample );
         case RENDER_LATEX:
             return shade_latex( s, ray, at, sample );
+        case RENDER_GLASS:
+            return shade_glass( s, ray, at, sample );
         case RENDER_SOLID:
             break;
     }
@@ -194,7 +212,7 @@ static wisp_vec3 ground_fraction( const stage* s, wisp_vec3 place, shade_sample 
     trace_ray out = { start, light_sky_direction( up, sample ), INFINITY };
     trace_hit hit;
     wisp_vec3 sky = rgb_grey( light_sky_strength );
-    if ( trace_nearest( s->tree, &out, &hit ) )
+    if ( light_find_opaque( s, &out, &hit ) )
     {
         sky = v3_scale( stage_colour( s, &hit ), 0.30f * light_sky_strength );
     }

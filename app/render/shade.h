@@ -17,6 +17,9 @@ wisp_vec3 light_of_key( const stage* s, wisp_vec3 place, wisp_vec3 towards, floa
 /// A direction towards a point of the key light.
 wisp_vec3 light_key_direction( const stage* s, shade_sample sample );
 
+/// The nearest body that is not glass. The ray starts at the last pane before it, afterwards.
+bool light_find_opaque( const stage* s, trace_ray* ray, trace_hit* hit );
+
 /// Light from the sky or from the nearest body in a direction, by one ray.
 wisp_vec3 light_of_surroundings( const stage* s, const trace_ray* ray );
 

@@ -5,7 +5,7 @@
 static const wisp_vec3 UP = { 0.0f, 1.0f, 0.0f };
 
 // Positions of the lamps relative to the camera: key at the upper left, the rim box behind at the right.
-static const float KEY_AZIMUTH = -0.95f, KEY_HEIGHT = 0.95f; // radians beside the eye; height over one horizontal
+static const float KEY_AZIMUTH = -1.25f, KEY_HEIGHT = 0.75f; // radians beside the eye; height over one horizontal
 static const float RIM_AZIMUTH = 2.45f, RIM_HEIGHT = 0.35f;
 
 enum
@@ -211,13 +211,18 @@ static int strand_of( const render_curves* curves, int vertex )
 static wisp_vec3 curve_colour( const render_curves* curves, const trace_hit* hit )
 {
     int v = hit->primitive;
+    wisp_vec3 colour = curves->colour;
     if ( curves->colours != NULL )
     {
-        return rgb_mix( curves->colours[v], curves->colours[v + 1], hit->u );
+        colour = rgb_mix( curves->colours[v], curves->colours[v + 1], hit->u );
+    }
+    if ( !curves->is_hair )
+    {
+        return colour;
     }
     wisp_random_key key = wisp_random_make_key( 0, 0, 0 );
     float fraction = wisp_random_unit_float( key, (uint32_t)strand_of( curves, v ), 0, 0 );
-    return v3_scale( curves->colour, 0.72f + 0.56f * fraction );
+    return v3_scale( colour, 0.65f + 0.70f * fraction );
 }
 
 wisp_vec3 stage_colour( const stage* s, const trace_hit* hit )
@@ -259,10 +264,17 @@ wisp_vec3 stage_passage( const stage* s, int body, wisp_vec3 colour )
             return v3_scale( colour, 0.10f );
         case RENDER_LATEX:
             return ( wisp_vec3 ){ 0.62f * sqrtf( colour.x ), 0.62f * sqrtf( colour.y ), 0.62f * sqrtf( colour.z ) };
+        case RENDER_GLASS:
+            return rgb_grey( 0.90f );
         case RENDER_SOLID:
             break;
     }
     return rgb_grey( 0.0f );
+}
+
+bool stage_is_glass( const stage* s, int body )
+{
+    return body < s->scene->mesh_count && s->scene->meshes[body].material == RENDER_GLASS;
 }
 
 static float away( wisp_vec3 place, wisp_vec3 vertex, wisp_vec3 normal )
@@ -292,6 +304,7 @@ static void shape_mesh( const stage* s, const trace_hit* hit, surface* out )
     const render_mesh* mesh = &s->scene->meshes[hit->body];
     const wisp_vec3* normals = s->normals[hit->body];
     out->material = mesh->material;
+    out->is_painted = mesh->colours != NULL;
     if ( normals == NULL )
     {
         return;
@@ -304,20 +317,13 @@ static void shape_mesh( const stage* s, const trace_hit* hit, surface* out )
     out->lifted = lift_to_round( mesh, normals, hit, side, out->lifted );
 }
 
-// The tangent runs smoothly through the vertices although the drawn segments are straight.
-static wisp_vec3 tangent_at( const render_curves* curves, int strand, int vertex )
-{
-    int before = vertex > curves->offsets[strand] ? vertex - 1 : vertex;
-    int behind = vertex + 1 < curves->offsets[strand + 1] ? vertex + 1 : vertex;
-    return v3_normalize_or( v3_sub( curves->points[behind], curves->points[before] ), UP );
-}
-
 static void shape_curve( const stage* s, const trace_ray* ray, const trace_hit* hit, surface* out )
 {
     const render_curves* curves = curves_of( s, hit->body );
     int strand = strand_of( curves, hit->primitive );
-    wisp_vec3 tangent = rgb_mix( tangent_at( curves, strand, hit->primitive ),
-                                 tangent_at( curves, strand, hit->primitive + 1 ), hit->u );
+    // The tangent runs smoothly through the vertices, also where the drawn segments are straight.
+    wisp_vec3 tangent = rgb_mix( trace_tangent( curves, strand, hit->primitive ),
+                                 trace_tangent( curves, strand, hit->primitive + 1 ), hit->u );
     out->is_curve = true;
     out->tangent = v3_normalize_or( tangent, UP );
     out->radius = trace_radius( &s->widening, curves, hit->primitive );
@@ -333,6 +339,7 @@ surface stage_surface( const stage* s, const trace_ray* ray, const trace_hit* hi
     out.place = v3_mul_add( ray->origin, hit->distance, ray->direction );
     out.face = v3_dot( hit->normal, ray->direction ) > 0.0f ? v3_scale( hit->normal, -1.0f ) : hit->normal;
     out.normal = out.face;
+    out.is_back = v3_dot( hit->normal, ray->direction ) > 0.0f;
     out.lifted = v3_mul_add( out.place, s->lift, out.face );
     // A ball has its exact normal, and is solid like an empty surface.
     if ( stage_is_curve( s, hit->body ) )

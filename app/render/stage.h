@@ -49,6 +49,8 @@ typedef struct surface
     float radius;      ///< m, of a strand
     int body;          ///<
     bool is_curve;     ///<
+    bool is_back;      ///< the side from which the triangle's corners are seen clockwise
+    bool is_painted;   ///< colours are numbers or patterns, which the material must not change
     render_material material;
 } surface;
 
@@ -69,5 +71,6 @@ wisp_vec3 stage_passage( const stage* s, int body, wisp_vec3 colour );
 /// The kind of the body with this number.
 bool stage_is_curve( const stage* s, int body );
 bool stage_is_points( const stage* s, int body );
+bool stage_is_glass( const stage* s, int body );
 
 surface stage_surface( const stage* s, const trace_ray* ray, const trace_hit* hit );

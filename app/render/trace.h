@@ -33,6 +33,9 @@ typedef struct trace_widening
 /// The radius at which a strand's vertex is drawn.
 float trace_radius( const trace_widening* widening, const render_curves* curves, int vertex );
 
+/// The direction of a strand at a vertex, from root to tip; upwards where it has none.
+wisp_vec3 trace_tangent( const render_curves* curves, int strand, int vertex );
+
 /// @param scene checked by render_check_scene()
 /// @return WISP_NO_MEMORY; WISP_CONFLICT an Embree error, with its reason
 wisp_status trace_build( const render_scene* scene, const trace_widening* widening, trace_tree** out,

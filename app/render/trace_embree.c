@@ -1,6 +1,7 @@
 // The only file that uses Embree.
 #include "trace.h"
 
+#include "curves.h"
 #include "embree_compat.h"
 #include "vec.h"
 
@@ -17,8 +18,11 @@ struct trace_tree
     RTCScene scene;
     int mesh_count, curves_count;
     const unsigned** segments; // [curves_count] first vertex of each segment, in Embree's own index buffers
-    enum RTCError reason;      // of the first error since the device was made
-    char words[200];           // with Embree's message
+    int* pieces;               // [curves_count] straight pieces of a segment
+    wisp_vec3 cut_normal;      // bodies are there where cut_normal . p <= cut_offset; zero: everywhere
+    float cut_offset;
+    enum RTCError reason; // of the first error since the device was made
+    char words[200];      // with Embree's message
 };
 
 // Embree keeps an error per thread until it is queried; only the callback receives all of them.
@@ -103,13 +107,6 @@ static size_t count_segments( const render_curves* curves )
     return count;
 }
 
-float trace_radius( const trace_widening* widening, const render_curves* curves, int vertex )
-{
-    float radius = curves->radii != NULL ? curves->radii[vertex] : curves->radius;
-    float distance = v3_length( v3_sub( curves->points[vertex], widening->eye ) );
-    return fmaxf( radius, widening->radius_fraction * distance );
-}
-
 typedef struct curve_buffers
 {
     float* points;    // x, y, z, radius
@@ -117,21 +114,14 @@ typedef struct curve_buffers
     uint8_t* borders; // which ends of a segment have a neighbour, so that joints are round and ends are not doubled
 } curve_buffers;
 
-static void fill_curves( const render_curves* curves, const trace_widening* widening, const curve_buffers* out )
+static void fill_curves( const render_curves* curves, const trace_widening* widening, int pieces,
+                         const curve_buffers* out )
 {
-    int vertex_count = curves->offsets[curves->strand_count];
-    for ( int v = 0; v < vertex_count; ++v )
-    {
-        float* p = out->points + 4 * (size_t)v;
-        p[0] = curves->points[v].x;
-        p[1] = curves->points[v].y;
-        p[2] = curves->points[v].z;
-        p[3] = trace_radius( widening, curves, v );
-    }
+    curves_fill( curves, widening, out->points );
     size_t k = 0;
     for ( int s = 0; s < curves->strand_count; ++s )
     {
-        int begin = curves->offsets[s], last = curves->offsets[s + 1] - 1;
+        int begin = curves->offsets[s] * pieces, last = ( curves->offsets[s + 1] - 1 ) * pieces;
         for ( int v = begin; v < last; ++v, ++k )
         {
             unsigned left = v > begin ? RTC_CURVE_FLAG_NEIGHBOR_LEFT : 0u;
@@ -145,7 +135,8 @@ static void fill_curves( const render_curves* curves, const trace_widening* wide
 static wisp_status add_curves( trace_tree* tree, const render_curves* curves, int number,
                                const trace_widening* widening, wisp_error* error )
 {
-    size_t segments = count_segments( curves );
+    int pieces = curves_pieces( curves );
+    size_t segments = count_segments( curves ) * (size_t)pieces;
     if ( segments == 0 )
     {
         return WISP_OK;
@@ -155,7 +146,7 @@ static wisp_status add_curves( trace_tree* tree, const render_curves* curves, in
     {
         return embree_fault( tree, error );
     }
-    size_t vertices = (size_t)curves->offsets[curves->strand_count];
+    size_t vertices = (size_t)curves->offsets[curves->strand_count] * (size_t)pieces;
     curve_buffers buffers = {
         new_buffer( geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 4 * sizeof( float ), vertices ),
         new_buffer( geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, sizeof( unsigned ), segments ),
@@ -163,8 +154,9 @@ static wisp_status add_curves( trace_tree* tree, const render_curves* curves, in
     };
     if ( buffers.points != NULL && buffers.first != NULL && buffers.borders != NULL )
     {
-        fill_curves( curves, widening, &buffers );
+        fill_curves( curves, widening, pieces, &buffers );
         tree->segments[number] = buffers.first;
+        tree->pieces[number] = pieces;
         attach( tree, geometry, tree->mesh_count + number );
     }
     else
@@ -255,14 +247,23 @@ wisp_status trace_build( const render_scene* scene, const trace_widening* wideni
 {
     trace_tree* tree = calloc( 1, sizeof( trace_tree ) );
     const unsigned** segments = calloc( (size_t)scene->curves_count + 1, sizeof( *segments ) );
-    if ( tree == NULL || segments == NULL )
+    int* pieces = calloc( (size_t)scene->curves_count + 1, sizeof( *pieces ) );
+    if ( tree == NULL || segments == NULL || pieces == NULL )
     {
         free( tree );
         free( segments );
+        free( pieces );
         return wisp_fail( error, WISP_NO_MEMORY, "picture: out of memory for %d bodies",
                           scene->mesh_count + scene->curves_count + scene->points_count );
     }
     tree->segments = segments;
+    tree->pieces = pieces;
+    float steep = v3_length( scene->cut_normal );
+    if ( steep > 0.0f )
+    {
+        tree->cut_normal = v3_scale( scene->cut_normal, 1.0f / steep );
+        tree->cut_offset = scene->cut_offset / steep;
+    }
     tree->mesh_count = scene->mesh_count;
     tree->curves_count = scene->curves_count;
     wisp_status status = fill( tree, scene, widening, error );
@@ -290,6 +291,7 @@ void trace_release( trace_tree* tree )
         rtcReleaseDevice( tree->device );
     }
     free( tree->segments );
+    free( tree->pieces );
     free( tree );
 }
 
@@ -306,9 +308,30 @@ static bool is_a_ray( const trace_ray* ray )
     return is_within( ray->origin, FARTHEST ) && is_within( ray->direction, 2.0f ) && ray->far > 0.0f;
 }
 
-static struct RTCRay embree_ray( const trace_ray* ray )
+// The part of a ray that is on the drawn side of the cut.
+static bool keep_uncut( const trace_tree* tree, struct RTCRay* ray )
 {
-    return ( struct RTCRay ){
+    wisp_vec3 origin = { ray->org_x, ray->org_y, ray->org_z }, direction = { ray->dir_x, ray->dir_y, ray->dir_z };
+    float outside = v3_dot( tree->cut_normal, origin ) - tree->cut_offset;
+    float rise = v3_dot( tree->cut_normal, direction );
+    if ( rise == 0.0f )
+    {
+        return outside <= 0.0f || v3_dot( tree->cut_normal, tree->cut_normal ) == 0.0f;
+    }
+    float crossing = -outside / rise;
+    ray->tfar = rise > 0.0f ? fminf( ray->tfar, crossing ) : ray->tfar;
+    ray->tnear = rise < 0.0f ? fmaxf( ray->tnear, crossing ) : ray->tnear;
+    return ray->tnear < ray->tfar && ray->tnear <= FARTHEST;
+}
+
+// @return false if nothing can be on the ray
+static bool embree_ray( const trace_tree* tree, const trace_ray* ray, struct RTCRay* out )
+{
+    if ( !is_a_ray( ray ) )
+    {
+        return false;
+    }
+    *out = ( struct RTCRay ){
         .org_x = ray->origin.x,
         .org_y = ray->origin.y,
         .org_z = ray->origin.z,
@@ -318,15 +341,28 @@ static struct RTCRay embree_ray( const trace_ray* ray )
         .tfar = ray->far,
         .mask = 0xFFFFFFFFu,
     };
+    return keep_uncut( tree, out );
+}
+
+// Hair has several pieces to a segment: back to the segment and the place along it.
+static void place_on_segment( const trace_tree* tree, trace_hit* hit )
+{
+    int number = hit->body - tree->mesh_count;
+    if ( number >= 0 && number < tree->curves_count )
+    {
+        int piece = (int)tree->segments[number][hit->primitive], pieces = tree->pieces[number];
+        hit->primitive = piece / pieces;
+        hit->u = ( (float)( piece % pieces ) + hit->u ) / (float)pieces;
+    }
 }
 
 bool trace_nearest( const trace_tree* tree, const trace_ray* ray, trace_hit* hit )
 {
-    if ( !is_a_ray( ray ) )
+    struct RTCRayHit found;
+    if ( !embree_ray( tree, ray, &found.ray ) )
     {
         return false;
     }
-    struct RTCRayHit found = { .ray = embree_ray( ray ) };
     found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     embree_intersect( tree->scene, &found );
@@ -334,28 +370,26 @@ bool trace_nearest( const trace_tree* tree, const trace_ray* ray, trace_hit* hit
     {
         return false;
     }
-    int body = (int)found.hit.geomID;
-    bool is_curve = body >= tree->mesh_count && body - tree->mesh_count < tree->curves_count;
     *hit = ( trace_hit ){
         .distance = found.ray.tfar,
-        .body = body,
-        .primitive =
-            is_curve ? (int)tree->segments[body - tree->mesh_count][found.hit.primID] : (int)found.hit.primID,
+        .body = (int)found.hit.geomID,
+        .primitive = (int)found.hit.primID,
         .u = found.hit.u,
         .v = found.hit.v,
         .normal = v3_normalize_or( ( wisp_vec3 ){ found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z },
                                    v3_scale( ray->direction, -1.0f ) ),
     };
+    place_on_segment( tree, hit );
     return true;
 }
 
 bool trace_blocked( const trace_tree* tree, const trace_ray* ray )
 {
-    if ( !is_a_ray( ray ) )
+    struct RTCRay shadow;
+    if ( !embree_ray( tree, ray, &shadow ) )
     {
         return false;
     }
-    struct RTCRay shadow = embree_ray( ray );
     embree_occluded( tree->scene, &shadow );
     return shadow.tfar < 0.0f;
 }

@@ -192,28 +192,50 @@ static void parts_of_a_range_of_frames_may_be_left_out( void** state )
     assert_int_equal( result.status, 0 );
 }
 
-static void a_flying_body_stays_in_view_under_one_camera( void** state )
+// How many pixels are unlike the background, and the middle of them from left to right.
+static int measure_body( const char* name, int number, double* middle )
+{
+    char path[40];
+    snprintf( path, sizeof( path ), "%s_%04d.png", name, number );
+    picture p = read_picture( path );
+    assert_true( is_edge_empty( &p ) );
+    int count = 0;
+    *middle = 0.0;
+    for ( int k = 0; k < p.width * p.height; ++k )
+    {
+        if ( !is_like_corner( &p, k % p.width, k / p.width ) )
+        {
+            *middle += k % p.width;
+            ++count;
+        }
+    }
+    *middle /= count > 0 ? count : 1;
+    free( p.rgb );
+    return count;
+}
+
+static void a_body_that_moves_is_seen_by_a_camera_that_stands_still( void** state )
 {
     (void)state;
-    run_ok( "render fly.wisp -o view.png --size 160x90 --samples 1 --frames : --background white --ground none" );
-    int left[FRAMES];
+    run_ok( "render fly.wisp -o still.png --size 160x90 --samples 1 --frames 0:2 --background white --ground none" );
+    double first, last;
+    assert_true( measure_body( "still", 1, &first ) > 50 && measure_body( "still", 3, &last ) > 50 );
+    assert_true( last > first + 60.0 );
+}
+
+// A body that travels several times its size would be a speck.
+static void the_camera_goes_along_with_a_body_that_travels_far( void** state )
+{
+    (void)state;
+    run_ok( "render fly.wisp -o along.png --size 160x90 --samples 1 --frames : --background white --ground none" );
     for ( int f = 0; f < FRAMES; ++f )
     {
-        char path[40];
-        snprintf( path, sizeof( path ), "view_%04d.png", f + 1 );
-        picture p = read_picture( path );
-        assert_true( is_edge_empty( &p ) );
-        assert_true( count_unlike_corner( &p ) > 10 );
-        left[f] = p.width;
-        for ( int k = 0; k < p.width * p.height; ++k )
-        {
-            int x = k % p.width;
-            left[f] = !is_like_corner( &p, x, k / p.width ) && x < left[f] ? x : left[f];
-        }
-        free( p.rgb );
+        double middle;
+        const int count = measure_body( "along", f + 1, &middle );
+        // the last one is the largest and fills the picture; the first is 1 / 2.25 as large
+        assert_true( count > ( f == FRAMES - 1 ? 160 * 90 / 5 : 160 * 90 / 40 ) );
+        assert_true( fabs( middle - 79.5 ) < 4.0 );
     }
-    // the camera stands still, so the sheet crosses the picture
-    assert_true( left[0] < 40 && left[FRAMES - 1] > 80 );
 }
 
 static void a_sheet_has_its_pictures_in_columns( void** state )
@@ -350,6 +372,8 @@ static void wrong_words_are_wrong_usage( void** state )
         { "render fly.wisp -o a.png --from 0,90", "--from: got an elevation of 90" },
         { "render fly.wisp -o a.png --from nan,0", "--from: got 'nan,0'" },
         { "render fly.wisp -o a.png --fov 0", "--fov: got '0'" },
+        { "render fly.wisp -o a.png --cut 0,0,0,1", "--cut: got '0,0,0,1', expected a direction" },
+        { "render fly.wisp -o a.png --cut 1,0,0", "--cut: got '1,0,0', expected 4 numbers" },
         { "render fly.wisp -o a.png --ground floor", "--ground: got 'floor', expected one of auto, none" },
         { "render fly.wisp -o a.png --background whit", "did you mean 'white'?" },
         { "render fly.wisp -o a.png --background #12345", "--background: got '#12345'" },
@@ -440,7 +464,8 @@ int main( int argc, char** argv )
         cmocka_unit_test( a_scene_shows_strain_and_speed_of_its_surfaces ),
         cmocka_unit_test( a_sequence_is_numbered_from_one ),
         cmocka_unit_test( parts_of_a_range_of_frames_may_be_left_out ),
-        cmocka_unit_test( a_flying_body_stays_in_view_under_one_camera ),
+        cmocka_unit_test( a_body_that_moves_is_seen_by_a_camera_that_stands_still ),
+        cmocka_unit_test( the_camera_goes_along_with_a_body_that_travels_far ),
         cmocka_unit_test( a_sheet_has_its_pictures_in_columns ),
         cmocka_unit_test( a_sheet_without_frames_shows_all_of_a_short_recording ),
         cmocka_unit_test( a_turntable_shows_other_sides_and_keeps_the_body_in_view ),

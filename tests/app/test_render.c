@@ -228,13 +228,13 @@ static void right_is_right_and_up_is_up( void** state )
     release_view( &v );
 }
 
-static image picture_of_triangle( const int32_t* triangle, render_material material )
+static image picture_of_triangle( const int32_t* triangle, render_material material, bool is_painted )
 {
     static const wisp_vec3 points[] = { { -1.0f, 0.2f, 0.0f }, { 1.0f, 0.2f, 0.0f }, { 0.0f, 2.2f, 0.0f } };
     static const wisp_vec3 colours[] = { { 0.6f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.6f }, { 0.0f, 0.6f, 0.0f } };
     render_mesh mesh = render_default_mesh( material );
     mesh.points = points;
-    mesh.colours = colours;
+    mesh.colours = is_painted ? colours : NULL;
     mesh.vertex_count = 3;
     mesh.triangles = triangle;
     mesh.triangle_count = triangle == NULL ? 0 : 1;
@@ -246,12 +246,12 @@ static image picture_of_triangle( const int32_t* triangle, render_material mater
     return fixture_picture( &scene, &camera, &options );
 }
 
-static void cloth_is_the_same_from_both_sides( void** state )
+static void painted_cloth_is_the_same_from_both_sides( void** state )
 {
     (void)state;
     const int32_t front[] = { 0, 1, 2 }, back[] = { 0, 2, 1 };
-    image a = picture_of_triangle( front, RENDER_CLOTH ), b = picture_of_triangle( back, RENDER_CLOTH );
-    image none = picture_of_triangle( NULL, RENDER_CLOTH );
+    image a = picture_of_triangle( front, RENDER_CLOTH, true ), b = picture_of_triangle( back, RENDER_CLOTH, true );
+    image none = picture_of_triangle( NULL, RENDER_CLOTH, true );
     assert_true( fixture_differs( &a, &none, 48, 40 ) );
     // They differ only by the order of two additions.
     assert_int_equal( fixture_count_differing( &a, &b ), 0 );
@@ -260,11 +260,23 @@ static void cloth_is_the_same_from_both_sides( void** state )
     image_release( &none );
 }
 
+static void the_back_of_cloth_is_paler( void** state )
+{
+    (void)state;
+    const int32_t front[] = { 0, 1, 2 }, back[] = { 0, 2, 1 };
+    image a = picture_of_triangle( front, RENDER_CLOTH, false ), b = picture_of_triangle( back, RENDER_CLOTH, false );
+    const uint8_t *blue = fixture_pixel( &a, 48, 40 ), *pale = fixture_pixel( &b, 48, 40 );
+    assert_true( blue[2] > 2 * blue[0] );
+    assert_true( 2 * pale[2] < 3 * pale[0] );
+    image_release( &a );
+    image_release( &b );
+}
+
 static void colours_of_vertices_run_into_each_other( void** state )
 {
     (void)state;
     const int32_t front[] = { 0, 1, 2 };
-    image picture = picture_of_triangle( front, RENDER_SOLID );
+    image picture = picture_of_triangle( front, RENDER_SOLID, true );
     const uint8_t *left = fixture_pixel( &picture, 36, 50 ), *right = fixture_pixel( &picture, 60, 50 );
     const uint8_t *middle = fixture_pixel( &picture, 48, 50 ), *top = fixture_pixel( &picture, 48, 20 );
     assert_true( left[0] > left[2] + 40 && right[2] > right[0] + 40 );
@@ -600,7 +612,8 @@ int main( void )
         cmocka_unit_test( the_ground_runs_out_into_the_background ),
         cmocka_unit_test( a_ball_covers_the_disc_that_the_camera_says ),
         cmocka_unit_test( right_is_right_and_up_is_up ),
-        cmocka_unit_test( cloth_is_the_same_from_both_sides ),
+        cmocka_unit_test( painted_cloth_is_the_same_from_both_sides ),
+        cmocka_unit_test( the_back_of_cloth_is_paler ),
         cmocka_unit_test( colours_of_vertices_run_into_each_other ),
         cmocka_unit_test( a_strand_is_seen_along_its_whole_length ),
         cmocka_unit_test( a_hair_thinner_than_a_pixel_is_widened ),
