@@ -14,7 +14,7 @@ if (process.argv.length !== 5) {
     process.exit(64);
 }
 const [tree, wisp, output] = process.argv.slice(2).map((path) => resolve(path));
-const { gallery } = JSON.parse(await readFile(join(tree, "web/site/site.json"), "utf8"));
+const { gallery, pictures } = JSON.parse(await readFile(join(tree, "web/site/site.json"), "utf8"));
 
 /** The program says what is wrong itself. */
 function run(...words) {
@@ -26,9 +26,9 @@ function run(...words) {
 }
 
 await mkdir(output, { recursive: true });
-for (const { scene, picture } of gallery) {
+for (const { scene } of gallery) {
     const from = join(tree, "data/scenes", scene);
     const to = join(output, basename(scene, ".yaml"));
     run("view", from, "-o", `${to}.html`);
-    run("render", from, ...picture, "--size", "960x600", "--samples", "24", "-o", `${to}.png`);
+    run("render", from, ...(pictures[basename(scene, ".yaml")] ?? []), "--size", "960x600", "--samples", "24", "-o", `${to}.png`);
 }

@@ -1,6 +1,6 @@
 /** Pages of documentation: text between the list of pages and the contents of this one. */
 import { address, page } from "./frame.mjs";
-import { escape } from "./markdown.mjs";
+import { escape } from "./escape.mjs";
 import { placeOf } from "./tree_pages.mjs";
 
 function sidebar(groups, pages, path) {

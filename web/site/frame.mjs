@@ -1,6 +1,6 @@
 /** What all pages of the site have: head, header with its links, and where a file lies as seen from a page. */
 import { posix } from "node:path";
-import { escape } from "./markdown.mjs";
+import { escape } from "./escape.mjs";
 
 /** The address of `to`, a path in the site, in a page at `from`. */
 export function address(from, to) {

@@ -1,7 +1,8 @@
 /** The front page and the gallery: README.md and the scenes of site.json. Nothing that README.md says is written a second time. */
 import { posix } from "node:path";
 import { page } from "./frame.mjs";
-import { escape, plain } from "./markdown.mjs";
+import { escape } from "./escape.mjs";
+import { plain } from "./markdown.mjs";
 
 /** A scene with its picture; where there is room, a click runs it in place. */
 function card(scene, level) {

@@ -1,8 +1,6 @@
 /** Markdown as GitHub shows it: anchors of headings, tables that scroll inside their own box, links through a function. */
 import { Marked } from "marked";
-
-export const escape = (text) =>
-    text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;").replaceAll('"', "&quot;");
+import { escape } from "./escape.mjs";
 
 const unescape = (text) =>
     text.replaceAll("&lt;", "<").replaceAll("&gt;", ">").replaceAll("&quot;", '"').replaceAll("&#39;", "'").replaceAll("&amp;", "&");

@@ -2,7 +2,8 @@
 import { cp, mkdir, readFile, readdir, stat, writeFile } from "node:fs/promises";
 import { dirname, join, posix } from "node:path";
 import { address, page } from "./frame.mjs";
-import { escape, markdown, plain } from "./markdown.mjs";
+import { escape } from "./escape.mjs";
+import { markdown, plain } from "./markdown.mjs";
 
 // A browser shows these; it would offer to download the others, so they become text.
 const shown = new Set([".png", ".svg", ".json", ".txt"]);
