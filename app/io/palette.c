@@ -2,7 +2,7 @@
 
 static const wisp_vec3 PALETTE[] = {
     { 0.62f, 0.050f, 0.045f }, // coral red
-    { 0.060f, 0.22f, 0.42f },  // slate blue
+    { 0.045f, 0.16f, 0.32f },  // slate blue
     { 0.68f, 0.36f, 0.060f },  // amber
     { 0.090f, 0.30f, 0.19f },  // moss green
     { 0.36f, 0.12f, 0.30f },   // plum

@@ -113,17 +113,17 @@ static wisp_vec3 shade_latex( const stage* s, const trace_ray* ray, const surfac
     float depth = 0.85f + 0.75f * ( 1.0f - seen ) * ( 1.0f - seen );
     wisp_vec3 colour = { powf( at->colour.x, depth ), powf( at->colour.y, depth ), powf( at->colour.z, depth ) };
 
-    const float wrap = 0.35f;
-    float amount = clamp01( ( facing + wrap ) / ( 1.0f + wrap ) );
-    amount *= 0.35f + 0.65f * amount;
+    // What scatters inside the skin has no edge at the terminator, where flat triangles would show in a shadow.
+    const float wrap = 0.45f;
+    float scattered = clamp01( ( facing + wrap ) / ( 1.0f + wrap ) );
+    float lit = clamp01( facing ) * clamp01( 0.4f + facing );
     wisp_vec3 key = light_of_key( s, at->lifted, towards, INFINITY );
-    wisp_vec3 sum = rgb_mul( colour, v3_mul_add( sky_on( s, at, sample ), amount, key ) );
+    wisp_vec3 sum = rgb_mul( colour, v3_mul_add( sky_on( s, at, sample ), 0.75f * lit, key ) );
+    float inside = light_key_strength * 0.30f * scattered * scattered + 0.10f * light_sky_strength;
 
-    // Light transmitted from behind, from the lamp on the other side and from the bright room.
+    // Light from the lamp on the other side.
     float through = clamp01( 0.5f - 0.5f * facing );
-    wisp_vec3 glow = v3_scale( key, 0.30f * through );
-    glow = v3_add( glow, rgb_grey( 0.10f * light_sky_strength ) );
-    sum = v3_add( sum, rgb_mul( colour, glow ) );
+    sum = v3_add( sum, rgb_mul( colour, v3_mul_add( rgb_grey( inside ), 0.20f * through, key ) ) );
     return v3_mul_add( sum, fminf( fresnel( 0.045f, seen ), 0.45f ), mirror( s, ray, at, 0.035f, sample ) );
 }
 
