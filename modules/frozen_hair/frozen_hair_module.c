@@ -60,7 +60,6 @@ static void freeze( wisp_frame* frame, const wisp_span* span, void* user )
     const frozen_event* event = wisp_frame_column( frame, span->entity, state->event, 0 );
     const frozen_freeze* f = wisp_frame_column( frame, span->entity, state->freeze, 0 );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    const bool is_limited = wisp_frame_has( frame, span->entity, state->depth );
     wisp_strand_jitter_args args = {
         .group_row = t->group_row,
         .lane_strand = t->lane_strand,
@@ -73,7 +72,8 @@ static void freeze( wisp_frame* frame, const wisp_span* span, void* user )
         .axis_key = wisp_random_make_key( settings->seed, FROZEN_STREAM_AXIS, 0 ),
         .angle_max = f->bend_angle_max,
         .epsilon = settings->epsilon,
-        .dimension = is_limited ? 2 : t->dimension, // a straight strand bends within its layer
+        .dimension = t->dimension,
+        .in_plane = wisp_frame_has( frame, span->entity, state->depth ),
     };
     wisp_frame_kernels( frame )->strand_jitter( &args, span->begin, span->end );
 }

@@ -171,6 +171,20 @@ void frozen_oracle_frame( double3 unit, double3* b1, double3* b2 )
     *b2 = double3_make( b, sign + unit.y * unit.y * a, -unit.y );
 }
 
+static bool has_depth( const frozen_oracle_options* options )
+{
+    return options->max_depth_change >= 0.0;
+}
+
+double3 frozen_oracle_upright_axis( double3 tangent )
+{
+    double across = hypot( tangent.x, tangent.y );
+    double3 b1, b2;
+    frozen_oracle_frame( tangent, &b1, &b2 );
+    return across > 1e-6 ? double3_make( -tangent.z * tangent.x / across, -tangent.z * tangent.y / across, across )
+                         : b1;
+}
+
 double3 frozen_oracle_bend_axis( double3 previous_tangent, double3 tangent, int vertex, int dimension, double psi )
 {
     double3 cross = double3_cross( previous_tangent, tangent );
@@ -211,11 +225,6 @@ double3 frozen_oracle_rotate( double3 axis, double angle, double3 v )
                          m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z );
 }
 
-static bool has_depth( const frozen_oracle_options* options )
-{
-    return options->max_depth_change >= 0.0;
-}
-
 frozen_oracle_segment frozen_oracle_jitter( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
                                             const double3* base, int strand, int vertex, double3 previous_tangent )
 {
@@ -232,8 +241,10 @@ frozen_oracle_segment frozen_oracle_jitter( const frozen_oracle_hair* hair, cons
     g.rest_length = double3_distance( hair->rest[v], hair->rest[v - 1] );
     g.target_length = frozen_oracle_target_length( g.rest_length, alpha_s, eta, options->length_floor );
     g.tangent = frozen_oracle_tangent( d, previous_tangent );
-    g.axis = frozen_oracle_bend_axis( previous_tangent, g.tangent, vertex,
-                                      has_depth( options ) ? 2 : options->dimension, psi );
+    bool is_bent = vertex > 1 && double3_length( double3_cross( previous_tangent, g.tangent ) ) >= 1e-8;
+    g.axis = has_depth( options ) && !is_bent
+                 ? frozen_oracle_upright_axis( g.tangent )
+                 : frozen_oracle_bend_axis( previous_tangent, g.tangent, vertex, options->dimension, psi );
     g.angle = frozen_oracle_bend_angle( options->theta_max, alpha_b, xi );
     g.direction = frozen_oracle_rotate( g.axis, g.angle, g.tangent );
 

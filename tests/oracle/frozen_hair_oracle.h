@@ -132,6 +132,10 @@ void frozen_oracle_frame( double3 unit, double3* b1, double3* b2 );
 /// Eq. 4, second part: the unit axis of a bend, with a fallback for straight hair and for the first segment.
 double3 frozen_oracle_bend_axis( double3 previous_tangent, double3 tangent, int vertex, int dimension, double psi );
 
+/// 2.5D: the unit vector perpendicular to a tangent that is nearest to z, in place of the fallback: the tangent bends along x
+/// and y alone. Along z any perpendicular is.
+double3 frozen_oracle_upright_axis( double3 tangent );
+
 /// Eq. 5: the rotation matrix R(axis, angle), rows first; the axis must be of unit length.
 void frozen_oracle_rodrigues( double3 axis, double angle, double matrix[3][3] );
 

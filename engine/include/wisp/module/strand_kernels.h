@@ -25,6 +25,7 @@ typedef struct wisp_strand_jitter_args
     float angle_max; ///< rad, maximum angle, reached at stiffness 1
     float epsilon;   ///< added to denominators, as the paper prints it; 0: omitted
     int dimension;   ///< 2: a straight strand bends about the z axis; 3: about a random perpendicular
+    bool in_plane;   ///< a straight strand bends along x and y, whatever its z
 } wisp_strand_jitter_args;
 
 /// Arguments of the rotation of whole strands about their roots towards a target (Kim 2026, eq. 8-13). Works in
