@@ -99,6 +99,11 @@ static const scene_field FROZEN_HAIR_FIELDS[] = {
       .initial = "`hair_event`; `frame` for ghosts" },
     { "epsilon", SCENE_NUMBER, .at = HAIR( epsilon ), .range = UNIT_RANGE,
       .help = "Number added to denominators, for comparison with the published equations, which have 1e-6." },
+    { "max_depth_change", SCENE_NUMBER, .at = HAIR( max_depth_change ), .range = RANGE( 0, 1e6 ), .unit = METRES,
+      .help = "Largest move of a vertex along z, which is depth (2.5D): freezing is limited, and strands align and "
+              "clump in "
+              "x and y alone.",
+      .initial = "no limit" },
     { "freeze", SCENE_BLOCK, .at = HAIR( freeze ), .block = &FREEZE_BLOCK,
       .help = "Runs the first stage: lengths almost kept, bends limited." },
     { "align", SCENE_BLOCK, .at = HAIR( align ), .block = &ALIGN_BLOCK,

@@ -146,6 +146,7 @@ LANE_INLINE float attract_slices( const wisp_adhesion_args* args, int slice_firs
             lane8_store( args->pairs->weight_sum + (size_t)slice * WISP_SLICE, sums.weights );
             args->pairs->near[slice] = sums.near;
         }
+        sums.force.z = args->in_plane ? zero : sums.force.z;
         lane8v move = lane8v_scale( sums.force, step );
         move = args->min_distance_clamp ? guarded( args, move, sums.nearest ) : move;
 

@@ -18,6 +18,12 @@ typedef struct align_group
 
 static const size_t STRIDE = 3 * WISP_LANES;
 
+// With in_plane, z is depth, which turns nothing.
+static lane16v without_depth( const wisp_strand_align_args* args, lane16v v )
+{
+    return ( lane16v ){ v.x, v.y, args->in_plane ? lane16_zero() : v.z };
+}
+
 static lane16v mean_of( const align_group* g, const float* rows )
 {
     lane16v sum = lane16v_load( rows );
@@ -78,7 +84,8 @@ static lane16m has_direction( lane16v v )
 static align_turn turn_to( const wisp_strand_align_args* args, const align_group* g, lane16v u, lane16 intensity )
 {
     align_turn t = { .intensity = intensity, .last = lane16_from_int( lane16i_sub( g->count, lane16i_set1( 1 ) ) ) };
-    lane16v v = direction_of( args, g, g->rows );
+    lane16v v = without_depth( args, direction_of( args, g, g->rows ) );
+    u = without_depth( args, u );
     t.turns = lane16m_and( has_direction( v ), has_direction( u ) );
     rotation_between( args->dimension, v, u, &t.angle, &t.axis );
     lane16_sincos( t.angle, &t.sine, &t.cosine );
@@ -110,7 +117,9 @@ static lane16v turned_vertex( const wisp_strand_align_args* args, const align_gr
         lane16_sincos( lane16_mul( w, turn->angle ), &sine, &cosine );
         turned = lane16v_rotate( turn->axis, sine, cosine, q );
     }
-    return lane16v_select( turn->turns, lane16v_add( g->root, turned ), p );
+    turned = lane16v_add( g->root, turned );
+    turned.z = args->in_plane ? p.z : turned.z;
+    return lane16v_select( turn->turns, turned, p );
 }
 
 // Selects strands inside the radius. Eq. 10 as printed tests the tip; `nearest` tests every vertex.
@@ -124,7 +133,7 @@ static lane16m find_inside( const wisp_strand_align_args* args, const align_grou
     {
         lane16v p =
             turn != NULL && i > 0 ? turned_vertex( args, g, turn, i ) : lane16v_load( g->rows + (size_t)i * STRIDE );
-        lane16v d = lane16v_sub( p, target );
+        lane16v d = without_depth( args, lane16v_sub( p, target ) );
         nearest = lane16_min( nearest, lane16v_dot( d, d ) );
     }
     lane16m inside = lane16_le( lane16_sqrt( nearest ), lane16_set1( args->radius ) );
@@ -200,7 +209,7 @@ static void align_group_to( const wisp_strand_align_args* args, int group )
     }
 
     // strands that this command reaches; one with its root at the target has no direction to turn to and keeps its turn
-    lane16v to_target = lane16v_sub( target, g.root );
+    lane16v to_target = without_depth( args, lane16v_sub( target, g.root ) );
     lane16m inside = find_inside( args, &g, is_turned ? &turn : NULL, target );
     inside = lane16m_and( inside, has_direction( to_target ) );
     if ( lane16m_any( inside ) )

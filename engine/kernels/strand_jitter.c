@@ -17,10 +17,25 @@ typedef struct jitter_lanes
     lane16 stretch, bend; // 1 / (k + eps)
 } jitter_lanes;
 
-// Returns a unit vector perpendicular to t where the strand defines none: the z axis in the plane, otherwise a
-// random one. It depends only on strand and vertex, so repeated calls agree.
+// Returns the unit vector perpendicular to t that is nearest to the z axis, so that t bends along x and y alone.
+static lane16v upright_axis( lane16v t )
+{
+    lane16v b1, b2;
+    lane16v_basis( t, &b1, &b2 );
+    const lane16 across = lane16_sqrt( lane16_mul_add( t.x, t.x, lane16_mul( t.y, t.y ) ) );
+    const lane16 tilt = lane16_neg( lane16_div( t.z, across ) );
+    const lane16v axis = { lane16_mul( tilt, t.x ), lane16_mul( tilt, t.y ), across };
+    return lane16v_select( lane16_gt( across, lane16_set1( 1e-6f ) ), axis, b1 );
+}
+
+// Returns a unit vector perpendicular to t where the strand defines none: the z axis in the plane and near it with layers,
+// otherwise a random one. It depends only on strand and vertex, so repeated calls agree.
 static lane16v fallback_axis( const wisp_strand_jitter_args* args, const jitter_lanes* lanes, int vertex, lane16v t )
 {
+    if ( args->in_plane )
+    {
+        return upright_axis( t );
+    }
     if ( args->dimension == 2 )
     {
         return lane16v_set1( ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } );

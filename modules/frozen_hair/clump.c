@@ -163,7 +163,7 @@ static void iterate( clump_run* run, int iteration )
     run->moved = most;
 }
 
-static void make_args( clump_run* run, const frozen_settings* settings, const frozen_event* event )
+static void make_args( clump_run* run, const frozen_settings* settings, const frozen_event* event, bool in_plane )
 {
     const frozen_clump* c = run->params;
     run->args = ( wisp_adhesion_args ){
@@ -183,6 +183,7 @@ static void make_args( clump_run* run, const frozen_settings* settings, const fr
         .lambda_min = c->lambda_min,
         .min_distance_clamp = c->min_distance_clamp != 0,
         .planar = run->strands->dimension == 2,
+        .in_plane = in_plane,
         .gap = c->gap,
     };
 }
@@ -301,7 +302,8 @@ void frozen_clump_run( wisp_frame* frame, const wisp_span* span, void* user )
     {
         report->coarse_grid = run.w->grid.is_widened;
         make_args( &run, wisp_frame_column( frame, span->entity, state->settings, 0 ),
-                   wisp_frame_column( frame, span->entity, state->event, 0 ) );
+                   wisp_frame_column( frame, span->entity, state->event, 0 ),
+                   wisp_frame_has( frame, span->entity, state->depth ) );
         status = iterate_all( &run );
     }
     if ( status != WISP_OK )

@@ -70,6 +70,12 @@ typedef struct wisp_frozen_hair_def
     float min_lambda;        ///< in [0, 1], default 0
     int max_neighbours;      ///< in [1, 4096], default 256: further ones are ignored and counted
 
+    /// m, >= 0; default -1: no limit. With a limit z is depth, as in a picture of layers (2.5D): freezing moves a vertex by at
+    /// most this along z from its rest shape, or from the shape that another module moved it to; strands align about the z axis,
+    /// to a cursor whose z is not read, and clump along x and y. Layers further apart than twice the limit stay in order.
+    /// A segment that is brought back keeps its length by its x and y, unless it is steeper than that. In two dimensions
+    /// nothing changes.
+    float max_depth_change;
 } wisp_frozen_hair_def;
 
 WISP_DEFINITION( frozen_hair_def );

@@ -73,6 +73,7 @@ static void freeze( wisp_frame* frame, const wisp_span* span, void* user )
         .angle_max = f->bend_angle_max,
         .epsilon = settings->epsilon,
         .dimension = t->dimension,
+        .in_plane = wisp_frame_has( frame, span->entity, state->depth ),
     };
     wisp_frame_kernels( frame )->strand_jitter( &args, span->begin, span->end );
 }
@@ -85,6 +86,7 @@ static void align( wisp_frame* frame, const wisp_span* span, void* user )
     const frozen_event* event = wisp_frame_column( frame, span->entity, state->event, 0 );
     const frozen_align* a = wisp_frame_column( frame, span->entity, state->align, 0 );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
+    const bool is_limited = wisp_frame_has( frame, span->entity, state->depth );
     wisp_strand_align_args args = {
         .group_row = t->group_row,
         .lane_count = t->lane_count,
@@ -95,7 +97,8 @@ static void align( wisp_frame* frame, const wisp_span* span, void* user )
         .chord = a->blend_chord != 0,
         .from_root = a->direction_from_root != 0,
         .nearest = a->reach_nearest != 0,
-        .dimension = t->dimension,
+        .dimension = is_limited ? 2 : t->dimension,
+        .in_plane = is_limited,
         .swept = wisp_frame_column( frame, span->entity, state->swept, 0 ),
     };
     if ( args.swept != NULL && wisp_frame_has( frame, span->entity, WISP_STRAND_POSED ) )
@@ -146,6 +149,16 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .reads = { s->event, WISP_STRAND_STIFFNESS, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
             .run = freeze,
+            .on_change = s->event,
+        },
+        {
+            .name = "frozen_hair.depth",
+            .stage = WISP_STAGE_SHAPE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .required = { s->freeze, s->depth },
+            .reads = { s->event, WISP_STRAND_REST, WISP_STRAND_POSITION },
+            .writes = { WISP_STRAND_POSITION },
+            .run = frozen_limit_depth,
             .on_change = s->event,
         },
         {

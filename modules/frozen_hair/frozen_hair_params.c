@@ -24,6 +24,7 @@ void wisp_init_frozen_hair_def( wisp_frozen_hair_def* def, size_t size )
         .min_distance_clamp = true,
         .min_distance = -1.0f,
         .max_neighbours = 256,
+        .max_depth_change = -1.0f,
     };
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
@@ -84,6 +85,7 @@ static wisp_status check_def( wisp_world* world, const wisp_frozen_hair_def* d, 
         { "min_distance", d->min_distance == -1.0f ? 0.0f : d->min_distance, 0.0f, 1e6f },
         { "min_lambda", d->min_lambda, 0.0f, 1.0f },
         { "max_neighbours", (float)d->max_neighbours, 1.0f, 4096.0f },
+        { "max_depth_change", d->max_depth_change == -1.0f ? 0.0f : d->max_depth_change, 0.0f, 1e6f },
     };
     wisp_status status = wisp_world_check_ranges( world, "frozen hair", ranges, WISP_COUNT( ranges ) );
     status = status == WISP_OK ? check_choices( world, d ) : status;
@@ -127,6 +129,7 @@ static wisp_status attach_all( wisp_world* world, wisp_entity entity, const froz
         { s->stroke, d->base == WISP_FROZEN_BASE_STROKE },
         { s->swept, d->base == WISP_FROZEN_BASE_STROKE && d->align },
         { s->clump, d->clump && d->clump_iterations > 0 },
+        { s->depth, d->max_depth_change >= 0.0f },
     };
     bool had[WISP_COUNT( parts )];
     for ( int i = 0; i < WISP_COUNT( parts ); ++i )
@@ -192,6 +195,11 @@ static void write_stages( wisp_world* world, wisp_entity entity, const frozen_st
             .min_distance_clamp = d->min_distance_clamp,
             .neighbour_limit = d->max_neighbours,
         };
+    }
+    if ( d->max_depth_change >= 0.0f )
+    {
+        frozen_depth* depth = wisp_world_column( world, entity, s->depth, 0 );
+        *depth = ( frozen_depth ){ d->max_depth_change };
     }
 }
 

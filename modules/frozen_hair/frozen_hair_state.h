@@ -45,6 +45,12 @@ typedef struct frozen_stroke
     float turn[4];   // quaternion x y z w: how the moved strands are turned as a whole
 } frozen_stroke;
 
+/// With a limit of depth.
+typedef struct frozen_depth
+{
+    float max_change; // m, >= 0
+} frozen_depth;
+
 typedef struct frozen_clump
 {
     float radius, step, distance_min, lambda_min; // m, m, m, 1
@@ -58,6 +64,7 @@ typedef struct frozen_clump
 #define FROZEN_STROKE_COLUMNS( X ) X( frozen_stroke, stroke, 1 )
 #define FROZEN_SWEPT_COLUMNS( X ) X( float, swept, 64 ) /* [4][16] last turn of a strand (wisp_strand_align_args) */
 #define FROZEN_CLUMP_COLUMNS( X ) X( frozen_clump, clump, 1 )
+#define FROZEN_DEPTH_COLUMNS( X ) X( frozen_depth, depth, 1 )
 #define FROZEN_INTENSITY_COLUMNS( X ) X( float, intensity, 16 ) /* x in [0, 1], lane = strand */
 #define FROZEN_STATS_COLUMNS( X ) X( wisp_frozen_hair_stats, report, 1 )
 
@@ -71,7 +78,8 @@ typedef struct frozen_clump
     X( swept, "frozen_hair.swept", WISP_TABLE_STRAND_GROUP, FROZEN_SWEPT_COLUMNS )                                   \
     X( clump, "frozen_hair.clump", WISP_TABLE_ENTITY, FROZEN_CLUMP_COLUMNS )                                         \
     X( intensity, "frozen_hair.intensity", WISP_TABLE_STRAND_GROUP, FROZEN_INTENSITY_COLUMNS )                       \
-    X( report, "frozen_hair.stats", WISP_TABLE_ENTITY, FROZEN_STATS_COLUMNS )
+    X( report, "frozen_hair.stats", WISP_TABLE_ENTITY, FROZEN_STATS_COLUMNS )                                        \
+    X( depth, "frozen_hair.depth", WISP_TABLE_ENTITY, FROZEN_DEPTH_COLUMNS )
 
 /// Component numbers in one world.
 typedef struct frozen_state
@@ -93,6 +101,9 @@ enum
 
 /// How moved strands are turned as a whole (whole_turn.c).
 wisp_pass_fn frozen_find_turn;
+
+/// Bring frozen vertices back to their depth (limit_depth.c).
+wisp_pass_fn frozen_limit_depth;
 
 /// The third stage (clump.c).
 wisp_pass_fn frozen_clump_run;

@@ -240,6 +240,8 @@ static const bad_scene BAD_SCENES[] = {
       ":2:1: unknown key 'radiusradiusradiusradiusradiusradiusradiusra...', expected one of wisp, dt, dt_factors, steps, substeps, iterations, workers, gravity, contact, strands, surfaces, colliders, hair_events, events, output" },
     { "long_number.yaml",
       ":2:8: steps: got '11111111111111111111111111111111111111111111...', expected a whole number" },
+    { "max_depth_change.yaml",
+      ":6:25: strands[0].frozen_hair.max_depth_change: got -0.001, expected a value in [0, 1e+06]" },
     { "max_neighbours.yaml",
       ":6:32: strands[0].frozen_hair.clump.max_neighbours: got 5000, expected a value in [1, 4096]" },
     { "merge_key.yaml",

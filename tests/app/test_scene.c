@@ -125,7 +125,8 @@ static const char EVERY_KEY[] =
     "0.2, "
     "wave_amplitude: 0.01, wave_length: 0.06, length_variation: 0.5, diameter: 1e-4, seed: 18446744073709551615 }\n"
     "    frozen_hair:\n"
-    "      seed: 9\n      base: previous\n      update_on: frame\n      epsilon: 1e-6\n"
+    "      seed: 9\n      base: previous\n      update_on: frame\n      epsilon: 1e-6\n      max_depth_change: "
+    "0.002\n"
     "      freeze: { stretch_stiffness: 3, bend_stiffness: [1, 2.5, +4e1], max_bend_angle: 1.5 }\n"
     "      align: { intensity: [0, 0.5, 1], cursor: [1, -2, 3.5], reach: 0.4, reach_by: nearest, blend: chord, "
     "direction: root }\n"
@@ -141,7 +142,7 @@ static void assert_frozen_hair( const wisp_scene_strands* s )
     assert_int_equal( hair->seed, 9 );
     assert_int_equal( hair->base, WISP_FROZEN_BASE_PREVIOUS );
     assert_int_equal( hair->update_on, WISP_FROZEN_UPDATE_FRAME );
-    assert_true( hair->epsilon == 1e-6f );
+    assert_true( hair->epsilon == 1e-6f && hair->max_depth_change == 0.002f );
 
     assert_true( hair->stretch_stiffness == 3.0f && hair->max_bend_angle == 1.5f );
     assert_null( hair->strand_stretch_stiffness );

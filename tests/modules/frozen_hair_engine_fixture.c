@@ -273,6 +273,7 @@ static frozen_oracle_options widen_options( const wisp_frozen_hair_def* d, int d
     o.min_distance = (double)( d->min_distance == -1.0f ? 0.02f * d->clump_radius : d->min_distance );
     o.lambda_min = (double)d->min_lambda;
     o.epsilon = (double)d->epsilon;
+    o.max_depth_change = (double)d->max_depth_change;
     o.dimension = dimension;
     o.blend = d->blend_chord ? FROZEN_ORACLE_BLEND_CHORD : FROZEN_ORACLE_BLEND_ARC;
     o.direction = d->direction_from_root ? FROZEN_ORACLE_DIRECTION_ROOT : FROZEN_ORACLE_DIRECTION_MEAN;

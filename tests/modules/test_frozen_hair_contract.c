@@ -366,6 +366,40 @@ static void a_whole_turn_points_at_the_cursor_even_from_the_opposite( void** sta
     }
 }
 
+// Eq. 11: opposite but for rounding, the cross product is noise of any direction and must not be the axis
+static void a_turn_from_the_rounded_opposite_ends_at_the_cursor( void** state )
+{
+    (void)state;
+    enum
+    {
+        strands = 400
+    };
+    const wisp_random_key key = wisp_random_make_key( 5, 0, 0 );
+    for ( int n = 0; n < strands; ++n )
+    {
+        float c[3];
+        for ( int axis = 0; axis < 3; ++axis )
+        {
+            c[axis] = 0.2f * ( wisp_random_unit_float( key, (uint32_t)n, (uint32_t)axis, 0 ) - 0.5f );
+        }
+        const wisp_vec3 points[] = { { 0, 0, 0 }, { c[0], c[1], n % 2 == 0 ? 0.0f : c[2] } };
+        const float back = -( 0.3f + 0.01f * (float)n );
+        hair_groom groom = hair_groom_from( 2 + n % 2, 1, &( int ){ 2 }, points );
+        wisp_frozen_hair_def def =
+            hair_align_only( ( wisp_vec3 ){ back * points[1].x, back * points[1].y, back * points[1].z } );
+        def.intensity = 1.0f;
+        wisp_vec3* out = hair_run( NULL, &groom, &def );
+
+        // three rounded products are off the opposite by u each; the turn by pi has 40 u
+        const double off = double3_angle( double3_widen( out[1] ), double3_widen( def.cursor ) );
+        hair_assert_close( off, 0.0, 44.0 * u );
+        hair_assert_close( double3_length( double3_widen( out[1] ) ) / double3_length( double3_widen( points[1] ) ),
+                           1.0, 40.0 * u );
+        free( out );
+        hair_groom_destroy( &groom );
+    }
+}
+
 // Eq. 12
 static void the_turn_grows_linearly_from_the_intensity_to_one( void** state )
 {
@@ -441,6 +475,7 @@ int main( void )
         cmocka_unit_test( mean_and_root_give_a_straight_strand_one_direction_and_a_hook_two ),
         cmocka_unit_test( strands_out_of_reach_keep_their_bits ),
         cmocka_unit_test( a_whole_turn_points_at_the_cursor_even_from_the_opposite ),
+        cmocka_unit_test( a_turn_from_the_rounded_opposite_ends_at_the_cursor ),
         cmocka_unit_test( the_turn_grows_linearly_from_the_intensity_to_one ),
         cmocka_unit_test( a_chord_shortens_by_the_known_ratio_and_an_arc_keeps_distances ),
     };

@@ -28,6 +28,9 @@
     X( "min_lambda: got 1.5,", d->min_lambda = 1.5f )                                                                \
     X( "max_neighbours: got 0,", d->max_neighbours = 0 )                                                             \
     X( "max_neighbours: got 4097,", d->max_neighbours = 4097 )                                                       \
+    X( "max_depth_change: got -0.5,", d->max_depth_change = -0.5f )                                                  \
+    X( "max_depth_change: got nan,", d->max_depth_change = NAN )                                                     \
+    X( "max_depth_change: got 2e+06,", d->max_depth_change = 2e6f )                                                  \
     X( "epsilon: got -1e-06,", d->epsilon = -1e-6f )                                                                 \
     X( "gap: got 4,", d->gap = (wisp_gap)4 )                                                                         \
     X( "base: got 3,", d->base = (wisp_frozen_base)3 )                                                               \
@@ -81,6 +84,7 @@ static void the_ends_of_every_range_are_accepted_and_give_numbers( void** state 
         def.min_lambda = upper ? 1.0f : 0.0f;
         def.max_neighbours = upper ? 4096 : 1;
         def.epsilon = upper ? 1.0f : 0.0f;
+        def.max_depth_change = upper ? 1e6f : 0.0f;
         for ( int min_distance_clamp = 0; min_distance_clamp <= 1; ++min_distance_clamp )
         {
             def.min_distance_clamp = min_distance_clamp != 0;

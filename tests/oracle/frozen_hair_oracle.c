@@ -22,6 +22,7 @@ frozen_oracle_options frozen_oracle_default_options( void )
         .lambda_min = 0.0,
         .length_floor = 0.05,
         .epsilon = 0.0,
+        .max_depth_change = -1.0,
         .dimension = 3,
         .min_distance_clamp = true,
         .deform = true,
@@ -50,6 +51,11 @@ static wisp_status check_options( const frozen_oracle_options* o, wisp_error* er
     if ( o->clump_iterations > 0 && !( o->clump_radius > 0.0 && o->clump_radius <= 1e6 ) )
     {
         return refuse( error, WISP_BAD_INPUT, "clump radius is %g, must be > 0", o->clump_radius );
+    }
+    if ( !( o->max_depth_change <= 1e6 ) )
+    {
+        return refuse( error, WISP_BAD_INPUT, "largest change of depth is %g, must be at most 1e6 m",
+                       o->max_depth_change );
     }
     if ( !is_coordinate( o->cursor ) )
     {
@@ -165,6 +171,20 @@ void frozen_oracle_frame( double3 unit, double3* b1, double3* b2 )
     *b2 = double3_make( b, sign + unit.y * unit.y * a, -unit.y );
 }
 
+static bool has_depth( const frozen_oracle_options* options )
+{
+    return options->max_depth_change >= 0.0;
+}
+
+double3 frozen_oracle_upright_axis( double3 tangent )
+{
+    double across = hypot( tangent.x, tangent.y );
+    double3 b1, b2;
+    frozen_oracle_frame( tangent, &b1, &b2 );
+    return across > 1e-6 ? double3_make( -tangent.z * tangent.x / across, -tangent.z * tangent.y / across, across )
+                         : b1;
+}
+
 double3 frozen_oracle_bend_axis( double3 previous_tangent, double3 tangent, int vertex, int dimension, double psi )
 {
     double3 cross = double3_cross( previous_tangent, tangent );
@@ -221,7 +241,10 @@ frozen_oracle_segment frozen_oracle_jitter( const frozen_oracle_hair* hair, cons
     g.rest_length = double3_distance( hair->rest[v], hair->rest[v - 1] );
     g.target_length = frozen_oracle_target_length( g.rest_length, alpha_s, eta, options->length_floor );
     g.tangent = frozen_oracle_tangent( d, previous_tangent );
-    g.axis = frozen_oracle_bend_axis( previous_tangent, g.tangent, vertex, options->dimension, psi );
+    bool is_bent = vertex > 1 && double3_length( double3_cross( previous_tangent, g.tangent ) ) >= 1e-8;
+    g.axis = has_depth( options ) && !is_bent
+                 ? frozen_oracle_upright_axis( g.tangent )
+                 : frozen_oracle_bend_axis( previous_tangent, g.tangent, vertex, options->dimension, psi );
     g.angle = frozen_oracle_bend_angle( options->theta_max, alpha_b, xi );
     g.direction = frozen_oracle_rotate( g.axis, g.angle, g.tangent );
 
@@ -231,7 +254,31 @@ frozen_oracle_segment frozen_oracle_jitter( const frozen_oracle_hair* hair, cons
     return g;
 }
 
+void frozen_oracle_limit_depth( const double3* base, int count, double limit, double3* points )
+{
+    double3 before = count > 0 ? points[0] : double3_make( 0.0, 0.0, 0.0 );
+    for ( int i = 1; i < count; ++i )
+    {
+        double3 d = double3_sub( points[i], before );
+        before = points[i];
+        double z = fmin( fmax( points[i].z, base[i].z - limit ), base[i].z + limit );
+        double dz = z - points[i - 1].z;
+        if ( dz != d.z )
+        {
+            double across = hypot( d.x, d.y ), wanted = double3_dot( d, d ) - dz * dz;
+            double factor = across > 1e-12 && wanted > 0.0 ? sqrt( wanted ) / across : 0.0;
+            d = double3_make( factor * d.x, factor * d.y, dz );
+        }
+        points[i] = double3_make( points[i - 1].x + d.x, points[i - 1].y + d.y, z );
+    }
+}
+
 // Equations 8 to 13.
+
+static double3 without_depth( const frozen_oracle_options* options, double3 v )
+{
+    return has_depth( options ) ? double3_make( v.x, v.y, 0.0 ) : v;
+}
 
 double3 frozen_oracle_representative( const double3* points, int count, frozen_oracle_direction direction )
 {
@@ -350,7 +397,7 @@ frozen_oracle_adhesion frozen_oracle_adhere( const frozen_oracle_hair* hair, con
 
 double3 frozen_oracle_tentative_step( const frozen_oracle_options* options, frozen_oracle_adhesion adhesion )
 {
-    double3 step = double3_scale( options->clump_step, adhesion.force );
+    double3 step = without_depth( options, double3_scale( options->clump_step, adhesion.force ) );
     double length = double3_length( step );
     double limit = fmax( 0.0, ( adhesion.nearest - options->min_distance ) / 2.0 );
     if ( options->min_distance_clamp && length > limit )
@@ -437,6 +484,10 @@ void frozen_oracle_deform_strand( const frozen_oracle_hair* hair, const frozen_o
         out[first + i] = double3_add( out[first + i - 1], g.step );
         tangent = g.tangent;
     }
+    if ( has_depth( options ) )
+    {
+        frozen_oracle_limit_depth( hair->rest + first, count, options->max_depth_change, out + first );
+    }
 }
 
 void frozen_oracle_deform( const frozen_oracle_hair* hair, const frozen_oracle_options* options, double3* out )
@@ -447,32 +498,49 @@ void frozen_oracle_deform( const frozen_oracle_hair* hair, const frozen_oracle_o
     }
 }
 
+// With a limit of depth, z is depth: the cursor is as deep as each vertex, and strands turn about z.
+static bool reaches( const frozen_oracle_options* options, const double3* points, int count )
+{
+    if ( !has_depth( options ) )
+    {
+        return frozen_oracle_in_reach( points, count, options->cursor, options->cursor_radius, options->reach );
+    }
+    int first = options->reach == FROZEN_ORACLE_REACH_TIP ? count - 1 : 0;
+    bool is_reached = false;
+    for ( int i = first; i < count; ++i )
+    {
+        double3 cursor = double3_make( options->cursor.x, options->cursor.y, points[i].z );
+        is_reached = is_reached || double3_distance( points[i], cursor ) <= options->cursor_radius;
+    }
+    return is_reached;
+}
+
+static void turn_points( const frozen_oracle_options* options, double3 target, double intensity, int count,
+                         const double3* p, double3* out )
+{
+    double3 v = without_depth( options, frozen_oracle_representative( p, count, options->direction ) ), axis;
+    double phi;
+    bool turns = frozen_oracle_turn( v, without_depth( options, target ),
+                                     has_depth( options ) ? 2 : options->dimension, &axis, &phi );
+    for ( int i = 0; i < count; ++i )
+    {
+        out[i] = turns ? frozen_oracle_blend_point( options->blend, p[0], p[i], axis, phi,
+                                                    frozen_oracle_weight( i, count, intensity ) )
+                       : p[i];
+        out[i].z = has_depth( options ) ? p[i].z : out[i].z;
+    }
+}
+
 void frozen_oracle_align_strand( const frozen_oracle_hair* hair, const frozen_oracle_options* options, int strand,
                                  const double3* in, double3* out )
 {
     int first = hair->offsets[strand];
     int count = hair->offsets[strand + 1] - first;
-    const double3* p = in + first;
-    for ( int i = 0; i < count; ++i )
+    memcpy( out + first, in + first, (size_t)count * sizeof( double3 ) );
+    if ( count >= 2 && reaches( options, in + first, count ) )
     {
-        out[first + i] = p[i];
-    }
-    if ( count < 2 || !frozen_oracle_in_reach( p, count, options->cursor, options->cursor_radius, options->reach ) )
-    {
-        return;
-    }
-
-    double3 v = frozen_oracle_representative( p, count, options->direction );
-    double3 u = double3_sub( options->cursor, p[0] );
-    double3 axis;
-    double phi;
-    if ( frozen_oracle_turn( v, u, options->dimension, &axis, &phi ) )
-    {
-        for ( int i = 0; i < count; ++i )
-        {
-            double w = frozen_oracle_weight( i, count, hair->intensity[strand] );
-            out[first + i] = frozen_oracle_blend_point( options->blend, p[0], p[i], axis, phi, w );
-        }
+        turn_points( options, double3_sub( options->cursor, in[first] ), hair->intensity[strand], count, in + first,
+                     out + first );
     }
 }
 
@@ -496,20 +564,6 @@ static double3 follow_strand( const frozen_oracle_hair* hair, const frozen_oracl
                 : frozen_oracle_rotate( axis, phi, frozen_oracle_rotate( stroke->axis, stroke->angle, v ) );
 }
 
-static void turn_points( const frozen_oracle_options* options, double3 target, double intensity, int count,
-                         const double3* p, double3* out )
-{
-    double3 v = frozen_oracle_representative( p, count, options->direction ), axis;
-    double phi;
-    bool turns = frozen_oracle_turn( v, target, options->dimension, &axis, &phi );
-    for ( int i = 0; i < count; ++i )
-    {
-        out[i] = turns ? frozen_oracle_blend_point( options->blend, p[0], p[i], axis, phi,
-                                                    frozen_oracle_weight( i, count, intensity ) )
-                       : p[i];
-    }
-}
-
 void frozen_oracle_align_in_stroke( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
                                     frozen_oracle_stroke* stroke, bool sweeps, int strand, const double3* in,
                                     double3* out )
@@ -527,8 +581,8 @@ void frozen_oracle_align_in_stroke( const frozen_oracle_hair* hair, const frozen
     }
     turn_points( options, target, stroke->intensity[strand], count, in + first, out + first );
     double3 wanted = double3_sub( options->cursor, in[first] );
-    if ( sweeps && count > 1 && double3_length( wanted ) >= 1e-12 &&
-         frozen_oracle_in_reach( out + first, count, options->cursor, options->cursor_radius, options->reach ) )
+    if ( sweeps && count > 1 && double3_length( without_depth( options, wanted ) ) >= 1e-12 &&
+         reaches( options, out + first, count ) )
     {
         stroke->intensity[strand] = hair->intensity[strand];
         stroke->target[strand] =

@@ -78,7 +78,11 @@ typedef struct frozen_oracle_options
     double lambda_min;    ///< lambda at delta = 1 with gap = prose, default 0
     double length_floor;  ///< shortest l* as a fraction of l0, default 0.05
     double epsilon;       ///< of the printed divisions, default 0: the resolved forms
-    int dimension;        ///< 2 or 3; decides the fallback axes only
+
+    /// m, 2.5D (extension): the most that freezing moves a vertex along z; strands align about z and clump along x and y. Below
+    /// 0, default: no limit.
+    double max_depth_change;
+    int dimension; ///< 2 or 3; decides the fallback axes only
     frozen_oracle_blend blend;
     frozen_oracle_direction direction;
     frozen_oracle_gap gap;
@@ -128,6 +132,10 @@ void frozen_oracle_frame( double3 unit, double3* b1, double3* b2 );
 /// Eq. 4, second part: the unit axis of a bend, with a fallback for straight hair and for the first segment.
 double3 frozen_oracle_bend_axis( double3 previous_tangent, double3 tangent, int vertex, int dimension, double psi );
 
+/// 2.5D: the unit vector perpendicular to a tangent that is nearest to z, in place of the fallback: the tangent bends along x
+/// and y alone. Along z any perpendicular is.
+double3 frozen_oracle_upright_axis( double3 tangent );
+
 /// Eq. 5: the rotation matrix R(axis, angle), rows first; the axis must be of unit length.
 void frozen_oracle_rodrigues( double3 axis, double angle, double matrix[3][3] );
 
@@ -151,6 +159,11 @@ typedef struct frozen_oracle_segment
 /// @param previous_tangent tangent of the segment before, the zero vector for the first
 frozen_oracle_segment frozen_oracle_jitter( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
                                             const double3* base, int strand, int vertex, double3 previous_tangent );
+
+/// 2.5D: bring a frozen strand back to within `limit` of the depths of `base`. Segments keep their lengths by more or less of
+/// their x and y; one that is steeper, or has no x and y, is as long as its depth.
+/// @param points [count] m, changed
+void frozen_oracle_limit_depth( const double3* base, int count, double limit, double3* points );
 
 // Equations 8 to 13: turn a strand towards the cursor.
 

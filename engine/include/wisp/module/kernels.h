@@ -116,6 +116,7 @@ typedef struct wisp_adhesion_args
     float lambda_min;        ///< minimum of the brake's factor, reached where the distance changes by h
     bool min_distance_clamp; ///< enables the guard
     bool planar;             ///< all z are 0
+    bool in_plane;           ///< vertices move along x and y only
     int gap;                 ///< a wisp_gap value
 } wisp_adhesion_args;
 

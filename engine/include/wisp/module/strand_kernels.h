@@ -25,6 +25,7 @@ typedef struct wisp_strand_jitter_args
     float angle_max; ///< rad, maximum angle, reached at stiffness 1
     float epsilon;   ///< added to denominators, as the paper prints it; 0: omitted
     int dimension;   ///< 2: a straight strand bends about the z axis; 3: about a random perpendicular
+    bool in_plane;   ///< a straight strand bends along x and y, whatever its z
 } wisp_strand_jitter_args;
 
 /// Arguments of the rotation of whole strands about their roots towards a target (Kim 2026, eq. 8-13). Works in
@@ -41,6 +42,7 @@ typedef struct wisp_strand_align_args
     bool from_root;            ///< strand direction is tip - root instead of tip - mean
     bool nearest;              ///< a strand is inside if any vertex is within radius, not only the tip
     int dimension;             ///< 2: a strand that points away from the target turns about the z axis
+    bool in_plane;             ///< turn about the z axis, by directions and distances without z: z keeps its bits
 
     /// [group_count][4][16] vector from root to target, in m, and intensity, of the last turn of each strand; 0: none. Strands
     /// outside the radius turn by it, those inside replace it. Null: strands outside do not turn.

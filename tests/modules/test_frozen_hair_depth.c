@@ -1,0 +1,351 @@
+// Frozen hair in 2.5D: with a limit of depth, vertices keep their z or move along it by little, strands turn and clump
+// within their layers, and without one nothing of it exists.
+#include "frozen_hair_mover.h"
+#include "frozen_hair_shadow.h"
+
+static const double u = HAIR_ROUNDING;
+
+// Soft strands in space and a cursor that is not in their layers, so that every stage would move them along z.
+static wisp_frozen_hair_def soft_def( float limit )
+{
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    def.stretch_stiffness = def.bend_stiffness = 2.0f;
+    def.cursor = ( wisp_vec3 ){ 0.1f, -0.1f, 0.4f };
+    def.reach = 1.0f;
+    def.max_depth_change = limit;
+    return def;
+}
+
+// After some commands, each of which starts from the output of the one before if the base says so.
+static wisp_vec3* run_commands( const hair_groom* groom, const wisp_frozen_hair_def* def, int commands )
+{
+    wisp_world* world = hair_world_create( NULL );
+    const wisp_entity hair = hair_add_frozen( world, groom, def );
+    for ( int n = 0; n < commands; ++n )
+    {
+        hair_command( world, hair, def->cursor );
+        hair_step( world );
+    }
+    wisp_vec3* points = hair_points( world, hair, groom->vertex_count );
+    wisp_world_destroy( world );
+    return points;
+}
+
+typedef struct depth_change
+{
+    double most; // m
+    int at_limit;
+} depth_change;
+
+static depth_change measure_depth( const wisp_vec3* base, const wisp_vec3* out, int count, double limit )
+{
+    depth_change c = { 0.0, 0 };
+    for ( int v = 0; v < count; ++v )
+    {
+        const double change = fabs( (double)out[v].z - (double)base[v].z );
+        c.most = fmax( c.most, change );
+        c.at_limit += fabs( change - limit ) < 1e-7;
+    }
+    return c;
+}
+
+static void vertices_move_along_z_by_no_more_than_the_limit( void** state )
+{
+    (void)state;
+    const float limits[] = { 0.0f, 5e-4f, 3e-3f };
+    for ( int n = 0; n < 3 * 3 * WISP_COUNT( limits ); ++n )
+    {
+        const float limit = limits[n / 9];
+        hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 3, 49, 20, 0.004f );
+        wisp_frozen_hair_def def = soft_def( limit );
+        def.base = (wisp_frozen_base)( n / 3 % 3 );
+        wisp_vec3* out = run_commands( &groom, &def, 3 );
+
+        // both ends of the range are rounded, of coordinates below 0.1 m
+        const depth_change kept = measure_depth( groom.points, out, groom.vertex_count, (double)limit );
+        assert_true( kept.most <= (double)limit + ( limit > 0.0f ? 2.0 * u * 0.1 : 0.0 ) );
+        assert_true( n % 3 != HAIR_CURLY || kept.at_limit > 49 );
+        free( out );
+        def.max_depth_change = -1.0f;
+        out = run_commands( &groom, &def, 3 );
+        assert_true( measure_depth( groom.points, out, groom.vertex_count, 0.0 ).most > 0.01 );
+        free( out );
+        hair_groom_destroy( &groom );
+    }
+}
+
+// Pairs of vertices, the first in front, that changed their order.
+static int count_swapped( const hair_groom* groom, const wisp_vec3* out, double apart )
+{
+    int swapped = 0;
+    for ( int v = 0; v < groom->vertex_count; ++v )
+    {
+        for ( int q = 0; q < groom->vertex_count; ++q )
+        {
+            const bool is_in_front = (double)groom->points[v].z - (double)groom->points[q].z > apart;
+            swapped += is_in_front && out[v].z <= out[q].z;
+        }
+    }
+    return swapped;
+}
+
+static void layers_further_apart_than_twice_the_limit_keep_their_order( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 49, 20, 0.004f );
+    for ( int n = 0; n < 2; ++n )
+    {
+        wisp_frozen_hair_def def = soft_def( n == 0 ? 1e-3f : -1.0f );
+        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        const int swapped = count_swapped( &groom, out, 0.002 + 1e-7 );
+        assert_true( n == 0 ? swapped == 0 : swapped > 1000 );
+        free( out );
+    }
+    hair_groom_destroy( &groom );
+}
+
+// ---- a layer is a plane ----
+
+// Strands in three planes, 5 cm apart. @param only the plane whose strands have vertices; below 0: all
+static hair_groom layered( hair_shape shape, int dimension, int only )
+{
+    int counts[60];
+    for ( int s = 0; s < 60; ++s )
+    {
+        counts[s] = only < 0 || s % 3 == only ? 20 : 0;
+    }
+    hair_groom groom = hair_groom_create_mixed( shape, 2, 60, counts, 0.002f );
+    groom.dimension = dimension;
+    for ( int s = 0; s < 60; ++s )
+    {
+        for ( int v = groom.offsets[s]; v < groom.offsets[s + 1] && dimension == 3; ++v )
+        {
+            groom.points[v].z = 0.05f * (float)( s % 3 );
+        }
+    }
+    return groom;
+}
+
+static void a_layer_freezes_and_aligns_as_hair_in_the_plane_bit_for_bit( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 24; ++n )
+    {
+        hair_groom flat = layered( (hair_shape)( n % 3 ), 2, -1 ), deep = layered( (hair_shape)( n % 3 ), 3, -1 );
+        wisp_frozen_hair_def def = soft_def( 0.0f );
+        def.clump = false;
+        def.reach = 0.1f;
+        def.blend_chord = n / 3 % 2 == 1;
+        def.reach_nearest = n / 6 % 2 == 1;
+        def.base = n / 12 == 1 ? WISP_FROZEN_BASE_STROKE : WISP_FROZEN_BASE_REST;
+        wisp_vec3* a = run_commands( &flat, &def, 2 );
+        wisp_vec3* b = run_commands( &deep, &def, 2 );
+        int turned = 0;
+        for ( int v = 0; v < flat.vertex_count; ++v )
+        {
+            assert_true( a[v].x == b[v].x && a[v].y == b[v].y && a[v].z == 0.0f && b[v].z == deep.points[v].z );
+            turned += hair_distance( a[v], flat.points[v] ) > 0.01;
+        }
+        assert_true( turned > 60 );
+        free( a );
+        free( b );
+        hair_groom_destroy( &flat );
+        hair_groom_destroy( &deep );
+    }
+}
+
+// Opposite to the cursor, a strand turns within its layer too.
+static void a_strand_that_points_away_turns_within_its_layer( void** state )
+{
+    (void)state;
+    const int counts[] = { 3 };
+    const wisp_vec3 points[] = { { 0, 0, 0.2f }, { 0, -0.1f, 0.2f }, { 0, -0.2f, 0.2f } };
+    hair_groom groom = hair_groom_from( 3, 1, counts, points );
+    wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ 0.0f, 0.3f, -0.7f } );
+    def.intensity = 0.5f;
+    def.max_depth_change = 0.0f;
+    wisp_vec3* out = hair_run( NULL, &groom, &def );
+    hair_assert_close( hair_distance( out[2], ( wisp_vec3 ){ 0.0f, 0.2f, 0.2f } ), 0.0, 60.0 * u * 0.2 );
+    assert_true( fabs( (double)out[1].x ) > 0.05 && out[1].z == 0.2f && out[2].z == 0.2f );
+    free( out );
+    hair_groom_destroy( &groom );
+}
+
+static void layers_further_apart_than_the_clump_radius_clump_each_as_if_alone( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 9; ++n )
+    {
+        hair_groom deep = layered( (hair_shape)( n / 3 ), 3, -1 ), flat = layered( (hair_shape)( n / 3 ), 2, n % 3 );
+        wisp_frozen_hair_def def = soft_def( 0.0f );
+        wisp_vec3* a = hair_run( NULL, &flat, &def );
+        wisp_vec3* b = hair_run( NULL, &deep, &def );
+        int moved = 0;
+        def.clump = false;
+        wisp_vec3* aligned = hair_run( NULL, &deep, &def );
+        for ( int s = n % 3; s < 60; s += 3 )
+        {
+            for ( int i = 0; i < 20; ++i )
+            {
+                // neighbours are added in another order: four iterations of a few roundings of 0.3 m, and what they pass on
+                const wisp_vec3 p = a[flat.offsets[s] + i], q = b[20 * s + i];
+                hair_assert_close( hypot( (double)p.x - (double)q.x, (double)p.y - (double)q.y ), 0.0, 1e-6 );
+                moved += hair_distance( q, aligned[20 * s + i] ) > 1e-4;
+            }
+        }
+        assert_true( moved > 50 );
+        free( a );
+        free( b );
+        free( aligned );
+        hair_groom_destroy( &flat );
+        hair_groom_destroy( &deep );
+    }
+}
+
+// ---- against the oracle and closed forms ----
+
+static void frozen_segments_keep_their_drawn_lengths_at_their_depth( void** state )
+{
+    (void)state;
+    for ( int shape = HAIR_STRAIGHT; shape <= HAIR_CURLY; ++shape )
+    {
+        hair_groom groom = hair_groom_create( (hair_shape)shape, 3, 60, 20, 0.008f );
+        wisp_frozen_hair_def def = hair_freeze_only();
+        def.max_depth_change = 0.0f;
+        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        const wisp_random_key key = wisp_random_make_key( def.seed, 1, 0 );
+        for ( int v = 0; v < groom.vertex_count; ++v )
+        {
+            const double eta = 2.0 * wisp_random_unit( key, (uint32_t)( v / 20 ), (uint32_t)( v % 20 ), 0 ) - 1.0;
+            if ( v % 20 > 0 )
+            {
+                // coordinates below 0.2 m are rounded twice at each end, z is a third of a segment at least in no shape
+                const double l0 = hair_distance( groom.points[v], groom.points[v - 1] );
+                hair_assert_close( hair_distance( out[v], out[v - 1] ), l0 * ( 1.0 + eta / 7.0 ), 16.0 * u * 0.2 );
+            }
+            assert_true( out[v].z == groom.points[v].z );
+        }
+        free( out );
+        hair_groom_destroy( &groom );
+    }
+}
+
+static void freezing_and_aligning_with_a_limit_follow_the_oracle( void** state )
+{
+    (void)state;
+    double most = 0.0;
+    for ( int n = 0; n < 3 * 3 * 8; ++n )
+    {
+        const float limits[] = { 0.0f, 5e-4f, 3e-3f };
+        hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 3, 30, 20, 0.008f );
+        wisp_frozen_hair_def def = soft_def( limits[n / 3 % 3] );
+        def.stretch_stiffness = def.bend_stiffness = 7.0f;
+        def.clump = false;
+        def.reach = n / 9 % 2 == 1 ? 0.12f : 1.0f;
+        def.blend_chord = n / 18 % 2 == 1;
+        def.direction_from_root = n / 36 == 1;
+        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        hair_oracle oracle = hair_oracle_create( &groom, &def, 0 );
+        double3* expected = hair_new_points( groom.vertex_count );
+        assert_int_equal( frozen_oracle_run( &oracle.hair, &oracle.options, NULL, expected, NULL ), WISP_OK );
+        for ( int v = 0; v < groom.vertex_count; ++v )
+        {
+            most = fmax( most, double3_distance( expected[v], double3_widen( out[v] ) ) );
+        }
+        free( expected );
+        free( out );
+        hair_oracle_destroy( &oracle );
+        hair_groom_destroy( &groom );
+    }
+    // an angle within 1e-6 rad on strands of 0.14 m, coordinates of 0.5 m, and roots of differences of squares
+    print_message( "           %.2g m off\n", most );
+    assert_true( most < 1e-6 );
+}
+
+static void clumping_with_a_limit_follows_the_oracle( void** state )
+{
+    (void)state;
+    double fraction = 0.0;
+    for ( int n = 0; n < 12; ++n )
+    {
+        hair_groom groom = hair_groom_create( n % 3 == 0 ? HAIR_WAVY : HAIR_CURLY, 3, 25, 10, 0.004f );
+        wisp_frozen_hair_def def = hair_clump_only();
+        def.gap = (wisp_gap)( n / 3 );
+        def.gap_by_iteration = n % 3 == 2;
+        def.max_depth_change = 0.0f;
+        const hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
+        assert_true( shadow.neighbours > 1000 );
+        fraction = fmax( fraction, shadow.fraction );
+        hair_groom_destroy( &groom );
+    }
+    print_message( "           %.0f %% of the tolerance\n", 100.0 * fraction );
+    assert_true( fraction > 0.0 );
+}
+
+// ---- moved strands, and none ----
+
+static void depth_is_counted_from_where_a_head_moved_the_strands( void** state )
+{
+    (void)state;
+    const wisp_transform pose = { { 0.70710678f, 0.0f, 0.0f, 0.70710678f }, { 0.1f, 0.0f, 0.5f } };
+    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 49, 20, 0.004f );
+    wisp_frozen_hair_def def = soft_def( 1e-3f );
+    def.update_on = WISP_FROZEN_UPDATE_FRAME;
+    wisp_world* world;
+    const wisp_entity hair = moved_hair( &world, &groom, &def, pose );
+    hair_step( world );
+    wisp_vec3* moved = checked_calloc( (size_t)groom.vertex_count, sizeof( wisp_vec3 ) );
+    for ( int v = 0; v < groom.vertex_count; ++v )
+    {
+        moved[v] = wisp_transform_to_world( pose, groom.points[v] );
+    }
+    const wisp_vec3* out = hair_view( world, hair, groom.vertex_count );
+    const depth_change c = measure_depth( moved, out, groom.vertex_count, 1e-3 );
+    assert_true( c.most < 1e-3 + 8.0 * u && c.at_limit > 49 );
+    assert_true( measure_depth( groom.points, out, groom.vertex_count, 0.0 ).most > 0.3 );
+    free( moved );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+}
+
+static void a_limit_that_is_taken_away_leaves_no_pass_and_no_bit( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 30, 20, 0.005f );
+    wisp_frozen_hair_def def = soft_def( -1.0f );
+    wisp_world* world = hair_world_create( NULL );
+    const wisp_entity hair = hair_add_frozen( world, &groom, &def );
+    hair_step( world );
+    const uint64_t hash = wisp_world_hash( world );
+    const int passes = wisp_world_plan_passes( world );
+    def.max_depth_change = 0.001f;
+    hair_set( world, hair, &def );
+    assert_int_equal( wisp_world_plan_passes( world ), passes + 1 );
+    hair_step( world );
+    assert_true( wisp_world_hash( world ) != hash );
+    def.max_depth_change = -1.0f;
+    hair_set( world, hair, &def );
+    assert_int_equal( wisp_world_plan_passes( world ), passes );
+    assert_int_equal( wisp_replay_frozen_hair( world, hair, def.cursor, 0 ), WISP_OK );
+    hair_step( world );
+    assert_int_equal( wisp_world_hash( world ), hash );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( vertices_move_along_z_by_no_more_than_the_limit ),
+        cmocka_unit_test( layers_further_apart_than_twice_the_limit_keep_their_order ),
+        cmocka_unit_test( a_layer_freezes_and_aligns_as_hair_in_the_plane_bit_for_bit ),
+        cmocka_unit_test( a_strand_that_points_away_turns_within_its_layer ),
+        cmocka_unit_test( layers_further_apart_than_the_clump_radius_clump_each_as_if_alone ),
+        cmocka_unit_test( frozen_segments_keep_their_drawn_lengths_at_their_depth ),
+        cmocka_unit_test( freezing_and_aligning_with_a_limit_follow_the_oracle ),
+        cmocka_unit_test( clumping_with_a_limit_follows_the_oracle ),
+        cmocka_unit_test( depth_is_counted_from_where_a_head_moved_the_strands ),
+        cmocka_unit_test( a_limit_that_is_taken_away_leaves_no_pass_and_no_bit ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
