@@ -45,7 +45,9 @@ typedef struct wisp_ghosts_def
     float tip_gain;             ///< k_tip, 0 .. 1e3, default 0.5
     float centre_gain;          ///< k_com, 0 .. 1e3, default 0.5; per distance to the centre at rest
     float time;                 ///< tau, s; default 0: the length of the step. 1 as printed
-    bool capped;                ///< limit the sway of a vertex to the length of a segment; default true
+    /// Limit the sway of a vertex to the length of a segment; default true. The ghosts of a group are scaled by one factor, set
+    /// by the farthest of them, so that they stay apart however fast the head moves.
+    bool capped;
     bool keep_offset;   ///< a single ghost of a target keeps its offset, though it is its own centre; default true
     float spread;       ///< Vbar / v_0 of eq. 2-3, 1e-6 .. 1e6; default 1: off. Sway is added
     bool repair_length; ///< restore segments to rest length, from the root; default false
