@@ -484,8 +484,8 @@ static void sway( guide_oracle* hair, int g, int i, double reach )
     double shared = hair->elastic_weight[n] + guide_oracle_tip_weight( o->tip_gain, i, hair->node_count );
     double largest = fmax( fabs( shared ), fabs( shared + reach ) );
     double longest = o->cap_offset ? hair->segment[at( a, hair->node_count, i )] : -1.0;
-    hair->y[n] = double3_add( hair->b[n], guide_oracle_displacement( v, shared + hair->centre_weight[n], largest,
-                                                                     o->tau, longest, &cut ) );
+    hair->y[n] = double3_add(
+        hair->b[n], guide_oracle_displacement( v, shared + hair->centre_weight[n], largest, o->tau, longest, &cut ) );
     hair->counters.cut_displacements += cut ? 1 : 0;
 }
 
