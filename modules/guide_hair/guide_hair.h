@@ -94,9 +94,11 @@ WISP_API wisp_status wisp_read_ghost_targets( wisp_world* world, wisp_entity gho
 /// Kind of curve through the vertices of strands.
 typedef enum wisp_curve_kind
 {
-    WISP_CURVE_BEZIER = 0,      ///< eq. 6 on groups of four vertices that share their ends, coefficient 3
-    WISP_CURVE_CATMULL_ROM = 1, ///< once continuously differentiable
-    WISP_CURVE_KIND_COUNT = 2,
+    WISP_CURVE_BEZIER = 0, ///< eq. 6, coefficient 3, on groups of four vertices that share their ends and the tangents there:
+                           ///< inner points next to a joint are rotated about it, so that its direction is continuous
+    WISP_CURVE_CATMULL_ROM = 1,    ///< passes through all vertices, once continuously differentiable
+    WISP_CURVE_BEZIER_PRINTED = 2, ///< eq. 6 on groups that share their ends only: a joint turns as the strand does there
+    WISP_CURVE_KIND_COUNT = 3,
 } wisp_curve_kind;
 
 /// Smooth curves. Fill from wisp_default_curves_def(). Copied.

@@ -212,7 +212,7 @@ typedef struct guide_drawing
     wisp_entity curves;
     wisp_entity source; // null once it is removed
     int samples;
-    bool shares_ends;
+    bool shares_ends, shares_tangents;
     float* weight;          // [samples][4]
     int32_t* lane_row;      // [group][16]
     int32_t* lane_vertices; // [group][16]

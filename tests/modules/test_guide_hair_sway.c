@@ -51,15 +51,20 @@ static herd make_herd( const wisp_ghosts_def* first, const wisp_ghosts_def* seco
 }
 
 // Shift and turn the head from side to side; the ramp keeps the first step from being a blow.
-static void swing_herd( const herd* h, int step )
+static void move_head( wisp_world* world, wisp_entity strands, int step )
 {
     const double t = step / 60.0, ramp = fmin( t / 0.25, 1.0 );
     const double shift = 0.04 * ramp * sin( 9.42 * t ), half = 0.5 * 0.35 * ramp * sin( 7.0 * t );
     const wisp_transform pose =
         wisp_transform_make( ( wisp_quat ){ 0.0f, (float)sin( half ), 0.0f, (float)cos( half ) },
                              ( wisp_vec3 ){ (float)shift, 0.0f, 0.0f } );
-    guide_ok( h->world, wisp_move_strand_head( h->world, h->targets, pose ) );
-    guide_ok( h->world, wisp_move_strand_head( h->world, h->full, pose ) );
+    guide_ok( world, wisp_move_strand_head( world, strands, pose ) );
+}
+
+static void swing_herd( const herd* h, int step )
+{
+    move_head( h->world, h->targets, step );
+    move_head( h->world, h->full, step );
     guide_step( h->world );
 }
 // ---- parameters ----
@@ -81,6 +86,62 @@ static void defaults_are_those_that_the_method_states( void** state )
     const wisp_curves_def curves = wisp_default_curves_def();
     assert_int_equal( curves.samples, 8 );
     assert_int_equal( curves.kind, WISP_CURVE_CATMULL_ROM );
+}
+
+// ---- section II.1 ----
+
+static double strain_of( const wisp_vec3* points, const double3* rest, int strands )
+{
+    double largest = 0.0;
+    for ( int n = 0; n < strands * NODES; ++n )
+    {
+        if ( n % NODES > 0 )
+        {
+            const double now = double3_distance( double3_widen( points[n] ), double3_widen( points[n - 1] ) );
+            largest = fmax( largest, fabs( now / double3_distance( rest[n], rest[n - 1] ) - 1.0 ) );
+        }
+    }
+    return largest;
+}
+
+// By the default solver, and by position based dynamics on lengths and bends as in the paper
+static void targets_keep_their_lengths_in_motion_and_their_shape_without_load( void** state )
+{
+    (void)state;
+    static const wisp_module* const modules[] = { &wisp_strands_module, &wisp_guide_hair_module };
+    for ( int kind = 0; kind < 4; ++kind )
+    {
+        const bool is_loaded = kind % 2 == 1;
+        const scene s = make_scene( GROUPS, 1 );
+        wisp_world_def world_def = wisp_default_world_def();
+        world_def.modules = modules;
+        world_def.module_count = WISP_COUNT( modules );
+        world_def.iterations = 20;
+        wisp_world* world = NULL;
+        guide_ok( NULL, wisp_world_create( &world_def, &world, NULL ) );
+        wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+        def.stretch = kind / 2 == 0 ? def.stretch : WISP_STRAND_STRETCH_LINKS;
+        def.bending = kind / 2 == 0 ? def.bending : WISP_STRAND_BEND_LINKS;
+        def.solver = WISP_SOLVER_PBD;
+        def.gravity = is_loaded ? def.gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+        const herd h = { .world = world, .targets = guide_add( world, s.target, GROUPS, NODES ) };
+        guide_ok( world, wisp_set_strand_dynamics( world, h.targets, &def ) );
+        guide_ok( world, wisp_request( world, h.targets, WISP_STRAND_POINTS ) );
+        for ( int step = 1; step <= 2 * STEPS; ++step )
+        {
+            if ( is_loaded && step <= STEPS )
+            {
+                move_head( world, h.targets, step );
+            }
+            guide_step( world );
+            assert_true( strain_of( guide_points( world, h.targets ), s.target, GROUPS ) < 0.01 );
+        }
+        for ( int n = 0; n < GROUPS * NODES && !is_loaded; ++n )
+        {
+            assert_at( double3_widen( guide_points( world, h.targets )[n] ), s.target[n], 2e-6 );
+        }
+        wisp_world_destroy( world );
+    }
 }
 
 // ---- Fig. 2c ----
@@ -240,6 +301,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( defaults_are_those_that_the_method_states ),
+        cmocka_unit_test( targets_keep_their_lengths_in_motion_and_their_shape_without_load ),
         cmocka_unit_test( ghosts_of_a_group_sway_apart_in_the_order_of_their_distance_however_strong_the_sway ),
         cmocka_unit_test( the_limit_keeps_the_ratios_of_the_sway_within_a_group ),
         cmocka_unit_test(

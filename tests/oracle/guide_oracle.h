@@ -149,6 +149,7 @@ typedef enum guide_oracle_curve
 {
     GUIDE_ORACLE_CURVE_GROUPS, ///< nodes {0..3}, {3..6}, ...: the source, C0 at the shared ends (default)
     GUIDE_ORACLE_CURVE_SMOOTH, ///< one cubic a segment through all nodes, C1
+    GUIDE_ORACLE_CURVE_JOINED, ///< the groups with one tangent at a joint: along x_{k+1} - x_{k-1}, G1
 } guide_oracle_curve;
 
 /// The weights of Eq. 6.
@@ -161,7 +162,8 @@ double3 guide_oracle_bezier( const double3 control[4], double t, bool printed );
 int guide_oracle_curve_count( int node_count, guide_oracle_curve curve );
 
 /// Their control points. Groups: four nodes that share their ends; a remainder of one node is a line, of two nodes a
-/// quadratic, both raised to cubics. Smooth: x_k, x_k + m_k/3, x_{k+1} - m_{k+1}/3, x_{k+1} with the tangents m of
+/// quadratic, both raised to cubics. Joined: the same, and control points next to a joint keep their distance to it and are moved
+/// onto its tangent; a joint whose neighbours coincide is left alone. Smooth: x_k, x_k + m_k/3, x_{k+1} - m_{k+1}/3, x_{k+1} with the tangents m of
 /// guide_oracle_tangent().
 /// @param controls receives 4 * guide_oracle_curve_count() points
 void guide_oracle_curve_controls( const double3* nodes, int node_count, guide_oracle_curve curve, double3* controls );

@@ -342,6 +342,7 @@ typedef struct wisp_strand_curve_args
     int samples;
     bool shares_ends; ///< a segment spans the four vertices that it blends; otherwise it spans two and blends their
                       ///< neighbours too
+    bool shares_tangents; ///< with shares_ends: inner points next to a joint are rotated about it onto one line
 } wisp_strand_curve_args;
 
 WISP_END_C
