@@ -23,6 +23,7 @@ typedef struct run_options
     const char* output;
     run_recorder_def recorder;
     const char* boundary; ///< file of boundary points, or null
+    int frames_per_step;  ///< 0: that of the scene
 } run_options;
 
 // ---- the command line ----
@@ -37,6 +38,7 @@ enum
     KEY_RECORD,
     KEY_RECORD_WITH,
     KEY_EVERY,
+    KEY_FRAMES,
     KEY_TRACK,
     KEY_TRACK_FILE,
     KEY_VERIFY,
@@ -59,6 +61,8 @@ static const option_row rows[] = {
       "Compute strain or speed and record them too (.pvd, .usda); default: those that the scene computes",
       OPTION_WORDS( run_value_names ) },
     { "every", KEY_EVERY, "N", "Record every Nth step, default 1", OPTION_ANY },
+    { "frames-per-step", KEY_FRAMES, "N",
+      "Record N frames per step, 1 to 1000, ghosts on smooth curves in time; default: the scene's", OPTION_ANY },
     { "track", KEY_TRACK, "BODY:VERTEX[,VERTEX...]", "Write the path of these vertices; can be repeated",
       OPTION_ANY },
     { "track-file", KEY_TRACK_FILE, "FILE.csv", "File for the paths of --track", OPTION_FILES( ".csv" ) },
@@ -183,6 +187,14 @@ static void check( const options_state* o, const run_options* options )
     {
         options_fail( o, "--record-with: expected without --verify, since hashes cover what is computed" );
     }
+    if ( options->frames_per_step > 1 && def->every > 1 )
+    {
+        options_fail( o, "--frames-per-step: expected without --every, which leaves steps out" );
+    }
+    if ( options->frames_per_step > 1 && !def->record && def->track_count == 0 )
+    {
+        options_fail( o, "--frames-per-step: expected together with --record or --track" );
+    }
     if ( def->verify && def->record && strcmp( def->verify, def->record ) == 0 )
     {
         options_fail( o, "--record: got '%s', which --verify reads; expected another file", def->verify );
@@ -215,6 +227,9 @@ static bool take( options_state* o, int key, const char* argument )
             return true;
         case KEY_BOUNDARY:
             options->boundary = option_file( o, argument );
+            return true;
+        case KEY_FRAMES:
+            options->frames_per_step = option_whole( o, argument, 1, 1000 );
             return true;
         case OPTIONS_END:
             option_input( o, key, argument, &options->scene );
@@ -358,6 +373,7 @@ int command_run( int argc, char** argv )
     {
         return command_fail( &error );
     }
+    scene.frames_per_step = options.frames_per_step > 0 ? options.frames_per_step : scene.frames_per_step;
     interruption_begin(); // before that there is nothing to keep
     results out = { 0 };
     results_put_options( &out, argc, argv );

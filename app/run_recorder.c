@@ -1,7 +1,7 @@
 #include "run_recorder.h"
 
 #include "nearest.h"
-#include "run_bodies.h"
+#include "run_between.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -11,6 +11,9 @@ struct run_recorder
 {
     scene_world* world;
     int every;
+    int frames_per_step;     ///< 1 unless every step is recorded
+    run_between* between;    ///< null: one frame per step
+    double last_time;        ///< s, of the last frame that is a step
     wisp_recorder* recorder; ///< or null
     wisp_track* track;       ///< or null
 
@@ -37,8 +40,8 @@ static wisp_status open_recorder( run_recorder* r, const run_recorder_def* def, 
     const wisp_recorder_def recorder = {
         .bodies = r->bodies.list,
         .body_count = r->bodies.count,
-        .dt = def->every * (double)r->world->scene->dt,
-        .frame_count = def->steps / def->every + 1,
+        .dt = def->every * (double)r->world->scene->dt / r->frames_per_step,
+        .frame_count = def->steps / def->every * r->frames_per_step + 1,
     };
     return wisp_recorder_open( def->record, WISP_RECORD_BY_NAME, &recorder, &r->recorder, error );
 }
@@ -231,6 +234,11 @@ static wisp_status open_all( run_recorder* r, const run_recorder_def* def, wisp_
 {
     const bool has_values = def->record && wisp_record_has_values( def->record );
     wisp_status status = run_bodies_open( r->world, has_values, def->values, &r->bodies, error );
+    if ( status == WISP_OK && r->frames_per_step > 1 )
+    {
+        r->between = run_between_open( &r->bodies, r->world );
+        status = r->between ? WISP_OK : no_memory( r, error );
+    }
     // Read-only steps come first, so that a rejection leaves no file behind.
     if ( status == WISP_OK && def->verify )
     {
@@ -262,6 +270,9 @@ wisp_status run_recorder_open( const run_recorder_def* def, scene_world* world, 
     }
     r->world = world;
     r->every = def->every;
+    // a run that leaves steps out, or writes nothing, has no frames between steps
+    const bool is_dense = def->every == 1 && ( def->record || def->track_count > 0 );
+    r->frames_per_step = is_dense && world->scene->frames_per_step > 1 ? world->scene->frames_per_step : 1;
     wisp_status status = open_all( r, def, error );
     if ( status != WISP_OK )
     {
@@ -273,10 +284,9 @@ wisp_status run_recorder_open( const run_recorder_def* def, scene_world* world, 
     return WISP_OK;
 }
 
-static wisp_status write_frame( run_recorder* r, uint64_t hash, wisp_error* error )
+static wisp_status write_points( run_recorder* r, double time, uint64_t hash, const wisp_vec3* const* points,
+                                 wisp_error* error )
 {
-    double time = scene_world_time( r->world );
-    const wisp_vec3* const* points = (const wisp_vec3* const*)r->bodies.points;
     wisp_status status = WISP_OK;
     if ( r->recorder )
     {
@@ -288,6 +298,31 @@ static wisp_status write_frame( run_recorder* r, uint64_t hash, wisp_error* erro
     }
     r->written += status == WISP_OK;
     return status;
+}
+
+// Frames between the step before and this one have no hash, because no world was ever in their state.
+static wisp_status write_between( run_recorder* r, double time, wisp_error* error )
+{
+    wisp_status status = run_between_note( r->between, error );
+    for ( int k = 1; k < r->frames_per_step && r->world->next_step > 0 && status == WISP_OK; ++k )
+    {
+        const double fraction = (double)k / r->frames_per_step;
+        const wisp_vec3* const* points = NULL;
+        status = run_between_at( r->between, (float)fraction, &points, error );
+        status = status == WISP_OK
+                     ? write_points( r, r->last_time + fraction * ( time - r->last_time ), 0, points, error )
+                     : status;
+    }
+    return status;
+}
+
+static wisp_status write_frame( run_recorder* r, uint64_t hash, wisp_error* error )
+{
+    const double time = scene_world_time( r->world );
+    wisp_status status = r->between ? write_between( r, time, error ) : WISP_OK;
+    r->last_time = time;
+    return status == WISP_OK ? write_points( r, time, hash, (const wisp_vec3* const*)r->bodies.points, error )
+                             : status;
 }
 
 wisp_status run_recorder_step( run_recorder* r, wisp_error* error )
@@ -329,6 +364,7 @@ wisp_status run_recorder_close( run_recorder* r, wisp_error* error )
     wisp_status track = wisp_track_close( r->track, status == WISP_OK ? error : &later );
     wisp_recording_close( r->proof );
     run_bodies_free_points( &r->bodies, r->proof_points );
+    run_between_close( r->between );
     run_bodies_release( &r->bodies );
     free( r );
     return status == WISP_OK ? track : status;

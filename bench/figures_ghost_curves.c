@@ -36,11 +36,39 @@ static turns measure_turns( const wisp_vec3* points, int count, double limit )
 
 // ---- Fig. 3 ----
 
+// In the order in which they are drawn and printed.
+static const wisp_curve_kind curve_kinds[] = { WISP_CURVE_BEZIER_PRINTED, WISP_CURVE_BEZIER, WISP_CURVE_CATMULL_ROM };
+
 typedef struct curve_stats
 {
-    turns line, bezier, spline;
+    turns line, curve[WISP_COUNT( curve_kinds )];
     double ends; // m, largest distance of an end of a curve to that of its strand
 } curve_stats;
+
+typedef enum strand_form
+{
+    FORM_ZIGZAG,
+    FORM_ARC,
+    FORM_HELIX,
+    FORM_COUNT,
+} strand_form;
+
+static const char* const form_names[FORM_COUNT] = { "zigzag", "arc", "helix" };
+
+// Segments of 2 cm or so that turn by 70, 29 and 32 degrees.
+static wisp_vec3 form_node( strand_form form, int i )
+{
+    const float angle = form == FORM_ARC ? 0.5f * (float)i : 0.8f * (float)i;
+    switch ( form )
+    {
+        case FORM_ZIGZAG:
+            return ( wisp_vec3 ){ i % 2 == 0 ? 0.0f : 0.015f, -0.02f * (float)i, 0.004f * (float)( i % 3 ) };
+        case FORM_ARC:
+            return ( wisp_vec3 ){ 0.04f * ( 1.0f - cosf( angle ) ), -0.04f * sinf( angle ), 0.0f };
+        default:
+            return ( wisp_vec3 ){ 0.015f * cosf( angle ), -0.015f * (float)i, 0.015f * sinf( angle ) };
+    }
+}
 
 #define CURVE_NODES_MAX 10
 
@@ -67,14 +95,15 @@ static wisp_status draw_curve( wisp_world* world, wisp_entity strand, wisp_curve
     return WISP_OK;
 }
 
-static wisp_status draw_strand( const figures_case* page, figures_hair_album* album, int node_count, curve_stats* f,
-                                wisp_error* error )
+static wisp_status draw_strand( const figures_case* page, figures_hair_album* album, strand_form form, int node_count,
+                                curve_stats* f, wisp_error* error )
 {
+    static const wisp_vec3 colours[] = { { 0.75f, 0.05f, 0.05f }, { 0.55f, 0.32f, 0.12f }, { 0.1f, 0.25f, 0.6f } };
     wisp_vec3 nodes[CURVE_NODES_MAX];
     const int32_t offsets[2] = { 0, node_count };
     for ( int i = 0; i < node_count; ++i )
     {
-        nodes[i] = ( wisp_vec3 ){ i % 2 == 0 ? 0.0f : 0.015f, -0.02f * (float)i, 0.004f * (float)( i % 3 ) };
+        nodes[i] = form_node( form, i );
     }
     const turns all = measure_turns( nodes, node_count, 0.0 );
     double limit = 0.5 * all.largest;
@@ -96,54 +125,73 @@ static wisp_status draw_strand( const figures_case* page, figures_hair_album* al
     wisp_view view = { 0 };
     status = wisp_add_strands( world, &strands, &strand );
     status = status == WISP_OK ? WISP_OK : bench_world_fail( world, status, error );
-    figures_hair_begin( page, album, "%d vertices", node_count );
+    figures_hair_begin( page, album, "%s, %d vertices", form_names[form], node_count );
     status = status == WISP_OK
                  ? figures_hair_add( page, album, nodes, 1, node_count, tuft_target_colour, 0.0005f, error )
                  : status;
-    static const wisp_curve_kind kinds[] = { WISP_CURVE_BEZIER, WISP_CURVE_CATMULL_ROM };
-    for ( int k = 0; k < WISP_COUNT( kinds ) && status == WISP_OK; ++k )
+    for ( int k = 0; k < WISP_COUNT( curve_kinds ) && status == WISP_OK; ++k )
     {
-        turns* out = kinds[k] == WISP_CURVE_BEZIER ? &f->bezier : &f->spline;
-        status = draw_curve( world, strand, kinds[k], nodes, node_count, limit, out, &view, f, error );
-        status = status == WISP_OK ? figures_hair_add( page, album, view.data, 1, view.count,
-                                                       k == 0 ? tuft_line_colour : tuft_ghost_colour, 0.0005f, error )
-                                   : status;
+        status = draw_curve( world, strand, curve_kinds[k], nodes, node_count, limit, &f->curve[k], &view, f, error );
+        status = status == WISP_OK
+                     ? figures_hair_add( page, album, view.data, 1, view.count, colours[k], 0.0005f, error )
+                     : status;
     }
     wisp_world_destroy( world );
     return status;
 }
 
+// The largest turn at any drawn joint is lower with curves. As printed it is not: groups meet in the directions of the strand's own
+// segments, so a joint turns as its vertex does, and by the turn of half a sample more on an arc.
+static bool turns_less( const curve_stats* f )
+{
+    bool less = f->ends < TUFT_ROUNDING;
+    for ( int k = 1; k < WISP_COUNT( curve_kinds ); ++k )
+    {
+        less = less && f->curve[k].largest < f->line.largest && f->curve[k].sharp < f->line.sharp;
+    }
+    return less;
+}
+
 wisp_status figures_ghost_curves( figures_case* page, wisp_error* error )
 {
     static const int counts[] = { 4, 7, 10 };
-    figures_hair_album album = { .count = 0 };
-    curve_stats f[WISP_COUNT( counts )] = { { .ends = 0.0 } };
     wisp_status status = WISP_OK;
+    figures_hair_album album = { .count = 0 };
+    curve_stats last[FORM_COUNT] = { { .ends = 0.0 } };
     bool meets_target = true;
-    for ( int i = 0; i < WISP_COUNT( counts ) && status == WISP_OK; ++i )
+    for ( int n = 0; n < FORM_COUNT * WISP_COUNT( counts ) && status == WISP_OK; ++n )
     {
-        status = draw_strand( page, &album, counts[i], &f[i], error );
-
-        // Pieces of eq. 6 meet in the direction of the strand's own segments, so a joint turns as its vertex does.
-        meets_target = meets_target && f[i].bezier.sharp < f[i].line.sharp &&
-                       f[i].bezier.largest < f[i].line.largest + 0.1 && f[i].spline.largest < f[i].line.largest &&
-                       f[i].ends < TUFT_ROUNDING;
+        const strand_form form = (strand_form)( n / WISP_COUNT( counts ) );
+        figures_hair_album none = { .count = 0 };
+        curve_stats f = { .ends = 0.0 };
+        const int count = counts[n % WISP_COUNT( counts )];
+        const bool is_shown = form == FORM_ZIGZAG || count == counts[WISP_COUNT( counts ) - 1];
+        status = draw_strand( page, is_shown ? &album : &none, form, count, &f, error );
+        figures_hair_free( &none );
+        meets_target = meets_target && turns_less( &f );
+        last[form] = f;
     }
     if ( status == WISP_OK )
     {
+        char text[FORM_COUNT][60];
+        for ( int form = 0; form < FORM_COUNT; ++form )
+        {
+            const curve_stats* f = &last[form];
+            snprintf( text[form], sizeof( text[form] ), "%s %.0f: %.0f, %.0f, %.0f", form_names[form],
+                      f->line.largest, f->curve[0].largest, f->curve[1].largest, f->curve[2].largest );
+        }
         figures_add(
             page, "Park and Kim 2024, Fig. 3",
-            "zigzags of 4, 7 and 10 vertices, drawn by segments, eq. 6 and Catmull-Rom",
-            "fewer sharp turns, the largest of eq. 6 at its joints only; ends coincide",
-            meets_target && f[0].bezier.largest < f[0].line.largest,
-            "sharp turns %d/%d/%d, %d/%d/%d, %d/%d/%d; largest %.0f/%.0f/%.0f, %.0f/%.0f/%.0f, %.0f/%.0f/%.0f "
-            "degrees",
-            f[0].line.sharp, f[0].bezier.sharp, f[0].spline.sharp, f[1].line.sharp, f[1].bezier.sharp,
-            f[1].spline.sharp, f[2].line.sharp, f[2].bezier.sharp, f[2].spline.sharp, f[0].line.largest,
-            f[0].bezier.largest, f[0].spline.largest, f[1].line.largest, f[1].bezier.largest, f[1].spline.largest,
-            f[2].line.largest, f[2].bezier.largest, f[2].spline.largest );
-        status = figures_hair_write( page, &album, "guide_hair_3_curves",
-                                     "Park and Kim 2024, Fig. 3, segments, eq. 6 and Catmull-Rom", error );
+            "zigzags, arcs and helices of 4, 7 and 10 vertices: segments, eq. 6 as printed, eq. 6 with shared "
+            "tangents, Catmull-Rom",
+            "with shared tangents and with Catmull-Rom the largest turn at any drawn joint is lower; ends "
+            "coincide",
+            meets_target, "largest turn of 10 vertices, degrees: %s; %s; %s", text[0], text[1], text[2] );
+        status =
+            figures_hair_write( page, &album, "guide_hair_3_curves",
+                                "Park and Kim 2024, Fig. 3, segments (black), eq. 6 as printed (red), with shared "
+                                "tangents (brown), Catmull-Rom (blue)",
+                                error );
     }
     figures_hair_free( &album );
     return status;
@@ -219,10 +267,15 @@ wisp_status figures_ghost_pairing( figures_case* page, wisp_error* error )
         }
         if ( status == WISP_OK && step == SHOT_STEP )
         {
+            for ( int i = 0; i < GROUP * GHOST_NODES; ++i )
+            {
+                nearest[i] = tuft_minus( nearest[i], s.target[0] );
+            }
             figures_hair_begin( page, &album, "nearest vertex" );
             status = figures_hair_add( page, &album, nearest, GROUP, GHOST_NODES, tuft_line_colour, 0.0005f, error );
             figures_hair_begin( page, &album, "by arc length" );
-            status = status == WISP_OK ? tuft_take( page, &album, &t, &s, error ) : status;
+            const tuft_lines none = { .to_centre = false };
+            status = status == WISP_OK ? tuft_take( page, &album, &t, &s, &none, error ) : status;
         }
     }
     if ( status == WISP_OK )

@@ -5,27 +5,18 @@
 
 #define GHOSTS_MAX 5
 #define SHOT_STEP 25
+// Difference lines are a few millimetres long at most: how many times they are drawn, and the difference of the bar, m.
+#define SWAY_MAGNIFIED 10.0f
+#define SWAY_BAR 0.001f
+#define GROUP_MAGNIFIED 2.0f
+#define GROUP_BAR 0.01f
 // Below this speed a direction means nothing, m/s.
 #define MIN_SPEED 0.05
-
-static wisp_vec3 mean_of_group( const wisp_vec3* points, int ghost_count, int node )
-{
-    double sum[3] = { 0.0, 0.0, 0.0 };
-    for ( int g = 0; g < ghost_count; ++g )
-    {
-        wisp_vec3 p = points[g * TUFT_NODES + node];
-        sum[0] += (double)p.x;
-        sum[1] += (double)p.y;
-        sum[2] += (double)p.z;
-    }
-    return ( wisp_vec3 ){ (float)( sum[0] / ghost_count ), (float)( sum[1] / ghost_count ),
-                          (float)( sum[2] / ghost_count ) };
-}
 
 static double spread_of_group( const wisp_vec3* points, int ghost_count, int node )
 {
     double sum = 0.0;
-    const wisp_vec3 c = mean_of_group( points, ghost_count, node );
+    const wisp_vec3 c = tuft_mean( points, ghost_count, node );
     for ( int g = 0; g < ghost_count; ++g )
     {
         const wisp_vec3 d = tuft_minus( points[g * TUFT_NODES + node], c );
@@ -53,13 +44,14 @@ wisp_status figures_ghost_centre( figures_case* page, wisp_error* error )
             status = tuft_advance( &t, &s, error );
             for ( int node = 0; node < TUFT_NODES && status == WISP_OK; ++node )
             {
-                double off = tuft_length( tuft_minus( mean_of_group( s.swaying, ghosts, node ), s.target[node] ) );
+                double off = tuft_length( tuft_minus( tuft_mean( s.swaying, ghosts, node ), s.target[node] ) );
                 worst = off <= worst ? worst : off;
             }
             if ( step == SHOT_STEP && status == WISP_OK )
             {
-                figures_hair_begin( page, &album, "%d ghosts", ghosts );
-                status = tuft_take( page, &album, &t, &s, error );
+                const tuft_lines spokes = { .to_centre = true };
+                figures_hair_begin( page, &album, "%d ghosts, lines to their mean", ghosts );
+                status = tuft_take( page, &album, &t, &s, &spokes, error );
             }
         }
         tuft_free( &t );
@@ -144,8 +136,9 @@ wisp_status figures_ghost_sway( figures_case* page, wisp_error* error )
         }
         if ( status == WISP_OK && step % 12 == 0 )
         {
-            figures_hair_begin( page, &album, "%.2f s", step / 60.0 );
-            status = tuft_take( page, &album, &t, &s, error );
+            const tuft_lines lines = { .magnified = SWAY_MAGNIFIED, .bar = SWAY_BAR };
+            figures_hair_begin( page, &album, "%.2f s, bar %.0f mm of y - b", step / 60.0, 1e3 * (double)SWAY_BAR );
+            status = tuft_take( page, &album, &t, &s, &lines, error );
         }
     }
     if ( status == WISP_OK )
@@ -188,7 +181,7 @@ static void measure_group( const seen* s, group_stats* f )
     for ( int node = 1; node < TUFT_NODES; ++node )
     {
         double moved[GROUP], far[GROUP];
-        const wisp_vec3 centre = mean_of_group( s->base, GROUP, node );
+        const wisp_vec3 centre = tuft_mean( s->base, GROUP, node );
         wisp_vec3 first = { 0.0f, 0.0f, 0.0f };
         for ( int g = 0; g < GROUP; ++g )
         {
@@ -235,8 +228,10 @@ static wisp_status run_group( const figures_case* page, figures_hair_album* albu
         }
         if ( status == WISP_OK && step == SHOT_STEP )
         {
-            figures_hair_begin( page, album, "k_com %.1f", (double)centre_gain );
-            status = tuft_take( page, album, &t, &s, error );
+            const tuft_lines lines = { .magnified = GROUP_MAGNIFIED, .bar = GROUP_BAR };
+            figures_hair_begin( page, album, "k_com %.1f, bar %.0f mm of y - b", (double)centre_gain,
+                                1e3 * (double)GROUP_BAR );
+            status = tuft_take( page, album, &t, &s, &lines, error );
         }
     }
     f->spread /= f->samples > 0 ? f->samples : 1;
@@ -318,8 +313,9 @@ wisp_status figures_ghost_spread( figures_case* page, wisp_error* error )
         }
         if ( status == WISP_OK )
         {
+            const tuft_lines spokes = { .to_centre = true };
             figures_hair_begin( page, &album, "V / v0 = %.2f", (double)requested[i] );
-            status = tuft_take( page, &album, &t, &s, error );
+            status = tuft_take( page, &album, &t, &s, &spokes, error );
         }
         tuft_free( &t );
     }

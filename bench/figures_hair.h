@@ -4,7 +4,7 @@
 #include "figures_bench.h"
 
 #define FIGURES_HAIR_SHOTS_MAX 6
-#define FIGURES_HAIR_LAYERS_MAX 3
+#define FIGURES_HAIR_LAYERS_MAX 4
 
 typedef struct figures_hair_layer
 {

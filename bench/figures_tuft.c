@@ -61,7 +61,6 @@ wisp_ghosts_def tuft_without_weights( void )
     def.elastic = WISP_GHOST_ELASTIC_OFF;
     def.tip_gain = 0.0f;
     def.centre_gain = 0.0f;
-    def.capped = false;
     return def;
 }
 
@@ -96,30 +95,91 @@ wisp_status tuft_advance( tuft* t, seen* s, wisp_error* error )
     return status;
 }
 
-wisp_status tuft_take( const figures_case* page, figures_hair_album* album, const tuft* t, const seen* s,
-                       wisp_error* error )
+wisp_vec3 tuft_mean( const wisp_vec3* points, int ghost_count, int node )
 {
-    int count = strands_shape_size( &t->ghosts );
-    wisp_vec3* lines = malloc( 2 * (size_t)count * sizeof( wisp_vec3 ) );
-    if ( !lines )
+    double sum[3] = { 0.0, 0.0, 0.0 };
+    for ( int g = 0; g < ghost_count; ++g )
+    {
+        wisp_vec3 p = points[g * TUFT_NODES + node];
+        sum[0] += (double)p.x;
+        sum[1] += (double)p.y;
+        sum[2] += (double)p.z;
+    }
+    return ( wisp_vec3 ){ (float)( sum[0] / ghost_count ), (float)( sum[1] / ghost_count ),
+                          (float)( sum[2] / ghost_count ) };
+}
+
+#define LINE_RADIUS 0.0004f
+
+static wisp_vec3 plus( wisp_vec3 a, float factor, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.x + factor * b.x, a.y + factor * b.y, a.z + factor * b.z };
+}
+
+// Ends of the lines of a shot, and of its bar. @return how many lines
+static int collect_lines( const tuft* t, const seen* s, const tuft_lines* lines, wisp_vec3* out )
+{
+    const float times = lines->magnified > 0.0f ? lines->magnified : 1.0f;
+    int count = 0;
+    for ( int i = 0; i < strands_shape_size( &t->ghosts ); ++i )
+    {
+        const wisp_vec3 end = lines->to_centre ? tuft_mean( s->swaying, t->ghosts.strand_count, i % TUFT_NODES )
+                                               : plus( s->base[i], times, tuft_minus( s->swaying[i], s->base[i] ) );
+        const wisp_vec3 begin = lines->to_centre ? s->swaying[i] : s->base[i];
+        if ( tuft_length( tuft_minus( end, begin ) ) > (double)LINE_RADIUS )
+        {
+            out[2 * count] = begin;
+            out[2 * count++ + 1] = end;
+        }
+    }
+    if ( lines->bar > 0.0f )
+    {
+        const wisp_vec3 under = { 0.0f, -0.02f, 0.0f }, along = { times * lines->bar, 0.0f, 0.0f };
+        out[2 * count] = plus( s->target[0], 1.0f, under );
+        out[2 * count + 1] = plus( out[2 * count], 1.0f, along );
+        count += 1;
+    }
+    return count;
+}
+
+// Add a layer as seen from a point that moves with the head, so that shots of all times fill their pictures.
+static wisp_status add_from( const figures_case* page, figures_hair_album* album, wisp_vec3 from,
+                             const wisp_vec3* points, int strands, int vertices, wisp_vec3 colour, float radius,
+                             wisp_error* error )
+{
+    wisp_vec3* moved = malloc( (size_t)strands * (size_t)vertices * sizeof( wisp_vec3 ) );
+    if ( !moved )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a picture of ghosts" );
+    }
+    for ( int i = 0; i < strands * vertices; ++i )
+    {
+        moved[i] = tuft_minus( points[i], from );
+    }
+    const wisp_status status = figures_hair_add( page, album, moved, strands, vertices, colour, radius, error );
+    free( moved );
+    return status;
+}
+
+wisp_status tuft_take( const figures_case* page, figures_hair_album* album, const tuft* t, const seen* s,
+                       const tuft_lines* lines, wisp_error* error )
+{
+    const wisp_vec3 root = s->target[0];
+    wisp_vec3* ends = malloc( 2 * ( (size_t)strands_shape_size( &t->ghosts ) + 1 ) * sizeof( wisp_vec3 ) );
+    if ( !ends )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for difference lines" );
     }
-    for ( int i = 0; i < count; ++i )
-    {
-        lines[2 * i] = s->base[i];
-
-        // A curve without length has no direction to be drawn along.
-        lines[2 * i + 1] = s->swaying[i];
-        lines[2 * i + 1].y += 1e-5f;
-    }
     wisp_status status =
-        figures_hair_add( page, album, s->target, 1, t->target.vertices, tuft_target_colour, 0.0008f, error );
-    status = status == WISP_OK ? figures_hair_add( page, album, s->swaying, t->ghosts.strand_count,
-                                                   t->ghosts.vertices, tuft_ghost_colour, 0.0005f, error )
+        add_from( page, album, root, s->target, 1, t->target.vertices, tuft_target_colour, 0.0008f, error );
+    status = status == WISP_OK ? add_from( page, album, root, s->swaying, t->ghosts.strand_count, t->ghosts.vertices,
+                                           tuft_ghost_colour, 0.0005f, error )
                                : status;
-    status = status == WISP_OK ? figures_hair_add( page, album, lines, count, 2, tuft_line_colour, 0.0004f, error )
-                               : status;
-    free( lines );
+    const int count = collect_lines( t, s, lines, ends );
+    if ( status == WISP_OK && count > 0 )
+    {
+        status = add_from( page, album, root, ends, count, 2, tuft_line_colour, LINE_RADIUS, error );
+    }
+    free( ends );
     return status;
 }

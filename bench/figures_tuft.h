@@ -32,9 +32,23 @@ void tuft_free( tuft* t );
 wisp_ghosts_def tuft_without_weights( void );
 wisp_status tuft_enter( tuft* t, const wisp_ghosts_def* follow, wisp_error* error );
 wisp_status tuft_advance( tuft* t, seen* s, wisp_error* error );
-/// Keep the target, its ghosts, and the difference lines from where they would be without weights to where they are.
+
+/// Lines of a shot, besides the target and its ghosts. Zero-initialised: difference lines at their own length, without a bar.
+typedef struct tuft_lines
+{
+    bool
+        to_centre; ///< from every ghost to the mean of its group; otherwise from where a ghost would be without weights
+                   ///< towards where it is
+    float magnified; ///< times that difference lines are drawn; 0 is once
+    float bar;       ///< m: a line under the tuft is as long as a difference of this is drawn; 0: none
+} tuft_lines;
+
+/// Keep the target, its ghosts and lines, as seen from the root of the target. Lines shorter than their radius are left out: the
+/// renderer's round cones have no direction there, and show strokes of a centimetre.
 wisp_status tuft_take( const figures_case* page, figures_hair_album* album, const tuft* t, const seen* s,
-                       wisp_error* error );
+                       const tuft_lines* lines, wisp_error* error );
+/// Mean of the ghosts of the one target at a node. @param points [ghost_count][TUFT_NODES] m
+wisp_vec3 tuft_mean( const wisp_vec3* points, int ghost_count, int node );
 
 wisp_vec3 tuft_minus( wisp_vec3 a, wisp_vec3 b );
 double tuft_dot( wisp_vec3 a, wisp_vec3 b );

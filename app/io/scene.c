@@ -31,6 +31,10 @@ static const scene_field SCENE_FIELDS[] = {
       .help = "Factors of `dt` for the steps in turn, over and over, as on a machine that does not keep its pace.",
       .form = "list of 1 to 64 numbers, 0.001 .. 1000", .initial = "none" },
     { "steps", SCENE_WHOLE, .at = AT( steps ), .range = RANGE( 0, 1000000 ), .help = "Number of steps to run." },
+    { "frames_per_step", SCENE_WHOLE, .at = AT( frames_per_step ), .range = RANGE( 1, 1000 ),
+      .help =
+          "Frames that `wisp run` records per step. Between steps ghosts move on cubic curves with the velocities of "
+          "their targets, all other points on straight lines." },
     { "substeps", SCENE_WHOLE, .at = AT( substeps ), .range = RANGE( 1, 10000 ), .help = "Substeps of each step." },
     { "iterations", SCENE_WHOLE, .at = AT( iterations ), .range = RANGE( 1, 10000 ),
       .help = "Iterations of each substep." },
@@ -118,6 +122,7 @@ wisp_scene scene_defaults( void )
         .dt = 1.0f / 60.0f,
         .steps = 1,
         .substeps = 10,
+        .frames_per_step = 1,
         .iterations = 1,
         .gravity = { 0.0f, -9.8f, 0.0f },
         .contact = wisp_default_contact_settings(),

@@ -303,6 +303,7 @@ extern "C"
         const float* dt_factors; ///< [dt_factor_count] factors of the steps in turn, over and over; null: all are 1
         int dt_factor_count;
         int steps;
+        int frames_per_step; ///< that `wisp run` records, 1: no frames between steps
         int substeps, iterations;
         int workers; ///< 0 is one a core
 

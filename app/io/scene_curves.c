@@ -3,6 +3,8 @@
 #include "groom_internal.h"
 #include "scene.h"
 
+#include <math.h>
+
 static wisp_vec3 mix( float a, wisp_vec3 p, float b, wisp_vec3 q )
 {
     return ( wisp_vec3 ){ a * p.x + b * q.x, a * p.y + b * q.y, a * p.z + b * q.z };
@@ -52,9 +54,34 @@ static cubic group_cubic( const wisp_vec3* points, int count, int group )
     }
 }
 
+// A point next to a joint on the line through it along `way`, as far from it as before.
+static wisp_vec3 onto( wisp_vec3 joint, wisp_vec3 p, wisp_vec3 way, float sign )
+{
+    const wisp_vec3 d = mix( 1.0f, p, -1.0f, joint );
+    const float length = sqrtf( way.x * way.x + way.y * way.y + way.z * way.z );
+    const float distance = sqrtf( d.x * d.x + d.y * d.y + d.z * d.z );
+    return length > 0.0f ? mix( 1.0f, joint, sign * distance / length, way ) : p;
+}
+
+// The same fours with one tangent at a joint, along the vertices at both sides of it.
+static cubic joined_cubic( const wisp_vec3* points, int count, int group )
+{
+    const wisp_vec3* p = points + 3 * group;
+    cubic c = group_cubic( points, count, group );
+    if ( group > 0 )
+    {
+        c.control[1] = onto( c.control[0], c.control[1], mix( 1.0f, p[1], -1.0f, p[-1] ), 1.0f );
+    }
+    if ( 3 * group + 4 < count )
+    {
+        c.control[2] = onto( c.control[3], c.control[2], mix( 1.0f, p[4], -1.0f, p[2] ), -1.0f );
+    }
+    return c;
+}
+
 static int cubic_count( wisp_curve_kind kind, int vertices )
 {
-    return vertices < 2 ? 0 : kind == WISP_CURVE_BEZIER ? ( vertices + 1 ) / 3 : vertices - 1;
+    return vertices < 2 ? 0 : kind == WISP_CURVE_CATMULL_ROM ? vertices - 1 : ( vertices + 1 ) / 3;
 }
 
 static int sample_count( const wisp_curves_def* def, int vertices )
@@ -68,8 +95,9 @@ static void draw( const wisp_curves_def* def, const wisp_vec3* points, int count
     int cubics = cubic_count( def->kind, count );
     for ( int n = 0; n < cubics; ++n )
     {
-        const cubic c =
-            def->kind == WISP_CURVE_BEZIER ? group_cubic( points, count, n ) : smooth_cubic( points, count, n );
+        const cubic c = def->kind == WISP_CURVE_BEZIER        ? joined_cubic( points, count, n )
+                        : def->kind == WISP_CURVE_CATMULL_ROM ? smooth_cubic( points, count, n )
+                                                              : group_cubic( points, count, n );
         for ( int k = n == 0 ? 0 : 1; k <= def->samples; ++k )
         {
             *out++ = cubic_at( &c, (float)k / (float)def->samples );

@@ -184,7 +184,7 @@ const scene_block SCENE_GHOSTS_BLOCK = BLOCK( GHOSTS_FIELDS );
 static const scene_field SCATTER_FIELDS[] = {
     { "around", SCENE_CUSTOM, .required = true, .read = scene_read_later_name,
       .help = "Entry above this one, with `file` or `generate`.", .form = "name of strands" },
-    { "count", SCENE_WHOLE, .required = true, .at = AT( scatter.count ), .range = RANGE( 1, 1000000 ),
+    { "count", SCENE_WHOLE, .at = AT( scatter.count ), .range = RANGE( 1, 1000000 ),
       .help = "Number of strands around each; at most 134217728 vertices in all." },
     { "radius", SCENE_NUMBER, .required = true, .at = AT( scatter.radius ), .range = RANGE( 0, 1e6 ), .unit = METRES,
       .help = "Radius of the disc that offsets are uniform in, across the direction in which the root grows." },
@@ -192,9 +192,12 @@ static const scene_field SCATTER_FIELDS[] = {
 };
 const scene_block SCENE_SCATTER_BLOCK = BLOCK( SCATTER_FIELDS );
 
-static const scene_choice CURVE_KINDS[] = { { "bezier", "vertices in fours that share their ends" },
-                                            { "catmull_rom", "passes through all vertices" },
-                                            { NULL, NULL } };
+static const scene_choice CURVE_KINDS[] = {
+    { "bezier", "vertices in fours that share their ends and the tangents there" },
+    { "catmull_rom", "passes through all vertices" },
+    { "bezier_printed", "as published: fours that share their ends only, where the curve turns as the strand" },
+    { NULL, NULL }
+};
 
 static const scene_field CURVES_FIELDS[] = {
     { "of", SCENE_CUSTOM, .required = true, .read = scene_read_later_name, .help = "Strands of any kind but curves.",

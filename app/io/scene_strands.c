@@ -6,7 +6,7 @@ wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
 {
     wisp_scene_strands strands = {
         .generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 3 ),
-        .scatter = { .around = -1, .count = 1, .seed = 1 },
+        .scatter = { .around = -1, .count = 4, .seed = 1 },
         .curves = wisp_default_curves_def(),
         .curves_of = -1,
         .scale = 1.0f,

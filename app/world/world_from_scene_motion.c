@@ -72,6 +72,7 @@ static wisp_status set_ghosts( scene_world* world, int strands )
     const wisp_scene_strands* entry = &world->scene->strands[strands];
     wisp_ghosts_def def = entry->ghosts;
     def.targets = world->entities[entry->targets];
+    def.between = world->scene->frames_per_step > 1;
     wisp_status status = WISP_OK;
     if ( entry->has_frozen_hair )
     {

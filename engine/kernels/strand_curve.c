@@ -77,6 +77,35 @@ static segment16 shared_ends( const curve_source* s, int segment )
     return c;
 }
 
+// Moves a point p next to a joint onto the line through it along `tangent`, at the distance that it has. Without a direction it
+// stays.
+static lane16v onto_tangent( lane16v joint, lane16v p, lane16v tangent, float sign, lane16m where )
+{
+    const lane16 length = lane16v_length( tangent ), distance = lane16v_length( lane16v_sub( p, joint ) );
+    const lane16m directed = lane16m_and( where, lane16_lt( lane16_zero(), length ) );
+    const lane16 factor = lane16_div( lane16_mul( lane16_set1( sign ), distance ), length );
+    return lane16v_select( directed, lane16v_mul_add( joint, factor, tangent ), p );
+}
+
+// Evaluates groups of four vertices whose joints have one tangent, along the vertices at both sides of a joint.
+static segment16 shared_tangents( const curve_source* s, int segment )
+{
+    const int first = 3 * segment, end = first + 3;
+    segment16 c = shared_ends( s, segment );
+    if ( segment > 0 )
+    {
+        const lane16v along = lane16v_sub( vertex( s, first + 1 ), vertex( s, first - 1 ) );
+        c.p[1] = onto_tangent( c.p[0], c.p[1], along, 1.0f, lane16i_lt( lane16i_set1( first ), s->last ) );
+    }
+    const lane16m goes_on = lane16i_lt( lane16i_set1( end ), s->last );
+    if ( lane16m_any( goes_on ) )
+    {
+        const lane16v along = lane16v_sub( vertex( s, end + 1 ), vertex( s, end - 1 ) );
+        c.p[2] = onto_tangent( c.p[3], c.p[2], along, -1.0f, goes_on );
+    }
+    return c;
+}
+
 // Evaluates one segment between two vertices and their neighbours. Beyond an end the strand is extended straight,
 // so the tangent there is the one-sided difference.
 static segment16 neighbours( const curve_source* s, int segment )
@@ -120,7 +149,9 @@ void KERNEL( strand_curve )( const wisp_strand_curve_args* args, int begin, int 
         lane16v_store( to, vertex( &source, 0 ) );
         for ( int segment = 0; 1 + segment * args->samples < row_count; ++segment )
         {
-            const segment16 c = args->shares_ends ? shared_ends( &source, segment ) : neighbours( &source, segment );
+            const segment16 c = args->shares_tangents ? shared_tangents( &source, segment )
+                                : args->shares_ends   ? shared_ends( &source, segment )
+                                                      : neighbours( &source, segment );
             draw_segment( args, c, to + ( 1 + (size_t)segment * (size_t)args->samples ) * 3 * WISP_LANES,
                           args->samples );
         }

@@ -80,7 +80,7 @@ static frame16 carry( frame16 q, lane16v from, lane16v to )
 // Rows of a group, read in order.
 typedef struct target_rows
 {
-    const float *position, *rest, *velocity, *before, *cap;
+    const float *position, *rest, *velocity, *before, *cap, *reach;
     lane16v last, last_rest; // of the previous row
     frame16 frame;
 } target_rows;
@@ -95,6 +95,7 @@ static target_rows begin_rows( const wisp_strand_target_args* args, int group )
         .velocity = args->velocity != NULL ? args->velocity + triple : NULL,
         .before = args->previous_velocity != NULL ? args->previous_velocity + triple : NULL,
         .cap = args->max_sway + row * WISP_LANES,
+        .reach = args->reach != NULL ? args->reach + row * WISP_LANES : NULL,
         .frame = { zero, zero, zero, lane16_set1( 1.0f ) },
     };
     if ( args->root != NULL )
@@ -103,6 +104,19 @@ static target_rows begin_rows( const wisp_strand_target_args* args, int group )
     }
     return r;
 }
+
+// Computes the factor that keeps the sway of all ghosts between the centre and the farthest within the cap. One factor
+// for all of them keeps the ratios of their sways; a clamp of each would make them equal.
+#define DEFINE_GROUP_FACTOR( P )                                                                                     \
+    LANE_INLINE P P##_group_factor( P shared, P reach, P sway_length, P cap )                                        \
+    {                                                                                                                \
+        const P largest = P##_max( P##_abs( shared ), P##_abs( P##_add( shared, reach ) ) );                         \
+        const P longest = P##_mul( sway_length, largest );                                                           \
+        return P##_select( P##_lt( cap, longest ), P##_div( cap, longest ), P##_set1( 1.0f ) );                      \
+    }
+
+DEFINE_GROUP_FACTOR( lane8 )
+DEFINE_GROUP_FACTOR( lane16 )
 
 // Computes the values of one node per lane, in the layout of wisp_strand_target_args.
 static void node_numbers( const wisp_strand_target_args* args, target_rows* r, int i, lane16 tip, lane16 numbers[] )
@@ -125,7 +139,8 @@ static void node_numbers( const wisp_strand_target_args* args, target_rows* r, i
     r->last_rest = rest;
 
     const lane16 cap = args->is_capped ? lane16_load( r->cap + (size_t)i * WISP_LANES ) : lane16_set1( FLT_MAX );
-    const lane16v sway = args->is_blended ? v : lane16v_scale( v, lane16_set1( args->sway_time ) );
+    const lane16 reach = r->reach != NULL ? lane16_load( r->reach + (size_t)i * WISP_LANES ) : zero;
+    lane16v sway = args->is_blended ? v : lane16v_scale( v, lane16_set1( args->sway_time ) );
     lane16 limit = cap;
     if ( args->is_blended == false )
     {
@@ -133,10 +148,14 @@ static void node_numbers( const wisp_strand_target_args* args, target_rows* r, i
         const lane16 length = lane16v_length( sway );
         limit = args->is_capped ? lane16_select( lane16_lt( zero, length ), lane16_div( cap, length ), zero ) : cap;
         tip = lane16_add( lane16_elastic( args->elastic, v, before ), tip );
+        if ( args->is_capped && r->reach != NULL )
+        {
+            sway = lane16v_scale( sway, lane16_group_factor( tip, reach, length, cap ) );
+        }
     }
     const lane16 all[LARGEST_STRIDE] = { x.x,      x.y,      x.z,        tip,        sway.x,     sway.y,
                                          sway.z,   limit,    r->frame.x, r->frame.y, r->frame.z, r->frame.w,
-                                         before.x, before.y, before.z,   zero };
+                                         before.x, before.y, before.z,   reach };
     for ( int k = 0; k < args->stride; ++k )
     {
         numbers[k] = all[k];
@@ -240,12 +259,7 @@ LANE_INLINE lane8v turn_by_node( const float* table, const int32_t* at, lane8v v
     return lane8v_add( lane8v_mul_add( v, w, t ), lane8v_cross( axis, t ) );
 }
 
-LANE_INLINE lane8 within( lane8 weight, lane8 limit )
-{
-    return lane8_max( lane8_min( weight, limit ), lane8_neg( limit ) );
-}
-
-// Computes y = x + R o + weight sway, with the weight, shared + scale |o|, clamped to the limit.
+// Computes y = x + R o + weight sway with the weight shared + scale |o|.
 LANE_INLINE void ghost_rows( const wisp_strand_ghost_args mine, int group, bool turns )
 {
     const int lanes = group * WISP_LANES, row_count = mine.group_row[group + 1] - mine.group_row[group];
@@ -266,14 +280,14 @@ LANE_INLINE void ghost_rows( const wisp_strand_ghost_args mine, int group, bool 
             const size_t row = (size_t)i * 3 * WISP_LANES + (size_t)half * 8;
             quad_walk* w = walks + half;
             lane8v x, sway;
-            lane8 shared, limit;
+            lane8 shared, unused;
             walk( w );
             lane8_load_xyzw( mine.table, w->at, &x.x, &x.y, &x.z, &shared );
-            lane8_load_xyzw( mine.table + 4, w->at, &sway.x, &sway.y, &sway.z, &limit );
+            lane8_load_xyzw( mine.table + 4, w->at, &sway.x, &sway.y, &sway.z, &unused );
             const lane8v o = load_offset( offset + row );
             const lane8 weight = lane8_mul_add( scale[half], lane8v_length( o ), shared );
             const lane8v b = lane8v_add( x, turns ? turn_by_node( mine.table, w->at, o ) : o );
-            store_place( to + row, lane8v_mul_add( b, within( weight, limit ), sway ) );
+            store_place( to + row, lane8v_mul_add( b, weight, sway ) );
         }
     }
 }
@@ -299,22 +313,22 @@ void KERNEL( strand_ghost )( const wisp_strand_ghost_args* args, int begin, int 
 typedef struct blended
 {
     lane8v base, velocity, before;
-    lane8 tip, cap; // of the first target only
+    lane8 tip, cap, reach; // of the first target only
 } blended;
 
 static blended blend_row( const wisp_strand_ghost_args* args, int lane, quad_walk* walks, const float* offset )
 {
     const lane8 zero = lane8_zero();
     const lane8v none = { zero, zero, zero };
-    blended sum = { none, none, none, zero, zero };
+    blended sum = { none, none, none, zero, zero, zero };
     for ( int k = 0; k < args->target_count; ++k )
     {
         lane8v x, v, before;
-        lane8 tip, cap, unused;
+        lane8 tip, cap, reach;
         walk( walks + k );
         lane8_load_xyzw( args->table, walks[k].at, &x.x, &x.y, &x.z, &tip );
         lane8_load_xyzw( args->table + 4, walks[k].at, &v.x, &v.y, &v.z, &cap );
-        lane8_load_xyzw( args->table + 12, walks[k].at, &before.x, &before.y, &before.z, &unused );
+        lane8_load_xyzw( args->table + 12, walks[k].at, &before.x, &before.y, &before.z, &reach );
         const lane8 fraction = lane8_loadu( args->lane_fraction + lane + k * WISP_LANES );
         const lane8v o = load_offset( offset + (size_t)k * 3 * WISP_LANES );
         const lane8v place = lane8v_add( x, args->rotates_offsets ? turn_by_node( args->table, walks[k].at, o ) : o );
@@ -323,6 +337,7 @@ static blended blend_row( const wisp_strand_ghost_args* args, int lane, quad_wal
         sum.before = lane8v_mul_add( sum.before, fraction, before );
         sum.tip = k == 0 ? tip : sum.tip;
         sum.cap = k == 0 ? cap : sum.cap;
+        sum.reach = k == 0 ? reach : sum.reach;
     }
     return sum;
 }
@@ -346,13 +361,11 @@ static void blend_half( const wisp_strand_ghost_args* args, int group, int half 
         blended b = blend_row( args, group * links * WISP_LANES + half, walks, offset );
         const lane8 elastic = lane8_elastic( args->elastic, b.velocity, b.before );
         const lane8 centre = lane8_mul( scale, lane8v_length( load_offset( offset ) ) );
-        const lane8 weight = lane8_add( elastic, lane8_add( b.tip, centre ) );
+        const lane8 shared = lane8_add( elastic, b.tip );
         const lane8v sway = lane8v_scale( b.velocity, lane8_set1( args->sway_time ) );
-        const lane8 length = lane8v_length( sway );
-        const lane8m moves = lane8_lt( lane8_zero(), length );
-        const lane8 limit = lane8_select( moves, lane8_div( b.cap, length ), lane8_zero() );
+        const lane8 factor = lane8_group_factor( shared, b.reach, lane8v_length( sway ), b.cap );
         store_place( args->points + to + (size_t)i * 3 * WISP_LANES,
-                     lane8v_mul_add( b.base, within( weight, limit ), sway ) );
+                     lane8v_mul_add( b.base, lane8_add( shared, centre ), lane8v_scale( sway, factor ) ) );
     }
 }
 

@@ -156,6 +156,7 @@ static bool cook_guides( guide_follower* f, const guide_groups* g, guide_memory*
     }
     l->lane_node = guide_take( &f->memory, (size_t)l->group_count * WISP_LANES, sizeof( int32_t ) );
     l->cap = guide_take( &f->memory, (size_t)l->row_count * WISP_LANES, sizeof( float ) );
+    l->reach = f->feeds_back ? NULL : guide_take( &f->memory, (size_t)l->row_count * WISP_LANES, sizeof( float ) );
     for ( int lane = 0; lane < l->group_count * WISP_LANES && f->memory.failed == false; ++lane )
     {
         const int n = l->lane_count[lane] == 0 ? -1 : f->resampled ? order[lane] : t->lane_strand[lane];
@@ -166,9 +167,15 @@ static bool cook_guides( guide_follower* f, const guide_groups* g, guide_memory*
         l->lane_node[lane] = ( n >= 0 ? g->groups[n].first_node : g->node_count ) * f->stride;
         for ( int i = 0; i < l->lane_count[lane]; ++i )
         {
-            const size_t row = (size_t)( l->group_row[lane / WISP_LANES] + i );
-            const double cap = g->nodes[g->groups[n].first_node + i].cap;
-            l->cap[row * WISP_LANES + (size_t)( lane % WISP_LANES )] = (float)cap;
+            const size_t at =
+                (size_t)( l->group_row[lane / WISP_LANES] + i ) * WISP_LANES + (size_t)lane % WISP_LANES;
+            const guide_group* group = g->groups + n;
+            const guide_node* node = g->nodes + group->first_node + i;
+            l->cap[at] = (float)node->cap;
+            if ( l->reach != NULL && group->size > 1 && group->largest > 0.0 )
+            {
+                l->reach[at] = (float)( (double)g->def->centre_gain * node->farthest / group->largest );
+            }
         }
     }
     return f->memory.failed == false;

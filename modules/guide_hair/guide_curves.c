@@ -1,6 +1,8 @@
 // Curves through the vertices of strands: how many samples, which lanes they follow, and when they are drawn.
 #include "guide_internal.h"
 
+#include <math.h>
+
 enum
 {
     CURVE_GRAIN = 4, // groups a block
@@ -69,6 +71,7 @@ void guide_run_curves( wisp_frame* frame, const wisp_span* span, void* user )
             .weight = d->weight,
             .samples = d->samples,
             .shares_ends = d->shares_ends,
+            .shares_tangents = d->shares_tangents,
         },
     };
     wisp_parallel_for( wisp_frame_parallel( frame, span ), t->group_count, CURVE_GRAIN, draw_groups, &loop );
@@ -78,20 +81,25 @@ void guide_run_curves( wisp_frame* frame, const wisp_span* span, void* user )
 
 // ---- at rest ----
 
+static bool shares_ends( wisp_curve_kind kind )
+{
+    return kind != WISP_CURVE_CATMULL_ROM;
+}
+
 static int segments_of( int vertices, wisp_curve_kind kind )
 {
     if ( vertices < 2 )
     {
         return 0;
     }
-    return kind == WISP_CURVE_BEZIER ? ( vertices + 1 ) / 3 : vertices - 1;
+    return shares_ends( kind ) ? ( vertices + 1 ) / 3 : vertices - 1;
 }
 
 // Weights of the four points of a sample: eq. 6 with coefficient 3, or the Catmull-Rom spline of the two in the middle.
 static void blend_weights( wisp_curve_kind kind, double t, double weight[4] )
 {
     const double s = 1.0 - t;
-    if ( kind == WISP_CURVE_BEZIER )
+    if ( shares_ends( kind ) )
     {
         weight[0] = s * s * s;
         weight[1] = 3.0 * s * s * t;
@@ -110,10 +118,33 @@ static guide_point between( guide_point a, guide_point b, double fraction )
     return guide_mul_add( a, fraction, guide_sub( b, a ) );
 }
 
+// Moves a point next to a joint onto the line through it along `tangent`, at the distance that it has.
+static guide_point onto_tangent( guide_point joint, guide_point p, guide_point tangent, double sign )
+{
+    const guide_point d = guide_sub( p, joint );
+    const double length = sqrt( guide_dot( tangent, tangent ) ), distance = sqrt( guide_dot( d, d ) );
+    return length > 0.0 ? guide_mul_add( joint, sign * distance / length, tangent ) : p;
+}
+
+// Rotates the inner points of a group of four about its joints.
+static void share_tangents( const wisp_vec3* v, int count, int first, guide_point p[4] )
+{
+    if ( first > 0 )
+    {
+        const guide_point along = guide_sub( guide_widen( v[first + 1] ), guide_widen( v[first - 1] ) );
+        p[1] = onto_tangent( p[0], p[1], along, 1.0 );
+    }
+    if ( first + 4 < count )
+    {
+        const guide_point along = guide_sub( guide_widen( v[first + 4] ), guide_widen( v[first + 2] ) );
+        p[2] = onto_tangent( p[3], p[2], along, -1.0 );
+    }
+}
+
 // The four points that a segment blends, as the kernel has them.
 static void segment_points( const wisp_vec3* v, int count, wisp_curve_kind kind, int segment, guide_point p[4] )
 {
-    const int first = kind == WISP_CURVE_BEZIER ? 3 * segment : segment - 1, left = count - 1 - first;
+    const int first = shares_ends( kind ) ? 3 * segment : segment - 1, left = count - 1 - first;
     for ( int n = 0; n < 4; ++n )
     {
         const int i = first + n;
@@ -130,6 +161,10 @@ static void segment_points( const wisp_vec3* v, int count, wisp_curve_kind kind,
         const guide_point middle = left == 2 ? p[1] : p[0], end = p[3];
         p[1] = left == 2 ? between( p[0], middle, 2.0 / 3.0 ) : between( p[0], end, 1.0 / 3.0 );
         p[2] = left == 2 ? between( middle, end, 1.0 / 3.0 ) : between( p[0], end, 2.0 / 3.0 );
+    }
+    if ( kind == WISP_CURVE_BEZIER )
+    {
+        share_tangents( v, count, first, p );
     }
 }
 
@@ -223,7 +258,8 @@ static guide_drawing* cook_drawing( wisp_world* world, const wisp_curves_def* de
         .curves = curves,
         .source = def->source,
         .samples = def->samples,
-        .shares_ends = def->kind == WISP_CURVE_BEZIER,
+        .shares_ends = shares_ends( def->kind ),
+        .shares_tangents = def->kind == WISP_CURVE_BEZIER,
     };
     if ( cook_weights( d, def->kind ) == false ||
          find_lanes( d, wisp_world_strands( world, curves ), wisp_world_strands( world, def->source ) ) == false )

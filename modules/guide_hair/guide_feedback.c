@@ -104,6 +104,7 @@ typedef struct group_node
     const int32_t* lane;
     int size, i;
     double requested; // m^2, 0: the spread is not held
+    float factor;     // of the sway of all members
 } group_node;
 
 static wisp_vec3 load( const float* from )
@@ -118,14 +119,35 @@ static void store( float* to, wisp_vec3 p )
     to[2 * WISP_LANES] = p.z;
 }
 
+static wisp_vec3 apart_of( const feedback_loop* loop, const group_node* node, int lane )
+{
+    return load( loop->apart + root_of( loop->topology, lane ) + (size_t)node->i * GUIDE_ROW );
+}
+
+static float centre_weight( const feedback_loop* loop, int lane, wisp_vec3 d )
+{
+    return loop->follower->centre_scale[lane] * sqrtf( d.x * d.x + d.y * d.y + d.z * d.z );
+}
+
+// Factor of the sway that keeps all members within the limit and the ratios between them, as kernels have it without feedback.
+static float group_factor( const feedback_loop* loop, const group_node* node )
+{
+    const float shared = node->xyzw[3], limit = node->xyzw[7];
+    float reach = 0.0f;
+    for ( int k = 0; k < node->size; ++k )
+    {
+        reach = fmaxf( reach, centre_weight( loop, node->lane[k], apart_of( loop, node, node->lane[k] ) ) );
+    }
+    const float largest = fmaxf( fabsf( shared ), fabsf( shared + reach ) );
+    return largest > limit ? limit / largest : 1.0f;
+}
+
 // Eq. 5 relative to the mean of the group, which the last step set to zero.
 static wisp_vec3 swayed( const feedback_loop* loop, const group_node* node, int lane )
 {
     const float* q = node->xyzw;
-    const wisp_vec3 d = load( loop->apart + root_of( loop->topology, lane ) + (size_t)node->i * GUIDE_ROW );
-    const float length = sqrtf( d.x * d.x + d.y * d.y + d.z * d.z );
-    const float weight = q[3] + loop->follower->centre_scale[lane] * length, limit = q[7];
-    const float w = fmaxf( fminf( weight, limit ), -limit );
+    const wisp_vec3 d = apart_of( loop, node, lane );
+    const float w = ( q[3] + centre_weight( loop, lane, d ) ) * node->factor;
     return ( wisp_vec3 ){ d.x + w * q[4], d.y + w * q[5], d.z + w * q[6] };
 }
 
@@ -232,12 +254,12 @@ static void step_groups( void* context, int begin, int end, int worker )
         const int size = m->begin[n + 1] - m->begin[n];
         for ( int i = 0; size > 0 && i < loop->topology->lane_count[lanes[0]]; ++i )
         {
-            const group_node node = { .xyzw = loop->follower->table + (size_t)( m->node[n] + i ) * QUADS,
-                                      .lane = lanes,
-                                      .size = size,
-                                      .i = i,
-                                      .requested =
-                                          m->requested != NULL && i > 0 ? m->requested[m->node[n] + i] : 0.0 };
+            group_node node = { .xyzw = loop->follower->table + (size_t)( m->node[n] + i ) * QUADS,
+                                .lane = lanes,
+                                .size = size,
+                                .i = i,
+                                .requested = m->requested != NULL && i > 0 ? m->requested[m->node[n] + i] : 0.0 };
+            node.factor = group_factor( loop, &node );
             step_node( loop, &node );
         }
         for ( int k = 0; k < size; ++k )

@@ -111,8 +111,10 @@ static void measure_ghost( const guide_groups* g, int ghost )
     const wisp_vec3* points = guide_strand( g->ghosts, ghost );
     for ( int i = 0; i < group->node_count; ++i )
     {
-        const guide_point d = guide_sub( guide_widen( points[i] ), g->nodes[group->first_node + i].centre );
-        group->largest = fmax( group->largest, sqrt( guide_dot( d, d ) ) );
+        guide_node* node = g->nodes + group->first_node + i;
+        const guide_point d = guide_sub( guide_widen( points[i] ), node->centre );
+        node->farthest = fmax( node->farthest, sqrt( guide_dot( d, d ) ) );
+        group->largest = fmax( group->largest, node->farthest );
     }
 }
 

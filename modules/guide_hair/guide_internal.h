@@ -110,6 +110,7 @@ typedef struct guide_lanes
     const int32_t* lane_count; // [group][16] nodes
     int32_t* lane_node;        // [group][16] float of the table where the root's quads begin
     float* cap;                // [row][16] m, rest length of the target's segment there
+    float* reach;              // [row][16] centre weight of the farthest ghost there; null: with feedback
     // resampled only
     int32_t* source;      // [row][4][16] float of the targets' rows where a vertex is
     float* weight;        // [row][4][16]
@@ -181,6 +182,7 @@ typedef struct guide_node
     guide_point rest;       // the target there
     double arc;             // normalised, sum over the ghosts
     double cap;             // m, of the target's segment there
+    double farthest;        // m, max |y - c| of the ghosts there
     bool is_spread;         // two ghosts differ
     guide_stencil stencil;  // resampled only
 } guide_node;
@@ -210,7 +212,7 @@ typedef struct guide_drawing
     wisp_entity curves;
     wisp_entity source; // null once it is removed
     int samples;
-    bool shares_ends;
+    bool shares_ends, shares_tangents;
     float* weight;          // [samples][4]
     int32_t* lane_row;      // [group][16]
     int32_t* lane_vertices; // [group][16]

@@ -100,6 +100,7 @@ static void fill_table( wisp_frame* frame, const wisp_span* span, const guide_st
         .velocity = f->resampled && loop.velocity != NULL ? l->velocity : loop.velocity,
         .previous_velocity = f->resampled && loop.before != NULL ? l->before : loop.before,
         .max_sway = l->cap,
+        .reach = l->reach,
         .root = f->resampled && loop.root != NULL ? l->root : loop.root,
         .table = f->table,
         .stride = f->stride,

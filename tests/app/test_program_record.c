@@ -148,6 +148,116 @@ static void a_recording_has_the_start_and_every_nth_step_with_hashes( void** sta
     wisp_recording_close( recording );
 }
 
+// ---- frames between steps ----
+
+enum
+{
+    GHOST_STEPS = 12,
+    GUIDE_POINTS = 3 * 8,
+    GHOST_POINTS = 4 * GUIDE_POINTS,
+};
+
+static const char ghost_scene[] =
+    "wisp: 1\nsteps: 12\nsubsteps: 4\nstrands:\n"
+    "  - name: guides\n    generate: { strands: 3, vertices: 8, length: 0.2, seed: 3 }\n    dynamics: {}\n"
+    "    head: { keyframes: [ { time: 0.08, position: [0.03, 0, 0] }, { time: 0.2, position: [0, 0, 0] } ] }\n"
+    "  - name: ghosts\n    scatter: { around: guides, count: 4, radius: 0.008 }\n    ghosts: {}\n";
+
+typedef struct ghost_frames
+{
+    int per_step;
+    wisp_vec3 guides[32 * GHOST_STEPS + 1][GUIDE_POINTS], ghosts[32 * GHOST_STEPS + 1][GHOST_POINTS];
+} ghost_frames;
+
+static void record_ghosts( const char* options, int per_step, ghost_frames* out )
+{
+    char command[100];
+    snprintf( command, sizeof( command ), "run ghosts.yaml --record ghosts.wisp %s", options );
+    run_ok( command );
+    wisp_error error = { 0 };
+    wisp_recording* recording;
+    assert_int_equal( wisp_recording_open( "ghosts.wisp", &recording, &error ), WISP_OK );
+    const wisp_recording_info info = wisp_recording_describe( recording );
+    assert_int_equal( info.frame_count, GHOST_STEPS * per_step + 1 );
+    assert_true( fabs( info.dt * per_step - 1.0 / 60.0 ) < 1e-7 );
+    out->per_step = per_step;
+    for ( int f = 0; f < info.frame_count; ++f )
+    {
+        double time;
+        uint64_t hash;
+        wisp_vec3* all[] = { out->guides[f], out->ghosts[f] };
+        assert_int_equal( wisp_recording_frame( recording, f, all, &time, &hash, &error ), WISP_OK );
+        assert_true( fabs( time - f / ( 60.0 * per_step ) ) < 1e-6 );
+        assert_true( ( hash != 0 ) == ( f % per_step == 0 ) ); // no world was in a state between steps
+    }
+    wisp_recording_close( recording );
+}
+
+static double change_of_way( wisp_vec3 a, wisp_vec3 b, wisp_vec3 c )
+{
+    const double x = (double)( c.x - b.x ) - (double)( b.x - a.x ), y = (double)( c.y - b.y ) - (double)( b.y - a.y );
+    const double z = (double)( c.z - b.z ) - (double)( b.z - a.z );
+    return sqrt( x * x + y * y + z * z );
+}
+
+// Largest change of velocity from the frame before a step to the frame after it, m per step.
+static double corner( const ghost_frames* r, bool of_ghosts )
+{
+    const int points = of_ghosts ? GHOST_POINTS : GUIDE_POINTS;
+    double largest = 0.0;
+    for ( int n = 2 * points; n < GHOST_STEPS * points; ++n )
+    {
+        const int f = n / points * r->per_step;
+        const wisp_vec3* all[3];
+        for ( int k = 0; k < 3; ++k )
+        {
+            all[k] = of_ghosts ? r->ghosts[f + k - 1] : r->guides[f + k - 1];
+        }
+        const int v = n % points;
+        largest = fmax( largest, r->per_step * change_of_way( all[0][v], all[1][v], all[2][v] ) );
+    }
+    return largest;
+}
+
+// Once continuously differentiable: the change of velocity at a step falls with the distance of frames. On straight lines, which the
+// other points move along, it stays.
+static void frames_between_steps_pass_through_the_steps_and_ghosts_turn_no_corner_there( void** state )
+{
+    (void)state;
+    static ghost_frames plain, some, many;
+    write_text( "ghosts.yaml", ghost_scene );
+    record_ghosts( "", 1, &plain );
+    record_ghosts( "--frames-per-step 16", 16, &some );
+    record_ghosts( "--frames-per-step 32", 32, &many );
+    for ( int step = 0; step <= GHOST_STEPS; ++step )
+    {
+        assert_memory_equal( some.ghosts[16 * step], plain.ghosts[step], sizeof( plain.ghosts[0] ) );
+        assert_memory_equal( some.guides[16 * step], plain.guides[step], sizeof( plain.guides[0] ) );
+    }
+    assert_true( corner( &some, true ) > 1e-4 );
+    assert_true( corner( &many, true ) < 0.6 * corner( &some, true ) );
+    assert_true( corner( &many, false ) > 0.95 * corner( &some, false ) );
+    assert_true( corner( &many, true ) < 0.2 * corner( &many, false ) );
+}
+
+static void a_scene_has_frames_between_steps_and_an_option_has_the_last_word( void** state )
+{
+    (void)state;
+    static ghost_frames asked, written;
+    char scene[1200];
+    write_text( "ghosts.yaml", ghost_scene );
+    record_ghosts( "--frames-per-step 4", 4, &asked );
+    snprintf( scene, sizeof( scene ), "wisp: 1\nframes_per_step: 4\n%s", strchr( ghost_scene, '\n' ) + 1 );
+    write_text( "ghosts.yaml", scene );
+    record_ghosts( "", 4, &written );
+    assert_memory_equal( asked.ghosts, written.ghosts, sizeof( asked.ghosts[0] ) * ( 4 * GHOST_STEPS + 1 ) );
+    record_ghosts( "--frames-per-step 1", 1, &written );
+    assert_usage( "run ghosts.yaml --frames-per-step 4 --every 2 --record ghosts.wisp",
+                  "--frames-per-step: expected without --every" );
+    assert_usage( "run ghosts.yaml --frames-per-step 4",
+                  "--frames-per-step: expected together with --record or --track" );
+}
+
 static void tracks_are_the_points_of_the_recording( void** state )
 {
     (void)state;
@@ -301,6 +411,8 @@ int main( int argc, char** argv )
         cmocka_unit_test( hair_is_recorded_with_the_widths_and_colours_of_its_appearance ),
         cmocka_unit_test( a_value_that_cannot_be_recorded_is_refused ),
         cmocka_unit_test( a_recording_has_the_start_and_every_nth_step_with_hashes ),
+        cmocka_unit_test( frames_between_steps_pass_through_the_steps_and_ghosts_turn_no_corner_there ),
+        cmocka_unit_test( a_scene_has_frames_between_steps_and_an_option_has_the_last_word ),
         cmocka_unit_test( tracks_are_the_points_of_the_recording ),
         cmocka_unit_test( a_run_verifies_its_recording_on_other_workers ),
         cmocka_unit_test( a_recording_that_is_cut_or_of_another_length_proves_nothing ),

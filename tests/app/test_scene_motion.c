@@ -16,6 +16,7 @@ static void strands_stand_still_and_are_shown_unless_they_say_otherwise( void** 
     assert_int_equal( s->targets, -1 );
     assert_int_equal( s->curves_of, -1 );
     assert_int_equal( s->scatter.around, -1 );
+    assert_int_equal( s->scatter.count, 4 ); // ghosts per target
     assert_true( s->is_shown );
     assert_true( s->scale == 1.0f );
     wisp_scene_release( &scene );
@@ -351,8 +352,8 @@ static void curves_begin_and_end_where_their_strands_do_and_pass_through_what_th
         for ( int s = 0; s < 5; ++s )
         {
             const int count = out.offsets[s + 1] - out.offsets[s];
-            const int stride = kind == WISP_CURVE_BEZIER ? 3 : 1;
-            assert_int_equal( count, kind == WISP_CURVE_BEZIER ? bezier[s] : catmull_rom[s] );
+            const int stride = kind == WISP_CURVE_CATMULL_ROM ? 1 : 3;
+            assert_int_equal( count, kind == WISP_CURVE_CATMULL_ROM ? catmull_rom[s] : bezier[s] );
             for ( int n = 0; n < count; n += def.samples )
             {
                 int vertex = n / def.samples * stride;

@@ -86,8 +86,8 @@ static void curves_are_bodies_wherever_their_source_stands( void** state )
 static void the_first_frame_of_curves_is_what_the_engine_draws( void** state )
 {
     (void)state;
-    static const char* const kinds[] = { "bezier", "catmull_rom" };
-    for ( int kind = 0; kind < 2; ++kind )
+    static const char* const kinds[] = { "bezier", "catmull_rom", "bezier_printed" };
+    for ( int kind = 0; kind < WISP_COUNT( kinds ); ++kind )
     {
         char text[400];
         snprintf( text, sizeof text,

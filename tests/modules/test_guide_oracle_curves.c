@@ -156,7 +156,7 @@ static void straight_and_repeated_nodes_are_valid_curves( void** state )
         {
             nodes[i] = double3_add( begin, double3_scale( 0.02 * i * i, way ) );
         }
-        for ( int curve = 0; curve < 2; ++curve )
+        for ( int curve = 0; curve < 3; ++curve )
         {
             int drawn = draw( nodes, count, (guide_oracle_curve)curve, points );
             for ( int n = 0; n < drawn; ++n )
@@ -186,7 +186,7 @@ static void drawn_curves_turn_less_sharply_than_their_strand_and_end_where_it_en
         for ( int n = 1; n <= 10; ++n )
         {
             double turn = 0.15 * n;
-            for ( int curve = 0; curve < 2; ++curve )
+            for ( int curve = 0; curve < 3; ++curve )
             {
                 double3 nodes[10], points[MAX_POINTS];
                 turned_strand( turn, true, count, nodes );
@@ -206,13 +206,14 @@ static double turn_between( double3 a, double3 b, double3 c )
 }
 
 // The error at shared ends of groups, and the improvement by smooth curves
-static void groups_keep_the_turn_of_a_shared_node_where_smooth_curves_have_none( void** state )
+static void groups_keep_the_turn_of_a_shared_node_where_joined_and_smooth_curves_have_none( void** state )
 {
     (void)state;
     for ( int n = 0; n < 50; ++n )
     {
-        double3 nodes[10], group[4 * 3], smooth[4 * 9];
+        double3 nodes[10], group[4 * 3], joined[4 * 3], smooth[4 * 9];
         random_strand( n, 10, nodes );
+        guide_oracle_curve_controls( nodes, 10, GUIDE_ORACLE_CURVE_JOINED, joined );
         guide_oracle_curve_controls( nodes, 10, GUIDE_ORACLE_CURVE_GROUPS, group );
         guide_oracle_curve_controls( nodes, 10, GUIDE_ORACLE_CURVE_SMOOTH, smooth );
         for ( int k = 1; k < 3; ++k )
@@ -222,6 +223,14 @@ static void groups_keep_the_turn_of_a_shared_node_where_smooth_curves_have_none(
                     out = double3_sub( group[4 * k + 1], group[4 * k] );
             assert_close( double3_angle( in, out ), turn_between( nodes[3 * k - 1], nodes[3 * k], nodes[3 * k + 1] ),
                           1e-14 );
+            // the same lengths on one line, along the neighbours of the node
+            double3 before = double3_sub( joined[4 * k - 1], joined[4 * k - 2] ),
+                    after = double3_sub( joined[4 * k + 1], joined[4 * k] );
+            assert_close( double3_angle( before, after ), 0.0, 1e-14 );
+            assert_close( double3_angle( before, double3_sub( nodes[3 * k + 1], nodes[3 * k - 1] ) ), 0.0, 1e-14 );
+            assert_close( double3_length( before ), double3_length( in ), 1e-15 );
+            assert_close( double3_length( after ), double3_length( out ), 1e-15 );
+            assert_at( joined[4 * k], nodes[3 * k], 0.0 );
         }
         for ( int k = 1; k < 9; ++k )
         {
@@ -231,15 +240,32 @@ static void groups_keep_the_turn_of_a_shared_node_where_smooth_curves_have_none(
             assert_at( smooth[4 * k], nodes[k], 0.0 );
         }
     }
-    // a strand that always turns the same way: only the smooth curve has no sharper joint than the strand
-    for ( int count = 7; count <= 10; count += 3 )
+}
+
+// Fig. 3 on strands that always turn the same way: arcs, and helices of a rising pitch. Groups that share nodes alone turn more at a
+// joint than the strand: by its own turn there, and by half of what a sample of the curve turns on each side.
+static void arcs_and_helices_turn_less_at_every_joint_by_all_curves_but_the_printed_one( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 300; ++n )
     {
-        double3 nodes[10], points[MAX_POINTS];
-        turned_strand( 0.3, false, count, nodes );
-        int drawn = draw( nodes, count, GUIDE_ORACLE_CURVE_GROUPS, points );
-        assert_true( guide_oracle_largest_turn( points, drawn ) > 0.3 );
-        drawn = draw( nodes, count, GUIDE_ORACLE_CURVE_SMOOTH, points );
-        assert_true( guide_oracle_largest_turn( points, drawn ) < 0.15 );
+        const int count = 7 + n % 7;
+        const double turn = 0.1 + 0.1 * ( n / 7 % 10 ), pitch = 0.004 * ( n / 70 );
+        double3 nodes[13], points[MAX_POINTS];
+        turned_strand( turn, false, count, nodes );
+        for ( int i = 0; i < count; ++i )
+        {
+            nodes[i].z += pitch * i;
+        }
+        const double before = guide_oracle_largest_turn( nodes, count );
+        for ( int curve = 0; curve < 3; ++curve )
+        {
+            int drawn = draw( nodes, count, (guide_oracle_curve)curve, points );
+            const double after = guide_oracle_largest_turn( points, drawn );
+            assert_true( curve == GUIDE_ORACLE_CURVE_GROUPS ? after > before : after < 0.75 * before );
+            assert_at( points[0], nodes[0], 0.0 );
+            assert_at( points[drawn - 1], nodes[count - 1], 0.0 );
+        }
     }
 }
 
@@ -640,7 +666,8 @@ int main( void )
         cmocka_unit_test( groups_share_their_ends_and_a_rest_is_a_quadratic_or_a_line ),
         cmocka_unit_test( straight_and_repeated_nodes_are_valid_curves ),
         cmocka_unit_test( drawn_curves_turn_less_sharply_than_their_strand_and_end_where_it_ends ),
-        cmocka_unit_test( groups_keep_the_turn_of_a_shared_node_where_smooth_curves_have_none ),
+        cmocka_unit_test( groups_keep_the_turn_of_a_shared_node_where_joined_and_smooth_curves_have_none ),
+        cmocka_unit_test( arcs_and_helices_turn_less_at_every_joint_by_all_curves_but_the_printed_one ),
         cmocka_unit_test( the_spline_passes_through_its_nodes_with_one_derivative ),
         cmocka_unit_test( between_frames_a_node_keeps_its_positions_and_velocities ),
         cmocka_unit_test( a_stencil_is_the_spline_at_a_normalised_arc_length ),

@@ -181,10 +181,11 @@ double guide_oracle_centre_weight( double gain, double3 b, double3 c, double lar
     return largest_offset > 0.0 ? gain * double3_distance( b, c ) / largest_offset : 0.0;
 }
 
-double3 guide_oracle_displacement( double3 v, double weight, double tau, double longest, bool* cut )
+double3 guide_oracle_displacement( double3 v, double weight, double largest_weight, double tau, double longest,
+                                   bool* cut )
 {
     double3 move = double3_scale( tau * weight, v );
-    double length = double3_length( move );
+    double length = tau * largest_weight * double3_length( v );
     if ( longest >= 0.0 && length > longest )
     {
         *cut = true;

@@ -95,10 +95,13 @@ double guide_oracle_tip_weight( double gain, int node, int node_count );
 /// only where b is not rigid about c: with feedback, and with several targets per ghost.
 double guide_oracle_centre_weight( double gain, double3 b, double3 c, double largest_offset );
 
-/// The term that Eq. 5 adds to b: tau v (sum of weights), limited to `longest`.
+/// The term that Eq. 5 adds to b: tau v (sum of weights), scaled so that a ghost with the largest weight of the group
+/// moves no farther than `longest`. One factor for the whole group, so that the ratios between its ghosts stay.
+/// @param largest_weight >= 0, of any ghost from the centre to the farthest one of the group's node
 /// @param longest m; negative: no limit, as printed. 0 forbids every move
 /// @param cut set to true when the limit acted, otherwise left alone
-double3 guide_oracle_displacement( double3 v, double weight, double tau, double longest, bool* cut );
+double3 guide_oracle_displacement( double3 v, double weight, double largest_weight, double tau, double longest,
+                                   bool* cut );
 
 /// Section 4.2: move all members by goal - mean, so that their mean is the goal.
 void guide_oracle_track( double3* members, int count, double3 goal );
@@ -146,6 +149,7 @@ typedef enum guide_oracle_curve
 {
     GUIDE_ORACLE_CURVE_GROUPS, ///< nodes {0..3}, {3..6}, ...: the source, C0 at the shared ends (default)
     GUIDE_ORACLE_CURVE_SMOOTH, ///< one cubic a segment through all nodes, C1
+    GUIDE_ORACLE_CURVE_JOINED, ///< the groups with one tangent at a joint: along x_{k+1} - x_{k-1}, G1
 } guide_oracle_curve;
 
 /// The weights of Eq. 6.
@@ -158,7 +162,8 @@ double3 guide_oracle_bezier( const double3 control[4], double t, bool printed );
 int guide_oracle_curve_count( int node_count, guide_oracle_curve curve );
 
 /// Their control points. Groups: four nodes that share their ends; a remainder of one node is a line, of two nodes a
-/// quadratic, both raised to cubics. Smooth: x_k, x_k + m_k/3, x_{k+1} - m_{k+1}/3, x_{k+1} with the tangents m of
+/// quadratic, both raised to cubics. Joined: the same, and control points next to a joint keep their distance to it and are moved
+/// onto its tangent; a joint whose neighbours coincide is left alone. Smooth: x_k, x_k + m_k/3, x_{k+1} - m_{k+1}/3, x_{k+1} with the tangents m of
 /// guide_oracle_tangent().
 /// @param controls receives 4 * guide_oracle_curve_count() points
 void guide_oracle_curve_controls( const double3* nodes, int node_count, guide_oracle_curve curve, double3* controls );
@@ -246,7 +251,7 @@ typedef struct guide_oracle_options
     double spread;       ///< Vbar / v_0 > 0, default 1; only read with use_spread
     guide_oracle_elastic elastic;
     guide_oracle_frame frame;
-    bool cap_offset;     ///< Eq. 5 moves no farther than one segment of the target, default on
+    bool cap_offset;     ///< Eq. 5 moves no ghost of a group farther than one segment of the target, default on
     bool feedback;       ///< pos* is integrated, default off; needs frame = off and one target per ghost
     bool use_spread;     ///< default off
     bool spread_exact;   ///< default on
@@ -271,7 +276,7 @@ typedef struct guide_oracle_counters
     int empty_groups;       ///< targets without ghosts
     int coincident_spreads; ///< groups of a node, summed over steps, that coincide and cannot spread
     int zero_segments;      ///< segments without a direction to repair
-    int cut_displacements;  ///< ghost nodes limited to one segment
+    int cut_displacements;  ///< ghost nodes whose group was limited to one segment
     int reversed_tangents;  ///< segments opposite to their carried rest tangent
     long node_updates;      ///< ghost nodes moved: the work for the ghosts
 } guide_oracle_counters;

@@ -456,15 +456,23 @@ static void place( guide_oracle* hair )
     }
 }
 
-// Section 4.3-4.5 for one ghost node, about the mean c of its group.
-static void sway( guide_oracle* hair, int g, int i, double3 c )
+// Section 4.4, w_com of a ghost node about the mean c of its group. Returns it.
+static double weigh_distance( guide_oracle* hair, int g, int i, double3 c )
+{
+    size_t n = at( g, hair->node_count, i );
+    hair->centre_weight[n] =
+        guide_oracle_centre_weight( hair->options.centre_gain, hair->b[n], c, hair->largest[group_of( hair, g )] );
+    return hair->centre_weight[n];
+}
+
+// Section 4.3-4.5 for one ghost node of a group whose largest w_com is `reach`.
+static void sway( guide_oracle* hair, int g, int i, double reach )
 {
     const guide_oracle_options* o = &hair->options;
     int a = group_of( hair, g );
     size_t n = at( g, hair->node_count, i );
     double3 v = ghost_velocity( hair, hair->v, g, i ), v0 = ghost_velocity( hair, hair->v0, g, i );
     hair->elastic_weight[n] = o->elastic_gain * guide_oracle_elastic_weight( o->elastic, v, v0 );
-    hair->centre_weight[n] = guide_oracle_centre_weight( o->centre_gain, hair->b[n], c, hair->largest[a] );
     hair->y[n] = hair->b[n];
     hair->counters.node_updates += 1;
 
@@ -473,10 +481,11 @@ static void sway( guide_oracle* hair, int g, int i, double3 c )
         return; // pinned
     }
     bool cut = false;
-    double weight = hair->elastic_weight[n] +
-                    ( guide_oracle_tip_weight( o->tip_gain, i, hair->node_count ) + hair->centre_weight[n] );
+    double shared = hair->elastic_weight[n] + guide_oracle_tip_weight( o->tip_gain, i, hair->node_count );
+    double largest = fmax( fabs( shared ), fabs( shared + reach ) );
     double longest = o->cap_offset ? hair->segment[at( a, hair->node_count, i )] : -1.0;
-    hair->y[n] = double3_add( hair->b[n], guide_oracle_displacement( v, weight, o->tau, longest, &cut ) );
+    hair->y[n] = double3_add(
+        hair->b[n], guide_oracle_displacement( v, shared + hair->centre_weight[n], largest, o->tau, longest, &cut ) );
     hair->counters.cut_displacements += cut ? 1 : 0;
 }
 
@@ -502,11 +511,16 @@ static void step_group_node( guide_oracle* hair, int a, int i )
 {
     const guide_oracle_options* o = &hair->options;
     double3 c = guide_oracle_mean( hair->scratch, collect( hair, hair->b, a, i ) );
+    double reach = 0.0;
+    for ( int g = 0; g < hair->ghost_count; ++g )
+    {
+        reach = group_of( hair, g ) == a ? fmax( reach, weigh_distance( hair, g, i, c ) ) : reach;
+    }
     for ( int g = 0; g < hair->ghost_count; ++g )
     {
         if ( group_of( hair, g ) == a )
         {
-            sway( hair, g, i, c );
+            sway( hair, g, i, reach );
         }
     }
     if ( o->feedback && i > 0 )

@@ -58,6 +58,27 @@ static void group_controls( const double3* nodes, int node_count, int group, dou
     }
 }
 
+// The control point next to a joint, as far from it as before, in the direction of a tangent.
+static double3 along_tangent( double3 joint, double3 control, double3 tangent )
+{
+    double length = double3_length( tangent );
+    return length > 0.0 ? double3_add_scaled( joint, double3_distance( joint, control ) / length, tangent ) : control;
+}
+
+static void joined_controls( const double3* nodes, int node_count, int group, double3 control[4] )
+{
+    int first = 3 * group, end = first + 3;
+    group_controls( nodes, node_count, group, control );
+    if ( first > 0 )
+    {
+        control[1] = along_tangent( control[0], control[1], double3_sub( nodes[first + 1], nodes[first - 1] ) );
+    }
+    if ( end < node_count - 1 )
+    {
+        control[2] = along_tangent( control[3], control[2], double3_sub( nodes[end - 1], nodes[end + 1] ) );
+    }
+}
+
 // the Bezier form of the Hermite curve between nodes k and k + 1.
 static void smooth_controls( const double3* nodes, int node_count, int k, double3 control[4] )
 {
@@ -75,6 +96,10 @@ void guide_oracle_curve_controls( const double3* nodes, int node_count, guide_or
         if ( curve == GUIDE_ORACLE_CURVE_SMOOTH )
         {
             smooth_controls( nodes, node_count, n, controls + 4 * n );
+        }
+        else if ( curve == GUIDE_ORACLE_CURVE_JOINED )
+        {
+            joined_controls( nodes, node_count, n, controls + 4 * n );
         }
         else
         {

@@ -283,9 +283,11 @@ typedef enum wisp_elastic
 ///   x, y, z, weight     position; sum of the elastic weight and tip_gain i / (n - 1)
 ///   x, y, z, limit      sway time times velocity, 0 at the root; maximum weight that keeps the sway within the cap
 ///   x, y, z, w          stride 12 and 16: quaternion, rotation of the frame from rest
-///   x, y, z, 0          stride 16: velocity one step earlier
+///   x, y, z, reach      stride 16: velocity one step earlier; centre weight of the farthest ghost
+/// The sway of all ghosts of a node is scaled by one factor that keeps the farthest of them within the cap, so that
+/// the ratios between ghosts stay. The factor is in the sway already, and `limit` is unused, unless `reach` is null.
 /// For ghosts of several targets (is_blended), weight omits the elastic weight, the velocity is not multiplied by
-/// the sway time, and limit is the cap in m.
+/// the sway time or by the factor, and limit is the cap in m.
 typedef struct wisp_strand_target_args
 {
     const int32_t* group_row;       ///< [group_count + 1] first row of each group
@@ -296,6 +298,7 @@ typedef struct wisp_strand_target_args
     const float* velocity;          ///< [row][3][16] m/s; null: 0
     const float* previous_velocity; ///< [row][3][16] m/s, one step earlier; null: equal to velocity
     const float* max_sway;          ///< [row][16] m, maximum sway of a node
+    const float* reach; ///< [row][16] centre weight of the farthest ghost of a node; null: the ghosts scale their sway
     const float* root;              ///< [group][4][16] quaternion, rotation of the root from rest; null: none
     float* table;                   ///< [node][stride] output
     int stride;                     ///< floats per node: 8 without frames, 12 or 16 with frames
@@ -309,8 +312,7 @@ typedef struct wisp_strand_target_args
 
 #define WISP_MAX_GHOST_TARGETS 4
 
-/// Arguments of ghost positions: y = x + R o + sway (weight + scale |o|), with the factor of sway clamped to the
-/// limit.
+/// Arguments of ghost positions: y = x + R o + sway (weight + scale |o|).
 typedef struct wisp_strand_ghost_args
 {
     const int32_t* group_row;  ///< [group_count + 1] first row of each group
@@ -342,6 +344,7 @@ typedef struct wisp_strand_curve_args
     int samples;
     bool shares_ends; ///< a segment spans the four vertices that it blends; otherwise it spans two and blends their
                       ///< neighbours too
+    bool shares_tangents; ///< with shares_ends: inner points next to a joint are rotated about it onto one line
 } wisp_strand_curve_args;
 
 WISP_END_C
