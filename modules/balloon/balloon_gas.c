@@ -188,6 +188,10 @@ void balloon_read_pressure( wisp_frame* frame, const wisp_span* span, void* user
         case WISP_BALLOON_PRESSURE_MULTIPLIER:
             gauge->pressure = gas->multiplier;
             break;
+        case WISP_BALLOON_PRESSURE_ADDED:
+            gauge->pressure =
+                ( gas->target_volume - gas->rest_volume ) * gas->molar_energy / extent->volume - gas->atmosphere;
+            break;
         default:
             gauge->pressure = virial_pressure( frame, span, state, extent->volume );
             break;
