@@ -17,14 +17,19 @@ WISP_BEGIN_C
 
 WISP_API extern const wisp_module wisp_balloon_module;
 
-/// How the inner pressure is measured. All agree at equilibrium with many substeps, and differ before.
+/// Which pressure P - P_atm is. The first three are one value at equilibrium with many substeps: of a sphere at 1.2 volumes
+/// 2.4 kPa with 400 of them. With 10 they are the state of a solver that has not converged: there only virial is a pressure of
+/// the balloon (11 % above), and multiplier and gas tell what the volume constraint still lacks (62 and 69 % below).
 typedef enum wisp_balloon_pressure
 {
     WISP_BALLOON_PRESSURE_VIRIAL =
-        0, ///< from the skin's tensions: sum T l / (3 V), smooth, and nearly independent of the mesh
-    WISP_BALLOON_PRESSURE_MULTIPLIER = 1, ///< lambda / dt^2 of the volume constraint
-    WISP_BALLOON_PRESSURE_GAS = 2,        ///< P_atm V_0 / V, as printed: 1 % of volume is 1013 Pa
-    WISP_BALLOON_PRESSURE_COUNT = 3,
+        0, ///< that the skin's tensions hold: sum T l / (3 V), smooth, and nearly independent of the mesh
+    WISP_BALLOON_PRESSURE_MULTIPLIER = 1, ///< that the volume constraint exerts: lambda / dt^2 of the last substep
+    WISP_BALLOON_PRESSURE_GAS = 2,        ///< of the gas law in the mesh, P_atm V_0 / V: 1 % of volume is 1013 Pa
+    WISP_BALLOON_PRESSURE_ADDED =
+        3, ///< as printed, the added volume as amount in mol: V_added R T / V; below P_atm until
+           ///< 41.6 volumes are added, so no jet starts
+    WISP_BALLOON_PRESSURE_COUNT = 4,
 } wisp_balloon_pressure;
 
 /// Dependence of drag on the angle between velocity and normal (balloon paper, eq. 11).
@@ -45,6 +50,14 @@ typedef enum wisp_balloon_spin
     WISP_BALLOON_SPIN_NONE = 2,     ///< no torque, no pass
     WISP_BALLOON_SPIN_COUNT = 3,
 } wisp_balloon_spin;
+
+/// Which pressure is the constant of Bernoulli's law (balloon paper, eq. 12).
+typedef enum wisp_balloon_outlet_constant
+{
+    WISP_BALLOON_OUTLET_PRESENT = 0, ///< the present one, so the jet slows down as the balloon empties
+    WISP_BALLOON_OUTLET_START = 1, ///< that of the jet's start, as printed: the jet speeds up as the balloon empties
+    WISP_BALLOON_OUTLET_COUNT = 2,
+} wisp_balloon_outlet_constant;
 
 #define WISP_BALLOON_MAX_OUTLET 64
 
@@ -76,7 +89,8 @@ typedef struct wisp_balloon_def
 
     int outlet_count; ///< vertices of the outlet, 0: no outlet, no jet, no spin; default 0
     int32_t outlet
-        [WISP_BALLOON_MAX_OUTLET]; ///< vertices in the user's order; their area vectors give the normal of the outlet
+        [WISP_BALLOON_MAX_OUTLET]; ///< vertices in the user's order; the jet acts at their mean, along the sum of their
+                                   ///< area vectors
     float outlet_area;             ///< m^2, > 0, default 1e-4
     bool outlet_open;              ///< state of the valve, default false
     wisp_balloon_spin spin;        ///< default velocity
@@ -86,6 +100,7 @@ typedef struct wisp_balloon_def
     /// Default false: an open mesh is refused. True: each hole is closed by a virtual fan about the mean of its open edges, for
     /// the volume only; a fan has no mass, links, normal or drag.
     bool allow_open;
+    wisp_balloon_outlet_constant outlet_constant; ///< default present
 } wisp_balloon_def;
 
 WISP_DEFINITION( balloon_def );

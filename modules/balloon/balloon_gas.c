@@ -174,9 +174,9 @@ void balloon_read_pressure( wisp_frame* frame, const wisp_span* span, void* user
     const balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
     const balloon_extent* extent = wisp_frame_column( frame, span->entity, state->extent, 0 );
     balloon_gauge* gauge = wisp_frame_column( frame, span->entity, state->gauge, 0 );
-    // an outlet reads the pressure of every substep, statistics that of the last one
-    if ( wisp_frame_has( frame, span->entity, state->outlet ) == false &&
-         balloon_is_last_substep( frame, span ) == false )
+    // an open outlet reads the pressure of every substep, statistics that of the last one
+    const balloon_outlet* outlet = wisp_frame_column( frame, span->entity, state->outlet, 0 );
+    if ( ( outlet == NULL || outlet->open == 0 ) && balloon_is_last_substep( frame, span ) == false )
     {
         return;
     }
@@ -187,6 +187,10 @@ void balloon_read_pressure( wisp_frame* frame, const wisp_span* span, void* user
             break;
         case WISP_BALLOON_PRESSURE_MULTIPLIER:
             gauge->pressure = gas->multiplier;
+            break;
+        case WISP_BALLOON_PRESSURE_ADDED:
+            gauge->pressure =
+                ( gas->target_volume - gas->rest_volume ) * gas->molar_energy / extent->volume - gas->atmosphere;
             break;
         default:
             gauge->pressure = virial_pressure( frame, span, state, extent->volume );

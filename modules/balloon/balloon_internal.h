@@ -17,6 +17,7 @@ typedef struct balloon_gas
     double min_volume;               // lower bound of V_0
     double atmosphere;               // Pa
     double gas_density, air_density; // kg/m^3 at atmospheric pressure
+    double molar_energy;             // R T, J/mol
     double lambda;                   // of the volume constraint, in this substep
     double multiplier;               // Pa, lambda / dt^2 of the last substep, whose dt may have been another
 } balloon_gas;
@@ -49,6 +50,8 @@ typedef struct balloon_outlet
     double normal[3]; // outward
     double place[3];  // m
     double gas_lost;  // kg
+    double start;     // P - P_atm when the jet last started, Pa
+    int32_t constant; // wisp_balloon_outlet_constant
     int32_t jet_starts;
     int32_t count;
     int32_t slots[WISP_BALLOON_MAX_OUTLET];

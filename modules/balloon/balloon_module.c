@@ -202,7 +202,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_balloon_def* d )
         { "volume", (float)d->volume, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
         { "volume_stiffness", d->volume_stiffness, 1e-6f, 1.0f },
         { "min_gas_ratio", d->min_gas_ratio, 1e-3f, 1.0f },
-        { "fill", d->gas_ratio, d->min_gas_ratio, 1e6f },
+        { "gas_ratio", d->gas_ratio, d->min_gas_ratio, 1e6f },
         { "inflation_rate", d->inflation_rate, -1e6f, 1e6f },
         { "atmospheric_pressure", d->atmospheric_pressure, 1e-3f, 1e12f },
         { "temperature", d->temperature, 1e-3f, 1e6f },
@@ -213,6 +213,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_balloon_def* d )
         { "drag_model", (float)d->drag_model, 0.0f, (float)( WISP_BALLOON_DRAG_COUNT - 1 ) },
         { "outlet_count", (float)d->outlet_count, 0.0f, (float)WISP_BALLOON_MAX_OUTLET },
         { "outlet_area", d->outlet_area, 1e-12f, 1e6f },
+        { "outlet_constant", (float)d->outlet_constant, 0.0f, (float)( WISP_BALLOON_OUTLET_COUNT - 1 ) },
         { "spin", (float)d->spin, 0.0f, (float)( WISP_BALLOON_SPIN_COUNT - 1 ) },
     };
     return wisp_world_check_ranges( world, "balloon", ranges, WISP_COUNT( ranges ) );
@@ -393,6 +394,7 @@ static void fill_outlet( const wisp_fabric* f, const wisp_balloon_def* d, balloo
     outlet->area = (double)d->outlet_area;
     outlet->count = d->outlet_count;
     outlet->open = d->outlet_open ? 1 : 0;
+    outlet->constant = (int32_t)d->outlet_constant;
     for ( int i = 0; i < d->outlet_count; ++i )
     {
         outlet->slots[i] = f->vertex_slot[d->outlet[i]];
@@ -418,6 +420,7 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_balloon_def
         .atmosphere = (double)d->atmospheric_pressure,
         .gas_density = density_of( d, d->gas_molar_mass ),
         .air_density = density_of( d, d->air_molar_mass ),
+        .molar_energy = BALLOON_GAS_CONSTANT * (double)d->temperature,
     };
     *(balloon_skin*)wisp_world_column( world, surface, s->skin, 0 ) =
         ( balloon_skin ){ d->edge_stiffness, d->bend_link_stiffness };
@@ -538,7 +541,7 @@ wisp_status wisp_set_balloon_gas_ratio( wisp_world* world, wisp_entity balloon, 
     double least = gas->min_volume / gas->rest_volume;
     if ( !( (double)fill_fraction >= least * ( 1.0 - 1e-6 ) && fill_fraction <= 1e6f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "balloon: fill: got %g, expected %g to 1e6",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "balloon: gas_ratio: got %g, expected %g to 1e6",
                                 (double)fill_fraction, least );
     }
     gas->target_volume = fmax( (double)fill_fraction * gas->rest_volume, gas->min_volume );

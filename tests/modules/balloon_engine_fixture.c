@@ -17,7 +17,6 @@ balloon_scene balloon_scene_of( const balloon_mesh* mesh )
     };
     scene.def.buoyancy = false;
     scene.def.drag_coefficient = 0.0f;
-    scene.def.keep_angular_momentum = false; // neither the paper nor the oracle has this
     return scene;
 }
 
@@ -35,6 +34,19 @@ void balloon_scene_give_outlet( balloon_scene* scene, int vertex, bool open )
     scene->def.outlet_count = 1;
     scene->def.outlet[0] = vertex;
     scene->def.outlet_open = open;
+}
+
+void balloon_scene_give_outlet_around( balloon_scene* scene, int vertex, double radius )
+{
+    const balloon_mesh* mesh = scene->mesh;
+    scene->def.outlet_count = 0;
+    for ( int v = 0; v < mesh->vertex_count && scene->def.outlet_count < WISP_BALLOON_MAX_OUTLET; ++v )
+    {
+        if ( double3_distance( mesh->positions[v], mesh->positions[vertex] ) <= radius )
+        {
+            scene->def.outlet[scene->def.outlet_count++] = v;
+        }
+    }
 }
 
 balloon_mesh balloon_sphere( int level, double radius )
@@ -314,7 +326,7 @@ static balloon_oracle_options oracle_options( const balloon_scene* s )
     const wisp_balloon_def* d = &s->def;
     static const balloon_oracle_reading READINGS[] = { BALLOON_ORACLE_PRESSURE_VIRIAL,
                                                        BALLOON_ORACLE_PRESSURE_MULTIPLIER,
-                                                       BALLOON_ORACLE_PRESSURE_GAS };
+                                                       BALLOON_ORACLE_PRESSURE_GAS, BALLOON_ORACLE_PRESSURE_ADDED };
     static const balloon_oracle_drag DRAGS[] = { BALLOON_ORACLE_DRAG_MAX, BALLOON_ORACLE_DRAG_ABS,
                                                  BALLOON_ORACLE_DRAG_SIGNED, BALLOON_ORACLE_DRAG_NORMAL };
     balloon_oracle_options o = balloon_oracle_default_options();
@@ -326,6 +338,13 @@ static balloon_oracle_options oracle_options( const balloon_scene* s )
     o.volume = d->volume == WISP_SOLVER_PBD ? BALLOON_ORACLE_VOLUME_PBD : BALLOON_ORACLE_VOLUME_XPBD;
     o.pressure = READINGS[d->pressure];
     o.drag = DRAGS[d->drag_model];
+    o.outlet =
+        d->outlet_constant == WISP_BALLOON_OUTLET_START ? BALLOON_ORACLE_OUTLET_START : BALLOON_ORACLE_OUTLET_PRESENT;
+    o.keep_angular_momentum = d->keep_angular_momentum;
+    o.atmosphere = (double)d->atmospheric_pressure;
+    o.temperature = (double)d->temperature;
+    o.gas_molar_mass = (double)d->gas_molar_mass;
+    o.air_molar_mass = (double)d->air_molar_mass;
     o.spin = d->spin == WISP_BALLOON_SPIN_POSITION ? BALLOON_ORACLE_SPIN_PRINTED : BALLOON_ORACLE_SPIN_KICK;
     o.use_buoyancy = d->buoyancy;
     o.use_drag = d->drag_coefficient > 0.0f;
@@ -428,7 +447,14 @@ balloon_oracle balloon_oracle_of( const balloon_flight* flight, balloon_order or
     balloon_oracle_def def = { .structural = pairs[0], .bend = pairs[1] };
     def.structural_count = list_pairs( f, true, parted == false, pairs[0], rest[0] );
     def.bend_count = list_pairs( f, false, parted, pairs[1], rest[1] );
-    def.outlet_vertex = d->outlet_count > 0 ? f->vertex_slot[d->outlet[0]] : -1;
+    int outlet[WISP_BALLOON_MAX_OUTLET];
+    for ( int i = 0; i < d->outlet_count; ++i )
+    {
+        outlet[i] = f->vertex_slot[d->outlet[i]];
+    }
+    def.allow_open = d->allow_open;
+    def.outlet = outlet;
+    def.outlet_count = d->outlet_count;
     fill_def( f, balloon_positions( flight ), flight->scene->area_density, &def );
     const balloon_oracle_options options = oracle_options( flight->scene );
     balloon_oracle oracle;

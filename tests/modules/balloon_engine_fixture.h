@@ -39,6 +39,8 @@ balloon_scene balloon_scene_of( const balloon_mesh* mesh );
 balloon_scene balloon_scene_in_air( const balloon_mesh* mesh );
 /// With an outlet at one vertex, open or shut.
 void balloon_scene_give_outlet( balloon_scene* scene, int vertex, bool open );
+/// With a shut outlet of all vertices within a distance of one, in the mesh's order.
+void balloon_scene_give_outlet_around( balloon_scene* scene, int vertex, double radius );
 
 balloon_mesh balloon_sphere( int level, double radius );
 /// An asymmetric body of about 0.15 m.

@@ -111,6 +111,38 @@ static void buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing( v
     balloon_mesh_destroy( &mesh );
 }
 
+// Densities of the standard atmosphere at 5 km (255.65 K, 540.2 hPa): air 0.7361 kg/m^3, printed. Helium has 4.0026 /
+// 28.9644 of it, whatever the temperature.
+static void another_temperature_and_pressure_give_other_densities_lift_speed_and_drag( void** state )
+{
+    (void)state;
+    const double air = 0.7361, helium = air * 4.0026 / 28.9644;
+    balloon_mesh mesh = balloon_sphere( 4, 0.15 );
+    balloon_scene scene = balloon_scene_in_air( &mesh );
+    scene.def.temperature = 255.65f;
+    scene.def.atmospheric_pressure = 54020.0f;
+    scene.def.gas_ratio = 1.05f;
+    scene.scale = 1.02;
+    scene.dt = 1e-6f;
+    scene.substeps = 1;
+    scene.area_density = 1.0f;
+    balloon_scene_give_outlet( &scene, 0, true );
+    balloon_flight flight = balloon_start( &scene );
+    balloon_throw( &flight, ( wisp_vec3 ){ 0.0f, 0.0f, 2.0f } );
+    balloon_steps( &flight, 1 );
+    wisp_balloon_stats f = balloon_read( &flight );
+    // four printed digits
+    balloon_assert_fraction( f.buoyancy[1], 9.8 * f.volume * ( air - helium ), 2e-4 );
+    assert_true( f.pressure > 300.0 );
+    balloon_assert_fraction( f.outlet_speed, sqrt( 2.0 * f.pressure / helium ), 1e-4 );
+    balloon_assert_fraction( f.mass_flow, helium * 1e-4 * f.outlet_speed, 2e-4 );
+    // a mesh of 5120 faces has 0.9987 of the sphere's drag
+    double full = 0.5 * air * 0.5 * PI * pow( 0.15 * 1.02, 2.0 ) * 4.0;
+    balloon_assert_fraction( -f.drag[2], 0.9987 * full, 2e-3 );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
 // ---- drag ----
 
 // Eq. 11: 5120 faces; the measured factors depend in the fourth digit on the direction of flight
@@ -386,6 +418,62 @@ static void a_shut_outlet_blows_nothing_and_an_opened_one_does( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
+// Eq. 12 as printed, with the pressure of the jet's start as constant: nothing flows at first, and the jet speeds up as the
+// pressure falls. With the present pressure it slows down.
+static void a_jet_with_the_constant_of_its_start_speeds_up_as_the_balloon_empties( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    for ( int constant = 0; constant < WISP_BALLOON_OUTLET_COUNT; ++constant )
+    {
+        balloon_scene scene = pressed_scene( &mesh, 2500.0 );
+        scene.def.outlet_constant = (wisp_balloon_outlet_constant)constant;
+        balloon_scene_give_outlet( &scene, 0, true );
+        balloon_flight flight = balloon_start( &scene );
+        const wisp_fabric* fabric = wisp_world_fabric( flight.world, flight.entity );
+        double last = constant == WISP_BALLOON_OUTLET_START ? -1.0 : 1e9;
+        for ( int n = 0; n < 5; ++n )
+        {
+            // the skin shrinks from 1.1 to 1.02 of its rest shape, and with it the pressure
+            float* x = balloon_positions( &flight );
+            for ( int i = 0; i < 3 * fabric->vertex_count; ++i )
+            {
+                const float rest = ( &fabric->rest[i / 3].x )[i % 3];
+                x[4 * ( i / 3 ) + i % 3] = ( 1.1f - 0.02f * (float)n ) * rest;
+            }
+            memset( balloon_velocities( &flight ), 0, (size_t)fabric->slot_count * 4 * sizeof( float ) );
+            balloon_steps( &flight, 1 );
+            wisp_balloon_stats f = balloon_read( &flight );
+            double drop = constant == WISP_BALLOON_OUTLET_START ? 2500.0 - f.pressure : f.pressure;
+            assert_true( f.jet_starts == 1.0 );
+            balloon_assert_close( f.outlet_speed, sqrt( 2.0 * fmax( 0.0, drop ) / HELIUM ), 1.0 );
+            assert_true( constant == WISP_BALLOON_OUTLET_START ? f.outlet_speed > last : f.outlet_speed < last );
+            last = f.outlet_speed;
+        }
+        balloon_end( &flight );
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+// Section III.2 as printed: a mole per cubic metre. The pressure of the air, which is 41.57 mol/m^3, needs 41.57 added volumes,
+// so this balloon of 1.2 volumes has no jet.
+static void an_added_volume_taken_as_moles_is_far_below_the_pressure_of_the_air( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    balloon_scene scene = pressed_scene( &mesh, 2500.0 );
+    scene.def.gas_ratio = 1.2f;
+    scene.def.pressure = WISP_BALLOON_PRESSURE_ADDED;
+    balloon_scene_give_outlet( &scene, 0, true );
+    balloon_flight flight = balloon_start( &scene );
+    balloon_steps( &flight, 10 );
+    wisp_balloon_stats f = balloon_read( &flight );
+    balloon_assert_fraction( 101325.0 + f.pressure, 101325.0 / 41.57 * 0.2 * f.rest_volume / f.volume, 1e-4 );
+    assert_true( f.jet_starts == 0.0 && f.gas_lost == 0.0 );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
 // Several vertices: the outlet is at their mean and has the direction of their area vectors.
 static void an_outlet_of_several_vertices_points_along_their_common_normal( void** state )
 {
@@ -483,6 +571,7 @@ int main( void )
         cmocka_unit_test( a_pinned_vertex_stays_whatever_pulls ),
         cmocka_unit_test( three_grams_lift_off_at_the_radius_of_the_source ),
         cmocka_unit_test( buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing ),
+        cmocka_unit_test( another_temperature_and_pressure_give_other_densities_lift_speed_and_drag ),
         cmocka_unit_test( the_drag_of_a_rigid_sphere_is_what_each_variant_says ),
         cmocka_unit_test( a_rigid_sphere_rises_at_its_terminal_speed ),
         cmocka_unit_test( drag_stops_a_thrown_balloon_and_does_not_throw_it_back ),
@@ -491,6 +580,8 @@ int main( void )
         cmocka_unit_test( what_leaves_the_outlet_is_what_the_body_gains ),
         cmocka_unit_test( the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty ),
         cmocka_unit_test( a_shut_outlet_blows_nothing_and_an_opened_one_does ),
+        cmocka_unit_test( a_jet_with_the_constant_of_its_start_speeds_up_as_the_balloon_empties ),
+        cmocka_unit_test( an_added_volume_taken_as_moles_is_far_below_the_pressure_of_the_air ),
         cmocka_unit_test( an_outlet_of_several_vertices_points_along_their_common_normal ),
         cmocka_unit_test( the_four_external_forces_point_where_they_should ),
         cmocka_unit_test( the_forces_shown_are_the_momentum_gained ),

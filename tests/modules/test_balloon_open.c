@@ -119,62 +119,6 @@ static void the_oracles_gradient_is_that_of_the_capped_volume( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// The oracle in the state of a flight whose links have one stiffness, with the links in the engine's order.
-static balloon_oracle open_oracle( const balloon_flight* flight )
-{
-    const wisp_fabric* f = wisp_world_fabric( flight->world, flight->entity );
-    const balloon_scene* s = flight->scene;
-    const float *x = balloon_positions( flight ), *v = balloon_velocities( flight );
-    size_t vertices = (size_t)f->vertex_count, links = (size_t)f->link_count;
-    double3* rest = calloc( vertices, sizeof( double3 ) );
-    double* mass = calloc( vertices, sizeof( double ) );
-    int* pairs = calloc( 2 * links, sizeof( int ) );
-    assert_true( rest != NULL && mass != NULL && pairs != NULL );
-    balloon_oracle_def def = { f->vertex_count, f->triangle_count, 0,     0,    rest, mass, NULL,
-                               f->triangles,    s->def.allow_open, pairs, NULL, -1,   NULL, 0 };
-    for ( int slot = 0; slot < f->vertex_count; ++slot )
-    {
-        const wisp_vec3 p = f->rest[slot];
-        rest[slot] = double3_make( (double)p.x, (double)p.y, (double)p.z );
-        mass[slot] = 1.0 / (double)x[4 * slot + 3];
-    }
-    for ( int slot = 0; slot < f->link_order.slot_count; ++slot )
-    {
-        if ( f->link_order.constraint[slot] >= 0 )
-        {
-            pairs[2 * def.structural_count] = f->link_a_x4[slot] / 4;
-            pairs[2 * def.structural_count++ + 1] = f->link_b_x4[slot] / 4;
-        }
-    }
-    balloon_oracle_options o = balloon_oracle_default_options();
-    o.dt = (double)s->dt;
-    o.substeps = s->substeps;
-    o.iterations = s->iterations;
-    o.volume = s->def.volume == WISP_SOLVER_PBD ? BALLOON_ORACLE_VOLUME_PBD : BALLOON_ORACLE_VOLUME_XPBD;
-    o.structural_k = (double)s->def.stretch_stiffness;
-    o.volume_k = (double)s->def.volume_stiffness;
-    o.use_buoyancy = s->def.buoyancy;
-    o.use_drag = s->def.drag_coefficient > 0.0f;
-    o.gravity = double3_make( (double)s->gravity.x, (double)s->gravity.y, (double)s->gravity.z );
-    o.inflow = (double)s->def.inflation_rate;
-    balloon_oracle oracle;
-    wisp_error error = { 0 };
-    if ( balloon_oracle_create( &def, &o, &oracle, &error ) != WISP_OK )
-    {
-        fail_msg( "no oracle: %s", error.message );
-    }
-    for ( int slot = 0; slot < f->vertex_count; ++slot )
-    {
-        oracle.x[slot] = double3_make( (double)x[4 * slot], (double)x[4 * slot + 1], (double)x[4 * slot + 2] );
-        oracle.v[slot] = double3_make( (double)v[4 * slot], (double)v[4 * slot + 1], (double)v[4 * slot + 2] );
-    }
-    oracle.gas_volume = (double)s->def.gas_ratio * oracle.rest_volume;
-    free( rest );
-    free( mass );
-    free( pairs );
-    return oracle;
-}
-
 // ---- the engine against the oracle ----
 
 static balloon_scene busy_scene( const balloon_mesh* mesh, wisp_solver solver )
@@ -206,7 +150,7 @@ static void a_step_of_an_open_skin_is_the_oracles( void** state )
         scene.substeps = 1;
         balloon_flight flight = balloon_start( &scene );
         balloon_stir( &flight, 0.5f );
-        balloon_oracle oracle = open_oracle( &flight );
+        balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
         balloon_steps( &flight, 2 );
         balloon_oracle_step( &oracle );
         balloon_oracle_step( &oracle );
@@ -237,7 +181,7 @@ static void half_a_second_of_an_open_skin_is_the_oracles( void** state )
     scene.dt = 1.0f / 600.0f;
     scene.substeps = 1;
     balloon_flight flight = balloon_start( &scene );
-    balloon_oracle oracle = open_oracle( &flight );
+    balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
     balloon_steps( &flight, 300 );
     for ( int step = 0; step < 300; ++step )
     {

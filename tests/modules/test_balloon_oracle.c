@@ -541,7 +541,7 @@ static void parameters_out_of_range_are_refused_by_name( void** state )
     balloon_oracle balloon;
     wisp_error error = { 0 };
     assert_int_equal( balloon_oracle_create_from_mesh( &mesh, 0.02, 8, &options, &balloon, &error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( error.message, "outlet vertex is 8" ) );
+    assert_non_null( strstr( error.message, "index 0 of the outlet list is 8" ) );
     balloon_mesh_destroy( &mesh );
 }
 

@@ -15,10 +15,10 @@
     X( "volume: got 2,", d->volume = WISP_SOLVER_COUNT )                                                             \
     X( "volume_stiffness: got 0,", d->volume_stiffness = 0.0f )                                                      \
     X( "volume_stiffness: got 1.5,", d->volume_stiffness = 1.5f )                                                    \
-    X( "fill: got 0,", d->gas_ratio = 0.0f )                                                                         \
-    X( "fill: got 0.99,", d->gas_ratio = 0.99f )                                                                     \
-    X( "fill: got 0.4,", ( d->gas_ratio = 0.4f, d->min_gas_ratio = 0.5f ) )                                          \
-    X( "fill: got", d->gas_ratio = NAN )                                                                             \
+    X( "gas_ratio: got 0,", d->gas_ratio = 0.0f )                                                                    \
+    X( "gas_ratio: got 0.99,", d->gas_ratio = 0.99f )                                                                \
+    X( "gas_ratio: got 0.4,", ( d->gas_ratio = 0.4f, d->min_gas_ratio = 0.5f ) )                                     \
+    X( "gas_ratio: got", d->gas_ratio = NAN )                                                                        \
     X( "inflation_rate: got inf,", d->inflation_rate = INFINITY )                                                    \
     X( "min_gas_ratio: got 0,", d->min_gas_ratio = 0.0f )                                                            \
     X( "min_gas_ratio: got 1.5,", ( d->min_gas_ratio = 1.5f, d->gas_ratio = 2.0f ) )                                 \
@@ -26,13 +26,14 @@
     X( "temperature: got -1,", d->temperature = -1.0f )                                                              \
     X( "gas_molar_mass: got 0,", d->gas_molar_mass = 0.0f )                                                          \
     X( "air_molar_mass: got 11,", d->air_molar_mass = 11.0f )                                                        \
-    X( "pressure: got 3,", d->pressure = WISP_BALLOON_PRESSURE_COUNT )                                               \
+    X( "pressure: got 4,", d->pressure = WISP_BALLOON_PRESSURE_COUNT )                                               \
     X( "drag_coefficient: got -0.5,", d->drag_coefficient = -0.5f )                                                  \
     X( "drag_coefficient: got", d->drag_coefficient = NAN )                                                          \
     X( "drag_model: got 4,", d->drag_model = WISP_BALLOON_DRAG_COUNT )                                               \
     X( "outlet_count: got -1,", d->outlet_count = -1 )                                                               \
     X( "outlet_count: got 65,", d->outlet_count = WISP_BALLOON_MAX_OUTLET + 1 )                                      \
     X( "outlet_area: got 0,", d->outlet_area = 0.0f )                                                                \
+    X( "outlet_constant: got 2,", d->outlet_constant = WISP_BALLOON_OUTLET_COUNT )                                   \
     X( "spin: got 3,", d->spin = WISP_BALLOON_SPIN_COUNT )                                                           \
     X( "outlet 0: got vertex 42,", ( d->outlet_count = 1, d->outlet[0] = 42 ) )                                      \
     X( "outlet 1: got vertex -1,", ( d->outlet_count = 2, d->outlet[1] = -1 ) )
@@ -218,8 +219,9 @@ static void calls_on_what_is_no_balloon_are_refused( void** state )
     expect_refusal( world, wisp_read_balloon_stats( world, surface, &stats ), WISP_CONFLICT, "has no statistics" );
     assert_int_equal( wisp_request_balloon_stats( world, surface, true ), WISP_OK );
     expect_refusal( world, wisp_read_balloon_stats( world, surface, &stats ), WISP_CONFLICT, ", then step" );
-    expect_refusal( world, wisp_set_balloon_gas_ratio( world, surface, 0.5f ), WISP_BAD_INPUT, "fill: got 0.5," );
-    expect_refusal( world, wisp_set_balloon_gas_ratio( world, surface, NAN ), WISP_BAD_INPUT, "fill: got" );
+    expect_refusal( world, wisp_set_balloon_gas_ratio( world, surface, 0.5f ), WISP_BAD_INPUT,
+                    "gas_ratio: got 0.5," );
+    expect_refusal( world, wisp_set_balloon_gas_ratio( world, surface, NAN ), WISP_BAD_INPUT, "gas_ratio: got" );
     expect_refusal( world, wisp_set_balloon_inflation( world, surface, NAN ), WISP_BAD_INPUT, "inflation_rate: got" );
     wisp_world_destroy( world );
     balloon_mesh_destroy( &mesh );

@@ -94,8 +94,9 @@ static void an_asymmetric_balloon_swells_empties_and_has_turned( void** state )
     balloon_assert_fraction( f.target_volume / rest, 1.0, 0.01 );
     balloon_assert_fraction( f.volume / rest, 1.0, 0.02 );
     assert_true( f.pressure < 50.0 && f.outlet_speed == 0.0 );
-    assert_true( fabs( angle_of( &flight ) - angle ) > 0.15 );
-    assert_true( spin > 1.5 * before );
+    // held by pins it did not turn; the jet turns it by more than a radian
+    assert_true( before < 0.2 && spin > 5.0 );
+    assert_true( fabs( angle_of( &flight ) - angle ) > 1.0 );
     assert_true( f.jet_starts == 1.0 );
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
@@ -115,7 +116,7 @@ static void four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflo
     (void)state;
     const int tagged[4] = { 0, 40, 80, 120 };
     balloon_mesh mesh = balloon_pear( 2 );
-    double last_peak = 0.0;
+    double last_peak = 0.0, last_track[4] = { 0.0, 0.0, 0.0, 0.0 };
     for ( int n = 0; n < 4; ++n )
     {
         balloon_scene scene = balloon_scene_of( &mesh );
@@ -147,7 +148,9 @@ static void four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflo
         assert_true( peak > 1.1 * last_peak );
         for ( int t = 0; t < 4; ++t )
         {
-            assert_true( track[t] > 0.005 && track[t] != track[( t + 1 ) % 4] );
+            // twice the outflow moves every vertex further, at least by a fifth
+            assert_true( track[t] > 0.03 && track[t] > 1.2 * last_track[t] );
+            last_track[t] = track[t];
         }
         last_peak = peak;
         balloon_end( &flight );
@@ -155,46 +158,69 @@ static void four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflo
     balloon_mesh_destroy( &mesh );
 }
 
-// Fig. 7: an outlet at the top drives a released balloon down again
+typedef struct release
+{
+    double rising, height;           // m/s and m, at the release
+    double highest, end, end_speed;  // m, m, m/s downwards
+    double fall, spin;               // m/s downwards and rad/s, largest after the release
+    double strain, strain_max, left; // of the edges: largest at the release, ever after it, and at the end
+} release;
+
+// A pear that sinks when it is empty rises for a second, then an outlet near its top opens for one and a half.
+static release rise_and_open( const balloon_mesh* mesh, float gas_ratio )
+{
+    balloon_scene scene = balloon_scene_in_air( mesh );
+    scene.damping = 1.0f;
+    scene.area_density = 0.06f;
+    scene.def.edge_stiffness = 1000.0f;
+    scene.def.gas_ratio = gas_ratio;
+    scene.def.outlet_area = 2e-4f;
+    balloon_scene_give_outlet_around( &scene, balloon_mesh_farthest( mesh, double3_make( 0.3, 1.0, 0.0 ) ), 0.03 );
+    balloon_flight flight = balloon_start( &scene );
+    balloon_steps( &flight, 60 );
+    wisp_motion_stats q = balloon_motion_stats( &flight );
+    release r = { .rising = q.momentum[1] / q.mass, .height = q.centre[1], .strain = q.strain_max };
+    r.highest = r.height;
+    open_outlet( &flight );
+    for ( int k = 0; k < 90; ++k )
+    {
+        balloon_steps( &flight, 1 );
+        q = balloon_motion_stats( &flight );
+        r.end_speed = -q.momentum[1] / q.mass;
+        r.end = q.centre[1];
+        r.highest = fmax( r.highest, r.end );
+        r.fall = fmax( r.fall, r.end_speed );
+        r.spin = fmax( r.spin, spin_of( &flight ) );
+        r.strain_max = fmax( r.strain_max, q.strain_max );
+    }
+    r.left = q.strain_max;
+    assert_true( balloon_is_finite( &flight ) );
+    balloon_end( &flight );
+    return r;
+}
+
+// Fig. 7
 static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_fuller( void** state )
 {
     (void)state;
+    const float fills[] = { 1.3f, 1.6f, 2.0f };
     balloon_mesh mesh = balloon_pear( 2 );
-    double last_speed = 0.0, last_spin = 0.0;
-    for ( int n = 2; n <= 5; ++n )
+    release last = { 0 };
+    for ( int n = 0; n < WISP_COUNT( fills ); ++n )
     {
-        balloon_scene scene = balloon_scene_in_air( &mesh );
-        scene.damping = 0.5f;
-        scene.def.outlet_area = 2e-4f;
-        balloon_scene_give_outlet( &scene, balloon_mesh_farthest( &mesh, double3_make( 0.3, 1.0, 0.1 ) ), false );
-        balloon_flight flight = balloon_start( &scene );
-        double rest = rest_volume_of( &flight );
-        // a full skin slowly turns by itself (test_balloon_motion.c), so it is released while its outlet is still at
-        // the top
-        inflate( &flight, 0.4 * n * rest, 15 );
-        wisp_motion_stats q = balloon_motion_stats( &flight );
-        double rising = q.momentum[1] / q.mass;
-        assert_true( rising > 0.3 && q.centre[1] > 0.05 );
-        open_outlet( &flight );
-        const double3 before = double3_scale( 1.0 / q.mass, balloon_from( q.momentum ) );
-        double lowest = rising, change = 0.0, spin = 0.0;
-        for ( int k = 0; k < 6; ++k )
-        {
-            balloon_steps( &flight, 1 );
-            q = balloon_motion_stats( &flight );
-            const double3 now = double3_scale( 1.0 / q.mass, balloon_from( q.momentum ) );
-            lowest = fmin( lowest, now.y );
-            change = fmax( change, double3_distance( now, before ) );
-            spin = fmax( spin, spin_of( &flight ) );
-        }
+        release r = rise_and_open( &mesh, fills[n] );
         print_message(
-            "           fill %.1f: rises at %.2f m/s, released %.2f m/s, thrown by %.2f m/s, spin %.2f rad/s\n",
-            1.0 + 0.1 * n, rising, lowest, change, spin );
-        assert_true( lowest < -0.5 );
-        assert_true( change > last_speed && spin > last_spin );
-        last_speed = change;
-        last_spin = spin;
-        balloon_end( &flight );
+            "           fill %.1f: rises at %.2f m/s to %.2f m, falls at %.2f m/s to %.2f m, spin %.1f rad/s; strain "
+            "%.3f, then at most %.3f, at the end %.3f\n",
+            (double)fills[n], r.rising, r.highest, r.fall, r.end, r.spin, r.strain, r.strain_max, r.left );
+        // it rises, turns back within a step or two of the release, and is below where it was let go 1.5 s later
+        assert_true( r.rising > 0.3 && r.height > 0.2 );
+        assert_true( r.highest < r.height + 0.05 && r.end < r.height - 1.0 && r.end_speed > 0.3 );
+        // downwards, not in any direction
+        assert_true( r.fall > last.fall + 0.5 && r.spin > 1.1 * last.spin );
+        // the skin only relaxes: no edge is ever longer or more crumpled than in the full balloon, and the empty one is smooth
+        assert_true( r.strain_max < 1.05 * r.strain && r.left < 0.02 );
+        last = r;
     }
     balloon_mesh_destroy( &mesh );
 }

@@ -20,6 +20,8 @@ static void every_combination_of_switches_flies_for_half_a_second( void** state 
         scene.def.drag_model =
             (wisp_balloon_drag)( ( rest /= WISP_BALLOON_PRESSURE_COUNT ) % WISP_BALLOON_DRAG_COUNT );
         scene.def.spin = (wisp_balloon_spin)( rest / WISP_BALLOON_DRAG_COUNT );
+        scene.def.keep_angular_momentum = n % 5 < 3;
+        scene.def.outlet_constant = (wisp_balloon_outlet_constant)( n % 7 % WISP_BALLOON_OUTLET_COUNT );
         scene.def.gas_ratio = 1.2f;
         scene.damping = 1.0f;
         balloon_scene_give_outlet( &scene, 7, true );
@@ -33,7 +35,7 @@ static void every_combination_of_switches_flies_for_half_a_second( void** state 
         balloon_end( &flight );
         count += 1;
     }
-    assert_int_equal( count, 144 );
+    assert_int_equal( count, 192 );
     balloon_mesh_destroy( &mesh );
 }
 
@@ -49,7 +51,8 @@ static const pass_row PASSES[] = {
     { "balloon.inflate", "r" },      { "balloon.pressure", "opn" }, { "balloon.outlet", "opn" },
     { "balloon.jet", "opn" },        { "balloon.spin", "o" },       { "balloon.turn", "p" },
     { "balloon.drag", "a" },         { "balloon.buoyancy", "a" },   { "balloon.stats", "" },
-    { "links.xpbd", "baopnr" },      { "links.pbd", "d" },          { "particles.gravity", "a" },
+    { "balloon.angular", "baopnr" }, { "links.xpbd", "baopnr" },    { "links.pbd", "d" },
+    { "particles.gravity", "a" },
 };
 
 static balloon_scene lettered_scene( const balloon_mesh* mesh, char letter )
@@ -62,6 +65,7 @@ static balloon_scene lettered_scene( const balloon_mesh* mesh, char letter )
                                        : ( letter == 'n' ? WISP_BALLOON_SPIN_NONE : WISP_BALLOON_SPIN_VELOCITY );
     }
     scene.def.inflation_rate = letter == 'r' ? 1e-3f : 0.0f;
+    scene.def.keep_angular_momentum = letter != 'd';
     scene.def.solver = letter == 'd' ? WISP_SOLVER_PBD : WISP_SOLVER_XPBD;
     return scene;
 }

@@ -263,7 +263,7 @@ static void the_balloon_is_that_of_the_balloon_oracle_where_both_say_the_same( v
                                      .mass = mass,
                                      .triangles = mesh.triangles,
                                      .structural = pairs,
-                                     .outlet_vertex = -1 };
+                                     .outlet_count = 0 };
     balloon_oracle body;
     assert_int_equal( balloon_oracle_create( &def, &options, &body, NULL ), WISP_OK );
     boundary_oracle_balloon balloon = new_balloon();

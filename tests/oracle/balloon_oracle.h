@@ -25,12 +25,13 @@ typedef enum balloon_oracle_volume
     BALLOON_ORACLE_VOLUME_PBD,  ///< as printed: stiffness in (0, 1] for volume and edges
 } balloon_oracle_volume;
 
-/// Where the pressure is read. Equal at true equilibrium.
+/// Where the pressure is read. The first three are equal at true equilibrium.
 typedef enum balloon_oracle_reading
 {
     BALLOON_ORACLE_PRESSURE_VIRIAL,     ///< from the tensions of the skin, clamped at 0 (default)
     BALLOON_ORACLE_PRESSURE_GAS,        ///< P_atm V_0 / V, as printed
     BALLOON_ORACLE_PRESSURE_MULTIPLIER, ///< lambda_V / dt^2 of the last substep
+    BALLOON_ORACLE_PRESSURE_ADDED,      ///< V_added R T / V: the added volume is the amount in mol, as printed
 } balloon_oracle_reading;
 
 /// How the angle between motion and normal weights the drag.
@@ -41,6 +42,13 @@ typedef enum balloon_oracle_drag
     BALLOON_ORACLE_DRAG_ABS,    ///< against v, weighted with |v.n|: twice the frontal area
     BALLOON_ORACLE_DRAG_NORMAL, ///< along n, weighted with v.n: 4/3 pi r^2 on a sphere
 } balloon_oracle_drag;
+
+/// Which pressure is the constant of Eq. 12.
+typedef enum balloon_oracle_outlet
+{
+    BALLOON_ORACLE_OUTLET_PRESENT, ///< the present one: the gas flows from inside to the outlet (default)
+    BALLOON_ORACLE_OUTLET_START,   ///< that of the jet's start, as printed: the jet speeds up as the balloon empties
+} balloon_oracle_outlet;
 
 /// How the torque turns the body.
 typedef enum balloon_oracle_spin
@@ -255,13 +263,16 @@ typedef struct balloon_oracle_options
     balloon_oracle_volume volume;
     balloon_oracle_reading pressure;
     balloon_oracle_drag drag;
+    balloon_oracle_outlet outlet;
     balloon_oracle_spin spin;
     bool use_gravity, use_buoyancy, use_drag, use_jet; ///< the four external forces, default on
     bool limit_drag;                                   ///< default on
+    bool keep_angular_momentum;                        ///< extension, default off; acts on a body without pins
     bool update_per_frame;                             ///< read P and jet only in the first substep, default off
     double3 gravity;                                   ///< m/s^2, default (0, -9.8, 0)
     double atmosphere;                                 ///< Pa, default 101325
     double temperature;                                ///< K, default 293.15
+    double gas_molar_mass, air_molar_mass;             ///< kg/mol, default helium and air
     double drag_coefficient;                           ///< default 0.5
     double outlet_area;                                ///< m^2, default 1e-4
     double structural_k;                               ///< pbd, in (0, 1], default 0.9, applied in every iteration
@@ -289,10 +300,9 @@ typedef struct balloon_oracle_def
     bool allow_open;          ///< the shell may have holes; fans close them for V
     const int* structural;    ///< [2 * structural_count], projected in this order
     const int* bend;          ///< [2 * bend_count], opposite vertices of interior edges, projected in this order
-    int outlet_vertex;        ///< vertex of the outlet; -1: no outlet
-    const int*
-        outlet_patch; ///< [outlet_patch_count] triangles, their area vector replaces a cancelled normal, or null
-    int outlet_patch_count;
+    const int* outlet;        ///< [outlet_count] vertices of the outlet: the jet acts at their mean, along the sum of
+                              ///< their area vectors
+    int outlet_count;         ///< 0: no outlet
 } balloon_oracle_def;
 
 /// The external forces of the last substep, summed over the body, N (Fig. 4).
@@ -316,11 +326,12 @@ typedef struct balloon_oracle_counters
 typedef struct balloon_oracle
 {
     balloon_oracle_options options;
-    int vertex_count, triangle_count, structural_count, bend_count, outlet_vertex, outlet_patch_count;
+    int vertex_count, triangle_count, structural_count, bend_count, outlet_count;
     double3 *x, *p, *v, *force;
+    double3* predicted;         ///< by Eq. 1, before projections
     double3 *normal, *gradient; ///< unit vertex normals at the start of the substep | scratch of the volume
     double *mass, *w, *area;
-    int *triangles, *outlet_patch;
+    int *triangles, *outlet;
     balloon_oracle_caps caps; ///< of an open skin, else empty
     balloon_oracle_link *structural, *bend;
     double total_mass;
@@ -332,8 +343,9 @@ typedef struct balloon_oracle
     double gauge;         ///< P - P_atm in use, Pa
     double mass_flow;     ///< mdot in use, kg/s
     double outlet_speed;  ///< v_e in use, m/s
+    double start_gauge;   ///< P - P_atm when the jet last started, Pa
     bool jet_on;
-    double3 outlet_normal;
+    double3 outlet_normal, outlet_place;
     double3 centre;              ///< c at the start of the last substep
     double3 omega;               ///< rad/s: I^-1 L with `kick`, the accumulated one with `printed`
     balloon_oracle_quaternion q; ///< diagnostic orientation
@@ -358,7 +370,7 @@ wisp_status balloon_oracle_create_from_mesh( const balloon_mesh* mesh, double ar
 
 void balloon_oracle_destroy( balloon_oracle* balloon );
 
-/// P - P_atm by one of the three readings, from the present x and the last substep's lambda; the virial is clamped at
+/// P - P_atm by one of the readings, from the present x and the last substep's lambda; the virial is clamped at
 /// 0.
 double balloon_oracle_gauge( const balloon_oracle* balloon, balloon_oracle_reading reading );
 
@@ -366,6 +378,6 @@ double balloon_oracle_gauge( const balloon_oracle* balloon, balloon_oracle_readi
 double balloon_oracle_present_volume( const balloon_oracle* balloon );
 
 /// Advance one frame: section 4, `substeps` times. Each substep computes geometry; inflow; pressure, hysteresis,
-/// mdot; forces; spin; (1); iterations of all structural links, all bends and one volume; (2) and decay; diagnostics.
+/// mdot; forces; spin; (1); iterations of all structural links, all bends and one volume; the turn that keeps L; (2) and decay; diagnostics.
 /// The outlet takes no more than V_0 has above its guard, so impulse and mass balance to rounding.
 void balloon_oracle_step( balloon_oracle* balloon );

@@ -26,6 +26,8 @@ balloon_oracle_options balloon_oracle_default_options( void )
         .gravity = { 0.0, -9.8, 0.0 },
         .atmosphere = 101325.0,
         .temperature = 293.15,
+        .gas_molar_mass = BALLOON_ORACLE_HELIUM,
+        .air_molar_mass = BALLOON_ORACLE_AIR,
         .drag_coefficient = 0.5,
         .outlet_area = 1e-4,
         .structural_k = 0.9,
@@ -51,6 +53,8 @@ static wisp_status check_options( const balloon_oracle_options* o, wisp_error* e
         { "gravity", double3_length( o->gravity ), 0.0, 1e6 },
         { "atmosphere", o->atmosphere, 1e-3, 1e12 },
         { "temperature", o->temperature, 1e-3, 1e6 },
+        { "gas molar mass", o->gas_molar_mass, 1e-6, 10.0 },
+        { "air molar mass", o->air_molar_mass, 1e-6, 10.0 },
         { "drag coefficient", o->drag_coefficient, 0.0, 1e6 },
         { "outlet area", o->outlet_area, 0.0, 1e6 },
         { "structural k", o->structural_k, 1e-12, 1.0 },
@@ -166,17 +170,13 @@ static wisp_status check_def( const balloon_oracle_def* def, wisp_error* error )
         return refuse( error, WISP_BAD_INPUT, "%d vertices and %d triangles, a closed mesh has 4 to 1000000 of both",
                        n, m );
     }
-    if ( def->structural_count < 0 || def->bend_count < 0 || def->outlet_patch_count < 0 )
+    if ( def->structural_count < 0 || def->bend_count < 0 || def->outlet_count < 0 )
     {
         return refuse( error, WISP_BAD_INPUT, "a list has a negative count" );
     }
-    if ( def->structural_count > 10000000 || def->bend_count > 10000000 || def->outlet_patch_count > m )
+    if ( def->structural_count > 10000000 || def->bend_count > 10000000 || def->outlet_count > n )
     {
         return refuse( error, WISP_BAD_INPUT, "a list is longer than a mesh of this size can need" );
-    }
-    if ( def->outlet_vertex < -1 || def->outlet_vertex >= n )
-    {
-        return refuse( error, WISP_BAD_INPUT, "outlet vertex is %d, must be in [-1, %d)", def->outlet_vertex, n );
     }
     wisp_status status = check_vertices( def, error );
     const struct
@@ -188,7 +188,7 @@ static wisp_status check_def( const balloon_oracle_def* def, wisp_error* error )
         { def->triangles, 3 * m, n, "triangle" },
         { def->structural, 2 * def->structural_count, n, "structural" },
         { def->bend, 2 * def->bend_count, n, "bend" },
-        { def->outlet_patch, def->outlet_patch_count, m, "outlet patch" },
+        { def->outlet, def->outlet_count, n, "outlet" },
     };
     for ( int k = 0; k < WISP_COUNT( lists ) && status == WISP_OK; ++k )
     {
@@ -202,7 +202,7 @@ static wisp_status check_def( const balloon_oracle_def* def, wisp_error* error )
 static bool allocate( const balloon_oracle_def* def, balloon_oracle* b )
 {
     size_t n = (size_t)def->vertex_count;
-    double3** vectors[] = { &b->x, &b->p, &b->v, &b->force, &b->normal, &b->gradient };
+    double3** vectors[] = { &b->x, &b->p, &b->predicted, &b->v, &b->force, &b->normal, &b->gradient };
     double** numbers[] = { &b->mass, &b->w, &b->area };
     bool complete = true;
     for ( int k = 0; k < WISP_COUNT( vectors ); ++k )
@@ -216,16 +216,16 @@ static bool allocate( const balloon_oracle_def* def, balloon_oracle* b )
         complete = complete && *numbers[k] != NULL;
     }
     b->triangles = calloc( 3 * (size_t)def->triangle_count, sizeof( int ) );
-    b->outlet_patch = calloc( (size_t)def->outlet_patch_count + 1, sizeof( int ) );
+    b->outlet = calloc( (size_t)def->outlet_count + 1, sizeof( int ) );
     b->structural = calloc( (size_t)def->structural_count + 1, sizeof( balloon_oracle_link ) );
     b->bend = calloc( (size_t)def->bend_count + 1, sizeof( balloon_oracle_link ) );
-    return complete && b->triangles != NULL && b->outlet_patch != NULL && b->structural != NULL && b->bend != NULL;
+    return complete && b->triangles != NULL && b->outlet != NULL && b->structural != NULL && b->bend != NULL;
 }
 
 void balloon_oracle_destroy( balloon_oracle* b )
 {
-    void* blocks[] = { b->x, b->p,    b->v,         b->force,        b->normal,     b->gradient, b->mass,
-                       b->w, b->area, b->triangles, b->outlet_patch, b->structural, b->bend };
+    void* blocks[] = { b->x,    b->p, b->predicted, b->v,         b->force,  b->normal,     b->gradient,
+                       b->mass, b->w, b->area,      b->triangles, b->outlet, b->structural, b->bend };
     for ( int k = 0; k < WISP_COUNT( blocks ); ++k )
     {
         free( blocks[k] );
@@ -264,9 +264,9 @@ static void copy_def( const balloon_oracle_def* def, balloon_oracle* b )
         b->total_mass += def->mass[i];
     }
     memcpy( b->triangles, def->triangles, 3 * (size_t)def->triangle_count * sizeof( int ) );
-    if ( def->outlet_patch_count > 0 )
+    if ( def->outlet_count > 0 )
     {
-        memcpy( b->outlet_patch, def->outlet_patch, (size_t)def->outlet_patch_count * sizeof( int ) );
+        memcpy( b->outlet, def->outlet, (size_t)def->outlet_count * sizeof( int ) );
     }
     copy_links( b->x, def->structural, def->structural_count, b->structural );
     copy_links( b->x, def->bend, def->bend_count, b->bend );
@@ -298,8 +298,7 @@ wisp_status balloon_oracle_create( const balloon_oracle_def* def, const balloon_
                             .triangle_count = def->triangle_count,
                             .structural_count = def->structural_count,
                             .bend_count = def->bend_count,
-                            .outlet_vertex = def->outlet_vertex,
-                            .outlet_patch_count = def->outlet_patch_count,
+                            .outlet_count = def->outlet_count,
                             .q = { 1.0, 0.0, 0.0, 0.0 } };
     if ( !allocate( def, &made ) )
     {
@@ -360,7 +359,8 @@ wisp_status balloon_oracle_create_from_mesh( const balloon_mesh* mesh, double ar
                                    .mass = mass,
                                    .triangles = mesh->triangles,
                                    .structural = pairs,
-                                   .outlet_vertex = outlet_vertex };
+                                   .outlet = &outlet_vertex,
+                                   .outlet_count = outlet_vertex < 0 ? 0 : 1 };
         balloon_oracle_masses( mesh->positions, mesh->vertex_count, mesh->triangles, mesh->triangle_count,
                                areal_density, mass );
         def.structural_count = balloon_mesh_structural_pairs( &topology, pairs );
@@ -399,6 +399,9 @@ double balloon_oracle_gauge( const balloon_oracle* b, balloon_oracle_reading rea
             return o->atmosphere * ( b->gas_volume - volume ) / volume;
         case BALLOON_ORACLE_PRESSURE_MULTIPLIER:
             return b->h > 0.0 ? b->volume_lambda / ( b->h * b->h ) : 0.0;
+        case BALLOON_ORACLE_PRESSURE_ADDED:
+            return balloon_oracle_gas_pressure_printed( b->gas_volume - b->rest_volume, volume, o->temperature ) -
+                   o->atmosphere;
         case BALLOON_ORACLE_PRESSURE_VIRIAL:
             break;
     }
@@ -418,23 +421,27 @@ static void measure( balloon_oracle* b )
         balloon_oracle_skin( b->x, b->vertex_count, b->triangles, b->triangle_count, b->normal, b->area );
 }
 
-// The outlet's own normal, else that of its patch's area vector, else zero.
-static double3 find_outlet_normal( const balloon_oracle* b )
+// The centre of the outlet, and its normal: the sum of its vertices' area vectors, zero where they cancel.
+static void find_outlet( balloon_oracle* b )
 {
-    double3 normal = b->normal[b->outlet_vertex], sum = zero;
-    if ( double3_length( normal ) > 0.0 )
+    double3 sum = zero, place = zero;
+    double area = 0.0;
+    for ( int n = 0; n < b->outlet_count; ++n )
     {
-        return normal;
-    }
-    for ( int n = 0; n < b->outlet_patch_count; ++n )
-    {
-        const int* corner = b->triangles + 3 * b->outlet_patch[n];
-        double3 a = b->x[corner[0]];
-        sum =
-            double3_add( sum, double3_cross( double3_sub( b->x[corner[1]], a ), double3_sub( b->x[corner[2]], a ) ) );
+        int vertex = b->outlet[n];
+        for ( int c = 0; c < 3 * b->triangle_count; ++c )
+        {
+            const int* corner = b->triangles + c - c % 3;
+            double3 a = b->x[corner[0]];
+            double3 s = double3_cross( double3_sub( b->x[corner[1]], a ), double3_sub( b->x[corner[2]], a ) );
+            sum = b->triangles[c] == vertex ? double3_add( sum, s ) : sum;
+            area += b->triangles[c] == vertex ? double3_length( s ) : 0.0;
+        }
+        place = double3_add_scaled( place, 1.0 / b->outlet_count, b->x[vertex] );
     }
     double length = double3_length( sum );
-    return length > 0.0 ? double3_scale( 1.0 / length, sum ) : zero;
+    b->outlet_place = place;
+    b->outlet_normal = length > 1e-12 * area ? double3_scale( 1.0 / length, sum ) : zero;
 }
 
 // Step 3: pressure, hysteresis and outlet speed.
@@ -442,12 +449,16 @@ static void read_pressure( balloon_oracle* b )
 {
     const balloon_oracle_options* o = &b->options;
     b->gauge = balloon_oracle_gauge( b, o->pressure );
-    bool may = o->use_jet && o->outlet_open && b->outlet_vertex >= 0;
+    bool may = o->use_jet && o->outlet_open && b->outlet_count > 0;
     bool runs = may && balloon_oracle_jet_runs( b->jet_on, b->gauge, o->atmosphere, o->close_at, o->open_at );
     b->counters.jet_starts += runs && !b->jet_on ? 1 : 0;
+    b->start_gauge = runs && !b->jet_on ? b->gauge : b->start_gauge;
     b->jet_on = runs;
-    double density = balloon_oracle_density( o->atmosphere, BALLOON_ORACLE_HELIUM, o->temperature );
-    b->outlet_speed = runs ? balloon_oracle_outlet_speed( b->gauge, density ) : 0.0;
+    double density = balloon_oracle_density( o->atmosphere, o->gas_molar_mass, o->temperature );
+    double speed = o->outlet == BALLOON_ORACLE_OUTLET_START
+                       ? balloon_oracle_outlet_speed_printed( b->start_gauge, b->gauge, density )
+                       : balloon_oracle_outlet_speed( b->gauge, density );
+    b->outlet_speed = runs ? speed : 0.0;
     b->counters.fast_outlets += b->outlet_speed > 300.0 ? 1 : 0;
 }
 
@@ -461,13 +472,13 @@ static void let_gas_out( balloon_oracle* b, double h )
     {
         return;
     }
-    b->outlet_normal = find_outlet_normal( b );
+    find_outlet( b );
     if ( double3_length( b->outlet_normal ) == 0.0 )
     {
         b->counters.silent_outlets += 1;
         return;
     }
-    double density = balloon_oracle_density( o->atmosphere, BALLOON_ORACLE_HELIUM, o->temperature );
+    double density = balloon_oracle_density( o->atmosphere, o->gas_molar_mass, o->temperature );
     double requested = balloon_oracle_mass_flow( density, o->outlet_area, b->outlet_speed );
     double most = density * fmax( 0.0, b->gas_volume - o->min_volume * b->rest_volume ) / h;
     b->mass_flow = fmin( requested, most );
@@ -484,8 +495,8 @@ static double3 fraction( const balloon_oracle* b, int i, double3 force )
 static void gather_forces( balloon_oracle* b, double h )
 {
     const balloon_oracle_options* o = &b->options;
-    double air = balloon_oracle_density( o->atmosphere, BALLOON_ORACLE_AIR, o->temperature );
-    double gas = balloon_oracle_density( o->atmosphere, BALLOON_ORACLE_HELIUM, o->temperature );
+    double air = balloon_oracle_density( o->atmosphere, o->air_molar_mass, o->temperature );
+    double gas = balloon_oracle_density( o->atmosphere, o->gas_molar_mass, o->temperature );
     balloon_oracle_forces f = { zero, zero, zero, zero };
     f.gravity = o->use_gravity ? double3_scale( b->total_mass, o->gravity ) : zero;
     f.buoyancy = o->use_buoyancy ? balloon_oracle_buoyancy( o->gravity, b->volume, air, gas ) : zero;
@@ -510,7 +521,7 @@ static void spin( balloon_oracle* b, double h )
     if ( b->jet_on )
     {
         balloon_oracle_matrix inertia = balloon_oracle_inertia( b->x, b->mass, b->vertex_count, b->centre );
-        double3 torque = balloon_oracle_torque( b->x[b->outlet_vertex], b->centre, b->forces.jet );
+        double3 torque = balloon_oracle_torque( b->outlet_place, b->centre, b->forces.jet );
         double3 increment = balloon_oracle_spin_increment( &inertia, torque, h );
         if ( b->options.spin == BALLOON_ORACLE_SPIN_KICK )
         {
@@ -591,13 +602,58 @@ static void forget_lambdas( balloon_oracle* b )
     }
 }
 
+// Projections have moved the predicted positions by D and so added sum m (x - c) x D / h to the angular momentum. A small
+// rotation t of the body about its new centre takes it away: sum m (x - c) x (t x (p - c')) = -sum m (x - c) x D.
+static void take_back_turn( balloon_oracle* b )
+{
+    double3 c = balloon_oracle_centre( b->x, b->mass, b->vertex_count );
+    double3 after = balloon_oracle_centre( b->p, b->mass, b->vertex_count );
+    const double3 axis[3] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } };
+    double3 column[3] = { zero, zero, zero }, added = zero;
+    for ( int i = 0; i < b->vertex_count; ++i )
+    {
+        double3 arm = double3_scale( b->mass[i], double3_sub( b->x[i], c ) );
+        for ( int k = 0; k < 3; ++k )
+        {
+            double3 turned = double3_cross( axis[k], double3_sub( b->p[i], after ) );
+            column[k] = double3_add( column[k], double3_cross( arm, turned ) );
+        }
+        added = double3_add( added, double3_cross( arm, double3_sub( b->p[i], b->predicted[i] ) ) );
+    }
+    // the matrix is not symmetric, so it is inverted through its rows: t_k = -(row_k . added) / det
+    double3 row[3] = { double3_cross( column[1], column[2] ), double3_cross( column[2], column[0] ),
+                       double3_cross( column[0], column[1] ) };
+    double determinant = double3_dot( column[0], row[0] );
+    if ( determinant == 0.0 )
+    {
+        return;
+    }
+    double3 turn =
+        double3_scale( -1.0 / determinant, double3_make( double3_dot( row[0], added ), double3_dot( row[1], added ),
+                                                         double3_dot( row[2], added ) ) );
+    for ( int i = 0; i < b->vertex_count; ++i )
+    {
+        b->p[i] = double3_add( b->p[i], double3_cross( turn, double3_sub( b->p[i], after ) ) );
+    }
+}
+
+static bool is_free( const balloon_oracle* b )
+{
+    bool free_of_pins = true;
+    for ( int i = 0; i < b->vertex_count; ++i )
+    {
+        free_of_pins = free_of_pins && b->w[i] > 0.0;
+    }
+    return free_of_pins;
+}
+
 // Steps 6 to 8.
 static void move( balloon_oracle* b, double h )
 {
     const balloon_oracle_options* o = &b->options;
     for ( int i = 0; i < b->vertex_count; ++i )
     {
-        b->p[i] = balloon_oracle_predict( b->x[i], b->v + i, b->w[i], b->force[i], h );
+        b->p[i] = b->predicted[i] = balloon_oracle_predict( b->x[i], b->v + i, b->w[i], b->force[i], h );
     }
     forget_lambdas( b );
     for ( int n = 0; n < o->iterations; ++n )
@@ -605,6 +661,10 @@ static void move( balloon_oracle* b, double h )
         project_links( b, b->structural, b->structural_count, o->structural_k, o->structural_stiffness );
         project_links( b, b->bend, b->bend_count, o->bend_k, o->bend_stiffness );
         project_volume( b );
+    }
+    if ( o->keep_angular_momentum && is_free( b ) )
+    {
+        take_back_turn( b );
     }
     double keep = exp( -o->velocity_decay * h );
     for ( int i = 0; i < b->vertex_count; ++i )
