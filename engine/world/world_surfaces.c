@@ -239,6 +239,15 @@ wisp_status wisp_world_surface_state( wisp_world* world, const char* module, wis
     return world_find_surface( world, surface, &e );
 }
 
+void wisp_world_share_samples( wisp_world* world, wisp_entity surface, const struct wisp_samples* samples )
+{
+    store_entity* e = store_find( &world->store, surface );
+    if ( e != NULL )
+    {
+        e->samples = samples;
+    }
+}
+
 void wisp_world_restart_levels( wisp_world* world, wisp_entity surface )
 {
     int32_t* state = wisp_world_column( world, surface, WISP_SURFACE_LEVELS, 2 );
