@@ -18,7 +18,7 @@ enum
 };
 
 // Velocities from the key of the boundary particle paper's program, m/s.
-static const double gust[3] = { 0.5, 0.25, 0.5 };
+static const wisp_vec3 gust = { 0.5f, 0.25f, 0.5f };
 
 static const int shown[] = { 1, REST, REST + RAMP / 2, SWOLLEN, GUST, GUST + 1, SHRINKS, SHRINKS + RAMP / 2, END };
 
@@ -41,52 +41,35 @@ typedef struct inflation
     int differing;                // steps whose points differ from the oracle's
 } inflation;
 
-// As printed: each triangle that faces the gust passes it to its three vertices.
-// @return the mean velocity along it
-static double blow( inflation* run )
+// The mean of positions or of velocities along the gust.
+static double mean_along_gust( inflation* run, wisp_component component )
 {
     const wisp_fabric* f = run->fabric;
-    const float* x = wisp_world_column( run->balloon.world, run->balloon.entity, WISP_PARTICLE_POSITION, 0 );
-    float* v = wisp_world_column( run->balloon.world, run->balloon.entity, WISP_PARTICLE_VELOCITY, 0 );
-    int hits = 0;
-    for ( int t = 0; t < f->triangle_count; ++t )
+    const float* x = wisp_world_column( run->balloon.world, run->balloon.entity, component, 0 );
+    const double g[3] = { (double)gust.x, (double)gust.y, (double)gust.z };
+    double sum = 0.0;
+    for ( int i = 0; i < 3 * f->vertex_count; ++i )
     {
-        const int32_t* corner = f->triangles + 3 * (size_t)t;
-        double u[2][3], against = 0.0;
-        for ( int k = 0; k < 6; ++k )
-        {
-            u[k / 3][k % 3] = (double)x[4 * (size_t)corner[1 + k / 3] + (size_t)( k % 3 )] -
-                              (double)x[4 * (size_t)corner[0] + (size_t)( k % 3 )];
-        }
-        for ( int k = 0; k < 3; ++k )
-        {
-            const int next = ( k + 1 ) % 3, last = ( k + 2 ) % 3;
-            against += gust[k] * ( u[0][next] * u[1][last] - u[0][last] * u[1][next] );
-        }
-        for ( int k = 0; k < 9 && against < 0.0; ++k )
-        {
-            v[4 * (size_t)corner[k / 3] + (size_t)( k % 3 )] += (float)gust[k % 3];
-        }
-        hits += against < 0.0 ? 3 : 0;
+        sum += g[i % 3] * (double)x[4 * (size_t)f->vertex_slot[i / 3] + (size_t)( i % 3 )];
     }
-    const double size = sqrt( gust[0] * gust[0] + gust[1] * gust[1] + gust[2] * gust[2] );
-    return size * hits / f->vertex_count;
+    return sum / ( f->vertex_count * sqrt( g[0] * g[0] + g[1] * g[1] + g[2] * g[2] ) );
 }
 
-static double centre_along_gust( inflation* run )
+// As printed: each triangle that the gust meets passes it to its three vertices. Velocities decay as a geometric series, and the
+// links and the volume move no centre.
+static wisp_status blow( inflation* run, wisp_error* error )
 {
-    const wisp_fabric* f = run->fabric;
-    const float* x = wisp_world_column( run->balloon.world, run->balloon.entity, WISP_PARTICLE_POSITION, 0 );
-    double sum = 0.0, size = 0.0;
-    for ( int k = 0; k < 3; ++k )
+    surface_implementation* b = &run->balloon;
+    const double before = mean_along_gust( run, WISP_PARTICLE_VELOCITY ), dt = (double)LAYER_STEP;
+    const wisp_status status = wisp_apply_gust( b->world, b->entity, gust, true );
+    if ( status != WISP_OK )
     {
-        size += gust[k] * gust[k];
-        for ( int v = 0; v < f->vertex_count; ++v )
-        {
-            sum += gust[k] * (double)x[4 * (size_t)f->vertex_slot[v] + (size_t)k];
-        }
+        return bench_world_fail( b->world, status, error );
     }
-    return sum / ( f->vertex_count * sqrt( size ) );
+    const double added = mean_along_gust( run, WISP_PARTICLE_VELOCITY ) - before;
+    run->moved = -mean_along_gust( run, WISP_PARTICLE_POSITION );
+    run->moved_expected = added * dt / ( 1.0 - exp( -(double)LAYER_DECAY * dt ) );
+    return WISP_OK;
 }
 
 static wisp_status one_step( inflation* run, int step, wisp_error* error )
@@ -97,14 +80,8 @@ static wisp_status one_step( inflation* run, int step, wisp_error* error )
     {
         return bench_world_fail( b->world, status, error );
     }
-    if ( step == GUST )
-    {
-        // velocities decay as a geometric series, and the links and the volume move no centre
-        run->moved = -centre_along_gust( run );
-        const double dt = (double)LAYER_STEP;
-        run->moved_expected = blow( run ) * dt / ( 1.0 - exp( -(double)LAYER_DECAY * dt ) );
-    }
-    return surface_implementation_step( b, error );
+    status = step == GUST ? blow( run, error ) : WISP_OK;
+    return status == WISP_OK ? surface_implementation_step( b, error ) : status;
 }
 
 static wisp_status show( inflation* run, int step, const layer_check* check, results* out, wisp_error* error )
@@ -151,7 +128,7 @@ static wisp_status fly( inflation* run, results* out, wisp_error* error )
             ++next;
         }
     }
-    run->moved += status == WISP_OK ? centre_along_gust( run ) : 0.0;
+    run->moved += status == WISP_OK ? mean_along_gust( run, WISP_PARTICLE_POSITION ) : 0.0;
     return status;
 }
 

@@ -277,12 +277,15 @@ extern "C"
         int step;    ///< in [0, steps)
         int strands; ///< index into the scene's strands, -1: it is a surface's
         int surface; ///< index into the scene's surfaces, -1: it is that of strands, which know wind alone
-        bool has_gas_ratio, has_inflation_rate, has_open, has_wind, has_velocity, has_angular_velocity, has_teleport;
+        bool has_gas_ratio, has_inflation_rate, has_open, has_wind, has_velocity, has_angular_velocity, has_gust,
+            has_teleport;
         float gas_ratio;
         float inflation_rate; ///< m^3/s
         bool open;
         wisp_vec3 wind;                       ///< m/s
         wisp_vec3 velocity, angular_velocity; ///< a zero vector where only the other one is written
+        wisp_vec3 gust;                       ///< m/s
+        bool gust_per_triangle;               ///< a vertex gets it once for each triangle that it meets
         wisp_vec3 teleport;                   ///< m, displacement
         bool release;                         ///< lets all pins go
         int line, column;                     ///< of the entry, for messages

@@ -131,7 +131,8 @@ const scene_block SCENE_STRAND_CONTACT_BLOCK = BLOCK( STRANDS_FIELDS );
 
 static const scene_choice PRIMITIVES[] = {
     { "triangles", "vertices from triangles and edges from edges" },
-    { "particles", "boundary particles from each other; cheaper, but what is thinner than their spacing passes" },
+    { "particles", "boundary particles from each other, those of `boundary` where a surface has it; cheaper, but "
+                   "what is thinner than their spacing passes" },
     { NULL, NULL }
 };
 static const scene_choice SEARCHES[] = { { "auto", "the fastest" },
@@ -175,7 +176,7 @@ static const scene_field WORLD_FIELDS[] = {
     { "search", SCENE_CHOICE, .at = CONTACT( search ), .choices = SEARCHES,
       .help = "How pairs are found; it changes the time and not the result." },
     { "particle_spacing", SCENE_NUMBER, .at = CONTACT( particle_spacing ), .range = SIZE, .unit = METRES,
-      .help = "Spacing of particles, with `primitives: particles`.",
+      .help = "Spacing of particles, with `primitives: particles`, of surfaces without `boundary`.",
       .initial = "the smallest thickness of the participants" },
     { "margin", SCENE_NUMBER, .at = CONTACT( margin ), .range = RANGE( 0.01, 100 ),
       .help = "How much farther than the thickness pairs are searched, in thicknesses; it changes the time and not "

@@ -47,6 +47,12 @@ static const scene_field EVENT_FIELDS[] = {
       .help =
           "New angular velocity of all vertices about the centre of mass; [0, 0, 0] where only `velocity` is given.",
       .initial = "unchanged" },
+    { "gust", SCENE_VECTOR, .at = EVENT( gust ), .range = VELOCITY, .unit = SPEEDS, .given = EVENT( has_gust ),
+      .help =
+          "Velocity that is added at once to the vertices of all triangles whose normal is against it; pins stay.",
+      .initial = "none" },
+    { "gust_per_triangle", SCENE_SWITCH, .at = EVENT( gust_per_triangle ), .given = AT( has_gust_per_triangle ),
+      .help = "Adds `gust` to a vertex once for each such triangle around it, as published, not once." },
     { "teleport", SCENE_VECTOR, .at = EVENT( teleport ), .range = COORDINATE, .unit = METRES,
       .given = EVENT( has_teleport ),
       .help =
@@ -74,6 +80,13 @@ static wisp_status find_step( scene_reader* r, const scene_node* node, scene_eve
     }
     read->event.step = (int)step;
     return WISP_OK;
+}
+
+static wisp_status check_gust( scene_reader* r, const scene_node* node, const scene_event* read )
+{
+    return read->has_gust_per_triangle && !read->event.has_gust
+               ? scene_refuse_node( r, node, "'gust_per_triangle' needs the key 'gust'" )
+               : WISP_OK;
 }
 
 // ---- checks against the surface or the strands ----
@@ -116,7 +129,7 @@ static wisp_status check_strands( scene_reader* r, const scene_node* node, const
 {
     const wisp_scene_strands* s = &r->scene->strands[e->strands];
     if ( e->has_gas_ratio || e->has_inflation_rate || e->has_open || e->has_velocity || e->has_angular_velocity ||
-         e->has_teleport || e->release )
+         e->has_gust || e->has_teleport || e->release )
     {
         return scene_refuse_node( r, node, "strands take only 'wind'" );
     }
@@ -144,11 +157,11 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
     }
     const wisp_scene_surface* s = &r->scene->surfaces[e->surface];
     if ( !( e->has_gas_ratio || e->has_inflation_rate || e->has_open || e->has_wind || e->has_velocity ||
-            e->has_angular_velocity || e->has_teleport || e->release ) )
+            e->has_angular_velocity || e->has_gust || e->has_teleport || e->release ) )
     {
         return scene_refuse_node( r, node,
                                   "got no change, expected one of gas_ratio, inflation_rate, outlet_open, wind, "
-                                  "velocity, angular_velocity, teleport and release: true" );
+                                  "velocity, angular_velocity, gust, teleport and release: true" );
     }
     if ( e->has_wind &&
          !( s->has_cloth && ( s->cloth.drag_coefficient > 0.0f || s->cloth.lift_coefficient > 0.0f ) ) )
@@ -214,6 +227,7 @@ wisp_status scene_read_events( scene_reader* r, const scene_node* node, void* at
         scene_event read = { .event = { .strands = -1, .surface = -1, .line = item->line, .column = item->column } };
         status = scene_read_block( r, item, &SCENE_EVENT_BLOCK, &read );
         status = status ? status : find_step( r, item, &read );
+        status = status ? status : check_gust( r, item, &read );
         status = status ? status : check_event( r, item, &read.event );
         if ( !status )
         {

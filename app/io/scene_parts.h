@@ -51,7 +51,7 @@ scene_read_fn scene_read_collider_path, scene_read_friction; // wisp_scene_colli
 typedef struct scene_event
 {
     wisp_scene_event event;
-    bool has_step, has_time;
+    bool has_step, has_time, has_gust_per_triangle;
     float time; // s
 } scene_event;
 

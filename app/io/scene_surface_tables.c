@@ -342,7 +342,8 @@ static const scene_field SURFACE_FIELDS[] = {
     { "contact", SCENE_BLOCK, .at = AT( has_contact ), .block = &SCENE_CONTACT_BLOCK,
       .help = "Contact with other participants and with itself; not with `implicit`." },
     { "boundary", SCENE_BLOCK, .at = AT( has_boundary ), .block = &SCENE_BOUNDARY_BLOCK,
-      .help = "Layer of points on the surface, to draw and export; it does not change the motion." },
+      .help = "Layer of points on the surface, to draw and export; it changes the motion only with "
+              "`contact.primitives: particles`." },
     { "compute", SCENE_CUSTOM, .given = AT( has_compute ), .read = scene_read_surface_request,
       .choices = SCENE_SURFACE_WORDS, .help = "What is computed for output and statistics.", .form = "list of words",
       .initial = "`points`; `[]`: none" },

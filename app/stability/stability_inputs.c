@@ -264,9 +264,25 @@ static void add_air( const scene_world* world, stability_trace* trace )
     }
 }
 
+// How often a vertex may get a gust: at most once for each of its triangles.
+static int most_hits( const wisp_mesh* mesh, bool per_triangle )
+{
+    int most = 1;
+    int* hits = per_triangle ? calloc( (size_t)mesh->vertex_count, sizeof( int ) ) : NULL;
+    for ( int corner = 0; corner < 3 * mesh->triangle_count && hits != NULL; ++corner )
+    {
+        const int count = ++hits[mesh->triangles[corner]];
+        most = count > most ? count : most;
+    }
+    most = per_triangle && hits == NULL ? mesh->triangle_count : most;
+    free( hits );
+    return most;
+}
+
 static void add_events( const scene_world* world, stability_trace* trace )
 {
     const wisp_scene* scene = world->scene;
+    double gusts = 0.0;
     for ( int i = 0; i < scene->event_count; ++i )
     {
         const wisp_scene_event* e = &scene->events[i];
@@ -277,6 +293,10 @@ static void add_events( const scene_world* world, stability_trace* trace )
             const double speed =
                 length_of( e->velocity ) + length_of( e->angular_velocity ) * trace->bodies[body].size;
             trace->inputs.speed = fmax( trace->inputs.speed, speed );
+        }
+        if ( e->has_gust )
+        {
+            gusts += length_of( e->gust ) * most_hits( &world->surfaces[e->surface].mesh, e->gust_per_triangle );
         }
         if ( e->has_wind )
         {
@@ -289,6 +309,7 @@ static void add_events( const scene_world* world, stability_trace* trace )
                       is_surface ? (double)c->air_density : (double)d->air_density );
         }
     }
+    trace->inputs.speed += gusts; // each comes on top
 }
 
 // ---- hair that starts bent ----

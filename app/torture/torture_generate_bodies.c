@@ -118,7 +118,14 @@ static void change_surface( torture_builder* b, text_node* event, const text_nod
     else
     {
         torture_draw_keys( &b->random, torture_block_below( torture_block_of_scene(), "events", event ), 0, event );
-        torture_put_vector( b, event, "velocity", ( const double[] ){ -3, -3, -3 }, ( const double[] ){ 3, 3, 3 } );
+        const bool is_gust = torture_random_chance( &b->random, 25 );
+        const double most = is_gust ? 1.0 : 3.0;
+        torture_put_vector( b, event, is_gust ? "gust" : "velocity", ( const double[] ){ -most, -most, -most },
+                            ( const double[] ){ most, most, most } );
+        if ( is_gust && torture_random_chance( &b->random, 30 ) )
+        {
+            text_put( event, "gust_per_triangle", text_scalar( "true" ) );
+        }
     }
 }
 

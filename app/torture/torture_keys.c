@@ -254,6 +254,8 @@ static const span SPANS[] = {
     { "freezing_celsius", -5, 5 },
     { "velocity", -3, 3 },
     { "angular_velocity", -6, 6 },
+    { "gust", 0, 0 },
+    { "gust_per_triangle", 0, 0 },
     // contact
     { "thickness", 1e-3, 0.02 },
     { "friction", 0, 1.5 },

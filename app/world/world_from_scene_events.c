@@ -276,13 +276,21 @@ static wisp_status play_gas( scene_world* world, const wisp_scene_event* e )
     return status;
 }
 
-// BDF2 looks back on the substep before, which had another velocity: it starts again.
+// A gust comes on top of a velocity that is set. BDF2 looks back on the substep before, which had another velocity: it starts again.
 static wisp_status play_velocity( scene_world* world, const wisp_scene_event* e )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[e->surface];
     const bool looks_back = entry->has_implicit && entry->implicit.integrator == WISP_INTEGRATOR_BDF2;
     wisp_entity entity = world->surfaces[e->surface].entity;
-    wisp_status status = wisp_set_velocity( world->world, entity, e->velocity, e->angular_velocity );
+    wisp_status status = WISP_OK;
+    if ( e->has_velocity || e->has_angular_velocity )
+    {
+        status = wisp_set_velocity( world->world, entity, e->velocity, e->angular_velocity );
+    }
+    if ( status == WISP_OK && e->has_gust )
+    {
+        status = wisp_apply_gust( world->world, entity, e->gust, e->gust_per_triangle );
+    }
     return status == WISP_OK && looks_back ? scene_implicit_set( world, e->surface ) : status;
 }
 
@@ -309,7 +317,7 @@ static wisp_status play( scene_world* world, const wisp_scene_event* e )
         const wisp_transform motion = { still.rotation, e->teleport };
         status = wisp_teleport( world->world, s->entity, motion, true );
     }
-    if ( status == WISP_OK && ( e->has_velocity || e->has_angular_velocity ) )
+    if ( status == WISP_OK && ( e->has_velocity || e->has_angular_velocity || e->has_gust ) )
     {
         status = play_velocity( world, e );
     }

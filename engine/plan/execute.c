@@ -42,6 +42,11 @@ const wisp_fabric* wisp_frame_fabric( wisp_frame* frame, wisp_entity entity )
     return entity_of( frame, entity )->fabric;
 }
 
+const struct wisp_samples* wisp_frame_samples( wisp_frame* frame, wisp_entity surface )
+{
+    return entity_of( frame, surface )->samples;
+}
+
 wisp_span wisp_frame_particles( wisp_frame* frame, const wisp_span* span )
 {
     int count = entity_of( frame, span->entity )->rows[WISP_TABLE_PARTICLE].count;

@@ -34,6 +34,7 @@ typedef struct store_entity
     store_rows rows[WISP_TABLE_COUNT];
     const wisp_strand_topology* strands; // null without strands
     const wisp_fabric* fabric;           // null without particles
+    const struct wisp_samples* samples;  // points that a module keeps on it for others; null: none
     int substeps;                        // in a step of usual length, as asked for; 0: those of the world
     uint64_t halted;                     // 1: left out of every pass
     store_mask dirty; // bit p: pass p must run on the entity, because what it watches or writes has changed

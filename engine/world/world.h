@@ -67,6 +67,9 @@ void world_place( wisp_world* world, wisp_entity entity, wisp_transform pose );
 
 /// Fail because the handle names no entity.
 wisp_status world_stale( wisp_world* world, wisp_entity entity );
+/// Find a surface.
+/// @return WISP_STALE_ID; WISP_CONFLICT the entity is not a surface
+wisp_status world_find_surface( wisp_world* world, wisp_entity entity, store_entity** out );
 
 /// Declares the passes that belong to no module: strands into the user's order.
 wisp_status world_declare_strands( wisp_registry* registry );

@@ -213,7 +213,7 @@ wisp_status world_add_surface_instance( wisp_world* world, const store_entity* s
 
 // ---- pins ----
 
-static wisp_status find_surface( wisp_world* world, wisp_entity entity, store_entity** out )
+wisp_status world_find_surface( wisp_world* world, wisp_entity entity, store_entity** out )
 {
     *out = store_find( &world->store, entity );
     if ( *out == NULL )
@@ -236,7 +236,16 @@ wisp_status wisp_world_surface_state( wisp_world* world, const char* module, wis
         return wisp_world_fail( world, WISP_CONFLICT, "module %s: not registered in this world", module );
     }
     store_entity* e;
-    return find_surface( world, surface, &e );
+    return world_find_surface( world, surface, &e );
+}
+
+void wisp_world_share_samples( wisp_world* world, wisp_entity surface, const struct wisp_samples* samples )
+{
+    store_entity* e = store_find( &world->store, surface );
+    if ( e != NULL )
+    {
+        e->samples = samples;
+    }
 }
 
 void wisp_world_restart_levels( wisp_world* world, wisp_entity surface )
@@ -252,7 +261,7 @@ static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int
                                bool pinned )
 {
     store_entity* e;
-    wisp_status status = find_surface( world, surface, &e );
+    wisp_status status = world_find_surface( world, surface, &e );
     status = status == WISP_OK ? check_vertices( world, e->fabric, vertices, count ) : status;
     if ( status != WISP_OK )
     {
@@ -319,7 +328,7 @@ wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_
     WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
     WISP_TRY( wisp_world_check_list( world, "targets", targets, count ) );
     store_entity* e;
-    wisp_status status = find_surface( world, surface, &e );
+    wisp_status status = world_find_surface( world, surface, &e );
     status = status == WISP_OK ? check_vertices( world, e->fabric, vertices, count ) : status;
     status = status == WISP_OK ? check_places( world, targets, count, "target" ) : status;
     status = status == WISP_OK ? check_pinned( world, e, vertices, count ) : status;
@@ -346,7 +355,7 @@ wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_
 static wisp_status set_component( wisp_world* world, wisp_entity surface, wisp_component component, bool requested )
 {
     store_entity* e;
-    wisp_status status = find_surface( world, surface, &e );
+    wisp_status status = world_find_surface( world, surface, &e );
     if ( status != WISP_OK )
     {
         return status;
@@ -411,52 +420,6 @@ wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float
         *(float*)wisp_world_column( world, surface, WISP_LINK_LIMIT, 1 ) = maximum;
     }
     return status;
-}
-
-static wisp_vec3 centre_of( const wisp_fabric* fabric, const float* position )
-{
-    double mass = 0.0, sum[3] = { 0 };
-    for ( int slot = 0; slot < fabric->vertex_count; ++slot )
-    {
-        const float* p = position + (size_t)slot * 4;
-        double m = p[3] > 0.0f ? 1.0 / (double)p[3] : 0.0;
-        mass += m;
-        for ( int k = 0; k < 3; ++k )
-        {
-            sum[k] += m * (double)p[k];
-        }
-    }
-    double inverse = mass > 0.0 ? 1.0 / mass : 0.0;
-    return ( wisp_vec3 ){ (float)( sum[0] * inverse ), (float)( sum[1] * inverse ), (float)( sum[2] * inverse ) };
-}
-
-wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3 linear, wisp_vec3 angular )
-{
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    store_entity* e;
-    wisp_status status = find_surface( world, surface, &e );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    if ( !( v3_length( linear ) <= 1e6f && v3_length( angular ) <= 1e6f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "velocity: expected finite numbers of at most 1e6 m/s and 1e6 rad/s" );
-    }
-    const float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
-    float* velocity = wisp_world_column( world, surface, WISP_PARTICLE_VELOCITY, 0 );
-    const wisp_vec3 centre = centre_of( e->fabric, position );
-    for ( int slot = 0; slot < e->fabric->vertex_count; ++slot )
-    {
-        const float* p = position + (size_t)slot * 4;
-        wisp_vec3 r = v3_sub( ( wisp_vec3 ){ p[0], p[1], p[2] }, centre );
-        wisp_vec3 v = p[3] > 0.0f ? v3_add( linear, v3_cross( angular, r ) ) : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-        memcpy( velocity + (size_t)slot * 4, &v, sizeof( v ) );
-    }
-    wisp_world_restart_levels( world, surface );
-    return WISP_OK;
 }
 
 // ---- reading ----

@@ -1,6 +1,7 @@
 /// Boundary particles: a layer of points on the edges and triangles of a surface, about one spacing apart, with interpolated
 /// normals (boundary particle paper, docs/methods.md). The layer follows the surface after each step and does not change it:
-/// the surface has the same bits with and without. Draw it, export it, or couple a fluid to it.
+/// the surface has the same bits with and without. Draw it, export it, or couple a fluid to it. Only contact by particles
+/// (contact.h) acts on it: it takes the points of the start of the step for those of the surface.
 ///
 ///     wisp_boundary_def def = wisp_default_boundary_def();
 ///     def.spacing = 0.01f;                                   // m

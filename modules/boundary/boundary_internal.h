@@ -27,6 +27,7 @@ typedef struct boundary_state
     wisp_component edges;     // counts of edges, and their spacing
     wisp_component triangles; // likewise
     wisp_component local;     // marker: a criterion is on
+    wisp_component read;      // WISP_SAMPLES_READ: another module reads the points in the substeps
     boundary_layer** layers;  // [layer_count] by rising index of their entities
     int layer_count, layer_capacity;
 } boundary_state;
@@ -66,3 +67,5 @@ void boundary_drop_layer( boundary_state* state, const wisp_allocator* allocator
 void boundary_find_normals( wisp_frame* frame, const wisp_span* span, void* user );
 void boundary_find_spacing( wisp_frame* frame, const wisp_span* span, void* user );
 void boundary_place_points( wisp_frame* frame, const wisp_span* span, void* user );
+/// All three, before the substeps.
+void boundary_share_points( wisp_frame* frame, const wisp_span* span, void* user );

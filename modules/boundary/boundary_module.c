@@ -66,11 +66,13 @@ static void declare_components( wisp_registry* r, boundary_state* s )
     const wisp_component_def triangles = { "boundary.triangles", WISP_TABLE_TRIANGLE, TRIANGLES_COLUMNS,
                                            WISP_COUNT( TRIANGLES_COLUMNS ) };
     const wisp_component_def local = { "boundary.local", WISP_TABLE_ENTITY, NULL, 0 };
+    const wisp_component_def read = { WISP_SAMPLES_READ, WISP_TABLE_ENTITY, NULL, 0 };
     s->settings = wisp_declare_component( r, &settings );
     s->normals = wisp_declare_component( r, &normals );
     s->edges = wisp_declare_component( r, &edges );
     s->triangles = wisp_declare_component( r, &triangles );
     s->local = wisp_declare_component( r, &local );
+    s->read = wisp_declare_component( r, &read );
 }
 
 // No pass writes positions: a layer is passive. The points read the spacing, so its pass comes before theirs; it exists only with
@@ -79,6 +81,13 @@ static wisp_status declare_passes( wisp_registry* r, boundary_state* s )
 {
     const wisp_component x = WISP_PARTICLE_POSITION;
     const wisp_pass passes[] = {
+        { .name = "boundary.share",
+          .stage = WISP_STAGE_INPUT,
+          .required = { s->settings, s->read },
+          .reads = { x, s->settings },
+          .writes = { s->normals, s->edges, s->triangles },
+          .run = boundary_share_points,
+          .fabric = WISP_FABRIC_RINGS | WISP_FABRIC_EDGES },
         { .name = "boundary.normals",
           .stage = WISP_STAGE_DERIVE,
           .required = { s->settings },
@@ -348,6 +357,7 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
         boundary_put_layer( state, layer );
     }
     layer->made = false;
+    wisp_world_share_samples( world, surface, &layer->samples );
     forget_counts( world, surface, state );
     memcpy( wisp_world_column( world, surface, state->settings, 0 ), &settings, sizeof( settings ) );
     return WISP_OK;
@@ -362,6 +372,7 @@ wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface )
     if ( status == WISP_OK )
     {
         undress( world, surface, state );
+        wisp_world_share_samples( world, surface, NULL );
         boundary_drop_layer( state, wisp_world_allocator( world ), surface );
     }
     return status;

@@ -1,4 +1,4 @@
-// The passes of a step: vertex normals and points.
+// The passes of a step: vertex normals and points; and points at its start, for modules that read them.
 #include "boundary_internal.h"
 
 enum
@@ -71,4 +71,17 @@ void boundary_place_points( wisp_frame* frame, const wisp_span* span, void* user
                          layer->samples.requested, e.index );
     }
     layer->made = true;
+}
+
+// The points of the start of the step are a function of columns alone: the same after a restore, or after the host has moved the
+// surface, and there in the first step.
+void boundary_share_points( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const boundary_state* state = user;
+    boundary_find_normals( frame, span, user );
+    if ( wisp_frame_has( frame, span->entity, state->local ) )
+    {
+        boundary_find_spacing( frame, span, user );
+    }
+    boundary_place_points( frame, span, user );
 }

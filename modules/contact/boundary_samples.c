@@ -1,19 +1,20 @@
-// Boundary particles: vertices, and points on edges and in triangles with barycentric weights. In: rest shapes. Out:
-// parents, weights and rest positions. Balls around them stand for the surface. That is several times cheaper than
-// primitives, and lets pass what is finer than their spacing.
+// Boundary particles: vertices, and points on edges and in triangles with barycentric weights. In: rest shapes, and the layers of
+// surfaces that have boundary particles. Out: parents, weights and rest positions. Balls around them stand for the surface. That is
+// several times cheaper than primitives, and lets pass what is finer than their spacing.
 #include "boundary_samples.h"
 
 #include "wisp/module/sampling.h"
 
 #include <string.h>
 
-// ---- sampling, at rest ----
+// ---- particles of a surface ----
 
 static bool reserve_samples( const contact_work* work, int count )
 {
     contact_samples* s = work->contact_mesh->samples;
     const size_t n = (size_t)count;
     wisp_buffer* b = s->buffers;
+    s->capacity = count;
     return contact_reserve( work, b++, n * sizeof( *s->parents ), (void**)&s->parents ) &&
            contact_reserve( work, b++, n * sizeof( *s->weights ), (void**)&s->weights ) &&
            contact_reserve( work, b++, n * sizeof( *s->rest ), (void**)&s->rest ) &&
@@ -22,42 +23,54 @@ static bool reserve_samples( const contact_work* work, int count )
            contact_reserve( work, b++, n * sizeof( *s->boxes ), (void**)&s->boxes );
 }
 
-static void add_vertices( contact_contact_mesh* s, const contact_participant* participant )
+// @return whether the particle was another one
+static bool put_sample( contact_samples* s, int sample, const int32_t parents[3], const float weights[3] )
 {
+    const bool is_other = memcmp( s->parents[sample], parents, sizeof( *s->parents ) ) != 0 ||
+                          memcmp( s->weights[sample], weights, sizeof( *s->weights ) ) != 0;
+    memcpy( s->parents[sample], parents, sizeof( *s->parents ) );
+    memcpy( s->weights[sample], weights, sizeof( *s->weights ) );
+    return is_other;
+}
+
+// The vertices of a participant, and the points of a layer between them.
+// @return whether any particle was another one
+static bool add_samples( contact_contact_mesh* s, const contact_participant* participant, const wisp_samples* layer )
+{
+    static const float whole[3] = { 1.0f, 0.0f, 0.0f };
+    bool is_other = false;
     for ( int i = 0; i < participant->point_count; ++i )
     {
-        const int point = participant->first_point + i, sample = s->samples->count++;
-        for ( int k = 0; k < 3; ++k )
-        {
-            s->samples->parents[sample][k] = point;
-            s->samples->weights[sample][k] = k == 0 ? 1.0f : 0.0f;
-        }
+        const int point = participant->first_point + i;
+        is_other =
+            put_sample( s->samples, s->samples->count++, ( const int32_t[3] ){ point, point, point }, whole ) ||
+            is_other;
     }
-}
-
-static void add_samples( contact_contact_mesh* s, const wisp_samples* layer, int first_point )
-{
     for ( int i = 0; layer != NULL && i < layer->count; ++i )
     {
-        const int sample = s->samples->count++;
+        int32_t parents[3];
         for ( int k = 0; k < 3; ++k )
         {
-            s->samples->parents[sample][k] = first_point + layer->parents[i][k] / 4;
-            s->samples->weights[sample][k] = layer->weights[i][k];
+            parents[k] = participant->first_point + layer->parents[i][k] / 4;
         }
+        is_other = put_sample( s->samples, s->samples->count++, parents, layer->weights[i] ) || is_other;
     }
+    return is_other;
 }
 
-static void place_at_rest( contact_contact_mesh* s )
+static void place_at_rest( contact_contact_mesh* s, int first )
 {
-    for ( int i = 0; i < s->samples->count; ++i )
+    for ( int i = first; i < s->samples->count; ++i )
     {
         contact_place_sample( s, s->rest, i, s->samples->rest[i] );
         s->samples->rest[i][3] = s->rest[(size_t)s->samples->parents[i][0] * 4 + 3];
     }
 }
 
-// Sample a surface at rest. The sampler keeps counts from call to call, so each call starts from zero.
+// ---- particles of contact itself, at rest ----
+
+// Sample a surface at rest. The sampler keeps counts from call to call, so each call starts from zero, and the elements of a
+// fabric, so each fabric starts without memory.
 static wisp_status sample_surface( const contact_work* work, const contact_participant* participant )
 {
     enum
@@ -93,42 +106,110 @@ static wisp_status sample_surface( const contact_work* work, const contact_parti
         .triangle_points = counts + edges,
         .triangle_axis = counts + edges + triangles,
     };
+    wisp_samples_release( &s->samples->sampler, wisp_parallel_allocator( work->parallel ) );
     const wisp_status status =
         wisp_samples_update( &s->samples->sampler, work->parallel, wisp_frame_kernels( work->frame ), &args );
     return status == WISP_OK && s->samples->sampler.refused ? WISP_NO_MEMORY : status;
 }
 
+// Those of a surface come from its own layer or from its rest shape; strands have their vertices alone.
+static wisp_status count_own( const contact_work* work, int* total )
+{
+    wisp_status status = WISP_OK;
+    *total = 0;
+    for ( int g = 0; g < work->participant_count && status == WISP_OK; ++g )
+    {
+        contact_participant* participant = work->participants + g;
+        const wisp_samples* layer =
+            participant->is_strands ? NULL : wisp_frame_samples( work->frame, participant->entity );
+        participant->has_layer = layer != NULL;
+        *total += participant->point_count + ( layer != NULL ? layer->count : 0 );
+        if ( participant->is_strands == false && layer == NULL )
+        {
+            status = sample_surface( work, participant );
+            *total += status == WISP_OK ? work->contact_mesh->samples->sampler.count : 0;
+        }
+    }
+    return status;
+}
+
+// Particles of layers stand behind all others, because their number changes.
+static bool take_layers( const contact_work* work )
+{
+    contact_contact_mesh* s = work->contact_mesh;
+    const int before = s->samples->count;
+    bool is_other = false;
+    s->samples->count = s->samples->own_count;
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        const contact_participant* participant = work->participants + g;
+        if ( participant->has_layer )
+        {
+            const wisp_samples* layer = wisp_frame_samples( work->frame, participant->entity );
+            is_other = add_samples( s, participant, layer ) || is_other;
+        }
+    }
+    return is_other || s->samples->count != before;
+}
+
 wisp_status contact_sample_participants( const contact_work* work )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    wisp_status status = WISP_OK;
+    int total;
     // first count, so that the arrays do not grow while they are filled
-    int total = s->point_count;
-    for ( int pass = 0; pass < 2 && status == WISP_OK; ++pass )
+    wisp_status status = count_own( work, &total );
+    if ( status == WISP_OK && reserve_samples( work, total ) == false )
     {
-        s->samples->count = 0;
-        if ( pass == 1 && reserve_samples( work, total ) == false )
+        status = WISP_NO_MEMORY;
+    }
+    s->samples->count = 0;
+    for ( int g = 0; g < work->participant_count && status == WISP_OK; ++g )
+    {
+        const contact_participant* participant = work->participants + g;
+        status = participant->is_strands || participant->has_layer ? WISP_OK : sample_surface( work, participant );
+        if ( participant->has_layer == false && status == WISP_OK )
         {
-            return WISP_NO_MEMORY;
-        }
-        for ( int g = 0; g < work->participant_count && status == WISP_OK; ++g )
-        {
-            const contact_participant* participant = work->participants + g;
-            status = participant->is_strands ? WISP_OK : sample_surface( work, participant );
-            const bool has_layer = participant->is_strands == false && status == WISP_OK;
-            total += pass == 0 && has_layer ? s->samples->sampler.count : 0;
-            if ( pass == 1 && status == WISP_OK )
-            {
-                add_vertices( s, participant );
-                add_samples( s, has_layer ? &s->samples->sampler : NULL, participant->first_point );
-            }
+            add_samples( s, participant, participant->is_strands ? NULL : &s->samples->sampler );
         }
     }
+    s->samples->own_count = s->samples->count;
     if ( status == WISP_OK )
     {
-        place_at_rest( s );
+        (void)take_layers( work );
+        place_at_rest( s, 0 );
     }
     return status;
+}
+
+// ---- particles of layers, at the start of a step ----
+
+wisp_status contact_follow_layers( const contact_work* work, wisp_error* error )
+{
+    contact_contact_mesh* s = work->contact_mesh;
+    int total = s->samples->own_count;
+    bool fits = true;
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        const contact_participant* participant = work->participants + g;
+        const wisp_samples* layer =
+            participant->is_strands ? NULL : wisp_frame_samples( work->frame, participant->entity );
+        fits = fits && participant->has_layer == ( layer != NULL );
+        total += layer != NULL ? participant->point_count + layer->count : 0;
+    }
+    if ( fits == false || total > s->samples->capacity )
+    {
+        s->is_listed = false;
+        const wisp_status status = contact_sample_participants( work );
+        return status == WISP_OK
+                   ? WISP_OK
+                   : wisp_fail( error, status, "out of memory for %d boundary particles in contact", total );
+    }
+    if ( take_layers( work ) )
+    {
+        s->is_listed = false;
+        place_at_rest( s, s->samples->own_count );
+    }
+    return WISP_OK;
 }
 
 // ---- pairs ----

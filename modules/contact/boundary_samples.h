@@ -10,7 +10,8 @@ struct contact_candidate;
 
 typedef struct contact_samples
 {
-    int count;
+    int count, capacity;
+    int own_count;           // made here; behind them are those of layers
     int32_t ( *parents )[3]; // [sample] points
     float ( *weights )[3];   // [sample] barycentric
     float ( *rest )[4];      // [sample] m, rest position; the fourth is the index of the participant
@@ -24,8 +25,11 @@ typedef struct contact_samples
     wisp_buffer buffers[6], candidate_buffer;
 } contact_samples;
 
-/// Sample all participants at rest.
+/// Make the particles of all participants: from the layer of a surface that has one, else from its rest shape.
 wisp_status contact_sample_participants( const contact_work* work );
+
+/// Take particles over from layers again, which may have changed since the step before.
+wisp_status contact_follow_layers( const contact_work* work, wisp_error* error );
 
 /// Compute the position of a particle.
 void contact_place_sample( const contact_contact_mesh* s, const float* xyzw, int sample, float out[3] );

@@ -23,8 +23,9 @@ typedef enum wisp_contact_primitives
     /// farther than the separating planes of its pairs allow. Pinned vertices move freely; what they pass through is
     /// untangled.
     WISP_CONTACT_TRIANGLES = 0,
-    /// Boundary particles from each other, as spheres of the thickness at fixed places of the rest shape. Details finer than
-    /// their spacing pass through, so the spacing sets both the cost and what is missed (benchmark, case contact).
+    /// Boundary particles from each other, as spheres of the thickness: those of the layer of a surface that has one
+    /// (boundary.h), else particles at fixed places of its rest shape. Details finer than their spacing pass through, so the
+    /// spacing sets both the cost and what is missed (benchmark, case contact).
     WISP_CONTACT_PARTICLES = 1,
     WISP_CONTACT_PRIMITIVES_COUNT = 2,
 } wisp_contact_primitives;
@@ -35,7 +36,9 @@ typedef struct wisp_contact_settings
     uint32_t size;                      ///< bytes; set by wisp_default_contact_settings()
     wisp_contact_primitives primitives; ///< default triangles
     wisp_pair_search search;            ///< default auto; changes the time and not the result
-    float particle_spacing; ///< m, > 0, with particles; default 0: the smallest thickness of the participants
+    float
+        particle_spacing; ///< m, > 0, with particles, of surfaces without a layer; default 0: the smallest thickness of
+                          ///< the participants
     /// Search margin beyond the thickness, in thicknesses, > 0, default 1. A larger one makes lists longer and searches rarer,
     /// with the same bits.
     float margin;

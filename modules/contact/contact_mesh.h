@@ -48,6 +48,7 @@ typedef struct contact_participant
 {
     wisp_entity entity;
     bool is_strands, halted;
+    bool has_layer; // its particles are those that another module shares, as they are at the start of a step
     int first_point, point_count, first_edge, edge_count, first_triangle, triangle_count;
     contact_settings settings;
     double impulse[3];           // N s, of this step
@@ -90,6 +91,7 @@ typedef struct contact_contact_mesh
 /// Components that participants have.
 typedef struct contact_components
 {
+    wisp_component samples_read;  // of surfaces that particles stand for
     wisp_component settings;      // contact_settings
     wisp_component particle_free; // intersection-free positions of particles, [4]
     wisp_component strand_free;   // the same of strands

@@ -119,6 +119,7 @@ static wisp_status declare_components( wisp_registry* r, contact_state* s )
         wisp_component_def def;
     } all[] = {
         { &s->components.settings, { "contact.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 } },
+        { &s->components.samples_read, { WISP_SAMPLES_READ, WISP_TABLE_ENTITY, NULL, 0 } },
         { &s->components.particle_free, { "contact.particles", WISP_TABLE_PARTICLE, PARTICLE_COLUMNS, 2 } },
         { &s->components.strand_free, { "contact.strands", WISP_TABLE_STRAND_ROW, STRAND_COLUMNS, 1 } },
         { &s->active, { "contact.active", WISP_TABLE_ENTITY, MEMORY_COLUMNS, 1 } },
@@ -241,6 +242,7 @@ wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_set
         status = wisp_world_fail( world, WISP_BAD_INPUT, "contact: unknown features %d or search %d",
                                   (int)settings->primitives, (int)settings->search );
     }
+    status = status == WISP_OK ? contact_mark_participants( world, state, settings->primitives ) : status;
     if ( status == WISP_OK )
     {
         state->world = *settings;

@@ -167,11 +167,39 @@ static void remove_mesh_entity( wisp_world* world, contact_state* state )
     }
 }
 
+// Only attaching can fail.
+static wisp_status mark_participant( wisp_world* world, const contact_state* state, wisp_entity participant,
+                                     wisp_contact_primitives by )
+{
+    const wisp_component read = state->components.samples_read;
+    if ( by != WISP_CONTACT_PARTICLES || wisp_world_strands( world, participant ) != NULL )
+    {
+        return wisp_world_detach( world, participant, read );
+    }
+    return wisp_world_attach( world, participant, read );
+}
+
+wisp_status contact_mark_participants( wisp_world* world, const contact_state* state, wisp_contact_primitives by )
+{
+    wisp_status status = WISP_OK;
+    int marked = 0;
+    for ( ; marked < state->participant_count && status == WISP_OK; ++marked )
+    {
+        status = mark_participant( world, state, state->participants[marked].entity, by );
+    }
+    for ( int i = 0; i < marked && status != WISP_OK; ++i )
+    {
+        (void)mark_participant( world, state, state->participants[i].entity, state->world.primitives );
+    }
+    return status;
+}
+
 static wisp_status attach_components( wisp_world* world, contact_state* state, wisp_entity participant,
                                       wisp_component positions )
 {
     wisp_status status = wisp_world_attach( world, participant, positions );
     status = status == WISP_OK ? wisp_world_attach( world, participant, state->components.settings ) : status;
+    status = status == WISP_OK ? mark_participant( world, state, participant, state->world.primitives ) : status;
     return status == WISP_OK ? wisp_world_request( world, participant, positions ) : status;
 }
 
@@ -192,6 +220,7 @@ static wisp_status add_participant( wisp_world* world, contact_state* state, wis
         wisp_world_cancel_request( world, participant, positions );
         wisp_world_detach( world, participant, positions );
         wisp_world_detach( world, participant, state->components.settings );
+        wisp_world_detach( world, participant, state->components.samples_read );
         remove_mesh_entity( world, state );
         return status;
     }
@@ -208,6 +237,7 @@ static void remove_participant( wisp_world* world, contact_state* state, int num
     contact_forget_participant( world, state, number );
     wisp_world_cancel_request( world, participant.entity, positions );
     wisp_world_detach( world, participant.entity, state->components.settings );
+    wisp_world_detach( world, participant.entity, state->components.samples_read );
     wisp_world_detach( world, participant.entity, positions );
 }
 

@@ -7,6 +7,7 @@
 //   contact.stats  statistics, on request
 #include "contact_state.h"
 
+#include "boundary_samples.h"
 #include "coincident.h"
 #include "contact_stats.h"
 #include "gather_scatter.h"
@@ -106,6 +107,11 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
         begin_step( &work );
     }
     if ( state->changed && run_stage( &work, build_mesh ) == false )
+    {
+        return;
+    }
+    if ( state->changed == false && span->substep == 0 && contact_has_samples( &work ) &&
+         run_stage( &work, contact_follow_layers ) == false )
     {
         return;
     }

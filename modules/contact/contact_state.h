@@ -57,5 +57,8 @@ void contact_measure( wisp_frame* frame, const wisp_span* span, void* user );
 // contact_participants.c
 /// Find a participant. @return its index, or -1
 int contact_find_participant( const contact_state* state, wisp_entity entity );
+/// Mark the surfaces that particles stand for, so that modules that share points bring them up to date before the substeps.
+/// @return WISP_NO_MEMORY: marks are as before
+wisp_status contact_mark_participants( wisp_world* world, const contact_state* state, wisp_contact_primitives by );
 /// Remove a participant. Only takes away, so it cannot fail.
 void contact_forget_participant( wisp_world* world, contact_state* state, int number );

@@ -61,6 +61,7 @@ const bad_scene BAD_SCENES_MOTION[] = {
     { "dynamics_wind_fast.yaml", ":6:30: strands[0].dynamics.wind[2]: got 1e5, expected a value in [-50000, 50000]" },
     { "events_both.yaml", ":10:5: events[0]: got both 'strands' and 'surface', expected one of them" },
     { "events_strands_gas_ratio.yaml", ":8:5: events[0]: strands take only 'wind'" },
+    { "events_strands_gust.yaml", ":8:5: events[0]: strands take only 'wind'" },
     { "events_strands_idle.yaml", ":8:5: events[0]: got no change, expected 'wind'" },
     { "events_strands_twice.yaml",
       ":9:5: events: got a second entry of strands 'hair' for step 1, the first is in line 8" },

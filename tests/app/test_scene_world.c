@@ -407,6 +407,44 @@ static void a_released_surface_falls_and_its_pins_follow_no_keyframe( void** sta
     release( &f );
 }
 
+// Two triangles over four vertices: the ends of the diagonal belong to both. A gust comes on top of a velocity that is set.
+static void a_gust_is_added_once_or_for_each_triangle( void** state )
+{
+    (void)state;
+    for ( int per_triangle = 0; per_triangle < 2; ++per_triangle )
+    {
+        fixture f;
+        char text[512];
+        snprintf( text, sizeof text,
+                  "wisp: 1\ndt: 0.01\nsteps: 100\nsubsteps: 1\ngravity: [0, 0, 0]\nsurfaces:\n"
+                  "  - { name: a, generate: { shape: plane, columns: 2, rows: 2 }, pins: [3], compute: [points] }\n"
+                  "events: [{ step: 10, surface: a, velocity: [0, 0, 1], gust: [0.5, -1, 0], "
+                  "gust_per_triangle: %s }]\n",
+                  per_triangle == 1 ? "true" : "false" );
+        build( &f, text );
+        step( &f, 10 );
+        wisp_vec3 start[4];
+        for ( int i = 0; i < 4; ++i )
+        {
+            start[i] = point_of( &f, 0, i );
+        }
+        step( &f, 1 );
+        int twice = 0;
+        for ( int i = 0; i < 3; ++i )
+        {
+            const wisp_vec3 p = point_of( &f, 0, i );
+            const bool is_double = p.y < -0.015f;
+            const float times = is_double ? 0.02f : 0.01f;
+            assert_near( p, start[i].x + 0.5f * times, -times, start[i].z + 0.01f );
+            twice += is_double ? 1 : 0;
+        }
+        // the pinned vertex is an end of the diagonal, or not
+        assert_true( per_triangle == 1 ? twice == 1 || twice == 2 : twice == 0 );
+        assert_near( point_of( &f, 0, 3 ), start[3].x, start[3].y, start[3].z );
+        release( &f );
+    }
+}
+
 static void keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards( void** state )
 {
     (void)state;
@@ -639,6 +677,7 @@ int main( void )
         cmocka_unit_test( an_outlet_near_a_point_has_the_vertices_within_its_radius ),
         cmocka_unit_test( pins_follow_their_keyframes_and_stay_at_the_last ),
         cmocka_unit_test( a_released_surface_falls_and_its_pins_follow_no_keyframe ),
+        cmocka_unit_test( a_gust_is_added_once_or_for_each_triangle ),
         cmocka_unit_test( keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards ),
         cmocka_unit_test( the_outlet_opens_and_closes_when_an_event_says ),
         cmocka_unit_test( wind_of_an_event_blows_from_its_step_on ),

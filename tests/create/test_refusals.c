@@ -93,6 +93,7 @@ static int close_fixture( void** state )
     X( wisp_set_damping( W, E, 1.0f ) )                                                                              \
     X( wisp_set_strain_limit( W, E, 0.5f, 2.0f ) )                                                                   \
     X( wisp_set_velocity( W, E, points[0], points[0] ) )                                                             \
+    X( wisp_apply_gust( W, E, points[0], false ) )                                                                   \
     X( wisp_add_instance( W, E, NULL, &( wisp_entity ){ 0 } ) )                                                      \
     X( wisp_remove( W, E ) )                                                                                         \
     X( wisp_teleport( W, E, ( wisp_transform ){ { 0, 0, 0, 1 }, { 0, 0, 0 } }, true ) )                              \

@@ -248,6 +248,9 @@ WISP_API void* wisp_frame_column( wisp_frame* frame, wisp_entity entity, wisp_co
 WISP_API bool wisp_frame_has( wisp_frame* frame, wisp_entity entity, wisp_component component );
 WISP_API const wisp_strand_topology* wisp_frame_strands( wisp_frame* frame, wisp_entity entity );
 WISP_API const wisp_fabric* wisp_frame_fabric( wisp_frame* frame, wisp_entity entity );
+/// Points that a module shares of a surface, as they were at the start of the step if the surface has the component
+/// WISP_SAMPLES_READ (sampling.h). @return null if no module does
+WISP_API const struct wisp_samples* wisp_frame_samples( wisp_frame* frame, wisp_entity surface );
 /// The particles [begin, end) of a span of particle blocks.
 WISP_API wisp_span wisp_frame_particles( wisp_frame* frame, const wisp_span* span );
 /// Length of a substep of an entity, s.
@@ -325,6 +328,9 @@ WISP_API void* wisp_world_module_state( wisp_world* world, const char* module );
 /// @return WISP_CONFLICT, WISP_STALE_ID, with a message
 WISP_API wisp_status wisp_world_surface_state( wisp_world* world, const char* module, wisp_entity surface,
                                                void** state );
+/// Let other modules read the points that one keeps on a surface.
+/// @param samples must live until they are withdrawn by null, or the surface is removed
+WISP_API void wisp_world_share_samples( wisp_world* world, wisp_entity surface, const struct wisp_samples* samples );
 /// Have the arrays of a lean fabric that a function between steps reads; passes name theirs in wisp_pass.fabric.
 /// @param arrays wisp_fabric_arrays or-ed @return WISP_NO_MEMORY, with a message
 WISP_API wisp_status wisp_world_need_fabric( wisp_world* world, wisp_entity surface, unsigned arrays );

@@ -7,6 +7,10 @@
 
 WISP_BEGIN_C
 
+/// Marks surfaces whose points another module reads in the substeps (wisp_frame_samples). The reader attaches it, and the module
+/// that shares points brings them up to date before the substeps. A component of WISP_TABLE_ENTITY without columns.
+#define WISP_SAMPLES_READ "surface.samples_read"
+
 /// What to sample and how. The arrays stay the caller's.
 typedef struct wisp_samples_args
 {
