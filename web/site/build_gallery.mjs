@@ -4,7 +4,7 @@
  *     node web/site/build_gallery.mjs TREE WISP OUTPUT [--quick]
  *
  * Writes OUTPUT/index.html and its pictures. A scene's caption is the comment that begins its file; `pictures` in site.json has the
- * options of its picture, and `figures` the cases of `wisp bench` that draw. --quick draws fewer and smaller pictures.
+ * options of its pictures, and `figures` the cases of `wisp bench` that draw. --quick draws fewer and smaller pictures.
  */
 import { execFileSync, spawnSync } from "node:child_process";
 import { copyFile, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
@@ -56,11 +56,14 @@ async function sceneFigures() {
     const names = (await readdir(join(tree, "data/scenes"))).filter((name) => name.endsWith(".yaml")).sort();
     process.chdir(output);
     for (const name of names.slice(0, isQuick ? 3 : names.length)) {
-        const path = join(tree, "data/scenes", name), picture = `${basename(name, ".yaml")}.png`;
-        const options = settings.pictures[basename(name, ".yaml")] ?? [];
-        run("render", path, ...(options.includes("--size") || isQuick ? [] : ["--size", "960x600"]), ...options, ...look, "-o", picture);
-        figures.push({ picture, title: name, text: commentOf(await readFile(path, "utf8")), cost: costOf(path) });
-        console.log(`${picture}: ${figures.at(-1).cost}`);
+        const path = join(tree, "data/scenes", name), scene = basename(name, ".yaml"), cost = costOf(path);
+        const text = commentOf(await readFile(path, "utf8"));
+        for (const [index, options] of (settings.pictures[scene] ?? [[]]).entries()) {
+            const picture = `${scene}${index > 0 ? `_${index + 1}` : ""}.png`;
+            run("render", path, ...(options.includes("--size") || isQuick ? [] : ["--size", "960x600"]), ...options, ...look, "-o", picture);
+            figures.push({ picture, title: [name, ...options].join(" "), text, cost });
+        }
+        console.log(`${name}: ${cost}`);
     }
     return figures;
 }

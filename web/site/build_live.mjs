@@ -30,5 +30,5 @@ for (const { scene } of gallery) {
     const from = join(tree, "data/scenes", scene);
     const to = join(output, basename(scene, ".yaml"));
     run("view", from, "-o", `${to}.html`);
-    run("render", from, ...(pictures[basename(scene, ".yaml")] ?? []), "--size", "960x600", "--samples", "24", "-o", `${to}.png`);
+    run("render", from, ...(pictures[basename(scene, ".yaml")]?.[0] ?? []), "--size", "960x600", "--samples", "24", "-o", `${to}.png`);
 }
