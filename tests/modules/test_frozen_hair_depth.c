@@ -138,8 +138,9 @@ static void a_layer_freezes_and_aligns_as_hair_in_the_plane_bit_for_bit( void** 
         def.blend_chord = n / 3 % 2 == 1;
         def.reach_nearest = n / 6 % 2 == 1;
         def.base = n / 12 == 1 ? WISP_FROZEN_BASE_STROKE : WISP_FROZEN_BASE_REST;
-        wisp_vec3* a = run_commands( &flat, &def, 2 );
         wisp_vec3* b = run_commands( &deep, &def, 2 );
+        def.max_depth_change = n / 6 % 2 == 0 ? -1.0f : 0.0f; // in the plane a limit changes nothing
+        wisp_vec3* a = run_commands( &flat, &def, 2 );
         int turned = 0;
         for ( int v = 0; v < flat.vertex_count; ++v )
         {
@@ -178,9 +179,11 @@ static void layers_further_apart_than_the_clump_radius_clump_each_as_if_alone( v
     {
         hair_groom deep = layered( (hair_shape)( n / 3 ), 3, -1 ), flat = layered( (hair_shape)( n / 3 ), 2, n % 3 );
         wisp_frozen_hair_def def = soft_def( 0.0f );
-        wisp_vec3* a = hair_run( NULL, &flat, &def );
         wisp_vec3* b = hair_run( NULL, &deep, &def );
+        def.max_depth_change = -1.0f;
+        wisp_vec3* a = hair_run( NULL, &flat, &def );
         int moved = 0;
+        def.max_depth_change = 0.0f;
         def.clump = false;
         wisp_vec3* aligned = hair_run( NULL, &deep, &def );
         for ( int s = n % 3; s < 60; s += 3 )

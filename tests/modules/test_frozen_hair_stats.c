@@ -429,7 +429,7 @@ static void flat_hair_stays_flat_to_the_bit_and_refuses_depth( void** state )
         def.blend_chord = n / 12 != 0;
         def.epsilon = n / 12 != 0 ? 1e-6f : 0.0f;
         def.bend_stiffness = 1.0f;
-        def.cursor = ( wisp_vec3 ){ 0.08f, n % 2 == 0 ? -0.1f : 0.1f, 0.0f };
+        def.cursor = ( wisp_vec3 ){ 0.08f, n % 2 == 0 ? -0.1f : 0.1f, n / 6 % 2 == 0 ? 0.0f : 0.05f };
         wisp_vec3* out = hair_run( NULL, &groom, &def );
         for ( int v = 0; v < groom.vertex_count; ++v )
         {
