@@ -387,7 +387,7 @@ enum
 {
     RULES = 4,
     CLUMPED = 100,     // strands that are counted
-    DRAWN = 48,        // strands of the picture
+    DRAWN = 24,        // strands of the picture
     CLUMP_ROUNDS = 16, // iterations: the more, the stronger the clumps (section III.4)
 };
 
@@ -450,7 +450,7 @@ static wisp_status draw_clumps( figures_case* page, float spacing, wisp_error* e
         status =
             figures_hair_write( page, &album, "frozen_hair_3_clumps",
                                 "Kim 2026, Fig. 3: strands that were aligned, then clumped by 16 iterations, with "
-                                "roots 0.5 of the clump radius apart; numbers are mean distances to the next strand",
+                                "roots 0.7 of the clump radius apart; numbers are mean distances to the next strand",
                                 error );
     }
     figures_hair_free( &album );
@@ -482,5 +482,5 @@ wisp_status figures_frozen_clumps( figures_case* page, wisp_error* error )
                 c[2].locks, c[1].locks, 1e3 * c[0].gap, 1e3 * c[3].gap, 1e3 * c[2].gap, 1e3 * c[1].gap );
         }
     }
-    return status == WISP_OK ? draw_clumps( page, 0.005f, error ) : status;
+    return status == WISP_OK ? draw_clumps( page, 0.007f, error ) : status;
 }

@@ -17,15 +17,19 @@ typedef struct jitter_lanes
     lane16 stretch, bend; // 1 / (k + eps)
 } jitter_lanes;
 
-// Returns the unit vector perpendicular to t that is nearest to the z axis, so that t bends along x and y alone.
+// Returns the unit vector perpendicular to t that is nearest to the z axis, so that t bends along x and y alone. For a t in the
+// plane it is exactly the z axis.
 static lane16v upright_axis( lane16v t )
 {
+    const lane16 zero = lane16_zero();
     lane16v b1, b2;
     lane16v_basis( t, &b1, &b2 );
     const lane16 across = lane16_sqrt( lane16_mul_add( t.x, t.x, lane16_mul( t.y, t.y ) ) );
     const lane16 tilt = lane16_neg( lane16_div( t.z, across ) );
-    const lane16v axis = { lane16_mul( tilt, t.x ), lane16_mul( tilt, t.y ), across };
-    return lane16v_select( lane16_gt( across, lane16_set1( 1e-6f ) ), axis, b1 );
+    lane16v axis = { lane16_mul( tilt, t.x ), lane16_mul( tilt, t.y ), across };
+    axis = lane16v_select( lane16_gt( across, lane16_set1( 1e-6f ) ), axis, b1 );
+    const lane16v z = { zero, zero, lane16_set1( 1.0f ) };
+    return lane16v_select( lane16_eq( t.z, zero ), z, axis );
 }
 
 // Returns a unit vector perpendicular to t where the strand defines none: the z axis in the plane and near it with layers,

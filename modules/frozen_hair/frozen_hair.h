@@ -53,10 +53,11 @@ typedef struct wisp_frozen_hair_def
     // align, eq. 8-13
     float intensity;               ///< x in [0, 1], default 0.8
     const float* strand_intensity; ///< [strand_count] or null
-    wisp_vec3 cursor;         ///< c, m, target of the first update; default the origin; not read with base stroke
-    float reach;              ///< r, m, >= 0, default 0.15
-    bool reach_nearest;       ///< any vertex within reach, not only the tip; default false (as printed)
-    bool blend_chord;         ///< eq. 13 as printed (shortens); default false: arc, keeps distances to the root
+    wisp_vec3 cursor;   ///< c, m, target of the first update; default the origin; not read with base stroke. In two
+                        ///< dimensions the z of cursors is not read
+    float reach;        ///< r, m, >= 0, default 0.15
+    bool reach_nearest; ///< any vertex within reach, not only the tip; default false (as printed)
+    bool blend_chord;   ///< eq. 13 as printed (shortens); default false: arc, keeps distances to the root
     bool direction_from_root; ///< tip - root instead of tip - mean; default false (as printed)
 
     // clump, eq. 14-19

@@ -86,7 +86,7 @@ static void align( wisp_frame* frame, const wisp_span* span, void* user )
     const frozen_event* event = wisp_frame_column( frame, span->entity, state->event, 0 );
     const frozen_align* a = wisp_frame_column( frame, span->entity, state->align, 0 );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    const bool is_limited = wisp_frame_has( frame, span->entity, state->depth );
+    const bool in_plane = t->dimension == 2 || wisp_frame_has( frame, span->entity, state->depth );
     wisp_strand_align_args args = {
         .group_row = t->group_row,
         .lane_count = t->lane_count,
@@ -97,8 +97,8 @@ static void align( wisp_frame* frame, const wisp_span* span, void* user )
         .chord = a->blend_chord != 0,
         .from_root = a->direction_from_root != 0,
         .nearest = a->reach_nearest != 0,
-        .dimension = is_limited ? 2 : t->dimension,
-        .in_plane = is_limited,
+        .dimension = in_plane ? 2 : 3,
+        .in_plane = in_plane,
         .swept = wisp_frame_column( frame, span->entity, state->swept, 0 ),
     };
     if ( args.swept != NULL && wisp_frame_has( frame, span->entity, WISP_STRAND_POSED ) )

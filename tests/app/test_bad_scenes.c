@@ -243,7 +243,7 @@ static const bad_scene BAD_SCENES[] = {
     { "long_number.yaml",
       ":2:8: steps: got '11111111111111111111111111111111111111111111...', expected a whole number" },
     { "max_depth_change.yaml",
-      ":6:25: strands[0].frozen_hair.max_depth_change: got -0.001, expected a value in [0, 1e+06]" },
+      ":6:25: strands[0].frozen_hair.max_depth_change: got -0.001, expected a value in [0, 1000000]" },
     { "max_neighbours.yaml",
       ":6:32: strands[0].frozen_hair.clump.max_neighbours: got 5000, expected a value in [1, 4096]" },
     { "merge_key.yaml",

@@ -434,6 +434,31 @@ static void the_turn_grows_linearly_from_the_intensity_to_one( void** state )
     hair_groom_destroy( &groom );
 }
 
+// Eq. 12: a strand ends at its own N - 1, whatever the length of those beside it; the next command starts from there
+static void a_short_strand_among_long_ones_turns_as_if_alone_at_every_command( void** state )
+{
+    (void)state;
+    hair_groom both = hair_groom_create_mixed( HAIR_CURLY, 3, 2, ( const int[] ){ 4, 20 }, 0.0f );
+    hair_groom alone = hair_groom_from( 3, 1, ( const int[] ){ 4 }, both.points );
+    wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    def.base = WISP_FROZEN_BASE_PREVIOUS;
+    def.intensity = 0.3f;
+    wisp_world* world = hair_world_create( NULL );
+    const wisp_entity a = hair_add_frozen( world, &both, &def ), b = hair_add_frozen( world, &alone, &def );
+    for ( int n = 0; n < 5; ++n )
+    {
+        const wisp_vec3 cursor = { (float)sin( n ), (float)cos( n ), 0.3f * (float)n - 0.6f };
+        hair_command( world, a, cursor );
+        hair_command( world, b, cursor );
+        hair_step( world );
+        assert_true( hair_same_bits( hair_view( world, a, 24 ), hair_view( world, b, 4 ), 4 ) );
+    }
+    assert_true( hair_distance( hair_view( world, b, 4 )[3], alone.points[3] ) > 1e-3 );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &both );
+    hair_groom_destroy( &alone );
+}
+
 // Eq. 13: the printed blend shortens, the arc does not
 static void a_chord_shortens_by_the_known_ratio_and_an_arc_keeps_distances( void** state )
 {
@@ -477,6 +502,7 @@ int main( void )
         cmocka_unit_test( a_whole_turn_points_at_the_cursor_even_from_the_opposite ),
         cmocka_unit_test( a_turn_from_the_rounded_opposite_ends_at_the_cursor ),
         cmocka_unit_test( the_turn_grows_linearly_from_the_intensity_to_one ),
+        cmocka_unit_test( a_short_strand_among_long_ones_turns_as_if_alone_at_every_command ),
         cmocka_unit_test( a_chord_shortens_by_the_known_ratio_and_an_arc_keeps_distances ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -138,8 +138,9 @@ static void a_layer_freezes_and_aligns_as_hair_in_the_plane_bit_for_bit( void** 
         def.blend_chord = n / 3 % 2 == 1;
         def.reach_nearest = n / 6 % 2 == 1;
         def.base = n / 12 == 1 ? WISP_FROZEN_BASE_STROKE : WISP_FROZEN_BASE_REST;
-        wisp_vec3* a = run_commands( &flat, &def, 2 );
         wisp_vec3* b = run_commands( &deep, &def, 2 );
+        def.max_depth_change = n / 6 % 2 == 0 ? -1.0f : 0.0f; // in the plane a limit changes nothing
+        wisp_vec3* a = run_commands( &flat, &def, 2 );
         int turned = 0;
         for ( int v = 0; v < flat.vertex_count; ++v )
         {
@@ -178,9 +179,11 @@ static void layers_further_apart_than_the_clump_radius_clump_each_as_if_alone( v
     {
         hair_groom deep = layered( (hair_shape)( n / 3 ), 3, -1 ), flat = layered( (hair_shape)( n / 3 ), 2, n % 3 );
         wisp_frozen_hair_def def = soft_def( 0.0f );
-        wisp_vec3* a = hair_run( NULL, &flat, &def );
         wisp_vec3* b = hair_run( NULL, &deep, &def );
+        def.max_depth_change = -1.0f;
+        wisp_vec3* a = hair_run( NULL, &flat, &def );
         int moved = 0;
+        def.max_depth_change = 0.0f;
         def.clump = false;
         wisp_vec3* aligned = hair_run( NULL, &deep, &def );
         for ( int s = n % 3; s < 60; s += 3 )
@@ -228,6 +231,42 @@ static void frozen_segments_keep_their_drawn_lengths_at_their_depth( void** stat
         free( out );
         hair_groom_destroy( &groom );
     }
+}
+
+// Along z a segment cannot keep a shorter length at its depth, and has no x and y to keep a longer one with.
+static void segments_along_z_stay_finite_and_are_as_long_as_their_depth( void** state )
+{
+    (void)state;
+    enum
+    {
+        strands = 40
+    };
+    static wisp_vec3 points[3 * strands];
+    int counts[strands];
+    for ( int v = 0; v < 3 * strands; ++v )
+    {
+        points[v] = ( wisp_vec3 ){ 0.01f * (float)( v / 3 ), 0.0f, 0.01f * (float)( v % 3 ) };
+        counts[v / 3] = 3;
+    }
+    hair_groom groom = hair_groom_from( 3, strands, counts, points );
+    for ( int bends = 0; bends <= 1; ++bends )
+    {
+        wisp_frozen_hair_def def = hair_freeze_only();
+        def.stretch_stiffness = 2.0f;
+        def.bend_stiffness = bends ? 20.0f : 1e12f;
+        def.max_depth_change = 0.0f;
+        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        hair_assert_finite( out, 3 * strands );
+        int shorter = 0;
+        for ( int v = 0; v < 3 * strands; ++v )
+        {
+            assert_true( out[v].z == points[v].z );
+            shorter += v % 3 == 1 && hair_distance( out[v], out[v - 1] ) < 0.01 + 1e-8;
+        }
+        assert_true( bends ? shorter > 10 && shorter < strands : shorter == strands );
+        free( out );
+    }
+    hair_groom_destroy( &groom );
 }
 
 static void freezing_and_aligning_with_a_limit_follow_the_oracle( void** state )
@@ -342,6 +381,7 @@ int main( void )
         cmocka_unit_test( a_strand_that_points_away_turns_within_its_layer ),
         cmocka_unit_test( layers_further_apart_than_the_clump_radius_clump_each_as_if_alone ),
         cmocka_unit_test( frozen_segments_keep_their_drawn_lengths_at_their_depth ),
+        cmocka_unit_test( segments_along_z_stay_finite_and_are_as_long_as_their_depth ),
         cmocka_unit_test( freezing_and_aligning_with_a_limit_follow_the_oracle ),
         cmocka_unit_test( clumping_with_a_limit_follows_the_oracle ),
         cmocka_unit_test( depth_is_counted_from_where_a_head_moved_the_strands ),

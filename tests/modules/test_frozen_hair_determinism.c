@@ -90,6 +90,12 @@ static void stroke( wisp_frozen_hair_def* def )
     def->reach = 0.1f;
 }
 
+static void layers( wisp_frozen_hair_def* def )
+{
+    stroke( def );
+    def->max_depth_change = 0.002f;
+}
+
 static const golden_case cases[] = {
     { "plane-wavy-all", HAIR_WAVY, 2, 220, false, keep },
     { "space-curly-all", HAIR_CURLY, 3, 220, false, keep },
@@ -105,6 +111,7 @@ static const golden_case cases[] = {
     { "space-wavy-capped", HAIR_WAVY, 3, 60, false, capped },
     { "plane-wavy-stroke", HAIR_WAVY, 2, 220, false, stroke },
     { "space-curly-stroke-mixed-lengths", HAIR_CURLY, 3, 120, true, stroke },
+    { "space-curly-layers-mixed-lengths", HAIR_CURLY, 3, 120, true, layers },
 };
 
 static hair_groom make_groom( const golden_case* c )

@@ -1,6 +1,6 @@
 // The method of frozen hair, equation by equation and stage by stage, on its double-precision oracle. The pipeline
 // and the guard are in test_frozen_hair_oracle_pipeline.c, statistics and figures in
-// test_frozen_hair_oracle_stats.c. Numbers of equations, figures and sections are those of Kim 2026.
+// test_frozen_hair_oracle_figures.c. Numbers of equations, figures and sections are those of Kim 2026.
 #include "frozen_hair_fixture.h"
 
 // Eq. 1
@@ -49,7 +49,7 @@ static void a_tangent_is_a_unit_vector_and_a_zero_segment_copies_the_previous_on
     assert_true( same_bits( &copied, &previous, 1 ) );
 }
 
-// Eq. 3: bounds; the statistics are in test_frozen_hair_oracle_stats.c
+// Eq. 3: bounds; the statistics are in test_frozen_hair_oracle_figures.c
 static void a_target_length_stays_within_one_over_the_stiffness( void** state )
 {
     (void)state;

@@ -251,6 +251,77 @@ static void flat_hair_stays_flat_and_hair_in_space_does_not( void** state )
     }
 }
 
+static void assert_refused( const frozen_scene* scene, const frozen_oracle_options* options, const char* named )
+{
+    wisp_error error = { WISP_OK, "" };
+    double3* out = new_points( scene );
+    assert_int_equal( frozen_oracle_run( &scene->hair, options, NULL, out, &error ), WISP_BAD_INPUT );
+    assert_int_equal( error.status, WISP_BAD_INPUT );
+    assert_non_null( strstr( error.message, named ) );
+    assert_true( out[0].x == 0.0 && out[1].y == 0.0 );
+    free( out );
+}
+
+// 2.5D (extension)
+static void a_limit_of_depth_keeps_z_near_and_lengths_as_they_were( void** state )
+{
+    (void)state;
+    // level, too deep, steeper than its length, without x and y, and back
+    const double3 base[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 2, 0, 0 }, { 3, 0, 3 }, { 4, 0, 3 }, { 5, 0, 3 } };
+    const double3 frozen[] = { { 0, 0, 0 },       { 0.6, 0.8, 0 },   { 1.2, 0.8, 0.8 },
+                               { 2.2, 0.8, 0.8 }, { 2.2, 0.8, 2.8 }, { 2.2, 1.8, 2.8 } };
+    double3 p[6];
+    memcpy( p, frozen, sizeof p );
+    frozen_oracle_limit_depth( base, 6, 10.0, p );
+    assert_true( same_bits( p, frozen, 6 ) );
+    frozen_oracle_limit_depth( base, 6, 0.5, p );
+    assert_true( same_bits( p, frozen, 2 ) );
+    assert_true( p[2].z == 0.5 && p[3].z == 2.5 && p[4].z == 2.8 && p[5].z == 2.8 );
+    assert_close( double3_distance( p[2], p[1] ), 1.0, 1e-15 );
+    assert_close( p[2].x - p[1].x, sqrt( 0.75 ), 1e-15 );
+    assert_true( p[3].x == p[2].x && p[3].y == p[2].y && p[4].x == p[3].x );
+    assert_close( p[5].y - p[4].y, 1.0, 1e-15 );
+
+    for ( int n = 0; n < 1000; ++n )
+    {
+        const double3 t = double3_unit( random_vector( n, 0 ) ), axis = frozen_oracle_upright_axis( t );
+        assert_close( double3_length( axis ), 1.0, 1e-12 );
+        assert_close( double3_dot( axis, t ), 0.0, 1e-12 );
+        assert_close( double3_cross( axis, t ).z, 0.0, 1e-12 );
+        assert_true( axis.z > 0.0 );
+    }
+    const double3 up = { 0.0, 0.0, 1.0 }, any = frozen_oracle_upright_axis( up );
+    assert_true( double3_length( any ) == 1.0 && any.z == 0.0 );
+}
+
+static void with_a_limit_every_stage_leaves_depth_alone( void** state )
+{
+    (void)state;
+    frozen_scene scene = new_scene( FROZEN_SCENE_CURLY, 3, 49, 20, 0.004 );
+    for ( int n = 0; n < 3; ++n )
+    {
+        const double limits[] = { 0.0, 1e-3, -1.0 };
+        frozen_oracle_options options = busy_options( 3 );
+        options.cursor = double3_make( 0.1, -0.1, 0.3 );
+        options.cursor_radius = 1.0;
+        options.max_depth_change = limits[n];
+        double3* out = run( &scene, &options );
+        double most = 0.0;
+        for ( int v = 0; v < scene.vertex_count; ++v )
+        {
+            most = fmax( most, fabs( out[v].z - scene.rest[v].z ) );
+        }
+        assert_true( n == 2 ? most > 0.01 : most <= limits[n] + 1e-16 );
+        free( out );
+    }
+    frozen_oracle_options options = busy_options( 3 );
+    options.max_depth_change = 2e6;
+    assert_refused( &scene, &options, "change of depth" );
+    options.max_depth_change = NAN;
+    assert_refused( &scene, &options, "change of depth" );
+    frozen_scene_destroy( &scene );
+}
+
 // Dense hair with deliberately little space: r_min and less between many vertices.
 static frozen_scene crowded_scene( void )
 {
@@ -392,17 +463,6 @@ static void stages_without_anything_to_do_change_nothing( void** state )
     frozen_scene_destroy( &scene );
 }
 
-static void assert_refused( const frozen_scene* scene, const frozen_oracle_options* options, const char* named )
-{
-    wisp_error error = { WISP_OK, "" };
-    double3* out = new_points( scene );
-    assert_int_equal( frozen_oracle_run( &scene->hair, options, NULL, out, &error ), WISP_BAD_INPUT );
-    assert_int_equal( error.status, WISP_BAD_INPUT );
-    assert_non_null( strstr( error.message, named ) );
-    assert_true( out[0].x == 0.0 && out[1].y == 0.0 );
-    free( out );
-}
-
 // Invalid input is rejected with a message that names it
 static void wrong_parameters_and_wrong_points_are_refused_by_name( void** state )
 {
@@ -475,6 +535,8 @@ int main( void )
         cmocka_unit_test( each_strand_obeys_its_own_stiffness_and_intensity ),
         cmocka_unit_test( starting_from_the_previous_output_drifts_in_angle_but_not_in_length ),
         cmocka_unit_test( flat_hair_stays_flat_and_hair_in_space_does_not ),
+        cmocka_unit_test( a_limit_of_depth_keeps_z_near_and_lengths_as_they_were ),
+        cmocka_unit_test( with_a_limit_every_stage_leaves_depth_alone ),
         cmocka_unit_test( the_guard_keeps_pairs_apart_and_in_order_and_nothing_else_does ),
         cmocka_unit_test( degenerate_strands_come_out_finite_and_as_agreed ),
         cmocka_unit_test( stages_without_anything_to_do_change_nothing ),

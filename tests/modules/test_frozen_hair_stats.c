@@ -259,11 +259,8 @@ static void clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_ove
         {
             few[r] = clump_aligned( &groom, spacing, (int)gap_rules[r], 4, seed );
             many[r] = clump_aligned( &groom, spacing, (int)gap_rules[r], 16, seed );
-            if ( n % 3 != HAIR_CURLY ||
-                 spacing > 0.0015 ) // loops in the plane lie on each other at the highest density
-            {
-                assert_true( few[r].locks < before.locks );
-            }
+            // curls in the plane lie on each other at the highest density
+            assert_true( few[r].locks < before.locks || ( n % 3 == HAIR_CURLY && spacing < 0.0015 ) );
             assert_true( many[r].locks < few[r].locks && many[r].locks < d->fraction * before.locks );
 
             // r_min is 0.02 of the radius; four iterations round coordinates of 0.5 m
@@ -432,7 +429,7 @@ static void flat_hair_stays_flat_to_the_bit_and_refuses_depth( void** state )
         def.blend_chord = n / 12 != 0;
         def.epsilon = n / 12 != 0 ? 1e-6f : 0.0f;
         def.bend_stiffness = 1.0f;
-        def.cursor = ( wisp_vec3 ){ 0.08f, n % 2 == 0 ? -0.1f : 0.1f, 0.0f };
+        def.cursor = ( wisp_vec3 ){ 0.08f, n % 2 == 0 ? -0.1f : 0.1f, n / 6 % 2 == 0 ? 0.0f : 0.05f };
         wisp_vec3* out = hair_run( NULL, &groom, &def );
         for ( int v = 0; v < groom.vertex_count; ++v )
         {

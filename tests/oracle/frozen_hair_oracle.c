@@ -275,9 +275,15 @@ void frozen_oracle_limit_depth( const double3* base, int count, double limit, do
 
 // Equations 8 to 13.
 
+// In the plane and with a limit of depth, z turns and moves nothing.
+static bool is_in_plane( const frozen_oracle_options* options )
+{
+    return options->dimension == 2 || has_depth( options );
+}
+
 static double3 without_depth( const frozen_oracle_options* options, double3 v )
 {
-    return has_depth( options ) ? double3_make( v.x, v.y, 0.0 ) : v;
+    return is_in_plane( options ) ? double3_make( v.x, v.y, 0.0 ) : v;
 }
 
 double3 frozen_oracle_representative( const double3* points, int count, frozen_oracle_direction direction )
@@ -498,10 +504,10 @@ void frozen_oracle_deform( const frozen_oracle_hair* hair, const frozen_oracle_o
     }
 }
 
-// With a limit of depth, z is depth: the cursor is as deep as each vertex, and strands turn about z.
+// In the plane, the cursor is as deep as each vertex, and strands turn about z.
 static bool reaches( const frozen_oracle_options* options, const double3* points, int count )
 {
-    if ( !has_depth( options ) )
+    if ( !is_in_plane( options ) )
     {
         return frozen_oracle_in_reach( points, count, options->cursor, options->cursor_radius, options->reach );
     }
@@ -520,14 +526,14 @@ static void turn_points( const frozen_oracle_options* options, double3 target, d
 {
     double3 v = without_depth( options, frozen_oracle_representative( p, count, options->direction ) ), axis;
     double phi;
-    bool turns = frozen_oracle_turn( v, without_depth( options, target ),
-                                     has_depth( options ) ? 2 : options->dimension, &axis, &phi );
+    bool turns =
+        frozen_oracle_turn( v, without_depth( options, target ), is_in_plane( options ) ? 2 : 3, &axis, &phi );
     for ( int i = 0; i < count; ++i )
     {
         out[i] = turns ? frozen_oracle_blend_point( options->blend, p[0], p[i], axis, phi,
                                                     frozen_oracle_weight( i, count, intensity ) )
                        : p[i];
-        out[i].z = has_depth( options ) ? p[i].z : out[i].z;
+        out[i].z = is_in_plane( options ) ? p[i].z : out[i].z;
     }
 }
 
