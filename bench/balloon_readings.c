@@ -30,7 +30,7 @@ wisp_status balloon_read_all( surface_implementation* implementation, const ball
     wisp_balloon_def def = setting->def;
     wisp_balloon_stats seen = { 0 };
     wisp_status status = WISP_OK;
-    for ( int reading = 0; reading < WISP_BALLOON_PRESSURE_COUNT && status == WISP_OK; ++reading )
+    for ( int reading = 0; reading < BALLOON_READINGS && status == WISP_OK; ++reading )
     {
         def.pressure = (wisp_balloon_pressure)reading;
         status = wisp_set_balloon( implementation->world, implementation->entity, &def );

@@ -6,11 +6,14 @@
 /// Sum of k l^2 over all links at rest, N m: what the pressure of a mesh that is scaled evenly goes with.
 double balloon_stiffness_sum( const wisp_fabric* fabric, const wisp_balloon_def* def );
 
+/// The readings that are one pressure at equilibrium; the printed `added` is not one of them.
+#define BALLOON_READINGS ( WISP_BALLOON_PRESSURE_GAS + 1 )
+
 typedef struct balloon_readings
 {
-    double pressure[WISP_BALLOON_PRESSURE_COUNT]; ///< Pa above the atmosphere, by wisp_balloon_pressure
-    double volume_error;                          ///< V / V_0 - 1
-    double closed_form; ///< Pa, of the mesh scaled to the volume that it has: every link k (l - d)
+    double pressure[BALLOON_READINGS]; ///< Pa above the atmosphere, by wisp_balloon_pressure
+    double volume_error;               ///< V / V_0 - 1
+    double closed_form;                ///< Pa, of the mesh scaled to the volume that it has: every link k (l - d)
 } balloon_readings;
 
 /// One more step for each reading.

@@ -22,6 +22,10 @@ wisp_status balloon_mesh_figure( wisp_mesh* out, const char** name, wisp_error* 
 /// The vertex farthest along a direction; ties go to the lowest index.
 int balloon_mesh_extreme( const wisp_mesh* mesh, wisp_vec3 direction );
 
+/// The vertex nearest to a point; ties go to the lowest index.
+int balloon_mesh_nearest( const wisp_mesh* mesh, wisp_vec3 at );
+double balloon_distance( wisp_vec3 a, wisp_vec3 b );
+
 /// Parameters of an experiment, apart from the mesh. Start from balloon_default_setting().
 typedef struct balloon_setting
 {

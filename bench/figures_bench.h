@@ -37,7 +37,7 @@ wisp_status figures_run( figures_fn* const* experiments, int count, const bench_
 
 // ---- pictures ----
 
-#define FIGURES_SHOTS_MAX PICTURE_SHEET_MAX
+#define FIGURES_SHOTS_MAX 12
 
 /// Shapes of one mesh, in the order in which they were taken.
 typedef struct figures_album
@@ -46,20 +46,25 @@ typedef struct figures_album
     wisp_vec3* shots[FIGURES_SHOTS_MAX]; ///< [vertex_count]
     char labels[FIGURES_SHOTS_MAX][40];
     int count;
+    int shots_per_picture; ///< 0 counts as 1; with more, a picture has the label of its last shot
+    bool is_centred;       ///< each shape is moved to the origin: the camera goes along with the body
 } figures_album;
 
-/// Lines through space, such as the tracks of vertices.
+#define FIGURES_TRACKS_MAX 4
+
+/// Lines through space, such as the tracks of vertices, each in a colour of its own.
 typedef struct figures_tracks
 {
-    wisp_vec3* points; ///< [track_count][length]
-    int track_count, length;
+    wisp_vec3* points;       ///< [track_count][length]
+    int track_count, length; ///< at most FIGURES_TRACKS_MAX tracks
+    float radius;            ///< m
 } figures_tracks;
 
 /// Keep the present shape of an implementation. Does nothing if there is no folder for pictures.
 wisp_status figures_take( const figures_case* page, figures_album* album, surface_implementation* implementation,
                           wisp_error* error, const char* format, ... ) __attribute__( ( format( printf, 5, 6 ) ) );
 /// Write the shapes side by side as FOLDER/<name>.png and link it from the page.
-/// @param tracks drawn into every picture, or null
+/// @param tracks [pictures], one set drawn into each picture, or null
 wisp_status figures_write( figures_case* page, const figures_album* album, const figures_tracks* tracks,
                            const char* name, const char* caption, wisp_error* error );
 void figures_album_free( figures_album* album );

@@ -72,7 +72,7 @@ static void add_forms( accuracy_scene* scene )
         snprintf( name, sizeof( name ), "spin %s, max drag, %d x 1", spins[s], USUAL_SUBSTEPS );
         add( scene, USUAL_SUBSTEPS, 1, name )->def.spin = (wisp_balloon_spin)s;
     }
-    for ( int r = WISP_BALLOON_PRESSURE_MULTIPLIER; r <= WISP_BALLOON_PRESSURE_GAS; ++r )
+    for ( int r = WISP_BALLOON_PRESSURE_MULTIPLIER; r < WISP_COUNT( readings ); ++r )
     {
         snprintf( name, sizeof( name ), "pressure by %s, %d x 1", readings[r], USUAL_SUBSTEPS );
         add( scene, USUAL_SUBSTEPS, 1, name )->def.pressure = (wisp_balloon_pressure)r;

@@ -113,7 +113,7 @@ static inflate_setting usual_inflation( int substeps, int iterations )
 static void add_substeps( accuracy_scene* scene, bool quick )
 {
     static const int substeps[] = { 10, 25, 50, 100, 200, 400, 800 };
-    for ( int reading = 0; reading < WISP_BALLOON_PRESSURE_COUNT; ++reading )
+    for ( int reading = 0; reading < BALLOON_READINGS; ++reading )
     {
         for ( int i = 0; i < ( quick ? WISP_COUNT( substeps ) - 1 : WISP_COUNT( substeps ) ); ++i )
         {
@@ -192,7 +192,7 @@ static wisp_status observe( surface_implementation* implementation, const balloo
     {
         return status;
     }
-    for ( int reading = 0; reading < WISP_BALLOON_PRESSURE_COUNT; ++reading )
+    for ( int reading = 0; reading < BALLOON_READINGS; ++reading )
     {
         out->measures[reading] = read.pressure[reading];
     }

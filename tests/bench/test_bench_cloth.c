@@ -241,6 +241,30 @@ static void the_balloon_shows_volume_pressure_and_memory_beside_time( void** sta
     results_free( &all );
 }
 
+// Times of 10 ms for 642 vertices that grow with the given power.
+static bool fails_with_power( results* all, double power )
+{
+    for ( int i = 0; i < all->row_count; ++i )
+    {
+        const double vertices = strtod( strstr( all->rows[i].variant, "vertices=" ) + 9, NULL );
+        all->rows[i].ms_p10 = 10.0 * pow( vertices / 642.0, power );
+    }
+    all->failed = false;
+    balloon_conclude( 0, 2, all );
+    return all->failed;
+}
+
+static void a_balloon_whose_time_is_not_linear_in_its_vertices_fails( void** state )
+{
+    (void)state;
+    results all = { 0 };
+    run_suite( "sizes", 3, &all );
+    assert_false( fails_with_power( &all, 1.0 ) );
+    assert_true( fails_with_power( &all, 1.2 ) );
+    assert_true( fails_with_power( &all, 2.0 ) );
+    results_free( &all );
+}
+
 static void the_virial_pressure_is_near_that_of_even_scaling( void** state )
 {
     (void)state;
@@ -305,6 +329,7 @@ int main( void )
         cmocka_unit_test( a_claim_that_is_not_met_is_a_message_and_no_failure ),
         cmocka_unit_test( a_cloth_that_leaves_its_bounds_is_shown_as_halted ),
         cmocka_unit_test( the_balloon_shows_volume_pressure_and_memory_beside_time ),
+        cmocka_unit_test( a_balloon_whose_time_is_not_linear_in_its_vertices_fails ),
         cmocka_unit_test( the_virial_pressure_is_near_that_of_even_scaling ),
         cmocka_unit_test( the_accuracy_of_a_step_is_as_promised ),
         cmocka_unit_test( a_figure_that_is_not_met_fails_the_run ),
