@@ -157,6 +157,11 @@ static wisp_status report( inflation* run, results* out, wisp_error* error )
                       "Inflation: after the gust the centre moved %.4f m; vertex hits predict %.4f m. Of %d steps %d "
                       "have other points than the oracle; the farthest point was %.2g m from the surface.",
                       run->moved, run->moved_expected, END, run->differing, run->max_off );
+    results_add_note(
+        out,
+        "Inflation: back at its volume the sphere has %d inner points, at rest 300: with five iterations in a "
+        "step it is creased, as the oracle is (docs/limits.md).",
+        view.samples->count - view.samples->edge_count );
     // positions are rounded to 1e-7 of their size in every step, and the centre moves by 4 %: 1 % of that is far
     // above
     if ( run->differing > 0 || run->balloon.halted_at > 0 ||

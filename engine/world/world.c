@@ -291,6 +291,19 @@ static wisp_status step( wisp_world* world, float seconds )
     return WISP_OK;
 }
 
+wisp_status wisp_world_run( wisp_world* world, wisp_entity entity, wisp_pass_fn* run, void* user )
+{
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    WISP_TRY( compile_if_changed( world ) );
+    wisp_frame* frame = &world->frame;
+    atomic_flag_clear( &frame->failing );
+    atomic_store( &frame->failed, false );
+    frame->wide = false;
+    run( frame, &( wisp_span ){ .entity = entity }, user );
+    return atomic_load( &frame->failed ) ? wisp_world_fail( world, frame->error.status, "%s", frame->error.message )
+                                         : WISP_OK;
+}
+
 wisp_status wisp_world_step( wisp_world* world, float seconds )
 {
     WISP_TRY( wisp_world_begin( world ) );

@@ -59,7 +59,7 @@ WISP_API wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface
 /// @return WISP_CONFLICT also if the surface has no layer, or its spacing is not by_screen
 WISP_API wisp_status wisp_set_boundary_eye( wisp_world* world, wisp_entity surface, wisp_vec3 eye );
 
-/// The layer after a step. The world owns the arrays; they are valid until the next call that changes it.
+/// The layer after a step, or of the present positions before the first one. The world owns the arrays; they are valid until the next call that changes it.
 typedef struct wisp_boundary_view
 {
     const wisp_samples* samples; ///< parents are slots of the fabric times 4
@@ -68,7 +68,7 @@ typedef struct wisp_boundary_view
     const int32_t* slot_vertex;  ///< of the fabric: from slots to the user's order
 } wisp_boundary_view;
 
-/// @return WISP_CONFLICT the surface has no layer, or no step was made since it was set
+/// @return WISP_CONFLICT the surface has no layer; WISP_NO_MEMORY, or as wisp_world_explain(), before the first step
 WISP_API wisp_status wisp_read_boundary( wisp_world* world, wisp_entity surface, wisp_boundary_view* out );
 
 /// Statistics of the last update. Always available.

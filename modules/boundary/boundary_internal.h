@@ -16,8 +16,9 @@ typedef struct boundary_layer
     int32_t* edge_slots;    // [edge_count][2] the same as slots
     int32_t* triangle_edge; // [triangle_count][3] local edge k joins corners k and k + 1
     wisp_samples samples;
-    size_t bytes; // of the block that this struct begins
-    bool made;    // a step was made since the layer was set
+    size_t bytes;  // of the block that this struct begins
+    bool made;     // a step was made since the layer was set
+    bool is_early; // the points are those of a read before that step, which must not change what the step does
 } boundary_layer;
 
 typedef struct boundary_state

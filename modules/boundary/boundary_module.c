@@ -415,14 +415,39 @@ wisp_status wisp_set_boundary_eye( wisp_world* world, wisp_entity surface, wisp_
     return WISP_OK;
 }
 
+static bool is_zero( const float* values, size_t count )
+{
+    size_t i = 0;
+    while ( i < count && values[i] == 0.0f )
+    {
+        ++i;
+    }
+    return i == count;
+}
+
+// Before a step the points of the layer are those of the present positions. Columns become again what they were, so that the step is
+// the same with and without this: counts are forgotten, and normals were either none or those of the same positions.
+static wisp_status make_early( wisp_world* world, wisp_entity surface, boundary_state* state, boundary_layer* layer )
+{
+    const size_t numbers = 4 * (size_t)wisp_world_fabric( world, surface )->slot_count;
+    float* normals = wisp_world_column( world, surface, state->normals, 0 );
+    const bool had_none = is_zero( normals, numbers );
+    const wisp_status status = wisp_world_run( world, surface, boundary_share_points, state );
+    layer->made = false;
+    layer->is_early = true;
+    forget_counts( world, surface, state );
+    if ( had_none )
+    {
+        memset( normals, 0, numbers * sizeof( float ) );
+    }
+    return status;
+}
+
 static wisp_status find_made( wisp_world* world, wisp_entity surface, boundary_layer** out )
 {
     boundary_state* state;
-    wisp_status status = find_layer( world, surface, &state, out );
-    return status == WISP_OK && ( *out )->made == false
-               ? wisp_world_fail( world, WISP_CONFLICT, "boundary: entity %u has no layer yet, step first",
-                                  surface.index )
-               : status;
+    const wisp_status status = find_layer( world, surface, &state, out );
+    return status == WISP_OK && ( *out )->made == false ? make_early( world, surface, state, *out ) : status;
 }
 
 wisp_status wisp_read_boundary( wisp_world* world, wisp_entity surface, wisp_boundary_view* out )

@@ -42,6 +42,11 @@ void boundary_place_points( wisp_frame* frame, const wisp_span* span, void* user
     const wisp_entity e = span->entity;
     const boundary_settings* s = wisp_frame_column( frame, e, state->settings, 0 );
     const bool local = wisp_frame_has( frame, e, state->local );
+    if ( layer->is_early )
+    {
+        wisp_samples_release( &layer->samples, wisp_parallel_allocator( wisp_frame_parallel( frame, span ) ) );
+        layer->is_early = false;
+    }
     const wisp_samples_args args = {
         .position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 ),
         .normal = wisp_frame_column( frame, e, state->normals, 0 ),

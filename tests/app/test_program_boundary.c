@@ -150,6 +150,43 @@ static void files_hold_the_vertices_and_behind_them_the_points( void** state )
     assert_non_null( strstr( result.out, "unreferenced vertices" ) );
 }
 
+// Rows of the vertices: place, normal, element.
+static void normals_of_a_file_are_unit_and_points_lie_on_elements( void** state )
+{
+    (void)state;
+    enum
+    {
+        VERTICES = 162,
+        ELEMENTS = 480 + 320,
+    };
+    run_well( "run ball.yaml --boundary unit.ply" );
+    FILE* file = fopen( "unit_0003.ply", "rb" );
+    assert_non_null( file );
+    char line[200] = "";
+    int count = 0;
+    while ( strcmp( line, "end_header\n" ) != 0 )
+    {
+        assert_non_null( fgets( line, sizeof( line ), file ) );
+        (void)sscanf( line, "element vertex %d", &count );
+    }
+    assert_true( count > 2 * VERTICES );
+    int last = 0;
+    for ( int v = 0; v < count; ++v )
+    {
+        float row[6];
+        int32_t element;
+        assert_int_equal( fread( row, sizeof( float ), 6, file ), 6 );
+        assert_int_equal( fread( &element, sizeof( element ), 1, file ), 1 );
+        const double x = (double)row[3], y = (double)row[4], z = (double)row[5];
+        assert_true( fabs( sqrt( x * x + y * y + z * z ) - 1.0 ) < 1e-6 ); // roundings of floats
+        // edges first, then triangles
+        assert_true( v < VERTICES ? element == -1 : element >= last && element < ELEMENTS );
+        last = v < VERTICES ? 0 : element;
+    }
+    assert_true( last >= 480 ); // the last points are inside triangles
+    assert_int_equal( fclose( file ), 0 );
+}
+
 static void several_surfaces_are_a_file_each( void** state )
 {
     (void)state;
@@ -253,6 +290,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( machines_get_a_row_a_step ),
         cmocka_unit_test( a_scene_is_described_with_its_layers_and_contacts ),
         cmocka_unit_test( files_hold_the_vertices_and_behind_them_the_points ),
+        cmocka_unit_test( normals_of_a_file_are_unit_and_points_lie_on_elements ),
         cmocka_unit_test( several_surfaces_are_a_file_each ),
         cmocka_unit_test( files_do_not_depend_on_the_number_of_workers ),
         cmocka_unit_test( points_that_cannot_be_written_are_refused ),

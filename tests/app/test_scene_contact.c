@@ -193,14 +193,25 @@ static void a_scene_with_every_key_of_boundary_and_contact_is_read( void** state
     "  - name: ball\n    generate: { shape: icosphere, level: 2, radius: 0.2 }\n    balloon: { gas_ratio: 1.2 }\n"   \
     "    compute: [points, normals]\n"
 
-static void a_layer_is_there_after_a_step_and_lies_on_its_surface( void** state )
+static void a_surface_without_a_layer_is_named( void** state )
+{
+    (void)state;
+    fixture f;
+    build( &f, BALL );
+    wisp_boundary_view view;
+    assert_int_equal( scene_world_layer( &f.world, 0, &view, &f.error ), WISP_CONFLICT );
+    assert_non_null( strstr( f.error.message, "test.yaml: 'ball': " ) );
+    release( &f );
+}
+
+static void a_layer_is_there_from_the_start_and_lies_on_its_surface( void** state )
 {
     (void)state;
     fixture f;
     build( &f, BALL "    boundary: { spacing: 0.02 }\n" );
     wisp_boundary_view view;
-    assert_int_equal( scene_world_layer( &f.world, 0, &view, &f.error ), WISP_CONFLICT );
-    assert_non_null( strstr( f.error.message, "test.yaml: 'ball': " ) );
+    assert_int_equal( scene_world_layer( &f.world, 0, &view, &f.error ), WISP_OK );
+    assert_true( view.samples->count > 480 );
 
     step( &f, 2 );
     assert_int_equal( scene_world_layer( &f.world, 0, &view, &f.error ), WISP_OK );
@@ -407,7 +418,8 @@ int main( void )
         cmocka_unit_test( every_word_is_the_enumerator_of_its_name ),
         cmocka_unit_test( an_instance_has_a_layer_and_a_contact_of_its_own ),
         cmocka_unit_test( a_scene_with_every_key_of_boundary_and_contact_is_read ),
-        cmocka_unit_test( a_layer_is_there_after_a_step_and_lies_on_its_surface ),
+        cmocka_unit_test( a_surface_without_a_layer_is_named ),
+        cmocka_unit_test( a_layer_is_there_from_the_start_and_lies_on_its_surface ),
         cmocka_unit_test( a_layer_changes_no_bit_of_its_surface ),
         cmocka_unit_test( a_surface_without_a_layer_has_none ),
         cmocka_unit_test( stats_of_contact_are_there_where_they_are_requested ),

@@ -248,23 +248,26 @@ static void a_triangle_has_the_lines_and_points_of_a_count_by_hand( void** state
     balloon_mesh_destroy( &mesh );
 }
 
-static void a_triangle_lower_than_the_spacing_has_no_inner_points( void** state )
+static void a_triangle_lower_than_the_spacing_or_too_narrow_has_no_inner_points( void** state )
 {
     (void)state;
-    balloon_mesh mesh =
-        one_triangle( double3_make( 0, 0, 0 ), double3_make( 9, 0.45, 0 ), double3_make( 9, -0.45, 0 ) );
-    for ( int n = 0; n < 6; ++n )
+    static const double3 LOW[3] = { { 0, 0, 0 }, { 1.1, 0, 0 }, { 0.55, 0.95, 0 } }, // h is 0.95
+        NEEDLE[3] = { { 0, 0, 0 }, { 9, 0.45, 0 }, { 9, -0.45, 0 } };                // 9, and its lines are below 0.9
+    for ( int n = 0; n < 12; ++n )
     {
-        // the needle's axis is 0.9, so it is wide in height and empty on every line; a flat one is low
+        const double3* c = n < 6 ? LOW : NEEDLE;
+        balloon_mesh mesh = one_triangle( c[0], c[1], c[2] );
         const boundary_oracle_options options = { .spacing = 1.0,
                                                   .cap = 1e6,
                                                   .policy = (boundary_oracle_policy)( n % 2 ),
-                                                  .rounding = (boundary_oracle_rounding)( n / 2 ) };
+                                                  .rounding = (boundary_oracle_rounding)( n / 2 % 3 ) };
         boundary_oracle_layer layer = layer_on( &mesh, &options );
+        const double height = boundary_oracle_axis_of( c ).height;
+        assert_true( n < 6 ? height < 1.0 : height > 8.0 );
         assert_int_equal( inner_points( &layer ), 0 );
         boundary_oracle_destroy( &layer );
+        balloon_mesh_destroy( &mesh );
     }
-    balloon_mesh_destroy( &mesh );
 }
 
 static void table_b5_holds_for_both_policies( void** state )
@@ -474,7 +477,7 @@ int main( void )
         cmocka_unit_test( height_times_base_is_twice_the_area ),
         cmocka_unit_test( the_height_ignores_a_translation_and_the_printed_one_does_not ),
         cmocka_unit_test( a_triangle_has_the_lines_and_points_of_a_count_by_hand ),
-        cmocka_unit_test( a_triangle_lower_than_the_spacing_has_no_inner_points ),
+        cmocka_unit_test( a_triangle_lower_than_the_spacing_or_too_narrow_has_no_inner_points ),
         cmocka_unit_test( table_b5_holds_for_both_policies ),
         cmocka_unit_test( inner_points_fill_the_area_from_below_as_the_spacing_falls ),
         cmocka_unit_test( every_point_is_on_its_one_parent_with_weights_and_a_unit_normal ),

@@ -346,15 +346,15 @@ static void the_balloon_stays_finite_for_every_dt_and_force_of_the_table( void**
     {
         boundary_oracle_balloon balloon = new_balloon();
         balloon.options.gravity = double3_make( 0.0, -gravity[n / 3 % 3], 0.0 );
+        balloon.options.multiplier = 1.5; // in free fall a skin at rest would have nothing to do
         balloon.options.stale_scale = n >= 9;
         const double hz = rate[n % 3];
         steps( &balloon, (int)hz, 1.0 / hz );
         assert_finite( &balloon );
-        const double error = volume_stiffness( &balloon ) - 1.0;
+        const double error = volume_stiffness( &balloon ) / 1.5 - 1.0;
         print_message( "%s, gravity %5.2f m/s^2, dt 1/%-3.0f s: volume error %+.1e\n", n < 9 ? "fresh" : "stale",
                        gravity[n / 3 % 3], hz, error );
-        // a body in free fall has a skin at rest; damping is the same for all vertices
-        assert_true( fabs( error ) < 1e-9 );
+        assert_true( fabs( error ) < ( n < 9 ? 1e-3 : 0.02 ) ); // fresh: the volume is projected last
         boundary_oracle_balloon_destroy( &balloon );
     }
 }
@@ -383,27 +383,52 @@ static void a_pinned_balloon_stays_finite_too( void** state )
 
 // ---- The layer on the balloon ----
 
-static void the_layer_leaves_every_bit_of_the_balloon_alone( void** state )
+// Ratio of the largest to the smallest distance from the centre, after the sphere swelled to twice its volume in a second, stayed
+// for 40 frames and shrank again in a second.
+static double creases_after( int iterations, int* inner )
+{
+    balloon_mesh mesh = reference_sphere();
+    boundary_oracle_balloon balloon = new_balloon();
+    balloon.options.iterations = iterations;
+    for ( int frame = 1; frame <= 180; ++frame )
+    {
+        balloon.options.multiplier = 1.0 + fmin( 1.0, fmax( 0.0, fmin( frame - 10, 170 - frame ) / 60.0 ) );
+        boundary_oracle_balloon_step( &balloon, FRAME );
+    }
+    assert_close( volume_stiffness( &balloon ), 1.0, 1e-3 );
+    memcpy( mesh.positions, balloon.x, (size_t)mesh.vertex_count * sizeof( double3 ) );
+    const boundary_oracle_options options = boundary_oracle_default_options();
+    boundary_oracle_layer layer = layer_on( &mesh, &options );
+    *inner = inner_points( &layer );
+    double3 centre = zero;
+    double least = INFINITY, most = 0.0;
+    for ( int i = 0; i < mesh.vertex_count; ++i )
+    {
+        centre = double3_add_scaled( centre, 1.0 / mesh.vertex_count, balloon.x[i] );
+    }
+    for ( int i = 0; i < mesh.vertex_count; ++i )
+    {
+        const double radius = double3_distance( balloon.x[i], centre );
+        least = fmin( least, radius );
+        most = fmax( most, radius );
+    }
+    boundary_oracle_destroy( &layer );
+    boundary_oracle_balloon_destroy( &balloon );
+    balloon_mesh_destroy( &mesh );
+    return most / least;
+}
+
+// Not the rule of the layer, and not its code: five iterations are too few for the skin to get back in a second.
+static void the_creases_of_the_sample_run_are_those_of_too_few_iterations( void** state )
 {
     (void)state;
-    balloon_mesh mesh = reference_sphere();
-    const boundary_oracle_options options = boundary_oracle_default_options();
-    boundary_oracle_layer layer;
-    assert_int_equal( boundary_oracle_create( &mesh, &options, &layer, NULL ), WISP_OK );
-    boundary_oracle_balloon with = new_balloon(), without = new_balloon();
-    with.options.multiplier = without.options.multiplier = 1.7;
-    for ( int n = 0; n < 20; ++n )
-    {
-        boundary_oracle_balloon_step( &with, FRAME );
-        must_update( &layer, with.x );
-        boundary_oracle_balloon_step( &without, FRAME );
-    }
-    assert_memory_equal( with.x, without.x, 872 * sizeof( double3 ) );
-    assert_memory_equal( with.v, without.v, 872 * sizeof( double3 ) );
-    boundary_oracle_balloon_destroy( &with );
-    boundary_oracle_balloon_destroy( &without );
-    boundary_oracle_destroy( &layer );
-    balloon_mesh_destroy( &mesh );
+    int inner[2];
+    const double creased = creases_after( 5, inner ), smooth = creases_after( 20, inner + 1 );
+    print_message( "5 iterations: radii differ by %.1f %%, %d inner points; 20: %.1f %%, %d\n",
+                   100.0 * creased - 100.0, inner[0], 100.0 * smooth - 100.0, inner[1] );
+    assert_true( creased > 1.1 && smooth < 1.01 );
+    assert_true( inner[0] > 300 );
+    assert_int_equal( inner[1], 300 ); // those of the sphere at rest
 }
 
 static int lines_of( FILE* file, int* unit_normals )
@@ -479,7 +504,7 @@ int main( void )
         cmocka_unit_test( a_gust_hits_a_vertex_once_or_as_printed_once_a_face ),
         cmocka_unit_test( the_balloon_stays_finite_for_every_dt_and_force_of_the_table ),
         cmocka_unit_test( a_pinned_balloon_stays_finite_too ),
-        cmocka_unit_test( the_layer_leaves_every_bit_of_the_balloon_alone ),
+        cmocka_unit_test( the_creases_of_the_sample_run_are_those_of_too_few_iterations ),
         cmocka_unit_test( a_sample_run_swells_and_shrinks_with_its_points_on_the_surface ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -328,6 +328,9 @@ WISP_API void* wisp_world_module_state( wisp_world* world, const char* module );
 /// @return WISP_CONFLICT, WISP_STALE_ID, with a message
 WISP_API wisp_status wisp_world_surface_state( wisp_world* world, const char* module, wisp_entity surface,
                                                void** state );
+/// Run the function of a pass on one entity between steps, on the calling thread: for what a view shows before the first step. Compiles
+/// the plan if needed. @return what the function reported by wisp_frame_fail(), or as wisp_world_explain()
+WISP_API wisp_status wisp_world_run( wisp_world* world, wisp_entity entity, wisp_pass_fn* run, void* user );
 /// Let other modules read the points that one keeps on a surface.
 /// @param samples must live until they are withdrawn by null, or the surface is removed
 WISP_API void wisp_world_share_samples( wisp_world* world, wisp_entity surface, const struct wisp_samples* samples );
