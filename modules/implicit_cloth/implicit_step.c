@@ -600,7 +600,7 @@ static void find_columns( wisp_frame* frame, const wisp_span* span, const implic
     const wisp_vec3* gravity = wisp_frame_column( frame, e, WISP_PARTICLE_GRAVITY, 0 );
     s->gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
     const float h = wisp_frame_dt( frame, span->entity ), gx = s->gravity.x, gy = s->gravity.y, gz = s->gravity.z;
-    const float HYSTERESIS = 1e-9f; // of the weight: the sign of the impulse decides, and a resting vertex has its weight
+    const float HYSTERESIS = 1e-9f; // of the weight: the sign decides
     s->contact_input = ( implicit_contact_input ){
         .body = s->columns.body,
         .plane = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACTS, 1 ),
