@@ -114,6 +114,7 @@ void KERNEL( level_band )( const wisp_level_link_args* args, int begin, int end 
 void KERNEL( level_link )( const wisp_level_link_args* args, int begin, int end );
 void KERNEL( prolong )( const wisp_prolong_args* args, int begin, int end );
 int KERNEL( spring_assemble )( const wisp_spring_args* args, int begin, int end );
+wisp_spring_gain KERNEL( spring_gain )( const wisp_spring_args* args, int begin, int end );
 double KERNEL( spring_product )( const wisp_conjugate_args* args, int begin, int end );
 double KERNEL( conjugate_advance )( const wisp_conjugate_args* args, float step, int begin, int end );
 void KERNEL( conjugate_update )( const wisp_conjugate_args* args, float step, float fraction, int begin, int end );

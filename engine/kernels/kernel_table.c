@@ -95,6 +95,7 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .strand_ghost_blend = KERNEL( strand_ghost_blend ),
     .strand_curve = KERNEL( strand_curve ),
     .spring_assemble = KERNEL( spring_assemble ),
+    .spring_gain = KERNEL( spring_gain ),
     .spring_product = KERNEL( spring_product ),
     .conjugate_advance = KERNEL( conjugate_advance ),
     .conjugate_update = KERNEL( conjugate_update ),

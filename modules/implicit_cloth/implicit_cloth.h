@@ -72,8 +72,9 @@ typedef struct wisp_implicit_cloth_def
 
     /// Linear solves per substep, 1 .. 64, default 1 as in the paper. More approach the nonlinear step of implicit Euler.
     int newton_iterations;
-    /// Limit of the linear solves of a substep with k h^2 / m above 1024, which iterates until it converges, 1 .. 64, default 16.
-    /// 1: such substeps make newton_iterations like the others, and may gain energy.
+    /// Limit of the linear solves of a substep that iterates until it converges, 1 .. 64, default 16: one with k h^2 / m above
+    /// 1024, or one that gained energy, which is made again (by Euler, WISP_COUNT_FIRST_ORDER if it was BDF2).
+    /// 1: all substeps make newton_iterations, and may gain energy.
     int max_newton_iterations;
     float tolerance; ///< of a solve: residual relative to that of zero velocity change, in [1e-7, 0.1], default 1e-4
     int max_iterations; ///< of a solve, 0 .. 1000000; default 0: three per vertex

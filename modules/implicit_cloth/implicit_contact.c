@@ -386,7 +386,13 @@ static int held_touches( const implicit_contact_input* f, int slot, touch touche
     return count;
 }
 
-// Split J = -(I - S) r by the normals. Merged contacts have all of it each.
+wisp_vec3 implicit_impulse( const implicit_system* s, int row )
+{
+    const wisp_vec3 left = read_lanes( (const float( * )[3][WISP_SLICE])s->conjugate.residual, row );
+    return subtract( filtered( s, row, left ), left );
+}
+
+// Split J by the normals. Merged contacts have all of it each.
 void implicit_press_row( const implicit_system* s, const implicit_contact_input* f, int row )
 {
     const int slot = s->links->row_slot[row];
@@ -397,8 +403,7 @@ void implicit_press_row( const implicit_system* s, const implicit_contact_input*
         return;
     }
     implicit_contact* contact = f->contact + slot;
-    const wisp_vec3 left = read_lanes( (const float( * )[3][WISP_SLICE])s->conjugate.residual, row );
-    const wisp_vec3 impulse = subtract( filtered( s, row, left ), left );
+    const wisp_vec3 impulse = implicit_impulse( s, row );
     const int count = merge( touches, found );
     for ( int i = 0; i < found; ++i )
     {

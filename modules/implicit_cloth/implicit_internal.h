@@ -16,6 +16,7 @@ typedef struct implicit_material
     int32_t newton_iterations, max_newton_iterations, max_iterations, warm_start, speculative, requests_stats;
     float tolerance;
     float before; ///< s, length of the last substep; 0: none
+    float gained; ///< J, energy above the least of the last thousand substeps
 } implicit_material;
 
 /// Counters of the last substep. A row of the entity.
@@ -109,6 +110,26 @@ typedef struct implicit_outcome
     bool unsolved, indefinite;
 } implicit_outcome;
 
+/// Motion of a substep, of which gain is asked.
+typedef struct implicit_motion
+{
+    const implicit_system* system;
+    const float *from, *point; ///< [row][4] m, where it began and ends
+    const float* velocity;     ///< [row][4] m/s, at its end
+    const float* before;       ///< [slot][4] m/s, at its beginning
+    const float* weight;       ///< [slot][4] 1/kg, the fourth number; 0: pinned
+    wisp_vec3 gravity;
+    float seconds; ///< h, of the substep
+} implicit_motion;
+
+/// What a motion adds to the energy.
+typedef struct implicit_gain
+{
+    double gain;     ///< J, without the work of gravity and contact
+    double energy;   ///< J, kinetic and of links, at the end
+    double rounding; ///< J, energy that positions do not resolve
+} implicit_gain;
+
 // ---- implicit_cloth_module.c ----
 
 /// @return null for an entity that is no implicit cloth
@@ -141,6 +162,23 @@ void implicit_press_row( const implicit_system* system, const implicit_contact_i
 /// BDF2: set the history of a slot in contact. All are [3] and may change; x and v are new.
 void implicit_settle_row( const implicit_contact_input* contact_input, int slot, float* x, float* v, float* x_before,
                           float* v_before );
+
+/// Impulse of contact on a row, kg m/s: J = -(1 - S) r of the last solve.
+wisp_vec3 implicit_impulse( const implicit_system* system, int row );
+
+// ---- implicit_energy.c ----
+
+/// @param sums [block], receives the parts
+implicit_gain implicit_find_gain( const implicit_motion* motion, implicit_gain* sums );
+/// Energy above the least of recent substeps, after another. @param gained before it
+double implicit_add_gain( double gained, const implicit_gain* gain );
+/// Whether that is too much. @param gained with this substep
+bool implicit_gains( double gained, const implicit_gain* gain );
+
+// ---- implicit_stats.c ----
+
+/// Length, over that at rest, at which the ramp of eq. 12 meets the arc; 0: nowhere.
+double implicit_ramp_end( double load, double ramp, double rest );
 
 // ---- passes ----
 

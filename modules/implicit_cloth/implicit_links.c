@@ -93,7 +93,8 @@ static size_t place_entries( const row_cook* r, const int32_t* row_slot, int sli
 typedef struct entry_arrays
 {
     int32_t ( *other_x4 )[WISP_SLICE];
-    float ( *rest )[WISP_SLICE], ( *load )[WISP_SLICE], ( *ramp )[WISP_SLICE], ( *damping )[WISP_SLICE];
+    float ( *rest )[WISP_SLICE], ( *load )[WISP_SLICE], ( *ramp )[WISP_SLICE], ( *ramp_end )[WISP_SLICE],
+        ( *damping )[WISP_SLICE];
 } entry_arrays;
 
 static void write_end( row_cook* r, const int32_t* begin, const entry_arrays* out, const implicit_pair* pair,
@@ -106,6 +107,7 @@ static void write_end( row_cook* r, const int32_t* begin, const entry_arrays* ou
     out->rest[entry][lane] = pair->rest;
     out->load[entry][lane] = pair->load;
     out->ramp[entry][lane] = pair->ramp;
+    out->ramp_end[entry][lane] = pair->ramp_end;
     out->damping[entry][lane] = pair->damping;
 }
 
@@ -164,8 +166,8 @@ static implicit_links* assemble( row_cook* r, const wisp_implicit_cloth_def* def
     const size_t slot_at = reserve( &bytes, (size_t)row_count, sizeof( int32_t ) );
     const size_t share_at = reserve( &bytes, (size_t)row_count, sizeof( float ) );
     const size_t begin_at = reserve( &bytes, 2 * slices + 1, sizeof( int32_t ) );
-    size_t at[5];
-    for ( int i = 0; i < 5; ++i )
+    size_t at[6];
+    for ( int i = 0; i < 6; ++i )
     {
         at[i] = reserve( &bytes, entry_count, lanes );
     }
@@ -180,7 +182,8 @@ static implicit_links* assemble( row_cook* r, const wisp_implicit_cloth_def* def
         .rest = ( float( * )[WISP_SLICE] )(void*)( memory + at[1] ),
         .load = ( float( * )[WISP_SLICE] )(void*)( memory + at[2] ),
         .ramp = ( float( * )[WISP_SLICE] )(void*)( memory + at[3] ),
-        .damping = ( float( * )[WISP_SLICE] )(void*)( memory + at[4] ),
+        .ramp_end = ( float( * )[WISP_SLICE] )(void*)( memory + at[4] ),
+        .damping = ( float( * )[WISP_SLICE] )(void*)( memory + at[5] ),
     };
     implicit_links* links = (implicit_links*)(void*)memory;
     *links = ( implicit_links ){
@@ -208,6 +211,7 @@ static implicit_links* assemble( row_cook* r, const wisp_implicit_cloth_def* def
         .stiffness = (const float( * )[WISP_SLICE])out.load,
         .ramp_stiffness = (const float( * )[WISP_SLICE])out.ramp,
         .damping = (const float( * )[WISP_SLICE])out.damping,
+        .ramp_end = (const float( * )[WISP_SLICE])out.ramp_end,
     };
     return links;
 }

@@ -286,6 +286,8 @@ static void set_coefficients( const implicit_cook* cook, const wisp_implicit_clo
                                    : 1.0f;
             p->load = both * ( bends ? arc * inverse * inverse : fraction * d->stretch_stiffness );
             p->ramp = bends ? both * fraction * compression : 0.0f;
+            p->ramp_end =
+                bends ? (float)implicit_ramp_end( (double)p->load, (double)p->ramp, (double)p->rest ) : 0.0f;
             p->damping = both * fraction * d->link_damping;
         }
     }

@@ -7,9 +7,9 @@
 typedef struct implicit_pair
 {
     int32_t a, b;
-    float area;                ///< m^2, of the triangles at the edge, or at the diagonal
-    float rest;                ///< m
-    float load, ramp, damping; ///< as in wisp_spring_links
+    float area;                          ///< m^2, of the triangles at the edge, or at the diagonal
+    float rest;                          ///< m
+    float load, ramp, ramp_end, damping; ///< as in wisp_spring_links
 } implicit_pair;
 
 typedef struct implicit_cook

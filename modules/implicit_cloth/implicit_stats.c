@@ -26,9 +26,8 @@ static double arc_load( double y )
     return u < 1e-2 ? -12.0 - 7.2 * ( 1.0 - y ) : 4.0 * u * u / ( cos( u ) - sin( u ) / u );
 }
 
-// Where the ramp meets the arc, y = 1 + q F(y), as a fraction of the rest length, or 0. The iteration from y = 1 converges to the
-// first intersection, since q F' < 1 up to it.
-static double meeting_place( double load, double ramp, double rest )
+// y = 1 + q F(y). The iteration from y = 1 converges to the first intersection, since q F' < 1 up to it.
+double implicit_ramp_end( double load, double ramp, double rest )
 {
     const double q = load / ( ramp * rest );
     double y = 1.0;
@@ -56,7 +55,7 @@ static double bend_energy( double load, double ramp, double rest, double length 
     {
         return 0.0;
     }
-    const double y = length / rest, meets = meeting_place( load, ramp, rest );
+    const double y = length / rest, meets = implicit_ramp_end( load, ramp, rest );
     const double straight = fmin( 1.0 - y, 1.0 - meets ) * rest;
     const double energy = 0.5 * ramp * straight * straight;
     if ( y >= meets )

@@ -48,7 +48,14 @@ typedef struct step
     double* motion;          // [block] kg m^2/s^2, sum of m v^2
     bool* guesses;           // [block] a guess is not 0
     float* worst;            // [block] m/s, of the nonlinear step
+    float* from;             // [row][4] m, where a guarded substep began
+    implicit_contact* held;  // [row] of the substep before; null: not guarded
+    implicit_gain* gains;    // [block]
+    double gained;           // J, of the material
     bool stiff;              // one linear solve may gain energy
+    bool guarded;            // it may not, and is made again as a stiff one if it does
+    bool extrapolates;       // BDF2
+    bool is_second;          // the substep is made again, by Euler
 } step;
 
 // ---- into rows ----
@@ -88,6 +95,19 @@ static void gather_row( step* s, int row )
     }
 }
 
+// The second attempt must judge contacts as the first.
+static void keep_row( step* s, int row )
+{
+    const int slot = s->system.links->row_slot[row];
+    if ( s->held == NULL || slot < 0 )
+    {
+        return;
+    }
+    memcpy( s->from + (size_t)row * 4, s->columns.position + (size_t)slot * 4, 4 * sizeof( float ) );
+    implicit_contact* now = s->contact_input.contact + slot;
+    *( s->is_second ? now : s->held + row ) = s->is_second ? s->held[row] : *now;
+}
+
 static void gather_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -100,6 +120,7 @@ static void gather_slices( void* context, int begin, int end, int worker )
         s->system.filtered[slice] = 0;
         for ( int row = slice * WISP_SLICE; row < ( slice + 1 ) * WISP_SLICE; ++row )
         {
+            keep_row( s, row );
             gather_row( s, row );
             implicit_touch_row( &s->system, &s->contact_input, row, tally );
             const float* v = s->system.start + (size_t)row * 4;
@@ -327,10 +348,9 @@ static implicit_outcome solve_linear( step* s )
     return implicit_solve( &s->system );
 }
 
-static implicit_tally solve( wisp_frame* frame, step* s )
+static void solve( wisp_frame* frame, step* s, implicit_tally* total )
 {
     s->system.floor = find_floor( s );
-    implicit_tally total = { 0 };
     int undirected = 0;
     const int queried = s->system.material->newton_iterations;
     const int stiff = s->system.material->max_newton_iterations, most = s->stiff && queried < stiff ? stiff : queried;
@@ -345,7 +365,7 @@ static implicit_tally solve( wisp_frame* frame, step* s )
         }
         implicit_outcome outcome = solve_linear( s );
         count_outcome( frame, &outcome );
-        total.iterations += outcome.iterations;
+        total->iterations += outcome.iterations;
         if ( outcome.indefinite && s->system.spring.full_jacobian )
         {
             // what a stopped solve has may be any motion; without the negative terms the matrix is definite
@@ -353,15 +373,14 @@ static implicit_tally solve( wisp_frame* frame, step* s )
             undirected = assemble( s, k > 0 );
             outcome = solve_linear( s );
             count_outcome( frame, &outcome );
-            total.iterations += outcome.iterations;
+            total->iterations += outcome.iterations;
         }
         slope = s->stiff ? add_slopes( s, s->system.requested, false ) : 0.0;
         move( s, 1.0 );
-        total.residual = outcome.residual;
-        total.repeats += 1;
+        total->residual = outcome.residual;
+        total->repeats += 1;
     }
     wisp_frame_count( frame, WISP_COUNT_DEGENERATE_LINK, (uint64_t)undirected );
-    return total;
 }
 
 // ---- out of rows ----
@@ -464,6 +483,14 @@ static double mean_mass( const implicit_links* links, const float* position )
     return count > 0 ? mass / count : INFINITY;
 }
 
+// @param w h / h_before; 0: Euler
+static void set_weights( step* s, float h, float w )
+{
+    s->recent = ( 1.0f + w ) * ( 1.0f + w ) / ( 1.0f + 2.0f * w );
+    s->older = w * w / ( 1.0f + 2.0f * w );
+    s->system.spring.dt = h * ( 1.0f + w ) / ( 1.0f + 2.0f * w );
+}
+
 // Two step BDF with w = h / h_before; Euler in the first substep, and in substeps too long, compared with the links,
 // for an extrapolation.
 static void choose_integrator( wisp_frame* frame, const wisp_span* span, step* s )
@@ -474,7 +501,9 @@ static void choose_integrator( wisp_frame* frame, const wisp_span* span, step* s
     const double mass = mean_mass( links, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ) );
     const double ratio = (double)links->stiffest * (double)h * (double)h / mass;
     s->stiff = ratio > RATIO_STIFF && m->max_newton_iterations > 1;
+    s->guarded = s->stiff == false && m->max_newton_iterations > 1;
     const bool two = m->bdf2 != 0 && m->before > 0.0f && ratio <= RATIO_BDF2;
+    s->extrapolates = two;
     if ( m->bdf2 != 0 && ratio > RATIO_BDF2 )
     {
         wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, 1 );
@@ -484,10 +513,7 @@ static void choose_integrator( wisp_frame* frame, const wisp_span* span, step* s
         s->system.spring.max_stiffness = (float)( MAX_RATIO / ratio * (double)links->stiffest );
         wisp_frame_count( frame, WISP_COUNT_STIFFNESS_CLAMPED, 1 );
     }
-    const float w = two ? h / m->before : 0.0f;
-    s->recent = ( 1.0f + w ) * ( 1.0f + w ) / ( 1.0f + 2.0f * w );
-    s->older = w * w / ( 1.0f + 2.0f * w );
-    s->system.spring.dt = h * ( 1.0f + w ) / ( 1.0f + 2.0f * w );
+    set_weights( s, h, two ? h / m->before : 0.0f );
 }
 
 typedef struct arena
@@ -523,7 +549,10 @@ static void lay_out( step* s, arena* a )
     y->conjugate.product = take( a, slices * sizeof( y->conjugate.product[0] ) );
     y->conjugate.solution = take( a, slices * sizeof( y->conjugate.solution[0] ) );
     y->conjugate.search = take( a, slices * sizeof( y->conjugate.search[0] ) );
-    y->requested = take( a, s->stiff ? slices * sizeof( y->requested[0] ) : 0 );
+    y->requested = take( a, s->stiff || s->guarded ? slices * sizeof( y->requested[0] ) : 0 );
+    s->from = s->guarded ? take( a, xyzw ) : NULL;
+    s->held = s->guarded ? take( a, rows * sizeof( implicit_contact ) ) : NULL;
+    s->gains = take( a, s->guarded ? blocks * sizeof( implicit_gain ) : 0 );
     y->filtered = take( a, slices );
     y->sums = take( a, blocks * sizeof( double ) );
     s->tallies = take( a, blocks * sizeof( implicit_tally ) );
@@ -569,11 +598,9 @@ static void find_columns( wisp_frame* frame, const wisp_span* span, const implic
         .body = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACTS, 0 ),
     };
     const wisp_vec3* gravity = wisp_frame_column( frame, e, WISP_PARTICLE_GRAVITY, 0 );
-    const float* damping = wisp_frame_column( frame, e, WISP_PARTICLE_DAMPING, 0 );
     s->gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-    s->kept = damping != NULL ? 1.0f / ( 1.0f + *damping * s->system.spring.dt ) : 1.0f;
     const float h = wisp_frame_dt( frame, span->entity ), gx = s->gravity.x, gy = s->gravity.y, gz = s->gravity.z;
-    const float HYSTERESIS = 1e-4f; // of the weight: error of a solve at its tolerance
+    const float HYSTERESIS = 1e-9f; // of the weight: the sign decides
     s->contact_input = ( implicit_contact_input ){
         .body = s->columns.body,
         .plane = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACTS, 1 ),
@@ -588,6 +615,13 @@ static void find_columns( wisp_frame* frame, const wisp_span* span, const implic
         .target_fraction = wisp_frame_progress_left( frame, span->entity, span->substep ),
         .speculative = m->speculative != 0,
     };
+}
+
+// Of a velocity, by the surface's damping.
+static void set_kept( wisp_frame* frame, const wisp_span* span, step* s )
+{
+    const float* damping = wisp_frame_column( frame, span->entity, WISP_PARTICLE_DAMPING, 0 );
+    s->kept = damping != NULL ? 1.0f / ( 1.0f + *damping * s->system.spring.dt ) : 1.0f;
 }
 
 // Bending of a material. Beyond MAX_RATIO floats lose the mass next to it, as they do with links.
@@ -624,6 +658,45 @@ static void add_contacts( const step* s, implicit_tally* total )
     }
 }
 
+// Energy is judged where the last solve left off. @return whether the substep gained more than it may
+static bool gains( step* s )
+{
+    const implicit_motion motion = {
+        .system = &s->system,
+        .from = s->from,
+        .point = s->point,
+        .velocity = s->velocity,
+        .before = s->columns.velocity,
+        .weight = s->columns.position,
+        .gravity = s->gravity,
+        .seconds = s->contact_input.seconds,
+    };
+    const implicit_gain gain = implicit_find_gain( &motion, s->gains );
+    s->gained = implicit_add_gain( (double)s->system.material->gained, &gain );
+    return implicit_gains( s->gained, &gain );
+}
+
+static void attempt( wisp_frame* frame, const wisp_span* span, step* s, implicit_tally* tally )
+{
+    set_kept( frame, span, s );
+    set_plate( frame, span, s );
+    for_slices( s, gather_slices );
+    solve( frame, s, tally );
+}
+
+// A substep that gained energy is made again, as a stiff one and by Euler.
+static void attempt_again( wisp_frame* frame, const wisp_span* span, step* s, implicit_tally* tally )
+{
+    if ( s->extrapolates )
+    {
+        set_weights( s, s->contact_input.seconds, 0.0f );
+        wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, 1 );
+    }
+    s->is_second = s->stiff = true;
+    attempt( frame, span, s, tally );
+    (void)gains( s );
+}
+
 void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const implicit_state* state = user;
@@ -650,9 +723,13 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
                          wisp_frame_fabric( frame, span->entity )->vertex_count );
         return;
     }
-    set_plate( frame, span, &s );
-    for_slices( &s, gather_slices );
-    implicit_tally tally = solve( frame, &s );
+    implicit_tally tally = { 0 };
+    attempt( frame, span, &s, &tally );
+    if ( s.guarded && gains( &s ) )
+    {
+        attempt_again( frame, span, &s, &tally );
+    }
+    material->gained = (float)s.gained;
     add_contacts( &s, &tally );
     tally.stiffest = s.system.spring.max_stiffness;
     for_slices( &s, scatter_slices );

@@ -20,7 +20,7 @@ typedef struct spring
 {
     int i, j;
     bool bends;
-    float rest, load, ramp, damping;
+    float rest, load, ramp, ramp_end, damping;
 } spring;
 
 // Random links, and all arrays that the arguments point to.
@@ -34,6 +34,7 @@ typedef struct springs
     int32_t begin[2 * SLICES + 1];
     _Alignas( 64 ) int32_t other_x4[MAX_ENTRIES][8];
     _Alignas( 64 ) float rest[MAX_ENTRIES][8], load[MAX_ENTRIES][8], ramp[MAX_ENTRIES][8], damping[MAX_ENTRIES][8];
+    _Alignas( 64 ) float ramp_end[MAX_ENTRIES][8];
     _Alignas( 64 ) float axis[MAX_ENTRIES][4][8];
     _Alignas( 64 ) float rhs[SLICES][3][8], inverse[SLICES][6][8], filter[SLICES][6][8];
     _Alignas( 64 ) float direction[ROWS][4];
@@ -92,8 +93,28 @@ static inline void place_entries( springs* s )
         s->rest[e][own % 8] = l->rest;
         s->load[e][own % 8] = l->load;
         s->ramp[e][own % 8] = l->ramp;
+        s->ramp_end[e][own % 8] = l->ramp_end;
         s->damping[e][own % 8] = l->damping;
     }
+}
+
+// Where a ramp, from y = 1 down, first meets the arc; 0: nowhere. In units of load / length.
+static inline float find_ramp_end( double ramp )
+{
+    double y = 1.0;
+    while ( y > 0.0 && triangle_oracle_arc_load( y ) < ramp * ( y - 1.0 ) )
+    {
+        y -= 1e-3;
+    }
+    double lower = fmax( y, 0.0 ), upper = fmin( y + 1e-3, 1.0 );
+    for ( int i = 0; i < 40 && y > 0.0; ++i )
+    {
+        const double middle = 0.5 * ( lower + upper );
+        const bool ramps = triangle_oracle_arc_load( middle ) < ramp * ( middle - 1.0 );
+        lower = ramps ? lower : middle;
+        upper = ramps ? middle : upper;
+    }
+    return (float)lower;
 }
 
 // Links that stretch and that bend, about half of them longer than at rest; bending ones on the ramp and on the arc.
@@ -110,6 +131,8 @@ static inline void add_spring( springs* s, int i, int j, bool bends )
         .ramp = bends ? ( n % 3 == 0 ? 0.2f : 40.0f ) : 0.0f,
         .damping = n % 4 == 0 ? 0.0f : test_random_float( n, 23, 0.0f, 0.1f ),
     };
+    spring* l = s->link + n;
+    l->ramp_end = bends ? find_ramp_end( (double)l->ramp * (double)l->rest / (double)l->load ) : 0.0f;
 }
 
 static inline springs* new_springs( void )
@@ -154,6 +177,7 @@ static inline wisp_spring_links links_of( const springs* s )
         .stiffness = s->load,
         .ramp_stiffness = s->ramp,
         .damping = s->damping,
+        .ramp_end = s->ramp_end,
     };
 }
 

@@ -78,6 +78,7 @@ static inline wisp_implicit_cloth_def duel_def( match* m )
     def.jacobian = r->jacobian;
     def.integrator = r->integrator;
     def.newton_iterations = r->repeats > 0 ? r->repeats : 1;
+    def.max_newton_iterations = 1; // the oracle makes no substep again
     def.link_damping = r->damping > 0.0f ? r->damping : def.link_damping;
     def.warm_start = r->cold == false;
     def.speculative = r->near == false;

@@ -202,6 +202,32 @@ static void a_floor_does_not_pull( void** state )
     free_colliding( h );
 }
 
+// Gravity along the floor, but for a part of 5e-7: between the hysteresis of 1e-9 of the weight and a thousand times that. The
+// floor's normal has one coordinate, so nothing rounds the pull.
+static void a_pull_of_a_millionth_of_the_weight_releases_and_a_push_as_small_keeps( void** state )
+{
+    (void)state;
+    for ( int pushes = 0; pushes < 2; ++pushes )
+    {
+        hosted* h = new_solved( 1, 1 );
+        wisp_collider_def floor = wisp_default_collider_def();
+        add_collider( h->world, &floor );
+        test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
+        const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+        const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
+        test_mesh_free( &mesh );
+        const float away = ( pushes == 1 ? -5e-7f : 5e-7f ) * GRAVITY;
+        assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ -GRAVITY, away, 0.0f } ), WISP_OK );
+        run_for( h->world, DT, 1 );
+        assert_int_equal( stats_of( h->world, e ).sticking, 36 ); // at rest within the margin
+        run_for( h->world, DT, 1 );
+        const wisp_implicit_cloth_stats stats = stats_of( h->world, e );
+        assert_int_equal( stats.released, pushes == 1 ? 0 : 36 );
+        assert_int_equal( stats.sticking + stats.sliding, pushes == 1 ? 36 : 0 );
+        free_colliding( h );
+    }
+}
+
 static void a_corner_that_is_lifted_leaves_while_the_rest_stays( void** state )
 {
     (void)state;
@@ -488,6 +514,7 @@ int main( void )
         cmocka_unit_test( friction_stops_what_slides_and_never_turns_it_round ),
         cmocka_unit_test( a_cloth_follows_a_floor_that_moves ),
         cmocka_unit_test( a_floor_does_not_pull ),
+        cmocka_unit_test( a_pull_of_a_millionth_of_the_weight_releases_and_a_push_as_small_keeps ),
         cmocka_unit_test( a_corner_that_is_lifted_leaves_while_the_rest_stays ),
         cmocka_unit_test( what_begins_inside_is_outside_after_one_step_without_a_cap ),
         cmocka_unit_test( a_capped_recovery_takes_its_time ),

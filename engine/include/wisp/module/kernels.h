@@ -374,6 +374,9 @@ typedef struct wisp_kernels
     /// Assemble the system.
     /// @return number of links without a direction, counted at either end
     int ( *spring_assemble )( const wisp_spring_args* args, int begin, int end );
+    /// Potential (Noh and Jung, eq. 5 and the integral of eq. 12) that a motion from base_position to position adds.
+    /// Reads links, plate and these two. Sums are of slices, in order.
+    wisp_spring_gain ( *spring_gain )( const wisp_spring_args* args, int begin, int end );
     double ( *spring_product )( const wisp_conjugate_args* args, int begin, int end ); ///< q = A c; @return c . q
     /// r -= step q, s = S P S r; @return r . s
     double ( *conjugate_advance )( const wisp_conjugate_args* args, float step, int begin, int end );

@@ -21,6 +21,8 @@ typedef struct wisp_spring_links
         *stiffness )[8]; ///< [entry] k of a link that stretches, N/m; k_b / L^2 of one that bends, N; 0 pads
     const float ( *ramp_stiffness )[8]; ///< [entry] c of a link that bends, N/m
     const float ( *damping )[8];        ///< [entry] k_d, N s/m
+    const float ( *ramp_end )[8]; ///< [entry] length, over that at rest, from which a link that bends is an arc; for
+                                  ///< spring_gain only
 } wisp_spring_links;
 
 /// Forces and their derivatives at a state, and the linear system of an implicit step (Noh and Jung, eq. 5-17):
@@ -49,6 +51,13 @@ typedef struct wisp_spring_args
     float ( *rhs )[3][8];     ///< [slice] b, kg m/s
     float ( *inverse )[6][8]; ///< [slice] inverse of A_ii, 1/kg: xx, xy, xz, yy, yz, zz
 } wisp_spring_args;
+
+/// Potential of rows in a motion, of links whose stiffness is not clamped.
+typedef struct wisp_spring_gain
+{
+    double gain;   ///< J, of links and plate at the position less that at the base position
+    double stored; ///< J, of links at the position
+} wisp_spring_gain;
 
 /// Vectors of conjugate gradients over the springs. Directions are rows of four because neighbours are reached through an
 /// index; everything else is streamed.
