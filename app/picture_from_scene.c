@@ -107,7 +107,7 @@ static wisp_status read_layer( picture_source* source, simulation* s, int body, 
 {
     picture_layer* layer = &source->bodies[body].layer;
     layer->count = 0;
-    if ( layer->spacing == 0.0f || s->world.next_step == 0 )
+    if ( layer->spacing == 0.0f )
     {
         return WISP_OK;
     }

@@ -261,12 +261,12 @@ static void points_are_drawn_unless_nobody_requests_them( void** state )
     assert_true( count_differing( "lines.png", "bare.png" ) > 300 );
 }
 
-static void the_start_has_no_points_yet( void** state )
+static void the_start_shows_its_points( void** state )
 {
     (void)state;
     run_well( "render ball.yaml --frame 0 -o start.png" SMALL );
     run_well( "render ball.yaml --frame 0 --boundary none -o empty.png" SMALL );
-    assert_int_equal( count_differing( "start.png", "empty.png" ), 0 );
+    assert_true( count_differing( "start.png", "empty.png" ) > 100 );
     // back from the second frame to the first one: the scene starts again
     run_well( "render ball.yaml --frames 0:2 -o film.png" SMALL );
     assert_true( exists( "film_0003.png" ) );
@@ -296,7 +296,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( points_that_cannot_be_written_are_refused ),
         cmocka_unit_test( a_place_where_bench_can_have_no_folder_is_refused_before_anything_is_measured ),
         cmocka_unit_test( points_are_drawn_unless_nobody_requests_them ),
-        cmocka_unit_test( the_start_has_no_points_yet ),
+        cmocka_unit_test( the_start_shows_its_points ),
         cmocka_unit_test( points_of_what_has_none_are_refused ),
     };
     return find_program( argc, argv )
