@@ -55,7 +55,7 @@ typedef enum strand_form
 
 static const char* const form_names[FORM_COUNT] = { "zigzag", "arc", "helix" };
 
-// Segments of 2 cm or so that turn by 70, 29 and 32 degrees.
+// Segments of 2 cm or so that turn by up to 78, 29 and 28 degrees.
 static wisp_vec3 form_node( strand_form form, int i )
 {
     const float angle = form == FORM_ARC ? 0.5f * (float)i : 0.8f * (float)i;

@@ -18,7 +18,9 @@ typedef struct table_state
     _Alignas( 64 ) float cap[NODES][LANES];
     _Alignas( 64 ) float reach[NODES][LANES];
     _Alignas( 64 ) float table[LANES * NODES * STRIDE];
-    int32_t group_row[2], lane_count[LANES], lane_node[LANES];
+    _Alignas( 64 ) int32_t lane_count[LANES];
+    _Alignas( 64 ) int32_t lane_node[LANES];
+    int32_t group_row[2];
 } table_state;
 
 // Velocities that are multiples of those before: 0.1 .. 10 times as large, or reversed.
