@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SIDE 360
+#define SIDE 480
 
 void figures_hair_begin( const figures_case* page, figures_hair_album* album, const char* format, ... )
 {
@@ -101,6 +101,7 @@ static void set_scene( const figures_hair_album* album, int shot, render_curves*
         curves[i].colour = layer->colour;
         curves[i].colours = layer->colours;
         curves[i].radius = layer->radius;
+        curves[i].is_hair = album->is_flat && layer->colours;
     }
     *scene = render_default_scene();
     scene->curves = curves;

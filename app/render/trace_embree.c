@@ -114,22 +114,42 @@ typedef struct curve_buffers
     uint8_t* borders; // which ends of a segment have a neighbour, so that joints are round and ends are not doubled
 } curve_buffers;
 
-static void fill_curves( const render_curves* curves, const trace_widening* widening, int pieces,
+// The cone around a piece that is far shorter than its radius has an axis of rounding errors, and is hit metres away.
+static bool is_drawn( const curve_buffers* buffers, int piece )
+{
+    const float* a = buffers->points + 4 * (size_t)piece;
+    const float* b = a + 4;
+    const wisp_vec3 along = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
+    return v3_length( along ) > 1e-2f * fmaxf( a[3], b[3] );
+}
+
+// Pieces that are not drawn are another one drawn twice, since the buffers have a place for each.
+// @return false if none is drawn
+static bool fill_curves( const render_curves* curves, const trace_widening* widening, int pieces,
                          const curve_buffers* out )
 {
     curves_fill( curves, widening, out->points );
-    size_t k = 0;
+    size_t k = 0, undrawn = 0; // of them, those before the first that is drawn
     for ( int s = 0; s < curves->strand_count; ++s )
     {
         int begin = curves->offsets[s] * pieces, last = ( curves->offsets[s + 1] - 1 ) * pieces;
         for ( int v = begin; v < last; ++v, ++k )
         {
-            unsigned left = v > begin ? RTC_CURVE_FLAG_NEIGHBOR_LEFT : 0u;
-            unsigned right = v + 1 < last ? RTC_CURVE_FLAG_NEIGHBOR_RIGHT : 0u;
-            out->first[k] = (unsigned)v;
-            out->borders[k] = (uint8_t)( left | right );
+            bool has_left = v > begin && is_drawn( out, v - 1 ), has_right = v + 1 < last && is_drawn( out, v + 1 );
+            unsigned left = has_left ? RTC_CURVE_FLAG_NEIGHBOR_LEFT : 0u;
+            unsigned right = has_right ? RTC_CURVE_FLAG_NEIGHBOR_RIGHT : 0u;
+            bool is_known = is_drawn( out, v );
+            out->first[k] = is_known || k == undrawn ? (unsigned)v : out->first[k - 1];
+            out->borders[k] = is_known || k == undrawn ? (uint8_t)( left | right ) : out->borders[k - 1];
+            undrawn += !is_known && k == undrawn;
         }
     }
+    for ( size_t i = 0; i < undrawn && undrawn < k; ++i )
+    {
+        out->first[i] = out->first[undrawn];
+        out->borders[i] = out->borders[undrawn];
+    }
+    return undrawn < k;
 }
 
 static wisp_status add_curves( trace_tree* tree, const render_curves* curves, int number,
@@ -154,10 +174,16 @@ static wisp_status add_curves( trace_tree* tree, const render_curves* curves, in
     };
     if ( buffers.points != NULL && buffers.first != NULL && buffers.borders != NULL )
     {
-        fill_curves( curves, widening, pieces, &buffers );
         tree->segments[number] = buffers.first;
         tree->pieces[number] = pieces;
-        attach( tree, geometry, tree->mesh_count + number );
+        if ( fill_curves( curves, widening, pieces, &buffers ) )
+        {
+            attach( tree, geometry, tree->mesh_count + number );
+        }
+        else
+        {
+            rtcReleaseGeometry( geometry );
+        }
     }
     else
     {

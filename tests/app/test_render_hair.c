@@ -192,6 +192,34 @@ static void hair_bends_between_its_points_and_other_curves_do_not( void** state 
     image_release( &smooth );
 }
 
+// A strand of four points that are nearer to each other than floats can tell, or than is seen, and one that is not.
+static void strands_far_shorter_than_their_radius_draw_no_strokes( void** state )
+{
+    (void)state;
+    wisp_vec3 points[8];
+    for ( int i = 0; i < 4; ++i )
+    {
+        const float t = 1e-5f * (float)i;
+        points[i] = ( wisp_vec3 ){ 0.4f + t, 1.0f - 0.5f * t, 0.3f * t };
+        points[4 + i] = ( wisp_vec3 ){ -0.8f + 0.2f * (float)i, 0.6f, 0.0f };
+    }
+    const int32_t offsets[] = { 0, 4, 8 };
+    render_curves curves = render_default_curves();
+    curves.points = points;
+    curves.offsets = offsets;
+    curves.strand_count = 1;
+    curves.radius = 0.01f;
+    image none = draw( NULL, 0, NULL, uncut, 0.0f ), dot = draw( NULL, 0, &curves, uncut, 0.0f );
+    assert_int_equal( count_differing( &dot, &none, 0, 96 ), 0 );
+    curves.strand_count = 2;
+    image both = draw( NULL, 0, &curves, uncut, 0.0f );
+    assert_true( count_differing( &both, &none, 0, 48 ) >= 10 );
+    assert_int_equal( count_differing( &both, &none, 50, 96 ), 0 );
+    image_release( &none );
+    image_release( &dot );
+    image_release( &both );
+}
+
 enum
 {
     STRANDS = 8,
@@ -284,6 +312,7 @@ int main( void )
         cmocka_unit_test( a_body_is_seen_through_glass_and_not_through_a_wall ),
         cmocka_unit_test( the_first_body_before_a_point_is_named ),
         cmocka_unit_test( hair_bends_between_its_points_and_other_curves_do_not ),
+        cmocka_unit_test( strands_far_shorter_than_their_radius_draw_no_strokes ),
         cmocka_unit_test( hair_is_pointed_and_its_strands_differ ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
