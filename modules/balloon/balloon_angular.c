@@ -15,6 +15,9 @@ enum
     TURN_GRAIN = 2048, // particles a block
 };
 
+// rad: projections that seem to turn a body by more have crushed it, and the equation of small turns is not theirs.
+static const double TURN_MAX = 0.5;
+
 typedef struct turn_loop
 {
     wisp_turn_args args;
@@ -29,7 +32,7 @@ static double determinant( const double a[3], const double b[3], const double c[
 
 // Solve sum m ( (x . p) t - p (x . t) ) = turn by Cramer's rule, everything about the centres. On the right is
 // sum m x x D = sum m x x p - dt sum m x x v, because x x x is 0.
-// @return false where all mass lies on a line
+// @return false where all mass lies on a line, or the turn is not a small one
 static bool find_turn( const wisp_moments* m, double dt, double angle[3] )
 {
     double column[3][3], trace = 0.0, turn[3];
@@ -54,7 +57,7 @@ static bool find_turn( const wisp_moments* m, double dt, double angle[3] )
     angle[0] = determinant( turn, column[1], column[2] ) / bottom;
     angle[1] = determinant( column[0], turn, column[2] ) / bottom;
     angle[2] = determinant( column[0], column[1], turn ) / bottom;
-    return true;
+    return angle[0] * angle[0] + angle[1] * angle[1] + angle[2] * angle[2] <= TURN_MAX * TURN_MAX;
 }
 
 static void turn_back( void* context, int begin, int end, int worker )

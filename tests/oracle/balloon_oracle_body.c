@@ -602,6 +602,8 @@ static void forget_lambdas( balloon_oracle* b )
     }
 }
 
+static const double turn_max = 0.5; // rad, more is no small turn: the body was crushed, and keeps what it got
+
 // Projections have moved the predicted positions by D and so added sum m (x - c) x D / h to the angular momentum. A small
 // rotation t of the body about its new centre takes it away: sum m (x - c) x (t x (p - c')) = -sum m (x - c) x D.
 static void take_back_turn( balloon_oracle* b )
@@ -631,6 +633,10 @@ static void take_back_turn( balloon_oracle* b )
     double3 turn =
         double3_scale( -1.0 / determinant, double3_make( double3_dot( row[0], added ), double3_dot( row[1], added ),
                                                          double3_dot( row[2], added ) ) );
+    if ( double3_length( turn ) > turn_max )
+    {
+        return;
+    }
     for ( int i = 0; i < b->vertex_count; ++i )
     {
         b->p[i] = double3_add( b->p[i], double3_cross( turn, double3_sub( b->p[i], after ) ) );
