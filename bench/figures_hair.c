@@ -1,5 +1,6 @@
 #include "figures_hair.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -112,42 +113,64 @@ static void set_scene( const figures_hair_album* album, int shot, render_curves*
     }
 }
 
-// One camera for all shots, so that they can be compared.
-static wisp_status find_camera( const figures_hair_album* album, render_camera* camera, wisp_error* error )
+static wisp_status shot_bounds( const figures_hair_album* album, int shot, render_bounds* bounds, wisp_error* error )
 {
-    render_bounds all = { .is_filled = false };
-    wisp_status status = WISP_OK;
-    for ( int shot = 0; shot < album->count && status == WISP_OK; ++shot )
+    render_curves curves[FIGURES_HAIR_LAYERS_MAX];
+    render_scene scene;
+    *bounds = ( render_bounds ){ .is_filled = false };
+    set_scene( album, shot, curves, &scene );
+    return render_scene_bounds( &scene, bounds, error );
+}
+
+static wisp_vec3 half_sum( wisp_vec3 a, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ 0.5f * ( a.x + b.x ), 0.5f * ( a.y + b.y ), 0.5f * ( a.z + b.z ) };
+}
+
+// All shots have one scale, so that they can be compared. Hair in the plane is seen from one place; other shots, which swing
+// or differ in size, each have their own in the middle.
+static wisp_status find_camera( const figures_hair_album* album, int shot, render_camera* camera, wisp_error* error )
+{
+    render_bounds all = { .is_filled = false }, own, other;
+    wisp_vec3 half = { 0.0f, 0.0f, 0.0f }; // of the largest
+    wisp_status status = shot_bounds( album, shot, &own, error );
+    for ( int i = 0; i < album->count && status == WISP_OK; ++i )
     {
-        render_curves curves[FIGURES_HAIR_LAYERS_MAX];
-        render_scene scene;
-        render_bounds one = { .is_filled = false };
-        set_scene( album, shot, curves, &scene );
-        status = render_scene_bounds( &scene, &one, error );
-        all = render_bounds_union( all, one );
+        status = shot_bounds( album, i, &other, error );
+        const wisp_vec3 low = other.lower, high = other.upper;
+        half = ( wisp_vec3 ){ fmaxf( half.x, 0.5f * ( high.x - low.x ) ), fmaxf( half.y, 0.5f * ( high.y - low.y ) ),
+                              fmaxf( half.z, 0.5f * ( high.z - low.z ) ) };
+        all = render_bounds_union( all, other );
     }
     render_view view = render_default_view();
+    const wisp_vec3 middle = half_sum( own.lower, own.upper );
+    const render_bounds box = { { middle.x - half.x, middle.y - half.y, middle.z - half.z },
+                                { middle.x + half.x, middle.y + half.y, middle.z + half.z },
+                                own.is_filled };
     if ( album->is_flat )
     {
         view.azimuth_degrees = view.elevation_degrees = 0.0f;
     }
-    return status == WISP_OK ? render_frame_camera( &all, &view, 1.0f, camera, error ) : status;
+    return status == WISP_OK ? render_frame_camera( album->is_flat ? &all : &box, &view, 1.0f, camera, error )
+                             : status;
 }
 
 static wisp_status draw( const figures_hair_album* album, picture_sheet* sheet, wisp_error* error )
 {
-    render_camera camera;
     render_options options = render_default_options();
     options.width = SIDE;
     options.height = SIDE;
     options.threads = 2;
-    wisp_status status = find_camera( album, &camera, error );
+    wisp_status status = WISP_OK;
     for ( int shot = 0; shot < album->count && status == WISP_OK; ++shot )
     {
+        render_camera camera;
         render_curves curves[FIGURES_HAIR_LAYERS_MAX];
         render_scene scene;
         set_scene( album, shot, curves, &scene );
-        status = render_picture( &scene, &camera, &options, &sheet->pictures[shot], error );
+        status = find_camera( album, shot, &camera, error );
+        status =
+            status == WISP_OK ? render_picture( &scene, &camera, &options, &sheet->pictures[shot], error ) : status;
         sheet->labels[shot] = album->labels[shot];
         sheet->count = shot + 1;
     }
