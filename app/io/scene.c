@@ -34,7 +34,7 @@ static const scene_field SCENE_FIELDS[] = {
     { "frames_per_step", SCENE_WHOLE, .at = AT( frames_per_step ), .range = RANGE( 1, 1000 ),
       .help =
           "Frames that `wisp run` records per step. Between steps ghosts move on cubic curves with the velocities of "
-          "their targets, all other points on straight lines." },
+          "their targets, all other points on straight lines, also across a teleport." },
     { "substeps", SCENE_WHOLE, .at = AT( substeps ), .range = RANGE( 1, 10000 ), .help = "Substeps of each step." },
     { "iterations", SCENE_WHOLE, .at = AT( iterations ), .range = RANGE( 1, 10000 ),
       .help = "Iterations of each substep." },

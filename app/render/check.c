@@ -117,8 +117,8 @@ static wisp_status check_mesh( const render_mesh* mesh, int number, wisp_error* 
     }
     if ( (int)mesh->material < RENDER_SOLID || (int)mesh->material > RENDER_GLASS )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: material %d is none of solid, cloth and latex", body.text,
-                          (int)mesh->material );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: material %d is none of solid, cloth, latex and glass",
+                          body.text, (int)mesh->material );
     }
     wisp_status status = check_points( &body, mesh->points, mesh->vertex_count, error );
     if ( status == WISP_OK )
@@ -220,11 +220,14 @@ static wisp_status check_surroundings( const render_scene* scene, wisp_error* er
         return wisp_fail( error, WISP_BAD_INPUT, "ground: height %g is not in -%g .. %g",
                           (double)scene->ground_height, (double)RENDER_FARTHEST, (double)RENDER_FARTHEST );
     }
-    if ( status == WISP_OK && !( is_finite( scene->cut_normal ) && is_near( scene->cut_normal ) &&
+    const float steep = v3_length( scene->cut_normal );
+    const bool is_whole = scene->cut_normal.x == 0.0f && scene->cut_normal.y == 0.0f && scene->cut_normal.z == 0.0f;
+    if ( status == WISP_OK && !( ( is_whole || steep >= 1e-6f ) && steep <= RENDER_FARTHEST &&
                                  fabsf( scene->cut_offset ) <= RENDER_FARTHEST ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "cut: normal or offset is not in -%g .. %g", (double)RENDER_FARTHEST,
-                          (double)RENDER_FARTHEST );
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "cut: normal is not 0 or 1e-6 .. %g long, or offset not in -%g .. %g",
+                          (double)RENDER_FARTHEST, (double)RENDER_FARTHEST, (double)RENDER_FARTHEST );
     }
     return status;
 }

@@ -36,8 +36,8 @@ static float drawn_radius( const trace_widening* widening, const render_curves* 
                   (float)( curves->offsets[strand + 1] - 1 - curves->offsets[strand] );
     float radius = curves->radii != NULL ? curves->radii[vertex] : curves->radius * ( 1.0f - 0.6f * along * along );
     wisp_random_key key = wisp_random_make_key( 0, 0, 1 );
-    float share = 0.75f + 0.5f * wisp_random_unit_float( key, (uint32_t)strand, 0, 0 );
-    return share * fmaxf( radius, seen_radius( widening, curves, vertex ) );
+    float fraction = 0.75f + 0.5f * wisp_random_unit_float( key, (uint32_t)strand, 0, 0 );
+    return fraction * fmaxf( radius, seen_radius( widening, curves, vertex ) );
 }
 
 wisp_vec3 trace_tangent( const render_curves* curves, int strand, int vertex )

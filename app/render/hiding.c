@@ -13,17 +13,18 @@ wisp_status render_find_hiding( const render_scene* scene, const render_camera* 
     status = status == WISP_OK ? trace_build( scene, &none, &tree, error ) : status;
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
-        // A little shorter than the way, so that the surface the point lies on does not hide it.
+        // A little shorter than the line, so that the surface the point lies on does not hide it.
         const float almost = 0.999f;
-        wisp_vec3 way = v3_sub( points[i], camera->eye );
-        float length = v3_length( way );
-        trace_ray ray = { camera->eye, v3_normalize_or( way, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), almost * length };
+        wisp_vec3 line = v3_sub( points[i], camera->eye );
+        float length = v3_length( line );
+        trace_ray ray = { camera->eye, v3_normalize_or( line, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), almost * length };
         trace_hit hit;
-        bodies[i] = trace_nearest( tree, &ray, &hit ) ? hit.body : -1;
         if ( !isfinite( length ) )
         {
             status = wisp_fail( error, WISP_BAD_INPUT, "point %d is not finite", i );
+            break;
         }
+        bodies[i] = length > 0.0f && trace_nearest( tree, &ray, &hit ) ? hit.body : -1;
     }
     trace_release( tree );
     return status;

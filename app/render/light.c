@@ -10,7 +10,6 @@ static const float KEY_WIDTH = 0.12f;
 enum
 {
     SKINS_MAX = 32, // limit of bodies that light passes through
-    PANES_MAX = 32, // and of panes of glass that a ray passes
 };
 
 // Colours of the sky in the upper half, and of the floor of the room in the lower one, where there is no ground.
@@ -137,12 +136,12 @@ static wisp_vec3 ground_light( const stage* s, float distance )
 bool light_find_opaque( const stage* s, trace_ray* ray, trace_hit* hit )
 {
     bool is_found = trace_nearest( s->tree, ray, hit );
-    for ( int pane = 0; is_found && stage_is_glass( s, hit->body ) && pane < PANES_MAX; ++pane )
+    for ( int pane = 0; is_found && stage_is_glass( s, hit->body ) && pane < SHADE_PANES_MAX; ++pane )
     {
         ray->origin = v3_mul_add( ray->origin, hit->distance + s->lift, ray->direction );
         is_found = trace_nearest( s->tree, ray, hit );
     }
-    return is_found;
+    return is_found && !stage_is_glass( s, hit->body );
 }
 
 static wisp_vec3 surroundings( const stage* s, const trace_ray* start, bool is_mirror )

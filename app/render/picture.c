@@ -8,7 +8,6 @@
 
 enum
 {
-    PANES_MAX = 16,             // panes of glass between the camera and what it sees
     TILE = 16,                  // pixels, side of a tile of one thread
     RANDOM_STREAM = 0x70696374, // any number that no other stream of the program uses
 };
@@ -119,8 +118,8 @@ static wisp_vec3 light_of_pixel( const picture* p, int column, int row )
         float x = (float)column + tent( at.x ), y = (float)row + tent( at.y );
         wisp_vec3 aim = v3_mul_add( v3_mul_add( p->lens.corner, x, p->lens.right ), y, p->lens.down );
         trace_ray ray = { p->lens.eye, v3_normalize_or( aim, aim ), INFINITY };
-        sum = v3_add( sum,
-                      tamed( light_along( p, &ray, (float)row + 0.5f, ( shade_sample ){ &pixel, k }, PANES_MAX ) ) );
+        sum = v3_add(
+            sum, tamed( light_along( p, &ray, (float)row + 0.5f, ( shade_sample ){ &pixel, k }, SHADE_PANES_MAX ) ) );
     }
     return v3_scale( sum, 1.0f / (float)samples );
 }

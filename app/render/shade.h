@@ -17,6 +17,11 @@ wisp_vec3 light_of_key( const stage* s, wisp_vec3 place, wisp_vec3 towards, floa
 /// A direction towards a point of the key light.
 wisp_vec3 light_key_direction( const stage* s, shade_sample sample );
 
+enum
+{
+    SHADE_PANES_MAX = 32, ///< panes of glass that a ray passes; what is behind more is not seen
+};
+
 /// The nearest body that is not glass. The ray starts at the last pane before it, afterwards.
 bool light_find_opaque( const stage* s, trace_ray* ray, trace_hit* hit );
 

@@ -79,17 +79,37 @@ static void count_hits( const wisp_fabric* fabric, const float* position, wisp_v
     }
 }
 
-static void add_gust( const wisp_fabric* fabric, const float* position, wisp_vec3 gust, const int32_t* hits,
-                      bool per_triangle, float* velocity )
+// Pinned vertices are not hit. @return the first vertex that would be faster than the limit of velocities, -1 none
+static int find_too_fast( const wisp_fabric* fabric, const float* position, wisp_vec3 gust, bool per_triangle,
+                          const float* velocity, int32_t* hits )
 {
     for ( int slot = 0; slot < fabric->vertex_count; ++slot )
     {
-        float* v = velocity + (size_t)slot * 4;
+        const float* v = velocity + (size_t)slot * 4;
         const bool is_free = position[(size_t)slot * 4 + 3] > 0.0f;
-        const float times = is_free == false ? 0.0f : per_triangle ? (float)hits[slot] : hits[slot] > 0 ? 1.0f : 0.0f;
-        v[0] += times * gust.x;
-        v[1] += times * gust.y;
-        v[2] += times * gust.z;
+        hits[slot] = !is_free ? 0 : per_triangle ? hits[slot] : hits[slot] > 0;
+        const float times = (float)hits[slot];
+        const wisp_vec3 sum = { v[0] + times * gust.x, v[1] + times * gust.y, v[2] + times * gust.z };
+        if ( times > 0.0f && !( v3_length( sum ) <= 1e6f ) )
+        {
+            return fabric->slot_vertex[slot];
+        }
+    }
+    return -1;
+}
+
+static void add_gust( const wisp_fabric* fabric, wisp_vec3 gust, const int32_t* hits, float* velocity )
+{
+    for ( int slot = 0; slot < fabric->vertex_count; ++slot )
+    {
+        const float times = (float)hits[slot];
+        float* v = velocity + (size_t)slot * 4;
+        if ( hits[slot] > 0 )
+        {
+            v[0] += times * gust.x;
+            v[1] += times * gust.y;
+            v[2] += times * gust.z;
+        }
     }
 }
 
@@ -105,6 +125,10 @@ wisp_status wisp_apply_gust( wisp_world* world, wisp_entity surface, wisp_vec3 g
                                 "gust: got (%g, %g, %g) m/s, expected finite numbers of at most 1e6 m/s",
                                 (double)gust.x, (double)gust.y, (double)gust.z );
     }
+    if ( v3_dot( gust, gust ) == 0.0f )
+    {
+        return WISP_OK;
+    }
     const wisp_allocator* allocator = wisp_world_allocator( world );
     const size_t bytes = (size_t)e->fabric->slot_count * sizeof( int32_t );
     int32_t* hits = allocator->allocate( allocator->user, bytes, 64 );
@@ -116,9 +140,16 @@ wisp_status wisp_apply_gust( wisp_world* world, wisp_entity surface, wisp_vec3 g
     memset( hits, 0, bytes );
     const float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
     count_hits( e->fabric, position, gust, hits );
-    add_gust( e->fabric, position, gust, hits, per_triangle,
-              wisp_world_column( world, surface, WISP_PARTICLE_VELOCITY, 0 ) );
+    float* velocity = wisp_world_column( world, surface, WISP_PARTICLE_VELOCITY, 0 );
+    const int too_fast = find_too_fast( e->fabric, position, gust, per_triangle, velocity, hits );
+    if ( too_fast < 0 )
+    {
+        add_gust( e->fabric, gust, hits, velocity );
+        wisp_world_restart_levels( world, surface );
+    }
     allocator->release( allocator->user, hits, bytes );
-    wisp_world_restart_levels( world, surface );
-    return WISP_OK;
+    return too_fast < 0 ? WISP_OK
+                        : wisp_world_fail( world, WISP_BAD_INPUT,
+                                           "gust: vertex %d would be faster than 1e6 m/s with (%g, %g, %g) m/s",
+                                           too_fast, (double)gust.x, (double)gust.y, (double)gust.z );
 }

@@ -59,7 +59,8 @@ WISP_API wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface
 /// @return WISP_CONFLICT also if the surface has no layer, or its spacing is not by_screen
 WISP_API wisp_status wisp_set_boundary_eye( wisp_world* world, wisp_entity surface, wisp_vec3 eye );
 
-/// The layer after a step, or of the present positions before the first one. The world owns the arrays; they are valid until the next call that changes it.
+/// The layer after a step, or of the present positions before the first one. The world owns the arrays; they are valid until
+/// the next call that changes it, and before the first step until the next read of the layer or its statistics.
 typedef struct wisp_boundary_view
 {
     const wisp_samples* samples; ///< parents are slots of the fabric times 4

@@ -415,31 +415,61 @@ wisp_status wisp_set_boundary_eye( wisp_world* world, wisp_entity surface, wisp_
     return WISP_OK;
 }
 
-static bool is_zero( const float* values, size_t count )
+// What the passes of the layer write: columns of edges, of triangles, and the normals.
+// @return bytes of column number k, 0 behind the last
+static size_t written_column( wisp_world* world, wisp_entity surface, const boundary_state* state, int k, void** out )
 {
-    size_t i = 0;
-    while ( i < count && values[i] == 0.0f )
+    const wisp_fabric* fabric = wisp_world_fabric( world, surface );
+    const int edges = WISP_COUNT( EDGES_COLUMNS ), triangles = WISP_COUNT( TRIANGLES_COLUMNS );
+    if ( k < edges )
     {
-        ++i;
+        *out = wisp_world_column( world, surface, state->edges, k );
+        return (size_t)fabric->edge_count * EDGES_COLUMNS[k].row_size;
     }
-    return i == count;
+    if ( k < edges + triangles )
+    {
+        *out = wisp_world_column( world, surface, state->triangles, k - edges );
+        return (size_t)fabric->triangle_count * TRIANGLES_COLUMNS[k - edges].row_size;
+    }
+    *out = wisp_world_column( world, surface, state->normals, 0 );
+    return k == edges + triangles ? 4 * sizeof( float ) * (size_t)fabric->slot_count : 0;
 }
 
-// Before a step the points of the layer are those of the present positions. Columns become again what they were, so that the step is
-// the same with and without this: counts are forgotten, and normals were either none or those of the same positions.
+// Between all written columns and a block that holds them one after another. @return its bytes; null: copy nothing
+static size_t copy_written( wisp_world* world, wisp_entity surface, const boundary_state* state, char* block,
+                            bool is_back )
+{
+    size_t sum = 0, bytes;
+    void* column;
+    for ( int k = 0; ( bytes = written_column( world, surface, state, k, &column ) ) > 0; ++k )
+    {
+        if ( block != NULL )
+        {
+            memcpy( is_back ? column : block + sum, is_back ? block + sum : column, bytes );
+        }
+        sum += bytes;
+    }
+    return sum;
+}
+
+// Before a step the points of the layer are those of the present positions. Columns become again what they were, also those
+// that a restore has brought, so that the step is the same with and without this.
 static wisp_status make_early( wisp_world* world, wisp_entity surface, boundary_state* state, boundary_layer* layer )
 {
-    const size_t numbers = 4 * (size_t)wisp_world_fabric( world, surface )->slot_count;
-    float* normals = wisp_world_column( world, surface, state->normals, 0 );
-    const bool had_none = is_zero( normals, numbers );
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    const size_t bytes = copy_written( world, surface, state, NULL, false );
+    char* block = allocator->allocate( allocator->user, bytes, 64 );
+    if ( block == NULL )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "boundary: out of memory for the points of entity %u",
+                                surface.index );
+    }
+    copy_written( world, surface, state, block, false );
     const wisp_status status = wisp_world_run( world, surface, boundary_share_points, state );
     layer->made = false;
     layer->is_early = true;
-    forget_counts( world, surface, state );
-    if ( had_none )
-    {
-        memset( normals, 0, numbers * sizeof( float ) );
-    }
+    copy_written( world, surface, state, block, true );
+    allocator->release( allocator->user, block, bytes );
     return status;
 }
 

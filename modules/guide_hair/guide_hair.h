@@ -46,7 +46,7 @@ typedef struct wisp_ghosts_def
     float centre_gain;          ///< k_com, 0 .. 1e3, default 0.5; per distance to the centre at rest
     float time;                 ///< tau, s; default 0: the length of the step. 1 as printed
     /// Limit the sway of a vertex to the length of a segment; default true. The ghosts of a group are scaled by one factor, set
-    /// by the farthest of them, so that they stay apart however fast the head moves.
+    /// by the farthest of them, so that they stay apart however fast the head moves. With several targets each ghost has its own.
     bool capped;
     bool keep_offset;   ///< a single ghost of a target keeps its offset, though it is its own centre; default true
     float spread;       ///< Vbar / v_0 of eq. 2-3, 1e-6 .. 1e6; default 1: off. Sway is added
@@ -94,10 +94,12 @@ WISP_API wisp_status wisp_read_ghost_targets( wisp_world* world, wisp_entity gho
 /// Kind of curve through the vertices of strands.
 typedef enum wisp_curve_kind
 {
-    WISP_CURVE_BEZIER = 0, ///< eq. 6, coefficient 3, on groups of four vertices that share their ends and the tangents there:
-                           ///< inner points next to a joint are rotated about it, so that its direction is continuous
-    WISP_CURVE_CATMULL_ROM = 1,    ///< passes through all vertices, once continuously differentiable
-    WISP_CURVE_BEZIER_PRINTED = 2, ///< eq. 6 on groups that share their ends only: a joint turns as the strand does there
+    WISP_CURVE_BEZIER =
+        0, ///< eq. 6, coefficient 3, on groups of four vertices that share their ends and the tangents there:
+           ///< inner points next to a joint are rotated about it, so that its direction is continuous
+    WISP_CURVE_CATMULL_ROM = 1, ///< passes through all vertices, once continuously differentiable
+    WISP_CURVE_BEZIER_PRINTED =
+        2, ///< eq. 6 on groups that share their ends only: a joint turns as the strand does there
     WISP_CURVE_KIND_COUNT = 3,
 } wisp_curve_kind;
 

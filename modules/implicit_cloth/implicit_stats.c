@@ -29,6 +29,10 @@ static double arc_load( double y )
 // y = 1 + q F(y). The iteration from y = 1 converges to the first intersection, since q F' < 1 up to it.
 double implicit_ramp_end( double load, double ramp, double rest )
 {
+    if ( !( load > 0.0 && ramp > 0.0 && rest > 0.0 ) )
+    {
+        return 1.0;
+    }
     const double q = load / ( ramp * rest );
     double y = 1.0;
     for ( int i = 0; i < 200; ++i )

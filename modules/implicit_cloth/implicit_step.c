@@ -99,8 +99,13 @@ static void gather_row( step* s, int row )
 static void keep_row( step* s, int row )
 {
     const int slot = s->system.links->row_slot[row];
-    if ( s->held == NULL || slot < 0 )
+    if ( s->held == NULL )
     {
+        return;
+    }
+    if ( slot < 0 )
+    {
+        memset( s->from + (size_t)row * 4, 0, 4 * sizeof( float ) ); // whole slices are read
         return;
     }
     memcpy( s->from + (size_t)row * 4, s->columns.position + (size_t)slot * 4, 4 * sizeof( float ) );
@@ -380,7 +385,7 @@ static void solve( wisp_frame* frame, step* s, implicit_tally* total )
         total->residual = outcome.residual;
         total->repeats += 1;
     }
-    wisp_frame_count( frame, WISP_COUNT_DEGENERATE_LINK, (uint64_t)undirected );
+    wisp_frame_count( frame, WISP_COUNT_DEGENERATE_LINK, s->is_second ? 0 : (uint64_t)undirected );
 }
 
 // ---- out of rows ----
@@ -693,6 +698,7 @@ static void attempt_again( wisp_frame* frame, const wisp_span* span, step* s, im
         wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, 1 );
     }
     s->is_second = s->stiff = true;
+    s->system.spring.full_jacobian = s->system.material->full_jacobian != 0;
     attempt( frame, span, s, tally );
     (void)gains( s );
 }

@@ -125,9 +125,28 @@ static void a_gust_that_cannot_be_is_refused_by_name( void** state )
     ball_close( b );
 }
 
+static void no_gust_changes_no_bit_and_gusts_that_add_up_have_a_limit( void** state )
+{
+    (void)state;
+    ball_world* b = fallen_ball();
+    const uint64_t before = wisp_world_hash( b->world );
+    assert_int_equal( wisp_apply_gust( b->world, b->ball, ( wisp_vec3 ){ 0.0f, -0.0f, 0.0f }, true ), WISP_OK );
+    assert_true( wisp_world_hash( b->world ) == before );
+    // six triangles meet at a vertex, so that it would get more than the limit; and so would a second gust
+    const wisp_vec3 storm = { 9e5f, 0.0f, 0.0f };
+    expect_refusal( b->world, wisp_apply_gust( b->world, b->ball, storm, true ), WISP_BAD_INPUT,
+                    "would be faster than 1e6 m/s" );
+    assert_true( wisp_world_hash( b->world ) == before );
+    assert_int_equal( wisp_apply_gust( b->world, b->ball, storm, false ), WISP_OK );
+    expect_refusal( b->world, wisp_apply_gust( b->world, b->ball, storm, false ), WISP_BAD_INPUT,
+                    "would be faster than 1e6 m/s" );
+    ball_close( b );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test( no_gust_changes_no_bit_and_gusts_that_add_up_have_a_limit ),
         cmocka_unit_test( a_gust_is_that_of_the_oracle ),
         cmocka_unit_test( a_gust_does_not_depend_on_the_step_and_meets_one_side_of_a_sheet ),
         cmocka_unit_test( a_gust_that_cannot_be_is_refused_by_name ),
