@@ -113,7 +113,7 @@ static void a_triangle_that_names_no_vertex_is_named( void** state )
     assert_refused( &s, "mesh 1: 4 vertices and 2 triangles do not fit their arrays" );
     make_good( &s );
     s.meshes[0].material = (render_material)7;
-    assert_refused( &s, "mesh \"flag\": material 7 is none of solid, cloth and latex" );
+    assert_refused( &s, "mesh \"flag\": material 7 is none of solid, cloth, latex and glass" );
 }
 
 static void a_strand_out_of_order_is_named( void** state )
