@@ -85,7 +85,7 @@ static void bend_arcs( const float y[8], arcs* a )
     }
     const wisp_spring_args args = {
         .links = { a->begin, (const int32_t( * )[8])a->other_x4, (const float( * )[8])a->one,
-                   (const float( * )[8])a->one, (const float( * )[8])a->ramp, (const float( * )[8])a->zero },
+                   (const float( * )[8])a->one, (const float( * )[8])a->ramp, (const float( * )[8])a->zero, NULL },
         .position = a->position[0],
         .velocity = a->nothing[0],
         .start_velocity = a->nothing[0],

@@ -298,10 +298,11 @@ typedef struct wisp_strand_target_args
     const float* velocity;          ///< [row][3][16] m/s; null: 0
     const float* previous_velocity; ///< [row][3][16] m/s, one step earlier; null: equal to velocity
     const float* max_sway;          ///< [row][16] m, maximum sway of a node
-    const float* reach; ///< [row][16] centre weight of the farthest ghost of a node; null: the ghosts scale their sway
-    const float* root;              ///< [group][4][16] quaternion, rotation of the root from rest; null: none
-    float* table;                   ///< [node][stride] output
-    int stride;                     ///< floats per node: 8 without frames, 12 or 16 with frames
+    const float*
+        reach;         ///< [row][16] centre weight of the farthest ghost of a node; null: the ghosts scale their sway
+    const float* root; ///< [group][4][16] quaternion, rotation of the root from rest; null: none
+    float* table;      ///< [node][stride] output
+    int stride;        ///< floats per node: 8 without frames, 12 or 16 with frames
     bool transports_frames; ///< frames are transported from the root by the smallest rotations; otherwise all nodes
                             ///< have the frame of the root
     bool is_capped, is_blended;
