@@ -54,13 +54,13 @@ static cubic group_cubic( const wisp_vec3* points, int count, int group )
     }
 }
 
-// A point next to a joint on the line through it along `way`, as far from it as before.
-static wisp_vec3 onto( wisp_vec3 joint, wisp_vec3 p, wisp_vec3 way, float sign )
+// A point next to a joint on the line through it along a tangent, as far from it as before.
+static wisp_vec3 onto_tangent( wisp_vec3 joint, wisp_vec3 p, wisp_vec3 tangent, float sign )
 {
     const wisp_vec3 d = mix( 1.0f, p, -1.0f, joint );
-    const float length = sqrtf( way.x * way.x + way.y * way.y + way.z * way.z );
+    const float length = sqrtf( tangent.x * tangent.x + tangent.y * tangent.y + tangent.z * tangent.z );
     const float distance = sqrtf( d.x * d.x + d.y * d.y + d.z * d.z );
-    return length > 0.0f ? mix( 1.0f, joint, sign * distance / length, way ) : p;
+    return length > 0.0f ? mix( 1.0f, joint, sign * distance / length, tangent ) : p;
 }
 
 // The same fours with one tangent at a joint, along the vertices at both sides of it.
@@ -70,11 +70,11 @@ static cubic joined_cubic( const wisp_vec3* points, int count, int group )
     cubic c = group_cubic( points, count, group );
     if ( group > 0 )
     {
-        c.control[1] = onto( c.control[0], c.control[1], mix( 1.0f, p[1], -1.0f, p[-1] ), 1.0f );
+        c.control[1] = onto_tangent( c.control[0], c.control[1], mix( 1.0f, p[1], -1.0f, p[-1] ), 1.0f );
     }
     if ( 3 * group + 4 < count )
     {
-        c.control[2] = onto( c.control[3], c.control[2], mix( 1.0f, p[4], -1.0f, p[2] ), -1.0f );
+        c.control[2] = onto_tangent( c.control[3], c.control[2], mix( 1.0f, p[4], -1.0f, p[2] ), -1.0f );
     }
     return c;
 }

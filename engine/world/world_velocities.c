@@ -30,11 +30,7 @@ wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3
     WISP_TRY( wisp_world_begin( world ) );
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     store_entity* e;
-    wisp_status status = world_find_surface( world, surface, &e );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
+    WISP_TRY( world_find_surface( world, surface, &e ) );
     if ( !( v3_length( linear ) <= 1e6f && v3_length( angular ) <= 1e6f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
