@@ -119,12 +119,14 @@ WISP_API wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surfa
 /// Set the velocities of all vertices to those of a rigid motion about the centre of mass.
 /// @param linear m/s @param angular rad/s
 WISP_API wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3 linear, wisp_vec3 angular );
-/// Add a velocity to the vertices of all triangles whose normal is against it, as a sudden gust does. It is added once, at once, whatever
-/// the step, the mass and the area. Pinned vertices stay. Steady air is the wind of cloth and strands.
+/// Add a velocity to the vertices of all triangles whose normal is against it, as a sudden gust does: a sheet is hit on its
+/// front alone. It is added once, at once, whatever the step, the mass and the area. Pinned vertices stay. Steady air is the
+/// wind of cloth and strands.
 /// @param gust m/s, at most 1e6; zero does nothing
 /// @param per_triangle false: a vertex gets the gust once; true: once for each such triangle around it, as in the boundary
 ///        particle paper's program, so that another mesh is blown away at another speed
-/// @return WISP_BAD_INPUT a coordinate is not finite or too large; WISP_CONFLICT the entity is not a surface; WISP_NO_MEMORY
+/// @return WISP_BAD_INPUT a coordinate is not finite or too large, or a vertex would be faster than 1e6 m/s, and none is
+///         changed; WISP_CONFLICT the entity is not a surface; WISP_NO_MEMORY
 WISP_API wisp_status wisp_apply_gust( wisp_world* world, wisp_entity surface, wisp_vec3 gust, bool per_triangle );
 
 /// How constraints respond to an error. Chosen per entity, so that one scene can compare both.
