@@ -110,10 +110,11 @@ static void make_questions( const wisp_mesh* mesh, float edge, questions* q )
         // neighbours one after another, like the particles of a cloth
         int v = (int)( (int64_t)mesh->vertex_count * i / QUESTIONS );
         wisp_vec3 on = mesh->points[v], beside = shift( on, 0.5f * edge, i, 0 );
-        q->near[i] = ( wisp_mesh_query ){ beside, edge };
-        q->far[i % FAR_QUESTIONS] = ( wisp_mesh_query ){ shift( middle, 1.5f, i, 1 ), INFINITY };
-        q->steps[i] = ( wisp_mesh_path ){ beside, shift( beside, 0.5f * edge, i, 2 ) };
-        q->across[i] = ( wisp_mesh_path ){ { 2.0f * on.x, 2.0f * on.y, 2.0f * on.z }, shift( middle, 0.1f, i, 3 ) };
+        q->near[i] = ( wisp_mesh_query ){ .point = beside, .radius = edge };
+        q->far[i % FAR_QUESTIONS] = ( wisp_mesh_query ){ .point = shift( middle, 1.5f, i, 1 ), .radius = INFINITY };
+        q->steps[i] = ( wisp_mesh_path ){ .from = beside, .to = shift( beside, 0.5f * edge, i, 2 ) };
+        q->across[i] = ( wisp_mesh_path ){ .from = { 2.0f * on.x, 2.0f * on.y, 2.0f * on.z },
+                                           .to = shift( middle, 0.1f, i, 3 ) };
     }
 }
 
@@ -174,7 +175,7 @@ static wisp_status run_round( implementation* e, const wisp_mesh* mesh, const qu
     at[BUILD] = wisp_clock_seconds();
     wisp_status status = wisp_collision_mesh_create( &def, NULL, &e->tree, error );
     at[UPDATE] = wisp_clock_seconds();
-    status = status == WISP_OK ? wisp_collision_mesh_update( e->tree, mesh->points, error ) : status;
+    status = status == WISP_OK ? wisp_collision_mesh_update( e->tree, NULL, mesh->points, NULL, error ) : status;
     if ( status != WISP_OK )
     {
         return status;

@@ -89,7 +89,7 @@ static void ask( work* w, const balloon* from, const balloon* to )
 {
     for ( int v = 0; v < from->count; ++v )
     {
-        w->queries[v] = ( wisp_mesh_query ){ from->points[v], to->reach };
+        w->queries[v] = ( wisp_mesh_query ){ .point = from->points[v], .radius = to->reach };
     }
     wisp_collision_mesh_closest( to->mesh, w->queries, from->count, w->nearest, NULL );
 }

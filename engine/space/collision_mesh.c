@@ -1,5 +1,6 @@
 // Triangle meshes for queries: surface, search and results.
 #include "collision_mesh_embree.h"
+#include "mesh_bvh.h"
 #include "voxels.h"
 
 #include "alloc.h"
@@ -10,10 +11,11 @@ struct wisp_collision_mesh
 {
     mesh_surface surface;
     wisp_mesh_search search;
-    embree_tree* embree; ///< null if voxels are used
+    embree_tree* embree; ///< of a rigid mesh, null if voxels are used
+    mesh_bvh bvh;        ///< of a mesh that deforms, zero if voxels are used
     voxels voxels;       ///< zero if a tree is used
     bool deforms;
-    float* spare; ///< [point_count][4] old positions, restored if an update fails; null for a rigid mesh
+    float* spare; ///< [point_count][4] old positions, restored if an update of voxels fails; null without
     int open_edge_count, flat_triangle_count;
 };
 
@@ -41,6 +43,11 @@ static wisp_status check_search( const wisp_collision_mesh_def* def, wisp_error*
 
 static wisp_status make_search( wisp_collision_mesh* tree, const wisp_collision_mesh_def* def, wisp_error* error )
 {
+    if ( def->search == WISP_MESH_SEARCH_TREE )
+    {
+        return def->deforms ? mesh_bvh_build( &tree->bvh, &tree->surface, error )
+                            : embree_tree_create( &tree->surface, def, &tree->embree, error );
+    }
     if ( def->deforms )
     {
         tree->spare = base_allocate( &tree->surface.allocator, spare_bytes( tree ), BASE_BUFFER_ALIGNMENT );
@@ -48,10 +55,6 @@ static wisp_status make_search( wisp_collision_mesh* tree, const wisp_collision_
         {
             return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a mesh collider" );
         }
-    }
-    if ( def->search == WISP_MESH_SEARCH_TREE )
-    {
-        return embree_tree_create( &tree->surface, def, &tree->embree, error );
     }
     tree->voxels.size_queried = (double)def->voxel_size;
     tree->voxels.max_bytes = def->memory_limit;
@@ -96,16 +99,24 @@ void wisp_collision_mesh_release( wisp_collision_mesh* tree )
     }
     wisp_allocator allocator = tree->surface.allocator;
     embree_tree_release( tree->embree );
+    mesh_bvh_release( &tree->bvh );
     voxels_release( &tree->voxels, &allocator );
     base_release( &allocator, tree->spare, spare_bytes( tree ) );
     mesh_surface_release( &tree->surface );
     base_release( &allocator, tree, sizeof( *tree ) );
 }
 
+static bool has_bvh( const wisp_collision_mesh* tree )
+{
+    return tree->bvh.surface != NULL;
+}
+
 size_t wisp_collision_mesh_bytes( const wisp_collision_mesh* tree )
 {
     return sizeof( *tree ) + tree->surface.bytes + ( tree->spare != NULL ? spare_bytes( tree ) : 0 ) +
-           ( tree->embree != NULL ? embree_tree_bytes( tree->embree ) : voxels_bytes( &tree->voxels ) );
+           ( has_bvh( tree )        ? mesh_bvh_bytes( &tree->bvh )
+             : tree->embree != NULL ? embree_tree_bytes( tree->embree )
+                                    : voxels_bytes( &tree->voxels ) );
 }
 
 size_t wisp_collision_mesh_outside_bytes( const wisp_collision_mesh* tree )
@@ -118,9 +129,10 @@ wisp_collision_mesh_stats wisp_collision_mesh_get_stats( const wisp_collision_me
     wisp_collision_mesh_stats info = { .open_edge_count = tree->open_edge_count,
                                        .flat_triangle_count = tree->flat_triangle_count,
                                        .search = tree->search };
-    if ( tree->embree != NULL )
+    if ( tree->search == WISP_MESH_SEARCH_TREE )
     {
-        embree_tree_counts( tree->embree, &info.build_count, &info.refit_count );
+        info.build_count = 1;
+        info.refit_count = tree->bvh.refit_count;
         return info;
     }
     info.build_count = tree->voxels.build_count;
@@ -132,38 +144,59 @@ wisp_collision_mesh_stats wisp_collision_mesh_get_stats( const wisp_collision_me
 
 // ---- updates ----
 
-wisp_status wisp_collision_mesh_update( wisp_collision_mesh* tree, const wisp_vec3* points, wisp_error* error )
+// Voxels know one place of each point, and need memory.
+static wisp_status update_voxels( wisp_collision_mesh* tree, const wisp_vec3* points, wisp_error* error )
+{
+    memcpy( tree->spare, tree->surface.xyzw, spare_bytes( tree ) );
+    mesh_surface_set_points( &tree->surface, points, points );
+    wisp_status status = voxels_build( &tree->voxels, &tree->surface, error );
+    if ( status != WISP_OK )
+    {
+        // the old state had memory
+        mesh_surface_restore_points( &tree->surface, tree->spare );
+        wisp_status back = voxels_build( &tree->voxels, &tree->surface, NULL );
+        WISP_ASSERT( back == WISP_OK );
+        (void)back;
+    }
+    return status;
+}
+
+wisp_status wisp_collision_mesh_update( wisp_collision_mesh* tree, const wisp_vec3* start, const wisp_vec3* end,
+                                        const wisp_parallel* parallel, wisp_error* error )
 {
     if ( !tree->deforms )
     {
         return wisp_fail( error, WISP_CONFLICT, "mesh collider: is rigid, so its points cannot move" );
     }
-    wisp_status status = mesh_surface_check_points( points, tree->surface.point_count, error );
-    if ( status != WISP_OK )
+    if ( start != NULL && has_bvh( tree ) == false )
     {
-        return status;
+        return wisp_fail( error, WISP_CONFLICT, "mesh collider: voxels cannot follow points from a start to an end" );
     }
-    memcpy( tree->spare, tree->surface.xyzw, spare_bytes( tree ) );
-    mesh_surface_set_points( &tree->surface, points );
-    status = tree->embree != NULL ? embree_tree_update( tree->embree, error )
-                                  : voxels_build( &tree->voxels, &tree->surface, error );
-    if ( status == WISP_OK )
+    wisp_status status = mesh_surface_check_points( end, tree->surface.point_count, error );
+    if ( status == WISP_OK && start != NULL )
     {
-        return WISP_OK;
+        status = mesh_surface_check_points( start, tree->surface.point_count, error );
     }
+    if ( status != WISP_OK || has_bvh( tree ) == false )
+    {
+        return status == WISP_OK ? update_voxels( tree, end, error ) : status;
+    }
+    mesh_surface_set_points( &tree->surface, start != NULL ? start : end, end );
+    mesh_bvh_refit( &tree->bvh, parallel );
+    return WISP_OK;
+}
 
-    // restore the old state; the voxels had memory for it
-    memcpy( tree->surface.xyzw, tree->spare, spare_bytes( tree ) );
-    mesh_surface_find_extent( &tree->surface );
-    if ( tree->embree != NULL )
+wisp_mesh_place wisp_collision_mesh_place( const wisp_collision_mesh* tree, int32_t triangle, const float weights[3],
+                                           float time )
+{
+    const triangle_corners t = mesh_surface_triangle( &tree->surface, triangle, (double)time );
+    double3 point = { 0.0, 0.0, 0.0 };
+    for ( int k = 0; k < 3; ++k )
     {
-        embree_tree_return( tree->embree );
-        return status;
+        point = double3_mul_add( point, (double)weights[k], t.at[k] );
     }
-    wisp_status back = voxels_build( &tree->voxels, &tree->surface, NULL );
-    WISP_ASSERT( back == WISP_OK );
-    (void)back;
-    return status;
+    return ( wisp_mesh_place ){ double3_narrow( point ),
+                                double3_narrow( double3_unit_or_zero( triangle_normal( &t ) ) ) };
 }
 
 // ---- queries ----
@@ -172,11 +205,6 @@ static bool is_reachable( wisp_vec3 p )
 {
     const float r = WISP_COLLISION_MESH_REACH; // false for NaN
     return fabsf( p.x ) <= r && fabsf( p.y ) <= r && fabsf( p.z ) <= r;
-}
-
-static bool has_answers( const wisp_collision_mesh* tree )
-{
-    return tree->embree == NULL || embree_tree_answers( tree->embree );
 }
 
 static void add_work( wisp_collision_mesh_query_stats* sum, const wisp_collision_mesh_query_stats* work )
@@ -194,7 +222,11 @@ static bool find_closest( const wisp_collision_mesh* tree, const wisp_mesh_query
                           uint64_t* tested )
 {
     mesh_closest search = mesh_closest_begin( &tree->surface, query );
-    if ( tree->embree != NULL )
+    if ( has_bvh( tree ) )
+    {
+        mesh_bvh_find_closest( &tree->bvh, &search );
+    }
+    else if ( tree->embree != NULL )
     {
         embree_tree_find_closest( tree->embree, &search );
     }
@@ -205,7 +237,7 @@ static bool find_closest( const wisp_collision_mesh* tree, const wisp_mesh_query
     *tested += search.tested;
     if ( search.triangle >= 0 )
     {
-        mesh_surface_describe( &tree->surface, search.triangle, &search.best, search.point, out );
+        mesh_surface_describe( &tree->surface, search.triangle, search.time, &search.best, search.point, out );
     }
     return search.triangle >= 0;
 }
@@ -217,16 +249,12 @@ void wisp_collision_mesh_closest( wisp_collision_mesh* tree, const wisp_mesh_que
     for ( int i = 0; i < count; ++i )
     {
         nearest[i] = ( wisp_mesh_nearest ){ .triangle = -1 };
-        if ( !is_reachable( queries[i].point ) || !( queries[i].radius >= 0.0f ) || !has_answers( tree ) )
+        if ( !is_reachable( queries[i].point ) || !( queries[i].radius >= 0.0f ) )
         {
             ++work.refused;
             continue;
         }
         work.answered += find_closest( tree, queries + i, nearest + i, &work.tested ) ? 1 : 0;
-    }
-    if ( tree->embree != NULL )
-    {
-        embree_tree_note( tree->embree, work.queried - work.refused, work.tested );
     }
     add_work( sum, &work );
 }
@@ -234,7 +262,8 @@ void wisp_collision_mesh_closest( wisp_collision_mesh* tree, const wisp_mesh_que
 static void describe_intersection( const mesh_cast* search, wisp_mesh_hit* hit )
 {
     const triangle_intersection* c = &search->best;
-    triangle_corners t = triangle_load( search->surface->xyzw, search->surface->triangles, search->triangle );
+    const double when = search->begin_time + c->time * ( search->end_time - search->begin_time );
+    triangle_corners t = mesh_surface_triangle( search->surface, search->triangle, when );
     double3 normal = double3_unit_or_zero( triangle_normal( &t ) );
     double side = c->from_front ? 1.0 : -1.0;
     *hit = ( wisp_mesh_hit ){
@@ -251,7 +280,11 @@ static bool find_intersection( const wisp_collision_mesh* tree, const wisp_mesh_
                                wisp_collision_mesh_query_stats* work )
 {
     mesh_cast search = mesh_cast_begin( &tree->surface, path );
-    if ( tree->embree == NULL )
+    if ( has_bvh( tree ) )
+    {
+        mesh_bvh_find_intersection( &tree->bvh, &search );
+    }
+    else if ( tree->embree == NULL )
     {
         voxels_find_intersection( &tree->voxels, &search );
     }
@@ -279,11 +312,11 @@ void wisp_collision_mesh_cast( wisp_collision_mesh* tree, const wisp_mesh_path* 
     for ( int i = 0; i < count; ++i )
     {
         hits[i] = ( wisp_mesh_hit ){ .triangle = -1 };
-        if ( !is_reachable( paths[i].from ) || !is_reachable( paths[i].to ) || !has_answers( tree ) )
+        if ( !is_reachable( paths[i].from ) || !is_reachable( paths[i].to ) )
         {
             ++work.refused;
         }
-        else if ( has_length( paths + i ) )
+        else if ( has_length( paths + i ) || paths[i].begin_time != paths[i].end_time )
         {
             work.answered += find_intersection( tree, paths + i, hits + i, &work ) ? 1 : 0;
         }

@@ -23,17 +23,6 @@ void embree_tree_release( embree_tree* tree )
     (void)tree;
 }
 
-wisp_status embree_tree_update( embree_tree* tree, wisp_error* error )
-{
-    (void)tree;
-    return wisp_fail( error, WISP_CONFLICT, "this library was built without Embree" );
-}
-
-void embree_tree_return( embree_tree* tree )
-{
-    (void)tree;
-}
-
 void embree_tree_find_closest( const embree_tree* tree, mesh_closest* search )
 {
     (void)tree;
@@ -47,19 +36,6 @@ bool embree_tree_find_intersection( const embree_tree* tree, mesh_cast* search )
     return false;
 }
 
-bool embree_tree_answers( const embree_tree* tree )
-{
-    (void)tree;
-    return false;
-}
-
-void embree_tree_note( embree_tree* tree, uint64_t queried, uint64_t tested )
-{
-    (void)tree;
-    (void)queried;
-    (void)tested;
-}
-
 size_t embree_tree_bytes( const embree_tree* tree )
 {
     (void)tree;
@@ -70,12 +46,6 @@ size_t embree_tree_outside_bytes( const embree_tree* tree )
 {
     (void)tree;
     return 0;
-}
-
-void embree_tree_counts( const embree_tree* tree, int* build_count, int* refit_count )
-{
-    (void)tree;
-    *build_count = *refit_count = 0;
 }
 
 #endif

@@ -16,25 +16,15 @@
 
 static const double WIDENING = 4e-6; // relative to the mesh's largest coordinate
 
-enum
-{
-    DECAY_QUERIES = 64, // minimum number of queries to judge the quality of a tree
-};
-
 struct embree_tree
 {
     const mesh_surface* surface;
     RTCDevice device;
     RTCScene scene;
     RTCGeometry geometry;
-    bool deforms;
-    bool is_lost;               ///< an update and its reversal failed: queries find nothing until an update succeeds
-    double tested_when_new;     ///< triangles tested per query, 0 while unknown
     atomic_int fault;           ///< first error of Embree since the last check
     _Atomic int64_t node_bytes; ///< memory allocated by Embree
     int64_t max_node_bytes;     ///< 0: no limit
-    _Atomic uint64_t queried, tested; ///< queries for closest points and triangles tested, since the last update
-    int build_count, refit_count;
 };
 
 // ---- boxes ----
@@ -47,15 +37,12 @@ static float find_widening( const mesh_surface* s )
 static void find_box( const struct RTCBoundsFunctionArguments* arguments )
 {
     const embree_tree* tree = arguments->geometryUserPtr;
-    const mesh_surface* s = tree->surface;
-    const int32_t* number = s->triangles + 3 * (size_t)arguments->primID;
-    const float *a = s->xyzw + 4 * (size_t)number[0], *b = s->xyzw + 4 * (size_t)number[1],
-                *c = s->xyzw + 4 * (size_t)number[2];
-    float lower[3], upper[3], widening = find_widening( s );
+    float lower[3], upper[3], widening = find_widening( tree->surface );
+    mesh_surface_box( tree->surface, (int32_t)arguments->primID, lower, upper );
     for ( int k = 0; k < 3; ++k )
     {
-        lower[k] = fminf( a[k], fminf( b[k], c[k] ) ) - widening;
-        upper[k] = fmaxf( a[k], fmaxf( b[k], c[k] ) ) + widening;
+        lower[k] -= widening;
+        upper[k] += widening;
     }
     struct RTCBounds* box = arguments->bounds_o;
     box->lower_x = lower[0];
@@ -88,7 +75,7 @@ static bool watch_memory( void* user, ssize_t bytes, bool is_taken )
     return is_allowed;
 }
 
-static wisp_status take_fault( embree_tree* tree, const char* what, wisp_error* error )
+static wisp_status take_fault( embree_tree* tree, wisp_error* error )
 {
     int fault = atomic_exchange( &tree->fault, 0 );
     if ( fault == (int)RTC_ERROR_NONE )
@@ -97,10 +84,10 @@ static wisp_status take_fault( embree_tree* tree, const char* what, wisp_error* 
     }
     if ( fault == (int)RTC_ERROR_OUT_OF_MEMORY )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "Embree: out of memory to %s a collider of %d triangles", what,
+        return wisp_fail( error, WISP_NO_MEMORY, "Embree: out of memory to build a collider of %d triangles",
                           tree->surface->triangle_count );
     }
-    return wisp_fail( error, WISP_CONFLICT, "Embree: cannot %s a collider of %d triangles, error %d", what,
+    return wisp_fail( error, WISP_CONFLICT, "Embree: cannot build a collider of %d triangles, error %d",
                       tree->surface->triangle_count, fault );
 }
 
@@ -130,10 +117,9 @@ static wisp_status build_scene( embree_tree* tree, wisp_error* error )
     if ( tree->scene != NULL && tree->geometry != NULL )
     {
         RTCGeometry g = tree->geometry;
-        rtcSetSceneFlags( tree->scene,
-                          tree->deforms ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_ROBUST );
-        rtcSetSceneBuildQuality( tree->scene, tree->deforms ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM );
-        rtcSetGeometryBuildQuality( g, tree->deforms ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM );
+        rtcSetSceneFlags( tree->scene, RTC_SCENE_FLAG_ROBUST );
+        rtcSetSceneBuildQuality( tree->scene, RTC_BUILD_QUALITY_MEDIUM );
+        rtcSetGeometryBuildQuality( g, RTC_BUILD_QUALITY_MEDIUM );
         rtcSetGeometryUserPrimitiveCount( g, (unsigned)tree->surface->triangle_count );
         rtcSetGeometryMask( g, 0xffffffffu ); // versions 3 and 4 have different defaults
         rtcSetGeometryUserData( g, tree );
@@ -143,8 +129,7 @@ static wisp_status build_scene( embree_tree* tree, wisp_error* error )
         rtcAttachGeometryByID( tree->scene, g, 0 );
         rtcCommitScene( tree->scene );
     }
-    tree->build_count = 1;
-    return take_fault( tree, "build", error );
+    return take_fault( tree, error );
 }
 
 wisp_status embree_tree_create( const mesh_surface* surface, const wisp_collision_mesh_def* def, embree_tree** out,
@@ -158,7 +143,6 @@ wisp_status embree_tree_create( const mesh_surface* surface, const wisp_collisio
     }
     memset( tree, 0, sizeof( *tree ) );
     tree->surface = surface;
-    tree->deforms = def->deforms;
     tree->max_node_bytes = def->memory_limit < INT64_MAX ? (int64_t)def->memory_limit : INT64_MAX;
     wisp_status status = open_device( tree, error );
     status = status == WISP_OK ? build_scene( tree, error ) : status;
@@ -201,76 +185,6 @@ size_t embree_tree_outside_bytes( const embree_tree* tree )
 size_t embree_tree_bytes( const embree_tree* tree )
 {
     return sizeof( *tree ) + embree_tree_outside_bytes( tree );
-}
-
-void embree_tree_counts( const embree_tree* tree, int* build_count, int* refit_count )
-{
-    *build_count = tree->build_count;
-    *refit_count = tree->refit_count;
-}
-
-// ---- updates ----
-
-static wisp_status commit( embree_tree* tree, bool rebuild, wisp_error* error )
-{
-    if ( rebuild )
-    {
-        // a newly attached geometry cannot be refitted
-        rtcDetachGeometry( tree->scene, 0 );
-        rtcAttachGeometryByID( tree->scene, tree->geometry, 0 );
-    }
-    rtcCommitGeometry( tree->geometry );
-    rtcCommitScene( tree->scene );
-    return take_fault( tree, rebuild ? "rebuild" : "refit", error );
-}
-
-// Tests whether the tree has decayed, by the triangles tested per query compared with a new tree. The first update
-// after enough queries sets the reference.
-static bool has_decayed( embree_tree* tree )
-{
-    uint64_t queried = atomic_exchange( &tree->queried, 0 ), tested = atomic_exchange( &tree->tested, 0 );
-    if ( queried < DECAY_QUERIES )
-    {
-        return false;
-    }
-    double mean = (double)tested / (double)queried;
-    if ( tree->tested_when_new == 0.0 )
-    {
-        tree->tested_when_new = mean;
-        return false;
-    }
-    return mean > 1.5 * tree->tested_when_new;
-}
-
-wisp_status embree_tree_update( embree_tree* tree, wisp_error* error )
-{
-    bool rebuild = has_decayed( tree ) || tree->is_lost;
-    wisp_status status = commit( tree, rebuild, error );
-    if ( status == WISP_OK )
-    {
-        tree->is_lost = false;
-        tree->tested_when_new = rebuild ? 0.0 : tree->tested_when_new;
-        tree->build_count += rebuild ? 1 : 0;
-        tree->refit_count += rebuild ? 0 : 1;
-    }
-    return status;
-}
-
-// Marks the tree as lost: no result is better than a wrong one.
-void embree_tree_return( embree_tree* tree )
-{
-    tree->is_lost = tree->is_lost || commit( tree, true, NULL ) != WISP_OK;
-}
-
-bool embree_tree_answers( const embree_tree* tree )
-{
-    return !tree->is_lost;
-}
-
-void embree_tree_note( embree_tree* tree, uint64_t queried, uint64_t tested )
-{
-    atomic_fetch_add_explicit( &tree->queried, queried, memory_order_relaxed );
-    atomic_fetch_add_explicit( &tree->tested, tested, memory_order_relaxed );
 }
 
 // ---- closest points ----

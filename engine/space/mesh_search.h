@@ -18,6 +18,7 @@ typedef struct mesh_closest
 {
     const mesh_surface* surface;
     double3 point;
+    double time;      ///< of the motion of the mesh
     int32_t triangle; ///< -1 until one is found
     uint64_t tested;
     triangle_nearest best; ///< squared is that of the radius until a triangle is found
@@ -28,6 +29,7 @@ static inline mesh_closest mesh_closest_begin( const mesh_surface* surface, cons
     double radius = fmin( (double)query->radius, SEARCH_FARTHEST );
     return ( mesh_closest ){ .surface = surface,
                              .point = double3_widen( query->point ),
+                             .time = (double)query->time,
                              .triangle = -1,
                              .best = { .squared = radius * radius } };
 }
@@ -42,7 +44,7 @@ static inline double mesh_closest_radius( const mesh_closest* search )
 /// @return whether it is the best so far
 static inline bool mesh_closest_propose( mesh_closest* search, int32_t triangle )
 {
-    triangle_corners t = triangle_load( search->surface->xyzw, search->surface->triangles, triangle );
+    triangle_corners t = mesh_surface_triangle( search->surface, triangle, search->time );
     triangle_nearest nearest;
     triangle_find_nearest( &nearest, &t, search->point );
     ++search->tested;
@@ -62,9 +64,10 @@ typedef struct mesh_cast
 {
     const mesh_surface* surface;
     double3 from, to;
-    double length;    ///< m
-    double slack;     ///< m, intersections farther than this behind the best need not be proposed
-    int32_t triangle; ///< -1 until one is found
+    double begin_time, end_time; ///< of the motion of the mesh
+    double length;               ///< m
+    double slack;                ///< m, intersections farther than this behind the best need not be proposed
+    int32_t triangle;            ///< -1 until one is found
     uint64_t tested;
     triangle_intersection best;
 } mesh_cast;
@@ -75,6 +78,8 @@ static inline mesh_cast mesh_cast_begin( const mesh_surface* surface, const wisp
     return ( mesh_cast ){ .surface = surface,
                           .from = from,
                           .to = to,
+                          .begin_time = (double)path->begin_time,
+                          .end_time = (double)path->end_time,
                           .length = sqrt( double3_dot( step, step ) ),
                           .slack = SEARCH_PATH_SLACK * surface->largest + MIN_SEARCH_SLACK,
                           .triangle = -1 };
@@ -84,10 +89,14 @@ static inline mesh_cast mesh_cast_begin( const mesh_surface* surface, const wisp
 /// @return whether it is the best so far
 static inline bool mesh_cast_propose( mesh_cast* search, int32_t triangle )
 {
-    triangle_corners t = triangle_load( search->surface->xyzw, search->surface->triangles, triangle );
+    const mesh_surface* s = search->surface;
+    const triangle_corners end = mesh_surface_triangle( s, triangle, search->end_time );
+    const bool moves = s->start != NULL && search->begin_time != search->end_time;
+    const triangle_corners begin = moves ? mesh_surface_triangle( s, triangle, search->begin_time ) : end;
     triangle_intersection intersection;
     ++search->tested;
-    if ( !triangle_cross( &t, search->from, search->to, &intersection ) )
+    if ( moves ? !triangle_sweep( &begin, &end, search->from, search->to, &intersection )
+               : !triangle_cross( &end, search->from, search->to, &intersection ) )
     {
         return false;
     }

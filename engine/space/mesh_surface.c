@@ -79,6 +79,7 @@ void mesh_surface_release( mesh_surface* s )
     SURFACE_BLOCKS( RELEASE )
 #undef RELEASE
     base_release( &s->allocator, s->corner_normals, normals_size( s ) );
+    base_release( &s->allocator, s->start, size_of( s->point_count, 4 * sizeof( float ) ) );
     *s = ( mesh_surface ){ 0 };
 }
 
@@ -91,7 +92,14 @@ static bool reserve( mesh_surface* s, bool deforms )
     s->bytes += size;
     SURFACE_BLOCKS( RESERVE )
 #undef RESERVE
-    if ( !deforms )
+    if ( deforms )
+    {
+        const size_t size = size_of( s->point_count, 4 * sizeof( float ) );
+        s->start = base_allocate( &s->allocator, size, BASE_BUFFER_ALIGNMENT );
+        enough = enough && s->start != NULL;
+        s->bytes += size;
+    }
+    else
     {
         s->corner_normals = base_allocate( &s->allocator, normals_size( s ), BASE_BUFFER_ALIGNMENT );
         enough = enough && s->corner_normals != NULL;
@@ -121,15 +129,14 @@ static void build_rings( mesh_surface* s )
     s->ring_begin[0] = 0;
 }
 
-void mesh_surface_find_extent( mesh_surface* s )
+static void widen_extent( mesh_surface* s, const float* xyzw )
 {
-    s->largest = 0.0;
     for ( int k = 0; k < 3; ++k )
     {
-        float lower = s->xyzw[k], upper = lower;
-        for ( int i = 1; i < s->point_count; ++i )
+        float lower = s->lower[k], upper = s->upper[k];
+        for ( int i = 0; i < s->point_count; ++i )
         {
-            float c = s->xyzw[4 * (size_t)i + (size_t)k];
+            float c = xyzw[4 * (size_t)i + (size_t)k];
             lower = c < lower ? c : lower;
             upper = c > upper ? c : upper;
         }
@@ -139,20 +146,76 @@ void mesh_surface_find_extent( mesh_surface* s )
     }
 }
 
-void mesh_surface_set_points( mesh_surface* s, const wisp_vec3* points )
+static void fill_quads( float* xyzw, const wisp_vec3* points, int count )
 {
-    for ( int i = 0; i < s->point_count; ++i )
+    for ( int i = 0; i < count; ++i )
     {
-        float* quad = s->xyzw + 4 * (size_t)i;
+        float* quad = xyzw + 4 * (size_t)i;
         quad[0] = points[i].x;
         quad[1] = points[i].y;
         quad[2] = points[i].z;
         quad[3] = 0.0f;
     }
-    mesh_surface_find_extent( s );
 }
 
-static double3 find_corner_normal( const mesh_surface* s, int32_t point );
+static void find_extent( mesh_surface* s )
+{
+    memcpy( s->lower, s->xyzw, sizeof( s->lower ) );
+    memcpy( s->upper, s->xyzw, sizeof( s->upper ) );
+    s->largest = 0.0;
+    widen_extent( s, s->xyzw );
+    if ( s->start != NULL )
+    {
+        widen_extent( s, s->start );
+    }
+}
+
+void mesh_surface_set_points( mesh_surface* s, const wisp_vec3* start, const wisp_vec3* end )
+{
+    fill_quads( s->xyzw, end, s->point_count );
+    if ( s->start != NULL )
+    {
+        fill_quads( s->start, start, s->point_count );
+    }
+    find_extent( s );
+}
+
+void mesh_surface_restore_points( mesh_surface* s, const float* xyzw )
+{
+    memcpy( s->xyzw, xyzw, size_of( s->point_count, 4 * sizeof( float ) ) );
+    if ( s->start != NULL )
+    {
+        memcpy( s->start, xyzw, size_of( s->point_count, 4 * sizeof( float ) ) );
+    }
+    find_extent( s );
+}
+
+static void widen_box( const float* xyzw, const int32_t* number, float lower[3], float upper[3] )
+{
+    for ( int corner = 0; corner < 3; ++corner )
+    {
+        const float* p = xyzw + 4 * (size_t)number[corner];
+        for ( int k = 0; k < 3; ++k )
+        {
+            lower[k] = p[k] < lower[k] ? p[k] : lower[k];
+            upper[k] = p[k] > upper[k] ? p[k] : upper[k];
+        }
+    }
+}
+
+void mesh_surface_box( const mesh_surface* s, int32_t triangle, float lower[3], float upper[3] )
+{
+    const int32_t* number = s->triangles + 3 * (size_t)triangle;
+    memcpy( lower, s->xyzw + 4 * (size_t)number[0], 3 * sizeof( float ) );
+    memcpy( upper, lower, 3 * sizeof( float ) );
+    widen_box( s->xyzw, number, lower, upper );
+    if ( s->start != NULL )
+    {
+        widen_box( s->start, number, lower, upper );
+    }
+}
+
+static double3 find_corner_normal( const mesh_surface* s, int32_t point, double time );
 
 wisp_status mesh_surface_build( mesh_surface* s, const wisp_collision_mesh_def* def, const wisp_allocator* allocator,
                                 wisp_error* error )
@@ -172,12 +235,12 @@ wisp_status mesh_surface_build( mesh_surface* s, const wisp_collision_mesh_def* 
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a mesh collider of %d triangles",
                           def->triangle_count );
     }
-    mesh_surface_set_points( s, def->points );
+    mesh_surface_set_points( s, def->points, def->points );
     memcpy( s->triangles, def->triangles, size_of( 3 * s->triangle_count, sizeof( int32_t ) ) );
     build_rings( s );
     for ( int v = 0; v < s->point_count && s->corner_normals != NULL; ++v )
     {
-        s->corner_normals[v] = double3_narrow( find_corner_normal( s, v ) );
+        s->corner_normals[v] = double3_narrow( find_corner_normal( s, v, 1.0 ) );
     }
     return WISP_OK;
 }
@@ -194,12 +257,12 @@ static double angle_at( const triangle_corners* t, int32_t point )
     return (double)trig_atan2( (float)sqrt( double3_dot( n, n ) ), (float)double3_dot( a, b ) );
 }
 
-static double3 find_corner_normal( const mesh_surface* s, int32_t point )
+static double3 find_corner_normal( const mesh_surface* s, int32_t point, double time )
 {
     double3 sum = { 0.0, 0.0, 0.0 };
     for ( int32_t k = s->ring_begin[point]; k < s->ring_begin[point + 1]; ++k )
     {
-        triangle_corners t = triangle_load( s->xyzw, s->triangles, s->ring[k] );
+        triangle_corners t = mesh_surface_triangle( s, s->ring[k], time );
         double3 normal = double3_unit_or_zero( triangle_normal( &t ) );
         sum = double3_mul_add( sum, angle_at( &t, point ), normal );
     }
@@ -215,7 +278,7 @@ static bool has_point( const int32_t* corners, int32_t point )
 
 // Sums over the triangles of an edge, in their order. The smaller ring is searched, as both contain the same
 // triangles.
-static double3 find_edge_normal( const mesh_surface* s, int32_t u, int32_t v )
+static double3 find_edge_normal( const mesh_surface* s, int32_t u, int32_t v, double time )
 {
     int32_t size_u = s->ring_begin[u + 1] - s->ring_begin[u], size_v = s->ring_begin[v + 1] - s->ring_begin[v];
     int32_t hub = size_u <= size_v ? u : v, rim = size_u <= size_v ? v : u;
@@ -224,26 +287,27 @@ static double3 find_edge_normal( const mesh_surface* s, int32_t u, int32_t v )
     {
         if ( has_point( s->triangles + 3 * (size_t)s->ring[k], rim ) )
         {
-            triangle_corners t = triangle_load( s->xyzw, s->triangles, s->ring[k] );
+            triangle_corners t = mesh_surface_triangle( s, s->ring[k], time );
             sum = double3_mul_add( sum, 1.0, double3_unit_or_zero( triangle_normal( &t ) ) );
         }
     }
     return double3_unit_or_zero( sum );
 }
 
-static double3 find_pseudonormal( const mesh_surface* s, int32_t triangle, const triangle_nearest* nearest )
+static double3 find_pseudonormal( const mesh_surface* s, int32_t triangle, double time,
+                                  const triangle_nearest* nearest )
 {
     if ( nearest->first < 0 )
     {
-        triangle_corners t = triangle_load( s->xyzw, s->triangles, triangle );
+        triangle_corners t = mesh_surface_triangle( s, triangle, time );
         return double3_unit_or_zero( triangle_normal( &t ) );
     }
     if ( nearest->second >= 0 )
     {
-        return find_edge_normal( s, nearest->first, nearest->second );
+        return find_edge_normal( s, nearest->first, nearest->second, time );
     }
     return s->corner_normals != NULL ? double3_widen( s->corner_normals[nearest->first] )
-                                     : find_corner_normal( s, nearest->first );
+                                     : find_corner_normal( s, nearest->first, time );
 }
 
 // Minimum distance from an edge or a corner, relative to coordinates, that gives a direction. Below it the
@@ -255,10 +319,10 @@ static double largest_of( double3 v )
     return fmax( fabs( v.x ), fmax( fabs( v.y ), fabs( v.z ) ) );
 }
 
-void mesh_surface_describe( const mesh_surface* s, int32_t triangle, const triangle_nearest* nearest, double3 p,
-                            wisp_mesh_nearest* out )
+void mesh_surface_describe( const mesh_surface* s, int32_t triangle, double time, const triangle_nearest* nearest,
+                            double3 p, wisp_mesh_nearest* out )
 {
-    double3 normal = find_pseudonormal( s, triangle, nearest ), away = double3_sub( p, nearest->point );
+    double3 normal = find_pseudonormal( s, triangle, time, nearest ), away = double3_sub( p, nearest->point );
     double sign = double3_dot( away, normal ) < 0.0 ? -1.0 : 1.0, distance = sqrt( nearest->squared );
     bool is_face = nearest->first < 0;
     if ( !is_face && distance > TOO_CLOSE * fmax( largest_of( p ), largest_of( nearest->point ) ) )

@@ -9,9 +9,10 @@ typedef struct mesh_surface
 {
     wisp_allocator allocator;
     int point_count, triangle_count;
-    float* xyzw;              ///< [point_count][4] x, y, z, 0
+    float* xyzw;              ///< [point_count][4] x, y, z, 0; of a mesh that deforms at the end of its motion
+    float* start;             ///< [point_count][4] at its start; null for a rigid mesh
     int32_t* triangles;       ///< [triangle_count][3]
-    float lower[3], upper[3]; ///< m, bounds of all points
+    float lower[3], upper[3]; ///< m, bounds of all points, of start and end
     double largest;           ///< m, maximum magnitude of a coordinate
     int32_t* ring_begin;      ///< [point_count + 1]
     int32_t* ring;            ///< [3 triangle_count] triangles at each point, in increasing order
@@ -28,14 +29,33 @@ void mesh_surface_release( mesh_surface* surface );
 
 /// Check that all points are finite and within range. The message gives the first that is not.
 wisp_status mesh_surface_check_points( const wisp_vec3* points, int count, wisp_error* error );
-void mesh_surface_set_points( mesh_surface* surface, const wisp_vec3* points );
-
-/// Update bounds and largest coordinate after points have changed.
-void mesh_surface_find_extent( mesh_surface* surface );
+/// Set the points at the end, and of a mesh that deforms at the start of a motion.
+void mesh_surface_set_points( mesh_surface* surface, const wisp_vec3* start, const wisp_vec3* end );
 
 int mesh_surface_count_open_edges( const mesh_surface* surface );
 int mesh_surface_count_flat_triangles( const mesh_surface* surface );
 
-/// Complete a result with sign and normal of the feature nearest to p.
-void mesh_surface_describe( const mesh_surface* surface, int32_t triangle, const triangle_nearest* nearest, double3 p,
-                            wisp_mesh_nearest* out );
+/// Take back points as they were in `xyzw`, [point_count][4], before they changed.
+void mesh_surface_restore_points( mesh_surface* surface, const float* xyzw );
+
+/// Return the corners of a triangle at a time in [0, 1] of the motion. A rigid mesh has one place.
+static inline triangle_corners mesh_surface_triangle( const mesh_surface* surface, int32_t triangle, double time )
+{
+    triangle_corners t = triangle_load( surface->xyzw, surface->triangles, triangle );
+    if ( surface->start != NULL && time < 1.0 )
+    {
+        const triangle_corners from = triangle_load( surface->start, surface->triangles, triangle );
+        for ( int k = 0; k < 3; ++k )
+        {
+            t.at[k] = double3_mul_add( double3_scale( from.at[k], 1.0 - time ), time, t.at[k] );
+        }
+    }
+    return t;
+}
+
+/// Compute the box of a triangle, over its whole motion.
+void mesh_surface_box( const mesh_surface* surface, int32_t triangle, float lower[3], float upper[3] );
+
+/// Complete a result with sign and normal of the feature nearest to p at a time of the motion.
+void mesh_surface_describe( const mesh_surface* surface, int32_t triangle, double time,
+                            const triangle_nearest* nearest, double3 p, wisp_mesh_nearest* out );

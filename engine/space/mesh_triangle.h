@@ -184,3 +184,67 @@ static inline bool triangle_cross( const triangle_corners* t, double3 from, doub
                                                .from_front = before >= 0.0 };
     return true;
 }
+
+/// Interpolate between two places of a triangle.
+static inline triangle_corners triangle_between( const triangle_corners* begin, const triangle_corners* end,
+                                                 double time )
+{
+    triangle_corners t = *end;
+    for ( int k = 0; k < 3; ++k )
+    {
+        t.at[k] = double3_mul_add( double3_scale( begin->at[k], 1.0 - time ), time, end->at[k] );
+    }
+    return t;
+}
+
+// Returns six times the volume between a point and a triangle, positive in front.
+static inline double triangle_height( const triangle_corners* t, double3 p )
+{
+    return double3_dot( double3_sub( p, t->at[0] ), triangle_normal( t ) );
+}
+
+/// Intersect a path with a triangle whose corners move along straight lines at the same time. The height of the point above
+/// the triangle is a cubic of time. A path that begins on one side of the plane and ends on the other meets it in between; one that
+/// passes and comes back within the path is left out, as for a triangle that rests. Edges are wide by rounding, so that
+/// no path slips between two triangles.
+static inline bool triangle_sweep( const triangle_corners* begin, const triangle_corners* end, double3 from,
+                                   double3 to, triangle_intersection* intersection )
+{
+    enum
+    {
+        HALVINGS = 48,
+    };
+    const double3 step = double3_sub( to, from );
+    const bool from_front = triangle_height( begin, from ) >= 0.0;
+    if ( from_front == ( triangle_height( end, to ) >= 0.0 ) )
+    {
+        return false;
+    }
+    double early = 0.0, late = 1.0;
+    for ( int i = 0; i < HALVINGS; ++i )
+    {
+        const double middle = 0.5 * ( early + late );
+        const triangle_corners t = triangle_between( begin, end, middle );
+        const bool is_front = triangle_height( &t, double3_mul_add( from, middle, step ) ) >= 0.0;
+        *( is_front == from_front ? &early : &late ) = middle;
+    }
+    const triangle_corners t = triangle_between( begin, end, late );
+    const double3 p = double3_mul_add( from, late, step ), normal = triangle_normal( &t );
+    const double area = double3_dot( normal, normal );
+    if ( area == 0.0 )
+    {
+        return false;
+    }
+    double weights[3];
+    for ( int k = 0; k < 3; ++k )
+    {
+        const double3 a = t.at[( k + 1 ) % 3], b = t.at[( k + 2 ) % 3];
+        weights[k] = double3_dot( normal, double3_cross( double3_sub( a, p ), double3_sub( b, p ) ) ) / area;
+        if ( !( weights[k] >= -1e-9 ) )
+        {
+            return false;
+        }
+    }
+    *intersection = ( triangle_intersection ){ late, { weights[0], weights[1], weights[2] }, from_front };
+    return true;
+}

@@ -90,7 +90,7 @@ void collision_cull_block( const collision_find_args* args, const collision_view
         .half = body->half,
         .radius = body->tree != NULL ? body->tight_radius : body->shape.radius,
         .half_length = body->shape.kind == WISP_SHAPE_CAPSULE ? body->shape.half_length : 0.0f,
-        .margin = 2.0f * view->thickness,
+        .margin = 2.0f * view->thickness + collision_surface_shift( view ),
         .shift = view->shift,
         .turn = view->turn,
         .clearance = block->clear,

@@ -38,23 +38,35 @@ float collision_ball_distance( const collision_view* view, wisp_vec3 lower, wisp
 
 // Cast a ray out of the box: from inside, the first triangle is hit from behind. A ray costs a tenth of an unbounded
 // closest point query.
-static bool is_inside( const collision_body* body, wisp_vec3 p )
+static bool is_inside( const collision_body* body, wisp_vec3 p, float time )
 {
     if ( body->double_sided || collision_box_distance( body, p ) > 0.0f )
     {
         return false;
     }
     const float side = p.y < body->centre.y ? -1.1f : 1.1f;
-    const wisp_mesh_path way_out = { p, { p.x, body->centre.y + side * body->half.y, p.z } };
+    const wisp_mesh_path way_out = {
+        .from = p, .to = { p.x, body->centre.y + side * body->half.y, p.z }, .begin_time = time, .end_time = time
+    };
     wisp_mesh_hit hit;
     wisp_collision_mesh_cast( body->tree, &way_out, 1, &hit, NULL );
     return hit.triangle >= 0 && hit.side < 0.0f;
 }
 
-// Query within the radius first; only points deep inside need an unbounded query.
-static void closest_on_mesh( const collision_body* body, const wisp_mesh_query* queries, int count,
-                             wisp_surface_point* nearest, bool* found )
+// Return the displacement in the substep of a point of a surface.
+static wisp_vec3 find_motion( const collision_view* view, int32_t triangle, const float weights[3] )
 {
+    const wisp_collision_mesh* mesh = view->body->tree;
+    const wisp_mesh_place from = wisp_collision_mesh_place( mesh, triangle, weights, view->begin );
+    const wisp_mesh_place to = wisp_collision_mesh_place( mesh, triangle, weights, view->end );
+    return collision_sub( to.point, from.point );
+}
+
+// Query within the radius first; only points deep inside need an unbounded query.
+static void closest_on_mesh( const collision_view* view, const wisp_mesh_query* queries, int count,
+                             wisp_surface_point* nearest, bool* found, wisp_vec3* motion )
+{
+    const collision_body* body = view->body;
     enum
     {
         BATCH = 64,
@@ -67,8 +79,9 @@ static void closest_on_mesh( const collision_body* body, const wisp_mesh_query* 
         for ( int i = 0; i < n; ++i )
         {
             wisp_mesh_nearest* a = answers + i;
-            const wisp_mesh_query anywhere = { queries[first + i].point, INFINITY };
-            if ( a->triangle < 0 && is_inside( body, anywhere.point ) )
+            wisp_mesh_query anywhere = queries[first + i];
+            anywhere.radius = INFINITY;
+            if ( a->triangle < 0 && is_inside( body, anywhere.point, anywhere.time ) )
             {
                 wisp_collision_mesh_closest( body->tree, &anywhere, 1, a, NULL );
             }
@@ -77,6 +90,10 @@ static void closest_on_mesh( const collision_body* body, const wisp_mesh_query* 
             if ( body->double_sided )
             {
                 turn_to_point( nearest + first + i );
+            }
+            if ( motion != NULL && body->follows && a->triangle >= 0 )
+            {
+                motion[first + i] = find_motion( view, a->triangle, a->weights );
             }
         }
     }
@@ -93,12 +110,17 @@ static void closest_on_plane( const wisp_mesh_query* queries, int count, wisp_su
     }
 }
 
-void collision_closest( const collision_body* body, const wisp_mesh_query* queries, int count,
-                        wisp_surface_point* nearest, bool* found )
+void collision_closest( const collision_view* view, const wisp_mesh_query* queries, int count,
+                        wisp_surface_point* nearest, bool* found, wisp_vec3* motion )
 {
+    const collision_body* body = view->body;
+    if ( motion != NULL )
+    {
+        memset( motion, 0, (size_t)count * sizeof( *motion ) );
+    }
     if ( body->tree != NULL )
     {
-        closest_on_mesh( body, queries, count, nearest, found );
+        closest_on_mesh( view, queries, count, nearest, found, motion );
         return;
     }
     if ( body->shape.kind == WISP_SHAPE_PLANE )
@@ -113,28 +135,55 @@ void collision_closest( const collision_body* body, const wisp_mesh_query* queri
     }
 }
 
-bool collision_cast( const collision_body* body, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit )
+static bool cast_shape( const collision_body* body, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit )
 {
+    wisp_shape_hit h;
+    bool meets = wisp_shape_cast( &body->shape, from, to, &h );
+    *hit = meets ? ( wisp_surface_point ){ h.point, h.normal, 0.0f } : ( wisp_surface_point ){ 0 };
+    return meets;
+}
+
+// The plane where a path meets a surface goes along with it to the end of the substep.
+static void carry_hit( const collision_view* view, const wisp_mesh_hit* h, wisp_surface_point* hit,
+                       wisp_vec3* motion )
+{
+    const wisp_mesh_place place = wisp_collision_mesh_place( view->body->tree, h->triangle, h->weights, view->end );
+    const wisp_vec3 n = place.normal;
+    hit->point = place.point;
+    hit->normal = ( wisp_vec3 ){ h->side * n.x, h->side * n.y, h->side * n.z };
+    *motion = find_motion( view, h->triangle, h->weights );
+}
+
+bool collision_cast( const collision_view* view, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit,
+                     wisp_vec3* motion )
+{
+    const collision_body* body = view->body;
+    *motion = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
     if ( body->tree == NULL )
     {
-        wisp_shape_hit h;
-        bool meets = wisp_shape_cast( &body->shape, from, to, &h );
-        *hit = meets ? ( wisp_surface_point ){ h.point, h.normal, 0.0f } : ( wisp_surface_point ){ 0 };
-        return meets;
+        return cast_shape( body, from, to, hit );
     }
-    const wisp_mesh_path path = { from, to };
+    const wisp_mesh_path path = { .from = from, .to = to, .begin_time = view->begin, .end_time = view->end };
     wisp_mesh_hit h;
     wisp_collision_mesh_cast( body->tree, &path, 1, &h, NULL );
     *hit = ( wisp_surface_point ){ h.point, h.normal, 0.0f };
-    return h.triangle >= 0 && ( body->double_sided || h.side > 0.0f );
+    if ( h.triangle < 0 || ( body->double_sided == false && h.side <= 0.0f ) )
+    {
+        return false;
+    }
+    if ( body->follows )
+    {
+        carry_hit( view, &h, hit, motion );
+    }
+    return true;
 }
 
 float collision_exact_gap( const collision_view* view, wisp_vec3 from, float gap )
 {
-    const wisp_mesh_query query = { from, view->thickness };
+    const wisp_mesh_query query = { .point = from, .radius = view->thickness, .time = view->begin };
     wisp_surface_point at_start;
     bool is_near;
-    collision_closest( view->body, &query, 1, &at_start, &is_near );
+    collision_closest( view, &query, 1, &at_start, &is_near, NULL );
     float exact = is_near ? at_start.distance - view->thickness : 0.0f;
     return exact > gap ? exact : gap;
 }

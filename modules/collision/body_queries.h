@@ -13,13 +13,16 @@ float collision_ball_distance( const collision_view* view, wisp_vec3 lower, wisp
 
 /// Find the closest surface point of each query. `found` is false where nothing is within the radius, or the point is
 /// not finite. Inside a body there always is one. A sheet has its normal towards the point and no negative distance.
-void collision_closest( const collision_body* body, const wisp_mesh_query* queries, int count,
-                        wisp_surface_point* nearest, bool* found );
+/// @param motion [count] m, of the point in the frame of the body during the substep: zero of a rigid body. May be null
+void collision_closest( const collision_view* view, const wisp_mesh_query* queries, int count,
+                        wisp_surface_point* nearest, bool* found, wisp_vec3* motion );
 
-/// Find the first time a path enters the body, or passes the sheet from either side. @return whether it does
-bool collision_cast( const collision_body* body, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit );
+/// Find the first time in the substep at which a path enters the body, or passes the sheet from either side. The plane of a
+/// surface is that at the end of the substep. @param motion m, as above @return whether it does
+bool collision_cast( const collision_view* view, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit,
+                     wisp_vec3* motion );
 
-/// Return the signed distance of a point less the thickness, but no less than `gap`, m.
+/// Return the signed distance of a point at the start of the substep less the thickness, but no less than `gap`, m.
 float collision_exact_gap( const collision_view* view, wisp_vec3 from, float gap );
 
 /// Return the signed distance of the start of a path from a plane, less the thickness.
@@ -30,11 +33,11 @@ static inline float collision_plane_gap( const collision_view* view, const wisp_
 
 /// Return the signed distance at the start of a path whose end meets a plane, less the thickness. Near the surface
 /// the plane is good enough. Farther away the surface may be curved between start and end, so the closest point is
-/// queried.
+/// queried. @param motion of the plane in the substep, m
 static inline float collision_start_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from,
-                                         bool swept )
+                                         wisp_vec3 motion, bool swept )
 {
-    const float gap = collision_plane_gap( view, plane, from );
+    const float gap = collision_plane_gap( view, plane, collision_add_scaled( from, 1.0f, motion ) );
     const bool is_exact = swept || gap >= -COLLISION_SHALLOW * view->thickness;
     return is_exact ? gap : collision_exact_gap( view, from, gap );
 }

@@ -1,5 +1,6 @@
 /// Collision of surfaces and strands with kinematic bodies, with Coulomb friction. Colliders are planes, spheres, capsules and
-/// boxes in closed form, and triangle meshes through Embree or voxels. They rest or move as the host says.
+/// boxes in closed form, triangle meshes through Embree or voxels, and surfaces that deform, such as the skin of a character. They
+/// rest or move as the host says.
 ///
 ///     wisp_collider_def ball = wisp_default_collider_def();
 ///     ball.kind = WISP_COLLIDER_SPHERE, ball.radius = 0.5f;
@@ -28,10 +29,11 @@ typedef enum wisp_collider_kind
     WISP_COLLIDER_CAPSULE = 2, ///< along the y axis of its frame
     WISP_COLLIDER_BOX = 3,     ///< around the origin, edges along the axes
     WISP_COLLIDER_MESH = 4,    ///< triangles; needs Embree unless it is searched by voxels
-    WISP_COLLIDER_COUNT = 5,
+    WISP_COLLIDER_SURFACE = 5, ///< the triangles of a surface of the world, which deforms; needs no Embree
+    WISP_COLLIDER_COUNT = 6,
 } wisp_collider_kind;
 
-/// A rigid body that surfaces and strands collide with. Fill from wisp_default_collider_def(). Copied; need not outlive the call.
+/// A body that surfaces and strands collide with. Fill from wisp_default_collider_def(). Copied; need not outlive the call.
 typedef struct wisp_collider_def
 {
     uint32_t size; ///< bytes; set by wisp_default_collider_def()
@@ -50,11 +52,18 @@ typedef struct wisp_collider_def
     float kinetic_friction;  ///< mu while sliding, 0 .. static_friction, default 0.5
     float thickness;         ///< m, >= 0: added to the thickness of what touches the collider, default 0
     uint32_t layers;         ///< bits; an entity collides with it if its mask has one of them; default 1
+    wisp_entity surface;     ///< surface: an entity with triangles, such as the skin of a character
 } wisp_collider_def;
 
 WISP_DEFINITION( collider_def );
 
 /// Add a collider. wisp_remove() removes it.
+///
+/// A collider may be a surface of the world, whose points move against each other: pin all its vertices and move them
+/// by wisp_move_pins() before each step. Between steps its points move along straight lines, and what it touches is pushed
+/// and dragged as by a rigid body. Vertices that are not pinned count as moving on with the velocity that they have at the
+/// start of the step: cloth and balloons can be colliders for others, which do not push them back. A surface does not collide with
+/// itself. It keeps the pose of the world; `pose` is not read. When the surface is removed, nothing collides with it any more.
 /// @param out receives the entity, null on failure
 /// @return WISP_BAD_INPUT a value is out of range, a point or an index is wrong, or the mesh of a body is open (the
 ///         message names it); WISP_NO_MEMORY; WISP_CONFLICT the module is not registered, or a tree without Embree
@@ -63,7 +72,8 @@ WISP_API wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_d
 /// Move a collider to a pose that it reaches at the end of the next step, along a straight line and the shorter rotation. It
 /// pushes and drags what it touches. Detection is continuous: it passes through no particle at any speed. Without another
 /// call it rests there.
-/// @return WISP_BAD_INPUT the pose is not finite or beyond 1e6 m; WISP_CONFLICT the entity is no collider
+/// @return WISP_BAD_INPUT the pose is not finite or beyond 1e6 m; WISP_CONFLICT the entity is no collider, or one that moves
+///         with its surface
 WISP_API wisp_status wisp_move_collider( wisp_world* world, wisp_entity collider, wisp_transform pose );
 
 /// How a surface or strands collide. Fill from wisp_default_collision_def(). Copied.

@@ -7,6 +7,7 @@
 
 #include "collision_participants.h"
 #include "collision_passes.h"
+#include "collision_surface.h"
 #include "collision_vectors.h"
 
 #include <math.h>
@@ -103,16 +104,16 @@ static wisp_status check_points( wisp_world* world, const wisp_collider_def* d )
 // ---- meshes ----
 
 // Return six times the volume, relative to the first point.
-static double signed_volume( const wisp_collider_def* d )
+double collision_signed_volume( const wisp_vec3* points, const int32_t* triangles, int count )
 {
-    const wisp_vec3 o = d->points[d->triangles[0]];
+    const wisp_vec3 o = points[triangles[0]];
     double sum = 0.0;
-    for ( int t = 0; t < d->triangle_count; ++t )
+    for ( int t = 0; t < count; ++t )
     {
         double e[3][3];
         for ( int corner = 0; corner < 3; ++corner )
         {
-            const wisp_vec3 p = d->points[d->triangles[3 * (size_t)t + (size_t)corner]];
+            const wisp_vec3 p = points[triangles[3 * (size_t)t + (size_t)corner]];
             e[corner][0] = (double)p.x - (double)o.x;
             e[corner][1] = (double)p.y - (double)o.y;
             e[corner][2] = (double)p.z - (double)o.z;
@@ -177,7 +178,8 @@ static wisp_status make_mesh( wisp_world* world, const wisp_collider_def* d, col
                                   "sheet",
                                   open );
     }
-    else if ( d->double_sided == false && !( signed_volume( d ) > 0.0 ) )
+    else if ( d->double_sided == false &&
+              !( collision_signed_volume( d->points, d->triangles, d->triangle_count ) > 0.0 ) )
     {
         status = wisp_world_fail( world, WISP_BAD_INPUT, "collider: the triangles of the mesh face inwards" );
     }
@@ -195,7 +197,12 @@ static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, col
 {
     static const wisp_shape_kind KINDS[] = { WISP_SHAPE_PLANE, WISP_SHAPE_SPHERE, WISP_SHAPE_CAPSULE,
                                              WISP_SHAPE_BOX };
-    *body = ( collision_body ){ .double_sided = d->kind == WISP_COLLIDER_MESH && d->double_sided };
+    const bool has_mesh = d->kind == WISP_COLLIDER_MESH || d->kind == WISP_COLLIDER_SURFACE;
+    *body = ( collision_body ){ .double_sided = has_mesh && d->double_sided };
+    if ( d->kind == WISP_COLLIDER_SURFACE )
+    {
+        return collision_make_surface( world, d, body );
+    }
     if ( d->kind == WISP_COLLIDER_MESH )
     {
         return make_mesh( world, d, body );
@@ -213,14 +220,14 @@ static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, col
 
 // ---- the list ----
 
-bool collision_forget_body( collision_state* state, wisp_entity entity )
+bool collision_forget_body( wisp_world* world, collision_state* state, wisp_entity entity )
 {
     for ( int i = 0; i < state->body_count; ++i )
     {
         collision_body* body = state->bodies + i;
         if ( wisp_entity_equal( body->entity, entity ) )
         {
-            wisp_collision_mesh_release( body->tree );
+            collision_release_body( body, wisp_world_allocator( world ) );
             state->body_count -= 1;
             memmove( body, body + 1, (size_t)( state->body_count - i ) * sizeof( *body ) );
             return true;
@@ -246,12 +253,14 @@ static wisp_status append_body( wisp_world* world, collision_state* state, const
     }
     const wisp_entity entity = body->entity;
     state->bodies[state->body_count++] = *body;
-    body->tree = NULL; // the list owns it
+    const bool follows = body->follows;
+    *body = ( collision_body ){ .entity = entity }; // the list owns what it had
     status = wisp_world_attach( world, entity, state->collider );
     if ( status == WISP_OK )
     {
         fill_collider( wisp_world_column( world, entity, state->collider, 0 ), d );
-        status = collision_update_components( world, state );
+        status = follows ? collision_follow_surface( world, state, entity, d->surface ) : WISP_OK;
+        status = status == WISP_OK ? collision_update_components( world, state ) : status;
     }
     if ( status != WISP_OK )
     {
@@ -288,7 +297,7 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* given
     status = status == WISP_OK ? append_body( world, state, def, &body ) : status;
     if ( status != WISP_OK )
     {
-        wisp_collision_mesh_release( body.tree );
+        collision_release_body( &body, wisp_world_allocator( world ) );
         return status;
     }
     *out = body.entity;
@@ -311,6 +320,10 @@ wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_tran
     if ( collider == NULL )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a collider", entity.index );
+    }
+    if ( wisp_world_has( world, entity, state->follower ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "collider: entity %u moves with its surface", entity.index );
     }
     const wisp_transform now = collider->to;
     status = check_pose( world, pose );
@@ -357,15 +370,21 @@ static void set_motion( const collision_collider* collider, collision_view* view
 static void set_poses( const wisp_frame* frame, const wisp_span* span, const collision_collider* collider,
                        collision_view* view )
 {
+    view->begin = view->end = view->shift = view->turn = 0.0f;
+    const float before = wisp_frame_progress( frame, span->entity, span->substep ),
+                after = wisp_frame_progress( frame, span->entity, span->substep + 1 );
+    if ( view->body->follows )
+    {
+        view->begin = before;
+        view->end = after;
+        view->shift = view->body->shift;
+    }
     if ( memcmp( &collider->from, &collider->to, sizeof( wisp_transform ) ) == 0 )
     {
         view->before = view->after = collider->to;
-        view->shift = view->turn = 0.0f;
         return;
     }
     set_motion( collider, view );
-    const float before = wisp_frame_progress( frame, span->entity, span->substep ),
-                after = wisp_frame_progress( frame, span->entity, span->substep + 1 );
     view->before = wisp_transform_interpolate( collider->from, collider->to, before );
     view->after = wisp_transform_interpolate( collider->from, collider->to, after );
 }
@@ -378,7 +397,9 @@ bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_s
     {
         const collision_body* body = state->bodies + *next;
         const collision_collider* collider = wisp_frame_column( frame, body->entity, state->collider, 0 );
-        if ( ( collider->layers & settings->mask ) != 0 )
+        const bool is_left_out =
+            body->follows && ( body->surface.index == 0 || wisp_entity_equal( body->surface, span->entity ) );
+        if ( ( collider->layers & settings->mask ) != 0 && is_left_out == false )
         {
             out->body = body;
             set_poses( frame, span, collider, out );

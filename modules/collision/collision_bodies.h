@@ -10,8 +10,9 @@ typedef struct collision_view
     wisp_transform before, after; // at the start and at the end of the substep
     float thickness;              // m, sum of both
     float static_friction, kinetic_friction;
-    float shift; // m, most that the body's origin moves in the step
-    float turn;  // most that a point of the body moves besides, in lengths of its distance from the origin
+    float begin, end; // the same of a surface, as times of its motion in the step
+    float shift;      // m, most that the body's origin, or a point of a surface, moves in the step
+    float turn;       // most that a point of the body moves besides, in lengths of its distance from the origin
 } collision_view;
 
 /// Iterate over the bodies that the span's entity collides with in its substep. Start with *next = 0.
@@ -19,5 +20,14 @@ typedef struct collision_view
 bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_state* state, int* next,
                      collision_view* out );
 
-/// Remove a body from the list and free its tree. @return whether it was there
-bool collision_forget_body( collision_state* state, wisp_entity entity );
+/// Return the most that a point of a surface moves in the substep, m; 0 for a rigid body, whose points move with their frame.
+static inline float collision_surface_shift( const collision_view* view )
+{
+    return view->body->follows ? view->shift * ( view->end - view->begin ) : 0.0f;
+}
+
+/// Remove a body from the list and free what it has. @return whether it was there
+bool collision_forget_body( wisp_world* world, collision_state* state, wisp_entity entity );
+
+/// Return six times the volume within a mesh, relative to its first point.
+double collision_signed_volume( const wisp_vec3* points, const int32_t* triangles, int count );

@@ -2,6 +2,7 @@
 #include "collision_bodies.h"
 #include "collision_participants.h"
 #include "collision_passes.h"
+#include "collision_surface.h"
 #include "particle_contacts.h"
 
 #define COLLISION_SETTINGS_COLUMNS( X ) X( collision_settings, settings, 1 )
@@ -15,6 +16,8 @@
 #define COLLISION_COLLIDER_COLUMNS( X ) X( collision_collider, collider, 1 )
 #define COLLISION_MOTION_COLUMNS( X ) X( wisp_transform, target, 1 ) /* at the end of the next step */
 
+#define COLLISION_FOLLOWER_COLUMNS( X ) X( int32_t, follows, 1 ) /* the body is a surface */
+
 static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def ACTIVE_COLUMNS[] = { COLLISION_ACTIVE_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def STRAND_CONTACT_COLUMNS[] = { COLLISION_STRAND_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
@@ -22,6 +25,7 @@ static const wisp_column_def CARRIED_COLUMNS[] = { COLLISION_CARRIED_COLUMNS( WI
 static const wisp_column_def STATS_COLUMNS[] = { COLLISION_STATS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def COLLIDER_COLUMNS[] = { COLLISION_COLLIDER_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def MOTION_COLUMNS[] = { COLLISION_MOTION_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def FOLLOWER_COLUMNS[] = { COLLISION_FOLLOWER_COLUMNS( WISP_COLUMN_DEF ) };
 
 // ---- declaration ----
 
@@ -30,7 +34,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     collision_state* state = memory;
     for ( int i = 0; i < state->body_count; ++i )
     {
-        wisp_collision_mesh_release( state->bodies[i].tree );
+        collision_release_body( state->bodies + i, allocator );
     }
     if ( state->bodies != NULL )
     {
@@ -48,7 +52,8 @@ static void release_state( void* memory, const wisp_allocator* allocator )
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
 {
     collision_state* state = memory;
-    if ( collision_forget_participant( state, entity ) == false && collision_forget_body( state, entity ) )
+    collision_forget_surface( state, entity );
+    if ( collision_forget_participant( state, entity ) == false && collision_forget_body( world, state, entity ) )
     {
         collision_update_components( world, state );
     }
@@ -60,7 +65,7 @@ static wisp_status entity_teleported( void* memory, wisp_world* world, wisp_enti
     const collision_state* state = memory;
     collision_collider* collider = wisp_world_column( world, entity, state->collider, 0 );
     wisp_transform* target = wisp_world_column( world, entity, state->motion, 0 );
-    if ( collider != NULL )
+    if ( collider != NULL && wisp_world_has( world, entity, state->follower ) == false )
     {
         collider->from = wisp_teleport_pose( teleport, collider->from );
         collider->to = wisp_teleport_pose( teleport, collider->to );
@@ -83,6 +88,7 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     const wisp_component_def stats = { "collision.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 };
     const wisp_component_def collider = { "collision.collider", WISP_TABLE_ENTITY, COLLIDER_COLUMNS, 1 };
     const wisp_component_def motion = { "collision.motion", WISP_TABLE_ENTITY, MOTION_COLUMNS, 1 };
+    const wisp_component_def follower = { "collision.follower", WISP_TABLE_ENTITY, FOLLOWER_COLUMNS, 1 };
     state->settings = wisp_declare_component( r, &settings );
     state->active = wisp_declare_component( r, &active );
     state->strand_contact = wisp_declare_component( r, &strand_contact );
@@ -90,7 +96,8 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     state->stats = wisp_declare_component( r, &stats );
     state->collider = wisp_declare_component( r, &collider );
     state->motion = wisp_declare_component( r, &motion );
-    return state->motion != 0 ? WISP_OK : WISP_BAD_INPUT;
+    state->follower = wisp_declare_component( r, &follower );
+    return state->follower != 0 ? WISP_OK : WISP_BAD_INPUT;
 }
 
 static wisp_status declare_passes( wisp_registry* r, collision_state* state )
@@ -104,6 +111,14 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->motion, state->collider },
             .writes = { state->collider },
             .run = collision_carry,
+        },
+        {
+            .name = "collision.follow",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->follower },
+            .writes = { state->follower },
+            .run = collision_follow,
         },
         {
             .name = "collision.find",
@@ -206,6 +221,7 @@ static size_t count_memory( const void* memory, size_t* outside )
         const wisp_collision_mesh* mesh = state->bodies[i].tree;
         const size_t elsewhere = mesh != NULL ? wisp_collision_mesh_outside_bytes( mesh ) : 0;
         bytes += mesh != NULL ? wisp_collision_mesh_bytes( mesh ) - elsewhere : 0;
+        bytes += state->bodies[i].start != NULL ? 2 * (size_t)state->bodies[i].point_count * sizeof( wisp_vec3 ) : 0;
         *outside += elsewhere;
     }
     return bytes;

@@ -4,6 +4,7 @@
 #include "wisp/module/module.h"
 
 void collision_carry( wisp_frame* frame, const wisp_span* span, void* user );           // collision_bodies.c
+void collision_follow( wisp_frame* frame, const wisp_span* span, void* user );          // collision_surface.c
 void collision_find( wisp_frame* frame, const wisp_span* span, void* user );            // contact_generation.c
 void collision_project( wisp_frame* frame, const wisp_span* span, void* user );         // contact_projection.c
 void collision_sense( wisp_frame* frame, const wisp_span* span, void* user );           // contact_input.c

@@ -7,18 +7,23 @@
 #include "wisp/module/collision_mesh.h"
 #include "wisp/module/module.h"
 
-/// What never changes about a body.
+/// A body. Only the mesh of a surface, its box and its ball change from step to step.
 typedef struct collision_body
 {
     wisp_entity entity;
     wisp_shape shape;          // unless there is a tree
     wisp_collision_mesh* tree; // null for a closed form
-    bool double_sided;         // double-sided
-    wisp_vec3 centre;          // m, of a box and a ball around the body, in its frame
-    wisp_vec3 half;            // m, of the box; infinite for a plane
-    float ball_radius;         // m, of a ball around the box
-    float tight_radius;        // m, of a ball around the points of a mesh, with the same centre
-    float inner; // m, of a closed form: the smallest of its half sizes; infinite for a plane, 0 for a mesh
+    bool follows;              // the mesh is that of a surface, in the world: see collision_surface.c
+    wisp_entity surface;       // zero once it was removed
+    wisp_vec3 *start, *finish; // m, [point_count] of the surface in this step, the user's order
+    int point_count;
+    float shift;        // m, most that a point of the surface moves in this step
+    bool double_sided;  // double-sided
+    wisp_vec3 centre;   // m, of a box and a ball around the body, in its frame
+    wisp_vec3 half;     // m, of the box; infinite for a plane
+    float ball_radius;  // m, of a ball around the box
+    float tight_radius; // m, of a ball around the points of a mesh, with the same centre
+    float inner;        // m, of a closed form: the smallest of its half sizes; infinite for a plane, 0 for a mesh
 } collision_body;
 
 /// Bodies and participants in the order in which they were added. Passes walk these lists, so results depend on
@@ -32,6 +37,7 @@ typedef struct collision_state
     wisp_component stats;          // wisp_collision_stats
     wisp_component collider;       // collision_collider
     wisp_component motion;         // a pose: the body is moved
+    wisp_component follower;       // a mark: the body is a surface
     collision_body* bodies;
     int body_count, body_capacity;
     wisp_entity* participants; // surfaces and strands

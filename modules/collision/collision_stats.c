@@ -48,13 +48,14 @@ typedef struct measure_batch
 static void add_vertex( measure_batch* batch, const collision_view* view, int vertex, wisp_vec3 p )
 {
     batch->vertices[batch->count] = vertex;
-    batch->queries[batch->count++] =
-        ( wisp_mesh_query ){ wisp_transform_to_local( view->after, p ), view->thickness };
+    batch->queries[batch->count++] = ( wisp_mesh_query ){ .point = wisp_transform_to_local( view->after, p ),
+                                                          .radius = view->thickness,
+                                                          .time = view->end };
 }
 
 static void measure_batch_of( measure_batch* batch, const collision_view* view, wisp_collision_stats* f )
 {
-    collision_closest( view->body, batch->queries, batch->count, batch->nearest, batch->is_near );
+    collision_closest( view, batch->queries, batch->count, batch->nearest, batch->is_near, NULL );
     for ( int i = 0; i < batch->count; ++i )
     {
         const float depth = batch->is_near[i] ? view->thickness - batch->nearest[i].distance : 0.0f;
@@ -118,7 +119,7 @@ static void measure_slots( void* context, int begin, int end, int worker )
 static void measure_touches_of( measure_batch* batch, const collision_view* view, bool* touches,
                                 wisp_collision_stats* f )
 {
-    collision_closest( view->body, batch->queries, batch->count, batch->nearest, batch->is_near );
+    collision_closest( view, batch->queries, batch->count, batch->nearest, batch->is_near, NULL );
     for ( int i = 0; i < batch->count; ++i )
     {
         const float distance = batch->is_near[i] ? batch->nearest[i].distance : INFINITY;

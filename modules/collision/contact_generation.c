@@ -22,6 +22,7 @@
 #include "collision_passes.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 enum
@@ -35,8 +36,9 @@ typedef struct found_planes
     int count;
     int32_t near[PLANES]; // number of the candidate
     float point[3][PLANES], normal[3][PLANES];
-    float now[PLANES];   // m, signed distance of the particle
-    float start[PLANES]; // m, at the start of the substep, less the thickness
+    wisp_vec3 motion[PLANES]; // m, of a surface in the substep
+    float now[PLANES];        // m, signed distance of the particle
+    float start[PLANES];      // m, at the start of the substep, less the thickness
     int special_count;
     int32_t special[PLANES];                      // those that may be swept or start deep
     float clear[PLANES];                          // m, of each candidate: nothing else within this distance
@@ -92,11 +94,16 @@ static void query_mesh( const collision_view* view, collision_block* block, foun
     wisp_mesh_query queries[COLLISION_BLOCK];
     wisp_surface_point nearest[COLLISION_BLOCK];
     bool is_near[COLLISION_BLOCK];
+    wisp_vec3 motion[COLLISION_BLOCK];
+    const float shift = collision_surface_shift( view );
     for ( int n = 0; n < block->candidate_count; ++n )
     {
-        queries[n] = ( wisp_mesh_query ){ load_candidate( block->to, n ), block->reach[n] };
+        block->path[n] += shift;
+        queries[n] = ( wisp_mesh_query ){ .point = load_candidate( block->to, n ),
+                                          .radius = block->reach[n],
+                                          .time = view->end };
     }
-    collision_closest( view->body, queries, block->candidate_count, nearest, is_near );
+    collision_closest( view, queries, block->candidate_count, nearest, is_near, motion );
     planes->count = planes->special_count = 0;
     for ( int n = 0; n < block->candidate_count; ++n )
     {
@@ -105,7 +112,9 @@ static void query_mesh( const collision_view* view, collision_block* block, foun
         if ( is_near[n] )
         {
             const int m = planes->count++;
-            const float start = collision_plane_gap( view, s, load_candidate( block->from, n ) );
+            const wisp_vec3 from = collision_add_scaled( load_candidate( block->from, n ), 1.0f, motion[n] );
+            const float start = collision_plane_gap( view, s, from );
+            planes->motion[m] = motion[n];
             planes->near[m] = n;
             store_one( planes->point, m, s->point );
             store_one( planes->normal, m, s->normal );
@@ -127,10 +136,13 @@ static bool sweep_one( const collision_view* view, collision_block* block, found
     const wisp_vec3 from = load_candidate( block->from, n ), to = load_candidate( block->to, n );
     wisp_surface_point plane = { load_one( planes->point, m ), load_one( planes->normal, m ), planes->now[m] };
     wisp_surface_point entry;
-    const bool swept = fabsf( plane.distance ) <= block->path[n] && collision_cast( view->body, from, to, &entry );
+    wisp_vec3 motion = view->body->follows ? planes->motion[m] : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, carried;
+    const bool swept =
+        fabsf( plane.distance ) <= block->path[n] && collision_cast( view, from, to, &entry, &carried );
     if ( swept )
     {
         plane = entry;
+        motion = planes->motion[m] = carried;
         store_one( planes->point, m, plane.point );
         store_one( planes->normal, m, plane.normal );
         planes->clear[n] = 0.0f;
@@ -140,13 +152,14 @@ static bool sweep_one( const collision_view* view, collision_block* block, found
             return false;
         }
     }
-    planes->start[m] = collision_start_gap( view, &plane, from, swept );
+    planes->start[m] = collision_start_gap( view, &plane, from, motion, swept );
     return true;
 }
 
 static void copy_plane( found_planes* source, int from, found_planes* planes, int to )
 {
     planes->near[to] = source->near[from];
+    planes->motion[to] = source->motion[from];
     planes->particle_x4[to] = source->particle_x4[from];
     planes->row_x16[to] = source->row_x16[from];
     store_one( planes->point, to, load_one( source->point, from ) );
@@ -188,6 +201,18 @@ static float contact_gap( const collision_contact* c, wisp_vec3 p )
     return collision_dot( collision_load( c->normal ), collision_sub( p, collision_load( c->point ) ) ) - c->gap;
 }
 
+// The frame of a surface is that of the world, so what its points move is added to what the frame does.
+static void write_motions( const found_planes* planes, int first, int end, float* rows )
+{
+    for ( int m = first; m < end; ++m )
+    {
+        float* row = rows + planes->row_x16[m] + offsetof( collision_contact, motion ) / sizeof( float );
+        row[0] = planes->motion[m].x;
+        row[1] = planes->motion[m].y;
+        row[2] = planes->motion[m].z;
+    }
+}
+
 // Move particles out and write rows. Later bodies see the new positions.
 static void write_rows( const collision_find_args* args, const collision_view* view, collision_block* block,
                         found_planes* planes, int first, int count, float* rows )
@@ -219,6 +244,10 @@ static void write_rows( const collision_find_args* args, const collision_view* v
         .row_x16 = planes->row_x16 + first,
     };
     const bool moved = args->kernels->half_space_rows( &half_spaces, padded - first );
+    if ( view->body->follows )
+    {
+        write_motions( planes, first, end, rows );
+    }
     for ( int m = first; moved && block->is_last == false && m < end; ++m )
     {
         const int i = block->candidates[planes->near[m]];

@@ -4,7 +4,8 @@
 // of participant and body.
 //
 // - Everything is computed in the frame of the body. The path goes from b0, seen from the old pose, to b1, where
-//   gravity alone takes the particle, seen from the new one. A body counts if its surface is within margin and path
+//   gravity alone takes the particle, seen from the new one. The mesh of a surface is held as it is at the start of the
+//   substep, and b1 is seen from the point of it that is closest to b0. A body counts if its surface is within margin and path
 //   of b0.
 // - The half space is the tangent plane where the path enters the body; else the plane of the closest point to b0, if
 //   that is within the margin or inside; else, for a path that passes by, a plane between path and body. The solver
@@ -60,6 +61,7 @@ typedef struct input_loop
     wisp_mesh_query queries[CHUNK]; // at the start of the path
     wisp_surface_point nearest[CHUNK];
     bool is_near[CHUNK];
+    wisp_vec3 carried[CHUNK]; // m, displacement of the surface there
 } input_loop;
 
 static void begin_chunk( input_loop* loop, int begin, int end )
@@ -97,7 +99,8 @@ static bool is_far( const input_loop* loop, const collision_view* view )
 {
     const wisp_vec3 carried = collision_sub( wisp_transform_to_world( view->after, view->body->centre ),
                                              wisp_transform_to_world( view->before, view->body->centre ) );
-    const float reach = view->thickness + loop->longest + collision_length( carried );
+    const float reach =
+        view->thickness + loop->longest + collision_length( carried ) + collision_surface_shift( view );
     return collision_ball_distance( view, loop->lower, loop->upper ) > reach;
 }
 
@@ -108,16 +111,17 @@ static void query_candidates( input_loop* loop, const collision_view* view )
     {
         const wisp_vec3 from = wisp_transform_to_local( view->before, loop->start[i] );
         const wisp_vec3 to = wisp_transform_to_local( view->after, loop->end[i] );
-        const float reach = view->thickness + collision_length( collision_sub( to, from ) );
+        const float reach =
+            view->thickness + collision_length( collision_sub( to, from ) ) + collision_surface_shift( view );
         if ( collision_box_distance( view->body, from ) <= reach )
         {
             const int n = loop->candidate_count++;
             loop->candidates[n] = loop->slots[i] - loop->begin;
             loop->to[n] = to;
-            loop->queries[n] = ( wisp_mesh_query ){ from, reach };
+            loop->queries[n] = ( wisp_mesh_query ){ .point = from, .radius = reach, .time = view->begin };
         }
     }
-    collision_closest( view->body, loop->queries, loop->candidate_count, loop->nearest, loop->is_near );
+    collision_closest( view, loop->queries, loop->candidate_count, loop->nearest, loop->is_near, loop->carried );
 }
 
 // ---- planes ----
@@ -145,9 +149,11 @@ static bool pass_by( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
     for ( int i = 0; i <= HALVINGS && is_between == false; ++i )
     {
         const float time = i == 0 ? 1.0f : 0.5f * ( before + behind );
-        const wisp_mesh_query query = { collision_add_scaled( from, time, way ), radius };
+        const wisp_mesh_query query = { .point = collision_add_scaled( from, time, way ),
+                                        .radius = radius,
+                                        .time = view->begin };
         bool is_near;
-        collision_closest( view->body, &query, 1, plane, &is_near );
+        collision_closest( view, &query, 1, plane, &is_near, NULL );
         if ( is_near == false )
         {
             return false;
@@ -181,7 +187,10 @@ static bool find_plane( const collision_view* view, wisp_vec3 from, wisp_vec3 to
     const float path = collision_length( collision_sub( to, from ) );
     const bool touches = plane->distance < view->thickness;
     wisp_surface_point hit;
-    if ( fabsf( plane->distance ) <= path && collision_cast( view->body, from, to, &hit ) )
+    wisp_vec3 motion;
+    collision_view held = *view;
+    held.end = held.begin;
+    if ( fabsf( plane->distance ) <= path && collision_cast( &held, from, to, &hit, &motion ) )
     {
         *plane = hit;
         plane->distance = collision_larger( 0.0f, in_front( plane, from ) );
@@ -226,7 +235,8 @@ static void insert( input_loop* loop, int particle, const input_touch* found )
 
 static void add_touch( input_loop* loop, const collision_view* view, int i )
 {
-    const wisp_vec3 from = loop->queries[i].point, to = loop->to[i];
+    const wisp_vec3 carried = loop->carried[i], from = loop->queries[i].point,
+                    to = collision_add_scaled( loop->to[i], -1.0f, carried );
     wisp_surface_point plane = loop->nearest[i];
     if ( find_plane( view, from, to, &plane ) == false )
     {
@@ -240,7 +250,9 @@ static void add_touch( input_loop* loop, const collision_view* view, int i )
     };
     collision_store( found.plane, wisp_quat_rotate( view->before.rotation, plane.normal ) );
     found.plane[3] = plane.distance;
-    collision_store( found.motion, wisp_transform_velocity( view->before, view->after, loop->seconds, plane.point ) );
+    const wisp_vec3 velocity = wisp_transform_velocity( view->before, view->after, loop->seconds, plane.point );
+    const float rate = loop->seconds > 0.0f ? 1.0f / loop->seconds : 0.0f;
+    collision_store( found.motion, collision_add_scaled( velocity, rate, carried ) );
     found.motion[3] = view->thickness;
     insert( loop, loop->candidates[i], &found );
 }

@@ -67,14 +67,16 @@ static void stop_at_entry( const collision_view* view, wisp_vec3* p, wisp_vec3 p
     const wisp_vec3 from = wisp_transform_to_local( view->before, previous );
     wisp_vec3 to = wisp_transform_to_local( view->after, *p );
     wisp_surface_point hit;
-    if ( collision_cast( view->body, from, to, &hit ) == false )
+    wisp_vec3 motion;
+    if ( collision_cast( view, from, to, &hit, &motion ) == false )
     {
         return;
     }
     // no farther from the body than it was: an approach must not become a separation
-    float height = collision_dot( hit.normal, collision_sub( from, hit.point ) );
+    const wisp_vec3 carried = collision_add_scaled( from, 1.0f, motion );
+    float height = collision_dot( hit.normal, collision_sub( carried, hit.point ) );
     to = collision_add_scaled( hit.point, fminf( view->thickness, fmaxf( 0.0f, height ) ), hit.normal );
-    to = collision_cast( view->body, from, to, &hit ) ? from : to;
+    to = collision_cast( view, from, to, &hit, &motion ) ? carried : to;
     *p = wisp_transform_to_world( view->after, to );
 }
 

@@ -134,14 +134,16 @@ static bool push_row( const carried_group* g, const collision_view* view, const 
         {
             const wisp_vec3 p = collision_load_lane( g->position + (size_t)row * ROW + lane );
             lanes[n] = lane;
-            queries[n++] = ( wisp_mesh_query ){ wisp_transform_to_local( view->after, p ), view->thickness };
+            queries[n++] = ( wisp_mesh_query ){ .point = wisp_transform_to_local( view->after, p ),
+                                                .radius = view->thickness,
+                                                .time = view->end };
         }
     }
     if ( n == 0 )
     {
         return false;
     }
-    collision_closest( view->body, queries, n, nearest, is_near );
+    collision_closest( view, queries, n, nearest, is_near, NULL );
     for ( int i = 0; i < n; ++i )
     {
         if ( is_near[i] && nearest[i].distance < view->thickness )
@@ -178,6 +180,7 @@ static void keep_group_out( wisp_frame* frame, const wisp_span* span, const coll
     for ( int next = 0; g->lower.x <= g->upper.x && collision_next( frame, span, state, &next, &view ); )
     {
         view.before = view.after; // the path does not matter
+        view.begin = view.end;
         const bool is_near = collision_ball_distance( &view, g->lower, g->upper ) <= view.thickness;
         if ( is_near && push_group( g, &view ) )
         {

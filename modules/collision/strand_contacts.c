@@ -55,7 +55,7 @@ static float path_seen( const strand_loop* loop, const collision_view* view )
         const wisp_vec3 carried = wisp_transform_to_world( view->after, wisp_transform_to_local( view->before, c ) );
         most = fmaxf( most, collision_length( collision_sub( carried, c ) ) );
     }
-    return most + loop->reach.max_path;
+    return most + loop->reach.max_path + collision_surface_shift( view );
 }
 
 static float beside( float x, float lower, float upper )
@@ -108,11 +108,13 @@ static wisp_vec3 friction_of( const collision_view* view, wisp_vec3 u, wisp_vec3
 }
 
 static void push_vertex( strand_loop* loop, const collision_view* view, int row, int lane, wisp_vec3 from,
-                         wisp_vec3 to, const wisp_surface_point* nearest )
+                         wisp_vec3 to, const wisp_surface_point* nearest, wisp_vec3 carried )
 {
-    const float path = collision_length( collision_sub( to, from ) );
+    const float path = collision_length( collision_sub( to, from ) ) + collision_surface_shift( view );
+    wisp_vec3 swept_motion;
     wisp_surface_point plane;
-    const bool swept = fabsf( nearest->distance ) <= path && collision_cast( view->body, from, to, &plane );
+    const bool swept = fabsf( nearest->distance ) <= path && collision_cast( view, from, to, &plane, &swept_motion );
+    carried = swept ? swept_motion : carried;
     plane = swept ? plane : *nearest;
     const float now = swept ? collision_dot( plane.normal, collision_sub( to, plane.point ) ) : nearest->distance;
     if ( !( now < view->thickness ) )
@@ -121,14 +123,15 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
     }
     const size_t i = (size_t)row * WISP_LANES + (size_t)lane;
     float *at = loop->args.position + (size_t)row * ROW + lane, *was = loop->args.previous + (size_t)row * ROW + lane;
-    const float start = collision_start_gap( view, &plane, from, swept ) + view->thickness;
+    const float start = collision_start_gap( view, &plane, from, carried, swept ) + view->thickness;
     const strand_way way = find_way( loop, view->thickness, start, now, loop->args.allowed_depth[i] );
     const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane.normal );
     const wisp_vec3 p = collision_add_scaled( collision_load_lane( at ), way.out, normal );
     const wisp_vec3 previous =
         collision_add_scaled( collision_load_lane( was ), way.recovered + way.absorbed, normal );
-    const wisp_vec3 motion = collision_sub( wisp_transform_to_world( view->after, plane.point ),
+    const wisp_vec3 turned = collision_sub( wisp_transform_to_world( view->after, plane.point ),
                                             wisp_transform_to_world( view->before, plane.point ) );
+    const wisp_vec3 motion = collision_add_scaled( turned, 1.0f, carried );
     const float push = fmaxf( 0.0f, way.out - way.recovered );
     const wisp_vec3 u = collision_sub( collision_sub( p, previous ), motion );
     collision_store_lane( at, collision_sub( p, friction_of( view, u, normal, push ) ) );
@@ -144,6 +147,7 @@ static void push_row( strand_loop* loop, const collision_view* view, int row )
     wisp_mesh_query queries[WISP_LANES];
     wisp_surface_point nearest[WISP_LANES];
     bool is_near[WISP_LANES];
+    wisp_vec3 motion[WISP_LANES];
     for ( int l = 0; l < WISP_LANES; ++l )
     {
         if ( !( loop->args.inverse_mass[(size_t)row * WISP_LANES + (size_t)l] > 0.0f ) )
@@ -153,20 +157,21 @@ static void push_row( strand_loop* loop, const collision_view* view, int row )
         const size_t at = (size_t)row * ROW + (size_t)l;
         from[n] = wisp_transform_to_local( view->before, collision_load_lane( loop->args.previous + at ) );
         const wisp_vec3 to = wisp_transform_to_local( view->after, collision_load_lane( loop->args.position + at ) );
-        const float reach = view->thickness + collision_length( collision_sub( to, from[n] ) );
+        const float reach =
+            view->thickness + collision_length( collision_sub( to, from[n] ) ) + collision_surface_shift( view );
         // false for NaN too
         if ( collision_box_distance( view->body, to ) <= reach )
         {
             lanes[n] = l;
-            queries[n++] = ( wisp_mesh_query ){ to, reach };
+            queries[n++] = ( wisp_mesh_query ){ .point = to, .radius = reach, .time = view->end };
         }
     }
-    collision_closest( view->body, queries, n, nearest, is_near );
+    collision_closest( view, queries, n, nearest, is_near, motion );
     for ( int i = 0; i < n; ++i )
     {
         if ( is_near[i] )
         {
-            push_vertex( loop, view, row, lanes[i], from[i], queries[i].point, nearest + i );
+            push_vertex( loop, view, row, lanes[i], from[i], queries[i].point, nearest + i, motion[i] );
         }
     }
 }

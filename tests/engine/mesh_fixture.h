@@ -245,14 +245,14 @@ static inline wisp_vec3 test_sum( wisp_vec3 a, wisp_vec3 b )
 static inline wisp_mesh_nearest closest( wisp_collision_mesh* tree, wisp_vec3 p, float radius )
 {
     wisp_mesh_nearest nearest;
-    wisp_collision_mesh_closest( tree, &( wisp_mesh_query ){ p, radius }, 1, &nearest, NULL );
+    wisp_collision_mesh_closest( tree, &( wisp_mesh_query ){ .point = p, .radius = radius }, 1, &nearest, NULL );
     return nearest;
 }
 
 static inline wisp_mesh_hit sweep( wisp_collision_mesh* tree, wisp_vec3 from, wisp_vec3 to )
 {
     wisp_mesh_hit hit;
-    wisp_collision_mesh_cast( tree, &( wisp_mesh_path ){ from, to }, 1, &hit, NULL );
+    wisp_collision_mesh_cast( tree, &( wisp_mesh_path ){ .from = from, .to = to }, 1, &hit, NULL );
     return hit;
 }
 
@@ -342,8 +342,8 @@ static inline void assert_refuses_bad_numbers( wisp_collision_mesh* tree )
     uint64_t expected = 0;
     for ( int i = 0; i < 3 * WISP_COUNT( bad ); ++i )
     {
-        wisp_mesh_query query = { { 0.1f, 0.2f, 0.3f }, 1.0f };
-        wisp_mesh_path to = { query.point, query.point }, from = to;
+        wisp_mesh_query query = { .point = { 0.1f, 0.2f, 0.3f }, .radius = 1.0f };
+        wisp_mesh_path to = { .from = query.point, .to = query.point }, from = to;
         ( &query.point.x )[i % 3] = ( &to.to.x )[i % 3] = ( &from.from.x )[i % 3] = bad[i / 3];
         wisp_mesh_nearest nearest;
         wisp_mesh_hit hits[2];
@@ -357,7 +357,8 @@ static inline void assert_refuses_bad_numbers( wisp_collision_mesh* tree )
     for ( int i = 0; i < WISP_COUNT( radii ); ++i )
     {
         wisp_mesh_nearest nearest;
-        wisp_collision_mesh_closest( tree, &( wisp_mesh_query ){ { 0, 0, 0 }, radii[i] }, 1, &nearest, &work );
+        wisp_collision_mesh_closest( tree, &( wisp_mesh_query ){ .point = { 0, 0, 0 }, .radius = radii[i] }, 1,
+                                     &nearest, &work );
         assert_int_equal( nearest.triangle, -1 );
         expected += 1;
     }

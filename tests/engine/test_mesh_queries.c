@@ -129,7 +129,7 @@ static void a_range_of_queries_is_answered_like_each_alone( void** state )
     int near = 0;
     for ( int i = 0; i < 100; ++i )
     {
-        queries[i] = ( wisp_mesh_query ){ query_point( &m, i ), 0.2f };
+        queries[i] = ( wisp_mesh_query ){ .point = query_point( &m, i ), .radius = 0.2f };
     }
     wisp_collision_mesh_closest( tree, queries, 100, nearest, &work );
     for ( int i = 0; i < 100; ++i )
@@ -373,7 +373,7 @@ static void steps_of_single_roundings_cross_just_once( void** state )
 
 // ---- meshes that deform ----
 
-static void refitted_and_rebuilt_trees_answer_like_new_ones( void** state )
+static void refitted_trees_answer_like_new_ones( void** state )
 {
     (void)state;
     test_mesh m = test_mesh_sheet( 30, 0.1f );
@@ -383,7 +383,7 @@ static void refitted_and_rebuilt_trees_answer_like_new_ones( void** state )
     for ( int step = 0; step < 12; ++step )
     {
         crumple( &m, rest, step );
-        assert_int_equal( wisp_collision_mesh_update( tree, m.points, NULL ), WISP_OK );
+        assert_int_equal( wisp_collision_mesh_update( tree, NULL, m.points, NULL, NULL ), WISP_OK );
         wisp_collision_mesh* fresh = test_collision_mesh( &m, true );
         for ( int i = 0; i < 400; ++i )
         {
@@ -396,8 +396,8 @@ static void refitted_and_rebuilt_trees_answer_like_new_ones( void** state )
         wisp_collision_mesh_release( fresh );
     }
     wisp_collision_mesh_stats info = wisp_collision_mesh_get_stats( tree );
-    assert_true( info.build_count > 1 && info.refit_count > 1 );
-    assert_int_equal( info.build_count - 1 + info.refit_count, 12 );
+    assert_int_equal( info.build_count, 1 );
+    assert_int_equal( info.refit_count, 12 );
     wisp_collision_mesh_release( tree );
     free( rest );
     test_mesh_free( &m );
@@ -417,7 +417,7 @@ static void a_wrong_point_is_refused_and_its_neighbours_stay( void** state )
         points[3].y = 0.5f; // valid, but not to be used either
         points[77].z = bad[k];
         wisp_error error = { 0 };
-        assert_int_equal( wisp_collision_mesh_update( tree, points, &error ), WISP_BAD_INPUT );
+        assert_int_equal( wisp_collision_mesh_update( tree, NULL, points, NULL, &error ), WISP_BAD_INPUT );
         assert_non_null( strstr( error.message, "point 77: got " ) );
         assert_one_message( error.message );
         for ( int i = 0; i < 200; ++i )
@@ -437,7 +437,7 @@ static void a_rigid_mesh_cannot_be_updated( void** state )
     test_mesh m = test_mesh_sheet( 2, 0.0f );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     wisp_error error = { 0 };
-    assert_int_equal( wisp_collision_mesh_update( tree, m.points, &error ), WISP_CONFLICT );
+    assert_int_equal( wisp_collision_mesh_update( tree, NULL, m.points, NULL, &error ), WISP_CONFLICT );
     assert_one_message( error.message );
     wisp_collision_mesh_release( tree );
     test_mesh_free( &m );
@@ -509,7 +509,7 @@ static void two_threads_get_the_answers_of_one( void** state )
     assert_true( whole.queries && whole.paths && whole.nearest && whole.hits );
     for ( int i = 0; i < COUNT; ++i )
     {
-        whole.queries[i] = ( wisp_mesh_query ){ query_point( &m, i ), 0.5f };
+        whole.queries[i] = ( wisp_mesh_query ){ .point = query_point( &m, i ), .radius = 0.5f };
         whole.paths[i].from = query_point( &m, i );
         whole.paths[i].to = test_sum( whole.paths[i].from, test_point( i, 20, 1.0f ) );
     }
@@ -559,7 +559,7 @@ int main( void )
         cmocka_unit_test( the_first_intersection_is_that_of_brute_force ),
         cmocka_unit_test( nothing_tunnels_through_a_thin_sheet ),
         cmocka_unit_test( steps_of_single_roundings_cross_just_once ),
-        cmocka_unit_test( refitted_and_rebuilt_trees_answer_like_new_ones ),
+        cmocka_unit_test( refitted_trees_answer_like_new_ones ),
         cmocka_unit_test( a_wrong_point_is_refused_and_its_neighbours_stay ),
         cmocka_unit_test( a_rigid_mesh_cannot_be_updated ),
         cmocka_unit_test( triangles_without_area_are_found_and_never_crossed ),

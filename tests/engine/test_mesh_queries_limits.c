@@ -70,7 +70,7 @@ static void every_refused_block_is_a_message_and_leaves_nothing( void** state )
         wisp_collision_mesh_def def = test_mesh_def( &m, deforms == 1 );
         int64_t bytes[2];
         assert_true( assert_refused_blocks_are_messages( &def, bytes ) > 5 );
-        assert_true( bytes[0] > bytes[1] );
+        assert_true( deforms == 1 ? bytes[0] == bytes[1] : bytes[0] > bytes[1] ); // Embree has memory of its own
     }
     test_mesh_free( &m );
 }
@@ -97,7 +97,7 @@ static void denormal_numbers_keep_their_meaning_for_the_host( void** state )
     (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     wisp_collision_mesh* tree = test_collision_mesh( &m, true );
-    assert_int_equal( wisp_collision_mesh_update( tree, m.points, NULL ), WISP_OK );
+    assert_int_equal( wisp_collision_mesh_update( tree, NULL, m.points, NULL, NULL ), WISP_OK );
     closest( tree, m.points[0], 1.0f );
     sweep( tree, m.points[0], m.points[1] );
     volatile float least = FLT_MIN;

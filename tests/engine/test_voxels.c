@@ -163,7 +163,7 @@ static wisp_mesh_path query_path( const test_mesh* m, int i )
     if ( i % 7 == 6 )
     {
         wisp_vec3 other = query_point( m, i + 1 );
-        return ( wisp_mesh_path ){ from, test_along( other, 1.0f, test_along( other, -1.0f, from ) ) };
+        return ( wisp_mesh_path ){ .from = from, .to = test_along( other, 1.0f, test_along( other, -1.0f, from ) ) };
     }
     float* part = &step.x;
     if ( i % 5 == 0 )
@@ -171,7 +171,7 @@ static wisp_mesh_path query_path( const test_mesh* m, int i )
         part[i % 3] = 0.0f;
         part[( i + 1 ) % 3] = i % 10 == 0 ? 0.0f : part[( i + 1 ) % 3];
     }
-    return ( wisp_mesh_path ){ from, test_sum( from, step ) };
+    return ( wisp_mesh_path ){ .from = from, .to = test_sum( from, step ) };
 }
 
 // ---- voxels ----
@@ -301,7 +301,7 @@ static void meshes_of_any_scale_are_answered_alike( void** state )
         for ( int i = 0; i < QUERIES; ++i )
         {
             wisp_vec3 p = query_point( &m, 7 * i + i % 5 ); // within the reach
-            wisp_mesh_path path = { p, query_point( &m, 7 * i + 4 ) };
+            wisp_mesh_path path = { .from = p, .to = query_point( &m, 7 * i + 4 ) };
             assert_closest( &m, xyzw, voxels, tree, p, i % 2 == 0 ? INFINITY : 0.05f * scales[k] );
             answered += assert_intersection( &m, xyzw, voxels, tree, &path ) ? 1 : 0;
         }
@@ -342,8 +342,8 @@ static void few_triangles_are_looked_at_near_the_surface( void** state )
     for ( int i = 0; i < 1000; ++i )
     {
         wisp_vec3 p = test_sum( m.points[test_random( i, 1, m.point_count )], test_point( i, 2, 0.01f ) );
-        wisp_mesh_query query = { p, 0.02f };
-        wisp_mesh_path path = { p, test_sum( p, test_point( i, 4, 0.02f ) ) };
+        wisp_mesh_query query = { .point = p, .radius = 0.02f };
+        wisp_mesh_path path = { .from = p, .to = test_sum( p, test_point( i, 4, 0.02f ) ) };
         wisp_mesh_nearest nearest;
         wisp_mesh_hit hit;
         wisp_collision_mesh_closest( voxels, &query, 1, &nearest, &work );
@@ -395,8 +395,8 @@ static void voxels_of_a_mesh_that_deforms_are_built_again( void** state )
     for ( int step = 0; step < 8; ++step )
     {
         crumple( &m, rest, step );
-        assert_int_equal( wisp_collision_mesh_update( voxels, m.points, NULL ), WISP_OK );
-        assert_true( tree == NULL || wisp_collision_mesh_update( tree, m.points, NULL ) == WISP_OK );
+        assert_int_equal( wisp_collision_mesh_update( voxels, NULL, m.points, NULL, NULL ), WISP_OK );
+        assert_true( tree == NULL || wisp_collision_mesh_update( tree, NULL, m.points, NULL, NULL ) == WISP_OK );
         int answered = 0, crossed = 0;
         ask_all( &m, voxels, tree, 200, &answered, &crossed );
         assert_true( answered > 100 && crossed > 10 );
@@ -426,7 +426,7 @@ static void an_update_that_fails_leaves_everything_as_it_was( void** state )
     moved[3].y = 0.5f; // valid, but not to be used either
     moved[77].z = NAN;
     wisp_error error = { 0 };
-    assert_int_equal( wisp_collision_mesh_update( voxels, moved, &error ), WISP_BAD_INPUT );
+    assert_int_equal( wisp_collision_mesh_update( voxels, NULL, moved, NULL, &error ), WISP_BAD_INPUT );
     assert_non_null( strstr( error.message, "point 77: got " ) );
     assert_one_message( error.message );
     ask_all( &m, voxels, NULL, 200, &answered, &crossed );
@@ -440,7 +440,7 @@ static void an_update_that_fails_leaves_everything_as_it_was( void** state )
     for ( ; refused; ++n )
     {
         test_host_refuse( &host, n, false );
-        wisp_status status = wisp_collision_mesh_update( voxels, moved, &error );
+        wisp_status status = wisp_collision_mesh_update( voxels, NULL, moved, NULL, &error );
         refused = test_host_has_refused( &host );
         test_host_refuse( &host, 0, false );
         assert_int_equal( status, refused ? WISP_NO_MEMORY : WISP_OK );
@@ -461,7 +461,7 @@ static void a_rigid_mesh_cannot_be_updated( void** state )
     test_mesh m = test_mesh_sheet( 2, 0.0f );
     wisp_collision_mesh* voxels = make_voxels( &m, false, 0.0f );
     wisp_error error = { 0 };
-    assert_int_equal( wisp_collision_mesh_update( voxels, m.points, &error ), WISP_CONFLICT );
+    assert_int_equal( wisp_collision_mesh_update( voxels, NULL, m.points, NULL, &error ), WISP_CONFLICT );
     assert_one_message( error.message );
     wisp_collision_mesh_release( voxels );
     test_mesh_free( &m );

@@ -57,7 +57,9 @@ static inline void one_touches( const find_one* one, const wisp_surface_point* n
 {
     const collision_view* view = one->view;
     wisp_surface_point plane;
-    bool swept = fabsf( nearest->distance ) <= one->path && collision_cast( view->body, one->from, one->to, &plane );
+    wisp_vec3 motion = { 0.0f, 0.0f, 0.0f };
+    bool swept =
+        fabsf( nearest->distance ) <= one->path && collision_cast( view, one->from, one->to, &plane, &motion );
     plane = swept ? plane : *nearest;
     one_lowers_clear( one, swept ? 0.0f : ( nearest->distance > 0.0f ? nearest->distance : INFINITY ) );
     float now = swept ? collision_dot( plane.normal, collision_sub( one->to, plane.point ) ) : nearest->distance;
@@ -65,7 +67,7 @@ static inline void one_touches( const find_one* one, const wisp_surface_point* n
     {
         return;
     }
-    float start = collision_start_gap( view, &plane, one->from, swept );
+    float start = collision_start_gap( view, &plane, one->from, motion, swept );
     float outward = fmaxf( 0.0f, now - view->thickness - start ), recovered = 0.0f;
     if ( start + outward < 0.0f )
     {
@@ -104,12 +106,12 @@ static inline void one_meets( const collision_find_args* args, const collision_v
         0.0f
     };
     one.path = collision_length( collision_sub( one.to, one.from ) );
-    const wisp_mesh_query query = { one.to, 2.0f * view->thickness + one.path };
+    const wisp_mesh_query query = { .point = one.to, .radius = 2.0f * view->thickness + one.path };
     wisp_surface_point nearest;
     bool is_near = false;
     if ( one_box_distance( view->body, one.to ) <= query.radius )
     {
-        collision_closest( view->body, &query, 1, &nearest, &is_near );
+        collision_closest( view, &query, 1, &nearest, &is_near, NULL );
     }
     if ( is_near )
     {

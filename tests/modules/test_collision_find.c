@@ -130,10 +130,10 @@ static void place_bodies( meeting* m, int trial )
 static bool place_at_limit( const collision_view* view, int i, wisp_vec3* old, wisp_vec3* now )
 {
     const wisp_vec3 q = wisp_transform_to_local( view->after, *now ), way = collision_sub( *now, *old );
-    const wisp_mesh_query query = { q, 2.0f };
+    const wisp_mesh_query query = { .point = q, .radius = 2.0f };
     wisp_surface_point s;
     bool is_near;
-    collision_closest( view->body, &query, 1, &s, &is_near );
+    collision_closest( view, &query, 1, &s, &is_near, NULL );
     if ( is_near == false )
     {
         return false;
@@ -323,14 +323,15 @@ static void assert_clear( const meeting* m, const particles* before, const parti
     for ( int b = 0; b < BODIES; ++b )
     {
         const collision_view* view = m->views + b;
-        const wisp_mesh_query query = { wisp_transform_to_local( view->after, now ), INFINITY };
+        const wisp_mesh_query query = { .point = wisp_transform_to_local( view->after, now ), .radius = INFINITY };
         wisp_surface_point nearest, hit;
+        wisp_vec3 motion;
         bool is_near;
-        collision_closest( view->body, &query, 1, &nearest, &is_near );
+        collision_closest( view, &query, 1, &nearest, &is_near, NULL );
         const wisp_vec3 from = wisp_transform_to_local( view->before, old );
         // 1e-6 of the metre between positions: rounding of two poses
         if ( ( is_near && nearest.distance < p->found[i][3] - 1e-6f ) ||
-             ( nearest.distance > 1e-6f && collision_cast( view->body, from, query.point, &hit ) ) )
+             ( nearest.distance > 1e-6f && collision_cast( view, from, query.point, &hit, &motion ) ) )
         {
             fail_msg( "particle %d is said to be clear for %.9g, but body %d is at %.9g", i, (double)p->found[i][3],
                       b, (double)nearest.distance );

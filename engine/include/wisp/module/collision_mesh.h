@@ -14,6 +14,7 @@
 ///     }
 #pragma once
 
+#include "wisp/module/jobs.h"
 #include "wisp/variants.h"
 
 WISP_BEGIN_C
@@ -32,7 +33,9 @@ typedef struct wisp_collision_mesh_def
     const int32_t* triangles; ///< [triangle_count][3] indices into points, counter-clockwise seen from outside
     int point_count;
     int triangle_count; ///< >= 1. Triangles without area are allowed: they are found by distance, but no path crosses them
-    bool deforms;       ///< points will move against each other; without it the mesh moves as a rigid body, if at all
+    bool
+        deforms; ///< points will move against each other; without it the mesh moves as a rigid body, if at all. The tree of a
+                 ///< mesh that deforms needs no Embree
     size_t memory_limit; ///< bytes that Embree may take beside the host's allocator, or that the voxels may take from
                          ///< it; 0: no limit. Voxels become larger to keep it
     wisp_mesh_search search; ///< default the tree
@@ -54,16 +57,29 @@ WISP_API wisp_status wisp_collision_mesh_create( const wisp_collision_mesh_def* 
 /// Null is allowed.
 WISP_API void wisp_collision_mesh_release( wisp_collision_mesh* mesh );
 
-/// Move the points of a mesh that deforms. The tree is refitted. It is rebuilt when queries since the last update tested half
-/// again as many triangles per result as when it was new. Voxels
-/// always are.
-/// @param points [point_count] m. All are checked first: a wrong one leaves everything as it was
-/// @return WISP_BAD_INPUT a point is not finite or out of reach; WISP_CONFLICT the mesh is rigid; WISP_NO_MEMORY
-///         it could not be built again: points are where they were, but should Embree have no memory for their tree
-///         either, queries are refused until an update succeeds
+/// Move the points of a mesh that deforms along straight lines. The tree is refitted to the whole motion; voxels are built again.
+/// Queries have times in [0, 1] of the motion.
+/// @param start [point_count] m; null: the mesh is at `end` all the time
+/// @param end [point_count] m. All points are checked first: a wrong one leaves everything as it was
+/// @param parallel for the refit; null: the calling thread
+/// @return WISP_BAD_INPUT a point is not finite or out of reach; WISP_CONFLICT the mesh is rigid; WISP_NO_MEMORY of voxels,
+///         which stay as they were. A tree needs no memory
 /// @note Not while queries run.
-WISP_API wisp_status wisp_collision_mesh_update( wisp_collision_mesh* mesh, const wisp_vec3* points,
+WISP_API wisp_status wisp_collision_mesh_update( wisp_collision_mesh* mesh, const wisp_vec3* start,
+                                                 const wisp_vec3* end, const wisp_parallel* parallel,
                                                  wisp_error* error );
+
+/// A place on a mesh that deforms.
+typedef struct wisp_mesh_place
+{
+    wisp_vec3 point;  ///< m
+    wisp_vec3 normal; ///< unit, of the triangle; zero where it has no area
+} wisp_mesh_place;
+
+/// Follow a point of a triangle to a time in [0, 1] of the motion.
+/// @param weights barycentric, as of a query
+WISP_API wisp_mesh_place wisp_collision_mesh_place( const wisp_collision_mesh* mesh, int32_t triangle,
+                                                    const float weights[3], float time );
 
 /// @return bytes of the tree or the voxels, Embree's included
 WISP_API size_t wisp_collision_mesh_bytes( const wisp_collision_mesh* mesh );
@@ -99,6 +115,7 @@ typedef struct wisp_mesh_query
 {
     wisp_vec3 point; ///< m
     float radius;    ///< m, >= 0, may be infinite: the search ignores what is farther
+    float time;      ///< in [0, 1], when in the motion of a mesh that deforms; not read for a rigid one
 } wisp_mesh_query;
 
 /// Result of a closest-point query. All zero with triangle -1 if nothing is within the radius.
@@ -127,6 +144,9 @@ WISP_API void wisp_collision_mesh_closest( wisp_collision_mesh* mesh, const wisp
 typedef struct wisp_mesh_path
 {
     wisp_vec3 from, to; ///< m
+    float begin_time,
+        end_time; ///< in [0, 1], in ascending order: the part of the motion of a mesh that deforms during which
+                  ///< the point moves; equal: the mesh as it is then
 } wisp_mesh_path;
 
 /// First intersection of a path. All zero with triangle -1 if there is none.

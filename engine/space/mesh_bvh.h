@@ -1,0 +1,44 @@
+/// Search by a bounding volume hierarchy with eight children a node, for meshes that deform. Built once, by splits at the
+/// median of the rest shape, then refitted to the motion of each step. It allocates nothing after the build and needs no Embree.
+///
+/// Nodes have no pointers: triangles are in an order in which each run of 8 is a leaf, each run of 8 leaves a node, and so on.
+/// So the bounds of the children of one node are one group of eight lanes (Ernst and Greiner 2008, "Multi bounding volume
+/// hierarchies").
+#pragma once
+
+#include "mesh_search.h"
+
+enum
+{
+    MESH_BVH_WIDTH = 8,
+    MESH_BVH_MAX_LEVELS = 11, // 8^11 triangles are more than an int can count
+};
+
+/// Boxes of the children of one node. Empty where there is no child: lower is above upper.
+typedef struct mesh_bvh_group
+{
+    float lower[3][MESH_BVH_WIDTH], upper[3][MESH_BVH_WIDTH]; ///< m
+} mesh_bvh_group;
+
+typedef struct mesh_bvh
+{
+    const mesh_surface* surface;
+    int32_t* triangle;      ///< [leaves][8], -1 behind the last
+    mesh_bvh_group* groups; ///< [group_count] leaves first, the root last
+    int level_count;
+    int first[MESH_BVH_MAX_LEVELS + 1]; ///< first group of each level; leaves are level 0
+    int refit_count;
+} mesh_bvh;
+
+/// @param surface must not move in memory while the hierarchy exists
+wisp_status mesh_bvh_build( mesh_bvh* bvh, const mesh_surface* surface, wisp_error* error );
+/// A zero hierarchy is allowed.
+void mesh_bvh_release( mesh_bvh* bvh );
+size_t mesh_bvh_bytes( const mesh_bvh* bvh );
+
+/// Fit all boxes to the points of the surface, from start to end of its motion.
+/// @param parallel null: the calling thread
+void mesh_bvh_refit( mesh_bvh* bvh, const wisp_parallel* parallel );
+
+void mesh_bvh_find_closest( const mesh_bvh* bvh, mesh_closest* search );
+void mesh_bvh_find_intersection( const mesh_bvh* bvh, mesh_cast* search );

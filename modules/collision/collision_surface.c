@@ -1,0 +1,242 @@
+// Surfaces as bodies. In: positions, targets of pins and velocities of a surface at the start of a step. Out: the mesh of the
+// body, from its start to its end in the step (pass collision.follow).
+//
+// Nothing is kept from step to step: start and end follow from the columns of the surface. So a snapshot, a teleport or a
+// pin that is moved by hand needs no care here. Participants take the fraction of the motion that their substeps cover,
+// whatever the substeps of the surface, and strands can still run all substeps of a group in one go.
+#include "collision_surface.h"
+
+#include "collision_passes.h"
+#include "collision_vectors.h"
+
+#include <math.h>
+
+enum
+{
+    GRAIN = 2048, // vertices per block
+};
+
+static size_t points_size( const collision_body* body )
+{
+    return (size_t)body->point_count * sizeof( wisp_vec3 );
+}
+
+void collision_release_body( collision_body* body, const wisp_allocator* allocator )
+{
+    wisp_collision_mesh_release( body->tree );
+    wisp_vec3* const arrays[] = { body->start, body->finish };
+    for ( int i = 0; i < WISP_COUNT( arrays ); ++i )
+    {
+        if ( arrays[i] != NULL )
+        {
+            allocator->release( allocator->user, arrays[i], points_size( body ) );
+        }
+    }
+    *body = ( collision_body ){ .entity = body->entity };
+}
+
+void collision_forget_surface( collision_state* state, wisp_entity surface )
+{
+    for ( int i = 0; i < state->body_count; ++i )
+    {
+        collision_body* body = state->bodies + i;
+        if ( body->follows && wisp_entity_equal( body->surface, surface ) )
+        {
+            body->surface = ( wisp_entity ){ 0, 0 };
+        }
+    }
+}
+
+// ---- construction ----
+
+// Triangles of a fabric name slots; those of the body name vertices.
+static wisp_status build_mesh( wisp_world* world, const wisp_fabric* fabric, collision_body* body )
+{
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    const size_t bytes = (size_t)fabric->triangle_count * 3 * sizeof( int32_t );
+    int32_t* triangles = allocator->allocate( allocator->user, bytes, sizeof( int32_t ) );
+    if ( triangles == NULL )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for a collider of %d triangles",
+                                fabric->triangle_count );
+    }
+    for ( size_t k = 0; k < 3 * (size_t)fabric->triangle_count; ++k )
+    {
+        triangles[k] = fabric->slot_vertex[fabric->triangles[k]];
+    }
+    const wisp_collision_mesh_def def = {
+        .points = body->finish,
+        .triangles = triangles,
+        .point_count = body->point_count,
+        .triangle_count = fabric->triangle_count,
+        .deforms = true,
+    };
+    wisp_error error = { 0 };
+    wisp_status status = wisp_collision_mesh_create( &def, allocator, &body->tree, &error );
+    if ( status != WISP_OK )
+    {
+        status = wisp_world_fail( world, status, "collider: %s", error.message );
+    }
+    else if ( body->double_sided == false )
+    {
+        const int open = wisp_collision_mesh_get_stats( body->tree ).open_edge_count;
+        if ( open > 0 )
+        {
+            status =
+                wisp_world_fail( world, WISP_BAD_INPUT,
+                                 "collider: the surface has %d open edges, so nothing is inside: close it or call "
+                                 "it double-sided",
+                                 open );
+        }
+        else if ( !( collision_signed_volume( body->finish, triangles, fabric->triangle_count ) > 0.0 ) )
+        {
+            status = wisp_world_fail( world, WISP_BAD_INPUT, "collider: the triangles of the surface face inwards" );
+        }
+    }
+    allocator->release( allocator->user, triangles, bytes );
+    return status;
+}
+
+static void find_bounds( collision_body* body )
+{
+    wisp_vec3 lower = body->finish[0], upper = lower;
+    float shift = 0.0f;
+    for ( int v = 0; v < body->point_count; ++v )
+    {
+        collision_widen( &lower, &upper, body->start[v] );
+        collision_widen( &lower, &upper, body->finish[v] );
+        const wisp_vec3 way = collision_sub( body->finish[v], body->start[v] );
+        shift = collision_larger( shift, collision_dot( way, way ) );
+    }
+    // slightly larger, against rounding
+    const float most = 0.50001f;
+    body->shift = 1.001f * sqrtf( shift );
+    body->half =
+        ( wisp_vec3 ){ most * ( upper.x - lower.x ), most * ( upper.y - lower.y ), most * ( upper.z - lower.z ) };
+    body->centre =
+        ( wisp_vec3 ){ 0.5f * ( lower.x + upper.x ), 0.5f * ( lower.y + upper.y ), 0.5f * ( lower.z + upper.z ) };
+    body->ball_radius = body->tight_radius = collision_length( body->half );
+}
+
+wisp_status collision_make_surface( wisp_world* world, const wisp_collider_def* d, collision_body* body )
+{
+    WISP_TRY( wisp_world_check_entity( world, d->surface ) );
+    const wisp_fabric* fabric = wisp_world_fabric( world, d->surface );
+    if ( fabric == NULL || fabric->triangle_count == 0 )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "collider: entity %u is not a surface with triangles",
+                                d->surface.index );
+    }
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    body->follows = true;
+    body->surface = d->surface;
+    body->point_count = fabric->vertex_count;
+    body->start = allocator->allocate( allocator->user, points_size( body ), sizeof( float ) );
+    body->finish = allocator->allocate( allocator->user, points_size( body ), sizeof( float ) );
+    wisp_status status = WISP_OK;
+    if ( body->start == NULL || body->finish == NULL )
+    {
+        status =
+            wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for a collider of %d points", body->point_count );
+    }
+    else
+    {
+        const float* position = wisp_world_column( world, d->surface, WISP_PARTICLE_POSITION, 0 );
+        for ( int v = 0; v < body->point_count; ++v )
+        {
+            body->start[v] = body->finish[v] = collision_load( position + (size_t)fabric->vertex_slot[v] * 4 );
+        }
+        status = build_mesh( world, fabric, body );
+    }
+    if ( status != WISP_OK )
+    {
+        collision_release_body( body, allocator );
+        return status;
+    }
+    find_bounds( body );
+    return WISP_OK;
+}
+
+wisp_status collision_follow_surface( wisp_world* world, const collision_state* state, wisp_entity body,
+                                      wisp_entity surface )
+{
+    WISP_TRY( wisp_world_attach( world, body, state->follower ) );
+    WISP_TRY( wisp_world_request( world, body, state->follower ) );
+    return wisp_world_request( world, surface, WISP_PARTICLE_POSITION );
+}
+
+// ---- the pass ----
+
+typedef struct follow_loop
+{
+    collision_body* body;
+    const int32_t* vertex_slot;
+    const float *position, *velocity, *target; // the latter may be null
+    float seconds;
+} follow_loop;
+
+static bool is_in_range( wisp_vec3 p )
+{
+    return fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f;
+}
+
+// What is not finite stays where it was; the state check of the surface handles it.
+static void follow_range( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const follow_loop* loop = context;
+    for ( int v = begin; v < end; ++v )
+    {
+        const size_t quad = (size_t)loop->vertex_slot[v] * 4;
+        const wisp_vec3 at = collision_load( loop->position + quad );
+        wisp_vec3 to = at;
+        if ( loop->position[quad + 3] > 0.0f )
+        {
+            to = loop->velocity != NULL
+                     ? collision_add_scaled( at, loop->seconds, collision_load( loop->velocity + quad ) )
+                     : at;
+        }
+        else if ( loop->target != NULL && loop->target[quad + 3] != 0.0f )
+        {
+            to = collision_load( loop->target + quad );
+        }
+        const bool is_valid = is_in_range( at );
+        loop->body->start[v] = is_valid ? at : loop->body->finish[v];
+        loop->body->finish[v] = is_valid && is_in_range( to ) ? to : loop->body->start[v];
+    }
+}
+
+static collision_body* find_body( collision_state* state, wisp_entity entity )
+{
+    int i = 0;
+    while ( wisp_entity_equal( state->bodies[i].entity, entity ) == false )
+    {
+        ++i;
+    }
+    return state->bodies + i;
+}
+
+void collision_follow( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    collision_body* body = find_body( user, span->entity );
+    if ( body->surface.index == 0 )
+    {
+        return;
+    }
+    const wisp_entity surface = body->surface;
+    const bool is_halted = wisp_frame_is_halted( frame, surface );
+    follow_loop loop = {
+        .body = body,
+        .vertex_slot = wisp_frame_fabric( frame, surface )->vertex_slot,
+        .position = wisp_frame_column( frame, surface, WISP_PARTICLE_POSITION, 0 ),
+        .velocity = is_halted ? NULL : wisp_frame_column( frame, surface, WISP_PARTICLE_VELOCITY, 0 ),
+        .target = is_halted ? NULL : wisp_frame_column( frame, surface, WISP_PARTICLE_TARGET, 0 ),
+        .seconds = wisp_frame_dt( frame, span->entity ) * (float)wisp_frame_substeps( frame, span->entity ),
+    };
+    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    wisp_parallel_for( parallel, body->point_count, GRAIN, follow_range, &loop );
+    find_bounds( body );
+    const wisp_status status = wisp_collision_mesh_update( body->tree, body->start, body->finish, parallel, NULL );
+    WISP_ASSERT( status == WISP_OK ); // all points are in range, and a tree needs no memory
+    (void)status;
+}

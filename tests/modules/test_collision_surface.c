@@ -1,0 +1,356 @@
+// Surfaces of the world as bodies: held to meshes that move rigidly, and to motions that no rigid body makes.
+#include "collision_fixture.h"
+
+static const float DT = 1.0f / 60.0f;
+
+// ---- a surface whose vertices are all pinned ----
+
+typedef struct skin
+{
+    wisp_entity surface, collider;
+    test_mesh mesh; // at rest
+    int32_t* all;   // every vertex
+    wisp_vec3* targets;
+} skin;
+
+static skin add_skin( wisp_world* world, test_mesh mesh, bool double_sided )
+{
+    skin s = { .mesh = mesh };
+    s.all = checked_calloc( (size_t)mesh.vertex_count, sizeof( int32_t ) );
+    s.targets = checked_calloc( (size_t)mesh.vertex_count, sizeof( wisp_vec3 ) );
+    for ( int v = 0; v < mesh.vertex_count; ++v )
+    {
+        s.all[v] = v;
+    }
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    wisp_surface_def surface = support_weightless_surface_def();
+    surface.pins = s.all;
+    surface.pin_count = mesh.vertex_count;
+    s.surface = test_surface_of( world, &fabric, surface );
+    wisp_collider_def def = wisp_default_collider_def();
+    def.kind = WISP_COLLIDER_SURFACE;
+    def.surface = s.surface;
+    def.double_sided = double_sided;
+    s.collider = add_collider( world, &def );
+    return s;
+}
+
+static void free_skin( skin* s )
+{
+    test_mesh_free( &s->mesh );
+    free( s->all );
+    free( s->targets );
+}
+
+typedef wisp_vec3 place_fn( wisp_vec3 rest, float time );
+
+static void move_skin( wisp_world* world, skin* s, place_fn* place, float time )
+{
+    for ( int v = 0; v < s->mesh.vertex_count; ++v )
+    {
+        s->targets[v] = place( s->mesh.points[v], time );
+    }
+    assert_int_equal( wisp_move_pins( world, s->surface, s->all, s->targets, s->mesh.vertex_count ), WISP_OK );
+}
+
+static test_mesh ball_mesh( int level )
+{
+    test_mesh mesh = test_ball( level );
+    move_mesh( &mesh, 0.3f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    return mesh;
+}
+
+// ---- rigid motions ----
+
+static const wisp_vec3 VELOCITY = { 0.6f, 0.2f, 0.0f };
+
+static wisp_vec3 translated( wisp_vec3 p, float time )
+{
+    return ( wisp_vec3 ){ p.x + VELOCITY.x * time, p.y + VELOCITY.y * time, p.z };
+}
+
+// A ball that moves under a cloth, as a mesh and as a surface: the cloth is carried along by friction.
+static void a_surface_that_moves_rigidly_is_the_mesh_that_does( void** state )
+{
+    (void)state;
+    if ( has_meshes() == false )
+    {
+        skip();
+    }
+    wisp_motion_stats result[2];
+    for ( int as_surface = 0; as_surface < 2; ++as_surface )
+    {
+        hosted* h = new_colliding( 6, 2, 1 );
+        test_mesh mesh = ball_mesh( 3 );
+        wisp_collider_def def = mesh_body( &mesh );
+        skin s = { 0 };
+        wisp_entity body = { 0 };
+        if ( as_surface )
+        {
+            s = add_skin( h->world, mesh, false );
+        }
+        else
+        {
+            body = add_collider( h->world, &def );
+        }
+        wisp_entity e = add_cloth( h->world, 11, 0.6f, ( wisp_vec3 ){ 0.02f, 0.36f, 0.01f }, 9.8f );
+        for ( int n = 1; n <= 60; ++n )
+        {
+            const float time = (float)n * DT;
+            if ( as_surface )
+            {
+                move_skin( h->world, &s, translated, time );
+            }
+            else
+            {
+                const wisp_transform pose = { { 0, 0, 0, 1 }, translated( ( wisp_vec3 ){ 0 }, time ) };
+                assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
+            }
+            run_for( h->world, DT, 1 );
+            // within 5 % of the thickness
+            assert_true( collision_of( h->world, e ).penetration <= 0.05f * 0.015f );
+        }
+        assert_true( collision_of( h->world, e ).contacts > 20 );
+        result[as_surface] = motion_stats_of( h->world, e );
+        free_colliding( h );
+        if ( as_surface )
+        {
+            free_skin( &s );
+        }
+        else
+        {
+            test_mesh_free( &mesh );
+        }
+    }
+    assert_true( result[1].centre[0] > 0.2 ); // of 0.6 m
+    for ( int k = 0; k < 3; ++k )
+    {
+        assert_near( result[0].centre[k], result[1].centre[k], 0.005 );
+    }
+}
+
+static wisp_vec3 rising_floor( wisp_vec3 p, float time )
+{
+    return ( wisp_vec3 ){ p.x, p.y + 30.0f * time, p.z };
+}
+
+// 0.5 m in a step of one substep, from below and from above, through a thickness of 1 mm.
+static void a_sheet_at_30_m_s_takes_cloth_along( void** state )
+{
+    (void)state;
+    hosted* h = new_colliding( 1, 1, 1 );
+    test_mesh mesh = test_plane( 7, 0.4f );
+    move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ -1.2f, 0.0f, -1.2f } );
+    skin s = add_skin( h->world, mesh, true );
+    test_mesh triangle = test_triangle( ( wisp_vec3 ){ 0.03f, 0.2f, 0.07f }, 0.1f );
+    wisp_collision_def collision = wisp_default_collision_def();
+    collision.thickness = 0.001f;
+    wisp_entity e = add_colliding( h->world, &triangle, &collision );
+    for ( int n = 1; n <= 4; ++n )
+    {
+        move_skin( h->world, &s, rising_floor, (float)n * DT );
+        run_for( h->world, DT, 1 );
+        const wisp_motion_stats stats = motion_stats_of( h->world, e );
+        assert_true( stats.centre[1] >= 30.0 * n * (double)DT );
+        // the last step left it no faster than the floor
+        assert_true( stats.centre[1] <= 30.0 * ( n + 1 ) * (double)DT + 0.01 );
+    }
+    test_mesh_free( &triangle );
+    free_colliding( h );
+    free_skin( &s );
+}
+
+// ---- motions that no rigid body makes ----
+
+static wisp_vec3 breathing( wisp_vec3 p, float time )
+{
+    const float size = 1.0f + 0.4f * time;
+    return ( wisp_vec3 ){ size * p.x, size * p.y, size * p.z };
+}
+
+// A ball that grows from 0.3 to 0.42 m lifts the cloth on its top by 0.12 m.
+static void a_ball_that_grows_lifts_cloth( void** state )
+{
+    (void)state;
+    hosted* h = new_colliding( 8, 2, 1 );
+    skin s = add_skin( h->world, ball_mesh( 3 ), false );
+    wisp_entity e = add_cloth( h->world, 9, 0.2f, ( wisp_vec3 ){ 0.0f, 0.31f, 0.0f }, 9.8f );
+    run_for( h->world, DT, 20 );
+    const double before = motion_stats_of( h->world, e ).centre[1];
+    for ( int n = 1; n <= 60; ++n )
+    {
+        move_skin( h->world, &s, breathing, (float)n * DT );
+        run_for( h->world, DT, 1 );
+        assert_true( collision_of( h->world, e ).penetration <= 0.1f * 0.00625f );
+    }
+    // a cap of a larger ball is flatter, so its middle rises by a little more than the top
+    assert_near( motion_stats_of( h->world, e ).centre[1] - before, 0.12, 0.01 );
+    free_colliding( h );
+    free_skin( &s );
+}
+
+// A belt: the upper side runs along x, and takes what lies on it along by friction.
+static wisp_vec3 sheared( wisp_vec3 p, float time )
+{
+    return ( wisp_vec3 ){ p.x + ( p.y > 0.0f ? 0.5f * time : 0.0f ), p.y, p.z };
+}
+
+static void the_velocity_of_the_surface_drags_by_friction( void** state )
+{
+    (void)state;
+    hosted* h = new_colliding( 8, 2, 1 );
+    skin s = add_skin( h->world, ball_mesh( 3 ), false );
+    wisp_entity e = add_cloth( h->world, 5, 0.06f, ( wisp_vec3 ){ 0.0f, 0.302f, 0.0f }, 9.8f );
+    for ( int n = 1; n <= 30; ++n )
+    {
+        move_skin( h->world, &s, sheared, (float)n * DT );
+        run_for( h->world, DT, 1 );
+    }
+    const wisp_motion_stats stats = motion_stats_of( h->world, e );
+    assert_near( stats.momentum[0] / stats.mass, 0.5, 0.05 );
+    // sliding for the first 0.5 m/s / (0.5 * 9.8 m/s^2)
+    assert_near( stats.centre[0], 0.25 - 0.5 * 0.5 * 0.102, 0.01 );
+    free_colliding( h );
+    free_skin( &s );
+}
+
+// ---- surfaces that are simulated ----
+
+// A cloth that falls on the floor is a body for a second one, which lies on it and not in it.
+static void cloth_lies_on_cloth_that_moves_by_itself( void** state )
+{
+    (void)state;
+    hosted* h = new_colliding( 10, 2, 1 );
+    wisp_collider_def def = wisp_default_collider_def();
+    add_collider( h->world, &def );
+    wisp_entity lower = add_cloth( h->world, 9, 0.8f, ( wisp_vec3 ){ 0.0f, 0.2f, 0.0f }, 9.8f );
+    wisp_entity upper = add_cloth( h->world, 9, 0.4f, ( wisp_vec3 ){ 0.0f, 0.3f, 0.0f }, 9.8f );
+    def.kind = WISP_COLLIDER_SURFACE;
+    def.surface = lower;
+    def.double_sided = true;
+    add_collider( h->world, &def );
+    run_for( h->world, DT, 90 );
+    // a quarter of the mean edge each: cells of 0.1 and 0.05 m, with diagonals
+    const double rest = 0.25 * ( 2.0 + sqrt( 2.0 ) ) / 3.0;
+    assert_near( motion_stats_of( h->world, lower ).centre[1], 0.1 * rest, 0.002 );
+    assert_near( motion_stats_of( h->world, upper ).centre[1], 0.15 * rest, 0.002 );
+    free_colliding( h );
+}
+
+// ---- life ----
+
+static void nothing_collides_with_a_surface_that_was_removed( void** state )
+{
+    (void)state;
+    hosted* h = new_colliding( 4, 1, 1 );
+    skin s = add_skin( h->world, ball_mesh( 2 ), false );
+    wisp_entity e = add_cloth( h->world, 5, 0.2f, ( wisp_vec3 ){ 0.0f, 0.35f, 0.0f }, 9.8f );
+    run_for( h->world, DT, 30 );
+    assert_true( motion_stats_of( h->world, e ).centre[1] > 0.25 );
+    assert_int_equal( wisp_remove( h->world, s.surface ), WISP_OK );
+    run_for( h->world, DT, 30 );
+    assert_true( motion_stats_of( h->world, e ).centre[1] < -0.5 );
+    assert_int_equal( wisp_remove( h->world, s.collider ), WISP_OK );
+    run_for( h->world, DT, 1 );
+    free_colliding( h );
+    free_skin( &s );
+}
+
+static void a_snapshot_restores_the_motion_of_a_surface( void** state )
+{
+    (void)state;
+    uint64_t hash[2];
+    hosted* h = new_colliding( 4, 1, 2 );
+    skin s = add_skin( h->world, ball_mesh( 3 ), false );
+    wisp_entity e = add_cloth( h->world, 9, 0.4f, ( wisp_vec3 ){ 0.0f, 0.33f, 0.0f }, 9.8f );
+    void* bytes = NULL;
+    size_t size = 0;
+    for ( int run = 0; run < 2; ++run )
+    {
+        for ( int n = 1; n <= 20; ++n )
+        {
+            if ( n == 11 && run == 0 )
+            {
+                size = wisp_world_snapshot_size( h->world );
+                bytes = checked_calloc( 1, size );
+                assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
+            }
+            if ( n < 11 && run == 1 )
+            {
+                continue;
+            }
+            move_skin( h->world, &s, breathing, (float)n * DT );
+            run_for( h->world, n == 10 ? 0.7f * DT : DT, 1 ); // what is left of a substep is in the snapshot too
+        }
+        assert_int_equal( wisp_world_hash_column( h->world, e, WISP_SURFACE_POINTS, hash + run ), WISP_OK );
+        if ( run == 0 )
+        {
+            assert_int_equal( wisp_world_restore( h->world, bytes, size ), WISP_OK );
+        }
+    }
+    assert_true( hash[0] == hash[1] );
+    free( bytes );
+    free_colliding( h );
+    free_skin( &s );
+}
+
+static void any_number_of_workers_gives_the_same_bits( void** state )
+{
+    (void)state;
+    uint64_t first = 0;
+    for ( int workers = 1; workers <= 3; ++workers )
+    {
+        hosted* h = new_colliding( 4, 1, workers );
+        skin s = add_skin( h->world, ball_mesh( 4 ), false );
+        wisp_entity e = add_cloth( h->world, 25, 0.6f, ( wisp_vec3 ){ 0.0f, 0.33f, 0.0f }, 9.8f );
+        for ( int n = 1; n <= 20; ++n )
+        {
+            move_skin( h->world, &s, sheared, (float)n * DT );
+            run_for( h->world, DT, 1 );
+        }
+        uint64_t hash;
+        assert_int_equal( wisp_world_hash_column( h->world, e, WISP_SURFACE_POINTS, &hash ), WISP_OK );
+        first = workers == 1 ? hash : first;
+        assert_true( hash == first );
+        free_colliding( h );
+        free_skin( &s );
+    }
+}
+
+static void wrong_surfaces_are_refused( void** state )
+{
+    hosted* h = *state;
+    skin s = add_skin( h->world, test_plane( 3, 0.5f ), true );
+    wisp_collider_def def = wisp_default_collider_def();
+    def.kind = WISP_COLLIDER_SURFACE;
+    wisp_entity e;
+    assert_int_equal( wisp_add_collider( h->world, &def, &e ), WISP_STALE_ID );
+    def.surface = s.surface;
+    assert_int_equal( wisp_add_collider( h->world, &def, &e ), WISP_BAD_INPUT );
+    assert_non_null( strstr( wisp_world_message( h->world ), "open edges" ) );
+    def.surface = s.collider;
+    assert_int_equal( wisp_add_collider( h->world, &def, &e ), WISP_CONFLICT );
+    assert_non_null( strstr( wisp_world_message( h->world ), "is not a surface" ) );
+    const wisp_transform pose = { { 0, 0, 0, 1 }, { 0, 1, 0 } };
+    assert_int_equal( wisp_move_collider( h->world, s.collider, pose ), WISP_CONFLICT );
+    assert_non_null( strstr( wisp_world_message( h->world ), "moves with its surface" ) );
+    assert_int_equal( wisp_teleport( h->world, s.collider, pose, false ), WISP_CONFLICT );
+    run_for( h->world, DT, 1 );
+    free_skin( &s );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_surface_that_moves_rigidly_is_the_mesh_that_does ),
+        cmocka_unit_test( a_sheet_at_30_m_s_takes_cloth_along ),
+        cmocka_unit_test( a_ball_that_grows_lifts_cloth ),
+        cmocka_unit_test( the_velocity_of_the_surface_drags_by_friction ),
+        cmocka_unit_test( cloth_lies_on_cloth_that_moves_by_itself ),
+        cmocka_unit_test( nothing_collides_with_a_surface_that_was_removed ),
+        cmocka_unit_test( a_snapshot_restores_the_motion_of_a_surface ),
+        cmocka_unit_test( any_number_of_workers_gives_the_same_bits ),
+        COLLISION_TEST( wrong_surfaces_are_refused ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
