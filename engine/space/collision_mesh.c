@@ -199,6 +199,23 @@ wisp_mesh_place wisp_collision_mesh_place( const wisp_collision_mesh* tree, int3
                                 double3_narrow( double3_unit_or_zero( triangle_normal( &t ) ) ) };
 }
 
+wisp_vec3 wisp_collision_mesh_motion( const wisp_collision_mesh* tree, int32_t triangle, const float weights[3],
+                                      float begin, float end )
+{
+    const mesh_surface* s = &tree->surface;
+    float way[3] = { 0.0f, 0.0f, 0.0f };
+    for ( int corner = 0; corner < 3 && s->start != NULL; ++corner )
+    {
+        const size_t quad = 4 * (size_t)s->triangles[3 * (size_t)triangle + (size_t)corner];
+        for ( size_t k = 0; k < 3; ++k )
+        {
+            way[k] += weights[corner] * ( s->xyzw[quad + k] - s->start[quad + k] );
+        }
+    }
+    const float fraction = end - begin;
+    return ( wisp_vec3 ){ fraction * way[0], fraction * way[1], fraction * way[2] };
+}
+
 // ---- queries ----
 
 static bool is_reachable( wisp_vec3 p )
@@ -257,6 +274,44 @@ void wisp_collision_mesh_closest( wisp_collision_mesh* tree, const wisp_mesh_que
         work.answered += find_closest( tree, queries + i, nearest + i, &work.tested ) ? 1 : 0;
     }
     add_work( sum, &work );
+}
+
+// Propose the triangles that share the edge or the corner that is closest. @return whether one is better
+static bool propose_neighbours( mesh_closest* search )
+{
+    const mesh_surface* s = search->surface;
+    const int32_t before = search->triangle, hub = search->best.first, rim = search->best.second;
+    for ( int32_t k = hub >= 0 ? s->ring_begin[hub] : 0; hub >= 0 && k < s->ring_begin[hub + 1]; ++k )
+    {
+        const int32_t* corner = s->triangles + 3 * (size_t)s->ring[k];
+        if ( s->ring[k] != before && ( rim < 0 || corner[0] == rim || corner[1] == rim || corner[2] == rim ) )
+        {
+            mesh_closest_propose( search, s->ring[k] );
+        }
+    }
+    return search->triangle != before;
+}
+
+void wisp_collision_mesh_track( const wisp_collision_mesh* tree, const wisp_mesh_query* queries,
+                                const int32_t* triangles, int count, wisp_mesh_nearest* nearest )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        nearest[i] = ( wisp_mesh_nearest ){ .triangle = -1 };
+        if ( !is_reachable( queries[i].point ) || !( queries[i].radius >= 0.0f ) )
+        {
+            continue;
+        }
+        wisp_mesh_query anywhere = queries[i];
+        anywhere.radius = INFINITY;
+        mesh_closest search = mesh_closest_begin( &tree->surface, &anywhere );
+        mesh_closest_propose( &search, triangles[i] );
+        while ( propose_neighbours( &search ) )
+        {
+        }
+        mesh_surface_describe( &tree->surface, search.triangle, search.time, &search.best, search.point,
+                               nearest + i );
+    }
 }
 
 static void describe_intersection( const mesh_cast* search, wisp_mesh_hit* hit )

@@ -53,51 +53,124 @@ static bool is_inside( const collision_body* body, wisp_vec3 p, float time )
     return hit.triangle >= 0 && hit.side < 0.0f;
 }
 
-// Return the displacement in the substep of a point of a surface.
-static wisp_vec3 find_motion( const collision_view* view, int32_t triangle, const float weights[3] )
+// Take over the answer to a query.
+static void take_answer( const collision_view* view, const wisp_mesh_nearest* a, wisp_surface_point* nearest,
+                         wisp_vec3* motion )
 {
-    const wisp_collision_mesh* mesh = view->body->tree;
-    const wisp_mesh_place from = wisp_collision_mesh_place( mesh, triangle, weights, view->begin );
-    const wisp_mesh_place to = wisp_collision_mesh_place( mesh, triangle, weights, view->end );
-    return collision_sub( to.point, from.point );
+    *nearest = ( wisp_surface_point ){ a->point, a->normal, a->distance };
+    if ( view->body->double_sided )
+    {
+        turn_to_point( nearest );
+    }
+    if ( motion != NULL && view->body->follows )
+    {
+        *motion = wisp_collision_mesh_motion( view->body->tree, a->triangle, a->weights, view->begin, view->end );
+    }
 }
 
+enum
+{
+    BATCH = 64,
+};
+
 // Query within the radius first; only points deep inside need an unbounded query.
+static void search_mesh( const collision_body* body, const wisp_mesh_query* queries, int count,
+                         wisp_mesh_nearest* answers )
+{
+    wisp_collision_mesh_closest( body->tree, queries, count, answers, NULL );
+    for ( int i = 0; i < count; ++i )
+    {
+        wisp_mesh_query anywhere = queries[i];
+        anywhere.radius = INFINITY;
+        if ( answers[i].triangle < 0 && is_inside( body, anywhere.point, anywhere.time ) )
+        {
+            wisp_collision_mesh_closest( body->tree, &anywhere, 1, answers + i, NULL );
+        }
+    }
+}
+
 static void closest_on_mesh( const collision_view* view, const wisp_mesh_query* queries, int count,
                              wisp_surface_point* nearest, bool* found, wisp_vec3* motion )
 {
-    const collision_body* body = view->body;
-    enum
-    {
-        BATCH = 64,
-    };
     wisp_mesh_nearest answers[BATCH];
     for ( int first = 0; first < count; first += BATCH )
     {
         int n = count - first < BATCH ? count - first : BATCH;
-        wisp_collision_mesh_closest( body->tree, queries + first, n, answers, NULL );
+        search_mesh( view->body, queries + first, n, answers );
         for ( int i = 0; i < n; ++i )
         {
-            wisp_mesh_nearest* a = answers + i;
-            wisp_mesh_query anywhere = queries[first + i];
-            anywhere.radius = INFINITY;
-            if ( a->triangle < 0 && is_inside( body, anywhere.point, anywhere.time ) )
+            found[first + i] = answers[i].triangle >= 0;
+            if ( found[first + i] )
             {
-                wisp_collision_mesh_closest( body->tree, &anywhere, 1, a, NULL );
-            }
-            found[first + i] = a->triangle >= 0;
-            nearest[first + i] = ( wisp_surface_point ){ a->point, a->normal, a->distance };
-            if ( body->double_sided )
-            {
-                turn_to_point( nearest + first + i );
-            }
-            if ( motion != NULL && body->follows && a->triangle >= 0 )
-            {
-                motion[first + i] = find_motion( view, a->triangle, a->weights );
+                take_answer( view, answers + i, nearest + first + i, motion != NULL ? motion + first + i : NULL );
             }
         }
     }
 }
+
+// ---- tracking ----
+
+// Tell how a vertex gets its answer: 0 it is far, 1 it is tracked, 2 the body is searched.
+static int choose_way( const collision_track* track, float radius, float path, bool is_first )
+{
+    if ( is_first )
+    {
+        return 2;
+    }
+    *track->free -= path;
+    if ( *track->free > radius )
+    {
+        return 0;
+    }
+    return *track->triangle >= 0 ? 1 : 2;
+}
+
+void collision_track_closest( const collision_view* view, const wisp_mesh_query* queries, const float* path,
+                              collision_track* tracks, int count, bool is_first, int substeps_left,
+                              wisp_surface_point* nearest, bool* found, wisp_vec3* motion )
+{
+    wisp_mesh_query batch[2][BATCH];
+    wisp_mesh_nearest answers[2][BATCH];
+    int32_t triangles[BATCH];
+    for ( int first = 0; first < count; first += BATCH )
+    {
+        const int n = count - first < BATCH ? count - first : BATCH;
+        int number[2][BATCH], counts[2] = { 0, 0 };
+        for ( int i = first; i < first + n; ++i )
+        {
+            found[i] = false;
+            motion[i] = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+            const int way = choose_way( tracks + i, queries[i].radius, path[i], is_first );
+            if ( way > 0 )
+            {
+                const int at = counts[way - 1]++;
+                triangles[at] = way == 1 ? *tracks[i].triangle : triangles[at];
+                number[way - 1][at] = i;
+                batch[way - 1][at] = queries[i];
+                batch[way - 1][at].radius += way == 2 ? path[i] * (float)substeps_left : 0.0f;
+            }
+        }
+        wisp_collision_mesh_track( view->body->tree, batch[0], triangles, counts[0], answers[0] );
+        search_mesh( view->body, batch[1], counts[1], answers[1] );
+        for ( int way = 0; way < 2; ++way )
+        {
+            for ( int k = 0; k < counts[way]; ++k )
+            {
+                const wisp_mesh_nearest* a = &answers[way][k];
+                const int i = number[way][k];
+                *tracks[i].triangle = a->triangle;
+                *tracks[i].free = a->triangle < 0 ? batch[way][k].radius : fabsf( a->distance );
+                found[i] = a->triangle >= 0 && a->distance <= queries[i].radius;
+                if ( found[i] )
+                {
+                    take_answer( view, a, nearest + i, motion + i );
+                }
+            }
+        }
+    }
+}
+
+// ---- all bodies ----
 
 // As wisp_shape_closest(), but without a call per point, because most points are above a ground plane.
 static void closest_on_plane( const wisp_mesh_query* queries, int count, wisp_surface_point* nearest, bool* found )
@@ -151,7 +224,7 @@ static void carry_hit( const collision_view* view, const wisp_mesh_hit* h, wisp_
     const wisp_vec3 n = place.normal;
     hit->point = place.point;
     hit->normal = ( wisp_vec3 ){ h->side * n.x, h->side * n.y, h->side * n.z };
-    *motion = find_motion( view, h->triangle, h->weights );
+    *motion = wisp_collision_mesh_motion( view->body->tree, h->triangle, h->weights, view->begin, view->end );
 }
 
 bool collision_cast( const collision_view* view, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit,

@@ -17,6 +17,22 @@ float collision_ball_distance( const collision_view* view, wisp_vec3 lower, wisp
 void collision_closest( const collision_view* view, const wisp_mesh_query* queries, int count,
                         wisp_surface_point* nearest, bool* found, wisp_vec3* motion );
 
+/// What a vertex keeps of a body that is tracked.
+typedef struct collision_track
+{
+    int32_t* triangle; // that was closest; -1: none was near
+    float* free;       // m, at least the distance from the body
+} collision_track;
+
+/// As collision_closest(), of vertices that keep a track of the body. In the first substep of a step the surface is searched, as
+/// far as the vertex may get in the step. Later vertices that are still far are left out, and others are tracked.
+/// @param queries the radius is that within which a surface counts
+/// @param path [count] m, bounds of the displacement against the body in the substep
+/// @param substeps_left behind this one
+void collision_track_closest( const collision_view* view, const wisp_mesh_query* queries, const float* path,
+                              collision_track* tracks, int count, bool is_first, int substeps_left,
+                              wisp_surface_point* nearest, bool* found, wisp_vec3* motion );
+
 /// Find the first time in the substep at which a path enters the body, or passes the sheet from either side. The plane of a
 /// surface is that at the end of the substep. @param motion m, as above @return whether it does
 bool collision_cast( const collision_view* view, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit,

@@ -47,12 +47,17 @@ typedef struct wisp_collider_def
     bool double_sided; ///< mesh: two-sided, without an inside; default false: a solid, whose mesh must be closed
     wisp_mesh_search search; ///< mesh: search structure; changes the time and not the result; default tree
     float voxel_size;        ///< m, >= 0: mesh with voxels: edge of a voxel; default 0: the mean edge
-    wisp_transform pose;     ///< default: the identity
-    float static_friction;   ///< mu that must be overcome, >= 0, default 0.5
-    float kinetic_friction;  ///< mu while sliding, 0 .. static_friction, default 0.5
-    float thickness;         ///< m, >= 0: added to the thickness of what touches the collider, default 0
-    uint32_t layers;         ///< bits; an entity collides with it if its mask has one of them; default 1
-    wisp_entity surface;     ///< surface: an entity with triangles, such as the skin of a character
+    bool
+        tracks; ///< mesh, surface: the closest triangle of a vertex is searched once per step and tracked over its neighbours
+    ///< in the other substeps, so that what comes near from elsewhere within a step is met at the next; false: it
+    ///< is searched in each substep, at several times the cost. Default true. Of the third such collider of the
+    ///< world on it is searched
+    wisp_transform pose;    ///< default: the identity
+    float static_friction;  ///< mu that must be overcome, >= 0, default 0.5
+    float kinetic_friction; ///< mu while sliding, 0 .. static_friction, default 0.5
+    float thickness;        ///< m, >= 0: added to the thickness of what touches the collider, default 0
+    uint32_t layers;        ///< bits; an entity collides with it if its mask has one of them; default 1
+    wisp_entity surface;    ///< surface: an entity with triangles, such as the skin of a character
 } wisp_collider_def;
 
 WISP_DEFINITION( collider_def );

@@ -24,6 +24,7 @@ void wisp_init_collider_def( wisp_collider_def* def, size_t size )
         .static_friction = 0.5f,
         .kinetic_friction = 0.5f,
         .layers = 1,
+        .tracks = true,
     };
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
@@ -198,7 +199,7 @@ static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, col
     static const wisp_shape_kind KINDS[] = { WISP_SHAPE_PLANE, WISP_SHAPE_SPHERE, WISP_SHAPE_CAPSULE,
                                              WISP_SHAPE_BOX };
     const bool has_mesh = d->kind == WISP_COLLIDER_MESH || d->kind == WISP_COLLIDER_SURFACE;
-    *body = ( collision_body ){ .double_sided = has_mesh && d->double_sided };
+    *body = ( collision_body ){ .double_sided = has_mesh && d->double_sided, .tracks = has_mesh && d->tracks };
     if ( d->kind == WISP_COLLIDER_SURFACE )
     {
         return collision_make_surface( world, d, body );
@@ -220,6 +221,17 @@ static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, col
 
 // ---- the list ----
 
+// Number the bodies that are tracked. What participants keep has no meaning between steps, so numbers may change.
+static void number_tracks( collision_state* state )
+{
+    state->track_count = 0;
+    for ( int i = 0; i < state->body_count; ++i )
+    {
+        collision_body* body = state->bodies + i;
+        body->track = body->tracks && state->track_count < COLLISION_TRACKS ? state->track_count++ : -1;
+    }
+}
+
 bool collision_forget_body( wisp_world* world, collision_state* state, wisp_entity entity )
 {
     for ( int i = 0; i < state->body_count; ++i )
@@ -230,6 +242,7 @@ bool collision_forget_body( wisp_world* world, collision_state* state, wisp_enti
             collision_release_body( body, wisp_world_allocator( world ) );
             state->body_count -= 1;
             memmove( body, body + 1, (size_t)( state->body_count - i ) * sizeof( *body ) );
+            number_tracks( state );
             return true;
         }
     }
@@ -253,6 +266,7 @@ static wisp_status append_body( wisp_world* world, collision_state* state, const
     }
     const wisp_entity entity = body->entity;
     state->bodies[state->body_count++] = *body;
+    number_tracks( state );
     const bool follows = body->follows;
     *body = ( collision_body ){ .entity = entity }; // the list owns what it had
     status = wisp_world_attach( world, entity, state->collider );

@@ -16,6 +16,12 @@
 #define COLLISION_COLLIDER_COLUMNS( X ) X( collision_collider, collider, 1 )
 #define COLLISION_MOTION_COLUMNS( X ) X( wisp_transform, target, 1 ) /* at the end of the next step */
 
+#define COLLISION_TRACKED_COLUMNS( X )                                                                               \
+    X( int32_t, triangle, COLLISION_TRACKS ) /* that was closest, of each body that is tracked; -1: none was near */ \
+    X( float, free, COLLISION_TRACKS )       /* m, at least the distance from the body */
+#define COLLISION_STRAND_TRACKED_COLUMNS( X )                                                                        \
+    X( int32_t, triangle, 16 * COLLISION_TRACKS ) /* [body][lane] */                                                 \
+    X( float, free, 16 * COLLISION_TRACKS )
 #define COLLISION_FOLLOWER_COLUMNS( X ) X( int32_t, follows, 1 ) /* the body is a surface */
 
 static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
@@ -25,6 +31,8 @@ static const wisp_column_def CARRIED_COLUMNS[] = { COLLISION_CARRIED_COLUMNS( WI
 static const wisp_column_def STATS_COLUMNS[] = { COLLISION_STATS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def COLLIDER_COLUMNS[] = { COLLISION_COLLIDER_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def MOTION_COLUMNS[] = { COLLISION_MOTION_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def TRACKED_COLUMNS[] = { COLLISION_TRACKED_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def STRAND_TRACKED_COLUMNS[] = { COLLISION_STRAND_TRACKED_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def FOLLOWER_COLUMNS[] = { COLLISION_FOLLOWER_COLUMNS( WISP_COLUMN_DEF ) };
 
 // ---- declaration ----
@@ -89,6 +97,10 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     const wisp_component_def collider = { "collision.collider", WISP_TABLE_ENTITY, COLLIDER_COLUMNS, 1 };
     const wisp_component_def motion = { "collision.motion", WISP_TABLE_ENTITY, MOTION_COLUMNS, 1 };
     const wisp_component_def follower = { "collision.follower", WISP_TABLE_ENTITY, FOLLOWER_COLUMNS, 1 };
+    const wisp_component_def tracked = { "collision.tracked", WISP_TABLE_PARTICLE, TRACKED_COLUMNS,
+                                         WISP_COUNT( TRACKED_COLUMNS ) };
+    const wisp_component_def strand_tracked = { "collision.strand_tracked", WISP_TABLE_STRAND_ROW,
+                                                STRAND_TRACKED_COLUMNS, WISP_COUNT( STRAND_TRACKED_COLUMNS ) };
     state->settings = wisp_declare_component( r, &settings );
     state->active = wisp_declare_component( r, &active );
     state->strand_contact = wisp_declare_component( r, &strand_contact );
@@ -97,7 +109,9 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     state->collider = wisp_declare_component( r, &collider );
     state->motion = wisp_declare_component( r, &motion );
     state->follower = wisp_declare_component( r, &follower );
-    return state->follower != 0 ? WISP_OK : WISP_BAD_INPUT;
+    state->tracked = wisp_declare_component( r, &tracked );
+    state->strand_tracked = wisp_declare_component( r, &strand_tracked );
+    return state->strand_tracked != 0 ? WISP_OK : WISP_BAD_INPUT;
 }
 
 static wisp_status declare_passes( wisp_registry* r, collision_state* state )

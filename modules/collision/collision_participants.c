@@ -36,6 +36,11 @@ static wisp_status update_surface( wisp_world* world, const collision_state* sta
         status = touches ? wisp_world_attach( world, participant, WISP_PARTICLE_HALF_SPACES )
                          : wisp_world_detach( world, participant, WISP_PARTICLE_HALF_SPACES );
     }
+    if ( status == WISP_OK )
+    {
+        status = touches && state->track_count > 0 ? wisp_world_attach( world, participant, state->tracked )
+                                                   : wisp_world_detach( world, participant, state->tracked );
+    }
     int32_t* body = active ? NULL : wisp_world_column( world, participant, WISP_PARTICLE_CONTACTS, 0 );
     if ( body != NULL )
     {
@@ -51,8 +56,14 @@ static wisp_status update_strands( wisp_world* world, const collision_state* sta
 {
     const bool moves = wisp_world_has( world, participant, WISP_STRAND_INVERSE_MASS );
     const wisp_component contact = moves ? state->strand_contact : state->carried;
-    const wisp_status status =
+    wisp_status status =
         active ? wisp_world_attach( world, participant, contact ) : wisp_world_detach( world, participant, contact );
+    if ( status == WISP_OK )
+    {
+        status = active && moves && state->track_count > 0
+                     ? wisp_world_attach( world, participant, state->strand_tracked )
+                     : wisp_world_detach( world, participant, state->strand_tracked );
+    }
     if ( status == WISP_OK && moves && wisp_world_has( world, participant, state->carried ) )
     {
         return wisp_world_detach( world, participant, state->carried );

@@ -15,6 +15,8 @@ typedef struct collision_body
     wisp_collision_mesh* tree; // null for a closed form
     bool follows;              // the mesh is that of a surface, in the world: see collision_surface.c
     wisp_entity surface;       // zero once it was removed
+    bool tracks;               // the closest triangle is tracked
+    int track;                 // where participants keep it; -1: nowhere
     wisp_vec3 *start, *finish; // m, [point_count] of the surface in this step, the user's order
     int point_count;
     float shift;        // m, most that a point of the surface moves in this step
@@ -38,12 +40,20 @@ typedef struct collision_state
     wisp_component collider;       // collision_collider
     wisp_component motion;         // a pose: the body is moved
     wisp_component follower;       // a mark: the body is a surface
+    wisp_component tracked;        // of particles, while there is a body that is tracked
+    wisp_component strand_tracked; // of rows of strands, likewise
+    int track_count;               // bodies that are tracked
     collision_body* bodies;
     int body_count, body_capacity;
     wisp_entity* participants; // surfaces and strands
     int participant_count, participant_capacity;
     bool searches_all; // no particle is left out because a body cannot reach it in the step: for tests
 } collision_state;
+
+enum
+{
+    COLLISION_TRACKS = 2, // bodies whose closest triangle a vertex keeps
+};
 
 /// The definition of a participant with the defaults filled in.
 typedef struct collision_settings

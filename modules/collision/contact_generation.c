@@ -45,9 +45,10 @@ typedef struct found_planes
     int32_t particle_x4[PLANES], row_x16[PLANES]; // from the beginning of the block
 } found_planes;
 
-static wisp_vec3 load_candidate( float ( *from )[COLLISION_PADDED], int i )
+static wisp_vec3 load_candidate( const collision_block* block, bool at_end, int i )
 {
-    return ( wisp_vec3 ){ from[0][i], from[1][i], from[2][i] };
+    return at_end ? ( wisp_vec3 ){ block->to[0][i], block->to[1][i], block->to[2][i] }
+                  : ( wisp_vec3 ){ block->from[0][i], block->from[1][i], block->from[2][i] };
 }
 
 static wisp_vec3 load_one( float ( *from )[PLANES], int i )
@@ -88,8 +89,56 @@ static void query_shape( const collision_find_args* args, const collision_view* 
     planes->special_count = special_count;
 }
 
+// Return how far a particle may have come through a body. Seen from the closest part of a solid surface it comes from
+// `start`; other parts, which move otherwise, are farther from where it ends, and too thick to be crossed in between.
+static float path_along( const collision_view* view, const collision_block* block, int n, wisp_vec3 start )
+{
+    const bool is_solid = view->body->follows && view->body->double_sided == false;
+    return is_solid ? collision_length( collision_sub( load_candidate( block, true, n ), start ) ) : block->path[n];
+}
+
+static bool has_tracks( const collision_find_args* args, const collision_view* view )
+{
+    return args->tracked != NULL && view->body->tree != NULL && view->body->track >= 0;
+}
+
+// Particles that are no candidates forget what they have kept of the body: how far they moved since is not known.
+static void forget_others( const collision_find_args* args, const collision_view* view, const collision_block* block,
+                           int candidate_count )
+{
+    bool is_candidate[COLLISION_BLOCK] = { false };
+    for ( int n = 0; n < candidate_count; ++n )
+    {
+        is_candidate[collision_slot( block, block->candidates[n] ) - block->begin] = true;
+    }
+    for ( int slot = block->begin; slot < block->end; ++slot )
+    {
+        if ( is_candidate[slot - block->begin] == false )
+        {
+            args->tracked[slot][view->body->track] = -1;
+            args->free[slot][view->body->track] = 0.0f;
+        }
+    }
+}
+
+static void track_candidates( const collision_find_args* args, const collision_view* view,
+                              const collision_block* block, const wisp_mesh_query* queries,
+                              wisp_surface_point* nearest, bool* is_near, wisp_vec3* motion )
+{
+    collision_track tracks[COLLISION_BLOCK];
+    for ( int n = 0; n < block->candidate_count; ++n )
+    {
+        const int slot = collision_slot( block, block->candidates[n] );
+        tracks[n] =
+            ( collision_track ){ args->tracked[slot] + view->body->track, args->free[slot] + view->body->track };
+    }
+    collision_track_closest( view, queries, block->path, tracks, block->candidate_count, args->is_first,
+                             args->substeps_left, nearest, is_near, motion );
+}
+
 // The same for meshes.
-static void query_mesh( const collision_view* view, collision_block* block, found_planes* planes )
+static void query_mesh( const collision_find_args* args, const collision_view* view, collision_block* block,
+                        found_planes* planes )
 {
     wisp_mesh_query queries[COLLISION_BLOCK];
     wisp_surface_point nearest[COLLISION_BLOCK];
@@ -99,11 +148,18 @@ static void query_mesh( const collision_view* view, collision_block* block, foun
     for ( int n = 0; n < block->candidate_count; ++n )
     {
         block->path[n] += shift;
-        queries[n] = ( wisp_mesh_query ){ .point = load_candidate( block->to, n ),
+        queries[n] = ( wisp_mesh_query ){ .point = load_candidate( block, true, n ),
                                           .radius = block->reach[n],
                                           .time = view->end };
     }
-    collision_closest( view, queries, block->candidate_count, nearest, is_near, motion );
+    if ( has_tracks( args, view ) )
+    {
+        track_candidates( args, view, block, queries, nearest, is_near, motion );
+    }
+    else
+    {
+        collision_closest( view, queries, block->candidate_count, nearest, is_near, motion );
+    }
     planes->count = planes->special_count = 0;
     for ( int n = 0; n < block->candidate_count; ++n )
     {
@@ -112,7 +168,7 @@ static void query_mesh( const collision_view* view, collision_block* block, foun
         if ( is_near[n] )
         {
             const int m = planes->count++;
-            const wisp_vec3 from = collision_add_scaled( load_candidate( block->from, n ), 1.0f, motion[n] );
+            const wisp_vec3 from = collision_add_scaled( load_candidate( block, false, n ), 1.0f, motion[n] );
             const float start = collision_plane_gap( view, s, from );
             planes->motion[m] = motion[n];
             planes->near[m] = n;
@@ -121,8 +177,10 @@ static void query_mesh( const collision_view* view, collision_block* block, foun
             planes->now[m] = s->distance;
             planes->start[m] = start;
             planes->special[planes->special_count] = m;
-            planes->special_count +=
-                fabsf( s->distance ) <= block->path[n] || start < -COLLISION_SHALLOW * view->thickness ? 1 : 0;
+            planes->special_count += fabsf( s->distance ) <= path_along( view, block, n, from ) ||
+                                             start < -COLLISION_SHALLOW * view->thickness
+                                         ? 1
+                                         : 0;
         }
     }
 }
@@ -133,12 +191,13 @@ static void query_mesh( const collision_view* view, collision_block* block, foun
 static bool sweep_one( const collision_view* view, collision_block* block, found_planes* planes, int m )
 {
     const int n = planes->near[m];
-    const wisp_vec3 from = load_candidate( block->from, n ), to = load_candidate( block->to, n );
+    const wisp_vec3 from = load_candidate( block, false, n ), to = load_candidate( block, true, n );
     wisp_surface_point plane = { load_one( planes->point, m ), load_one( planes->normal, m ), planes->now[m] };
     wisp_surface_point entry;
     wisp_vec3 motion = view->body->follows ? planes->motion[m] : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, carried;
-    const bool swept =
-        fabsf( plane.distance ) <= block->path[n] && collision_cast( view, from, to, &entry, &carried );
+    const wisp_vec3 start = collision_add_scaled( from, 1.0f, motion );
+    const bool swept = fabsf( plane.distance ) <= path_along( view, block, n, start ) &&
+                       collision_cast( view, from, to, &entry, &carried );
     if ( swept )
     {
         plane = entry;
@@ -339,13 +398,22 @@ static void add_planes( const collision_find_args* args, const collision_view* v
 
 void collision_meet( const collision_find_args* args, const collision_view* view, collision_block* block )
 {
+    const bool is_tracked = has_tracks( args, view );
     const float apart = collision_ball_distance( view, block->lower, block->upper );
     if ( apart > 2.0f * view->thickness )
     {
         collision_skip_block( view, apart, block );
+        if ( is_tracked )
+        {
+            forget_others( args, view, block, 0 );
+        }
         return;
     }
     collision_cull_block( args, view, block );
+    if ( is_tracked )
+    {
+        forget_others( args, view, block, block->candidate_count );
+    }
     if ( block->candidate_count == 0 )
     {
         return;
@@ -353,7 +421,7 @@ void collision_meet( const collision_find_args* args, const collision_view* view
     found_planes planes;
     if ( view->body->tree != NULL )
     {
-        query_mesh( view, block, &planes );
+        query_mesh( args, view, block, &planes );
     }
     else
     {
@@ -383,6 +451,10 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
         .recovery = settings->max_push_out_speed * wisp_frame_dt( frame, span->entity ),
         .has_settled = span->substep > 0 && is_last == false,
         .settles = is_last == false,
+        .tracked = wisp_frame_column( frame, span->entity, state->tracked, 0 ),
+        .free = wisp_frame_column( frame, span->entity, state->tracked, 1 ),
+        .is_first = span->substep == 0,
+        .substeps_left = wisp_frame_substeps( frame, span->entity ) - 1 - span->substep,
     };
     const wisp_span particles = wisp_frame_particles( frame, span );
     collision_block block;

@@ -55,9 +55,13 @@ typedef struct collision_find_args
     float* found;               // [slot][4] m, where they were found; the distance that is clear. Where a group is
                                 // settled, minus the free radius
     collision_contact ( *contact )[WISP_COLLISION_CONTACTS];
-    float recovery;   // m, in this substep
-    bool has_settled; // groups of an earlier substep of this step may be settled
-    bool settles;     // groups may be settled until the next substep
+    int32_t ( *tracked )[COLLISION_TRACKS]; // [slot] closest triangles; null if no body is tracked
+    float ( *free )[COLLISION_TRACKS];      // [slot] m, at least the distance from the body
+    int substeps_left;                      // of the step, behind this one
+    bool is_first;                          // substep of the step: nothing is tracked yet
+    float recovery;                         // m, in this substep
+    bool has_settled;                       // groups of an earlier substep of this step may be settled
+    bool settles;                           // groups may be settled until the next substep
 } collision_find_args;
 
 /// Return the slot of a particle of the block.

@@ -26,6 +26,10 @@
 
 typedef struct strand_loop
 {
+    int32_t* tracked; // [row][COLLISION_TRACKS][lane] closest triangles; null if no body is tracked
+    float* free;      // m, the same way: at least the distance from the body
+    bool is_first;    // pass of the step
+    int substeps_left;
     wisp_strand_contact_args args; // without the body
     int group;
     wisp_strand_bounds reach; // of the group
@@ -110,7 +114,10 @@ static wisp_vec3 friction_of( const collision_view* view, wisp_vec3 u, wisp_vec3
 static void push_vertex( strand_loop* loop, const collision_view* view, int row, int lane, wisp_vec3 from,
                          wisp_vec3 to, const wisp_surface_point* nearest, wisp_vec3 carried )
 {
-    const float path = collision_length( collision_sub( to, from ) ) + collision_surface_shift( view );
+    // as path_along() of contact_generation.c
+    const bool is_solid = view->body->follows && view->body->double_sided == false;
+    const wisp_vec3 along = collision_sub( to, is_solid ? collision_add_scaled( from, 1.0f, carried ) : from );
+    const float path = collision_length( along ) + ( is_solid ? 0.0f : collision_surface_shift( view ) );
     wisp_vec3 swept_motion;
     wisp_surface_point plane;
     const bool swept = fabsf( nearest->distance ) <= path && collision_cast( view, from, to, &plane, &swept_motion );
@@ -140,6 +147,21 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
     loop->args.remaining_depth[i] = fmaxf( loop->args.remaining_depth[i], way.left );
 }
 
+static bool has_tracks( const strand_loop* loop, const collision_view* view )
+{
+    return loop->tracked != NULL && view->body->tree != NULL && view->body->track >= 0;
+}
+
+static collision_track track_of( const strand_loop* loop, const collision_view* view, int row, int lane )
+{
+    if ( has_tracks( loop, view ) == false )
+    {
+        return ( collision_track ){ NULL, NULL };
+    }
+    const size_t at = ( (size_t)row * COLLISION_TRACKS + (size_t)view->body->track ) * WISP_LANES + (size_t)lane;
+    return ( collision_track ){ loop->tracked + at, loop->free + at };
+}
+
 static void push_row( strand_loop* loop, const collision_view* view, int row )
 {
     int lanes[WISP_LANES], n = 0;
@@ -148,6 +170,8 @@ static void push_row( strand_loop* loop, const collision_view* view, int row )
     wisp_surface_point nearest[WISP_LANES];
     bool is_near[WISP_LANES];
     wisp_vec3 motion[WISP_LANES];
+    float path[WISP_LANES];
+    collision_track tracks[WISP_LANES];
     for ( int l = 0; l < WISP_LANES; ++l )
     {
         if ( !( loop->args.inverse_mass[(size_t)row * WISP_LANES + (size_t)l] > 0.0f ) )
@@ -160,13 +184,30 @@ static void push_row( strand_loop* loop, const collision_view* view, int row )
         const float reach =
             view->thickness + collision_length( collision_sub( to, from[n] ) ) + collision_surface_shift( view );
         // false for NaN too
-        if ( collision_box_distance( view->body, to ) <= reach )
+        const bool is_candidate = collision_box_distance( view->body, to ) <= reach;
+        const collision_track track = track_of( loop, view, row, l );
+        if ( is_candidate == false && track.triangle != NULL )
+        {
+            *track.triangle = -1; // how far it moves until it is one is not known
+            *track.free = 0.0f;
+        }
+        if ( is_candidate )
         {
             lanes[n] = l;
+            path[n] = reach - view->thickness;
+            tracks[n] = track;
             queries[n++] = ( wisp_mesh_query ){ .point = to, .radius = reach, .time = view->end };
         }
     }
-    collision_closest( view, queries, n, nearest, is_near, motion );
+    if ( has_tracks( loop, view ) )
+    {
+        collision_track_closest( view, queries, path, tracks, n, loop->is_first, loop->substeps_left, nearest,
+                                 is_near, motion );
+    }
+    else
+    {
+        collision_closest( view, queries, n, nearest, is_near, motion );
+    }
     for ( int i = 0; i < n; ++i )
     {
         if ( is_near[i] )
@@ -190,6 +231,21 @@ static void push_lanes( wisp_frame* frame, const strand_loop* loop, const collis
     wisp_frame_kernels( frame )->strand_contact( &args, loop->group, loop->group + 1 );
 }
 
+// How far a group that is not looked at moves is not known.
+static void forget_group( strand_loop* loop, const collision_view* view )
+{
+    const int begin = loop->args.group_row[loop->group], end = loop->args.group_row[loop->group + 1];
+    for ( int row = begin; row < end && has_tracks( loop, view ); ++row )
+    {
+        const collision_track track = track_of( loop, view, row, 0 );
+        for ( int lane = 0; lane < WISP_LANES; ++lane )
+        {
+            track.triangle[lane] = -1;
+            track.free[lane] = 0.0f;
+        }
+    }
+}
+
 static void push_group( wisp_frame* frame, strand_loop* loop, const collision_view* view )
 {
     const collision_body* body = view->body;
@@ -201,6 +257,7 @@ static void push_group( wisp_frame* frame, strand_loop* loop, const collision_vi
     const float apart = fminf( then, apart_at( loop, body, view->after ) ) - ( slow ? 0.0f : 0.5f * path );
     if ( apart > view->thickness )
     {
+        forget_group( loop, view );
         return;
     }
     if ( slow )
@@ -230,6 +287,10 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
         .max_push_out =
             span->iteration == 0 ? settings->max_push_out_speed * wisp_frame_dt( frame, span->entity ) : 0.0f,
     };
+    loop.tracked = wisp_frame_column( frame, span->entity, state->strand_tracked, 0 );
+    loop.free = wisp_frame_column( frame, span->entity, state->strand_tracked, 1 );
+    loop.is_first = span->substep == 0 && span->iteration == 0;
+    loop.substeps_left = wisp_frame_substeps( frame, span->entity ) - 1 - span->substep;
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
     for ( loop.group = span->begin; loop.group < span->end; ++loop.group )
     {

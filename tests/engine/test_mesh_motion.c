@@ -1,0 +1,227 @@
+// Meshes whose points move along straight lines: closest points at a time, paths swept against the motion, tracking.
+#include "mesh_fixture.h"
+
+enum
+{
+    QUERIES = 300,
+};
+
+// A closed ball that bulges and shifts: no rigid motion.
+typedef struct motion
+{
+    test_mesh mesh;
+    wisp_vec3 *start, *end;
+    wisp_collision_mesh* tree;
+} motion;
+
+static motion new_motion( float shift, float bulge )
+{
+    motion m = { .mesh = test_mesh_ball( 12, false ) };
+    const size_t bytes = (size_t)m.mesh.point_count * sizeof( wisp_vec3 );
+    m.start = checked_malloc( bytes );
+    m.end = checked_malloc( bytes );
+    for ( int v = 0; v < m.mesh.point_count; ++v )
+    {
+        const wisp_vec3 p = m.mesh.points[v];
+        const float size = 1.0f + bulge * p.x * p.y;
+        m.start[v] = p;
+        m.end[v] = ( wisp_vec3 ){ size * p.x + shift, size * p.y - 0.5f * shift, size * p.z };
+    }
+    m.tree = test_collision_mesh( &m.mesh, true );
+    assert_int_equal( wisp_collision_mesh_update( m.tree, m.start, m.end, NULL, NULL ), WISP_OK );
+    return m;
+}
+
+static void free_motion( motion* m )
+{
+    wisp_collision_mesh_release( m->tree );
+    free( m->start );
+    free( m->end );
+    test_mesh_free( &m->mesh );
+}
+
+// The mesh as it is at a time, as one that rests.
+static wisp_collision_mesh* frozen_at( const motion* m, float time )
+{
+    test_mesh now = m->mesh;
+    now.points = checked_malloc( (size_t)now.point_count * sizeof( wisp_vec3 ) );
+    for ( int v = 0; v < now.point_count; ++v )
+    {
+        const wisp_vec3 a = m->start[v], b = m->end[v];
+        const double s = (double)time;
+        now.points[v] = ( wisp_vec3 ){ (float)( (double)a.x * ( 1.0 - s ) + (double)b.x * s ),
+                                       (float)( (double)a.y * ( 1.0 - s ) + (double)b.y * s ),
+                                       (float)( (double)a.z * ( 1.0 - s ) + (double)b.z * s ) };
+    }
+    wisp_collision_mesh* tree = test_collision_mesh( &now, true );
+    free( now.points );
+    return tree;
+}
+
+static wisp_mesh_nearest closest_at( wisp_collision_mesh* tree, wisp_vec3 p, float time )
+{
+    wisp_mesh_nearest nearest;
+    const wisp_mesh_query query = { .point = p, .radius = INFINITY, .time = time };
+    wisp_collision_mesh_closest( tree, &query, 1, &nearest, NULL );
+    return nearest;
+}
+
+static void closest_points_at_a_time_are_those_of_the_mesh_as_it_is_then( void** state )
+{
+    (void)state;
+    motion m = new_motion( 0.4f, 0.3f );
+    for ( int k = 0; k <= 4; ++k )
+    {
+        const float time = 0.25f * (float)k;
+        wisp_collision_mesh* frozen = frozen_at( &m, time );
+        for ( int i = 0; i < QUERIES; ++i )
+        {
+            const wisp_vec3 p = test_point( i, k, 1.6f );
+            const wisp_mesh_nearest a = closest_at( m.tree, p, time ), b = closest_at( frozen, p, 0.0f );
+            // corners of the one at rest are rounded to float
+            assert_true( fabsf( a.distance - b.distance ) < 1e-6f );
+        }
+        wisp_collision_mesh_release( frozen );
+    }
+    free_motion( &m );
+}
+
+// Without a deformation the path against the motion is the relative path against the mesh at rest.
+static void a_path_against_a_translation_is_the_relative_path( void** state )
+{
+    (void)state;
+    motion m = new_motion( 0.4f, 0.0f );
+    int hits = 0;
+    for ( int i = 0; i < 4 * QUERIES; ++i )
+    {
+        const wisp_vec3 from = test_point( i, 0, 1.5f ), to = test_point( i, 7, 1.5f );
+        const wisp_mesh_path path = { .from = from, .to = to, .begin_time = 0.25f, .end_time = 0.75f };
+        const wisp_mesh_path still = { .from = { from.x - 0.1f, from.y + 0.05f, from.z },
+                                       .to = { to.x - 0.3f, to.y + 0.15f, to.z } };
+        wisp_mesh_hit a, b;
+        wisp_collision_mesh_cast( m.tree, &path, 1, &a, NULL );
+        wisp_collision_mesh_cast( m.tree, &still, 1, &b, NULL );
+        assert_int_equal( a.triangle, b.triangle );
+        assert_true( fabsf( a.time - b.time ) < 1e-5f );
+        assert_true( a.side == b.side );
+        hits += a.triangle >= 0 ? 1 : 0;
+    }
+    assert_true( hits > QUERIES );
+    free_motion( &m );
+}
+
+// Who is outside at the start and inside at the end has entered somewhere: rounding opens no gap between triangles.
+static void whoever_gets_in_has_crossed( void** state )
+{
+    (void)state;
+    motion m = new_motion( 0.5f, 0.4f );
+    int entered = 0;
+    for ( int i = 0; i < 20 * QUERIES; ++i )
+    {
+        const wisp_vec3 from = test_point( i, 0, 1.4f ), to = test_point( i, 7, 1.4f );
+        const float begin = 0.1f, end = 0.9f;
+        if ( closest_at( m.tree, from, begin ).distance > 1e-5f && closest_at( m.tree, to, end ).distance < -1e-5f )
+        {
+            const wisp_mesh_path path = { .from = from, .to = to, .begin_time = begin, .end_time = end };
+            wisp_mesh_hit hit;
+            wisp_collision_mesh_cast( m.tree, &path, 1, &hit, NULL );
+            assert_true( hit.triangle >= 0 && hit.side > 0.0f );
+            ++entered;
+        }
+    }
+    assert_true( entered > QUERIES );
+    free_motion( &m );
+}
+
+// Aimed at the corners of triangles, where two planes meet.
+static void paths_to_corners_do_not_slip_through( void** state )
+{
+    (void)state;
+    motion m = new_motion( 0.3f, 0.2f );
+    for ( int v = 0; v < m.mesh.point_count; ++v )
+    {
+        const wisp_vec3 a = m.start[v], b = m.end[v];
+        const wisp_vec3 middle = { 0.5f * ( a.x + b.x ), 0.5f * ( a.y + b.y ), 0.5f * ( a.z + b.z ) };
+        // through where the corner is at half the time
+        const wisp_vec3 from = { 1.5f * middle.x, 1.5f * middle.y, 1.5f * middle.z },
+                        to = { 0.5f * middle.x, 0.5f * middle.y, 0.5f * middle.z };
+        const wisp_mesh_path path = { .from = from, .to = to, .begin_time = 0.0f, .end_time = 1.0f };
+        wisp_mesh_hit hit;
+        wisp_collision_mesh_cast( m.tree, &path, 1, &hit, NULL );
+        assert_true( hit.triangle >= 0 );
+        assert_true( fabsf( hit.time - 0.5f ) < 0.05f );
+    }
+    free_motion( &m );
+}
+
+static void a_point_of_a_triangle_goes_where_its_corners_go( void** state )
+{
+    (void)state;
+    motion m = new_motion( 0.4f, 0.3f );
+    for ( int i = 0; i < QUERIES; ++i )
+    {
+        const wisp_mesh_nearest n = closest_at( m.tree, test_point( i, 0, 1.2f ), 0.3f );
+        const wisp_mesh_place at = wisp_collision_mesh_place( m.tree, n.triangle, n.weights, 0.3f ),
+                              then = wisp_collision_mesh_place( m.tree, n.triangle, n.weights, 0.8f );
+        const wisp_vec3 way = wisp_collision_mesh_motion( m.tree, n.triangle, n.weights, 0.3f, 0.8f );
+        assert_true( fabsf( at.point.x - n.point.x ) < 1e-6f && fabsf( at.point.y - n.point.y ) < 1e-6f );
+        assert_true( fabsf( then.point.x - at.point.x - way.x ) < 1e-6f );
+        assert_true( fabsf( then.point.z - at.point.z - way.z ) < 1e-6f );
+        const wisp_vec3 u = then.normal;
+        assert_true( fabsf( u.x * u.x + u.y * u.y + u.z * u.z - 1.0f ) < 1e-5f );
+    }
+    free_motion( &m );
+}
+
+// From where the point was 0.1 m before, as from one substep to the next.
+static void tracking_follows_the_closest_point_along_a_round_mesh( void** state )
+{
+    (void)state;
+    motion m = new_motion( 0.4f, 0.1f );
+    int moved = 0;
+    for ( int i = 0; i < QUERIES; ++i )
+    {
+        const wisp_vec3 before = test_point( i, 0, 1.6f ), p = test_sum( before, test_point( i, 9, 0.1f ) );
+        const wisp_mesh_query query = { .point = p, .radius = INFINITY, .time = 0.5f };
+        const wisp_mesh_nearest exact = closest_at( m.tree, p, 0.5f );
+        if ( exact.distance > 0.0f ) // inside there are several minima
+        {
+            const int32_t begin = closest_at( m.tree, before, 0.4f ).triangle;
+            wisp_mesh_nearest tracked;
+            wisp_collision_mesh_track( m.tree, &query, &begin, 1, &tracked );
+            assert_memory_equal( &tracked, &exact, sizeof( exact ) );
+            moved += begin != tracked.triangle ? 1 : 0;
+        }
+    }
+    assert_true( moved > QUERIES / 4 );
+    free_motion( &m );
+}
+
+static void voxels_refuse_a_start( void** state )
+{
+    (void)state;
+    test_mesh mesh = test_mesh_ball( 4, false );
+    wisp_collision_mesh_def def = test_mesh_def( &mesh, true );
+    def.search = WISP_MESH_SEARCH_VOXELS;
+    wisp_collision_mesh* voxels;
+    wisp_error error = { 0 };
+    assert_ok( wisp_collision_mesh_create( &def, NULL, &voxels, &error ), error );
+    assert_int_equal( wisp_collision_mesh_update( voxels, mesh.points, mesh.points, NULL, &error ), WISP_CONFLICT );
+    assert_one_message( error.message );
+    wisp_collision_mesh_release( voxels );
+    test_mesh_free( &mesh );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( closest_points_at_a_time_are_those_of_the_mesh_as_it_is_then ),
+        cmocka_unit_test( a_path_against_a_translation_is_the_relative_path ),
+        cmocka_unit_test( whoever_gets_in_has_crossed ),
+        cmocka_unit_test( paths_to_corners_do_not_slip_through ),
+        cmocka_unit_test( a_point_of_a_triangle_goes_where_its_corners_go ),
+        cmocka_unit_test( tracking_follows_the_closest_point_along_a_round_mesh ),
+        cmocka_unit_test( voxels_refuse_a_start ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
