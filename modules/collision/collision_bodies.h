@@ -19,5 +19,10 @@ typedef struct collision_view
 bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_state* state, int* next,
                      collision_view* out );
 
-/// Remove a body from the list and free its tree. @return whether it was there
-bool collision_forget_body( collision_state* state, wisp_entity entity );
+/// Free the mesh, hull or heights of a body.
+void collision_release_body( const wisp_allocator* allocator, collision_body* body );
+/// Return the bytes of its hull or heights.
+size_t collision_body_bytes( const collision_body* body );
+
+/// Remove a body from the list and free what it owns. @return whether it was there
+bool collision_forget_body( collision_state* state, const wisp_allocator* allocator, wisp_entity entity );

@@ -30,7 +30,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     collision_state* state = memory;
     for ( int i = 0; i < state->body_count; ++i )
     {
-        wisp_collision_mesh_release( state->bodies[i].tree );
+        collision_release_body( allocator, state->bodies + i );
     }
     if ( state->bodies != NULL )
     {
@@ -48,7 +48,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
 {
     collision_state* state = memory;
-    if ( collision_forget_participant( state, entity ) == false && collision_forget_body( state, entity ) )
+    if ( collision_forget_participant( state, entity ) == false && collision_forget_body( state, wisp_world_allocator( world ), entity ) )
     {
         collision_update_components( world, state );
     }
@@ -207,6 +207,7 @@ static size_t count_memory( const void* memory, size_t* outside )
         const size_t elsewhere = mesh != NULL ? wisp_collision_mesh_outside_bytes( mesh ) : 0;
         bytes += mesh != NULL ? wisp_collision_mesh_bytes( mesh ) - elsewhere : 0;
         *outside += elsewhere;
+        bytes += collision_body_bytes( state->bodies + i );
     }
     return bytes;
 }

@@ -5,6 +5,7 @@
 
 #include "wisp/module/components.h"
 #include "wisp/module/collision_mesh.h"
+#include "wisp/module/convex.h"
 #include "wisp/module/module.h"
 
 /// What never changes about a body.
@@ -12,14 +13,22 @@ typedef struct collision_body
 {
     wisp_entity entity;
     wisp_shape shape;          // unless there is a tree
+    wisp_convex* convex;       // of a convex body, or null
+    float* heights;            // of a height field, or null
     wisp_collision_mesh* tree; // null for a closed form
     bool double_sided;         // double-sided
-    wisp_vec3 centre;          // m, of a box and a ball around the body, in its frame
+    wisp_vec3 centre;          // m, of a box and a ball around the body, in its frame; of a half space or a height field its top
     wisp_vec3 half;            // m, of the box; infinite for a plane
     float ball_radius;         // m, of a ball around the box
     float tight_radius;        // m, of a ball around the points of a mesh, with the same centre
     float inner; // m, of a closed form: the smallest of its half sizes; infinite for a plane, 0 for a mesh
 } collision_body;
+
+/// Return whether kernels compute the closest points of the body.
+static inline bool collision_is_closed_form( const collision_body* body )
+{
+    return body->tree == NULL && body->shape.kind <= WISP_SHAPE_TAPERED_CAPSULE;
+}
 
 /// Bodies and participants in the order in which they were added. Passes walk these lists, so results depend on
 /// nothing else.

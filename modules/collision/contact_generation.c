@@ -86,7 +86,7 @@ static void query_shape( const collision_find_args* args, const collision_view* 
     planes->special_count = special_count;
 }
 
-// The same for meshes.
+// The same for meshes, convex polyhedra and height fields.
 static void query_mesh( const collision_view* view, collision_block* block, found_planes* planes )
 {
     wisp_mesh_query queries[COLLISION_BLOCK];
@@ -322,7 +322,7 @@ void collision_meet( const collision_find_args* args, const collision_view* view
         return;
     }
     found_planes planes;
-    if ( view->body->tree != NULL )
+    if ( collision_is_closed_form( view->body ) == false )
     {
         query_mesh( view, block, &planes );
     }

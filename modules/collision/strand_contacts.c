@@ -190,7 +190,7 @@ static void push_group( wisp_frame* frame, strand_loop* loop, const collision_vi
     const collision_body* body = view->body;
     const bool round_about = body->inner < INFINITY;
     const float path = round_about ? path_seen( loop, view ) : 0.0f;
-    const bool slow = body->tree == NULL && path <= body->inner;
+    const bool slow = collision_is_closed_form( body ) && path <= body->inner;
     // the middle of a chord may be nearer than both ends, by at most half of it
     const float then = slow ? INFINITY : apart_at( loop, body, view->before );
     const float apart = fminf( then, apart_at( loop, body, view->after ) ) - ( slow ? 0.0f : 0.5f * path );
