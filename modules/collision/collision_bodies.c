@@ -291,7 +291,8 @@ static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, col
                                              [WISP_COLLIDER_CAPSULE] = WISP_SHAPE_CAPSULE,
                                              [WISP_COLLIDER_BOX] = WISP_SHAPE_BOX,
                                              [WISP_COLLIDER_TAPERED_CAPSULE] = WISP_SHAPE_TAPERED_CAPSULE };
-    *body = ( collision_body ){ .double_sided = d->kind == WISP_COLLIDER_MESH && d->double_sided };
+    *body = ( collision_body ){ .double_sided = d->kind == WISP_COLLIDER_MESH && d->double_sided,
+                                .restitution = d->restitution };
     if ( d->kind == WISP_COLLIDER_MESH )
     {
         return make_mesh( world, d, body );
@@ -502,6 +503,7 @@ bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_s
         {
             out->body = body;
             set_poses( frame, span, collider, out );
+            out->restitution = body->restitution;
             out->thickness = settings->thickness + collider->thickness;
             out->static_friction = settings->friction * collider->static_friction;
             out->kinetic_friction = settings->friction * collider->kinetic_friction;

@@ -10,6 +10,7 @@ typedef struct collision_view
     wisp_transform before, after; // at the start and at the end of the substep
     float thickness;              // m, sum of both
     float static_friction, kinetic_friction;
+    float restitution;
     float shift; // m, most that the body's origin moves in the step
     float turn;  // most that a point of the body moves besides, in lengths of its distance from the origin
 } collision_view;

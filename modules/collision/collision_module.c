@@ -3,6 +3,7 @@
 #include "collision_participants.h"
 #include "collision_passes.h"
 #include "particle_contacts.h"
+#include "reaction.h"
 
 #define COLLISION_SETTINGS_COLUMNS( X ) X( collision_settings, settings, 1 )
 #define COLLISION_ACTIVE_COLUMNS( X ) X( int32_t, active, 1 ) /* there is a body, and it is enabled */
@@ -15,6 +16,11 @@
 #define COLLISION_COLLIDER_COLUMNS( X ) X( collision_collider, collider, 1 )
 #define COLLISION_MOTION_COLUMNS( X ) X( wisp_transform, target, 1 ) /* at the end of the next step */
 
+#define COLLISION_REACTION_COLUMNS( X ) X( wisp_reaction, reaction, 1 )
+#define COLLISION_REACTION_PART_COLUMNS( X ) X( int32_t, first, 1 )
+#define COLLISION_CONTACT_BODY_COLUMNS( X ) X( int32_t, body, WISP_COLLISION_CONTACTS )
+#define COLLISION_BOUNCE_COLUMNS( X ) X( float, bounce, WISP_COLLISION_CONTACTS )
+
 static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def ACTIVE_COLUMNS[] = { COLLISION_ACTIVE_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def STRAND_CONTACT_COLUMNS[] = { COLLISION_STRAND_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
@@ -22,6 +28,10 @@ static const wisp_column_def CARRIED_COLUMNS[] = { COLLISION_CARRIED_COLUMNS( WI
 static const wisp_column_def STATS_COLUMNS[] = { COLLISION_STATS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def COLLIDER_COLUMNS[] = { COLLISION_COLLIDER_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def MOTION_COLUMNS[] = { COLLISION_MOTION_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def REACTION_COLUMNS[] = { COLLISION_REACTION_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def REACTION_PART_COLUMNS[] = { COLLISION_REACTION_PART_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def CONTACT_BODY_COLUMNS[] = { COLLISION_CONTACT_BODY_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def BOUNCE_COLUMNS[] = { COLLISION_BOUNCE_COLUMNS( WISP_COLUMN_DEF ) };
 
 // ---- declaration ----
 
@@ -32,6 +42,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     {
         collision_release_body( allocator, state->bodies + i );
     }
+    collision_release_reactions( allocator, state );
     if ( state->bodies != NULL )
     {
         allocator->release( allocator->user, state->bodies, (size_t)state->body_capacity * sizeof( collision_body ) );
@@ -90,7 +101,15 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     state->stats = wisp_declare_component( r, &stats );
     state->collider = wisp_declare_component( r, &collider );
     state->motion = wisp_declare_component( r, &motion );
-    return state->motion != 0 ? WISP_OK : WISP_BAD_INPUT;
+    const wisp_component_def reaction = { "collision.reaction", WISP_TABLE_ENTITY, REACTION_COLUMNS, 1 };
+    const wisp_component_def part = { "collision.reaction_part", WISP_TABLE_ENTITY, REACTION_PART_COLUMNS, 1 };
+    const wisp_component_def body = { "collision.contact_body", WISP_TABLE_PARTICLE, CONTACT_BODY_COLUMNS, 1 };
+    const wisp_component_def bounce = { "collision.bounce", WISP_TABLE_PARTICLE, BOUNCE_COLUMNS, 1 };
+    state->reaction = wisp_declare_component( r, &reaction );
+    state->reaction_part = wisp_declare_component( r, &part );
+    state->contact_body = wisp_declare_component( r, &body );
+    state->bounce = wisp_declare_component( r, &bounce );
+    return state->bounce != 0 ? WISP_OK : WISP_BAD_INPUT;
 }
 
 static wisp_status declare_passes( wisp_registry* r, collision_state* state )
@@ -124,6 +143,25 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->settings, WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .writes = { WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION },
             .run = collision_project,
+        },
+        {
+            .name = "collision.restitution",
+            .stage = WISP_STAGE_VELOCITY,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .required = { state->settings, WISP_PARTICLE_HALF_SPACES, state->bounce },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
+            .reads = { state->bounce, WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_VELOCITY },
+            .run = collision_bounce_off,
+        },
+        {
+            .name = "collision.reaction",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->collider, state->reaction },
+            .reads = { state->collider },
+            .writes = { state->reaction },
+            .run = collision_read_reactions,
         },
         {
             .name = "collision.stats",
@@ -200,7 +238,8 @@ static size_t count_memory( const void* memory, size_t* outside )
 {
     const collision_state* state = memory;
     size_t bytes = (size_t)state->body_capacity * sizeof( collision_body ) +
-                   (size_t)state->participant_capacity * sizeof( wisp_entity );
+                   (size_t)state->participant_capacity * sizeof( wisp_entity ) +
+                   state->sum_capacity * sizeof( collision_impulse );
     for ( int i = 0; i < state->body_count; ++i )
     {
         const wisp_collision_mesh* mesh = state->bodies[i].tree;

@@ -8,6 +8,9 @@
 #include "wisp/module/convex.h"
 #include "wisp/module/module.h"
 
+/// Impulse on a body, N s, and torque impulse about the origin of the world, N m s.
+typedef double collision_impulse[6];
+
 /// What never changes about a body.
 typedef struct collision_body
 {
@@ -17,6 +20,7 @@ typedef struct collision_body
     float* heights;            // of a height field, or null
     wisp_collision_mesh* tree; // null for a closed form
     bool double_sided;         // double-sided
+    float restitution;
     wisp_vec3 centre;          // m, of a box and a ball around the body, in its frame; of a half space or a height field its top
     wisp_vec3 half;            // m, of the box; infinite for a plane
     float ball_radius;         // m, of a ball around the box
@@ -41,6 +45,12 @@ typedef struct collision_state
     wisp_component stats;          // wisp_collision_stats
     wisp_component collider;       // collision_collider
     wisp_component motion;         // a pose: the body is moved
+    wisp_component reaction;       // wisp_reaction of a body that is asked for it
+    wisp_component reaction_part;  // of participants while one is: the first of their parts in the sums
+    wisp_component contact_body;   // of surfaces likewise: for each contact the place of its body in the list
+    wisp_component bounce;         // of surfaces while a body has a restitution: m/s, for each contact
+    collision_impulse* sums;       // [part][body], zero between steps; null while no reaction is requested
+    size_t sum_count, sum_capacity;
     collision_body* bodies;
     int body_count, body_capacity;
     wisp_entity* participants; // surfaces and strands

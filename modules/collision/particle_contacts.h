@@ -56,6 +56,14 @@ typedef struct collision_find_args
                                 // settled, minus the free radius
     collision_contact ( *contact )[WISP_COLLISION_CONTACTS];
     float recovery;   // m, in this substep
+    // for reactions and restitution, else null
+    const collision_state* state;
+    int32_t ( *contact_body )[WISP_COLLISION_CONTACTS];
+    collision_impulse* sums; // [body] of the block
+    float ( *bounce )[WISP_COLLISION_CONTACTS];
+    const float* velocity; // [slot][4] m/s, with the gravity of the substep
+    wisp_vec3 gravity;     // m/s^2
+    float dt;              // s
     bool has_settled; // groups of an earlier substep of this step may be settled
     bool settles;     // groups may be settled until the next substep
 } collision_find_args;
