@@ -102,11 +102,12 @@ static void check_momentum( bool is_cloth, int substeps, int iterations )
                 touched[i] += fabs( all[k] );
             }
         }
-        // 0.6 kg m/s, whose float positions over h sum to 1e-6 (measured); distance constraints keep the angular
-        // momentum only to the order of the turn in a substep, so only free particles show it
+        // 0.6 kg m/s, whose float positions over h sum to less than 1e-6. Distance constraints keep the angular momentum
+        // only to the order of the turn in a substep, so only free particles show it. What is moved out of an overlap
+        // takes its momentum along, which is no impulse: 4e-6 in these runs.
         for ( int k = 0; k < ( is_cloth ? 3 : 6 ); ++k )
         {
-            assert_near( now[k] - before[k], -sum[k], 2e-6 );
+            assert_near( now[k] - before[k], -sum[k], k < 3 ? 1e-6 : 1e-5 );
         }
         memcpy( before, now, sizeof( before ) );
     }
