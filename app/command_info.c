@@ -305,13 +305,18 @@ static void print_colliders( const wisp_scene* scene )
     static const char* const kinds[] = {
         [WISP_COLLIDER_PLANE] = "plane", [WISP_COLLIDER_SPHERE] = "sphere", [WISP_COLLIDER_CAPSULE] = "capsule",
         [WISP_COLLIDER_BOX] = "box",     [WISP_COLLIDER_MESH] = "mesh, ",
+        [WISP_COLLIDER_TAPERED_CAPSULE] = "tapered capsule",
+        [WISP_COLLIDER_CONVEX] = "convex hull of ",
+        [WISP_COLLIDER_HEIGHT_FIELD] = "height field",
     };
     print_count( "colliders", scene->collider_count );
     for ( int i = 0; i < scene->collider_count; ++i )
     {
         const wisp_scene_collider* entry = &scene->colliders[i];
         printf( "  %s (line %d): %s%s\n", entry->name, entry->line, kinds[entry->def.kind],
-                entry->def.kind == WISP_COLLIDER_MESH ? source_of( &entry->mesh ) : "" );
+                entry->def.kind == WISP_COLLIDER_MESH || entry->def.kind == WISP_COLLIDER_CONVEX
+                    ? source_of( &entry->mesh )
+                    : "" );
     }
 }
 

@@ -249,7 +249,7 @@ extern "C"
         const char* name;
         int line, column;
         wisp_collider_def def; ///< without the arrays of a mesh
-        wisp_scene_mesh mesh;  ///< of a mesh
+        wisp_scene_mesh mesh;  ///< of a mesh, or of a convex body
         wisp_scene_path path;  ///< where it is
     } wisp_scene_collider;
 

@@ -12,6 +12,9 @@ static const scene_choice SHAPES[] = { { "plane", "everything below y = 0 of its
                                        { "capsule", "a capsule along y" },
                                        { "box", "a box" },
                                        { "mesh", "a triangle mesh" },
+                                       { "tapered_capsule", "a capsule along y with two radii" },
+                                       { "convex", "the convex hull of the vertices of a mesh" },
+                                       { "height_field", "everything below a grid of heights" },
                                        { NULL, NULL } };
 static const scene_choice SEARCHES[] = { { "tree", "a bounding volume tree, needs Embree" },
                                          { "voxels", "a grid of voxels" },
@@ -49,6 +52,11 @@ static const scene_choice SEARCHES[] = { { "tree", "a bounding volume tree, need
           .range = RANGE( 0, 1e6 ),                                                                                  \
           .unit = METRES,                                                                                            \
           .help = "Thickness that is added to that of what touches it." },                                           \
+        { "restitution",                                                                                             \
+          SCENE_NUMBER,                                                                                              \
+          .at = DEF( restitution ),                                                                                  \
+          .range = RANGE( 0, 1 ),                                                                                    \
+          .help = "Fraction of the approach speed that a vertex leaves with." },                                     \
     {                                                                                                                \
         "layers", SCENE_CUSTOM, .at = DEF( layers ), .read = scene_read_layers, .form = "list of layers, 0 .. 31",   \
                                 .initial = "[0]", .help = "Layers; `collision.mask` chooses among them."             \
@@ -62,6 +70,15 @@ static const scene_field SPHERE_FIELDS[] = {
 static const scene_field CAPSULE_FIELDS[] = {
     COMMON_FIELDS,
     { "radius", SCENE_NUMBER, .at = DEF( radius ), .range = SIZE, .unit = METRES, .help = "Radius." },
+    { "half_length", SCENE_NUMBER, .at = DEF( half_length ), .range = RANGE( 0, 1e6 ), .unit = METRES,
+      .help = "From the middle to the centre of a cap, along y." },
+};
+static const scene_field TAPERED_CAPSULE_FIELDS[] = {
+    COMMON_FIELDS,
+    { "top_radius", SCENE_NUMBER, .at = DEF( top_radius ), .range = SIZE, .unit = METRES,
+      .help = "Radius of the cap at +y." },
+    { "bottom_radius", SCENE_NUMBER, .at = DEF( bottom_radius ), .range = SIZE, .unit = METRES,
+      .help = "Radius of the cap at -y." },
     { "half_length", SCENE_NUMBER, .at = DEF( half_length ), .range = RANGE( 0, 1e6 ), .unit = METRES,
       .help = "From the middle to the centre of a cap, along y." },
 };
@@ -90,6 +107,23 @@ static const scene_field MESH_FIELDS[] = {
     { "voxel_size", SCENE_NUMBER, .at = DEF( voxel_size ), .range = SIZE, .unit = METRES,
       .help = "Edge of a voxel, with `search: voxels`.", .initial = "the mean edge" },
 };
+static const scene_field CONVEX_FIELDS[] = {
+    COMMON_FIELDS,
+    { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file,
+      .help = "Mesh to read (`.obj`, `.ply`), relative to the folder of the scene.", .form = "path",
+      .initial = "none" },
+    { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_generate,
+      .help = "Generates the mesh instead of reading it, as for a surface.", .form = "block" },
+    { "scale", SCENE_NUMBER, .at = AT( mesh.scale ), .range = SIZE, .help = "Factor of the size of the mesh." },
+};
+static const scene_field HEIGHT_FIELD_FIELDS[] = {
+    COMMON_FIELDS,
+    { "heights", SCENE_CUSTOM, .required = true, .at = 0, .read = scene_read_heights,
+      .form = "list of 2 .. 8192 rows along z, each of as many numbers along x, -1e6 .. 1e6", .unit = METRES,
+      .help = "Heights of a grid around the y axis." },
+    { "spacing", SCENE_NUMBER, .at = DEF( spacing ), .range = SIZE, .unit = METRES,
+      .help = "Distance of the heights along x and z." },
+};
 
 #define BLOCK( fields )                                                                                              \
     {                                                                                                                \
@@ -98,7 +132,8 @@ static const scene_field MESH_FIELDS[] = {
 const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT] = {
     [WISP_COLLIDER_PLANE] = BLOCK( PLANE_FIELDS ),     [WISP_COLLIDER_SPHERE] = BLOCK( SPHERE_FIELDS ),
     [WISP_COLLIDER_CAPSULE] = BLOCK( CAPSULE_FIELDS ), [WISP_COLLIDER_BOX] = BLOCK( BOX_FIELDS ),
-    [WISP_COLLIDER_MESH] = BLOCK( MESH_FIELDS ),
+    [WISP_COLLIDER_MESH] = BLOCK( MESH_FIELDS ),       [WISP_COLLIDER_TAPERED_CAPSULE] = BLOCK( TAPERED_CAPSULE_FIELDS ),
+    [WISP_COLLIDER_CONVEX] = BLOCK( CONVEX_FIELDS ),   [WISP_COLLIDER_HEIGHT_FIELD] = BLOCK( HEIGHT_FIELD_FIELDS ),
 };
 
 // Read one number, or a pair of static and kinetic friction.
@@ -121,6 +156,64 @@ wisp_status scene_read_friction( scene_reader* r, const scene_node* node, void* 
         return scene_refuse_node( r, node, "got kinetic friction %g, expected at most static friction, %g",
                                   (double)def->kinetic_friction, (double)def->static_friction );
     }
+    return status;
+}
+
+static wisp_status read_height_row( scene_reader* r, const scene_node* row, wisp_collider_def* def, float* to )
+{
+    static const scene_field field = { "heights", SCENE_NUMBER, .range = COORDINATE };
+    wisp_status status = scene_expect_list( r, row, "a row of heights" );
+    if ( !status && row->count != def->height_count_x )
+    {
+        return scene_refuse_node( r, row, "got a row of %d heights, expected %d as in the first row", row->count,
+                                  def->height_count_x );
+    }
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, row ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i );
+        status = scene_read_number( r, item, &field, &to[i++] );
+        if ( !status )
+        {
+            scene_leave( r, outside );
+        }
+    }
+    return status;
+}
+
+// Rows along z of heights along x.
+wisp_status scene_read_heights( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_collider_def* def = &( (wisp_scene_collider*)at )->def;
+    wisp_status status = scene_expect_list( r, node, "a list of rows of heights" );
+    if ( status )
+    {
+        return status;
+    }
+    const scene_node* first = scene_first( r->tree, node );
+    def->height_count_z = node->count;
+    def->height_count_x = first && first->kind == SCENE_LIST ? first->count : 0;
+    if ( node->count < 2 || node->count > 8192 || def->height_count_x < 2 || def->height_count_x > 8192 )
+    {
+        return scene_refuse_node( r, node, "got %d rows of %d heights, expected 2 to 8192 of each", node->count,
+                                  def->height_count_x );
+    }
+    float* heights = scene_take( r->scene, (size_t)node->count * (size_t)def->height_count_x, sizeof *heights );
+    if ( !heights )
+    {
+        return scene_no_memory( r );
+    }
+    int k = 0;
+    for ( const scene_node* row = first; row && !status; row = scene_next( r->tree, row ), ++k )
+    {
+        size_t outside = scene_enter_index( r, k );
+        status = read_height_row( r, row, def, heights + (size_t)k * (size_t)def->height_count_x );
+        if ( !status )
+        {
+            scene_leave( r, outside );
+        }
+    }
+    def->heights = heights;
     return status;
 }
 
@@ -158,7 +251,8 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
     int kind = 0;
     wisp_status status = read_kind( r, node, &kind );
     status = status ? status : scene_read_block( r, node, &SCENE_COLLIDER_BLOCKS[kind], collider );
-    if ( !status && kind == WISP_COLLIDER_MESH && ( collider->mesh.file != NULL ) == collider->mesh.is_generated )
+    const bool has_mesh = kind == WISP_COLLIDER_MESH || kind == WISP_COLLIDER_CONVEX;
+    if ( !status && has_mesh && ( collider->mesh.file != NULL ) == collider->mesh.is_generated )
     {
         return scene_refuse_node( r, node, "got %s, expected one of them",
                                   collider->mesh.is_generated ? "both 'file' and 'generate'"

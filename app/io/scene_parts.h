@@ -45,7 +45,7 @@ scene_read_fn scene_read_strand_pins, scene_read_vertex_masses, scene_read_head_
 scene_read_fn scene_read_pins, scene_read_pin_box, scene_read_pin_nearest, scene_read_surface_request,
     scene_read_outlet,
     scene_read_gas_ratio_keyframes;                          // wisp_scene_surface
-scene_read_fn scene_read_collider_path, scene_read_friction; // wisp_scene_collider
+scene_read_fn scene_read_collider_path, scene_read_friction, scene_read_heights; // wisp_scene_collider
 
 /// An entry of `events` before its time has become a step.
 typedef struct scene_event

@@ -26,7 +26,13 @@ static void put_size( torture_builder* b, text_node* collider, const char* shape
     {
         torture_put_log( b, collider, "radius", 0.02, 0.2 );
     }
-    if ( is_capsule )
+    const bool is_tapered = strcmp( shape, "tapered_capsule" ) == 0;
+    if ( is_tapered )
+    {
+        torture_put_log( b, collider, "top_radius", 0.02, 0.2 );
+        torture_put_log( b, collider, "bottom_radius", 0.02, 0.2 );
+    }
+    if ( is_capsule || is_tapered )
     {
         torture_put_linear( b, collider, "half_length", 0.0, 0.4 );
     }
@@ -37,12 +43,36 @@ static void put_size( torture_builder* b, text_node* collider, const char* shape
     }
 }
 
+// Of few points: a hull has at most 1024.
+static void put_hull( torture_builder* b, text_node* collider )
+{
+    text_node* generate = text_put( collider, "generate", text_map() );
+    text_put( generate, "shape", text_scalar( "icosphere" ) );
+    text_put( generate, "level", text_scalar( "%d", torture_random_whole( &b->random, 0, 2 ) ) );
+    torture_put_log( b, generate, "radius", 0.02, 0.2 );
+}
+
+static void put_heights( torture_builder* b, text_node* collider )
+{
+    text_node* rows = text_put( collider, "heights", text_list() );
+    const int count_x = torture_random_whole( &b->random, 2, 8 ), count_z = torture_random_whole( &b->random, 2, 8 );
+    for ( int k = 0; k < count_z; ++k )
+    {
+        text_node* row = text_add( rows, text_list() );
+        for ( int i = 0; i < count_x; ++i )
+        {
+            text_add( row, text_scalar( "%s", torture_random_linear( &b->random, -0.3, 0.1 ).text ) );
+        }
+    }
+    torture_put_log( b, collider, "spacing", 0.05, 0.5 );
+}
+
 // The first one is the ground, most of the time.
 void torture_make_collider( torture_builder* b )
 {
-    static const char* const words[] = { "plane", "sphere", "capsule", "box", "mesh" };
+    static const char* const words[] = { "plane", "sphere", "capsule", "box", "mesh", "tapered_capsule", "convex", "height_field" };
     const bool is_ground = b->colliders->count == 0 && ( b->is_stack || torture_random_chance( &b->random, 85 ) );
-    const char* shape = is_ground ? words[0] : words[torture_random_whole( &b->random, 1, 4 )];
+    const char* shape = is_ground ? words[0] : words[torture_random_whole( &b->random, 1, WISP_COUNT( words ) - 1 )];
     text_node* collider = text_add( b->colliders, text_map() );
     text_put( collider, "name", text_scalar( "body%d", b->colliders->count ) );
     text_put( collider, "shape", text_scalar( "%s", shape ) );
@@ -53,6 +83,10 @@ void torture_make_collider( torture_builder* b )
     if ( is_mesh )
     {
         torture_put_mesh( b, block, collider, !is_open );
+    }
+    if ( strcmp( shape, "convex" ) == 0 )
+    {
+        put_hull( b, collider );
     }
     if ( is_mesh && ( is_open || text_find( collider, "file" ) ) )
     {
@@ -66,6 +100,10 @@ void torture_make_collider( torture_builder* b )
         {
             text_is_number( position->children[i], &centre[i] );
         }
+    }
+    if ( strcmp( shape, "height_field" ) == 0 )
+    {
+        put_heights( b, collider );
     }
     put_friction( b, collider );
     put_size( b, collider, shape );

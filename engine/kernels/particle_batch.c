@@ -180,7 +180,8 @@ LANE_INLINE separation apart_from( const wisp_cull_args* args, wisp_cull_shape b
 {
     if ( bound == WISP_CULL_HALF_SPACE )
     {
-        return ( separation ){ p.y, lane8_gt( p.y, reach ) };
+        const lane8 above = lane8_sub( p.y, lane8_set1( args->centre.y ) );
+        return ( separation ){ above, lane8_gt( above, reach ) };
     }
     if ( bound == WISP_CULL_ROUND )
     {

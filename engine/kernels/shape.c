@@ -3,6 +3,7 @@
 #include "kernel_isa.h"
 
 #include "lane_double_vec.h"
+#include "taper.h"
 
 enum
 {
@@ -31,17 +32,17 @@ LANE_INLINE surface8 closest_to_plane( lane8dv p )
 
 // Computes the surface around a point q, the centre of a sphere or the nearest point on the axis of a capsule.
 // @param fallback normal at q
-LANE_INLINE surface8 closest_round( lane8dv p, lane8dv q, double radius, wisp_vec3 fallback )
+LANE_INLINE surface8 closest_round( lane8dv p, lane8dv q, lane8d r, const double fallback[3] )
 {
-    const lane8d zero = lane8d_set1( 0.0 ), r = lane8d_set1( radius );
+    const lane8d zero = lane8d_set1( 0.0 );
     const lane8dv away = lane8dv_sub( p, q );
     const lane8d length = lane8dv_length( away );
     const lane8dm has_direction = lane8d_lt( zero, length );
     const lane8dv unit = lane8dv_scale( away, lane8d_div( lane8d_set1( 1.0 ), length ) );
     const lane8dv normal = {
-        lane8d_select( has_direction, unit.x, lane8d_set1( (double)fallback.x ) ),
-        lane8d_select( has_direction, unit.y, lane8d_set1( (double)fallback.y ) ),
-        lane8d_select( has_direction, unit.z, lane8d_set1( (double)fallback.z ) ),
+        lane8d_select( has_direction, unit.x, lane8d_set1( fallback[0] ) ),
+        lane8d_select( has_direction, unit.y, lane8d_set1( fallback[1] ) ),
+        lane8d_select( has_direction, unit.z, lane8d_set1( fallback[2] ) ),
     };
     const lane8dv reach = lane8dv_scale( normal, r );
     return ( surface8 ){
@@ -54,8 +55,8 @@ LANE_INLINE surface8 closest_round( lane8dv p, lane8dv q, double radius, wisp_ve
 LANE_INLINE surface8 closest_to_sphere( const wisp_shape* shape, lane8dv p )
 {
     const lane8d zero = lane8d_set1( 0.0 );
-    return closest_round( p, ( lane8dv ){ zero, zero, zero }, (double)shape->radius,
-                          ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+    const double up[3] = { 0.0, 1.0, 0.0 };
+    return closest_round( p, ( lane8dv ){ zero, zero, zero }, lane8d_set1( (double)shape->radius ), up );
 }
 
 LANE_INLINE surface8 closest_to_capsule( const wisp_shape* shape, lane8dv p )
@@ -63,7 +64,20 @@ LANE_INLINE surface8 closest_to_capsule( const wisp_shape* shape, lane8dv p )
     const lane8d zero = lane8d_set1( 0.0 );
     const double half = (double)shape->half_length;
     const lane8d y = clamp( p.y, lane8d_set1( -half ), lane8d_set1( half ) );
-    return closest_round( p, ( lane8dv ){ zero, y, zero }, (double)shape->radius, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
+    const double aside[3] = { 1.0, 0.0, 0.0 };
+    return closest_round( p, ( lane8dv ){ zero, y, zero }, lane8d_set1( (double)shape->radius ), aside );
+}
+
+LANE_INLINE surface8 closest_to_tapered_capsule( const wisp_shape* shape, lane8dv p )
+{
+    const lane8d zero = lane8d_set1( 0.0 );
+    const taper t = taper_of( shape );
+    const lane8d rho = lane8d_sqrt( lane8d_add( lane8d_mul( p.x, p.x ), lane8d_mul( p.z, p.z ) ) );
+    const lane8d y = clamp( lane8d_sub( p.y, lane8d_mul( lane8d_set1( t.slope ), rho ) ), lane8d_set1( t.lower ),
+                            lane8d_set1( t.upper ) );
+    const lane8d radius = lane8d_sub( lane8d_set1( t.middle ), lane8d_mul( lane8d_set1( t.sine ), y ) );
+    const double aside[3] = { t.cosine, t.sine, 0.0 };
+    return closest_round( p, ( lane8dv ){ zero, y, zero }, radius, aside );
 }
 
 // Selects the nearest face for points inside or on the surface; the first of equals.
@@ -125,6 +139,8 @@ LANE_INLINE surface8 closest_to( const wisp_shape* shape, wisp_shape_kind kind, 
             return closest_to_capsule( shape, p );
         case WISP_SHAPE_BOX:
             return closest_to_box( shape, p );
+        case WISP_SHAPE_TAPERED_CAPSULE:
+            return closest_to_tapered_capsule( shape, p );
         default:
             return closest_to_plane( p );
     }
@@ -205,6 +221,8 @@ int KERNEL( query_shape )( const wisp_shape_query_args* args, int count, int32_t
             return find_near( &mine, WISP_SHAPE_CAPSULE, count, special_count );
         case WISP_SHAPE_BOX:
             return find_near( &mine, WISP_SHAPE_BOX, count, special_count );
+        case WISP_SHAPE_TAPERED_CAPSULE:
+            return find_near( &mine, WISP_SHAPE_TAPERED_CAPSULE, count, special_count );
         default:
             return find_near( &mine, WISP_SHAPE_PLANE, count, special_count );
     }

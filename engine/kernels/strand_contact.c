@@ -14,7 +14,7 @@
 //   u = tangential part of (p - previous) - motion,   p -= u if |u| <= mu_s push, else p -= mu_k push u / |u|
 #include "kernel_isa.h"
 
-#include <math.h>
+#include "taper.h"
 
 // Fraction of the thickness. A vertex allowed to be deeper than this keeps no velocity from its own outward motion.
 static const float SHALLOW = 0.1f;
@@ -34,6 +34,8 @@ typedef struct contact_body
     wisp_shape_kind kind;
     lane16 radius, half_length;
     lane16v half;
+    lane16 lower, upper, slope, sine; // of a tapered capsule, as in taper.h; its middle is the radius
+    wisp_vec3 fallback;
     contact_pose before, after;
     lane16 thickness, shallow, recovery, static_friction, kinetic_friction;
 } contact_body;
@@ -53,10 +55,17 @@ static contact_pose spread_pose( wisp_transform pose )
 
 static contact_body spread_body( const wisp_strand_contact_args* args )
 {
+    const bool is_tapered = args->shape.kind == WISP_SHAPE_TAPERED_CAPSULE;
+    const taper t = is_tapered ? taper_of( &args->shape ) : ( taper ){ 0 };
     return ( contact_body ){
         .kind = args->shape.kind,
-        .radius = lane16_set1( args->shape.radius ),
+        .radius = lane16_set1( is_tapered ? (float)t.middle : args->shape.radius ),
         .half_length = lane16_set1( args->shape.half_length ),
+        .lower = lane16_set1( (float)t.lower ),
+        .upper = lane16_set1( (float)t.upper ),
+        .slope = lane16_set1( (float)t.slope ),
+        .sine = lane16_set1( (float)t.sine ),
+        .fallback = { (float)t.cosine, (float)t.sine, 0.0f },
         .half = lane16v_set1( args->shape.half_extent ),
         .before = spread_pose( args->before ),
         .after = spread_pose( args->after ),
@@ -136,6 +145,15 @@ static contact_surface closest_on_box( lane16v p, lane16v half )
                                 lane16_select( outside, length, in.distance ) };
 }
 
+static contact_surface closest_on_tapered( const contact_body* body, lane16v p )
+{
+    lane16 rho = lane16_sqrt( lane16_add( lane16_mul( p.x, p.x ), lane16_mul( p.z, p.z ) ) );
+    lane16 y = lane16_sub( p.y, lane16_mul( body->slope, rho ) );
+    y = lane16_min( lane16_max( y, body->lower ), body->upper );
+    p.y = lane16_sub( p.y, y );
+    return around( p, lane16_sub( body->radius, lane16_mul( body->sine, y ) ), body->fallback );
+}
+
 static contact_surface closest( const contact_body* body, lane16v p )
 {
     switch ( body->kind )
@@ -147,6 +165,8 @@ static contact_surface closest( const contact_body* body, lane16v p )
             return around( p, body->radius, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
         case WISP_SHAPE_BOX:
             return closest_on_box( p, body->half );
+        case WISP_SHAPE_TAPERED_CAPSULE:
+            return closest_on_tapered( body, p );
         default:
             return ( contact_surface ){ lane16v_set1( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } ), p.y };
     }

@@ -1,6 +1,7 @@
 #include "wisp/shapes.h"
 
-#include "double3.h"
+#include "solid.h"
+#include "taper.h"
 
 static double clamp( double x, double lower, double upper )
 {
@@ -36,13 +37,23 @@ static const char* size_fault( const wisp_shape* shape )
             return !is_size( shape->radius ) ? "radius" : ( is_size( shape->half_length ) ? NULL : "half length" );
         case WISP_SHAPE_BOX:
             return is_size( h.x ) && is_size( h.y ) && is_size( h.z ) ? NULL : "half extent";
+        case WISP_SHAPE_TAPERED_CAPSULE:
+            return !is_size( shape->top_radius )
+                       ? "top radius"
+                       : ( !is_size( shape->bottom_radius )
+                               ? "bottom radius"
+                               : ( is_size( shape->half_length ) ? NULL : "half length" ) );
+        case WISP_SHAPE_CONVEX:
+            return shape->convex != NULL ? NULL : "hull";
+        case WISP_SHAPE_HEIGHT_FIELD:
+            return height_field_fault( &shape->height_field );
     }
     return "kind";
 }
 
 wisp_status wisp_shape_check( const wisp_shape* shape, wisp_error* error )
 {
-    static const char* const names[] = { "plane", "sphere", "capsule", "box" };
+    static const char* const names[] = { "plane", "sphere", "capsule", "box", "tapered capsule", "convex polyhedron", "height field" };
     const char* fault = size_fault( shape );
     if ( fault == NULL )
     {
@@ -72,6 +83,13 @@ static void closest_round( double3 p, double3 q, double radius, double3 fallback
     s->point = double3_narrow( double3_mul_add( q, radius, normal ) );
     s->normal = double3_narrow( normal );
     s->distance = (float)( length - radius );
+}
+
+static void closest_tapered( double3 p, const wisp_shape* shape, wisp_surface_point* s )
+{
+    const taper t = taper_of( shape );
+    const double y = clamp( p.y - t.slope * sqrt( p.x * p.x + p.z * p.z ), t.lower, t.upper );
+    closest_round( p, ( double3 ){ 0.0, y, 0.0 }, t.middle - t.sine * y, ( double3 ){ t.cosine, t.sine, 0.0 }, s );
 }
 
 static double axis_of( double3 v, int axis )
@@ -137,6 +155,15 @@ static void closest_to( const wisp_shape* shape, double3 p, wisp_surface_point* 
         case WISP_SHAPE_BOX:
             closest_on_box( p, double3_widen( shape->half_extent ), surface );
             break;
+        case WISP_SHAPE_TAPERED_CAPSULE:
+            closest_tapered( p, shape, surface );
+            break;
+        case WISP_SHAPE_CONVEX:
+            convex_closest( shape->convex, p, surface );
+            break;
+        case WISP_SHAPE_HEIGHT_FIELD:
+            height_field_closest( &shape->height_field, p, surface );
+            break;
     }
 }
 
@@ -201,12 +228,56 @@ static double enter_capsule( double3 from, double3 step, double radius, double h
     return first;
 }
 
+// Returns the earlier entry into the cone between the balls, where its normal meets an axis point between their centres.
+//   f( t ) = cosine^2 rho^2 - ( middle - sine y )^2 = A t^2 + 2 B t + C
+static double enter_cone( const taper* t, double3 from, double3 step )
+{
+    const double c = t->cosine * t->cosine, m = t->middle - t->sine * from.y, k = -t->sine * step.y;
+    const double a = c * ( step.x * step.x + step.z * step.z ) - k * k;
+    const double b = c * ( from.x * step.x + from.z * step.z ) - m * k;
+    const double d = c * ( from.x * from.x + from.z * from.z ) - m * m, root = b * b - a * d;
+    if ( !( root >= 0.0 ) )
+    {
+        return NEVER;
+    }
+    // both roots without cancellation
+    const double q = -( b + ( b < 0.0 ? -sqrt( root ) : sqrt( root ) ) );
+    const double times[] = { a != 0.0 ? q / a : NEVER, q != 0.0 ? d / q : NEVER };
+    double first = NEVER;
+    for ( int i = 0; i < 2; ++i )
+    {
+        const double3 at = double3_mul_add( from, times[i], step );
+        const double rho = sqrt( at.x * at.x + at.z * at.z ), y = at.y - t->slope * rho;
+        const double inwards = t->cosine * ( at.x * step.x + at.z * step.z ) + t->sine * rho * step.y;
+        const bool enters = times[i] >= 0.0 && y >= t->lower && y <= t->upper && inwards < 0.0;
+        // the other half of the double cone is no surface
+        const bool is_outer = t->middle - t->sine * at.y >= 0.0;
+        first = enters && is_outer && times[i] < first ? times[i] : first;
+    }
+    return first;
+}
+
+// The parts of the balls inside the hull are entered later than the hull.
+static double enter_tapered( const wisp_shape* shape, double3 from, double3 step )
+{
+    const taper t = taper_of( shape );
+    double first = t.lower < t.upper ? enter_cone( &t, from, step ) : NEVER;
+    const double ends[] = { t.lower, t.upper };
+    for ( int cap = 0; cap < 2; ++cap )
+    {
+        const double3 seen = { from.x, from.y - ends[cap], from.z };
+        const double time = enter_round( seen, step, t.middle - t.sine * ends[cap] );
+        first = time < first ? time : first;
+    }
+    return first;
+}
+
 // Finds the slab that is entered last, before any slab is left.
-// @param axis of the face, output
-static double enter_box( double3 from, double3 step, double3 h, int* axis )
+// @param normal of the face, output
+static double enter_box( double3 from, double3 step, double3 h, double3* normal )
 {
     double enter = -1.0, leave = NEVER;
-    *axis = 0;
+    int axis = 0;
     for ( int k = 0; k < 3; ++k )
     {
         double a = axis_of( from, k ), d = axis_of( step, k ), size = axis_of( h, k );
@@ -216,10 +287,11 @@ static double enter_box( double3 from, double3 step, double3 h, int* axis )
             continue;
         }
         double near = ( d > 0.0 ? -size - a : size - a ) / d, far = ( d > 0.0 ? size - a : -size - a ) / d;
-        *axis = near > enter ? k : *axis;
+        axis = near > enter ? k : axis;
         enter = near > enter ? near : enter;
         leave = far < leave ? far : leave;
     }
+    *normal = along( axis, axis_of( step, axis ) > 0.0 ? -1.0 : 1.0 );
     return enter >= 0.0 && enter <= leave ? enter : NEVER;
 }
 
@@ -231,7 +303,7 @@ static void fill_hit( const wisp_shape* shape, double3 from, double3 step, doubl
     *hit = ( wisp_shape_hit ){ surface.point, surface.normal, (float)time };
 }
 
-static double enter_time( const wisp_shape* shape, double3 from, double3 step, int* axis )
+static double enter_time( const wisp_shape* shape, double3 from, double3 step, double3* normal )
 {
     switch ( shape->kind )
     {
@@ -242,7 +314,13 @@ static double enter_time( const wisp_shape* shape, double3 from, double3 step, i
         case WISP_SHAPE_CAPSULE:
             return enter_capsule( from, step, (double)shape->radius, (double)shape->half_length );
         case WISP_SHAPE_BOX:
-            return enter_box( from, step, double3_widen( shape->half_extent ), axis );
+            return enter_box( from, step, double3_widen( shape->half_extent ), normal );
+        case WISP_SHAPE_TAPERED_CAPSULE:
+            return enter_tapered( shape, from, step );
+        case WISP_SHAPE_CONVEX:
+            return convex_enter( shape->convex, from, step, normal );
+        case WISP_SHAPE_HEIGHT_FIELD:
+            return height_field_enter( &shape->height_field, from, step, normal );
     }
     return NEVER;
 }
@@ -261,15 +339,15 @@ bool wisp_shape_cast( const wisp_shape* shape, wisp_vec3 from, wisp_vec3 to, wis
         return false;
     }
     double3 a = double3_widen( from ), step = double3_sub( double3_widen( to ), a );
-    int axis = -1;
-    double time = enter_time( shape, a, step, &axis );
+    double3 normal = { 0.0, 0.0, 0.0 }; // of the face, if the shape has faces
+    double time = enter_time( shape, a, step, &normal );
     if ( time <= 1.0 )
     {
         fill_hit( shape, a, step, time, hit );
-        if ( shape->kind == WISP_SHAPE_BOX )
+        if ( double3_dot( normal, normal ) > 0.0 )
         {
             // near an edge the closest point could be on another face
-            hit->normal = double3_narrow( along( axis, axis_of( step, axis ) > 0.0 ? -1.0 : 1.0 ) );
+            hit->normal = double3_narrow( normal );
         }
         return true;
     }

@@ -71,11 +71,26 @@ static wisp_cull_shape bound_of( const collision_body* body )
     {
         return WISP_CULL_BOX_AND_BALL;
     }
-    if ( body->shape.kind == WISP_SHAPE_BOX )
+    if ( body->shape.kind == WISP_SHAPE_BOX || body->shape.kind == WISP_SHAPE_CONVEX )
     {
         return WISP_CULL_BOX;
     }
-    return body->shape.kind == WISP_SHAPE_PLANE ? WISP_CULL_HALF_SPACE : WISP_CULL_ROUND;
+    const bool is_ground = body->shape.kind == WISP_SHAPE_PLANE || body->shape.kind == WISP_SHAPE_HEIGHT_FIELD;
+    return is_ground ? WISP_CULL_HALF_SPACE : WISP_CULL_ROUND;
+}
+
+// Return the radius of a round bound, or that of the ball around a mesh.
+static float radius_of( const collision_body* body )
+{
+    const wisp_shape* s = &body->shape;
+    const bool tapered = s->kind == WISP_SHAPE_TAPERED_CAPSULE;
+    return body->tree != NULL ? body->tight_radius : tapered ? fmaxf( s->top_radius, s->bottom_radius ) : s->radius;
+}
+
+static float half_length_of( const collision_body* body )
+{
+    const bool is_long = body->shape.kind == WISP_SHAPE_CAPSULE || body->shape.kind == WISP_SHAPE_TAPERED_CAPSULE;
+    return is_long ? body->shape.half_length : 0.0f;
 }
 
 void collision_cull_block( const collision_find_args* args, const collision_view* view, collision_block* block )
@@ -88,8 +103,8 @@ void collision_cull_block( const collision_find_args* args, const collision_view
         .shape = bound_of( body ),
         .centre = body->centre,
         .half = body->half,
-        .radius = body->tree != NULL ? body->tight_radius : body->shape.radius,
-        .half_length = body->shape.kind == WISP_SHAPE_CAPSULE ? body->shape.half_length : 0.0f,
+        .radius = radius_of( body ),
+        .half_length = half_length_of( body ),
         .margin = 2.0f * view->thickness + collision_surface_shift( view ),
         .shift = view->shift,
         .turn = view->turn,

@@ -201,8 +201,15 @@ void collision_closest( const collision_view* view, const wisp_mesh_query* queri
         closest_on_plane( queries, count, nearest, found );
         return;
     }
+    const bool is_ground = body->shape.kind == WISP_SHAPE_HEIGHT_FIELD;
     for ( int i = 0; i < count; ++i )
     {
+        // above all heights
+        if ( is_ground && queries[i].point.y - body->centre.y > queries[i].radius )
+        {
+            found[i] = false;
+            continue;
+        }
         found[i] = wisp_shape_closest( &body->shape, queries[i].point, nearest + i ) &&
                    nearest[i].distance <= queries[i].radius;
     }

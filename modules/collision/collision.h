@@ -1,6 +1,6 @@
-/// Collision of surfaces and strands with kinematic bodies, with Coulomb friction. Colliders are planes, spheres, capsules and
-/// boxes in closed form, triangle meshes through Embree or voxels, and surfaces that deform, such as the skin of a character. They
-/// rest or move as the host says.
+/// Collision of surfaces and strands with kinematic bodies, with Coulomb friction. Colliders are planes, spheres, capsules,
+/// tapered capsules and boxes in closed form, convex polyhedra, height fields, triangle meshes through Embree or voxels, and
+/// surfaces that deform, such as the skin of a character. They rest or move as the host says.
 ///
 ///     wisp_collider_def ball = wisp_default_collider_def();
 ///     ball.kind = WISP_COLLIDER_SPHERE, ball.radius = 0.5f;
@@ -24,13 +24,16 @@ WISP_API extern const wisp_module wisp_collision_module;
 
 typedef enum wisp_collider_kind
 {
-    WISP_COLLIDER_PLANE = 0,   ///< the half space y <= 0 of its own frame
-    WISP_COLLIDER_SPHERE = 1,  ///< around the origin of its frame
-    WISP_COLLIDER_CAPSULE = 2, ///< along the y axis of its frame
-    WISP_COLLIDER_BOX = 3,     ///< around the origin, edges along the axes
-    WISP_COLLIDER_MESH = 4,    ///< triangles; needs Embree unless it is searched by voxels
-    WISP_COLLIDER_SURFACE = 5, ///< the triangles of a surface of the world, which deforms; needs no Embree
-    WISP_COLLIDER_COUNT = 6,
+    WISP_COLLIDER_PLANE = 0,           ///< the half space y <= 0 of its own frame
+    WISP_COLLIDER_SPHERE = 1,          ///< around the origin of its frame
+    WISP_COLLIDER_CAPSULE = 2,         ///< along the y axis of its frame
+    WISP_COLLIDER_BOX = 3,             ///< around the origin, edges along the axes
+    WISP_COLLIDER_MESH = 4,            ///< triangles; needs Embree unless it is searched by voxels
+    WISP_COLLIDER_TAPERED_CAPSULE = 5, ///< along the y axis of its frame, with two radii
+    WISP_COLLIDER_CONVEX = 6,          ///< the convex hull of points
+    WISP_COLLIDER_HEIGHT_FIELD = 7,    ///< everything below a grid of heights over the xz plane of its frame
+    WISP_COLLIDER_SURFACE = 8,         ///< the triangles of a surface of the world, which deforms; needs no Embree
+    WISP_COLLIDER_COUNT = 9,
 } wisp_collider_kind;
 
 /// A body that surfaces and strands collide with. Fill from wisp_default_collider_def(). Copied; need not outlive the call.
@@ -39,25 +42,31 @@ typedef struct wisp_collider_def
     uint32_t size; ///< bytes; set by wisp_default_collider_def()
     wisp_collider_kind kind;
     float radius;             ///< m, > 0: sphere, capsule; default 1
-    float half_length;        ///< m, >= 0: capsule, from the centre to that of a cap; default 1
+    float half_length;        ///< m, >= 0: capsule, tapered capsule: from the centre to that of a cap; default 1
     wisp_vec3 half_extent;    ///< m, each > 0: box; default 1
-    const wisp_vec3* points;  ///< [point_count] m: mesh, in the body's frame
+    const wisp_vec3* points;  ///< [point_count] m: mesh, convex, in the body's frame; at most 1024 of a convex one
     const int32_t* triangles; ///< [triangle_count][3]: mesh, counter-clockwise seen from outside
     int point_count, triangle_count;
     bool double_sided; ///< mesh: two-sided, without an inside; default false: a solid, whose mesh must be closed
-    wisp_mesh_search search; ///< mesh: search structure; changes the time and not the result; default tree
-    float voxel_size;        ///< m, >= 0: mesh with voxels: edge of a voxel; default 0: the mean edge
+    wisp_mesh_search search;            ///< mesh: search structure; changes the time and not the result; default tree
+    float voxel_size;                   ///< m, >= 0: mesh with voxels: edge of a voxel; default 0: the mean edge
+    wisp_transform pose;                ///< default: the identity
+    float static_friction;              ///< mu that must be overcome, >= 0, default 0.5
+    float kinetic_friction;             ///< mu while sliding, 0 .. static_friction, default 0.5
+    float thickness;                    ///< m, >= 0: added to the thickness of what touches the collider, default 0
+    uint32_t layers;                    ///< bits; an entity collides with it if its mask has one of them; default 1
+    float top_radius;                   ///< m, > 0: tapered capsule, of the cap at +y; default 1
+    float bottom_radius;                ///< m, > 0: tapered capsule, of the cap at -y; default 1
+    const float* heights;               ///< [height_count_z][height_count_x] m: height field, within 1e6 m of 0
+    int height_count_x, height_count_z; ///< height field: samples along x and z, 2 .. 8192 each
+    float spacing;                      ///< m, > 0: height field: distance of its samples along x and z; default 1
+    float restitution;   ///< 0 .. 1: fraction of the approach speed that a vertex leaves with; default 0
+    wisp_entity surface; ///< surface: an entity with triangles, such as the skin of a character
     bool
-        tracks; ///< mesh, surface: the closest triangle of a vertex is searched once per step and tracked over its neighbours
-    ///< in the other substeps, so that what comes near from elsewhere within a step is met at the next; false: it
-    ///< is searched in each substep, at several times the cost. Default true. Of the third such collider of the
-    ///< world on it is searched
-    wisp_transform pose;    ///< default: the identity
-    float static_friction;  ///< mu that must be overcome, >= 0, default 0.5
-    float kinetic_friction; ///< mu while sliding, 0 .. static_friction, default 0.5
-    float thickness;        ///< m, >= 0: added to the thickness of what touches the collider, default 0
-    uint32_t layers;        ///< bits; an entity collides with it if its mask has one of them; default 1
-    wisp_entity surface;    ///< surface: an entity with triangles, such as the skin of a character
+        tracks; ///< mesh, surface: the closest triangle of a vertex is searched once per step and tracked over its neighbours in
+        ///< the other substeps, so that what comes near from elsewhere within a step is met at the next; false: it is
+        ///< searched in each substep, at several times the cost. Default true. Of the third such collider of the world
+        ///< on it is searched
 } wisp_collider_def;
 
 WISP_DEFINITION( collider_def );
@@ -80,6 +89,26 @@ WISP_API wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_d
 /// @return WISP_BAD_INPUT the pose is not finite or beyond 1e6 m; WISP_CONFLICT the entity is no collider, or one that moves
 ///         with its surface
 WISP_API wisp_status wisp_move_collider( wisp_world* world, wisp_entity collider, wisp_transform pose );
+
+/// What surfaces and strands gave to a collider in a step: minus the momentum and angular momentum that its contact gave to their
+/// vertices by push, friction and restitution. What only moves a vertex out of an initial overlap gives no momentum.
+typedef struct wisp_reaction
+{
+    wisp_vec3 impulse;        ///< N s
+    wisp_vec3 torque_impulse; ///< N m s, about the origin of the collider's frame at the end of the step
+} wisp_reaction;
+
+/// Request the reaction of a collider from the next step on. It costs a body number per contact and two sums in double per
+/// block of particles; without a request nothing. A step between two reads is not added to the next.
+/// @param requested false cancels the request
+/// @return WISP_CONFLICT the entity is no collider; WISP_NO_MEMORY
+/// @note Surfaces with an external solver (implicit cloth) and strands without dynamics add nothing: they are not moved by this
+///       module, or have no momentum
+WISP_API wisp_status wisp_request_reaction( wisp_world* world, wisp_entity collider, bool requested );
+
+/// Read the reaction of the last step. Sums are made in double in a fixed order, independent of the number of workers.
+/// @return WISP_CONFLICT the reaction was not requested. Before the first step it is zero
+WISP_API wisp_status wisp_read_reaction( wisp_world* world, wisp_entity collider, wisp_reaction* out );
 
 /// How a surface or strands collide. Fill from wisp_default_collision_def(). Copied.
 typedef struct wisp_collision_def

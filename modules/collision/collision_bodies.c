@@ -25,6 +25,9 @@ void wisp_init_collider_def( wisp_collider_def* def, size_t size )
         .kinetic_friction = 0.5f,
         .layers = 1,
         .tracks = true,
+        .top_radius = 1.0f,
+        .bottom_radius = 1.0f,
+        .spacing = 1.0f,
     };
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
@@ -35,6 +38,7 @@ static wisp_status check_sizes( wisp_world* world, const wisp_collider_def* d )
 {
     const bool round = d->kind == WISP_COLLIDER_SPHERE || d->kind == WISP_COLLIDER_CAPSULE;
     const bool box = d->kind == WISP_COLLIDER_BOX, mesh = d->kind == WISP_COLLIDER_MESH;
+    const bool tapered = d->kind == WISP_COLLIDER_TAPERED_CAPSULE, field = d->kind == WISP_COLLIDER_HEIGHT_FIELD;
     const struct
     {
         const char* name;
@@ -43,10 +47,16 @@ static wisp_status check_sizes( wisp_world* world, const wisp_collider_def* d )
     } ranges[] = {
         { "kind", (float)d->kind, 0.0f, (float)( WISP_COLLIDER_COUNT - 1 ), true },
         { "radius", d->radius, 1e-6f, 1e6f, round },
-        { "half_length", d->half_length, 0.0f, 1e6f, d->kind == WISP_COLLIDER_CAPSULE },
+        { "half_length", d->half_length, 0.0f, 1e6f, d->kind == WISP_COLLIDER_CAPSULE || tapered },
+        { "top_radius", d->top_radius, 1e-6f, 1e6f, tapered },
+        { "bottom_radius", d->bottom_radius, 1e-6f, 1e6f, tapered },
         { "half_extent.x", d->half_extent.x, 1e-6f, 1e6f, box },
         { "half_extent.y", d->half_extent.y, 1e-6f, 1e6f, box },
         { "half_extent.z", d->half_extent.z, 1e-6f, 1e6f, box },
+        { "height_count_x", (float)d->height_count_x, 2.0f, 8192.0f, field },
+        { "height_count_z", (float)d->height_count_z, 2.0f, 8192.0f, field },
+        { "spacing", d->spacing, 1e-6f, 1e6f, field },
+        { "restitution", d->restitution, 0.0f, 1.0f, true },
         { "search", (float)d->search, 0.0f, (float)( WISP_MESH_SEARCH_COUNT - 1 ), mesh },
         { "voxel_size", d->voxel_size, 0.0f, 1e6f, mesh },
         { "static_friction", d->static_friction, 0.0f, 1e6f, true },
@@ -126,7 +136,7 @@ double collision_signed_volume( const wisp_vec3* points, const int32_t* triangle
     return sum;
 }
 
-static void measure_mesh( const wisp_collider_def* d, collision_body* body )
+static void measure_points( const wisp_collider_def* d, collision_body* body )
 {
     wisp_vec3 lower = d->points[0], upper = lower;
     for ( int v = 1; v < d->point_count; ++v )
@@ -190,16 +200,106 @@ static wisp_status make_mesh( wisp_world* world, const wisp_collider_def* d, col
         body->tree = NULL;
         return status;
     }
-    measure_mesh( d, body );
+    measure_points( d, body );
     return WISP_OK;
+}
+
+// ---- convex polyhedra and height fields ----
+
+static wisp_status make_convex( wisp_world* world, const wisp_collider_def* d, collision_body* body )
+{
+    WISP_TRY( wisp_world_check_list( world, "points", d->points, d->point_count ) );
+    WISP_TRY( check_points( world, d ) );
+    wisp_error error = { 0 };
+    wisp_status status =
+        wisp_convex_create( d->points, d->point_count, wisp_world_allocator( world ), &body->convex, &error );
+    if ( status != WISP_OK )
+    {
+        return wisp_world_fail( world, status, "collider: %s", error.message );
+    }
+    measure_points( d, body );
+    body->shape = ( wisp_shape ){ .kind = WISP_SHAPE_CONVEX, .convex = body->convex };
+    return WISP_OK;
+}
+
+static size_t height_bytes( const wisp_height_field* f )
+{
+    return (size_t)f->count_x * (size_t)f->count_z * sizeof( float );
+}
+
+static wisp_status make_height_field( wisp_world* world, const wisp_collider_def* d, collision_body* body )
+{
+    const int count = d->height_count_x * d->height_count_z;
+    WISP_TRY( wisp_world_check_pointer( world, "heights", d->heights ) );
+    float top = -INFINITY;
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( !( fabsf( d->heights[i] ) <= 1e6f ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "collider: height %d of row %d is %g, it must be within 1e6 m of 0",
+                                    i % d->height_count_x, i / d->height_count_x, (double)d->heights[i] );
+        }
+        top = fmaxf( top, d->heights[i] );
+    }
+    const wisp_height_field field = { NULL, d->height_count_x, d->height_count_z, d->spacing };
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    body->heights = allocator->allocate( allocator->user, height_bytes( &field ), 64 );
+    if ( body->heights == NULL )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d heights of a collider", count );
+    }
+    memcpy( body->heights, d->heights, height_bytes( &field ) );
+    body->shape = ( wisp_shape ){ .kind = WISP_SHAPE_HEIGHT_FIELD, .height_field = field };
+    body->shape.height_field.heights = body->heights;
+    body->centre = ( wisp_vec3 ){ 0.0f, top, 0.0f };
+    body->half = ( wisp_vec3 ){ INFINITY, INFINITY, INFINITY };
+    body->ball_radius = INFINITY;
+    return WISP_OK;
+}
+
+void collision_release_body( const wisp_allocator* allocator, collision_body* body )
+{
+    wisp_collision_mesh_release( body->tree );
+    wisp_convex_release( body->convex );
+    if ( body->heights != NULL )
+    {
+        allocator->release( allocator->user, body->heights, height_bytes( &body->shape.height_field ) );
+    }
+    collision_release_points( allocator, body );
+}
+
+size_t collision_body_bytes( const collision_body* body )
+{
+    return wisp_convex_bytes( body->convex ) +
+           ( body->heights != NULL ? height_bytes( &body->shape.height_field ) : 0 ) +
+           ( body->start != NULL ? 2 * collision_points_bytes( body ) : 0 );
+}
+
+// If one ball holds the other, the box is that of the larger one.
+static void measure_tapered( collision_body* body )
+{
+    const wisp_shape* s = &body->shape;
+    const float r = fmaxf( s->top_radius, s->bottom_radius );
+    const float lower = fminf( -s->half_length - s->bottom_radius, s->half_length - s->top_radius );
+    const float upper = fmaxf( s->half_length + s->top_radius, -s->half_length + s->bottom_radius );
+    body->centre = ( wisp_vec3 ){ 0.0f, 0.5f * ( lower + upper ), 0.0f };
+    // slightly larger, against rounding of the sums
+    body->half = ( wisp_vec3 ){ r, 0.50001f * ( upper - lower ), r };
+    body->inner = fminf( s->top_radius, s->bottom_radius );
 }
 
 static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, collision_body* body )
 {
-    static const wisp_shape_kind KINDS[] = { WISP_SHAPE_PLANE, WISP_SHAPE_SPHERE, WISP_SHAPE_CAPSULE,
-                                             WISP_SHAPE_BOX };
+    static const wisp_shape_kind KINDS[] = { [WISP_COLLIDER_PLANE] = WISP_SHAPE_PLANE,
+                                             [WISP_COLLIDER_SPHERE] = WISP_SHAPE_SPHERE,
+                                             [WISP_COLLIDER_CAPSULE] = WISP_SHAPE_CAPSULE,
+                                             [WISP_COLLIDER_BOX] = WISP_SHAPE_BOX,
+                                             [WISP_COLLIDER_TAPERED_CAPSULE] = WISP_SHAPE_TAPERED_CAPSULE };
     const bool has_mesh = d->kind == WISP_COLLIDER_MESH || d->kind == WISP_COLLIDER_SURFACE;
-    *body = ( collision_body ){ .double_sided = has_mesh && d->double_sided, .tracks = has_mesh && d->tracks };
+    *body = ( collision_body ){ .double_sided = has_mesh && d->double_sided,
+                                .tracks = has_mesh && d->tracks,
+                                .restitution = d->restitution };
     if ( d->kind == WISP_COLLIDER_SURFACE )
     {
         return collision_make_surface( world, d, body );
@@ -208,7 +308,28 @@ static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, col
     {
         return make_mesh( world, d, body );
     }
-    body->shape = ( wisp_shape ){ KINDS[d->kind], d->radius, d->half_length, d->half_extent };
+    if ( d->kind == WISP_COLLIDER_CONVEX )
+    {
+        return make_convex( world, d, body );
+    }
+    if ( d->kind == WISP_COLLIDER_HEIGHT_FIELD )
+    {
+        return make_height_field( world, d, body );
+    }
+    body->shape = ( wisp_shape ){
+        .kind = KINDS[d->kind],
+        .radius = d->radius,
+        .half_length = d->half_length,
+        .half_extent = d->half_extent,
+        .top_radius = d->top_radius,
+        .bottom_radius = d->bottom_radius,
+    };
+    if ( d->kind == WISP_COLLIDER_TAPERED_CAPSULE )
+    {
+        measure_tapered( body );
+        body->ball_radius = collision_length( body->half );
+        return WISP_OK;
+    }
     const float r = d->radius, all = INFINITY;
     const wisp_vec3 halves[] = { { all, all, all }, { r, r, r }, { r, r + d->half_length, r }, d->half_extent };
     body->half = halves[d->kind];
@@ -232,14 +353,14 @@ static void number_tracks( collision_state* state )
     }
 }
 
-bool collision_forget_body( wisp_world* world, collision_state* state, wisp_entity entity )
+bool collision_forget_body( collision_state* state, const wisp_allocator* allocator, wisp_entity entity )
 {
     for ( int i = 0; i < state->body_count; ++i )
     {
         collision_body* body = state->bodies + i;
         if ( wisp_entity_equal( body->entity, entity ) )
         {
-            collision_release_body( body, wisp_world_allocator( world ) );
+            collision_release_body( allocator, body );
             state->body_count -= 1;
             memmove( body, body + 1, (size_t)( state->body_count - i ) * sizeof( *body ) );
             number_tracks( state );
@@ -311,7 +432,7 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* given
     status = status == WISP_OK ? append_body( world, state, def, &body ) : status;
     if ( status != WISP_OK )
     {
-        collision_release_body( &body, wisp_world_allocator( world ) );
+        collision_release_body( wisp_world_allocator( world ), &body );
         return status;
     }
     *out = body.entity;
@@ -417,6 +538,7 @@ bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_s
         {
             out->body = body;
             set_poses( frame, span, collider, out );
+            out->restitution = body->restitution;
             out->thickness = settings->thickness + collider->thickness;
             out->static_friction = settings->friction * collider->static_friction;
             out->kinetic_friction = settings->friction * collider->kinetic_friction;

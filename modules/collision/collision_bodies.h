@@ -13,6 +13,7 @@ typedef struct collision_view
     float begin, end; // the same of a surface, as times of its motion in the step
     float shift;      // m, most that the body's origin, or a point of a surface, moves in the step
     float turn;       // most that a point of the body moves besides, in lengths of its distance from the origin
+    float restitution;
 } collision_view;
 
 /// Iterate over the bodies that the span's entity collides with in its substep. Start with *next = 0.
@@ -26,8 +27,13 @@ static inline float collision_surface_shift( const collision_view* view )
     return view->body->follows ? view->shift * ( view->end - view->begin ) : 0.0f;
 }
 
-/// Remove a body from the list and free what it has. @return whether it was there
-bool collision_forget_body( wisp_world* world, collision_state* state, wisp_entity entity );
+/// Free the mesh, hull, heights or points of a body.
+void collision_release_body( const wisp_allocator* allocator, collision_body* body );
+/// Return the bytes of its hull, heights or points.
+size_t collision_body_bytes( const collision_body* body );
+
+/// Remove a body from the list and free what it owns. @return whether it was there
+bool collision_forget_body( collision_state* state, const wisp_allocator* allocator, wisp_entity entity );
 
 /// Return six times the volume within a mesh, relative to its first point.
 double collision_signed_volume( const wisp_vec3* points, const int32_t* triangles, int count );

@@ -4,6 +4,7 @@
 #include "collision_passes.h"
 #include "collision_surface.h"
 #include "particle_contacts.h"
+#include "reaction.h"
 
 #define COLLISION_SETTINGS_COLUMNS( X ) X( collision_settings, settings, 1 )
 #define COLLISION_ACTIVE_COLUMNS( X ) X( int32_t, active, 1 ) /* there is a body, and it is enabled */
@@ -23,6 +24,10 @@
     X( int32_t, triangle, 16 * COLLISION_TRACKS ) /* [body][lane] */                                                 \
     X( float, free, 16 * COLLISION_TRACKS )
 #define COLLISION_FOLLOWER_COLUMNS( X ) X( int32_t, follows, 1 ) /* the body is a surface */
+#define COLLISION_REACTION_COLUMNS( X ) X( wisp_reaction, reaction, 1 )
+#define COLLISION_REACTION_PART_COLUMNS( X ) X( int32_t, first, 1 )
+#define COLLISION_CONTACT_BODY_COLUMNS( X ) X( int32_t, body, WISP_COLLISION_CONTACTS )
+#define COLLISION_BOUNCE_COLUMNS( X ) X( float, bounce, WISP_COLLISION_CONTACTS )
 
 static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def ACTIVE_COLUMNS[] = { COLLISION_ACTIVE_COLUMNS( WISP_COLUMN_DEF ) };
@@ -34,6 +39,10 @@ static const wisp_column_def MOTION_COLUMNS[] = { COLLISION_MOTION_COLUMNS( WISP
 static const wisp_column_def TRACKED_COLUMNS[] = { COLLISION_TRACKED_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def STRAND_TRACKED_COLUMNS[] = { COLLISION_STRAND_TRACKED_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def FOLLOWER_COLUMNS[] = { COLLISION_FOLLOWER_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def REACTION_COLUMNS[] = { COLLISION_REACTION_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def REACTION_PART_COLUMNS[] = { COLLISION_REACTION_PART_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def CONTACT_BODY_COLUMNS[] = { COLLISION_CONTACT_BODY_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def BOUNCE_COLUMNS[] = { COLLISION_BOUNCE_COLUMNS( WISP_COLUMN_DEF ) };
 
 // ---- declaration ----
 
@@ -42,8 +51,9 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     collision_state* state = memory;
     for ( int i = 0; i < state->body_count; ++i )
     {
-        collision_release_body( state->bodies + i, allocator );
+        collision_release_body( allocator, state->bodies + i );
     }
+    collision_release_reactions( allocator, state );
     if ( state->bodies != NULL )
     {
         allocator->release( allocator->user, state->bodies, (size_t)state->body_capacity * sizeof( collision_body ) );
@@ -61,7 +71,8 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
 {
     collision_state* state = memory;
     collision_forget_surface( state, entity );
-    if ( collision_forget_participant( state, entity ) == false && collision_forget_body( world, state, entity ) )
+    if ( collision_forget_participant( state, entity ) == false &&
+         collision_forget_body( state, wisp_world_allocator( world ), entity ) )
     {
         collision_update_components( world, state );
     }
@@ -111,7 +122,15 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     state->follower = wisp_declare_component( r, &follower );
     state->tracked = wisp_declare_component( r, &tracked );
     state->strand_tracked = wisp_declare_component( r, &strand_tracked );
-    return state->strand_tracked != 0 ? WISP_OK : WISP_BAD_INPUT;
+    const wisp_component_def reaction = { "collision.reaction", WISP_TABLE_ENTITY, REACTION_COLUMNS, 1 };
+    const wisp_component_def part = { "collision.reaction_part", WISP_TABLE_ENTITY, REACTION_PART_COLUMNS, 1 };
+    const wisp_component_def body = { "collision.contact_body", WISP_TABLE_PARTICLE, CONTACT_BODY_COLUMNS, 1 };
+    const wisp_component_def bounce = { "collision.bounce", WISP_TABLE_PARTICLE, BOUNCE_COLUMNS, 1 };
+    state->reaction = wisp_declare_component( r, &reaction );
+    state->reaction_part = wisp_declare_component( r, &part );
+    state->contact_body = wisp_declare_component( r, &body );
+    state->bounce = wisp_declare_component( r, &bounce );
+    return state->bounce != 0 ? WISP_OK : WISP_BAD_INPUT;
 }
 
 static wisp_status declare_passes( wisp_registry* r, collision_state* state )
@@ -153,6 +172,25 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->settings, WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .writes = { WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION },
             .run = collision_project,
+        },
+        {
+            .name = "collision.restitution",
+            .stage = WISP_STAGE_VELOCITY,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .required = { state->settings, WISP_PARTICLE_HALF_SPACES, state->bounce },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
+            .reads = { state->bounce, WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_VELOCITY },
+            .run = collision_bounce_off,
+        },
+        {
+            .name = "collision.reaction",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->collider, state->reaction },
+            .reads = { state->collider },
+            .writes = { state->reaction },
+            .run = collision_read_reactions,
         },
         {
             .name = "collision.stats",
@@ -229,14 +267,15 @@ static size_t count_memory( const void* memory, size_t* outside )
 {
     const collision_state* state = memory;
     size_t bytes = (size_t)state->body_capacity * sizeof( collision_body ) +
-                   (size_t)state->participant_capacity * sizeof( wisp_entity );
+                   (size_t)state->participant_capacity * sizeof( wisp_entity ) +
+                   state->sum_capacity * sizeof( collision_impulse );
     for ( int i = 0; i < state->body_count; ++i )
     {
         const wisp_collision_mesh* mesh = state->bodies[i].tree;
         const size_t elsewhere = mesh != NULL ? wisp_collision_mesh_outside_bytes( mesh ) : 0;
         bytes += mesh != NULL ? wisp_collision_mesh_bytes( mesh ) - elsewhere : 0;
-        bytes += state->bodies[i].start != NULL ? 2 * (size_t)state->bodies[i].point_count * sizeof( wisp_vec3 ) : 0;
         *outside += elsewhere;
+        bytes += collision_body_bytes( state->bodies + i );
     }
     return bytes;
 }

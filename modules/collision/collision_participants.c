@@ -3,6 +3,8 @@
 #include "collision_participants.h"
 
 #include "collision_vectors.h"
+#include "reaction.h"
+#include "restitution.h"
 
 #include <string.h>
 
@@ -96,7 +98,8 @@ wisp_status collision_update_components( wisp_world* world, collision_state* sta
     {
         status = update( world, state, state->participants[i] );
     }
-    return status;
+    status = status == WISP_OK ? collision_update_bounces( world, state ) : status;
+    return status == WISP_OK ? collision_update_reactions( world, state ) : status;
 }
 
 // ---- definitions ----
@@ -258,6 +261,8 @@ wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, cons
     const collision_settings before = *settings;
     *settings = resolve( def, mean_length( world, participant ), before.stats );
     status = update( world, state, participant );
+    status = status == WISP_OK ? collision_update_bounces( world, state ) : status;
+    status = status == WISP_OK ? collision_update_reactions( world, state ) : status;
     if ( status != WISP_OK )
     {
         *settings = before;

@@ -5,13 +5,19 @@
 
 #include "wisp/module/components.h"
 #include "wisp/module/collision_mesh.h"
+#include "wisp/module/convex.h"
 #include "wisp/module/module.h"
+
+/// Impulse on a body, N s, and torque impulse about the origin of the world, N m s.
+typedef double collision_impulse[6];
 
 /// A body. Only the mesh of a surface, its box and its ball change from step to step.
 typedef struct collision_body
 {
     wisp_entity entity;
     wisp_shape shape;          // unless there is a tree
+    wisp_convex* convex;       // of a convex body, or null
+    float* heights;            // of a height field, or null
     wisp_collision_mesh* tree; // null for a closed form
     bool follows;              // the mesh is that of a surface, in the world: see collision_surface.c
     wisp_entity surface;       // zero once it was removed
@@ -19,14 +25,22 @@ typedef struct collision_body
     int track;                 // where participants keep it; -1: nowhere
     wisp_vec3 *start, *finish; // m, [point_count] of the surface in this step, the user's order
     int point_count;
-    float shift;        // m, most that a point of the surface moves in this step
-    bool double_sided;  // double-sided
-    wisp_vec3 centre;   // m, of a box and a ball around the body, in its frame
-    wisp_vec3 half;     // m, of the box; infinite for a plane
+    float shift; // m, most that a point of the surface moves in this step
+    bool double_sided;
+    float restitution;
+    wisp_vec3
+        centre;     // m, of a box and a ball around the body, in its frame; of a half space or a height field its top
+    wisp_vec3 half; // m, of the box; infinite for a plane
     float ball_radius;  // m, of a ball around the box
     float tight_radius; // m, of a ball around the points of a mesh, with the same centre
     float inner;        // m, of a closed form: the smallest of its half sizes; infinite for a plane, 0 for a mesh
 } collision_body;
+
+/// Return whether kernels compute the closest points of the body.
+static inline bool collision_is_closed_form( const collision_body* body )
+{
+    return body->tree == NULL && body->shape.kind <= WISP_SHAPE_TAPERED_CAPSULE;
+}
 
 /// Bodies and participants in the order in which they were added. Passes walk these lists, so results depend on
 /// nothing else.
@@ -43,6 +57,12 @@ typedef struct collision_state
     wisp_component tracked;        // of particles, while there is a body that is tracked
     wisp_component strand_tracked; // of rows of strands, likewise
     int track_count;               // bodies that are tracked
+    wisp_component reaction;       // wisp_reaction of a body that is asked for it
+    wisp_component reaction_part;  // of participants while one is: the first of their parts in the sums
+    wisp_component contact_body;   // of surfaces likewise: for each contact the place of its body in the list
+    wisp_component bounce;         // of surfaces while a body has a restitution: m/s, for each contact
+    collision_impulse* sums;       // [part][body], zero between steps; null while no reaction is requested
+    size_t sum_count, sum_capacity;
     collision_body* bodies;
     int body_count, body_capacity;
     wisp_entity* participants; // surfaces and strands

@@ -16,23 +16,17 @@ enum
     GRAIN = 2048, // vertices per block
 };
 
-static size_t points_size( const collision_body* body )
+void collision_release_points( const wisp_allocator* allocator, collision_body* body )
 {
-    return (size_t)body->point_count * sizeof( wisp_vec3 );
-}
-
-void collision_release_body( collision_body* body, const wisp_allocator* allocator )
-{
-    wisp_collision_mesh_release( body->tree );
-    wisp_vec3* const arrays[] = { body->start, body->finish };
+    wisp_vec3** const arrays[] = { &body->start, &body->finish };
     for ( int i = 0; i < WISP_COUNT( arrays ); ++i )
     {
-        if ( arrays[i] != NULL )
+        if ( *arrays[i] != NULL )
         {
-            allocator->release( allocator->user, arrays[i], points_size( body ) );
+            allocator->release( allocator->user, *arrays[i], collision_points_bytes( body ) );
+            *arrays[i] = NULL;
         }
     }
-    *body = ( collision_body ){ .entity = body->entity };
 }
 
 void collision_forget_surface( collision_state* state, wisp_entity surface )
@@ -131,8 +125,8 @@ wisp_status collision_make_surface( wisp_world* world, const wisp_collider_def* 
     body->follows = true;
     body->surface = d->surface;
     body->point_count = fabric->vertex_count;
-    body->start = allocator->allocate( allocator->user, points_size( body ), sizeof( float ) );
-    body->finish = allocator->allocate( allocator->user, points_size( body ), sizeof( float ) );
+    body->start = allocator->allocate( allocator->user, collision_points_bytes( body ), sizeof( float ) );
+    body->finish = allocator->allocate( allocator->user, collision_points_bytes( body ), sizeof( float ) );
     wisp_status status = WISP_OK;
     if ( body->start == NULL || body->finish == NULL )
     {
@@ -148,13 +142,11 @@ wisp_status collision_make_surface( wisp_world* world, const wisp_collider_def* 
         }
         status = build_mesh( world, fabric, body );
     }
-    if ( status != WISP_OK )
+    if ( status == WISP_OK )
     {
-        collision_release_body( body, allocator );
-        return status;
+        find_bounds( body );
     }
-    find_bounds( body );
-    return WISP_OK;
+    return status;
 }
 
 wisp_status collision_follow_surface( wisp_world* world, const collision_state* state, wisp_entity body,

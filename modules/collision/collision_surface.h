@@ -12,8 +12,13 @@ wisp_status collision_make_surface( wisp_world* world, const wisp_collider_def* 
 wisp_status collision_follow_surface( wisp_world* world, const collision_state* state, wisp_entity body,
                                       wisp_entity surface );
 
-/// Free the mesh and the points of a body.
-void collision_release_body( collision_body* body, const wisp_allocator* allocator );
+/// Free the points of a body, if it has any.
+void collision_release_points( const wisp_allocator* allocator, collision_body* body );
+/// Return the bytes of one of its two arrays of points.
+static inline size_t collision_points_bytes( const collision_body* body )
+{
+    return (size_t)body->point_count * sizeof( wisp_vec3 );
+}
 
 /// Bodies of a surface that is about to be removed collide with nothing.
 void collision_forget_surface( collision_state* state, wisp_entity surface );

@@ -20,6 +20,8 @@
 #include "block_culling.h"
 #include "body_queries.h"
 #include "collision_passes.h"
+#include "reaction.h"
+#include "restitution.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -136,7 +138,7 @@ static void track_candidates( const collision_find_args* args, const collision_v
                              args->substeps_left, nearest, is_near, motion );
 }
 
-// The same for meshes.
+// The same for meshes, convex polyhedra and height fields.
 static void query_mesh( const collision_find_args* args, const collision_view* view, collision_block* block,
                         found_planes* planes )
 {
@@ -272,6 +274,46 @@ static void write_motions( const found_planes* planes, int first, int end, float
     }
 }
 
+// Note the body of a contact, and the velocity of a bounce.
+static void note_contact( const collision_find_args* args, const collision_view* view, int slot, int place,
+                          const collision_contact* c )
+{
+    if ( args->contact_body != NULL )
+    {
+        args->contact_body[slot][place] = (int32_t)( view->body - args->state->bodies );
+    }
+    if ( args->bounce != NULL )
+    {
+        args->bounce[slot][place] = collision_bounce( args, view, c, slot );
+    }
+}
+
+static void note_contacts( const collision_find_args* args, const collision_view* view, const collision_block* block,
+                           const found_planes* planes, int count )
+{
+    for ( int m = 0; m < count; ++m )
+    {
+        const int row = planes->row_x16[m] / 16, slot = block->begin + row / WISP_COLLISION_CONTACTS;
+        const int place = row % WISP_COLLISION_CONTACTS;
+        note_contact( args, view, slot, place, args->contact[slot] + place );
+    }
+}
+
+// The reaction to what moves particles out: where the previous position follows farther than the position.
+static void add_recovery( const collision_find_args* args, const collision_view* view, const collision_block* block,
+                          const found_planes* planes, int first, int end, float ( *before )[6] )
+{
+    double* sum = args->sums[view->body - args->state->bodies];
+    for ( int m = first; m < end; ++m )
+    {
+        const size_t quad = (size_t)block->begin * 4 + (size_t)planes->particle_x4[m];
+        const double mass = 1.0 / (double)args->position[quad + 3];
+        collision_add_reaction( sum, mass / (double)args->dt, collision_load( before[m] ),
+                                collision_load( before[m] + 3 ), collision_load( args->position + quad ),
+                                collision_load( args->previous + quad ) );
+    }
+}
+
 // Move particles out and write rows. Later bodies see the new positions.
 static void write_rows( const collision_find_args* args, const collision_view* view, collision_block* block,
                         found_planes* planes, int first, int count, float* rows )
@@ -302,10 +344,20 @@ static void write_rows( const collision_find_args* args, const collision_view* v
         .particle_x4 = planes->particle_x4 + first,
         .row_x16 = planes->row_x16 + first,
     };
+    float before[PLANES][6];
+    for ( int m = first; args->sums != NULL && m < end; ++m )
+    {
+        memcpy( before[m], half_spaces.position + planes->particle_x4[m], 3 * sizeof( float ) );
+        memcpy( before[m] + 3, half_spaces.previous + planes->particle_x4[m], 3 * sizeof( float ) );
+    }
     const bool moved = args->kernels->half_space_rows( &half_spaces, padded - first );
     if ( view->body->follows )
     {
         write_motions( planes, first, end, rows );
+    }
+    if ( moved && args->sums != NULL )
+    {
+        add_recovery( args, view, block, planes, first, end, before );
     }
     for ( int m = first; moved && block->is_last == false && m < end; ++m )
     {
@@ -319,7 +371,8 @@ static void write_rows( const collision_find_args* args, const collision_view* v
 }
 
 // Of a particle that has all contacts, the farthest gives way to a nearer one.
-static void replace_farthest( const collision_find_args* args, int slot, const collision_contact* found )
+static void replace_farthest( const collision_find_args* args, const collision_view* view, int slot,
+                              const collision_contact* found )
 {
     const wisp_vec3 p = collision_load( args->position + (size_t)slot * 4 );
     collision_contact* all = args->contact[slot];
@@ -331,6 +384,7 @@ static void replace_farthest( const collision_find_args* args, int slot, const c
     if ( contact_gap( found, p ) < contact_gap( all + place, p ) )
     {
         all[place] = *found;
+        note_contact( args, view, slot, place, found );
     }
 }
 
@@ -349,7 +403,7 @@ static void add_beyond( const collision_find_args* args, const collision_view* v
         write_rows( args, view, block, planes, at, n, found[0].point );
         for ( int m = 0; m < n; ++m )
         {
-            replace_farthest( args, block->begin + planes->particle_x4[at + m] / 4, found + m );
+            replace_farthest( args, view, block->begin + planes->particle_x4[at + m] / 4, found + m );
         }
     }
 }
@@ -389,6 +443,10 @@ static void add_planes( const collision_find_args* args, const collision_view* v
     if ( room > 0 )
     {
         write_rows( args, view, block, planes, 0, room, args->contact[block->begin][0].point );
+        if ( args->contact_body != NULL || args->bounce != NULL )
+        {
+            note_contacts( args, view, block, planes, room );
+        }
     }
     const int first = ( room + COLLISION_GROUP - 1 ) / COLLISION_GROUP * COLLISION_GROUP;
     add_beyond( args, view, block, planes, first, planes->count - room );
@@ -419,7 +477,7 @@ void collision_meet( const collision_find_args* args, const collision_view* view
         return;
     }
     found_planes planes;
-    if ( view->body->tree != NULL )
+    if ( collision_is_closed_form( view->body ) == false )
     {
         query_mesh( args, view, block, &planes );
     }
@@ -441,7 +499,8 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     const bool is_last = span->substep + 1 == wisp_frame_substeps( frame, span->entity ) || state->searches_all;
-    const collision_find_args args = {
+    const wisp_vec3* gravity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GRAVITY, 0 );
+    collision_find_args args = {
         .kernels = wisp_frame_kernels( frame ),
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
@@ -449,6 +508,12 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
         .found = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 1 ),
         .contact = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 2 ),
         .recovery = settings->max_push_out_speed * wisp_frame_dt( frame, span->entity ),
+        .state = state,
+        .contact_body = wisp_frame_column( frame, span->entity, state->contact_body, 0 ),
+        .bounce = wisp_frame_column( frame, span->entity, state->bounce, 0 ),
+        .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
+        .gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f },
+        .dt = wisp_frame_dt( frame, span->entity ),
         .has_settled = span->substep > 0 && is_last == false,
         .settles = is_last == false,
         .tracked = wisp_frame_column( frame, span->entity, state->tracked, 0 ),
@@ -461,6 +526,7 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
     for ( int begin = particles.begin; begin < particles.end; begin += COLLISION_BLOCK )
     {
         const int left = particles.end - begin;
+        args.sums = collision_reaction_sums( frame, span->entity, state, begin / COLLISION_BLOCK );
         collision_begin_block( &args, begin, left < COLLISION_BLOCK ? particles.end : begin + COLLISION_BLOCK,
                                &block );
         collision_view view;

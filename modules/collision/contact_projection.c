@@ -15,13 +15,16 @@
 #include "body_queries.h"
 #include "collision_passes.h"
 #include "particle_contacts.h"
+#include "reaction.h"
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 enum
 {
     CHUNK = WISP_PARTICLE_BLOCK,
+    SWEEPS = 4, // over several contacts of a particle
 };
 
 static void project_contact( collision_contact* c, wisp_vec3* p, wisp_vec3 previous )
@@ -45,10 +48,6 @@ static void project_contact( collision_contact* c, wisp_vec3* p, wisp_vec3 previ
 // Sweep several contacts: pushing out of one half space may push into another.
 static void project_contacts( collision_contact* contacts, int count, wisp_vec3* p, wisp_vec3 previous )
 {
-    enum
-    {
-        SWEEPS = 4,
-    };
     for ( int sweep = 0; sweep < SWEEPS; ++sweep )
     {
         for ( int i = 0; i < count; ++i )
@@ -90,7 +89,19 @@ typedef struct project_loop
     int32_t single[CHUNK + 8], several[CHUNK + 8]; // of the block, those with one contact and with more
     int32_t displaced[CHUNK + 8];                  // slots that left the distance that is clear
     int displaced_count;
+    // for reactions, else null
+    collision_impulse* sums; // [body] of the block
+    int32_t ( *contact_body )[WISP_COLLISION_CONTACTS];
+    float dt;
 } project_loop;
+
+static void add_reaction( const project_loop* loop, int slot, int64_t body, wisp_vec3 before )
+{
+    const float* p = loop->position + (size_t)slot * 4;
+    const wisp_vec3 previous = collision_load( loop->previous + (size_t)slot * 4 );
+    collision_add_reaction( loop->sums[body], 1.0 / ( (double)p[3] * (double)loop->dt ), before, previous,
+                            collision_load( p ), previous );
+}
 
 static void stop_displaced( wisp_frame* frame, const wisp_span* span, const collision_state* state,
                             project_loop* loop )
@@ -111,8 +122,13 @@ static void stop_displaced( wisp_frame* frame, const wisp_span* span, const coll
         {
             size_t quad = (size_t)loop->displaced[i] * 4;
             wisp_vec3 p = collision_load( loop->position + quad );
+            const wisp_vec3 before = p;
             stop_at_entry( &view, &p, collision_load( loop->previous + quad ) );
             collision_store( loop->position + quad, p );
+            if ( loop->sums != NULL && loop->position[quad + 3] > 0.0f )
+            {
+                add_reaction( loop, loop->displaced[i], view.body - state->bodies, before );
+            }
             collision_widen( &lower, &upper, p );
         }
     }
@@ -160,6 +176,43 @@ static void project_several( project_loop* loop, int begin, int n )
     }
 }
 
+// The same sweeps contact by contact, with the reaction to each.
+static void project_reacting( project_loop* loop, int slot, int count )
+{
+    float* at = loop->position + (size_t)slot * 4;
+    const wisp_vec3 previous = collision_load( loop->previous + (size_t)slot * 4 );
+    wisp_vec3 p = collision_load( at );
+    for ( int i = 0; i < SWEEPS * count; ++i )
+    {
+        const wisp_vec3 before = p;
+        project_contact( loop->contact[slot] + i % count, &p, previous );
+        collision_store( at, p );
+        add_reaction( loop, slot, loop->contact_body[slot][i % count], before );
+    }
+}
+
+// Project a block and add reactions: of a particle with one contact from its motion, of others contact by contact.
+static void project_with_reactions( const wisp_kernels* kernels, project_loop* loop, int begin, int single_count,
+                                    int several_count )
+{
+    float before[CHUNK][3];
+    for ( int i = 0; i < single_count; ++i )
+    {
+        memcpy( before[i], loop->position + (size_t)( begin + loop->single[i] ) * 4, sizeof( before[i] ) );
+    }
+    project_singles( kernels, loop, begin, single_count );
+    for ( int i = 0; i < single_count; ++i )
+    {
+        const int slot = begin + loop->single[i];
+        add_reaction( loop, slot, loop->contact_body[slot][0], collision_load( before[i] ) );
+    }
+    for ( int i = 0; i < several_count; ++i )
+    {
+        const int slot = begin + loop->several[i], count = loop->count[slot];
+        project_reacting( loop, slot, count < WISP_COLLISION_CONTACTS ? count : WISP_COLLISION_CONTACTS );
+    }
+}
+
 void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
@@ -169,6 +222,8 @@ void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
         .count = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 0 ),
         .found = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 1 ),
         .contact = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 2 ),
+        .contact_body = wisp_frame_column( frame, span->entity, state->contact_body, 0 ),
+        .dt = wisp_frame_dt( frame, span->entity ),
     };
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
     const bool last = span->iteration + 1 == wisp_frame_iterations( frame );
@@ -179,8 +234,16 @@ void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
         int32_t several_count;
         const int single_count =
             kernels->list_counts( loop.count + begin, end - begin, loop.single, loop.several, &several_count );
-        project_singles( kernels, &loop, begin, single_count );
-        project_several( &loop, begin, several_count );
+        loop.sums = collision_reaction_sums( frame, span->entity, state, begin / CHUNK );
+        if ( loop.sums != NULL )
+        {
+            project_with_reactions( kernels, &loop, begin, single_count, several_count );
+        }
+        else
+        {
+            project_singles( kernels, &loop, begin, single_count );
+            project_several( &loop, begin, several_count );
+        }
         if ( last )
         {
             loop.displaced_count = kernels->find_displaced( loop.position, loop.found, begin, end, loop.displaced );

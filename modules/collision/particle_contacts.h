@@ -60,8 +60,16 @@ typedef struct collision_find_args
     int substeps_left;                      // of the step, behind this one
     bool is_first;                          // substep of the step: nothing is tracked yet
     float recovery;                         // m, in this substep
-    bool has_settled;                       // groups of an earlier substep of this step may be settled
-    bool settles;                           // groups may be settled until the next substep
+    // for reactions and restitution, else null
+    const collision_state* state;
+    int32_t ( *contact_body )[WISP_COLLISION_CONTACTS];
+    collision_impulse* sums; // [body] of the block
+    float ( *bounce )[WISP_COLLISION_CONTACTS];
+    const float* velocity; // [slot][4] m/s, with the gravity of the substep
+    wisp_vec3 gravity;     // m/s^2
+    float dt;              // s
+    bool has_settled;      // groups of an earlier substep of this step may be settled
+    bool settles;          // groups may be settled until the next substep
 } collision_find_args;
 
 /// Return the slot of a particle of the block.

@@ -20,6 +20,7 @@
 //   ns on a closed form, 3 ns away from all bodies.
 #include "body_queries.h"
 #include "collision_passes.h"
+#include "reaction.h"
 
 #include <math.h>
 #include <string.h>
@@ -33,6 +34,9 @@ typedef struct strand_loop
     wisp_strand_contact_args args; // without the body
     int group;
     wisp_strand_bounds reach; // of the group
+    // for reactions, else null
+    collision_impulse* sums; // [body] of the group
+    float dt;
 } strand_loop;
 
 static const size_t ROW = 3 * WISP_LANES;
@@ -219,7 +223,40 @@ static void push_row( strand_loop* loop, const collision_view* view, int row )
 
 // ---- the pass ----
 
-static void push_lanes( wisp_frame* frame, const strand_loop* loop, const collision_view* view )
+static void add_row_reaction( const strand_loop* loop, int row, double* sum, float ( *before )[3 * WISP_LANES] )
+{
+    for ( int l = 0; l < WISP_LANES; ++l )
+    {
+        const float inverse_mass = loop->args.inverse_mass[(size_t)row * WISP_LANES + (size_t)l];
+        if ( inverse_mass > 0.0f )
+        {
+            const size_t at = (size_t)row * ROW + (size_t)l;
+            collision_add_reaction( sum, 1.0 / ( (double)inverse_mass * (double)loop->dt ),
+                                    collision_load_lane( before[0] + l ), collision_load_lane( before[1] + l ),
+                                    collision_load_lane( loop->args.position + at ),
+                                    collision_load_lane( loop->args.previous + at ) );
+        }
+    }
+}
+
+// The kernel row by row, and the reaction of each.
+static void push_lanes_reacting( wisp_frame* frame, const strand_loop* loop, wisp_strand_contact_args* args,
+                                 double* sum )
+{
+    const int32_t* group_row = loop->args.group_row;
+    for ( int row = group_row[loop->group]; row < group_row[loop->group + 1]; ++row )
+    {
+        const int32_t one[2] = { row, row + 1 };
+        float before[2][3 * WISP_LANES];
+        memcpy( before[0], args->position + (size_t)row * ROW, sizeof( before[0] ) );
+        memcpy( before[1], args->previous + (size_t)row * ROW, sizeof( before[1] ) );
+        args->group_row = one;
+        wisp_frame_kernels( frame )->strand_contact( args, 0, 1 );
+        add_row_reaction( loop, row, sum, before );
+    }
+}
+
+static void push_lanes( wisp_frame* frame, const strand_loop* loop, const collision_view* view, double* sum )
 {
     wisp_strand_contact_args args = loop->args;
     args.shape = view->body->shape;
@@ -228,6 +265,11 @@ static void push_lanes( wisp_frame* frame, const strand_loop* loop, const collis
     args.thickness = view->thickness;
     args.static_friction = view->static_friction;
     args.kinetic_friction = view->kinetic_friction;
+    if ( sum != NULL )
+    {
+        push_lanes_reacting( frame, loop, &args, sum );
+        return;
+    }
     wisp_frame_kernels( frame )->strand_contact( &args, loop->group, loop->group + 1 );
 }
 
@@ -246,12 +288,12 @@ static void forget_group( strand_loop* loop, const collision_view* view )
     }
 }
 
-static void push_group( wisp_frame* frame, strand_loop* loop, const collision_view* view )
+static void push_group( wisp_frame* frame, strand_loop* loop, const collision_view* view, double* sum )
 {
     const collision_body* body = view->body;
     const bool round_about = body->inner < INFINITY;
     const float path = round_about ? path_seen( loop, view ) : 0.0f;
-    const bool slow = body->tree == NULL && path <= body->inner;
+    const bool slow = collision_is_closed_form( body ) && path <= body->inner;
     // the middle of a chord may be nearer than both ends, by at most half of it
     const float then = slow ? INFINITY : apart_at( loop, body, view->before );
     const float apart = fminf( then, apart_at( loop, body, view->after ) ) - ( slow ? 0.0f : 0.5f * path );
@@ -262,12 +304,22 @@ static void push_group( wisp_frame* frame, strand_loop* loop, const collision_vi
     }
     if ( slow )
     {
-        push_lanes( frame, loop, view );
+        push_lanes( frame, loop, view, sum );
         return;
     }
     for ( int row = loop->args.group_row[loop->group]; row < loop->args.group_row[loop->group + 1]; ++row )
     {
+        float before[2][3 * WISP_LANES];
+        if ( sum != NULL )
+        {
+            memcpy( before[0], loop->args.position + (size_t)row * ROW, sizeof( before[0] ) );
+            memcpy( before[1], loop->args.previous + (size_t)row * ROW, sizeof( before[1] ) );
+        }
         push_row( loop, view, row );
+        if ( sum != NULL )
+        {
+            add_row_reaction( loop, row, sum, before );
+        }
     }
 }
 
@@ -291,15 +343,17 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
     loop.free = wisp_frame_column( frame, span->entity, state->strand_tracked, 1 );
     loop.is_first = span->substep == 0 && span->iteration == 0;
     loop.substeps_left = wisp_frame_substeps( frame, span->entity ) - 1 - span->substep;
+    loop.dt = wisp_frame_dt( frame, span->entity );
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
     for ( loop.group = span->begin; loop.group < span->end; ++loop.group )
     {
+        loop.sums = collision_reaction_sums( frame, span->entity, state, loop.group );
         kernels->strand_contact_begin( &loop.args, loop.group, span->iteration == 0, &loop.reach );
         const bool moves = loop.reach.lower.x <= loop.reach.upper.x;
         collision_view view;
         for ( int next = 0; moves && collision_next( frame, span, state, &next, &view ); )
         {
-            push_group( frame, &loop, &view );
+            push_group( frame, &loop, &view, loop.sums != NULL ? loop.sums[view.body - state->bodies] : NULL );
         }
     }
 }

@@ -178,7 +178,7 @@ static void tracking_follows_the_closest_point_along_a_round_mesh( void** state 
 {
     (void)state;
     motion m = new_motion( 0.4f, 0.1f );
-    int moved = 0;
+    int moved = 0, same = 0, count = 0;
     for ( int i = 0; i < QUERIES; ++i )
     {
         const wisp_vec3 before = test_point( i, 0, 1.6f ), p = test_sum( before, test_point( i, 9, 0.1f ) );
@@ -189,11 +189,15 @@ static void tracking_follows_the_closest_point_along_a_round_mesh( void** state 
             const int32_t begin = closest_at( m.tree, before, 0.4f ).triangle;
             wisp_mesh_nearest tracked;
             wisp_collision_mesh_track( m.tree, &query, &begin, 1, &tracked );
-            assert_memory_equal( &tracked, &exact, sizeof( exact ) );
+            // quads fold inwards along one of their diagonals, so some have two minima, nearly equally far
+            assert_true( tracked.distance >= exact.distance && tracked.distance < exact.distance + 1e-3f );
+            same += memcmp( &tracked, &exact, sizeof( exact ) ) == 0 ? 1 : 0;
+            count += 1;
             moved += begin != tracked.triangle ? 1 : 0;
         }
     }
     assert_true( moved > QUERIES / 4 );
+    assert_true( same > 0.95 * count );
     free_motion( &m );
 }
 

@@ -16,6 +16,7 @@ static const wisp_shape SHAPES[] = {
     { .kind = WISP_SHAPE_SPHERE, .radius = 0.7f },
     { .kind = WISP_SHAPE_CAPSULE, .radius = 0.4f, .half_length = 0.6f },
     { .kind = WISP_SHAPE_BOX, .half_extent = { 0.5f, 0.3f, 0.8f } },
+    { .kind = WISP_SHAPE_TAPERED_CAPSULE, .top_radius = 0.25f, .bottom_radius = 0.5f, .half_length = 0.5f },
 };
 
 static wisp_vec3 random_point( int i, int k, float size )
@@ -48,6 +49,28 @@ static void assert_near( wisp_vec3 a, wisp_vec3 b, float tolerance )
 
 // ---- distances ----
 
+// The smallest distance from a ball of the family, by ternary search: it is convex along the axis.
+static double tapered_distance( const wisp_shape* s, wisp_vec3 p )
+{
+    const double x = (double)p.x, y = (double)p.y, z = (double)p.z, half = (double)s->half_length;
+    const double top = (double)s->top_radius, bottom = (double)s->bottom_radius;
+    double lower = 0.0, upper = 1.0, distance = 0.0;
+    for ( int i = 0; i < 120; ++i )
+    {
+        double at[2], d[2];
+        for ( int k = 0; k < 2; ++k )
+        {
+            at[k] = lower + ( upper - lower ) * ( 1.0 + k ) / 3.0;
+            const double up = y - ( 2.0 * at[k] - 1.0 ) * half;
+            d[k] = sqrt( x * x + up * up + z * z ) - ( bottom + at[k] * ( top - bottom ) );
+        }
+        lower = d[0] > d[1] ? at[0] : lower;
+        upper = d[0] > d[1] ? upper : at[1];
+        distance = fmin( d[0], d[1] );
+    }
+    return distance;
+}
+
 // The definition, as directly as possible.
 static double plain_distance( const wisp_shape* s, wisp_vec3 p )
 {
@@ -63,6 +86,10 @@ static double plain_distance( const wisp_shape* s, wisp_vec3 p )
         double outside = sqrt( fmax( qx, 0.0 ) * fmax( qx, 0.0 ) + fmax( qy, 0.0 ) * fmax( qy, 0.0 ) +
                                fmax( qz, 0.0 ) * fmax( qz, 0.0 ) );
         return outside + fmin( fmax( qx, fmax( qy, qz ) ), 0.0 );
+    }
+    if ( s->kind == WISP_SHAPE_TAPERED_CAPSULE )
+    {
+        return tapered_distance( s, p );
     }
     double half = s->kind == WISP_SHAPE_CAPSULE ? (double)s->half_length : 0.0;
     double up = y - fmax( -half, fmin( half, y ) );
@@ -340,9 +367,13 @@ static void a_path_through_a_flat_plate_meets_it( void** state )
 static void beginning_on_the_surface_counts_only_on_the_way_in( void** state )
 {
     (void)state;
-    const wisp_vec3 on[] = { { 0.3f, 0.0f, 0.2f }, { 0.7f, 0.0f, 0.0f }, { 0.4f, 0.1f, 0.0f }, { 0.5f, 0.1f, 0.1f } };
+    const wisp_vec3 on[] = { { 0.3f, 0.0f, 0.2f },
+                             { 0.7f, 0.0f, 0.0f },
+                             { 0.4f, 0.1f, 0.0f },
+                             { 0.5f, 0.1f, 0.1f },
+                             { 0.0f, 0.75f, 0.0f } };
     const wisp_vec3 outward[] = {
-        { 0.0f, 1.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }
+        { 0.0f, 1.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 0.0f, 1.0f, 0.0f }
     };
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
@@ -498,6 +529,8 @@ static void a_wrong_size_is_named( void** state )
         { { .kind = WISP_SHAPE_CAPSULE, .radius = INFINITY }, "radius of a capsule" },
         { { .kind = WISP_SHAPE_CAPSULE, .half_length = -1e-9f }, "half length of a capsule" },
         { { .kind = WISP_SHAPE_BOX, .half_extent = { 1.0f, NAN, 1.0f } }, "half extent of a box" },
+        { { .kind = WISP_SHAPE_TAPERED_CAPSULE, .top_radius = NAN }, "top radius of a tapered capsule" },
+        { { .kind = WISP_SHAPE_TAPERED_CAPSULE, .bottom_radius = -1.0f }, "bottom radius of a tapered capsule" },
         { { .kind = (wisp_shape_kind)17 }, "shape 17" },
     };
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )

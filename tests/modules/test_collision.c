@@ -9,7 +9,10 @@ static double distance_to( const wisp_collider_def* body, wisp_transform pose, w
 {
     static const wisp_shape_kind KINDS[] = { WISP_SHAPE_PLANE, WISP_SHAPE_SPHERE, WISP_SHAPE_CAPSULE,
                                              WISP_SHAPE_BOX };
-    const wisp_shape shape = { KINDS[body->kind], body->radius, body->half_length, body->half_extent };
+    const wisp_shape shape = { .kind = KINDS[body->kind],
+                               .radius = body->radius,
+                               .half_length = body->half_length,
+                               .half_extent = body->half_extent };
     wisp_surface_point surface;
     assert_true( wisp_shape_closest( &shape, wisp_transform_to_local( pose, p ), &surface ) );
     return (double)surface.distance;

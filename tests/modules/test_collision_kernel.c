@@ -24,6 +24,7 @@ static const wisp_shape SHAPES[] = {
     { .kind = WISP_SHAPE_SPHERE, .radius = 0.8f },
     { .kind = WISP_SHAPE_CAPSULE, .radius = 0.4f, .half_length = 0.6f },
     { .kind = WISP_SHAPE_BOX, .half_extent = { 0.7f, 0.5f, 0.6f } },
+    { .kind = WISP_SHAPE_TAPERED_CAPSULE, .top_radius = 0.3f, .bottom_radius = 0.5f, .half_length = 0.6f },
 };
 
 // Around the origin, most of them near the surfaces of bodies of about a metre; a fifth is pinned, a third has

@@ -1,5 +1,5 @@
-/// Shapes in closed form (half space, sphere, capsule, box): closest point, signed distance, and the first time that a moving
-/// point meets the surface, in the frame of the body. Rigid transforms lead into that frame. Lengths are in m, angles in
+/// Shapes in closed form (half space, sphere, capsule, tapered capsule, box), convex polyhedra and height fields: closest point,
+/// signed distance, and the first time that a moving point meets the surface, in the frame of the body. Rigid transforms lead into that frame. Lengths are in m, angles in
 /// rad, times are fractions of a path. All functions are pure.
 ///
 ///     const wisp_transform pose = wisp_transform_make( rotation, translation );
@@ -125,7 +125,22 @@ typedef enum wisp_shape_kind
     WISP_SHAPE_CAPSULE =
         2,              ///< all points within the radius of the line from (0, -half_length, 0) to (0, half_length, 0)
     WISP_SHAPE_BOX = 3, ///< around the origin, edges along the axes
+    /// the hull of a ball around (0, -half_length, 0) and one around (0, half_length, 0)
+    WISP_SHAPE_TAPERED_CAPSULE = 4,
+    WISP_SHAPE_CONVEX = 5, ///< a convex polyhedron
+    /// below a piecewise linear surface over the xz plane
+    WISP_SHAPE_HEIGHT_FIELD = 6,
 } wisp_shape_kind;
+
+/// Heights on a grid centred on the y axis: sample (i, k) is at x = (i - (count_x - 1) / 2) spacing and likewise at z. Two
+/// triangles per cell join them, split along the diagonal from (i, k) to (i + 1, k + 1). Everything below is inside. Beyond
+/// the border the heights of the border go on.
+typedef struct wisp_height_field
+{
+    const float* heights; ///< [count_z][count_x] m, finite
+    int count_x, count_z; ///< >= 2
+    float spacing;        ///< m, > 0
+} wisp_height_field;
 
 /// A solid in its own frame. Sizes that a kind does not have are not read. Sizes of zero are allowed: a point, a line
 /// and a flat plate still have a surface, but no inside.
@@ -133,8 +148,12 @@ typedef struct wisp_shape
 {
     wisp_shape_kind kind;
     float radius;          ///< m, >= 0: sphere, capsule
-    float half_length;     ///< m, >= 0: capsule
+    float half_length;     ///< m, >= 0: capsule, tapered capsule
     wisp_vec3 half_extent; ///< m, each >= 0: box
+    float top_radius;      ///< m, >= 0: tapered capsule, of the ball at +y; if one ball holds the other, only that one counts
+    float bottom_radius;   ///< m, >= 0: tapered capsule, of the ball at -y
+    const struct wisp_convex* convex; ///< convex: see wisp/module/convex.h
+    wisp_height_field height_field;   ///< height field
 } wisp_shape;
 
 /// Check that the kind exists and that its sizes are finite and not negative.
@@ -151,7 +170,8 @@ typedef struct wisp_surface_point
 
 /// Closest point, outward normal and signed distance. Where several points are equally close (the centre of a sphere,
 /// the axis of a capsule, the middle planes of a box) the normal is a fixed one of theirs: +y for a sphere, +x for a
-/// capsule, and for a box the first axis and its positive side.
+/// capsule, of a tapered capsule the one in the half plane of +x, for a box the first axis and its positive side, and for a convex
+/// polyhedron or a height field the first face.
 /// @param p m, in the shape's frame
 /// @return false if the point or a size is not finite, or a size negative: the surface is then infinitely far away
 WISP_API bool wisp_shape_closest( const wisp_shape* shape, wisp_vec3 p, wisp_surface_point* surface );

@@ -1,0 +1,34 @@
+/// A tapered capsule as a family of balls: their centres are on the y axis and their radii linear in y. The distance of a point
+/// from the hull of all balls is its distance from the ball around
+///
+///   c = clamp( y - slope rho, lower, upper ),   radius( c ) = middle - sine c,   rho^2 = x^2 + z^2
+///
+/// because the distance from the ball around c is a convex function of c, and its minimum is where the vector from c to the point
+/// has the constant sine of the cone. With equal radii the sine is 0, and all operations are those of a capsule.
+#pragma once
+
+#include <math.h>
+
+#include "wisp/shapes.h"
+
+typedef struct taper
+{
+    double lower, upper; // m, of the centres on the y axis
+    double middle;       // m, radius at y = 0
+    double sine, cosine; // of the angle between the normals of the cone and the xz plane
+    double slope;        // sine / cosine
+} taper;
+
+static inline taper taper_of( const wisp_shape* s )
+{
+    const double top = (double)s->top_radius, bottom = (double)s->bottom_radius, half = (double)s->half_length;
+    const double difference = bottom - top, length = 2.0 * half;
+    // one ball holds the other
+    if ( fabs( difference ) >= length )
+    {
+        const double centre = difference > 0.0 ? -half : ( difference < 0.0 ? half : 0.0 );
+        return ( taper ){ centre, centre, top > bottom ? top : bottom, 0.0, 1.0, 0.0 };
+    }
+    const double sine = difference / length, cosine = sqrt( 1.0 - sine * sine );
+    return ( taper ){ -half, half, 0.5 * ( top + bottom ), sine, cosine, sine / cosine };
+}

@@ -1,0 +1,19 @@
+// Closest points and entries of solids that are more than a few numbers. Coordinates are finite.
+#pragma once
+
+#include "double3.h"
+
+#include "wisp/module/convex.h"
+
+void convex_closest( const wisp_convex* convex, double3 p, wisp_surface_point* s );
+/// @param normal of the face, output
+/// @return fraction of the path, beyond 1 if it does not enter
+double convex_enter( const wisp_convex* convex, double3 from, double3 step, double3* normal );
+
+void height_field_closest( const wisp_height_field* field, double3 p, wisp_surface_point* s );
+double height_field_enter( const wisp_height_field* field, double3 from, double3 step, double3* normal );
+/// @return null, or what is wrong
+const char* height_field_fault( const wisp_height_field* field );
+
+/// Closest point of a triangle to p (Ericson 2005, 5.1.5).
+double3 closest_on_triangle( double3 p, double3 a, double3 b, double3 c );

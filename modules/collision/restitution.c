@@ -1,0 +1,94 @@
+// Restitution of surfaces, after velocities are known (Mueller et al. 2020, "Detailed rigid body simulation with extended position
+// based dynamics", eq. 34). With n the normal away from the body, w the velocity of its surface and v~ the velocity of a particle at
+// the start of the substep, a particle on which the body pushed gets
+//
+//   v += n max( 0, ( w - v ) n + e max( 0, ( w - v~ ) n ) ),   e = 0 where the approach is slower than 2 |g| h
+//
+// Velocities after gravity of the substep would give a bounce more energy than the fall had, so v~ is without it. The term without e
+// is left out: the projection already stopped the particle.
+#include "collision_passes.h"
+#include "particle_contacts.h"
+#include "reaction.h"
+#include "restitution.h"
+
+#include <math.h>
+
+float collision_bounce( const collision_find_args* args, const collision_view* view, const collision_contact* c,
+                        int slot )
+{
+    if ( !( view->restitution > 0.0f ) )
+    {
+        return -INFINITY;
+    }
+    const wisp_vec3 n = collision_load( c->normal ), motion = collision_load( c->motion );
+    const wisp_vec3 v =
+        collision_add_scaled( collision_load( args->velocity + (size_t)slot * 4 ), -args->dt, args->gravity );
+    const float surface = collision_dot( n, motion ) / args->dt, approach = surface - collision_dot( n, v );
+    const bool bounces = approach > 2.0f * collision_length( args->gravity ) * args->dt;
+    return bounces ? surface + view->restitution * approach : -INFINITY;
+}
+
+void collision_bounce_off( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const collision_state* state = user;
+    const wisp_entity e = span->entity;
+    const float* position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 );
+    float* velocity = wisp_frame_column( frame, e, WISP_PARTICLE_VELOCITY, 0 );
+    const int32_t* count = wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 0 );
+    collision_contact( *contact )[WISP_COLLISION_CONTACTS] =
+        wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 2 );
+    float( *bounce )[WISP_COLLISION_CONTACTS] = wisp_frame_column( frame, e, state->bounce, 0 );
+    int32_t( *body )[WISP_COLLISION_CONTACTS] = wisp_frame_column( frame, e, state->contact_body, 0 );
+    const wisp_span s = wisp_frame_particles( frame, span );
+    for ( int slot = s.begin; slot < s.end; ++slot )
+    {
+        collision_impulse* sums =
+            body != NULL ? collision_reaction_sums( frame, e, state, slot / COLLISION_BLOCK ) : NULL;
+        const int used = count[slot] < WISP_COLLISION_CONTACTS ? count[slot] : WISP_COLLISION_CONTACTS;
+        for ( int i = 0; i < used; ++i )
+        {
+            const wisp_vec3 n = collision_load( contact[slot][i].normal ),
+                            v = collision_load( velocity + (size_t)slot * 4 );
+            const float change = bounce[slot][i] - collision_dot( n, v );
+            if ( contact[slot][i].normal_correction > 0.0f && change > 0.0f )
+            {
+                const wisp_vec3 now = collision_add_scaled( v, change, n ),
+                                x = collision_load( position + (size_t)slot * 4 );
+                collision_store( velocity + (size_t)slot * 4, now );
+                if ( sums != NULL )
+                {
+                    // velocities in place of positions give the impulse; it acts at the position
+                    const double mass = 1.0 / (double)position[(size_t)slot * 4 + 3];
+                    collision_add_impulse( sums[body[slot][i]], mass, v, now, x );
+                }
+            }
+        }
+    }
+}
+
+// ---- which participants bounce ----
+
+static bool has_bouncy_body( const collision_state* state )
+{
+    for ( int i = 0; i < state->body_count; ++i )
+    {
+        if ( state->bodies[i].restitution > 0.0f )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+wisp_status collision_update_bounces( wisp_world* world, collision_state* state )
+{
+    const bool bounces = has_bouncy_body( state );
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < state->participant_count && status == WISP_OK; ++i )
+    {
+        const wisp_entity e = state->participants[i];
+        const bool has = bounces && wisp_world_has( world, e, WISP_PARTICLE_HALF_SPACES );
+        status = has ? wisp_world_attach( world, e, state->bounce ) : wisp_world_detach( world, e, state->bounce );
+    }
+    return status;
+}
