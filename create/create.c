@@ -1,5 +1,6 @@
 #include "create.h"
 
+#include "attachments.h"
 #include "balloon.h"
 #include "boundary.h"
 #include "environment.h"

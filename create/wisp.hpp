@@ -12,6 +12,7 @@
 ///             draw( p );
 #pragma once
 
+#include "attachments.h"
 #include "balloon.h"
 #include "boundary.h"
 #include "cloth.h"

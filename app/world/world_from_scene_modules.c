@@ -28,6 +28,7 @@ static bool any_strands( const wisp_scene* scene, bool ( *has )( const wisp_scen
     {                                                                                                                \
         return of->has_##block;                                                                                      \
     }
+BLOCK_OF( surface, attachments )
 BLOCK_OF( surface, balloon )
 BLOCK_OF( surface, boundary )
 BLOCK_OF( surface, cloth )
@@ -48,6 +49,7 @@ BLOCK_OF( strands, ghosts )
     {                                                                                                                \
         return condition;                                                                                            \
     }
+USES( attachments, any_surface( scene, surface_attachments ) )
 USES( balloon, any_surface( scene, surface_balloon ) )
 USES( boundary, any_surface( scene, surface_boundary ) )
 USES( environment, any_strands( scene, strands_environment ) )

@@ -28,6 +28,7 @@
 #include "wisp/module/surface_kernels.h"
 #include "wisp/module/particle_batch.h"
 
+#include "attachments.h"
 #include "balloon.h"
 #include "boundary.h"
 #include "create.h"

@@ -1,0 +1,65 @@
+// The module: its component and its pass.
+#include "attachments_state.h"
+
+#include <string.h>
+
+#define ATTACHMENTS_PLACE_COLUMNS( X ) X( attachments_place, place, 1 )
+static const wisp_column_def PLACE_COLUMNS[] = { ATTACHMENTS_PLACE_COLUMNS( WISP_COLUMN_DEF ) };
+
+static void release_state( void* memory, const wisp_allocator* allocator )
+{
+    attachments_state* state = memory;
+    if ( state->surfaces != NULL )
+    {
+        allocator->release( allocator->user, state->surfaces, (size_t)state->capacity * sizeof( wisp_entity ) );
+    }
+}
+
+static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
+{
+    attachments_state* state = memory;
+    for ( int i = 0; i < state->count; ++i )
+    {
+        if ( wisp_entity_equal( state->surfaces[i], entity ) )
+        {
+            state->count -= 1;
+            memmove( state->surfaces + i, state->surfaces + i + 1,
+                     (size_t)( state->count - i ) * sizeof( wisp_entity ) );
+            return;
+        }
+    }
+    attachments_forget( state, world, entity );
+}
+
+static size_t count_memory( const void* memory, size_t* outside )
+{
+    (void)outside;
+    return (size_t)( (const attachments_state*)memory )->capacity * sizeof( wisp_entity );
+}
+
+static wisp_status declare( wisp_registry* r )
+{
+    attachments_state* state = wisp_declare_state( r, sizeof( attachments_state ) );
+    if ( state == NULL )
+    {
+        return WISP_NO_MEMORY;
+    }
+    wisp_declare_hooks(
+        r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
+    const wisp_component_def place = { "attachments.place", WISP_TABLE_PARTICLE, PLACE_COLUMNS, 1 };
+    state->place = wisp_declare_component( r, &place );
+    const wisp_pass passes[] = {
+        {
+            .name = "attachments.follow",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->place },
+            .reads = { state->place, WISP_PARTICLE_POSITION },
+            .writes = { WISP_PARTICLE_TARGET },
+            .run = attachments_follow,
+        },
+    };
+    return state->place != 0 ? wisp_declare_passes( r, passes, WISP_COUNT( passes ), state ) : WISP_BAD_INPUT;
+}
+
+const wisp_module wisp_attachments_module = { .name = "attachments", .declare = declare };

@@ -1,0 +1,385 @@
+// Pins on another surface. In: positions, velocities and targets of that surface at the start of a step. Out: targets of the
+// pins (pass attachments.follow).
+//
+// With the corners a, b and c of the triangle at the end of the step, w the barycentric coordinates and R the rotation whose first
+// axis is along b - a and whose third is the normal, a pin goes to w a + w b + w c + R offset. Both w and offset are those
+// of the pin when it was attached. A triangle without area has no rotation: its pins keep their targets.
+#include "attachments_state.h"
+
+#include "wisp/module/collision_mesh.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct corners
+{
+    wisp_vec3 at[3];
+} corners;
+
+typedef struct axes
+{
+    wisp_vec3 x, y, z;
+} axes;
+
+static wisp_vec3 load( const float* quad )
+{
+    return ( wisp_vec3 ){ quad[0], quad[1], quad[2] };
+}
+
+static wisp_vec3 add_scaled( wisp_vec3 a, float s, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
+}
+
+static float dot( wisp_vec3 a, wisp_vec3 b )
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static wisp_vec3 cross( wisp_vec3 a, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+}
+
+static bool is_in_range( wisp_vec3 p )
+{
+    return fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f; // false for NaN
+}
+
+// @return false for a triangle without area
+static bool find_axes( const corners* t, axes* out )
+{
+    const wisp_vec3 edge = add_scaled( t->at[1], -1.0f, t->at[0] );
+    const wisp_vec3 normal = cross( edge, add_scaled( t->at[2], -1.0f, t->at[0] ) );
+    const float length = sqrtf( dot( edge, edge ) ), area = sqrtf( dot( normal, normal ) );
+    if ( !( length > 0.0f && area > 0.0f ) )
+    {
+        return false;
+    }
+    const wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
+    out->x = add_scaled( none, 1.0f / length, edge );
+    out->z = add_scaled( none, 1.0f / area, normal );
+    out->y = cross( out->z, out->x );
+    return true;
+}
+
+static wisp_vec3 point_of( const corners* t, const float weights[3] )
+{
+    wisp_vec3 p = { 0.0f, 0.0f, 0.0f };
+    for ( int k = 0; k < 3; ++k )
+    {
+        p = add_scaled( p, weights[k], t->at[k] );
+    }
+    return p;
+}
+
+// ---- the pass ----
+
+// Columns of another surface.
+typedef struct source
+{
+    wisp_entity entity;
+    const float *position, *velocity, *target; // the latter two may be null
+} source;
+
+static source open_source( wisp_frame* frame, wisp_entity to )
+{
+    const bool is_halted = wisp_frame_is_halted( frame, to );
+    return ( source ){
+        .entity = to,
+        .position = wisp_frame_column( frame, to, WISP_PARTICLE_POSITION, 0 ),
+        .velocity = is_halted ? NULL : wisp_frame_column( frame, to, WISP_PARTICLE_VELOCITY, 0 ),
+        .target = is_halted ? NULL : wisp_frame_column( frame, to, WISP_PARTICLE_TARGET, 0 ),
+    };
+}
+
+static wisp_vec3 end_of( const source* s, int32_t slot, float seconds )
+{
+    const size_t quad = (size_t)slot * 4;
+    const wisp_vec3 at = load( s->position + quad );
+    if ( s->position[quad + 3] > 0.0f )
+    {
+        return s->velocity != NULL ? add_scaled( at, seconds, load( s->velocity + quad ) ) : at;
+    }
+    return s->target != NULL && s->target[quad + 3] != 0.0f ? load( s->target + quad ) : at;
+}
+
+static void follow( const source* s, const attachments_place* place, float seconds, float* target )
+{
+    corners t;
+    axes r;
+    for ( int k = 0; k < 3; ++k )
+    {
+        t.at[k] = end_of( s, place->corner[k], seconds );
+    }
+    if ( find_axes( &t, &r ) == false )
+    {
+        return;
+    }
+    wisp_vec3 p = point_of( &t, place->weights );
+    p = add_scaled( p, place->offset.x, r.x );
+    p = add_scaled( p, place->offset.y, r.y );
+    p = add_scaled( p, place->offset.z, r.z );
+    if ( is_in_range( p ) )
+    {
+        target[0] = p.x;
+        target[1] = p.y;
+        target[2] = p.z;
+        target[3] = 1.0f;
+    }
+}
+
+void attachments_follow( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const attachments_state* state = user;
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    attachments_place* place = wisp_frame_column( frame, span->entity, state->place, 0 );
+    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    float* target = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TARGET, 0 );
+    const float seconds = wisp_frame_dt( frame, span->entity ) * (float)wisp_frame_substeps( frame, span->entity );
+    source s = { .entity = { 0, 0 } };
+    for ( int slot = 0; slot < fabric->slot_count; ++slot )
+    {
+        if ( place[slot].to.index == 0 )
+        {
+            continue;
+        }
+        if ( position[(size_t)slot * 4 + 3] != 0.0f )
+        {
+            place[slot] = ( attachments_place ){ .to = { 0, 0 } }; // it was unpinned
+            continue;
+        }
+        if ( wisp_entity_equal( s.entity, place[slot].to ) == false )
+        {
+            s = open_source( frame, place[slot].to );
+        }
+        follow( &s, place + slot, seconds, target + (size_t)slot * 4 );
+    }
+}
+
+// ---- attaching ----
+
+static bool has_attached_pins( const attachments_state* state, wisp_world* world, wisp_entity surface )
+{
+    const attachments_place* place = wisp_world_column( world, surface, state->place, 0 );
+    const wisp_fabric* fabric = wisp_world_fabric( world, surface );
+    for ( int slot = 0; place != NULL && slot < fabric->slot_count; ++slot )
+    {
+        if ( place[slot].to.index != 0 )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_attached_to( const attachments_state* state, wisp_world* world, wisp_entity to )
+{
+    for ( int i = 0; i < state->count; ++i )
+    {
+        const attachments_place* place = wisp_world_column( world, state->surfaces[i], state->place, 0 );
+        const int slots = wisp_world_fabric( world, state->surfaces[i] )->slot_count;
+        for ( int slot = 0; slot < slots; ++slot )
+        {
+            if ( wisp_entity_equal( place[slot].to, to ) )
+            {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static wisp_status check_vertices( wisp_world* world, const wisp_fabric* fabric, const int32_t* vertices, int count )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( vertices[i] < 0 || vertices[i] >= fabric->vertex_count )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "vertex %d: the surface has %d vertices", vertices[i],
+                                    fabric->vertex_count );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_pair( wisp_world* world, const attachments_state* state, wisp_entity surface,
+                               wisp_entity to )
+{
+    const wisp_fabric* fabric = wisp_world_fabric( world, to );
+    if ( wisp_entity_equal( surface, to ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "attachments: entity %u cannot be attached to itself",
+                                to.index );
+    }
+    if ( fabric == NULL || fabric->triangle_count == 0 )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "attachments: entity %u is not a surface with triangles",
+                                to.index );
+    }
+    if ( has_attached_pins( state, world, to ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "attachments: entity %u has attached pins itself", to.index );
+    }
+    if ( is_attached_to( state, world, surface ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "attachments: other pins are attached to entity %u",
+                                surface.index );
+    }
+    return WISP_OK;
+}
+
+// Find the place of a pin against the triangle that is closest to it.
+static void set_place( const wisp_fabric* fabric, const float* particles, const wisp_mesh_nearest* nearest,
+                       wisp_vec3 pin, attachments_place* place )
+{
+    corners t;
+    axes r;
+    for ( int k = 0; k < 3; ++k )
+    {
+        place->corner[k] = fabric->triangles[3 * (size_t)nearest->triangle + (size_t)k];
+        place->weights[k] = nearest->weights[k];
+        t.at[k] = load( particles + (size_t)place->corner[k] * 4 );
+    }
+    const wisp_vec3 away = add_scaled( pin, -1.0f, point_of( &t, place->weights ) );
+    place->offset =
+        find_axes( &t, &r ) ? ( wisp_vec3 ){ dot( away, r.x ), dot( away, r.y ), dot( away, r.z ) } : away;
+}
+
+// Build the mesh of a surface as it is, for queries.
+static wisp_status build_mesh( wisp_world* world, const wisp_fabric* fabric, const float* particles,
+                               wisp_collision_mesh** mesh )
+{
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    const size_t bytes = (size_t)fabric->slot_count * sizeof( wisp_vec3 );
+    wisp_vec3* points = allocator->allocate( allocator->user, bytes, sizeof( float ) );
+    if ( points == NULL )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to attach pins" );
+    }
+    for ( int slot = 0; slot < fabric->slot_count; ++slot )
+    {
+        points[slot] = load( particles + (size_t)slot * 4 );
+    }
+    // a mesh that deforms needs no Embree
+    const wisp_collision_mesh_def def = { .points = points,
+                                          .triangles = fabric->triangles,
+                                          .point_count = fabric->slot_count,
+                                          .triangle_count = fabric->triangle_count,
+                                          .deforms = true };
+    wisp_error error = { 0 };
+    const wisp_status status = wisp_collision_mesh_create( &def, allocator, mesh, &error );
+    allocator->release( allocator->user, points, bytes );
+    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "attachments: %s", error.message );
+}
+
+static void attach_all( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count, wisp_entity to,
+                        wisp_collision_mesh* mesh, attachments_place* place )
+{
+    const wisp_fabric *mine = wisp_world_fabric( world, surface ), *theirs = wisp_world_fabric( world, to );
+    const float* position = wisp_world_column( world, surface, WISP_PARTICLE_POSITION, 0 );
+    const float* particles = wisp_world_column( world, to, WISP_PARTICLE_POSITION, 0 );
+    for ( int i = 0; i < count; ++i )
+    {
+        const int slot = mine->vertex_slot[vertices[i]];
+        const wisp_mesh_query query = { .point = load( position + (size_t)slot * 4 ), .radius = INFINITY };
+        wisp_mesh_nearest nearest;
+        wisp_collision_mesh_closest( mesh, &query, 1, &nearest, NULL );
+        if ( nearest.triangle >= 0 )
+        {
+            place[slot].to = to;
+            set_place( theirs, particles, &nearest, query.point, place + slot );
+        }
+    }
+}
+
+// Have the surface the component, and a row in the list. @return WISP_NO_MEMORY nothing changed
+static wisp_status prepare( wisp_world* world, attachments_state* state, wisp_entity surface )
+{
+    if ( wisp_world_has( world, surface, state->place ) )
+    {
+        return WISP_OK;
+    }
+    if ( wisp_world_reserve( world, (void**)&state->surfaces, &state->capacity, state->count,
+                             sizeof( wisp_entity ) ) == false )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to attach pins" );
+    }
+    WISP_TRY( wisp_world_attach( world, surface, state->place ) );
+    state->surfaces[state->count++] = surface;
+    return WISP_OK;
+}
+
+static wisp_status begin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count,
+                          attachments_state** state )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
+    void* found;
+    WISP_TRY( wisp_world_surface_state( world, "attachments", surface, &found ) );
+    *state = found;
+    return check_vertices( world, wisp_world_fabric( world, surface ), vertices, count );
+}
+
+wisp_status wisp_attach_pins( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count,
+                              wisp_entity to )
+{
+    attachments_state* state;
+    WISP_TRY( begin( world, surface, vertices, count, &state ) );
+    WISP_TRY( wisp_world_check_entity( world, to ) );
+    WISP_TRY( check_pair( world, state, surface, to ) );
+    wisp_collision_mesh* mesh;
+    WISP_TRY( build_mesh( world, wisp_world_fabric( world, to ),
+                          wisp_world_column( world, to, WISP_PARTICLE_POSITION, 0 ), &mesh ) );
+    wisp_status status = prepare( world, state, surface );
+    status = status == WISP_OK ? wisp_world_request( world, to, WISP_PARTICLE_POSITION ) : status;
+    status = status == WISP_OK ? wisp_pin( world, surface, vertices, count ) : status;
+    if ( status == WISP_OK )
+    {
+        attach_all( world, surface, vertices, count, to, mesh, wisp_world_column( world, surface, state->place, 0 ) );
+    }
+    wisp_collision_mesh_release( mesh );
+    return status;
+}
+
+wisp_status wisp_detach_pins( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count )
+{
+    attachments_state* state;
+    WISP_TRY( begin( world, surface, vertices, count, &state ) );
+    attachments_place* place = wisp_world_column( world, surface, state->place, 0 );
+    const wisp_fabric* fabric = wisp_world_fabric( world, surface );
+    for ( int i = 0; place != NULL && i < count; ++i )
+    {
+        place[fabric->vertex_slot[vertices[i]]] = ( attachments_place ){ .to = { 0, 0 } };
+    }
+    return WISP_OK;
+}
+
+int wisp_count_attached_pins( wisp_world* world, wisp_entity surface )
+{
+    attachments_state* state = world != NULL ? wisp_world_module_state( world, "attachments" ) : NULL;
+    const attachments_place* place = state != NULL ? wisp_world_column( world, surface, state->place, 0 ) : NULL;
+    int count = 0;
+    for ( int slot = 0; place != NULL && slot < wisp_world_fabric( world, surface )->slot_count; ++slot )
+    {
+        count += place[slot].to.index != 0 ? 1 : 0;
+    }
+    return count;
+}
+
+void attachments_forget( attachments_state* state, wisp_world* world, wisp_entity to )
+{
+    for ( int i = 0; i < state->count; ++i )
+    {
+        attachments_place* place = wisp_world_column( world, state->surfaces[i], state->place, 0 );
+        const int slots = wisp_world_fabric( world, state->surfaces[i] )->slot_count;
+        for ( int slot = 0; slot < slots; ++slot )
+        {
+            if ( wisp_entity_equal( place[slot].to, to ) )
+            {
+                place[slot] = ( attachments_place ){ .to = { 0, 0 } };
+            }
+        }
+    }
+}
