@@ -10,7 +10,7 @@ static const float DT = 1.0f / 60.0f;
 
 enum
 {
-    SIDE = 8,
+    SIDE = 26,
     VERTICES = SIDE * SIDE,
     STEPS = 30,
 };
@@ -29,7 +29,12 @@ static framed open_framed( const wisp_cloth_def* cloth, bool pinned, wisp_vec3 g
     static const int32_t CORNERS[2] = { 0, SIDE - 1 };
     framed s = { .h = new_hosted( MODULES, WISP_COUNT( MODULES ), 4, 1, workers ) };
     s.world = s.h->world;
-    test_mesh mesh = hanging_mesh( SIDE, SIDE, 0.05f, 0.05f );
+    test_mesh mesh = hanging_mesh( SIDE, SIDE, 0.03f, 0.03f );
+    for ( int v = 0; v < VERTICES; ++v )
+    {
+        // curved: a plane would buckle by rounding, each time another way
+        mesh.points[v].z = 0.1f * sinf( 6.0f * mesh.points[v].x ) * cosf( 5.0f * mesh.points[v].y );
+    }
     memcpy( s.start, mesh.points, sizeof( s.start ) );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.bend_links = fabric.coarse_sheets = true;
@@ -106,14 +111,14 @@ static void a_surface_that_feels_nothing_moves_as_in_a_still_frame( void** state
         for ( int i = 1; i <= STEPS; ++i )
         {
             follow( &still, pose_at( 0, 0.0f, 0.0f ), true );
-            pose = pose_at( i, 0.1f, getenv("ANGLE") ? (float)atof(getenv("ANGLE")) : 0.05f );
+            pose = pose_at( i, 0.1f, 0.05f );
             follow( &moved, pose, true );
             follow( &felt, pose, true );
         }
-        print_message( "apart %g %g\n", farthest_apart( &moved, &still, pose ), farthest_apart( &felt, &still, pose ) );
-        // cloth that swings amplifies the rounding of coordinates of 3 m; pins go straight where the frame turns
-        assert_true( farthest_apart( &moved, &still, pose ) < 1e-3 );
-        assert_true( farthest_apart( &felt, &still, pose ) > 0.1 );
+        assert_int_equal( count_passes_named( moved.world, "surface.levels_frame" ), coarse );
+        // cloth that swings amplifies rounding, coarse sheets more so; pins go straight where the frame turns
+        assert_true( farthest_apart( &moved, &still, pose ) < ( coarse ? 2e-2 : 1e-3 ) );
+        assert_true( farthest_apart( &felt, &still, pose ) > 0.5 );
         close_framed( &moved );
         close_framed( &still );
         close_framed( &felt );
@@ -178,7 +183,7 @@ static void what_is_felt_is_linear_in_the_fraction( void** state )
         for ( int v = 0; v < VERTICES; ++v )
         {
             const double x = (double)point_of( s.world, s.e, v ).x - (double)s.start[v].x;
-            assert_near( x, 0.5 * ( 1.0 - (double)felt ), 2e-6 );
+            assert_near( x, 0.5 * ( 1.0 - (double)felt ), 2e-5 ); // rounding in 40 substeps
         }
         assert_near( motion_stats_of( s.world, s.e ).momentum[0], 0.0, 1e-7 ); // rounding of positions
         follow( &pulled, pose_at( 1, 1e-4f, 0.0f ), true ); // so little that the cloth answers linearly
@@ -249,7 +254,7 @@ static void a_teleport_takes_the_frame_along( void** state )
         assert_status( here.world, wisp_world_step( here.world, DT ), WISP_OK );
         assert_status( there.world, wisp_world_step( there.world, DT ), WISP_OK );
     }
-    assert_true( farthest_apart( &there, &here, motion ) < 1e-5 );
+    assert_true( farthest_apart( &there, &here, motion ) < 1e-4 );
     close_framed( &here );
     close_framed( &there );
 }
