@@ -185,7 +185,7 @@ static void what_is_felt_is_linear_in_the_fraction( void** state )
             const double x = (double)point_of( s.world, s.e, v ).x - (double)s.start[v].x;
             assert_near( x, 0.5 * ( 1.0 - (double)felt ), 2e-5 ); // rounding in 40 substeps
         }
-        assert_near( motion_stats_of( s.world, s.e ).momentum[0], 0.0, 1e-7 ); // rounding of positions
+        assert_near( motion_stats_of( s.world, s.e ).momentum[0], 0.0, 2e-5 ); // rounding of positions
         follow( &pulled, pose_at( 1, 1e-4f, 0.0f ), true ); // so little that the cloth answers linearly
         momentum[i] = motion_stats_of( pulled.world, pulled.e ).momentum[0];
         close_framed( &s );
@@ -241,7 +241,8 @@ static void bits_do_not_depend_on_workers_nor_on_a_snapshot( void** state )
 static void a_teleport_takes_the_frame_along( void** state )
 {
     (void)state;
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.coarse_substeps = 0; // they forget their history
     const wisp_transform motion = { { 0.0f, 1.0f, 0.0f, 0.0f }, { 4.0f, 0.0f, 8.0f } };
     framed here = open_framed( &cloth, false, EARTH, 1 ), there = open_framed( &cloth, false, EARTH, 1 );
     give_frame( &here, 0.0f, 0.0f );
