@@ -179,6 +179,7 @@ static void add_counter_table( results* out, const wisp_world* world )
         [WISP_COUNT_GRAVITY_SCALED] = "strands with reduced gravity: substeps too long for their curls",
         [WISP_COUNT_SAGGING] = "strands too soft to hold their shape under gravity: they sag",
         [WISP_COUNT_STRETCHED] = "strands over 5 % too long in a step: use stretch: direct",
+        [WISP_COUNT_SPEED_LIMITED] = "velocities of vertices scaled down to the largest speed, in each substep",
     };
     int table = -1;
     for ( int i = 0; i < WISP_COUNTER_COUNT; ++i )

@@ -7,6 +7,7 @@
 #include "frozen_hair.h"
 #include "guide_hair.h"
 #include "implicit_cloth.h"
+#include "motion_constraints.h"
 #include "strand_appearance.h"
 #include "wisp/fabric.h"
 #include "wisp/module/module.h"

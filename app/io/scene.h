@@ -13,12 +13,14 @@
 #include "frozen_hair/frozen_hair.h"
 #include "guide_hair/guide_hair.h"
 #include "implicit_cloth/implicit_cloth.h"
+#include "motion_constraints/motion_constraints.h"
 #include "strand_appearance/strand_appearance.h"
 #include "strands/strands.h"
 
 #include "groom.h"
 #include "mesh.h"
 #include "wisp/fabric.h"
+#include "wisp/moving_frame.h"
 
 #ifdef __cplusplus
 extern "C"
@@ -183,6 +185,20 @@ extern "C"
         wisp_vec3 lower, upper; ///< m, low <= high
     } wisp_scene_box;
 
+    /// Pins that move together.
+    typedef struct wisp_scene_pin_group
+    {
+        const int32_t* pins; ///< [pin_count] numbers of vertices as the file or the recipe has them
+        int pin_count;
+        const wisp_scene_box* pin_boxes; ///< [pin_box_count]
+        int pin_box_count;
+        const wisp_vec3* pin_nearest; ///< [pin_nearest_count]
+        int pin_nearest_count;
+        wisp_scene_path path; ///< how far they are from where they started
+        bool has_pivot;
+        wisp_vec3 pivot; ///< m, what the path turns about; without it: the middle of the group
+    } wisp_scene_pin_group;
+
     /// One entry of `surfaces`. Texts and arrays belong to the scene.
     typedef struct wisp_scene_surface
     {
@@ -208,6 +224,21 @@ extern "C"
         wisp_scene_path pin_path; ///< how far the pins are from where they started
         bool has_pin_pivot;
         wisp_vec3 pin_pivot; ///< m, what pin_path turns about; without it: the middle of the pins
+
+        const wisp_scene_pin_group* pin_groups; ///< [pin_group_count] more pins, each with a path of its own
+        int pin_group_count;
+
+        bool has_motion_constraints;
+        wisp_motion_constraints_def motion_constraints; ///< without arrays
+        wisp_scene_path target_path;                    ///< how far the targets are from where the vertices start
+        bool has_target_pivot;
+        wisp_vec3 target_pivot; ///< m, what target_path turns about; without it: the centre of the vertices
+        bool has_frame;
+        wisp_moving_frame_def frame; ///< its pose is the identity at the pivot
+        wisp_scene_path frame_path;  ///< how far it is from where it starts
+        bool has_frame_pivot;
+        wisp_vec3 frame_pivot; ///< m, where the frame stands at the start; without it: the centre of the vertices
+        float max_speed;       ///< m/s; infinite: none
 
         wisp_vec3 velocity, angular_velocity;
         wisp_vec3 gravity; ///< the scene's unless the surface has its own

@@ -74,6 +74,11 @@ void KERNEL( xyzw_range )( const float* xyzw, const float* less, const int32_t* 
 void KERNEL( half_space )( const wisp_half_space_args* args, int begin, int end );
 void KERNEL( push )( const wisp_push_args* args, int begin, int end );
 void KERNEL( tether )( const wisp_tether_args* args, int begin, int end );
+void KERNEL( motion_constraint )( const wisp_motion_constraint_args* args, int begin, int end );
+void KERNEL( motion_targets )( const wisp_motion_target_args* args, int begin, int end );
+void KERNEL( carry_points )( const wisp_carry_args* args, float* xyzw, int begin, int end );
+void KERNEL( carry_vectors )( const wisp_carry_args* args, float* xyzw, int begin, int end );
+int KERNEL( limit_speed )( float* velocity, float max_speed, int begin, int end );
 int KERNEL( find_out_of_bounds )( const wisp_bound_args* args, int begin, int end );
 void KERNEL( accelerate )( const wisp_particle_args* args, int begin, int end );
 void KERNEL( predict )( const wisp_particle_args* args, int begin, int end );

@@ -171,3 +171,26 @@ void KERNEL( tether )( const wisp_tether_args* args, int begin, int end )
         }
     }
 }
+
+// Scales velocities, so that their direction stays. A velocity that is not finite stays for the state check.
+int KERNEL( limit_speed )( float* velocity, float max_speed, int begin, int end )
+{
+    const lane8 longest = lane8_set1( max_speed ), one = lane8_set1( 1.0f );
+    int count = 0;
+    for ( int slot = begin; slot < end; slot += 8 )
+    {
+        lane8v v;
+        lane8 none;
+        lane8_load_xyzw_contiguous( velocity + (size_t)slot * 4, &v.x, &v.y, &v.z, &none );
+        const lane8 speed = lane8v_length( v );
+        const lane8m fast = lane8_lt( longest, speed );
+        if ( lane8m_any( fast ) )
+        {
+            const lane8 keep = lane8_div( longest, lane8_select( fast, speed, one ) );
+            v = lane8v_select( fast, lane8v_scale( v, keep ), v );
+            lane8_store_xyzw_contiguous( velocity + (size_t)slot * 4, v.x, v.y, v.z, none );
+            count += __builtin_popcount( lane8m_bits( fast ) & 0xffu );
+        }
+    }
+    return count;
+}

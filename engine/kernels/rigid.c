@@ -96,3 +96,41 @@ void KERNEL( rigid_approach )( const wisp_rigid_args* args, int begin, int end )
         lane8_store_xyzw_contiguous( args->velocity + (size_t)slot * 4, v.x, v.y, v.z, lane8_zero() );
     }
 }
+
+// Change of vectors by a rotation less the identity.
+LANE_INLINE lane8v turned( const wisp_carry_args* args, lane8v v )
+{
+    lane8v rows[3];
+    for ( int r = 0; r < 3; ++r )
+    {
+        rows[r] = lane8v_set1( ( wisp_vec3 ){ args->turn[3 * r], args->turn[3 * r + 1], args->turn[3 * r + 2] } );
+    }
+    return ( lane8v ){ lane8v_dot( rows[0], v ), lane8v_dot( rows[1], v ), lane8v_dot( rows[2], v ) };
+}
+
+void KERNEL( carry_points )( const wisp_carry_args* args, float* xyzw, int begin, int end )
+{
+    const wisp_carry_args mine = *args;
+    const lane8v origin = lane8v_set1( mine.origin ), shift = lane8v_set1( mine.shift );
+    for ( int slot = begin; slot < end; slot += LANES )
+    {
+        lane8v x;
+        lane8 w;
+        lane8_load_xyzw_contiguous( xyzw + (size_t)slot * 4, &x.x, &x.y, &x.z, &w );
+        x = lane8v_add( x, lane8v_add( turned( &mine, lane8v_sub( x, origin ) ), shift ) );
+        lane8_store_xyzw_contiguous( xyzw + (size_t)slot * 4, x.x, x.y, x.z, w );
+    }
+}
+
+void KERNEL( carry_vectors )( const wisp_carry_args* args, float* xyzw, int begin, int end )
+{
+    const wisp_carry_args mine = *args;
+    for ( int slot = begin; slot < end; slot += LANES )
+    {
+        lane8v v;
+        lane8 w;
+        lane8_load_xyzw_contiguous( xyzw + (size_t)slot * 4, &v.x, &v.y, &v.z, &w );
+        v = lane8v_add( v, turned( &mine, v ) );
+        lane8_store_xyzw_contiguous( xyzw + (size_t)slot * 4, v.x, v.y, v.z, w );
+    }
+}

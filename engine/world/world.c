@@ -353,6 +353,7 @@ const char* wisp_counter_name( wisp_counter counter )
         "gravity scaled",
         "sagging strands",
         "stretched strands",
+        "limited speeds",
     };
     return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";
 }

@@ -87,6 +87,11 @@ static void move_particles( wisp_world* world, wisp_entity entity, const wisp_te
                         wisp_world_column( world, entity, WISP_PARTICLE_VELOCITY, 0 ), count, 4 );
     wisp_teleport_rows( teleport, wisp_world_column( world, entity, WISP_PARTICLE_LAST_VALID, 0 ), NULL, count, 4 );
     wisp_teleport_rows( teleport, wisp_world_column( world, entity, WISP_PARTICLE_TARGET, 0 ), NULL, count, 4 );
+    wisp_transform* poses = wisp_world_column( world, entity, WISP_PARTICLE_FRAME, 0 );
+    for ( int i = 0; poses != NULL && i < 3; ++i )
+    {
+        poses[i] = wisp_teleport_pose( teleport, poses[i] );
+    }
 }
 
 static void move_strands( wisp_world* world, wisp_entity entity, const wisp_teleport_motion* teleport,

@@ -322,7 +322,8 @@ typedef enum wisp_counter
     WISP_COUNT_STRETCHED =
         15, ///< strands of inextensible links that end a step more than 5 % too long, in each step: too few
             ///< sweeps for their masses
-    WISP_COUNTER_COUNT = 16,
+    WISP_COUNT_SPEED_LIMITED = 16, ///< velocities of vertices above the largest speed, scaled down to it, in each substep
+    WISP_COUNTER_COUNT = 17,
 } wisp_counter;
 
 WISP_API uint64_t wisp_world_counter( const wisp_world* world, wisp_counter counter );
@@ -440,7 +441,10 @@ enum
     WISP_POINT_STRAIN = 40,    ///< float: largest |l/l0 - 1| of the edges or segments at a vertex
     WISP_POINT_SPEED = 41,     ///< float, m/s
     WISP_MOTION_STATS = 42,    ///< read with wisp_read_motion_stats()
-    WISP_SHARED_COMPONENT_COUNT = 43,
+    WISP_PARTICLE_FRAME = 43,
+    WISP_PARTICLE_UNCARRIED = 44,
+    WISP_PARTICLE_MAX_SPEED = 45,
+    WISP_SHARED_COMPONENT_COUNT = 46,
 };
 
 WISP_END_C

@@ -51,7 +51,10 @@
     X( SURFACE_NORMALS, "surface.normals", WISP_TABLE_POINT )                                                        \
     X( POINT_STRAIN, "point.strain", WISP_TABLE_POINT )                                                              \
     X( POINT_SPEED, "point.speed", WISP_TABLE_POINT )                                                                \
-    X( MOTION_STATS, "entity.motion_stats", WISP_TABLE_ENTITY )
+    X( MOTION_STATS, "entity.motion_stats", WISP_TABLE_ENTITY )                                                      \
+    X( PARTICLE_FRAME, "particle.frame", WISP_TABLE_ENTITY )                                                         \
+    X( PARTICLE_UNCARRIED, "particle.uncarried", WISP_TABLE_PARTICLE )                                               \
+    X( PARTICLE_MAX_SPEED, "particle.max_speed", WISP_TABLE_ENTITY )
 
 #define WISP_STRAND_REST_COLUMNS( X ) X( float, rest, 48 )         /* m, [3][16] a row, as the user gave it */
 #define WISP_STRAND_POSITION_COLUMNS( X ) X( float, position, 48 ) /* m, [3][16] a row */
@@ -146,3 +149,12 @@
 #define WISP_POINT_STRAIN_COLUMNS( X ) X( float, strain, 1 ) /* largest |l/l0 - 1| of the edges at the vertex */
 #define WISP_POINT_SPEED_COLUMNS( X ) X( float, speed, 1 )   /* m/s */
 #define WISP_MOTION_STATS_COLUMNS( X ) X( wisp_motion_stats, motion_stats, 1 )
+/// A frame of reference that moves. What particles do not feel of its motion carries them along.
+#define WISP_PARTICLE_FRAME_COLUMNS( X )                                                                             \
+    X( wisp_transform, pose, 3 )   /* at the start and the end of the step; at the end of the next one */            \
+    X( float, felt, 2 )            /* fraction of its displacement and of its rotation, in [0, 1] */                 \
+    X( int32_t, moves, 1 )         /* 1: in this step */
+/// Means nothing between substeps.
+#define WISP_PARTICLE_UNCARRIED_COLUMNS( X )                                                                         \
+    X( float, position, 4 ) /* m, at the start of the substep, before the frame carried it; any */
+#define WISP_PARTICLE_MAX_SPEED_COLUMNS( X ) X( float, speed, 1 ) /* m/s */

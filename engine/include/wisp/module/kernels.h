@@ -303,6 +303,13 @@ typedef struct wisp_kernels
     void ( *turn )( const wisp_turn_args* args, int begin, int end );
     // slots, multiples of 8
     void ( *tether )( const wisp_tether_args* args, int begin, int end );
+    void ( *motion_constraint )( const wisp_motion_constraint_args* args, int begin, int end );
+    void ( *motion_targets )( const wisp_motion_target_args* args, int begin, int end );
+    /// Carry points by a rigid motion: x += turn (x - origin) + shift; pinned ones too. Vectors get v += turn v.
+    void ( *carry_points )( const wisp_carry_args* args, float* xyzw, int begin, int end );
+    void ( *carry_vectors )( const wisp_carry_args* args, float* xyzw, int begin, int end );
+    /// Scale velocities that are above a speed. @return number of velocities that were
+    int ( *limit_speed )( float* velocity, float max_speed, int begin, int end );
     void ( *accelerate )( const wisp_particle_args* args, int begin, int end ); ///< v += dt acceleration
     void ( *predict )( const wisp_particle_args* args, int begin, int end );    ///< previous = p, p += dt v
     void ( *velocity )( const wisp_particle_args* args, int begin, int end );   ///< v += (p - (previous + dt v)) / dt

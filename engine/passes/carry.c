@@ -1,0 +1,253 @@
+// Frames of reference that move: what particles do not feel of the motion carries them. In: poses of the frame. Out: positions and
+// velocities of particles.
+//
+// Within a substep of a particle, previous' = C( previous ), v' = R v and the prediction is previous' + dt v', with C the unfelt rigid
+// motion and R its rotation. Collision and contact get the uncarried previous position, so that they see the motion in the world; it is
+// carried again before velocities are computed from it. So a particle that nothing touches keeps the bits of its velocity.
+#include "passes.h"
+
+#include "wisp/module/components.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct rotation
+{
+    double x, y, z, w;
+} rotation;
+
+// Rotation that takes one pose to another, the shorter way: b a^-1.
+static rotation turn_between( wisp_quat from, wisp_quat to )
+{
+    const double ax = -(double)from.x, ay = -(double)from.y, az = -(double)from.z, aw = (double)from.w;
+    const double bx = (double)to.x, by = (double)to.y, bz = (double)to.z, bw = (double)to.w;
+    const rotation r = { bw * ax + bx * aw + by * az - bz * ay, bw * ay - bx * az + by * aw + bz * ax,
+                         bw * az + bx * ay - by * ax + bz * aw, bw * aw - bx * ax - by * ay - bz * az };
+    return r.w < 0.0 ? ( rotation ){ -r.x, -r.y, -r.z, -r.w } : r;
+}
+
+// A fraction of a rotation, by the normalised line from the identity. Rotations of a substep are small.
+static rotation part_of( rotation r, double fraction )
+{
+    const rotation q = { fraction * r.x, fraction * r.y, fraction * r.z, fraction * r.w + 1.0 - fraction };
+    const double scale = 1.0 / sqrt( q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w );
+    return ( rotation ){ q.x * scale, q.y * scale, q.z * scale, q.w * scale };
+}
+
+static void write_turn( rotation q, float turn[9] )
+{
+    const double rows[9] = {
+        -2.0 * ( q.y * q.y + q.z * q.z ), 2.0 * ( q.x * q.y - q.z * q.w ),  2.0 * ( q.x * q.z + q.y * q.w ),
+        2.0 * ( q.x * q.y + q.z * q.w ),  -2.0 * ( q.x * q.x + q.z * q.z ), 2.0 * ( q.y * q.z - q.x * q.w ),
+        2.0 * ( q.x * q.z - q.y * q.w ),  2.0 * ( q.y * q.z + q.x * q.w ),  -2.0 * ( q.x * q.x + q.y * q.y ),
+    };
+    for ( int k = 0; k < 9; ++k )
+    {
+        turn[k] = (float)rows[k];
+    }
+}
+
+// The unfelt motion of the frame in a substep. @return false if there is none
+static bool find_carry( wisp_frame* frame, const wisp_span* span, wisp_carry_args* args )
+{
+    const wisp_transform* pose = wisp_frame_column( frame, span->entity, WISP_PARTICLE_FRAME, 0 );
+    const float* felt = wisp_frame_column( frame, span->entity, WISP_PARTICLE_FRAME, 1 );
+    const int32_t* moves = wisp_frame_column( frame, span->entity, WISP_PARTICLE_FRAME, 2 );
+    if ( *moves == 0 )
+    {
+        return false;
+    }
+    const float begin = span->substep > 0 ? wisp_frame_progress( frame, span->entity, span->substep ) : 0.0f,
+                end = wisp_frame_progress( frame, span->entity, span->substep + 1 );
+    const rotation turn = turn_between( wisp_transform_interpolate( pose[0], pose[1], begin ).rotation,
+                                        wisp_transform_interpolate( pose[0], pose[1], end ).rotation );
+    write_turn( part_of( turn, 1.0 - (double)felt[1] ), args->turn );
+    const double unfelt = ( 1.0 - (double)felt[0] ) * ( (double)end - (double)begin ), at = (double)begin;
+    const wisp_vec3 a = pose[0].translation, b = pose[1].translation;
+    const double x = (double)b.x - (double)a.x, y = (double)b.y - (double)a.y, z = (double)b.z - (double)a.z;
+    args->shift = ( wisp_vec3 ){ (float)( unfelt * x ), (float)( unfelt * y ), (float)( unfelt * z ) };
+    args->origin = ( wisp_vec3 ){ (float)( (double)a.x + at * x ), (float)( (double)a.y + at * y ),
+                                  (float)( (double)a.z + at * z ) };
+    return true;
+}
+
+// ---- once per step ----
+
+static void move_frame( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    wisp_transform* pose = wisp_frame_column( frame, span->entity, WISP_PARTICLE_FRAME, 0 );
+    int32_t* moves = wisp_frame_column( frame, span->entity, WISP_PARTICLE_FRAME, 2 );
+    if ( wisp_frame_has( frame, span->entity, WISP_PARTICLE_EXTERNAL_SOLVER ) )
+    {
+        wisp_frame_fail( frame, WISP_CONFLICT, "entity %u: has a moving frame, which implicit cloth does not support",
+                         span->entity.index );
+    }
+    pose[0] = wisp_frame_reached( frame, pose[0], pose[1] );
+    pose[1] = pose[2];
+    *moves = memcmp( pose, pose + 1, sizeof( *pose ) ) != 0 ? 1 : 0;
+}
+
+// ---- each substep ----
+
+static void carry( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    wisp_carry_args args;
+    if ( find_carry( frame, span, &args ) == false )
+    {
+        return;
+    }
+    const wisp_span s = wisp_frame_particles( frame, span );
+    const wisp_kernels* kernels = wisp_frame_kernels( frame );
+    const float dt = wisp_frame_dt( frame, span->entity );
+    const size_t first = 4 * (size_t)s.begin, bytes = 4 * (size_t)( s.end - s.begin ) * sizeof( float );
+    float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    float* previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 );
+    float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+    float* uncarried = wisp_frame_column( frame, span->entity, WISP_PARTICLE_UNCARRIED, 0 );
+    memcpy( uncarried + first, previous + first, bytes );
+    kernels->carry_points( &args, previous, s.begin, s.end );
+    kernels->carry_vectors( &args, velocity, s.begin, s.end );
+    for ( int i = 4 * s.begin; i < 4 * s.end; i += 4 )
+    {
+        for ( int k = 0; k < 3 && position[i + 3] > 0.0f; ++k )
+        {
+            position[i + k] = velocity[i + k] * dt + previous[i + k]; // as in the kernel predict
+        }
+    }
+}
+
+static void uncarry( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    const int32_t* moves = wisp_frame_column( frame, span->entity, WISP_PARTICLE_FRAME, 2 );
+    const wisp_span s = wisp_frame_particles( frame, span );
+    float* previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 );
+    const float* uncarried = wisp_frame_column( frame, span->entity, WISP_PARTICLE_UNCARRIED, 0 );
+    if ( *moves != 0 )
+    {
+        const size_t first = 4 * (size_t)s.begin, bytes = 4 * (size_t)( s.end - s.begin ) * sizeof( float );
+        memcpy( previous + first, uncarried + first, bytes );
+    }
+}
+
+static void carry_previous( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    wisp_carry_args args;
+    if ( find_carry( frame, span, &args ) )
+    {
+        const wisp_span s = wisp_frame_particles( frame, span );
+        float* previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 );
+        wisp_frame_kernels( frame )->carry_points( &args, previous, s.begin, s.end );
+    }
+}
+
+// The motion that coarse sheets remember is relative to the frame, as velocities are.
+static void carry_levels( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    static const int VECTORS[] = { 0, 1, 2, 4 }; // what counts when a substep begins
+    wisp_carry_args args;
+    if ( find_carry( frame, span, &args ) )
+    {
+        const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+        const int count = fabric->level_count > 0 ? fabric->levels[fabric->level_count - 1].row_count : 0;
+        for ( int i = 0; i < WISP_COUNT( VECTORS ); ++i )
+        {
+            float* rows = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, VECTORS[i] );
+            wisp_frame_kernels( frame )->carry_vectors( &args, rows, 0, count );
+        }
+    }
+}
+
+wisp_status passes_declare_carry( wisp_registry* registry )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "particles.frame",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { WISP_PARTICLE_FRAME },
+            .reads = { WISP_PARTICLE_FRAME, WISP_PARTICLE_POSITION },
+            .writes = { WISP_PARTICLE_FRAME, WISP_PARTICLE_POSITION },
+            .run = move_frame,
+        },
+        {
+            .name = "particles.carry",
+            .stage = WISP_STAGE_PREDICT,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .required = { WISP_PARTICLE_FRAME, WISP_PARTICLE_VELOCITY },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
+            .reads = { WISP_PARTICLE_FRAME, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_VELOCITY,
+                        WISP_PARTICLE_UNCARRIED },
+            .run = carry,
+        },
+        {
+            .name = "surface.levels_frame",
+            .stage = WISP_STAGE_PREDICT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { WISP_PARTICLE_FRAME, WISP_SURFACE_LEVELS, WISP_LEVEL_MOTION },
+            .reads = { WISP_PARTICLE_FRAME, WISP_LEVEL_MOTION },
+            .writes = { WISP_LEVEL_MOTION },
+            .run = carry_levels,
+        },
+        {
+            .name = "particles.carry_previous",
+            .stage = WISP_STAGE_VELOCITY, // not among what it reads: so it comes before velocities are computed
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .required = { WISP_PARTICLE_FRAME, WISP_PARTICLE_VELOCITY },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
+            .reads = { WISP_PARTICLE_FRAME },
+            .writes = { WISP_PARTICLE_PREVIOUS },
+            .run = carry_previous,
+        },
+    };
+    return wisp_declare_passes( registry, passes, WISP_COUNT( passes ), NULL );
+}
+
+wisp_status passes_declare_uncarry( wisp_registry* registry )
+{
+    const wisp_pass pass = {
+        .name = "particles.uncarry",
+        .stage = WISP_STAGE_PREDICT,
+        .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+        .required = { WISP_PARTICLE_FRAME, WISP_PARTICLE_VELOCITY },
+        .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
+        .reads = { WISP_PARTICLE_FRAME, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_UNCARRIED },
+        .writes = { WISP_PARTICLE_PREVIOUS },
+        .run = uncarry,
+    };
+    return wisp_declare_pass( registry, &pass );
+}
+
+// ---- largest speed ----
+
+static void limit_speed( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    const wisp_span s = wisp_frame_particles( frame, span );
+    float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+    const float* speed = wisp_frame_column( frame, span->entity, WISP_PARTICLE_MAX_SPEED, 0 );
+    const int count = wisp_frame_kernels( frame )->limit_speed( velocity, *speed, s.begin, s.end );
+    if ( count > 0 )
+    {
+        wisp_frame_count( frame, WISP_COUNT_SPEED_LIMITED, (uint64_t)count );
+    }
+}
+
+wisp_status passes_declare_max_speed( wisp_registry* registry )
+{
+    const wisp_pass pass = {
+        .name = "particles.max_speed",
+        .stage = WISP_STAGE_VELOCITY,
+        .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+        .required = { WISP_PARTICLE_MAX_SPEED, WISP_PARTICLE_VELOCITY },
+        .reads = { WISP_PARTICLE_MAX_SPEED, WISP_PARTICLE_VELOCITY },
+        .writes = { WISP_PARTICLE_VELOCITY },
+        .run = limit_speed,
+    };
+    return wisp_declare_pass( registry, &pass );
+}

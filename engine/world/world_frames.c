@@ -1,0 +1,108 @@
+// Moving frames and largest speeds of surfaces: the calls of the host.
+#include "world.h"
+
+#include "wisp/module/components.h"
+#include "wisp/moving_frame.h"
+
+#include <math.h>
+
+void wisp_init_moving_frame_def( wisp_moving_frame_def* def, size_t size )
+{
+    const wisp_moving_frame_def values = {
+        .linear_inertia = 1.0f,
+        .angular_inertia = 1.0f,
+        .pose = { .rotation = { 0.0f, 0.0f, 0.0f, 1.0f } },
+    };
+    wisp_def_init( def, size, &values, sizeof( values ) );
+}
+
+static wisp_status check_pose( wisp_world* world, wisp_transform pose )
+{
+    const wisp_vec3 p = pose.translation;
+    const wisp_quat q = pose.rotation;
+    const float squared = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+    if ( !( fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f ) )
+    {
+        return wisp_world_fail(
+            world, WISP_BAD_INPUT,
+            "moving frame: got position (%g, %g, %g), expected finite coordinates within 1e6 m of "
+            "the origin",
+            (double)p.x, (double)p.y, (double)p.z );
+    }
+    return squared >= 1e-12f && squared <= 1e12f
+               ? WISP_OK
+               : wisp_world_fail( world, WISP_BAD_INPUT,
+                                  "moving frame: the quaternion (%g, %g, %g, %g) is not a rotation", (double)q.x,
+                                  (double)q.y, (double)q.z, (double)q.w );
+}
+
+static wisp_status check_frame( wisp_world* world, wisp_entity surface, const wisp_moving_frame_def* def )
+{
+    const wisp_number_range ranges[] = {
+        { "linear_inertia", def->linear_inertia, 0.0f, 1.0f },
+        { "angular_inertia", def->angular_inertia, 0.0f, 1.0f },
+    };
+    WISP_TRY( wisp_world_check_ranges( world, "moving frame", ranges, WISP_COUNT( ranges ) ) );
+    WISP_TRY( check_pose( world, def->pose ) );
+    return wisp_world_has( world, surface, WISP_PARTICLE_EXTERNAL_SOLVER )
+               ? wisp_world_fail( world, WISP_CONFLICT, "moving frame: entity %u is implicit cloth, which has none",
+                                  surface.index )
+               : WISP_OK;
+}
+
+wisp_status wisp_set_moving_frame( wisp_world* world, wisp_entity surface, const wisp_moving_frame_def* given )
+{
+    wisp_moving_frame_def def = wisp_default_moving_frame_def();
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_moving_frame_def", &def, given ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    store_entity* e;
+    WISP_TRY( world_find_surface( world, surface, &e ) );
+    WISP_TRY( check_frame( world, surface, &def ) );
+    if ( def.linear_inertia == 1.0f && def.angular_inertia == 1.0f )
+    {
+        return wisp_world_detach( world, surface, WISP_PARTICLE_FRAME );
+    }
+    WISP_TRY( wisp_world_attach( world, surface, WISP_PARTICLE_FRAME ) );
+    wisp_transform* pose = wisp_world_column( world, surface, WISP_PARTICLE_FRAME, 0 );
+    float* felt = wisp_world_column( world, surface, WISP_PARTICLE_FRAME, 1 );
+    pose[0] = pose[1] = pose[2] = wisp_transform_make( def.pose.rotation, def.pose.translation );
+    felt[0] = def.linear_inertia;
+    felt[1] = def.angular_inertia;
+    return WISP_OK;
+}
+
+wisp_status wisp_move_frame( wisp_world* world, wisp_entity surface, wisp_transform pose )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    store_entity* e;
+    WISP_TRY( world_find_surface( world, surface, &e ) );
+    WISP_TRY( check_pose( world, pose ) );
+    wisp_transform* poses = wisp_world_column( world, surface, WISP_PARTICLE_FRAME, 0 );
+    if ( poses != NULL )
+    {
+        poses[2] = wisp_transform_make( pose.rotation, pose.translation );
+    }
+    return WISP_OK;
+}
+
+wisp_status wisp_set_max_speed( wisp_world* world, wisp_entity surface, float speed )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    store_entity* e;
+    WISP_TRY( world_find_surface( world, surface, &e ) );
+    if ( !( speed > 0.0f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "max_speed: got %g m/s, expected a number above 0",
+                                (double)speed );
+    }
+    const bool is_limited = speed < INFINITY;
+    WISP_TRY( is_limited ? wisp_world_attach( world, surface, WISP_PARTICLE_MAX_SPEED )
+                         : wisp_world_detach( world, surface, WISP_PARTICLE_MAX_SPEED ) );
+    if ( is_limited )
+    {
+        *(float*)wisp_world_column( world, surface, WISP_PARTICLE_MAX_SPEED, 0 ) = speed;
+    }
+    return WISP_OK;
+}

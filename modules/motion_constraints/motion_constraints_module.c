@@ -1,0 +1,224 @@
+// Motion constraints: components and passes. The equations are those of the kernels motion_constraint and motion_targets.
+#include "motion_constraints_state.h"
+
+#include <string.h>
+
+static const wisp_column_def SETTINGS_COLUMNS[] = { MOTION_SETTINGS( WISP_COLUMN_DEF ) };
+static const wisp_column_def DISTANCE_COLUMNS[] = { MOTION_DISTANCE( WISP_COLUMN_DEF ) };
+static const wisp_column_def BACKSTOP_COLUMNS[] = { MOTION_BACKSTOP( WISP_COLUMN_DEF ) };
+static const wisp_column_def LAMBDA_COLUMNS[] = { MOTION_LAMBDA( WISP_COLUMN_DEF ) };
+
+enum
+{
+    SLOT_GRAIN = 2048, // particles per block, as of tethers
+};
+
+// ---- once per step: paths of the targets ----
+
+typedef struct target_loop
+{
+    wisp_motion_target_args args;
+    const wisp_kernels* kernels;
+} target_loop;
+
+static void run_targets( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const target_loop* loop = context;
+    loop->kernels->motion_targets( &loop->args, begin * 8, end * 8 );
+}
+
+// Fraction of the last step's displacements that the step has left, because it was no whole number of substeps.
+static float left_by_last_step( wisp_frame* frame )
+{
+    const wisp_quat straight = { 0.0f, 0.0f, 0.0f, 1.0f };
+    const wisp_transform from = { straight, { 0.0f, 0.0f, 0.0f } }, to = { straight, { 1.0f, 0.0f, 0.0f } };
+    return 1.0f - wisp_frame_reached( frame, from, to ).translation.x;
+}
+
+static bool have_moved( wisp_frame* frame, wisp_entity entity, void* user )
+{
+    const motion_state* state = user;
+    const motion_settings* settings = wisp_frame_column( frame, entity, state->settings, 0 );
+    return settings->moves != MOTION_STILL;
+}
+
+static void move_targets( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const motion_state* state = user;
+    const wisp_entity e = span->entity;
+    const bool has_backstop = wisp_frame_has( frame, e, state->backstop );
+    motion_settings* settings = wisp_frame_column( frame, e, state->settings, 0 );
+    const target_loop loop = {
+        .kernels = wisp_frame_kernels( frame ),
+        .args = {
+            .target = wisp_frame_column( frame, e, state->distance, 0 ),
+            .displacement = wisp_frame_column( frame, e, state->distance, 1 ),
+            .next = wisp_frame_column( frame, e, state->distance, 2 ),
+            .max_distance = wisp_frame_column( frame, e, state->distance, 3 ),
+            .bound = wisp_frame_column( frame, e, state->distance, 4 ),
+            .normal = has_backstop ? wisp_frame_column( frame, e, state->backstop, 0 ) : NULL,
+            .normal_change = has_backstop ? wisp_frame_column( frame, e, state->backstop, 1 ) : NULL,
+            .next_normal = has_backstop ? wisp_frame_column( frame, e, state->backstop, 2 ) : NULL,
+            .backstop_distance = has_backstop ? wisp_frame_column( frame, e, state->backstop, 3 ) : NULL,
+            .left = left_by_last_step( frame ),
+        },
+    };
+    wisp_parallel_for( wisp_frame_parallel( frame, span ), wisp_frame_fabric( frame, e )->slot_count / 8,
+                       SLOT_GRAIN / 8, run_targets, (void*)&loop );
+    settings->moves = settings->moves == MOTION_NEW || loop.args.left > 0.0f ? MOTION_ENDS : MOTION_STILL;
+}
+
+// ---- each substep ----
+
+static float* lambda_of( wisp_frame* frame, const wisp_span* span, const motion_state* state,
+                         const wisp_span* particles )
+{
+    float* lambda = wisp_frame_has( frame, span->entity, state->lambda )
+                        ? wisp_frame_column( frame, span->entity, state->lambda, 0 )
+                        : NULL;
+    if ( lambda != NULL && span->iteration == 0 )
+    {
+        const size_t count = 2 * (size_t)( particles->end - particles->begin );
+        memset( lambda + 2 * (size_t)particles->begin, 0, count * sizeof( float ) );
+    }
+    return lambda;
+}
+
+static wisp_motion_constraint_args constraint_args( wisp_frame* frame, const wisp_span* span,
+                                                    const motion_state* state )
+{
+    const wisp_entity e = span->entity;
+    const bool has_backstop = wisp_frame_has( frame, e, state->backstop );
+    const motion_settings* s = wisp_frame_column( frame, e, state->settings, 0 );
+    const float dt = wisp_frame_dt( frame, e ), inverse_dt2 = 1.0f / ( dt * dt );
+    return ( wisp_motion_constraint_args ){
+        .position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 ),
+        .target = wisp_frame_column( frame, e, state->distance, 0 ),
+        .displacement = wisp_frame_column( frame, e, state->distance, 1 ),
+        .max_distance = wisp_frame_column( frame, e, state->distance, 3 ),
+        .bound = wisp_frame_column( frame, e, state->distance, 4 ),
+        .normal = has_backstop ? wisp_frame_column( frame, e, state->backstop, 0 ) : NULL,
+        .normal_change = has_backstop ? wisp_frame_column( frame, e, state->backstop, 1 ) : NULL,
+        .backstop_distance = has_backstop ? wisp_frame_column( frame, e, state->backstop, 3 ) : NULL,
+        .curvature = has_backstop ? wisp_frame_column( frame, e, state->backstop, 4 ) : NULL,
+        .left = 1.0f - wisp_frame_progress( frame, e, span->substep + 1 ),
+        .distance = { s->stiffness[0], s->compliance[0] * inverse_dt2 },
+        .backstop = { s->stiffness[1], s->compliance[1] * inverse_dt2 },
+    };
+}
+
+static void project( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const wisp_span s = wisp_frame_particles( frame, span );
+    wisp_motion_constraint_args args = constraint_args( frame, span, user );
+    args.lambda = lambda_of( frame, span, user, &s );
+    wisp_frame_kernels( frame )->motion_constraint( &args, s.begin, s.end );
+}
+
+// A solver of velocities has moved the particles already: what moves them on is added to their velocities.
+static void project_external( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const wisp_span s = wisp_frame_particles( frame, span );
+    wisp_motion_constraint_args args = constraint_args( frame, span, user );
+    args.lambda = lambda_of( frame, span, user, &s );
+    args.velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+    args.inverse_dt = 1.0f / wisp_frame_dt( frame, span->entity );
+    wisp_frame_kernels( frame )->motion_constraint( &args, s.begin, s.end );
+}
+
+// ---- declaration ----
+
+static void move_rows( float* rows, int slot_count, wisp_transform motion, bool are_points )
+{
+    for ( int slot = 0; slot < slot_count; ++slot )
+    {
+        float* v = rows + 24 * (size_t)( slot / 8 ) + slot % 8;
+        const wisp_vec3 at = { v[0], v[8], v[16] };
+        const wisp_vec3 to =
+            are_points ? wisp_transform_to_world( motion, at ) : wisp_quat_rotate( motion.rotation, at );
+        v[0] = to.x;
+        v[8] = to.y;
+        v[16] = to.z;
+    }
+}
+
+static wisp_status teleported( void* memory, wisp_world* world, wisp_entity entity,
+                               const wisp_teleport_motion* teleport, bool* is_moved )
+{
+    (void)is_moved;
+    const motion_state* state = memory;
+    motion_settings* settings = wisp_world_column( world, entity, state->settings, 0 );
+    for ( int column = 0; settings != NULL && column < 3; ++column )
+    {
+        const int count = wisp_world_fabric( world, entity )->slot_count;
+        const bool are_points = column != 1;
+        move_rows( wisp_world_column( world, entity, state->distance, column ), count, teleport->motion, are_points );
+        if ( wisp_world_has( world, entity, state->backstop ) )
+        {
+            move_rows( wisp_world_column( world, entity, state->backstop, column ), count, teleport->motion, false );
+        }
+        settings->moves = MOTION_NEW;
+    }
+    return WISP_OK;
+}
+
+static wisp_status declare_passes( wisp_registry* r, motion_state* state )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "motion_constraints.targets",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->settings, state->distance },
+            .reads = { state->settings, state->distance },
+            .writes = { state->distance },
+            .run = move_targets,
+            .should_run = have_moved,
+        },
+        {
+            .name = "motion_constraints.project",
+            .stage = WISP_STAGE_PROJECT,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .required = { state->settings, state->distance },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
+            .reads = { state->settings, state->distance, WISP_PARTICLE_POSITION },
+            .writes = { WISP_PARTICLE_POSITION },
+            .run = project,
+        },
+        {
+            .name = "motion_constraints.project_external",
+            .stage = WISP_STAGE_PROJECT,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .required = { state->settings, state->distance, WISP_PARTICLE_EXTERNAL_SOLVER },
+            .reads = { state->settings, state->distance, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .run = project_external,
+        },
+    };
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), state );
+}
+
+static wisp_status declare( wisp_registry* r )
+{
+    motion_state* state = wisp_declare_state( r, sizeof( motion_state ) );
+    if ( state == NULL )
+    {
+        return WISP_NO_MEMORY;
+    }
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .teleported = teleported } );
+    const wisp_component_def settings = { "motion_constraints.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
+    const wisp_component_def distance = { "motion_constraints.distance", WISP_TABLE_PARTICLE, DISTANCE_COLUMNS,
+                                          WISP_COUNT( DISTANCE_COLUMNS ) };
+    const wisp_component_def backstop = { "motion_constraints.backstop", WISP_TABLE_PARTICLE, BACKSTOP_COLUMNS,
+                                          WISP_COUNT( BACKSTOP_COLUMNS ) };
+    const wisp_component_def lambda = { "motion_constraints.lambda", WISP_TABLE_PARTICLE, LAMBDA_COLUMNS, 1 };
+    state->settings = wisp_declare_component( r, &settings );
+    state->distance = wisp_declare_component( r, &distance );
+    state->backstop = wisp_declare_component( r, &backstop );
+    state->lambda = wisp_declare_component( r, &lambda );
+    state->has_iterations = wisp_registry_iterations( r ) > 1;
+    return state->lambda != 0 ? declare_passes( r, state ) : WISP_BAD_INPUT;
+}
+
+const wisp_module wisp_motion_constraints_module = { .name = "motion_constraints", .declare = declare };

@@ -1,0 +1,319 @@
+// Moving frames and largest speeds in worlds: what is not felt carries, what is felt is the world's motion, and nothing costs nothing.
+#include "cloth_fixture.h"
+
+#include "oracle/double3.h"
+#include "wisp/moving_frame.h"
+
+static const wisp_module* const MODULES[] = { &wisp_cloth_module };
+static const wisp_vec3 NONE = { 0.0f, 0.0f, 0.0f };
+static const float DT = 1.0f / 60.0f;
+
+enum
+{
+    SIDE = 26,
+    VERTICES = SIDE * SIDE,
+    STEPS = 30,
+};
+
+typedef struct framed
+{
+    hosted* h;
+    wisp_world* world;
+    wisp_entity e;
+    wisp_vec3 start[VERTICES];
+} framed;
+
+// A cloth, hung up at two corners if it is pinned, else free.
+static framed open_framed( const wisp_cloth_def* cloth, bool pinned, wisp_vec3 gravity, int workers )
+{
+    static const int32_t CORNERS[2] = { 0, SIDE - 1 };
+    framed s = { .h = new_hosted( MODULES, WISP_COUNT( MODULES ), 4, 1, workers ) };
+    s.world = s.h->world;
+    test_mesh mesh = hanging_mesh( SIDE, SIDE, 0.03f, 0.03f );
+    for ( int v = 0; v < VERTICES; ++v )
+    {
+        // curved: a plane would buckle by rounding, each time another way
+        mesh.points[v].z = 0.1f * sinf( 6.0f * mesh.points[v].x ) * cosf( 5.0f * mesh.points[v].y );
+    }
+    memcpy( s.start, mesh.points, sizeof( s.start ) );
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    fabric.bend_links = fabric.coarse_sheets = true;
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.pins = CORNERS;
+    surface.pin_count = pinned ? 2 : 0;
+    s.e = add_cloth( s.world, &fabric, surface, cloth, gravity );
+    test_mesh_free( &mesh );
+    return s;
+}
+
+static void close_framed( framed* s )
+{
+    void* h = s->h;
+    close_hosted( &h );
+}
+
+static void give_frame( framed* s, float linear, float angular )
+{
+    wisp_moving_frame_def def = wisp_default_moving_frame_def();
+    def.linear_inertia = linear;
+    def.angular_inertia = angular;
+    assert_status( s->world, wisp_set_moving_frame( s->world, s->e, &def ), WISP_OK );
+}
+
+// Where a character is after some steps that it walks and turns about the vertical axis.
+static wisp_transform pose_at( int step, float way, float angle )
+{
+    const float t = (float)step, half = 0.5f * angle * t;
+    return wisp_transform_make( ( wisp_quat ){ 0.0f, sinf( half ), 0.0f, cosf( half ) },
+                                ( wisp_vec3 ){ way * t, 0.01f * way * t * t, -0.5f * way * t } );
+}
+
+// Move frame and pins to where they are at the end of a step, and make it.
+static void follow( framed* s, wisp_transform pose, bool pinned )
+{
+    static const int32_t CORNERS[2] = { 0, SIDE - 1 };
+    assert_status( s->world, wisp_move_frame( s->world, s->e, pose ), WISP_OK );
+    const wisp_vec3 targets[2] = { wisp_transform_to_world( pose, s->start[CORNERS[0]] ),
+                                   wisp_transform_to_world( pose, s->start[CORNERS[1]] ) };
+    if ( pinned )
+    {
+        assert_status( s->world, wisp_move_pins( s->world, s->e, CORNERS, targets, 2 ), WISP_OK );
+    }
+    assert_status( s->world, wisp_world_step( s->world, DT ), WISP_OK );
+}
+
+static double farthest_apart( framed* moved, framed* still, wisp_transform pose )
+{
+    double farthest = 0.0;
+    for ( int v = 0; v < VERTICES; ++v )
+    {
+        const wisp_vec3 p = wisp_transform_to_world( pose, point_of( still->world, still->e, v ) );
+        farthest = fmax( farthest, double3_distance( double3_widen( p ),
+                                                     double3_widen( point_of( moved->world, moved->e, v ) ) ) );
+    }
+    return farthest;
+}
+
+// With cloth of each kind, with coarse sheets, under gravity and drag that depend on velocities.
+static void a_surface_that_feels_nothing_moves_as_in_a_still_frame( void** state )
+{
+    (void)state;
+    for ( int coarse = 0; coarse < 2; ++coarse )
+    {
+        wisp_cloth_def cloth = wisp_default_cloth_def();
+        cloth.drag_coefficient = 1.0f;
+        cloth.internal_damping = 2.0f;
+        cloth.coarse_substeps = coarse * 2;
+        framed moved = open_framed( &cloth, true, EARTH, 1 ), still = open_framed( &cloth, true, EARTH, 1 ),
+               felt = open_framed( &cloth, true, EARTH, 1 );
+        give_frame( &moved, 0.0f, 0.0f );
+        wisp_transform pose = pose_at( 0, 0.0f, 0.0f );
+        for ( int i = 1; i <= STEPS; ++i )
+        {
+            follow( &still, pose_at( 0, 0.0f, 0.0f ), true );
+            pose = pose_at( i, 0.1f, 0.05f );
+            follow( &moved, pose, true );
+            follow( &felt, pose, true );
+        }
+        assert_int_equal( count_passes_named( moved.world, "surface.levels_frame" ), coarse );
+        // cloth that swings amplifies rounding, coarse sheets more so; pins go straight where the frame turns
+        assert_true( farthest_apart( &moved, &still, pose ) < ( coarse ? 2e-2 : 1e-3 ) );
+        assert_true( farthest_apart( &felt, &still, pose ) > 0.5 );
+        close_framed( &moved );
+        close_framed( &still );
+        close_framed( &felt );
+    }
+}
+
+static void a_frame_that_is_felt_changes_no_bit_and_has_no_pass( void** state )
+{
+    (void)state;
+    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    framed with = open_framed( &cloth, true, EARTH, 1 ), without = open_framed( &cloth, true, EARTH, 1 );
+    give_frame( &with, 0.5f, 0.5f );
+    give_frame( &with, 1.0f, 1.0f );
+    for ( int i = 1; i <= STEPS; ++i )
+    {
+        follow( &with, pose_at( i, 0.1f, 0.05f ), true );
+        follow( &without, pose_at( i, 0.1f, 0.05f ), true );
+    }
+    assert_true( wisp_world_hash( with.world ) == wisp_world_hash( without.world ) );
+    assert_int_equal( count_passes_named( with.world, "particles.carry" ), 0 );
+    close_framed( &with );
+    close_framed( &without );
+}
+
+// A frame at rest has passes, and changes no bit of positions and velocities.
+static void a_frame_at_rest_changes_no_bit_of_the_motion( void** state )
+{
+    (void)state;
+    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    framed with = open_framed( &cloth, true, EARTH, 1 ), without = open_framed( &cloth, true, EARTH, 1 );
+    give_frame( &with, 0.0f, 0.0f );
+    for ( int i = 1; i <= STEPS; ++i )
+    {
+        follow( &with, pose_at( 0, 0.0f, 0.0f ), true );
+        follow( &without, pose_at( 0, 0.0f, 0.0f ), true );
+    }
+    const wisp_view a = view_of( with.world, with.e, WISP_SURFACE_POINTS ),
+                    b = view_of( without.world, without.e, WISP_SURFACE_POINTS );
+    assert_memory_equal( a.data, b.data, sizeof( wisp_vec3 ) * VERTICES );
+    assert_int_equal( count_passes_named( with.world, "particles.carry" ), 1 );
+    close_framed( &with );
+    close_framed( &without );
+}
+
+// A free cloth is carried by the fraction that it does not feel, and gains no momentum of it; one that is pulled along by pins gains
+// a momentum that is linear in what it feels.
+static void what_is_felt_is_linear_in_the_fraction( void** state )
+{
+    (void)state;
+    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    double momentum[3];
+    for ( int i = 0; i < 3; ++i )
+    {
+        const float felt = 0.25f + 0.25f * (float)i;
+        framed s = open_framed( &cloth, false, NONE, 1 ), pulled = open_framed( &cloth, true, NONE, 1 );
+        give_frame( &s, felt, 1.0f );
+        give_frame( &pulled, felt, 1.0f );
+        for ( int k = 1; k <= 10; ++k )
+        {
+            follow( &s, pose_at( k, 0.05f, 0.0f ), false );
+        }
+        for ( int v = 0; v < VERTICES; ++v )
+        {
+            const double x = (double)point_of( s.world, s.e, v ).x - (double)s.start[v].x;
+            assert_near( x, 0.5 * ( 1.0 - (double)felt ), 2e-5 ); // rounding in 40 substeps
+        }
+        assert_near( motion_stats_of( s.world, s.e ).momentum[0], 0.0, 2e-5 ); // rounding of positions
+        follow( &pulled, pose_at( 1, 1e-4f, 0.0f ), true ); // so little that the cloth answers linearly
+        momentum[i] = motion_stats_of( pulled.world, pulled.e ).momentum[0];
+        close_framed( &s );
+        close_framed( &pulled );
+    }
+    assert_true( momentum[0] > 1e-6 );
+    assert_near( momentum[1] / momentum[0], 2.0, 2e-2 );
+    assert_near( momentum[2] / momentum[0], 3.0, 3e-2 );
+}
+
+static uint64_t walk( int workers, bool restored )
+{
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.coarse_substeps = 2;
+    framed s = open_framed( &cloth, true, EARTH, workers );
+    give_frame( &s, 0.3f, 0.6f );
+    void* saved = NULL;
+    size_t size = 0;
+    for ( int i = 1; i <= 20; ++i )
+    {
+        follow( &s, pose_at( i, 0.1f, 0.05f ), true );
+        if ( restored && i == 10 )
+        {
+            size = wisp_world_snapshot_size( s.world );
+            saved = checked_calloc( 1, size );
+            assert_status( s.world, wisp_world_snapshot( s.world, saved, size ), WISP_OK );
+        }
+    }
+    for ( int i = 10; restored && i <= 20; ++i )
+    {
+        if ( i == 10 )
+        {
+            assert_status( s.world, wisp_world_restore( s.world, saved, size ), WISP_OK );
+            continue;
+        }
+        follow( &s, pose_at( i, 0.1f, 0.05f ), true );
+    }
+    free( saved );
+    assert_true( is_finite( s.world, s.e ) );
+    const uint64_t hash = wisp_world_hash( s.world );
+    close_framed( &s );
+    return hash;
+}
+
+static void bits_do_not_depend_on_workers_nor_on_a_snapshot( void** state )
+{
+    (void)state;
+    const uint64_t one = walk( 1, false );
+    assert_true( walk( 3, false ) == one );
+    assert_true( walk( 1, true ) == one );
+}
+
+static void a_teleport_takes_the_frame_along( void** state )
+{
+    (void)state;
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.coarse_substeps = 0; // they forget their history
+    const wisp_transform motion = { { 0.0f, 1.0f, 0.0f, 0.0f }, { 4.0f, 0.0f, 8.0f } };
+    framed here = open_framed( &cloth, false, EARTH, 1 ), there = open_framed( &cloth, false, EARTH, 1 );
+    give_frame( &here, 0.0f, 0.0f );
+    give_frame( &there, 0.0f, 0.0f );
+    follow( &here, pose_at( 1, 0.1f, 0.05f ), false );
+    follow( &there, pose_at( 1, 0.1f, 0.05f ), false );
+    assert_status( there.world, wisp_teleport( there.world, there.e, motion, true ), WISP_OK );
+    for ( int i = 0; i < 3; ++i )
+    {
+        assert_status( here.world, wisp_world_step( here.world, DT ), WISP_OK );
+        assert_status( there.world, wisp_world_step( there.world, DT ), WISP_OK );
+    }
+    assert_true( farthest_apart( &there, &here, motion ) < 1e-4 );
+    close_framed( &here );
+    close_framed( &there );
+}
+
+static void a_largest_speed_holds_and_is_counted( void** state )
+{
+    (void)state;
+    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    framed s = open_framed( &cloth, false, EARTH, 1 );
+    assert_status( s.world, wisp_set_max_speed( s.world, s.e, 2.0f ), WISP_OK );
+    for ( int i = 0; i < 60; ++i )
+    {
+        assert_status( s.world, wisp_world_step( s.world, DT ), WISP_OK );
+        assert_true( motion_stats_of( s.world, s.e ).speed_max <= 2.0 + 1e-6 );
+    }
+    assert_near( motion_stats_of( s.world, s.e ).momentum[1] / motion_stats_of( s.world, s.e ).mass, -2.0, 1e-5 );
+    assert_true( wisp_world_counter( s.world, WISP_COUNT_SPEED_LIMITED ) > 1000 );
+    assert_status( s.world, wisp_set_max_speed( s.world, s.e, INFINITY ), WISP_OK );
+    assert_status( s.world, wisp_world_step( s.world, DT ), WISP_OK );
+    assert_int_equal( count_passes_named( s.world, "particles.max_speed" ), 0 );
+    assert_true( motion_stats_of( s.world, s.e ).speed_max > 2.1 );
+    close_framed( &s );
+}
+
+static void what_cannot_be_is_refused( void** state )
+{
+    (void)state;
+    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    framed s = open_framed( &cloth, false, EARTH, 1 );
+    wisp_moving_frame_def def = wisp_default_moving_frame_def();
+    const uint64_t before = wisp_world_hash( s.world );
+    def.linear_inertia = -0.5f;
+    expect_refusal( s.world, wisp_set_moving_frame( s.world, s.e, &def ), WISP_BAD_INPUT, "linear_inertia" );
+    def.linear_inertia = 0.5f;
+    def.angular_inertia = NAN;
+    expect_refusal( s.world, wisp_set_moving_frame( s.world, s.e, &def ), WISP_BAD_INPUT, "angular_inertia" );
+    def.angular_inertia = 0.5f;
+    def.pose.translation.x = INFINITY;
+    expect_refusal( s.world, wisp_set_moving_frame( s.world, s.e, &def ), WISP_BAD_INPUT, "got position (inf" );
+    expect_refusal( s.world, wisp_move_frame( s.world, s.e, ( wisp_transform ){ { 0.0f, 0.0f, 0.0f, 0.0f }, NONE } ),
+                    WISP_BAD_INPUT, "is not a rotation" );
+    expect_refusal( s.world, wisp_set_max_speed( s.world, s.e, 0.0f ), WISP_BAD_INPUT, "max_speed: got 0 m/s" );
+    expect_refusal( s.world, wisp_set_max_speed( s.world, s.e, NAN ), WISP_BAD_INPUT, "max_speed: got nan m/s" );
+    assert_true( wisp_world_hash( s.world ) == before );
+    close_framed( &s );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_surface_that_feels_nothing_moves_as_in_a_still_frame ),
+        cmocka_unit_test( a_frame_that_is_felt_changes_no_bit_and_has_no_pass ),
+        cmocka_unit_test( a_frame_at_rest_changes_no_bit_of_the_motion ),
+        cmocka_unit_test( what_is_felt_is_linear_in_the_fraction ),
+        cmocka_unit_test( bits_do_not_depend_on_workers_nor_on_a_snapshot ),
+        cmocka_unit_test( a_teleport_takes_the_frame_along ),
+        cmocka_unit_test( a_largest_speed_holds_and_is_counted ),
+        cmocka_unit_test( what_cannot_be_is_refused ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
