@@ -5,6 +5,7 @@
 #include "lane_vec.h"
 
 #include "wisp/fabric.h"
+#include "wisp/skin.h"
 #include "wisp/module/kernels.h"
 
 #include <float.h>
@@ -118,6 +119,8 @@ void KERNEL( level_prepare )( const wisp_level_link_args* args, int begin, int e
 void KERNEL( level_band )( const wisp_level_link_args* args, int begin, int end );
 void KERNEL( level_link )( const wisp_level_link_args* args, int begin, int end );
 void KERNEL( prolong )( const wisp_prolong_args* args, int begin, int end );
+void KERNEL( skin_linear )( const wisp_skin_args* args, int begin, int end );
+void KERNEL( skin_dual_quaternion )( const wisp_skin_args* args, int begin, int end );
 int KERNEL( spring_assemble )( const wisp_spring_args* args, int begin, int end );
 wisp_spring_gain KERNEL( spring_gain )( const wisp_spring_args* args, int begin, int end );
 double KERNEL( spring_product )( const wisp_conjugate_args* args, int begin, int end );

@@ -108,4 +108,6 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .level_band = KERNEL( level_band ),
     .level_link = KERNEL( level_link ),
     .prolong = KERNEL( prolong ),
+    .skin_linear = KERNEL( skin_linear ),
+    .skin_dual_quaternion = KERNEL( skin_dual_quaternion ),
 };

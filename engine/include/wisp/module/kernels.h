@@ -6,6 +6,7 @@
 #include "wisp/module/instances.h"
 #include "wisp/module/primitives.h"
 #include "wisp/module/random.h"
+#include "wisp/module/skin_kernels.h"
 #include "wisp/module/springs.h"
 #include "wisp/module/strand_kernels.h"
 #include "wisp/module/surface_kernels.h"
@@ -395,6 +396,9 @@ typedef struct wisp_kernels
     void ( *level_link )( const wisp_level_link_args* args, int begin, int end );
     // slices of eight rows
     void ( *prolong )( const wisp_prolong_args* args, int begin, int end );
+    // groups of eight points
+    void ( *skin_linear )( const wisp_skin_args* args, int begin, int end );
+    void ( *skin_dual_quaternion )( const wisp_skin_args* args, int begin, int end );
 } wisp_kernels;
 
 WISP_END_C
