@@ -1,11 +1,14 @@
 #include "commands.h"
 
 #include "file_kind.h"
+#include "gltf.h"
 #include "info_results.h"
 #include "io_file.h"
 #include "record.h"
 #include "scene_keys.h"
 #include "world_from_scene.h"
+
+#include <string.h>
 
 typedef struct info_options
 {
@@ -23,8 +26,8 @@ const command_text info_text = {
     .noun = "file",
     .summary = "describe a file and report what is wrong with it",
     .about = "Describe a file, and report what is wrong with it.",
-    .notes = "Known are grooms (.hair, .tfx), meshes (.obj, .ply), scenes (.yaml, .yml, .json),\n"
-             "recordings (.wisp, .pc2) and results (.json).\n"
+    .notes = "Known are grooms (.hair, .tfx), meshes (.obj, .ply, .glb, .gltf), scenes (.yaml, .yml,\n"
+             ".json), recordings (.wisp, .pc2) and results (.json).\n"
              "\n"
              "A mesh is checked for open and non-manifold edges, inconsistent winding, inverted\n"
              "components, degenerate triangles and more; each finding names the elements. Such\n"
@@ -33,7 +36,7 @@ const command_text info_text = {
                 "wisp info data/scenes/flag.yaml",
     .rows = rows,
     .row_count = WISP_COUNT( rows ),
-    .values = OPTION_FILES( ".yaml .yml .json .wisp .pc2 .obj .ply .hair .tfx" ),
+    .values = OPTION_FILES( ".yaml .yml .json .wisp .pc2 .obj .ply .glb .gltf .hair .tfx" ),
 };
 
 static bool take( options_state* o, int key, const char* argument )
@@ -93,8 +96,29 @@ static wisp_status info_groom( const char* path, wisp_error* error )
 
 // ---- meshes ----
 
+// All that a file has; one mesh of it, by name, is described as any other.
+static wisp_status info_gltf( const char* path, wisp_error* error )
+{
+    gltf_model model;
+    wisp_status status = gltf_read( path, 0, &model, error );
+    if ( status == WISP_OK )
+    {
+        status = gltf_info( stdout, &model, path );
+        if ( status != WISP_OK )
+        {
+            wisp_fail( error, status, "%s: cannot be described: %s", path, wisp_status_name( status ) );
+        }
+    }
+    gltf_release( &model );
+    return status;
+}
+
 static wisp_status info_mesh( const char* path, wisp_error* error )
 {
+    if ( gltf_is_path( path ) && strchr( path, '#' ) == NULL )
+    {
+        return info_gltf( path, error );
+    }
     wisp_mesh mesh;
     wisp_status status = wisp_mesh_read( path, &mesh, error );
     if ( status != WISP_OK )
@@ -406,7 +430,7 @@ static wisp_status info_file( const char* path, wisp_error* error )
     }
     return wisp_fail(
         error, WISP_BAD_INPUT,
-        "%s: unknown kind of file, expected a groom (.hair, .tfx), a mesh (.obj, .ply), a scene (.yaml, .yml, "
+        "%s: unknown kind of file, expected a groom (.hair, .tfx), a mesh (.obj, .ply, .glb, .gltf), a scene (.yaml, .yml, "
         ".json), a recording (.wisp, .pc2) or results (.json)",
         io_input_name( path ) );
 }

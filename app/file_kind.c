@@ -1,5 +1,6 @@
 #include "file_kind.h"
 
+#include "gltf.h"
 #include "info_results.h"
 #include "io_file.h"
 
@@ -86,6 +87,12 @@ static file_kind kind_of_text( const char* head, size_t size )
 
 wisp_status file_kind_find( const char* path, file_kind* kind, wisp_error* error )
 {
+    // The name of a mesh may follow that of the file, so only the extension decides; the reader reports the rest.
+    if ( gltf_is_path( path ) )
+    {
+        *kind = FILE_MESH;
+        return WISP_OK;
+    }
     const int descriptor = io_file_open( path, 0, HEAD_BYTES );
     FILE* file = descriptor >= 0 ? fdopen( descriptor, "rb" ) : NULL;
     if ( !file )

@@ -9,7 +9,7 @@ typedef enum file_kind
 {
     FILE_UNKNOWN,
     FILE_GROOM,       ///< .hair, .tfx
-    FILE_MESH,        ///< .obj, .ply
+    FILE_MESH,        ///< .obj, .ply; .glb, .gltf, maybe with # and the name of a mesh behind
     FILE_SCENE,       ///< .yaml, .yml, .json
     FILE_RECORDING,   ///< .wisp
     FILE_POINT_CACHE, ///< .pc2

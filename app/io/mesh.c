@@ -22,6 +22,8 @@ void wisp_mesh_release( wisp_mesh* mesh )
     }
     free( mesh->points );
     free( mesh->triangles );
+    free( mesh->colours );
+    free( mesh->uvs );
     *mesh = ( wisp_mesh ){ 0 };
 }
 
@@ -40,6 +42,57 @@ wisp_status mesh_allocate( wisp_mesh* mesh, int vertex_count, int triangle_count
         return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d vertices and %d triangles",
                           io_short_name( name ), vertex_count, triangle_count );
     }
+    return WISP_OK;
+}
+
+static wisp_status out_of_memory( const wisp_mesh* mesh, const char* name, wisp_error* error )
+{
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d vertices", io_short_name( name ),
+                      mesh->vertex_count );
+}
+
+wisp_status mesh_allocate_colours( wisp_mesh* mesh, const char* name, wisp_error* error )
+{
+    mesh->colours = calloc( (size_t)mesh->vertex_count, sizeof *mesh->colours );
+    return mesh->colours != NULL ? WISP_OK : out_of_memory( mesh, name, error );
+}
+
+wisp_status mesh_allocate_uvs( wisp_mesh* mesh, const char* name, wisp_error* error )
+{
+    mesh->uvs = calloc( (size_t)mesh->vertex_count, 2 * sizeof *mesh->uvs );
+    return mesh->uvs != NULL ? WISP_OK : out_of_memory( mesh, name, error );
+}
+
+wisp_status mesh_copy( const wisp_mesh* mesh, wisp_mesh* out, const char* name, wisp_error* error )
+{
+    const size_t vertices = (size_t)mesh->vertex_count, triangles = (size_t)mesh->triangle_count;
+    wisp_status status = mesh_allocate( out, mesh->vertex_count, mesh->triangle_count, name, error );
+    if ( status == WISP_OK && mesh->colours != NULL )
+    {
+        status = mesh_allocate_colours( out, name, error );
+    }
+    if ( status == WISP_OK && mesh->uvs != NULL )
+    {
+        status = mesh_allocate_uvs( out, name, error );
+    }
+    if ( status != WISP_OK )
+    {
+        wisp_mesh_release( out );
+        return status;
+    }
+    memcpy( out->points, mesh->points, vertices * sizeof *out->points );
+    memcpy( out->triangles, mesh->triangles, 3 * triangles * sizeof *out->triangles );
+    if ( out->colours != NULL )
+    {
+        memcpy( out->colours, mesh->colours, vertices * sizeof *out->colours );
+    }
+    if ( out->uvs != NULL )
+    {
+        memcpy( out->uvs, mesh->uvs, 2 * vertices * sizeof *out->uvs );
+    }
+    out->colour_missing_count = mesh->colour_missing_count;
+    out->uv_missing_count = mesh->uv_missing_count;
+    out->uv_seam_count = mesh->uv_seam_count;
     return WISP_OK;
 }
 
@@ -107,6 +160,17 @@ wisp_status mesh_check_vertex( wisp_vec3 p, int v, const char* name, wisp_error*
     return WISP_OK;
 }
 
+static wisp_status check_attributes( const wisp_mesh* mesh, int v, const char* name, wisp_error* error )
+{
+    const wisp_vec3 c = mesh->colours != NULL ? mesh->colours[v] : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    const bool good_uv = mesh->uvs == NULL || ( isfinite( mesh->uvs[2 * v] ) && isfinite( mesh->uvs[2 * v + 1] ) );
+    const bool good_colour = isfinite( c.x ) && isfinite( c.y ) && isfinite( c.z );
+    return good_uv && good_colour
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "%s: vertex %d: %s not finite", io_short_name( name ), v,
+                            good_uv ? "its colour is" : "its texture coordinates are" );
+}
+
 static wisp_status check_sizes( const wisp_mesh* mesh, const char* name, wisp_error* error )
 {
     if ( mesh->vertex_count < 1 || mesh->triangle_count < 1 )
@@ -134,6 +198,7 @@ wisp_status mesh_check( const wisp_mesh* mesh, const char* name, wisp_error* err
     for ( int v = 0; status == WISP_OK && v < mesh->vertex_count; ++v )
     {
         status = mesh_check_vertex( mesh->points[v], v, name, error );
+        status = status == WISP_OK ? check_attributes( mesh, v, name, error ) : status;
     }
     for ( int c = 0; status == WISP_OK && c < 3 * mesh->triangle_count; ++c )
     {
@@ -152,8 +217,10 @@ wisp_status wisp_mesh_of_arrays( const wisp_vec3* points, int vertex_count, cons
 {
     *out = ( wisp_mesh ){ 0 };
     // The check only reads; there is no mesh of read-only arrays.
-    const wisp_mesh given = { (wisp_vec3*)(uintptr_t)points, (int32_t*)(uintptr_t)triangles, vertex_count,
-                              triangle_count };
+    const wisp_mesh given = { .points = (wisp_vec3*)(uintptr_t)points,
+                              .triangles = (int32_t*)(uintptr_t)triangles,
+                              .vertex_count = vertex_count,
+                              .triangle_count = triangle_count };
     wisp_status status = mesh_check( &given, name, error );
     status = status == WISP_OK ? mesh_allocate( out, vertex_count, triangle_count, name, error ) : status;
     if ( status == WISP_OK )

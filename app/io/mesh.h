@@ -2,8 +2,8 @@
 /// generating, examining, repairing and describing them.
 ///
 ///     format  read  write  what it is
-///     .obj    yes   yes    Wavefront OBJ: positions and faces; everything else is skipped
-///     .ply    yes   yes    Stanford PLY: text, little-endian and big-endian in, little-endian out
+///     .obj    yes   yes    Wavefront OBJ: positions, faces, colours and texture coordinates; all else is skipped
+///     .ply    yes   yes    Stanford PLY: text, little-endian and big-endian in, little-endian out; the same contents
 ///
 /// Files are untrusted bytes: memory is allocated only after the file is known to be long enough to fill it. Readers
 /// reject malformed, out-of-range and non-finite values. A well-formed mesh with defects (holes, reversed triangles,
@@ -26,6 +26,11 @@ extern "C"
         int32_t* triangles; ///< [triangle_count][3] indices into points, counter-clockwise seen from outside
         int vertex_count;
         int triangle_count;
+        wisp_vec3* colours; ///< [vertex_count] red, green, blue as in the file, usually 0..1; finite; or null
+        float* uvs;         ///< [vertex_count][2] texture coordinates, (0, 0) at the lower left; finite; or null
+        int colour_missing_count; ///< vertices whose colour the file lacks, while others have one: they are white
+        int uv_missing_count;     ///< vertices whose coordinates the file lacks, while others have some: (0, 0)
+        int uv_seam_count;        ///< vertices with several coordinates in the file, of which the first are kept
     } wisp_mesh;
 
     /// Null and a zero mesh are allowed; the mesh is zero afterwards.
@@ -50,22 +55,24 @@ extern "C"
     ///         byte, vertex or face; WISP_NO_MEMORY
     WISP_API wisp_status wisp_mesh_read( const char* path, wisp_mesh* out, wisp_error* error );
 
-    /// Read the bytes of an OBJ file. A `v` line has 3, 4, 6 or 7 numbers, of which the first three count. Face
-    /// corners are v, v/t, v//n or v/t/n; negative ones count backwards from the last vertex before the line. A
-    /// polygon is cut into a fan around its first corner, which is right for convex ones. Texture and normal indices
-    /// are only checked for syntax. Every other line is skipped.
+    /// Read the bytes of an OBJ file. A `v` line has 3, 4, 6 or 7 numbers: the first three are the position, and of
+    /// 6 or 7 the last three the colour. Face corners are v, v/t, v//n or v/t/n; negative ones count backwards from
+    /// the last vertex before the line. A polygon is cut into a fan around its first corner, which is right for convex
+    /// ones. A vertex keeps the first texture coordinates of its corners; an index without a `vt` line gives none.
+    /// Normal indices are only checked for syntax. Every other line is skipped.
     /// @param name of the file in messages
     WISP_API wisp_status wisp_mesh_read_obj( const void* bytes, size_t size, const char* name, wisp_mesh* out,
                                              wisp_error* error );
 
     /// Read the bytes of a PLY file: x, y, z of `vertex` and the list vertex_indices or vertex_index of `face`, of
-    /// any type; other elements and properties are skipped. In text, a row is a line. Polygons are cut into fans as
-    /// in OBJ. Only white space may follow the last element.
+    /// any type; if there, red, green, blue of `vertex` (integers are 0..255, of 16 bits without sign 0..65535) and s, t
+    /// or u, v or texture_u, texture_v. Other elements and properties are skipped. In text, a row is a line. Polygons
+    /// are cut into fans as in OBJ. Only white space may follow the last element.
     /// @param name of the file in messages
     WISP_API wisp_status wisp_mesh_read_ply( const void* bytes, size_t size, const char* name, wisp_mesh* out,
                                              wisp_error* error );
 
-    /// Make a mesh of arrays, checked as those of files are.
+    /// Make a mesh of arrays, checked as those of files are, without colours and texture coordinates.
     /// @param points [vertex_count] m @param triangles [triangle_count][3]
     /// @param name of the mesh in messages
     /// @param out receives a copy, to be released by the caller; empty on failure
@@ -75,8 +82,8 @@ extern "C"
                                               wisp_error* error );
 
     /// Write a file in the format of its extension, or in a given one: OBJ with nine digits, which restore every
-    /// float bit for bit, or little-endian PLY. The old file, if there is one, is replaced only when the new one is
-    /// complete.
+    /// float bit for bit, or little-endian PLY, whose colours are bytes if that loses nothing, else floats. The old
+    /// file, if there is one, is replaced only when the new one is complete.
     /// @return WISP_BAD_INPUT the mesh is malformed or not finite, or the extension is unknown; WISP_IO_ERROR;
     ///         WISP_NO_MEMORY
     WISP_API wisp_status wisp_mesh_write( const char* path, const wisp_mesh* mesh, wisp_error* error );
@@ -233,6 +240,11 @@ extern "C"
         double area, volume;                              ///< sums over all shells
         wisp_vec3 lowest, highest;                        ///< bounds of all vertices, m
         double min_edge, edge_mean, max_edge;             ///< m, lengths of edges
+
+        bool has_colours, has_uvs;
+        wisp_vec3 lowest_colour, highest_colour; ///< of each channel
+        float lowest_uv[2], highest_uv[2];
+        int colour_missing_count, uv_missing_count, uv_seam_count; ///< as in wisp_mesh
 
         wisp_mesh_finding open_edges;           ///< edges of one triangle
         wisp_mesh_finding windings;             ///< edges whose two triangles run along them the same way

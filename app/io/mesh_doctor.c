@@ -134,10 +134,8 @@ static void examine_triangles( examination* x )
     }
 }
 
-static void grow_bounds( wisp_mesh_diagnostics* report, wisp_vec3 p, bool is_first )
+static void grow_bounds( wisp_vec3* lower, wisp_vec3* upper, wisp_vec3 p, bool is_first )
 {
-    wisp_vec3* lower = &report->lowest;
-    wisp_vec3* upper = &report->highest;
     *lower = is_first ? p : ( wisp_vec3 ){ fminf( lower->x, p.x ), fminf( lower->y, p.y ), fminf( lower->z, p.z ) };
     *upper = is_first ? p : ( wisp_vec3 ){ fmaxf( upper->x, p.x ), fmaxf( upper->y, p.y ), fmaxf( upper->z, p.z ) };
 }
@@ -149,7 +147,7 @@ static void examine_vertices( examination* x )
     for ( int v = 0; v < x->mesh->vertex_count; ++v )
     {
         const bool* flags = x->flags + VERTEX_FLAGS * (size_t)v;
-        grow_bounds( report, x->mesh->points[v], v == 0 );
+        grow_bounds( &report->lowest, &report->highest, x->mesh->points[v], v == 0 );
         in_use += x->vertex_count[v] > 0;
         if ( x->vertex_count[v] > 1 )
         {
@@ -258,6 +256,27 @@ static void examine_shells( examination* x )
     }
 }
 
+// ---- colours and texture coordinates ---------------------------------------------------------------------------
+
+static void examine_attributes( const wisp_mesh* mesh, wisp_mesh_diagnostics* report )
+{
+    report->has_colours = mesh->colours != NULL;
+    report->has_uvs = mesh->uvs != NULL;
+    report->colour_missing_count = mesh->colour_missing_count;
+    report->uv_missing_count = mesh->uv_missing_count;
+    report->uv_seam_count = mesh->uv_seam_count;
+    for ( int v = 0; report->has_colours && v < mesh->vertex_count; ++v )
+    {
+        grow_bounds( &report->lowest_colour, &report->highest_colour, mesh->colours[v], v == 0 );
+    }
+    for ( int i = 0; report->has_uvs && i < 2 * mesh->vertex_count; ++i )
+    {
+        const float value = mesh->uvs[i];
+        report->lowest_uv[i % 2] = i < 2 ? value : fminf( report->lowest_uv[i % 2], value );
+        report->highest_uv[i % 2] = i < 2 ? value : fmaxf( report->highest_uv[i % 2], value );
+    }
+}
+
 // ---- examination -----------------------------------------------------------------------------------------------
 
 static wisp_status ask_for_memory( examination* x, wisp_error* error )
@@ -327,6 +346,7 @@ wisp_status wisp_mesh_examine( const wisp_mesh* mesh, wisp_mesh_diagnostics* rep
     }
     if ( status == WISP_OK )
     {
+        examine_attributes( mesh, report );
         examine_edges( &x );
         examine_triangles( &x );
         examine_vertices( &x );

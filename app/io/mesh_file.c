@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "gltf.h"
 #include "io_file.h"
 
 typedef wisp_status mesh_reader( const void* bytes, size_t size, const char* name, wisp_mesh* out,
@@ -38,10 +39,14 @@ wisp_status wisp_mesh_read( const char* path, wisp_mesh* out, wisp_error* error 
 {
     *out = ( wisp_mesh ){ 0 };
     const bool has_name = !io_is_standard( path );
+    if ( gltf_is_path( path ) )
+    {
+        return gltf_mesh_read( path, out, error );
+    }
     const mesh_format* format = find_format( path );
     if ( format == NULL && has_name )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: not a mesh, expected a file that ends in .obj or .ply",
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: not a mesh, expected a file that ends in .obj, .ply, .glb or .gltf",
                           io_short_name( path ) );
     }
     unsigned char* bytes = NULL;

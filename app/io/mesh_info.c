@@ -118,6 +118,36 @@ static void print_stats( FILE* out, const wisp_mesh_diagnostics* r, const char* 
     }
 }
 
+// What per-vertex values the file has, and how it was made one per vertex.
+static void print_attributes( FILE* out, const wisp_mesh_diagnostics* r )
+{
+    const wisp_vec3 low = r->lowest_colour, high = r->highest_colour;
+    if ( r->has_colours )
+    {
+        fprintf( out, "  %-20s red %.4g .. %.4g, green %.4g .. %.4g, blue %.4g .. %.4g\n", "colours", (double)low.x,
+                 (double)high.x, (double)low.y, (double)high.y, (double)low.z, (double)high.z );
+    }
+    if ( r->colour_missing_count > 0 )
+    {
+        fprintf( out, "  note: vertices without a colour, which are white: %d\n", r->colour_missing_count );
+    }
+    if ( r->has_uvs )
+    {
+        fprintf( out, "  %-20s u %.6g .. %.6g, v %.6g .. %.6g\n", "texture coordinates", (double)r->lowest_uv[0],
+                 (double)r->highest_uv[0], (double)r->lowest_uv[1], (double)r->highest_uv[1] );
+    }
+    if ( r->uv_seam_count > 0 )
+    {
+        fprintf( out, "  note: vertices with several texture coordinates, of which the first are kept: %d\n",
+                 r->uv_seam_count );
+    }
+    if ( r->uv_missing_count > 0 )
+    {
+        fprintf( out, "  note: vertices without texture coordinates, which are at (0, 0): %d\n",
+                 r->uv_missing_count );
+    }
+}
+
 static void print_shells( FILE* out, const wisp_mesh_diagnostics* r )
 {
     fprintf( out, "  %-20s %d\n", "components", r->component_count );
@@ -171,6 +201,7 @@ void wisp_mesh_print( FILE* out, const wisp_mesh_diagnostics* report, const char
     io_numbers numbers = { 0 };
     wisp_status plain = io_numbers_begin( &numbers, NULL );
     print_stats( out, report, name );
+    print_attributes( out, report );
     print_shells( out, report );
     bool found = false;
     for ( int k = 0; k < WISP_COUNT( kinds ); ++k )

@@ -15,11 +15,20 @@ extern "C"
     wisp_status mesh_allocate( wisp_mesh* mesh, int vertex_count, int triangle_count, const char* name,
                                wisp_error* error );
 
+    /// Copy everything.
+    /// @return WISP_NO_MEMORY and an empty mesh
+    wisp_status mesh_copy( const wisp_mesh* mesh, wisp_mesh* out, const char* name, wisp_error* error );
+
     /// Malformed or not finite: rejected by readers, writers and the doctor.
     wisp_status mesh_check( const wisp_mesh* mesh, const char* name, wisp_error* error );
 
     /// The first coordinate of vertex v that is not finite, as a message.
     wisp_status mesh_check_vertex( wisp_vec3 p, int v, const char* name, wisp_error* error );
+
+    /// Memory for colours or texture coordinates of all vertices, zeroed.
+    /// @return WISP_NO_MEMORY
+    wisp_status mesh_allocate_colours( wisp_mesh* mesh, const char* name, wisp_error* error );
+    wisp_status mesh_allocate_uvs( wisp_mesh* mesh, const char* name, wisp_error* error );
 
     /// The writers behind the paths.
     wisp_status mesh_put_obj( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error );
@@ -48,6 +57,11 @@ extern "C"
 
     // ---- mesh_text.c: text of untrusted files ----
 
+    enum
+    {
+        MESH_WORD_LONGEST = 64, // characters of a number
+    };
+
     /// A piece of text, not zero-terminated.
     typedef struct mesh_word
     {
@@ -65,6 +79,10 @@ extern "C"
 
     /// [+-] digits [. digits] [e [+-] digits], with a digit before or after the point, at most four in the exponent.
     bool mesh_word_is_number( mesh_word word );
+
+    /// The value of a word that mesh_word_is_number(), at most MESH_WORD_LONGEST long, between io_numbers_begin() and
+    /// io_numbers_end().
+    double mesh_word_value( mesh_word word );
 
     /// [+-] digits, within int32_t.
     bool mesh_word_is_integer( mesh_word word, int32_t* value );
@@ -85,7 +103,7 @@ extern "C"
         void* user;
         bool ( *next_line )( void* user, const char** text, size_t* length ); ///< without its end; false: no more
         bool ( *vertex )( void* user, wisp_vec3 point );                      ///< false stops
-        bool ( *corner )( void* user, int number, bool last );                ///< as in the file; false stops
+        bool ( *corner )( void* user, int number, int uv, bool last ); ///< as in the file, 0: none; false stops
     } mesh_obj_feed;
 
     /// @return WISP_BAD_INPUT the library refused; WISP_NO_MEMORY; WISP_OK also when a callback stopped it

@@ -75,7 +75,8 @@ void take_face( void* user, tinyobj::index_t* corners, int count )
     line_buffer& buffer = *static_cast<line_buffer*>( user );
     for ( int i = 0; i < count && !buffer.stopped(); ++i )
     {
-        if ( !buffer.feed().corner( buffer.feed().user, corners[i].vertex_index, i + 1 == count ) )
+        if ( !buffer.feed().corner( buffer.feed().user, corners[i].vertex_index, corners[i].texcoord_index,
+                                    i + 1 == count ) )
         {
             buffer.stop();
         }

@@ -2,6 +2,7 @@
 // Then tinyobjloader reads those lines and no others, and every number from it is checked against the counts.
 #include "mesh_internal.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,6 +12,7 @@ typedef enum line_kind
 {
     LINE_OTHER,
     LINE_VERTEX,
+    LINE_UV,
     LINE_FACE,
 } line_kind;
 
@@ -25,7 +27,13 @@ typedef struct obj_reading
     mesh_fan fan;
     int vertex_count; // announced by the first pass; mesh->vertex_count counts what arrived
     int face_count, faces_seen;
-    int line; // of the library's current line, from 1
+    int line;               // of the library's current line, from 1
+    int coloured_count;     // vertices with a colour, announced by the first pass
+    wisp_vec3 colour;       // of the library's current line, white if it has none
+    float* uvs;             // [uv_count][2] of the `vt` lines
+    int uv_count, uvs_seen; // in all, and before the library's current line
+    bool* is_seam;          // [vertex_count] has several coordinates
+    bool* has_uv;           // [vertex_count]
 } obj_reading;
 
 // Cuts off the text after a #, which the library would read as an index.
@@ -36,24 +44,53 @@ static line_kind kind_of( mesh_word* whole )
     mesh_word line = *whole;
     mesh_word word = mesh_next_word( &line );
     // A keyword alone is a line of its kind without content, which the checks below refuse.
-    return mesh_word_is( word, "v" ) ? LINE_VERTEX : mesh_word_is( word, "f" ) ? LINE_FACE : LINE_OTHER;
+    return mesh_word_is( word, "v" )    ? LINE_VERTEX
+           : mesh_word_is( word, "vt" ) ? LINE_UV
+           : mesh_word_is( word, "f" )  ? LINE_FACE
+                                        : LINE_OTHER;
 }
 
 // ---- the first pass --------------------------------------------------------------------------------------------
 
-static wisp_status check_vertex_line( mesh_word line, int number, const char* name, wisp_error* error )
+static wisp_status check_numbers( mesh_word line, int number, const char* name, int* count, wisp_error* error )
 {
     mesh_next_word( &line );
-    int count = 0;
+    *count = 0;
     for ( mesh_word word = mesh_next_word( &line ); word.length > 0; word = mesh_next_word( &line ) )
     {
-        if ( !mesh_word_is_number( word ) )
+        if ( !mesh_word_is_number( word ) || word.length > MESH_WORD_LONGEST )
         {
             return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: got \"%s\", expected a number", name, number,
                               mesh_quote_word( word ).text );
         }
-        ++count;
+        ++*count;
     }
+    return WISP_OK;
+}
+
+static wisp_status check_uv_line( mesh_word line, int number, const char* name, wisp_error* error )
+{
+    int count = 0;
+    wisp_status status = check_numbers( line, number, name, &count, error );
+    if ( status == WISP_OK && ( count < 1 || count > 3 ) )
+    {
+        status =
+            wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: got texture coordinates of %d numbers, expected 1 .. 3",
+                       name, number, count );
+    }
+    return status;
+}
+
+static wisp_status check_vertex_line( mesh_word line, int number, const char* name, bool* has_colour,
+                                      wisp_error* error )
+{
+    int count = 0;
+    wisp_status status = check_numbers( line, number, name, &count, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    *has_colour = count > 4;
     if ( count != 3 && count != 4 && count != 6 && count != 7 )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: got a vertex of %d numbers, expected 3, 4, 6 or 7",
@@ -158,11 +195,17 @@ static wisp_status check_lines( obj_reading* reading, wisp_error* error )
     while ( status == WISP_OK && mesh_next_line( &rest, &line ) )
     {
         ++number;
+        bool has_colour = false;
         switch ( kind_of( &line ) )
         {
             case LINE_VERTEX:
                 ++reading->vertex_count;
-                status = check_vertex_line( line, number, reading->name, error );
+                status = check_vertex_line( line, number, reading->name, &has_colour, error );
+                reading->coloured_count += has_colour;
+                break;
+            case LINE_UV:
+                ++reading->uv_count;
+                status = check_uv_line( line, number, reading->name, error );
                 break;
             case LINE_FACE:
                 ++reading->face_count;
@@ -178,6 +221,49 @@ static wisp_status check_lines( obj_reading* reading, wisp_error* error )
 
 // ---- the second pass -------------------------------------------------------------------------------------------
 
+// The last three of six or seven numbers, white of fewer.
+static wisp_vec3 colour_of( mesh_word line )
+{
+    double values[7] = { 0.0 };
+    int count = 0;
+    mesh_next_word( &line );
+    for ( mesh_word word = mesh_next_word( &line ); word.length > 0 && count < 7; word = mesh_next_word( &line ) )
+    {
+        values[count++] = mesh_word_value( word );
+    }
+    const double* c = values + count - 3;
+    return count > 4 ? ( wisp_vec3 ){ (float)c[0], (float)c[1], (float)c[2] } : ( wisp_vec3 ){ 1.0f, 1.0f, 1.0f };
+}
+
+// All `vt` lines, before the others: a face may come before what it names.
+static wisp_status read_uvs( obj_reading* reading )
+{
+    mesh_word rest = reading->rest, line;
+    int number = 0, found = 0;
+    while ( mesh_next_line( &rest, &line ) && found < reading->uv_count )
+    {
+        ++number;
+        if ( kind_of( &line ) != LINE_UV )
+        {
+            continue;
+        }
+        mesh_next_word( &line );
+        for ( int k = 0; k < 2; ++k )
+        {
+            const mesh_word word = mesh_next_word( &line );
+            const float value = word.length > 0 ? (float)mesh_word_value( word ) : 0.0f;
+            if ( !isfinite( value ) )
+            {
+                return wisp_fail( reading->error, WISP_BAD_INPUT, "%s: line %d: \"%s\" is too large for a float",
+                                  reading->name, number, mesh_quote_word( word ).text );
+            }
+            reading->uvs[2 * (size_t)found + (size_t)k] = value;
+        }
+        ++found;
+    }
+    return WISP_OK;
+}
+
 static bool feed_line( void* user, const char** text, size_t* length )
 {
     obj_reading* reading = user;
@@ -185,8 +271,11 @@ static bool feed_line( void* user, const char** text, size_t* length )
     while ( mesh_next_line( &reading->rest, &line ) )
     {
         ++reading->line;
-        if ( kind_of( &line ) != LINE_OTHER )
+        const line_kind kind = kind_of( &line );
+        reading->uvs_seen += kind == LINE_UV;
+        if ( kind == LINE_VERTEX || kind == LINE_FACE )
         {
+            reading->colour = kind == LINE_VERTEX ? colour_of( line ) : reading->colour;
             *text = line.text;
             *length = line.length;
             return true;
@@ -207,11 +296,34 @@ static bool take_vertex( void* user, wisp_vec3 point )
         return false;
     }
     reading->status = mesh_check_vertex( point, mesh->vertex_count, reading->name, reading->error );
+    if ( mesh->colours != NULL )
+    {
+        mesh->colours[mesh->vertex_count] = reading->colour;
+    }
     mesh->points[mesh->vertex_count++] = point;
     return reading->status == WISP_OK;
 }
 
-static bool take_corner( void* user, int number, bool last )
+// The first coordinates of a vertex stay. An index without a line gives none.
+static void take_uv( obj_reading* reading, int32_t vertex, int number )
+{
+    const int64_t index = number > 0 ? (int64_t)number - 1 : (int64_t)reading->uvs_seen + number;
+    if ( reading->mesh->uvs == NULL || number == 0 || index < 0 || index >= reading->uv_count )
+    {
+        return;
+    }
+    float* kept = reading->mesh->uvs + 2 * (size_t)vertex;
+    const float* given = reading->uvs + 2 * index;
+    if ( !reading->has_uv[vertex] )
+    {
+        kept[0] = given[0];
+        kept[1] = given[1];
+        reading->has_uv[vertex] = true;
+    }
+    reading->is_seam[vertex] = reading->is_seam[vertex] || kept[0] != given[0] || kept[1] != given[1];
+}
+
+static bool take_corner( void* user, int number, int uv, bool last )
 {
     obj_reading* reading = user;
     int known = reading->mesh->vertex_count;
@@ -223,6 +335,7 @@ static bool take_corner( void* user, int number, bool last )
             reading->line, reading->faces_seen, number, number < 0 ? known : reading->vertex_count );
         return false;
     }
+    take_uv( reading, (int32_t)vertex, uv );
     reading->status = mesh_fan_corner( &reading->fan, (int32_t)vertex, reading->error );
     if ( last )
     {
@@ -244,19 +357,64 @@ static wisp_status check_arrived( const obj_reading* reading )
     return WISP_OK;
 }
 
-static wisp_status read_lines( obj_reading* reading )
+// Coordinates of no vertex are none; the others are counted.
+static void finish_uvs( obj_reading* reading )
 {
     wisp_mesh* mesh = reading->mesh;
-    mesh->points = malloc( (size_t)reading->vertex_count * sizeof *mesh->points );
-    if ( mesh->points == NULL )
+    int given = 0;
+    for ( int v = 0; mesh->uvs != NULL && v < mesh->vertex_count; ++v )
     {
-        return wisp_fail( reading->error, WISP_NO_MEMORY, "%s: out of memory for %d vertices", reading->name,
-                          reading->vertex_count );
+        given += reading->has_uv[v];
+        mesh->uv_seam_count += reading->is_seam[v];
     }
-    mesh_obj_feed feed = { reading, feed_line, take_vertex, take_corner };
-    wisp_status status = mesh_obj_parse( &feed, reading->name, reading->error );
-    status = status == WISP_OK ? reading->status : status;
-    return status == WISP_OK ? check_arrived( reading ) : status;
+    mesh->uv_missing_count = given > 0 ? mesh->vertex_count - given : 0;
+    if ( given == 0 )
+    {
+        free( mesh->uvs );
+        mesh->uvs = NULL;
+    }
+}
+
+static wisp_status allocate( obj_reading* reading )
+{
+    wisp_mesh* mesh = reading->mesh;
+    const size_t vertices = (size_t)reading->vertex_count, uvs = (size_t)reading->uv_count;
+    mesh->points = malloc( vertices * sizeof *mesh->points );
+    mesh->colours = reading->coloured_count > 0 ? malloc( vertices * sizeof *mesh->colours ) : NULL;
+    mesh->colour_missing_count = reading->coloured_count > 0 ? reading->vertex_count - reading->coloured_count : 0;
+    bool enough = mesh->points != NULL && ( mesh->colours != NULL ) == ( reading->coloured_count > 0 );
+    if ( enough && uvs > 0 )
+    {
+        mesh->uvs = calloc( vertices, 2 * sizeof *mesh->uvs );
+        reading->uvs = malloc( 2 * uvs * sizeof *reading->uvs );
+        reading->has_uv = calloc( vertices, sizeof *reading->has_uv );
+        reading->is_seam = calloc( vertices, sizeof *reading->is_seam );
+        enough = mesh->uvs != NULL && reading->uvs != NULL && reading->has_uv != NULL && reading->is_seam != NULL;
+    }
+    return enough ? WISP_OK
+                  : wisp_fail( reading->error, WISP_NO_MEMORY, "%s: out of memory for %d vertices", reading->name,
+                               reading->vertex_count );
+}
+
+static wisp_status read_lines( obj_reading* reading )
+{
+    wisp_status status = allocate( reading );
+    io_numbers numbers;
+    status = status == WISP_OK ? io_numbers_begin( &numbers, reading->error ) : status;
+    if ( status == WISP_OK )
+    {
+        status = read_uvs( reading );
+        mesh_obj_feed feed = { reading, feed_line, take_vertex, take_corner };
+        status = status == WISP_OK ? mesh_obj_parse( &feed, reading->name, reading->error ) : status;
+        io_numbers_end( &numbers );
+        status = status == WISP_OK ? reading->status : status;
+        status = status == WISP_OK ? check_arrived( reading ) : status;
+        finish_uvs( reading );
+    }
+    free( reading->uvs );
+    free( reading->has_uv );
+    free( reading->is_seam );
+    return status;
 }
 
 wisp_status wisp_mesh_read_obj( const void* bytes, size_t size, const char* name, wisp_mesh* out, wisp_error* error )
@@ -281,8 +439,9 @@ wisp_status wisp_mesh_read_obj( const void* bytes, size_t size, const char* name
     if ( status == WISP_OK )
     {
         mesh_fan_finish( &reading.fan );
+        status = mesh_check( out, name, error );
     }
-    else
+    if ( status != WISP_OK )
     {
         wisp_mesh_release( out );
     }

@@ -36,6 +36,11 @@ typedef enum ply_role
     PLY_X,
     PLY_Y,
     PLY_Z,
+    PLY_RED,
+    PLY_GREEN,
+    PLY_BLUE,
+    PLY_U,
+    PLY_V,
     PLY_CORNERS,
     PLY_PASSED_OVER,
 } ply_role;
@@ -69,6 +74,9 @@ typedef struct ply_header
 
 /// Bytes of a binary value.
 int ply_width( ply_type type );
+
+/// Whether the element `vertex` has a property of this meaning.
+bool ply_vertex_has( const ply_header* header, ply_role role );
 
 /// Read and check a header: one element `vertex` with scalars x, y and z, one element `face` with a list of corners.
 wisp_status ply_read_header( const unsigned char* bytes, size_t size, ply_header* header, wisp_error* error );

@@ -158,21 +158,61 @@ static wisp_status read_element( header_reading* r, mesh_word line )
     return demand_end( r, line );
 }
 
+static bool element_has( const ply_header* header, int element, ply_role role )
+{
+    const ply_element* e = &header->elements[element];
+    for ( int p = 0; p < e->property_count; ++p )
+    {
+        if ( header->properties[e->first_property + p].role == role )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool ply_vertex_has( const ply_header* header, ply_role role )
+{
+    return element_has( header, header->vertex_element, role );
+}
+
 // The number of a mesh that this property holds.
 static ply_role role_of( const header_reading* r, mesh_word name )
 {
-    static const char* const names[] = { "x", "y", "z", "vertex_indices", "vertex_index" };
-    static const ply_role roles[] = { PLY_X, PLY_Y, PLY_Z, PLY_CORNERS, PLY_CORNERS };
-    int element = r->header->element_count - 1;
-    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    static const struct
     {
-        int owner = roles[i] == PLY_CORNERS ? r->header->face_element : r->header->vertex_element;
-        if ( element == owner && mesh_word_is( name, names[i] ) )
+        const char* name;
+        ply_role role;
+    } known[] = { { "x", PLY_X },
+                  { "y", PLY_Y },
+                  { "z", PLY_Z },
+                  { "red", PLY_RED },
+                  { "green", PLY_GREEN },
+                  { "blue", PLY_BLUE },
+                  { "s", PLY_U },
+                  { "t", PLY_V },
+                  { "u", PLY_U },
+                  { "v", PLY_V },
+                  { "texture_u", PLY_U },
+                  { "texture_v", PLY_V },
+                  { "vertex_indices", PLY_CORNERS },
+                  { "vertex_index", PLY_CORNERS } };
+    int element = r->header->element_count - 1;
+    for ( int i = 0; i < WISP_COUNT( known ); ++i )
+    {
+        int owner = known[i].role == PLY_CORNERS ? r->header->face_element : r->header->vertex_element;
+        if ( element == owner && mesh_word_is( name, known[i].name ) )
         {
-            return roles[i];
+            return known[i].role;
         }
     }
     return PLY_PASSED_OVER;
+}
+
+// What a mesh may lack: a second one of its kind, or a list, is skipped rather than refused.
+static bool is_optional( ply_role role )
+{
+    return role >= PLY_RED && role <= PLY_V;
 }
 
 static wisp_status check_role( const header_reading* r, const ply_property* property, mesh_word name )
@@ -233,6 +273,11 @@ static wisp_status read_property( header_reading* r, mesh_word line )
         return refuse_line( r, "got a property without a name" );
     }
     property.role = role_of( r, name );
+    if ( is_optional( property.role ) &&
+         ( property.count_type != PLY_NONE || ply_vertex_has( header, property.role ) ) )
+    {
+        property.role = PLY_PASSED_OVER;
+    }
     keep_name( property.name, name );
     wisp_status status = check_role( r, &property, name );
     if ( status == WISP_OK )
@@ -271,19 +316,6 @@ static wisp_status read_line( header_reading* r, mesh_word line, bool* ended )
         return read_property( r, line );
     }
     return refuse_word( r, "a keyword of the header", word );
-}
-
-static bool element_has( const ply_header* header, int element, ply_role role )
-{
-    const ply_element* e = &header->elements[element];
-    for ( int p = 0; p < e->property_count; ++p )
-    {
-        if ( header->properties[e->first_property + p].role == role )
-        {
-            return true;
-        }
-    }
-    return false;
 }
 
 // Requirements of a mesh, and of a later loop: rows that are not empty.

@@ -8,11 +8,6 @@
 
 #include "io_file.h"
 
-enum
-{
-    LONGEST_NUMBER = 64, // characters of a number in text
-};
-
 typedef struct row_reading
 {
     const ply_header* header;
@@ -48,16 +43,13 @@ static wisp_status next_text_value( row_reading* r, const ply_property* property
     {
         return refuse( r, property, "is missing" );
     }
-    // strtod needs a zero after the number, and the file has none.
-    char text[LONGEST_NUMBER + 1] = { 0 };
-    if ( !mesh_word_is_number( word ) || word.length > LONGEST_NUMBER )
+    if ( !mesh_word_is_number( word ) || word.length > MESH_WORD_LONGEST )
     {
         char problem[64];
         snprintf( problem, sizeof problem, "is \"%s\", which is not a number", mesh_quote_word( word ).text );
         return refuse( r, property, problem );
     }
-    memcpy( text, word.text, word.length );
-    *value = strtod( text, NULL );
+    *value = mesh_word_value( word );
     return WISP_OK;
 }
 
@@ -183,6 +175,44 @@ static wisp_status read_list( row_reading* r, const ply_property* property )
     return status;
 }
 
+// The value of a channel at full brightness.
+static double full_colour( ply_type type )
+{
+    return type == PLY_FLOAT || type == PLY_DOUBLE ? 1.0 : type == PLY_UINT16 ? 65535.0 : 255.0;
+}
+
+// The float of the mesh that a property of this row becomes, or null: a lone channel or coordinate is not kept.
+static float* place_of( const row_reading* r, ply_role role )
+{
+    const int64_t v = r->row_number;
+    wisp_vec3* point = &r->mesh->points[v];
+    wisp_vec3* colour = r->mesh->colours != NULL ? &r->mesh->colours[v] : NULL;
+    float* uv = r->mesh->uvs != NULL ? r->mesh->uvs + 2 * v : NULL;
+    switch ( role )
+    {
+        case PLY_X:
+            return &point->x;
+        case PLY_Y:
+            return &point->y;
+        case PLY_Z:
+            return &point->z;
+        case PLY_RED:
+            return colour != NULL ? &colour->x : NULL;
+        case PLY_GREEN:
+            return colour != NULL ? &colour->y : NULL;
+        case PLY_BLUE:
+            return colour != NULL ? &colour->z : NULL;
+        case PLY_U:
+            return uv;
+        case PLY_V:
+            return uv != NULL ? uv + 1 : NULL;
+        case PLY_CORNERS:
+        case PLY_PASSED_OVER:
+            break;
+    }
+    return NULL;
+}
+
 static wisp_status read_scalar( row_reading* r, const ply_property* property )
 {
     double value = 0.0;
@@ -195,9 +225,13 @@ static wisp_status read_scalar( row_reading* r, const ply_property* property )
     {
         return refuse( r, property, isnan( value ) ? "is NaN" : "is infinite, or too large for a float" );
     }
-    wisp_vec3* point = &r->mesh->points[r->row_number];
-    float* coordinate = property->role == PLY_X ? &point->x : property->role == PLY_Y ? &point->y : &point->z;
-    *coordinate = (float)value;
+    float* place = place_of( r, property->role );
+    if ( place != NULL )
+    {
+        *place =
+            (float)( property->role >= PLY_RED && property->role <= PLY_BLUE ? value / full_colour( property->type )
+                                                                             : value );
+    }
     return WISP_OK;
 }
 
@@ -330,8 +364,17 @@ static wisp_status read_rows( const ply_header* header, const unsigned char* byt
         return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d vertices", header->name,
                           out->vertex_count );
     }
+    if ( ply_vertex_has( header, PLY_RED ) && ply_vertex_has( header, PLY_GREEN ) &&
+         ply_vertex_has( header, PLY_BLUE ) )
+    {
+        status = mesh_allocate_colours( out, header->name, error );
+    }
+    if ( status == WISP_OK && ply_vertex_has( header, PLY_U ) && ply_vertex_has( header, PLY_V ) )
+    {
+        status = mesh_allocate_uvs( out, header->name, error );
+    }
     io_numbers numbers;
-    status = io_numbers_begin( &numbers, error );
+    status = status == WISP_OK ? io_numbers_begin( &numbers, error ) : status;
     if ( status == WISP_OK )
     {
         status = read_elements( &r );

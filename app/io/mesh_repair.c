@@ -332,7 +332,16 @@ static wisp_status drop_vertices( wisp_mesh* mesh, int what, wisp_mesh_repairs* 
     }
     for ( int v = 0; v < repairs->kept_count; ++v )
     {
-        mesh->points[v] = mesh->points[repairs->kept[v]];
+        const int32_t from = repairs->kept[v];
+        mesh->points[v] = mesh->points[from];
+        if ( mesh->colours != NULL )
+        {
+            mesh->colours[v] = mesh->colours[from];
+        }
+        if ( mesh->uvs != NULL )
+        {
+            memmove( mesh->uvs + 2 * (size_t)v, mesh->uvs + 2 * (size_t)from, 2 * sizeof *mesh->uvs );
+        }
     }
     mesh->vertex_count = repairs->kept_count;
     free( new_number );
@@ -367,12 +376,10 @@ wisp_status wisp_mesh_repair( wisp_mesh* mesh, int what, wisp_mesh_repairs* repa
     wisp_status status = mesh_check( mesh, "mesh", error );
     if ( status == WISP_OK )
     {
-        status = mesh_allocate( &copy, mesh->vertex_count, mesh->triangle_count, "mesh", error );
+        status = mesh_copy( mesh, &copy, "mesh", error );
     }
     if ( status == WISP_OK )
     {
-        memcpy( copy.points, mesh->points, (size_t)mesh->vertex_count * sizeof *copy.points );
-        memcpy( copy.triangles, mesh->triangles, (size_t)mesh->triangle_count * 3 * sizeof *copy.triangles );
         status = repair_copy( &copy, what, repairs, error );
     }
     if ( status == WISP_OK )

@@ -1,6 +1,7 @@
 // Lines, words and numbers of untrusted files. Independent of the locale, and needs no zero at the end.
 #include "mesh_internal.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum
@@ -100,6 +101,14 @@ bool mesh_word_is_number( mesh_word word )
         }
     }
     return at == word.length;
+}
+
+double mesh_word_value( mesh_word word )
+{
+    // strtod needs a zero after the number, and the file has none.
+    char text[MESH_WORD_LONGEST + 1] = { 0 };
+    memcpy( text, word.text, word.length < MESH_WORD_LONGEST ? word.length : MESH_WORD_LONGEST );
+    return strtod( text, NULL );
 }
 
 bool mesh_word_is_integer( mesh_word word, int32_t* value )

@@ -98,7 +98,10 @@ static inline void write_sheet_mesh( const char* path )
     int32_t triangles[6 * ( SIDE - 1 ) * ( SIDE - 1 )];
     place_sheet( 0, 0.0f, points );
     make_triangles( triangles );
-    const wisp_mesh mesh = { points, triangles, SIDE * SIDE, 2 * ( SIDE - 1 ) * ( SIDE - 1 ) };
+    const wisp_mesh mesh = { .points = points,
+                             .triangles = triangles,
+                             .vertex_count = SIDE * SIDE,
+                             .triangle_count = 2 * ( SIDE - 1 ) * ( SIDE - 1 ) };
     wisp_error error = { 0 };
     assert_int_equal( wisp_mesh_write( path, &mesh, &error ), WISP_OK );
 }

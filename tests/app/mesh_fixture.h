@@ -9,8 +9,10 @@
 static inline wisp_mesh fixture_mesh( const wisp_vec3* points, int vertex_count, const int32_t* triangles,
                                       int triangle_count )
 {
-    wisp_mesh mesh = { malloc( (size_t)vertex_count * sizeof *points ),
-                       malloc( (size_t)triangle_count * 3 * sizeof *triangles ), vertex_count, triangle_count };
+    wisp_mesh mesh = { .points = malloc( (size_t)vertex_count * sizeof *points ),
+                       .triangles = malloc( (size_t)triangle_count * 3 * sizeof *triangles ),
+                       .vertex_count = vertex_count,
+                       .triangle_count = triangle_count };
     assert_non_null( mesh.points );
     assert_non_null( mesh.triangles );
     memcpy( mesh.points, points, (size_t)vertex_count * sizeof *points );

@@ -222,8 +222,10 @@ static void a_hundred_thousand_triangles_around_one_edge_are_examined_and_repair
     {
         COUNT = 100000
     };
-    wisp_mesh mesh = { calloc( COUNT + 2, sizeof( wisp_vec3 ) ), calloc( 3 * COUNT, sizeof( int32_t ) ), COUNT + 2,
-                       COUNT };
+    wisp_mesh mesh = { .points = calloc( COUNT + 2, sizeof( wisp_vec3 ) ),
+                       .triangles = calloc( 3 * COUNT, sizeof( int32_t ) ),
+                       .vertex_count = COUNT + 2,
+                       .triangle_count = COUNT };
     assert_non_null( mesh.points );
     assert_non_null( mesh.triangles );
     mesh.points[1].y = 1.0f;

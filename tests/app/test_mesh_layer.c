@@ -37,7 +37,7 @@ static void make_sheet( sheet* s )
         .directions = { 0.0f, 0.6f, 0.8f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f,
                         0.0f },
     };
-    s->mesh = ( wisp_mesh ){ s->points, s->triangles, 4, 2 };
+    s->mesh = ( wisp_mesh ){ .points = s->points, .triangles = s->triangles, .vertex_count = 4, .triangle_count = 2 };
     s->layer = ( wisp_mesh_layer ){ .normals = s->normals,
                                     .edges = s->edges,
                                     .edge_count = 5,

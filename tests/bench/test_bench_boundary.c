@@ -195,7 +195,7 @@ static void the_cover_of_a_triangle_without_points_is_its_own( void** state )
     (void)state;
     wisp_vec3 points[] = { { 0.0f, 0.0f, 0.0f }, { 3.0f, 0.0f, 0.0f }, { 0.0f, 4.0f, 0.0f } };
     int32_t triangles[] = { 0, 1, 2 };
-    const wisp_mesh mesh = { points, triangles, 3, 1 };
+    const wisp_mesh mesh = { .points = points, .triangles = triangles, .vertex_count = 3, .triangle_count = 1 };
     static const int32_t edges[] = { 0, 1, 0, 2, 1, 2 };
     static const int32_t begin[5] = { 0 };
     const wisp_samples none = { .begin = begin };

@@ -25,6 +25,15 @@ static inline void fuzz_round_trip( const wisp_mesh* mesh, fuzz_writer* write, f
     size_t triangles = (size_t)mesh->triangle_count * 3 * sizeof *mesh->triangles;
     demand( memcmp( again.points, mesh->points, points ) == 0 );
     demand( memcmp( again.triangles, mesh->triangles, triangles ) == 0 );
+    demand( ( again.colours != NULL ) == ( mesh->colours != NULL ) );
+    demand( mesh->colours == NULL || memcmp( again.colours, mesh->colours, points ) == 0 );
+    // Texture coordinates of OBJ belong to corners: those of a vertex without a triangle are lost.
+    demand( mesh->uvs == NULL || again.uvs != NULL );
+    for ( int c = 0; mesh->uvs != NULL && c < 3 * mesh->triangle_count; ++c )
+    {
+        const size_t at = 2 * (size_t)mesh->triangles[c];
+        demand( memcmp( again.uvs + at, mesh->uvs + at, 2 * sizeof( float ) ) == 0 );
+    }
     wisp_mesh_release( &again );
 }
 

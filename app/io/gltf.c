@@ -1,0 +1,416 @@
+// glTF files: bytes that are safe to parse, relations between elements, and meshes by name.
+#define _XOPEN_SOURCE 700
+
+#include "gltf_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "io_bytes.h"
+#include "io_file.h"
+#include "mesh_internal.h"
+
+enum
+{
+    GLB_HEADER = 12,
+    GLB_CHUNK = 8,
+};
+
+void gltf_release( gltf_model* model )
+{
+    if ( model == NULL )
+    {
+        return;
+    }
+    for ( int n = 0; n < model->node_count; ++n )
+    {
+        free( model->nodes[n].name );
+    }
+    for ( int m = 0; m < model->mesh_count; ++m )
+    {
+        free( model->meshes[m].name );
+        free( model->meshes[m].joints );
+        free( model->meshes[m].weights );
+        wisp_mesh_release( &model->meshes[m].mesh );
+    }
+    for ( int s = 0; s < model->skin_count; ++s )
+    {
+        free( model->skins[s].name );
+        free( model->skins[s].joints );
+        free( model->skins[s].inverse_bind );
+    }
+    for ( int a = 0; a < model->animation_count; ++a )
+    {
+        for ( int c = 0; c < model->animations[a].channel_count; ++c )
+        {
+            free( model->animations[a].channels[c].times );
+            free( model->animations[a].channels[c].values );
+        }
+        free( model->animations[a].channels );
+        free( model->animations[a].name );
+    }
+    free( model->nodes );
+    free( model->order );
+    free( model->meshes );
+    free( model->skins );
+    free( model->animations );
+    *model = ( gltf_model ){ 0 };
+}
+
+// ---- bytes -----------------------------------------------------------------------------------------------------
+
+// The library reads nested values by recursion.
+static wisp_status check_json( const char* text, size_t size, const char* name, wisp_error* error )
+{
+    int depth = 0;
+    bool in_string = false;
+    if ( size > GLTF_JSON_CAP )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got %zu bytes of JSON, expected at most %zu", name, size,
+                          GLTF_JSON_CAP );
+    }
+    for ( size_t i = 0; i < size; ++i )
+    {
+        const char c = text[i];
+        if ( in_string )
+        {
+            i += c == '\\';
+            in_string = c != '"';
+            continue;
+        }
+        in_string = c == '"';
+        depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
+        if ( depth > GLTF_DEPTH_CAP )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %zu: expected JSON nested at most %d deep", name, i,
+                              GLTF_DEPTH_CAP );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_binary( const unsigned char* bytes, size_t size, const char* name, wisp_error* error )
+{
+    if ( size < GLB_HEADER + GLB_CHUNK )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: the file ends inside its header", name );
+    }
+    if ( io_get_u32( bytes + 4 ) != 2 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got version %u, expected 2", name, io_get_u32( bytes + 4 ) );
+    }
+    if ( io_get_u32( bytes + 8 ) != size )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got %zu bytes, the header says %u", name, size,
+                          io_get_u32( bytes + 8 ) );
+    }
+    const size_t json = io_get_u32( bytes + GLB_HEADER );
+    if ( memcmp( bytes + GLB_HEADER + 4, "JSON", 4 ) != 0 || json > size - GLB_HEADER - GLB_CHUNK )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: expected a JSON part within the file", name,
+                          GLB_HEADER );
+    }
+    const size_t rest = size - GLB_HEADER - GLB_CHUNK - json;
+    const unsigned char* binary = bytes + GLB_HEADER + GLB_CHUNK + json;
+    if ( rest > 0 && ( rest < GLB_CHUNK || io_get_u32( binary ) > rest - GLB_CHUNK ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %zu: the binary part is longer than the file", name,
+                          size - rest );
+    }
+    return check_json( (const char*)bytes + GLB_HEADER + GLB_CHUNK, json, name, error );
+}
+
+// ---- relations -------------------------------------------------------------------------------------------------
+
+// A node's turn comes when its parent has had its own; who never has one hangs in a circle.
+static wisp_status order_nodes( gltf_model* model, const char* name, wisp_error* error )
+{
+    int32_t* depth = calloc( (size_t)model->node_count + 1, sizeof *depth );
+    if ( depth == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d nodes", name, model->node_count );
+    }
+    int circle = -1, deepest = 0;
+    for ( int n = 0; n < model->node_count && circle < 0; ++n )
+    {
+        // Up to the first ancestor of known depth, and down again.
+        int steps = 0, at = n;
+        for ( ; at >= 0 && depth[at] == 0 && steps <= model->node_count; at = model->nodes[at].parent )
+        {
+            ++steps;
+        }
+        circle = steps > model->node_count ? n : -1;
+        int below = ( at >= 0 ? depth[at] : 0 ) + steps;
+        deepest = below > deepest ? below : deepest;
+        for ( at = n; circle < 0 && at >= 0 && depth[at] == 0; at = model->nodes[at].parent )
+        {
+            depth[at] = below--;
+        }
+    }
+    if ( circle >= 0 )
+    {
+        free( depth );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: node %d: it is its own ancestor", name, circle );
+    }
+    int count = 0;
+    int32_t* first = calloc( (size_t)deepest + 2, sizeof *first );
+    for ( int n = 0; first != NULL && n < model->node_count; ++n )
+    {
+        ++first[depth[n] + 1];
+    }
+    for ( int d = 0; first != NULL && d <= deepest; ++d )
+    {
+        first[d + 1] += first[d];
+    }
+    for ( int n = 0; first != NULL && n < model->node_count; ++n, ++count )
+    {
+        model->order[first[depth[n]]++] = n;
+    }
+    free( depth );
+    free( first );
+    return count == model->node_count
+               ? WISP_OK
+               : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d nodes", name, model->node_count );
+}
+
+// A weighted joint of a mesh is a joint of each skin that it has.
+static wisp_status check_skins( const gltf_model* model, const char* name, wisp_error* error )
+{
+    for ( int n = 0; n < model->node_count; ++n )
+    {
+        const gltf_node* node = &model->nodes[n];
+        const gltf_mesh* mesh = node->mesh >= 0 ? &model->meshes[node->mesh] : NULL;
+        const gltf_skin* skin = node->skin >= 0 ? &model->skins[node->skin] : NULL;
+        if ( mesh == NULL || skin == NULL )
+        {
+            continue;
+        }
+        if ( mesh->mesh.vertex_count > 0 && mesh->joints == NULL )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: node %d: it has a skin, but mesh %d has no weights", name,
+                              n, node->mesh );
+        }
+        for ( int i = 0; i < 4 * mesh->mesh.vertex_count; ++i )
+        {
+            if ( mesh->joints[i] >= skin->joint_count )
+            {
+                return wisp_fail( error, WISP_BAD_INPUT, "%s: mesh %d: vertex %d: got joint %d, skin %d has %d", name,
+                                  node->mesh, i / 4, mesh->joints[i], node->skin, skin->joint_count );
+            }
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status finish( gltf_model* model, int flags, const char* name, wisp_error* error )
+{
+    wisp_status status = order_nodes( model, name, error );
+    status = status == WISP_OK ? check_skins( model, name, error ) : status;
+    for ( int m = 0; m < model->mesh_count && status == WISP_OK; ++m )
+    {
+        gltf_mesh* mesh = &model->meshes[m];
+        status = mesh->mesh.vertex_count > 0 ? mesh_check( &mesh->mesh, name, error ) : WISP_OK;
+        if ( status == WISP_OK && mesh->mesh.vertex_count > 0 && ( flags & GLTF_KEEP_SEAMS ) == 0 )
+        {
+            status = gltf_merge_seams( mesh, name, error );
+        }
+    }
+    return status;
+}
+
+wisp_status gltf_read_bytes( const void* bytes, size_t size, const char* folder, const char* name, int flags,
+                             gltf_model* out, wisp_error* error )
+{
+    *out = ( gltf_model ){ 0 };
+    name = io_short_name( name );
+    if ( size == 0 || size > INT32_MAX )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got %zu bytes, expected 1 .. %d", name, size, INT32_MAX );
+    }
+    const bool is_binary = size >= 4 && memcmp( bytes, "glTF", 4 ) == 0;
+    wisp_status status =
+        is_binary ? check_binary( bytes, size, name, error ) : check_json( bytes, size, name, error );
+    status = status == WISP_OK ? gltf_parse( bytes, size, is_binary, folder, name, out, error ) : status;
+    status = status == WISP_OK ? finish( out, flags, name, error ) : status;
+    if ( status != WISP_OK )
+    {
+        gltf_release( out );
+    }
+    return status;
+}
+
+wisp_status gltf_read( const char* path, int flags, gltf_model* out, wisp_error* error )
+{
+    *out = ( gltf_model ){ 0 };
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    wisp_status status = io_file_read( path, WISP_MESH_FILE_CAP, &bytes, &size, error );
+    if ( status == WISP_OK )
+    {
+        const size_t length = (size_t)( io_file_name( path ) - path );
+        char* folder = malloc( length + 2 );
+        if ( folder != NULL )
+        {
+            memcpy( folder, length > 0 ? path : "./", length > 0 ? length : 2 );
+            folder[length > 0 ? length - 1 : 1] = '\0';
+        }
+        status = folder == NULL ? wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory", io_short_name( path ) )
+                                : gltf_read_bytes( bytes, size, length == 1 ? "/" : folder, path, flags, out, error );
+        free( folder );
+    }
+    free( bytes );
+    return status;
+}
+
+// ---- meshes by name --------------------------------------------------------------------------------------------
+
+static bool has_triangles( const gltf_model* model, int n )
+{
+    const int mesh = model->nodes[n].mesh;
+    return mesh >= 0 && model->meshes[mesh].mesh.triangle_count > 0;
+}
+
+// As many names as fit.
+static void list_names( const gltf_model* model, char* text, size_t size )
+{
+    size_t at = 0;
+    text[0] = '\0';
+    for ( int n = 0; n < model->node_count && at + 70 < size; ++n )
+    {
+        if ( has_triangles( model, n ) )
+        {
+            at += (size_t)snprintf( text + at, size - at, "%s%s", at > 0 ? ", " : "", model->nodes[n].name );
+        }
+    }
+}
+
+wisp_status gltf_find_mesh( const gltf_model* model, const char* wanted, const char* name, int* node,
+                            wisp_error* error )
+{
+    int found[2] = { 0, 0 }, last[2] = { -1, -1 };
+    for ( int n = 0; n < model->node_count; ++n )
+    {
+        if ( !has_triangles( model, n ) )
+        {
+            continue;
+        }
+        const char* own[2] = { model->nodes[n].name, model->meshes[model->nodes[n].mesh].name };
+        for ( int k = 0; k < 2; ++k )
+        {
+            const bool same = wanted == NULL || strcmp( own[k], wanted ) == 0;
+            found[k] += same;
+            last[k] = same ? n : last[k];
+        }
+    }
+    const int k = found[0] > 0 ? 0 : 1;
+    *node = last[k];
+    if ( found[k] == 1 )
+    {
+        return WISP_OK;
+    }
+    char names[200];
+    list_names( model, names, sizeof names );
+    name = io_short_name( name );
+    return names[0] == '\0' ? wisp_fail( error, WISP_BAD_INPUT, "%s: no node has a mesh of triangles", name )
+           : wanted != NULL
+               ? wisp_fail( error, WISP_BAD_INPUT, "%s: got %d nodes with the mesh '%.60s', expected one of %s", name,
+                            found[k], wanted, names )
+               : wisp_fail( error, WISP_BAD_INPUT,
+                            "%s: got %d nodes with a mesh, expected the name of one behind #: %s", name, found[k],
+                            names );
+}
+
+static void add_scaled( const double m[12], double weight, wisp_vec3 p, double sum[3] )
+{
+    const double x = (double)p.x, y = (double)p.y, z = (double)p.z;
+    for ( int row = 0; row < 3; ++row )
+    {
+        const double* r = m + 4 * row;
+        sum[row] += weight * ( r[0] * x + r[1] * y + r[2] * z + r[3] );
+    }
+}
+
+// A skin alone places its mesh (glTF 2.0, section 3.7.3.3), else the node does.
+static void place( const gltf_model* model, int n, double* work, double* matrices, wisp_mesh* out )
+{
+    const gltf_node* node = &model->nodes[n];
+    const gltf_mesh* mesh = &model->meshes[node->mesh];
+    const bool is_skinned = node->skin >= 0 && mesh->joints != NULL;
+    const double* global = gltf_pose_nodes( model, -1, 0.0, work ) + 12 * (size_t)n;
+    if ( is_skinned )
+    {
+        gltf_pose( model, node->skin, -1, 0.0, work, matrices );
+    }
+    for ( int v = 0; v < out->vertex_count; ++v )
+    {
+        double p[3] = { 0.0, 0.0, 0.0 };
+        for ( int k = 0; k < ( is_skinned ? 4 : 1 ); ++k )
+        {
+            const size_t i = 4 * (size_t)v + (size_t)k;
+            add_scaled( is_skinned ? matrices + 12 * mesh->joints[i] : global,
+                        is_skinned ? (double)mesh->weights[i] : 1.0, mesh->mesh.points[v], p );
+        }
+        out->points[v] = ( wisp_vec3 ){ (float)p[0], (float)p[1], (float)p[2] };
+    }
+}
+
+wisp_status gltf_mesh_at_rest( const gltf_model* model, int node, const char* name, wisp_mesh* out,
+                               wisp_error* error )
+{
+    *out = ( wisp_mesh ){ 0 };
+    const int skin = model->nodes[node].skin;
+    const size_t joints = skin >= 0 ? (size_t)model->skins[skin].joint_count : 0;
+    double* work = malloc( ( gltf_pose_work( model ) + 12 * joints ) * sizeof *work );
+    wisp_status status = work != NULL ? mesh_copy( &model->meshes[model->nodes[node].mesh].mesh, out, name, error )
+                                      : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d nodes",
+                                                   io_short_name( name ), model->node_count );
+    if ( status == WISP_OK )
+    {
+        place( model, node, work, work + gltf_pose_work( model ), out );
+        status = mesh_check( out, name, error );
+    }
+    if ( status != WISP_OK )
+    {
+        wisp_mesh_release( out );
+    }
+    free( work );
+    return status;
+}
+
+// Bytes of the path before the # of a name.
+static size_t file_length( const char* path )
+{
+    const char* hash = strrchr( path, '#' );
+    return hash != NULL ? (size_t)( hash - path ) : strlen( path );
+}
+
+bool gltf_is_path( const char* path )
+{
+    const size_t length = file_length( path );
+    return ( length > 4 && strncasecmp( path + length - 4, ".glb", 4 ) == 0 ) ||
+           ( length > 5 && strncasecmp( path + length - 5, ".gltf", 5 ) == 0 );
+}
+
+wisp_status gltf_mesh_read( const char* path, wisp_mesh* out, wisp_error* error )
+{
+    *out = ( wisp_mesh ){ 0 };
+    const size_t length = file_length( path );
+    const char* wanted = path[length] == '#' ? path + length + 1 : NULL;
+    char* file = malloc( length + 1 );
+    if ( file == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory", io_short_name( path ) );
+    }
+    memcpy( file, path, length );
+    file[length] = '\0';
+    gltf_model model;
+    int node = -1;
+    wisp_status status = gltf_read( file, 0, &model, error );
+    status = status == WISP_OK ? gltf_find_mesh( &model, wanted, file, &node, error ) : status;
+    status = status == WISP_OK ? gltf_mesh_at_rest( &model, node, file, out, error ) : status;
+    gltf_release( &model );
+    free( file );
+    return status;
+}

@@ -1,0 +1,745 @@
+// tinygltf alone. It checks little of what it reads, so its indices, sizes and numbers are all checked here. Compiled in
+// rather than linked, so that sanitizers and the fuzzer cover it. No exception leaves this file: its callers are C.
+#include "gltf_internal.h"
+
+extern "C"
+{
+#include "io_file.h"
+}
+
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+#include <exception>
+#include <fstream>
+#include <new>
+#include <sstream>
+#include <stdexcept>
+
+#define TINYGLTF_IMPLEMENTATION
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_EXTERNAL_IMAGE
+#define TINYGLTF_NO_FS
+#include <tiny_gltf.h>
+
+namespace
+{
+
+using std::string;
+using std::to_string;
+
+[[noreturn]] void refuse( const string& where, const string& what )
+{
+    throw std::runtime_error( where + ": " + what );
+}
+
+// A name of the file without control characters, which would reach a terminal.
+string printable( const string& name, const char* kind, size_t index, size_t most = 64 )
+{
+    string clean = name.substr( 0, most );
+    for ( char& c : clean )
+    {
+        c = static_cast<unsigned char>( c ) < ' ' || c == 127 ? '?' : c;
+    }
+    return clean.empty() ? string( kind ) + " " + to_string( index ) : clean;
+}
+
+char* copy_text( const string& text )
+{
+    char* copy = static_cast<char*>( std::malloc( text.size() + 1 ) );
+    if ( copy == nullptr )
+    {
+        throw std::bad_alloc();
+    }
+    std::memcpy( copy, text.c_str(), text.size() + 1 );
+    return copy;
+}
+
+template <typename T> T* allocate( size_t count )
+{
+    T* memory = static_cast<T*>( std::calloc( count > 0 ? count : 1, sizeof( T ) ) );
+    if ( memory == nullptr )
+    {
+        throw std::bad_alloc();
+    }
+    return memory;
+}
+
+void check_element( int index, size_t count, const string& where, const char* kind )
+{
+    if ( index < 0 || static_cast<size_t>( index ) >= count )
+    {
+        refuse( where, string( "got " ) + kind + " " + to_string( index ) + ", the file has " + to_string( count ) );
+    }
+}
+
+// ---- accessors -------------------------------------------------------------------------------------------------
+
+double component( const unsigned char* at, int type, bool normalized )
+{
+    switch ( type )
+    {
+        case TINYGLTF_COMPONENT_TYPE_BYTE:
+        {
+            int8_t value;
+            std::memcpy( &value, at, sizeof value );
+            return normalized ? std::fmax( value / 127.0, -1.0 ) : value;
+        }
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+            return normalized ? *at / 255.0 : *at;
+        case TINYGLTF_COMPONENT_TYPE_SHORT:
+        {
+            int16_t value;
+            std::memcpy( &value, at, sizeof value );
+            return normalized ? std::fmax( value / 32767.0, -1.0 ) : value;
+        }
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        {
+            uint16_t value;
+            std::memcpy( &value, at, sizeof value );
+            return normalized ? value / 65535.0 : value;
+        }
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+        {
+            uint32_t value;
+            std::memcpy( &value, at, sizeof value );
+            return value;
+        }
+        default:
+        {
+            float value;
+            std::memcpy( &value, at, sizeof value );
+            return static_cast<double>( value );
+        }
+    }
+}
+
+struct numbers
+{
+    size_t count;
+    size_t width;
+    std::vector<double> values; // [count][width]
+};
+
+// All values of an accessor, whose bytes must lie in its view and that in its buffer.
+numbers take( const tinygltf::Model& model, int index, size_t least_width, size_t most_width, const string& where )
+{
+    check_element( index, model.accessors.size(), where, "accessor" );
+    const tinygltf::Accessor& a = model.accessors[static_cast<size_t>( index )];
+    const string place = where + ": accessor " + to_string( index );
+    const int width =
+        a.type == TINYGLTF_TYPE_SCALAR ? 1 : tinygltf::GetNumComponentsInType( static_cast<uint32_t>( a.type ) );
+    const int size = tinygltf::GetComponentSizeInBytes( static_cast<uint32_t>( a.componentType ) );
+    const bool known = size > 0 && size <= 4 && a.componentType != TINYGLTF_COMPONENT_TYPE_INT;
+    if ( width < static_cast<int>( least_width ) || width > static_cast<int>( most_width ) || !known )
+    {
+        refuse( place, "got values of " + to_string( width ) + " numbers of type " + to_string( a.componentType ) +
+                           ", expected " + to_string( least_width ) +
+                           ( most_width > least_width ? " .. " + to_string( most_width ) : string() ) );
+    }
+    if ( a.sparse.isSparse || a.bufferView < 0 )
+    {
+        refuse( place, a.sparse.isSparse ? "sparse values are not read" : "it has no buffer view" );
+    }
+    check_element( a.bufferView, model.bufferViews.size(), place, "buffer view" );
+    const tinygltf::BufferView& view = model.bufferViews[static_cast<size_t>( a.bufferView )];
+    check_element( view.buffer, model.buffers.size(), place, "buffer" );
+    const std::vector<unsigned char>& bytes = model.buffers[static_cast<size_t>( view.buffer )].data;
+    const size_t item = static_cast<size_t>( width ) * static_cast<size_t>( size );
+    const size_t stride = view.byteStride > 0 ? view.byteStride : item;
+    const bool fits = view.byteOffset <= bytes.size() && view.byteLength <= bytes.size() - view.byteOffset &&
+                      a.byteOffset <= view.byteLength && a.count >= 1 && stride >= item && stride <= 65536 &&
+                      item <= view.byteLength - a.byteOffset &&
+                      ( a.count - 1 ) <= ( view.byteLength - a.byteOffset - item ) / stride;
+    if ( !fits )
+    {
+        refuse( place, "its " + to_string( a.count ) + " values are not within the bytes of the file" );
+    }
+    numbers out{ a.count, static_cast<size_t>( width ),
+                 std::vector<double>( a.count * static_cast<size_t>( width ) ) };
+    const unsigned char* first = bytes.data() + view.byteOffset + a.byteOffset;
+    for ( size_t i = 0; i < out.values.size(); ++i )
+    {
+        const size_t k = i % out.width;
+        const double value = component( first + i / out.width * stride + k * static_cast<size_t>( size ),
+                                        a.componentType, a.normalized );
+        if ( !std::isfinite( value ) )
+        {
+            refuse( place,
+                    "value " + to_string( i / out.width ) + " is " + ( std::isnan( value ) ? "NaN" : "infinite" ) );
+        }
+        out.values[i] = value;
+    }
+    return out;
+}
+
+// ---- nodes and skins -------------------------------------------------------------------------------------------
+
+void take_vector( const std::vector<double>& from, size_t count, double* to, const string& where )
+{
+    if ( !from.empty() && from.size() != count )
+    {
+        refuse( where, "got " + to_string( from.size() ) + " numbers, expected " + to_string( count ) );
+    }
+    for ( size_t k = 0; k < from.size(); ++k )
+    {
+        if ( !( std::fabs( from[k] ) <= static_cast<double>( FLT_MAX ) ) )
+        {
+            refuse( where, "a number is not finite in single precision" );
+        }
+        to[k] = from[k];
+    }
+}
+
+void normalize( double* q, const string& where )
+{
+    const double length = std::sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
+    if ( !( length > 1e-6 ) )
+    {
+        refuse( where, "the rotation is zero" );
+    }
+    for ( int k = 0; k < 4; ++k )
+    {
+        q[k] /= length;
+    }
+}
+
+// From columns of 4 x 4 to rows of 3 x 4.
+void take_matrix( const double* columns, double* rows )
+{
+    for ( int i = 0; i < 12; ++i )
+    {
+        rows[i] = columns[4 * ( i % 4 ) + i / 4];
+    }
+}
+
+void take_node( const tinygltf::Model& model, size_t n, gltf_node* out )
+{
+    const tinygltf::Node& node = model.nodes[n];
+    const string name = printable( node.name, "node", n ), where = "node " + to_string( n );
+    out->name = copy_text( name );
+    out->mesh = node.mesh;
+    out->skin = node.skin;
+    if ( node.mesh != -1 )
+    {
+        check_element( node.mesh, model.meshes.size(), where, "mesh" );
+    }
+    if ( node.skin != -1 )
+    {
+        check_element( node.skin, model.skins.size(), where, "skin" );
+    }
+    out->rotation[3] = out->scale[0] = out->scale[1] = out->scale[2] = 1.0;
+    take_vector( node.translation, 3, out->translation, where + ": translation" );
+    take_vector( node.rotation, 4, out->rotation, where + ": rotation" );
+    take_vector( node.scale, 3, out->scale, where + ": scale" );
+    normalize( out->rotation, where );
+    double columns[16];
+    take_vector( node.matrix, 16, columns, where + ": matrix" );
+    out->has_matrix = !node.matrix.empty();
+    if ( out->has_matrix )
+    {
+        take_matrix( columns, out->matrix );
+    }
+}
+
+void take_parents( const tinygltf::Model& model, gltf_model* out )
+{
+    for ( size_t n = 0; n < model.nodes.size(); ++n )
+    {
+        for ( int child : model.nodes[n].children )
+        {
+            check_element( child, model.nodes.size(), "node " + to_string( n ), "child" );
+            if ( out->nodes[child].parent >= 0 )
+            {
+                refuse( "node " + to_string( child ), "it has two parents, nodes " +
+                                                          to_string( out->nodes[child].parent ) + " and " +
+                                                          to_string( n ) );
+            }
+            out->nodes[child].parent = static_cast<int>( n );
+        }
+    }
+}
+
+void take_skin( const tinygltf::Model& model, size_t s, gltf_skin* out )
+{
+    const tinygltf::Skin& skin = model.skins[s];
+    const string where = "skin " + to_string( s );
+    out->name = copy_text( printable( skin.name, "skin", s ) );
+    if ( skin.joints.empty() || skin.joints.size() > GLTF_ELEMENT_CAP )
+    {
+        refuse( where, "got " + to_string( skin.joints.size() ) + " joints, expected 1 .. " +
+                           to_string( GLTF_ELEMENT_CAP ) );
+    }
+    out->joint_count = static_cast<int>( skin.joints.size() );
+    out->joints = allocate<int32_t>( skin.joints.size() );
+    out->inverse_bind = allocate<double>( 12 * skin.joints.size() );
+    for ( size_t j = 0; j < skin.joints.size(); ++j )
+    {
+        check_element( skin.joints[j], model.nodes.size(), where + ": joint " + to_string( j ), "node" );
+        out->joints[j] = skin.joints[j];
+        double* rows = out->inverse_bind + 12 * j;
+        rows[0] = rows[5] = rows[10] = 1.0;
+    }
+    if ( skin.inverseBindMatrices >= 0 )
+    {
+        const numbers matrices = take( model, skin.inverseBindMatrices, 16, 16, where + ": inverseBindMatrices" );
+        if ( matrices.count < skin.joints.size() )
+        {
+            refuse( where, "got " + to_string( matrices.count ) + " inverse bind matrices, expected " +
+                               to_string( skin.joints.size() ) + ", one for each joint" );
+        }
+        for ( size_t j = 0; j < skin.joints.size(); ++j )
+        {
+            take_matrix( matrices.values.data() + 16 * j, out->inverse_bind + 12 * j );
+        }
+    }
+}
+
+// ---- animations ------------------------------------------------------------------------------------------------
+
+bool take_channel( const tinygltf::Model& model, const tinygltf::Animation& animation, size_t c, const string& where,
+                   gltf_channel* out )
+{
+    const tinygltf::AnimationChannel& channel = animation.channels[c];
+    const string& path = channel.target_path;
+    const bool is_known = path == "translation" || path == "rotation" || path == "scale";
+    if ( !is_known || channel.target_node == -1 )
+    {
+        return false;
+    }
+    check_element( channel.target_node, model.nodes.size(), where, "node" );
+    check_element( channel.sampler, animation.samplers.size(), where, "sampler" );
+    const tinygltf::AnimationSampler& sampler = animation.samplers[static_cast<size_t>( channel.sampler )];
+    const string& kind = sampler.interpolation;
+    if ( kind != "STEP" && kind != "LINEAR" && kind != "CUBICSPLINE" )
+    {
+        refuse( where,
+                "got the interpolation " + printable( kind, "", 0 ) + ", expected STEP, LINEAR or CUBICSPLINE" );
+    }
+    out->node = channel.target_node;
+    out->path = path == "translation" ? GLTF_TRANSLATION : path == "rotation" ? GLTF_ROTATION : GLTF_SCALE;
+    out->interpolation = kind == "STEP" ? GLTF_STEP : kind == "LINEAR" ? GLTF_LINEAR : GLTF_CUBICSPLINE;
+    const size_t width = out->path == GLTF_ROTATION ? 4 : 3, rows = out->interpolation == GLTF_CUBICSPLINE ? 3 : 1;
+    const numbers times = take( model, sampler.input, 1, 1, where + ": times" );
+    const numbers values = take( model, sampler.output, width, width, where + ": values" );
+    if ( values.count != rows * times.count || times.count > INT32_MAX / 16 )
+    {
+        refuse( where, "got " + to_string( values.count ) + " values, expected " + to_string( rows * times.count ) +
+                           ", for " + to_string( times.count ) + " keys" );
+    }
+    out->key_count = static_cast<int>( times.count );
+    out->times = allocate<double>( times.count );
+    out->values = allocate<double>( values.values.size() );
+    std::memcpy( out->times, times.values.data(), times.count * sizeof( double ) );
+    std::memcpy( out->values, values.values.data(), values.values.size() * sizeof( double ) );
+    for ( size_t k = 0; k < times.count; ++k )
+    {
+        if ( out->times[k] < 0.0 || ( k > 0 && out->times[k] <= out->times[k - 1] ) )
+        {
+            refuse( where, "key " + to_string( k ) + " at " + to_string( out->times[k] ) +
+                               " s is not after the one before" );
+        }
+        if ( out->path == GLTF_ROTATION )
+        {
+            normalize( out->values + ( rows * k + rows / 2 ) * 4, where + ": key " + to_string( k ) );
+        }
+    }
+    return true;
+}
+
+void take_animation( const tinygltf::Model& model, size_t i, gltf_animation* out )
+{
+    const tinygltf::Animation& animation = model.animations[i];
+    out->name = copy_text( printable( animation.name, "animation", i ) );
+    out->channels = allocate<gltf_channel>( animation.channels.size() );
+    for ( size_t c = 0; c < animation.channels.size(); ++c )
+    {
+        const string where = "animation " + to_string( i ) + ": channel " + to_string( c );
+        gltf_channel* channel = &out->channels[out->channel_count++];
+        if ( take_channel( model, animation, c, where, channel ) )
+        {
+            out->duration = std::fmax( out->duration, channel->times[channel->key_count - 1] );
+        }
+        else
+        {
+            --out->channel_count;
+            ++out->skipped_count;
+        }
+    }
+}
+
+// ---- meshes ----------------------------------------------------------------------------------------------------
+
+// A mesh while its primitives are joined.
+struct joined
+{
+    std::vector<wisp_vec3> points, colours;
+    std::vector<float> uvs, weights;
+    std::vector<int32_t> triangles, joints;
+    size_t colour_count = 0, uv_count = 0;
+    int skinned = 0, plain = 0; // primitives
+};
+
+int find( const tinygltf::Primitive& primitive, const char* attribute )
+{
+    const auto found = primitive.attributes.find( attribute );
+    return found == primitive.attributes.end() ? -1 : found->second;
+}
+
+numbers take_attribute( const tinygltf::Model& model, const tinygltf::Primitive& primitive, const char* attribute,
+                        size_t least, size_t most, size_t count, const string& where )
+{
+    const string place = where + ": " + attribute;
+    numbers values = take( model, find( primitive, attribute ), least, most, place );
+    if ( count > 0 && values.count != count )
+    {
+        refuse( place, "got " + to_string( values.count ) + " values, expected " + to_string( count ) +
+                           ", one for each vertex" );
+    }
+    return values;
+}
+
+// The four largest of up to eight weights, divided by their sum.
+void take_weights( const tinygltf::Model& model, const tinygltf::Primitive& primitive, size_t count,
+                   const string& where, joined* out, gltf_mesh* mesh )
+{
+    const bool eight = find( primitive, "JOINTS_1" ) >= 0 && find( primitive, "WEIGHTS_1" ) >= 0;
+    std::vector<numbers> joints, weights;
+    joints.push_back( take_attribute( model, primitive, "JOINTS_0", 4, 4, count, where ) );
+    weights.push_back( take_attribute( model, primitive, "WEIGHTS_0", 4, 4, count, where ) );
+    if ( eight )
+    {
+        joints.push_back( take_attribute( model, primitive, "JOINTS_1", 4, 4, count, where ) );
+        weights.push_back( take_attribute( model, primitive, "WEIGHTS_1", 4, 4, count, where ) );
+    }
+    for ( size_t v = 0; v < count; ++v )
+    {
+        std::vector<std::pair<double, int32_t>> all;
+        for ( size_t k = 0; k < 4 * joints.size(); ++k )
+        {
+            const double weight = weights[k / 4].values[4 * v + k % 4], joint = joints[k / 4].values[4 * v + k % 4];
+            if ( weight < 0.0 || joint < 0.0 || joint != std::floor( joint ) || joint >= GLTF_ELEMENT_CAP )
+            {
+                refuse( where + ": vertex " + to_string( v ),
+                        weight < 0.0 ? "a weight is negative" : "a joint is not an index" );
+            }
+            all.emplace_back( weight, weight > 0.0 ? static_cast<int32_t>( joint ) : 0 );
+        }
+        std::stable_sort( all.begin(), all.end(), []( const auto& a, const auto& b ) { return a.first > b.first; } );
+        const double sum = all[0].first + all[1].first + all[2].first + all[3].first;
+        if ( !( sum > 1e-6 ) )
+        {
+            refuse( where + ": vertex " + to_string( v ), "its weights sum to 0" );
+        }
+        mesh->dropped_influence_count += eight && all[4].first > 0.0;
+        for ( size_t k = 0; k < 4; ++k )
+        {
+            out->joints.push_back( all[k].second );
+            out->weights.push_back( static_cast<float>( all[k].first / sum ) );
+        }
+    }
+}
+
+void take_triangles( const tinygltf::Model& model, const tinygltf::Primitive& primitive, size_t count,
+                     const string& where, joined* out )
+{
+    std::vector<int32_t> corners;
+    const size_t base = out->points.size() - count;
+    if ( primitive.indices >= 0 )
+    {
+        const numbers indices = take( model, primitive.indices, 1, 1, where + ": indices" );
+        for ( size_t i = 0; i < indices.count; ++i )
+        {
+            const double index = indices.values[i];
+            if ( !( index >= 0.0 && index < static_cast<double>( count ) ) || index != std::floor( index ) )
+            {
+                refuse( where, "index " + to_string( i ) + ": got vertex " +
+                                   to_string( static_cast<long long>( index ) ) + ", expected 0 .. " +
+                                   to_string( count - 1 ) );
+            }
+            corners.push_back( static_cast<int32_t>( base + static_cast<size_t>( index ) ) );
+        }
+    }
+    for ( size_t i = 0; primitive.indices < 0 && i < count; ++i )
+    {
+        corners.push_back( static_cast<int32_t>( base + i ) );
+    }
+    const bool is_list =
+        primitive.mode != TINYGLTF_MODE_TRIANGLE_STRIP && primitive.mode != TINYGLTF_MODE_TRIANGLE_FAN;
+    if ( corners.size() < 3 || ( is_list && corners.size() % 3 != 0 ) )
+    {
+        refuse( where, "got " + to_string( corners.size() ) + " corners, expected those of triangles" );
+    }
+    for ( size_t i = 0; i + 2 < corners.size(); i += is_list ? 3 : 1 )
+    {
+        const bool swap = primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP && i % 2 == 1;
+        const bool fan = primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
+        out->triangles.push_back( fan ? corners[0] : corners[swap ? i + 1 : i] );
+        out->triangles.push_back( corners[swap ? i : i + 1] );
+        out->triangles.push_back( corners[i + 2] );
+    }
+}
+
+void take_primitive( const tinygltf::Model& model, const tinygltf::Primitive& primitive, const string& where,
+                     joined* out, gltf_mesh* mesh )
+{
+    const numbers points = take_attribute( model, primitive, "POSITION", 3, 3, 0, where );
+    const size_t count = points.count, before = out->points.size();
+    if ( before + count > WISP_MESH_VERTEX_CAP )
+    {
+        refuse( where, "expected at most " + to_string( WISP_MESH_VERTEX_CAP ) + " vertices" );
+    }
+    out->colours.resize( before + count, wisp_vec3{ 1.0f, 1.0f, 1.0f } );
+    out->uvs.resize( 2 * ( before + count ), 0.0f );
+    for ( size_t v = 0; v < count; ++v )
+    {
+        const double* p = points.values.data() + 3 * v;
+        out->points.push_back(
+            wisp_vec3{ static_cast<float>( p[0] ), static_cast<float>( p[1] ), static_cast<float>( p[2] ) } );
+    }
+    if ( find( primitive, "COLOR_0" ) >= 0 )
+    {
+        const numbers c = take_attribute( model, primitive, "COLOR_0", 3, 4, count, where );
+        out->colour_count += count;
+        for ( size_t v = 0; v < count; ++v )
+        {
+            const double* from = c.values.data() + c.width * v;
+            out->colours[before + v] = wisp_vec3{ static_cast<float>( from[0] ), static_cast<float>( from[1] ),
+                                                  static_cast<float>( from[2] ) };
+        }
+    }
+    if ( find( primitive, "TEXCOORD_0" ) >= 0 )
+    {
+        const numbers uv = take_attribute( model, primitive, "TEXCOORD_0", 2, 2, count, where );
+        out->uv_count += count;
+        for ( size_t v = 0; v < count; ++v )
+        {
+            // The origin of glTF is the upper left.
+            out->uvs[2 * ( before + v )] = static_cast<float>( uv.values[2 * v] );
+            out->uvs[2 * ( before + v ) + 1] = static_cast<float>( 1.0 - uv.values[2 * v + 1] );
+        }
+    }
+    const bool is_skinned = find( primitive, "JOINTS_0" ) >= 0 && find( primitive, "WEIGHTS_0" ) >= 0;
+    ( is_skinned ? out->skinned : out->plain ) += 1;
+    if ( out->skinned > 0 && out->plain > 0 )
+    {
+        refuse( where, string( "it has " ) + ( is_skinned ? "" : "no " ) + "weights, unlike the primitives before" );
+    }
+    if ( is_skinned )
+    {
+        take_weights( model, primitive, count, where, out, mesh );
+    }
+    take_triangles( model, primitive, count, where, out );
+}
+
+template <typename T> T* copy( const std::vector<T>& from )
+{
+    T* to = allocate<T>( from.size() );
+    if ( !from.empty() )
+    {
+        std::memcpy( to, from.data(), from.size() * sizeof( T ) );
+    }
+    return to;
+}
+
+void take_mesh( const tinygltf::Model& model, size_t m, gltf_mesh* out )
+{
+    const tinygltf::Mesh& mesh = model.meshes[m];
+    joined all;
+    out->name = copy_text( printable( mesh.name, "mesh", m ) );
+    for ( size_t p = 0; p < mesh.primitives.size(); ++p )
+    {
+        const tinygltf::Primitive& primitive = mesh.primitives[p];
+        if ( primitive.mode >= TINYGLTF_MODE_POINTS && primitive.mode <= TINYGLTF_MODE_LINE_STRIP )
+        {
+            ++out->skipped_count;
+            continue;
+        }
+        out->target_count =
+            primitive.targets.size() < INT32_MAX ? static_cast<int>( primitive.targets.size() ) : INT32_MAX;
+        take_primitive( model, primitive, "mesh " + to_string( m ) + ": primitive " + to_string( p ), &all, out );
+        ++out->primitive_count;
+    }
+    if ( all.triangles.size() / 3 > WISP_MESH_TRIANGLE_CAP )
+    {
+        refuse( "mesh " + to_string( m ), "expected at most " + to_string( WISP_MESH_TRIANGLE_CAP ) + " triangles" );
+    }
+    if ( all.points.empty() )
+    {
+        return;
+    }
+    const size_t count = all.points.size();
+    out->mesh.vertex_count = static_cast<int>( count );
+    out->mesh.triangle_count = static_cast<int>( all.triangles.size() / 3 );
+    out->mesh.points = copy( all.points );
+    out->mesh.triangles = copy( all.triangles );
+    out->mesh.colours = all.colour_count > 0 ? copy( all.colours ) : nullptr;
+    out->mesh.uvs = all.uv_count > 0 ? copy( all.uvs ) : nullptr;
+    out->mesh.colour_missing_count = all.colour_count > 0 ? static_cast<int>( count - all.colour_count ) : 0;
+    out->mesh.uv_missing_count = all.uv_count > 0 ? static_cast<int>( count - all.uv_count ) : 0;
+    out->joints = all.skinned > 0 ? copy( all.joints ) : nullptr;
+    out->weights = all.skinned > 0 ? copy( all.weights ) : nullptr;
+}
+
+// ---- whole file ------------------------------------------------------------------------------------------------
+
+bool no_image( tinygltf::Image* /*image*/, const int /*index*/, string* /*err*/, string* /*warn*/, int /*width*/,
+               int /*height*/, const unsigned char* /*bytes*/, int /*size*/, void* /*user*/ )
+{
+    return true;
+}
+
+// Buffers beside a .gltf: in its folder or below.
+bool is_beside( const string& path )
+{
+    return !path.empty() && path[0] != '/' && path.find( ".." ) == string::npos && path.find( ':' ) == string::npos;
+}
+
+bool file_exists( const string& path, void* user )
+{
+    return user != nullptr && !path.empty();
+}
+
+string expand( const string& path, void* /*user*/ )
+{
+    return path;
+}
+
+bool read_whole( std::vector<unsigned char>* out, string* err, const string& path, void* user )
+{
+    const char* folder = static_cast<const char*>( user );
+    const string name =
+        path.substr( folder != nullptr && path.rfind( folder, 0 ) == 0 ? std::strlen( folder ) + 1 : 0 );
+    unsigned char* bytes = nullptr;
+    size_t size = 0;
+    wisp_error error = {};
+    if ( folder == nullptr || !is_beside( name ) )
+    {
+        *err += "the buffer '" + printable( name, "", 0 ) + "' is not in the folder of the file";
+        return false;
+    }
+    if ( io_file_read( path.c_str(), WISP_MESH_FILE_CAP, &bytes, &size, &error ) != WISP_OK )
+    {
+        *err += error.message;
+        return false;
+    }
+    out->assign( bytes, bytes + size );
+    std::free( bytes );
+    return true;
+}
+
+bool write_nothing( string* err, const string& /*path*/, const std::vector<unsigned char>& /*bytes*/, void* /*user*/ )
+{
+    *err += "nothing is written";
+    return false;
+}
+
+void check_extensions( const tinygltf::Model& model )
+{
+    static const char* const harmless[] = { "KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_mesh_quantization",
+                                            "EXT_texture_" };
+    for ( const string& extension : model.extensionsRequired )
+    {
+        bool is_known = false;
+        for ( const char* start : harmless )
+        {
+            is_known = is_known || extension.rfind( start, 0 ) == 0;
+        }
+        if ( !is_known )
+        {
+            refuse( "extensionsRequired", "the extension " + printable( extension, "", 0 ) + " is not read" );
+        }
+    }
+}
+
+void check_counts( const tinygltf::Model& model )
+{
+    const size_t most = std::max( std::max( model.nodes.size(), model.meshes.size() ),
+                                  std::max( model.skins.size(), model.animations.size() ) );
+    if ( most > GLTF_ELEMENT_CAP )
+    {
+        refuse( "the file", "got " + to_string( most ) + " elements of a kind, expected at most " +
+                                to_string( GLTF_ELEMENT_CAP ) );
+    }
+}
+
+string first_line( const string& text )
+{
+    const string line = text.substr( 0, text.find( '\n' ) );
+    return printable( line, "unknown error", 0, 180 );
+}
+
+void load( const unsigned char* bytes, size_t size, bool is_binary, const char* folder, tinygltf::Model* model )
+{
+    tinygltf::TinyGLTF loader;
+    loader.SetImageLoader( no_image, nullptr );
+    // The library keeps the pointer and never writes through it.
+    loader.SetFsCallbacks( { file_exists, expand, read_whole, write_nothing, const_cast<char*>( folder ) } );
+    string err, warn;
+    const string base = folder != nullptr ? folder : "";
+    const unsigned length = static_cast<unsigned>( size );
+    const bool good = is_binary ? loader.LoadBinaryFromMemory( model, &err, &warn, bytes, length, base )
+                                : loader.LoadASCIIFromString( model, &err, &warn,
+                                                              reinterpret_cast<const char*>( bytes ), length, base );
+    if ( !good )
+    {
+        throw std::runtime_error( first_line( err ) );
+    }
+}
+
+void convert( const tinygltf::Model& model, gltf_model* out )
+{
+    check_extensions( model );
+    check_counts( model );
+    out->nodes = allocate<gltf_node>( model.nodes.size() );
+    out->order = allocate<int32_t>( model.nodes.size() );
+    for ( ; static_cast<size_t>( out->node_count ) < model.nodes.size(); )
+    {
+        gltf_node* node = &out->nodes[out->node_count++];
+        node->parent = -1;
+        take_node( model, static_cast<size_t>( out->node_count - 1 ), node );
+    }
+    take_parents( model, out );
+    out->meshes = allocate<gltf_mesh>( model.meshes.size() );
+    for ( size_t m = 0; m < model.meshes.size(); ++m )
+    {
+        take_mesh( model, m, &out->meshes[out->mesh_count++] );
+    }
+    out->skins = allocate<gltf_skin>( model.skins.size() );
+    for ( size_t s = 0; s < model.skins.size(); ++s )
+    {
+        take_skin( model, s, &out->skins[out->skin_count++] );
+    }
+    out->animations = allocate<gltf_animation>( model.animations.size() );
+    for ( size_t a = 0; a < model.animations.size(); ++a )
+    {
+        take_animation( model, a, &out->animations[out->animation_count++] );
+    }
+}
+
+} // namespace
+
+wisp_status gltf_parse( const void* bytes, size_t size, bool is_binary, const char* folder, const char* name,
+                        gltf_model* out, wisp_error* error )
+{
+    try
+    {
+        tinygltf::Model model;
+        load( static_cast<const unsigned char*>( bytes ), size, is_binary, folder, &model );
+        convert( model, out );
+        return WISP_OK;
+    }
+    catch ( const std::bad_alloc& )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the file", name );
+    }
+    catch ( const std::exception& problem )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: %.200s", name, problem.what() );
+    }
+    catch ( ... )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: the glTF library refused the file", name );
+    }
+}
