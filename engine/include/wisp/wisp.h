@@ -435,12 +435,25 @@ enum
     WISP_LEVEL_MASS = 35,
     WISP_LEVEL_COMPLIANCE = 36,
     WISP_LEVEL_MOTION = 37,
-    WISP_SURFACE_POINTS = 38,  ///< wisp_vec3, m: vertices of a mesh in the user's order
-    WISP_SURFACE_NORMALS = 39, ///< wisp_vec3: unit normals in the user's order, 0 where they cancel
-    WISP_POINT_STRAIN = 40,    ///< float: largest |l/l0 - 1| of the edges or segments at a vertex
-    WISP_POINT_SPEED = 41,     ///< float, m/s
-    WISP_MOTION_STATS = 42,    ///< read with wisp_read_motion_stats()
-    WISP_SHARED_COMPONENT_COUNT = 43,
+    WISP_SURFACE_POINTS = 38,   ///< wisp_vec3, m: vertices of a mesh in the user's order
+    WISP_SURFACE_NORMALS = 39,  ///< wisp_vec3: unit normals in the user's order, 0 where they cancel
+    WISP_POINT_STRAIN = 40,     ///< float: largest |l/l0 - 1| of the edges or segments at a vertex
+    WISP_POINT_SPEED = 41,      ///< float, m/s
+    WISP_MOTION_STATS = 42,     ///< read with wisp_read_motion_stats()
+    WISP_MAP_AREA_DENSITY = 43, ///< maps are set with wisp_set_map(), see maps.h
+    WISP_MAP_STRETCH_COMPLIANCE = 44,
+    WISP_MAP_STRETCH_STIFFNESS = 45,
+    WISP_MAP_BEND_COMPLIANCE = 46,
+    WISP_MAP_BEND_STIFFNESS = 47,
+    WISP_MAP_BEND_RIGIDITY = 48,
+    WISP_MAP_DAMPING = 49,
+    WISP_MAP_INTERNAL_DAMPING = 50,
+    WISP_MAP_DRAG = 51,
+    WISP_MAP_LIFT = 52,
+    WISP_LINK_CONSTANT = 53,
+    WISP_HINGE_CONSTANT = 54,
+    WISP_LEVEL_CONSTANT = 55,
+    WISP_SHARED_COMPONENT_COUNT = 56,
 };
 
 WISP_END_C
