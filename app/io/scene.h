@@ -200,6 +200,28 @@ extern "C"
     } wisp_scene_pin_group;
 
     /// One entry of `surfaces`. Texts and arrays belong to the scene.
+    /// Values of a parameter that differ from vertex to vertex: from a file of numbers, or from an image by the coordinates of
+    /// the surface. 0 in the file is `from`, and 1 is `to`.
+    typedef struct wisp_scene_map
+    {
+        wisp_component map; ///< WISP_MAP_..., see maps.h
+        const char* file;   ///< PNG by its extension, else text
+        float from, to;
+        float constant;     ///< of the effect; the map has the values over it
+        float lower, upper; ///< of the values
+        int line, column;
+        char path[64]; ///< of the key, for messages
+    } wisp_scene_map;
+
+#define WISP_SCENE_MAX_MAPS 12
+
+    /// Read the numbers of a map that is a text file.
+    /// @param out [count] as in the file
+    /// @return WISP_BAD_INPUT a word is no finite number (the message has its line), or another count (it has both);
+    ///         WISP_IO_ERROR; WISP_NO_MEMORY
+    WISP_API wisp_status wisp_scene_map_numbers( const wisp_scene_map* map, int count, float* out,
+                                                 wisp_error* error );
+
     typedef struct wisp_scene_surface
     {
         const char* name; ///< unique among strands, surfaces and colliders
@@ -245,6 +267,9 @@ extern "C"
         float damping;
         float strain_limit[2]; ///< 0 and infinity: none
         int substeps;          ///< in a step of usual length; 0: those of the scene
+
+        wisp_scene_map* maps; ///< [map_count]
+        int map_count;
 
         bool has_cloth, has_balloon, has_implicit; ///< one of them at most
         wisp_cloth_def cloth;                      ///< the defaults if the scene has none

@@ -72,7 +72,7 @@ static const char* name_of_type( const scene_field* field )
     switch ( field->type )
     {
         case SCENE_NUMBER:
-            return "number";
+            return field->map != 0 ? "number or [map](#maps)" : "number";
         case SCENE_NUMBERS:
             return "number, or list of numbers, one per strand";
         case SCENE_WHOLE:

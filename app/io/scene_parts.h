@@ -103,3 +103,6 @@ wisp_status scene_read_named( scene_reader* reader, const scene_node* node, scen
 /// @param items receives null if the list is empty
 wisp_status scene_begin_list( scene_reader* reader, const scene_node* node, const char* what, int most, size_t size,
                               void** items );
+
+/// scene_map.c: a map instead of a number; the number becomes its largest value. @param base a wisp_scene_surface
+wisp_status scene_read_map( scene_reader* r, const scene_node* node, const scene_field* field, void* base );

@@ -1,5 +1,6 @@
 #include "scene_schema.h"
 #include "nearest.h"
+#include "scene_parts.h"
 #include "scene_renamed.h"
 
 #include <stdio.h>
@@ -122,7 +123,8 @@ wisp_status scene_read_field( scene_reader* r, const scene_node* node, const sce
     switch ( field->type )
     {
         case SCENE_NUMBER:
-            return scene_read_number( r, node, field, out );
+            return field->map != 0 && node->kind == SCENE_MAP ? scene_read_map( r, node, field, base )
+                                                              : scene_read_number( r, node, field, out );
         case SCENE_NUMBERS:
             return read_numbers( r, node, field, base );
         case SCENE_WHOLE:

@@ -51,6 +51,7 @@ typedef struct scene_field
     size_t given;                // bytes from the start to a bool that is set if the key is there; 0: none
     const struct scene_block* block;
     scene_read_fn* read;
+    wisp_component map; // of SCENE_NUMBER in a wisp_scene_surface: the value may be a map; 0: not
 
     // For the reference.
     const char* help;    // one message

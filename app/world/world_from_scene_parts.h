@@ -35,6 +35,9 @@ wisp_status scene_motion_set( scene_world* world, wisp_error* error );
 wisp_status scene_mesh_load( const scene_world* world, const wisp_scene_mesh* source, const char* called,
                              wisp_mesh* out, wisp_mesh_repairs* repairs, wisp_error* error );
 
+/// Set the maps of a surface that was added. @param of_mass only that of area density, else all others
+wisp_status scene_maps_set( const scene_world* world, int surface, bool of_mass, wisp_error* error );
+
 /// Add all surfaces, then all colliders.
 wisp_status scene_surfaces_add( scene_world* world, wisp_error* error );
 /// Move the vertices of a placed surface to where its entry has them start.

@@ -252,7 +252,7 @@ static wisp_status make_instance( scene_world* world, int surface, wisp_error* e
 
 // ---- effects ----
 
-static wisp_status add_particles( scene_world* world, int surface )
+static wisp_status add_particles( scene_world* world, int surface, wisp_error* error )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[surface];
     scene_world_surface* s = &world->surfaces[surface];
@@ -265,6 +265,10 @@ static wisp_status add_particles( scene_world* world, int surface )
     def.pin_count = s->pin_count;
     def.gravity = entry->gravity;
     wisp_status status = wisp_add_surface( world->world, &def, &s->entity );
+    if ( status == WISP_OK && scene_maps_set( world, surface, true, error ) != WISP_OK )
+    {
+        return error->status;
+    }
     if ( status == WISP_OK )
     {
         scene_surface_weigh( entry, s, world->world );
@@ -379,9 +383,15 @@ static wisp_status add_effects( scene_world* world, int surface, wisp_error* err
     {
         return status;
     }
-    status = add_particles( world, surface );
+    wisp_error of_map = { 0 }; // names the line of a map
+    status = add_particles( world, surface, &of_map );
     status = status == WISP_OK ? dress( world, surface, &balloon ) : status;
+    status = status == WISP_OK ? scene_maps_set( world, surface, false, &of_map ) : status;
     status = status == WISP_OK ? request( world, surface ) : status;
+    if ( of_map.status != WISP_OK )
+    {
+        return wisp_fail( error, of_map.status, "%s", of_map.message );
+    }
     return status == WISP_OK ? WISP_OK
                              : fail_at_surface( scene, surface, status, wisp_world_message( world->world ), error );
 }

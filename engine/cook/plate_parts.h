@@ -55,8 +55,10 @@ struct wisp_plate
     uint8_t* pinned;                // [vertex_count]
     float max_rate;
     bool filled;
-    int lowered;     // triangles that are scaled down
-    float scaled_to; // 1/(kg m^2)
+    int lowered;          // triangles that are scaled down
+    float scaled_to;      // 1/(kg m^2)
+    const float* factors; // [triangle_count] of a map, until the next update; null: 1
+    uint64_t maps;        // what the maps were at the last fill, 0: none
     fabric_pool pool;
 };
 

@@ -186,6 +186,14 @@ static void clear( wisp_plate* plate )
     }
 }
 
+static void scale_energy( double factor, double m[3][3] )
+{
+    for ( int k = 0; k < 9; ++k )
+    {
+        m[k / 3][k % 3] *= factor;
+    }
+}
+
 static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate )
 {
     for ( int32_t v = 0; v < fabric->vertex_count; ++v )
@@ -203,6 +211,10 @@ static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* posi
         double m[3][3], q[PLATE_PATCH][PLATE_PATCH];
         plate_patch p = plate_patch_of( plate, fabric, t );
         plate_turn_energy( plate, fabric, t, m );
+        if ( plate->factors != NULL )
+        {
+            scale_energy( (double)plate->factors[t], m );
+        }
         patch_matrix( m, p.of_vertex, p.vertex_count, q );
         const double rate = patch_rate( &p, position, q ), most = (double)max_rate;
         const double scale = rate > most ? most / rate : 1.0;
@@ -227,6 +239,31 @@ static bool has_same_pins( const wisp_plate* plate, const wisp_fabric* fabric, c
         changed |= plate->pinned[v] ^ ( position[4 * v + 3] == 0.0f ? 1u : 0u );
     }
     return changed == 0;
+}
+
+static uint64_t mix( uint64_t key, float value )
+{
+    uint32_t bits;
+    memcpy( &bits, &value, sizeof( bits ) );
+    key = ( key ^ bits ) * 0xff51afd7ed558ccdu;
+    return key ^ key >> 32;
+}
+
+void wisp_plate_follow_maps( wisp_plate* plate, const wisp_fabric* fabric, const float* position,
+                             const float* factors, bool has_mass_map )
+{
+    uint64_t key = 0;
+    for ( int t = 0; t < fabric->triangle_count && factors != NULL; ++t )
+    {
+        key = mix( key + 1, factors[t] );
+    }
+    for ( size_t v = 0; v < (size_t)fabric->vertex_count && has_mass_map; ++v )
+    {
+        key = mix( key + 1, position[4 * v + 3] );
+    }
+    plate->filled = plate->filled && key == plate->maps;
+    plate->maps = key;
+    plate->factors = factors;
 }
 
 int wisp_plate_update( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate )

@@ -42,9 +42,10 @@ static void add_vector( lane8 sum[3], lane8v term )
 }
 
 // Sums in the order of wisp_rigid_sums.
-static void add_particles( const wisp_rigid_args* args, const particles8* p, lane8 sums[SUMS] )
+// @param unit the inverse mass of the sums' unit, times what a mass counts
+LANE_INLINE void add_particles( const wisp_rigid_args* args, lane8 unit, const particles8* p, lane8 sums[SUMS] )
 {
-    const lane8 zero = lane8_zero(), times = lane8_div( lane8_set1( args->inverse_mass ), p->inverse_mass );
+    const lane8 zero = lane8_zero(), times = lane8_div( unit, p->inverse_mass );
     const lane8 mass = lane8_select( lane8_gt( p->inverse_mass, zero ), times, zero );
     const lane8v r = p->at, heavy = lane8v_scale( r, mass ),
                  u = lane8v_sub( p->velocity, lane8v_set1( args->linear_velocity ) );
@@ -60,8 +61,10 @@ static void add_particles( const wisp_rigid_args* args, const particles8* p, lan
 
 _Static_assert( sizeof( wisp_rigid_sums ) == SUMS * sizeof( double ), "as many numbers" );
 
-void KERNEL( rigid_sums )( const wisp_rigid_args* args, int begin, int end, wisp_rigid_sums* sums )
+// @param mapped particles have fractions of their own
+LANE_INLINE void sum_all( const wisp_rigid_args* args, int begin, int end, bool mapped, wisp_rigid_sums* sums )
 {
+    const lane8 inverse_mass = lane8_set1( args->inverse_mass );
     double total[SUMS] = { 0.0 };
     for ( int part = begin; part < end; part += PART )
     {
@@ -73,7 +76,9 @@ void KERNEL( rigid_sums )( const wisp_rigid_args* args, int begin, int end, wisp
         for ( int slot = part; slot < end && slot < part + PART; slot += LANES )
         {
             const particles8 p = particles_of( args, slot );
-            add_particles( args, &p, lanes );
+            const lane8 unit =
+                mapped ? lane8_mul( lane8_loadu( args->fractions + slot ), inverse_mass ) : inverse_mass;
+            add_particles( args, unit, &p, lanes );
         }
         for ( int k = 0; k < SUMS; ++k )
         {
@@ -83,17 +88,42 @@ void KERNEL( rigid_sums )( const wisp_rigid_args* args, int begin, int end, wisp
     memcpy( sums, total, sizeof( total ) );
 }
 
-void KERNEL( rigid_approach )( const wisp_rigid_args* args, int begin, int end )
+void KERNEL( rigid_sums )( const wisp_rigid_args* args, int begin, int end, wisp_rigid_sums* sums )
+{
+    if ( args->fractions != NULL )
+    {
+        sum_all( args, begin, end, true, sums );
+    }
+    else
+    {
+        sum_all( args, begin, end, false, sums );
+    }
+}
+
+LANE_INLINE void approach( const wisp_rigid_args* args, int begin, int end, bool mapped )
 {
     const lane8v turning = lane8v_set1( args->angular_velocity ), drift = lane8v_set1( args->linear_velocity );
+    const lane8 fraction = lane8_set1( args->fraction );
     for ( int slot = begin; slot < end; slot += LANES )
     {
         const particles8 p = particles_of( args, slot );
         const lane8v rigid = lane8v_add( drift, lane8v_cross( turning, p.at ) );
-        const lane8v nearer =
-            lane8v_mul_add( p.velocity, lane8_set1( args->fraction ), lane8v_sub( rigid, p.velocity ) );
+        const lane8v nearer = lane8v_mul_add( p.velocity, mapped ? lane8_loadu( args->fractions + slot ) : fraction,
+                                              lane8v_sub( rigid, p.velocity ) );
         const lane8v v = lane8v_select( lane8_gt( p.inverse_mass, lane8_zero() ), nearer, p.velocity );
         lane8_store_xyzw_contiguous( args->velocity + (size_t)slot * 4, v.x, v.y, v.z, lane8_zero() );
+    }
+}
+
+void KERNEL( rigid_approach )( const wisp_rigid_args* args, int begin, int end )
+{
+    if ( args->fractions != NULL )
+    {
+        approach( args, begin, end, true );
+    }
+    else
+    {
+        approach( args, begin, end, false );
     }
 }
 

@@ -99,18 +99,35 @@ LANE_INLINE air_sum walk_ring( const wisp_ring_air_args* args, int slice, lane8v
     return sum;
 }
 
+// Factors of the vertices of a slice.
+LANE_INLINE air_lanes scale_air( const wisp_ring_air_args* args, const air_lanes* all, int slice )
+{
+    const lane8 one = lane8_set1( 1.0f );
+    const lane8 drag = args->drag_factor != NULL ? lane8_loadu( args->drag_factor + (size_t)slice * 8 ) : one;
+    const lane8 lift = args->lift_factor != NULL ? lane8_loadu( args->lift_factor + (size_t)slice * 8 ) : one;
+    const lane8 once = lane8_set1( args->density / 36.0f );
+    air_lanes air = *all;
+    air.drag = lane8_mul( drag, air.drag );
+    air.lift = lane8_mul( lift, air.lift );
+    air.rate = lane8_mul(
+        once, lane8_add( lane8_mul( drag, lane8_set1( args->drag ) ), lane8_mul( lift, lane8_set1( args->lift ) ) ) );
+    return air;
+}
+
 // Applies the force. Explicit drag can reverse the velocity of a light vertex in one step; a factor implicit in the
 // rate keeps it below the wind's.
-LANE_INLINE void blow( const wisp_ring_air_args* args, int begin, int end, bool lifts )
+// @param mapped vertices have factors of the coefficients
+LANE_INLINE void blow( const wisp_ring_air_args* args, int begin, int end, bool lifts, bool mapped )
 {
     const lane8 one = lane8_set1( 1.0f ), zero = lane8_zero(), dt = lane8_set1( args->dt );
     // a third of 1/2 rho, of sums with twice the area and with three times the wind, squared or once
     const float twice = args->density / 108.0f, once = args->density / 36.0f;
-    const air_lanes air = { lane8v_set1( args->wind ), lane8_set1( twice * args->drag ),
+    const air_lanes all = { lane8v_set1( args->wind ), lane8_set1( twice * args->drag ),
                             lane8_set1( twice * args->lift ), lane8_set1( once * ( args->drag + args->lift ) ) };
-    const lane8v wind_x3 = lane8v_scale( air.wind, lane8_set1( 3.0f ) );
+    const lane8v wind_x3 = lane8v_scale( all.wind, lane8_set1( 3.0f ) );
     for ( int slice = begin; slice < end; ++slice )
     {
+        const air_lanes air = mapped ? scale_air( args, &all, slice ) : all;
         lane8v point, old;
         lane8 weight, rest;
         lane8_load_xyzw_contiguous( args->position + (size_t)slice * 32, &point.x, &point.y, &point.z, &weight );
@@ -134,12 +151,17 @@ LANE_INLINE void blow( const wisp_ring_air_args* args, int begin, int end, bool 
 
 void KERNEL( ring_air )( const wisp_ring_air_args* args, int begin, int end )
 {
-    if ( args->lift > 0.0f )
+    const bool mapped = args->drag_factor != NULL || args->lift_factor != NULL;
+    if ( mapped )
     {
-        blow( args, begin, end, true );
+        blow( args, begin, end, true, true );
+    }
+    else if ( args->lift > 0.0f )
+    {
+        blow( args, begin, end, true, false );
     }
     else
     {
-        blow( args, begin, end, false );
+        blow( args, begin, end, false, false );
     }
 }

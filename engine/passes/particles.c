@@ -71,6 +71,19 @@ static void damp( wisp_frame* frame, const wisp_span* span, void* user )
     float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     const float* rate = wisp_frame_column( frame, span->entity, WISP_PARTICLE_DAMPING, 0 );
     const wisp_span s = wisp_frame_particles( frame, span );
+    const float* factor = wisp_frame_column( frame, span->entity, WISP_MAP_DAMPING, 0 );
+    for ( int slot = s.begin; slot < s.end && factor != NULL; ++slot )
+    {
+        const float kept = 1.0f / ( 1.0f + *rate * factor[slot] * wisp_frame_dt( frame, span->entity ) );
+        for ( int i = 4 * slot; i < 4 * slot + 4; ++i )
+        {
+            velocity[i] *= kept;
+        }
+    }
+    if ( factor != NULL )
+    {
+        return;
+    }
     float keep = 1.0f / ( 1.0f + *rate * wisp_frame_dt( frame, span->entity ) );
     for ( int i = 4 * s.begin; i < 4 * s.end; ++i )
     {
@@ -80,6 +93,9 @@ static void damp( wisp_frame* frame, const wisp_span* span, void* user )
 
 wisp_status passes_declare_particles( wisp_registry* registry )
 {
+    wisp_declare_map( registry, WISP_MAP_DAMPING, WISP_PARTICLE_DAMPING, NULL );
+    wisp_declare_map( registry, WISP_MAP_DAMPING, WISP_PARTICLE_EXTERNAL_SOLVER,
+                      "its solver damps all vertices at one rate" );
     const wisp_pass passes[] = {
         {
             .name = "particles.gravity",

@@ -77,6 +77,18 @@ typedef struct plan_around
     void* around_user;
 } plan_around;
 
+enum
+{
+    PLAN_MAX_MAPS = 64,
+};
+
+/// What a map does on surfaces with a component.
+typedef struct plan_map
+{
+    wisp_component map, component;
+    const char* refusal; // null: it acts
+} plan_map;
+
 struct wisp_registry
 {
     store* store;
@@ -96,6 +108,8 @@ struct wisp_registry
     int workspace_count;
     plan_around arounds[PLAN_MAX_AROUNDS];
     int around_count;
+    plan_map maps[PLAN_MAX_MAPS];
+    int map_count;
     const char* module; // module whose declare() is running
     wisp_error error;   // of the first invalid declaration
 };

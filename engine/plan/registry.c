@@ -155,6 +155,16 @@ wisp_status wisp_declare_batch( wisp_registry* registry, const wisp_batch* batch
     return WISP_OK;
 }
 
+void wisp_declare_map( wisp_registry* registry, wisp_component map, wisp_component component, const char* refusal )
+{
+    if ( registry->map_count == PLAN_MAX_MAPS )
+    {
+        fail_declaration( registry, "too many maps:", registry->module );
+        return;
+    }
+    registry->maps[registry->map_count++] = ( plan_map ){ map, component, refusal };
+}
+
 void* wisp_declare_state( wisp_registry* registry, size_t size )
 {
     void* memory =

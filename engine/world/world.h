@@ -58,7 +58,7 @@ struct wisp_world
 void world_set_kernels( wisp_world* world, const wisp_kernels* kernels );
 
 /// An entity with the same fabric and masses as a surface, at its rest shape and without effects.
-wisp_status world_add_surface_instance( wisp_world* world, const store_entity* source, wisp_entity* out );
+wisp_status world_add_surface_instance( wisp_world* world, wisp_entity source_entity, wisp_entity* out );
 
 /// Check the pose of an instance to be.
 wisp_status world_check_pose( wisp_world* world, const store_entity* source, wisp_transform pose );
@@ -70,6 +70,9 @@ wisp_status world_stale( wisp_world* world, wisp_entity entity );
 /// Find a surface.
 /// @return WISP_STALE_ID; WISP_CONFLICT the entity is not a surface
 wisp_status world_find_surface( wisp_world* world, wisp_entity entity, store_entity** out );
+
+/// Inverse mass of a vertex while it is not pinned, 1/kg; 0 if it has no mass.
+float world_inverse_mass( wisp_world* world, const store_entity* surface, int slot );
 
 /// Declares the passes that belong to no module: strands into the user's order.
 wisp_status world_declare_strands( wisp_registry* registry );

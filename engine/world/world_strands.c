@@ -212,7 +212,7 @@ wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, const wisp
     if ( status == WISP_OK )
     {
         status = from->fabric != NULL
-                     ? world_add_surface_instance( world, from, out )
+                     ? world_add_surface_instance( world, source, out )
                      : add_strands_instance( world, source, (cook_strands*)(void*)from->strands, out );
     }
     if ( status == WISP_OK && pose != NULL )

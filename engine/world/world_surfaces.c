@@ -88,6 +88,15 @@ static float inverse_mass( const wisp_fabric* fabric, int slot, float area_densi
     return mass > 0.0f ? 1.0f / mass : 0.0f;
 }
 
+float world_inverse_mass( wisp_world* world, const store_entity* surface, int slot )
+{
+    const float density = *(float*)store_column( &world->store, surface, WISP_PARTICLE_MASS, 0 );
+    const float vertex_mass = *(float*)store_column( &world->store, surface, WISP_PARTICLE_MASS, 1 );
+    const float* map = store_column( &world->store, surface, WISP_MAP_AREA_DENSITY, 0 );
+    const float factor = map != NULL ? map[slot] : 1.0f;
+    return inverse_mass( surface->fabric, slot, factor * density, factor * vertex_mass );
+}
+
 static bool attach_all( store* s, wisp_entity entity, bool has_gravity )
 {
     static const wisp_component GIVEN[] = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_LAST_VALID,
@@ -200,15 +209,50 @@ wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* given, 
     return WISP_OK;
 }
 
-wisp_status world_add_surface_instance( wisp_world* world, const store_entity* source, wisp_entity* out )
+// An instance has the masses of its source.
+static wisp_status copy_mass_map( wisp_world* world, wisp_entity source, wisp_entity to )
 {
+    const store_entity* from = store_find( &world->store, source );
+    if ( store_mask_has( &from->components, WISP_MAP_AREA_DENSITY ) == false )
+    {
+        return WISP_OK;
+    }
+    const wisp_status status = wisp_world_attach( world, to, WISP_MAP_AREA_DENSITY );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const store_entity* e = store_find( &world->store, to );
+    memcpy( store_column( &world->store, e, WISP_MAP_AREA_DENSITY, 0 ),
+            store_column( &world->store, store_find( &world->store, source ), WISP_MAP_AREA_DENSITY, 0 ),
+            (size_t)e->fabric->slot_count * sizeof( float ) );
+    float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
+    float* last_valid = store_column( &world->store, e, WISP_PARTICLE_LAST_VALID, 0 );
+    for ( int slot = 0; slot < e->fabric->vertex_count; ++slot )
+    {
+        position[4 * (size_t)slot + 3] = world_inverse_mass( world, e, slot );
+        last_valid[4 * (size_t)slot + 3] = position[4 * (size_t)slot + 3];
+    }
+    return WISP_OK;
+}
+
+wisp_status world_add_surface_instance( wisp_world* world, wisp_entity source_entity, wisp_entity* out )
+{
+    const store_entity* source = store_find( &world->store, source_entity );
     wisp_surface_def def = wisp_default_surface_def();
     def.fabric = (wisp_fabric*)(void*)source->fabric;
     def.area_density = *(float*)store_column( &world->store, source, WISP_PARTICLE_MASS, 0 );
     def.vertex_mass = *(float*)store_column( &world->store, source, WISP_PARTICLE_MASS, 1 );
     const wisp_vec3* gravity = store_column( &world->store, source, WISP_PARTICLE_GRAVITY, 0 );
     def.gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-    return wisp_add_surface( world, &def, out );
+    wisp_status status = wisp_add_surface( world, &def, out );
+    if ( status == WISP_OK && copy_mass_map( world, source_entity, *out ) != WISP_OK )
+    {
+        wisp_world_remove( world, *out );
+        *out = ( wisp_entity ){ 0, 0 };
+        status = WISP_NO_MEMORY;
+    }
+    return status;
 }
 
 // ---- pins ----
@@ -270,12 +314,10 @@ static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int
     float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
     float* velocity = store_column( &world->store, e, WISP_PARTICLE_VELOCITY, 0 );
     float* target = store_column( &world->store, e, WISP_PARTICLE_TARGET, 0 );
-    float density = *(float*)store_column( &world->store, e, WISP_PARTICLE_MASS, 0 );
-    float vertex_mass = *(float*)store_column( &world->store, e, WISP_PARTICLE_MASS, 1 );
     for ( int i = 0; i < count; ++i )
     {
         int slot = e->fabric->vertex_slot[vertices[i]];
-        position[(size_t)slot * 4 + 3] = pinned ? 0.0f : inverse_mass( e->fabric, slot, density, vertex_mass );
+        position[(size_t)slot * 4 + 3] = pinned ? 0.0f : world_inverse_mass( world, e, slot );
         if ( pinned )
         {
             memset( velocity + (size_t)slot * 4, 0, 4 * sizeof( float ) );

@@ -184,6 +184,11 @@ static wisp_status declare( wisp_registry* r )
         return WISP_NO_MEMORY;
     }
     declare_components( r, state );
+    for ( wisp_component map = WISP_MAP_STRETCH_COMPLIANCE; map <= WISP_MAP_BEND_STIFFNESS; ++map )
+    {
+        wisp_declare_map( r, map, state->skin,
+                          "the skin of a balloon has one stiffness, which its pressure is read from" );
+    }
     return declare_passes( r, state );
 }
 
@@ -381,6 +386,7 @@ static void fill_links( wisp_world* world, wisp_entity surface, const wisp_ballo
                           : 1.0f / ( edge ? d->edge_stiffness : d->bend_link_stiffness );
         column[slot] = link >= 0 ? value : 0.0f;
     }
+    wisp_world_apply_maps( world, surface );
 }
 
 static double density_of( const wisp_balloon_def* d, float molar_mass )

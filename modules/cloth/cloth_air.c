@@ -53,7 +53,9 @@ void cloth_blow( wisp_frame* frame, const wisp_span* span, void* user )
                   .density = air->density,
                   .drag = air->drag,
                   .lift = air->lift,
-                  .dt = wisp_frame_dt( frame, span->entity ) },
+                  .dt = wisp_frame_dt( frame, span->entity ),
+                  .drag_factor = wisp_frame_column( frame, span->entity, WISP_MAP_DRAG, 0 ),
+                  .lift_factor = wisp_frame_column( frame, span->entity, WISP_MAP_LIFT, 0 ) },
         .copy = copy,
     };
     wisp_parallel_for( parallel, fabric->ring_slice_count, GRAIN, copy_slices, &loop );

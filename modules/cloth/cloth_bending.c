@@ -268,6 +268,9 @@ void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
     }
     b.args.rate = rigidity * b.moves.dt * b.moves.dt;
     const double reach = recurrence_of( MAX_STAGES ).reach, margin = b.by_angle ? ANGLE_MARGIN : 1.0;
+    wisp_plate_follow_maps( plate, fabric, b.moves.position,
+                            wisp_frame_column( frame, span->entity, WISP_MAP_BEND_RIGIDITY, 0 ),
+                            wisp_frame_has( frame, span->entity, WISP_MAP_AREA_DENSITY ) );
     // where a few triangles alone are too stiff, only they are lowered; a vertex lies in several of their patches
     const int lowered = wisp_plate_update( plate, fabric, b.moves.position,
                                            (float)( reach / ( 4.0 * margin * (double)b.args.rate ) ) );

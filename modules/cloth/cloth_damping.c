@@ -144,6 +144,10 @@ static void measure( damping_loop* loop, const wisp_parallel* parallel )
     loop->sums = sums;
     wisp_parallel_for( parallel, blocks, 1, sum_blocks, loop );
     const wisp_rigid_sums all = add_up( loop, blocks );
+    if ( !( all.mass > 0.0 ) )
+    {
+        return; // a map damps nothing that moves
+    }
     find_motion( &all, &loop->args );
 }
 
@@ -175,6 +179,25 @@ static void approach( void* context, int begin, int end, int worker )
     loop->kernels->rigid_approach( &loop->args, begin, end );
 }
 
+// What each velocity loses in this substep. @return null without memory
+static const float* list_fractions( wisp_frame* frame, const wisp_span* span, float lost, const float* factor )
+{
+    const int count = wisp_frame_fabric( frame, span->entity )->slot_count;
+    float* fractions =
+        wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, (size_t)count * sizeof( float ) );
+    if ( fractions == NULL )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the damping of %d particles", count );
+        return NULL;
+    }
+    for ( int slot = 0; slot < count; ++slot )
+    {
+        const float own = lost * factor[slot];
+        fractions[slot] = own / ( 1.0f + own );
+    }
+    return fractions;
+}
+
 void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user )
 {
     enum
@@ -199,6 +222,15 @@ void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user )
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
         .fraction = lost / ( 1.0f + lost ),
     };
+    const float* factor = wisp_frame_column( frame, span->entity, WISP_MAP_INTERNAL_DAMPING, 0 );
+    if ( factor != NULL )
+    {
+        loop.args.fractions = list_fractions( frame, span, lost, factor );
+        if ( loop.args.fractions == NULL )
+        {
+            return;
+        }
+    }
     if ( is_pinned( fabric, loop.args.position ) == false )
     {
         measure( &loop, parallel );

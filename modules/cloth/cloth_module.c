@@ -63,6 +63,18 @@ static size_t count_memory( const void* memory, size_t* outside )
     return bytes;
 }
 
+static void declare_maps( wisp_registry* r, const cloth_state* state )
+{
+    wisp_declare_map( r, WISP_MAP_STRETCH_COMPLIANCE, WISP_LINK_COMPLIANCE, NULL );
+    wisp_declare_map( r, WISP_MAP_STRETCH_STIFFNESS, WISP_LINK_STIFFNESS, NULL );
+    wisp_declare_map( r, WISP_MAP_BEND_COMPLIANCE, WISP_LINK_COMPLIANCE, NULL );
+    wisp_declare_map( r, WISP_MAP_BEND_STIFFNESS, WISP_LINK_STIFFNESS, NULL );
+    wisp_declare_map( r, WISP_MAP_BEND_RIGIDITY, state->bending, NULL );
+    wisp_declare_map( r, WISP_MAP_INTERNAL_DAMPING, state->damping, NULL );
+    wisp_declare_map( r, WISP_MAP_DRAG, state->air, NULL );
+    wisp_declare_map( r, WISP_MAP_LIFT, state->air, NULL );
+}
+
 static wisp_status declare( wisp_registry* r )
 {
     cloth_state* state = wisp_declare_state( r, sizeof( cloth_state ) );
@@ -78,6 +90,7 @@ static wisp_status declare( wisp_registry* r )
     const wisp_component_def bending = { "cloth.bending", WISP_TABLE_ENTITY, BENDING_COLUMNS, 1 };
     state->damping = wisp_declare_component( r, &damping );
     state->bending = wisp_declare_component( r, &bending );
+    declare_maps( r, state );
     wisp_status status =
         wisp_declare_pass( r, &( wisp_pass ){
                                   .name = "cloth.air",
@@ -304,6 +317,7 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_cloth_def* 
     {
         cloth_fill_hinges( world, surface, d );
     }
+    wisp_world_apply_maps( world, surface );
 }
 
 // ---- public functions ----

@@ -639,6 +639,8 @@ static void set_plate( wisp_frame* frame, const wisp_span* span, step* s )
         return;
     }
     const double rate = (double)links->rigidity * (double)y->spring.dt * (double)y->spring.dt;
+    wisp_plate_follow_maps( links->plate, wisp_frame_fabric( frame, span->entity ), s->columns.position, NULL,
+                            wisp_frame_has( frame, span->entity, WISP_MAP_AREA_DENSITY ) );
     const int lowered = wisp_plate_update( links->plate, wisp_frame_fabric( frame, span->entity ),
                                            s->columns.position, (float)( MAX_RATIO / rate ) );
     if ( lowered > 0 )

@@ -3,6 +3,7 @@
 #include "wisp/explain.h"
 #include "wisp/fabric.h"
 #include "wisp/generate.h"
+#include "wisp/maps.h"
 #include "wisp/module/jobs.h"
 #include "wisp/module/collision_mesh.h"
 #include "wisp/samples.h"

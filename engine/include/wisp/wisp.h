@@ -322,7 +322,8 @@ typedef enum wisp_counter
     WISP_COUNT_STRETCHED =
         15, ///< strands of inextensible links that end a step more than 5 % too long, in each step: too few
             ///< sweeps for their masses
-    WISP_COUNT_SPEED_LIMITED = 16, ///< velocities of vertices above the largest speed, scaled down to it, in each substep
+    WISP_COUNT_SPEED_LIMITED =
+        16, ///< velocities of vertices above the largest speed, scaled down to it, in each substep
     WISP_COUNTER_COUNT = 17,
 } wisp_counter;
 
@@ -444,7 +445,20 @@ enum
     WISP_PARTICLE_FRAME = 43,
     WISP_PARTICLE_UNCARRIED = 44,
     WISP_PARTICLE_MAX_SPEED = 45,
-    WISP_SHARED_COMPONENT_COUNT = 46,
+    WISP_MAP_AREA_DENSITY = 46, ///< maps are set with wisp_set_map(), see maps.h
+    WISP_MAP_STRETCH_COMPLIANCE = 47,
+    WISP_MAP_STRETCH_STIFFNESS = 48,
+    WISP_MAP_BEND_COMPLIANCE = 49,
+    WISP_MAP_BEND_STIFFNESS = 50,
+    WISP_MAP_BEND_RIGIDITY = 51,
+    WISP_MAP_DAMPING = 52,
+    WISP_MAP_INTERNAL_DAMPING = 53,
+    WISP_MAP_DRAG = 54,
+    WISP_MAP_LIFT = 55,
+    WISP_LINK_CONSTANT = 56,
+    WISP_HINGE_CONSTANT = 57,
+    WISP_LEVEL_CONSTANT = 58,
+    WISP_SHARED_COMPONENT_COUNT = 59,
 };
 
 WISP_END_C

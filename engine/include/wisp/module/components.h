@@ -54,7 +54,20 @@
     X( MOTION_STATS, "entity.motion_stats", WISP_TABLE_ENTITY )                                                      \
     X( PARTICLE_FRAME, "particle.frame", WISP_TABLE_ENTITY )                                                         \
     X( PARTICLE_UNCARRIED, "particle.uncarried", WISP_TABLE_PARTICLE )                                               \
-    X( PARTICLE_MAX_SPEED, "particle.max_speed", WISP_TABLE_ENTITY )
+    X( PARTICLE_MAX_SPEED, "particle.max_speed", WISP_TABLE_ENTITY )                                                 \
+    X( MAP_AREA_DENSITY, "map.area_density", WISP_TABLE_PARTICLE )                                                   \
+    X( MAP_STRETCH_COMPLIANCE, "map.stretch_compliance", WISP_TABLE_EDGE )                                           \
+    X( MAP_STRETCH_STIFFNESS, "map.stretch_stiffness", WISP_TABLE_EDGE )                                             \
+    X( MAP_BEND_COMPLIANCE, "map.bend_compliance", WISP_TABLE_EDGE )                                                 \
+    X( MAP_BEND_STIFFNESS, "map.bend_stiffness", WISP_TABLE_EDGE )                                                   \
+    X( MAP_BEND_RIGIDITY, "map.bend_rigidity", WISP_TABLE_TRIANGLE )                                                 \
+    X( MAP_DAMPING, "map.damping", WISP_TABLE_PARTICLE )                                                             \
+    X( MAP_INTERNAL_DAMPING, "map.internal_damping", WISP_TABLE_PARTICLE )                                           \
+    X( MAP_DRAG, "map.drag_coefficient", WISP_TABLE_PARTICLE )                                                       \
+    X( MAP_LIFT, "map.lift_coefficient", WISP_TABLE_PARTICLE )                                                       \
+    X( LINK_CONSTANT, "link.constant", WISP_TABLE_LINK )                                                             \
+    X( HINGE_CONSTANT, "hinge.constant", WISP_TABLE_HINGE )                                                          \
+    X( LEVEL_CONSTANT, "level.constant", WISP_TABLE_LEVEL_LINK )
 
 #define WISP_STRAND_REST_COLUMNS( X ) X( float, rest, 48 )         /* m, [3][16] a row, as the user gave it */
 #define WISP_STRAND_POSITION_COLUMNS( X ) X( float, position, 48 ) /* m, [3][16] a row */
@@ -151,10 +164,28 @@
 #define WISP_MOTION_STATS_COLUMNS( X ) X( wisp_motion_stats, motion_stats, 1 )
 /// A frame of reference that moves. What particles do not feel of its motion carries them along.
 #define WISP_PARTICLE_FRAME_COLUMNS( X )                                                                             \
-    X( wisp_transform, pose, 3 )   /* at the start and the end of the step; at the end of the next one */            \
-    X( float, felt, 2 )            /* fraction of its displacement and of its rotation, in [0, 1] */                 \
-    X( int32_t, moves, 1 )         /* 1: in this step */
+    X( wisp_transform, pose, 3 ) /* at the start and the end of the step; at the end of the next one */              \
+    X( float, felt, 2 )          /* fraction of its displacement and of its rotation, in [0, 1] */                   \
+    X( int32_t, moves, 1 )       /* 1: in this step */
 /// Means nothing between substeps.
 #define WISP_PARTICLE_UNCARRIED_COLUMNS( X )                                                                         \
     X( float, position, 4 ) /* m, at the start of the substep, before the frame carried it; any */
 #define WISP_PARTICLE_MAX_SPEED_COLUMNS( X ) X( float, speed, 1 ) /* m/s */
+
+// Maps (maps.h): factors on a constant of an effect, by slot, by edge of the fabric or by triangle. Rows of dummies are 1.
+#define WISP_MAP_AREA_DENSITY_COLUMNS( X ) X( float, factor, 1 )
+#define WISP_MAP_STRETCH_COMPLIANCE_COLUMNS( X ) X( float, factor, 1 )
+#define WISP_MAP_STRETCH_STIFFNESS_COLUMNS( X ) X( float, factor, 1 )
+#define WISP_MAP_BEND_COMPLIANCE_COLUMNS( X ) X( float, factor, 1 )
+#define WISP_MAP_BEND_STIFFNESS_COLUMNS( X ) X( float, factor, 1 )
+#define WISP_MAP_BEND_RIGIDITY_COLUMNS( X ) X( float, factor, 1 )
+#define WISP_MAP_DAMPING_COLUMNS( X ) X( float, factor, 1 )
+#define WISP_MAP_INTERNAL_DAMPING_COLUMNS( X ) X( float, factor, 1 )
+#define WISP_MAP_DRAG_COLUMNS( X ) X( float, factor, 1 )
+#define WISP_MAP_LIFT_COLUMNS( X ) X( float, factor, 1 )
+/// Coefficients of links, hinges and links of coarse sheets as the effect has set them, where maps multiply them.
+#define WISP_LINK_CONSTANT_COLUMNS( X )                                                                              \
+    X( float, constant, 1 )                                                                                          \
+    X( int32_t, edge, 1 ) /* whose factor counts: of a bend link the one that it crosses; -1 pads */
+#define WISP_HINGE_CONSTANT_COLUMNS( X ) WISP_LINK_CONSTANT_COLUMNS( X )
+#define WISP_LEVEL_CONSTANT_COLUMNS( X ) X( float, constant, 1 )

@@ -178,6 +178,11 @@ typedef struct wisp_batch
 /// Declare passes, declared before, that can run side by side.
 WISP_API wisp_status wisp_declare_batch( wisp_registry* registry, const wisp_batch* batch );
 
+/// Say what a map (maps.h) does on surfaces with a component. A map that no such row allows is refused.
+/// @param refusal null: the map acts on surfaces that have the component; else it is refused on them, with this message
+WISP_API void wisp_declare_map( wisp_registry* registry, wisp_component map, wisp_component component,
+                                const char* refusal );
+
 /// Memory of a module in one world, zeroed, alive as long as the world. Call once in declare().
 /// @return null without memory
 WISP_API void* wisp_declare_state( wisp_registry* registry, size_t size );
@@ -344,6 +349,9 @@ WISP_API bool wisp_world_has( const wisp_world* world, wisp_entity entity, wisp_
 /// Coarse sheets of a surface forget how it moved and find their masses again, before the next step. Call it where a module
 /// changes masses, pins or velocities from outside a step. A surface without coarse sheets is left as it is.
 WISP_API void wisp_world_restart_levels( wisp_world* world, wisp_entity surface );
+/// Multiply coefficients of links, hinges and coarse sheets by the maps of a surface. Call it when a module has filled
+/// those columns with constants. A surface without maps is left as it is.
+WISP_API void wisp_world_apply_maps( wisp_world* world, wisp_entity surface );
 /// As wisp_frame_column, to read or write; counts as a change. @return null also for a stale entity
 WISP_API void* wisp_world_column( wisp_world* world, wisp_entity entity, wisp_component component, int column );
 WISP_API const wisp_strand_topology* wisp_world_strands( wisp_world* world, wisp_entity entity );

@@ -16,6 +16,9 @@ typedef struct wisp_rigid_args
     float inverse_mass;         ///< 1/kg, above 0, of the particle whose mass is the unit of the sums, m1
     wisp_vec3 angular_velocity; ///< rad/s; sums ignore it
     float fraction;             ///< of its difference from the rigid motion that a velocity loses; sums ignore it
+    /// [slot] instead of `fraction`; null: that one. Sums then weigh masses by it: what velocities lose has no momentum and no
+    /// angular momentum if the rigid motion is the one of those sums.
+    const float* fractions;
 } wisp_rigid_args;
 
 /// With r from the origin and u less its drift. The terms of a few hundred particles are added as floats.

@@ -34,6 +34,13 @@ WISP_API size_t wisp_plate_bytes( const wisp_plate* plate );
 /// @return number of triangles that are scaled down
 WISP_API int wisp_plate_update( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate );
 
+/// Tell a plate of maps (wisp/maps.h) before it is updated: it then computes its coefficients again if they, or masses that a map
+/// has changed, are others than before.
+/// @param factors [triangle_count] of the rigidity, valid until the update; null: 1
+/// @param has_mass_map masses may change between updates
+WISP_API void wisp_plate_follow_maps( wisp_plate* plate, const wisp_fabric* fabric, const float* position,
+                                      const float* factors, bool has_mass_map );
+
 /// @return the matrix; the pointers stay valid as long as the plate
 WISP_API wisp_plate_rows wisp_plate_get_rows( const wisp_plate* plate );
 /// @return the matrix over angles, of a plate that was created with it

@@ -136,6 +136,8 @@ typedef struct wisp_ring_air_args
     float density;                 ///< kg/m^3
     float drag, lift;              ///< C_d, C_l
     float dt;                      ///< s
+    const float* drag_factor;      ///< [slot] factor of C_d in the force on a vertex; null: 1
+    const float* lift_factor;      ///< [slot] of C_l; null: 1
 } wisp_ring_air_args;
 
 /// Dependence of drag on the angle between velocity and area vector.

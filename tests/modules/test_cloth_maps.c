@@ -1,0 +1,453 @@
+// Maps: parameters that differ from vertex to vertex, against closed forms.
+#include "cloth_fixture.h"
+
+#include "wisp/maps.h"
+
+enum
+{
+    ROWS = 41,
+    COUNT = 2 * ROWS,
+};
+
+static void assert_within( double found, double expected, double tolerance )
+{
+    if ( !( fabs( found - expected ) <= tolerance ) )
+    {
+        fail_msg( "%.9g is not %.9g within %g", found, expected, tolerance );
+    }
+}
+
+static void fill( float* factors, int count, float value )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        factors[i] = value;
+    }
+}
+
+// A strip whose warp is vertical: 40 links of 0.05 m a side and nothing else acts along it.
+static wisp_entity hang_strip( hosted* h, const test_mesh* mesh, wisp_cloth_def cloth, float mass )
+{
+    const int32_t pins[2] = { 0, 1 };
+    wisp_fabric_def fabric = test_fabric_def( mesh );
+    wisp_surface_def surface = support_weightless_surface_def();
+    surface.vertex_mass = mass;
+    surface.pins = pins;
+    surface.pin_count = 2;
+    return add_cloth( h->world, &fabric, surface, &cloth, EARTH );
+}
+
+static wisp_cloth_def vertical_threads( float compliance )
+{
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.warp = ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f };
+    cloth.warp_compliance = compliance;
+    cloth.weft_compliance = 1e6f;
+    cloth.shear_compliance = 1e6f;
+    cloth.bending = WISP_CLOTH_BENDING_NONE;
+    cloth.internal_damping = 20.0f;
+    return cloth;
+}
+
+// The lowest vertices carry nothing but their own weight, so with massless links of compliance c_j under the weight of the
+// n vertices below, the strip is longer by the sum of c_j n m g.
+static double closed_extension( double compliance, const double* factor_of_row, const double* mass_of_row )
+{
+    double sum = 0.0;
+    for ( int j = 0; j + 1 < ROWS; ++j )
+    {
+        double below = 0.0;
+        for ( int k = j + 1; k < ROWS; ++k )
+        {
+            below += mass_of_row[k];
+        }
+        sum += compliance * 0.5 * ( factor_of_row[j] + factor_of_row[j + 1] ) * below * 9.81;
+    }
+    return sum;
+}
+
+static double hung_by( hosted* h, wisp_entity e )
+{
+    run_steps( h->world, 400, 1.0f / 60.0f );
+    return -0.5 * (double)( point_of( h->world, e, COUNT - 1 ).y + point_of( h->world, e, COUNT - 2 ).y ) -
+           0.05 * ( ROWS - 1 );
+}
+
+static void a_strip_with_a_soft_lower_half_stretches_by_the_sum_of_both_halves( void** state )
+{
+    (void)state;
+    hosted h;
+    open_world( &h, 40, 1 );
+    test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
+    const wisp_cloth_def cloth = vertical_threads( 1e-2f );
+    const wisp_entity e = hang_strip( &h, &mesh, cloth, 1e-3f );
+    float factors[COUNT];
+    double rows[ROWS], masses[ROWS];
+    for ( int j = 0; j < ROWS; ++j )
+    {
+        rows[j] = j > ROWS / 2 ? 2.0 : 1.0;
+        masses[j] = 1e-3;
+        factors[2 * j] = factors[2 * j + 1] = (float)rows[j];
+    }
+    assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_STRETCH_COMPLIANCE, factors, COUNT ), WISP_OK );
+    const double expected = closed_extension( 1e-2, rows, masses ), found = hung_by( &h, e );
+    assert_within( found, expected, 0.01 * expected ); // shear of 1e-6 N/m, substeps, rounding
+    test_mesh_free( &mesh );
+    close_world( &h );
+}
+
+static void heavier_vertices_stretch_what_is_above_them( void** state )
+{
+    (void)state;
+    hosted h;
+    open_world( &h, 40, 1 );
+    test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
+    const wisp_entity e = hang_strip( &h, &mesh, vertical_threads( 1e-2f ), 1e-3f );
+    float factors[COUNT];
+    double rows[ROWS], masses[ROWS];
+    for ( int j = 0; j < ROWS; ++j )
+    {
+        rows[j] = 1.0;
+        masses[j] = j > ROWS / 2 ? 3e-3 : 1e-3;
+        factors[2 * j] = factors[2 * j + 1] = j > ROWS / 2 ? 3.0f : 1.0f;
+    }
+    assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_AREA_DENSITY, factors, COUNT ), WISP_OK );
+    const double expected = closed_extension( 1e-2, rows, masses ), found = hung_by( &h, e );
+    assert_within( found, expected, 0.01 * expected );
+    test_mesh_free( &mesh );
+    close_world( &h );
+}
+
+static void an_edge_map_gives_each_link_its_own_factor_and_null_takes_it_back( void** state )
+{
+    (void)state;
+    hosted h;
+    open_world( &h, 1, 1 );
+    test_mesh mesh = hanging_mesh( 4, 5, 0.05f, 0.05f );
+    wisp_cloth_def cloth = vertical_threads( 1e-2f );
+    cloth.bending = WISP_CLOTH_BENDING_LINKS;
+    const wisp_entity e = hang_strip( &h, &mesh, cloth, 1e-3f );
+    const wisp_fabric* f = wisp_world_fabric( h.world, e );
+    const int slots = f->link_order.slot_count;
+    float *before = calloc( (size_t)slots, sizeof( float ) ),
+          *factors = calloc( (size_t)f->edge_count, sizeof( float ) );
+    memcpy( before, wisp_world_column( h.world, e, WISP_LINK_COMPLIANCE, 0 ), (size_t)slots * sizeof( float ) );
+    for ( int i = 0; i < f->edge_count; ++i )
+    {
+        factors[i] = (float)i;
+    }
+    const uint64_t hash = wisp_world_hash( h.world );
+    assert_status( h.world, wisp_set_edge_map( h.world, e, WISP_MAP_STRETCH_COMPLIANCE, factors, f->edge_count ),
+                   WISP_OK );
+    assert_status( h.world, wisp_set_edge_map( h.world, e, WISP_MAP_BEND_COMPLIANCE, factors, f->edge_count ),
+                   WISP_OK );
+    const float* column = wisp_world_column( h.world, e, WISP_LINK_COMPLIANCE, 0 );
+    int bend_links = 0;
+    for ( int slot = 0; slot < slots; ++slot )
+    {
+        const int link = f->link_order.constraint[slot];
+        int edge = link;
+        if ( link >= f->edge_count )
+        {
+            // this mesh has no triangles back to back, so bend links are hinges; look their edge up by its ends
+            const int32_t* corner = f->hinges + 4 * (size_t)( link - f->edge_count );
+            for ( edge = 0; f->edges[2 * edge] != corner[0] || f->edges[2 * edge + 1] != corner[1]; ++edge )
+            {
+            }
+            bend_links += 1;
+        }
+        assert_true( column[slot] == ( link >= 0 ? before[slot] * (float)edge : before[slot] ) );
+    }
+    assert_true( bend_links > 0 );
+    // a change of the constant keeps the pattern
+    cloth.warp_compliance = 2e-2f;
+    assert_status( h.world, wisp_set_cloth( h.world, e, &cloth ), WISP_OK );
+    cloth.warp_compliance = 1e-2f;
+    assert_status( h.world, wisp_set_cloth( h.world, e, &cloth ), WISP_OK );
+    assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_STRETCH_COMPLIANCE, NULL, 0 ), WISP_OK );
+    assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_BEND_COMPLIANCE, NULL, 0 ), WISP_OK );
+    column = wisp_world_column( h.world, e, WISP_LINK_COMPLIANCE, 0 );
+    assert_memory_equal( column, before, (size_t)slots * sizeof( float ) );
+    assert_true( wisp_world_hash( h.world ) == hash ); // nothing is left of a map
+    free( before );
+    free( factors );
+    test_mesh_free( &mesh );
+    close_world( &h );
+}
+
+static void damping_decays_at_the_rate_of_each_vertex( void** state )
+{
+    (void)state;
+    hosted h;
+    open_world( &h, 100, 1 );
+    test_mesh mesh = hanging_mesh( 4, 4, 0.1f, 0.1f );
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    const wisp_entity e = test_surface_of( h.world, &fabric, support_weightless_surface_def() );
+    float factors[16];
+    for ( int v = 0; v < 16; ++v )
+    {
+        factors[v] = 0.25f * (float)v;
+        velocity_of( h.world, e, v )[0] = 1.0f;
+    }
+    assert_status( h.world, wisp_set_damping( h.world, e, 2.0f ), WISP_OK );
+    assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_DAMPING, factors, 16 ), WISP_OK );
+    assert_status( h.world, wisp_request( h.world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    run_steps( h.world, 30, 1.0f / 60.0f );
+    for ( int v = 0; v < 16; ++v )
+    {
+        // 3000 implicit substeps: the exponent is low by half of rate dt
+        const double rate = 2.0 * (double)factors[v], expected = exp( -rate * 0.5 );
+        assert_within( (double)velocity_of( h.world, e, v )[0], expected, expected * rate * rate / 6000.0 + 1e-5 );
+    }
+    test_mesh_free( &mesh );
+    close_world( &h );
+}
+
+static void mapped_internal_damping_keeps_momentum_and_angular_momentum( void** state )
+{
+    (void)state;
+    hosted h;
+    open_world( &h, 10, 1 );
+    test_mesh mesh = hanging_mesh( 6, 6, 0.1f, 0.1f );
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.warp_compliance = cloth.weft_compliance = cloth.shear_compliance = 1e6f;
+    cloth.bending = WISP_CLOTH_BENDING_NONE;
+    cloth.internal_damping = 5.0f;
+    const wisp_entity e =
+        add_cloth( h.world, &fabric, support_weightless_surface_def(), &cloth, ( wisp_vec3 ){ 0, 0, 0 } );
+    float factors[36];
+    for ( int v = 0; v < 36; ++v )
+    {
+        factors[v] = v < 18 ? 0.0f : 3.0f;
+        for ( int k = 0; k < 3; ++k )
+        {
+            velocity_of( h.world, e, v )[k] = test_random_float( v, k, -1.0f, 1.0f );
+        }
+    }
+    assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_INTERNAL_DAMPING, factors, 36 ), WISP_OK );
+    run_steps( h.world, 1, 1e-4f );
+    const wisp_motion_stats before = motion_stats_of( h.world, e );
+    float free_one[3];
+    memcpy( free_one, velocity_of( h.world, e, 3 ), sizeof( free_one ) );
+    run_steps( h.world, 500, 1e-4f );
+    const wisp_motion_stats after = motion_stats_of( h.world, e );
+    for ( int k = 0; k < 3; ++k )
+    {
+        assert_within( after.momentum[k], before.momentum[k], 1e-6 );
+        assert_within( after.angular_momentum[k], before.angular_momentum[k], 1e-6 );
+        assert_within( (double)velocity_of( h.world, e, 3 )[k], (double)free_one[k], 1e-3 ); // factor 0
+    }
+    assert_true( after.kinetic_energy < 0.8 * before.kinetic_energy );
+    test_mesh_free( &mesh );
+    close_world( &h );
+}
+
+static double terminal_speed( float factor )
+{
+    hosted h;
+    open_world( &h, 20, 1 );
+    test_mesh mesh = test_plane( 6, 0.1f );
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.area_density = 0.15f;
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.drag_coefficient = 1.2f;
+    const wisp_entity e = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
+    float factors[36];
+    fill( factors, 36, factor );
+    assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_DRAG, factors, 36 ), WISP_OK );
+    run_steps( h.world, 240, 1.0f / 60.0f );
+    const wisp_motion_stats q = motion_stats_of( h.world, e );
+    test_mesh_free( &mesh );
+    close_world( &h );
+    return -q.momentum[1] / q.mass;
+}
+
+static void drag_falls_at_the_terminal_speed_of_its_factor( void** state )
+{
+    (void)state;
+    const float factors[] = { 0.5f, 1.0f, 4.0f };
+    for ( int i = 0; i < 3; ++i )
+    {
+        // rho_area g = 1/2 rho C f v^2
+        const double expected = sqrt( 2.0 * 0.15 * 9.81 / ( 1.204 * 1.2 * (double)factors[i] ) );
+        assert_within( terminal_speed( factors[i] ), expected, 2e-3 * expected );
+    }
+}
+
+// Tip of a strip of dihedral cloth, clamped at one end, with a map of rigidity.
+static double droop( float rigidity, float first_half, float second_half )
+{
+    enum
+    {
+        N = 17
+    };
+    hosted h;
+    open_world( &h, 20, 1 );
+    test_mesh mesh = { calloc( 3 * N, sizeof( wisp_vec3 ) ), calloc( 12 * N, 3 * sizeof( int32_t ) ), 3 * N, 0 };
+    float factors[3 * N];
+    for ( int v = 0; v < 3 * N; ++v )
+    {
+        mesh.points[v] = ( wisp_vec3 ){ 0.01f * (float)( v / 3 ), 0.0f, 0.01f * (float)( v % 3 ) };
+        factors[v] = v / 3 <= N / 2 ? first_half : second_half;
+    }
+    for ( int v = 0; v < 3 * ( N - 1 ); ++v )
+    {
+        const int32_t two[6] = { v, v + 1, v + 4, v, v + 4, v + 3 };
+        if ( v % 3 < 2 )
+        {
+            memcpy( mesh.triangles + 3 * (size_t)mesh.triangle_count, two, sizeof( two ) );
+            mesh.triangle_count += 2;
+        }
+    }
+    const int32_t pins[6] = { 0, 1, 2, 3, 4, 5 };
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    fabric.hinges = true;
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.pins = pins;
+    surface.pin_count = 6;
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.bending = WISP_CLOTH_BENDING_DIHEDRAL;
+    cloth.bend_rigidity = rigidity;
+    cloth.internal_damping = 5.0f;
+    const wisp_entity e = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
+    assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_BEND_RIGIDITY, factors, 3 * N ), WISP_OK );
+    run_steps( h.world, 200, 1.0f / 60.0f );
+    const double y = (double)point_of( h.world, e, 3 * N - 2 ).y;
+    test_mesh_free( &mesh );
+    close_world( &h );
+    return -y;
+}
+
+static void rigidity_halves_where_its_map_is_a_half( void** state )
+{
+    (void)state;
+    // small deflections, clamped at x = 0.01 with L = 0.15: w g L^4 / 8 D
+    const double weight = 0.15 * 9.81, whole = droop( 4e-4f, 1.0f, 1.0f ), half = droop( 8e-4f, 0.5f, 0.5f );
+    assert_within( whole, weight * pow( 0.15, 4.0 ) / ( 8.0 * 4e-4 ), 0.08 * whole ); // 16 links along it
+    assert_within( half, whole, 1e-3 * whole );
+    // most of the moment is at the clamp: stiffening the free half lowers the droop by little, the clamped half by much
+    const double free_stiff = droop( 4e-4f, 1.0f, 8.0f ), clamp_stiff = droop( 4e-4f, 8.0f, 1.0f );
+    // by the curvature w (L - x)^2 / 2 D integrated twice: the half at the free end has 1/16 of the droop
+    assert_within( free_stiff, whole * ( 1.0 - 0.875 / 16.0 ), 0.03 * whole );
+    assert_within( clamp_stiff, whole * ( 1.0 / 8.0 + 0.875 / 16.0 ), 0.03 * whole );
+}
+
+static void maps_of_ones_change_no_bit_of_masses_links_and_damping( void** state )
+{
+    (void)state;
+    uint64_t hash[2];
+    for ( int mapped = 0; mapped < 2; ++mapped )
+    {
+        hosted h;
+        open_world( &h, 4, 1 );
+        test_mesh mesh = hanging_mesh( 8, 8, 0.05f, 0.05f );
+        wisp_cloth_def cloth = vertical_threads( 1e-3f );
+        cloth.bending = WISP_CLOTH_BENDING_LINKS;
+        cloth.internal_damping = 0.0f;
+        const wisp_entity e = hang_strip( &h, &mesh, cloth, 0.0f );
+        assert_status( h.world, wisp_set_damping( h.world, e, 0.5f ), WISP_OK );
+        float ones[64];
+        fill( ones, 64, 1.0f );
+        const wisp_component maps[] = { WISP_MAP_AREA_DENSITY, WISP_MAP_STRETCH_COMPLIANCE, WISP_MAP_BEND_COMPLIANCE,
+                                        WISP_MAP_DAMPING };
+        for ( int i = 0; i < 4 && mapped == 1; ++i )
+        {
+            assert_status( h.world, wisp_set_map( h.world, e, maps[i], ones, 64 ), WISP_OK );
+        }
+        run_steps( h.world, 20, 1.0f / 60.0f );
+        assert_status( h.world, wisp_world_hash_column( h.world, e, WISP_SURFACE_POINTS, hash + mapped ), WISP_OK );
+        test_mesh_free( &mesh );
+        close_world( &h );
+    }
+    assert_true( hash[0] == hash[1] );
+}
+
+static void pins_snapshots_and_instances_keep_mapped_masses( void** state )
+{
+    (void)state;
+    hosted h;
+    open_world( &h, 4, 1 );
+    test_mesh mesh = hanging_mesh( 4, 4, 0.1f, 0.1f );
+    wisp_cloth_def cloth = vertical_threads( 1e-3f );
+    const wisp_entity e = hang_strip( &h, &mesh, cloth, 0.0f );
+    const wisp_fabric* f = wisp_world_fabric( h.world, e );
+    float factors[16];
+    fill( factors, 16, 1.0f );
+    factors[9] = 5.0f;
+    const size_t slot = (size_t)f->vertex_slot[9];
+    const float plain = ( (float*)wisp_world_column( h.world, e, WISP_PARTICLE_POSITION, 0 ) )[4 * slot + 3];
+    assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_AREA_DENSITY, factors, 16 ), WISP_OK );
+    const size_t size = wisp_world_snapshot_size( h.world );
+    void* bytes = calloc( 1, size );
+    assert_status( h.world, wisp_world_snapshot( h.world, bytes, size ), WISP_OK );
+    factors[9] = 7.0f;
+    assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_AREA_DENSITY, factors, 16 ), WISP_OK );
+    assert_status( h.world, wisp_world_restore( h.world, bytes, size ), WISP_OK );
+    const int32_t vertex = 9;
+    assert_status( h.world, wisp_pin( h.world, e, &vertex, 1 ), WISP_OK );
+    assert_status( h.world, wisp_unpin( h.world, e, &vertex, 1 ), WISP_OK );
+    wisp_entity instance;
+    assert_status( h.world, wisp_add_instance( h.world, e, NULL, &instance ), WISP_OK );
+    const wisp_entity both[2] = { e, instance };
+    for ( int i = 0; i < 2; ++i )
+    {
+        const float* position = wisp_world_column( h.world, both[i], WISP_PARTICLE_POSITION, 0 );
+        assert_within( (double)position[4 * slot + 3], (double)plain / 5.0, 1e-6 * (double)plain );
+    }
+    free( bytes );
+    test_mesh_free( &mesh );
+    close_world( &h );
+}
+
+static void wrong_maps_are_refused_with_one_message( void** state )
+{
+    (void)state;
+    hosted h;
+    open_world( &h, 4, 1 );
+    test_mesh mesh = hanging_mesh( 4, 4, 0.1f, 0.1f );
+    const wisp_entity e = hang_strip( &h, &mesh, vertical_threads( 1e-3f ), 0.0f );
+    float factors[16];
+    fill( factors, 16, 1.0f );
+    const uint64_t hash = wisp_world_hash( h.world );
+    expect_refusal( h.world, wisp_set_map( h.world, e, WISP_MAP_AREA_DENSITY, factors, 15 ), WISP_BAD_INPUT,
+                    "got 15 factors, but the surface has 16 vertices" );
+    expect_refusal( h.world, wisp_set_edge_map( h.world, e, WISP_MAP_STRETCH_COMPLIANCE, factors, 16 ),
+                    WISP_BAD_INPUT, "got 16 factors, but the surface has 33 edges" );
+    expect_refusal( h.world, wisp_set_edge_map( h.world, e, WISP_MAP_DRAG, factors, 33 ), WISP_BAD_INPUT,
+                    "is a map of vertices" );
+    expect_refusal( h.world, wisp_set_map( h.world, e, WISP_MAP_DRAG, factors, 16 ), WISP_CONFLICT,
+                    "has no such constant" );
+    expect_refusal( h.world, wisp_set_map( h.world, e, WISP_MAP_STRETCH_STIFFNESS, factors, 16 ), WISP_CONFLICT,
+                    "has no such constant" );
+    expect_refusal( h.world, wisp_set_map( h.world, e, WISP_SURFACE_POINTS, factors, 16 ), WISP_BAD_INPUT,
+                    "is not a map" );
+    const float wrong[] = { 0.0f, -1.0f, NAN, INFINITY, 2e6f };
+    for ( int i = 0; i < 5; ++i )
+    {
+        factors[11] = wrong[i];
+        expect_refusal( h.world, wisp_set_map( h.world, e, WISP_MAP_AREA_DENSITY, factors, 16 ), WISP_BAD_INPUT,
+                        "vertex 11: got the factor" );
+    }
+    assert_true( wisp_world_hash( h.world ) == hash );
+    test_mesh_free( &mesh );
+    close_world( &h );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_strip_with_a_soft_lower_half_stretches_by_the_sum_of_both_halves ),
+        cmocka_unit_test( heavier_vertices_stretch_what_is_above_them ),
+        cmocka_unit_test( an_edge_map_gives_each_link_its_own_factor_and_null_takes_it_back ),
+        cmocka_unit_test( damping_decays_at_the_rate_of_each_vertex ),
+        cmocka_unit_test( mapped_internal_damping_keeps_momentum_and_angular_momentum ),
+        cmocka_unit_test( drag_falls_at_the_terminal_speed_of_its_factor ),
+        cmocka_unit_test( rigidity_halves_where_its_map_is_a_half ),
+        cmocka_unit_test( maps_of_ones_change_no_bit_of_masses_links_and_damping ),
+        cmocka_unit_test( pins_snapshots_and_instances_keep_mapped_masses ),
+        cmocka_unit_test( wrong_maps_are_refused_with_one_message ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
