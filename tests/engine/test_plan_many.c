@@ -4,7 +4,7 @@
 
 enum
 {
-    MANY = 200,     // passes, and components besides the first
+    MANY = 180,     // passes, and components besides the first
     BEYOND = 130,   // a pass behind the second word
     TOO_MANY = 300, // more than any world has
 };

@@ -77,7 +77,7 @@ static void a_strip_with_a_soft_lower_half_stretches_by_the_sum_of_both_halves( 
 {
     (void)state;
     hosted h;
-    open_world( &h, 40, 1 );
+    open_world( &h, 8, 40 );
     test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
     const wisp_cloth_def cloth = vertical_threads( 1e-2f );
     const wisp_entity e = hang_strip( &h, &mesh, cloth, 1e-3f );
@@ -91,7 +91,7 @@ static void a_strip_with_a_soft_lower_half_stretches_by_the_sum_of_both_halves( 
     }
     assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_STRETCH_COMPLIANCE, factors, COUNT ), WISP_OK );
     const double expected = closed_extension( 1e-2, rows, masses ), found = hung_by( &h, e );
-    assert_within( found, expected, 0.01 * expected ); // shear of 1e-6 N/m, substeps, rounding
+    assert_within( found, expected, 3e-3 * expected ); // links not converged, rounding
     test_mesh_free( &mesh );
     close_world( &h );
 }
@@ -100,7 +100,7 @@ static void heavier_vertices_stretch_what_is_above_them( void** state )
 {
     (void)state;
     hosted h;
-    open_world( &h, 40, 1 );
+    open_world( &h, 8, 40 );
     test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
     const wisp_entity e = hang_strip( &h, &mesh, vertical_threads( 1e-2f ), 1e-3f );
     float factors[COUNT];
@@ -113,7 +113,7 @@ static void heavier_vertices_stretch_what_is_above_them( void** state )
     }
     assert_status( h.world, wisp_set_map( h.world, e, WISP_MAP_AREA_DENSITY, factors, COUNT ), WISP_OK );
     const double expected = closed_extension( 1e-2, rows, masses ), found = hung_by( &h, e );
-    assert_within( found, expected, 0.01 * expected );
+    assert_within( found, expected, 3e-3 * expected );
     test_mesh_free( &mesh );
     close_world( &h );
 }
@@ -272,7 +272,8 @@ static void drag_falls_at_the_terminal_speed_of_its_factor( void** state )
     {
         // rho_area g = 1/2 rho C f v^2
         const double expected = sqrt( 2.0 * 0.15 * 9.81 / ( 1.204 * 1.2 * (double)factors[i] ) );
-        assert_within( terminal_speed( factors[i] ), expected, 2e-3 * expected );
+        // drag comes before gravity in a substep, so the speed is high by about half of g dt
+        assert_within( terminal_speed( factors[i] ), expected, 9.81 / 1200.0 );
     }
 }
 
@@ -324,11 +325,11 @@ static void rigidity_halves_where_its_map_is_a_half( void** state )
 {
     (void)state;
     // small deflections, clamped at x = 0.01 with L = 0.15: w g L^4 / 8 D
-    const double weight = 0.15 * 9.81, whole = droop( 4e-4f, 1.0f, 1.0f ), half = droop( 8e-4f, 0.5f, 0.5f );
-    assert_within( whole, weight * pow( 0.15, 4.0 ) / ( 8.0 * 4e-4 ), 0.08 * whole ); // 16 links along it
+    const double weight = 0.15 * 9.81, whole = droop( 3e-2f, 1.0f, 1.0f ), half = droop( 6e-2f, 0.5f, 0.5f );
+    assert_within( whole, weight * pow( 0.15, 4.0 ) / ( 8.0 * 3e-2 ), 0.08 * whole ); // 16 links along it
     assert_within( half, whole, 1e-3 * whole );
     // most of the moment is at the clamp: stiffening the free half lowers the droop by little, the clamped half by much
-    const double free_stiff = droop( 4e-4f, 1.0f, 8.0f ), clamp_stiff = droop( 4e-4f, 8.0f, 1.0f );
+    const double free_stiff = droop( 3e-2f, 1.0f, 8.0f ), clamp_stiff = droop( 3e-2f, 8.0f, 1.0f );
     // by the curvature w (L - x)^2 / 2 D integrated twice: the half at the free end has 1/16 of the droop
     assert_within( free_stiff, whole * ( 1.0 - 0.875 / 16.0 ), 0.03 * whole );
     assert_within( clamp_stiff, whole * ( 1.0 / 8.0 + 0.875 / 16.0 ), 0.03 * whole );
