@@ -185,20 +185,6 @@ extern "C"
         wisp_vec3 lower, upper; ///< m, low <= high
     } wisp_scene_box;
 
-    /// Pins that move together.
-    typedef struct wisp_scene_pin_group
-    {
-        const int32_t* pins; ///< [pin_count] numbers of vertices as the file or the recipe has them
-        int pin_count;
-        const wisp_scene_box* pin_boxes; ///< [pin_box_count]
-        int pin_box_count;
-        const wisp_vec3* pin_nearest; ///< [pin_nearest_count]
-        int pin_nearest_count;
-        wisp_scene_path path; ///< how far they are from where they started
-        bool has_pivot;
-        wisp_vec3 pivot; ///< m, what the path turns about; without it: the middle of the group
-    } wisp_scene_pin_group;
-
     /// One entry of `surfaces`. Texts and arrays belong to the scene.
     /// Values of a parameter that differ from vertex to vertex: from a file of numbers, or from an image by the coordinates of
     /// the surface. 0 in the file is `from`, and 1 is `to`.
@@ -246,9 +232,6 @@ extern "C"
         wisp_scene_path pin_path; ///< how far the pins are from where they started
         bool has_pin_pivot;
         wisp_vec3 pin_pivot; ///< m, what pin_path turns about; without it: the middle of the pins
-
-        const wisp_scene_pin_group* pin_groups; ///< [pin_group_count] more pins, each with a path of its own
-        int pin_group_count;
 
         bool has_motion_constraints;
         wisp_motion_constraints_def motion_constraints; ///< without arrays

@@ -81,6 +81,8 @@ static wisp_status move_pins( scene_reader* r, wisp_scene_surface* s, wisp_vec3 
     s->pin_boxes = boxes;
     s->pin_nearest = nearest;
     s->pin_pivot = moved( s->pin_pivot, by );
+    s->target_pivot = moved( s->target_pivot, by );
+    s->frame_pivot = moved( s->frame_pivot, by );
     s->outlet_nearest = moved( s->outlet_nearest, by );
     return WISP_OK;
 }

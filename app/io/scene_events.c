@@ -176,6 +176,11 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
         return scene_refuse_node(
             r, node, "the pins of '%s' have pin_keyframes: a keyframe with 'jump: true' teleports it", s->name );
     }
+    if ( e->has_teleport && s->target_path.count + s->frame_path.count > 0 )
+    {
+        return scene_refuse_node( r, node, "'%s' has keyframes of motion_constraints or frame, which do not teleport",
+                                  s->name );
+    }
     if ( e->release && s->pin_count + s->pin_box_count + s->pin_nearest_count == 0 )
     {
         return scene_refuse_node( r, node, "the surface '%s' has no pins to release", s->name );

@@ -8,14 +8,15 @@ extern const scene_block SCENE_STRANDS_BLOCK;  // over wisp_scene_strands
 extern const scene_block SCENE_GENERATE_BLOCK; // over wisp_groom_generator
 extern const scene_block SCENE_SCATTER_BLOCK, SCENE_CURVES_BLOCK, SCENE_DYNAMICS_BLOCK, SCENE_HEAD_BLOCK,
     SCENE_GRID_BLOCK, SCENE_GHOSTS_BLOCK, SCENE_STRAND_COLLISION_BLOCK,
-    SCENE_STRAND_CONTACT_BLOCK;                                     // over wisp_scene_strands
-extern const scene_block SCENE_COMMAND_BLOCK;                       // over wisp_scene_hair_event
-extern const scene_block SCENE_EVENT_BLOCK;                         // over scene_event
-extern const scene_block SCENE_OUTPUT_BLOCK;                        // over wisp_scene_output
-extern const scene_block SCENE_SURFACE_BLOCK;                       // over wisp_scene_surface
-extern const scene_block SCENE_BOUNDARY_BLOCK, SCENE_CONTACT_BLOCK; // over wisp_scene_surface
-extern const scene_block SCENE_WORLD_CONTACT_BLOCK;                 // over wisp_scene
-extern const scene_block SCENE_BOX_BLOCK;                           // over wisp_scene_box
+    SCENE_STRAND_CONTACT_BLOCK;                                             // over wisp_scene_strands
+extern const scene_block SCENE_COMMAND_BLOCK;                               // over wisp_scene_hair_event
+extern const scene_block SCENE_EVENT_BLOCK;                                 // over scene_event
+extern const scene_block SCENE_OUTPUT_BLOCK;                                // over wisp_scene_output
+extern const scene_block SCENE_SURFACE_BLOCK;                               // over wisp_scene_surface
+extern const scene_block SCENE_BOUNDARY_BLOCK, SCENE_CONTACT_BLOCK;         // over wisp_scene_surface
+extern const scene_block SCENE_MOTION_CONSTRAINTS_BLOCK, SCENE_FRAME_BLOCK; // over wisp_scene_surface
+extern const scene_block SCENE_WORLD_CONTACT_BLOCK;                         // over wisp_scene
+extern const scene_block SCENE_BOX_BLOCK;                                   // over wisp_scene_box
 
 extern const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT];      // over wisp_mesh_generator
 extern const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT];    // over wisp_scene_collider
@@ -67,6 +68,9 @@ wisp_status scene_read_positions( scene_reader* reader, const scene_node* node, 
 
 /// scene_contact.c: what the layer of a surface must be besides what its table says.
 wisp_status scene_check_boundary( scene_reader* reader, const scene_node* node, const wisp_scene_surface* surface );
+
+/// scene_surface_held.c: what motion constraints and the frame of a surface must be besides what their tables say.
+wisp_status scene_check_held( scene_reader* reader, const scene_node* node, const wisp_scene_surface* surface );
 
 /// scene_motion.c: what an entry of strands must be besides what its tables say.
 wisp_status scene_check_strands( scene_reader* reader, const scene_node* node, const wisp_scene_strands* strands );

@@ -351,6 +351,13 @@ static const scene_field SURFACE_FIELDS[] = {
     { "boundary", SCENE_BLOCK, .at = AT( has_boundary ), .block = &SCENE_BOUNDARY_BLOCK,
       .help = "Layer of points on the surface, to draw and export; it changes the motion only with "
               "`contact.primitives: particles`." },
+    { "motion_constraints", SCENE_BLOCK, .at = AT( has_motion_constraints ), .block = &SCENE_MOTION_CONSTRAINTS_BLOCK,
+      .help =
+          "Keeps vertices near targets, which start where the vertices start, and out of a backstop behind them." },
+    { "frame", SCENE_BLOCK, .at = AT( has_frame ), .block = &SCENE_FRAME_BLOCK,
+      .help = "A frame that moves and carries the surface by what that does not feel of it; not with `implicit`." },
+    { "max_speed", SCENE_NUMBER, .at = AT( max_speed ), .range = RANGE( 1e-6, 1e6 ), .unit = SPEEDS,
+      .help = "Largest speed of a vertex; faster velocities are scaled down and counted.", .initial = "no limit" },
     { "compute", SCENE_CUSTOM, .given = AT( has_compute ), .read = scene_read_surface_request,
       .choices = SCENE_SURFACE_WORDS, .help = "What is computed for output and statistics.", .form = "list of words",
       .initial = "`points`; `[]`: none" },

@@ -128,7 +128,8 @@ static wisp_status check_entry( scene_reader* r, const scene_node* node, const w
     {
         return scene_refuse_node( r, node, "cloth.tethers needs pins, but nothing is pinned" );
     }
-    status = s->has_boundary ? scene_check_boundary( r, node, s ) : WISP_OK;
+    status = scene_check_held( r, node, s );
+    status = status || !s->has_boundary ? status : scene_check_boundary( r, node, s );
     status = status || !s->has_implicit ? status : check_implicit( r, node, s );
     status = status || !s->has_cloth ? status : check_cloth( r, node, s );
     return status || !s->has_balloon ? status : check_balloon( r, node, s );
@@ -154,6 +155,9 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
         .balloon = wisp_default_balloon_def(),
         .implicit = wisp_default_implicit_cloth_def(),
         .solve_order = wisp_default_fabric_def().solve_order,
+        .motion_constraints = wisp_default_motion_constraints_def(),
+        .frame = wisp_default_moving_frame_def(),
+        .max_speed = INFINITY,
         .collision = wisp_default_collision_def(),
         .contact = wisp_default_contact_def(),
         .boundary = wisp_default_boundary_def(),

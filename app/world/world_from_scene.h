@@ -35,8 +35,10 @@ typedef struct scene_world_surface
     int32_t* pins;             ///< [pin_count] every vertex that the scene pins, ascending
     wisp_vec3* pin_targets;    ///< [pin_count] buffer for their targets; null unless they move
     int pin_count;
-    wisp_vec3 pivot;  ///< m, pivot of pin keyframes
-    bool is_released; ///< an event has released the pins
+    wisp_vec3 pivot;                     ///< m, pivot of pin keyframes
+    wisp_vec3 target_pivot, frame_pivot; ///< m, of the keyframes of motion targets and of the frame
+    wisp_vec3* motion_targets;           ///< [vertex_count] buffer; null unless they move
+    bool is_released;                    ///< an event has released the pins
 } scene_world_surface;
 
 /// A collider of the scene in the world.

@@ -202,6 +202,14 @@ static wisp_status follow_surface( scene_world* world, int surface, step_times t
     {
         status = move_pins( world, surface, t );
     }
+    if ( status == WISP_OK && is_moving( world, &entry->target_path, t ) )
+    {
+        status = scene_targets_move( world, surface, pose_at_end( world, &entry->target_path, still, t ) );
+    }
+    if ( status == WISP_OK && is_moving( world, &entry->frame_path, t ) )
+    {
+        status = scene_frame_move( world, surface, pose_at_end( world, &entry->frame_path, still, t ) );
+    }
     return status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
 }
 

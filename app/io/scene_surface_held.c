@@ -1,0 +1,99 @@
+// Keys of a surface that is held near targets, and of one in a moving frame.
+#include "scene_parts.h"
+#include "scene_ranges.h"
+
+#include <stddef.h>
+
+#define AT( member ) offsetof( wisp_scene_surface, member )
+#define BLOCK( fields )                                                                                              \
+    {                                                                                                                \
+        fields, WISP_COUNT( fields )                                                                                 \
+    }
+
+static const scene_choice SOLVERS[] = { { "xpbd", "with compliances in SI units" },
+                                        { "pbd", "with stiffnesses in 0 .. 1" },
+                                        { NULL, NULL } };
+
+// ---- motion constraints ----
+
+#define HELD( member ) offsetof( wisp_scene_surface, motion_constraints.member )
+#define DISTANCE RANGE( 0, 1e6 )
+
+// Constants. Maps of vertices belong to `max_distance`, `backstop` and `backstop_radius`: the arrays of the definition take them.
+static const scene_field MOTION_FIELDS[] = {
+    { "max_distance", SCENE_NUMBER, .at = HELD( max_distance ), .range = DISTANCE, .unit = METRES,
+      .help = "Largest distance of a vertex from its target; 0 holds it there.", .initial = "no limit" },
+    { "backstop", SCENE_NUMBER, .at = HELD( backstop_distance ), .range = DISTANCE, .unit = METRES,
+      .help = "Distance behind the target, against its normal, that no vertex passes.", .initial = "none" },
+    { "backstop_radius", SCENE_NUMBER, .at = HELD( backstop_radius ), .range = RANGE( 1e-6, 1e6 ), .unit = METRES,
+      .help = "Radius of the sphere that is the backstop.", .initial = "a plane" },
+    { "solver", SCENE_CHOICE, .at = HELD( solver ), .choices = SOLVERS, .help = "Solver of these constraints." },
+    { "distance_compliance", SCENE_NUMBER, .at = HELD( distance_compliance ), .range = COMPLIANCE,
+      .unit = COMPLIANCES, .help = "Compliance of the largest distance, with `solver: xpbd`; 0 never exceeds it." },
+    { "backstop_compliance", SCENE_NUMBER, .at = HELD( backstop_compliance ), .range = COMPLIANCE,
+      .unit = COMPLIANCES, .help = "Compliance of the backstop, with `solver: xpbd`." },
+    { "distance_stiffness", SCENE_NUMBER, .at = HELD( distance_stiffness ), .range = UNIT_RANGE,
+      .help = "Stiffness of the largest distance, with `solver: pbd`." },
+    { "backstop_stiffness", SCENE_NUMBER, .at = HELD( backstop_stiffness ), .range = UNIT_RANGE,
+      .help = "Stiffness of the backstop, with `solver: pbd`." },
+    { "keyframes", SCENE_CUSTOM, .at = AT( target_path ), .read = scene_read_pin_path,
+      .help = "Displacement of the targets from where the vertices start; without `jump`.",
+      .form = "list of keyframes {time, translate, rotate}", .initial = "none" },
+    { "pivot", SCENE_VECTOR, .at = AT( target_pivot ), .range = COORDINATE, .unit = METRES,
+      .given = AT( has_target_pivot ), .help = "Point that the keyframes rotate about.",
+      .initial = "the centre of the vertices" },
+};
+const scene_block SCENE_MOTION_CONSTRAINTS_BLOCK = BLOCK( MOTION_FIELDS );
+
+// ---- the frame ----
+
+#define FRAME( member ) offsetof( wisp_scene_surface, frame.member )
+
+static const scene_field FRAME_FIELDS[] = {
+    { "linear_inertia", SCENE_NUMBER, .at = FRAME( linear_inertia ), .range = UNIT_RANGE,
+      .help = "Fraction of the displacement of the frame that the surface feels." },
+    { "angular_inertia", SCENE_NUMBER, .at = FRAME( angular_inertia ), .range = UNIT_RANGE,
+      .help = "Fraction of the rotation of the frame that the surface feels." },
+    { "keyframes", SCENE_CUSTOM, .at = AT( frame_path ), .read = scene_read_pin_path,
+      .help = "Displacement of the frame from where it starts; without `jump`.",
+      .form = "list of keyframes {time, translate, rotate}", .initial = "none" },
+    { "pivot", SCENE_VECTOR, .at = AT( frame_pivot ), .range = COORDINATE, .unit = METRES,
+      .given = AT( has_frame_pivot ), .help = "Where the frame starts; it rotates about this point.",
+      .initial = "the centre of the vertices" },
+};
+const scene_block SCENE_FRAME_BLOCK = BLOCK( FRAME_FIELDS );
+
+// ---- what no table can say ----
+
+static wisp_status check_path( scene_reader* r, const scene_node* node, const char* key, const wisp_scene_path* path )
+{
+    for ( int i = 0; i < path->count; ++i )
+    {
+        if ( path->poses[i].jump )
+        {
+            return scene_refuse_node( r, scene_child( r, node, key ),
+                                      "'jump' in keyframe %d: only keyframes of pins, colliders and heads can jump",
+                                      i );
+        }
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_check_held( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+{
+    const bool has_path = s->target_path.count > 0 || s->frame_path.count > 0;
+    for ( int i = 0; has_path && i < s->pin_path.count; ++i )
+    {
+        if ( s->pin_path.poses[i].jump )
+        {
+            return scene_refuse_node( r, scene_child( r, node, "pin_keyframes" ),
+                                      "'jump' in keyframe %d: not with keyframes of motion_constraints or frame", i );
+        }
+    }
+    if ( s->has_frame && s->has_implicit )
+    {
+        return scene_refuse_node( r, scene_child( r, node, "frame" ), "'frame' is not possible with 'implicit'" );
+    }
+    wisp_status status = check_path( r, node, "motion_constraints", &s->target_path );
+    return status ? status : check_path( r, node, "frame", &s->frame_path );
+}
