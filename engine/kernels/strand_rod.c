@@ -31,9 +31,11 @@ enum
 // Offsets in the scratch of a row of rods with an elliptic section.
 enum
 {
-    SECTION_ROW = 6 * WISP_LANES,
-    SOFT = 0,              // s_i in world space, [3]
-    EDGE = 3 * WISP_LANES, // z x s_i, [3]
+    SECTION_ROW = 8 * WISP_LANES,
+    SOFT = 0,                // s_i in world space, [3]
+    EDGE = 3 * WISP_LANES,   // z x s_i, [3]
+    ACROSS = 6 * WISP_LANES, // C_i . s_i
+    ALONG = 7 * WISP_LANES,  // (t_i - t_{i-1}) . (z x s_i), its derivative by a rotation of the middle frame
 };
 
 // The length of the implicit step of each strand of a group.
@@ -314,6 +316,8 @@ LANE_INLINE bool measure_vertex( const wisp_strand_rod_args* args, int row, fram
         slope = lane16_sub( lane16_mul_add( own, lane16v_dot( bend, soft ), slope ), lane16_mul( across, across ) );
         lane16v_store( section + SOFT, soft );
         lane16v_store( section + EDGE, edge );
+        lane16_store( section + ACROSS, own );
+        lane16_store( section + ALONG, across );
     }
     lane16_store( out + LOAD, lane16_neg( lane16_mul( stiffness, load ) ) );
     lane16_store( out + SLOPE,
@@ -431,7 +435,9 @@ LANE_INLINE void turn_section( float* section, lane16 turn )
     const lane16 one = lane16_set1( 1.0f );
     const lane16 shorter = lane16_div( one, lane16_sqrt( lane16_mul_add( turn, turn, one ) ) );
     const lane16v soft = lane16v_mul_add( lane16v_load( section + SOFT ), turn, lane16v_load( section + EDGE ) );
+    const lane16 across = lane16_mul_add( turn, lane16_load( section + ALONG ), lane16_load( section + ACROSS ) );
     lane16v_store( section + SOFT, lane16v_scale( soft, shorter ) );
+    lane16_store( section + ACROSS, lane16_mul( across, shorter ) );
 }
 
 // Rotates what was measured with the segments, and computes what twist and rest curvature add to the gradients. Where
@@ -483,7 +489,8 @@ static void turn_vertices( const wisp_strand_rod_args* args, int group, int firs
 // ---- bending ----
 
 // Computes the moment M_i of a vertex between directions a and b, times dt^2; `rate` is its change, times damping dt.
-// An elliptic section leaves out a part of it along the soft axis.
+// An elliptic section leaves out a part of it along the soft axis, at the positions of the frames, so that an equilibrium
+// of the equations is one of the substep too.
 LANE_INLINE lane16v bend_vertex( const wisp_strand_rod_args* args, lane16 dt2, int row, int first, lane16v a,
                                  lane16v b, lane16v rate )
 {
@@ -496,8 +503,10 @@ LANE_INLINE lane16v bend_vertex( const wisp_strand_rod_args* args, lane16 dt2, i
     lane16v moment = lane16v_mul_add( rate, dt2, c );
     if ( args->flatness > 0.0f )
     {
-        const lane16v soft = lane16v_load( section_of( args, row, first ) + SOFT );
-        moment = lane16v_sub( moment, lane16v_scale( soft, lane16v_dot( moment, soft ) ) );
+        const float* section = section_of( args, row, first );
+        const lane16v soft = lane16v_load( section + SOFT );
+        const lane16 rest = lane16_mul( dt2, lane16_load( section + ACROSS ) );
+        moment = lane16v_sub( moment, lane16v_scale( soft, lane16_add( rest, lane16v_dot( rate, soft ) ) ) );
     }
     return lane16v_scale( moment, lanes_of( args->stiffness, row ) );
 }

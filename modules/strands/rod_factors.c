@@ -111,6 +111,27 @@ void strands_cook_rods( wisp_world* world, wisp_entity strands, const strands_st
     }
 }
 
+void strands_refactor( wisp_world* world, wisp_entity strands, const strands_state* state, int lane )
+{
+    const strands_rows rows = strands_rows_of( world, strands );
+    const strands_settings* settings = wisp_world_column( world, strands, state->settings, 0 );
+    float* most = wisp_world_column( world, strands, state->rod, 3 );
+    float* factored = wisp_world_column( world, strands, state->clamp, 1 );
+    const bool has_balance =
+        settings->rest != WISP_STRAND_REST_STRAIGHT && wisp_world_has( world, strands, state->curve );
+    const int row = rows.topology->group_row[lane / WISP_LANES], count = rows.topology->lane_count[lane];
+    if ( factored == NULL )
+    {
+        return;
+    }
+    factored[0] = 0.0f; // the pass looks at the first group and computes all
+    cook_max_tension( &rows, (double)strands_norm( settings->gravity ), row, count, lane % WISP_LANES, most );
+    for ( int i = row; i < row + count && has_balance; ++i )
+    {
+        most[strands_scalar( i, lane % WISP_LANES )] = FLT_MAX;
+    }
+}
+
 // ---- factors ----
 
 // A row of L D L^T.
@@ -273,9 +294,10 @@ static void stiffen_strand( const factor_args* args, const rod_strand* strand )
     }
 }
 
-// Bound the tension of a strand whose tip is held, which can be stretched by more than its weight: by four times that, as
-// between two pins, and what its bending holds against. A tension of EI / l^2 bends segments less than their stiffness
-// straightens them, so it may come from the substep before.
+// Bound the tension of a strand whose tip is held, which may be more than its weight. A tension of EI / l^2 bends segments
+// less than their stiffness straightens them, so it may come from the substep before. Beyond that it may be four times the
+// weight, as between two pins, and at most a quarter of m l / dt^2: above half of that, one that is applied without a solve
+// folds a strand that is soft.
 static void bound_held_tension( const factor_args* args, const rod_strand* strand, float* most )
 {
     const double gravity = (double)strands_norm( args->settings->gravity );
@@ -288,8 +310,12 @@ static void bound_held_tension( const factor_args* args, const rod_strand* stran
     {
         const size_t at = strands_scalar( strand->row + i, strand->lane );
         const double l = length_at_row( args->rows, strand->row + i, strand->lane );
+        const double a = mass_at( args->rows, strand->row + i, strand->lane ),
+                     b = mass_at( args->rows, strand->row + i + 1, strand->lane );
+        const double mass = a > 0.0 && b > 0.0 ? fmin( a, b ) : fmax( a, b );
         const double reach = strands_bend_length( args->rows, strand->row, i, strand->lane );
-        most[at] = (float)( 4.0 * gravity * whole + (double)args->stiffness[at] * reach / ( l * l ) );
+        const double loose = fmin( 4.0 * gravity * whole, 0.25 * mass * l / ( args->dt * args->dt ) );
+        most[at] = (float)( loose + (double)args->stiffness[at] * reach / ( l * l ) );
     }
 }
 

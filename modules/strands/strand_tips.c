@@ -7,6 +7,7 @@
 #include "strand_tips.h"
 
 #include "head_roots.h"
+#include "masses_lengths.h"
 #include "rod_factors.h"
 #include "rod_frames.h"
 #include "strand_rows.h"
@@ -304,16 +305,6 @@ static wisp_transform present_pose( wisp_world* world, wisp_entity strands, cons
     return wisp_transform_make( turn, way );
 }
 
-static int lane_of( const wisp_strand_topology* t, int strand )
-{
-    int i = 0;
-    while ( t->lane_strand[i] != strand )
-    {
-        i += 1;
-    }
-    return i;
-}
-
 static wisp_status check_strand( wisp_world* world, const wisp_strand_topology* t, int strand )
 {
     if ( strand < 0 || strand >= t->strand_count )
@@ -341,6 +332,10 @@ static void set_hold( wisp_world* world, wisp_entity strands, const strands_stat
     float* direction = wisp_world_column( world, strands, state->tip_rows, 0 );
     const int lane = i % WISP_LANES, row = tip_row( t, i );
     const int32_t before = holds[i];
+    if ( before == (int32_t)hold )
+    {
+        return;
+    }
     holds[i] = (int32_t)hold;
     if ( hold != WISP_STRAND_TIP_FREE && before == WISP_STRAND_TIP_FREE )
     {
@@ -357,7 +352,7 @@ static void set_hold( wisp_world* world, wisp_entity strands, const strands_stat
         float* own = step + strands_scalar( t->group_row[i / WISP_LANES], lane );
         *own = *own != 0.0f ? -1.0f : 0.0f;
     }
-    strands_cook_rods( world, strands, state );
+    strands_refactor( world, strands, state, i );
     strands_reset_rest( world, strands, state );
 }
 
@@ -387,7 +382,7 @@ wisp_status wisp_hold_strand_tip( wisp_world* world, wisp_entity strands, int st
         return WISP_OK;
     }
     WISP_TRY( attach( world, strands, state, is_guided ) );
-    set_hold( world, strands, state, lane_of( t, strand ), hold );
+    set_hold( world, strands, state, strands_lane_of( t, t->offsets[strand] ), hold );
     return WISP_OK;
 }
 
@@ -400,7 +395,7 @@ wisp_status wisp_move_strand_tip( wisp_world* world, wisp_entity strands, int st
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     WISP_TRY( check_strand( world, t, strand ) );
     WISP_TRY( strands_check_pose( world, "tip", pose ) );
-    const int i = lane_of( t, strand );
+    const int i = strands_lane_of( t, t->offsets[strand] );
     const int32_t* hold = wisp_world_column( world, strands, state->tips, HOLD );
     if ( hold == NULL || hold[i] == WISP_STRAND_TIP_FREE )
     {

@@ -250,7 +250,7 @@ typedef struct wisp_strand_rod_args
 } wisp_strand_rod_args;
 
 /// Floats of scratch per row of rods with an elliptic section.
-#define WISP_STRAND_SECTION_SCRATCH ( 6 * WISP_LANES )
+#define WISP_STRAND_SECTION_SCRATCH ( 8 * WISP_LANES )
 
 /// Arguments of contact of strands with one body in closed form, with Coulomb friction; equations in
 /// strand_contact.c. Vertices closer to the body than the thickness, at the end of the substep, are pushed out
