@@ -155,6 +155,7 @@ typedef struct factor_args
 typedef struct rod_strand
 {
     int row, count, lane;
+    bool is_held;   // its tip is
     bool is_guided; // the direction of the tip is held, so that it bends too
 } rod_strand;
 
@@ -166,8 +167,12 @@ static int hold_of( const factor_args* args, int group, int lane )
 static rod_strand rows_of( const factor_args* args, int group, int lane )
 {
     const wisp_strand_topology* t = args->rows->topology;
-    return ( rod_strand ){ t->group_row[group], t->lane_count[group * WISP_LANES + lane], lane,
-                           ( hold_of( args, group, lane ) & WISP_STRAND_TIP_GUIDED ) != 0 };
+    const int hold = hold_of( args, group, lane );
+    return ( rod_strand ){ .row = t->group_row[group],
+                           .count = t->lane_count[group * WISP_LANES + lane],
+                           .lane = lane,
+                           .is_held = hold != WISP_STRAND_TIP_FREE,
+                           .is_guided = ( hold & WISP_STRAND_TIP_GUIDED ) != 0 };
 }
 
 // Return the number of vertices from the root on that may bend.
@@ -224,9 +229,12 @@ bool strands_is_curl( double turn )
     return turn * turn * turn * turn * MAX_STIFFNESS > MAX_CURLED;
 }
 
-static double max_stiffness( const factor_args* args, int row, int i, int count, int lane )
+// A straight rod that is held in a curled shape, as a loop is, needs the bound of curls too.
+static double max_stiffness( const factor_args* args, const rod_strand* strand, int i )
 {
-    const double turn = args->curled ? strands_sharpest_turn( args->rows, row, i, count, lane ) : 0.0;
+    const int row = strand->row, count = strand->count, lane = strand->lane;
+    const double turn =
+        args->curled || strand->is_held ? strands_sharpest_turn( args->rows, row, i, count, lane ) : 0.0;
     return fmin( MAX_STIFFNESS, MAX_CURLED / fmax( turn * turn * turn * turn, 1e-12 ) );
 }
 
@@ -251,7 +259,7 @@ static double stiffness_of( const factor_args* args, const rod_strand* strand, i
     }
     const double step = args->dt * ( args->dt + (double)args->settings->bend_damping );
     const double l = fmin( before, behind ), mean = masses > 0 ? mass / masses : 0.0;
-    const double most = max_stiffness( args, row, i, count, lane ) * mean * l * l * l / step;
+    const double most = max_stiffness( args, strand, i ) * mean * l * l * l / step;
     const double reach = strands_bend_length( args->rows, row, i, lane );
     return reach > 0.0 ? fmin( (double)args->settings->bend_rigidity, most ) / reach : 0.0;
 }

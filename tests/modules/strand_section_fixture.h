@@ -76,8 +76,8 @@ static inline void turn_tip( rod_world* rod, wisp_vec3 axis, double angle, wisp_
 {
     const float s = (float)sin( 0.5 * angle ), c = (float)cos( 0.5 * angle );
     const wisp_quat turn = { s * axis.x, s * axis.y, s * axis.z, c };
-    assert_int_equal(
-        wisp_move_strand_tip( rod->s.world, rod->e, 0, ( wisp_transform ){ turn, displacement } ), WISP_OK );
+    assert_int_equal( wisp_move_strand_tip( rod->s.world, rod->e, 0, ( wisp_transform ){ turn, displacement } ),
+                      WISP_OK );
 }
 
 static inline wisp_vec3 rod_point( const rod_world* rod, int i )
