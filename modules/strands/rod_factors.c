@@ -323,7 +323,9 @@ static void bound_held_tension( const factor_args* args, const rod_strand* stran
         const double mass = a > 0.0 && b > 0.0 ? fmin( a, b ) : fmax( a, b );
         const double reach = strands_bend_length( args->rows, strand->row, i, strand->lane );
         const double loose = fmin( 4.0 * gravity * whole, 0.25 * mass * l / ( args->dt * args->dt ) );
-        most[at] = (float)( loose + (double)args->stiffness[at] * reach / ( l * l ) );
+        const double rigidity = (double)args->stiffness[at] * reach;
+        const double bent = fmin( rigidity / ( l * l ), sqrt( MAX_CURLED * rigidity * mass / l ) / args->dt );
+        most[at] = (float)( loose + bent );
     }
 }
 

@@ -133,6 +133,12 @@ static inline wisp_strand_dynamics_def def_of( const duel* rules )
     return def;
 }
 
+// Straight strands that are held at both ends are taut: single precision does not say where they go.
+static inline wisp_strand_tip hold_of( const duel* rules, int n )
+{
+    return n % SHAPES == SHAPES - 1 && COUNTS[n] > 2 ? rules->tips & WISP_STRAND_TIP_GUIDED : rules->tips;
+}
+
 static inline bool is_curled( const duel* rules )
 {
     return rules->bend == WISP_STRAND_BEND_ROD && rules->rest != WISP_STRAND_REST_STRAIGHT;
@@ -151,12 +157,6 @@ static inline double turn_of( const strand_oracle* strand, int i )
                              double3_scale( 1.0 / strand->length[i], b ) );
 }
 
-// Straight strands that are held at both ends are taut: single precision does not say where they go.
-static inline wisp_strand_tip hold_of( const duel* rules, int n )
-{
-    return n % SHAPES == SHAPES - 1 && COUNTS[n] > 2 ? rules->tips & WISP_STRAND_TIP_GUIDED : rules->tips;
-}
-
 static inline double stiffest( const match* m )
 {
     return fmax( (double)m->def.bend_rigidity, (double)m->def.edgewise_rigidity );
@@ -164,15 +164,16 @@ static inline double stiffest( const match* m )
 
 // EI of vertex i relative to the module's limit: above 1 the module lowers it. The mass is the mean of those
 // neighbouring vertices that move.
-static inline double over_the_cap( const match* m, const strand_oracle* strand, int i )
+static inline double over_the_cap( const match* m, const strand_oracle* strand, int n, int i )
 {
+    const bool is_bounded = is_curled( m->rules ) || hold_of( m->rules, n ) != WISP_STRAND_TIP_FREE;
     double mass = 0.0, turn = 0.0;
     int free_count = 0;
     for ( int k = i > 0 ? i - 1 : 0; k <= i + 1 && k < strand->count; ++k )
     {
         mass += strand->weight[k] > 0.0 ? strand->mass[k] : 0.0;
         free_count += strand->weight[k] > 0.0 ? 1 : 0;
-        turn = fmax( turn, is_curled( m->rules ) ? turn_of( strand, k ) : 0.0 );
+        turn = fmax( turn, is_bounded ? turn_of( strand, k ) : 0.0 );
     }
     const double own = i + 1 < strand->count ? strand->length[i] : strand->length[i - 1];
     const double l = i > 0 ? fmin( strand->length[i - 1], own ) : own;
@@ -182,12 +183,12 @@ static inline double over_the_cap( const match* m, const strand_oracle* strand, 
     return ratio / most;
 }
 
-static inline void stiffen( const match* m, strand_oracle* strand )
+static inline void stiffen( const match* m, strand_oracle* strand, int n )
 {
     strand_oracle_stiffen( strand, stiffest( m ), (double)m->def.twist_rigidity, m->def.clamped, 0.0 );
     for ( int i = 0; i + 1 < strand->count + ( strand->guided ? 1 : 0 ); ++i )
     {
-        const double over = fmax( over_the_cap( m, strand, i ), 1.0 );
+        const double over = fmax( over_the_cap( m, strand, n, i ), 1.0 );
         // the balance under a lowered stiffness is the module's own choice and is not compared here
         assert_true( over == 1.0 || m->rules->rest != WISP_STRAND_REST_SAG_FREE );
         strand->stiffness[i] /= over;
@@ -216,10 +217,10 @@ static inline void bound_tension( const match* m, strand_oracle* strand, bool is
         const double* w = strand->weight;
         const double a = w[s] > 0.0 ? strand->mass[s] : INFINITY, b = w[s + 1] > 0.0 ? strand->mass[s + 1] : INFINITY;
         const double mass = fmin( a, b ) < INFINITY ? fmin( a, b ) : 0.0, l = strand->length[s];
-        const double reach = 0.5 * ( ( s > 0 ? strand->length[s - 1] : 0.0 ) + l );
+        const double rigidity = 0.5 * strand->stiffness[s] * ( ( s > 0 ? strand->length[s - 1] : 0.0 ) + l );
         strand->max_tension[s] =
             fmin( 4.0 * double3_length( m->gravity ) * whole, 0.25 * mass * l / ( m->dt * m->dt ) ) +
-            strand->stiffness[s] * reach / ( l * l );
+            fmin( rigidity / ( l * l ), sqrt( MAX_CURLED * rigidity * mass / l ) / m->dt );
     }
 }
 
@@ -251,7 +252,7 @@ static inline void shape_oracle( match* m, int n, int first_vertex )
         }
     }
     strand->flatness = m->rules->edgewise > 0.0f ? sqrt( 1.0 - 1.0 / (double)m->rules->edgewise ) : 0.0;
-    stiffen( m, strand );
+    stiffen( m, strand, n );
     if ( m->def.rest == WISP_STRAND_REST_STRAIGHT )
     {
         bound_tension( m, strand, hold != WISP_STRAND_TIP_FREE );

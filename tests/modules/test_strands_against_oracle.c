@@ -134,7 +134,7 @@ static void elliptic_rods_go_with_the_oracle( void** state )
         { "flat, straight, carried, bdf2", STRAIGHT, .edgewise = 4.0f, .carried = true, .bdf2 = true },
         { "flat, straight, bend damping", STRAIGHT, .edgewise = 4.0f, .bend_damping = 5e-3f, .carried = true },
         { "flat, shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .edgewise = 4.0f },
-        { "flat, sag free", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .edgewise = 4.0f, .rigidity = 1e-10f },
+        { "flat, sag free", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .edgewise = 4.0f, .rigidity = 2.5e-10f },
     };
     run_duels( duels, WISP_COUNT( duels ) );
 }
@@ -143,13 +143,14 @@ static void rods_with_held_tips_go_with_the_oracle( void** state )
 {
     (void)state;
     const duel duels[] = {
-        { "pinned chain", WISP_STRAND_STRETCH_DIRECT, CHAIN, .tips = WISP_STRAND_TIP_PINNED },
+        { "pinned chain", WISP_STRAND_STRETCH_DIRECT, CHAIN, .rest = WISP_STRAND_REST_STRAIGHT,
+          .tips = WISP_STRAND_TIP_PINNED },
         { "pinned, straight", STRAIGHT, .tips = WISP_STRAND_TIP_PINNED, .carried = true, .ease = 8.0 },
         { "guided, straight", STRAIGHT, .tips = WISP_STRAND_TIP_GUIDED, .carried = true },
         { "clamped, straight", STRAIGHT, .tips = WISP_STRAND_TIP_CLAMPED, .carried = true, .ease = 8.0 },
         { "clamped, shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .tips = WISP_STRAND_TIP_CLAMPED },
         { "guided, sag free, flat", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .tips = WISP_STRAND_TIP_GUIDED,
-          .edgewise = 4.0f, .rigidity = 1e-10f },
+          .edgewise = 4.0f, .rigidity = 2.5e-10f },
         { "guided, shape, flat, bdf2", CURLED, .rest = WISP_STRAND_REST_SHAPE, .tips = WISP_STRAND_TIP_GUIDED,
           .edgewise = 4.0f, .bdf2 = true },
     };
@@ -178,20 +179,20 @@ static void curled_rods_go_with_the_oracle( void** state )
 {
     (void)state;
     const duel duels[] = {
-        { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 1e-10f },
-        { "shape, carried", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 1e-10f, .carried = true },
-        { "shape, carried, damped, air", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 1e-10f, .carried = true,
+        { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f },
+        { "shape, carried", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f, .carried = true },
+        { "shape, carried, damped, air", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f, .carried = true,
           .damping = 20.0f, .drag = 1.0f },
-        { "shape, bend damping", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 1e-10f, .bend_damping = 1e-3f },
-        { "shape, hinged", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 1e-10f, .hinged = true },
+        { "shape, bend damping", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f, .bend_damping = 1e-3f },
+        { "shape, hinged", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f, .hinged = true },
         { "shape, lowered", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 1e-7f },
-        { "shape, pinned", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 1e-10f, .pinned = true },
-        { "balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 1e-10f },
-        { "balanced, carried, damped", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 1e-10f, .carried = true,
+        { "shape, pinned", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f, .pinned = true },
+        { "balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f },
+        { "balanced, carried, damped", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f, .carried = true,
           .damping = 20.0f },
-        { "balanced, bend damping", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 1e-10f,
+        { "balanced, bend damping", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 1e-9f,
           .bend_damping = 5e-4f },
-        { "shape, follow", WISP_STRAND_STRETCH_FOLLOW, .bend = WISP_STRAND_BEND_ROD, .dt = FAST, .rigidity = 1e-10f,
+        { "shape, follow", WISP_STRAND_STRETCH_FOLLOW, .bend = WISP_STRAND_BEND_ROD, .dt = FAST, .rigidity = 2e-9f,
           .rest = WISP_STRAND_REST_SHAPE },
     };
     run_duels( duels, WISP_COUNT( duels ) );
@@ -210,16 +211,16 @@ static void rods_of_second_order_go_with_the_oracle( void** state )
         { "bdf2, straight, bend damping", STRAIGHT, .bdf2 = true, .bend_damping = 5e-3f, .carried = true },
         { "bdf2, straight, stiff", STRAIGHT, .bdf2 = true, .rigidity = 1e-6f, .ease = 4.0 },
         { "bdf2, straight, lowered", STRAIGHT, .bdf2 = true, .rigidity = 1e-3f, .ease = 40.0 },
-        { "bdf2, shape", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 1e-10f },
+        { "bdf2, shape", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f },
         { "bdf2, shape, carried, damped, air", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SHAPE,
-          .rigidity = 1e-10f, .carried = true, .damping = 20.0f, .drag = 1.0f },
-        { "bdf2, shape, bend damping", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 1e-10f,
+          .rigidity = 2e-9f, .carried = true, .damping = 20.0f, .drag = 1.0f },
+        { "bdf2, shape, bend damping", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f,
           .bend_damping = 1e-3f },
-        { "bdf2, shape, pinned", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 1e-10f,
+        { "bdf2, shape, pinned", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f,
           .pinned = true },
-        { "bdf2, balanced", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 1e-10f },
+        { "bdf2, balanced", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f },
         { "bdf2, balanced, carried, damped", CURLED, .bdf2 = true, .rest = WISP_STRAND_REST_SAG_FREE,
-          .rigidity = 1e-10f, .carried = true, .damping = 20.0f },
+          .rigidity = 2e-9f, .carried = true, .damping = 20.0f },
     };
     run_duels( duels, WISP_COUNT( duels ) );
 }
@@ -254,10 +255,10 @@ static drift drift_in_a_step( const duel* rules )
 static void a_step_from_balance_leaves_both_where_they_are( void** state )
 {
     (void)state;
-    const duel balanced = { "balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 1e-10f };
+    const duel balanced = { "balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f };
     const duel hair = { "balanced hair", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 8e-10f };
-    const duel shape = { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 1e-10f };
-    const duel bdf2 = { "bdf2, balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 1e-10f,
+    const duel shape = { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f };
+    const duel bdf2 = { "bdf2, balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f,
                         .bdf2 = true };
     const duel* const both[] = { &balanced, &hair, &bdf2 };
     for ( int k = 0; k < WISP_COUNT( both ); ++k )
@@ -284,8 +285,8 @@ static void a_hundredth_of_gravity_or_stiffness_shows( void** state )
         { "links, xpbd", WISP_STRAND_STRETCH_LINKS, LINKS, .solver = WISP_SOLVER_XPBD, .bend_compliance = 200.0f },
         { "follow", WISP_STRAND_STRETCH_FOLLOW, CHAIN },
         { "straight", STRAIGHT },
-        { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 1e-10f },
-        { "balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 1e-10f },
+        { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f },
+        { "balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f },
     };
     for ( int k = 0; k < WISP_COUNT( duels ); ++k )
     {
