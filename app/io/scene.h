@@ -132,7 +132,7 @@ extern "C"
         int bend_count;    ///< of strands, which is known here, and checked, only if they are made
         int intensity_count; ///< so for strand_bend_stiffness and strand_intensity
 
-        bool has_dynamics, has_grid, has_collision, has_head, has_head_pivot;
+        bool has_dynamics, has_grid, has_collision, has_head, has_head_pivot, has_tips;
         wisp_strand_dynamics_def dynamics; ///< the defaults under the scene's gravity if there are none
         int substeps;                      ///< in a step of usual length; 0: those of the scene
         int mass_count;                    ///< length of dynamics.vertex_masses, 0 if that is null
@@ -145,7 +145,10 @@ extern "C"
         wisp_contact_def contact;
         wisp_scene_path head;
         wisp_vec3 head_pivot; ///< m, where the head stands at the start, not turned; unless given, the pose's place
-        int on_surface;       ///< index into the scene's surfaces, of the one that roots are on; -1: none
+        wisp_strand_tip tips_hold; ///< of every tip, with has_tips
+        wisp_scene_path tips_path; ///< how far tips are from rest, relative to the head
+        float tips_release;        ///< s, time at which they are released; infinite: never
+        int on_surface;            ///< index into the scene's surfaces, of the one that roots are on; -1: none
 
         bool has_ghosts;
         wisp_ghosts_def ghosts; ///< without targets

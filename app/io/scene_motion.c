@@ -57,13 +57,19 @@ static wisp_status check_dynamics( scene_reader* r, const scene_node* node, cons
     {
         return scene_refuse_node( r, node, "got both 'head' and 'on_surface', expected one of them" );
     }
+    if ( s->has_tips && ( s->tips_hold & WISP_STRAND_TIP_GUIDED ) != 0 &&
+         s->dynamics.bending != WISP_STRAND_BEND_ROD )
+    {
+        return scene_refuse_node( r, scene_child( r, node, "tips" ),
+                                  "got tips whose direction is held, expected them with dynamics.bending: rod" );
+    }
     return WISP_OK;
 }
 
 // What only strands that move can take; ghosts are at least kept out of bodies.
 static wisp_status check_still( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
 {
-    static const char* const keys[] = { "head", "on_surface", "grid", "collision", "contact", "start" };
+    static const char* const keys[] = { "head", "tips", "on_surface", "grid", "collision", "contact", "start" };
     for ( int i = 0; i < WISP_COUNT( keys ); ++i )
     {
         const scene_node* child = scene_child( r, node, keys[i] );

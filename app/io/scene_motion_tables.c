@@ -56,6 +56,15 @@ static const scene_field DYNAMICS_FIELDS[] = {
       .help = "Bending rigidity EI of a rod." },
     { "twist_rigidity", SCENE_NUMBER, .at = MOVES( twist_rigidity ), .range = RANGE( 0, 1e12 ),
       .unit = ROD_RIGIDITIES, .help = "Twisting rigidity GJ of a rod." },
+    { "edgewise_rigidity", SCENE_NUMBER, .at = MOVES( edgewise_rigidity ), .range = RANGE( 0, 1e12 ),
+      .unit = ROD_RIGIDITIES,
+      .help =
+          "Bending rigidity of an elliptic section or a ribbon in the plane of its width, at least `bend_rigidity`, "
+          "which is that across its flat side; 0 is circular." },
+    { "flat_normal", SCENE_VECTOR, .at = MOVES( flat_normal ), .range = COORDINATE,
+      .help = "Direction across the flat side at roots, with `edgewise_rigidity`.", .initial = "any direction" },
+    { "natural_twist", SCENE_NUMBER, .at = MOVES( natural_twist ), .range = RANGE( -1e5, 1e5 ), .unit = "rad/m",
+      .help = "Rotation of the section along a strand without load, with `edgewise_rigidity`." },
     { "bend_damping", SCENE_NUMBER, .at = MOVES( bend_damping ), .range = RANGE( 0, 1e3 ), .unit = SECONDS,
       .help = "Ratio of the force against the rate of bending to the force against bending, of a rod." },
     { "rest", SCENE_CHOICE, .at = MOVES( rest ), .choices = RESTS, .help = "Shape of a rod where no force acts." },
@@ -107,6 +116,23 @@ static const scene_field HEAD_FIELDS[] = {
       .initial = "`transform.translate`" },
 };
 const scene_block SCENE_HEAD_BLOCK = BLOCK( HEAD_FIELDS );
+
+static const scene_choice HOLDS[] = { { "free", "not at all" },
+                                      { "pinned", "their positions" },
+                                      { "guided", "their directions and twist; they slide freely" },
+                                      { "clamped", "positions, directions and twist" },
+                                      { NULL, NULL } };
+
+static const scene_field TIPS_FIELDS[] = {
+    { "hold", SCENE_CHOICE, .at = AT( tips_hold ), .choices = HOLDS,
+      .help = "What is held of the tips; a clamped tip at its own root makes a loop." },
+    { "keyframes", SCENE_CUSTOM, .read = scene_read_tips_path,
+      .help = "How far tips are from rest, relative to the head, and turned about themselves.",
+      .form = "list of keyframes {time, position, rotation}", .initial = "none" },
+    { "release", SCENE_NUMBER, .at = AT( tips_release ), .range = RANGE( 0, 1e9 ), .unit = SECONDS,
+      .help = "Time at which tips are released.", .initial = "never" },
+};
+const scene_block SCENE_TIPS_BLOCK = BLOCK( TIPS_FIELDS );
 
 #define GRID( member ) offsetof( wisp_scene_strands, grid.member )
 

@@ -192,6 +192,8 @@ static const scene_field STRANDS_FIELDS[] = {
       .help = "Makes the strands move." },
     { "head", SCENE_BLOCK, .at = AT( has_head ), .block = &SCENE_HEAD_BLOCK,
       .help = "Motion of the body that carries the roots; needs `dynamics`." },
+    { "tips", SCENE_BLOCK, .at = AT( has_tips ), .block = &SCENE_TIPS_BLOCK,
+      .help = "Holds the last vertex of every strand; needs `dynamics`." },
     { "on_surface", SCENE_CUSTOM, .read = scene_read_later_name,
       .help = "Surface whose nearest triangles carry the roots; needs `dynamics`, not with `head`.",
       .form = "name of a surface", .initial = "none" },

@@ -151,6 +151,13 @@ wisp_status scene_read_head_path( scene_reader* r, const scene_node* node, void*
     return status;
 }
 
+wisp_status scene_read_tips_path( scene_reader* r, const scene_node* node, void* at )
+{
+    const wisp_quat straight = { 0.0f, 0.0f, 0.0f, 1.0f };
+    wisp_scene_strands* strands = at;
+    return scene_read_positions( r, node, straight, &strands->tips_path );
+}
+
 // ---- environment ----
 
 static wisp_status read_control_point( scene_reader* r, const scene_node* node, wisp_environment_def* environment,

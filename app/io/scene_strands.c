@@ -2,6 +2,8 @@
 #include "scene_parts.h"
 #include "scene_start.h"
 
+#include <math.h>
+
 wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
 {
     wisp_scene_strands strands = {
@@ -21,6 +23,8 @@ wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
         .grid = wisp_default_strand_grid_def(),
         .collision = wisp_default_collision_def(),
         .contact = wisp_default_contact_def(),
+        .tips_hold = WISP_STRAND_TIP_CLAMPED,
+        .tips_release = INFINITY,
         .on_surface = -1,
         .ghosts = wisp_default_ghosts_def(),
         .targets = -1,

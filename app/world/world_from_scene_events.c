@@ -232,6 +232,31 @@ static wisp_status follow_head( scene_world* world, int strands, step_times t )
     return wisp_move_strand_head( world->world, world->entities[strands], pose );
 }
 
+// Tips follow their path until they are released.
+static wisp_status follow_tips( scene_world* world, int strands, step_times t )
+{
+    const wisp_scene_strands* entry = &world->scene->strands[strands];
+    const wisp_groom* groom = &world->grooms[strands];
+    wisp_status status = WISP_OK;
+    if ( !is_before( world, t.begin, (double)entry->tips_release ) )
+    {
+        return scene_hold_tips( world, strands, WISP_STRAND_TIP_FREE );
+    }
+    if ( !is_moving( world, &entry->tips_path, t ) )
+    {
+        return WISP_OK;
+    }
+    const wisp_transform pose = pose_at_end( world, &entry->tips_path, still, t );
+    for ( int i = 0; i < groom->strand_count && status == WISP_OK; ++i )
+    {
+        if ( groom->offsets[i + 1] - groom->offsets[i] > 1 )
+        {
+            status = wisp_move_strand_tip( world->world, world->entities[strands], i, pose );
+        }
+    }
+    return status;
+}
+
 static wisp_status follow_heads( scene_world* world, step_times t, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
@@ -240,6 +265,9 @@ static wisp_status follow_heads( scene_world* world, step_times t, wisp_error* e
     {
         const wisp_scene_strands* entry = &scene->strands[i];
         status = follow_head( world, i, t );
+        status = status == WISP_OK && entry->has_tips && entry->tips_hold != WISP_STRAND_TIP_FREE
+                     ? follow_tips( world, i, t )
+                     : status;
         status = status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
     }
     return status;

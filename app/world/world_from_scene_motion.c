@@ -42,6 +42,20 @@ static wisp_status set_weighed( scene_world* world, int strands )
     return status;
 }
 
+wisp_status scene_hold_tips( scene_world* world, int strands, wisp_strand_tip hold )
+{
+    const wisp_groom* groom = &world->grooms[strands];
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < groom->strand_count && status == WISP_OK; ++i )
+    {
+        if ( groom->offsets[i + 1] - groom->offsets[i] > 1 ) // a root alone has no tip
+        {
+            status = wisp_hold_strand_tip( world->world, world->entities[strands], i, hold );
+        }
+    }
+    return status;
+}
+
 static wisp_status set_dynamics( scene_world* world, int strands )
 {
     const wisp_scene_strands* entry = &world->scene->strands[strands];
@@ -54,6 +68,7 @@ static wisp_status set_dynamics( scene_world* world, int strands )
     {
         status = wisp_set_strand_grid( world->world, entity, &entry->grid );
     }
+    status = status == WISP_OK && entry->has_tips ? scene_hold_tips( world, strands, entry->tips_hold ) : status;
     status = status == WISP_OK ? set_collision( world, strands ) : status;
     if ( status == WISP_OK && entry->has_contact )
     {

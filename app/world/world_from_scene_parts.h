@@ -72,4 +72,7 @@ wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const int32
 
 // ---- before a step ----
 
+/// Hold the tips of all strands of an entry in one way.
+wisp_status scene_hold_tips( scene_world* world, int strands, wisp_strand_tip hold );
+
 wisp_status scene_events_play( scene_world* world, wisp_error* error );

@@ -28,6 +28,16 @@ enum
     SOLVED = 6 * WISP_LANES, // y of the bending solve, [3]; reuses T_i, slope and load
 };
 
+// Offsets in the scratch of a row of rods with an elliptic section.
+enum
+{
+    SECTION_ROW = 8 * WISP_LANES,
+    SOFT = 0,                // s_i in world space, [3]
+    EDGE = 3 * WISP_LANES,   // z x s_i, [3]
+    ACROSS = 6 * WISP_LANES, // C_i . s_i
+    ALONG = 7 * WISP_LANES,  // (t_i - t_{i-1}) . (z x s_i), its derivative by a rotation of the middle frame
+};
+
 // The length of the implicit step of each strand of a group.
 typedef struct step_lanes
 {
@@ -72,6 +82,18 @@ LANE_INLINE lane16v direction_of( const wisp_strand_rod_args* args, int row, lan
 LANE_INLINE lane16v direction_of_frame( frame16 q )
 {
     return lane16v_scale( frame16_z( q ), lane16_div( lane16_set1( 1.0f ), frame16_dot( q, q ) ) );
+}
+
+// Returns the scratch of a row's section.
+LANE_INLINE float* section_of( const wisp_strand_rod_args* args, int row, int first )
+{
+    return args->section_scratch + (size_t)( row - first ) * SECTION_ROW;
+}
+
+// Returns the row behind the last one at which a strand of the group bends.
+LANE_INLINE int bending_end( const wisp_strand_rod_args* args, int last )
+{
+    return args->tip != NULL ? last : last - 1;
 }
 
 LANE_INLINE lane16 free_offset( const wisp_strand_rod_args* args, int row, lane16 offset )
@@ -156,7 +178,11 @@ static frame16 carry_frame( const wisp_strand_rod_args* args, int row, lane16v e
 {
     const frame16 q = frame16_load( args->frame + (size_t)row * QUATERNION );
     const lane16 squared = lane16v_dot( e, e );
-    const lane16m has_length = lane16_lt( lane16_set1( 1e-30f ), squared );
+    lane16m has_length = lane16_lt( lane16_set1( 1e-30f ), squared );
+    if ( args->tip != NULL ) // the frame of a tip is given
+    {
+        has_length = lane16m_and( has_length, lane16_lt( lane16_zero(), lanes_of( args->inverse_length, row ) ) );
+    }
     return frame16_select( has_length, frame16_carry( q, e, lane16_sqrt( squared ) ), q );
 }
 
@@ -199,8 +225,9 @@ typedef struct turning
 } turning;
 
 // Adds what a vertex gains by unfolding: the energy changes with w too.
+// @param section scratch of the row's section, null: circular
 static turning unfold_vertex( const wisp_strand_rod_args* args, int row, frame16 before, frame16 behind,
-                              lane16 moment, const float* at, turning sum )
+                              lane16 moment, const float* at, const float* section, turning sum )
 {
     const lane16 one = lane16_set1( 1.0f ), half = lane16_set1( 0.5f );
     const lane16v a = direction_of_frame( before ), b = direction_of_frame( behind );
@@ -208,8 +235,16 @@ static turning unfold_vertex( const wisp_strand_rod_args* args, int row, frame16
     const fading fade = fade_vertex( args, row, lane16_add( one, cosine ) );
     const lane16 relative = lane16_div( fade.slope, fade.share );
     const lane16v k = lane16v_load( at + REST_VECTOR );
-    const lane16 bend =
-        lane16_mul( lanes_of( args->stiffness, row ), lane16v_dot( k, lane16v_sub( k, lane16v_sub( b, a ) ) ) );
+    const lane16v less = lane16v_sub( k, lane16v_sub( b, a ) ); // -C_i
+    lane16 gain = lane16v_dot( k, less );
+    if ( section != NULL )
+    {
+        const lane16v soft = lane16v_load( section + SOFT );
+        const lane16 own = lane16v_dot( less, soft );
+        const lane16 changed = lane16_add( lane16v_dot( k, soft ), lane16_mul( half, own ) );
+        gain = lane16_sub( gain, lane16_mul( own, changed ) );
+    }
+    const lane16 bend = lane16_mul( lanes_of( args->stiffness, row ), gain );
     const lane16 rigidity = lane16_max( lanes_of( args->twist_stiffness, row ), lane16_set1( 1e-30f ) );
     const lane16 twist =
         lane16_div( lane16_mul( half, lane16_mul( moment, moment ) ), lane16_mul( rigidity, fade.share ) );
@@ -222,9 +257,10 @@ static turning unfold_vertex( const wisp_strand_rod_args* args, int row, frame16
 
 // Measures vertex i between two frames: rest vector, twist moment, and the load and slope of bending on the twist.
 // Directions have length 1, whatever the lengths of segments.
+// @param section scratch of the row's section, null: circular
 // @return whether the vertex of any lane folds back
-static bool measure_vertex( const wisp_strand_rod_args* args, int row, frame16 a, frame16 b, lane16v from, lane16v to,
-                            float* out )
+LANE_INLINE bool measure_vertex( const wisp_strand_rod_args* args, int row, frame16 a, frame16 b, lane16v from,
+                                 lane16v to, float* out, float* section )
 {
     const lane16v bend = lane16v_sub( to, from );
     const lane16 zero = lane16_zero(), two = lane16_set1( 2.0f );
@@ -237,12 +273,13 @@ static bool measure_vertex( const wisp_strand_rod_args* args, int row, frame16 a
     const lane16 fold = lane16_add( lane16_set1( 1.0f ), lane16v_dot( from, to ) );
     const bool folds = lane16m_any( is_folded( fold ) );
     lane16v rest = lane16v_scale( lane16v_load( args->rest + (size_t)row * STRIDE ), shrink );
-    lane16 rigidity = lanes_of( args->twist_stiffness, row );
+    lane16 rigidity = lanes_of( args->twist_stiffness, row ), flatness = lane16_set1( args->flatness );
     if ( folds )
     {
         const fading fade = fade_vertex( args, row, fold );
         rest = lane16v_scale( rest, fade.share );
         rigidity = lane16_mul( rigidity, fade.share );
+        flatness = lane16_mul( flatness, lane16_sqrt( fade.share ) );
     }
     const lane16v k = frame16_turn( middle, rest );
     const lane16v turned = lane16v_scale( lane16v_cross( frame16_z( middle ), k ), shrink );
@@ -268,9 +305,23 @@ static bool measure_vertex( const wisp_strand_rod_args* args, int row, frame16 a
     lane16v_store( out + TURNED, turned );
     lane16_store( out + MOMENT, lane16_mul( rigidity, twist ) );
     lane16_store( out + RATIO, lane16_mul( rw, shrink ) );
-    lane16_store( out + LOAD, lane16_neg( lane16_mul( stiffness, lane16v_dot( bend, turned ) ) ) );
-    lane16_store( out + SLOPE, lane16_mul( lane16_set1( 0.25f ),
-                                           lane16_mul( stiffness, lane16_max( zero, lane16v_dot( bend, k ) ) ) ) );
+    lane16 load = lane16v_dot( bend, turned ), slope = lane16v_dot( bend, k );
+    if ( section != NULL )
+    {
+        const lane16v along = { lane16_mul( flatness, shrink ), zero, zero };
+        const lane16v soft = frame16_turn( middle, along );
+        const lane16v edge = lane16v_scale( lane16v_cross( frame16_z( middle ), soft ), shrink );
+        const lane16 own = lane16v_dot( lane16v_sub( bend, k ), soft ), across = lane16v_dot( bend, edge );
+        load = lane16_mul_add( own, across, load );
+        slope = lane16_sub( lane16_mul_add( own, lane16v_dot( bend, soft ), slope ), lane16_mul( across, across ) );
+        lane16v_store( section + SOFT, soft );
+        lane16v_store( section + EDGE, edge );
+        lane16_store( section + ACROSS, own );
+        lane16_store( section + ALONG, across );
+    }
+    lane16_store( out + LOAD, lane16_neg( lane16_mul( stiffness, load ) ) );
+    lane16_store( out + SLOPE,
+                  lane16_mul( lane16_set1( 0.25f ), lane16_mul( stiffness, lane16_max( zero, slope ) ) ) );
     return folds;
 }
 
@@ -294,11 +345,14 @@ static bool measure_frames( const wisp_strand_rod_args* args, const step_lanes* 
     carry_frames( args, back, first, last );
     lane16v t_before = frame16_z( before );
     float* out = args->scratch;
-    for ( int row = first; row + 1 < last; ++row, out += ROW )
+    for ( int row = first; row < bending_end( args, last ); ++row, out += ROW )
     {
         const frame16 q = frame16_load( args->frame + (size_t)row * QUATERNION );
         const lane16v t = frame16_z( q );
-        folds = measure_vertex( args, row, before, q, t_before, t, out ) || folds;
+        const bool folded = args->flatness > 0.0f ? measure_vertex( args, row, before, q, t_before, t, out,
+                                                                    section_of( args, row, first ) )
+                                                  : measure_vertex( args, row, before, q, t_before, t, out, NULL );
+        folds = folded || folds;
         before = q;
         t_before = t;
     }
@@ -316,7 +370,7 @@ static void balance_twist( const wisp_strand_rod_args* args, int first, int last
     {
         float* at = args->scratch + (size_t)( row - first ) * ROW;
         lane16 moment = zero, load = zero, twist = zero, slope = zero;
-        if ( row + 2 < last )
+        if ( row + 1 < bending_end( args, last ) )
         {
             moment = lane16_load( at + ROW + MOMENT );
             load = lane16_load( at + ROW + LOAD );
@@ -329,7 +383,12 @@ static void balance_twist( const wisp_strand_rod_args* args, int first, int last
         const lane16 off = lane16_sub( own_slope, own_twist ); // coupling to the previous segment; none to the clamp
         const lane16 pivot = lane16_sub( lane16_add( lane16_add( own_twist, own_slope ), lane16_add( twist, slope ) ),
                                          row > first ? lane16_mul( off, coupling ) : zero );
-        const lane16 inverse = lane16_select( lane16_lt( least, pivot ), lane16_div( one, pivot ), zero );
+        lane16m turns = lane16_lt( least, pivot );
+        if ( args->tip != NULL ) // the frame of a tip is given
+        {
+            turns = lane16m_and( turns, lane16_lt( zero, lanes_of( args->inverse_length, row ) ) );
+        }
+        const lane16 inverse = lane16_select( turns, lane16_div( one, pivot ), zero );
         eliminated = lane16_mul(
             lane16_neg( lane16_add( out_of_balance, row > first ? lane16_mul( off, eliminated ) : zero ) ), inverse );
         coupling = lane16_mul( lane16_sub( slope, twist ), inverse );
@@ -354,6 +413,11 @@ static lane16m turn_segments( const wisp_strand_rod_args* args, int first, int l
         balanced = lane16m_and( balanced, lane16_le( lane16_abs( turn ), most ) );
         turn = lane16_max( lane16_neg( most ), lane16_min( most, turn ) ); // at most one radian per substep; NaN
                                                                            // becomes one
+        if ( args->tip != NULL )
+        {
+            turn = lane16_select( lane16_lt( lane16_zero(), lanes_of( args->inverse_length, row ) ), turn,
+                                  lane16_zero() ); // NaN turns no tip
+        }
         lane16_store( at + TURN, turn );
         // multiply by ( 0, 0, tan, 1 ); the next transport normalises
         const lane16 s = lane16_mul( half, turn );
@@ -363,6 +427,17 @@ static lane16m turn_segments( const wisp_strand_rod_args* args, int first, int l
                                            lane16_mul_add( s, q.w, q.z ), lane16_sub( q.w, lane16_mul( s, q.z ) ) } );
     }
     return balanced;
+}
+
+// Rotates the soft axis about the middle tangent, to first order and without changing its length.
+LANE_INLINE void turn_section( float* section, lane16 turn )
+{
+    const lane16 one = lane16_set1( 1.0f );
+    const lane16 shorter = lane16_div( one, lane16_sqrt( lane16_mul_add( turn, turn, one ) ) );
+    const lane16v soft = lane16v_mul_add( lane16v_load( section + SOFT ), turn, lane16v_load( section + EDGE ) );
+    const lane16 across = lane16_mul_add( turn, lane16_load( section + ALONG ), lane16_load( section + ACROSS ) );
+    lane16v_store( section + SOFT, lane16v_scale( soft, shorter ) );
+    lane16_store( section + ACROSS, lane16_mul( across, shorter ) );
 }
 
 // Rotates what was measured with the segments, and computes what twist and rest curvature add to the gradients. Where
@@ -375,9 +450,15 @@ static void turn_vertices( const wisp_strand_rod_args* args, int group, int firs
     lane16 before = zero;
     lane16v behind = { zero, zero, zero };
     float* at = args->scratch;
-    for ( int row = first; row + 1 < last; ++row, at += ROW )
+    for ( int row = first; row < bending_end( args, last ); ++row, at += ROW )
     {
-        const lane16 turn = lane16_load( at + TURN ), middle = lane16_mul( half, lane16_add( before, turn ) );
+        const lane16 turn = row + 1 < last ? lane16_load( at + TURN ) : zero;
+        const lane16 middle = lane16_mul( half, lane16_add( before, turn ) );
+        float* section = args->flatness > 0.0f ? section_of( args, row, first ) : NULL;
+        if ( section != NULL )
+        {
+            turn_section( section, middle );
+        }
         lane16v_store( at + REST_VECTOR,
                        lane16v_mul_add( lane16v_load( at + REST_VECTOR ), middle, lane16v_load( at + TURNED ) ) );
         const lane16 twisted = lane16_mul( lanes_of( args->twist_stiffness, row ), lane16_sub( turn, before ) );
@@ -393,7 +474,7 @@ static void turn_vertices( const wisp_strand_rod_args* args, int group, int firs
             const float* frame = args->frame + (size_t)row * QUATERNION;
             own = unfold_vertex( args, row,
                                  row > first ? frame16_load( frame - QUATERNION ) : clamp_frame( args, group ),
-                                 frame16_load( frame ), moment, at, own );
+                                 frame16_load( frame ), moment, at, section, own );
         }
         if ( row > first )
         {
@@ -408,15 +489,39 @@ static void turn_vertices( const wisp_strand_rod_args* args, int group, int firs
 // ---- bending ----
 
 // Computes the moment M_i of a vertex between directions a and b, times dt^2; `rate` is its change, times damping dt.
-LANE_INLINE lane16v bend_vertex( const wisp_strand_rod_args* args, lane16 dt2, int row, const float* scratch,
-                                 lane16v a, lane16v b, lane16v rate )
+// An elliptic section leaves out a part of it along the soft axis, at the positions of the frames, so that an equilibrium
+// of the equations is one of the substep too.
+LANE_INLINE lane16v bend_vertex( const wisp_strand_rod_args* args, lane16 dt2, int row, int first, lane16v a,
+                                 lane16v b, lane16v rate )
 {
+    const float* scratch = args->scratch + (size_t)( row - first ) * ROW;
     lane16v c = lane16v_sub( b, a );
     if ( args->frame != NULL )
     {
         c = lane16v_sub( c, lane16v_load( scratch + REST_VECTOR ) );
     }
-    return lane16v_scale( lane16v_mul_add( rate, dt2, c ), lanes_of( args->stiffness, row ) );
+    lane16v moment = lane16v_mul_add( rate, dt2, c );
+    if ( args->flatness > 0.0f )
+    {
+        const float* section = section_of( args, row, first );
+        const lane16v soft = lane16v_load( section + SOFT );
+        const lane16 rest = lane16_mul( dt2, lane16_load( section + ACROSS ) );
+        moment = lane16v_sub( moment, lane16v_scale( soft, lane16_add( rest, lane16v_dot( rate, soft ) ) ) );
+    }
+    return lane16v_scale( moment, lanes_of( args->stiffness, row ) );
+}
+
+// Computes the direction behind a vertex: of the segment from its row, or of a tip that is held.
+LANE_INLINE lane16v direction_behind( const wisp_strand_rod_args* args, int row, int last )
+{
+    if ( args->tip == NULL )
+    {
+        return direction_of( args, row, lane16v_load( segment_of( args, row ) ) );
+    }
+    const lane16v tip = lane16v_load( args->tip + (size_t)row * STRIDE );
+    return row + 1 < last ? lane16v_select( lane16_lt( lane16_zero(), lanes_of( args->inverse_length, row ) ),
+                                            direction_of( args, row, lane16v_load( segment_of( args, row ) ) ), tip )
+                          : tip;
 }
 
 // Computes the change of a segment's direction since the start of the substep.
@@ -468,7 +573,7 @@ static void load_and_eliminate( const wisp_strand_rod_args* args, const step_lan
     const lane16v none = { zero, zero, zero };
     lane16v t = direction_of( args, first, lane16v_load( segment_of( args, first ) ) );
     lane16v change = args->damping > 0.0f ? change_of( args, step, first ) : none;
-    lane16v own = bend_vertex( args, dt2, first, args->scratch, frame16_z( clamp_frame( args, group ) ), t,
+    lane16v own = bend_vertex( args, dt2, first, first, frame16_z( clamp_frame( args, group ) ), t,
                                lane16v_scale( change, damping ) );
     lane16v before = none, y1 = none, y2 = none;
     for ( int row = first; row < last; ++row )
@@ -478,12 +583,12 @@ static void load_and_eliminate( const wisp_strand_rod_args* args, const step_lan
         if ( row + 1 < last )
         {
             lane16v next = none;
-            if ( row + 2 < last )
+            if ( row + 1 < bending_end( args, last ) )
             {
-                const lane16v u = direction_of( args, row + 1, lane16v_load( segment_of( args, row + 1 ) ) );
-                const lane16v now = args->damping > 0.0f ? change_of( args, step, row + 1 ) : none;
+                const lane16v u = direction_behind( args, row + 1, last );
+                const lane16v now = args->damping > 0.0f && row + 2 < last ? change_of( args, step, row + 1 ) : none;
                 const lane16v rate = lane16v_scale( lane16v_sub( now, change ), damping );
-                next = bend_vertex( args, dt2, row + 1, at + ROW, t, u, rate );
+                next = bend_vertex( args, dt2, row + 1, first, t, u, rate );
                 t = u;
                 change = now;
             }

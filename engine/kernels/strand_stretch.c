@@ -31,6 +31,10 @@ _Static_assert( CHAINS* ROW <= WISP_STRAND_SCRATCH, "groups in turns share the s
 // Minimum pivot, m^2/kg. A smaller one belongs to a segment without length or between two pinned ends, which is
 // skipped.
 #define MIN_PIVOT 1e-30f
+// Factor of the diagonal where strands may be held at both ends. A taut one has no other solution than one that pulls
+// everywhere alike, which moves nothing; rounding would make its last pivot any number. Newton converges to the same
+// lengths.
+#define HELD_DIAGONAL ( 1.0f + 1e-5f )
 
 // What an iteration is told of the whole call, so that each kind is compiled apart.
 typedef struct iteration_kind
@@ -38,6 +42,7 @@ typedef struct iteration_kind
     bool is_first;     // takes the segments that it is given, later ones find them where vertices are
     bool is_predicted; // positions are predicted ones, which other passes see
     bool has_tension;
+    bool is_held; // strands may be held at both ends
 } iteration_kind;
 
 // A group of rows and its scratch.
@@ -129,7 +134,8 @@ LANE_INLINE void eliminate_row( const wisp_strand_stretch_args* args, const chai
     // off is minus the coefficient, and off^2 / previous pivot is written as off times coupling, to shorten the
     // dependency between segments
     const lane16 off = lane16_mul( s->w, lane16v_dot( s->e_before, e ) );
-    const lane16 own = lane16_mul( lane16_add( s->w, w_next ), squared );
+    const lane16 exact = lane16_mul( lane16_add( s->w, w_next ), squared );
+    const lane16 own = kind.is_held ? lane16_mul( exact, lane16_set1( HELD_DIAGONAL ) ) : exact;
     const lane16 pivot = lane16_sub( own, lane16_mul( lane16_mul( off, off ), s->inverse_before ) );
     const lane16m solvable = lane16_lt( lane16_set1( MIN_PIVOT ), pivot );
     const lane16 inverse = lane16_select( solvable, lane16_div( lane16_set1( 1.0f ), pivot ), zero );
@@ -556,6 +562,11 @@ LANE_INLINE int stretch_all( const wisp_strand_stretch_args* args, int begin, in
 int KERNEL( strand_stretch )( const wisp_strand_stretch_args* args, int begin, int end )
 {
     const wisp_strand_stretch_args mine = *args;
+    if ( mine.is_held )
+    {
+        const iteration_kind kind = { .is_first = true, .is_predicted = mine.previous != NULL, .is_held = true };
+        return stretch_all( &mine, begin, end, kind );
+    }
     if ( mine.previous != NULL )
     {
         return stretch_all( &mine, begin, end, ( iteration_kind ){ .is_first = true, .is_predicted = true } );

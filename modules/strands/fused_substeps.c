@@ -6,6 +6,7 @@
 
 #include "head_roots.h"
 #include "strand_rows.h"
+#include "strand_tips.h"
 #include "substep_passes.h"
 #include "surface_roots.h"
 
@@ -20,6 +21,7 @@ typedef struct parts
 {
     bool has_head, is_anchored, has_pins, has_links;
     bool has_damping, has_air, has_rod, has_frames, has_history;
+    bool has_tips;
 } parts;
 
 // Arguments of kernels for one pair: columns start at its first row.
@@ -45,6 +47,7 @@ static parts parts_of( wisp_frame* frame, wisp_entity entity, const strands_stat
         .has_rod = wisp_frame_has( frame, entity, state->rod ),
         .has_frames = wisp_frame_has( frame, entity, state->curve ),
         .has_history = wisp_frame_has( frame, entity, state->history ),
+        .has_tips = wisp_frame_has( frame, entity, state->tips ),
     };
 }
 
@@ -71,6 +74,14 @@ static void move_roots( wisp_frame* frame, const wisp_span* pair, const parts* h
     if ( has->has_pins )
     {
         strands_hold_pins( frame, pair, state );
+    }
+    if ( has->has_tips )
+    {
+        strands_hold_tips( frame, pair, state );
+        if ( has->has_frames )
+        {
+            strands_turn_tips( frame, pair, state );
+        }
     }
 }
 
@@ -159,6 +170,10 @@ static void select_rods( pair_args* batch, const pair_args* all, const wisp_span
         rod->rest = all->rod.rest + vector;
         rod->rest_twist = all->rod.rest_twist + 2 * scalar;
         rod->twist_stiffness = all->rod.twist_stiffness + scalar;
+    }
+    if ( all->rod.tip != NULL )
+    {
+        rod->tip = all->rod.tip + vector;
     }
 }
 
@@ -250,7 +265,8 @@ void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end
     {
         all.rod = strands_rod_args( frame, span, state, has.has_frames );
     }
-    all.stretch.scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH + PAIR_FLOATS );
+    const int section_floats = all.rod.flatness > 0.0f ? WISP_STRAND_SECTION_SCRATCH : 0;
+    all.stretch.scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH + PAIR_FLOATS + section_floats );
     if ( all.stretch.scratch == NULL )
     {
         return;
@@ -267,6 +283,7 @@ void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end
     batch.stretch.speed = batch.motion.speed;
     batch.motion.segment = batch.link.segment = batch.rod.segment = batch.stretch.segment = behind;
     batch.rod.scratch = all.stretch.scratch;
+    batch.rod.section_scratch = behind + (size_t)( group_row[1] - group_row[0] ) * PAIR_FLOATS;
     for ( wisp_span pair = *span; pair.begin < span->end; pair.begin = pair.end )
     {
         pair.end = pair.begin + PAIR < span->end ? pair.begin + PAIR : span->end;

@@ -194,11 +194,15 @@ void strands_hold_pins( wisp_frame* frame, const wisp_span* span, void* user )
     float* low = wisp_frame_column( frame, span->entity, state->low, 0 );
     float* velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 );
     const float inverse_dt = 1.0f / wisp_frame_dt( frame, span->entity );
+    const int32_t* hold = wisp_frame_has( frame, span->entity, state->tips )
+                              ? wisp_frame_column( frame, span->entity, state->tips, 0 )
+                              : NULL;
     for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
     {
         const int group = i / WISP_LANES, lane = i % WISP_LANES, first = t->group_row[group];
         const wisp_vec3 from = strands_get( root, group, lane );
-        for ( int row = first + 1; row < first + t->lane_count[i]; ++row )
+        const bool is_tip_held = hold != NULL && ( hold[i] & WISP_STRAND_TIP_PINNED ) != 0;
+        for ( int row = first + 1; row < first + t->lane_count[i] - ( is_tip_held ? 1 : 0 ); ++row )
         {
             if ( weight[strands_scalar( row, lane )] > 0.0f )
             {
@@ -218,15 +222,15 @@ void strands_hold_pins( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-static wisp_status check_pose( wisp_world* world, wisp_transform pose )
+wisp_status strands_check_pose( wisp_world* world, const char* what, wisp_transform pose )
 {
     const wisp_vec3 p = pose.translation;
     const wisp_quat q = pose.rotation;
     if ( !( fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "strands: the head at (%g, %g, %g) is not within 1e6 m of the origin", (double)p.x,
-                                (double)p.y, (double)p.z );
+                                "strands: the %s at (%g, %g, %g) is not within 1e6 m of the origin", what,
+                                (double)p.x, (double)p.y, (double)p.z );
     }
     const float squared = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
     if ( !( squared >= 1e-12f && squared <= 1e12f ) )
@@ -243,7 +247,7 @@ wisp_status wisp_move_strand_head( wisp_world* world, wisp_entity strands, wisp_
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* state;
     wisp_status status = strands_find( world, strands, &state );
-    status = status == WISP_OK ? check_pose( world, pose ) : status;
+    status = status == WISP_OK ? strands_check_pose( world, "head", pose ) : status;
     if ( status != WISP_OK )
     {
         return status;

@@ -68,8 +68,8 @@ static void cook_weights( const wisp_strand_dynamics_def* def, const float* rest
     }
 }
 
-// Return the lane of a vertex. Lanes are sorted by falling length, then by strand.
-static int lane_of( const wisp_strand_topology* t, int vertex )
+// Lanes are sorted by falling length, then by strand.
+int strands_lane_of( const wisp_strand_topology* t, int vertex )
 {
     int strand = 0;
     for ( int end = t->strand_count; end - strand > 1; )
@@ -95,7 +95,7 @@ static void pin( const wisp_strand_topology* t, const wisp_strand_dynamics_def* 
 {
     for ( int k = 0; k < def->pin_count; ++k )
     {
-        const int i = lane_of( t, def->pins[k] );
+        const int i = strands_lane_of( t, def->pins[k] );
         const int row = t->group_row[i / WISP_LANES] + def->pins[k] - t->offsets[t->lane_strand[i]];
         weight[strands_scalar( row, i % WISP_LANES )] = 0.0f;
     }

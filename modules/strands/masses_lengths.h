@@ -10,5 +10,8 @@ int strands_cook_masses( wisp_world* world, wisp_entity strands, const wisp_stra
 /// Compute rest lengths of links over one and over two segments, where the entity has them.
 void strands_cook_links( wisp_world* world, wisp_entity strands, const strands_state* state );
 
+/// Return the lane of a vertex, in the user's order: 16 times its group, and the lane in it.
+int strands_lane_of( const wisp_strand_topology* topology, int vertex );
+
 /// Return the length of the longest strand at rest, m.
 float strands_longest( const strands_rows* rows );

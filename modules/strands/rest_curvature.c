@@ -163,17 +163,19 @@ typedef struct curve_args
     const strands_settings* settings;
     const float* stiffness;
     const float* clamp;
+    strands_section section; // zero: circular
+    const int32_t* hold;     // [group][16] wisp_strand_tip; null: tips are free
+    const float* tip;        // [group][4][16] frames of tips at rest
     float *rest, *rest_twist, *twist_stiffness, *rest_tension;
     double dt;
 } curve_args;
 
-// Rotate a vector into the middle frame of two neighbours, the inverse of what the kernel does.
-static wisp_vec3 into_middle( wisp_quat a, wisp_quat b, wisp_vec3 k )
+// Return the middle frame of two neighbours, as the kernel finds it.
+static wisp_quat middle_frame( wisp_quat a, wisp_quat b )
 {
     const float same = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w < 0.0f ? -1.0f : 1.0f;
     const wisp_quat sum = { a.x + same * b.x, a.y + same * b.y, a.z + same * b.z, a.w + same * b.w };
-    const wisp_quat middle = wisp_transform_make( sum, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
-    return wisp_quat_inverse_rotate( middle, k );
+    return wisp_transform_make( sum, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
 }
 
 static void put_vertex( const curve_args* args, int row, int lane, wisp_vec3 k, double half_twist,
@@ -219,10 +221,24 @@ static double tension_of( const curve_args* args, const strand_shape* shape, int
     return fmax( -most, fmin( most, tension ) );
 }
 
+// Return M + EI' / EI times its part along the soft axis, less that part: the moment that would bend a circular section of
+// EI' as M bends this one. The axes at rest are in place of the rest vectors, which the recursion replaces.
+static vec bending_moment( const curve_args* args, const strand_shape* shape, int s, vec moment )
+{
+    const double flat = (double)args->section.flatness;
+    if ( flat == 0.0 )
+    {
+        return moment;
+    }
+    const vec axis = make( strands_get( args->rest, shape->row + s, shape->lane ) );
+    return add( moment, scale( axis, flat * flat / ( 1.0 - flat * flat ) * dot( moment, axis ) ) );
+}
+
 static compensation bend_of( const curve_args* args, const strand_shape* shape, int s, const balance* now )
 {
     const double stiffness = (double)args->stiffness[strands_scalar( shape->row + s, shape->lane )];
-    return compensation_of( shape, s, sqrt( dot( now->moment, now->moment ) ), stiffness,
+    const vec moment = bending_moment( args, shape, s, now->moment );
+    return compensation_of( shape, s, sqrt( dot( moment, moment ) ), stiffness,
                             (double)args->settings->bend_rigidity );
 }
 
@@ -270,7 +286,7 @@ static double stable_fraction( const curve_args* args, const strand_shape* shape
     {
         now = step( shape, s, gravity, now );
         const double reach = strands_bend_length( shape->rows, shape->row, s, shape->lane );
-        sum = add( sum, scale( now.moment, reach / rigidity ) );
+        sum = add( sum, scale( bending_moment( args, shape, s, now.moment ), reach / rigidity ) );
         turn = fmax( turn, sqrt( dot( sum, sum ) ) );
     }
     return turn > MAX_TURN ? MAX_TURN / turn : 1.0;
@@ -281,6 +297,7 @@ static double stable_fraction( const curve_args* args, const strand_shape* shape
 static double curve_vertices( const curve_args* args, const strand_shape* shape, double fraction )
 {
     const bool balanced = args->settings->rest == WISP_STRAND_REST_SAG_FREE;
+    const bool is_straight = args->settings->rest == WISP_STRAND_REST_STRAIGHT;
     const wisp_vec3 whole = args->settings->gravity;
     const float felt = (float)fraction;
     const wisp_vec3 load = { felt * whole.x, felt * whole.y, felt * whole.z };
@@ -292,14 +309,16 @@ static double curve_vertices( const curve_args* args, const strand_shape* shape,
     {
         now = step( shape, s, gravity, now );
         const double twist_stiffness = twist_stiffness_of( args, shape, s );
-        vec k = sub( direction( shape, s ), direction( shape, s - 1 ) );
-        double half_twist = 0.0;
+        vec k = is_straight ? scale( now.moment, 0.0 ) : sub( direction( shape, s ), direction( shape, s - 1 ) );
+        double half_twist = 0.5 * strands_natural_twist( args->rows->length, shape->row, s, shape->count, shape->lane,
+                                                         (double)args->section.twist );
         if ( balanced && args->stiffness[strands_scalar( shape->row + s, shape->lane )] > 0.0f )
         {
-            const double moment = sqrt( dot( now.moment, now.moment ) );
+            const vec bending = bending_moment( args, shape, s, now.moment );
+            const double moment = sqrt( dot( bending, bending ) );
             const compensation bend = bend_of( args, shape, s, &now ), twist = twist_of( args, shape, s, &now );
-            k = sub( k, scale( now.moment, moment > 0.0 ? fmin( bend.needed, bend.most ) / moment : 0.0 ) );
-            half_twist = -copysign( atan( 0.5 * fmin( twist.needed, twist.most ) ), now.twist );
+            k = sub( k, scale( bending, moment > 0.0 ? fmin( bend.needed, bend.most ) / moment : 0.0 ) );
+            half_twist -= copysign( atan( 0.5 * fmin( twist.needed, twist.most ) ), now.twist );
         }
         args->rest_tension[strands_scalar( shape->row + s, shape->lane )] =
             balanced ? (float)tension_of( args, shape, s, now.tension ) : 0.0f;
@@ -309,22 +328,69 @@ static double curve_vertices( const curve_args* args, const strand_shape* shape,
     return stable;
 }
 
+// Return the frame of segment s at rest from the one before it.
+static wisp_quat next_frame( const curve_args* args, const strand_shape* shape, int s, wisp_quat before )
+{
+    const wisp_vec3 e = strands_sub( strands_get( args->rows->rest, shape->row + s + 1, shape->lane ),
+                                     strands_get( args->rows->rest, shape->row + s, shape->lane ) );
+    return strands_twist_frame( strands_carry_frame( before, e ),
+                                strands_natural_twist( args->rows->length, shape->row, s, shape->count, shape->lane,
+                                                       (double)args->section.twist ) );
+}
+
+// Put the axis across the flat side at each vertex, where the recursion from the tip finds it.
+static void put_axes( const curve_args* args, const strand_shape* shape, wisp_quat clamp )
+{
+    wisp_quat before = clamp;
+    for ( int s = 0; s + 1 < shape->count; ++s )
+    {
+        const wisp_quat frame = next_frame( args, shape, s, before );
+        strands_put( args->rest, shape->row + s, shape->lane,
+                     wisp_quat_rotate( middle_frame( before, frame ), ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } ) );
+        before = frame;
+    }
+}
+
+// Let the vertex at a tip whose direction is held be without load at rest. A straight rod that is joined to a loop is not:
+// it is as it was before it was joined.
+static void rest_tip( const curve_args* args, const strand_shape* shape, wisp_quat last, wisp_quat tip )
+{
+    const int i = shape->count - 1, row = shape->row + i;
+    const wisp_vec3 z = { 0.0f, 0.0f, 1.0f };
+    const wisp_quat r = strands_quat_multiply( strands_quat_inverse( last ), tip );
+    const bool is_straight = args->settings->rest == WISP_STRAND_REST_STRAIGHT;
+    const wisp_vec3 bend = strands_sub( wisp_quat_rotate( tip, z ), wisp_quat_rotate( last, z ) );
+    const double natural = strands_natural_twist( args->rows->length, shape->row, i, shape->count, shape->lane,
+                                                  (double)args->section.twist );
+    const double half_twist = is_straight ? 0.5 * natural : atan2( (double)r.z, (double)r.w );
+    const wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
+    const wisp_vec3 k = is_straight ? none : wisp_quat_inverse_rotate( middle_frame( last, tip ), bend );
+    put_vertex( args, row, shape->lane, k, half_twist, twist_stiffness_of( args, shape, i ) );
+}
+
 // @return the fraction of its weight that the strand feels @param held out: the fraction of that which it holds
 static double curve_strand( const curve_args* args, int group, int row, int count, int lane, double* held )
 {
     const strand_shape shape = shape_of( args->rows, row, count, lane );
+    const wisp_quat clamp = strands_get_quat( args->clamp, group, lane );
+    if ( args->section.flatness > 0.0f )
+    {
+        put_axes( args, &shape, clamp );
+    }
     const double fraction =
         args->settings->rest == WISP_STRAND_REST_SAG_FREE ? fraction_of_weight( args, &shape ) : 1.0;
     *held = curve_vertices( args, &shape, fraction );
-    wisp_quat before = strands_get_quat( args->clamp, group, lane );
+    wisp_quat before = clamp;
     for ( int s = 0; s + 1 < count; ++s )
     {
-        const wisp_vec3 e = strands_sub( strands_get( args->rows->rest, row + s + 1, lane ),
-                                         strands_get( args->rows->rest, row + s, lane ) );
-        const wisp_quat frame = strands_carry_frame( before, e );
+        const wisp_quat frame = next_frame( args, &shape, s, before );
         const wisp_vec3 k = strands_get( args->rest, row + s, lane );
-        strands_put( args->rest, row + s, lane, into_middle( before, frame, k ) );
+        strands_put( args->rest, row + s, lane, wisp_quat_inverse_rotate( middle_frame( before, frame ), k ) );
         before = frame;
+    }
+    if ( args->hold != NULL && ( args->hold[group * WISP_LANES + lane] & WISP_STRAND_TIP_GUIDED ) != 0 )
+    {
+        rest_tip( args, &shape, before, strands_get_quat( args->tip, group, lane ) );
     }
     return fraction;
 }
@@ -340,7 +406,7 @@ void strands_balance_rest( wisp_frame* frame, const wisp_span* span, void* user 
 {
     const strands_state* state = user;
     const strands_rows rows = strands_rows_in( frame, span->entity );
-    const curve_args args = {
+    curve_args args = {
         .rows = &rows,
         .settings = wisp_frame_column( frame, span->entity, state->settings, 0 ),
         .stiffness = wisp_frame_column( frame, span->entity, state->rod, 1 ),
@@ -351,6 +417,15 @@ void strands_balance_rest( wisp_frame* frame, const wisp_span* span, void* user 
         .rest_tension = wisp_frame_column( frame, span->entity, state->curve, 4 ),
         .dt = (double)wisp_frame_dt( frame, span->entity ),
     };
+    if ( wisp_frame_has( frame, span->entity, state->section ) )
+    {
+        args.section = *(const strands_section*)wisp_frame_column( frame, span->entity, state->section, 0 );
+    }
+    if ( wisp_frame_has( frame, span->entity, state->tips ) )
+    {
+        args.hold = wisp_frame_column( frame, span->entity, state->tips, 0 );
+        args.tip = wisp_frame_column( frame, span->entity, state->tips, 4 );
+    }
     float* balanced = wisp_frame_column( frame, span->entity, state->balance, 0 );
     float* fractions = wisp_frame_column( frame, span->entity, state->balance, 1 );
     float* held = wisp_frame_column( frame, span->entity, state->balance, 2 );

@@ -44,6 +44,16 @@ static wisp_quat clamp_of( const float* rest, int row, int count, int lane )
     return ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f };
 }
 
+// Turn a clamp about its growth so that its x axis is across the flat side of the section.
+static wisp_quat turn_section( wisp_quat clamp, wisp_vec3 normal )
+{
+    const wisp_vec3 local = wisp_quat_inverse_rotate( clamp, normal );
+    const double x = (double)local.x, y = (double)local.y;
+    return x * x + y * y > 1e-12 * (double)( strands_norm( local ) * strands_norm( local ) )
+               ? strands_twist_frame( clamp, atan2( y, x ) )
+               : clamp;
+}
+
 // Bound the tension that a substep starts with. A strand that hangs still bears at most its weight, between two pins
 // at most four times that. A body may push more tension into it, which carried into the next substep would throw the
 // strand off the body.
@@ -74,6 +84,7 @@ void strands_cook_rods( wisp_world* world, wisp_entity strands, const strands_st
     float* inverse = wisp_world_column( world, strands, state->rod, 0 );
     float* clamp = wisp_world_column( world, strands, state->clamp, 0 );
     float* factored = wisp_world_column( world, strands, state->clamp, 1 );
+    const strands_section* section = wisp_world_column( world, strands, state->section, 0 );
     if ( inverse == NULL )
     {
         return;
@@ -85,15 +96,39 @@ void strands_cook_rods( wisp_world* world, wisp_entity strands, const strands_st
     for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
     {
         const int group = i / WISP_LANES, lane = i % WISP_LANES;
-        strands_put_quat( clamp, group, lane, clamp_of( rows.rest, t->group_row[group], t->lane_count[i], lane ) );
+        const wisp_quat q = clamp_of( rows.rest, t->group_row[group], t->lane_count[i], lane );
+        strands_put_quat( clamp, group, lane, section != NULL ? turn_section( q, section->normal ) : q );
         cook_max_tension( &rows, (double)strands_norm( settings->gravity ), t->group_row[group], t->lane_count[i],
                           lane, most );
         factored[group] = 0.0f;
     }
     // a curled rod starts with the tension of its balance, which is constant
-    for ( size_t i = 0; i < (size_t)t->row_count * WISP_LANES && wisp_world_has( world, strands, state->curve ); ++i )
+    const bool has_balance =
+        settings->rest != WISP_STRAND_REST_STRAIGHT && wisp_world_has( world, strands, state->curve );
+    for ( size_t i = 0; i < (size_t)t->row_count * WISP_LANES && has_balance; ++i )
     {
         most[i] = FLT_MAX;
+    }
+}
+
+void strands_refactor( wisp_world* world, wisp_entity strands, const strands_state* state, int lane )
+{
+    const strands_rows rows = strands_rows_of( world, strands );
+    const strands_settings* settings = wisp_world_column( world, strands, state->settings, 0 );
+    float* most = wisp_world_column( world, strands, state->rod, 3 );
+    float* factored = wisp_world_column( world, strands, state->clamp, 1 );
+    const bool has_balance =
+        settings->rest != WISP_STRAND_REST_STRAIGHT && wisp_world_has( world, strands, state->curve );
+    const int row = rows.topology->group_row[lane / WISP_LANES], count = rows.topology->lane_count[lane];
+    if ( factored == NULL )
+    {
+        return;
+    }
+    factored[0] = 0.0f; // the pass looks at the first group and computes all
+    cook_max_tension( &rows, (double)strands_norm( settings->gravity ), row, count, lane % WISP_LANES, most );
+    for ( int i = row; i < row + count && has_balance; ++i )
+    {
+        most[strands_scalar( i, lane % WISP_LANES )] = FLT_MAX;
     }
 }
 
@@ -110,10 +145,41 @@ typedef struct factor_args
     const strands_rows* rows;
     const strands_settings* settings;
     float *stiffness, *factor;
-    double dt;   // s, of a substep, which stiffness must suit
-    double step; // s, of the implicit step of these factors
-    bool curled; // with frames
+    double dt;           // s, of a substep, which stiffness must suit
+    double step;         // s, of the implicit step of these factors
+    bool curled;         // with rest curvature
+    const int32_t* hold; // [group][16] wisp_strand_tip; null: tips are free
 } factor_args;
+
+// Rows of a strand.
+typedef struct rod_strand
+{
+    int row, count, lane;
+    bool is_held;   // its tip is
+    bool is_guided; // the direction of the tip is held, so that it bends too
+} rod_strand;
+
+static int hold_of( const factor_args* args, int group, int lane )
+{
+    return args->hold != NULL ? args->hold[group * WISP_LANES + lane] : WISP_STRAND_TIP_FREE;
+}
+
+static rod_strand rows_of( const factor_args* args, int group, int lane )
+{
+    const wisp_strand_topology* t = args->rows->topology;
+    const int hold = hold_of( args, group, lane );
+    return ( rod_strand ){ .row = t->group_row[group],
+                           .count = t->lane_count[group * WISP_LANES + lane],
+                           .lane = lane,
+                           .is_held = hold != WISP_STRAND_TIP_FREE,
+                           .is_guided = ( hold & WISP_STRAND_TIP_GUIDED ) != 0 };
+}
+
+// Return the number of vertices from the root on that may bend.
+static int bending_count( const rod_strand* strand )
+{
+    return strand->is_guided ? strand->count : strand->count - 1;
+}
 
 static double mass_at( const strands_rows* rows, int row, int lane )
 {
@@ -163,24 +229,29 @@ bool strands_is_curl( double turn )
     return turn * turn * turn * turn * MAX_STIFFNESS > MAX_CURLED;
 }
 
-static double max_stiffness( const factor_args* args, int row, int i, int count, int lane )
+// A straight rod that is held in a curled shape, as a loop is, needs the bound of curls too.
+static double max_stiffness( const factor_args* args, const rod_strand* strand, int i )
 {
-    const double turn = args->curled ? strands_sharpest_turn( args->rows, row, i, count, lane ) : 0.0;
+    const int row = strand->row, count = strand->count, lane = strand->lane;
+    const double turn =
+        args->curled || strand->is_held ? strands_sharpest_turn( args->rows, row, i, count, lane ) : 0.0;
     return fmin( MAX_STIFFNESS, MAX_CURLED / fmax( turn * turn * turn * turn, 1e-12 ) );
 }
 
 // Return EI / L_i of a vertex, lowered to what can be solved.
-static double stiffness_of( const factor_args* args, int row, int i, int count, int lane )
+static double stiffness_of( const factor_args* args, const rod_strand* strand, int i )
 {
-    if ( i + 1 >= count || ( i == 0 && args->settings->clamped == 0 ) )
+    const int row = strand->row, count = strand->count, lane = strand->lane;
+    if ( i >= bending_count( strand ) || ( i == 0 && args->settings->clamped == 0 ) )
     {
         return 0.0;
     }
-    const double behind = length_at_row( args->rows, row + i, lane );
-    const double before = i > 0 ? length_at_row( args->rows, row + i - 1, lane ) : behind;
+    const double own = i + 1 < count ? length_at_row( args->rows, row + i, lane ) : 0.0;
+    const double before = i > 0 ? length_at_row( args->rows, row + i - 1, lane ) : own;
+    const double behind = i + 1 < count ? own : before;
     double mass = 0.0;
     int masses = 0;
-    for ( int k = i > 0 ? i - 1 : 0; k <= i + 1; ++k )
+    for ( int k = i > 0 ? i - 1 : 0; k <= i + 1 && k < count; ++k )
     {
         const double m = mass_at( args->rows, row + k, lane );
         mass += m;
@@ -188,21 +259,22 @@ static double stiffness_of( const factor_args* args, int row, int i, int count, 
     }
     const double step = args->dt * ( args->dt + (double)args->settings->bend_damping );
     const double l = fmin( before, behind ), mean = masses > 0 ? mass / masses : 0.0;
-    const double most = max_stiffness( args, row, i, count, lane ) * mean * l * l * l / step;
+    const double most = max_stiffness( args, strand, i ) * mean * l * l * l / step;
     const double reach = strands_bend_length( args->rows, row, i, lane );
     return reach > 0.0 ? fmin( (double)args->settings->bend_rigidity, most ) / reach : 0.0;
 }
 
 // Return the entries (i, i), (i, i-1), (i, i-2) of M + (dt^2 + damping dt) K. Vertex k bends with coefficients c over
 // k-1, k, k+1.
-static band row_of_system( const factor_args* args, int row, int i, int count, int lane )
+static band row_of_system( const factor_args* args, const rod_strand* strand, int i )
 {
+    const int row = strand->row, count = strand->count, lane = strand->lane;
     const double step = args->step * ( args->step + (double)args->settings->bend_damping );
     band out = { mass_at( args->rows, row + i, lane ), 0.0, 0.0 };
-    for ( int k = i > 0 ? i - 1 : 0; k <= i + 1 && k + 1 < count; ++k )
+    for ( int k = i > 0 ? i - 1 : 0; k <= i + 1 && k < bending_count( strand ); ++k )
     {
         const double stiffness = step * (double)args->stiffness[strands_scalar( row + k, lane )];
-        const double behind = 1.0 / length_at_row( args->rows, row + k, lane );
+        const double behind = k + 1 < count ? 1.0 / length_at_row( args->rows, row + k, lane ) : 0.0;
         const double before = k > 0 ? 1.0 / length_at_row( args->rows, row + k - 1, lane ) : 0.0;
         const double c[3] = { before, -( before + behind ), behind }; // of k-1, k, k+1
         const int own = i - k + 1;
@@ -222,16 +294,44 @@ static void put_factor( const factor_args* args, int row, int lane, double inver
     strands_put( args->factor, row, lane, ( wisp_vec3 ){ (float)inverse, (float)first, (float)second } );
 }
 
-static void stiffen_strand( const factor_args* args, int row, int count, int lane )
+static void stiffen_strand( const factor_args* args, const rod_strand* strand )
 {
-    for ( int i = 0; i < count; ++i )
+    for ( int i = 0; i < strand->count; ++i )
     {
-        args->stiffness[strands_scalar( row + i, lane )] = (float)stiffness_of( args, row, i, count, lane );
+        args->stiffness[strands_scalar( strand->row + i, strand->lane )] = (float)stiffness_of( args, strand, i );
     }
 }
 
-static void factor_strand( const factor_args* args, int row, int count, int lane )
+// Bound the tension of a strand whose tip is held, which may be more than its weight. A tension of EI / l^2 bends segments
+// less than their stiffness straightens them, so it may come from the substep before. Beyond that it may be four times the
+// weight, as between two pins, and at most a quarter of m l / dt^2: above half of that, one that is applied without a solve
+// folds a strand that is soft.
+static void bound_held_tension( const factor_args* args, const rod_strand* strand, float* most )
 {
+    const double gravity = (double)strands_norm( args->settings->gravity );
+    double whole = 0.0;
+    for ( int i = 1; i < strand->count; ++i )
+    {
+        whole += mass_at( args->rows, strand->row + i, strand->lane );
+    }
+    for ( int i = 0; i + 1 < strand->count; ++i )
+    {
+        const size_t at = strands_scalar( strand->row + i, strand->lane );
+        const double l = length_at_row( args->rows, strand->row + i, strand->lane );
+        const double a = mass_at( args->rows, strand->row + i, strand->lane ),
+                     b = mass_at( args->rows, strand->row + i + 1, strand->lane );
+        const double mass = a > 0.0 && b > 0.0 ? fmin( a, b ) : fmax( a, b );
+        const double reach = strands_bend_length( args->rows, strand->row, i, strand->lane );
+        const double loose = fmin( 4.0 * gravity * whole, 0.25 * mass * l / ( args->dt * args->dt ) );
+        const double rigidity = (double)args->stiffness[at] * reach;
+        const double bent = fmin( rigidity / ( l * l ), sqrt( MAX_CURLED * rigidity * mass / l ) / args->dt );
+        most[at] = (float)( loose + bent );
+    }
+}
+
+static void factor_strand( const factor_args* args, const rod_strand* strand )
+{
+    const int row = strand->row, count = strand->count, lane = strand->lane;
     band before = { 1.0, 0.0, 0.0 }, first = before;
     for ( int i = 0; i < count; ++i )
     {
@@ -242,7 +342,7 @@ static void factor_strand( const factor_args* args, int row, int count, int lane
             before = ( band ){ 1.0, 0.0, 0.0 };
             continue;
         }
-        const band a = row_of_system( args, row, i, count, lane );
+        const band a = row_of_system( args, strand, i );
         band l = { 0.0, 0.0, a.second / first.pivot };
         l.first = ( a.first - l.second * first.pivot * before.first ) / before.pivot;
         l.pivot = a.pivot - l.first * l.first * before.pivot - l.second * l.second * first.pivot;
@@ -261,10 +361,10 @@ bool strands_factor_is_due( wisp_frame* frame, wisp_entity entity, void* user )
 
 static void factor_group( const factor_args* args, int group )
 {
-    const wisp_strand_topology* t = args->rows->topology;
     for ( int lane = 0; lane < WISP_LANES; ++lane )
     {
-        factor_strand( args, t->group_row[group], t->lane_count[group * WISP_LANES + lane], lane );
+        const rod_strand strand = rows_of( args, group, lane );
+        factor_strand( args, &strand );
     }
 }
 
@@ -273,15 +373,21 @@ void strands_factor( wisp_frame* frame, const wisp_span* span, void* user )
     const strands_state* state = user;
     const strands_rows rows = strands_rows_in( frame, span->entity );
     const double dt = (double)wisp_frame_dt( frame, span->entity );
+    const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     const bool has_history = wisp_frame_has( frame, span->entity, state->history );
+    const bool has_curve = wisp_frame_has( frame, span->entity, state->curve );
+    float* most = wisp_frame_column( frame, span->entity, state->rod, 3 );
     const factor_args args = {
         .rows = &rows,
-        .settings = wisp_frame_column( frame, span->entity, state->settings, 0 ),
+        .settings = settings,
         .stiffness = wisp_frame_column( frame, span->entity, state->rod, 1 ),
         .factor = wisp_frame_column( frame, span->entity, state->rod, 2 ),
         .dt = dt,
         .step = has_history ? 2.0 / 3.0 * dt : dt,
-        .curled = wisp_frame_has( frame, span->entity, state->curve ),
+        .curled = has_curve && settings->rest != WISP_STRAND_REST_STRAIGHT,
+        .hold = wisp_frame_has( frame, span->entity, state->tips )
+                    ? wisp_frame_column( frame, span->entity, state->tips, 0 )
+                    : NULL,
     };
     factor_args first_order = args;
     first_order.step = dt;
@@ -291,8 +397,12 @@ void strands_factor( wisp_frame* frame, const wisp_span* span, void* user )
     {
         for ( int lane = 0; lane < WISP_LANES; ++lane )
         {
-            stiffen_strand( &args, rows.topology->group_row[g], rows.topology->lane_count[g * WISP_LANES + lane],
-                            lane );
+            const rod_strand strand = rows_of( &args, g, lane );
+            stiffen_strand( &args, &strand );
+            if ( hold_of( &args, g, lane ) != WISP_STRAND_TIP_FREE && args.curled == false )
+            {
+                bound_held_tension( &args, &strand, most );
+            }
         }
         factor_group( &args, g );
         if ( has_history )

@@ -7,6 +7,9 @@
 /// Compute clamps, inverse lengths and bounds of the tension.
 void strands_cook_rods( wisp_world* world, wisp_entity strands, const strands_state* state );
 
+/// Have the factors of rods computed again, because the tip of the strand in a lane is held in another way.
+void strands_refactor( wisp_world* world, wisp_entity strands, const strands_state* state, int lane );
+
 /// Pass strands.factor: factors of M + (dt^2 + damping dt) K, due when the length of a substep changes.
 bool strands_factor_is_due( wisp_frame* frame, wisp_entity entity, void* user );
 void strands_factor( wisp_frame* frame, const wisp_span* span, void* user );

@@ -16,7 +16,7 @@
 //
 //   T_s - T_{s+1} + (b_s + b_{s+1}) / 2 = 0,   b_i = -EI / L_i (t_i - t_{i-1}) . (z_i x k_i)
 //
-// with z_i the middle frame's z axis and T = b = 0 behind the last segment. It is solved by one tridiagonal Newton
+// with z_i the middle frame's z axis and T = b = 0 behind the last segment of a strand with a free tip. It is solved by one tridiagonal Newton
 // step per substep, with EI / L_i max(0, (t_i - t_{i-1}) . k_i) / 4 for the second derivative of the bending in
 // both segments and between them. A segment turns by a radian at most. A strand that reaches that is not in
 // balance, and its T_i would be what the limit left over, so they are 0 in that substep.
@@ -36,8 +36,24 @@
 // T_i, b_i and kb_i are angles, so they take unit directions, also of segments that are not at their length: links
 // and followers leave segments several times too long, and the product of two such lengths has no bound.
 //
+// An elliptic section bends across its flat side with EI and edgewise with EI' >= EI. Its x axis is across the flat side,
+// and m_i is that of the middle frame (after Bergou et al. 2008, section 4.2, with diagonal B). With C_i = t_i - t_{i-1}
+// - k_i and the stiffness EI' / L_i,
+//
+//   E_i = EI' / (2 L_i) (|C_i|^2 - (C_i . s_i)^2),   s_i = sqrt(1 - EI / EI') m_i
+//   M_i = EI' / L_i (C_i - (C_i . s_i) s_i)
+//   b_i = -EI' / L_i ((t_i - t_{i-1}) . (z_i x k_i) + (C_i . s_i) (t_i - t_{i-1}) . (z_i x s_i))
+//
+// and the second derivative of E_i by the rotation about z_i is EI' / L_i ((t_i - t_{i-1}) . k_i + (C_i . s_i) (t_i -
+// t_{i-1}) . s_i - ((t_i - t_{i-1}) . (z_i x s_i))^2). All else is as for a circle, with b_i in place of its own. The
+// implicit matrix has EI', which no direction exceeds, so that it stays one for x, y and z: equilibria are exact, but a
+// mode of frequency w across the flat side is slowed as if its mass were larger by dt^2 w^2 (EI' / EI - 1).
+//
+// A tip whose direction is held has a frame behind the last segment, and vertex n bends and twists between that segment and
+// this frame with L_n = l_{n-1} / 2. Its frame does not turn, and its twist is put in as that of a clamp is.
+//
 // Where a vertex folds back, k_i and twist have no direction: a small circle about that pose changes both by any
-// amount. So E_i and the energy of twist have w k_i and w GJ, w = f (2 - f). f falls from 1, where 1 + t_{i-1} .
+// amount. So E_i and the energy of twist have w k_i, sqrt(w) s_i and w GJ, w = f (2 - f). f falls from 1, where 1 + t_{i-1} .
 // t_i is a quarter of what it is at rest (at 139 degrees for rest shapes that turn by less than 90), to 0 at 180
 // degrees. The derivative of w acts on the centre line too.
 #include "rod_frames.h"
@@ -66,20 +82,36 @@ wisp_quat strands_carry_frame( wisp_quat q, wisp_vec3 e )
     return wisp_transform_make( carried, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
 }
 
-void strands_lay_group( const wisp_strand_topology* t, const float* position, const float* clamp, const float* root,
-                        float* frame, int group )
+wisp_quat strands_twist_frame( wisp_quat q, double angle )
 {
+    const wisp_quat turn = { 0.0f, 0.0f, (float)sin( 0.5 * angle ), (float)cos( 0.5 * angle ) };
+    return angle == 0.0 ? q : strands_quat_multiply( q, turn );
+}
+
+double strands_natural_twist( const float* length, int row, int i, int count, int lane, double twist )
+{
+    const double before = i > 0 ? (double)length[strands_scalar( row + i - 1, lane )] : 0.0;
+    const double behind = i + 1 < count ? (double)length[strands_scalar( row + i, lane )] : 0.0;
+    return 0.5 * twist * ( before + behind );
+}
+
+void strands_lay_group( const wisp_strand_topology* t, const float* position, const float* clamp, const float* root,
+                        const float* length, float twist, float* frame, int group )
+{
+    const int first = t->group_row[group];
     for ( int lane = 0; lane < WISP_LANES; ++lane )
     {
         wisp_quat q =
             strands_quat_multiply( strands_get_quat( root, group, lane ), strands_get_quat( clamp, group, lane ) );
         const int count = t->lane_count[group * WISP_LANES + lane];
-        for ( int row = t->group_row[group]; row < t->group_row[group + 1]; ++row )
+        for ( int row = first; row < t->group_row[group + 1]; ++row )
         {
-            if ( row - t->group_row[group] + 1 < count )
+            if ( row - first + 1 < count )
             {
                 const wisp_vec3 to = strands_get( position, row + 1, lane );
                 q = strands_carry_frame( q, strands_sub( to, strands_get( position, row, lane ) ) );
+                q = strands_twist_frame(
+                    q, strands_natural_twist( length, first, row - first, count, lane, (double)twist ) );
             }
             strands_put_quat( frame, row, lane, q );
         }

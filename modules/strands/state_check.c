@@ -103,10 +103,15 @@ static void restore_frames( wisp_frame* frame, wisp_entity entity, const strands
     const float* position = wisp_frame_column( frame, entity, WISP_STRAND_POSITION, 0 );
     const float* clamp = wisp_frame_column( frame, entity, state->clamp, 0 );
     const float* root = wisp_frame_column( frame, entity, WISP_STRAND_ROOT, 1 );
+    const float* length = wisp_frame_column( frame, entity, WISP_STRAND_LENGTH, 0 );
+    const strands_section* section = wisp_frame_has( frame, entity, state->section )
+                                         ? wisp_frame_column( frame, entity, state->section, 0 )
+                                         : NULL;
+    const float twist = section != NULL ? section->twist : 0.0f;
     float* frames = wisp_frame_column( frame, entity, state->curve, 0 );
     for ( int g = 0; g < t->group_count; ++g )
     {
-        strands_lay_group( t, position, clamp, root, frames, g );
+        strands_lay_group( t, position, clamp, root, length, twist, frames, g );
     }
 }
 

@@ -64,7 +64,8 @@ typedef struct wisp_strand_dynamics_def
 
     wisp_strand_bend bending; ///< default rod
     float bend_rigidity;      ///< rod: EI, N m^2, 0 .. 1e12, default 8e-9 (a hair of 80 um)
-    float twist_rigidity;     ///< rod: GJ, N m^2, 0 .. 1e12, default 6e-9; has an effect only with rest curvature
+    float twist_rigidity;     ///< rod: GJ, N m^2, 0 .. 1e12, default 6e-9; has an effect with rest curvature, an
+                              ///< elliptic section, or a tip whose direction is held
     float
         bend_damping; ///< rod: s, ratio of the force against bending rate to that against bending, 0 .. 1e3, default 0
     wisp_strand_rest rest; ///< rod; default sag-free
@@ -91,6 +92,14 @@ typedef struct wisp_strand_dynamics_def
     float diameter;         ///< m, > 0, of a strand in the air, default 8e-5
     float teleport;         ///< times the longest strand, > 0: a head that moves farther in a step moves its strands
                             ///< without giving them velocity; default 5
+    float
+        edgewise_rigidity; ///< rod: EI of an elliptic section or a ribbon against bending in the plane of its width,
+                           ///< N m^2, bend_rigidity .. 1e12; bend_rigidity is that against bending across its flat
+                           ///< side. Default 0: circular
+    wisp_vec3 flat_normal; ///< rod: direction across the flat side at the root; what it has along the strand is left
+                           ///< out. Default 0: any direction. With edgewise_rigidity only
+    float natural_twist;   ///< rod: rad/m, -1e5 .. 1e5, rotation of the section along the strand without load, beyond
+                           ///< that of frames without twist; default 0. With edgewise_rigidity only
 } wisp_strand_dynamics_def;
 
 WISP_DEFINITION( strand_dynamics_def );
@@ -123,6 +132,35 @@ WISP_API wisp_status wisp_move_strand_head( wisp_world* world, wisp_entity stran
 /// @return WISP_CONFLICT the strands have no dynamics, or the other entity is no surface with triangles; WISP_NO_MEMORY
 /// @note If the surface is removed, the roots stay where they are.
 WISP_API wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_entity surface );
+
+/// How the tip of a strand, its last vertex, is held.
+typedef enum wisp_strand_tip
+{
+    WISP_STRAND_TIP_FREE = 0,
+    WISP_STRAND_TIP_PINNED = 1,  ///< its position
+    WISP_STRAND_TIP_GUIDED = 2,  ///< its direction and twist; it slides freely
+    WISP_STRAND_TIP_CLAMPED = 3, ///< both
+    WISP_STRAND_TIP_COUNT = 4,
+} wisp_strand_tip;
+
+/// Hold or release the tip of a strand, from the next step on. A tip is held where it is at present, relative to the motion
+/// of its root. A strand whose last vertex lies on its first is a loop: its tip is clamped to the frame of its root, so that
+/// the joint bends and twists as any other vertex. As the root is held, the lengths of a loop are the same tridiagonal
+/// system as those of a strand between two ends. Holds stay if the dynamics are replaced.
+/// @param strand in the user's order
+/// @return WISP_BAD_INPUT there is no such strand, it has one vertex, or the hold is unknown; WISP_CONFLICT the strands have no
+///         dynamics, or a direction is to be held and they do not bend as rods; WISP_NO_MEMORY
+/// @note A tip that is held farther from its root than the strand is long stretches the strand, which is counted once per
+///       step (WISP_COUNT_STRETCHED).
+WISP_API wisp_status wisp_hold_strand_tip( wisp_world* world, wisp_entity strands, int strand, wisp_strand_tip hold );
+
+/// Move the tip of a strand to a pose that it reaches at the end of the next step, along a straight line and the shorter
+/// rotation. Less than half a turn per step adds up to any number of turns.
+/// @param pose from the tip at rest, relative to the motion of its root (with a head: to the head): displacement in m, and
+///        rotation about the tip itself
+/// @return WISP_BAD_INPUT there is no such strand, or the pose is not finite or beyond 1e6 m; WISP_CONFLICT the strands have
+///         no dynamics, or the tip is free
+WISP_API wisp_status wisp_move_strand_tip( wisp_world* world, wisp_entity strands, int strand, wisp_transform pose );
 
 /// Interaction between strands: velocity and density on a grid (Petrovic, Henne and Anderson 2005), once per step. Fill from
 /// wisp_default_strand_grid_def(). Copied.

@@ -6,6 +6,7 @@
 #include "rod_factors.h"
 #include "rod_frames.h"
 #include "strand_rows.h"
+#include "strand_tips.h"
 
 #include <string.h>
 
@@ -46,6 +47,8 @@ static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_d
         { "bending", (float)d->bending, 0.0f, (float)( WISP_STRAND_BEND_COUNT - 1 ) },
         { "bend_rigidity", d->bend_rigidity, 0.0f, 1e12f },
         { "twist_rigidity", d->twist_rigidity, 0.0f, 1e12f },
+        { "edgewise_rigidity", d->edgewise_rigidity, 0.0f, 1e12f },
+        { "natural_twist", d->natural_twist, -1e5f, 1e5f },
         { "bend_damping", d->bend_damping, 0.0f, 1e3f },
         { "rest", (float)d->rest, 0.0f, (float)( WISP_STRAND_REST_COUNT - 1 ) },
         { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
@@ -83,6 +86,31 @@ static wisp_status check_integrator( wisp_world* world, const wisp_strand_dynami
                                 d->stretch == WISP_STRAND_STRETCH_LINKS ? "links" : "follow" );
     }
     return WISP_OK;
+}
+
+static wisp_status check_section( wisp_world* world, const wisp_strand_dynamics_def* d )
+{
+    const wisp_vec3 n = d->flat_normal;
+    const bool is_flat = d->edgewise_rigidity > 0.0f;
+    if ( is_flat && ( d->edgewise_rigidity < d->bend_rigidity || d->bend_rigidity <= 0.0f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strands: got edgewise_rigidity %g with bend_rigidity %g, expected 0 or at least a "
+                                "bend_rigidity above 0",
+                                (double)d->edgewise_rigidity, (double)d->bend_rigidity );
+    }
+    if ( is_flat && d->bending != WISP_STRAND_BEND_ROD )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strands: got edgewise_rigidity %g with bending other than rod",
+                                (double)d->edgewise_rigidity );
+    }
+    if ( is_flat == false && ( d->natural_twist != 0.0f || n.x != 0.0f || n.y != 0.0f || n.z != 0.0f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strands: natural_twist and flat_normal need an edgewise_rigidity above 0" );
+    }
+    return check_vector( world, "flat_normal", n, 1e6f );
 }
 
 static wisp_status check_lists( wisp_world* world, const wisp_strand_topology* t, const wisp_strand_dynamics_def* d )
@@ -151,7 +179,7 @@ typedef struct requested_component
 
 enum
 {
-    COMPONENT_COUNT = 23,
+    COMPONENT_COUNT = 24,
 };
 
 // Return whether vertices behind a root may be pinned: by a pin, or because a strand has no length.
@@ -173,8 +201,9 @@ static bool holds_vertices( const wisp_strand_topology* t, const float* rest, co
 }
 
 static void list_components( const strands_state* s, const wisp_strand_dynamics_def* d, bool anchored, bool holds,
-                             requested_component all[COMPONENT_COUNT] )
+                             bool guides, requested_component all[COMPONENT_COUNT] )
 {
+    const bool has_section = d->edgewise_rigidity > 0.0f;
     const bool direct = d->stretch == WISP_STRAND_STRETCH_DIRECT, rod = d->bending == WISP_STRAND_BEND_ROD;
     const bool links = d->stretch == WISP_STRAND_STRETCH_LINKS, bend_links = d->bending == WISP_STRAND_BEND_LINKS;
     const bool straight = d->rest == WISP_STRAND_REST_STRAIGHT, bdf2 = d->integrator == WISP_INTEGRATOR_BDF2;
@@ -201,7 +230,8 @@ static void list_components( const strands_state* s, const wisp_strand_dynamics_
         { s->history, bdf2 },
         { s->rod, rod },
         { s->clamp, rod },
-        { s->curve, rod && straight == false },
+        { s->section, has_section },
+        { s->curve, rod && ( straight == false || has_section || guides ) },
     };
     memcpy( all, list, sizeof( list ) );
 }
@@ -214,7 +244,8 @@ static wisp_status update_components( wisp_world* world, wisp_entity strands, co
     bool came[COMPONENT_COUNT + 1] = { false };
     const float* rest = wisp_world_column( world, strands, WISP_STRAND_REST, 0 );
     list_components( s, d, wisp_world_has( world, strands, s->anchor ),
-                     holds_vertices( wisp_world_strands( world, strands ), rest, d ), all );
+                     holds_vertices( wisp_world_strands( world, strands ), rest, d ),
+                     strands_guides_tips( world, strands, s ), all );
     all[COMPONENT_COUNT] = ( requested_component ){ s->balance, all[COMPONENT_COUNT - 1].requested };
     wisp_status status = WISP_OK;
     for ( int i = 0; i <= COMPONENT_COUNT && status == WISP_OK; ++i )
@@ -245,7 +276,7 @@ static void fill_settings( wisp_world* world, wisp_entity strands, const strands
     strands_settings* settings = wisp_world_column( world, strands, s->settings, 0 );
     *settings = ( strands_settings ){
         .gravity = d->gravity,
-        .bend_rigidity = d->bend_rigidity,
+        .bend_rigidity = fmaxf( d->bend_rigidity, d->edgewise_rigidity ),
         .twist_rigidity = d->twist_rigidity,
         .bend_damping = d->bend_damping,
         .teleport = longest > 0.0f ? d->teleport * longest : INFINITY, // strands without length only follow
@@ -263,7 +294,13 @@ static void fill_materials( wisp_world* world, wisp_entity strands, const strand
     strands_link* links = wisp_world_column( world, strands, s->links, 0 );
     strands_link* bend_links = wisp_world_column( world, strands, s->bend_links, 0 );
     float* fraction = wisp_world_column( world, strands, s->follow, 0 );
+    strands_section* section = wisp_world_column( world, strands, s->section, 0 );
     const int32_t xpbd = d->solver == WISP_SOLVER_XPBD ? 1 : 0;
+    if ( section != NULL )
+    {
+        const double ratio = (double)d->bend_rigidity / (double)d->edgewise_rigidity;
+        *section = ( strands_section ){ (float)sqrt( 1.0 - ratio ), d->natural_twist, d->flat_normal };
+    }
     if ( damping != NULL )
     {
         *damping = d->damping;
@@ -311,22 +348,23 @@ static void set_rest_shape( wisp_world* world, wisp_entity strands, const strand
     }
 }
 
-// Lay the frames of a new rod, without twist.
-static void lay_frames( wisp_world* world, wisp_entity strands, const strands_state* s )
+void strands_lay_frames( wisp_world* world, wisp_entity strands, const strands_state* s )
 {
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     const float* position = wisp_world_column( world, strands, WISP_STRAND_POSITION, 0 );
     const float* clamp = wisp_world_column( world, strands, s->clamp, 0 );
     const float* root = wisp_world_column( world, strands, WISP_STRAND_ROOT, 1 );
+    const float* length = wisp_world_column( world, strands, WISP_STRAND_LENGTH, 0 );
+    const strands_section* section = wisp_world_column( world, strands, s->section, 0 );
+    const float twist = section != NULL ? section->twist : 0.0f;
     float* frame = wisp_world_column( world, strands, s->curve, 0 );
     for ( int g = 0; g < t->group_count; ++g )
     {
-        strands_lay_group( t, position, clamp, root, frame, g );
+        strands_lay_group( t, position, clamp, root, length, twist, frame, g );
     }
 }
 
-// Mark the rest curvature as outdated; the next step computes it.
-static void reset_rest( wisp_world* world, wisp_entity strands, const strands_state* s )
+void strands_reset_rest( wisp_world* world, wisp_entity strands, const strands_state* s )
 {
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     float* balanced = wisp_world_column( world, strands, s->balance, 0 );
@@ -360,7 +398,8 @@ static void cook( wisp_world* world, wisp_entity strands, const strands_state* s
     }
     strands_cook_links( world, strands, s );
     strands_cook_rods( world, strands, s );
-    reset_rest( world, strands, s );
+    strands_cook_tips( world, strands, s );
+    strands_reset_rest( world, strands, s );
     forget_history( world, strands, s );
 }
 
@@ -378,6 +417,7 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
     status = status == WISP_OK ? check_vector( world, "gravity", def->gravity, 1e6f ) : status;
     status = status == WISP_OK ? check_vector( world, "wind", def->wind, 1e5f ) : status;
     status = status == WISP_OK ? check_integrator( world, def ) : status;
+    status = status == WISP_OK ? check_section( world, def ) : status;
     status = status == WISP_OK ? check_lists( world, wisp_world_strands( world, strands ), def ) : status;
     if ( status != WISP_OK )
     {
@@ -386,6 +426,7 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
     const bool is_new = wisp_world_has( world, strands, s->settings ) == false;
     const bool direct = def->stretch == WISP_STRAND_STRETCH_DIRECT;
     const bool had_frames = wisp_world_has( world, strands, s->curve );
+    const bool had_section = wisp_world_has( world, strands, s->section );
     status = update_components( world, strands, s, def );
     if ( status != WISP_OK )
     {
@@ -396,9 +437,11 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
     {
         set_rest_shape( world, strands, s );
     }
-    if ( had_frames == false && wisp_world_has( world, strands, s->curve ) )
+    // another section has other axes
+    const bool has_axes = had_section || wisp_world_has( world, strands, s->section );
+    if ( ( had_frames == false || has_axes ) && wisp_world_has( world, strands, s->curve ) )
     {
-        lay_frames( world, strands, s );
+        strands_lay_frames( world, strands, s );
     }
     float* tension = wisp_world_column( world, strands, s->tension, 0 );
     if ( direct == false && tension != NULL )
@@ -506,7 +549,10 @@ wisp_status wisp_read_strand_hold( wisp_world* world, wisp_entity strands, wisp_
     const float* balanced = wisp_world_column( world, strands, s->balance, 0 );
     const float* held = wisp_world_column( world, strands, s->balance, 2 );
     const strands_settings* settings = wisp_world_column( world, strands, s->settings, 0 );
-    *out = ( wisp_strand_hold ){ .bend_rigidity = settings->bend_rigidity };
+    const strands_section* section = wisp_world_column( world, strands, s->section, 0 );
+    const double flat = section != NULL ? (double)section->flatness : 0.0;
+    const double rigidity = (double)settings->bend_rigidity * ( 1.0 - flat * flat );
+    *out = ( wisp_strand_hold ){ .bend_rigidity = (float)rigidity };
     double least = 2.0;
     for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
     {
@@ -516,7 +562,7 @@ wisp_status wisp_read_strand_hold( wisp_world* world, wisp_entity strands, wisp_
         {
             least = own;
             out->max_length = (float)( cbrt( own ) * length_of( t, rows.length, i ) );
-            out->bend_rigidity = (float)( (double)settings->bend_rigidity / own );
+            out->bend_rigidity = (float)( rigidity / own );
         }
         out->sagging += t->lane_count[i] > 1 && own < 1.0 ? 1 : 0;
     }

@@ -7,3 +7,9 @@
 /// no strands
 ///         with dynamics; WISP_STALE_ID it does not exist
 wisp_status strands_find( wisp_world* world, wisp_entity strands, strands_state** state );
+
+/// Lay the frames of rods along the present shape, with their natural twist.
+void strands_lay_frames( wisp_world* world, wisp_entity strands, const strands_state* state );
+
+/// Mark rest curvature as outdated; the next step computes it.
+void strands_reset_rest( wisp_world* world, wisp_entity strands, const strands_state* state );

@@ -6,6 +6,7 @@
 #include "state_check.h"
 #include "strand_grid.h"
 #include "strands_state.h"
+#include "strand_tips.h"
 #include "strands_stats.h"
 #include "substep_passes.h"
 #include "surface_roots.h"
@@ -27,6 +28,15 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
             .reads = { s->settings, s->head },
             .writes = { s->head },
             .run = strands_move_head,
+        },
+        {
+            .name = "strands.tip_targets",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { s->tips },
+            .reads = { s->tips },
+            .writes = { s->tips },
+            .run = strands_move_tips,
         },
         {
             .name = "strands.factor",
@@ -124,6 +134,25 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
                        WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .writes = { s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .run = strands_hold_pins,
+        },
+        {
+            .name = "strands.tips",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .required = { s->tips },
+            .reads = { s->tips, s->low, WISP_STRAND_REST, WISP_STRAND_ROOT, WISP_STRAND_POSITION,
+                       WISP_STRAND_VELOCITY },
+            .writes = { s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .run = strands_hold_tips,
+        },
+        {
+            .name = "strands.tip_frames",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .required = { s->tips, s->tip_rows, s->curve },
+            .reads = { s->tips, s->curve, WISP_STRAND_ROOT },
+            .writes = { s->tip_rows, s->curve },
+            .run = strands_turn_tips,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
@@ -275,9 +304,9 @@ static wisp_status declare_substeps( wisp_registry* r, strands_state* s )
         .name = "strands.substeps",
         .required = { "strands.predict", "strands.stretch", "strands.velocity" },
         .allowed = { "strands.teleport", "strands.teleport_frames", "strands.roots", "strands.anchors",
-                     "strands.anchor_frames", "strands.pins", "strands.extrapolate", "strands.damping",
-                     "strands.damping_anchored", "strands.air", "strands.rod", "strands.rod_curved",
-                     "strands.bend_links" },
+                     "strands.anchor_frames", "strands.pins", "strands.tips", "strands.tip_frames",
+                     "strands.extrapolate", "strands.damping", "strands.damping_anchored", "strands.air",
+                     "strands.rod", "strands.rod_curved", "strands.bend_links" },
         .run = strands_substeps,
         .user = s,
     };

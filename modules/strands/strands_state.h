@@ -35,6 +35,13 @@ typedef struct strands_link
     float stiffness, compliance;
 } strands_link;
 
+typedef struct strands_section
+{
+    float flatness;   // sqrt( 1 - EI / EI_edgewise ); settings have EI_edgewise
+    float twist;      // rad/m, natural
+    wisp_vec3 normal; // of the flat side at the root, at rest; 0: any
+} strands_section;
+
 typedef struct strands_head
 {
     wisp_transform from, to; // at the start and at the end of the step
@@ -110,6 +117,17 @@ typedef struct strands_grid
     X( float, corner, 144 ) /* [3 corners][3][16] m, at the end of the step before */                                \
     X( float, jump, 64 )    /* [4][16] rotation of a strand that was teleported in this step; zero: it was not */
 #define STRANDS_GRID( X ) X( strands_grid, grid, 1 )
+#define STRANDS_SECTION( X ) X( strands_section, section, 1 )
+#define STRANDS_TIPS( X )                                                                                            \
+    X( int32_t, hold, 16 )        /* wisp_strand_tip */                                                              \
+    X( wisp_transform, from, 16 ) /* at the start of the step, from rest, relative to the root */                    \
+    X( wisp_transform, to, 16 )   /* at its end */                                                                   \
+    X( wisp_transform, target, 16 )                                                                                  \
+    X( float, rest, 64 )   /* quaternion [4][16]: frame at rest */                                                   \
+    X( float, weight, 16 ) /* 1/kg, of a tip that is released */                                                     \
+    X( float, reach, 16 )  /* m, length of the strand */
+#define STRANDS_TIP_ROWS( X )                                                                                        \
+    X( float, direction, 48 ) /* of a tip whose direction is held, in its row; 0 elsewhere */
 
 /// One line a component: X( member, "name", table, column list )
 #define STRANDS_COMPONENTS( X )                                                                                      \
@@ -135,7 +153,10 @@ typedef struct strands_grid
     X( in_bounds, "strands.in_bounds", WISP_TABLE_STRAND_GROUP, STRANDS_IN_BOUNDS )                                  \
     X( surface, "strands.surface", WISP_TABLE_ENTITY, STRANDS_SURFACE )                                              \
     X( anchor, "strands.anchor", WISP_TABLE_STRAND_GROUP, STRANDS_ANCHOR )                                           \
-    X( grid, "strands.grid", WISP_TABLE_ENTITY, STRANDS_GRID )
+    X( grid, "strands.grid", WISP_TABLE_ENTITY, STRANDS_GRID )                                                       \
+    X( section, "strands.section", WISP_TABLE_ENTITY, STRANDS_SECTION )                                              \
+    X( tips, "strands.tips", WISP_TABLE_STRAND_GROUP, STRANDS_TIPS )                                                 \
+    X( tip_rows, "strands.tip_rows", WISP_TABLE_STRAND_ROW, STRANDS_TIP_ROWS )
 
 typedef struct strands_state
 {

@@ -322,14 +322,33 @@ wisp_strand_rod_args strands_rod_args( wisp_frame* frame, const wisp_span* span,
         args.rest_twist = column_of( frame, span, state->curve, 2 );
         args.twist_stiffness = column_of( frame, span, state->curve, 3 );
     }
+    if ( has_frames && wisp_frame_has( frame, span->entity, state->tip_rows ) )
+    {
+        args.tip = column_of( frame, span, state->tip_rows, 0 );
+    }
+    if ( has_frames && wisp_frame_has( frame, span->entity, state->section ) )
+    {
+        const strands_section* section = wisp_frame_column( frame, span->entity, state->section, 0 );
+        args.flatness = section->flatness;
+    }
     return args;
+}
+
+// Return the memory behind the scratch that every kernel has.
+static float* behind_scratch( wisp_frame* frame, const wisp_span* span, float* scratch )
+{
+    const int32_t* group_row = rows_of( frame, span );
+    return scratch + (size_t)( group_row[1] - group_row[0] ) * WISP_STRAND_SCRATCH;
 }
 
 static void bend( wisp_frame* frame, const wisp_span* span, const strands_state* state, bool has_frames )
 {
     wisp_strand_rod_args args = strands_rod_args( frame, span, state, has_frames );
     rows_between rows;
-    args.scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH );
+    const bool is_flat = args.flatness > 0.0f;
+    args.scratch =
+        strands_scratch( frame, span, WISP_STRAND_SCRATCH + ( is_flat ? WISP_STRAND_SECTION_SCRATCH : 0 ) );
+    args.section_scratch = is_flat && args.scratch != NULL ? behind_scratch( frame, span, args.scratch ) : NULL;
     if ( args.scratch != NULL && find_rows_between( frame, span, state, false, &rows ) )
     {
         args.previous = rows.previous;
@@ -345,6 +364,11 @@ void strands_bend( wisp_frame* frame, const wisp_span* span, void* user )
 
 void strands_begin_with_rest_tension( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
+    const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    if ( settings->rest == WISP_STRAND_REST_STRAIGHT )
+    {
+        return; // as a straight rod without frames
+    }
     const int32_t* group_row = rows_of( frame, span );
     const size_t begin = strands_scalar( group_row[span->begin], 0 ), end = strands_scalar( group_row[span->end], 0 );
     memcpy( column_of( frame, span, state->tension, 0 ) + begin, column_of( frame, span, state->curve, 4 ) + begin,
@@ -487,6 +511,7 @@ wisp_strand_stretch_args strands_stretch_args( wisp_frame* frame, const wisp_spa
         .scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH ),
         .acceleration = direct->has_rod != 0 ? ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } : settings->gravity,
         .history = history_of( frame, span, state ),
+        .is_held = wisp_frame_has( frame, span->entity, state->tips ),
     };
 }
 

@@ -35,6 +35,8 @@ typedef struct duel
     int iterations; // 0: one
     float dt;       // s, of a substep
     double ease;    // times the tolerances; 0: once
+    float edgewise; // EI' over EI of an elliptic section; 0: circular
+    wisp_strand_tip tips;
 } duel;
 
 static const float SLOW = 1.0f / 480.0f, FAST = 1.0f / 1920.0f;
@@ -54,6 +56,7 @@ typedef struct match
     double3 rest[STRANDS][LONGEST];
     double balanced[STRANDS]; // fraction of the weight that the rest shape carries
     double rest_tension[STRANDS][LONGEST];
+    strand_oracle_quaternion tip[STRANDS]; // frames of tips at rest
     strand_oracle strand[STRANDS];
     strand_oracle_past past[STRANDS];
     double step[STRANDS];  // s, of the implicit step
@@ -119,6 +122,7 @@ static inline wisp_strand_dynamics_def def_of( const duel* rules )
     def.bend_compliance = rules->bend_compliance;
     def.bend_rigidity = rules->rigidity > 0.0f ? rules->rigidity : def.bend_rigidity;
     def.twist_rigidity = 0.75f * def.bend_rigidity;
+    def.edgewise_rigidity = rules->edgewise * def.bend_rigidity;
     def.bend_damping = rules->bend_damping;
     def.clamped = rules->hinged == false;
     def.damping = rules->damping;
@@ -127,6 +131,12 @@ static inline wisp_strand_dynamics_def def_of( const duel* rules )
     def.pins = PINS;
     def.pin_count = rules->pinned ? WISP_COUNT( PINS ) : 0;
     return def;
+}
+
+// Straight strands that are held at both ends are taut: single precision does not say where they go.
+static inline wisp_strand_tip hold_of( const duel* rules, int n )
+{
+    return n % SHAPES == SHAPES - 1 && COUNTS[n] > 2 ? rules->tips & WISP_STRAND_TIP_GUIDED : rules->tips;
 }
 
 static inline bool is_curled( const duel* rules )
@@ -147,31 +157,38 @@ static inline double turn_of( const strand_oracle* strand, int i )
                              double3_scale( 1.0 / strand->length[i], b ) );
 }
 
+static inline double stiffest( const match* m )
+{
+    return fmax( (double)m->def.bend_rigidity, (double)m->def.edgewise_rigidity );
+}
+
 // EI of vertex i relative to the module's limit: above 1 the module lowers it. The mass is the mean of those
 // neighbouring vertices that move.
-static inline double over_the_cap( const match* m, const strand_oracle* strand, int i )
+static inline double over_the_cap( const match* m, const strand_oracle* strand, int n, int i )
 {
+    const bool is_bounded = is_curled( m->rules ) || hold_of( m->rules, n ) != WISP_STRAND_TIP_FREE;
     double mass = 0.0, turn = 0.0;
     int free_count = 0;
-    for ( int k = i > 0 ? i - 1 : 0; k <= i + 1; ++k )
+    for ( int k = i > 0 ? i - 1 : 0; k <= i + 1 && k < strand->count; ++k )
     {
         mass += strand->weight[k] > 0.0 ? strand->mass[k] : 0.0;
         free_count += strand->weight[k] > 0.0 ? 1 : 0;
-        turn = fmax( turn, is_curled( m->rules ) ? turn_of( strand, k ) : 0.0 );
+        turn = fmax( turn, is_bounded ? turn_of( strand, k ) : 0.0 );
     }
-    const double l = i > 0 ? fmin( strand->length[i - 1], strand->length[i] ) : strand->length[i];
+    const double own = i + 1 < strand->count ? strand->length[i] : strand->length[i - 1];
+    const double l = i > 0 ? fmin( strand->length[i - 1], own ) : own;
     const double most = fmin( MAX_STIFFNESS, MAX_CURLED / fmax( pow( turn, 4.0 ), 1e-12 ) );
-    const double ratio = m->dt * ( m->dt + (double)m->def.bend_damping ) * (double)m->def.bend_rigidity /
-                         ( mass / free_count * l * l * l );
+    const double ratio =
+        m->dt * ( m->dt + (double)m->def.bend_damping ) * stiffest( m ) / ( mass / free_count * l * l * l );
     return ratio / most;
 }
 
-static inline void stiffen( const match* m, strand_oracle* strand )
+static inline void stiffen( const match* m, strand_oracle* strand, int n )
 {
-    strand_oracle_stiffen( strand, (double)m->def.bend_rigidity, (double)m->def.twist_rigidity, m->def.clamped, 0.0 );
-    for ( int i = 0; i + 1 < strand->count; ++i )
+    strand_oracle_stiffen( strand, stiffest( m ), (double)m->def.twist_rigidity, m->def.clamped, 0.0 );
+    for ( int i = 0; i + 1 < strand->count + ( strand->guided ? 1 : 0 ); ++i )
     {
-        const double over = fmax( over_the_cap( m, strand, i ), 1.0 );
+        const double over = fmax( over_the_cap( m, strand, n, i ), 1.0 );
         // the balance under a lowered stiffness is the module's own choice and is not compared here
         assert_true( over == 1.0 || m->rules->rest != WISP_STRAND_REST_SAG_FREE );
         strand->stiffness[i] /= over;
@@ -180,7 +197,7 @@ static inline void stiffen( const match* m, strand_oracle* strand )
 }
 
 // A straight rod starts with at most the weight beyond the segment, between pins with four times the whole weight.
-static inline void bound_tension( const match* m, strand_oracle* strand )
+static inline void bound_tension( const match* m, strand_oracle* strand, bool is_tip_held )
 {
     double whole = 0.0, behind = 0.0;
     bool held = false;
@@ -193,6 +210,17 @@ static inline void bound_tension( const match* m, strand_oracle* strand )
     {
         behind += strand->mass[i];
         strand->max_tension[i - 1] = double3_length( m->gravity ) * ( held ? 4.0 * whole : behind );
+    }
+    // one whose tip is held with what its bending holds too, and no more than a substep can apply without a solve
+    for ( int s = 0; s + 1 < strand->count && is_tip_held; ++s )
+    {
+        const double* w = strand->weight;
+        const double a = w[s] > 0.0 ? strand->mass[s] : INFINITY, b = w[s + 1] > 0.0 ? strand->mass[s + 1] : INFINITY;
+        const double mass = fmin( a, b ) < INFINITY ? fmin( a, b ) : 0.0, l = strand->length[s];
+        const double rigidity = 0.5 * strand->stiffness[s] * ( ( s > 0 ? strand->length[s - 1] : 0.0 ) + l );
+        strand->max_tension[s] =
+            fmin( 4.0 * double3_length( m->gravity ) * whole, 0.25 * mass * l / ( m->dt * m->dt ) ) +
+            fmin( rigidity / ( l * l ), sqrt( MAX_CURLED * rigidity * mass / l ) / m->dt );
     }
 }
 
@@ -213,10 +241,21 @@ static inline void shape_oracle( match* m, int n, int first_vertex )
             strand_oracle_pin( strand, i );
         }
     }
-    stiffen( m, strand );
+    const wisp_strand_tip hold = hold_of( m->rules, n );
+    strand->held_diagonal = m->rules->tips != WISP_STRAND_TIP_FREE ? 1.0 + 1e-5 : 1.0;
+    if ( hold != WISP_STRAND_TIP_FREE && strand->count > 1 )
+    {
+        strand->guided = ( hold & WISP_STRAND_TIP_GUIDED ) != 0;
+        if ( ( hold & WISP_STRAND_TIP_PINNED ) != 0 )
+        {
+            strand_oracle_pin( strand, strand->count - 1 );
+        }
+    }
+    strand->flatness = m->rules->edgewise > 0.0f ? sqrt( 1.0 - 1.0 / (double)m->rules->edgewise ) : 0.0;
+    stiffen( m, strand, n );
     if ( m->def.rest == WISP_STRAND_REST_STRAIGHT )
     {
-        bound_tension( m, strand );
+        bound_tension( m, strand, hold != WISP_STRAND_TIP_FREE );
         strand_oracle_rest_straight( strand );
     }
     else if ( m->def.rest == WISP_STRAND_REST_SHAPE )
@@ -228,6 +267,7 @@ static inline void shape_oracle( match* m, int n, int first_vertex )
         m->balanced[n] = strand_oracle_balance_stably( strand, m->gravity, 1.57 );
     }
     memcpy( m->rest_tension[n], strand->tension, sizeof( m->rest_tension[n] ) );
+    m->tip[n] = strand->frame[strand->count - 1];
 }
 
 // Give every free vertex the same velocity, of up to `speed`, in both.
@@ -268,6 +308,11 @@ static inline match* open_match( const duel* rules, int substeps, float speed )
     if ( wisp_set_strand_dynamics( m->s.world, m->e, &m->def ) != WISP_OK )
     {
         fail_msg( "no dynamics: %s", wisp_world_message( m->s.world ) );
+    }
+    for ( int n = 0; n < STRANDS && rules->tips != WISP_STRAND_TIP_FREE; ++n )
+    {
+        const wisp_status status = wisp_hold_strand_tip( m->s.world, m->e, n, hold_of( rules, n ) );
+        assert_int_equal( status, COUNTS[n] > 1 ? WISP_OK : WISP_BAD_INPUT );
     }
     assert_int_equal( wisp_request( m->s.world, m->e, WISP_STRAND_POINTS ), WISP_OK );
     assert_int_equal( wisp_world_strands( m->s.world, m->e )->group_count, 1 );
@@ -400,6 +445,8 @@ static inline void force_and_predict( match* m, int n, pose from, pose to )
             memcpy( strand->tension, m->rest_tension[n], sizeof( m->rest_tension[n] ) );
         }
         strand->turn = to.rotation;
+        strand->frame[strand->count - 1] =
+            strand->guided ? strand_oracle_product( to.rotation, m->tip[n] ) : strand->frame[strand->count - 1];
         strand_oracle_rod_factor( strand, (double)def->bend_damping, step );
         strand_oracle_rod( strand, (double)def->bend_damping, step, &m->gravity );
     }

@@ -125,6 +125,38 @@ static void followers_go_with_the_oracle( void** state )
     WISP_STRAND_STRETCH_DIRECT, .bend = WISP_STRAND_BEND_ROD, .rest = WISP_STRAND_REST_STRAIGHT, .dt = SLOW
 #define CURLED WISP_STRAND_STRETCH_DIRECT, .bend = WISP_STRAND_BEND_ROD, .dt = FAST
 
+static void elliptic_rods_go_with_the_oracle( void** state )
+{
+    (void)state;
+    const duel duels[] = {
+        { "flat, straight", STRAIGHT, .edgewise = 4.0f },
+        { "flat, straight, soft", STRAIGHT, .edgewise = 8.0f, .rigidity = 1e-10f },
+        { "flat, straight, carried, bdf2", STRAIGHT, .edgewise = 4.0f, .carried = true, .bdf2 = true },
+        { "flat, straight, bend damping", STRAIGHT, .edgewise = 4.0f, .bend_damping = 5e-3f, .carried = true },
+        { "flat, shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .edgewise = 4.0f },
+        { "flat, sag free", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .edgewise = 4.0f, .rigidity = 2.5e-10f },
+    };
+    run_duels( duels, WISP_COUNT( duels ) );
+}
+
+static void rods_with_held_tips_go_with_the_oracle( void** state )
+{
+    (void)state;
+    const duel duels[] = {
+        { "pinned chain", WISP_STRAND_STRETCH_DIRECT, CHAIN, .rest = WISP_STRAND_REST_STRAIGHT,
+          .tips = WISP_STRAND_TIP_PINNED },
+        { "pinned, straight", STRAIGHT, .tips = WISP_STRAND_TIP_PINNED, .carried = true, .ease = 8.0 },
+        { "guided, straight", STRAIGHT, .tips = WISP_STRAND_TIP_GUIDED, .carried = true },
+        { "clamped, straight", STRAIGHT, .tips = WISP_STRAND_TIP_CLAMPED, .carried = true, .ease = 8.0 },
+        { "clamped, shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .tips = WISP_STRAND_TIP_CLAMPED },
+        { "guided, sag free, flat", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .tips = WISP_STRAND_TIP_GUIDED,
+          .edgewise = 4.0f, .rigidity = 2.5e-10f },
+        { "guided, shape, flat, bdf2", CURLED, .rest = WISP_STRAND_REST_SHAPE, .tips = WISP_STRAND_TIP_GUIDED,
+          .edgewise = 4.0f, .bdf2 = true },
+    };
+    run_duels( duels, WISP_COUNT( duels ) );
+}
+
 static void straight_rods_go_with_the_oracle( void** state )
 {
     (void)state;
@@ -284,6 +316,8 @@ int main( void )
         cmocka_unit_test( links_go_with_the_oracle ),
         cmocka_unit_test( followers_go_with_the_oracle ),
         cmocka_unit_test( straight_rods_go_with_the_oracle ),
+        cmocka_unit_test( elliptic_rods_go_with_the_oracle ),
+        cmocka_unit_test( rods_with_held_tips_go_with_the_oracle ),
         cmocka_unit_test( curled_rods_go_with_the_oracle ),
         cmocka_unit_test( rods_of_second_order_go_with_the_oracle ),
         cmocka_unit_test( a_step_from_balance_leaves_both_where_they_are ),

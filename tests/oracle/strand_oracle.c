@@ -45,6 +45,7 @@ bool strand_oracle_shape( strand_oracle* strand, const double3* points, int coun
     double3 direction[MAX_STRAND_ORACLE];
     strand_oracle_directions( strand, direction );
     const double3 up = double3_make( 0.0, 0.0, 1.0 ), down = double3_make( 0.0, -1.0, 0.0 );
+    strand->held_diagonal = 1.0;
     strand->clamp = strand_oracle_smallest( up, count > 1 ? direction[0] : down );
     for ( int s = 0; s + 1 < count; ++s )
     {
@@ -204,7 +205,7 @@ static void solve_chain( const strand_oracle* strand, const double3* gradient, c
     {
         const double* w = strand->weight + s;
         const double off = s > 0 ? -w[0] * double3_dot( gradient[s - 1], gradient[s] ) : 0.0;
-        const double diagonal = ( w[0] + w[1] ) * double3_dot( gradient[s], gradient[s] );
+        const double diagonal = strand->held_diagonal * ( w[0] + w[1] ) * double3_dot( gradient[s], gradient[s] );
         coupling[s] = lambda[s] = 0.0;
         double pivot = diagonal, right = -c[s];
         if ( s > 0 )

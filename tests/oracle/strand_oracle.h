@@ -56,6 +56,10 @@ typedef struct strand_oracle
     double rest_twist[MAX_STRAND_ORACLE];              ///< rad
     bool framed;                                       ///< false: straight at rest, frames have no effect
     double factor[MAX_STRAND_ORACLE][3];               ///< 1/pivot, L(i, i-1), L(i, i-2)
+    double held_diagonal; ///< factor of the diagonal of J W J^T, 1 from strand_oracle_shape(); 1 + 1e-5 where tips are held
+    double flatness; ///< sqrt( 1 - EI / EI' ) of an elliptic section, whose x axis is across its flat side and whose
+                     ///< stiffness is that of EI'; 0: circular
+    bool guided;     ///< the direction of the tip is held: frame[count - 1] is its frame, and vertex count - 1 bends
 } strand_oracle;
 
 /// Make a strand at rest in this shape: lengths, frames carried along from the clamp without twist, the clamp in the
@@ -71,8 +75,8 @@ void strand_oracle_weigh( strand_oracle* strand, double line_density, bool held 
 void strand_oracle_weigh_equal( strand_oracle* strand, double vertex_mass, bool held );
 /// Hold a vertex.
 void strand_oracle_pin( strand_oracle* strand, int vertex );
-/// Set EI / L_i and GJ / L_i with L_i = (l_{i-1} + l_i) / 2, L_0 = l_0 / 2; vertex 0 of a hinged root and the tip
-/// have 0. dt^2 EI / (m l^3) is at most 6e4 (l the shorter segment at the vertex, m the lightest of the three
+/// Set EI / L_i and GJ / L_i with L_i = (l_{i-1} + l_i) / 2, L_0 = l_0 / 2; vertex 0 of a hinged root and a tip
+/// that is not guided have 0. dt^2 EI / (m l^3) is at most 6e4 (l the shorter segment at the vertex, m the lightest of the three
 /// vertices that move), where single precision still solves; dt 0 does not limit.
 void strand_oracle_stiffen( strand_oracle* strand, double bend_rigidity, double twist_rigidity, bool clamped,
                             double dt );

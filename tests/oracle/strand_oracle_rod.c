@@ -4,6 +4,7 @@
 #include <string.h>
 
 static const double3 zero = { 0.0, 0.0, 0.0 };
+static const double3 x_axis = { 1.0, 0.0, 0.0 };
 static const double3 z_axis = { 0.0, 0.0, 1.0 };
 
 // ---- rotations ----
@@ -77,6 +78,12 @@ strand_oracle_quaternion strand_oracle_carried( strand_oracle_quaternion frame, 
     return normalised( strand_oracle_product( swing, frame ), frame );
 }
 
+// Number of vertices from the root on that may bend.
+static int bending_count( const strand_oracle* strand )
+{
+    return strand->guided ? strand->count : strand->count - 1;
+}
+
 // ---- stiffness ----
 
 void strand_oracle_stiffen( strand_oracle* strand, double bend_rigidity, double twist_rigidity, bool clamped,
@@ -87,13 +94,14 @@ void strand_oracle_stiffen( strand_oracle* strand, double bend_rigidity, double 
     for ( int i = 0; i < strand->count; ++i )
     {
         strand->stiffness[i] = strand->twist_stiffness[i] = 0.0;
-        if ( i + 1 >= strand->count || ( i == 0 && clamped == false ) )
+        if ( i >= bending_count( strand ) || ( i == 0 && clamped == false ) )
         {
             continue;
         }
-        const double reach = 0.5 * ( ( i > 0 ? l[i - 1] : 0.0 ) + l[i] );
-        const double shorter = i > 0 ? fmin( l[i - 1], l[i] ) : l[i];
-        const double lightest = fmax( fmax( i > 0 ? w[i - 1] : 0.0, w[i] ), w[i + 1] );
+        const bool is_tip = i + 1 == strand->count;
+        const double reach = 0.5 * ( ( i > 0 ? l[i - 1] : 0.0 ) + ( is_tip ? 0.0 : l[i] ) );
+        const double shorter = is_tip ? l[i - 1] : i > 0 ? fmin( l[i - 1], l[i] ) : l[i];
+        const double lightest = fmax( fmax( i > 0 ? w[i - 1] : 0.0, w[i] ), is_tip ? 0.0 : w[i + 1] );
         strand->stiffness[i] = bend_rigidity / reach;
         strand->twist_stiffness[i] = twist_rigidity / reach;
         if ( dt * lightest > 0.0 )
@@ -105,10 +113,10 @@ void strand_oracle_stiffen( strand_oracle* strand, double bend_rigidity, double 
 
 // ---- M + scale K ----
 
-// C_i as a combination of p_{i-1}, p_i, p_{i+1}; the first is absent at the clamp.
+// C_i as a combination of p_{i-1}, p_i, p_{i+1}; the first is absent at the clamp, the last at a tip.
 static void coefficients( const strand_oracle* strand, int i, double c[3] )
 {
-    c[2] = 1.0 / strand->length[i];
+    c[2] = i + 1 < strand->count ? 1.0 / strand->length[i] : 0.0;
     c[0] = i > 0 ? 1.0 / strand->length[i - 1] : 0.0;
     c[1] = -c[0] - c[2];
 }
@@ -117,13 +125,14 @@ void strand_oracle_rod_matrix( const strand_oracle* strand, double scale, double
 {
     const int n = strand->count;
     memset( matrix, 0, sizeof( double ) * (size_t)n * (size_t)n );
-    for ( int i = 0; i + 1 < n; ++i )
+    for ( int i = 0; i < bending_count( strand ); ++i )
     {
         double c[3];
         coefficients( strand, i, c );
-        for ( int a = i > 0 ? 0 : 1; a < 3; ++a )
+        const int end = i + 1 < n ? 3 : 2;
+        for ( int a = i > 0 ? 0 : 1; a < end; ++a )
         {
-            for ( int b = i > 0 ? 0 : 1; b < 3; ++b )
+            for ( int b = i > 0 ? 0 : 1; b < end; ++b )
             {
                 matrix[( i - 1 + a ) * n + i - 1 + b] += scale * strand->stiffness[i] * c[a] * c[b];
             }
@@ -173,6 +182,8 @@ typedef struct vertex_state
     double moment;           // T_i
     double load;             // b_i
     double slope;            // derivative of the bending by a turn of one of its two segments
+    double3 soft, edge;      // s_i, and z_i x s_i
+    double across, along;    // C_i . s_i, and (t_i - t_{i-1}) . (z_i x s_i)
 } vertex_state;
 
 static strand_oracle_quaternion frame_before( const strand_oracle* strand, int i )
@@ -185,6 +196,10 @@ static double3 tangent( const strand_oracle* strand, const double3* p, int s )
     if ( s < 0 )
     {
         return strand_oracle_turned( frame_before( strand, 0 ), z_axis );
+    }
+    if ( s + 1 == strand->count )
+    {
+        return strand_oracle_turned( strand->frame[s], z_axis );
     }
     return double3_scale( 1.0 / strand->length[s], double3_sub( p[s + 1], p[s] ) );
 }
@@ -248,19 +263,24 @@ static vertex_state measure_vertex( const strand_oracle* strand, const double3* 
     v.twist = 2.0 * z / copysign( fmax( fabs( w ), 0.087 ), w );
     v.moment = v.share * strand->twist_stiffness[i] * v.twist;
     const double3 bend = double3_sub( behind, before );
-    v.load = -strand->stiffness[i] * double3_dot( bend, v.turned );
-    v.slope = 0.25 * strand->stiffness[i] * fmax( 0.0, double3_dot( bend, v.rest ) );
+    v.soft = double3_scale( strand->flatness * sqrt( v.share ), strand_oracle_turned( middle, x_axis ) );
+    v.edge = double3_cross( strand_oracle_turned( middle, z_axis ), v.soft );
+    v.across = double3_dot( double3_sub( bend, v.rest ), v.soft );
+    v.along = double3_dot( bend, v.edge );
+    v.load = -strand->stiffness[i] * ( double3_dot( bend, v.turned ) + v.across * v.along );
+    const double slope = double3_dot( bend, v.rest ) + v.across * double3_dot( bend, v.soft ) - v.along * v.along;
+    v.slope = 0.25 * strand->stiffness[i] * fmax( 0.0, slope );
     return v;
 }
 
-// Vertices 0 .. count - 2; the tip neither bends nor twists.
+// A tip that is not guided neither bends nor twists.
 static void measure_vertices( const strand_oracle* strand, const double3* p, vertex_state* v )
 {
-    for ( int i = 0; i + 1 < strand->count; ++i )
+    v[strand->count - 1] = ( vertex_state ){ .twist = 0.0 };
+    for ( int i = 0; i < bending_count( strand ); ++i )
     {
         v[i] = measure_vertex( strand, p, i );
     }
-    v[strand->count - 1] = ( vertex_state ){ .twist = 0.0 };
 }
 
 double strand_oracle_twist( const strand_oracle* strand, int vertex )
@@ -272,12 +292,13 @@ double strand_oracle_twist( const strand_oracle* strand, int vertex )
 double strand_oracle_rod_energy( const strand_oracle* strand )
 {
     double energy = 0.0;
-    for ( int i = 0; i + 1 < strand->count; ++i )
+    for ( int i = 0; i < bending_count( strand ); ++i )
     {
         const vertex_state v = measure_vertex( strand, strand->position, i );
         const double3 c = double3_sub( v.bend, v.rest );
         const double half = strand->framed ? 0.5 * ( strand_oracle_twist( strand, i ) - strand->rest_twist[i] ) : 0.0;
-        energy += 0.5 * strand->stiffness[i] * double3_dot( c, c );
+        const double across = double3_dot( c, v.soft );
+        energy += 0.5 * strand->stiffness[i] * ( double3_dot( c, c ) - across * across );
         energy -= strand->framed ? 4.0 * v.share * strand->twist_stiffness[i] * log( fabs( cos( half ) ) ) : 0.0;
     }
     return energy;
@@ -292,6 +313,7 @@ static double3 turning_of( const strand_oracle* strand, int i, const vertex_stat
     {
         const double3 bend = double3_sub( v->behind, v->before );
         double energy = strand->stiffness[i] * double3_dot( v->rest, double3_sub( v->rest, bend ) );
+        energy += strand->stiffness[i] * v->across * ( double3_dot( v->rest, v->soft ) - 0.5 * v->across );
         energy += strand->twist_stiffness[i] > 0.0
                       ? 0.5 * v->moment * v->moment / ( v->share * strand->twist_stiffness[i] )
                       : 0.0;
@@ -302,6 +324,13 @@ static double3 turning_of( const strand_oracle* strand, int i, const vertex_stat
     return sum;
 }
 
+// M_i: bending against the part that an elliptic section leaves.
+static double3 moment_of( const strand_oracle* strand, int i, const vertex_state* v )
+{
+    const double3 c = double3_add_scaled( double3_sub( v->bend, v->rest ), -v->across, v->soft );
+    return double3_scale( strand->stiffness[i], c );
+}
+
 // G_s = (M_s - M_{s+1} + (turning of s and of s + 1) / 2) / l_s by e_s; it pulls at both ends of the segment.
 static void gradient_of( const strand_oracle* strand, const vertex_state* v, double3* gradient )
 {
@@ -309,13 +338,13 @@ static void gradient_of( const strand_oracle* strand, const vertex_state* v, dou
     for ( int s = 0; s + 1 < strand->count; ++s )
     {
         const vertex_state *a = v + s, *b = v + s + 1;
-        const double3 ma = double3_scale( strand->stiffness[s], double3_sub( a->bend, a->rest ) );
-        const double3 mb = double3_scale( strand->stiffness[s + 1], double3_sub( b->bend, b->rest ) );
+        const double3 ma = moment_of( strand, s, a ), mb = moment_of( strand, s + 1, b );
         double3 turning = zero;
         if ( strand->framed )
         {
             turning = turning_of( strand, s, a, 1.0 );
-            turning = s + 2 < strand->count ? double3_add( turning, turning_of( strand, s + 1, b, -1.0 ) ) : turning;
+            turning = s + 1 < bending_count( strand ) ? double3_add( turning, turning_of( strand, s + 1, b, -1.0 ) )
+                                                      : turning;
         }
         const double3 sum = double3_add_scaled( double3_sub( ma, mb ), 0.5, turning );
         const double3 g = double3_scale( 1.0 / strand->length[s], sum );
@@ -383,12 +412,16 @@ static void balance_twist( strand_oracle* strand, vertex_state* v )
     {
         is_balanced = is_balanced && fabs( turn[s] ) <= 1.0;
     }
-    for ( int s = 0; s + 1 < strand->count; ++s )
+    turn[strand->count - 1] = 0.0; // of a tip
+    for ( int s = 0; s < bending_count( strand ); ++s )
     {
         turn[s] = fmax( -1.0, fmin( 1.0, turn[s] ) );
         const strand_oracle_quaternion about_itself = { 0.0, 0.0, 0.5 * turn[s], 1.0 };
         strand->frame[s] = normalised( strand_oracle_product( strand->frame[s], about_itself ), strand->frame[s] );
         const double before = s > 0 ? turn[s - 1] : 0.0;
+        const double angle = 0.5 * ( before + turn[s] ), shorter = 1.0 / sqrt( 1.0 + angle * angle );
+        v[s].soft = double3_scale( shorter, double3_add_scaled( v[s].soft, angle, v[s].edge ) );
+        v[s].across = shorter * ( v[s].across + angle * v[s].along );
         v[s].rest = double3_add_scaled( v[s].rest, 0.5 * ( before + turn[s] ), v[s].turned );
         v[s].moment += strand->twist_stiffness[s] * ( turn[s] - before );
         v[s].moment = is_balanced ? v[s].moment : 0.0; // the limit left the rest of it over
@@ -421,7 +454,7 @@ static void pull( strand_oracle* strand, const double3* place, double dt )
 }
 
 // K (p* - p): the change of the bending at each vertex since the start of the substep. The clamp counts as resting.
-static void rate_gradient( const strand_oracle* strand, double3* gradient )
+static void rate_gradient( const strand_oracle* strand, const vertex_state* v, double3* gradient )
 {
     double3 way[MAX_STRAND_ORACLE];
     for ( int i = 0; i < strand->count; ++i )
@@ -429,13 +462,16 @@ static void rate_gradient( const strand_oracle* strand, double3* gradient )
         way[i] = double3_sub( strand->position[i], strand->previous[i] );
         gradient[i] = zero;
     }
-    for ( int i = 0; i + 1 < strand->count; ++i )
+    for ( int i = 0; i < bending_count( strand ); ++i )
     {
         double c[3];
         coefficients( strand, i, c );
-        double3 change = double3_add_scaled( double3_scale( c[1], way[i] ), c[2], way[i + 1] );
+        const int end = i + 1 < strand->count ? 3 : 2;
+        double3 change = double3_scale( c[1], way[i] );
+        change = end == 3 ? double3_add_scaled( change, c[2], way[i + 1] ) : change;
         change = i > 0 ? double3_add_scaled( change, c[0], way[i - 1] ) : change;
-        for ( int a = i > 0 ? 0 : 1; a < 3; ++a )
+        change = double3_add_scaled( change, -double3_dot( change, v[i].soft ), v[i].soft );
+        for ( int a = i > 0 ? 0 : 1; a < end; ++a )
         {
             gradient[i - 1 + a] = double3_add_scaled( gradient[i - 1 + a], strand->stiffness[i] * c[a], change );
         }
@@ -472,7 +508,7 @@ static void measure_rod( strand_oracle* strand, const double3* place, vertex_sta
     {
         balance_twist( strand, v );
     }
-    for ( int i = 0; i + 1 < strand->count; ++i )
+    for ( int i = 0; i < bending_count( strand ); ++i )
     {
         v[i].bend = double3_sub( tangent( strand, strand->position, i ), tangent( strand, strand->position, i - 1 ) );
     }
@@ -494,7 +530,7 @@ void strand_oracle_rod( strand_oracle* strand, double damping, double dt, const 
     pull( strand, place, dt );
     measure_rod( strand, acceleration != NULL ? place : strand->position, v );
     gradient_of( strand, v, right );
-    rate_gradient( strand, rate );
+    rate_gradient( strand, v, rate );
     for ( int i = 0; i < strand->count; ++i )
     {
         right[i] = double3_add_scaled( double3_scale( -dt * dt, right[i] ), -damping * dt, rate[i] );
@@ -512,6 +548,12 @@ static void lay_frames( strand_oracle* strand )
         const double3 e = double3_sub( strand->position[s + 1], strand->position[s] );
         strand->frame[s] = strand_oracle_carried( frame_before( strand, s ), e );
         strand->rest_twist[s] = 0.0;
+    }
+    if ( strand->guided ) // held as it is
+    {
+        strand->frame[strand->count - 1] = strand->frame[strand->count - 2];
+        strand->rest_twist[strand->count - 1] = 0.0;
+        strand->rest[strand->count - 1] = zero;
     }
     strand->framed = true;
 }
@@ -534,7 +576,7 @@ void strand_oracle_rest_straight( strand_oracle* strand )
 {
     lay_frames( strand );
     memset( strand->rest, 0, sizeof( strand->rest ) );
-    strand->framed = false;
+    strand->framed = strand->guided || strand->flatness > 0.0;
 }
 
 // Values that the recursion from the tip passes to the previous segment.
@@ -576,6 +618,10 @@ static void balance_vertex( strand_oracle* strand, int s, hanging* h )
     h->load = double3_dot( m, u );
 
     const bool bends = strand->stiffness[s] > 0.0;
+    // C_i of an elliptic section under M_i
+    const double3 axis = strand_oracle_turned( middle_frame( frame_before( strand, s ), strand->frame[s] ), x_axis );
+    const double flat = strand->flatness * strand->flatness;
+    m = double3_add_scaled( m, flat / ( 1.0 - flat ) * double3_dot( m, axis ), axis );
     h->turn = bends ? double3_add_scaled( h->turn, 1.0 / strand->stiffness[s], m ) : h->turn;
     h->largest_turn = fmax( h->largest_turn, double3_length( h->turn ) );
     const double3 k = bends ? double3_add_scaled( v.bend, -1.0 / strand->stiffness[s], m ) : v.bend;

@@ -164,6 +164,8 @@ typedef struct wisp_strand_stretch_args
     const float* speed;       ///< [row][16] m^2/s^2, squared, as predicted; a reset gives no vertex a higher one
     wisp_vec3 acceleration;   ///< m/s^2, of the prediction, that tension did not balance yet; with history only
     wisp_strand_history history;
+    bool
+        is_held; ///< strands may be held at both ends: the diagonal grows by 1e-5, because that of a taut one is singular
 } wisp_strand_stretch_args;
 
 /// Floats of scratch per row of a strand kernel.
@@ -209,7 +211,7 @@ typedef struct wisp_strand_follow_args
 /// It is quadratic while the frames that hold the rest vectors k_i are fixed. Then (M + dt^2 K) x = -dt^2 dE/dp is
 /// one pentadiagonal system, the same for x, y and z, and its factors are kept. Frames are transported without
 /// twist to the predicted segments (p less dt^2 acceleration). Then twist is brought to equilibrium by a
-/// tridiagonal system. Segment -1 is the clamp at the root.
+/// tridiagonal system. Segment -1 is the clamp at the root; a tip that is held has one behind its last segment.
 typedef struct wisp_strand_rod_args
 {
     const int32_t* group_row;    ///< [group_count + 1] first row of each group
@@ -238,7 +240,17 @@ typedef struct wisp_strand_rod_args
     float dt;                        ///< s
     float* scratch;                  ///< WISP_STRAND_SCRATCH floats per row of the longest group
     wisp_strand_history history;
+    const float*
+        tip; ///< [row][3][16] direction of a tip that is held, in the row of the tip, 0 elsewhere; `frame` of
+             ///< that row is its frame. null: tips are free
+    float
+        flatness; ///< sqrt( 1 - EI / EI_edgewise ) of an elliptic section, which bends with EI about its y axis, the
+                  ///< x axis being across the flat side; `stiffness` is that of EI_edgewise. 0: circular
+    float* section_scratch; ///< WISP_STRAND_SECTION_SCRATCH floats per row of the longest group; with `flatness` only
 } wisp_strand_rod_args;
+
+/// Floats of scratch per row of rods with an elliptic section.
+#define WISP_STRAND_SECTION_SCRATCH ( 8 * WISP_LANES )
 
 /// Arguments of contact of strands with one body in closed form, with Coulomb friction; equations in
 /// strand_contact.c. Vertices closer to the body than the thickness, at the end of the substep, are pushed out

@@ -1,0 +1,352 @@
+// Tips that are held, against closed forms: catenary, twisted rods under tension, rings under load and twist; release,
+// what is refused, and that strands without held tips have no pass for them.
+#include "strand_section_fixture.h"
+
+static const float FRAME = 1.0f / 60.0f;
+static const double PI = 3.141592653589793;
+
+static const wisp_vec3 ALONG_X = { 1.0f, 0.0f, 0.0f };
+static const wisp_vec3 NOWHERE = { 0.0f, 0.0f, 0.0f };
+
+static void assert_fraction( double measured, double reference, double tolerance, const char* what )
+{
+    // written so that a NaN fails
+    if ( !( fabs( measured / reference - 1.0 ) <= tolerance ) )
+    {
+        fail_msg( "%s: %.9g measured, %.9g by the closed form: %.4f %% off, tolerated %.4f %%", what, measured,
+                  reference, 100.0 * ( measured / reference - 1.0 ), 100.0 * tolerance );
+    }
+}
+
+// Move the tip in equal parts per step to a rotation and a displacement.
+static void bring_tip( rod_world* rod, wisp_vec3 axis, double angle, wisp_vec3 displacement, int steps )
+{
+    for ( int i = 1; i <= steps; ++i )
+    {
+        const float part = (float)i / (float)steps;
+        turn_tip( rod, axis, angle * i / steps,
+                  ( wisp_vec3 ){ part * displacement.x, part * displacement.y, part * displacement.z } );
+        strand_steps( rod->s.world, 1, FRAME );
+    }
+}
+
+// ---- two ends ----
+
+// L = 2 a sinh( d / 2a ) with d = 0.8 L: sag 0.26543751 L, largest tension 0.603639 of the weight.
+static void a_chain_between_two_ends_hangs_as_a_catenary( void** state )
+{
+    (void)state;
+    enum
+    {
+        COUNT = 65,
+    };
+    for ( int bends = 0; bends < 2; ++bends )
+    {
+        wisp_vec3 points[COUNT];
+        float tensions[COUNT];
+        lay_rod( ALONG_X, 1.0f, COUNT, points );
+        wisp_strand_dynamics_def def = rod_def( 1e-6f, 0.0f );
+        def.bending = bends ? WISP_STRAND_BEND_ROD : WISP_STRAND_BEND_NONE;
+        def.gravity = ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f };
+        def.damping = 3.0f;
+        rod_world rod;
+        open_rod( &rod, points, COUNT, 8, &def );
+        hold_tip( &rod, WISP_STRAND_TIP_PINNED ); // taut at first
+        bring_tip( &rod, ALONG_X, 0.0, ( wisp_vec3 ){ -0.2f, 0.0f, 0.0f }, 60 );
+        strand_steps( rod.s.world, 400, FRAME );
+        assert_fraction( -(double)rod_point( &rod, COUNT / 2 ).y, 0.26543751, 5e-4, "catenary, sag, m" );
+        assert_true( fabsf( rod_point( &rod, COUNT - 1 ).x - 0.8f ) < 1e-6f );
+        // half a segment hangs between the support and the middle of the first one
+        assert_int_equal( wisp_read_strand_tension( rod.s.world, rod.e, tensions ), WISP_OK );
+        const double slope = 55.9254 * PI / 180.0, top = 0.603639 * 9.81;
+        assert_fraction( (double)tensions[0], top - 0.5 * 9.81 / ( COUNT - 1 ) * sin( slope ), 2e-3, "tension, N" );
+        close_rod( &rod );
+    }
+}
+
+// Amplitude of the buckling of a rod of 1 m, EI = GJ = 1 N m^2, both of whose ends keep their direction while the tip is
+// free to move, pulled along x by `force` and twisted by `angle`.
+static double writhe( float force, double angle )
+{
+    enum
+    {
+        COUNT = 33,
+    };
+    wisp_vec3 points[COUNT];
+    float masses[COUNT];
+    lay_rod( ALONG_X, 1.0f, COUNT, points );
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        masses[i] = i + 1 < COUNT ? 4e-4f : 0.2f;
+    }
+    wisp_strand_dynamics_def def = rod_def( 1.0f, 1.0f );
+    def.gravity = ( wisp_vec3 ){ 5.0f * force, 1e-3f, 0.0f };
+    def.vertex_masses = masses;
+    def.damping = 0.5f;
+    rod_world rod;
+    open_rod( &rod, points, COUNT, 64, &def );
+    hold_tip( &rod, WISP_STRAND_TIP_GUIDED );
+    bring_tip( &rod, ALONG_X, angle, NOWHERE, 120 );
+    strand_steps( rod.s.world, 240, FRAME );
+    double most = 0.0;
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        const wisp_vec3 p = rod_point( &rod, i );
+        most = fmax( most, hypot( (double)p.y, (double)p.z ) );
+    }
+    close_rod( &rod );
+    return most;
+}
+
+// Greenhill 1883: M^2 / 4 EI = F + pi^2 EI / L^2. Without a force the rod buckles at a twist of one turn, with EI = GJ.
+static void a_twisted_rod_under_tension_buckles_at_the_moment_of_greenhill( void** state )
+{
+    (void)state;
+    const float forces[] = { 0.0f, 20.0f };
+    for ( int i = 0; i < WISP_COUNT( forces ); ++i )
+    {
+        const double critical =
+            2.0 * sqrt( 1.03 * (double)forces[i] + PI * PI ) /* the rod itself is 6 % of the weight */;
+        assert_true( writhe( forces[i], 0.97 * critical ) < 0.001 );
+        assert_true( writhe( forces[i], 1.04 * critical ) > 0.01 );
+    }
+}
+
+// ---- loops ----
+
+enum
+{
+    RING = 49, // vertices, the last on the first
+    TOP = ( RING - 1 ) / 2,
+};
+
+// A ring of 1 m in the xy plane that stands on its root. Its first segment is level: a straight rod that is bent into it
+// bends at the joint as anywhere else, and turns until the root is level.
+static void lay_ring( wisp_vec3* points )
+{
+    const double step = 2.0 * PI / ( RING - 1 ), radius = 0.5 / ( ( RING - 1 ) * sin( 0.5 * step ) );
+    for ( int i = 0; i < RING; ++i )
+    {
+        const double a = step * ( i % ( RING - 1 ) ) - 0.5 * step;
+        points[i] = ( wisp_vec3 ){ (float)( radius * ( sin( a ) + sin( 0.5 * step ) ) ),
+                                   (float)( radius * ( cos( 0.5 * step ) - cos( a ) ) ), 0.0f };
+    }
+}
+
+static void open_ring( rod_world* rod, int substeps, const wisp_strand_dynamics_def* def )
+{
+    wisp_vec3 points[RING];
+    lay_ring( points );
+    open_rod( rod, points, RING, substeps, def );
+    hold_tip( rod, WISP_STRAND_TIP_CLAMPED );
+}
+
+static double farthest_from_ring( const rod_world* rod )
+{
+    wisp_vec3 points[RING];
+    double most = 0.0;
+    lay_ring( points );
+    for ( int i = 0; i < RING; ++i )
+    {
+        most = fmax( most, vec_distance( rod_point( rod, i ), points[i] ) );
+    }
+    return most;
+}
+
+static void a_ring_of_its_shape_stays_a_ring( void** state )
+{
+    (void)state;
+    wisp_strand_dynamics_def def = rod_def( 1.0f, 1.0f );
+    def.rest = WISP_STRAND_REST_SHAPE;
+    rod_world rod;
+    open_ring( &rod, 8, &def );
+    strand_steps( rod.s.world, 120, FRAME );
+    assert_true( farthest_from_ring( &rod ) < 1e-6 );
+    close_rod( &rod );
+}
+
+// Stand a ring on its root, with a weight at the top. @return how far that is above the root
+static double loaded_height( float load )
+{
+    float masses[RING];
+    for ( int i = 0; i < RING; ++i )
+    {
+        masses[i] = i == TOP ? 1.0f : 1e-4f;
+    }
+    wisp_strand_dynamics_def def = rod_def( 1.0f, 1.0f );
+    def.vertex_masses = masses;
+    def.gravity = ( wisp_vec3 ){ 0.0f, -load, 0.0f };
+    def.damping = 3.0f;
+    rod_world rod;
+    open_ring( &rod, 64, &def );
+    strand_steps( rod.s.world, 300, FRAME );
+    const double height = (double)rod_point( &rod, TOP ).y;
+    close_rod( &rod );
+    return height;
+}
+
+// ( pi/4 - 2/pi ) P R^3 / EI (Timoshenko, Strength of Materials). A rod that is straight without load is bent into the ring,
+// which changes its energy by a constant. The difference of two opposed loads leaves the part that is linear. With 48 segments
+// the ring is 2.4 % softer, with 96 it is 1 %.
+static void a_ring_between_two_loads_is_flattened_as_by_the_closed_form( void** state )
+{
+    (void)state;
+    const double radius = 0.5 / PI, load = 1.0;
+    const double less = loaded_height( -1.0f ) - loaded_height( 1.0f );
+    assert_fraction( less, 2.0 * ( PI / 4.0 - 2.0 / PI ) * load * pow( radius, 3.0 ), 0.03, "flattened ring, m" );
+}
+
+// How far a ring of a straight rod leaves its plane, over its length, when one end of it was turned by so much.
+static double out_of_plane( double twist, double twist_rigidity )
+{
+    wisp_strand_dynamics_def def = rod_def( 1.0f, (float)twist_rigidity );
+    def.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 1e-4f };
+    def.damping = 1.0f;
+    rod_world rod;
+    open_ring( &rod, 8, &def );
+    bring_tip( &rod, ALONG_X, twist, NOWHERE, 120 );
+    strand_steps( rod.s.world, 480, FRAME );
+    double most = 0.0;
+    for ( int i = 0; i < RING; ++i )
+    {
+        most = fmax( most, fabs( (double)rod_point( &rod, i ).z ) );
+    }
+    close_rod( &rod );
+    return most;
+}
+
+// 2 pi sqrt( 3 ) EI / GJ (Michell 1889; Zajac 1962; Goriely 2006).
+static void a_twisted_ring_leaves_its_plane_at_the_twist_of_michell( void** state )
+{
+    (void)state;
+    const double ratios[] = { 1.0, 1.5 }; // GJ / EI
+    for ( int i = 0; i < WISP_COUNT( ratios ); ++i )
+    {
+        const double critical = 2.0 * PI * sqrt( 3.0 ) / ratios[i];
+        assert_true( out_of_plane( 0.98 * critical, ratios[i] ) < 0.005 );
+        assert_true( out_of_plane( 1.02 * critical, ratios[i] ) > 0.015 );
+    }
+}
+
+// ---- holds change ----
+
+static void a_tip_that_is_released_swings_as_if_it_had_been_free( void** state )
+{
+    (void)state;
+    wisp_vec3 points[9];
+    lay_rod( ALONG_X, 0.4f, 9, points );
+    wisp_strand_dynamics_def def = rod_def( 1e-3f, 1e-3f );
+    def.gravity = ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f };
+    rod_world held, free;
+    open_rod( &held, points, 9, 8, &def );
+    open_rod( &free, points, 9, 8, &def );
+    hold_tip( &held, WISP_STRAND_TIP_CLAMPED );
+    hold_tip( &held, WISP_STRAND_TIP_FREE ); // before a step: nothing has moved
+    strand_steps( held.s.world, 30, FRAME );
+    strand_steps( free.s.world, 30, FRAME );
+    assert_true( vec_distance( rod_point( &held, 8 ), rod_point( &free, 8 ) ) < 1e-4 );
+
+    // held again where it is, and let go
+    const wisp_vec3 caught = rod_point( &held, 8 );
+    hold_tip( &held, WISP_STRAND_TIP_CLAMPED );
+    strand_steps( held.s.world, 30, FRAME );
+    assert_true( vec_distance( rod_point( &held, 8 ), caught ) < 1e-6 );
+    hold_tip( &held, WISP_STRAND_TIP_FREE );
+    strand_steps( held.s.world, 10, FRAME );
+    assert_true( vec_distance( rod_point( &held, 8 ), caught ) > 1e-2 );
+    close_rod( &held );
+    close_rod( &free );
+}
+
+static void a_tip_moves_with_the_head_and_beyond_reach_it_is_counted( void** state )
+{
+    (void)state;
+    wisp_vec3 points[9];
+    lay_rod( ALONG_X, 0.4f, 9, points );
+    wisp_strand_dynamics_def def = rod_def( 1e-3f, 1e-3f );
+    rod_world rod;
+    open_rod( &rod, points, 9, 8, &def );
+    hold_tip( &rod, WISP_STRAND_TIP_CLAMPED );
+    bring_tip( &rod, ALONG_X, 0.0, ( wisp_vec3 ){ -0.1f, 0.0f, 0.0f }, 10 );
+    const wisp_quat quarter = { 0.0f, 0.0f, sqrtf( 0.5f ), sqrtf( 0.5f ) }; // x to y
+    assert_int_equal(
+        wisp_move_strand_head( rod.s.world, rod.e, ( wisp_transform ){ quarter, { 0.0f, 0.0f, 0.2f } } ), WISP_OK );
+    strand_steps( rod.s.world, 1, FRAME );
+    assert_true( vec_distance( rod_point( &rod, 8 ), ( wisp_vec3 ){ 0.0f, 0.3f, 0.2f } ) < 1e-6 );
+    assert_int_equal( wisp_world_counter( rod.s.world, WISP_COUNT_STRETCHED ), 0 );
+    turn_tip( &rod, ALONG_X, 0.0, ( wisp_vec3 ){ 0.2f, 0.0f, 0.0f } );
+    strand_steps( rod.s.world, 60, FRAME );
+    assert_int_equal( wisp_world_counter( rod.s.world, WISP_COUNT_STRETCHED ), 60 );
+    turn_tip( &rod, ALONG_X, 0.0, ( wisp_vec3 ){ -0.05f, 0.0f, 0.0f } );
+    strand_steps( rod.s.world, 60, FRAME );
+    for ( int i = 1; i < 9; ++i ) // it comes back to its lengths
+    {
+        assert_fraction( vec_distance( rod_point( &rod, i ), rod_point( &rod, i - 1 ) ), 0.05, 1e-3, "segment, m" );
+    }
+    close_rod( &rod );
+}
+
+static void tips_that_cannot_be_held_are_refused( void** state )
+{
+    (void)state;
+    wisp_vec3 points[3];
+    lay_rod( ALONG_X, 1.0f, 3, points );
+    wisp_strand_dynamics_def def = rod_def( 1.0f, 1.0f );
+    rod_world rod;
+    open_rod( &rod, points, 3, 1, &def );
+    wisp_world* world = rod.s.world;
+    const wisp_transform origin = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
+    wisp_transform far = origin;
+    far.translation.x = 2e6f;
+    assert_int_equal( wisp_move_strand_tip( world, rod.e, 0, origin ), WISP_CONFLICT );
+    assert_int_equal( wisp_hold_strand_tip( world, rod.e, 1, WISP_STRAND_TIP_PINNED ), WISP_BAD_INPUT );
+    assert_string_equal( wisp_world_message( world ), "strands: got the tip of strand 1, expected 0 .. 0" );
+    assert_int_equal( wisp_hold_strand_tip( world, rod.e, -1, WISP_STRAND_TIP_PINNED ), WISP_BAD_INPUT );
+    assert_int_equal( wisp_hold_strand_tip( world, rod.e, 0, WISP_STRAND_TIP_COUNT ), WISP_BAD_INPUT );
+    hold_tip( &rod, WISP_STRAND_TIP_PINNED );
+    assert_int_equal( wisp_move_strand_tip( world, rod.e, 0, far ), WISP_BAD_INPUT );
+    assert_string_equal( wisp_world_message( world ),
+                         "strands: the tip at (2e+06, 0, 0) is not within 1e6 m of the origin" );
+    def.bending = WISP_STRAND_BEND_NONE;
+    assert_int_equal( wisp_set_strand_dynamics( world, rod.e, &def ), WISP_OK );
+    assert_int_equal( wisp_hold_strand_tip( world, rod.e, 0, WISP_STRAND_TIP_CLAMPED ), WISP_CONFLICT );
+    strand_steps( world, 1, FRAME );
+    close_rod( &rod );
+}
+
+static void only_strands_with_held_tips_have_passes_for_them( void** state )
+{
+    (void)state;
+    wisp_vec3 points[9];
+    lay_rod( ALONG_X, 0.4f, 9, points );
+    wisp_strand_dynamics_def def = rod_def( 1e-3f, 1e-3f );
+    rod_world rod;
+    open_rod( &rod, points, 9, 8, &def );
+    strand_steps( rod.s.world, 1, FRAME );
+    assert_false( plan_says( rod.s.world, "strands.tips", "item loop" ) );
+    assert_false( plan_says( rod.s.world, "strands.tip_frames", "item loop" ) );
+    hold_tip( &rod, WISP_STRAND_TIP_PINNED );
+    strand_steps( rod.s.world, 1, FRAME );
+    assert_true( plan_says( rod.s.world, "strands.tips", "item loop" ) );
+    assert_false( plan_says( rod.s.world, "strands.rod_curved", "item loop" ) );
+    hold_tip( &rod, WISP_STRAND_TIP_CLAMPED );
+    strand_steps( rod.s.world, 1, FRAME );
+    assert_true( plan_says( rod.s.world, "strands.rod_curved", "item loop" ) );
+    close_rod( &rod );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_chain_between_two_ends_hangs_as_a_catenary ),
+        cmocka_unit_test( a_twisted_rod_under_tension_buckles_at_the_moment_of_greenhill ),
+        cmocka_unit_test( a_ring_of_its_shape_stays_a_ring ),
+        cmocka_unit_test( a_ring_between_two_loads_is_flattened_as_by_the_closed_form ),
+        cmocka_unit_test( a_twisted_ring_leaves_its_plane_at_the_twist_of_michell ),
+        cmocka_unit_test( a_tip_that_is_released_swings_as_if_it_had_been_free ),
+        cmocka_unit_test( a_tip_moves_with_the_head_and_beyond_reach_it_is_counted ),
+        cmocka_unit_test( tips_that_cannot_be_held_are_refused ),
+        cmocka_unit_test( only_strands_with_held_tips_have_passes_for_them ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
