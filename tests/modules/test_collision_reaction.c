@@ -88,9 +88,10 @@ static void check_momentum( bool is_cloth, int substeps, int iterations )
         for ( int i = 0; i < 4; ++i )
         {
             const wisp_reaction r = reaction_of( t.h->world, t.bodies[i] );
-            const wisp_vec3 j = r.impulse, o = i == 1 ? ( wisp_vec3 ){ 0.3f - 0.01f * (float)n, 0.01f * (float)n, -0.2f }
-                                                      : ( wisp_vec3 ){ 0.3f * (float)( i % 2 ), i == 3 ? -0.3f : 0.0f,
-                                                                       i == 2 ? 0.4f : -0.2f };
+            const wisp_vec3 j = r.impulse, o = i == 1
+                                                   ? ( wisp_vec3 ){ 0.3f - 0.01f * (float)n, 0.01f * (float)n, -0.2f }
+                                                   : ( wisp_vec3 ){ 0.3f * (float)( i % 2 ), i == 3 ? -0.3f : 0.0f,
+                                                                    i == 2 ? 0.4f : -0.2f };
             const double all[6] = { (double)j.x,
                                     (double)j.y,
                                     (double)j.z,
@@ -180,8 +181,9 @@ static void each_body_gets_what_it_pushed( void** state )
     collision.thickness = 0.01f;
     const wisp_entity patch = add_colliding( h->world, &mesh, &collision );
     test_mesh_free( &mesh );
-    assert_int_equal( wisp_set_velocity( h->world, patch, ( wisp_vec3 ){ -1.0f, -1.0f, 0.0f }, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ),
-                      WISP_OK );
+    assert_int_equal(
+        wisp_set_velocity( h->world, patch, ( wisp_vec3 ){ -1.0f, -1.0f, 0.0f }, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ),
+        WISP_OK );
     for ( int i = 0; i < 2; ++i )
     {
         assert_int_equal( wisp_request_reaction( h->world, bodies[i], true ), WISP_OK );
@@ -216,8 +218,9 @@ static void what_leaves_the_inside_of_a_body_gives_it_the_velocity_that_it_loses
     const wisp_collision_def collision = wisp_default_collision_def();
     const wisp_entity patch = add_colliding( h->world, &mesh, &collision );
     test_mesh_free( &mesh );
-    assert_int_equal( wisp_set_velocity( h->world, patch, ( wisp_vec3 ){ 0.0f, 0.5f, 0.0f }, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ),
-                      WISP_OK );
+    assert_int_equal(
+        wisp_set_velocity( h->world, patch, ( wisp_vec3 ){ 0.0f, 0.5f, 0.0f }, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ),
+        WISP_OK );
     assert_int_equal( wisp_request_reaction( h->world, body, true ), WISP_OK );
     run_for( h->world, DT, 1 );
     const wisp_motion_stats q = motion_stats_of( h->world, patch );
