@@ -86,8 +86,8 @@ static void nothing_passes_at_any_speed( void** state )
                 const wisp_vec3 p = ( (const wisp_vec3*)v.data )[i];
                 wisp_surface_point at;
                 assert_true( wisp_shape_closest( &shape, p, &at ) );
-                // in front, and above: not out at the other side
-                assert_true( at.distance > 0.005f && p.y > -0.05f );
+                // in front, and above or deflected outwards: not out at the other side
+                assert_true( at.distance > 0.005f && ( p.y > -0.05f || sqrtf( p.x * p.x + p.z * p.z ) > 0.3f ) );
             }
         }
         assert_true( contacts > 20 );
