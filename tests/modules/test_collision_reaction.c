@@ -1,6 +1,7 @@
 // Reactions of bodies: what a body gets is minus what surfaces and strands get, in a fixed order, and nothing without a request.
 // Restitution: heights of bounces, rest, energy.
 #include "collision_fixture.h"
+#include "strands.h"
 
 static const float DT = 1.0f / 60.0f;
 
@@ -87,9 +88,10 @@ static void check_momentum( bool is_cloth, int substeps, int iterations )
         for ( int i = 0; i < 4; ++i )
         {
             const wisp_reaction r = reaction_of( t.h->world, t.bodies[i] );
-            const wisp_vec3 j = r.impulse, o = i == 1 ? ( wisp_vec3 ){ 0.3f - 0.01f * (float)n, 0.01f * (float)n, -0.2f }
-                                                      : ( wisp_vec3 ){ 0.3f * (float)( i % 2 ), i == 3 ? -0.3f : 0.0f,
-                                                                       i == 2 ? 0.4f : -0.2f };
+            const wisp_vec3 j = r.impulse, o = i == 1
+                                                   ? ( wisp_vec3 ){ 0.3f - 0.01f * (float)n, 0.01f * (float)n, -0.2f }
+                                                   : ( wisp_vec3 ){ 0.3f * (float)( i % 2 ), i == 3 ? -0.3f : 0.0f,
+                                                                    i == 2 ? 0.4f : -0.2f };
             const double all[6] = { (double)j.x,
                                     (double)j.y,
                                     (double)j.z,
@@ -165,6 +167,112 @@ static void a_request_changes_no_bit_of_the_motion_and_workers_none_of_the_react
     }
 }
 
+static void each_body_gets_what_it_pushed( void** state )
+{
+    (void)state;
+    hosted* h = new_colliding( 4, 1, 1 );
+    wisp_collider_def floor = wisp_default_collider_def(), wall = floor;
+    floor.static_friction = floor.kinetic_friction = wall.static_friction = wall.kinetic_friction = 0.0f;
+    wall.pose.rotation = about_z( -1.5707963267948966 ); // its normal is +x
+    const wisp_entity bodies[2] = { add_collider( h->world, &floor ), add_collider( h->world, &wall ) };
+    test_mesh mesh = test_plane( 2, 0.02f );
+    move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ 0.02f, 0.015f, 0.0f } );
+    wisp_collision_def collision = wisp_default_collision_def();
+    collision.thickness = 0.01f;
+    const wisp_entity patch = add_colliding( h->world, &mesh, &collision );
+    test_mesh_free( &mesh );
+    assert_int_equal(
+        wisp_set_velocity( h->world, patch, ( wisp_vec3 ){ -1.0f, -1.0f, 0.0f }, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ),
+        WISP_OK );
+    for ( int i = 0; i < 2; ++i )
+    {
+        assert_int_equal( wisp_request_reaction( h->world, bodies[i], true ), WISP_OK );
+    }
+    wisp_vec3 sum[2] = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
+    for ( int n = 0; n < 6; ++n )
+    {
+        run_for( h->world, DT, 1 );
+        for ( int i = 0; i < 2; ++i )
+        {
+            const wisp_vec3 j = reaction_of( h->world, bodies[i] ).impulse;
+            sum[i] = ( wisp_vec3 ){ sum[i].x + j.x, sum[i].y + j.y, sum[i].z + j.z };
+        }
+    }
+    const double m = motion_stats_of( h->world, patch ).mass;
+    // all stop: the momentum of 1 m/s down goes to the floor, that to the left to the wall
+    assert_near( (double)sum[0].y, -m, 1e-5 * m );
+    assert_near( (double)sum[0].x, 0.0, 1e-5 * m );
+    assert_near( (double)sum[1].x, -m, 1e-5 * m );
+    assert_near( (double)sum[1].y, 0.0, 1e-5 * m );
+    free_colliding( h );
+}
+
+static void what_leaves_the_inside_of_a_body_gives_it_the_velocity_that_it_loses( void** state )
+{
+    (void)state;
+    hosted* h = new_colliding( 2, 1, 1 );
+    const wisp_collider_def floor = wisp_default_collider_def();
+    const wisp_entity body = add_collider( h->world, &floor );
+    test_mesh mesh = test_plane( 2, 0.1f );
+    move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ 0.0f, -0.2f, 0.0f } );
+    const wisp_collision_def collision = wisp_default_collision_def();
+    const wisp_entity patch = add_colliding( h->world, &mesh, &collision );
+    test_mesh_free( &mesh );
+    assert_int_equal(
+        wisp_set_velocity( h->world, patch, ( wisp_vec3 ){ 0.0f, 0.5f, 0.0f }, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ),
+        WISP_OK );
+    assert_int_equal( wisp_request_reaction( h->world, body, true ), WISP_OK );
+    run_for( h->world, DT, 1 );
+    const wisp_motion_stats q = motion_stats_of( h->world, patch );
+    assert_near( q.momentum[1], 0.0, 1e-5 * q.mass );
+    assert_near( (double)reaction_of( h->world, body ).impulse.y, 0.5 * q.mass, 1e-5 * q.mass );
+    free_colliding( h );
+}
+
+// Strands that lie on a floor, with their roots at its height: it carries most of what is not pinned.
+static void a_floor_carries_the_weight_of_strands( void** state )
+{
+    (void)state;
+    static const wisp_module* const MODULES[] = { &wisp_strands_module, &wisp_collision_module };
+    hosted* h = checked_calloc( 1, sizeof( hosted ) );
+    h->def = hosted_def( h );
+    h->def.modules = MODULES;
+    h->def.module_count = WISP_COUNT( MODULES );
+    h->def.substeps = 8;
+    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    const wisp_collider_def plane = wisp_default_collider_def();
+    const wisp_entity floor = add_collider( h->world, &plane );
+    wisp_vec3 points[2][11];
+    const int32_t offsets[3] = { 0, 11, 22 };
+    for ( int i = 0; i < 22; ++i )
+    {
+        points[i / 11][i % 11] = ( wisp_vec3 ){ 0.02f * (float)( i % 11 ), 0.005f, 0.1f * (float)( i / 11 ) };
+    }
+    wisp_strands_def def = wisp_default_strands_def();
+    def.points = points[0];
+    def.offsets = offsets;
+    def.strand_count = 2;
+    wisp_entity hair;
+    assert_int_equal( wisp_add_strands( h->world, &def, &hair ), WISP_OK );
+    const wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
+    assert_int_equal( wisp_set_strand_dynamics( h->world, hair, &dynamics ), WISP_OK );
+    const wisp_collision_def collision = wisp_default_collision_def();
+    assert_int_equal( wisp_set_collision( h->world, hair, &collision ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, hair, WISP_MOTION_STATS ), WISP_OK );
+    assert_int_equal( wisp_request_reaction( h->world, floor, true ), WISP_OK );
+    run_for( h->world, DT, 60 );
+    double sum = 0.0;
+    for ( int n = 0; n < 60; ++n )
+    {
+        run_for( h->world, DT, 1 );
+        sum += (double)reaction_of( h->world, floor ).impulse.y;
+    }
+    const wisp_motion_stats q = motion_stats_of( h->world, hair );
+    // bending passes 15 % to the roots
+    assert_true( -sum > 0.8 * q.mass * 9.81 && -sum < q.mass * 9.81 );
+    free_colliding( h );
+}
+
 // ---- restitution ----
 
 // A patch of free particles above a body.
@@ -221,7 +329,9 @@ static void what_rests_on_a_bouncy_floor_does_not_jitter( void** state )
     wisp_collider_def floor = wisp_default_collider_def();
     floor.restitution = 1.0f;
     add_collider( h->world, &floor );
-    const wisp_entity patch = add_patch( h->world, 0.0f, 0.01f );
+    // it lands at 0.03 m/s; 2 |g| h is 0.04 m/s
+    const wisp_entity patch = add_patch( h->world, 5e-5f, 0.01f );
+    run_for( h->world, DT, 3 );
     for ( int n = 0; n < 120; ++n )
     {
         run_for( h->world, DT, 1 );
@@ -299,6 +409,9 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( bodies_get_what_a_surface_loses ),
         cmocka_unit_test( a_request_changes_no_bit_of_the_motion_and_workers_none_of_the_reaction ),
+        cmocka_unit_test( each_body_gets_what_it_pushed ),
+        cmocka_unit_test( what_leaves_the_inside_of_a_body_gives_it_the_velocity_that_it_loses ),
+        cmocka_unit_test( a_floor_carries_the_weight_of_strands ),
         cmocka_unit_test( what_is_dropped_returns_to_the_square_of_the_restitution ),
         cmocka_unit_test( what_rests_on_a_bouncy_floor_does_not_jitter ),
         cmocka_unit_test( a_bouncing_cloth_gains_no_energy ),
