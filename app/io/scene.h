@@ -4,6 +4,7 @@
 /// `scene.yaml:12:7: strands[0].frozen_hair.clump.radius: got 'ten', expected a number`.
 #pragma once
 
+#include "attachments/attachments.h"
 #include "balloon/balloon.h"
 #include "boundary/boundary.h"
 #include "environment/environment.h"
@@ -272,6 +273,10 @@ extern "C"
         int tile_size;
         bool has_collision;
         wisp_collision_def collision;
+        bool has_attachments; ///< pins are attached to `attached_to`
+        int attached_to;      ///< index into the scene's surfaces
+        bool has_collider;    ///< others collide with it
+        wisp_collider_def collider;
         bool has_contact, has_boundary;
         wisp_contact_def contact;
         wisp_boundary_def boundary;

@@ -6,8 +6,8 @@
 extern const scene_block SCENE_BLOCK_OF_ALL;   // over wisp_scene
 extern const scene_block SCENE_STRANDS_BLOCK;  // over wisp_scene_strands
 extern const scene_block SCENE_GENERATE_BLOCK; // over wisp_groom_generator
-extern const scene_block SCENE_SCATTER_BLOCK, SCENE_CURVES_BLOCK, SCENE_DYNAMICS_BLOCK, SCENE_HEAD_BLOCK, SCENE_TIPS_BLOCK,
-    SCENE_GRID_BLOCK, SCENE_GHOSTS_BLOCK, SCENE_STRAND_COLLISION_BLOCK,
+extern const scene_block SCENE_SCATTER_BLOCK, SCENE_CURVES_BLOCK, SCENE_DYNAMICS_BLOCK, SCENE_HEAD_BLOCK,
+    SCENE_TIPS_BLOCK, SCENE_GRID_BLOCK, SCENE_GHOSTS_BLOCK, SCENE_STRAND_COLLISION_BLOCK,
     SCENE_STRAND_CONTACT_BLOCK;                                             // over wisp_scene_strands
 extern const scene_block SCENE_COMMAND_BLOCK;                               // over wisp_scene_hair_event
 extern const scene_block SCENE_EVENT_BLOCK;                                 // over scene_event
@@ -15,6 +15,7 @@ extern const scene_block SCENE_OUTPUT_BLOCK;                                // o
 extern const scene_block SCENE_SURFACE_BLOCK;                               // over wisp_scene_surface
 extern const scene_block SCENE_BOUNDARY_BLOCK, SCENE_CONTACT_BLOCK;         // over wisp_scene_surface
 extern const scene_block SCENE_MOTION_CONSTRAINTS_BLOCK, SCENE_FRAME_BLOCK; // over wisp_scene_surface
+extern const scene_block SCENE_SURFACE_COLLIDER_BLOCK;                      // likewise
 extern const scene_block SCENE_WORLD_CONTACT_BLOCK;                         // over wisp_scene
 extern const scene_block SCENE_BOX_BLOCK;                                   // over wisp_scene_box
 
@@ -41,11 +42,12 @@ scene_read_fn scene_read_dt_factors, scene_read_strands, scene_read_surfaces, sc
     scene_read_commands, scene_read_events, scene_read_outputs, scene_read_contact;
 
 // Readers of an entry's values; they are pointed at the entry.
-scene_read_fn scene_read_generate, scene_read_curve, scene_read_request;              // wisp_scene_strands
-scene_read_fn scene_read_strand_pins, scene_read_vertex_masses, scene_read_head_path, scene_read_tips_path; // wisp_scene_strands
+scene_read_fn scene_read_generate, scene_read_curve, scene_read_request; // wisp_scene_strands
+scene_read_fn scene_read_strand_pins, scene_read_vertex_masses, scene_read_head_path,
+    scene_read_tips_path; // wisp_scene_strands
 scene_read_fn scene_read_pins, scene_read_pin_box, scene_read_pin_nearest, scene_read_surface_request,
     scene_read_outlet,
-    scene_read_gas_ratio_keyframes;                          // wisp_scene_surface
+    scene_read_gas_ratio_keyframes;                                              // wisp_scene_surface
 scene_read_fn scene_read_collider_path, scene_read_friction, scene_read_heights; // wisp_scene_collider
 
 /// An entry of `events` before its time has become a step.
@@ -78,6 +80,8 @@ wisp_status scene_check_strands( scene_reader* reader, const scene_node* node, c
 wisp_status scene_bind_strands( scene_reader* reader, const scene_node* list );
 /// Find the surfaces that entries of strands name. To be called once everything is registered.
 wisp_status scene_bind_roots( scene_reader* reader, const scene_node* root );
+/// Find the surfaces that pins are attached to.
+wisp_status scene_bind_attachments( scene_reader* reader, const scene_node* root );
 
 /// scene_copies.c: make entries of the copies that entries ask for, after all others, whose numbers stay. To be called once all
 /// names are bound.

@@ -45,6 +45,28 @@ static const scene_field MOTION_FIELDS[] = {
 };
 const scene_block SCENE_MOTION_CONSTRAINTS_BLOCK = BLOCK( MOTION_FIELDS );
 
+// ---- surfaces as colliders ----
+
+#define COLLIDER( member ) offsetof( wisp_scene_surface, collider.member )
+
+static const scene_field COLLIDER_FIELDS[] = {
+    { "double_sided", SCENE_SWITCH, .at = COLLIDER( double_sided ),
+      .help = "The surface has two sides and no inside; otherwise it must be closed." },
+    { "static_friction", SCENE_NUMBER, .at = COLLIDER( static_friction ), .range = RANGE( 0, 1e6 ),
+      .help = "Friction coefficient that must be overcome." },
+    { "kinetic_friction", SCENE_NUMBER, .at = COLLIDER( kinetic_friction ), .range = RANGE( 0, 1e6 ),
+      .help = "Friction coefficient while sliding, at most the static one." },
+    { "restitution", SCENE_NUMBER, .at = COLLIDER( restitution ), .range = UNIT_RANGE,
+      .help = "Fraction of the approach speed that a vertex leaves with." },
+    { "thickness", SCENE_NUMBER, .at = COLLIDER( thickness ), .range = DISTANCE, .unit = METRES,
+      .help = "Thickness that is added to that of what touches it." },
+    { "tracks", SCENE_SWITCH, .at = COLLIDER( tracks ),
+      .help = "Closest triangles are searched once per step and tracked in between; otherwise in each substep." },
+    { "layers", SCENE_CUSTOM, .at = COLLIDER( layers ), .read = scene_read_layers, .form = "list of layers, 0 .. 31",
+      .initial = "[0]", .help = "Layers; `collision.mask` chooses among them." },
+};
+const scene_block SCENE_SURFACE_COLLIDER_BLOCK = BLOCK( COLLIDER_FIELDS );
+
 // ---- the frame ----
 
 #define FRAME( member ) offsetof( wisp_scene_surface, frame.member )

@@ -146,6 +146,7 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
         .start = scene_default_start(),
         .mass_ratio = 1.0f,
         .instance_of = -1,
+        .attached_to = -1,
         .pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } },
         .area_density = def.area_density,
         .vertex_mass = def.vertex_mass,
@@ -159,6 +160,7 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
         .frame = wisp_default_moving_frame_def(),
         .max_speed = INFINITY,
         .collision = wisp_default_collision_def(),
+        .collider = wisp_default_collider_def(),
         .contact = wisp_default_contact_def(),
         .boundary = wisp_default_boundary_def(),
     };

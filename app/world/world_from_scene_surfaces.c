@@ -422,6 +422,30 @@ static void find_needs( const wisp_scene* scene, unsigned char* required )
     }
 }
 
+// What needs other surfaces: they all exist by now.
+static wisp_status connect( scene_world* world, int surface, wisp_error* error )
+{
+    const wisp_scene_surface* entry = &world->scene->surfaces[surface];
+    const scene_world_surface* s = &world->surfaces[surface];
+    wisp_status status = WISP_OK;
+    if ( entry->has_attachments )
+    {
+        status = wisp_attach_pins( world->world, s->entity, s->pins, s->pin_count,
+                                   world->surfaces[entry->attached_to].entity );
+    }
+    if ( status == WISP_OK && entry->has_collider )
+    {
+        wisp_collider_def def = entry->collider;
+        wisp_entity collider;
+        def.kind = WISP_COLLIDER_SURFACE;
+        def.surface = s->entity;
+        status = wisp_add_collider( world->world, &def, &collider );
+    }
+    return status == WISP_OK
+               ? WISP_OK
+               : fail_at_surface( world->scene, surface, status, wisp_world_message( world->world ), error );
+}
+
 wisp_status scene_surfaces_add( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
@@ -441,6 +465,10 @@ wisp_status scene_surfaces_add( scene_world* world, wisp_error* error )
                                                      : make_source( world, i, required[i], error );
         status = status == WISP_OK ? count_vertices( world, i, &sum, error ) : status;
         status = status == WISP_OK ? add_effects( world, i, error ) : status;
+    }
+    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
+    {
+        status = connect( world, i, error );
     }
     free( required );
     return status;
