@@ -180,7 +180,10 @@ static wisp_status write_layer( run_layers* l, int surface, wisp_error* error )
     }
     WISP_ASSERT( view.samples->normals || view.samples->count == 0 );
     // The writer does not change the mesh; there is no read-only type.
-    const wisp_mesh mesh = { l->points, (int32_t*)(uintptr_t)body.triangles, body.vertex_count, body.triangle_count };
+    const wisp_mesh mesh = { .points = l->points,
+                             .triangles = (int32_t*)(uintptr_t)body.triangles,
+                             .vertex_count = body.vertex_count,
+                             .triangle_count = body.triangle_count };
     const wisp_mesh_layer layer = {
         .normals = l->normals,
         .edges = view.edges,

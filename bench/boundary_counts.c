@@ -77,7 +77,9 @@ static wisp_status count_edges( const layer_law* law, const float* fractions, in
             triangles[3 * i + k] = 3 * i + k;
         }
     }
-    const wisp_mesh mesh = { points, triangles, 3 * EDGES, EDGES };
+    const wisp_mesh mesh = {
+        .points = points, .triangles = triangles, .vertex_count = 3 * EDGES, .triangle_count = EDGES
+    };
     const wisp_boundary_def def = layer_def( law, EDGE_SPACING );
     wisp_fabric* fabric = NULL;
     layer_implementation implementation = { 0 };
@@ -303,7 +305,9 @@ static wisp_status triangles( results* out, wisp_error* error )
     wisp_vec3 points[3 * KINDS * COPIES];
     int32_t corners[3 * KINDS * COPIES];
     make_triangles( points, corners );
-    const wisp_mesh mesh = { points, corners, 3 * KINDS * COPIES, KINDS * COPIES };
+    const wisp_mesh mesh = {
+        .points = points, .triangles = corners, .vertex_count = 3 * KINDS * COPIES, .triangle_count = KINDS * COPIES
+    };
     const int table = results_add_table( out,
                                          "Inner points: in rows along the shortest side of a triangle, from any "
                                          "corner and 1024 m away; expected by the oracle",

@@ -329,8 +329,10 @@ static wisp_status write_surface( scene_world* world, const wisp_scene_output* o
     if ( status == WISP_OK )
     {
         // The writer changes neither mesh; there is no read-only type.
-        const wisp_mesh mesh = { points, (int32_t*)(uintptr_t)body.triangles, body.vertex_count,
-                                 body.triangle_count };
+        const wisp_mesh mesh = { .points = points,
+                                 .triangles = (int32_t*)(uintptr_t)body.triangles,
+                                 .vertex_count = body.vertex_count,
+                                 .triangle_count = body.triangle_count };
         status = wisp_mesh_write( output->file, &mesh, error );
     }
     free( points );

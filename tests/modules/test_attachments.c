@@ -10,7 +10,7 @@ enum
     SIDE = 4, // vertices along a side of the base
 };
 
-static hosted* open_world( int substeps, int workers )
+static hosted* open_attached( int substeps, int workers )
 {
     static const wisp_module* const MODULES[] = { &wisp_attachments_module, &wisp_cloth_module,
                                                   &wisp_collision_module };
@@ -91,7 +91,7 @@ static const int32_t FIRST[] = { 0 };
 static void a_pin_goes_along_with_a_rigid_motion( void** state )
 {
     (void)state;
-    hosted* h = open_world( 4, 1 );
+    hosted* h = open_attached( 4, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
     assert_int_equal( wisp_attach_pins( h->world, e, FIRST, 1, b.surface ), WISP_OK );
@@ -111,7 +111,7 @@ static void a_pin_goes_along_with_a_rigid_motion( void** state )
 static void a_pin_goes_along_with_a_stretch( void** state )
 {
     (void)state;
-    hosted* h = open_world( 3, 1 );
+    hosted* h = open_attached( 3, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
     assert_int_equal( wisp_attach_pins( h->world, e, FIRST, 1, b.surface ), WISP_OK );
@@ -130,7 +130,7 @@ static void a_pin_goes_along_with_a_stretch( void** state )
 static void a_pin_goes_along_with_a_surface_that_flies( void** state )
 {
     (void)state;
-    hosted* h = open_world( 5, 1 );
+    hosted* h = open_attached( 5, 1 );
     test_mesh mesh = test_plane( SIDE, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_entity flying = test_surface_of( h->world, &fabric, support_weightless_surface_def() );
@@ -147,7 +147,7 @@ static void a_pin_goes_along_with_a_surface_that_flies( void** state )
 static void detached_and_unpinned_vertices_stay_behind( void** state )
 {
     (void)state;
-    hosted* h = open_world( 2, 1 );
+    hosted* h = open_attached( 2, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
     const int32_t two[] = { 0, 1 };
@@ -168,7 +168,7 @@ static void detached_and_unpinned_vertices_stay_behind( void** state )
 static void pins_stay_when_the_other_surface_is_removed( void** state )
 {
     (void)state;
-    hosted* h = open_world( 2, 1 );
+    hosted* h = open_attached( 2, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
     assert_int_equal( wisp_attach_pins( h->world, e, FIRST, 1, b.surface ), WISP_OK );
@@ -186,7 +186,7 @@ static void pins_stay_when_the_other_surface_is_removed( void** state )
 static void a_snapshot_holds_attachments( void** state )
 {
     (void)state;
-    hosted* h = open_world( 2, 1 );
+    hosted* h = open_attached( 2, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
     assert_int_equal( wisp_attach_pins( h->world, e, FIRST, 1, b.surface ), WISP_OK );
@@ -208,7 +208,7 @@ static void a_snapshot_holds_attachments( void** state )
 static void no_attachment_is_no_pass( void** state )
 {
     (void)state;
-    hosted* h = open_world( 2, 1 );
+    hosted* h = open_attached( 2, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
     const int before = wisp_world_plan_passes( h->world );
@@ -221,7 +221,7 @@ static void no_attachment_is_no_pass( void** state )
 static void wrong_attachments_are_refused( void** state )
 {
     (void)state;
-    hosted* h = open_world( 2, 1 );
+    hosted* h = open_attached( 2, 1 );
     base b = add_base( h->world ), c = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
     const int32_t beyond[] = { 3 };
