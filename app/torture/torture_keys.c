@@ -301,6 +301,7 @@ static torture_number draw_number( torture_random* random, const scene_field* fi
 {
     const double FACTOR = 100.0, SHORT = 10.0;
     const span* s = find_span( field->key );
+    initial = isfinite( initial ) ? initial : 1.0; // no limit, until there is one
     double lower = s ? s->lower : initial / FACTOR, upper = s ? s->upper : initial * FACTOR;
     if ( !s && ( initial <= 0.0 || field->range.upper - field->range.lower <= SHORT ) )
     {

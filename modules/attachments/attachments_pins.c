@@ -305,6 +305,7 @@ static wisp_status prepare( wisp_world* world, attachments_state* state, wisp_en
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to attach pins" );
     }
+    WISP_TRY( wisp_world_attach( world, surface, WISP_PARTICLE_TARGET ) );
     WISP_TRY( wisp_world_attach( world, surface, state->place ) );
     state->surfaces[state->count++] = surface;
     return WISP_OK;

@@ -341,7 +341,7 @@ static void info_prints_the_keys_of_a_block( void** state )
     (void)state;
     run_ok( "info --keys surfaces.cloth" );
     assert_non_null( strstr( result.out, "### `surfaces[].cloth`" ) );
-    assert_non_null( strstr( result.out, "- `internal_damping` (number, 1/s" ) );
+    assert_non_null( strstr( result.out, "- `internal_damping` (number or [map](#maps), 1/s" ) );
     assert_null( strstr( result.out, "balloon" ) );
     run_ok( "info --keys" );
     assert_non_null( strstr( result.out, "### The scene" ) );

@@ -69,9 +69,9 @@ static void a_request_for_a_component_that_no_module_knows_is_a_conflict( void**
     hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
     assert_int_equal( wisp_request( h->world, e, 0 ), WISP_CONFLICT );
-    assert_int_equal( wisp_request( h->world, e, 63 ), WISP_CONFLICT );
+    assert_int_equal( wisp_request( h->world, e, 250 ), WISP_CONFLICT );
     assert_int_equal( wisp_request( h->world, e, UINT16_MAX ), WISP_CONFLICT );
-    assert_int_equal( wisp_cancel_request( h->world, e, 63 ), WISP_CONFLICT );
+    assert_int_equal( wisp_cancel_request( h->world, e, 250 ), WISP_CONFLICT );
     assert_one_message( wisp_world_message( h->world ) );
 }
 
