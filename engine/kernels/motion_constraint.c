@@ -1,4 +1,4 @@
-// Motion constraints: a largest distance of each particle from a target that moves, and a backstop behind the target, a sphere
+// Targets: a largest distance of each particle from a target that moves, and a backstop behind the target, a sphere
 // or a plane that the particle may not pass (the separation constraints of NvCloth). Targets move in a straight line over a step.
 //
 // Most particles of a garment are well inside their spheres. So a group of eight is first tested against a cube around the middle of

@@ -15,12 +15,12 @@ typedef struct engine_room
 
 static const engine_room engine_rooms[] = {
     { "base", 0, " base.h definition.h " },
-    { "math", 1, " base.h random.h " },
+    { "math", 1, " base.h random.h shapes.h " },
     { "jobs", 2, " base.h random.h jobs.h " },
-    { "kernels", 3, " base.h random.h jobs.h fabric.h kernels.h springs.h variants.h " },
+    { "kernels", 3, " base.h random.h jobs.h fabric.h kernels.h shapes.h skin.h springs.h variants.h " },
     { "space", 3,
       " base.h random.h jobs.h kernels.h space.h collision_mesh.h shapes.h samples.h sampling.h aabb_pairs.h "
-      "intersections.h "
+      "convex.h intersections.h "
       "variants.h " },
     { "store", 3, NULL },
     { "cook", 3, NULL },

@@ -31,7 +31,7 @@ WISP_DEFINITION( moving_frame_def );
 /// there is no pass. Pins move only by wisp_move_pins(), motion targets only by wisp_move_motion_targets(). Collision and contact
 /// see the whole motion in the world. Velocities that are read are without what carries.
 /// @return WISP_BAD_INPUT a fraction is out of range, or the pose is not finite or beyond 1e6 m; WISP_CONFLICT the entity is not a
-///         surface, or it is implicit cloth, whose solver keeps earlier positions; WISP_NO_MEMORY
+///         surface, or it has an external solver, which keeps earlier positions; WISP_NO_MEMORY
 WISP_API wisp_status wisp_set_moving_frame( wisp_world* world, wisp_entity surface, const wisp_moving_frame_def* def );
 
 /// Move the frame so that it reaches a pose at the end of the next step, along a straight line and the shorter rotation. Without

@@ -253,7 +253,7 @@ typedef struct wisp_motion_response
     float compliance; ///< 1/kg, compliance over the squared length of a substep
 } wisp_motion_response;
 
-/// Arguments of motion constraints. Rows of vectors are [slot / 8][3][8]. Pinned particles stay.
+/// Arguments of targets. Rows of vectors are [slot / 8][3][8]. Pinned particles stay.
 typedef struct wisp_motion_constraint_args
 {
     float* position;                        ///< [slot][4] m, inverse mass in 1/kg
