@@ -1,6 +1,6 @@
 // One substep: gather the surface and its contacts into rows, linearise the forces and solve, once or several times, and scatter
 // the new velocities and positions. Equations: docs/methods.md.
-#include "implicit_internal.h"
+#include "implicit_substep.h"
 
 #include <float.h>
 #include <string.h>
@@ -12,11 +12,6 @@ enum
     SHORTENINGS = 4, // of a solve's answer, at most
 };
 
-// k h^2 / m of the stiffest link and the mean mass (bench case `stability`).
-static const double RATIO_BDF2 = 512.0;   // beyond, the last substep does not predict this one
-static const double RATIO_STIFF = 1024.0; // beyond, one linear solve may gain energy
-static const double MAX_RATIO = 1e6;      // beyond, floats lose the mass next to the stiffness
-
 // Of a stiff substep, by the same case. REACH: a link this fraction shorter than its rest length still counts as stiff. At 0, slack
 // links are found stretched by the next solve, in turns; at 1, slack cloth hardly moves. SETTLED: the repeats end when a solve
 // gains less than this fraction of the motion. PAST: a step is too long if the slope at its end is more than this fraction of
@@ -24,43 +19,9 @@ static const double MAX_RATIO = 1e6;      // beyond, floats lose the mass next t
 static const float REACH = 0.01f;
 static const double SETTLED = 1e-4, PAST = 0.5;
 
-// The surface's columns, all by slot.
-typedef struct step_columns
-{
-    float *position, *velocity;
-    float* change;                            // [slot][3] m/s; null: solves start from nothing
-    float *before_position, *before_velocity; // [slot][4]; null: Euler
-    int32_t* body;                            // of particle.contacts
-} step_columns;
-
-typedef struct step
-{
-    implicit_system system;
-    implicit_contact_input contact_input;
-    step_columns columns;
-    wisp_vec3 gravity;
-    float kept;              // of a velocity, by the surface's damping
-    float moved;             // share of a solve's answer that is gone
-    float recent, older;     // weights of the substep before in x^ and v^: ( recent a - older b )
-    float *point, *velocity; // [row][4] where forces are evaluated, and the corresponding velocity
-    implicit_tally* tallies; // [block]
-    int* undirected;         // [block]
-    double* motion;          // [block] kg m^2/s^2, sum of m v^2
-    bool* guesses;           // [block] a guess is not 0
-    float* worst;            // [block] m/s, of the nonlinear step
-    float* from;             // [row][4] m, where a guarded substep began
-    implicit_contact* held;  // [row] of the substep before; null: not guarded
-    implicit_gain* gains;    // [block]
-    double gained;           // J, of the material
-    bool stiff;              // one linear solve may gain energy
-    bool guarded;            // it may not, and is made again as a stiff one if it does
-    bool extrapolates;       // BDF2
-    bool is_second;          // the substep is made again, by Euler
-} step;
-
 // ---- into rows ----
 
-static void extrapolate( const step* s, const float* now, const float* before, float out[3] )
+static void extrapolate( const implicit_substep* s, const float* now, const float* before, float out[3] )
 {
     for ( int k = 0; k < 3; ++k )
     {
@@ -68,7 +29,7 @@ static void extrapolate( const step* s, const float* now, const float* before, f
     }
 }
 
-static void gather_row( step* s, int row )
+static void gather_row( implicit_substep* s, int row )
 {
     const implicit_system* system = &s->system;
     const int slot = system->links->row_slot[row];
@@ -80,7 +41,7 @@ static void gather_row( step* s, int row )
     {
         return;
     }
-    const step_columns* c = &s->columns;
+    const implicit_columns* c = &s->columns;
     const size_t quad = (size_t)slot * 4;
     const float weight = c->position[quad + 3];
     extrapolate( s, c->position + quad, c->before_position != NULL ? c->before_position + quad : NULL, place );
@@ -96,7 +57,7 @@ static void gather_row( step* s, int row )
 }
 
 // The second attempt must judge contacts as the first.
-static void keep_row( step* s, int row )
+static void keep_row( implicit_substep* s, int row )
 {
     const int slot = s->system.links->row_slot[row];
     if ( s->held == NULL )
@@ -116,7 +77,7 @@ static void keep_row( step* s, int row )
 static void gather_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    step* s = context;
+    implicit_substep* s = context;
     implicit_tally* tally = s->tallies + begin / s->system.grain;
     *tally = ( implicit_tally ){ 0 };
     double motion = 0.0;
@@ -145,12 +106,12 @@ static void gather_slices( void* context, int begin, int end, int worker )
 static void assemble_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    step* s = context;
+    implicit_substep* s = context;
     s->undirected[begin / s->system.grain] = s->system.kernels->spring_assemble( &s->system.spring, begin, end );
 }
 
 // Initial guess: (I - S)( goal - v ) of a held row and S times the solution of the last substep.
-static bool guess_row( step* s, int row )
+static bool guess_row( implicit_substep* s, int row )
 {
     const implicit_system* system = &s->system;
     const int slot = system->links->row_slot[row], lane = row % WISP_SLICE;
@@ -184,7 +145,7 @@ static bool guess_row( step* s, int row )
 static void prepare_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    step* s = context;
+    implicit_substep* s = context;
     bool guessed = false;
     for ( int row = begin * WISP_SLICE; row < end * WISP_SLICE; ++row )
     {
@@ -200,7 +161,7 @@ static void prepare_slices( void* context, int begin, int end, int worker )
 static void move_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    step* s = context;
+    implicit_substep* s = context;
     const float h = s->system.spring.dt;
     for ( int row = begin * WISP_SLICE; row < end * WISP_SLICE; ++row )
     {
@@ -214,12 +175,12 @@ static void move_slices( void* context, int begin, int end, int worker )
     }
 }
 
-static void for_slices( step* s, wisp_range_fn* run )
+static void for_slices( implicit_substep* s, wisp_range_fn* run )
 {
     wisp_parallel_for( s->system.parallel, s->system.links->slice_count, s->system.grain, run, s );
 }
 
-static void move( step* s, double fraction )
+static void move( implicit_substep* s, double fraction )
 {
     s->moved = (float)fraction;
     for_slices( s, move_slices );
@@ -237,7 +198,7 @@ static void count_outcome( wisp_frame* frame, const implicit_outcome* outcome )
     }
 }
 
-static int assemble( step* s, bool repeat )
+static int assemble( implicit_substep* s, bool repeat )
 {
     s->system.spring.is_repeat = repeat;
     s->system.spring.compression_margin = s->stiff ? REACH : 0.0f;
@@ -252,7 +213,7 @@ static int assemble( step* s, bool repeat )
 }
 
 // Lower bound of the residual: rounding of the initial velocities leaves a right side that a solve cannot reduce.
-static double find_floor( const step* s )
+static double find_floor( const implicit_substep* s )
 {
     double motion = (double)FLT_MIN;
     for ( int block = 0; block < s->system.block_count; ++block )
@@ -271,7 +232,7 @@ static double find_floor( const step* s )
 
 typedef struct slope_loop
 {
-    const step* s;
+    const implicit_substep* s;
     float ( *right )[3][WISP_SLICE];
     bool rubs; // friction is not included yet
 } slope_loop;
@@ -295,7 +256,7 @@ static void slope_slices( void* context, int begin, int end, int worker )
 }
 
 // Slope of that sum along the last step, J.
-static double add_slopes( step* s, float ( *right )[3][WISP_SLICE], bool rubs )
+static double add_slopes( implicit_substep* s, float ( *right )[3][WISP_SLICE], bool rubs )
 {
     slope_loop loop = { s, right, rubs };
     wisp_parallel_for( s->system.parallel, s->system.links->slice_count, s->system.grain, slope_slices, &loop );
@@ -307,7 +268,7 @@ static double add_slopes( step* s, float ( *right )[3][WISP_SLICE], bool rubs )
     return sum;
 }
 
-static bool is_settled( const step* s, double slope )
+static bool is_settled( const implicit_substep* s, double slope )
 {
     double motion = 0.0;
     for ( int block = 0; block < s->system.block_count; ++block )
@@ -318,7 +279,7 @@ static bool is_settled( const step* s, double slope )
 }
 
 // Shorten the last step; forces at its end are known. @return links without direction, of the last assembly
-static int shorten( step* s, double slope, int undirected )
+static int shorten( implicit_substep* s, double slope, int undirected )
 {
     double fraction = 1.0;
     for ( int i = 0; i < SHORTENINGS; ++i )
@@ -337,7 +298,7 @@ static int shorten( step* s, double slope, int undirected )
 }
 
 // Solve what has been assembled.
-static implicit_outcome solve_linear( step* s )
+static implicit_outcome solve_linear( implicit_substep* s )
 {
     for_slices( s, prepare_slices );
     s->system.guessed = false;
@@ -353,7 +314,7 @@ static implicit_outcome solve_linear( step* s )
     return implicit_solve( &s->system );
 }
 
-static void solve( wisp_frame* frame, step* s, implicit_tally* total )
+static void solve( wisp_frame* frame, implicit_substep* s, implicit_tally* total )
 {
     s->system.floor = find_floor( s );
     int undirected = 0;
@@ -390,7 +351,7 @@ static void solve( wisp_frame* frame, step* s, implicit_tally* total )
 
 // ---- out of rows ----
 
-static void scatter_row( step* s, int row )
+static void scatter_row( implicit_substep* s, int row )
 {
     const implicit_system* system = &s->system;
     const int slot = system->links->row_slot[row];
@@ -398,7 +359,7 @@ static void scatter_row( step* s, int row )
     {
         return;
     }
-    const step_columns* c = &s->columns;
+    const implicit_columns* c = &s->columns;
     const size_t quad = (size_t)slot * 4;
     float *x = c->position + quad, *v = c->velocity + quad;
     implicit_press_row( system, &s->contact_input, row );
@@ -442,7 +403,7 @@ static void scatter_slices( void* context, int begin, int end, int worker )
 static void residual_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    step* s = context;
+    implicit_substep* s = context;
     float worst = 0.0f;
     for ( int row = begin * WISP_SLICE; row < end * WISP_SLICE; ++row )
     {
@@ -457,7 +418,7 @@ static void residual_slices( void* context, int begin, int end, int worker )
     s->worst[begin / s->system.grain] = worst;
 }
 
-static float newton_residual( step* s )
+static float newton_residual( implicit_substep* s )
 {
     assemble( s, true );
     for_slices( s, residual_slices );
@@ -469,192 +430,9 @@ static float newton_residual( step* s )
     return worst;
 }
 
-// ---- memory and settings ----
-
-static double mean_mass( const implicit_links* links, const float* position )
-{
-    double mass = 0.0;
-    int count = 0;
-    for ( int row = 0; row < links->row_count; ++row )
-    {
-        const int slot = links->row_slot[row];
-        const float weight = slot >= 0 ? position[(size_t)slot * 4 + 3] : 0.0f;
-        if ( weight > 0.0f )
-        {
-            mass += (double)( links->fraction[row] / weight );
-            count += 1;
-        }
-    }
-    return count > 0 ? mass / count : INFINITY;
-}
-
-// @param w h / h_before; 0: Euler
-static void set_weights( step* s, float h, float w )
-{
-    s->recent = ( 1.0f + w ) * ( 1.0f + w ) / ( 1.0f + 2.0f * w );
-    s->older = w * w / ( 1.0f + 2.0f * w );
-    s->system.spring.dt = h * ( 1.0f + w ) / ( 1.0f + 2.0f * w );
-}
-
-// Two step BDF with w = h / h_before; Euler in the first substep, and in substeps too long, compared with the links,
-// for an extrapolation.
-static void choose_integrator( wisp_frame* frame, const wisp_span* span, step* s )
-{
-    const implicit_material* m = s->system.material;
-    const implicit_links* links = s->system.links;
-    const float h = wisp_frame_dt( frame, span->entity );
-    const double mass = mean_mass( links, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ) );
-    const double ratio = (double)links->stiffest * (double)h * (double)h / mass;
-    s->stiff = ratio > RATIO_STIFF && m->max_newton_iterations > 1;
-    s->guarded = s->stiff == false && m->max_newton_iterations > 1;
-    const bool two = m->bdf2 != 0 && m->before > 0.0f && ratio <= RATIO_BDF2;
-    s->extrapolates = two;
-    if ( m->bdf2 != 0 && ratio > RATIO_BDF2 )
-    {
-        wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, 1 );
-    }
-    if ( ratio > MAX_RATIO )
-    {
-        s->system.spring.max_stiffness = (float)( MAX_RATIO / ratio * (double)links->stiffest );
-        wisp_frame_count( frame, WISP_COUNT_STIFFNESS_CLAMPED, 1 );
-    }
-    set_weights( s, h, two ? h / m->before : 0.0f );
-}
-
-typedef struct arena
-{
-    char* at; // null: only adds up
-    size_t used;
-} arena;
-
-static void* take( arena* a, size_t bytes )
-{
-    void* block = a->at != NULL ? a->at + a->used : NULL;
-    a->used += ( bytes + 63 ) & ~(size_t)63;
-    return block;
-}
-
-static void lay_out( step* s, arena* a )
-{
-    implicit_system* y = &s->system;
-    const size_t rows = (size_t)y->links->row_count, slices = (size_t)y->links->slice_count;
-    const size_t entries = (size_t)y->links->springs.begin[2 * slices], xyzw = rows * 4 * sizeof( float );
-    const size_t blocks = (size_t)y->block_count;
-    y->place = take( a, xyzw );
-    y->start = take( a, xyzw );
-    y->goal = take( a, xyzw );
-    y->rubbing = take( a, xyzw );
-    s->point = take( a, xyzw );
-    s->velocity = take( a, xyzw );
-    y->conjugate.direction = take( a, xyzw );
-    y->spring.axis = take( a, entries * sizeof( y->spring.axis[0] ) );
-    y->spring.rhs = take( a, slices * sizeof( y->spring.rhs[0] ) );
-    y->spring.inverse = take( a, slices * sizeof( y->spring.inverse[0] ) );
-    y->filter_floats = take( a, slices * sizeof( y->conjugate.filter[0] ) );
-    y->conjugate.product = take( a, slices * sizeof( y->conjugate.product[0] ) );
-    y->conjugate.solution = take( a, slices * sizeof( y->conjugate.solution[0] ) );
-    y->conjugate.search = take( a, slices * sizeof( y->conjugate.search[0] ) );
-    y->requested = take( a, s->stiff || s->guarded ? slices * sizeof( y->requested[0] ) : 0 );
-    s->from = s->guarded ? take( a, xyzw ) : NULL;
-    s->held = s->guarded ? take( a, rows * sizeof( implicit_contact ) ) : NULL;
-    s->gains = take( a, s->guarded ? blocks * sizeof( implicit_gain ) : 0 );
-    y->filtered = take( a, slices );
-    y->sums = take( a, blocks * sizeof( double ) );
-    s->tallies = take( a, blocks * sizeof( implicit_tally ) );
-    s->undirected = take( a, blocks * sizeof( int ) );
-    s->motion = take( a, blocks * sizeof( double ) );
-    s->guesses = take( a, blocks * sizeof( bool ) );
-    s->worst = take( a, blocks * sizeof( float ) );
-}
-
-static bool find_room( step* s, int worker )
-{
-    arena a = { NULL, 0 };
-    lay_out( s, &a );
-    a = ( arena ){ wisp_parallel_scratch( s->system.parallel, worker, a.used ), 0 };
-    if ( a.at == NULL )
-    {
-        return false;
-    }
-    lay_out( s, &a );
-    implicit_system* y = &s->system;
-    y->spring.links = y->conjugate.links = y->links->springs;
-    y->spring.position = s->point;
-    y->spring.velocity = s->velocity;
-    y->spring.start_velocity = y->start;
-    y->conjugate.axis = (const float( * )[4][WISP_SLICE])y->spring.axis;
-    y->conjugate.inverse = (const float( * )[6][WISP_SLICE])y->spring.inverse;
-    y->conjugate.filter = ( const float( * )[6][WISP_SLICE] )(const void*)y->filter_floats;
-    y->conjugate.filtered = y->filtered;
-    y->conjugate.residual = y->spring.rhs;
-    return true;
-}
-
-static void find_columns( wisp_frame* frame, const wisp_span* span, const implicit_state* state, step* s )
-{
-    const wisp_entity e = span->entity;
-    const implicit_material* m = s->system.material;
-    s->columns = ( step_columns ){
-        .position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 ),
-        .velocity = wisp_frame_column( frame, e, WISP_PARTICLE_VELOCITY, 0 ),
-        .change = wisp_frame_column( frame, e, state->change, 0 ),
-        .before_position = wisp_frame_column( frame, e, state->history, 0 ),
-        .before_velocity = wisp_frame_column( frame, e, state->history, 1 ),
-        .body = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACTS, 0 ),
-    };
-    const wisp_vec3* gravity = wisp_frame_column( frame, e, WISP_PARTICLE_GRAVITY, 0 );
-    s->gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-    const float h = wisp_frame_dt( frame, span->entity ), gx = s->gravity.x, gy = s->gravity.y, gz = s->gravity.z;
-    const float HYSTERESIS = 1e-9f; // of the weight: the sign decides
-    s->contact_input = ( implicit_contact_input ){
-        .body = s->columns.body,
-        .plane = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACTS, 1 ),
-        .motion = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACTS, 2 ),
-        .friction = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACTS, 3 ),
-        .contact = wisp_frame_column( frame, e, state->contact, 0 ),
-        .position = s->columns.position,
-        .velocity = s->columns.velocity,
-        .target = wisp_frame_column( frame, e, WISP_PARTICLE_TARGET, 0 ),
-        .seconds = h,
-        .hysteresis = HYSTERESIS * h * sqrtf( gx * gx + gy * gy + gz * gz ),
-        .target_fraction = wisp_frame_progress_left( frame, span->entity, span->substep ),
-        .speculative = m->speculative != 0,
-    };
-}
-
-// Of a velocity, by the surface's damping.
-static void set_kept( wisp_frame* frame, const wisp_span* span, step* s )
-{
-    const float* damping = wisp_frame_column( frame, span->entity, WISP_PARTICLE_DAMPING, 0 );
-    s->kept = damping != NULL ? 1.0f / ( 1.0f + *damping * s->system.spring.dt ) : 1.0f;
-}
-
-// Bending of a material. Beyond MAX_RATIO floats lose the mass next to it, as they do with links.
-static void set_plate( wisp_frame* frame, const wisp_span* span, step* s )
-{
-    implicit_system* y = &s->system;
-    const implicit_links* links = y->links;
-    if ( links->plate == NULL )
-    {
-        return;
-    }
-    const double rate = (double)links->rigidity * (double)y->spring.dt * (double)y->spring.dt;
-    wisp_plate_follow_maps( links->plate, wisp_frame_fabric( frame, span->entity ), s->columns.position, NULL,
-                            wisp_frame_has( frame, span->entity, WISP_MAP_AREA_DENSITY ) );
-    const int lowered = wisp_plate_update( links->plate, wisp_frame_fabric( frame, span->entity ),
-                                           s->columns.position, (float)( MAX_RATIO / rate ) );
-    if ( lowered > 0 )
-    {
-        wisp_frame_count( frame, WISP_COUNT_STIFFNESS_CLAMPED, 1 );
-    }
-    y->spring.plate = y->conjugate.plate = wisp_plate_get_rows( links->plate );
-    y->spring.rigidity = links->rigidity;
-    y->conjugate.plate_rate = (float)rate;
-}
-
 // ---- the pass ----
 
-static void add_contacts( const step* s, implicit_tally* total )
+static void add_contacts( const implicit_substep* s, implicit_tally* total )
 {
     for ( int block = 0; block < s->system.block_count; ++block )
     {
@@ -666,7 +444,7 @@ static void add_contacts( const step* s, implicit_tally* total )
 }
 
 // Energy is judged where the last solve left off. @return whether the substep gained more than it may
-static bool gains( step* s )
+static bool gains( implicit_substep* s )
 {
     const implicit_motion motion = {
         .system = &s->system,
@@ -683,20 +461,20 @@ static bool gains( step* s )
     return implicit_gains( s->gained, &gain );
 }
 
-static void attempt( wisp_frame* frame, const wisp_span* span, step* s, implicit_tally* tally )
+static void attempt( wisp_frame* frame, const wisp_span* span, implicit_substep* s, implicit_tally* tally )
 {
-    set_kept( frame, span, s );
-    set_plate( frame, span, s );
+    implicit_set_kept( frame, span, s );
+    implicit_set_plate( frame, span, s );
     for_slices( s, gather_slices );
     solve( frame, s, tally );
 }
 
 // A substep that gained energy is made again, as a stiff one and by Euler.
-static void attempt_again( wisp_frame* frame, const wisp_span* span, step* s, implicit_tally* tally )
+static void attempt_again( wisp_frame* frame, const wisp_span* span, implicit_substep* s, implicit_tally* tally )
 {
     if ( s->extrapolates )
     {
-        set_weights( s, s->contact_input.seconds, 0.0f );
+        implicit_set_weights( s, s->contact_input.seconds, 0.0f );
         wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, 1 );
     }
     s->is_second = s->stiff = true;
@@ -711,7 +489,7 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
     const implicit_links* links = implicit_find_links( state, span->entity );
     implicit_material* material = wisp_frame_column( frame, span->entity, state->material, 0 );
     const bool small = links->slice_count <= ONE_BLOCK;
-    step s = {
+    implicit_substep s = {
         .system = {
             .links = links,
             .material = material,
@@ -723,9 +501,9 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
         },
     };
     s.system.block_count = ( links->slice_count + s.system.grain - 1 ) / s.system.grain;
-    choose_integrator( frame, span, &s );
-    find_columns( frame, span, state, &s );
-    if ( find_room( &s, span->worker ) == false )
+    implicit_choose_integrator( frame, span, &s );
+    implicit_find_columns( frame, span, state, &s );
+    if ( implicit_find_room( &s, span->worker ) == false )
     {
         wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory to solve for %d particles",
                          wisp_frame_fabric( frame, span->entity )->vertex_count );
