@@ -52,10 +52,7 @@ static const scene_choice SEARCHES[] = { { "tree", "a bounding volume tree, need
           .range = RANGE( 0, 1e6 ),                                                                                  \
           .unit = METRES,                                                                                            \
           .help = "Thickness that is added to that of what touches it." },                                           \
-        { "restitution",                                                                                             \
-          SCENE_NUMBER,                                                                                              \
-          .at = DEF( restitution ),                                                                                  \
-          .range = RANGE( 0, 1 ),                                                                                    \
+        { "restitution", SCENE_NUMBER, .at = DEF( restitution ), .range = RANGE( 0, 1 ),                             \
           .help = "Fraction of the approach speed that a vertex leaves with." },                                     \
     {                                                                                                                \
         "layers", SCENE_CUSTOM, .at = DEF( layers ), .read = scene_read_layers, .form = "list of layers, 0 .. 31",   \
@@ -130,10 +127,14 @@ static const scene_field HEIGHT_FIELD_FIELDS[] = {
         fields, WISP_COUNT( fields )                                                                                 \
     }
 const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT] = {
-    [WISP_COLLIDER_PLANE] = BLOCK( PLANE_FIELDS ),     [WISP_COLLIDER_SPHERE] = BLOCK( SPHERE_FIELDS ),
-    [WISP_COLLIDER_CAPSULE] = BLOCK( CAPSULE_FIELDS ), [WISP_COLLIDER_BOX] = BLOCK( BOX_FIELDS ),
-    [WISP_COLLIDER_MESH] = BLOCK( MESH_FIELDS ),       [WISP_COLLIDER_TAPERED_CAPSULE] = BLOCK( TAPERED_CAPSULE_FIELDS ),
-    [WISP_COLLIDER_CONVEX] = BLOCK( CONVEX_FIELDS ),   [WISP_COLLIDER_HEIGHT_FIELD] = BLOCK( HEIGHT_FIELD_FIELDS ),
+    [WISP_COLLIDER_PLANE] = BLOCK( PLANE_FIELDS ),
+    [WISP_COLLIDER_SPHERE] = BLOCK( SPHERE_FIELDS ),
+    [WISP_COLLIDER_CAPSULE] = BLOCK( CAPSULE_FIELDS ),
+    [WISP_COLLIDER_BOX] = BLOCK( BOX_FIELDS ),
+    [WISP_COLLIDER_MESH] = BLOCK( MESH_FIELDS ),
+    [WISP_COLLIDER_TAPERED_CAPSULE] = BLOCK( TAPERED_CAPSULE_FIELDS ),
+    [WISP_COLLIDER_CONVEX] = BLOCK( CONVEX_FIELDS ),
+    [WISP_COLLIDER_HEIGHT_FIELD] = BLOCK( HEIGHT_FIELD_FIELDS ),
 };
 
 // Read one number, or a pair of static and kinetic friction.

@@ -89,8 +89,7 @@ static float radius_of( const collision_body* body )
 
 static float half_length_of( const collision_body* body )
 {
-    const bool is_long =
-        body->shape.kind == WISP_SHAPE_CAPSULE || body->shape.kind == WISP_SHAPE_TAPERED_CAPSULE;
+    const bool is_long = body->shape.kind == WISP_SHAPE_CAPSULE || body->shape.kind == WISP_SHAPE_TAPERED_CAPSULE;
     return is_long ? body->shape.half_length : 0.0f;
 }
 

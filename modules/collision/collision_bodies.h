@@ -20,6 +20,14 @@ typedef struct collision_view
 bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_state* state, int* next,
                      collision_view* out );
 
+/// Check that points are within range, and compute the bounds of a body around them.
+wisp_status collision_check_points( wisp_world* world, const wisp_collider_def* d );
+void collision_measure_points( const wisp_collider_def* d, collision_body* body );
+
+// solid_bodies.c
+wisp_status collision_make_convex( wisp_world* world, const wisp_collider_def* d, collision_body* body );
+wisp_status collision_make_height_field( wisp_world* world, const wisp_collider_def* d, collision_body* body );
+
 /// Free the mesh, hull or heights of a body.
 void collision_release_body( const wisp_allocator* allocator, collision_body* body );
 /// Return the bytes of its hull or heights.

@@ -59,7 +59,8 @@ static void release_state( void* memory, const wisp_allocator* allocator )
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
 {
     collision_state* state = memory;
-    if ( collision_forget_participant( state, entity ) == false && collision_forget_body( state, wisp_world_allocator( world ), entity ) )
+    if ( collision_forget_participant( state, entity ) == false &&
+         collision_forget_body( state, wisp_world_allocator( world ), entity ) )
     {
         collision_update_components( world, state );
     }

@@ -106,8 +106,8 @@ wisp_status collision_update_reactions( wisp_world* world, collision_state* stat
         status = update_participant( world, state, state->participants[i], requested, parts );
         parts += count_parts( world, state->participants[i] );
     }
-    status = status == WISP_OK && requested ? reserve( world, state, (size_t)parts * (size_t)state->body_count )
-                                            : status;
+    status =
+        status == WISP_OK && requested ? reserve( world, state, (size_t)parts * (size_t)state->body_count ) : status;
     if ( requested == false )
     {
         collision_release_reactions( wisp_world_allocator( world ), state );
@@ -117,8 +117,8 @@ wisp_status collision_update_reactions( wisp_world* world, collision_state* stat
 
 // ---- the pass ----
 
-static void add_parts( wisp_frame* frame, const collision_state* state, wisp_entity participant, size_t body, int parts,
-                       double* total )
+static void add_parts( wisp_frame* frame, const collision_state* state, wisp_entity participant, size_t body,
+                       int parts, double* total )
 {
     collision_impulse* sums = collision_reaction_sums( frame, participant, state, 0 );
     const bool counts = sums != NULL && wisp_frame_is_halted( frame, participant ) == false;
@@ -158,7 +158,8 @@ void collision_read_reactions( wisp_frame* frame, const wisp_span* span, void* u
     wisp_reaction* out = wisp_frame_column( frame, span->entity, state->reaction, 0 );
     *out = ( wisp_reaction ){
         { (float)total[0], (float)total[1], (float)total[2] },
-        { (float)( total[3] - ( oy * total[2] - oz * total[1] ) ), (float)( total[4] - ( oz * total[0] - ox * total[2] ) ),
+        { (float)( total[3] - ( oy * total[2] - oz * total[1] ) ),
+          (float)( total[4] - ( oz * total[0] - ox * total[2] ) ),
           (float)( total[5] - ( ox * total[1] - oy * total[0] ) ) },
     };
 }

@@ -21,7 +21,8 @@ float collision_bounce( const collision_find_args* args, const collision_view* v
         return -INFINITY;
     }
     const wisp_vec3 n = collision_load( c->normal ), motion = collision_load( c->motion );
-    const wisp_vec3 v = collision_add_scaled( collision_load( args->velocity + (size_t)slot * 4 ), -args->dt, args->gravity );
+    const wisp_vec3 v =
+        collision_add_scaled( collision_load( args->velocity + (size_t)slot * 4 ), -args->dt, args->gravity );
     const float surface = collision_dot( n, motion ) / args->dt, approach = surface - collision_dot( n, v );
     const bool bounces = approach > 2.0f * collision_length( args->gravity ) * args->dt;
     return bounces ? surface + view->restitution * approach : -INFINITY;
@@ -34,7 +35,8 @@ void collision_bounce_off( wisp_frame* frame, const wisp_span* span, void* user 
     const float* position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 );
     float* velocity = wisp_frame_column( frame, e, WISP_PARTICLE_VELOCITY, 0 );
     const int32_t* count = wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 0 );
-    collision_contact( *contact )[WISP_COLLISION_CONTACTS] = wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 2 );
+    collision_contact( *contact )[WISP_COLLISION_CONTACTS] =
+        wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 2 );
     float( *bounce )[WISP_COLLISION_CONTACTS] = wisp_frame_column( frame, e, state->bounce, 0 );
     int32_t( *body )[WISP_COLLISION_CONTACTS] = wisp_frame_column( frame, e, state->contact_body, 0 );
     const wisp_span s = wisp_frame_particles( frame, span );
@@ -50,7 +52,8 @@ void collision_bounce_off( wisp_frame* frame, const wisp_span* span, void* user 
             const float change = bounce[slot][i] - collision_dot( n, v );
             if ( contact[slot][i].normal_correction > 0.0f && change > 0.0f )
             {
-                const wisp_vec3 now = collision_add_scaled( v, change, n ), x = collision_load( position + (size_t)slot * 4 );
+                const wisp_vec3 now = collision_add_scaled( v, change, n ),
+                                x = collision_load( position + (size_t)slot * 4 );
                 collision_store( velocity + (size_t)slot * 4, now );
                 if ( sums != NULL )
                 {
