@@ -72,7 +72,7 @@ static const bad_scene BAD_SCENES[] = {
     { "collider_heights_ragged.yaml",
       ":4:55: colliders[0].heights[1]: got a row of 1 heights, expected 2 as in the first row" },
     { "collider_heights_one_row.yaml",
-      ":4:49: colliders[0].heights: got 1 rows of 2 heights, expected 2 to 8192 of each" },
+      ":4:46: colliders[0].heights: got 1 rows of 2 heights, expected 2 to 8192 of each" },
     { "collider_convex_no_source.yaml", ":4:5: colliders[0]: got neither 'file' nor 'generate', expected one of them" },
     { "collider_radius_zero.yaml", ":4:42: colliders[0].radius: got 0, expected a value in [1e-06, 1000000]" },
     { "collider_same_name.yaml", ":5:5: colliders[1]: the name 'a' is taken by the collider in line 4" },
