@@ -327,8 +327,11 @@ static wisp_status info_surfaces( const wisp_scene* scene, wisp_error* error )
 static void print_colliders( const wisp_scene* scene )
 {
     static const char* const kinds[] = {
-        [WISP_COLLIDER_PLANE] = "plane", [WISP_COLLIDER_SPHERE] = "sphere", [WISP_COLLIDER_CAPSULE] = "capsule",
-        [WISP_COLLIDER_BOX] = "box",     [WISP_COLLIDER_MESH] = "mesh, ",
+        [WISP_COLLIDER_PLANE] = "plane",
+        [WISP_COLLIDER_SPHERE] = "sphere",
+        [WISP_COLLIDER_CAPSULE] = "capsule",
+        [WISP_COLLIDER_BOX] = "box",
+        [WISP_COLLIDER_MESH] = "mesh, ",
         [WISP_COLLIDER_TAPERED_CAPSULE] = "tapered capsule",
         [WISP_COLLIDER_CONVEX] = "convex hull of ",
         [WISP_COLLIDER_HEIGHT_FIELD] = "height field",

@@ -70,7 +70,8 @@ static void put_heights( torture_builder* b, text_node* collider )
 // The first one is the ground, most of the time.
 void torture_make_collider( torture_builder* b )
 {
-    static const char* const words[] = { "plane", "sphere", "capsule", "box", "mesh", "tapered_capsule", "convex", "height_field" };
+    static const char* const words[] = { "plane", "sphere",          "capsule", "box",
+                                         "mesh",  "tapered_capsule", "convex",  "height_field" };
     const bool is_ground = b->colliders->count == 0 && ( b->is_stack || torture_random_chance( &b->random, 85 ) );
     const char* shape = is_ground ? words[0] : words[torture_random_whole( &b->random, 1, WISP_COUNT( words ) - 1 )];
     text_node* collider = text_add( b->colliders, text_map() );

@@ -192,10 +192,10 @@ static wisp_status make_hull( hull* h, wisp_error* error )
     {
         add_point( h, i );
     }
-    return is_hull( h ) ? WISP_OK
-                        : wisp_fail( error, WISP_BAD_INPUT,
-                                     "convex: no hull of the %d points is known to a millionth of their extent",
-                                     h->count );
+    return is_hull( h )
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT,
+                            "convex: no hull of the %d points is known to a millionth of their extent", h->count );
 }
 
 static wisp_status copy_hull( const hull* h, const wisp_allocator* allocator, wisp_convex** out, wisp_error* error )
@@ -207,9 +207,13 @@ static wisp_status copy_hull( const hull* h, const wisp_allocator* allocator, wi
     {
         return wisp_fail( error, WISP_NO_MEMORY, "convex: out of memory for %d triangles", h->triangle_count );
     }
-    *convex = ( wisp_convex ){ allocator != NULL ? *allocator : ( wisp_allocator ){ 0 }, bytes, h->tolerance,
-                               h->triangle_count, (convex_face*)( convex + 1 ), NULL };
-    convex->triangles = (int32_t( * )[3])( convex->faces + n );
+    *convex = ( wisp_convex ){ allocator != NULL ? *allocator : ( wisp_allocator ){ 0 },
+                               bytes,
+                               h->tolerance,
+                               h->triangle_count,
+                               (convex_face*)( convex + 1 ),
+                               NULL };
+    convex->triangles = ( int32_t( * )[3] )( convex->faces + n );
     for ( size_t t = 0; t < n; ++t )
     {
         convex->faces[t] = face_of( h->points, h->triangles[t] );
@@ -219,8 +223,8 @@ static wisp_status copy_hull( const hull* h, const wisp_allocator* allocator, wi
     return WISP_OK;
 }
 
-wisp_status wisp_convex_create( const wisp_vec3* points, int count, const wisp_allocator* allocator, wisp_convex** out,
-                                wisp_error* error )
+wisp_status wisp_convex_create( const wisp_vec3* points, int count, const wisp_allocator* allocator,
+                                wisp_convex** out, wisp_error* error )
 {
     *out = NULL;
     if ( points == NULL || count < 4 || count > WISP_CONVEX_MAX_POINTS )
@@ -238,14 +242,15 @@ wisp_status wisp_convex_create( const wisp_vec3* points, int count, const wisp_a
         }
     }
     hull h = { .points = points, .count = count, .capacity = 4 * count };
-    const size_t triangles = (size_t)h.capacity * sizeof( int32_t[3] ), edges = 6 * (size_t)h.capacity * sizeof( int32_t );
+    const size_t triangles = (size_t)h.capacity * sizeof( int32_t[3] ),
+                 edges = 6 * (size_t)h.capacity * sizeof( int32_t );
     char* scratch = base_allocate( allocator, triangles + edges, BASE_BUFFER_ALIGNMENT );
     if ( scratch == NULL )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "convex: out of memory for %d points", count );
     }
     h.triangles = (int32_t( * )[3])scratch;
-    h.edges = (int32_t( * )[2])( scratch + triangles );
+    h.edges = ( int32_t( * )[2] )( scratch + triangles );
     wisp_status status = make_hull( &h, error );
     status = status == WISP_OK ? copy_hull( &h, allocator, out, error ) : status;
     base_release( allocator, scratch, triangles + edges );

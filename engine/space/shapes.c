@@ -38,11 +38,10 @@ static const char* size_fault( const wisp_shape* shape )
         case WISP_SHAPE_BOX:
             return is_size( h.x ) && is_size( h.y ) && is_size( h.z ) ? NULL : "half extent";
         case WISP_SHAPE_TAPERED_CAPSULE:
-            return !is_size( shape->top_radius )
-                       ? "top radius"
-                       : ( !is_size( shape->bottom_radius )
-                               ? "bottom radius"
-                               : ( is_size( shape->half_length ) ? NULL : "half length" ) );
+            return !is_size( shape->top_radius ) ? "top radius"
+                                                 : ( !is_size( shape->bottom_radius )
+                                                         ? "bottom radius"
+                                                         : ( is_size( shape->half_length ) ? NULL : "half length" ) );
         case WISP_SHAPE_CONVEX:
             return shape->convex != NULL ? NULL : "hull";
         case WISP_SHAPE_HEIGHT_FIELD:
@@ -53,7 +52,9 @@ static const char* size_fault( const wisp_shape* shape )
 
 wisp_status wisp_shape_check( const wisp_shape* shape, wisp_error* error )
 {
-    static const char* const names[] = { "plane", "sphere", "capsule", "box", "tapered capsule", "convex polyhedron", "height field" };
+    static const char* const names[] = { "plane",       "sphere",          "capsule",
+                                         "box",         "tapered capsule", "convex polyhedron",
+                                         "height field" };
     const char* fault = size_fault( shape );
     if ( fault == NULL )
     {

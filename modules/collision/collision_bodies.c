@@ -97,7 +97,7 @@ static wisp_status check_pose( wisp_world* world, wisp_transform pose )
     return WISP_OK;
 }
 
-static wisp_status check_points( wisp_world* world, const wisp_collider_def* d )
+wisp_status collision_check_points( wisp_world* world, const wisp_collider_def* d )
 {
     for ( int v = 0; v < d->point_count && d->points != NULL; ++v )
     {
@@ -136,7 +136,7 @@ double collision_signed_volume( const wisp_vec3* points, const int32_t* triangle
     return sum;
 }
 
-static void measure_points( const wisp_collider_def* d, collision_body* body )
+void collision_measure_points( const wisp_collider_def* d, collision_body* body )
 {
     wisp_vec3 lower = d->points[0], upper = lower;
     for ( int v = 1; v < d->point_count; ++v )
@@ -162,7 +162,7 @@ static void measure_points( const wisp_collider_def* d, collision_body* body )
 
 static wisp_status make_mesh( wisp_world* world, const wisp_collider_def* d, collision_body* body )
 {
-    wisp_status status = check_points( world, d );
+    wisp_status status = collision_check_points( world, d );
     if ( status != WISP_OK )
     {
         return status;
@@ -200,81 +200,11 @@ static wisp_status make_mesh( wisp_world* world, const wisp_collider_def* d, col
         body->tree = NULL;
         return status;
     }
-    measure_points( d, body );
+    collision_measure_points( d, body );
     return WISP_OK;
 }
 
-// ---- convex polyhedra and height fields ----
-
-static wisp_status make_convex( wisp_world* world, const wisp_collider_def* d, collision_body* body )
-{
-    WISP_TRY( wisp_world_check_list( world, "points", d->points, d->point_count ) );
-    WISP_TRY( check_points( world, d ) );
-    wisp_error error = { 0 };
-    wisp_status status =
-        wisp_convex_create( d->points, d->point_count, wisp_world_allocator( world ), &body->convex, &error );
-    if ( status != WISP_OK )
-    {
-        return wisp_world_fail( world, status, "collider: %s", error.message );
-    }
-    measure_points( d, body );
-    body->shape = ( wisp_shape ){ .kind = WISP_SHAPE_CONVEX, .convex = body->convex };
-    return WISP_OK;
-}
-
-static size_t height_bytes( const wisp_height_field* f )
-{
-    return (size_t)f->count_x * (size_t)f->count_z * sizeof( float );
-}
-
-static wisp_status make_height_field( wisp_world* world, const wisp_collider_def* d, collision_body* body )
-{
-    const int count = d->height_count_x * d->height_count_z;
-    WISP_TRY( wisp_world_check_pointer( world, "heights", d->heights ) );
-    float top = -INFINITY;
-    for ( int i = 0; i < count; ++i )
-    {
-        if ( !( fabsf( d->heights[i] ) <= 1e6f ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "collider: height %d of row %d is %g, it must be within 1e6 m of 0",
-                                    i % d->height_count_x, i / d->height_count_x, (double)d->heights[i] );
-        }
-        top = fmaxf( top, d->heights[i] );
-    }
-    const wisp_height_field field = { NULL, d->height_count_x, d->height_count_z, d->spacing };
-    const wisp_allocator* allocator = wisp_world_allocator( world );
-    body->heights = allocator->allocate( allocator->user, height_bytes( &field ), 64 );
-    if ( body->heights == NULL )
-    {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d heights of a collider", count );
-    }
-    memcpy( body->heights, d->heights, height_bytes( &field ) );
-    body->shape = ( wisp_shape ){ .kind = WISP_SHAPE_HEIGHT_FIELD, .height_field = field };
-    body->shape.height_field.heights = body->heights;
-    body->centre = ( wisp_vec3 ){ 0.0f, top, 0.0f };
-    body->half = ( wisp_vec3 ){ INFINITY, INFINITY, INFINITY };
-    body->ball_radius = INFINITY;
-    return WISP_OK;
-}
-
-void collision_release_body( const wisp_allocator* allocator, collision_body* body )
-{
-    wisp_collision_mesh_release( body->tree );
-    wisp_convex_release( body->convex );
-    if ( body->heights != NULL )
-    {
-        allocator->release( allocator->user, body->heights, height_bytes( &body->shape.height_field ) );
-    }
-    collision_release_points( allocator, body );
-}
-
-size_t collision_body_bytes( const collision_body* body )
-{
-    return wisp_convex_bytes( body->convex ) +
-           ( body->heights != NULL ? height_bytes( &body->shape.height_field ) : 0 ) +
-           ( body->start != NULL ? 2 * collision_points_bytes( body ) : 0 );
-}
+// ---- closed forms ----
 
 // If one ball holds the other, the box is that of the larger one.
 static void measure_tapered( collision_body* body )
@@ -310,11 +240,11 @@ static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, col
     }
     if ( d->kind == WISP_COLLIDER_CONVEX )
     {
-        return make_convex( world, d, body );
+        return collision_make_convex( world, d, body );
     }
     if ( d->kind == WISP_COLLIDER_HEIGHT_FIELD )
     {
-        return make_height_field( world, d, body );
+        return collision_make_height_field( world, d, body );
     }
     body->shape = ( wisp_shape ){
         .kind = KINDS[d->kind],

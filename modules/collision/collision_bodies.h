@@ -27,6 +27,14 @@ static inline float collision_surface_shift( const collision_view* view )
     return view->body->follows ? view->shift * ( view->end - view->begin ) : 0.0f;
 }
 
+/// Check that points are within range, and compute the bounds of a body around them.
+wisp_status collision_check_points( wisp_world* world, const wisp_collider_def* d );
+void collision_measure_points( const wisp_collider_def* d, collision_body* body );
+
+// solid_bodies.c
+wisp_status collision_make_convex( wisp_world* world, const wisp_collider_def* d, collision_body* body );
+wisp_status collision_make_height_field( wisp_world* world, const wisp_collider_def* d, collision_body* body );
+
 /// Free the mesh, hull, heights or points of a body.
 void collision_release_body( const wisp_allocator* allocator, collision_body* body );
 /// Return the bytes of its hull, heights or points.

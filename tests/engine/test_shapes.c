@@ -367,11 +367,9 @@ static void a_path_through_a_flat_plate_meets_it( void** state )
 static void beginning_on_the_surface_counts_only_on_the_way_in( void** state )
 {
     (void)state;
-    const wisp_vec3 on[] = { { 0.3f, 0.0f, 0.2f },
-                             { 0.7f, 0.0f, 0.0f },
-                             { 0.4f, 0.1f, 0.0f },
-                             { 0.5f, 0.1f, 0.1f },
-                             { 0.0f, 0.75f, 0.0f } };
+    const wisp_vec3 on[] = {
+        { 0.3f, 0.0f, 0.2f }, { 0.7f, 0.0f, 0.0f }, { 0.4f, 0.1f, 0.0f }, { 0.5f, 0.1f, 0.1f }, { 0.0f, 0.75f, 0.0f }
+    };
     const wisp_vec3 outward[] = {
         { 0.0f, 1.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 0.0f, 1.0f, 0.0f }
     };
