@@ -6,8 +6,8 @@
 extern const scene_block SCENE_BLOCK_OF_ALL;   // over wisp_scene
 extern const scene_block SCENE_STRANDS_BLOCK;  // over wisp_scene_strands
 extern const scene_block SCENE_GENERATE_BLOCK; // over wisp_groom_generator
-extern const scene_block SCENE_SCATTER_BLOCK, SCENE_CURVES_BLOCK, SCENE_DYNAMICS_BLOCK, SCENE_HEAD_BLOCK, SCENE_TIPS_BLOCK,
-    SCENE_GRID_BLOCK, SCENE_GHOSTS_BLOCK, SCENE_STRAND_COLLISION_BLOCK,
+extern const scene_block SCENE_SCATTER_BLOCK, SCENE_CURVES_BLOCK, SCENE_DYNAMICS_BLOCK, SCENE_HEAD_BLOCK,
+    SCENE_TIPS_BLOCK, SCENE_GRID_BLOCK, SCENE_GHOSTS_BLOCK, SCENE_STRAND_COLLISION_BLOCK,
     SCENE_STRAND_CONTACT_BLOCK;                                     // over wisp_scene_strands
 extern const scene_block SCENE_COMMAND_BLOCK;                       // over wisp_scene_hair_event
 extern const scene_block SCENE_EVENT_BLOCK;                         // over scene_event
@@ -40,8 +40,9 @@ scene_read_fn scene_read_dt_factors, scene_read_strands, scene_read_surfaces, sc
     scene_read_commands, scene_read_events, scene_read_outputs, scene_read_contact;
 
 // Readers of an entry's values; they are pointed at the entry.
-scene_read_fn scene_read_generate, scene_read_curve, scene_read_request;              // wisp_scene_strands
-scene_read_fn scene_read_strand_pins, scene_read_vertex_masses, scene_read_head_path, scene_read_tips_path; // wisp_scene_strands
+scene_read_fn scene_read_generate, scene_read_curve, scene_read_request; // wisp_scene_strands
+scene_read_fn scene_read_strand_pins, scene_read_vertex_masses, scene_read_head_path,
+    scene_read_tips_path; // wisp_scene_strands
 scene_read_fn scene_read_pins, scene_read_pin_box, scene_read_pin_nearest, scene_read_surface_request,
     scene_read_outlet,
     scene_read_gas_ratio_keyframes;                          // wisp_scene_surface
