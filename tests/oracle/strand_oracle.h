@@ -56,7 +56,8 @@ typedef struct strand_oracle
     double rest_twist[MAX_STRAND_ORACLE];              ///< rad
     bool framed;                                       ///< false: straight at rest, frames have no effect
     double factor[MAX_STRAND_ORACLE][3];               ///< 1/pivot, L(i, i-1), L(i, i-2)
-    double held_diagonal; ///< factor of the diagonal of J W J^T, 1 from strand_oracle_shape(); 1 + 1e-5 where tips are held
+    double
+        held_diagonal; ///< factor of the diagonal of J W J^T, 1 from strand_oracle_shape(); 1 + 1e-5 where tips are held
     double flatness; ///< sqrt( 1 - EI / EI' ) of an elliptic section, whose x axis is across its flat side and whose
                      ///< stiffness is that of EI'; 0: circular
     bool guided;     ///< the direction of the tip is held: frame[count - 1] is its frame, and vertex count - 1 bends
