@@ -348,6 +348,14 @@ static wisp_quat turn_after( wisp_quat a, wisp_quat b )
                      a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
 }
 
+wisp_quat scene_quat_of_degrees( wisp_vec3 degrees )
+{
+    wisp_quat x = turn_about( ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f }, degrees.x );
+    wisp_quat y = turn_about( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, degrees.y );
+    wisp_quat z = turn_about( ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f }, degrees.z );
+    return wisp_transform_make( turn_after( z, turn_after( y, x ) ), ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+}
+
 wisp_status scene_read_rotation( scene_reader* r, const scene_node* node, void* at )
 {
     rotation turn = { 0 };
@@ -365,10 +373,7 @@ wisp_status scene_read_rotation( scene_reader* r, const scene_node* node, void* 
     wisp_quat* out = at;
     if ( turn.is_list )
     {
-        wisp_quat x = turn_about( ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f }, turn.degrees.x );
-        wisp_quat y = turn_about( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, turn.degrees.y );
-        wisp_quat z = turn_about( ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f }, turn.degrees.z );
-        *out = wisp_transform_make( turn_after( z, turn_after( y, x ) ), ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+        *out = scene_quat_of_degrees( turn.degrees );
         return WISP_OK;
     }
     if ( !( fabsf( turn.axis.x ) + fabsf( turn.axis.y ) + fabsf( turn.axis.z ) >= 1e-6f ) )

@@ -64,6 +64,9 @@ wisp_scene_strands scene_default_strands( wisp_vec3 gravity );
 wisp_scene_surface scene_default_surface( wisp_vec3 gravity );
 wisp_scene_collider scene_default_collider( void );
 
+/// The rotation about the fixed axes x, then y, then z.
+wisp_quat scene_quat_of_degrees( wisp_vec3 degrees );
+
 /// A path of poses { time, position, rotation }. @param start the first pose's rotation unless it has its own
 wisp_status scene_read_positions( scene_reader* reader, const scene_node* node, wisp_quat start,
                                   wisp_scene_path* path );

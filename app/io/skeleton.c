@@ -1,0 +1,381 @@
+// Skeletons and animations: memory, checks, tangents, and the pose at a time.
+#include "skeleton.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "trig.h"
+
+// ---- memory ----
+
+void wisp_skeleton_release( wisp_skeleton* skeleton )
+{
+    for ( int j = 0; skeleton != NULL && j < skeleton->joint_count; ++j )
+    {
+        free( skeleton->joints[j].name );
+    }
+    if ( skeleton != NULL )
+    {
+        free( skeleton->joints );
+        *skeleton = ( wisp_skeleton ){ 0 };
+    }
+}
+
+void wisp_skin_weights_release( wisp_skin_weights* weights )
+{
+    if ( weights != NULL )
+    {
+        free( weights->joints );
+        free( weights->weights );
+        *weights = ( wisp_skin_weights ){ 0 };
+    }
+}
+
+void wisp_animation_release( wisp_animation* animation )
+{
+    for ( int t = 0; animation != NULL && t < animation->track_count; ++t )
+    {
+        free( animation->tracks[t].times );
+        free( animation->tracks[t].values );
+    }
+    if ( animation != NULL )
+    {
+        free( animation->name );
+        free( animation->tracks );
+        *animation = ( wisp_animation ){ 0 };
+    }
+}
+
+int wisp_skeleton_find( const wisp_skeleton* skeleton, const char* name )
+{
+    for ( int j = 0; j < skeleton->joint_count; ++j )
+    {
+        if ( skeleton->joints[j].name != NULL && strcmp( skeleton->joints[j].name, name ) == 0 )
+        {
+            return j;
+        }
+    }
+    return -1;
+}
+
+// ---- checks ----
+
+static bool are_finite( const float* values, int count )
+{
+    bool finite = true;
+    for ( int i = 0; i < count; ++i )
+    {
+        finite = finite && isfinite( values[i] );
+    }
+    return finite;
+}
+
+wisp_status wisp_skeleton_check( const wisp_skeleton* skeleton, wisp_error* error )
+{
+    if ( skeleton->joint_count < 1 || skeleton->joint_count > WISP_SKELETON_MAX_JOINTS )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "skeleton: got %d joints, expected 1 to %d", skeleton->joint_count,
+                          WISP_SKELETON_MAX_JOINTS );
+    }
+    for ( int j = 0; j < skeleton->joint_count; ++j )
+    {
+        const wisp_joint* joint = &skeleton->joints[j];
+        const wisp_quat q = joint->rest.rotation;
+        if ( joint->parent < -1 || joint->parent >= j )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "joint %d: got parent %d, expected -1 or a joint before it", j,
+                              joint->parent );
+        }
+        if ( !are_finite( &joint->rest.translation.x, 3 ) || !are_finite( &joint->rest.scale.x, 3 ) ||
+             !are_finite( joint->inverse_bind.m[0], 12 ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "joint %d: got a transform that is not finite", j );
+        }
+        if ( !( fabsf( q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0f ) <= 1e-3f ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "joint %d: got a rotation that is no unit quaternion", j );
+        }
+        if ( joint->name != NULL && wisp_skeleton_find( skeleton, joint->name ) != j )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "joint %d: got the name '%.40s', which joint %d has", j,
+                              joint->name, wisp_skeleton_find( skeleton, joint->name ) );
+        }
+    }
+    return WISP_OK;
+}
+
+static int width_of( wisp_joint_property property )
+{
+    return property == WISP_JOINT_ROTATION ? 4 : 3;
+}
+
+// Floats of a keyframe.
+static int stride_of( const wisp_animation_track* track )
+{
+    return width_of( track->property ) * ( track->interpolation == WISP_INTERPOLATION_CUBIC ? 3 : 1 );
+}
+
+static const float* value_at( const wisp_animation_track* track, int key )
+{
+    const int width = width_of( track->property ), stride = stride_of( track );
+    return track->values + (size_t)key * (size_t)stride + ( stride > width ? width : 0 );
+}
+
+static wisp_status check_track( const wisp_animation* animation, int t, int joint_count, wisp_error* error )
+{
+    const wisp_animation_track* track = &animation->tracks[t];
+    if ( track->joint < 0 || track->joint >= joint_count )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "track %d: got joint %d, but the skeleton has %d joints", t,
+                          track->joint, joint_count );
+    }
+    if ( (int)track->property < 0 || track->property > WISP_JOINT_SCALE || (int)track->interpolation < 0 ||
+         track->interpolation > WISP_INTERPOLATION_CUBIC )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "track %d: got property %d and interpolation %d, which do not exist",
+                          t, (int)track->property, (int)track->interpolation );
+    }
+    if ( track->key_count < 1 || track->key_count > WISP_ANIMATION_MAX_KEYS )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "track %d: got %d keyframes, expected 1 to %d", t, track->key_count,
+                          WISP_ANIMATION_MAX_KEYS );
+    }
+    const int stride = stride_of( track );
+    for ( int k = 0; k < track->key_count; ++k )
+    {
+        const float* v = value_at( track, k );
+        const bool rises = k == 0 ? track->times[0] >= 0.0f : track->times[k] > track->times[k - 1];
+        if ( !rises || !isfinite( track->times[k] ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "track %d, keyframe %d: got time %g, expected ascending times from 0", t, k,
+                              (double)track->times[k] );
+        }
+        if ( !are_finite( track->values + (size_t)k * (size_t)stride, stride ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "track %d, keyframe %d: got a value that is not finite", t, k );
+        }
+        if ( track->property == WISP_JOINT_ROTATION &&
+             !( v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3] >= 1e-6f ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "track %d, keyframe %d: got a rotation of length 0", t, k );
+        }
+    }
+    return WISP_OK;
+}
+
+wisp_status wisp_animation_check( const wisp_animation* animation, const wisp_skeleton* skeleton, wisp_error* error )
+{
+    if ( !( animation->duration > 0.0f && isfinite( animation->duration ) ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "animation: got a duration of %g s, expected more than 0",
+                          (double)animation->duration );
+    }
+    bool* taken = calloc( 3 * (size_t)skeleton->joint_count, sizeof *taken );
+    if ( taken == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d joints", skeleton->joint_count );
+    }
+    wisp_status status = WISP_OK;
+    for ( int t = 0; t < animation->track_count && status == WISP_OK; ++t )
+    {
+        status = check_track( animation, t, skeleton->joint_count, error );
+        const wisp_animation_track* track = &animation->tracks[t];
+        bool* mark = status == WISP_OK ? &taken[3 * track->joint + (int)track->property] : NULL;
+        if ( mark != NULL && *mark )
+        {
+            status = wisp_fail( error, WISP_BAD_INPUT,
+                                "track %d: got a second track of the same property of joint %d", t, track->joint );
+        }
+        else if ( mark != NULL )
+        {
+            *mark = true;
+        }
+    }
+    free( taken );
+    return status;
+}
+
+// ---- tangents ----
+
+static void turn_near( float* q, const float* before )
+{
+    const float dot = q[0] * before[0] + q[1] * before[1] + q[2] * before[2] + q[3] * before[3];
+    for ( int i = 0; i < 4 && dot < 0.0f; ++i )
+    {
+        q[i] = -q[i];
+    }
+}
+
+wisp_status wisp_animation_track_smooth( wisp_animation_track* track, bool loops, wisp_error* error )
+{
+    const int width = width_of( track->property ), count = track->key_count, last = count - 1;
+    float* values = calloc( (size_t)count * 3 * (size_t)width, sizeof *values );
+    if ( values == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d keyframes", count );
+    }
+    for ( int k = 1; k < count && width == 4; ++k )
+    {
+        turn_near( track->values + 4 * (size_t)k, track->values + 4 * (size_t)( k - 1 ) );
+    }
+    const float period = track->times[last] - track->times[0];
+    for ( int k = 0; k < count; ++k )
+    {
+        // neighbours, over the seam of a loop; there a rotation may have come back as its negative
+        const bool is_end = k == 0 || k == last, has_slope = count > 2 && ( loops || !is_end );
+        const int from = is_end ? last - 1 : k - 1, to = is_end ? 1 : k + 1;
+        const float* value = track->values + (size_t)k * (size_t)width;
+        const float span = has_slope ? track->times[to] - track->times[from] + ( is_end ? period : 0.0f ) : 1.0f;
+        float a[4] = { 0.0f }, b[4] = { 0.0f };
+        for ( int i = 0; i < width && has_slope; ++i )
+        {
+            a[i] = track->values[from * width + i];
+            b[i] = track->values[to * width + i];
+        }
+        if ( width == 4 && has_slope )
+        {
+            turn_near( a, value );
+            turn_near( b, value );
+        }
+        float* out = values + (size_t)k * 3 * (size_t)width;
+        for ( int i = 0; i < width; ++i )
+        {
+            out[width + i] = value[i];
+            out[i] = out[2 * width + i] = has_slope ? ( b[i] - a[i] ) / span : 0.0f;
+        }
+    }
+    free( track->values );
+    track->values = values;
+    track->interpolation = WISP_INTERPOLATION_CUBIC;
+    return WISP_OK;
+}
+
+// ---- sampling ----
+
+// Slerp (Shoemake 1985) with the engine's own sine, so that the bits are the same everywhere.
+static void slerp( const float* a, const float* b, float s, float* out )
+{
+    float near[4] = { b[0], b[1], b[2], b[3] }, across = 0.0f, dot = 0.0f;
+    turn_near( near, a );
+    for ( int i = 0; i < 4; ++i )
+    {
+        dot += a[i] * near[i];
+    }
+    for ( int i = 0; i < 4; ++i )
+    {
+        const float d = near[i] - dot * a[i];
+        across += d * d;
+    }
+    const float angle = trig_atan2( sqrtf( across ), dot );
+    float before = 1.0f - s, after = s, sine, cosine;
+    trig_sincos( angle, &sine, &cosine );
+    if ( sine > 1e-4f )
+    {
+        float part, unused;
+        trig_sincos( ( 1.0f - s ) * angle, &part, &unused );
+        before = part / sine;
+        trig_sincos( s * angle, &part, &unused );
+        after = part / sine;
+    }
+    for ( int i = 0; i < 4; ++i )
+    {
+        out[i] = before * a[i] + after * near[i];
+    }
+}
+
+static void sample_between( const wisp_animation_track* track, int k, float time, float* out )
+{
+    const int width = width_of( track->property );
+    const float *a = value_at( track, k ), *b = value_at( track, k + 1 );
+    const float span = track->times[k + 1] - track->times[k], s = ( time - track->times[k] ) / span;
+    if ( track->interpolation == WISP_INTERPOLATION_STEP )
+    {
+        memcpy( out, a, (size_t)width * sizeof *out );
+    }
+    else if ( track->interpolation == WISP_INTERPOLATION_LINEAR && width == 4 )
+    {
+        slerp( a, b, s, out );
+    }
+    else
+    {
+        const bool cubic = track->interpolation == WISP_INTERPOLATION_CUBIC;
+        const float after = cubic ? s * s * ( 3.0f - 2.0f * s ) : s, leave = span * s * ( 1.0f - s ) * ( 1.0f - s ),
+                    arrive = span * s * s * ( s - 1.0f );
+        for ( int i = 0; i < width; ++i )
+        {
+            out[i] = ( 1.0f - after ) * a[i] + after * b[i];
+            out[i] += cubic ? leave * a[width + i] + arrive * b[i - width] : 0.0f;
+        }
+    }
+}
+
+static void sample( const wisp_animation_track* track, float time, float* out )
+{
+    const int width = width_of( track->property ), last = track->key_count - 1;
+    if ( time <= track->times[0] || time >= track->times[last] )
+    {
+        memcpy( out, value_at( track, time <= track->times[0] ? 0 : last ), (size_t)width * sizeof *out );
+        return;
+    }
+    int low = 0, high = last;
+    while ( high - low > 1 )
+    {
+        const int middle = low + ( high - low ) / 2;
+        *( track->times[middle] <= time ? &low : &high ) = middle;
+    }
+    sample_between( track, low, time, out );
+}
+
+static wisp_affine matrix_of( wisp_joint_transform t )
+{
+    return wisp_affine_from_transform( wisp_transform_make( t.rotation, t.translation ), t.scale );
+}
+
+void wisp_skeleton_pose( const wisp_skeleton* skeleton, const wisp_animation* animation, float time,
+                         wisp_affine* joints )
+{
+    for ( int j = 0; j < skeleton->joint_count; ++j )
+    {
+        wisp_joint_transform local = skeleton->joints[j].rest;
+        const float duration = animation != NULL ? animation->duration : 1.0f;
+        const float at = animation != NULL && animation->loops ? time - duration * floorf( time / duration ) : time;
+        for ( int t = 0; animation != NULL && t < animation->track_count; ++t )
+        {
+            float* to[3] = { &local.translation.x, &local.rotation.x, &local.scale.x };
+            if ( animation->tracks[t].joint == j )
+            {
+                sample( &animation->tracks[t], at, to[animation->tracks[t].property] );
+            }
+        }
+        const wisp_affine own = matrix_of( local );
+        const int parent = skeleton->joints[j].parent;
+        joints[j] = parent < 0 ? own : wisp_affine_multiply( &joints[parent], &own );
+    }
+}
+
+wisp_status wisp_skeleton_skin( const wisp_skeleton* skeleton, const wisp_vec3* points,
+                                const wisp_skin_weights* weights, wisp_skin** out, wisp_error* error )
+{
+    *out = NULL;
+    wisp_affine* binds = malloc( (size_t)( skeleton->joint_count + 1 ) * sizeof *binds );
+    if ( binds == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "skeleton: out of memory for %d joints", skeleton->joint_count );
+    }
+    for ( int j = 0; j < skeleton->joint_count; ++j )
+    {
+        binds[j] = skeleton->joints[j].inverse_bind;
+    }
+    wisp_skin_def def = wisp_default_skin_def();
+    def.points = points;
+    def.bones = (const int32_t( * )[WISP_SKIN_MAX_INFLUENCES])weights->joints;
+    def.weights = (const float( * )[WISP_SKIN_MAX_INFLUENCES])weights->weights;
+    def.point_count = weights->vertex_count;
+    def.bone_count = skeleton->joint_count;
+    def.inverse_bind = binds;
+    const wisp_status status = wisp_skin_create( &def, NULL, out, error );
+    free( binds );
+    return status;
+}
