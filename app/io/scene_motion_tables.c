@@ -61,7 +61,7 @@ static const scene_field DYNAMICS_FIELDS[] = {
       .help =
           "Bending rigidity of an elliptic section or a ribbon in the plane of its width, at least `bend_rigidity`, "
           "which is that across its flat side; 0 is circular." },
-    { "flat_normal", SCENE_VECTOR, .at = MOVES( flat_normal ), .range = COORDINATE,
+    { "flat_normal", SCENE_VECTOR, .at = MOVES( flat_normal ), .range = RANGE( -1e5, 1e5 ),
       .help = "Direction across the flat side at roots, with `edgewise_rigidity`.", .initial = "any direction" },
     { "natural_twist", SCENE_NUMBER, .at = MOVES( natural_twist ), .range = RANGE( -1e5, 1e5 ), .unit = "rad/m",
       .help = "Rotation of the section along a strand without load, with `edgewise_rigidity`." },

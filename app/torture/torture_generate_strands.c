@@ -48,6 +48,25 @@ static void put_masses( strands_maker* m, text_node* dynamics )
     }
 }
 
+// Only rods have an elliptic section, and it is stiffer across its width.
+static void keep_section( text_node* dynamics )
+{
+    double edgewise = 0.0, flat = 0.0;
+    text_is_number( text_find( dynamics, "edgewise_rigidity" ), &edgewise );
+    text_is_number( text_find( dynamics, "bend_rigidity" ), &flat );
+    const char* const bending = text_at( dynamics, "bending" );
+    if ( edgewise < flat || flat <= 0.0 || ( bending[0] != 0 && strcmp( bending, "rod" ) != 0 ) )
+    {
+        text_remove_key( dynamics, "edgewise_rigidity" );
+        edgewise = 0.0;
+    }
+    if ( edgewise <= 0.0 )
+    {
+        text_remove_key( dynamics, "natural_twist" );
+        text_remove_key( dynamics, "flat_normal" );
+    }
+}
+
 static void put_dynamics( strands_maker* m )
 {
     text_node* dynamics = torture_put_block( m->b, m->block, m->entry, "dynamics", 30 );
@@ -55,6 +74,7 @@ static void put_dynamics( strands_maker* m )
     {
         text_remove_key( dynamics, "stretch" ); // BDF2 needs direct lengths, the default
     }
+    keep_section( dynamics );
     if ( chance( m, 70 ) )
     {
         torture_put_log( m->b, dynamics, "damping", 0.5, 10.0 );
