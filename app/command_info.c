@@ -431,11 +431,11 @@ static wisp_status info_file( const char* path, wisp_error* error )
         case FILE_UNKNOWN:
             break;
     }
-    return wisp_fail(
-        error, WISP_BAD_INPUT,
-        "%s: unknown kind of file, expected a groom (.hair, .tfx), a mesh (.obj, .ply, .glb, .gltf), a scene (.yaml, .yml, "
-        ".json), a recording (.wisp, .pc2) or results (.json)",
-        io_input_name( path ) );
+    return wisp_fail( error, WISP_BAD_INPUT,
+                      "%s: unknown kind of file, expected a groom (.hair, .tfx), a mesh (.obj, .ply, .glb, .gltf), a "
+                      "scene (.yaml, .yml, "
+                      ".json), a recording (.wisp, .pc2) or results (.json)",
+                      io_input_name( path ) );
 }
 
 static wisp_status info_keys( const char* block, wisp_error* error )

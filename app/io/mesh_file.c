@@ -46,7 +46,8 @@ wisp_status wisp_mesh_read( const char* path, wisp_mesh* out, wisp_error* error 
     const mesh_format* format = find_format( path );
     if ( format == NULL && has_name )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: not a mesh, expected a file that ends in .obj, .ply, .glb or .gltf",
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: not a mesh, expected a file that ends in .obj, .ply, .glb or .gltf",
                           io_short_name( path ) );
     }
     unsigned char* bytes = NULL;

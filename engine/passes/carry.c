@@ -80,7 +80,8 @@ static void move_frame( wisp_frame* frame, const wisp_span* span, void* user )
     int32_t* moves = wisp_frame_column( frame, span->entity, WISP_PARTICLE_FRAME, 2 );
     if ( wisp_frame_has( frame, span->entity, WISP_PARTICLE_EXTERNAL_SOLVER ) )
     {
-        wisp_frame_fail( frame, WISP_CONFLICT, "entity %u: has a moving frame, which an external solver does not support",
+        wisp_frame_fail( frame, WISP_CONFLICT,
+                         "entity %u: has a moving frame, which an external solver does not support",
                          span->entity.index );
     }
     pose[0] = wisp_frame_reached( frame, pose[0], pose[1] );

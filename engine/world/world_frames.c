@@ -45,8 +45,8 @@ static wisp_status check_frame( wisp_world* world, wisp_entity surface, const wi
     WISP_TRY( wisp_world_check_ranges( world, "moving frame", ranges, WISP_COUNT( ranges ) ) );
     WISP_TRY( check_pose( world, def->pose ) );
     return wisp_world_has( world, surface, WISP_PARTICLE_EXTERNAL_SOLVER )
-               ? wisp_world_fail( world, WISP_CONFLICT, "moving frame: entity %u has an external solver, which has none",
-                                  surface.index )
+               ? wisp_world_fail( world, WISP_CONFLICT,
+                                  "moving frame: entity %u has an external solver, which has none", surface.index )
                : WISP_OK;
 }
 

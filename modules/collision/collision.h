@@ -64,9 +64,9 @@ typedef struct wisp_collider_def
     wisp_entity surface; ///< surface: an entity with triangles, such as the skin of a character
     bool
         tracks; ///< mesh, surface: the closest triangle of a vertex is searched once per step and tracked over its neighbours in
-        ///< the other substeps, so that what comes near from elsewhere within a step is met at the next; false: it is
-        ///< searched in each substep, at several times the cost. Default true. Of the third such collider of the world
-        ///< on it is searched
+    ///< the other substeps, so that what comes near from elsewhere within a step is met at the next; false: it is
+    ///< searched in each substep, at several times the cost. Default true. Of the third such collider of the world
+    ///< on it is searched
 } wisp_collider_def;
 
 WISP_DEFINITION( collider_def );

@@ -17,10 +17,11 @@ WISP_BEGIN_C
 /// Fill from wisp_default_moving_frame_def(). Copied.
 typedef struct wisp_moving_frame_def
 {
-    uint32_t size;         ///< bytes; set by wisp_default_moving_frame_def()
-    float linear_inertia;  ///< fraction of the frame's displacement that the surface feels, 0 .. 1, default 1
-    float angular_inertia; ///< fraction of the frame's rotation, about its origin, that the surface feels, 0 .. 1, default 1
-    wisp_transform pose;   ///< where the frame is now; default the identity
+    uint32_t size;        ///< bytes; set by wisp_default_moving_frame_def()
+    float linear_inertia; ///< fraction of the frame's displacement that the surface feels, 0 .. 1, default 1
+    float
+        angular_inertia; ///< fraction of the frame's rotation, about its origin, that the surface feels, 0 .. 1, default 1
+    wisp_transform pose; ///< where the frame is now; default the identity
 } wisp_moving_frame_def;
 
 WISP_DEFINITION( moving_frame_def );
@@ -32,7 +33,8 @@ WISP_DEFINITION( moving_frame_def );
 /// see the whole motion in the world. Velocities that are read are without what carries.
 /// @return WISP_BAD_INPUT a fraction is out of range, or the pose is not finite or beyond 1e6 m; WISP_CONFLICT the entity is not a
 ///         surface, or it has an external solver, which keeps earlier positions; WISP_NO_MEMORY
-WISP_API wisp_status wisp_set_moving_frame( wisp_world* world, wisp_entity surface, const wisp_moving_frame_def* def );
+WISP_API wisp_status wisp_set_moving_frame( wisp_world* world, wisp_entity surface,
+                                            const wisp_moving_frame_def* def );
 
 /// Move the frame so that it reaches a pose at the end of the next step, along a straight line and the shorter rotation. Without
 /// another call it rests there. wisp_teleport() moves it with the surface. Does nothing if both fractions are 1.

@@ -150,8 +150,9 @@ typedef struct wisp_shape
     float radius;          ///< m, >= 0: sphere, capsule
     float half_length;     ///< m, >= 0: capsule, tapered capsule
     wisp_vec3 half_extent; ///< m, each >= 0: box
-    float top_radius;      ///< m, >= 0: tapered capsule, of the ball at +y; if one ball holds the other, only that one counts
-    float bottom_radius;   ///< m, >= 0: tapered capsule, of the ball at -y
+    float
+        top_radius; ///< m, >= 0: tapered capsule, of the ball at +y; if one ball holds the other, only that one counts
+    float bottom_radius;              ///< m, >= 0: tapered capsule, of the ball at -y
     const struct wisp_convex* convex; ///< convex: see wisp/module/convex.h
     wisp_height_field height_field;   ///< height field
 } wisp_shape;

@@ -256,31 +256,33 @@ typedef struct wisp_motion_response
 /// Arguments of targets. Rows of vectors are [slot / 8][3][8]. Pinned particles stay.
 typedef struct wisp_motion_constraint_args
 {
-    float* position;                        ///< [slot][4] m, inverse mass in 1/kg
-    const float* bound;                     ///< [slot][4] as of motion_targets
-    const float *target, *displacement;     ///< m, at the end of the step, and in the step
-    const float* max_distance;              ///< [slot] m, >= 0; infinite: free
-    const float *normal, *normal_change;    ///< at the end of the step, and in the step; any length, 0: none. Null: no backstops
-    const float *backstop_distance;         ///< [slot] m behind the target, >= 0; infinite: none
-    const float* curvature;                 ///< [slot] 1/m, of the sphere; 0: a plane
-    float* lambda;                          ///< [slot / 8][2][8] N s^2 of distances and of backstops; null: not kept
-    float* velocity;                        ///< [slot][4] m/s, receives the displacement over the time; null: not changed
-    float inverse_dt;                       ///< 1/s, of the substep; for `velocity`
-    float left;                             ///< fraction of the step's displacement that follows this substep
+    float* position;                    ///< [slot][4] m, inverse mass in 1/kg
+    const float* bound;                 ///< [slot][4] as of motion_targets
+    const float *target, *displacement; ///< m, at the end of the step, and in the step
+    const float* max_distance;          ///< [slot] m, >= 0; infinite: free
+    const float *normal,
+        *normal_change; ///< at the end of the step, and in the step; any length, 0: none. Null: no backstops
+    const float* backstop_distance; ///< [slot] m behind the target, >= 0; infinite: none
+    const float* curvature;         ///< [slot] 1/m, of the sphere; 0: a plane
+    float* lambda;                  ///< [slot / 8][2][8] N s^2 of distances and of backstops; null: not kept
+    float* velocity;                ///< [slot][4] m/s, receives the displacement over the time; null: not changed
+    float inverse_dt;               ///< 1/s, of the substep; for `velocity`
+    float left;                     ///< fraction of the step's displacement that follows this substep
     wisp_motion_response distance, backstop;
 } wisp_motion_constraint_args;
 
 /// Arguments of motion_targets, for a step.
 typedef struct wisp_motion_target_args
 {
-    float *target, *displacement;    ///< m, in: of the last step, out: of this one
-    const float* next;               ///< m, targets at the end of this step
-    float *normal, *normal_change;   ///< likewise; null: no backstops
+    float *target, *displacement;  ///< m, in: of the last step, out: of this one
+    const float* next;             ///< m, targets at the end of this step
+    float *normal, *normal_change; ///< likewise; null: no backstops
     const float* next_normal;
     const float *max_distance, *backstop_distance; ///< [slot] m
-    float* bound; ///< [slot][4] m, out: middle of the path; half the edge of a cube around it in which no particle of the group of
-                  ///< eight is constrained in the whole step, negative: there is none
-    float left;   ///< fraction of the last displacement that the last step left
+    float*
+        bound; ///< [slot][4] m, out: middle of the path; half the edge of a cube around it in which no particle of the group of
+        ///< eight is constrained in the whole step, negative: there is none
+    float left; ///< fraction of the last displacement that the last step left
 } wisp_motion_target_args;
 
 /// Arguments of links of a coarse sheet, by xpbd. A link longer than its rest length pulls, and one shorter than its lower length
