@@ -96,7 +96,8 @@ static wisp_status check_keyframes( const binding_world* w, int body, const scen
                                     const int32_t* vertices, int count, wisp_error* error )
 {
     const wisp_scene_surface* entry = &w->scene.surfaces[body - w->scene.strands_count];
-    for ( int i = 0; entry->pin_path.count > 0 && !s->is_released && i < count; ++i )
+    const bool moves = entry->pin_path.count > 0 || entry->has_animation;
+    for ( int i = 0; moves && !s->is_released && i < count; ++i )
     {
         for ( int k = 0; k < s->pin_count; ++k )
         {

@@ -298,9 +298,10 @@ static void weigh( mesh_vector p, double weights[JOINTS] )
     const double torso = sample_part( TORSO, 0.0, p ).distance, arm_distance = sample_part( ARM, 0.0, q ).distance,
                  leg_distance = sample_part( LEG, 0.0, q ).distance, other_leg = sample_right( LEG, 0.0, q ).distance;
 
-    // limbs, where their own cones are nearer than the torso's
-    const double arm = ramp( torso - arm_distance, -0.006, 0.03 );
-    const double leg = ramp( torso - leg_distance, -0.012, 0.03 ) * ramp( other_leg - leg_distance, 0.0, 0.01 );
+    // limbs, where their own cones are nearer than others; far from a part there are only distances from boxes, which may be shorter
+    const double arm = ramp( torso - arm_distance, -0.006, 0.03 ) * ramp( leg_distance - arm_distance, 0.0, 0.02 );
+    const double leg = ramp( torso - leg_distance, -0.012, 0.03 ) * ramp( other_leg - leg_distance, 0.0, 0.01 ) *
+                       ramp( arm_distance - leg_distance, 0.0, 0.02 );
     const double elbow = ramp( beyond( q, RIG[UPPER_ARM].at, RIG[FOREARM].at, RIG[HAND].at ), -0.028, 0.028 );
     const double wrist = ramp( beyond( q, RIG[FOREARM].at, RIG[HAND].at, tip ), -0.018, 0.018 );
     const double knee = ramp( beyond( q, RIG[THIGH].at, RIG[SHIN].at, RIG[FOOT].at ), -0.036, 0.036 );

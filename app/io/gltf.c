@@ -393,9 +393,9 @@ bool gltf_is_path( const char* path )
            ( length > 5 && strncasecmp( path + length - 5, ".gltf", 5 ) == 0 );
 }
 
-wisp_status gltf_mesh_read( const char* path, wisp_mesh* out, wisp_error* error )
+wisp_status gltf_model_read( const char* path, gltf_model* out, int* node, wisp_error* error )
 {
-    *out = ( wisp_mesh ){ 0 };
+    *out = ( gltf_model ){ 0 };
     const size_t length = file_length( path );
     const char* wanted = path[length] == '#' ? path + length + 1 : NULL;
     char* file = malloc( length + 1 );
@@ -405,12 +405,23 @@ wisp_status gltf_mesh_read( const char* path, wisp_mesh* out, wisp_error* error 
     }
     memcpy( file, path, length );
     file[length] = '\0';
+    wisp_status status = gltf_read( file, 0, out, error );
+    status = status == WISP_OK ? gltf_find_mesh( out, wanted, file, node, error ) : status;
+    free( file );
+    if ( status != WISP_OK )
+    {
+        gltf_release( out );
+    }
+    return status;
+}
+
+wisp_status gltf_mesh_read( const char* path, wisp_mesh* out, wisp_error* error )
+{
     gltf_model model;
     int node = -1;
-    wisp_status status = gltf_read( file, 0, &model, error );
-    status = status == WISP_OK ? gltf_find_mesh( &model, wanted, file, &node, error ) : status;
-    status = status == WISP_OK ? gltf_mesh_at_rest( &model, node, file, out, error ) : status;
+    *out = ( wisp_mesh ){ 0 };
+    wisp_status status = gltf_model_read( path, &model, &node, error );
+    status = status == WISP_OK ? gltf_mesh_at_rest( &model, node, path, out, error ) : status;
     gltf_release( &model );
-    free( file );
     return status;
 }

@@ -127,6 +127,10 @@ extern "C"
     /// Whether a path ends in .glb or .gltf, maybe with # and a name behind.
     bool gltf_is_path( const char* path );
 
+    /// Read a file and find one mesh. @param path of a file, and maybe # and the name of a node or mesh
+    /// @param out receives the model, to be released; empty on failure @param node receives the node with the mesh
+    wisp_status gltf_model_read( const char* path, gltf_model* out, int* node, wisp_error* error );
+
     /// Read a file and take one mesh at rest. @param path of a file, and maybe # and the name of a node or mesh
     wisp_status gltf_mesh_read( const char* path, wisp_mesh* out, wisp_error* error );
 

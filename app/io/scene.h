@@ -22,6 +22,7 @@
 #include "mesh.h"
 #include "wisp/fabric.h"
 #include "wisp/moving_frame.h"
+#include "wisp/skin.h"
 
 #ifdef __cplusplus
 extern "C"
@@ -212,6 +213,24 @@ extern "C"
     WISP_API wisp_status wisp_scene_map_numbers( const wisp_scene_map* map, int count, float* out,
                                                  wisp_error* error );
 
+    /// When a clip of an animation is played.
+    typedef struct wisp_scene_clip
+    {
+        const char* name;
+        float time;  ///< s, when it begins
+        float speed; ///< s/s
+    } wisp_scene_clip;
+
+    /// Clips that move a mesh with a skeleton.
+    typedef struct wisp_scene_animation
+    {
+        const char* file;             ///< of the clips, already relative to the scene's folder; null: the mesh's
+        const wisp_scene_clip* clips; ///< [clip_count] times rise, each more than `blend` after the one before
+        int clip_count;
+        float blend; ///< s, from the end of a clip to the next
+        wisp_skin_method method;
+    } wisp_scene_animation;
+
     typedef struct wisp_scene_surface
     {
         const char* name; ///< unique among strands, surfaces and colliders
@@ -236,6 +255,9 @@ extern "C"
         wisp_scene_path pin_path; ///< how far the pins are from where they started
         bool has_pin_pivot;
         wisp_vec3 pin_pivot; ///< m, what pin_path turns about; without it: the middle of the pins
+
+        bool has_animation; ///< pins and motion targets follow it; without an effect that moves it every vertex is pinned
+        wisp_scene_animation animation;
 
         bool has_motion_constraints;
         wisp_motion_constraints_def motion_constraints; ///< without arrays

@@ -313,6 +313,7 @@ int wisp_scene_write_keys( FILE* out, const char* only )
     const wisp_scene_output output = { 0 };
     const wisp_scene_pose pose = { 0 };
     const wisp_scene_box box = { 0 };
+    const wisp_scene_clip clip = scene_default_clip();
     const wisp_scene_collider collider = scene_default_collider();
     wisp_mesh_generator meshes[WISP_MESH_SHAPE_COUNT];
     for ( int i = 0; i < WISP_MESH_SHAPE_COUNT; ++i )
@@ -332,6 +333,7 @@ int wisp_scene_write_keys( FILE* out, const char* only )
           &SCENE_SURFACE_BLOCK, 1, &surface, 0 },
         { "surfaces[].generate", "A generated mesh, also of a collider.", SCENE_MESH_BLOCKS, WISP_MESH_SHAPE_COUNT,
           meshes, sizeof meshes[0] },
+        { "surfaces[].animation.clips[]", "A clip, played from a time on.", &SCENE_CLIP_BLOCK, 1, &clip, 0 },
         { "surfaces[].pin_box", "A box along the axes.", &SCENE_BOX_BLOCK, 1, &box, 0 },
         { "surfaces[].pin_keyframes[]", "A pose of the pins, relative to where they started.", &SCENE_PIN_POSE_BLOCK,
           1, &pose, 0 },

@@ -1,4 +1,5 @@
 // Where a mesh comes from, what is done to it, and how it is turned and moved: for surfaces and for colliders.
+#include "figure.h"
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
@@ -25,6 +26,7 @@ static const scene_choice SHAPES[] = { { "plane", "a grid in y = 0, all diagonal
                                        { "capsule", "a cylinder along y with two caps" },
                                        { "tube", "a cylinder along y without caps" },
                                        { "pear", "a closed pear shape" },
+                                       { "figure", "a human-like figure on y = 0 that looks along z" },
                                        { NULL, NULL } };
 
 #define SHAPE_FIELD                                                                                                  \
@@ -124,6 +126,14 @@ static const scene_field CAPSULE_FIELDS[] = {
     SHAPE_FIELD, SEGMENTS_FIELD, RINGS_FIELD( 1, "Rings of each cap, from pole to cylinder." ),
     ALONG_FIELD, RADIUS_FIELD,   LENGTH_FIELD
 };
+static const scene_field FIGURE_FIELDS[] = {
+    SHAPE_FIELD,
+    { "height", SCENE_NUMBER, .at = AT( height ), .range = RANGE( 1e-3, 1e3 ), .unit = METRES,
+      .help = "Height of the figure." },
+    { "triangles", SCENE_WHOLE, .at = AT( triangle_count ),
+      .range = RANGE( WISP_FIGURE_MIN_TRIANGLES, WISP_FIGURE_MAX_TRIANGLES ),
+      .help = "Number of triangles, within a twentieth." },
+};
 static const scene_field TUBE_FIELDS[] = { SHAPE_FIELD, SEGMENTS_FIELD, ALONG_FIELD, RADIUS_FIELD, LENGTH_FIELD };
 #undef AT
 
@@ -143,6 +153,7 @@ const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT] = {
     [WISP_MESH_CAPSULE] = BLOCK( CAPSULE_FIELDS ),
     [WISP_MESH_TUBE] = BLOCK( TUBE_FIELDS ),
     [WISP_MESH_PEAR] = BLOCK( LEVEL_FIELDS ),
+    [WISP_MESH_FIGURE] = BLOCK( FIGURE_FIELDS ),
 };
 
 // The shape decides on the table and on the defaults, and may stand anywhere in the mapping.
@@ -184,6 +195,8 @@ int64_t scene_generator_vertices( const wisp_mesh_generator* generator )
             return segments * ( 2 * rings + generator->length_segments - 1 ) + 2;
         case WISP_MESH_TUBE:
             return segments * ( (int64_t)generator->length_segments + 1 );
+        case WISP_MESH_FIGURE: // at most
+            return 2 + (int64_t)generator->triangle_count * 21 / 40;
         default:
             return columns * generator->rows;
     }

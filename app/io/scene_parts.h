@@ -16,6 +16,8 @@ extern const scene_block SCENE_SURFACE_BLOCK;                               // o
 extern const scene_block SCENE_BOUNDARY_BLOCK, SCENE_CONTACT_BLOCK;         // over wisp_scene_surface
 extern const scene_block SCENE_MOTION_CONSTRAINTS_BLOCK, SCENE_FRAME_BLOCK; // over wisp_scene_surface
 extern const scene_block SCENE_SURFACE_COLLIDER_BLOCK;                      // likewise
+extern const scene_block SCENE_ANIMATION_BLOCK;                             // likewise
+extern const scene_block SCENE_CLIP_BLOCK;                                  // over wisp_scene_clip
 extern const scene_block SCENE_WORLD_CONTACT_BLOCK;                         // over wisp_scene
 extern const scene_block SCENE_BOX_BLOCK;                                   // over wisp_scene_box
 
@@ -76,6 +78,10 @@ wisp_status scene_check_boundary( scene_reader* reader, const scene_node* node, 
 
 /// scene_surface_held.c: what motion constraints and the frame of a surface must be besides what their tables say.
 wisp_status scene_check_held( scene_reader* reader, const scene_node* node, const wisp_scene_surface* surface );
+
+/// scene_animation.c: what an animation must be besides what its table says.
+wisp_status scene_check_animation( scene_reader* reader, const scene_node* node, const wisp_scene_surface* surface );
+wisp_scene_clip scene_default_clip( void );
 
 /// scene_motion.c: what an entry of strands must be besides what its tables say.
 wisp_status scene_check_strands( scene_reader* reader, const scene_node* node, const wisp_scene_strands* strands );

@@ -109,7 +109,7 @@ static wisp_status check_implicit( scene_reader* r, const scene_node* node, cons
 
 static wisp_status check_entry( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
 {
-    const bool pinned = s->pin_count > 0 || s->pin_box_count > 0 || s->pin_nearest_count > 0;
+    const bool pinned = s->pin_count > 0 || s->pin_box_count > 0 || s->pin_nearest_count > 0 || s->has_animation;
     wisp_status status = check_source( r, node, s );
     if ( status )
     {
@@ -129,6 +129,7 @@ static wisp_status check_entry( scene_reader* r, const scene_node* node, const w
         return scene_refuse_node( r, node, "cloth.tethers needs pins, but nothing is pinned" );
     }
     status = scene_check_held( r, node, s );
+    status = status || !s->has_animation ? status : scene_check_animation( r, node, s );
     status = status || !s->has_boundary ? status : scene_check_boundary( r, node, s );
     status = status || !s->has_implicit ? status : check_implicit( r, node, s );
     status = status || !s->has_cloth ? status : check_cloth( r, node, s );
@@ -156,6 +157,7 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
         .balloon = wisp_default_balloon_def(),
         .implicit = wisp_default_implicit_cloth_def(),
         .solve_order = wisp_default_fabric_def().solve_order,
+        .animation = { .blend = 0.3f },
         .motion_constraints = wisp_default_motion_constraints_def(),
         .frame = wisp_default_moving_frame_def(),
         .max_speed = INFINITY,

@@ -109,6 +109,24 @@ extern "C"
     /// @return WISP_NO_MEMORY, and the track is unchanged
     wisp_status wisp_animation_track_smooth( wisp_animation_track* track, bool loops, wisp_error* error );
 
+    /// A clip in a sequence.
+    typedef struct wisp_clip
+    {
+        const wisp_animation* animation; ///< checked for the skeleton
+        float begin, end;                ///< s, of its first keyframe and of its last one at most; end > begin
+        float speed;                     ///< seconds of the clip per second, > 0
+    } wisp_clip;
+
+    /// Play clips one after the other: a clip that loops repeats until its end. Between the last keyframe of a clip and the first of the
+    /// next one, joints move as between keyframes, along a smooth curve; before the first clip, from the pose at rest at 0 s.
+    /// Tangents of a file are kept if there is one clip, at 0 s and at speed 1; else curves are those of
+    /// wisp_animation_track_smooth().
+    /// @param clips [count] one after the other in time; count >= 1
+    /// @param out receives an animation that does not loop, or that of the only clip; to be released; empty on failure
+    /// @return WISP_NO_MEMORY; WISP_BAD_INPUT more than WISP_ANIMATION_MAX_KEYS keyframes
+    wisp_status wisp_animation_join( const wisp_clip* clips, int count, const wisp_skeleton* skeleton,
+                                     wisp_animation* out, wisp_error* error );
+
     /// Sample a clip: the transforms of all joints at a time, in the space of the skeleton, for wisp_skin_pose_set(). The same call
     /// gives the same bits on every machine.
     /// @param animation checked for this skeleton; null: the pose at rest

@@ -25,6 +25,8 @@ typedef struct scene_world_options
     bool only_used_modules;          ///< register those that the scene uses, not all of modules.inc
 } scene_world_options;
 
+typedef struct scene_animation scene_animation;
+
 /// A surface of the scene in the world.
 typedef struct scene_world_surface
 {
@@ -38,6 +40,7 @@ typedef struct scene_world_surface
     wisp_vec3 pivot;                     ///< m, pivot of pin keyframes
     wisp_vec3 target_pivot, frame_pivot; ///< m, of the keyframes of motion targets and of the frame
     wisp_vec3* motion_targets;           ///< [vertex_count] buffer; null unless they move
+    scene_animation* animation;          ///< null: none
     bool is_released;                    ///< an event has released the pins
 } scene_world_surface;
 

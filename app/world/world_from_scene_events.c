@@ -1,6 +1,8 @@
 // What happens to surfaces, colliders and strands before a step: keyframes, then the script's entries.
 #include "world_from_scene_parts.h"
 
+#include "wisp/module/module.h"
+
 #include <math.h>
 
 /// A step of simulated time, s, and when the step before it began.
@@ -64,7 +66,7 @@ static wisp_transform pose_at_end( const scene_world* world, const wisp_scene_pa
     }
     if ( reached == path->count )
     {
-        return path->poses[path->count - 1].pose;
+        return reached > 0 ? path->poses[reached - 1].pose : start;
     }
     const wisp_scene_pose* next = &path->poses[reached];
     const double from = reached > 0 ? (double)path->poses[reached - 1].time : 0.0;
@@ -124,13 +126,14 @@ static wisp_status make_jumps( scene_world* world, wisp_entity entity, const wis
 static const wisp_vec3 ORIGIN = { 0.0f, 0.0f, 0.0f };
 static const wisp_transform still = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
 
-static wisp_status move_pins( scene_world* world, int surface, step_times t )
+// @param points [vertex_count] m, before the displacement
+static wisp_status move_pins( scene_world* world, int surface, const wisp_vec3* points, step_times t )
 {
     scene_world_surface* s = &world->surfaces[surface];
     const wisp_transform pose = pose_at_end( world, &world->scene->surfaces[surface].pin_path, still, t );
     for ( int i = 0; i < s->pin_count; ++i )
     {
-        const wisp_vec3 p = s->mesh.points[s->pins[i]], o = s->pivot;
+        const wisp_vec3 p = points[s->pins[i]], o = s->pivot;
         wisp_vec3 moved = wisp_transform_to_world( pose, ( wisp_vec3 ){ p.x - o.x, p.y - o.y, p.z - o.z } );
         s->pin_targets[i] = ( wisp_vec3 ){ moved.x + o.x, moved.y + o.y, moved.z + o.z };
     }
@@ -198,13 +201,23 @@ static wisp_status follow_surface( scene_world* world, int surface, step_times t
     {
         status = make_jumps( world, s->entity, &entry->pin_path, still, s->pivot, t );
     }
-    if ( status == WISP_OK && !s->is_released && is_moving( world, &entry->pin_path, t ) )
+    const wisp_vec3* points = s->mesh.points;
+    wisp_error cause = { 0 };
+    if ( status == WISP_OK && s->animation != NULL &&
+         scene_animation_pose( world->scene, surface, s->animation, t.end, &points, &cause ) != WISP_OK )
     {
-        status = move_pins( world, surface, t );
+        status = wisp_world_fail( world->world, cause.status, "%s", cause.message );
     }
-    if ( status == WISP_OK && is_moving( world, &entry->target_path, t ) )
+    const bool is_animated = s->animation != NULL;
+    if ( status == WISP_OK && !s->is_released && s->pin_count > 0 &&
+         ( is_animated || is_moving( world, &entry->pin_path, t ) ) )
     {
-        status = scene_targets_move( world, surface, pose_at_end( world, &entry->target_path, still, t ) );
+        status = move_pins( world, surface, points, t );
+    }
+    if ( status == WISP_OK && entry->has_motion_constraints &&
+         ( is_animated || is_moving( world, &entry->target_path, t ) ) )
+    {
+        status = scene_targets_move( world, surface, points, pose_at_end( world, &entry->target_path, still, t ) );
     }
     if ( status == WISP_OK && is_moving( world, &entry->frame_path, t ) )
     {

@@ -31,7 +31,7 @@ static wisp_status set_motion_constraints( scene_world* world, const wisp_scene_
                                            scene_world_surface* s )
 {
     s->target_pivot = entry->has_target_pivot ? entry->target_pivot : centre_of( &s->mesh );
-    if ( entry->target_path.count > 0 )
+    if ( entry->target_path.count > 0 || entry->has_animation )
     {
         s->motion_targets = malloc( (size_t)s->mesh.vertex_count * sizeof *s->motion_targets + 1 );
         if ( !s->motion_targets )
@@ -60,12 +60,12 @@ wisp_status scene_held_set( scene_world* world, int surface )
                : status;
 }
 
-wisp_status scene_targets_move( scene_world* world, int surface, wisp_transform displacement )
+wisp_status scene_targets_move( scene_world* world, int surface, const wisp_vec3* points, wisp_transform displacement )
 {
     const scene_world_surface* s = &world->surfaces[surface];
     for ( int v = 0; v < s->mesh.vertex_count; ++v )
     {
-        s->motion_targets[v] = displaced( displacement, s->target_pivot, s->mesh.points[v] );
+        s->motion_targets[v] = displaced( displacement, s->target_pivot, points[v] );
     }
     return wisp_move_motion_targets( world->world, s->entity, s->motion_targets, NULL );
 }

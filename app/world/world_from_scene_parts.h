@@ -55,10 +55,19 @@ wisp_status scene_implicit_set( scene_world* world, int surface );
 /// the world.
 wisp_status scene_held_set( scene_world* world, int surface );
 /// Move motion targets and frame of a surface to displacements from where they started.
-wisp_status scene_targets_move( scene_world* world, int surface, wisp_transform displacement );
+/// @param points [vertex_count] m, targets before the displacement
+wisp_status scene_targets_move( scene_world* world, int surface, const wisp_vec3* points, wisp_transform displacement );
 wisp_status scene_frame_move( scene_world* world, int surface, wisp_transform displacement );
 wisp_status scene_colliders_add( scene_world* world, wisp_error* error );
 void scene_colliders_release( scene_world* world );
+
+/// Load the animation of a placed surface, if its entry has one, and move its mesh to the first pose.
+wisp_status scene_animation_load( const wisp_scene* scene, int surface, scene_world_surface* out, wisp_error* error );
+/// Where the vertices are. @param time s @param points receives [vertex_count] m, valid until the next call
+wisp_status scene_animation_pose( const wisp_scene* scene, int surface, scene_animation* animation, double time,
+                                  const wisp_vec3** points, wisp_error* error );
+/// Null is allowed.
+void scene_animation_release( scene_animation* animation );
 
 /// Every vertex that a surface's entry pins, and the pivot of its pins. The mesh is the initial one.
 /// @param kept [kept_count] index in the file of each vertex that a repair kept; null if none was dropped

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /// A surface's vertices: the scene's numbering and the initial positions.
 typedef struct vertex_finder
@@ -123,6 +124,11 @@ static wisp_status mark_pins( const vertex_finder* f, unsigned char* marks )
     {
         marks[nearest_vertex( f->mesh, f->entry->pin_nearest[i] )] = 1;
     }
+    const bool moves_itself = f->entry->has_cloth || f->entry->has_balloon || f->entry->has_implicit;
+    if ( f->entry->has_animation && !moves_itself )
+    {
+        memset( marks, 1, (size_t)f->mesh->vertex_count );
+    }
     return mark_boxes( f, marks );
 }
 
@@ -147,7 +153,7 @@ static wisp_status list_pins( const vertex_finder* f, const unsigned char* marks
     {
         count += marks[v];
     }
-    const bool moves = f->entry->pin_path.count > 0;
+    const bool moves = f->entry->pin_path.count > 0 || f->entry->has_animation;
     out->pins = calloc( (size_t)count + 1, sizeof *out->pins );
     out->pin_targets = moves ? calloc( (size_t)count + 1, sizeof *out->pin_targets ) : NULL;
     if ( !out->pins || ( moves && !out->pin_targets ) )

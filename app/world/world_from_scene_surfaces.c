@@ -217,6 +217,7 @@ static wisp_status make_source( scene_world* world, int surface, unsigned char r
     if ( status == WISP_OK )
     {
         scene_start_place( &scene->surfaces[surface], s );
+        status = scene_animation_load( scene, surface, s, error );
     }
     free( rest );
     return status;
@@ -241,11 +242,12 @@ static wisp_status make_instance( scene_world* world, int surface, wisp_error* e
     place( s->mesh.points, s->mesh.vertex_count, entry->pose );
     wisp_fabric_retain( source->fabric );
     s->fabric = source->fabric;
-    const wisp_status status =
+    wisp_status status =
         scene_pins_find( world->scene, surface, source->repairs.kept, source->repairs.kept_count, s, error );
     if ( status == WISP_OK )
     {
         scene_start_place( entry, s );
+        status = scene_animation_load( world->scene, surface, s, error );
     }
     return status;
 }
@@ -485,6 +487,7 @@ void scene_surfaces_release( scene_world* world )
         free( s->pins );
         free( s->pin_targets );
         free( s->motion_targets );
+        scene_animation_release( s->animation );
     }
     free( world->surfaces );
 }

@@ -1,0 +1,108 @@
+// The key `animation` of a surface.
+#include "scene_parts.h"
+#include "scene_ranges.h"
+
+#include <stddef.h>
+
+#define BLOCK( fields )                                                                                              \
+    {                                                                                                                \
+        fields, WISP_COUNT( fields )                                                                                 \
+    }
+
+static wisp_status read_clip_name( scene_reader* r, const scene_node* node, void* at )
+{
+    return scene_read_text( r, node, at );
+}
+
+#define AT( member ) offsetof( wisp_scene_clip, member )
+static const scene_field CLIP_FIELDS[] = {
+    { "clip", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = read_clip_name, .form = "name",
+      .help = "Name of the clip in the file." },
+    { "time", SCENE_NUMBER, .at = AT( time ), .range = TIME, .unit = SECONDS,
+      .help = "When it begins; until then the figure goes from its pose at rest, or from the clip before, to its first "
+              "pose." },
+    { "speed", SCENE_NUMBER, .at = AT( speed ), .range = RANGE( 1e-3, 1e3 ), .help = "Seconds of the clip per second." },
+};
+#undef AT
+const scene_block SCENE_CLIP_BLOCK = BLOCK( CLIP_FIELDS );
+
+wisp_scene_clip scene_default_clip( void )
+{
+    return ( wisp_scene_clip ){ .speed = 1.0f };
+}
+
+static wisp_status read_clips( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* surface = at;
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of clips", SCENE_MAX_NODES, sizeof( wisp_scene_clip ), &items );
+    wisp_scene_clip* clips = items;
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        const size_t outside = scene_enter_index( r, i );
+        clips[i] = scene_default_clip();
+        status = scene_read_block( r, item, &SCENE_CLIP_BLOCK, &clips[i] );
+        if ( !status && i > 0 && !( clips[i].time > clips[i - 1].time ) )
+        {
+            return scene_refuse_node( r, item, "got time %g, expected more than the time before, %g",
+                                      (double)clips[i].time, (double)clips[i - 1].time );
+        }
+        if ( !status )
+        {
+            scene_leave( r, outside );
+            surface->animation.clip_count = ++i;
+        }
+    }
+    if ( !status && i == 0 )
+    {
+        return scene_refuse_node( r, node, "got no clip, expected at least one" );
+    }
+    surface->animation.clips = clips;
+    return status;
+}
+
+static const scene_choice SKINNINGS[] = { { "linear", "mean of where joints take a vertex" },
+                                          { "dual_quaternions", "mean of rigid motions, keeps the girth of joints" },
+                                          { NULL, NULL } };
+
+#define AT( member ) offsetof( wisp_scene_surface, animation.member )
+static const scene_field ANIMATION_FIELDS[] = {
+    { "file", SCENE_CUSTOM, .at = AT( file ), .read = scene_read_file, .form = "path",
+      .help = "File of the clips: glTF (`.glb`, `.gltf`), or keyframes in YAML as in `data/figures/motions.yaml`.",
+      .initial = "that of the mesh" },
+    { "clips", SCENE_CUSTOM, .required = true, .read = read_clips, .form = "list of {clip, time, speed}",
+      .help = "Clips, one after the other; one that loops repeats until the next." },
+    { "blend", SCENE_NUMBER, .at = AT( blend ), .range = TIME, .unit = SECONDS,
+      .help = "From the end of a clip to the beginning of the next." },
+    { "skinning", SCENE_CHOICE, .at = AT( method ), .choices = SKINNINGS,
+      .help = "How vertices follow several joints." },
+};
+#undef AT
+const scene_block SCENE_ANIMATION_BLOCK = BLOCK( ANIMATION_FIELDS );
+
+wisp_status scene_check_animation( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+{
+    const scene_node* own = scene_child( r, node, "animation" );
+    const wisp_scene_animation* a = &s->animation;
+    for ( int i = 0; i + 1 < a->clip_count; ++i )
+    {
+        if ( !( a->clips[i + 1].time - a->clips[i].time > a->blend ) )
+        {
+            return scene_refuse_node( r, own, "got %g s from clip %d to the next, expected more than blend, %g s",
+                                      (double)( a->clips[i + 1].time - a->clips[i].time ), i, (double)a->blend );
+        }
+    }
+    if ( scene_child( r, node, "attach_pins" ) != NULL )
+    {
+        return scene_refuse_node( r, own, "got both 'attach_pins' and 'animation', expected one of them" );
+    }
+    const bool is_figure = s->mesh.is_generated && s->mesh.generator.shape == WISP_MESH_FIGURE;
+    if ( s->mesh.is_generated && !is_figure )
+    {
+        return scene_refuse_node( r, own, "the mesh has no skeleton, expected 'generate: { shape: figure }' or a glTF file" );
+    }
+    return is_figure && a->file == NULL ? scene_refuse_node( r, own, "key 'file' is missing: a figure has no clips" )
+                                        : WISP_OK;
+}
