@@ -67,13 +67,14 @@ static void put_clip( key_list* list, const wisp_clip* clip, const wisp_animatio
             const float time = clip->begin + (float)round * period + track->times[k] / clip->speed;
             if ( time <= clip->end )
             {
-                put( list, width, time, track->values + ( (size_t)k * (size_t)stride + ( stride == 3 ) ) * (size_t)width );
+                put( list, width, time,
+                     track->values + ( (size_t)k * (size_t)stride + ( stride == 3 ) ) * (size_t)width );
             }
         }
     }
 }
 
-// A clip that does not move the joint holds it at rest.
+// A clip that does not move the joint brings it to rest.
 static void put_all( key_list* list, const wisp_clip* clips, int count, const wisp_joint* rest, int joint,
                      wisp_joint_property property )
 {
@@ -173,9 +174,10 @@ wisp_status wisp_animation_join( const wisp_clip* clips, int count, const wisp_s
     const bool alone = count == 1 && clips[0].begin <= 0.0f && clips[0].speed == 1.0f;
     *out = ( wisp_animation ){ .duration = clips[count - 1].end };
     out->tracks = calloc( 3 * (size_t)skeleton->joint_count + 1, sizeof *out->tracks );
-    wisp_status status = out->tracks != NULL ? WISP_OK
-                                             : wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d joints",
-                                                          skeleton->joint_count );
+    wisp_status status =
+        out->tracks != NULL
+            ? WISP_OK
+            : wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d joints", skeleton->joint_count );
     if ( status == WISP_OK && alone )
     {
         status = copy_tracks( clips[0].animation, out, error );

@@ -312,7 +312,8 @@ static void weigh( mesh_vector p, double weights[JOINTS] )
     // the rest along the spine, by height; the chin belongs to the head
     const double rest = 1.0 - arm - leg > 0.0 ? 1.0 - arm - leg : 0.0;
     const double spine = ramp( p.y, 0.555, 0.635 ), chest = ramp( p.y, 0.64, 0.72 ),
-                 neck = ramp( p.y, 0.805, 0.86 ) * ( 1.0 - ramp( q.x, 0.035, 0.07 ) ),
+                 neck = ramp( p.y, 0.805, 0.86 ) *
+                        ( 1.0 - ramp( q.x, 0.035, 0.07 ) * ( 1.0 - ramp( p.y, 0.86, 0.885 ) ) ),
                  head = ramp( p.y + 0.6 * p.z, 0.862, 0.9 ),
                  shoulder = ramp( q.x, 0.025, 0.085 ) * ramp( p.y, 0.745, 0.8 );
     const double upper = rest * spine * chest;

@@ -224,7 +224,7 @@ static wisp_status put_tracks( const clip* from, channel* channels, const wisp_s
 static wisp_status read_clip( scene_reader* r, const clip* from, const wisp_skeleton* skeleton, float scale,
                               wisp_animation* out )
 {
-    wisp_status status = scene_expect_list( r, from->keys, "keyframes" );
+    wisp_status status = scene_expect_list( r, from->keys, "a list of keyframes" );
     const int count = skeleton->joint_count + 1;
     channel* channels = calloc( (size_t)count, sizeof *channels );
     if ( status == WISP_OK && channels == NULL )
@@ -262,7 +262,7 @@ static wisp_status read_clips( scene_reader* r, const char* wanted, const wisp_s
     static const scene_block block = { fields, 1 };
     const scene_node* list = NULL;
     wisp_status status = scene_read_block( r, &r->tree->nodes[0], &block, &list );
-    status = status == WISP_OK ? scene_expect_list( r, list, "clips" ) : status;
+    status = status == WISP_OK ? scene_expect_list( r, list, "a list of clips" ) : status;
     bool found = false;
     const scene_node* node = status == WISP_OK ? scene_first( r->tree, list ) : NULL;
     for ( int i = 0; node != NULL && status == WISP_OK; ++i, node = scene_next( r->tree, node ) )

@@ -278,8 +278,9 @@ wisp_status gltf_rig_animation( const gltf_model* model, const char* animation, 
         const gltf_channel* channel = &from->channels[c];
         const int joint = joint_of_node( model, channel->node, skeleton );
         status = joint >= 0 ? make_track( channel, joint, &out->tracks[out->track_count++], error )
-                            : wisp_fail( error, WISP_BAD_INPUT, "%s: animation '%.40s' moves '%.60s', which the skeleton "
-                                                                "does not have",
+                            : wisp_fail( error, WISP_BAD_INPUT,
+                                         "%s: animation '%.40s' moves '%.60s', which the skeleton "
+                                         "does not have",
                                          io_short_name( name ), from->name, model->nodes[channel->node].name );
     }
     status = status == WISP_OK ? wisp_animation_check( out, skeleton, error ) : status;

@@ -14,8 +14,8 @@ extern "C"
     /// @param skeleton, skin to be released; empty on failure
     /// @return WISP_BAD_INPUT too many nodes, or a node whose matrix is not a scale and a rotation (the message names it);
     ///         WISP_NO_MEMORY
-    wisp_status gltf_rig( const gltf_model* model, int node, const char* name, wisp_skeleton* skeleton, wisp_skin** skin,
-                          wisp_error* error );
+    wisp_status gltf_rig( const gltf_model* model, int node, const char* name, wisp_skeleton* skeleton,
+                          wisp_skin** skin, wisp_error* error );
 
     /// An animation by its name.
     /// @param skeleton of gltf_rig(), maybe of another file: joints are then found by their names

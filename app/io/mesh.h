@@ -148,12 +148,13 @@ extern "C"
         float jitter;        ///< 0..0.2, irregular plane: farthest shift in x and in z, in spacings
         float radius;      ///< m, > 0, of sphere, capsule and tube, of a torus's centre line, of the pear's icosphere
         float tube_radius; ///< m, > 0 and < radius, of a torus
-        float length;      ///< m, > 0, of the cylinder of capsule and tube
-        float width;       ///< m, > 0, of Delaunay rectangle and garment along x
-        float depth;       ///< m, > 0, of the same along z, within a thousandth and a thousand times of the width
-        float height;      ///< m, of a figure
+        float lower_radius; ///< m, of a tube at its lower end; 0: as `radius`
+        float length;       ///< m, > 0, of the cylinder of capsule and tube
+        float width;        ///< m, > 0, of Delaunay rectangle and garment along x
+        float depth;        ///< m, > 0, of the same along z, within a thousandth and a thousand times of the width
+        float height;       ///< m, of a figure
         int triangle_count; ///< of a figure, within a twentieth
-        uint64_t seed;     ///< of the shifts, and of the vertices inside Delaunay rectangle and garment
+        uint64_t seed;      ///< of the shifts, and of the vertices inside Delaunay rectangle and garment
     } wisp_mesh_generator;
 
     /// Planes of 32 x 32 vertices 2 cm apart; round shapes of radius 0.5 m with some thousand triangles; Delaunay

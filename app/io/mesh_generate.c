@@ -158,6 +158,8 @@ static wisp_status check_sizes( const wisp_mesh_generator* r, wisp_error* error 
         { "radius", !is_plane( r ) && !delaunay && !is_figure( r ), r->radius, SMALLEST_SIZE, LARGEST_SIZE },
         { "tube radius", torus, r->tube_radius, SMALLEST_SIZE, 0.999f * r->radius },
         { "length", has_length( r ), r->length, SMALLEST_SIZE, LARGEST_SIZE },
+        { "lower radius", r->shape == WISP_MESH_TUBE && r->lower_radius != 0.0f, r->lower_radius, SMALLEST_SIZE,
+          LARGEST_SIZE },
         { "width", delaunay, r->width, SMALLEST_SIZE, LARGEST_SIZE },
         { "depth", delaunay, r->depth, shallowest, deepest },
     };

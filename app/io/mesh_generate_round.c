@@ -162,6 +162,18 @@ wisp_status mesh_generate_icosphere( const wisp_mesh_generator* r, wisp_mesh* ou
 
 // ---- around an axis --------------------------------------------------------------------------------------------
 
+// A cylinder becomes the frustum of a cone.
+static void taper( const wisp_mesh_generator* r, wisp_mesh* mesh )
+{
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        wisp_vec3* p = &mesh->points[v];
+        const float up = p->y / r->length + 0.5f, ratio = r->lower_radius / r->radius;
+        const float factor = ratio + up * ( 1.0f - ratio );
+        *p = ( wisp_vec3 ){ factor * p->x, p->y, factor * p->z };
+    }
+}
+
 wisp_status mesh_generate_turned( const wisp_mesh_generator* r, wisp_mesh* out, wisp_error* error )
 {
     const int n = r->segments, rings = r->rings, parts = r->length_segments;
@@ -177,9 +189,14 @@ wisp_status mesh_generate_turned( const wisp_mesh_generator* r, wisp_mesh* out, 
         case WISP_MESH_TUBE:
             status = mesh_allocate( out, WISP_CYLINDER_VERTICES( n, parts ), WISP_CYLINDER_TRIANGLES( n, parts ),
                                     NAME, error );
-            return status == WISP_OK
-                       ? wisp_generate_cylinder( n, parts, r->radius, r->length, out->points, out->triangles, error )
-                       : status;
+            status = status == WISP_OK ? wisp_generate_cylinder( n, parts, r->radius, r->length, out->points,
+                                                                 out->triangles, error )
+                                       : status;
+            if ( status == WISP_OK && r->lower_radius > 0.0f )
+            {
+                taper( r, out );
+            }
+            return status;
         case WISP_MESH_CAPSULE:
             status = mesh_allocate( out, WISP_CAPSULE_VERTICES( n, rings, parts ),
                                     WISP_CAPSULE_TRIANGLES( n, rings, parts ), NAME, error );

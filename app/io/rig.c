@@ -46,8 +46,9 @@ static wisp_status load_skeleton( const wisp_scene_mesh* mesh, gltf_model* model
     }
     if ( mesh->file == NULL || mesh->arrays != NULL || !gltf_is_path( mesh->file ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT,
-                          "animation: the mesh has no skeleton, expected 'generate: { shape: figure }' or a glTF file" );
+        return wisp_fail(
+            error, WISP_BAD_INPUT,
+            "animation: the mesh has no skeleton, expected 'generate: { shape: figure }' or a glTF file" );
     }
     int node = 0;
     const wisp_status status = gltf_model_read( mesh->file, model, &node, error );
@@ -75,7 +76,8 @@ static wisp_status load_clip( const clip_file* file, const char* name, const wis
 }
 
 static wisp_status load_clips( const clip_file* file, const wisp_scene_animation* animation, float duration,
-                               const wisp_skeleton* skeleton, wisp_animation* all, wisp_clip* clips, wisp_error* error )
+                               const wisp_skeleton* skeleton, wisp_animation* all, wisp_clip* clips,
+                               wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int c = 0; c < animation->clip_count && status == WISP_OK; ++c )
@@ -99,10 +101,10 @@ static wisp_status join( const clip_file* file, const wisp_scene_animation* anim
     const size_t count = (size_t)animation->clip_count;
     wisp_animation* all = calloc( count, sizeof *all );
     wisp_clip* clips = calloc( count, sizeof *clips );
-    wisp_status status = all != NULL && clips != NULL
-                             ? load_clips( file, animation, duration, &out->skeleton, all, clips, error )
-                             : wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d clips",
-                                          animation->clip_count );
+    wisp_status status =
+        all != NULL && clips != NULL
+            ? load_clips( file, animation, duration, &out->skeleton, all, clips, error )
+            : wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d clips", animation->clip_count );
     status = status == WISP_OK
                  ? wisp_animation_join( clips, animation->clip_count, &out->skeleton, &out->animation, error )
                  : status;
@@ -119,7 +121,8 @@ static wisp_status join( const clip_file* file, const wisp_scene_animation* anim
 static wisp_status load_animation( const wisp_scene_mesh* mesh, const wisp_scene_animation* animation, float duration,
                                    const gltf_model* model, wisp_rig* out, wisp_error* error )
 {
-    clip_file file = { .name = animation->file, .scale = mesh->generator.height / wisp_default_figure_generator().height };
+    clip_file file = { .name = animation->file,
+                       .scale = mesh->generator.height / wisp_default_figure_generator().height };
     gltf_model other = { 0 };
     wisp_status status = WISP_OK;
     if ( animation->file == NULL )

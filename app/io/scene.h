@@ -256,7 +256,8 @@ extern "C"
         bool has_pin_pivot;
         wisp_vec3 pin_pivot; ///< m, what pin_path turns about; without it: the middle of the pins
 
-        bool has_animation; ///< pins and motion targets follow it; without an effect that moves it every vertex is pinned
+        bool
+            has_animation; ///< pins and motion targets follow it; without an effect that moves it every vertex is pinned
         wisp_scene_animation animation;
 
         bool has_motion_constraints;

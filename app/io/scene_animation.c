@@ -19,9 +19,11 @@ static const scene_field CLIP_FIELDS[] = {
     { "clip", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = read_clip_name, .form = "name",
       .help = "Name of the clip in the file." },
     { "time", SCENE_NUMBER, .at = AT( time ), .range = TIME, .unit = SECONDS,
-      .help = "When it begins; until then the figure goes from its pose at rest, or from the clip before, to its first "
-              "pose." },
-    { "speed", SCENE_NUMBER, .at = AT( speed ), .range = RANGE( 1e-3, 1e3 ), .help = "Seconds of the clip per second." },
+      .help =
+          "When it begins; until then the figure goes from its pose at rest, or from the clip before, to its first "
+          "pose." },
+    { "speed", SCENE_NUMBER, .at = AT( speed ), .range = RANGE( 1e-3, 1e3 ),
+      .help = "Seconds of the clip per second." },
 };
 #undef AT
 const scene_block SCENE_CLIP_BLOCK = BLOCK( CLIP_FIELDS );
@@ -101,7 +103,8 @@ wisp_status scene_check_animation( scene_reader* r, const scene_node* node, cons
     const bool is_figure = s->mesh.is_generated && s->mesh.generator.shape == WISP_MESH_FIGURE;
     if ( s->mesh.is_generated && !is_figure )
     {
-        return scene_refuse_node( r, own, "the mesh has no skeleton, expected 'generate: { shape: figure }' or a glTF file" );
+        return scene_refuse_node( r, own,
+                                  "the mesh has no skeleton, expected 'generate: { shape: figure }' or a glTF file" );
     }
     return is_figure && a->file == NULL ? scene_refuse_node( r, own, "key 'file' is missing: a figure has no clips" )
                                         : WISP_OK;

@@ -134,7 +134,15 @@ static const scene_field FIGURE_FIELDS[] = {
       .range = RANGE( WISP_FIGURE_MIN_TRIANGLES, WISP_FIGURE_MAX_TRIANGLES ),
       .help = "Number of triangles, within a twentieth." },
 };
-static const scene_field TUBE_FIELDS[] = { SHAPE_FIELD, SEGMENTS_FIELD, ALONG_FIELD, RADIUS_FIELD, LENGTH_FIELD };
+static const scene_field TUBE_FIELDS[] = {
+    SHAPE_FIELD,
+    SEGMENTS_FIELD,
+    ALONG_FIELD,
+    RADIUS_FIELD,
+    { "lower_radius", SCENE_NUMBER, .at = AT( lower_radius ), .range = SIZE, .unit = METRES,
+      .help = "Radius at the lower end, such as that of a skirt.", .initial = "`radius`" },
+    LENGTH_FIELD,
+};
 #undef AT
 
 #define BLOCK( fields )                                                                                              \

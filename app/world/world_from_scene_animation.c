@@ -44,17 +44,20 @@ wisp_status scene_animation_pose( const wisp_scene* scene, int surface, scene_an
     return status;
 }
 
-static wisp_status load( const wisp_scene* scene, int surface, int vertex_count, scene_animation* out, wisp_error* error )
+static wisp_status load( const wisp_scene* scene, int surface, int vertex_count, scene_animation* out,
+                         wisp_error* error )
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
     const wisp_scene_surface* source = &scene->surfaces[entry->instance_of >= 0 ? entry->instance_of : surface];
-    wisp_status status = wisp_rig_load( &source->mesh, &entry->animation, (float)scene->steps * scene->dt, &out->rig, error );
+    wisp_status status =
+        wisp_rig_load( &source->mesh, &entry->animation, (float)scene->steps * scene->dt, &out->rig, error );
     if ( status == WISP_OK && out->rig.skin->point_count != vertex_count )
     {
-        status = wisp_fail( error, WISP_BAD_INPUT,
-                            "animation: the skeleton moves %d vertices, but repair left %d of them: use a repair that "
-                            "removes none",
-                            out->rig.skin->point_count, vertex_count );
+        status =
+            wisp_fail( error, WISP_BAD_INPUT,
+                       "animation: the skeleton moves %d vertices, but repair left %d of them: use a repair that "
+                       "removes none",
+                       out->rig.skin->point_count, vertex_count );
     }
     if ( status == WISP_OK )
     {
@@ -77,9 +80,8 @@ wisp_status scene_animation_load( const wisp_scene* scene, int surface, scene_wo
     wisp_error cause = { 0 };
     const wisp_vec3* points = NULL;
     s->animation = calloc( 1, sizeof *s->animation );
-    wisp_status status = s->animation != NULL
-                             ? load( scene, surface, s->mesh.vertex_count, s->animation, &cause )
-                             : wisp_fail( &cause, WISP_NO_MEMORY, "out of memory for an animation" );
+    wisp_status status = s->animation != NULL ? load( scene, surface, s->mesh.vertex_count, s->animation, &cause )
+                                              : wisp_fail( &cause, WISP_NO_MEMORY, "out of memory for an animation" );
     status = status == WISP_OK ? scene_animation_pose( scene, surface, s->animation, 0.0, &points, &cause ) : status;
     for ( int v = 0; v < s->mesh.vertex_count && status == WISP_OK; ++v )
     {

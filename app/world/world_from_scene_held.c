@@ -60,7 +60,8 @@ wisp_status scene_held_set( scene_world* world, int surface )
                : status;
 }
 
-wisp_status scene_targets_move( scene_world* world, int surface, const wisp_vec3* points, wisp_transform displacement )
+wisp_status scene_targets_move( scene_world* world, int surface, const wisp_vec3* points,
+                                wisp_transform displacement )
 {
     const scene_world_surface* s = &world->surfaces[surface];
     for ( int v = 0; v < s->mesh.vertex_count; ++v )

@@ -3,6 +3,19 @@
 
 // clang-format off
 const bad_scene BAD_SCENES_MOTION[] = {
+    { "animation_attached.yaml",
+      ":7:16: surfaces[1]: got both 'attach_pins' and 'animation', expected one of them" },
+    { "animation_blend.yaml",
+      ":5:16: surfaces[0]: got 0.25 s from clip 0 to the next, expected more than blend, 0.5 s" },
+    { "animation_of_a_plane.yaml",
+      ":5:16: surfaces[0]: the mesh has no skeleton, expected 'generate: { shape: figure }' or a glTF file" },
+    { "animation_speed.yaml",
+      ":5:59: surfaces[0].animation.clips[0].speed: got 0, expected a value in [0.001, 1000]" },
+    { "animation_times.yaml",
+      ":5:63: surfaces[0].animation.clips[1]: got time 1, expected more than the time before, 1" },
+    { "animation_without_clips.yaml",
+      ":5:39: surfaces[0].animation.clips: got no clip, expected at least one" },
+    { "animation_without_file.yaml", ":5:16: surfaces[0]: key 'file' is missing: a figure has no clips" },
     { "collision_of_still_strands.yaml", ":6:16: strands[0]: 'collision' needs the key 'dynamics'" },
     { "compute_collision_stats_of_strands.yaml",
       ":7:15: strands[0].compute[0]: 'collision_stats' needs the key 'collision'" },
@@ -67,6 +80,8 @@ const bad_scene BAD_SCENES_MOTION[] = {
       ":9:5: events: got a second entry of strands 'hair' for step 1, the first is in line 8" },
     { "events_strands_wind_no_drag.yaml",
       ":8:5: events[0]: 'wind' needs drag, but the strands 'hair' have no dynamics.drag_coefficient" },
+    { "figure_triangles.yaml",
+      ":4:43: surfaces[0].generate.triangles: got 100, expected a value in [1500, 200000]" },
     { "ghosts_elastic_near.yaml",
       ":7:83: strands[1].ghosts.elastic: got 'cosin', expected one of change, cosine, dot, off; did you mean 'cosine'?" },
     { "ghosts_feedback_frame.yaml", ":7:84: strands[1]: 'feedback' needs 'frame: off' and 'target_count: 1'" },

@@ -1,0 +1,284 @@
+// Animated surfaces of scenes: glTF skeletons against the file's own poses in double precision, clips one after the other, and vertices
+// that are where the clip has them.
+#define _XOPEN_SOURCE 700
+
+#include "scene_world_fixture.h"
+
+#include "figure.h"
+#include "gltf_rig.h"
+#include "gltf_writer.h"
+#include "rig.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#define MOTIONS WISP_SOURCE_ROOT "/data/figures/motions.yaml"
+
+static gltf_model strip( void )
+{
+    char json[6000];
+    gltf_strip_json( json, sizeof json, "" );
+    const gltf_bytes binary = gltf_strip_binary(), file = gltf_binary_file( json, &binary );
+    gltf_model model;
+    wisp_error error = { .status = WISP_OK };
+    assert_ok( gltf_read_bytes( file.data, file.size, NULL, "strip.glb", 0, &model, &error ), error );
+    return model;
+}
+
+// ---- glTF against double precision ----
+
+static void joints_of_a_file_are_where_its_poses_in_double_precision_have_them( void** state )
+{
+    (void)state;
+    gltf_model model = strip();
+    wisp_skeleton skeleton;
+    wisp_skin* skin;
+    wisp_animation clip;
+    wisp_error error = { .status = WISP_OK };
+    assert_ok( gltf_rig( &model, 0, "strip.glb", &skeleton, &skin, &error ), error );
+    assert_ok( wisp_skeleton_check( &skeleton, &error ), error );
+    assert_ok( gltf_rig_animation( &model, "bend", "strip.glb", &skeleton, &clip, &error ), error );
+    clip.loops = false; // the pose of the file stays after its end
+    double* work = malloc( gltf_pose_work( &model ) * sizeof *work );
+    for ( int step = 0; step <= 20; ++step )
+    {
+        const float time = 0.1f * (float)step;
+        wisp_affine joints[8];
+        wisp_skeleton_pose( &skeleton, &clip, time, joints );
+        const double* nodes = gltf_pose_nodes( &model, 0, (double)time, work );
+        for ( int i = 0; i < skeleton.joint_count; ++i )
+        {
+            for ( int k = 0; k < 12; ++k )
+            {
+                const double expected = nodes[12 * (size_t)model.order[i] + (size_t)k];
+                assert_true( fabs( (double)joints[i].m[k / 4][k % 4] - expected ) < 2e-6 );
+            }
+        }
+    }
+    free( work );
+    wisp_animation_release( &clip );
+    wisp_skin_release( skin );
+    wisp_skeleton_release( &skeleton );
+    gltf_release( &model );
+}
+
+// A matrix of rotation, scale and mirror comes apart into what multiplies to the same matrix; one with shear is refused.
+static void nodes_with_a_matrix_are_split_or_refused( void** state )
+{
+    (void)state;
+    static const double matrices[][12] = {
+        { 0, -2, 0, 5, 3, 0, 0, 6, 0, 0, 4, 7 },                      // a quarter turn, scales 3, 2 and 4
+        { 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0 },                     // a half turn
+        { -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0 },                      // mirrored
+        { 0.36, 0.48, -0.8, 1, -0.8, 0.6, 0, 2, 0.48, 0.64, 0.6, 3 }, // a rotation about no axis of the frame
+    };
+    for ( int i = 0; i < WISP_COUNT( matrices ); ++i )
+    {
+        gltf_model model = strip();
+        wisp_skeleton skeleton;
+        wisp_skin* skin;
+        wisp_error error = { .status = WISP_OK };
+        model.nodes[2].has_matrix = true;
+        memcpy( model.nodes[2].matrix, matrices[i], sizeof matrices[i] );
+        model.nodes[2].parent = -1;
+        assert_ok( gltf_rig( &model, 0, "strip.glb", &skeleton, &skin, &error ), error );
+        wisp_affine joints[8];
+        wisp_skeleton_pose( &skeleton, NULL, 0.0f, joints );
+        const int joint = wisp_skeleton_find( &skeleton, "tip" );
+        for ( int k = 0; k < 12; ++k )
+        {
+            assert_true( fabs( (double)joints[joint].m[k / 4][k % 4] - matrices[i][k] ) < 2e-6 );
+        }
+        wisp_skin_release( skin );
+        wisp_skeleton_release( &skeleton );
+        model.nodes[2].matrix[1] += 0.5;
+        model.nodes[2].matrix[2] += 0.4;
+        assert_int_equal( gltf_rig( &model, 0, "strip.glb", &skeleton, &skin, &error ), WISP_BAD_INPUT );
+        assert_contains( error.message, "node 'tip' has a matrix that is not a scale and a rotation" );
+        gltf_release( &model );
+    }
+}
+
+// ---- clips one after the other ----
+
+static wisp_figure figure;
+
+static wisp_animation read_clip( const char* name )
+{
+    const wisp_scene_mesh mesh = {
+        .is_generated = true, .generator = { .shape = WISP_MESH_FIGURE, .height = 1.75f, .triangle_count = 1500 }
+    };
+    const wisp_scene_clip clip = { name, 0.0f, 1.0f };
+    const wisp_scene_animation animation = { .file = MOTIONS, .clips = &clip, .clip_count = 1 };
+    wisp_rig rig;
+    wisp_error error = { .status = WISP_OK };
+    assert_ok( wisp_rig_load( &mesh, &animation, 10.0f, &rig, &error ), error );
+    wisp_animation out = rig.animation;
+    rig.animation = ( wisp_animation ){ 0 };
+    wisp_rig_release( &rig );
+    return out;
+}
+
+static int make_figure( void** state )
+{
+    (void)state;
+    const wisp_figure_generator generator = { 1.75f, 1500 };
+    return wisp_figure_generate( &generator, &figure, NULL ) == WISP_OK ? 0 : -1;
+}
+
+static int release_figure( void** state )
+{
+    (void)state;
+    wisp_figure_release( &figure );
+    return 0;
+}
+
+static double pose_difference( const wisp_animation* a, float time_a, const wisp_animation* b, float time_b )
+{
+    wisp_affine x[64], y[64];
+    double most = 0.0;
+    wisp_skeleton_pose( &figure.skeleton, a, time_a, x );
+    wisp_skeleton_pose( &figure.skeleton, b, time_b, y );
+    for ( int i = 0; i < 12 * figure.skeleton.joint_count; ++i )
+    {
+        most = fmax( most, fabs( (double)x[i / 12].m[i % 12 / 4][i % 4] - (double)y[i / 12].m[i % 12 / 4][i % 4] ) );
+    }
+    return most;
+}
+
+static void one_clip_from_the_start_is_the_clip_itself( void** state )
+{
+    (void)state;
+    wisp_animation walk = read_clip( "walk" ), joined;
+    const wisp_clip clip = { &walk, 0.0f, 10.0f, 1.0f };
+    assert_int_equal( wisp_animation_join( &clip, 1, &figure.skeleton, &joined, NULL ), WISP_OK );
+    for ( int i = 0; i < 40; ++i )
+    {
+        assert_true( pose_difference( &walk, 0.13f * (float)i, &joined, 0.13f * (float)i ) == 0.0 );
+    }
+    wisp_animation_release( &walk );
+    wisp_animation_release( &joined );
+}
+
+static void clips_follow_each_other_from_rest_without_a_jump( void** state )
+{
+    (void)state;
+    wisp_animation walk = read_clip( "walk" ), jump = read_clip( "jump" ), joined;
+    const wisp_clip clips[] = { { &walk, 0.5f, 3.5f, 1.0f }, { &jump, 4.0f, 5.0f, 2.0f } };
+    wisp_error error = { .status = WISP_OK };
+    assert_ok( wisp_animation_join( clips, 2, &figure.skeleton, &joined, &error ), error );
+    assert_ok( wisp_animation_check( &joined, &figure.skeleton, &error ), error );
+    assert_true( pose_difference( NULL, 0.0f, &joined, 0.0f ) < 1e-6 );
+    for ( int k = 1; k < 16; ++k ) // keyframes of the first and the second round, 0.14 s apart
+    {
+        assert_true( pose_difference( &walk, 0.14f * (float)k, &joined, 0.5f + 0.14f * (float)k ) < 1e-3 );
+    }
+    assert_true( pose_difference( &jump, 0.0f, &joined, 4.0f ) < 1e-5 );
+    // joints that the jump does not name swing out
+    assert_true( pose_difference( &jump, jump.duration, &joined, 4.0f + 0.5f * jump.duration ) < 2e-3 );
+    for ( int i = 0; i < 6 * 240; ++i )
+    {
+        const float time = (float)i / 240.0f;
+        assert_true( pose_difference( &joined, time, &joined, time + 1.0f / 240.0f ) < 0.1 ); // at most 24 m/s
+    }
+    wisp_animation_release( &walk );
+    wisp_animation_release( &jump );
+    wisp_animation_release( &joined );
+}
+
+// ---- scenes ----
+
+#define BODY                                                                                                         \
+    "wisp: 1\nsteps: 60\nsurfaces:\n"                                                                                \
+    "  - name: body\n    generate: { shape: figure, triangles: 1500 }\n"                                             \
+    "    transform: { translate: [3, 0, 0] }\n"                                                                      \
+    "    animation: { file: " MOTIONS ", clips: [ { clip: walk, time: 0.25 } ] }\n"
+
+static const wisp_vec3* points_of( fixture* f, int surface )
+{
+    wisp_view view;
+    assert_int_equal(
+        wisp_world_view( f->world.world, f->world.surfaces[surface].entity, WISP_SURFACE_POINTS, &view ), WISP_OK );
+    return view.data;
+}
+
+static void vertices_are_where_the_clip_has_them( void** state )
+{
+    (void)state;
+    fixture f;
+    build( &f, BODY );
+    wisp_animation walk = read_clip( "walk" ), joined;
+    const wisp_clip clip = { &walk, 0.25f, 1.0f + walk.duration, 1.0f };
+    assert_int_equal( wisp_animation_join( &clip, 1, &figure.skeleton, &joined, NULL ), WISP_OK );
+    wisp_skin* skin;
+    assert_int_equal( wisp_skeleton_skin( &figure.skeleton, figure.mesh.points, &figure.weights, &skin, NULL ),
+                      WISP_OK );
+    wisp_vec3* expected = calloc( (size_t)figure.mesh.vertex_count, sizeof *expected );
+    wisp_skin_pose pose = { 0 };
+    wisp_affine joints[64];
+    double moved = 0.0;
+    for ( int i = 1; i <= 60; ++i )
+    {
+        step( &f, 1 );
+        wisp_skeleton_pose( &figure.skeleton, &joined, (float)i / 60.0f, joints );
+        assert_int_equal( wisp_skin_points( skin, &pose, WISP_SKIN_LINEAR, joints, expected, NULL ), WISP_OK );
+        const wisp_vec3* points = points_of( &f, 0 );
+        for ( int v = 0; v < figure.mesh.vertex_count; ++v )
+        {
+            assert_true( fabsf( points[v].x - 3.0f - expected[v].x ) < 1e-4f );
+            assert_true( fabsf( points[v].y - expected[v].y ) < 1e-4f &&
+                         fabsf( points[v].z - expected[v].z ) < 1e-4f );
+            moved = fmax( moved, fabs( (double)expected[v].z - (double)figure.mesh.points[v].z ) );
+        }
+    }
+    assert_true( moved > 0.2 );
+    free( expected );
+    wisp_skin_pose_release( &pose, NULL );
+    wisp_skin_release( skin );
+    wisp_animation_release( &walk );
+    wisp_animation_release( &joined );
+    release( &f );
+}
+
+// Cloth that is held by motion constraints of length 0 alone, and cloth that is pinned.
+static void targets_and_pins_of_cloth_go_along( void** state )
+{
+    (void)state;
+    fixture f;
+    build( &f, BODY "    cloth: {}\n    gravity: [0, 0, 0]\n    motion_constraints: { max_distance: 0 }\n"
+                    "  - name: other\n    instance_of: body\n    transform: { translate: [3, 0, 0] }\n"
+                    "    animation: { file: " MOTIONS ", clips: [ { clip: walk, time: 0.25 } ] }\n" );
+    assert_int_equal( f.world.surfaces[0].pin_count, 0 );
+    assert_int_equal( f.world.surfaces[1].pin_count, f.world.surfaces[1].mesh.vertex_count );
+    step( &f, 40 );
+    const wisp_vec3 *held = points_of( &f, 0 ), *pinned = points_of( &f, 1 );
+    for ( int v = 0; v < f.world.surfaces[1].mesh.vertex_count; ++v )
+    {
+        assert_true( fabsf( held[v].x - pinned[v].x ) < 1e-4f && fabsf( held[v].y - pinned[v].y ) < 1e-4f &&
+                     fabsf( held[v].z - pinned[v].z ) < 1e-4f );
+    }
+    release( &f );
+}
+
+static void a_file_without_the_clip_is_refused_with_the_line_of_the_surface( void** state )
+{
+    (void)state;
+    demand_refusal( "wisp: 1\nsurfaces:\n  - name: body\n    generate: { shape: figure, triangles: 1500 }\n"
+                    "    animation: { file: " MOTIONS ", clips: [ { clip: dance } ] }\n",
+                    "test.yaml:3:5: surface 'body': " MOTIONS ":4:3: there is no clip 'dance'" );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( joints_of_a_file_are_where_its_poses_in_double_precision_have_them ),
+        cmocka_unit_test( nodes_with_a_matrix_are_split_or_refused ),
+        cmocka_unit_test( one_clip_from_the_start_is_the_clip_itself ),
+        cmocka_unit_test( clips_follow_each_other_from_rest_without_a_jump ),
+        cmocka_unit_test( vertices_are_where_the_clip_has_them ),
+        cmocka_unit_test( targets_and_pins_of_cloth_go_along ),
+        cmocka_unit_test( a_file_without_the_clip_is_refused_with_the_line_of_the_surface ),
+    };
+    return cmocka_run_group_tests( tests, make_figure, release_figure );
+}
