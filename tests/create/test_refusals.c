@@ -10,6 +10,7 @@
 #include "frozen_hair.h"
 #include "guide_hair.h"
 #include "implicit_cloth.h"
+#include "seams.h"
 #include "strand_appearance.h"
 #include "wisp/explain.h"
 #include "wisp/fabric.h"
