@@ -122,8 +122,8 @@ static void a_substep_of_a_seam_is_that_of_the_oracle( void** state )
     {
         float distance, closing_speed, compliance;
         int iterations;
-    } CASES[] = { { 0.0f, 1.0f, 0.0f, 1 },          { 0.0f, INFINITY, 0.0f, 1 },  { 0.0f, INFINITY, 0.05f, 1 },
-                  { 0.0f, INFINITY, 0.05f, 3 },     { 0.2f, INFINITY, 0.0f, 2 },  { 0.2f, INFINITY, 0.05f, 4 },
+    } CASES[] = { { 0.0f, 1.0f, 0.0f, 1 },      { 0.0f, INFINITY, 0.0f, 1 }, { 0.0f, INFINITY, 0.05f, 1 },
+                  { 0.0f, INFINITY, 0.05f, 3 }, { 0.2f, INFINITY, 0.0f, 2 }, { 0.2f, INFINITY, 0.05f, 4 },
                   { 0.9f, 3.0f, 0.01f, 2 } };
     for ( int i = 0; i < WISP_COUNT( CASES ); ++i )
     {
@@ -178,8 +178,7 @@ static void a_seam_keeps_momentum( void** state )
     {
         step_for( s.world, 1 );
         double size = 0.0;
-        const double3 sum =
-            double3_add( momentum_of( s.world, s.a, &size ), momentum_of( s.world, s.b, &size ) );
+        const double3 sum = double3_add( momentum_of( s.world, s.a, &size ), momentum_of( s.world, s.b, &size ) );
         most = fmax( most, size );
         // each step rounds positions of 1 m, and velocities are those over 1/60 s
         assert_true( double3_length( sum ) < 1e-5 * most );
@@ -204,10 +203,12 @@ static hanging open_hanging( int substeps, int iterations, float compliance, flo
     hanging s = { .h = open_sewing( substeps, iterations, 1 ) };
     s.world = s.h->world;
     static const int32_t ALL[] = { 0, 1, 2 }, PAIR[] = { 0, 0 };
-    test_mesh upper = triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0.1f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 0.1f } );
+    test_mesh upper =
+        triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0.1f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 0.1f } );
     wisp_surface_def surface = wisp_default_surface_def();
     surface.gravity = EARTH;
-    test_mesh lower = triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0.1f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 0.1f } );
+    test_mesh lower =
+        triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0.1f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 0.1f } );
     s.lower = add_panel( s.world, &lower, surface, NULL );
     surface.pins = ALL;
     surface.pin_count = 3;
@@ -234,8 +235,9 @@ static void a_weight_opens_a_compliant_seam_by_compliance_times_weight( void** s
         hanging s = open_hanging( NUMBERS[i][0], NUMBERS[i][1], 10.0f, INFINITY );
         step_for( s.world, 240 );
         const wisp_seam_pair pair = pair_of( s.world, s.seam, 0 );
-        assert_near( (double)pair.opening, 10.0 * s.weight, 1e-5 * 10.0 * s.weight );
-        assert_near( (double)pair.force, s.weight, 1e-5 * s.weight );
+        // it comes to rest where a substep moves it by less than a digit of 0.02 m: k/m dt^2 |error| < 2e-9 m, k/m = 400 / s^2
+        assert_near( (double)pair.opening, 10.0 * s.weight, 5e-6 );
+        assert_near( (double)pair.force, s.weight, 5e-7 );
         close_sewing( s.h );
     }
 }
@@ -324,9 +326,9 @@ enum
 };
 
 // A strip of 0.48 m that is bent a little, sewn to itself along its short sides.
-static sewn open_strip( int workers, float strength )
+static sewn open_strip( void )
 {
-    sewn s = { .h = open_sewing( 8, 2, workers ) };
+    sewn s = { .h = open_sewing( 8, 2, 1 ) };
     s.world = s.h->world;
     test_mesh mesh = hanging_mesh( AROUND, ALONG, 0.02f, 0.02f );
     for ( int v = 0; v < mesh.vertex_count; ++v )
@@ -347,7 +349,6 @@ static sewn open_strip( int workers, float strength )
     wisp_seam_def def = wisp_default_seam_def();
     def.a = s.a, def.b = s.b, def.pairs = s.pairs, def.pair_count = ALONG;
     def.closing_speed = 0.3f;
-    def.strength = strength;
     s.seam = sew( s.world, &def );
     test_mesh_free( &mesh );
     return s;
@@ -356,7 +357,7 @@ static sewn open_strip( int workers, float strength )
 static void a_flat_strip_closes_to_a_tube_without_a_jump( void** state )
 {
     (void)state;
-    sewn s = open_strip( 1, INFINITY );
+    sewn s = open_strip();
     for ( int i = 1; i <= 180; ++i )
     {
         step_for( s.world, 1 );
@@ -374,30 +375,33 @@ static void a_flat_strip_closes_to_a_tube_without_a_jump( void** state )
     close_sewing( s.h );
 }
 
-static uint64_t run_strip( int workers, bool restored )
+static void pull_away( sewn* s, float gravity, int steps )
 {
-    sewn s = open_strip( workers, 0.02f );
-    void* saved = NULL;
-    size_t size = 0;
-    for ( int run = 0; run < ( restored ? 2 : 1 ); ++run )
+    assert_status( s->world, wisp_set_gravity( s->world, s->b, ( wisp_vec3 ){ 0.0f, -gravity, 0.0f } ), WISP_OK );
+    step_for( s->world, steps );
+}
+
+// Some pairs of two clouds break as they begin to close, others when one of the clouds is pulled away.
+static uint64_t run_clouds( int workers, bool restored )
+{
+    wisp_seam_def def = wisp_default_seam_def();
+    def.strength = 0.5f;
+    def.closing_speed = 0.2f;
+    sewn s = open_clouds( 2, workers, def, true );
+    pull_away( &s, 1.0f, 4 );
+    const int before = wisp_count_broken_seam_pairs( s.world, s.seam );
+    const size_t size = wisp_world_snapshot_size( s.world );
+    void* saved = checked_calloc( 1, size );
+    assert_status( s.world, wisp_world_snapshot( s.world, saved, size ), WISP_OK );
+    pull_away( &s, 60.0f, 40 );
+    const int after = wisp_count_broken_seam_pairs( s.world, s.seam );
+    assert_true( before > 0 && after > before && after < PAIRS );
+    if ( restored )
     {
-        for ( int i = run * 40; i < 110; ++i )
-        {
-            if ( i == 40 && run == 0 && restored )
-            {
-                size = wisp_world_snapshot_size( s.world );
-                saved = checked_calloc( 1, size );
-                assert_status( s.world, wisp_world_snapshot( s.world, saved, size ), WISP_OK );
-            }
-            step_for( s.world, 1 );
-        }
-        const int broken = wisp_count_broken_seam_pairs( s.world, s.seam );
-        assert_true( broken > 0 ); // by the bending
-        if ( restored && run == 0 )
-        {
-            assert_status( s.world, wisp_world_restore( s.world, saved, size ), WISP_OK );
-            assert_int_equal( wisp_count_broken_seam_pairs( s.world, s.seam ), 0 );
-        }
+        assert_status( s.world, wisp_world_restore( s.world, saved, size ), WISP_OK );
+        assert_int_equal( wisp_count_broken_seam_pairs( s.world, s.seam ), before );
+        pull_away( &s, 60.0f, 40 );
+        assert_int_equal( wisp_count_broken_seam_pairs( s.world, s.seam ), after );
     }
     free( saved );
     const uint64_t hash = wisp_world_hash( s.world );
@@ -408,20 +412,9 @@ static uint64_t run_strip( int workers, bool restored )
 static void bits_do_not_depend_on_workers_nor_on_a_snapshot( void** state )
 {
     (void)state;
-    const uint64_t one = run_strip( 1, false );
-    assert_true( run_strip( 3, false ) == one );
-    assert_true( run_strip( 1, true ) == one );
-    wisp_seam_def def = wisp_default_seam_def();
-    def.strength = 2.0f;
-    uint64_t hashes[3];
-    for ( int i = 0; i < 3; ++i )
-    {
-        sewn s = open_clouds( 2, 1 + 2 * i, def, true );
-        step_for( s.world, 20 );
-        hashes[i] = wisp_world_hash( s.world );
-        close_sewing( s.h );
-    }
-    assert_true( hashes[0] == hashes[1] && hashes[0] == hashes[2] );
+    const uint64_t one = run_clouds( 1, false );
+    assert_true( run_clouds( 3, false ) == one );
+    assert_true( run_clouds( 1, true ) == one );
 }
 
 int main( void )
