@@ -181,6 +181,10 @@ wisp_status wisp_add_seam( wisp_world* world, const wisp_seam_def* given, wisp_e
     {
         wisp_world_remove( world, s.entity );
         tidy( world, state, ( const wisp_entity[2] ){ def.a, def.b } );
+        if ( state->count == 0 && wisp_is_alive( world, state->hub ) )
+        {
+            wisp_world_remove( world, state->hub );
+        }
         seams_release_pairs( wisp_world_allocator( world ), &s );
         return status;
     }
