@@ -391,7 +391,7 @@ static void columns_count_characters_and_not_bytes( void** state )
         "{ \"wisp\": 1, \"\xc3\xa4\": 2, \"steps\": 1 }",
         "scenes/test.yaml:1:14: unknown key '\xc3\xa4', expected one of wisp, dt, dt_factors, steps, "
         "frames_per_step, substeps, "
-        "iterations, workers, gravity, contact, strands, surfaces, colliders, hair_events, events, output" );
+        "iterations, workers, gravity, contact, strands, surfaces, colliders, seams, hair_events, events, output" );
     demand_refusal( "{ \"wisp\": 1, \"strands\": [ { \"name\": \"\xc3\xa4\xc3\xa4\", \"generate\": 3 } ] }",
                     "scenes/test.yaml:1:37: strands[0].name: got '\xc3\xa4\xc3\xa4', expected 1 to 64 of the "
                     "characters A-Z a-z 0-9 _ -" );
