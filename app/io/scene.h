@@ -216,7 +216,7 @@ extern "C"
 
     typedef struct wisp_scene_surface
     {
-        const char* name; ///< unique among strands, surfaces and colliders
+        const char* name; ///< unique among strands, surfaces, colliders and seams
         int line, column; ///< of the entry, for messages about it that come later
 
         wisp_scene_mesh mesh;     ///< of an instance nothing but the defaults

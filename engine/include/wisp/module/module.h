@@ -27,7 +27,7 @@ typedef enum wisp_table
     WISP_TABLE_LEVEL_ROW = 9,     ///< one row of a fabric's coarse sheets, from fine to coarse; a multiple of 8
     WISP_TABLE_LEVEL_LINK = 10,   ///< one slot of the schedules of their links; a multiple of 8
     WISP_TABLE_COARSEST_ROW = 11, ///< one row of the coarsest sheet; a multiple of 8
-    WISP_TABLE_PAIR = 12,         ///< one pair of vertices that a seam joins, in an order of the module
+    WISP_TABLE_PAIR = 12,         ///< one pair of vertices that are joined, in an order of the module
     WISP_TABLE_COUNT = 13,
 } wisp_table;
 
