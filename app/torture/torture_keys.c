@@ -266,6 +266,11 @@ static const span SPANS[] = {
     { "max_push_out_speed", 0.05, 2 },
     { "repulsion", 0, 20 },
     { "enabled", 0, 0 },
+    // seams, whose pairs the generator draws
+    { "within", 0, 0 },
+    { "distance", 0, 0.05 },
+    { "compliance", 1e-6, 10 },
+    { "strength", 0.01, 100 },
     // ghosts
     { "target_count", 1, 3 },
     { "resample", 0, 0 },
