@@ -154,6 +154,47 @@ static void a_substep_of_a_seam_is_that_of_the_oracle( void** state )
     }
 }
 
+// More pairs than colours meet at one vertex: the rest of them are projected one after another, in the order in which they are given.
+static void a_vertex_in_many_pairs_is_that_of_the_oracle( void** state )
+{
+    (void)state;
+    enum
+    {
+        MANY = 81,
+    };
+    hosted* h = open_sewing( 1, 1, 3 );
+    test_mesh mesh = test_plane( 9, 0.1f );
+    int32_t pairs[2 * MANY] = { 0 };
+    double3 at[MANY], centre;
+    double w[MANY];
+    wisp_seam_def def = wisp_default_seam_def();
+    def.a = add_panel( h->world, &mesh, support_weightless_surface_def(), NULL );
+    scatter_points( &mesh, 31 );
+    def.b = add_panel( h->world, &mesh, support_weightless_surface_def(), NULL );
+    for ( int p = 0; p < MANY; ++p )
+    {
+        pairs[2 * p + 1] = p;
+        at[p] = double3_from( row_of( h->world, def.b, WISP_PARTICLE_POSITION, p ) );
+        w[p] = (double)row_of( h->world, def.b, WISP_PARTICLE_POSITION, p )[3];
+    }
+    const float* first = row_of( h->world, def.a, WISP_PARTICLE_POSITION, 0 );
+    const double weight = (double)first[3];
+    centre = double3_from( first );
+    def.pairs = pairs, def.pair_count = MANY;
+    def.closing_speed = INFINITY;
+    sew( h->world, &def );
+    step_for( h->world, 1 );
+    for ( int p = 0; p < MANY; ++p )
+    {
+        seam_oracle_pair pair = { .rest = 0.0 };
+        seam_oracle_project( &pair, &centre, at + p, ( const double[2] ){ weight, w[p] }, 0.0 );
+        assert_true( double3_distance( at[p], double3_widen( point_of( h->world, def.b, p ) ) ) < 2e-6 );
+    }
+    assert_true( double3_distance( centre, double3_widen( point_of( h->world, def.a, 0 ) ) ) < 2e-6 );
+    test_mesh_free( &mesh );
+    close_sewing( h );
+}
+
 static double3 momentum_of( wisp_world* world, wisp_entity e, double* size )
 {
     double3 sum = { 0.0, 0.0, 0.0 };
@@ -417,16 +458,55 @@ static void bits_do_not_depend_on_workers_nor_on_a_snapshot( void** state )
     assert_true( run_clouds( 1, true ) == one );
 }
 
+// So many pairs that a colour is cut into blocks.
+static void bits_of_a_long_seam_do_not_depend_on_workers( void** state )
+{
+    (void)state;
+    enum
+    {
+        LONG_SIDE = 45,
+        LONG = 6000,
+    };
+    uint64_t hashes[3];
+    int broken[3];
+    int32_t* pairs = checked_calloc( 2 * LONG, sizeof( int32_t ) );
+    for ( int p = 0; p < 2 * LONG; ++p )
+    {
+        pairs[p] = test_random( 5, p, LONG_SIDE * LONG_SIDE );
+    }
+    for ( int i = 0; i < 3; ++i )
+    {
+        hosted* h = open_sewing( 2, 2, 1 + 2 * i );
+        test_mesh mesh = test_plane( LONG_SIDE, 0.02f );
+        wisp_seam_def def = wisp_default_seam_def();
+        def.a = add_panel( h->world, &mesh, support_weightless_surface_def(), NULL );
+        def.b = add_panel( h->world, &mesh, support_weightless_surface_def(), NULL );
+        def.pairs = pairs, def.pair_count = LONG;
+        def.strength = 0.05f;
+        const wisp_entity seam = sew( h->world, &def );
+        step_for( h->world, 20 );
+        hashes[i] = wisp_world_hash( h->world );
+        broken[i] = wisp_count_broken_seam_pairs( h->world, seam );
+        test_mesh_free( &mesh );
+        close_sewing( h );
+    }
+    free( pairs );
+    assert_true( hashes[0] == hashes[1] && hashes[0] == hashes[2] );
+    assert_true( broken[0] > 0 && broken[0] < LONG && broken[0] == broken[1] );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_substep_of_a_seam_is_that_of_the_oracle ),
+        cmocka_unit_test( a_vertex_in_many_pairs_is_that_of_the_oracle ),
         cmocka_unit_test( a_seam_keeps_momentum ),
         cmocka_unit_test( a_weight_opens_a_compliant_seam_by_compliance_times_weight ),
         cmocka_unit_test( a_pair_breaks_at_its_strength_and_not_below ),
         cmocka_unit_test( the_pairs_of_two_hanging_sheets_carry_the_lower_one ),
         cmocka_unit_test( a_flat_strip_closes_to_a_tube_without_a_jump ),
         cmocka_unit_test( bits_do_not_depend_on_workers_nor_on_a_snapshot ),
+        cmocka_unit_test( bits_of_a_long_seam_do_not_depend_on_workers ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }
