@@ -62,7 +62,9 @@ static void vertices_are_numbered_as_in_the_file( void** state )
     (void)state;
     static const wisp_vec3 points[] = { { 0, 0, 0 }, { 9, 9, 9 }, { 1, 0, 0 }, { 0, 0, 1 } };
     static const int32_t triangles[] = { 0, 3, 2 };
-    const wisp_scene_arrays arrays = { "tri.obj", points, 4, triangles, 1 };
+    const wisp_scene_arrays arrays = {
+        .file = "tri.obj", .points = points, .point_count = 4, .triangles = triangles, .triangle_count = 1
+    };
     static const char* const PAIRS[] = { "[[3, 2]]", "[[0, 1]]" };
     for ( int i = 0; i < 2; ++i )
     {
