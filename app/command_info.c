@@ -347,6 +347,30 @@ static void print_colliders( const wisp_scene* scene )
     }
 }
 
+static void print_seams( const wisp_scene* scene )
+{
+    print_count( "seams", scene->seam_count );
+    for ( int i = 0; i < scene->seam_count; ++i )
+    {
+        const wisp_scene_seam* entry = &scene->seams[i];
+        printf( "  %s (line %d): %s to %s, ", entry->name, entry->line, scene->surfaces[entry->surfaces[0]].name,
+                scene->surfaces[entry->surfaces[1]].name );
+        if ( entry->pair_count > 0 )
+        {
+            printf( "%d pair%s", entry->pair_count, entry->pair_count == 1 ? "" : "s" );
+        }
+        else
+        {
+            printf( "boundaries within %g m", (double)entry->def.within );
+        }
+        if ( entry->def.strength < INFINITY )
+        {
+            printf( ", strength %g N", (double)entry->def.strength );
+        }
+        printf( "\n" );
+    }
+}
+
 static void print_outputs( const wisp_scene* scene )
 {
     print_count( "outputs", scene->output_count );
@@ -396,6 +420,10 @@ static wisp_status info_scene( const char* path, wisp_error* error )
     if ( status == WISP_OK )
     {
         print_colliders( &scene );
+        if ( scene.seam_count > 0 )
+        {
+            print_seams( &scene );
+        }
         print_count( "hair events", scene.command_count );
         print_count( "events", scene.event_count );
         print_outputs( &scene );

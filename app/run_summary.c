@@ -100,6 +100,21 @@ static void add_files( results* out, int table, const wisp_scene* scene, const r
     }
 }
 
+// Seams that can break.
+static void add_seams( results* out, int table, const scene_world* world )
+{
+    for ( int i = 0; i < world->scene->seam_count; ++i )
+    {
+        const wisp_scene_seam* entry = &world->scene->seams[i];
+        if ( entry->def.strength < INFINITY )
+        {
+            add_head_line( out, table, "seam", "%s: %d of %d pairs broken", entry->name,
+                           wisp_count_broken_seam_pairs( world->world, world->seams[i] ),
+                           wisp_count_seam_pairs( world->world, world->seams[i] ) );
+        }
+    }
+}
+
 // A table without a title is a list of labels and values.
 static void add_head( results* out, const scene_world* world, const run_record* record, stats_summary times,
                       const run_recorder_def* def, run_recorder_counts counts )
@@ -112,6 +127,7 @@ static void add_head( results* out, const scene_world* world, const run_record* 
     {
         add_head_line( out, table, "computed", "nothing, since the scene requests nothing (key `compute`)" );
     }
+    add_seams( out, table, world );
     add_files( out, table, world->scene, record, def, counts );
     add_head_line( out, table, "hash", "%016llx", (unsigned long long)wisp_world_hash( world->world ) );
 }

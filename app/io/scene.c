@@ -51,6 +51,8 @@ static const scene_field SCENE_FIELDS[] = {
       .form = "list of blocks", .initial = "none" },
     { "colliders", SCENE_CUSTOM, .read = scene_read_colliders, .help = "Bodies that only move as they are told.",
       .form = "list of blocks", .initial = "none" },
+    { "seams", SCENE_CUSTOM, .read = scene_read_seams, .help = "Surfaces that are sewn together.",
+      .form = "list of blocks", .initial = "none" },
     { "hair_events", SCENE_CUSTOM, .read = scene_read_commands,
       .help = "Points that frozen hair turns towards, before chosen steps.", .form = "list of blocks",
       .initial = "none" },

@@ -15,6 +15,7 @@
 #include "guide_hair/guide_hair.h"
 #include "implicit_cloth/implicit_cloth.h"
 #include "motion_constraints/motion_constraints.h"
+#include "seams/seams.h"
 #include "strand_appearance/strand_appearance.h"
 #include "strands/strands.h"
 
@@ -33,6 +34,7 @@ extern "C"
 #define WISP_SCENE_MAX_STRANDS 10000 ///< entries of the list `strands`
 #define WISP_SCENE_MAX_SURFACES 10000
 #define WISP_SCENE_MAX_COLLIDERS 1000
+#define WISP_SCENE_MAX_SEAMS 10000
 #define WISP_SCENE_MAX_VERTICES ( 1 << 24 ) ///< of all surfaces together
 #define WISP_SCENE_MAX_NAME 64              ///< letters of a name
 #define WISP_SCENE_MAX_DT_FACTORS 64
@@ -233,7 +235,7 @@ extern "C"
 
     typedef struct wisp_scene_surface
     {
-        const char* name; ///< unique among strands, surfaces and colliders
+        const char* name; ///< unique among strands, surfaces, colliders and seams
         int line, column; ///< of the entry, for messages about it that come later
 
         wisp_scene_mesh mesh;     ///< of an instance nothing but the defaults
@@ -323,6 +325,19 @@ extern "C"
         wisp_scene_path path;  ///< where it is
     } wisp_scene_collider;
 
+    // ---- seams ----
+
+    /// One entry of `seams`.
+    typedef struct wisp_scene_seam
+    {
+        const char* name;
+        int line, column;
+        int surfaces[2];      ///< indices into the scene's surfaces
+        const int32_t* pairs; ///< [pair_count][2] numbers of vertices as the files or the recipes have them
+        int pair_count;       ///< 0: those within a distance
+        wisp_seam_def def;    ///< without surfaces and pairs
+    } wisp_scene_seam;
+
     // ---- what happens when ----
 
     /// The user points at a place before a step, or changes parameters.
@@ -394,6 +409,8 @@ extern "C"
         int surface_count;
         wisp_scene_collider* colliders; ///< [collider_count], in the order of the file
         int collider_count;
+        wisp_scene_seam* seams; ///< [seam_count], in the order of the file
+        int seam_count;
         wisp_scene_hair_event* commands; ///< [command_count], by step, and by strands within a step
         int command_count;
         wisp_scene_event* events; ///< [event_count], by step, and by strands and surface within a step

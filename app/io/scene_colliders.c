@@ -28,7 +28,7 @@ static const scene_choice SEARCHES[] = { { "tree", "a bounding volume tree, need
       .at = AT( name ),                                                                                              \
       .read = scene_read_name,                                                                                       \
       .form = "1 to 64 of the characters A-Z a-z 0-9 _ -",                                                           \
-      .help = "Unique among strands, surfaces and colliders." },                                                     \
+      .help = "Unique among strands, surfaces, colliders and seams." },                                              \
         { "shape", SCENE_CHOICE, .required = true, .at = DEF( kind ), .choices = SHAPES, .help = "Shape." },         \
         { "position",          SCENE_VECTOR,   .at = DEF( pose.translation ),                                        \
           .range = COORDINATE, .unit = METRES, .help = "Where it stands." },                                         \

@@ -315,6 +315,7 @@ int wisp_scene_write_keys( FILE* out, const char* only )
     const wisp_scene_box box = { 0 };
     const wisp_scene_clip clip = scene_default_clip();
     const wisp_scene_collider collider = scene_default_collider();
+    const wisp_scene_seam seam = scene_default_seam();
     wisp_mesh_generator meshes[WISP_MESH_SHAPE_COUNT];
     for ( int i = 0; i < WISP_MESH_SHAPE_COUNT; ++i )
     {
@@ -340,6 +341,7 @@ int wisp_scene_write_keys( FILE* out, const char* only )
         { "colliders[]", "A collider pushes surfaces and strands and is not pushed.", SCENE_COLLIDER_BLOCKS,
           WISP_COLLIDER_COUNT, &collider, 0 },
         { "colliders[].keyframes[]", "A pose of a collider or of a head.", &SCENE_POSITION_BLOCK, 1, &pose, 0 },
+        { "seams[]", "A seam joins pairs of vertices of two surfaces, or of one.", &SCENE_SEAM_BLOCK, 1, &seam, 0 },
         { "rotation", "A rotation: `{axis: [x, y, z], degrees: 90}` or `{degrees: [x, y, z]}`.",
           &SCENE_ROTATION_BLOCK, 1, &pose, 0 },
         { "hair_events[]", "Strands have at most one entry before each step.", &SCENE_COMMAND_BLOCK, 1, &command, 0 },

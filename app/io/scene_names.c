@@ -12,6 +12,7 @@ static const struct
     [SCENE_STRANDS] = { "strands", "there are no strands" },
     [SCENE_SURFACE] = { "surface", "there is no surface" },
     [SCENE_COLLIDER] = { "collider", "there is no collider" },
+    [SCENE_SEAM] = { "seam", "there is no seam" },
 };
 
 // Entries of one name stay in the order of the lists, and within a list in that of the file.

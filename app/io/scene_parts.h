@@ -19,6 +19,7 @@ extern const scene_block SCENE_SURFACE_COLLIDER_BLOCK;                      // l
 extern const scene_block SCENE_ANIMATION_BLOCK;                             // likewise
 extern const scene_block SCENE_CLIP_BLOCK;                                  // over wisp_scene_clip
 extern const scene_block SCENE_WORLD_CONTACT_BLOCK;                         // over wisp_scene
+extern const scene_block SCENE_SEAM_BLOCK;                                  // over wisp_scene_seam
 extern const scene_block SCENE_BOX_BLOCK;                                   // over wisp_scene_box
 
 extern const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT];      // over wisp_mesh_generator
@@ -40,7 +41,7 @@ scene_read_fn scene_read_strain_limit;               // float[2]
 scene_read_fn scene_read_tile_size;                  // int
 
 // Readers of the scene's lists; they are pointed at the wisp_scene.
-scene_read_fn scene_read_dt_factors, scene_read_strands, scene_read_surfaces, scene_read_colliders,
+scene_read_fn scene_read_dt_factors, scene_read_strands, scene_read_surfaces, scene_read_colliders, scene_read_seams,
     scene_read_commands, scene_read_events, scene_read_outputs, scene_read_contact;
 
 // Readers of an entry's values; they are pointed at the entry.
@@ -65,6 +66,7 @@ wisp_scene scene_defaults( void );
 wisp_scene_strands scene_default_strands( wisp_vec3 gravity );
 wisp_scene_surface scene_default_surface( wisp_vec3 gravity );
 wisp_scene_collider scene_default_collider( void );
+wisp_scene_seam scene_default_seam( void );
 
 /// The rotation about the fixed axes x, then y, then z.
 wisp_quat scene_quat_of_degrees( wisp_vec3 degrees );

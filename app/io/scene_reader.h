@@ -11,6 +11,7 @@ typedef enum scene_named
     SCENE_STRANDS,
     SCENE_SURFACE,
     SCENE_COLLIDER,
+    SCENE_SEAM,
 } scene_named;
 
 /// An entry that others may name.

@@ -171,7 +171,8 @@ static const scene_block START_BLOCK = { START_FIELDS, WISP_COUNT( START_FIELDS 
 // `generate` stands before what is numbered by its strands and vertices, and the effects before `compute`.
 static const scene_field STRANDS_FIELDS[] = {
     { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name,
-      .help = "Unique among strands, surfaces and colliders.", .form = "1 to 64 of the characters A-Z a-z 0-9 _ -" },
+      .help = "Unique among strands, surfaces, colliders and seams.",
+      .form = "1 to 64 of the characters A-Z a-z 0-9 _ -" },
     { "file", SCENE_CUSTOM, .at = AT( file ), .read = scene_read_file,
       .help = "Groom to read (`.hair`, `.tfx`), relative to the folder of the scene.", .form = "path",
       .initial = "none" },

@@ -276,7 +276,8 @@ static const scene_choice SWEEPS[] = {
 // `generate` stands before what names its vertices, and the effects before `compute`.
 static const scene_field SURFACE_FIELDS[] = {
     { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name,
-      .help = "Unique among strands, surfaces and colliders.", .form = "1 to 64 of the characters A-Z a-z 0-9 _ -" },
+      .help = "Unique among strands, surfaces, colliders and seams.",
+      .form = "1 to 64 of the characters A-Z a-z 0-9 _ -" },
     { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file,
       .help = "Mesh to read (`.obj`, `.ply`), relative to the folder of the scene.", .form = "path",
       .initial = "none" },

@@ -37,3 +37,5 @@ void torture_make_surface( torture_builder* b );
 void torture_make_strands( torture_builder* b );
 void torture_make_collider( torture_builder* b );
 void torture_make_event( torture_builder* b, int number );
+/// Sew a few vertices of two surfaces together, or of one.
+void torture_make_seam( torture_builder* b, text_node* seams );

@@ -102,6 +102,16 @@ text_node* torture_generate( const torture_generator* generator, int number )
     take_list( scene, "surfaces", b.surfaces );
     take_list( scene, "strands", b.strands );
     take_list( scene, "colliders", b.colliders );
+    // by numbers of their own: other scenes of a seed stay what they are without seams
+    text_node* seams = text_list();
+    const torture_random random = b.random;
+    b.random = torture_random_start( generator->seed ^ UINT64_C( 0x5ea5 ), (uint64_t)number );
+    if ( surfaces > 0 && torture_random_chance( &b.random, 15 ) )
+    {
+        torture_make_seam( &b, seams );
+    }
+    b.random = random;
+    take_list( scene, "seams", seams );
     take_list( scene, "events", b.events );
     take_list( scene, "hair_events", b.hair_events );
     // The same materials at another size are stiff or soft, and fall through their own size at once or never.

@@ -115,6 +115,28 @@ void torture_make_collider( torture_builder* b )
     }
 }
 
+// ---- seams ----
+
+// The first vertices are there in every mesh.
+void torture_make_seam( torture_builder* b, text_node* seams )
+{
+    const int first = torture_random_whole( &b->random, 0, b->surfaces->count - 1 ),
+              second = torture_random_whole( &b->random, 0, b->surfaces->count - 1 );
+    text_node* seam = text_add( seams, text_map() );
+    text_put( seam, "name", text_scalar( "seam%d", seams->count ) );
+    text_node* names = text_put( seam, "surfaces", text_list() );
+    text_add( names, text_scalar( "%s", text_at( b->surfaces->children[first], "name" ) ) );
+    text_add( names, text_scalar( "%s", text_at( b->surfaces->children[second], "name" ) ) );
+    text_node* pairs = text_put( seam, "pairs", text_list() );
+    for ( int i = torture_random_whole( &b->random, 0, 1 ); i < 3; ++i )
+    {
+        text_node* pair = text_add( pairs, text_list() );
+        text_add( pair, text_scalar( "%d", i ) );
+        text_add( pair, text_scalar( "%d", ( i + 1 ) % 3 ) );
+    }
+    torture_draw_keys( &b->random, torture_entry_block( "seams", seam ), 40, seam );
+}
+
 // ---- events ----
 
 static bool has_number_above( const text_node* map, const char* key, double limit )

@@ -15,6 +15,7 @@ typedef struct defaults
     wisp_scene_strands strands;
     wisp_scene_surface surface;
     wisp_scene_collider collider;
+    wisp_scene_seam seam;
     wisp_groom_generator grooms[3];
     wisp_mesh_generator meshes[WISP_MESH_SHAPE_COUNT];
     wisp_scene_hair_event hair_event;
@@ -33,6 +34,7 @@ static const defaults* find_defaults( void )
         d.strands = scene_default_strands( d.scene.gravity );
         d.surface = scene_default_surface( d.scene.gravity );
         d.collider = scene_default_collider();
+        d.seam = scene_default_seam();
         for ( int i = 0; i < WISP_COUNT( d.grooms ); ++i )
         {
             d.grooms[i] = wisp_default_groom_generator( (wisp_groom_shape)i, 3 );
@@ -95,6 +97,7 @@ static torture_block block_of_scene_key( const char* key, const text_node* value
         { "strands", { &SCENE_STRANDS_BLOCK, &d->strands } },
         { "surfaces", { &SCENE_SURFACE_BLOCK, &d->surface } },
         { "colliders", { &SCENE_COLLIDER_BLOCKS[shape_of( SCENE_COLLIDER_BLOCKS, value )], &d->collider } },
+        { "seams", { &SCENE_SEAM_BLOCK, &d->seam } },
         { "hair_events", { &SCENE_COMMAND_BLOCK, &d->hair_event } },
         { "events", { &SCENE_EVENT_BLOCK, &d->event } },
         { "output", { &SCENE_OUTPUT_BLOCK, &d->output } },
@@ -263,6 +266,11 @@ static const span SPANS[] = {
     { "max_push_out_speed", 0.05, 2 },
     { "repulsion", 0, 20 },
     { "enabled", 0, 0 },
+    // seams, whose pairs the generator draws
+    { "within", 0, 0 },
+    { "distance", 0, 0.05 },
+    { "compliance", 1e-6, 10 },
+    { "strength", 0.01, 100 },
     // ghosts
     { "target_count", 1, 3 },
     { "resample", 0, 0 },

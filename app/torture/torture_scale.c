@@ -18,7 +18,7 @@ static int length_power( const char* unit, const char* key )
     } powers[] = {
         { "m", 1 },       { "m/s", 1 },   { "m/s^2", 1 },   { "m^2", 2 },   { "m^3/s", 3 },
         { "kg/m^2", -2 }, { "kg/m", -1 }, { "kg/m^3", -3 }, { "Pa", -1 },   { "N m", 2 },
-        { "N m^2", 3 },   { "m/N", 0 },   { "N/m", 0 },     { "N s/m", 0 },
+        { "N m^2", 3 },   { "m/N", 0 },   { "N/m", 0 },     { "N s/m", 0 }, { "N", 1 },
     };
     // R T / M is the square of a speed, and the gas constant is fixed.
     if ( strcmp( key, "temperature" ) == 0 )

@@ -130,6 +130,7 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
     }
     status = status == WISP_OK ? scene_surfaces_add( out, error ) : status;
     status = status == WISP_OK ? scene_colliders_add( out, error ) : status;
+    status = status == WISP_OK ? scene_seams_add( out, error ) : status;
     status = status == WISP_OK ? scene_motion_set( out, error ) : status;
     if ( status != WISP_OK )
     {
@@ -415,5 +416,6 @@ void scene_world_destroy( scene_world* world )
     free( world->grooms );
     free( world->entities );
     free( world->head_offsets );
+    free( world->seams );
     *world = ( scene_world ){ 0 };
 }

@@ -60,6 +60,7 @@ typedef struct scene_world
     wisp_groom* grooms;              ///< [strands_count] the rest shape; an output's shape once outputs were written
     scene_world_surface* surfaces;   ///< [surface_count]
     scene_world_collider* colliders; ///< [collider_count]
+    wisp_entity* seams;              ///< [seam_count]
     wisp_vec3* head_offsets;         ///< [strands_count] m, how far a user has dragged each head; null: none
     int next_step;
     int next_command;

@@ -57,6 +57,7 @@ USES( boundary, any_surface( scene, surface_boundary ) )
 USES( environment, any_strands( scene, strands_environment ) )
 USES( cloth, any_surface( scene, surface_cloth ) )
 USES( motion_constraints, any_surface( scene, surface_motion_constraints ) )
+USES( seams, scene->seam_count > 0 )
 USES( collision, scene->collider_count > 0 || any_surface( scene, surface_collider ) ||
                      any_surface( scene, surface_collision ) || any_strands( scene, strands_collision ) )
 USES( contact, scene->has_contact || any_surface( scene, surface_contact ) || any_strands( scene, strands_contact ) )

@@ -99,6 +99,7 @@ static wisp_status gather( const effect_world_def* def, effect_world* out, text_
             part->end_strands = strands = append( own, "strands", &def->size, scene );
             part->end_surface = surfaces = append( own, "surfaces", &def->size, scene );
             (void)append( own, "colliders", &def->size, scene );
+            (void)append( own, "seams", &def->size, scene );
         }
         text_release( own );
     }

@@ -96,7 +96,12 @@ wisp_status world_stale( wisp_world* world, wisp_entity entity )
 
 wisp_status wisp_world_add_empty( wisp_world* world, wisp_entity* out )
 {
-    const int rows[WISP_TABLE_COUNT] = { [WISP_TABLE_ENTITY] = 1 };
+    return wisp_world_add_pairs( world, 0, out );
+}
+
+wisp_status wisp_world_add_pairs( wisp_world* world, int pair_count, wisp_entity* out )
+{
+    const int rows[WISP_TABLE_COUNT] = { [WISP_TABLE_ENTITY] = 1, [WISP_TABLE_PAIR] = pair_count };
     *out = ( wisp_entity ){ 0, 0 };
     return store_add( &world->store, rows, out )
                ? WISP_OK

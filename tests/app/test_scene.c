@@ -341,6 +341,7 @@ static void a_scene_with_keys_of_every_block_is_read( void** state )
     assert_int_equal( scene.command_count, 2 );
     assert_int_equal( scene.surface_count, 3 );
     assert_int_equal( scene.collider_count, 4 );
+    assert_int_equal( scene.seam_count, 2 );
     assert_int_equal( scene.event_count, 3 );
     assert_int_equal( scene.output_count, 2 );
     wisp_scene_release( &scene );
@@ -391,7 +392,7 @@ static void columns_count_characters_and_not_bytes( void** state )
         "{ \"wisp\": 1, \"\xc3\xa4\": 2, \"steps\": 1 }",
         "scenes/test.yaml:1:14: unknown key '\xc3\xa4', expected one of wisp, dt, dt_factors, steps, "
         "frames_per_step, substeps, "
-        "iterations, workers, gravity, contact, strands, surfaces, colliders, hair_events, events, output" );
+        "iterations, workers, gravity, contact, strands, surfaces, colliders, seams, hair_events, events, output" );
     demand_refusal( "{ \"wisp\": 1, \"strands\": [ { \"name\": \"\xc3\xa4\xc3\xa4\", \"generate\": 3 } ] }",
                     "scenes/test.yaml:1:37: strands[0].name: got '\xc3\xa4\xc3\xa4', expected 1 to 64 of the "
                     "characters A-Z a-z 0-9 _ -" );

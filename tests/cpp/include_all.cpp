@@ -44,6 +44,7 @@
 #include "guide_hair.h"
 #include "implicit_cloth.h"
 #include "motion_constraints.h"
+#include "seams.h"
 #include "strand_appearance.h"
 #include "strands.h"
 #include "wisp.hpp"

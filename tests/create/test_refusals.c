@@ -10,6 +10,7 @@
 #include "frozen_hair.h"
 #include "guide_hair.h"
 #include "implicit_cloth.h"
+#include "seams.h"
 #include "strand_appearance.h"
 #include "wisp/explain.h"
 #include "wisp/fabric.h"
@@ -92,6 +93,7 @@ static int close_fixture( void** state )
     X( wisp_move_pins( W, E, corners, points, 1 ) )                                                                  \
     X( wisp_attach_pins( W, E, corners, 1, E ) )                                                                     \
     X( wisp_detach_pins( W, E, corners, 1 ) )                                                                        \
+    X( wisp_read_seam_pairs( W, E, NULL, 0 ) )                                                                       \
     X( wisp_set_gravity( W, E, points[0] ) )                                                                         \
     X( wisp_set_damping( W, E, 1.0f ) )                                                                              \
     X( wisp_set_strain_limit( W, E, 0.5f, 2.0f ) )                                                                   \

@@ -380,7 +380,7 @@ static bool check_file( checker* c, const char* path )
 static bool is_generic( const char* word )
 {
     static const char words[] = " strand strands hair look appearance collision environment cloth triangle triangles "
-                                "boundary particle particles implicit contact attachments motion constraints ";
+                                "boundary particle particles implicit contact attachments motion constraints seams ";
     char between[66];
     snprintf( between, sizeof( between ), " %s ", word );
     return strstr( words, between ) != NULL;

@@ -85,6 +85,7 @@ static void every_kind_is_drawn( void** state )
                                          "balloon:",
                                          "implicit:",
                                          "contact:",
+                                         "seams:",
                                          "boundary:",
                                          "instance_of:",
                                          "dynamics:",

@@ -27,7 +27,8 @@ typedef enum wisp_table
     WISP_TABLE_LEVEL_ROW = 9,     ///< one row of a fabric's coarse sheets, from fine to coarse; a multiple of 8
     WISP_TABLE_LEVEL_LINK = 10,   ///< one slot of the schedules of their links; a multiple of 8
     WISP_TABLE_COARSEST_ROW = 11, ///< one row of the coarsest sheet; a multiple of 8
-    WISP_TABLE_COUNT = 12,
+    WISP_TABLE_PAIR = 12,         ///< one pair of vertices that are joined, in an order of the module
+    WISP_TABLE_COUNT = 13,
 } wisp_table;
 
 /// One column: an array of row_size bytes a row, 64-byte aligned.
@@ -324,6 +325,8 @@ WISP_API wisp_status wisp_world_cancel_request( wisp_world* world, wisp_entity e
 /// Add an entity that is neither strands nor a surface: it has rows in WISP_TABLE_ENTITY alone, for what a module
 /// attaches. @param out receives the entity, null on failure
 WISP_API wisp_status wisp_world_add_empty( wisp_world* world, wisp_entity* out );
+/// The same, with rows in WISP_TABLE_PAIR too. @param pair_count at least 0
+WISP_API wisp_status wisp_world_add_pairs( wisp_world* world, int pair_count, wisp_entity* out );
 /// The host's memory, as the world counts it. Valid as long as the world.
 WISP_API const wisp_allocator* wisp_world_allocator( wisp_world* world );
 /// State of a module in this world. @return null when the module is not registered

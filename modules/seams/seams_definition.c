@@ -1,0 +1,295 @@
+// Seams: the calls of the host. In: wisp_seam_def. Out: an entity with rows of pairs, and its place in the list.
+#include "seams_state.h"
+
+#include <math.h>
+#include <string.h>
+
+void wisp_init_seam_def( wisp_seam_def* def, size_t size )
+{
+    const wisp_seam_def values = {
+        .closing_speed = 1.0f,
+        .strength = INFINITY,
+    };
+    wisp_def_init( def, size, &values, sizeof( values ) );
+}
+
+static seam* find_seam( const seams_state* state, wisp_entity entity )
+{
+    for ( int i = 0; i < state->count; ++i )
+    {
+        if ( wisp_entity_equal( state->seams[i].entity, entity ) )
+        {
+            return state->seams + i;
+        }
+    }
+    return NULL;
+}
+
+static bool joins( const seam* s, wisp_entity surface )
+{
+    return wisp_entity_equal( s->a, surface ) || wisp_entity_equal( s->b, surface );
+}
+
+static bool is_sewn( const seams_state* state, wisp_entity surface )
+{
+    bool found = false;
+    for ( int i = 0; i < state->count && found == false; ++i )
+    {
+        found = joins( state->seams + i, surface );
+    }
+    return found;
+}
+
+// ---- adding ----
+
+static wisp_status check_numbers( wisp_world* world, const wisp_seam_def* d )
+{
+    const wisp_number_range ranges[] = {
+        { "within", d->within, 0.0f, 1e6f },
+        { "distance", d->distance, 0.0f, 1e6f },
+        { "closing_speed", d->closing_speed, 1e-9f, INFINITY },
+        { "compliance", d->compliance, 0.0f, 1e12f },
+        { "strength", d->strength, 1e-12f, INFINITY },
+    };
+    return wisp_world_check_ranges( world, "seams", ranges, WISP_COUNT( ranges ) );
+}
+
+static wisp_status check_def( wisp_world* world, const wisp_seam_def* d )
+{
+    WISP_TRY( check_numbers( world, d ) );
+    if ( d->within > 0.0f )
+    {
+        return d->pair_count != 0 ? wisp_world_fail( world, WISP_BAD_INPUT,
+                                                     "seams: got %d pairs and within %g m, expected one of the two",
+                                                     d->pair_count, (double)d->within )
+               : wisp_entity_equal( d->a, d->b )
+                   ? wisp_world_fail(
+                         world, WISP_CONFLICT,
+                         "seams: within: got entity %u twice; a surface that is sewn to itself needs pairs",
+                         d->a.index )
+                   : WISP_OK;
+    }
+    WISP_TRY( wisp_world_check_list( world, "pairs", d->pairs, d->pair_count ) );
+    return d->pair_count > 0 && d->pair_count <= INT32_MAX / 4
+               ? WISP_OK
+               : wisp_world_fail( world, WISP_BAD_INPUT, "seams: got %d pairs, expected 1 to %d", d->pair_count,
+                                  INT32_MAX / 4 );
+}
+
+// Have the entity whose pass projects all seams.
+static wisp_status have_hub( wisp_world* world, seams_state* state )
+{
+    if ( wisp_is_alive( world, state->hub ) == false )
+    {
+        WISP_TRY( wisp_world_add_empty( world, &state->hub ) );
+    }
+    WISP_TRY( wisp_world_attach( world, state->hub, state->active ) );
+    return wisp_world_request( world, state->hub, state->result );
+}
+
+// Undo what a failed call did to surfaces and hub, as far as no other seam needs it.
+static void tidy( wisp_world* world, seams_state* state, const wisp_entity surfaces[2] )
+{
+    for ( int k = 0; k < 2; ++k )
+    {
+        if ( wisp_is_alive( world, surfaces[k] ) && is_sewn( state, surfaces[k] ) == false )
+        {
+            wisp_world_detach( world, surfaces[k], state->sewn );
+        }
+    }
+    bool is_needed = false;
+    for ( int i = 0; i < state->count; ++i )
+    {
+        is_needed = is_needed || state->seams[i].a.index != 0;
+    }
+    if ( is_needed == false && wisp_is_alive( world, state->hub ) )
+    {
+        wisp_world_cancel_request( world, state->hub, state->result );
+        wisp_world_detach( world, state->hub, state->active );
+    }
+}
+
+static wisp_status attach_all( wisp_world* world, seams_state* state, seam* s )
+{
+    WISP_TRY( wisp_world_add_pairs( world, s->pair_count, &s->entity ) );
+    WISP_TRY( wisp_world_attach( world, s->entity, state->settings ) );
+    WISP_TRY( wisp_world_attach( world, s->entity, state->pairs ) );
+    WISP_TRY( wisp_world_attach( world, s->a, state->sewn ) );
+    WISP_TRY( wisp_world_attach( world, s->b, state->sewn ) );
+    // positions and velocities are there from the start, but a surface that nobody looks at makes no passes without a request
+    WISP_TRY( wisp_world_request( world, s->a, WISP_PARTICLE_POSITION ) );
+    WISP_TRY( wisp_world_request( world, s->b, WISP_PARTICLE_POSITION ) );
+    return have_hub( world, state );
+}
+
+// @param d receives the difference from the vertex of b to that of a @return its length, m
+static float opening_of( wisp_world* world, const seam* s, int row, float d[3] )
+{
+    const float* a = (const float*)wisp_world_column( world, s->a, WISP_PARTICLE_POSITION, 0 ) + s->ends_x4[2 * row];
+    const float* b =
+        (const float*)wisp_world_column( world, s->b, WISP_PARTICLE_POSITION, 0 ) + s->ends_x4[2 * row + 1];
+    for ( int k = 0; k < 3; ++k )
+    {
+        d[k] = a[k] - b[k];
+    }
+    return sqrtf( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] );
+}
+
+static void fill( wisp_world* world, const seams_state* state, const seam* s, const wisp_seam_def* def )
+{
+    seam_settings* settings = wisp_world_column( world, s->entity, state->settings, 0 );
+    float* rest = wisp_world_column( world, s->entity, state->pairs, 0 );
+    *settings = ( seam_settings ){ .distance = def->distance,
+                                   .closing_speed = def->closing_speed,
+                                   .compliance = def->compliance,
+                                   .strength = def->strength };
+    for ( int row = 0; row < s->pair_count; ++row )
+    {
+        float d[3];
+        rest[row] = opening_of( world, s, row, d );
+    }
+}
+
+static wisp_status begin( wisp_world* world, const wisp_seam_def* given, wisp_seam_def* def, seams_state** state )
+{
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_seam_def", def, given ) );
+    void* found;
+    WISP_TRY( wisp_world_surface_state( world, "seams", def->a, &found ) );
+    WISP_TRY( wisp_world_surface_state( world, "seams", def->b, &found ) );
+    *state = found;
+    WISP_TRY( check_def( world, def ) );
+    seams_state* s = found;
+    return wisp_world_reserve( world, (void**)&s->seams, &s->capacity, s->count, sizeof( seam ) )
+               ? WISP_OK
+               : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for another seam" );
+}
+
+wisp_status wisp_add_seam( wisp_world* world, const wisp_seam_def* given, wisp_entity* out )
+{
+    wisp_seam_def def = wisp_default_seam_def();
+    seams_state* state;
+    if ( out != NULL )
+    {
+        *out = ( wisp_entity ){ 0, 0 };
+    }
+    WISP_TRY( begin( world, given, &def, &state ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    seam s = { .pair_count = 0 };
+    WISP_TRY( seams_cook_pairs( world, &def, &s ) );
+    const wisp_status status = attach_all( world, state, &s );
+    if ( status != WISP_OK )
+    {
+        wisp_world_remove( world, s.entity );
+        tidy( world, state, ( const wisp_entity[2] ){ def.a, def.b } );
+        if ( state->count == 0 && wisp_is_alive( world, state->hub ) )
+        {
+            wisp_world_remove( world, state->hub );
+        }
+        seams_release_pairs( wisp_world_allocator( world ), &s );
+        return status;
+    }
+    fill( world, state, &s, &def );
+    state->seams[state->count++] = s;
+    *out = s.entity;
+    return WISP_OK;
+}
+
+// ---- removal ----
+
+void seams_forget( seams_state* state, wisp_world* world, wisp_entity entity )
+{
+    for ( int i = 0; i < state->count; ++i )
+    {
+        seam* s = state->seams + i;
+        const wisp_entity surfaces[2] = { s->a, s->b };
+        const bool is_it = wisp_entity_equal( s->entity, entity );
+        if ( is_it == false && joins( s, entity ) == false )
+        {
+            continue;
+        }
+        s->a = s->b = ( wisp_entity ){ 0, 0 };
+        if ( is_it )
+        {
+            seams_release_pairs( wisp_world_allocator( world ), s );
+            state->count -= 1;
+            memmove( s, s + 1, (size_t)( state->count - i ) * sizeof( seam ) );
+            i -= 1;
+        }
+        tidy( world, state, surfaces );
+    }
+}
+
+// ---- reading ----
+
+static seam* whole_seam( wisp_world* world, wisp_entity entity, seams_state** state )
+{
+    *state = world != NULL ? wisp_world_module_state( world, "seams" ) : NULL;
+    seam* s = *state != NULL ? find_seam( *state, entity ) : NULL;
+    return s != NULL && s->a.index != 0 ? s : NULL;
+}
+
+int wisp_count_seam_pairs( wisp_world* world, wisp_entity entity )
+{
+    seams_state* state;
+    const seam* s = whole_seam( world, entity, &state );
+    return s != NULL ? s->pair_count : 0;
+}
+
+int wisp_count_broken_seam_pairs( wisp_world* world, wisp_entity entity )
+{
+    seams_state* state;
+    const seam* s = whole_seam( world, entity, &state );
+    const int32_t* broken = s != NULL ? wisp_world_column( world, entity, state->pairs, 2 ) : NULL;
+    int count = 0;
+    for ( int row = 0; broken != NULL && row < s->pair_count; ++row )
+    {
+        count += broken[row];
+    }
+    return count;
+}
+
+static int32_t vertex_of( wisp_world* world, wisp_entity surface, int32_t x4 )
+{
+    return wisp_world_fabric( world, surface )->slot_vertex[x4 / 4];
+}
+
+static wisp_seam_pair read_pair( wisp_world* world, const seams_state* state, const seam* s, int row )
+{
+    const seam_settings* settings = wisp_world_column( world, s->entity, state->settings, 0 );
+    const float* rest = wisp_world_column( world, s->entity, state->pairs, 0 );
+    const float* impulse = wisp_world_column( world, s->entity, state->pairs, 1 );
+    const int32_t* broken = wisp_world_column( world, s->entity, state->pairs, 2 );
+    float d[3];
+    const float opening = opening_of( world, s, row, d );
+    return ( wisp_seam_pair ){
+        .vertices = { vertex_of( world, s->a, s->ends_x4[2 * row] ),
+                      vertex_of( world, s->b, s->ends_x4[2 * row + 1] ) },
+        .opening = opening,
+        .force = seams_pull( impulse + 3 * (size_t)row, d, rest[row], settings->inverse_dt2 ),
+        .broken = broken[row],
+    };
+}
+
+wisp_status wisp_read_seam_pairs( wisp_world* world, wisp_entity entity, wisp_seam_pair* out, int count )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    seams_state* state;
+    const seam* s = whole_seam( world, entity, &state );
+    if ( s == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "seams: entity %u is not a seam of surfaces that exist",
+                                entity.index );
+    }
+    WISP_TRY( wisp_world_check_list( world, "out", out, count ) );
+    if ( count > s->pair_count )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "seams: got %d pairs to read, the seam has %d", count,
+                                s->pair_count );
+    }
+    for ( int p = 0; p < count; ++p )
+    {
+        out[p] = read_pair( world, state, s, s->row_of[p] );
+    }
+    return WISP_OK;
+}

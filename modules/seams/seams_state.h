@@ -1,0 +1,60 @@
+// State of the module: the seams in the order in which they were added, and what their rows hold.
+#pragma once
+
+#include "seams.h"
+
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
+
+#define SEAM_SETTINGS( X ) X( seam_settings, settings, 1 )
+#define SEAM_PAIRS( X )                                                                                              \
+    X( float, rest, 1 )    /* m, that the pair holds now */                                                          \
+    X( float, impulse, 3 ) /* N s^2, of the substep, on the vertex of a */                                           \
+    X( int32_t, broken, 1 )
+
+typedef struct seam_settings
+{
+    float distance;      // m
+    float closing_speed; // m/s
+    float compliance;    // m/N
+    float strength;      // N
+    float inverse_dt2;   // 1/s^2, of the last substep; 0 before the first
+} seam_settings;
+
+enum
+{
+    SEAM_COLOURS = 64, // the last one holds what found no other, and runs serially
+};
+
+/// Topology of a seam. Rows are in the order of their colours: pairs of a colour share no vertex.
+typedef struct seam
+{
+    wisp_entity entity;
+    wisp_entity a, b; // zero: a surface was removed
+    int pair_count;
+    int colour_count;
+    int colour_begin[SEAM_COLOURS + 1]; // first row of a colour
+    int32_t* ends_x4;                   // [pair_count][2] slots times 4
+    int32_t* row_of;                    // [pair_count] row of a pair as given; in the same block of memory
+} seam;
+
+typedef struct seams_state
+{
+    wisp_component settings, pairs; // of seams
+    wisp_component sewn;            // marks surfaces
+    wisp_component active, result;  // of the entity `hub`, whose pass projects all seams one after another
+    wisp_entity hub;
+    seam* seams;
+    int count, capacity;
+} seams_state;
+
+/// Compute the force that pulls at a pair; negative: it pushes. @param d from the vertex of b to that of a
+float seams_pull( const float impulse[3], const float d[3], float rest, float inverse_dt2 ); // seams_project.c
+/// Free the topology of a seam.
+void seams_release_pairs( const wisp_allocator* allocator, seam* s ); // seams_pairs.c
+/// Check pairs and order them in colours, or find them first if the definition says within. @param out receives topology and surfaces
+wisp_status seams_cook_pairs( wisp_world* world, const wisp_seam_def* def, seam* out ); // seams_pairs.c
+/// A surface or a seam is about to be removed.
+void seams_forget( seams_state* state, wisp_world* world, wisp_entity entity ); // seams_definition.c
+/// The pass.
+void seams_project( wisp_frame* frame, const wisp_span* span, void* user ); // seams_project.c

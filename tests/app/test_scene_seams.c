@@ -1,0 +1,146 @@
+// Seams of scenes: keys, names, vertices after a repair, what is refused once meshes are known, reports.
+#include "scene_world_fixture.h"
+
+#include "wisp/module/module.h"
+
+static const char TWO_PANELS[] =
+    "wisp: 1\n"
+    "gravity: [0, 0, 0]\n"
+    "surfaces:\n"
+    "  - { name: a, generate: { shape: plane, columns: 4, rows: 4, spacing: 0.1 }, cloth: {} }\n"
+    "  - { name: b, instance_of: a, transform: { translate: [0.35, 0, 0] }, cloth: {} }\n"
+    "seams:\n";
+
+static void build_sewn( fixture* f, const char* seam )
+{
+    char text[1500];
+    snprintf( text, sizeof text, "%s  - %s\n", TWO_PANELS, seam );
+    build( f, text );
+}
+
+static void every_key_of_a_seam_reaches_its_place( void** state )
+{
+    (void)state;
+    fixture f;
+    build_sewn( &f, "{ name: s, surfaces: [b, a], pairs: [[4, 7], [8, 11]], distance: 0.01, closing_speed: 0.2, "
+                    "compliance: 0.03, strength: 4 }\n"
+                    "  - { name: t, surfaces: [a, b], within: 0.06 }" );
+    const wisp_scene_seam* s = f.scene.seams;
+    static const int32_t pairs[] = { 4, 7, 8, 11 };
+    assert_int_equal( f.scene.seam_count, 2 );
+    assert_string_equal( s->name, "s" );
+    assert_true( s->surfaces[0] == 1 && s->surfaces[1] == 0 && s->pair_count == 2 );
+    assert_memory_equal( s->pairs, pairs, sizeof pairs );
+    assert_true( s->def.distance == 0.01f && s->def.closing_speed == 0.2f && s->def.compliance == 0.03f &&
+                 s->def.strength == 4.0f && s->def.within == 0.0f );
+    assert_true( s[1].def.within == 0.06f && s[1].def.strength == INFINITY && s[1].def.closing_speed == 1.0f );
+    assert_int_equal( wisp_count_seam_pairs( f.world.world, f.world.seams[0] ), 2 );
+    assert_int_equal( wisp_count_seam_pairs( f.world.world, f.world.seams[1] ), 4 );
+    release( &f );
+}
+
+// Panels of a scene close by the speed of their seam.
+static void a_scene_closes_its_seam( void** state )
+{
+    (void)state;
+    fixture f;
+    build_sewn( &f, "{ name: s, surfaces: [a, b], within: 0.06, closing_speed: 0.2 }" );
+    wisp_seam_pair pairs[4];
+    step( &f, 30 );
+    assert_int_equal( wisp_read_seam_pairs( f.world.world, f.world.seams[0], pairs, 4 ), WISP_OK );
+    for ( int i = 0; i < 4; ++i )
+    {
+        assert_true( pairs[i].vertices[0] == 4 * i + 3 && pairs[i].vertices[1] == 4 * i );
+        assert_true( pairs[i].opening < 1e-4f );
+    }
+    release( &f );
+}
+
+// The file has a vertex that no triangle names, which a repair removes; scenes keep the numbers of the file.
+static void vertices_are_numbered_as_in_the_file( void** state )
+{
+    (void)state;
+    static const wisp_vec3 points[] = { { 0, 0, 0 }, { 9, 9, 9 }, { 1, 0, 0 }, { 0, 0, 1 } };
+    static const int32_t triangles[] = { 0, 3, 2 };
+    const wisp_scene_arrays arrays = {
+        .file = "tri.obj", .points = points, .point_count = 4, .triangles = triangles, .triangle_count = 1
+    };
+    static const char* const PAIRS[] = { "[[3, 2]]", "[[0, 1]]" };
+    for ( int i = 0; i < 2; ++i )
+    {
+        char text[500];
+        snprintf( text, sizeof text,
+                  "wisp: 1\nsurfaces:\n  - { name: a, file: tri.obj, repair: [unreferenced] }\n"
+                  "seams:\n  - { name: s, surfaces: [a, a], pairs: %s }\n",
+                  PAIRS[i] );
+        wisp_scene scene;
+        wisp_error error = { 0 };
+        scene_world world;
+        assert_ok( wisp_scene_parse( text, strlen( text ), "test", &scene, &error ), error );
+        assert_ok( wisp_scene_set_arrays( &scene, &arrays, 1, &error ), error );
+        const scene_world_options options = { .is_quiet = true };
+        const wisp_status status = scene_world_create( &scene, &options, &world, &error );
+        if ( i == 0 )
+        {
+            wisp_seam_pair pair;
+            assert_ok( status, error );
+            assert_int_equal( wisp_read_seam_pairs( world.world, world.seams[0], &pair, 1 ), WISP_OK );
+            assert_true( pair.vertices[0] == 2 && pair.vertices[1] == 1 );
+            scene_world_destroy( &world );
+        }
+        else
+        {
+            assert_int_equal( status, WISP_BAD_INPUT );
+            assert_contains( error.message, "test:5:5: seam 's': pairs[0]: got vertex 1 of 'a'" );
+        }
+        wisp_scene_release( &scene );
+    }
+}
+
+static void what_only_the_world_knows_is_refused_with_its_line( void** state )
+{
+    (void)state;
+    static const char* const BAD[][2] = {
+        { "{ name: s, surfaces: [a, b], within: 0.04 }", "test:7:5: seam 's': seams: no boundary vertex" },
+        { "{ name: s, surfaces: [a, b], pairs: [[0, 16]] }", "test:7:5: seam 's': pairs[0]: got vertex 16 of 'b'" },
+    };
+    for ( int i = 0; i < WISP_COUNT( BAD ); ++i )
+    {
+        char text[1500];
+        wisp_scene scene;
+        wisp_error error = { 0 };
+        scene_world world;
+        snprintf( text, sizeof text, "%s  - %s\n", TWO_PANELS, BAD[i][0] );
+        assert_ok( wisp_scene_parse( text, strlen( text ), "test", &scene, &error ), error );
+        const scene_world_options options = { .is_quiet = true };
+        assert_int_equal( scene_world_create( &scene, &options, &world, &error ), WISP_BAD_INPUT );
+        assert_contains( error.message, BAD[i][1] );
+        wisp_scene_release( &scene );
+    }
+}
+
+static void only_a_scene_with_seams_has_the_module( void** state )
+{
+    (void)state;
+    const wisp_module* used[SCENE_MAX_MODULES];
+    fixture f;
+    build_sewn( &f, "{ name: s, surfaces: [a, b], within: 0.06 }" );
+    const int with = scene_world_used_modules( &f.scene, used );
+    f.scene.seam_count = 0;
+    const int without = scene_world_used_modules( &f.scene, used );
+    f.scene.seam_count = 1;
+    assert_int_equal( with, without + 1 );
+    release( &f );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( every_key_of_a_seam_reaches_its_place ),
+        cmocka_unit_test( a_scene_closes_its_seam ),
+        cmocka_unit_test( vertices_are_numbered_as_in_the_file ),
+        cmocka_unit_test( what_only_the_world_knows_is_refused_with_its_line ),
+        cmocka_unit_test( only_a_scene_with_seams_has_the_module ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

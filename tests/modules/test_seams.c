@@ -1,0 +1,512 @@
+// Seams: the projection against its oracle, closed forms, strength, tubes, determinism.
+#include "seam_fixture.h"
+
+#include "oracle/seam_oracle.h"
+
+enum
+{
+    SIDE = 5,
+    VERTICES = SIDE * SIDE,
+    PAIRS = 40,
+};
+
+// ---- against the oracle ----
+
+typedef struct sewn
+{
+    hosted* h;
+    wisp_world* world;
+    wisp_entity a, b, seam;
+    int32_t pairs[2 * PAIRS];
+} sewn;
+
+static void scatter_points( test_mesh* mesh, int seed )
+{
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        mesh->points[v] = ( wisp_vec3 ){ test_random_float( seed, 3 * v, -0.5f, 0.5f ),
+                                         test_random_float( seed, 3 * v + 1, -0.5f, 0.5f ),
+                                         test_random_float( seed, 3 * v + 2, -0.5f, 0.5f ) };
+    }
+}
+
+// Two clouds of loose vertices, some pinned, with random pairs between them; a vertex may be in several.
+static sewn open_clouds( int iterations, int workers, wisp_seam_def def, bool has_pins )
+{
+    sewn s = { .h = open_sewing( 1, iterations, workers ) };
+    s.world = s.h->world;
+    static const int32_t PINS[] = { 0, 7, 11 };
+    wisp_surface_def surface = support_weightless_surface_def();
+    test_mesh meshes[2] = { test_plane( SIDE, 0.1f ), test_plane( SIDE, 0.1f ) };
+    for ( int k = 0; k < 2; ++k )
+    {
+        scatter_points( meshes + k, 20 + k );
+        surface.area_density = k == 0 ? 0.1f : 0.4f;
+        surface.pins = PINS;
+        surface.pin_count = has_pins ? WISP_COUNT( PINS ) : 0;
+        *( k == 0 ? &s.a : &s.b ) = add_panel( s.world, meshes + k, surface, NULL );
+        test_mesh_free( meshes + k );
+    }
+    for ( int p = 0; p < 2 * PAIRS; ++p )
+    {
+        s.pairs[p] = test_random( 3, p, VERTICES );
+    }
+    def.a = s.a, def.b = s.b, def.pairs = s.pairs, def.pair_count = PAIRS;
+    s.seam = sew( s.world, &def );
+    return s;
+}
+
+typedef struct cloud
+{
+    double3 at[2][VERTICES];
+    double w[2][VERTICES];
+    seam_oracle_pair pairs[PAIRS];
+    int colour[PAIRS], colours;
+} cloud;
+
+static cloud read_cloud( sewn* s )
+{
+    cloud c = { .colours = 0 };
+    for ( int v = 0; v < VERTICES; ++v )
+    {
+        const float *a = row_of( s->world, s->a, WISP_PARTICLE_POSITION, v ),
+                    *b = row_of( s->world, s->b, WISP_PARTICLE_POSITION, v );
+        c.at[0][v] = double3_from( a );
+        c.at[1][v] = double3_from( b );
+        c.w[0][v] = (double)a[3];
+        c.w[1][v] = (double)b[3];
+    }
+    uint64_t taken[2][VERTICES] = { { 0 } };
+    for ( int p = 0; p < PAIRS; ++p )
+    {
+        const int a = s->pairs[2 * p], b = s->pairs[2 * p + 1];
+        while ( ( ( taken[0][a] | taken[1][b] ) >> c.colour[p] & 1 ) != 0 )
+        {
+            c.colour[p] += 1;
+        }
+        taken[0][a] |= UINT64_C( 1 ) << c.colour[p];
+        taken[1][b] |= UINT64_C( 1 ) << c.colour[p];
+        c.colours = c.colour[p] >= c.colours ? c.colour[p] + 1 : c.colours;
+        c.pairs[p].rest = double3_distance( c.at[0][a], c.at[1][b] );
+    }
+    return c;
+}
+
+static void step_cloud( cloud* c, const sewn* s, int iterations, const wisp_seam_def* def )
+{
+    const double dt = 1.0 / 60.0, alpha = (double)def->compliance / ( dt * dt );
+    for ( int p = 0; p < PAIRS; ++p )
+    {
+        c->pairs[p].rest =
+            seam_oracle_close( c->pairs[p].rest, (double)def->distance, (double)def->closing_speed * dt );
+        c->pairs[p].lambda = double3_make( 0.0, 0.0, 0.0 );
+    }
+    for ( int n = 0; n < iterations * c->colours; ++n )
+    {
+        for ( int p = 0; p < PAIRS; ++p )
+        {
+            const int a = s->pairs[2 * p], b = s->pairs[2 * p + 1];
+            if ( c->colour[p] == n % c->colours )
+            {
+                seam_oracle_project( c->pairs + p, c->at[0] + a, c->at[1] + b,
+                                     ( const double[2] ){ c->w[0][a], c->w[1][b] }, alpha );
+            }
+        }
+    }
+}
+
+static void a_substep_of_a_seam_is_that_of_the_oracle( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        float distance, closing_speed, compliance;
+        int iterations;
+    } CASES[] = { { 0.0f, 1.0f, 0.0f, 1 },      { 0.0f, INFINITY, 0.0f, 1 }, { 0.0f, INFINITY, 0.05f, 1 },
+                  { 0.0f, INFINITY, 0.05f, 3 }, { 0.2f, INFINITY, 0.0f, 2 }, { 0.2f, INFINITY, 0.05f, 4 },
+                  { 0.9f, 3.0f, 0.01f, 2 } };
+    for ( int i = 0; i < WISP_COUNT( CASES ); ++i )
+    {
+        wisp_seam_def def = wisp_default_seam_def();
+        def.distance = CASES[i].distance;
+        def.closing_speed = CASES[i].closing_speed;
+        def.compliance = CASES[i].compliance;
+        sewn s = open_clouds( CASES[i].iterations, 1, def, true );
+        cloud c = read_cloud( &s );
+        step_for( s.world, 1 );
+        step_cloud( &c, &s, CASES[i].iterations, &def );
+        for ( int v = 0; v < VERTICES; ++v )
+        {
+            // positions of 1 m, each projected up to 20 times; each rounds by 6e-8
+            assert_true( double3_distance( c.at[0][v], double3_widen( point_of( s.world, s.a, v ) ) ) < 2e-6 );
+            assert_true( double3_distance( c.at[1][v], double3_widen( point_of( s.world, s.b, v ) ) ) < 2e-6 );
+        }
+        for ( int p = 0; p < PAIRS; ++p )
+        {
+            const wisp_seam_pair pair = pair_of( s.world, s.seam, p );
+            const double force = seam_oracle_force( c.pairs + p, 1.0 / 60.0 );
+            assert_true( pair.vertices[0] == s.pairs[2 * p] && pair.vertices[1] == s.pairs[2 * p + 1] );
+            assert_true( fabs( fabs( (double)pair.force ) - force ) < 1e-4 + 1e-5 * force );
+            assert_true( pair.broken == 0 );
+        }
+        assert_int_equal( wisp_count_broken_seam_pairs( s.world, s.seam ), 0 );
+        close_sewing( s.h );
+    }
+}
+
+// More pairs than colours meet at one vertex: the rest of them are projected one after another, in the order in which they are given.
+static void a_vertex_in_many_pairs_is_that_of_the_oracle( void** state )
+{
+    (void)state;
+    enum
+    {
+        MANY = 81,
+    };
+    hosted* h = open_sewing( 1, 1, 3 );
+    test_mesh mesh = test_plane( 9, 0.1f );
+    int32_t pairs[2 * MANY] = { 0 };
+    double3 at[MANY], centre;
+    double w[MANY];
+    wisp_seam_def def = wisp_default_seam_def();
+    def.a = add_panel( h->world, &mesh, support_weightless_surface_def(), NULL );
+    scatter_points( &mesh, 31 );
+    def.b = add_panel( h->world, &mesh, support_weightless_surface_def(), NULL );
+    for ( int p = 0; p < MANY; ++p )
+    {
+        pairs[2 * p + 1] = p;
+        at[p] = double3_from( row_of( h->world, def.b, WISP_PARTICLE_POSITION, p ) );
+        w[p] = (double)row_of( h->world, def.b, WISP_PARTICLE_POSITION, p )[3];
+    }
+    const float* first = row_of( h->world, def.a, WISP_PARTICLE_POSITION, 0 );
+    const double weight = (double)first[3];
+    centre = double3_from( first );
+    def.pairs = pairs, def.pair_count = MANY;
+    def.closing_speed = INFINITY;
+    sew( h->world, &def );
+    step_for( h->world, 1 );
+    for ( int p = 0; p < MANY; ++p )
+    {
+        seam_oracle_pair pair = { .rest = 0.0 };
+        seam_oracle_project( &pair, &centre, at + p, ( const double[2] ){ weight, w[p] }, 0.0 );
+        assert_true( double3_distance( at[p], double3_widen( point_of( h->world, def.b, p ) ) ) < 2e-6 );
+    }
+    assert_true( double3_distance( centre, double3_widen( point_of( h->world, def.a, 0 ) ) ) < 2e-6 );
+    test_mesh_free( &mesh );
+    close_sewing( h );
+}
+
+static double3 momentum_of( wisp_world* world, wisp_entity e, double* size )
+{
+    double3 sum = { 0.0, 0.0, 0.0 };
+    for ( int v = 0; v < VERTICES; ++v )
+    {
+        const double mass = 1.0 / (double)row_of( world, e, WISP_PARTICLE_POSITION, v )[3];
+        const double3 velocity = double3_from( velocity_of( world, e, v ) );
+        sum = double3_add_scaled( sum, mass, velocity );
+        *size += mass * double3_length( velocity );
+    }
+    return sum;
+}
+
+static void a_seam_keeps_momentum( void** state )
+{
+    (void)state;
+    wisp_seam_def def = wisp_default_seam_def();
+    def.compliance = 0.02f;
+    sewn s = open_clouds( 2, 1, def, false );
+    double most = 0.0;
+    for ( int i = 0; i < 60; ++i )
+    {
+        step_for( s.world, 1 );
+        double size = 0.0;
+        const double3 sum = double3_add( momentum_of( s.world, s.a, &size ), momentum_of( s.world, s.b, &size ) );
+        most = fmax( most, size );
+        // each step rounds positions of 1 m, and velocities are those over 1/60 s
+        assert_true( double3_length( sum ) < 1e-5 * most );
+    }
+    assert_true( most > 0.01 ); // it moves
+    close_sewing( s.h );
+}
+
+// ---- closed forms ----
+
+// Vertex 0 of a pinned triangle carries vertex 0 of a free triangle, 5 cm below.
+typedef struct hanging
+{
+    hosted* h;
+    wisp_world* world;
+    wisp_entity upper, lower, seam;
+    double weight; // N, of the vertex
+} hanging;
+
+static hanging open_hanging( int substeps, int iterations, float compliance, float strength )
+{
+    hanging s = { .h = open_sewing( substeps, iterations, 1 ) };
+    s.world = s.h->world;
+    static const int32_t ALL[] = { 0, 1, 2 }, PAIR[] = { 0, 0 };
+    test_mesh upper =
+        triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0.1f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 0.1f } );
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.gravity = EARTH;
+    test_mesh lower =
+        triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0.1f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 0.1f } );
+    s.lower = add_panel( s.world, &lower, surface, NULL );
+    surface.pins = ALL;
+    surface.pin_count = 3;
+    s.upper = add_panel( s.world, &upper, surface, NULL );
+    assert_status( s.world, wisp_set_damping( s.world, s.lower, 60.0f ), WISP_OK );
+    wisp_seam_def def = wisp_default_seam_def();
+    def.a = s.upper, def.b = s.lower, def.pairs = PAIR, def.pair_count = 1;
+    def.compliance = compliance;
+    def.strength = strength;
+    s.seam = sew( s.world, &def );
+    s.weight = 9.81 / (double)row_of( s.world, s.lower, WISP_PARTICLE_POSITION, 0 )[3];
+    test_mesh_free( &upper );
+    test_mesh_free( &lower );
+    return s;
+}
+
+// A vertex of mass m opens its pair by compliance m g, whatever the substeps and iterations, and the force is m g.
+static void a_weight_opens_a_compliant_seam_by_compliance_times_weight( void** state )
+{
+    (void)state;
+    static const int NUMBERS[][2] = { { 4, 1 }, { 16, 1 }, { 4, 5 } };
+    for ( int i = 0; i < WISP_COUNT( NUMBERS ); ++i )
+    {
+        hanging s = open_hanging( NUMBERS[i][0], NUMBERS[i][1], 10.0f, INFINITY );
+        step_for( s.world, 240 );
+        const wisp_seam_pair pair = pair_of( s.world, s.seam, 0 );
+        // it comes to rest where a substep moves it by less than a digit of 0.02 m: k/m dt^2 |error| < 2e-9 m, k/m = 400 / s^2
+        assert_near( (double)pair.opening, 10.0 * s.weight, 5e-6 );
+        assert_near( (double)pair.force, s.weight, 5e-7 );
+        close_sewing( s.h );
+    }
+}
+
+static void a_pair_breaks_at_its_strength_and_not_below( void** state )
+{
+    (void)state;
+    const hanging probe = open_hanging( 4, 1, 10.0f, INFINITY );
+    const double weight = probe.weight;
+    close_sewing( probe.h );
+    for ( int above = 0; above < 2; ++above )
+    {
+        const double strength = weight * ( above ? 1.0 + 2e-5 : 1.0 - 2e-5 );
+        hanging s = open_hanging( 4, 1, 10.0f, (float)strength );
+        step_for( s.world, 300 );
+        assert_int_equal( wisp_count_broken_seam_pairs( s.world, s.seam ), above ? 0 : 1 );
+        const wisp_seam_pair pair = pair_of( s.world, s.seam, 0 );
+        assert_int_equal( pair.broken, above ? 0 : 1 );
+        assert_true( above ? pair.force > 0.0f : pair.force == 0.0f );
+        // what broke falls, by the speed that damping leaves, and stays broken
+        assert_true( above ? pair.opening < 0.1f : pair.opening > 0.1f );
+        close_sewing( s.h );
+    }
+}
+
+// Two sheets hang, the lower one on a seam of nine pairs: together the pairs carry its weight, and open by it.
+static void the_pairs_of_two_hanging_sheets_carry_the_lower_one( void** state )
+{
+    (void)state;
+    enum
+    {
+        COLUMNS = 9,
+        ROWS = 5,
+    };
+    hosted* h = open_sewing( 8, 1, 1 );
+    test_mesh mesh = hanging_mesh( COLUMNS, ROWS, 0.05f, 0.05f );
+    int32_t top[COLUMNS], pairs[2 * COLUMNS];
+    for ( int i = 0; i < COLUMNS; ++i )
+    {
+        top[i] = i;
+        pairs[2 * i] = ( ROWS - 1 ) * COLUMNS + i;
+        pairs[2 * i + 1] = i;
+    }
+    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.gravity = EARTH;
+    surface.pins = top, surface.pin_count = COLUMNS;
+    wisp_seam_def def = wisp_default_seam_def();
+    def.a = add_panel( h->world, &mesh, surface, &cloth );
+    surface.pin_count = 0;
+    for ( int v = 0; v < mesh.vertex_count; ++v )
+    {
+        mesh.points[v].y -= 0.05f * ( ROWS - 1 );
+    }
+    def.b = add_panel( h->world, &mesh, surface, &cloth );
+    assert_status( h->world, wisp_set_damping( h->world, def.a, 10.0f ), WISP_OK );
+    assert_status( h->world, wisp_set_damping( h->world, def.b, 10.0f ), WISP_OK );
+    def.pairs = pairs, def.pair_count = COLUMNS;
+    def.compliance = 0.2f;
+    const wisp_entity seam = sew( h->world, &def );
+    step_for( h->world, 300 );
+    double weight = 0.0, force = 0.0, opening = 0.0;
+    for ( int v = 0; v < mesh.vertex_count; ++v )
+    {
+        weight += 9.81 / (double)row_of( h->world, def.b, WISP_PARTICLE_POSITION, v )[3];
+    }
+    for ( int p = 0; p < COLUMNS; ++p )
+    {
+        const wisp_seam_pair pair = pair_of( h->world, seam, p );
+        force += (double)pair.force;
+        opening += (double)pair.opening;
+        assert_near( (double)pair.opening, 0.2 * (double)pair.force, 1e-5 );
+    }
+    assert_near( force, weight, 2e-3 * weight ); // what still swings
+    assert_near( opening, 0.2 * weight, 2e-3 * 0.2 * weight );
+    test_mesh_free( &mesh );
+    close_sewing( h );
+}
+
+// ---- garments ----
+
+enum
+{
+    AROUND = 25,
+    ALONG = 5,
+};
+
+// A strip of 0.48 m that is bent a little, sewn to itself along its short sides.
+static sewn open_strip( void )
+{
+    sewn s = { .h = open_sewing( 8, 2, 1 ) };
+    s.world = s.h->world;
+    test_mesh mesh = hanging_mesh( AROUND, ALONG, 0.02f, 0.02f );
+    for ( int v = 0; v < mesh.vertex_count; ++v )
+    {
+        const float x = mesh.points[v].x / 0.48f;
+        mesh.points[v].z = 0.2f * x * ( 1.0f - x );
+    }
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.bend_compliance = 0.02f;
+    s.a = s.b = add_panel( s.world, &mesh, support_weightless_surface_def(), &cloth );
+    assert_status( s.world, wisp_set_damping( s.world, s.a, 2.0f ), WISP_OK );
+    assert_status( s.world, wisp_request( s.world, s.a, WISP_MOTION_STATS ), WISP_OK );
+    for ( int j = 0; j < ALONG; ++j )
+    {
+        s.pairs[2 * j] = j * AROUND;
+        s.pairs[2 * j + 1] = j * AROUND + AROUND - 1;
+    }
+    wisp_seam_def def = wisp_default_seam_def();
+    def.a = s.a, def.b = s.b, def.pairs = s.pairs, def.pair_count = ALONG;
+    def.closing_speed = 0.3f;
+    s.seam = sew( s.world, &def );
+    test_mesh_free( &mesh );
+    return s;
+}
+
+static void a_flat_strip_closes_to_a_tube_without_a_jump( void** state )
+{
+    (void)state;
+    sewn s = open_strip();
+    for ( int i = 1; i <= 180; ++i )
+    {
+        step_for( s.world, 1 );
+        const double expected = fmax( 0.0, 0.48 - 0.3 * i / 60.0 );
+        for ( int p = 0; p < ALONG; ++p )
+        {
+            assert_near( (double)pair_of( s.world, s.seam, p ).opening, expected, 3e-4 ); // the cloth pulls back
+        }
+        assert_true( motion_stats_of( s.world, s.a ).strain_max < 0.2 );
+    }
+    // half-way along the strip is across the tube
+    const double across =
+        vec_distance( point_of( s.world, s.a, 2 * AROUND ), point_of( s.world, s.a, 2 * AROUND + AROUND / 2 ) );
+    assert_true( across > 0.1 && across < 0.2 ); // 0.48 m around: 0.153 m in diameter
+    close_sewing( s.h );
+}
+
+static void pull_away( sewn* s, float gravity, int steps )
+{
+    assert_status( s->world, wisp_set_gravity( s->world, s->b, ( wisp_vec3 ){ 0.0f, -gravity, 0.0f } ), WISP_OK );
+    step_for( s->world, steps );
+}
+
+// Some pairs of two clouds break as they begin to close, others when one of the clouds is pulled away.
+static uint64_t run_clouds( int workers, bool restored )
+{
+    wisp_seam_def def = wisp_default_seam_def();
+    def.strength = 0.5f;
+    def.closing_speed = 0.2f;
+    sewn s = open_clouds( 2, workers, def, true );
+    pull_away( &s, 1.0f, 4 );
+    const int before = wisp_count_broken_seam_pairs( s.world, s.seam );
+    const size_t size = wisp_world_snapshot_size( s.world );
+    void* saved = checked_calloc( 1, size );
+    assert_status( s.world, wisp_world_snapshot( s.world, saved, size ), WISP_OK );
+    pull_away( &s, 60.0f, 40 );
+    const int after = wisp_count_broken_seam_pairs( s.world, s.seam );
+    assert_true( before > 0 && after > before && after < PAIRS );
+    if ( restored )
+    {
+        assert_status( s.world, wisp_world_restore( s.world, saved, size ), WISP_OK );
+        assert_int_equal( wisp_count_broken_seam_pairs( s.world, s.seam ), before );
+        pull_away( &s, 60.0f, 40 );
+        assert_int_equal( wisp_count_broken_seam_pairs( s.world, s.seam ), after );
+    }
+    free( saved );
+    const uint64_t hash = wisp_world_hash( s.world );
+    close_sewing( s.h );
+    return hash;
+}
+
+static void bits_do_not_depend_on_workers_nor_on_a_snapshot( void** state )
+{
+    (void)state;
+    const uint64_t one = run_clouds( 1, false );
+    assert_true( run_clouds( 3, false ) == one );
+    assert_true( run_clouds( 1, true ) == one );
+}
+
+// So many pairs that a colour is cut into blocks.
+static void bits_of_a_long_seam_do_not_depend_on_workers( void** state )
+{
+    (void)state;
+    enum
+    {
+        LONG_SIDE = 45,
+        LONG = 6000,
+    };
+    uint64_t hashes[3];
+    int broken[3];
+    int32_t* pairs = checked_calloc( 2 * LONG, sizeof( int32_t ) );
+    for ( int p = 0; p < 2 * LONG; ++p )
+    {
+        pairs[p] = test_random( 5, p, LONG_SIDE * LONG_SIDE );
+    }
+    for ( int i = 0; i < 3; ++i )
+    {
+        hosted* h = open_sewing( 2, 2, 1 + 2 * i );
+        test_mesh mesh = test_plane( LONG_SIDE, 0.02f );
+        wisp_seam_def def = wisp_default_seam_def();
+        def.a = add_panel( h->world, &mesh, support_weightless_surface_def(), NULL );
+        def.b = add_panel( h->world, &mesh, support_weightless_surface_def(), NULL );
+        def.pairs = pairs, def.pair_count = LONG;
+        def.strength = 0.05f;
+        const wisp_entity seam = sew( h->world, &def );
+        step_for( h->world, 20 );
+        hashes[i] = wisp_world_hash( h->world );
+        broken[i] = wisp_count_broken_seam_pairs( h->world, seam );
+        test_mesh_free( &mesh );
+        close_sewing( h );
+    }
+    free( pairs );
+    assert_true( hashes[0] == hashes[1] && hashes[0] == hashes[2] );
+    assert_true( broken[0] > 0 && broken[0] < LONG && broken[0] == broken[1] );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_substep_of_a_seam_is_that_of_the_oracle ),
+        cmocka_unit_test( a_vertex_in_many_pairs_is_that_of_the_oracle ),
+        cmocka_unit_test( a_seam_keeps_momentum ),
+        cmocka_unit_test( a_weight_opens_a_compliant_seam_by_compliance_times_weight ),
+        cmocka_unit_test( a_pair_breaks_at_its_strength_and_not_below ),
+        cmocka_unit_test( the_pairs_of_two_hanging_sheets_carry_the_lower_one ),
+        cmocka_unit_test( a_flat_strip_closes_to_a_tube_without_a_jump ),
+        cmocka_unit_test( bits_do_not_depend_on_workers_nor_on_a_snapshot ),
+        cmocka_unit_test( bits_of_a_long_seam_do_not_depend_on_workers ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
