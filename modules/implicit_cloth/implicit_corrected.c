@@ -1,9 +1,11 @@
 // Contact of surfaces, which corrects the positions that the solver leaves. In: positions after the correction, and the
 // displacement that the solve gave. Out: velocities and the history of BDF2; for the correction, the half spaces outside bodies.
 //
-//   c = ( x - x_previous ) - h-displacement of the solve,   v <- v + c / h
+//   s = x_previous - x_start,   c = ( x - x_previous ) - ( way of the solve ),   v <- v + c / h
+//   BDF2: v_before <- v_before + c / h,   x_before <- x_before + s
 //
-// What moves position and previous position alike (recovery, untangling) gives no velocity.
+// s is what moved position and previous position alike (recovery, untangling), which gives no velocity. BDF2 must not extrapolate an
+// impact, so it counts as having been there when the substep began. Corrections keep momentum, and so does this.
 #include "implicit_internal.h"
 
 #include <string.h>
@@ -43,52 +45,32 @@ int32_t implicit_fill_half_spaces( const implicit_contact_input* f, int slot, co
 
 // ---- velocities ----
 
-// BDF2 must not extrapolate an impact: along the correction the particle counts as having come with its new velocity.
-static void settle( const float correction[3], float h, const float* x, const float* v, float* x_before,
-                    float* v_before )
-{
-    float squared = 0.0f, way = 0.0f, speed = 0.0f;
-    for ( int k = 0; k < 3; ++k )
-    {
-        squared += correction[k] * correction[k];
-        way += correction[k] * ( x[k] - h * v[k] - x_before[k] );
-        speed += correction[k] * ( v[k] - v_before[k] );
-    }
-    for ( int k = 0; k < 3 && squared > 0.0f; ++k )
-    {
-        x_before[k] += way / squared * correction[k];
-        v_before[k] += speed / squared * correction[k];
-    }
-}
-
 void implicit_take_correction( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const implicit_state* state = user;
     const wisp_entity e = span->entity;
     const float *position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 ),
                 *previous = wisp_frame_column( frame, e, WISP_PARTICLE_PREVIOUS, 0 ),
-                *solved = wisp_frame_column( frame, e, state->solved, 0 );
+                *start = wisp_frame_column( frame, e, state->solved, 0 ),
+                *way = wisp_frame_column( frame, e, state->solved, 1 );
     float *velocity = wisp_frame_column( frame, e, WISP_PARTICLE_VELOCITY, 0 ),
           *x_before = wisp_frame_column( frame, e, state->history, 0 ),
           *v_before = wisp_frame_column( frame, e, state->history, 1 );
     const float h = wisp_frame_dt( frame, e );
     const wisp_span s = wisp_frame_particles( frame, span );
-    for ( size_t slot = (size_t)s.begin; slot < (size_t)s.end; ++slot )
+    for ( size_t i = (size_t)s.begin * 4; i < (size_t)s.end * 4; ++i )
     {
-        const float *x = position + 4 * slot, *p = previous + 4 * slot, *way = solved + 3 * slot;
-        const float correction[3] = { x[0] - p[0] - way[0], x[1] - p[1] - way[1], x[2] - p[2] - way[2] };
-        const bool is_corrected = correction[0] != 0.0f || correction[1] != 0.0f || correction[2] != 0.0f;
-        if ( x[3] == 0.0f || is_corrected == false )
+        const size_t k = i % 4, at = i / 4 * 3 + k;
+        if ( k == 3 || position[i / 4 * 4 + 3] == 0.0f )
         {
             continue;
         }
-        for ( size_t k = 0; k < 3; ++k )
-        {
-            velocity[4 * slot + k] += correction[k] / h;
-        }
+        const float correction = position[i] - previous[i] - way[at];
+        velocity[i] += correction / h;
         if ( x_before != NULL )
         {
-            settle( correction, h, x, velocity + 4 * slot, x_before + 4 * slot, v_before + 4 * slot );
+            x_before[i] += previous[i] - start[at];
+            v_before[i] += correction / h;
         }
     }
 }
