@@ -7,11 +7,9 @@
 #define CONTACT_COLUMNS_LIST( X ) X( implicit_contact, contact, 1 )
 #define CHANGE_COLUMNS_LIST( X ) X( float, change, 3 ) /* m/s, of the last substep's solve */
 #define HISTORY_COLUMNS_LIST( X )                                                                                    \
-    X( float, position, 4 ) /* m, when the substep before began; inverse mass */                                     \
-    X( float, velocity, 4 ) /* m/s */
-#define SOLVED_COLUMNS_LIST( X )                                                                                     \
-    X( float, start, 3 ) /* m, when the substep began */                                                             \
-    X( float, way, 3 )   /* m, of the substep, before contact of surfaces */
+    X( float, position, 4 )                         /* m, when the substep before began; inverse mass */             \
+    X( float, velocity, 4 )                         /* m/s */
+#define SOLVED_COLUMNS_LIST( X ) X( float, way, 3 ) /* m, of the substep, before contact of surfaces */
 #define STATS_COLUMNS_LIST( X ) X( wisp_implicit_cloth_stats, stats, 1 )
 
 static const wisp_column_def MATERIAL_COLUMNS[] = { MATERIAL_COLUMNS_LIST( WISP_COLUMN_DEF ) };
@@ -121,7 +119,7 @@ static wisp_status declare_passes( wisp_registry* r, implicit_state* state )
         {
             .name = "implicit_cloth.take_correction",
             .stage = WISP_STAGE_VELOCITY,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .domain = WISP_DOMAIN_ENTITY,
             .required = { state->material, state->corrected },
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, state->solved },
             // changed, not replaced: listed so because the largest speed limits the result
@@ -163,7 +161,7 @@ static wisp_status declare( wisp_registry* r )
         { &state->change, { "implicit_cloth.change", WISP_TABLE_PARTICLE, CHANGE_COLUMNS, 1 } },
         { &state->history, { "implicit_cloth.history", WISP_TABLE_PARTICLE, HISTORY_COLUMNS, 2 } },
         { &state->corrected, { WISP_PARTICLE_CORRECTED, WISP_TABLE_ENTITY, NULL, 0 } },
-        { &state->solved, { "implicit_cloth.solved", WISP_TABLE_PARTICLE, SOLVED_COLUMNS, 2 } },
+        { &state->solved, { "implicit_cloth.solved", WISP_TABLE_PARTICLE, SOLVED_COLUMNS, 1 } },
         { &state->stats, { "implicit_cloth.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
     };
     for ( int i = 0; i < WISP_COUNT( components ); ++i )

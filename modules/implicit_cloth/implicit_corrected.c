@@ -1,11 +1,10 @@
 // Contact of surfaces, which corrects the positions that the solver leaves. In: positions after the correction, and the
-// displacement that the solve gave. Out: velocities and the history of BDF2; for the correction, the half spaces outside bodies.
+// displacement that the solve gave. Out: velocities; for the correction, the half spaces outside bodies.
 //
-//   s = x_previous - x_start,   c = ( x - x_previous ) - ( way of the solve ),   v <- v + c / h
-//   BDF2: v_before <- v_before + c / h,   x_before <- x_before + s
+//   c = ( x - x_previous ) - ( way of the solve ),   v <- v + c / h
 //
-// s is what moved position and previous position alike (recovery, untangling), which gives no velocity. BDF2 must not extrapolate an
-// impact, so it counts as having been there when the substep began. Corrections keep momentum, and so does this.
+// What moves position and previous position alike (recovery, untangling) gives no velocity. After a correction BDF2 starts again
+// with a substep of Euler: it would extrapolate the impact, and a particle at rest would keep half the velocity g h.
 #include "implicit_internal.h"
 
 #include <string.h>
@@ -51,26 +50,22 @@ void implicit_take_correction( wisp_frame* frame, const wisp_span* span, void* u
     const wisp_entity e = span->entity;
     const float *position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 ),
                 *previous = wisp_frame_column( frame, e, WISP_PARTICLE_PREVIOUS, 0 ),
-                *start = wisp_frame_column( frame, e, state->solved, 0 ),
-                *way = wisp_frame_column( frame, e, state->solved, 1 );
-    float *velocity = wisp_frame_column( frame, e, WISP_PARTICLE_VELOCITY, 0 ),
-          *x_before = wisp_frame_column( frame, e, state->history, 0 ),
-          *v_before = wisp_frame_column( frame, e, state->history, 1 );
+                *way = wisp_frame_column( frame, e, state->solved, 0 );
+    float* velocity = wisp_frame_column( frame, e, WISP_PARTICLE_VELOCITY, 0 );
     const float h = wisp_frame_dt( frame, e );
-    const wisp_span s = wisp_frame_particles( frame, span );
-    for ( size_t i = (size_t)s.begin * 4; i < (size_t)s.end * 4; ++i )
+    const size_t slots = (size_t)wisp_frame_fabric( frame, e )->slot_count;
+    bool is_corrected = false;
+    for ( size_t i = 0; i < slots * 4; ++i )
     {
-        const size_t k = i % 4, at = i / 4 * 3 + k;
-        if ( k == 3 || position[i / 4 * 4 + 3] == 0.0f )
-        {
-            continue;
-        }
-        const float correction = position[i] - previous[i] - way[at];
+        const float correction =
+            i % 4 < 3 && position[i | 3] > 0.0f ? position[i] - previous[i] - way[i / 4 * 3 + i % 4] : 0.0f;
         velocity[i] += correction / h;
-        if ( x_before != NULL )
-        {
-            x_before[i] += previous[i] - start[at];
-            v_before[i] += correction / h;
-        }
+        is_corrected = is_corrected || correction != 0.0f;
+    }
+    implicit_material* material = wisp_frame_column( frame, e, state->material, 0 );
+    if ( is_corrected && material->bdf2 != 0 )
+    {
+        material->before = 0.0f;
+        wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, 1 );
     }
 }

@@ -146,8 +146,7 @@ void implicit_find_columns( wisp_frame* frame, const wisp_span* span, const impl
     if ( wisp_frame_has( frame, e, state->corrected ) )
     {
         s->columns.previous = wisp_frame_column( frame, e, WISP_PARTICLE_PREVIOUS, 0 );
-        s->columns.solved_start = wisp_frame_column( frame, e, state->solved, 0 );
-        s->columns.solved_way = wisp_frame_column( frame, e, state->solved, 1 );
+        s->columns.solved = wisp_frame_column( frame, e, state->solved, 0 );
         s->columns.half_space_count = wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 0 );
         s->columns.half_space_rows = wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 2 );
     }

@@ -359,8 +359,7 @@ static void pass_on( implicit_substep* s, int slot, const float from[4] )
     memcpy( c->previous + (size_t)slot * 4, from, 4 * sizeof( float ) );
     for ( int k = 0; k < 3; ++k )
     {
-        c->solved_start[(size_t)slot * 3 + (size_t)k] = from[k];
-        c->solved_way[(size_t)slot * 3 + (size_t)k] = x[k] - from[k];
+        c->solved[(size_t)slot * 3 + (size_t)k] = x[k] - from[k];
     }
 }
 

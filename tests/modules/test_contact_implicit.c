@@ -179,11 +179,93 @@ static void pairs_in_free_flight_keep_their_momentum_and_gain_no_energy( void** 
     fly( &( pair_def ){ 3.0f, 200.0f, 0.3f, WISP_INTEGRATOR_EULER, true, 4, 60 }, "pbd" );
 }
 
+// ---- friction ----
+
+// A sheet on a fixed one, in gravity that is tilted by an angle with this tangent; friction 0.3.
+static double slide( float tangent, double* speed )
+{
+    hosted h;
+    open_contact( &h, 4, 1, 1 );
+    wisp_world* w = h.world;
+    const float size = sqrtf( 1.0f + tangent * tangent );
+    const wisp_vec3 gravity = { 9.81f * tangent / size, -9.81f / size, 0.0f };
+    test_mesh mesh = level_sheet( 9, 2.0f, ( wisp_vec3 ){ 0.5f, 0.0f, 0.0f } );
+    const wisp_entity ground = add_pinned( w, &mesh );
+    const sheet_def sheet = { .n = 9, .size = 0.3f, .at = { 0.0f, 0.012f, 0.0f }, .stretch_stiffness = 500.0f, .gravity = gravity };
+    const wisp_entity e = add_implicit( w, &sheet );
+    wisp_contact_def def = wisp_default_contact_def();
+    def.thickness = 0.01f;
+    set_contact( w, ground, &def );
+    set_contact( w, e, &def );
+    request_stats( w );
+    run_steps( w, 30, FRAME );
+    const double from = mean_of( w, e, 0 );
+    run_steps( w, 30, FRAME );
+    *speed = motion_stats_of( w, e ).momentum[0] / ( 0.15 * 0.09 );
+    assert_int_equal( contact_stats( w ).intersections, 0 );
+    const double way = mean_of( w, e, 0 ) - from;
+    close_world( &h );
+    return way;
+}
+
+static void a_sheet_slides_on_a_slope_that_is_steeper_than_its_friction( void** state )
+{
+    (void)state;
+    for ( float tangent = 0.0f; tangent < 0.6f; tangent += 0.05f )
+    {
+        double speed;
+        const double way = slide( tangent, &speed );
+        const double cosine = 1.0 / sqrt( 1.0 + (double)tangent * (double)tangent );
+        printf( "%g: way %g speed %g expected %g\n", (double)tangent, way, speed, 9.81 * cosine * ( (double)tangent - 0.3 ) );
+    }
+}
+
+// ---- rest ----
+
+static void rest_run( int layers, float k, wisp_integrator integrator )
+{
+    hosted h;
+    open_contact( &h, 4, 1, 1 );
+    wisp_world* w = h.world;
+    add_floor( w, ( wisp_vec3 ){ 0 }, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+    wisp_entity e[8];
+    const wisp_contact_def def = wisp_default_contact_def();
+    for ( int i = 0; i < layers; ++i )
+    {
+        const sheet_def sheet = { 11 - i % 3, 0.3f, { 0.01f * (float)( i % 2 ), 0.02f + 0.02f * (float)i, 0.013f * (float)( i % 3 ) }, k, integrator, EARTH };
+        e[i] = add_implicit( w, &sheet );
+        set_collision( w, e[i] );
+        set_contact( w, e[i], &def );
+    }
+    request_stats( w );
+    for ( int s = 0; s < 180; ++s )
+    {
+        run_steps( w, 1, FRAME );
+        assert_int_equal( contact_stats( w ).intersections, 0 );
+        if ( s % 30 == 29 && getenv( "SHOW" ) )
+        {
+            double top = 0.0;
+            for ( int i = 0; i < layers; ++i ) top = fmax( top, motion_stats_of( w, e[i] ).speed_max );
+            printf( "layers %d k %g: kinetic %g fastest %g heights %g .. %g stored %g\n", layers, (double)k, energy_of( w, e, layers ), top, mean_of( w, e[0], 1 ), mean_of( w, e[layers - 1], 1 ), stored( w, e[0] ) );
+        }
+    }
+    close_world( &h );
+}
+
+static void layers_of_implicit_cloth_come_to_rest( void** state )
+{
+    (void)state;
+    rest_run( 2, 200.0f, WISP_INTEGRATOR_EULER );
+    rest_run( 5, 200.0f, WISP_INTEGRATOR_EULER );
+    rest_run( 2, 200.0f, WISP_INTEGRATOR_BDF2 );
+    rest_run( 3, 1e6f, WISP_INTEGRATOR_EULER );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        //cmocka_unit_test( cloth_that_falls_in_folds_does_not_cross_itself ),
-        cmocka_unit_test( pairs_in_free_flight_keep_their_momentum_and_gain_no_energy ),
+        cmocka_unit_test( a_sheet_slides_on_a_slope_that_is_steeper_than_its_friction ),
+        cmocka_unit_test( layers_of_implicit_cloth_come_to_rest ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }
