@@ -380,7 +380,7 @@ static void the_scenes_of_the_project_with_boundary_particles_or_contact_run( vo
         { "boundary_sphere.yaml", true, 0 },  { "boundary_bunny.yaml", true, 0 },
         { "balloons_press.yaml", false, 2 },  { "balloon_stack.yaml", false, 10 },
         { "cloth_fold.yaml", false, 1 },      { "balloon_under_cloth.yaml", false, 2 },
-        { "hair_on_balloon.yaml", false, 2 },
+        { "hair_on_balloon.yaml", false, 2 }, { "implicit_contact.yaml", false, 2 },
     };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )
     {
