@@ -355,7 +355,7 @@ static const scene_field SURFACE_FIELDS[] = {
     { "collider", SCENE_BLOCK, .at = AT( has_collider ), .block = &SCENE_SURFACE_COLLIDER_BLOCK,
       .help = "Makes the surface a collider for others; it deforms, and they do not push it back." },
     { "contact", SCENE_BLOCK, .at = AT( has_contact ), .block = &SCENE_CONTACT_BLOCK,
-      .help = "Contact with other participants and with itself; not with `implicit`." },
+      .help = "Contact with other participants and with itself." },
     { "boundary", SCENE_BLOCK, .at = AT( has_boundary ), .block = &SCENE_BOUNDARY_BLOCK,
       .help = "Layer of points on the surface, to draw and export; it changes the motion only with "
               "`contact.primitives: particles`." },

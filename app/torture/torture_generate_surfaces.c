@@ -158,7 +158,7 @@ static void put_surroundings( surface_maker* m, bool is_implicit )
     {
         torture_put_block( m->b, m->block, m->entry, "collision", 25 );
     }
-    if ( m->b->has_contact && !is_implicit && chance( m, 80 ) )
+    if ( m->b->has_contact && chance( m, 80 ) )
     {
         text_node* contact = torture_put_block( m->b, m->block, m->entry, "contact", 25 );
         torture_put_log( m->b, contact, "thickness", 1e-3, 5e-3 );

@@ -72,8 +72,8 @@ WISP_DEFINITION( contact_def );
 
 /// Add a surface or strands to contact, or replace their definition. Pinned vertices push and are not pushed.
 /// @return WISP_BAD_INPUT a value is out of range (the message names it); WISP_CONFLICT the module is not registered,
-///         or the entity is neither a surface nor strands with dynamics, or a surface with an external solver
-///         (implicit cloth); WISP_NO_MEMORY
+///         or the entity is neither a surface nor strands with dynamics; WISP_NO_MEMORY
+/// @note Positions of a surface with an external solver (implicit cloth) are corrected after its solve.
 WISP_API wisp_status wisp_set_contact( wisp_world* world, wisp_entity entity, const wisp_contact_def* def );
 /// Remove an entity from contact.
 WISP_API wisp_status wisp_unset_contact( wisp_world* world, wisp_entity entity );

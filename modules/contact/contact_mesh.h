@@ -91,6 +91,7 @@ typedef struct contact_contact_mesh
 /// Components that participants have.
 typedef struct contact_components
 {
+    wisp_component corrected;     // mark of surfaces that take part
     wisp_component samples_read;  // of surfaces that particles stand for
     wisp_component settings;      // contact_settings
     wisp_component particle_free; // intersection-free positions of particles, [4]

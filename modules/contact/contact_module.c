@@ -1,6 +1,7 @@
 // The module: components, passes, settings of a world, and what a host reads of them.
 #include "contact_state.h"
 
+#include "wisp/module/corrected.h"
 #include "wisp/module/sampling.h"
 
 #include <string.h>
@@ -120,6 +121,7 @@ static wisp_status declare_components( wisp_registry* r, contact_state* s )
     } all[] = {
         { &s->components.settings, { "contact.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 } },
         { &s->components.samples_read, { WISP_SAMPLES_READ, WISP_TABLE_ENTITY, NULL, 0 } },
+        { &s->components.corrected, { WISP_PARTICLE_CORRECTED, WISP_TABLE_ENTITY, NULL, 0 } },
         { &s->components.particle_free, { "contact.particles", WISP_TABLE_PARTICLE, PARTICLE_COLUMNS, 2 } },
         { &s->components.strand_free, { "contact.strands", WISP_TABLE_STRAND_ROW, STRAND_COLUMNS, 1 } },
         { &s->active, { "contact.active", WISP_TABLE_ENTITY, MEMORY_COLUMNS, 1 } },

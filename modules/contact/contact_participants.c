@@ -121,13 +121,7 @@ static wisp_status check_participant( wisp_world* world, wisp_entity participant
         void* state;
         status = wisp_world_surface_state( world, "contact", participant, &state );
         status = status == WISP_OK ? wisp_world_need_fabric( world, participant, WISP_FABRIC_EDGES ) : status;
-        return status == WISP_OK && wisp_world_has( world, participant, WISP_PARTICLE_EXTERNAL_SOLVER )
-                   ? wisp_world_fail(
-                         world, WISP_CONFLICT,
-                         "contact: another module solves for the velocities of entity %u, so it cannot be "
-                         "pushed by other surfaces",
-                         participant.index )
-                   : status;
+        return status;
     }
     return wisp_world_has( world, participant, WISP_STRAND_INVERSE_MASS ) &&
                    wisp_world_has( world, participant, WISP_STRAND_LENGTH )
@@ -200,6 +194,10 @@ static wisp_status attach_components( wisp_world* world, contact_state* state, w
     wisp_status status = wisp_world_attach( world, participant, positions );
     status = status == WISP_OK ? wisp_world_attach( world, participant, state->components.settings ) : status;
     status = status == WISP_OK ? mark_participant( world, state, participant, state->world.primitives ) : status;
+    if ( status == WISP_OK && wisp_world_strands( world, participant ) == NULL )
+    {
+        status = wisp_world_attach( world, participant, state->components.corrected );
+    }
     return status == WISP_OK ? wisp_world_request( world, participant, positions ) : status;
 }
 
@@ -221,6 +219,7 @@ static wisp_status add_participant( wisp_world* world, contact_state* state, wis
         wisp_world_detach( world, participant, positions );
         wisp_world_detach( world, participant, state->components.settings );
         wisp_world_detach( world, participant, state->components.samples_read );
+        wisp_world_detach( world, participant, state->components.corrected );
         remove_mesh_entity( world, state );
         return status;
     }
@@ -238,6 +237,7 @@ static void remove_participant( wisp_world* world, contact_state* state, int num
     wisp_world_cancel_request( world, participant.entity, positions );
     wisp_world_detach( world, participant.entity, state->components.settings );
     wisp_world_detach( world, participant.entity, state->components.samples_read );
+    wisp_world_detach( world, participant.entity, state->components.corrected );
     wisp_world_detach( world, participant.entity, positions );
 }
 

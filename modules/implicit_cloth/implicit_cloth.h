@@ -66,8 +66,8 @@ typedef struct wisp_implicit_cloth_def
     wisp_implicit_weights weights;      ///< default effective
     wisp_implicit_damping damping_form; ///< default isotropic
     wisp_implicit_jacobian jacobian;    ///< default dropped
-    /// Default Euler (eq. 16-17), which damps oscillation. BDF2 makes its first substep by Euler, and those with k h^2 / m above 512
-    /// (WISP_COUNT_FIRST_ORDER).
+    /// Default Euler (eq. 16-17), which damps oscillation. BDF2 makes its first substep by Euler, and those with k h^2 / m above 512 or
+    /// after a correction by contact of surfaces (WISP_COUNT_FIRST_ORDER).
     wisp_integrator integrator;
 
     /// Linear solves per substep, 1 .. 64, default 1 as in the paper. More approach the nonlinear step of implicit Euler.
@@ -92,7 +92,8 @@ WISP_DEFINITION( implicit_cloth_def );
 
 /// Make a surface an implicit cloth, or replace its definition. Gravity, pins, targets and damping of the surface apply.
 /// Colliders act through wisp_set_collision(): its thickness is the margin within which a vertex is held, its push-out
-/// speed limits how fast penetration is removed, friction is Coulomb's.
+/// speed limits how fast penetration is removed, friction is Coulomb's. wisp_set_contact() keeps it apart from itself and from other
+/// surfaces: positions are corrected after the solve and velocities follow; a substep of BDF2 after one that was corrected is of Euler.
 /// @return WISP_CONFLICT the module is not registered, the entity is not a surface, or another solver moves it;
 ///         WISP_BAD_INPUT a value is out of range, a pair is not two vertices of the surface, or a link has no length
 ///         (the message names it); WISP_NO_MEMORY. On failure the surface is unchanged

@@ -7,8 +7,9 @@
 #define CONTACT_COLUMNS_LIST( X ) X( implicit_contact, contact, 1 )
 #define CHANGE_COLUMNS_LIST( X ) X( float, change, 3 ) /* m/s, of the last substep's solve */
 #define HISTORY_COLUMNS_LIST( X )                                                                                    \
-    X( float, position, 4 ) /* m, when the substep before began; inverse mass */                                     \
-    X( float, velocity, 4 ) /* m/s */
+    X( float, position, 4 )                         /* m, when the substep before began; inverse mass */             \
+    X( float, velocity, 4 )                         /* m/s */
+#define SOLVED_COLUMNS_LIST( X ) X( float, way, 3 ) /* m, of the substep, before contact of surfaces */
 #define STATS_COLUMNS_LIST( X ) X( wisp_implicit_cloth_stats, stats, 1 )
 
 static const wisp_column_def MATERIAL_COLUMNS[] = { MATERIAL_COLUMNS_LIST( WISP_COLUMN_DEF ) };
@@ -16,6 +17,7 @@ static const wisp_column_def TALLY_COLUMNS[] = { TALLY_COLUMNS_LIST( WISP_COLUMN
 static const wisp_column_def CONTACT_COLUMNS[] = { CONTACT_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 static const wisp_column_def CHANGE_COLUMNS[] = { CHANGE_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 static const wisp_column_def HISTORY_COLUMNS[] = { HISTORY_COLUMNS_LIST( WISP_COLUMN_DEF ) };
+static const wisp_column_def SOLVED_COLUMNS[] = { SOLVED_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 static const wisp_column_def STATS_COLUMNS[] = { STATS_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 
 void wisp_init_implicit_cloth_def( wisp_implicit_cloth_def* def, size_t size )
@@ -90,6 +92,53 @@ static size_t count_memory( const void* memory, size_t* outside )
     return bytes;
 }
 
+static wisp_status declare_passes( wisp_registry* r, implicit_state* state )
+{
+    const wisp_pass step = {
+        .name = "implicit_cloth.step",
+        .stage = WISP_STAGE_PREDICT,
+        .domain = WISP_DOMAIN_ENTITY,
+        .required = { state->material, WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS, state->contact },
+        .excluded = { state->corrected },
+        .reads = { state->material, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_CONTACTS,
+                   state->contact },
+        .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_CONTACTS, state->contact,
+                    state->material, state->tally },
+        .run = implicit_step,
+    };
+    wisp_pass corrected_step = step;
+    corrected_step.name = "implicit_cloth.step_before_contact";
+    corrected_step.required[4] = state->corrected;
+    corrected_step.excluded[0] = 0;
+    corrected_step.writes[6] = WISP_PARTICLE_PREVIOUS;
+    corrected_step.writes[7] = WISP_PARTICLE_HALF_SPACES;
+    corrected_step.writes[8] = state->solved;
+    const wisp_pass passes[] = {
+        step,
+        corrected_step,
+        {
+            .name = "implicit_cloth.take_correction",
+            .stage = WISP_STAGE_VELOCITY,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->material, state->corrected },
+            .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, state->solved },
+            // changed, not replaced: listed so because the largest speed limits the result
+            .writes = { WISP_PARTICLE_VELOCITY },
+            .run = implicit_take_correction,
+        },
+        {
+            .name = "implicit_cloth.stats",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->material, state->tally },
+            .reads = { state->tally, WISP_PARTICLE_POSITION },
+            .writes = { state->stats },
+            .run = implicit_measure,
+        },
+    };
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), state );
+}
+
 static wisp_status declare( wisp_registry* r )
 {
     implicit_state* state = wisp_declare_state( r, sizeof( implicit_state ) );
@@ -111,39 +160,15 @@ static wisp_status declare( wisp_registry* r )
         { &state->contact, { "implicit_cloth.contact", WISP_TABLE_PARTICLE, CONTACT_COLUMNS, 1 } },
         { &state->change, { "implicit_cloth.change", WISP_TABLE_PARTICLE, CHANGE_COLUMNS, 1 } },
         { &state->history, { "implicit_cloth.history", WISP_TABLE_PARTICLE, HISTORY_COLUMNS, 2 } },
+        { &state->corrected, { WISP_PARTICLE_CORRECTED, WISP_TABLE_ENTITY, NULL, 0 } },
+        { &state->solved, { "implicit_cloth.solved", WISP_TABLE_PARTICLE, SOLVED_COLUMNS, 1 } },
         { &state->stats, { "implicit_cloth.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
     };
     for ( int i = 0; i < WISP_COUNT( components ); ++i )
     {
         *components[i].component = wisp_declare_component( r, &components[i].def );
     }
-    wisp_status status = wisp_declare_pass(
-        r, &( wisp_pass ){
-               .name = "implicit_cloth.step",
-               .stage = WISP_STAGE_PREDICT,
-               .domain = WISP_DOMAIN_ENTITY,
-               .required = { state->material, WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS, state->contact },
-               .reads = { state->material, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_CONTACTS,
-                          state->contact },
-               .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_CONTACTS, state->contact,
-                           state->material, state->tally },
-               .run = implicit_step,
-               .user = state,
-           } );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    return wisp_declare_pass( r, &( wisp_pass ){
-                                     .name = "implicit_cloth.stats",
-                                     .stage = WISP_STAGE_OBSERVE,
-                                     .domain = WISP_DOMAIN_ENTITY,
-                                     .required = { state->material, state->tally },
-                                     .reads = { state->tally, WISP_PARTICLE_POSITION },
-                                     .writes = { state->stats },
-                                     .run = implicit_measure,
-                                     .user = state,
-                                 } );
+    return declare_passes( r, state );
 }
 
 const wisp_module wisp_implicit_cloth_module = { .name = "implicit_cloth", .declare = declare };

@@ -4,6 +4,7 @@
 #include "implicit_cloth.h"
 
 #include "wisp/module/components.h"
+#include "wisp/module/corrected.h"
 #include "wisp/module/module.h"
 #include "wisp/module/plate.h"
 
@@ -46,13 +47,15 @@ typedef struct implicit_links
 
 typedef struct implicit_state
 {
-    wisp_component material; ///< implicit_material
-    wisp_component tally;    ///< implicit_tally
-    wisp_component contact;  ///< rows of particles: implicit_contact
-    wisp_component change;   ///< rows of particles: the last change of velocity, to start from
-    wisp_component history;  ///< rows of particles: the substep before, for BDF2
-    wisp_component stats;    ///< wisp_implicit_cloth_stats
-    implicit_links** links;  ///< [link_count] one a surface
+    wisp_component material;  ///< implicit_material
+    wisp_component tally;     ///< implicit_tally
+    wisp_component contact;   ///< rows of particles: implicit_contact
+    wisp_component change;    ///< rows of particles: the last change of velocity, to start from
+    wisp_component history;   ///< rows of particles: the substep before, for BDF2
+    wisp_component corrected; ///< mark of entities whose positions contact corrects after a solve
+    wisp_component solved;    ///< rows of particles: displacement of the substep before that
+    wisp_component stats;     ///< wisp_implicit_cloth_stats
+    implicit_links** links;   ///< [link_count] one a surface
     int link_count, link_capacity;
 } implicit_state;
 
@@ -166,6 +169,13 @@ void implicit_settle_row( const implicit_contact_input* contact_input, int slot,
 /// Impulse of contact on a row, kg m/s: J = -(1 - S) r of the last solve.
 wisp_vec3 implicit_impulse( const implicit_system* system, int row );
 
+// ---- implicit_corrected.c ----
+
+/// Write the half spaces that contact may not push a particle out of, from the bodies of this substep.
+/// @param from, x [3] m, where the particle was and is @param rows [WISP_MAX_HALF_SPACES], as of the kernel half_space @return how many
+int32_t implicit_fill_half_spaces( const implicit_contact_input* contact_input, int slot, const float* from,
+                                   const float* x, float ( *rows )[16] );
+
 // ---- implicit_energy.c ----
 
 /// @param sums [block], receives the parts
@@ -183,4 +193,5 @@ double implicit_ramp_end( double load, double ramp, double rest );
 // ---- passes ----
 
 void implicit_step( wisp_frame* frame, const wisp_span* span, void* user );
+void implicit_take_correction( wisp_frame* frame, const wisp_span* span, void* user );
 void implicit_measure( wisp_frame* frame, const wisp_span* span, void* user );

@@ -143,6 +143,13 @@ void implicit_find_columns( wisp_frame* frame, const wisp_span* span, const impl
         .before_velocity = wisp_frame_column( frame, e, state->history, 1 ),
         .body = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACTS, 0 ),
     };
+    if ( wisp_frame_has( frame, e, state->corrected ) )
+    {
+        s->columns.previous = wisp_frame_column( frame, e, WISP_PARTICLE_PREVIOUS, 0 );
+        s->columns.solved = wisp_frame_column( frame, e, state->solved, 0 );
+        s->columns.half_space_count = wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 0 );
+        s->columns.half_space_rows = wisp_frame_column( frame, e, WISP_PARTICLE_HALF_SPACES, 2 );
+    }
     const wisp_vec3* gravity = wisp_frame_column( frame, e, WISP_PARTICLE_GRAVITY, 0 );
     s->gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
     const float h = wisp_frame_dt( frame, span->entity ), gx = s->gravity.x, gy = s->gravity.y, gz = s->gravity.z;

@@ -351,6 +351,18 @@ static void solve( wisp_frame* frame, implicit_substep* s, implicit_tally* total
 
 // ---- out of rows ----
 
+// Contact of surfaces corrects what the solve leaves: it needs the way of the substep, and what bodies allow.
+static void pass_on( implicit_substep* s, int slot, const float from[4] )
+{
+    const implicit_columns* c = &s->columns;
+    const float* x = c->position + (size_t)slot * 4;
+    memcpy( c->previous + (size_t)slot * 4, from, 4 * sizeof( float ) );
+    for ( int k = 0; k < 3; ++k )
+    {
+        c->solved[(size_t)slot * 3 + (size_t)k] = x[k] - from[k];
+    }
+}
+
 static void scatter_row( implicit_substep* s, int row )
 {
     const implicit_system* system = &s->system;
@@ -361,8 +373,15 @@ static void scatter_row( implicit_substep* s, int row )
     }
     const implicit_columns* c = &s->columns;
     const size_t quad = (size_t)slot * 4;
-    float *x = c->position + quad, *v = c->velocity + quad;
+    float *x = c->position + quad, *v = c->velocity + quad, from[4];
+    memcpy( from, x, sizeof( from ) );
     implicit_press_row( system, &s->contact_input, row );
+    if ( c->half_space_rows != NULL )
+    {
+        c->half_space_count[slot] =
+            implicit_fill_half_spaces( &s->contact_input, slot, x, s->point + (size_t)row * 4,
+                                       c->half_space_rows + (size_t)slot * WISP_MAX_HALF_SPACES );
+    }
     if ( c->before_position != NULL )
     {
         memcpy( c->before_position + quad, x, 4 * sizeof( float ) );
@@ -387,6 +406,10 @@ static void scatter_row( implicit_substep* s, int row )
     if ( x[3] == 0.0f && target != NULL && target[3] != 0.0f && s->contact_input.target_fraction >= 1.0f )
     {
         memcpy( x, target, 3 * sizeof( float ) ); // to the last bit
+    }
+    if ( c->previous != NULL )
+    {
+        pass_on( s, slot, from );
     }
 }
 

@@ -10,6 +10,10 @@ typedef struct implicit_columns
     float* change;                            // [slot][3] m/s; null: solves start from nothing
     float *before_position, *before_velocity; // [slot][4]; null: Euler
     int32_t* body;                            // of particle.contacts
+    float* previous;                          // [slot][4] m; null: no contact of surfaces, nor what follows
+    float* solved;                            // [slot][3] m, way of the substep
+    int32_t* half_space_count;                // [slot]
+    float ( *half_space_rows )[16];           // [slot][WISP_MAX_HALF_SPACES]
 } implicit_columns;
 
 typedef struct implicit_substep

@@ -300,15 +300,17 @@ static void stats_of_contact_are_there_where_they_are_requested( void** state )
     release( &f );
 }
 
-static void implicit_cloth_with_contact_is_refused_at_its_line( void** state )
+static void implicit_cloth_takes_part_in_contact( void** state )
 {
     (void)state;
-    fixture f = { .scene = parsed( "wisp: 1\nsurfaces:\n"
-                                   "  - { name: cloth, generate: { shape: plane }, implicit: {}, contact: {} }\n" ) };
-    const scene_world_options options = { .workers = 1 };
-    assert_int_equal( scene_world_create( &f.scene, &options, &f.world, &f.error ), WISP_CONFLICT );
-    assert_non_null( strstr( f.error.message, "test.yaml:3:5: surface 'cloth': " ) );
-    wisp_scene_release( &f.scene );
+    fixture f;
+    build( &f, "wisp: 1\ncontact: { compute: [stats] }\nsurfaces:\n"
+               "  - { name: cloth, generate: { shape: plane }, implicit: {}, contact: {} }\n" );
+    step( &f, 1 );
+    wisp_contact_stats stats;
+    assert_int_equal( wisp_read_contact_stats( f.world.world, &stats ), WISP_OK );
+    assert_int_equal( stats.participants, 1 );
+    release( &f );
 }
 
 static void the_ends_of_all_ranges_are_taken_by_the_modules( void** state )
@@ -380,7 +382,7 @@ static void the_scenes_of_the_project_with_boundary_particles_or_contact_run( vo
         { "boundary_sphere.yaml", true, 0 },  { "boundary_bunny.yaml", true, 0 },
         { "balloons_press.yaml", false, 2 },  { "balloon_stack.yaml", false, 10 },
         { "cloth_fold.yaml", false, 1 },      { "balloon_under_cloth.yaml", false, 2 },
-        { "hair_on_balloon.yaml", false, 2 },
+        { "hair_on_balloon.yaml", false, 2 }, { "implicit_contact.yaml", false, 2 },
     };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )
     {
@@ -423,7 +425,7 @@ int main( void )
         cmocka_unit_test( a_layer_changes_no_bit_of_its_surface ),
         cmocka_unit_test( a_surface_without_a_layer_has_none ),
         cmocka_unit_test( stats_of_contact_are_there_where_they_are_requested ),
-        cmocka_unit_test( implicit_cloth_with_contact_is_refused_at_its_line ),
+        cmocka_unit_test( implicit_cloth_takes_part_in_contact ),
         cmocka_unit_test( the_ends_of_all_ranges_are_taken_by_the_modules ),
         cmocka_unit_test( what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface ),
         cmocka_unit_test( the_scenes_of_the_project_with_boundary_particles_or_contact_run ),

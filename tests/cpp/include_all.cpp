@@ -16,6 +16,7 @@
 
 #include "wisp/module/aabb_pairs.h"
 #include "wisp/module/components.h"
+#include "wisp/module/corrected.h"
 #include "wisp/module/definition.h"
 #include "wisp/module/instances.h"
 #include "wisp/module/intersections.h"

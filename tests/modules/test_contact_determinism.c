@@ -16,6 +16,7 @@ typedef enum case_kind
     BALLOONS, // three in a heap on a floor
     TANGLED,  // two cloths that start crossed
     THREADS,  // strands on cloth
+    SOLVED,   // implicit cloths, Euler and BDF2, on a ball that moves
 } case_kind;
 
 typedef struct golden_case
@@ -27,9 +28,9 @@ typedef struct golden_case
 } golden_case;
 
 static const golden_case cases[] = {
-    { "fold", FOLD, WISP_CONTACT_TRIANGLES, 1 },        { "balloons", BALLOONS, WISP_CONTACT_TRIANGLES, 2 },
-    { "tangled", TANGLED, WISP_CONTACT_TRIANGLES, 1 },  { "strands", THREADS, WISP_CONTACT_TRIANGLES, 1 },
-    { "samples", BALLOONS, WISP_CONTACT_PARTICLES, 1 },
+    { "fold", FOLD, WISP_CONTACT_TRIANGLES, 1 },       { "balloons", BALLOONS, WISP_CONTACT_TRIANGLES, 2 },
+    { "tangled", TANGLED, WISP_CONTACT_TRIANGLES, 1 }, { "strands", THREADS, WISP_CONTACT_TRIANGLES, 1 },
+    { "implicit", SOLVED, WISP_CONTACT_TRIANGLES, 1 }, { "samples", BALLOONS, WISP_CONTACT_PARTICLES, 1 },
 };
 
 typedef struct running
@@ -42,12 +43,28 @@ typedef struct running
     double impulse; // of all steps
 } running;
 
+// @param integrator of implicit cloth
+static void add_sheet( running* r, test_mesh* mesh, wisp_integrator integrator )
+{
+    wisp_entity* e = r->participants + r->participant_count++;
+    if ( r->c->kind == FOLD )
+    {
+        *e = add_draping( r->h.world, mesh, NULL, 0, EARTH );
+        return;
+    }
+    *e = add_mesh( r->h.world, mesh, NULL, 0, 0.15f );
+    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    def.integrator = integrator;
+    assert_status( r->h.world, wisp_set_implicit_cloth( r->h.world, *e, &def ), WISP_OK );
+    assert_status( r->h.world, wisp_set_gravity( r->h.world, *e, EARTH ), WISP_OK );
+}
+
 static void add_fold( running* r )
 {
     test_mesh mesh = level_sheet( 17, 0.6f, ( wisp_vec3 ){ 0.02f, 0.2f, 0.01f } );
     test_mesh upper = level_sheet( 11, 0.5f, ( wisp_vec3 ){ 0.0f, 0.22f, 0.03f } );
-    r->participants[r->participant_count++] = add_draping( r->h.world, &mesh, NULL, 0, EARTH );
-    r->participants[r->participant_count++] = add_draping( r->h.world, &upper, NULL, 0, EARTH );
+    add_sheet( r, &mesh, WISP_INTEGRATOR_EULER );
+    add_sheet( r, &upper, WISP_INTEGRATOR_BDF2 );
     wisp_collider_def ball = wisp_default_collider_def();
     ball.kind = WISP_COLLIDER_SPHERE;
     ball.radius = 0.08f;
@@ -103,6 +120,7 @@ static void add_case( running* r )
     switch ( r->c->kind )
     {
         case FOLD:
+        case SOLVED:
             add_fold( r );
             break;
         case BALLOONS:
@@ -135,7 +153,7 @@ static void run_case_steps( determinism_run* base, int steps )
         r->base.steps += 1;
         const float t = FRAME * (float)r->base.steps;
         const wisp_transform pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.4f * t, 0.1f, -0.2f * t } };
-        if ( r->c->kind == FOLD )
+        if ( r->c->kind == FOLD || r->c->kind == SOLVED )
         {
             assert_status( r->h.world, wisp_move_collider( r->h.world, r->ball, pose ), WISP_OK );
         }

@@ -95,11 +95,6 @@ static void who_cannot_take_part_is_told( void** state )
     hosted* h = *state;
     const wisp_contact_def def = wisp_default_contact_def();
     const wisp_entity solved = add_small( h->world, 0.0f ), gone = add_small( h->world, 1.0f );
-    const wisp_implicit_cloth_def implicit = wisp_default_implicit_cloth_def();
-    test_mesh mesh = level_sheet( 4, 0.3f, ( wisp_vec3 ){ 0.0f, 2.0f, 0.0f } );
-    const wisp_entity other = add_mesh( h->world, &mesh, NULL, 0, 0.15f );
-    assert_status( h->world, wisp_set_implicit_cloth( h->world, other, &implicit ), WISP_OK );
-    assert_participant_refused( h, other, &def, WISP_CONFLICT, "solves" );
     const wisp_entity still = test_add_strands( h->world, 3, 4 );
     assert_participant_refused( h, still, &def, WISP_CONFLICT, "dynamics" );
     wisp_collider_def ball = wisp_default_collider_def();
