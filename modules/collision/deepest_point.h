@@ -1,0 +1,20 @@
+// The deepest point of a segment or a triangle in a convex body, in the frame of the body.
+#pragma once
+
+#include "collision_vectors.h"
+
+#include "wisp/shapes.h"
+
+/// The point of a primitive with the smallest signed distance.
+typedef struct collision_deepest
+{
+    float weights[3];           // of the corners; they sum to 1
+    wisp_surface_point surface; // of the body, closest to the point
+    float corner;               // m, smallest signed distance of a corner
+} collision_deepest;
+
+/// Find the deepest point of a segment (2 corners) or a triangle (3 corners).
+/// @param tolerance m, by which its signed distance may be above the smallest one, where rounding allows it
+/// @return false if a corner is not finite
+bool collision_find_deepest( const wisp_shape* shape, const wisp_vec3* corners, int corner_count, float tolerance,
+                             collision_deepest* out );

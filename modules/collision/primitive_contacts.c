@@ -1,0 +1,404 @@
+// Contacts of edges and triangles (pass collision.find_primitives), once per substep, after those of particles. In: positions and
+// previous positions of a participant, poses of the bodies. Out: up to two half spaces per edge and per triangle, each with the
+// weights of the corners of the point that it keeps out, and the lists of edges and triangles that have some.
+//
+// - Everything is in the frame of the body, as for particles: a corner moves from b0, seen from the old pose, to b1 along a
+//   line. The deepest point of an edge or a triangle at a time of the substep is that of deepest_point.c.
+// - Conservative advancement finds where the path first comes nearer than a tenth of the thickness h: no point moves farther
+//   than the fastest corner, so at distance d nothing can be touched before another d over that displacement. The half space is the
+//   tangent plane there. A path that stays away gets the plane of its end. So a needle has the side that it comes from, at any speed.
+// - A point that starts nearer than h is moved out at the push-out speed, with its previous position, as particles are.
+// - Corners have contacts of their own: what is no deeper than they are, by a fiftieth of h, gets none. Nor does a triangle whose
+//   deepest point is on its border, which belongs to its edges.
+// - Primitives are independent of each other, and lists have their order, so results do not depend on the workers. Push-out, which
+//   moves corners, is done contact by contact in that order.
+#include "primitive_contacts.h"
+
+#include "body_queries.h"
+#include "collision_passes.h"
+#include "reaction.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+enum
+{
+    GRAIN = 256,   // primitives of a task
+    CLUSTER = 16,  // that are culled together
+    ADVANCES = 16, // of the conservative advancement
+};
+
+// Fractions of the thickness: distance at which a path is stopped, error of the deepest point, what corners may leave.
+static const float STOP = 0.1f, TOLERANCE = 0.005f, LEFT_TO_CORNERS = 0.02f;
+static const float BORDER = 0.01f; // weight of a corner below which a point of a triangle is on its border
+
+collision_primitives collision_primitives_of( wisp_frame* frame, wisp_entity e, const collision_state* state,
+                                              int corner_count )
+{
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, e );
+    const bool is_edges = corner_count == 2;
+    const wisp_component component = is_edges ? state->edge_contacts : state->triangle_contacts;
+    return ( collision_primitives ){
+        .corners = is_edges ? fabric->edges : fabric->triangles,
+        .count = is_edges ? fabric->edge_count : fabric->triangle_count,
+        .corner_count = corner_count,
+        .found = wisp_frame_column( frame, e, component, 0 ),
+        .active = wisp_frame_column( frame, e, component, 1 ),
+        .contacts = wisp_frame_column( frame, e, component, 2 ),
+        .active_count = wisp_frame_column( frame, e, state->all_features, is_edges ? 0 : 1 ),
+    };
+}
+
+typedef struct find_loop
+{
+    wisp_frame* frame;
+    const wisp_span* span;
+    const collision_state* state;
+    collision_primitives primitives;
+    float *position, *previous;
+} find_loop;
+
+// ---- a primitive and a body ----
+
+// The path of a primitive in the frame of a body.
+typedef struct primitive_path
+{
+    int corner_count;
+    wisp_vec3 from[3], to[3];
+    float displacement; // m, of the fastest corner
+} primitive_path;
+
+static wisp_vec3 mean( const wisp_vec3* p, int count )
+{
+    wisp_vec3 sum = { 0.0f, 0.0f, 0.0f };
+    for ( int k = 0; k < count; ++k )
+    {
+        sum = collision_add_scaled( sum, 1.0f / (float)count, p[k] );
+    }
+    return sum;
+}
+
+static float ball_around( const wisp_vec3* p, int count, wisp_vec3 centre )
+{
+    float radius = 0.0f;
+    for ( int k = 0; k < count; ++k )
+    {
+        radius = collision_larger( radius, collision_length( collision_sub( p[k], centre ) ) );
+    }
+    return radius;
+}
+
+// Return whether a ball that moves and may grow on its way stays farther from the body than `reach`. NaN does not.
+static bool stays_away( const collision_view* view, wisp_vec3 from, wisp_vec3 to, float radius, float reach )
+{
+    const wisp_vec3 half = collision_add_scaled( to, -1.0f, from );
+    wisp_surface_point nearest;
+    return wisp_shape_closest( &view->body->shape, collision_add_scaled( from, 0.5f, half ), &nearest ) == false ||
+           nearest.distance - 0.5f * collision_length( half ) - radius > reach;
+}
+
+static bool load_path( const find_loop* loop, const collision_view* view, const int32_t* corners, primitive_path* path )
+{
+    path->corner_count = loop->primitives.corner_count;
+    path->displacement = 0.0f;
+    bool is_finite = true;
+    for ( int k = 0; k < path->corner_count; ++k )
+    {
+        const size_t quad = (size_t)corners[k] * 4;
+        path->from[k] = wisp_transform_to_local( view->before, collision_load( loop->previous + quad ) );
+        path->to[k] = wisp_transform_to_local( view->after, collision_load( loop->position + quad ) );
+        is_finite = is_finite && collision_is_finite( path->from[k] ) && collision_is_finite( path->to[k] );
+        path->displacement = collision_larger( path->displacement,
+                                               collision_length( collision_sub( path->to[k], path->from[k] ) ) );
+    }
+    const wisp_vec3 a = mean( path->from, path->corner_count ), b = mean( path->to, path->corner_count );
+    const float radius = collision_larger( ball_around( path->from, path->corner_count, a ),
+                                           ball_around( path->to, path->corner_count, b ) );
+    return is_finite && stays_away( view, a, b, radius, 2.0f * view->thickness ) == false;
+}
+
+static bool deepest_at( const collision_view* view, const primitive_path* path, float time, collision_deepest* out )
+{
+    wisp_vec3 corners[3];
+    for ( int k = 0; k < path->corner_count; ++k )
+    {
+        const wisp_vec3 way = collision_sub( path->to[k], path->from[k] );
+        corners[k] = collision_add_scaled( path->from[k], time, way );
+    }
+    return collision_find_deepest( &view->body->shape, corners, path->corner_count, TOLERANCE * view->thickness, out );
+}
+
+// Find where a path is stopped, or its end. @return the time, or -1 if the path has no contact
+static float advance( const collision_view* view, const primitive_path* path, collision_deepest* deepest )
+{
+    const float stop = STOP * view->thickness, far = 2.0f * view->thickness + path->displacement;
+    float time = 0.0f;
+    for ( int i = 0; i < ADVANCES; ++i )
+    {
+        if ( deepest_at( view, path, time, deepest ) == false )
+        {
+            return -1.0f;
+        }
+        const float distance = deepest->surface.distance, left = ( 1.0f - time ) * path->displacement;
+        if ( time == 1.0f )
+        {
+            return distance <= far ? 1.0f : -1.0f;
+        }
+        if ( distance - left > far )
+        {
+            return -1.0f;
+        }
+        if ( distance <= stop )
+        {
+            break;
+        }
+        // not quite, so that rounding and the tolerance do not carry it through
+        const float step = ( distance - 0.5f * stop ) / collision_larger( path->displacement, 1e-30f );
+        time = step < 1.0f - time ? time + step : 1.0f;
+    }
+    return time;
+}
+
+static bool is_on_border( const collision_deepest* d )
+{
+    return d->weights[0] < BORDER || d->weights[1] < BORDER || d->weights[2] < BORDER;
+}
+
+// Return the signed distance less the thickness at which the point of a contact starts.
+static float start_gap( const collision_view* view, const primitive_path* path, const collision_deepest* d )
+{
+    wisp_vec3 start = { 0.0f, 0.0f, 0.0f };
+    for ( int k = 0; k < path->corner_count; ++k )
+    {
+        start = collision_add_scaled( start, d->weights[k], path->from[k] );
+    }
+    const float gap = collision_plane_gap( view, &d->surface, start );
+    return gap >= -COLLISION_SHALLOW * view->thickness ? gap : collision_exact_gap( view, start, gap );
+}
+
+static void write_contact( const find_loop* loop, const collision_view* view, const int32_t* corners,
+                           const primitive_path* path, const collision_deepest* d, collision_primitive_contact* out )
+{
+    const wisp_vec3 point = wisp_transform_to_world( view->after, d->surface.point ),
+                    normal = wisp_quat_rotate( view->after.rotation, d->surface.normal );
+    *out = ( collision_primitive_contact ){
+        .half_space = { .gap = view->thickness,
+                        .static_friction = view->static_friction,
+                        .kinetic_friction = view->kinetic_friction },
+        .weights = { d->weights[0], d->weights[1], d->weights[2] },
+        .body = (int32_t)( view->body - loop->state->bodies ),
+    };
+    collision_store( out->half_space.point, point );
+    collision_store( out->half_space.normal, normal );
+    collision_store( out->half_space.motion,
+                     collision_sub( point, wisp_transform_to_world( view->before, d->surface.point ) ) );
+    // the start is measured again when other contacts have moved the corners: here what is not in the plane
+    float along = 0.0f;
+    for ( int k = 0; k < path->corner_count; ++k )
+    {
+        along += d->weights[k] * collision_dot( normal, collision_load( loop->previous + (size_t)corners[k] * 4 ) );
+    }
+    out->half_space.normal_correction = start_gap( view, path, d ) - along;
+}
+
+static bool is_pinned( const find_loop* loop, const int32_t* corners, const collision_deepest* d )
+{
+    float sum = 0.0f;
+    for ( int k = 0; k < loop->primitives.corner_count; ++k )
+    {
+        sum += loop->position[(size_t)corners[k] * 4 + 3] * d->weights[k] * d->weights[k];
+    }
+    return !( sum > 0.0f );
+}
+
+static void meet_body( const find_loop* loop, const collision_view* view, int primitive )
+{
+    const collision_primitives* p = &loop->primitives;
+    const int32_t* corners = p->corners + (size_t)primitive * (size_t)p->corner_count;
+    primitive_path path;
+    collision_deepest deepest;
+    if ( load_path( loop, view, corners, &path ) == false )
+    {
+        return;
+    }
+    const float time = advance( view, &path, &deepest );
+    const bool is_left = time == 1.0f && deepest.surface.distance >= deepest.corner - LEFT_TO_CORNERS * view->thickness;
+    if ( time < 0.0f || is_left || ( p->corner_count == 3 && is_on_border( &deepest ) ) ||
+         is_pinned( loop, corners, &deepest ) )
+    {
+        return;
+    }
+    int place = p->found[primitive]++;
+    collision_primitive_contact contact;
+    write_contact( loop, view, corners, &path, &deepest, &contact );
+    if ( place < COLLISION_PRIMITIVE_CONTACTS )
+    {
+        p->contacts[primitive][place] = contact;
+    }
+}
+
+// ---- the pass ----
+
+// Return whether no primitive of a cluster comes near the body.
+static bool is_culled( const collision_view* view, const wisp_vec3* lower, const wisp_vec3* upper )
+{
+    wisp_vec3 centre[2], all_lower = lower[0], all_upper = upper[0];
+    float radius = 0.0f;
+    for ( int end = 0; end < 2; ++end )
+    {
+        const wisp_vec3 size = collision_sub( upper[end], lower[end] );
+        centre[end] = collision_add_scaled( lower[end], 0.5f, size );
+        radius = collision_larger( radius, 0.5f * collision_length( size ) );
+        collision_widen( &all_lower, &all_upper, lower[end] );
+        collision_widen( &all_lower, &all_upper, upper[end] );
+    }
+    // a bound in single precision may be short by its rounding
+    radius *= 1.0001f;
+    return collision_ball_distance( view, all_lower, all_upper ) > 2.0f * view->thickness ||
+           stays_away( view, wisp_transform_to_local( view->before, centre[0] ),
+                       wisp_transform_to_local( view->after, centre[1] ), radius, 2.0f * view->thickness );
+}
+
+static void find_cluster( const find_loop* loop, int begin, int end )
+{
+    const collision_primitives* p = &loop->primitives;
+    wisp_vec3 lower[2] = { { INFINITY, INFINITY, INFINITY }, { INFINITY, INFINITY, INFINITY } };
+    wisp_vec3 upper[2] = { { -INFINITY, -INFINITY, -INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
+    for ( int i = begin * p->corner_count; i < end * p->corner_count; ++i )
+    {
+        const size_t quad = (size_t)p->corners[i] * 4;
+        collision_widen( &lower[0], &upper[0], collision_load( loop->previous + quad ) );
+        collision_widen( &lower[1], &upper[1], collision_load( loop->position + quad ) );
+    }
+    memset( p->found + begin, 0, (size_t)( end - begin ) * sizeof( int32_t ) );
+    collision_view view;
+    for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    {
+        if ( collision_meets_primitives( view.body ) && is_culled( &view, lower, upper ) == false )
+        {
+            for ( int i = begin; i < end; ++i )
+            {
+                meet_body( loop, &view, i );
+            }
+        }
+    }
+}
+
+static void find_range( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    for ( int first = begin; first < end; first += CLUSTER )
+    {
+        find_cluster( context, first, end - first < CLUSTER ? end : first + CLUSTER );
+    }
+}
+
+// ---- push-out ----
+
+// Move the corners of a contact so that its point moves by a distance along the normal.
+static void move_corners( float* to, const float* position, const int32_t* corners, int corner_count,
+                          const collision_primitive_contact* c, float distance )
+{
+    float sum = 0.0f;
+    for ( int k = 0; k < corner_count; ++k )
+    {
+        sum += position[(size_t)corners[k] * 4 + 3] * c->weights[k] * c->weights[k];
+    }
+    for ( int k = 0; k < corner_count; ++k )
+    {
+        const size_t quad = (size_t)corners[k] * 4;
+        const float part = position[quad + 3] * c->weights[k] / sum;
+        collision_store( to + quad, collision_add_scaled( collision_load( to + quad ), part * distance,
+                                                          collision_load( c->half_space.normal ) ) );
+    }
+}
+
+// As find_push_out() of the kernel half_space_rows does for particles.
+static void push_out( find_loop* loop, const collision_state* state, const int32_t* corners, float most,
+                      float thickness_shallow, collision_primitive_contact* c )
+{
+    const int corner_count = loop->primitives.corner_count;
+    const wisp_vec3 n = collision_load( c->half_space.normal ), q = collision_load( c->half_space.point );
+    float start = c->half_space.normal_correction, now = -collision_dot( n, q ) - c->half_space.gap;
+    for ( int k = 0; k < corner_count; ++k )
+    {
+        const size_t quad = (size_t)corners[k] * 4;
+        start += c->weights[k] * collision_dot( n, collision_load( loop->previous + quad ) );
+        now += c->weights[k] * collision_dot( n, collision_load( loop->position + quad ) );
+    }
+    c->half_space.normal_correction = 0.0f;
+    if ( start >= 0.0f )
+    {
+        return;
+    }
+    const float outward = collision_larger( now - start, 0.0f );
+    const float recovered =
+        start + outward < 0.0f ? collision_smaller( -start - outward, collision_larger( most - outward, 0.0f ) ) : 0.0f;
+    const float absorbed = start < -thickness_shallow ? outward : 0.0f;
+    c->half_space.gap += start + recovered;
+    float before[3][6];
+    for ( int k = 0; k < corner_count; ++k )
+    {
+        memcpy( before[k], loop->position + (size_t)corners[k] * 4, 3 * sizeof( float ) );
+        memcpy( before[k] + 3, loop->previous + (size_t)corners[k] * 4, 3 * sizeof( float ) );
+    }
+    move_corners( loop->position, loop->position, corners, corner_count, c, recovered );
+    move_corners( loop->previous, loop->position, corners, corner_count, c, recovered + absorbed );
+    collision_impulse* sums = collision_reaction_sums( loop->frame, loop->span->entity, state, 0 );
+    for ( int k = 0; k < corner_count && sums != NULL; ++k )
+    {
+        const size_t quad = (size_t)corners[k] * 4;
+        if ( loop->position[quad + 3] > 0.0f )
+        {
+            const double mass = 1.0 / (double)loop->position[quad + 3];
+            const double dt = (double)wisp_frame_dt( loop->frame, loop->span->entity );
+            collision_add_reaction( sums[c->body], mass / dt, collision_load( before[k] ),
+                                    collision_load( before[k] + 3 ), collision_load( loop->position + quad ),
+                                    collision_load( loop->previous + quad ) );
+        }
+    }
+}
+
+static void list_active( find_loop* loop, float recovery )
+{
+    const collision_primitives* p = &loop->primitives;
+    int count = 0;
+    for ( int i = 0; i < p->count; ++i )
+    {
+        p->active[count] = i;
+        count += p->found[i] > 0 ? 1 : 0;
+    }
+    *p->active_count = count;
+    for ( int a = 0; a < count; ++a )
+    {
+        const int i = p->active[a];
+        const int used = p->found[i] < COLLISION_PRIMITIVE_CONTACTS ? p->found[i] : COLLISION_PRIMITIVE_CONTACTS;
+        for ( int k = 0; k < used; ++k )
+        {
+            collision_primitive_contact* c = &p->contacts[i][k];
+            push_out( loop, loop->state, p->corners + (size_t)i * (size_t)p->corner_count, recovery,
+                      COLLISION_SHALLOW * c->half_space.gap, c );
+        }
+    }
+}
+
+void collision_find_primitives( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const collision_state* state = user;
+    const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    const float recovery = settings->max_push_out_speed * wisp_frame_dt( frame, span->entity );
+    find_loop loop = {
+        .frame = frame,
+        .span = span,
+        .state = state,
+        .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+        .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
+    };
+    for ( int corner_count = 2; corner_count <= 3; ++corner_count )
+    {
+        loop.primitives = collision_primitives_of( frame, span->entity, state, corner_count );
+        wisp_parallel_for( wisp_frame_parallel( frame, span ), loop.primitives.count, GRAIN, find_range, &loop );
+        list_active( &loop, recovery );
+    }
+}
