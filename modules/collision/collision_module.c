@@ -37,6 +37,8 @@
     X( int32_t, active, 1 ) /* a list: those with contacts */                                                        \
     X( collision_primitive_contact, contacts, COLLISION_PRIMITIVE_CONTACTS )
 
+#define COLLISION_CLEARANCE_COLUMNS( X ) X( float, clearance, 1 ) /* m, beyond reach of all bodies in this substep */
+
 static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def ACTIVE_COLUMNS[] = { COLLISION_ACTIVE_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def STRAND_CONTACT_COLUMNS[] = { COLLISION_STRAND_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
@@ -52,6 +54,7 @@ static const wisp_column_def REACTION_PART_COLUMNS[] = { COLLISION_REACTION_PART
 static const wisp_column_def CONTACT_BODY_COLUMNS[] = { COLLISION_CONTACT_BODY_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def ALL_FEATURES_COLUMNS[] = { COLLISION_ALL_FEATURES_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def PRIMITIVE_CONTACT_COLUMNS[] = { COLLISION_PRIMITIVE_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def CLEARANCE_COLUMNS[] = { COLLISION_CLEARANCE_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def BOUNCE_COLUMNS[] = { COLLISION_BOUNCE_COLUMNS( WISP_COLUMN_DEF ) };
 
 // ---- declaration ----
@@ -149,7 +152,9 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     state->all_features = wisp_declare_component( r, &all );
     state->edge_contacts = wisp_declare_component( r, &edges );
     state->triangle_contacts = wisp_declare_component( r, &triangles );
-    return state->triangle_contacts != 0 ? WISP_OK : WISP_BAD_INPUT;
+    const wisp_component_def clearance = { "collision.clearance", WISP_TABLE_PARTICLE, CLEARANCE_COLUMNS, 1 };
+    state->clearance = wisp_declare_component( r, &clearance );
+    return state->clearance != 0 ? WISP_OK : WISP_BAD_INPUT;
 }
 
 static wisp_status declare_passes( wisp_registry* r, collision_state* state )
@@ -194,16 +199,6 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .fabric = WISP_FABRIC_EDGES,
         },
         {
-            .name = "collision.project_primitives",
-            .stage = WISP_STAGE_PROJECT,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { state->settings, state->edge_contacts },
-            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
-            .reads = { state->settings, state->edge_contacts, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
-            .writes = { state->edge_contacts, WISP_PARTICLE_POSITION },
-            .run = collision_project_primitives,
-        },
-        {
             .name = "collision.project",
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
@@ -212,6 +207,16 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->settings, WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .writes = { WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION },
             .run = collision_project,
+        },
+        {
+            .name = "collision.project_primitives",
+            .stage = WISP_STAGE_PROJECT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->settings, state->edge_contacts },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
+            .reads = { state->settings, state->edge_contacts, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
+            .writes = { state->edge_contacts, WISP_PARTICLE_POSITION },
+            .run = collision_project_primitives,
         },
         {
             .name = "collision.restitution",

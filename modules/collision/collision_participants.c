@@ -44,7 +44,7 @@ static wisp_status update_surface( wisp_world* world, const collision_state* sta
                                                    : wisp_world_detach( world, participant, state->tracked );
     }
     const bool is_all = touches && wisp_world_has( world, participant, state->all_features );
-    const wisp_component primitives[] = { state->edge_contacts, state->triangle_contacts };
+    const wisp_component primitives[] = { state->edge_contacts, state->triangle_contacts, state->clearance };
     for ( int i = 0; i < WISP_COUNT( primitives ) && status == WISP_OK; ++i )
     {
         status = is_all ? wisp_world_attach( world, participant, primitives[i] )

@@ -24,8 +24,7 @@
 
 enum
 {
-    GRAIN = 256,   // primitives of a task
-    CLUSTER = 16,  // that are culled together
+    GRAIN = 256,   // primitives, or particles, of a task
     ADVANCES = 16, // of the conservative advancement
 };
 
@@ -57,6 +56,7 @@ typedef struct find_loop
     const collision_state* state;
     collision_primitives primitives;
     float *position, *previous;
+    float* clearance; // [slot] m, less the reach: distance of the path of a particle from all bodies, or less
 } find_loop;
 
 // ---- a primitive and a body ----
@@ -240,57 +240,71 @@ static void meet_body( const find_loop* loop, const collision_view* view, int pr
 
 // ---- the pass ----
 
-// Return whether no primitive of a cluster comes near the body.
-static bool is_culled( const collision_view* view, const wisp_vec3* lower, const wisp_vec3* upper )
+// Bound the distance of the path of each corner from all bodies: a box around the body is enough.
+static void measure_corners( void* context, int begin, int end, int worker )
 {
-    wisp_vec3 centre[2], all_lower = lower[0], all_upper = upper[0];
-    float radius = 0.0f;
-    for ( int end = 0; end < 2; ++end )
-    {
-        const wisp_vec3 size = collision_sub( upper[end], lower[end] );
-        centre[end] = collision_add_scaled( lower[end], 0.5f, size );
-        radius = collision_larger( radius, 0.5f * collision_length( size ) );
-        collision_widen( &all_lower, &all_upper, lower[end] );
-        collision_widen( &all_lower, &all_upper, upper[end] );
-    }
-    // a bound in single precision may be short by its rounding
-    radius *= 1.0001f;
-    return collision_ball_distance( view, all_lower, all_upper ) > 2.0f * view->thickness ||
-           stays_away( view, wisp_transform_to_local( view->before, centre[0] ),
-                       wisp_transform_to_local( view->after, centre[1] ), radius, 2.0f * view->thickness );
-}
-
-static void find_cluster( const find_loop* loop, int begin, int end )
-{
-    const collision_primitives* p = &loop->primitives;
-    wisp_vec3 lower[2] = { { INFINITY, INFINITY, INFINITY }, { INFINITY, INFINITY, INFINITY } };
-    wisp_vec3 upper[2] = { { -INFINITY, -INFINITY, -INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
-    for ( int i = begin * p->corner_count; i < end * p->corner_count; ++i )
-    {
-        const size_t quad = (size_t)p->corners[i] * 4;
-        collision_widen( &lower[0], &upper[0], collision_load( loop->previous + quad ) );
-        collision_widen( &lower[1], &upper[1], collision_load( loop->position + quad ) );
-    }
-    memset( p->found + begin, 0, (size_t)( end - begin ) * sizeof( int32_t ) );
+    (void)worker;
+    const find_loop* loop = context;
     collision_view view;
+    for ( int slot = begin; slot < end; ++slot )
+    {
+        loop->clearance[slot] = INFINITY;
+    }
     for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
     {
-        if ( collision_meets_primitives( view.body ) && is_culled( &view, lower, upper ) == false )
+        for ( int slot = begin; collision_meets_primitives( view.body ) && slot < end; ++slot )
         {
-            for ( int i = begin; i < end; ++i )
-            {
-                meet_body( loop, &view, i );
-            }
+            const size_t quad = (size_t)slot * 4;
+            const wisp_vec3 from = wisp_transform_to_local( view.before, collision_load( loop->previous + quad ) ),
+                            to = wisp_transform_to_local( view.after, collision_load( loop->position + quad ) );
+            const float apart = collision_box_distance( view.body, to ) -
+                                collision_length( collision_sub( to, from ) ) - 2.0f * view.thickness;
+            loop->clearance[slot] = collision_smaller( apart, loop->clearance[slot] );
         }
     }
+}
+
+// Return whether a side of a primitive may come within reach of a body: no point of it is farther from its nearer end than half its
+// length, and no point of a triangle farther from its nearest corner than the longest side.
+static bool may_meet( const find_loop* loop, const int32_t* corners )
+{
+    const int count = loop->primitives.corner_count;
+    float least = INFINITY, longest = 0.0f;
+    for ( int k = 0; k < count; ++k )
+    {
+        const size_t a = (size_t)corners[k], b = (size_t)corners[k + 1 < count ? k + 1 : 0];
+        const wisp_vec3 now = collision_sub( collision_load( loop->position + 4 * b ),
+                                             collision_load( loop->position + 4 * a ) ),
+                        old = collision_sub( collision_load( loop->previous + 4 * b ),
+                                             collision_load( loop->previous + 4 * a ) );
+        least = collision_smaller( loop->clearance[a], least );
+        longest = collision_larger( collision_dot( now, now ), longest );
+        longest = collision_larger( collision_dot( old, old ), longest );
+    }
+    // 1 / sqrt 3 of the longest side of a triangle, half of a segment
+    return least <= 0.0f || least * least <= ( count == 2 ? 0.251f : 0.334f ) * longest;
 }
 
 static void find_range( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    for ( int first = begin; first < end; first += CLUSTER )
+    const find_loop* loop = context;
+    const collision_primitives* p = &loop->primitives;
+    collision_view view;
+    for ( int i = begin; i < end; ++i )
     {
-        find_cluster( context, first, end - first < CLUSTER ? end : first + CLUSTER );
+        p->found[i] = 0;
+        if ( may_meet( loop, p->corners + (size_t)i * (size_t)p->corner_count ) == false )
+        {
+            continue;
+        }
+        for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+        {
+            if ( collision_meets_primitives( view.body ) )
+            {
+                meet_body( loop, &view, i );
+            }
+        }
     }
 }
 
@@ -314,11 +328,12 @@ static void move_corners( float* to, const float* position, const int32_t* corne
     }
 }
 
-// As find_push_out() of the kernel half_space_rows does for particles.
-static void push_out( find_loop* loop, const collision_state* state, const int32_t* corners, float most,
-                      float thickness_shallow, collision_primitive_contact* c )
+// Complete a contact: its gap, and what moves out a point that starts too near, as find_push_out() of the kernel half_space_rows
+// does for particles. @param most m, that it is moved out; negative: not at all, and it gets no nearer
+static void push_out( const find_loop* loop, const int32_t* corners, float most, collision_primitive_contact* c )
 {
     const int corner_count = loop->primitives.corner_count;
+    const float shallow = COLLISION_SHALLOW * c->half_space.gap;
     const wisp_vec3 n = collision_load( c->half_space.normal ), q = collision_load( c->half_space.point );
     float start = c->half_space.normal_correction, now = -collision_dot( n, q ) - c->half_space.gap;
     for ( int k = 0; k < corner_count; ++k )
@@ -333,10 +348,14 @@ static void push_out( find_loop* loop, const collision_state* state, const int32
         return;
     }
     const float outward = collision_larger( now - start, 0.0f );
-    const float recovered =
-        start + outward < 0.0f ? collision_smaller( -start - outward, collision_larger( most - outward, 0.0f ) ) : 0.0f;
-    const float absorbed = start < -thickness_shallow ? outward : 0.0f;
+    const float depth = collision_larger( -start - outward, 0.0f );
+    const float recovered = collision_smaller( depth, collision_larger( most - outward, 0.0f ) );
+    const float absorbed = start < -shallow ? outward : 0.0f;
     c->half_space.gap += start + recovered;
+    if ( most < 0.0f )
+    {
+        return;
+    }
     float before[3][6];
     for ( int k = 0; k < corner_count; ++k )
     {
@@ -345,7 +364,7 @@ static void push_out( find_loop* loop, const collision_state* state, const int32
     }
     move_corners( loop->position, loop->position, corners, corner_count, c, recovered );
     move_corners( loop->previous, loop->position, corners, corner_count, c, recovered + absorbed );
-    collision_impulse* sums = collision_reaction_sums( loop->frame, loop->span->entity, state, 0 );
+    collision_impulse* sums = collision_reaction_sums( loop->frame, loop->span->entity, loop->state, 0 );
     for ( int k = 0; k < corner_count && sums != NULL; ++k )
     {
         const size_t quad = (size_t)corners[k] * 4;
@@ -360,7 +379,7 @@ static void push_out( find_loop* loop, const collision_state* state, const int32
     }
 }
 
-static void list_active( find_loop* loop, float recovery )
+static void list_active( const find_loop* loop, float recovery )
 {
     const collision_primitives* p = &loop->primitives;
     int count = 0;
@@ -373,13 +392,30 @@ static void list_active( find_loop* loop, float recovery )
     for ( int a = 0; a < count; ++a )
     {
         const int i = p->active[a];
-        const int used = p->found[i] < COLLISION_PRIMITIVE_CONTACTS ? p->found[i] : COLLISION_PRIMITIVE_CONTACTS;
-        for ( int k = 0; k < used; ++k )
+        for ( int k = 0; k < collision_contacts_of( p, i ); ++k )
         {
-            collision_primitive_contact* c = &p->contacts[i][k];
-            push_out( loop, loop->state, p->corners + (size_t)i * (size_t)p->corner_count, recovery,
-                      COLLISION_SHALLOW * c->half_space.gap, c );
+            push_out( loop, p->corners + (size_t)i * (size_t)p->corner_count, recovery, &p->contacts[i][k] );
         }
+    }
+}
+
+void collision_search_primitives( wisp_frame* frame, const wisp_span* span, const collision_state* state, float recovery )
+{
+    find_loop loop = {
+        .frame = frame,
+        .span = span,
+        .state = state,
+        .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+        .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
+        .clearance = wisp_frame_column( frame, span->entity, state->clearance, 0 ),
+    };
+    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    wisp_parallel_for( parallel, wisp_frame_fabric( frame, span->entity )->slot_count, GRAIN, measure_corners, &loop );
+    for ( int corner_count = 2; corner_count <= 3; ++corner_count )
+    {
+        loop.primitives = collision_primitives_of( frame, span->entity, state, corner_count );
+        wisp_parallel_for( parallel, loop.primitives.count, GRAIN, find_range, &loop );
+        list_active( &loop, recovery );
     }
 }
 
@@ -387,18 +423,6 @@ void collision_find_primitives( wisp_frame* frame, const wisp_span* span, void* 
 {
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
-    const float recovery = settings->max_push_out_speed * wisp_frame_dt( frame, span->entity );
-    find_loop loop = {
-        .frame = frame,
-        .span = span,
-        .state = state,
-        .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
-        .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
-    };
-    for ( int corner_count = 2; corner_count <= 3; ++corner_count )
-    {
-        loop.primitives = collision_primitives_of( frame, span->entity, state, corner_count );
-        wisp_parallel_for( wisp_frame_parallel( frame, span ), loop.primitives.count, GRAIN, find_range, &loop );
-        list_active( &loop, recovery );
-    }
+    collision_search_primitives( frame, span, state,
+                                 settings->max_push_out_speed * wisp_frame_dt( frame, span->entity ) );
 }

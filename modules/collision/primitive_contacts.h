@@ -34,6 +34,17 @@ typedef struct collision_primitives
 collision_primitives collision_primitives_of( wisp_frame* frame, wisp_entity participant, const collision_state* state,
                                               int corner_count );
 
+/// Return the number of contacts that a primitive has.
+static inline int collision_contacts_of( const collision_primitives* p, int primitive )
+{
+    return p->found[primitive] < COLLISION_PRIMITIVE_CONTACTS ? p->found[primitive] : COLLISION_PRIMITIVE_CONTACTS;
+}
+
+/// Find the contacts of all edges and triangles on their way from the previous positions to the positions.
+/// @param recovery m, by which what starts too near is moved out; negative: not at all
+void collision_search_primitives( wisp_frame* frame, const wisp_span* span, const collision_state* state,
+                                  float recovery );
+
 /// Return whether edges and triangles collide with a body. A plane needs no more than vertices.
 static inline bool collision_meets_primitives( const collision_body* body )
 {

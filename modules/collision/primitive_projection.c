@@ -8,6 +8,7 @@
 //
 // so that linear and angular momentum are those of one impulse at p. Contacts are projected one after another, edges first, in the
 // order of the mesh, which no worker changes; a few sweeps let neighbours that share corners settle.
+#include "body_queries.h"
 #include "collision_passes.h"
 #include "primitive_contacts.h"
 #include "reaction.h"
@@ -17,7 +18,10 @@
 enum
 {
     SWEEPS = 4,
+    ROUNDS = 8, // of the search after fast motion
 };
+
+static const float FAST = 0.5f; // of the thickness: displacement against a body behind which is searched again
 
 typedef struct corner_quads
 {
@@ -106,16 +110,154 @@ static void project_contact( const primitive_loop* loop, const int32_t* corners,
     move_point( loop, &quads, contact, collision_sub( p, start ) );
 }
 
-static void project_list( const primitive_loop* loop, const collision_primitives* p )
+typedef struct primitive_lists
 {
-    for ( int a = 0; a < *p->active_count; ++a )
+    collision_primitives edges, triangles;
+} primitive_lists;
+
+typedef struct contact_place
+{
+    const int32_t* corners;
+    int corner_count;
+    collision_primitive_contact* contact;
+} contact_place;
+
+// Iterate over all contacts, edges first. Start with a place of zero.
+typedef struct contact_walk
+{
+    int list, at, contact;
+} contact_walk;
+
+static bool next_contact( const primitive_lists* lists, contact_walk* walk, contact_place* out )
+{
+    for ( ; walk->list < 2; ++walk->list, walk->at = walk->contact = 0 )
     {
-        const int i = p->active[a];
-        const int used = p->found[i] < COLLISION_PRIMITIVE_CONTACTS ? p->found[i] : COLLISION_PRIMITIVE_CONTACTS;
-        for ( int k = 0; k < used; ++k )
+        const collision_primitives* p = walk->list == 0 ? &lists->edges : &lists->triangles;
+        for ( ; walk->at < *p->active_count; ++walk->at, walk->contact = 0 )
         {
-            project_contact( loop, p->corners + (size_t)i * (size_t)p->corner_count, p->corner_count,
-                             &p->contacts[i][k] );
+            const int i = p->active[walk->at];
+            if ( walk->contact < collision_contacts_of( p, i ) )
+            {
+                *out = ( contact_place ){ p->corners + (size_t)i * (size_t)p->corner_count, p->corner_count,
+                                          &p->contacts[i][walk->contact++] };
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static void sweep( const primitive_loop* loop, const primitive_lists* lists )
+{
+    for ( int n = 0; n < SWEEPS; ++n )
+    {
+        contact_place c;
+        for ( contact_walk walk = { 0 }; next_contact( lists, &walk, &c ); )
+        {
+            project_contact( loop, c.corners, c.corner_count, c.contact );
+        }
+    }
+}
+
+// ---- fast motion ----
+
+// Return the distance of the point of a contact from the plane of the body.
+static float distance_of( const primitive_loop* loop, const contact_place* c )
+{
+    const corner_quads quads = quads_of( loop, c->corners, c->corner_count, c->contact );
+    const collision_contact* h = &c->contact->half_space;
+    return collision_dot( collision_load( h->normal ), collision_sub( point_of( &quads, c->contact, loop->position ),
+                                                                      collision_load( h->point ) ) );
+}
+
+// Return whether a corner with contact moved so far against a body that another part of a primitive may have got through.
+static bool is_fast( const primitive_loop* loop, const primitive_lists* lists, const collision_settings* settings )
+{
+    contact_place c;
+    for ( contact_walk walk = { 0 }; next_contact( lists, &walk, &c ); )
+    {
+        for ( int k = 0; k < c.corner_count; ++k )
+        {
+            const size_t quad = (size_t)c.corners[k] * 4;
+            wisp_vec3 way = collision_sub( collision_load( loop->position + quad ), collision_load( loop->previous + quad ) );
+            way = collision_sub( way, collision_load( c.contact->half_space.motion ) );
+            if ( collision_length( way ) > FAST * settings->thickness )
+            {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+// Return how much nearer than its gap a contact is, the most of all.
+static float worst_of( const primitive_loop* loop, const primitive_lists* lists )
+{
+    float worst = 0.0f;
+    contact_place c;
+    for ( contact_walk walk = { 0 }; next_contact( lists, &walk, &c ); )
+    {
+        worst = collision_larger( worst, c.contact->half_space.gap - distance_of( loop, &c ) );
+    }
+    return worst;
+}
+
+// Corners of what still enters a body go along with the body. @return whether there are any
+static bool carry_along( wisp_frame* frame, const wisp_span* span, const collision_state* state,
+                         const primitive_loop* loop, const primitive_lists* lists, float stop )
+{
+    bool any = false;
+    contact_place c;
+    for ( contact_walk walk = { 0 }; next_contact( lists, &walk, &c ); )
+    {
+        collision_view view;
+        int next = c.contact->body;
+        const float allowed = collision_smaller( stop, 0.5f * c.contact->half_space.gap );
+        if ( distance_of( loop, &c ) >= allowed || collision_next( frame, span, state, &next, &view ) == false )
+        {
+            continue;
+        }
+        for ( int k = 0; k < c.corner_count; ++k )
+        {
+            float* at = loop->position + (size_t)c.corners[k] * 4;
+            const wisp_vec3 before = collision_load( at ), previous = collision_load( loop->previous + (size_t)c.corners[k] * 4 );
+            const wisp_vec3 now = wisp_transform_to_world( view.after, wisp_transform_to_local( view.before, previous ) );
+            if ( at[3] > 0.0f )
+            {
+                collision_store( at, now );
+                any = true;
+            }
+            if ( at[3] > 0.0f && loop->sums != NULL )
+            {
+                collision_add_reaction( loop->sums[c.contact->body], 1.0 / ( (double)at[3] * (double)loop->dt ), before,
+                                        previous, now, previous );
+            }
+        }
+    }
+    return any;
+}
+
+// Where primitives moved far, other points of them than those in contact may have come through. So they are searched again on
+// the way that they took, and projected again.
+static void search_again( wisp_frame* frame, const wisp_span* span, const collision_state* state,
+                          const primitive_loop* loop, const primitive_lists* lists )
+{
+    const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    for ( int round = 0; round < ROUNDS; ++round )
+    {
+        collision_search_primitives( frame, span, state, -1.0f );
+        if ( worst_of( loop, lists ) <= COLLISION_SHALLOW * settings->thickness )
+        {
+            return;
+        }
+        sweep( loop, lists );
+    }
+    for ( int round = 0; round < ROUNDS; ++round )
+    {
+        collision_search_primitives( frame, span, state, -1.0f );
+        if ( carry_along( frame, span, state, loop, lists, COLLISION_SHALLOW * settings->thickness ) == false )
+        {
+            return;
         }
     }
 }
@@ -123,17 +265,18 @@ static void project_list( const primitive_loop* loop, const collision_primitives
 void collision_project_primitives( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
+    const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     const primitive_loop loop = {
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
         .sums = collision_reaction_sums( frame, span->entity, state, 0 ),
         .dt = wisp_frame_dt( frame, span->entity ),
     };
-    const collision_primitives edges = collision_primitives_of( frame, span->entity, state, 2 );
-    const collision_primitives triangles = collision_primitives_of( frame, span->entity, state, 3 );
-    for ( int sweep = 0; sweep < SWEEPS; ++sweep )
+    const primitive_lists lists = { collision_primitives_of( frame, span->entity, state, 2 ),
+                                    collision_primitives_of( frame, span->entity, state, 3 ) };
+    sweep( &loop, &lists );
+    if ( span->iteration + 1 == wisp_frame_iterations( frame ) && is_fast( &loop, &lists, settings ) )
     {
-        project_list( &loop, &edges );
-        project_list( &loop, &triangles );
+        search_again( frame, span, state, &loop, &lists );
     }
 }

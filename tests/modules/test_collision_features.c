@@ -91,8 +91,13 @@ static double least_distance( const sheet* s )
             corners[k] = double3_widen( wisp_transform_to_local( s->pose, p ) );
             mean = double3_add_scaled( mean, 1.0 / 3.0, corners[k] );
         }
-        // nothing of the triangle is farther than two edges from its middle
-        if ( deepest_oracle_distance( &body, mean ) < least + 3.0 * (double)CELL )
+        double radius = 0.0;
+        for ( int k = 0; k < 3; ++k )
+        {
+            const double3 arm = double3_sub( corners[k], mean );
+            radius = fmax( radius, sqrt( double3_dot( arm, arm ) ) );
+        }
+        if ( deepest_oracle_distance( &body, mean ) - radius < least )
         {
             least = fmin( least, deepest_oracle_find( &body, corners, 3, NULL ) );
         }
@@ -100,10 +105,11 @@ static double least_distance( const sheet* s )
     return least;
 }
 
-// Smallest height of the sheet above a point, where a vertical line through it meets the sheet; infinite where it does not.
+// Largest height of the sheet above a point, where a vertical line through it meets the sheet. A sheet that is carried may hang
+// down below the point as well; one that was pierced is nowhere above. Infinite where the line does not meet it.
 static double height_above( const sheet* s, wisp_vec3 at )
 {
-    double least = INFINITY;
+    double most = -INFINITY;
     for ( int t = 0; t < s->mesh.triangle_count; ++t )
     {
         double3 p[3];
@@ -121,10 +127,10 @@ static double height_above( const sheet* s, wisp_vec3 at )
         }
         if ( w[0] * sum >= 0.0 && w[1] * sum >= 0.0 && w[2] * sum >= 0.0 && sum != 0.0 )
         {
-            least = fmin( least, ( w[0] * p[0].y + w[1] * p[1].y + w[2] * p[2].y ) / sum );
+            most = fmax( most, ( w[0] * p[0].y + w[1] * p[1].y + w[2] * p[2].y ) / sum );
         }
     }
-    return least;
+    return most > -INFINITY ? most : INFINITY;
 }
 
 // A needle of 1 mm radius below the middle of the sheet, in a direction that no edge has.
@@ -134,10 +140,9 @@ static wisp_collider_def lying_needle( float y )
     const wisp_vec3 m = middle_of_sheet();
     d.radius = 0.001f;
     d.half_length = 0.1f;
-    // the y axis of the needle to x, then about y
-    const float half = 0.37f / 2.0f, r = sqrtf( 0.5f );
-    d.pose = wisp_transform_make( ( wisp_quat ){ sinf( half ) * r, sinf( half ) * r, -cosf( half ) * r, cosf( half ) * r },
-                                  ( wisp_vec3 ){ m.x + 0.003f, y, m.z + 0.0045f } );
+    // the y axis of the needle to x, then by 0.37 rad about y
+    const float s = sqrtf( 0.5f ) * sinf( 0.185f ), c = sqrtf( 0.5f ) * cosf( 0.185f );
+    d.pose = wisp_transform_make( ( wisp_quat ){ -s, s, -c, c }, ( wisp_vec3 ){ m.x + 0.003f, y, m.z + 0.0045f } );
     return d;
 }
 
