@@ -251,7 +251,8 @@ static const scene_block START_BLOCK = BLOCK( START_FIELDS );
 
 #define COLLISION( member ) offsetof( wisp_scene_surface, collision.member )
 
-static const scene_choice FEATURES[] = { { "vertices", "vertices alone: what is thinner than the cells passes between them" },
+static const scene_choice FEATURES[] = { { "vertices",
+                                           "vertices alone: what is thinner than the cells passes between them" },
                                          { "all", "vertices, edges and triangles" },
                                          { NULL, NULL } };
 

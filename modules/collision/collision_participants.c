@@ -254,8 +254,8 @@ static wisp_status check_features( wisp_world* world, wisp_entity participant, w
     }
     if ( features == WISP_COLLISION_ALL && wisp_world_strands( world, participant ) != NULL )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "collision: the strands of entity %u collide by vertices alone",
-                                participant.index );
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "collision: the strands of entity %u collide by vertices alone", participant.index );
     }
     if ( features == WISP_COLLISION_ALL && wisp_world_has( world, participant, WISP_PARTICLE_EXTERNAL_SOLVER ) )
     {
@@ -269,8 +269,7 @@ static wisp_status check_features( wisp_world* world, wisp_entity participant, w
 // Apply the settings of a participant. A mark for edges and triangles is there before what needs it, and goes after.
 static wisp_status apply( wisp_world* world, collision_state* state, wisp_entity participant, bool all_features )
 {
-    wisp_status status =
-        all_features ? wisp_world_attach( world, participant, state->all_features ) : WISP_OK;
+    wisp_status status = all_features ? wisp_world_attach( world, participant, state->all_features ) : WISP_OK;
     status = status == WISP_OK ? update( world, state, participant ) : status;
     status = status == WISP_OK ? collision_update_bounces( world, state ) : status;
     status = status == WISP_OK ? collision_update_reactions( world, state ) : status;

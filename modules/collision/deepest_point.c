@@ -21,12 +21,12 @@ enum
 // A point of a line with a plane below the distance: f( x ) >= bound + normal ( x - here ).
 typedef struct tangent
 {
-    float at;          // parameter on the line
-    float bound;       // m
+    float at;    // parameter on the line
+    float bound; // m
     wisp_vec3 normal;
-    float slope;       // m, along the whole line
+    float slope;                // m, along the whole line
     wisp_surface_point surface; // of the best point
-    float inner;       // of a triangle: where the best point is on its segment
+    float inner;                // of a triangle: where the best point is on its segment
 } tangent;
 
 typedef struct line
@@ -135,8 +135,10 @@ static bool minimise_across( const line* l, float at, tangent* out )
         out->inner = side < 0.0f ? 1.0f : 0.0f;
         return found;
     }
-    const line segment = { l->shape, collision_add_scaled( l->from, at, l->along ),
-                           { at * l->across.x, at * l->across.y, at * l->across.z }, { 0.0f, 0.0f, 0.0f },
+    const line segment = { l->shape,
+                           collision_add_scaled( l->from, at, l->along ),
+                           { at * l->across.x, at * l->across.y, at * l->across.z },
+                           { 0.0f, 0.0f, 0.0f },
                            0.5f * l->tolerance };
     if ( minimise( &segment, evaluate, out ) == false )
     {

@@ -98,7 +98,8 @@ static bool stays_away( const collision_view* view, wisp_vec3 from, wisp_vec3 to
            nearest.distance - 0.5f * collision_length( half ) - radius > reach;
 }
 
-static bool load_path( const find_loop* loop, const collision_view* view, const int32_t* corners, primitive_path* path )
+static bool load_path( const find_loop* loop, const collision_view* view, const int32_t* corners,
+                       primitive_path* path )
 {
     path->corner_count = loop->primitives.corner_count;
     path->displacement = 0.0f;
@@ -109,8 +110,8 @@ static bool load_path( const find_loop* loop, const collision_view* view, const 
         path->from[k] = wisp_transform_to_local( view->before, collision_load( loop->previous + quad ) );
         path->to[k] = wisp_transform_to_local( view->after, collision_load( loop->position + quad ) );
         is_finite = is_finite && collision_is_finite( path->from[k] ) && collision_is_finite( path->to[k] );
-        path->displacement = collision_larger( path->displacement,
-                                               collision_length( collision_sub( path->to[k], path->from[k] ) ) );
+        path->displacement =
+            collision_larger( path->displacement, collision_length( collision_sub( path->to[k], path->from[k] ) ) );
     }
     const wisp_vec3 a = mean( path->from, path->corner_count ), b = mean( path->to, path->corner_count );
     const float radius = collision_larger( ball_around( path->from, path->corner_count, a ),
@@ -126,7 +127,8 @@ static bool deepest_at( const collision_view* view, const primitive_path* path, 
         const wisp_vec3 way = collision_sub( path->to[k], path->from[k] );
         corners[k] = collision_add_scaled( path->from[k], time, way );
     }
-    return collision_find_deepest( &view->body->shape, corners, path->corner_count, TOLERANCE * view->thickness, out );
+    return collision_find_deepest( &view->body->shape, corners, path->corner_count, TOLERANCE * view->thickness,
+                                   out );
 }
 
 // Find where a path is stopped, or its end. @return the time, or -1 if the path has no contact
@@ -223,7 +225,8 @@ static void meet_body( const find_loop* loop, const collision_view* view, int pr
         return;
     }
     const float time = advance( view, &path, &deepest );
-    const bool is_left = time == 1.0f && deepest.surface.distance >= deepest.corner - LEFT_TO_CORNERS * view->thickness;
+    const bool is_left =
+        time == 1.0f && deepest.surface.distance >= deepest.corner - LEFT_TO_CORNERS * view->thickness;
     if ( time < 0.0f || is_left || ( p->corner_count == 3 && is_on_border( &deepest ) ) ||
          is_pinned( loop, corners, &deepest ) )
     {
@@ -399,7 +402,8 @@ static void list_active( const find_loop* loop, float recovery )
     }
 }
 
-void collision_search_primitives( wisp_frame* frame, const wisp_span* span, const collision_state* state, float recovery )
+void collision_search_primitives( wisp_frame* frame, const wisp_span* span, const collision_state* state,
+                                  float recovery )
 {
     find_loop loop = {
         .frame = frame,
@@ -410,7 +414,8 @@ void collision_search_primitives( wisp_frame* frame, const wisp_span* span, cons
         .clearance = wisp_frame_column( frame, span->entity, state->clearance, 0 ),
     };
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
-    wisp_parallel_for( parallel, wisp_frame_fabric( frame, span->entity )->slot_count, GRAIN, measure_corners, &loop );
+    wisp_parallel_for( parallel, wisp_frame_fabric( frame, span->entity )->slot_count, GRAIN, measure_corners,
+                       &loop );
     for ( int corner_count = 2; corner_count <= 3; ++corner_count )
     {
         loop.primitives = collision_primitives_of( frame, span->entity, state, corner_count );

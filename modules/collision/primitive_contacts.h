@@ -31,8 +31,8 @@ typedef struct collision_primitives
 } collision_primitives;
 
 /// Get the edges ( corner_count 2 ) or the triangles ( 3 ) of a participant. They have rows while it collides with all features.
-collision_primitives collision_primitives_of( wisp_frame* frame, wisp_entity participant, const collision_state* state,
-                                              int corner_count );
+collision_primitives collision_primitives_of( wisp_frame* frame, wisp_entity participant,
+                                              const collision_state* state, int corner_count );
 
 /// Return the number of contacts that a primitive has.
 static inline int collision_contacts_of( const collision_primitives* p, int primitive )

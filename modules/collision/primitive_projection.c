@@ -179,7 +179,8 @@ static bool is_fast( const primitive_loop* loop, const primitive_lists* lists, c
         for ( int k = 0; k < c.corner_count; ++k )
         {
             const size_t quad = (size_t)c.corners[k] * 4;
-            wisp_vec3 way = collision_sub( collision_load( loop->position + quad ), collision_load( loop->previous + quad ) );
+            wisp_vec3 way =
+                collision_sub( collision_load( loop->position + quad ), collision_load( loop->previous + quad ) );
             way = collision_sub( way, collision_load( c.contact->half_space.motion ) );
             if ( collision_length( way ) > FAST * settings->thickness )
             {
@@ -220,8 +221,10 @@ static bool carry_along( wisp_frame* frame, const wisp_span* span, const collisi
         for ( int k = 0; k < c.corner_count; ++k )
         {
             float* at = loop->position + (size_t)c.corners[k] * 4;
-            const wisp_vec3 before = collision_load( at ), previous = collision_load( loop->previous + (size_t)c.corners[k] * 4 );
-            const wisp_vec3 now = wisp_transform_to_world( view.after, wisp_transform_to_local( view.before, previous ) );
+            const wisp_vec3 before = collision_load( at ),
+                            previous = collision_load( loop->previous + (size_t)c.corners[k] * 4 );
+            const wisp_vec3 now =
+                wisp_transform_to_world( view.after, wisp_transform_to_local( view.before, previous ) );
             if ( at[3] > 0.0f )
             {
                 collision_store( at, now );
@@ -229,8 +232,8 @@ static bool carry_along( wisp_frame* frame, const wisp_span* span, const collisi
             }
             if ( at[3] > 0.0f && loop->sums != NULL )
             {
-                collision_add_reaction( loop->sums[c.contact->body], 1.0 / ( (double)at[3] * (double)loop->dt ), before,
-                                        previous, now, previous );
+                collision_add_reaction( loop->sums[c.contact->body], 1.0 / ( (double)at[3] * (double)loop->dt ),
+                                        before, previous, now, previous );
             }
         }
     }

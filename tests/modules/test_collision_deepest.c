@@ -45,8 +45,8 @@ static void compare( const wisp_shape* shape, const deepest_oracle_body* body, c
     // and not above the smallest one by more than the tolerance
     if ( (double)found.surface.distance > least + tolerance + rounding )
     {
-        fail_msg( "kind %d, %d corners: got %g, expected %g", (int)shape->kind, count,
-                  (double)found.surface.distance, least );
+        fail_msg( "kind %d, %d corners: got %g, expected %g", (int)shape->kind, count, (double)found.surface.distance,
+                  least );
     }
 }
 
@@ -117,12 +117,12 @@ static void flat_and_degenerate_primitives_have_a_deepest_point( void** state )
         { .kind = WISP_SHAPE_BOX, .half_extent = { 0.3f, 0.5f, 0.2f } },
     };
     static const wisp_vec3 cases[][3] = {
-        { { -1, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 } },       // through the middle
-        { { 0, -1, 0 }, { 0, 1, 0 }, { 0.5f, 0, 0 } },    // along the axis of the capsule
-        { { -1, 0.5f, -1 }, { 1, 0.5f, -1 }, { 0, 0.5f, 1 } }, // in the plane of a face
-        { { -1, 0.6f, -1 }, { 1, 0.6f, -1 }, { 0, 0.6f, 1 } }, // parallel to it
+        { { -1, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 } },                           // through the middle
+        { { 0, -1, 0 }, { 0, 1, 0 }, { 0.5f, 0, 0 } },                        // along the axis of the capsule
+        { { -1, 0.5f, -1 }, { 1, 0.5f, -1 }, { 0, 0.5f, 1 } },                // in the plane of a face
+        { { -1, 0.6f, -1 }, { 1, 0.6f, -1 }, { 0, 0.6f, 1 } },                // parallel to it
         { { 0.3f, 0.5f, 0.2f }, { 0.3f, 0.5f, 0.2f }, { 0.3f, 0.5f, 0.2f } }, // a point, the corner of the box
-        { { 1, 1, 1 }, { 1, 1, 1 }, { -1, -1, -1 } },     // a line
+        { { 1, 1, 1 }, { 1, 1, 1 }, { -1, -1, -1 } },                         // a line
         { { -1, 0.7f, 0.2f }, { 0, 0.7f, 0.2f }, { 1, 0.7f, 0.2f } },
     };
     for ( int i = 0; i < WISP_COUNT( shapes ); ++i )

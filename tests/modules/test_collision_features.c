@@ -73,8 +73,9 @@ static void move_body( sheet* s, wisp_transform pose )
 static wisp_shape shape_of( const wisp_collider_def* d )
 {
     const wisp_shape_kind kinds[] = { WISP_SHAPE_PLANE, WISP_SHAPE_SPHERE, WISP_SHAPE_CAPSULE, WISP_SHAPE_BOX };
-    return ( wisp_shape ){ .kind = kinds[d->kind], .radius = d->radius, .half_length = d->half_length,
-                           .half_extent = d->half_extent };
+    return ( wisp_shape ){
+        .kind = kinds[d->kind], .radius = d->radius, .half_length = d->half_length, .half_extent = d->half_extent
+    };
 }
 
 // Smallest signed distance of all triangles from the body, in double precision.
@@ -195,7 +196,8 @@ static void a_needle_at_rest_carries_a_loaded_sheet( void** state )
             run_for( s.h->world, DT, 1 );
             least = n % 10 == 0 ? fmin( least, least_distance( &s ) ) : least;
             above = n % 10 == 0 ? fmin( above, height_above_needle( &s ) ) : above;
-            if ( n % 10 == 0 ) report( standing ? "standing" : "lying", &s );
+            if ( n % 10 == 0 )
+                report( standing ? "standing" : "lying", &s );
         }
         assert_true( above > 0.0 );
         assert_true( least >= 0.9 * (double)THICKNESS - 1e-4 );
@@ -240,7 +242,8 @@ static void a_needle_that_moves_does_not_pass( void** state )
             run_for( s.h->world, DT, 1 );
             above = fmin( above, height_above_needle( &s ) );
             least = fmin( least, least_distance( &s ) );
-            if ( n >= steps || n % 5 == 0 ) report( standing ? "standing moves" : "lying moves", &s );
+            if ( n >= steps || n % 5 == 0 )
+                report( standing ? "standing moves" : "lying moves", &s );
         }
         assert_true( above > 0.0 );
         assert_true( least > 0.0 );

@@ -101,7 +101,8 @@ double deepest_oracle_distance( const deepest_oracle_body* b, double3 p )
         case WISP_SHAPE_SPHERE:
             return length( p ) - b->radius;
         case WISP_SHAPE_CAPSULE:
-            return length( double3_make( p.x, p.y - clamp( p.y, -b->half_length, b->half_length ), p.z ) ) - b->radius;
+            return length( double3_make( p.x, p.y - clamp( p.y, -b->half_length, b->half_length ), p.z ) ) -
+                   b->radius;
         case WISP_SHAPE_BOX:
             return box_distance( b->half_extent, p );
         case WISP_SHAPE_TAPERED_CAPSULE:
@@ -111,7 +112,8 @@ double deepest_oracle_distance( const deepest_oracle_body* b, double3 p )
     }
 }
 
-double deepest_oracle_find( const deepest_oracle_body* body, const double3* corners, int corner_count, double weights[3] )
+double deepest_oracle_find( const deepest_oracle_body* body, const double3* corners, int corner_count,
+                            double weights[3] )
 {
     enum
     {
@@ -126,7 +128,8 @@ double deepest_oracle_find( const deepest_oracle_body* body, const double3* corn
             for ( int k = 0; k <= ( corner_count == 3 ? STEPS : 0 ); ++k )
             {
                 const double a = clamp( u + width * ( 2.0 * i / STEPS - 1.0 ), 0.0, 1.0 );
-                const double b = corner_count == 3 ? clamp( v + width * ( 2.0 * k / STEPS - 1.0 ), 0.0, 1.0 - a ) : 0.0;
+                const double b =
+                    corner_count == 3 ? clamp( v + width * ( 2.0 * k / STEPS - 1.0 ), 0.0, 1.0 - a ) : 0.0;
                 double3 p = double3_blend( corners[0], corners[1], a );
                 p = corner_count == 3 ? double3_add_scaled( p, b, double3_sub( corners[2], corners[0] ) ) : p;
                 const double d = deepest_oracle_distance( body, p );

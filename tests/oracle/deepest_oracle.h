@@ -25,4 +25,5 @@ double deepest_oracle_distance( const deepest_oracle_body* body, double3 p );
 
 /// Smallest signed distance of the points of a segment (2 corners) or a triangle (3 corners), m.
 /// @param weights receives the weights of the corners of that point; may be null
-double deepest_oracle_find( const deepest_oracle_body* body, const double3* corners, int corner_count, double weights[3] );
+double deepest_oracle_find( const deepest_oracle_body* body, const double3* corners, int corner_count,
+                            double weights[3] );
