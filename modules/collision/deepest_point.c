@@ -43,11 +43,40 @@ static wisp_vec3 blend( wisp_vec3 a, wisp_vec3 b, float s )
     return ( wisp_vec3 ){ a.x + s * ( b.x - a.x ), a.y + s * ( b.y - a.y ), a.z + s * ( b.z - a.z ) };
 }
 
+static wisp_vec3 times( float s, wisp_vec3 v )
+{
+    return ( wisp_vec3 ){ s * v.x, s * v.y, s * v.z };
+}
+
+static float clamped( float x, float half )
+{
+    return collision_larger( -half, collision_smaller( half, x ) );
+}
+
+// As wisp_shape_closest(), in single precision for the simple shapes outside of their middle. The search calls it most of all.
+static bool closest( const wisp_shape* shape, wisp_vec3 p, wisp_surface_point* out )
+{
+    const bool is_box = shape->kind == WISP_SHAPE_BOX, is_capsule = shape->kind == WISP_SHAPE_CAPSULE;
+    const wisp_vec3 h = shape->half_extent;
+    wisp_vec3 core = { 0.0f, 0.0f, 0.0f };
+    core = is_capsule ? ( wisp_vec3 ){ 0.0f, clamped( p.y, shape->half_length ), 0.0f } : core;
+    core = is_box ? ( wisp_vec3 ){ clamped( p.x, h.x ), clamped( p.y, h.y ), clamped( p.z, h.z ) } : core;
+    const wisp_vec3 away = collision_sub( p, core );
+    const float length = collision_length( away ), radius = is_box ? 0.0f : shape->radius;
+    if ( ( is_box || is_capsule || shape->kind == WISP_SHAPE_SPHERE ) && length > 1e-12f && length < 1e9f )
+    {
+        const wisp_vec3 n = times( 1.0f / length, away );
+        *out = ( wisp_surface_point ){ collision_add_scaled( core, radius, n ), n, length - radius };
+        return true;
+    }
+    return wisp_shape_closest( shape, p, out );
+}
+
 static bool evaluate( const line* l, float at, tangent* out )
 {
     out->at = at;
     out->inner = 0.0f;
-    if ( wisp_shape_closest( l->shape, collision_add_scaled( l->from, at, l->along ), &out->surface ) == false )
+    if ( closest( l->shape, collision_add_scaled( l->from, at, l->along ), &out->surface ) == false )
     {
         return false;
     }
@@ -150,16 +179,26 @@ static bool minimise_across( const line* l, float at, tangent* out )
     return true;
 }
 
-static float corner_distance( const wisp_shape* shape, const wisp_vec3* corners, int count )
+float collision_bound_deepest( const wisp_shape* shape, const wisp_vec3* corners, int corner_count, float* corner )
 {
-    float least = INFINITY;
-    for ( int k = 0; k < count; ++k )
+    float bound = -INFINITY;
+    *corner = INFINITY;
+    for ( int k = 0; k < corner_count; ++k )
     {
         wisp_surface_point s;
-        wisp_shape_closest( shape, corners[k], &s );
-        least = collision_smaller( s.distance, least );
+        if ( closest( shape, corners[k], &s ) == false )
+        {
+            return -INFINITY;
+        }
+        float fall = 0.0f;
+        for ( int j = 0; j < corner_count; ++j )
+        {
+            fall = collision_smaller( fall, collision_dot( s.normal, collision_sub( corners[j], corners[k] ) ) );
+        }
+        bound = collision_larger( bound, s.distance + fall );
+        *corner = collision_smaller( *corner, s.distance );
     }
-    return least;
+    return bound;
 }
 
 bool collision_find_deepest( const wisp_shape* shape, const wisp_vec3* corners, int corner_count, float tolerance,
@@ -178,6 +217,5 @@ bool collision_find_deepest( const wisp_shape* shape, const wisp_vec3* corners, 
     out->weights[1] = is_triangle ? best.at * ( 1.0f - best.inner ) : best.at;
     out->weights[2] = is_triangle ? best.at * best.inner : 0.0f;
     out->surface = best.surface;
-    out->corner = corner_distance( shape, corners, corner_count );
     return true;
 }

@@ -8,7 +8,7 @@
 //   than the fastest corner, so at distance d nothing can be touched before another d over that displacement. The half space is the
 //   tangent plane there. A path that stays away gets the plane of its end. So a needle has the side that it comes from, at any speed.
 // - A point that starts nearer than h is moved out at the push-out speed, with its previous position, as particles are.
-// - Corners have contacts of their own: what is no deeper than they are, by a fiftieth of h, gets none. Nor does a triangle whose
+// - Corners have contacts of their own: what is no deeper than they are, by a twentieth of h, gets none. Nor does a triangle whose
 //   deepest point is on its border, which belongs to its edges.
 // - Primitives are independent of each other, and lists have their order, so results do not depend on the workers. Push-out, which
 //   moves corners, is done contact by contact in that order.
@@ -29,7 +29,7 @@ enum
 };
 
 // Fractions of the thickness: distance at which a path is stopped, error of the deepest point, what corners may leave.
-static const float STOP = 0.1f, TOLERANCE = 0.005f, LEFT_TO_CORNERS = 0.02f;
+static const float STOP = 0.1f, TOLERANCE = 0.005f, LEFT_TO_CORNERS = 0.05f;
 static const float BORDER = 0.01f; // weight of a corner below which a point of a triangle is on its border
 
 collision_primitives collision_primitives_of( wisp_frame* frame, wisp_entity e, const collision_state* state,
@@ -119,47 +119,64 @@ static bool load_path( const find_loop* loop, const collision_view* view, const 
     return is_finite && stays_away( view, a, b, radius, 2.0f * view->thickness ) == false;
 }
 
-static bool deepest_at( const collision_view* view, const primitive_path* path, float time, collision_deepest* out )
+static void corners_at( const primitive_path* path, float time, wisp_vec3* corners )
 {
-    wisp_vec3 corners[3];
     for ( int k = 0; k < path->corner_count; ++k )
     {
         const wisp_vec3 way = collision_sub( path->to[k], path->from[k] );
         corners[k] = collision_add_scaled( path->from[k], time, way );
     }
-    return collision_find_deepest( &view->body->shape, corners, path->corner_count, TOLERANCE * view->thickness,
-                                   out );
 }
 
-// Find where a path is stopped, or its end. @return the time, or -1 if the path has no contact
-static float advance( const collision_view* view, const primitive_path* path, collision_deepest* deepest )
+// Find the first time at which a path is as near as `stop`, or one shortly before, 1 if it never is.
+// @return false if a corner is not finite
+static bool advance( const collision_view* view, const primitive_path* path, float stop, float* time,
+                     collision_deepest* deepest )
 {
-    const float stop = STOP * view->thickness, far = 2.0f * view->thickness + path->displacement;
-    float time = 0.0f;
-    for ( int i = 0; i < ADVANCES; ++i )
+    const float tolerance = TOLERANCE * view->thickness;
+    wisp_vec3 corners[3];
+    *time = 0.0f;
+    for ( int i = 0; i < ADVANCES && *time < 1.0f; ++i )
     {
-        if ( deepest_at( view, path, time, deepest ) == false )
+        corners_at( path, *time, corners );
+        if ( collision_find_deepest( &view->body->shape, corners, path->corner_count, tolerance, deepest ) == false )
         {
-            return -1.0f;
+            return false;
         }
-        const float distance = deepest->surface.distance, left = ( 1.0f - time ) * path->displacement;
-        if ( time == 1.0f )
-        {
-            return distance <= far ? 1.0f : -1.0f;
-        }
-        if ( distance - left > far )
-        {
-            return -1.0f;
-        }
-        if ( distance <= stop )
+        if ( deepest->surface.distance <= stop )
         {
             break;
         }
         // not quite, so that rounding and the tolerance do not carry it through
-        const float step = ( distance - 0.5f * stop ) / collision_larger( path->displacement, 1e-30f );
-        time = step < 1.0f - time ? time + step : 1.0f;
+        const float step =
+            ( deepest->surface.distance - 0.5f * stop ) / collision_larger( path->displacement, 1e-30f );
+        *time = step < 1.0f - *time ? *time + step : 1.0f;
     }
-    return time;
+    return true;
+}
+
+// Find the point that meets a body: where the path is stopped, or at its end, if that is near and deeper than the corners.
+// @return false if there is none
+static bool find_meeting( const collision_view* view, const primitive_path* path, collision_deepest* deepest )
+{
+    const wisp_shape* shape = &view->body->shape;
+    const float stop = STOP * view->thickness, left = LEFT_TO_CORNERS * view->thickness;
+    float corner, time = 1.0f;
+    // most paths are too far from the body to be stopped in the substep
+    if ( collision_bound_deepest( shape, path->from, path->corner_count, &corner ) - path->displacement <= stop &&
+         advance( view, path, stop, &time, deepest ) == false )
+    {
+        return false;
+    }
+    if ( time < 1.0f )
+    {
+        return true;
+    }
+    const float bound = collision_bound_deepest( shape, path->to, path->corner_count, &corner );
+    const float most = collision_smaller( corner - left, 2.0f * view->thickness + path->displacement );
+    return bound < most &&
+           collision_find_deepest( shape, path->to, path->corner_count, TOLERANCE * view->thickness, deepest ) &&
+           deepest->surface.distance < most;
 }
 
 static bool is_on_border( const collision_deepest* d )
@@ -224,10 +241,7 @@ static void meet_body( const find_loop* loop, const collision_view* view, int pr
     {
         return;
     }
-    const float time = advance( view, &path, &deepest );
-    const bool is_left =
-        time == 1.0f && deepest.surface.distance >= deepest.corner - LEFT_TO_CORNERS * view->thickness;
-    if ( time < 0.0f || is_left || ( p->corner_count == 3 && is_on_border( &deepest ) ) ||
+    if ( find_meeting( view, &path, &deepest ) == false || ( p->corner_count == 3 && is_on_border( &deepest ) ) ||
          is_pinned( loop, corners, &deepest ) )
     {
         return;

@@ -39,7 +39,10 @@ static void compare( const wisp_shape* shape, const deepest_oracle_body* body, c
     const double rounding = 1e-6;
     const double least = deepest_oracle_find( body, wide, count, NULL );
     assert_near( sum, 1.0, rounding );
-    assert_near( (double)found.corner, corner, rounding );
+    float nearest;
+    const float bound = collision_bound_deepest( shape, corners, count, &nearest );
+    assert_near( (double)nearest, corner, rounding );
+    assert_true( (double)bound <= least + rounding );
     // the distance is that of the point with these weights
     assert_near( (double)found.surface.distance, deepest_oracle_distance( body, at ), rounding );
     // and not above the smallest one by more than the tolerance
