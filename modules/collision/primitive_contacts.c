@@ -69,35 +69,6 @@ typedef struct primitive_path
     float displacement; // m, of the fastest corner
 } primitive_path;
 
-static wisp_vec3 mean( const wisp_vec3* p, int count )
-{
-    wisp_vec3 sum = { 0.0f, 0.0f, 0.0f };
-    for ( int k = 0; k < count; ++k )
-    {
-        sum = collision_add_scaled( sum, 1.0f / (float)count, p[k] );
-    }
-    return sum;
-}
-
-static float ball_around( const wisp_vec3* p, int count, wisp_vec3 centre )
-{
-    float radius = 0.0f;
-    for ( int k = 0; k < count; ++k )
-    {
-        radius = collision_larger( radius, collision_length( collision_sub( p[k], centre ) ) );
-    }
-    return radius;
-}
-
-// Return whether a ball that moves and may grow on its way stays farther from the body than `reach`. NaN does not.
-static bool stays_away( const collision_view* view, wisp_vec3 from, wisp_vec3 to, float radius, float reach )
-{
-    const wisp_vec3 half = collision_add_scaled( to, -1.0f, from );
-    wisp_surface_point nearest;
-    return wisp_shape_closest( &view->body->shape, collision_add_scaled( from, 0.5f, half ), &nearest ) == false ||
-           nearest.distance - 0.5f * collision_length( half ) - radius > reach;
-}
-
 static bool load_path( const find_loop* loop, const collision_view* view, const int32_t* corners,
                        primitive_path* path )
 {
@@ -113,10 +84,7 @@ static bool load_path( const find_loop* loop, const collision_view* view, const 
         path->displacement =
             collision_larger( path->displacement, collision_length( collision_sub( path->to[k], path->from[k] ) ) );
     }
-    const wisp_vec3 a = mean( path->from, path->corner_count ), b = mean( path->to, path->corner_count );
-    const float radius = collision_larger( ball_around( path->from, path->corner_count, a ),
-                                           ball_around( path->to, path->corner_count, b ) );
-    return is_finite && stays_away( view, a, b, radius, 2.0f * view->thickness ) == false;
+    return is_finite;
 }
 
 static void corners_at( const primitive_path* path, float time, wisp_vec3* corners )
@@ -307,20 +275,21 @@ static void find_range( void* context, int begin, int end, int worker )
     (void)worker;
     const find_loop* loop = context;
     const collision_primitives* p = &loop->primitives;
-    collision_view view;
+    int32_t near[GRAIN];
+    int count = 0;
+    WISP_ASSERT( end - begin <= GRAIN );
     for ( int i = begin; i < end; ++i )
     {
         p->found[i] = 0;
-        if ( may_meet( loop, p->corners + (size_t)i * (size_t)p->corner_count ) == false )
+        near[count] = i;
+        count += may_meet( loop, p->corners + (size_t)i * (size_t)p->corner_count ) ? 1 : 0;
+    }
+    collision_view view;
+    for ( int next = 0; count > 0 && collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    {
+        for ( int i = 0; collision_meets_primitives( view.body ) && i < count; ++i )
         {
-            continue;
-        }
-        for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
-        {
-            if ( collision_meets_primitives( view.body ) )
-            {
-                meet_body( loop, &view, i );
-            }
+            meet_body( loop, &view, near[i] );
         }
     }
 }
