@@ -9,6 +9,7 @@
 
 #include "cloth/cloth.h"
 #include "collision/collision.h"
+#include "collision_features.h"
 #include "wisp/fabric.h"
 #include "wisp/module/collision_mesh.h"
 #include "wisp/module/components.h"
@@ -524,5 +525,5 @@ wisp_status collision_bench( const bench_options* options, results* out, wisp_er
         wisp_fabric_release( fabric );
     }
     wisp_mesh_release( &body );
-    return status;
+    return status ? status : collision_features_table( options, out, error );
 }

@@ -251,6 +251,11 @@ static const scene_block START_BLOCK = BLOCK( START_FIELDS );
 
 #define COLLISION( member ) offsetof( wisp_scene_surface, collision.member )
 
+static const scene_choice FEATURES[] = { { "vertices",
+                                           "vertices alone: what is thinner than the cells passes between them" },
+                                         { "all", "vertices, edges and triangles" },
+                                         { NULL, NULL } };
+
 static const scene_field COLLISION_FIELDS[] = {
     { "thickness", SCENE_NUMBER, .at = COLLISION( thickness ), .range = RANGE( 0, 1e6 ), .unit = METRES,
       .help =
@@ -261,6 +266,8 @@ static const scene_field COLLISION_FIELDS[] = {
     { "max_push_out_speed", SCENE_NUMBER, .at = COLLISION( max_push_out_speed ), .range = RANGE( 0, 1e6 ),
       .unit = SPEEDS, .help = "Speed at which a vertex that starts inside is moved out.",
       .initial = "ten mean edges per second" },
+    { "features", SCENE_CHOICE, .at = COLLISION( features ), .choices = FEATURES,
+      .help = "What keeps the thickness from spheres, capsules, tapered capsules, boxes and convex polyhedra." },
     { "mask", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers,
       .help = "Numbers of the collider layers that stop it.", .form = "list of layers, 0 .. 31",
       .initial = "all layers" },

@@ -100,6 +100,10 @@ static wisp_status check_implicit( scene_reader* r, const scene_node* node, cons
     {
         return scene_refuse_node( r, node, "got both 'strain_limit' and 'implicit', expected one of them" );
     }
+    if ( s->has_collision && s->collision.features == WISP_COLLISION_ALL )
+    {
+        return scene_refuse_node( r, node, "collision.features 'all' is not possible with 'implicit'" );
+    }
     if ( s->has_quad_links && s->implicit.stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL )
     {
         return scene_refuse_node( r, node, "implicit.stiffness_model 'material' needs implicit.links 'mesh'" );

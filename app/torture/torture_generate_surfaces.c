@@ -156,7 +156,11 @@ static void put_surroundings( surface_maker* m, bool is_implicit )
     }
     if ( chance( m, 85 ) )
     {
-        torture_put_block( m->b, m->block, m->entry, "collision", 25 );
+        text_node* collision = torture_put_block( m->b, m->block, m->entry, "collision", 25 );
+        if ( is_implicit )
+        {
+            text_remove_key( collision, "features" );
+        }
     }
     if ( m->b->has_contact && chance( m, 80 ) )
     {

@@ -71,6 +71,14 @@ typedef struct wisp_collider_def
 
 WISP_DEFINITION( collider_def );
 
+/// What of a surface collides.
+typedef enum wisp_collision_features
+{
+    WISP_COLLISION_VERTICES = 0, ///< its vertices: what is thinner than its cells passes between them
+    WISP_COLLISION_ALL = 1,      ///< its vertices, edges and triangles
+    WISP_COLLISION_FEATURES_COUNT = 2,
+} wisp_collision_features;
+
 /// Add a collider. wisp_remove() removes it.
 ///
 /// A collider may be a surface of the world, whose points move against each other: pin all its vertices and move them
@@ -125,6 +133,10 @@ typedef struct wisp_collision_def
     ///< second
     uint32_t mask; ///< of the layers to collide with, default all
     bool enabled;  ///< default true
+    /// surfaces: default WISP_COLLISION_VERTICES. Edges and triangles keep the thickness from spheres, capsules, tapered capsules, boxes
+    /// and convex polyhedra; a plane needs no more than vertices. From height fields, meshes and surfaces vertices alone
+    /// keep it, and restitution acts on vertices alone
+    wisp_collision_features features;
 } wisp_collision_def;
 
 WISP_DEFINITION( collision_def );

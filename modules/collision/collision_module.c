@@ -3,7 +3,7 @@
 #include "collision_participants.h"
 #include "collision_passes.h"
 #include "collision_surface.h"
-#include "particle_contacts.h"
+#include "primitive_contacts.h"
 #include "reaction.h"
 
 #define COLLISION_SETTINGS_COLUMNS( X ) X( collision_settings, settings, 1 )
@@ -29,6 +29,16 @@
 #define COLLISION_CONTACT_BODY_COLUMNS( X ) X( int32_t, body, WISP_COLLISION_CONTACTS )
 #define COLLISION_BOUNCE_COLUMNS( X ) X( float, bounce, WISP_COLLISION_CONTACTS )
 
+#define COLLISION_ALL_FEATURES_COLUMNS( X )                                                                          \
+    X( int32_t, active_edges, 1 ) /* those with contacts in this substep */                                          \
+    X( int32_t, active_triangles, 1 )
+#define COLLISION_PRIMITIVE_CONTACT_COLUMNS( X )                                                                     \
+    X( int32_t, found, 1 )  /* contacts, those left out included */                                                  \
+    X( int32_t, active, 1 ) /* a list: those with contacts */                                                        \
+    X( collision_primitive_contact, contacts, COLLISION_PRIMITIVE_CONTACTS )
+
+#define COLLISION_CLEARANCE_COLUMNS( X ) X( float, clearance, 1 ) /* m, beyond reach of all bodies in this substep */
+
 static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def ACTIVE_COLUMNS[] = { COLLISION_ACTIVE_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def STRAND_CONTACT_COLUMNS[] = { COLLISION_STRAND_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
@@ -42,6 +52,9 @@ static const wisp_column_def FOLLOWER_COLUMNS[] = { COLLISION_FOLLOWER_COLUMNS( 
 static const wisp_column_def REACTION_COLUMNS[] = { COLLISION_REACTION_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def REACTION_PART_COLUMNS[] = { COLLISION_REACTION_PART_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def CONTACT_BODY_COLUMNS[] = { COLLISION_CONTACT_BODY_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def ALL_FEATURES_COLUMNS[] = { COLLISION_ALL_FEATURES_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def PRIMITIVE_CONTACT_COLUMNS[] = { COLLISION_PRIMITIVE_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def CLEARANCE_COLUMNS[] = { COLLISION_CLEARANCE_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def BOUNCE_COLUMNS[] = { COLLISION_BOUNCE_COLUMNS( WISP_COLUMN_DEF ) };
 
 // ---- declaration ----
@@ -130,7 +143,18 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     state->reaction_part = wisp_declare_component( r, &part );
     state->contact_body = wisp_declare_component( r, &body );
     state->bounce = wisp_declare_component( r, &bounce );
-    return state->bounce != 0 ? WISP_OK : WISP_BAD_INPUT;
+    const wisp_component_def all = { "collision.all_features", WISP_TABLE_ENTITY, ALL_FEATURES_COLUMNS,
+                                     WISP_COUNT( ALL_FEATURES_COLUMNS ) };
+    const wisp_component_def edges = { "collision.edge_contacts", WISP_TABLE_EDGE, PRIMITIVE_CONTACT_COLUMNS,
+                                       WISP_COUNT( PRIMITIVE_CONTACT_COLUMNS ) };
+    const wisp_component_def triangles = { "collision.triangle_contacts", WISP_TABLE_TRIANGLE,
+                                           PRIMITIVE_CONTACT_COLUMNS, WISP_COUNT( PRIMITIVE_CONTACT_COLUMNS ) };
+    state->all_features = wisp_declare_component( r, &all );
+    state->edge_contacts = wisp_declare_component( r, &edges );
+    state->triangle_contacts = wisp_declare_component( r, &triangles );
+    const wisp_component_def clearance = { "collision.clearance", WISP_TABLE_PARTICLE, CLEARANCE_COLUMNS, 1 };
+    state->clearance = wisp_declare_component( r, &clearance );
+    return state->clearance != 0 ? WISP_OK : WISP_BAD_INPUT;
 }
 
 static wisp_status declare_passes( wisp_registry* r, collision_state* state )
@@ -164,6 +188,17 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .run = collision_find,
         },
         {
+            .name = "collision.find_primitives",
+            .stage = WISP_STAGE_CONTACT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->settings, state->edge_contacts },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
+            .reads = { state->settings, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_HALF_SPACES },
+            .writes = { state->edge_contacts, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
+            .run = collision_find_primitives,
+            .fabric = WISP_FABRIC_EDGES,
+        },
+        {
             .name = "collision.project",
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
@@ -172,6 +207,16 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->settings, WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .writes = { WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION },
             .run = collision_project,
+        },
+        {
+            .name = "collision.project_primitives",
+            .stage = WISP_STAGE_PROJECT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { state->settings, state->edge_contacts },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
+            .reads = { state->settings, state->edge_contacts, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
+            .writes = { state->edge_contacts, WISP_PARTICLE_POSITION },
+            .run = collision_project_primitives,
         },
         {
             .name = "collision.restitution",

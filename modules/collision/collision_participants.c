@@ -43,6 +43,13 @@ static wisp_status update_surface( wisp_world* world, const collision_state* sta
         status = touches && state->track_count > 0 ? wisp_world_attach( world, participant, state->tracked )
                                                    : wisp_world_detach( world, participant, state->tracked );
     }
+    const bool is_all = touches && wisp_world_has( world, participant, state->all_features );
+    const wisp_component primitives[] = { state->edge_contacts, state->triangle_contacts, state->clearance };
+    for ( int i = 0; i < WISP_COUNT( primitives ) && status == WISP_OK; ++i )
+    {
+        status = is_all ? wisp_world_attach( world, participant, primitives[i] )
+                        : wisp_world_detach( world, participant, primitives[i] );
+    }
     int32_t* body = active ? NULL : wisp_world_column( world, participant, WISP_PARTICLE_CONTACTS, 0 );
     if ( body != NULL )
     {
@@ -238,6 +245,42 @@ static wisp_status find_participant( wisp_world* world, wisp_entity participant,
     return status;
 }
 
+static wisp_status check_features( wisp_world* world, wisp_entity participant, wisp_collision_features features )
+{
+    if ( (unsigned)features >= WISP_COLLISION_FEATURES_COUNT )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "collision: features is %d, it must be 0 to %d", (int)features,
+                                WISP_COLLISION_FEATURES_COUNT - 1 );
+    }
+    if ( features == WISP_COLLISION_ALL && wisp_world_strands( world, participant ) != NULL )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "collision: the strands of entity %u collide by vertices alone", participant.index );
+    }
+    if ( features == WISP_COLLISION_ALL && wisp_world_has( world, participant, WISP_PARTICLE_EXTERNAL_SOLVER ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT,
+                                "collision: entity %u is moved by an external solver and collides by vertices alone",
+                                participant.index );
+    }
+    return WISP_OK;
+}
+
+// Apply the settings of a participant. A mark for edges and triangles is there before what needs it, and goes after.
+static wisp_status apply( wisp_world* world, collision_state* state, wisp_entity participant, bool all_features )
+{
+    wisp_status status = all_features ? wisp_world_attach( world, participant, state->all_features ) : WISP_OK;
+    status = status == WISP_OK ? update( world, state, participant ) : status;
+    status = status == WISP_OK ? collision_update_bounces( world, state ) : status;
+    status = status == WISP_OK ? collision_update_reactions( world, state ) : status;
+    if ( status == WISP_OK && all_features == false && wisp_world_has( world, participant, state->all_features ) )
+    {
+        status = wisp_world_detach( world, participant, state->all_features );
+        status = status == WISP_OK ? update( world, state, participant ) : status; // only detaches
+    }
+    return status;
+}
+
 wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, const wisp_collision_def* given )
 {
     wisp_collision_def values = wisp_default_collision_def();
@@ -247,6 +290,7 @@ wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, cons
     collision_state* state;
     wisp_status status = find_participant( world, participant, &state );
     status = status == WISP_OK ? check_def( world, def ) : status;
+    status = status == WISP_OK ? check_features( world, participant, def->features ) : status;
     if ( status != WISP_OK )
     {
         return status;
@@ -260,12 +304,16 @@ wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, cons
     collision_settings* settings = wisp_world_column( world, participant, state->settings, 0 );
     const collision_settings before = *settings;
     *settings = resolve( def, mean_length( world, participant ), before.stats );
-    status = update( world, state, participant );
-    status = status == WISP_OK ? collision_update_bounces( world, state ) : status;
-    status = status == WISP_OK ? collision_update_reactions( world, state ) : status;
+    const bool was_all = wisp_world_has( world, participant, state->all_features );
+    status = apply( world, state, participant, def->features == WISP_COLLISION_ALL );
     if ( status != WISP_OK )
     {
+        settings = wisp_world_column( world, participant, state->settings, 0 );
         *settings = before;
+        if ( was_all == false )
+        {
+            wisp_world_detach( world, participant, state->all_features );
+        }
         update( world, state, participant ); // only detaches, so it cannot fail
     }
     if ( status != WISP_OK && is_new )

@@ -7,6 +7,8 @@ void collision_carry( wisp_frame* frame, const wisp_span* span, void* user );   
 void collision_follow( wisp_frame* frame, const wisp_span* span, void* user );          // collision_surface.c
 void collision_find( wisp_frame* frame, const wisp_span* span, void* user );            // contact_generation.c
 void collision_project( wisp_frame* frame, const wisp_span* span, void* user );         // contact_projection.c
+void collision_find_primitives( wisp_frame* frame, const wisp_span* span, void* user );    // primitive_contacts.c
+void collision_project_primitives( wisp_frame* frame, const wisp_span* span, void* user ); // primitive_projection.c
 void collision_sense( wisp_frame* frame, const wisp_span* span, void* user );           // contact_input.c
 void collision_bounce_off( wisp_frame* frame, const wisp_span* span, void* user );      // restitution.c
 void collision_read_reactions( wisp_frame* frame, const wisp_span* span, void* user );  // reaction.c

@@ -75,7 +75,7 @@ static const char CLOTH_KEYS[] =
     "    pin_keyframes: [{ time: 0.5, translate: [0, 1, 0] }, { time: 1, rotate: { degrees: [0, 90, 0] } }]\n"
     "    pin_pivot: [9, 8, 7]\n    velocity: [1, 0, 0]\n    angular_velocity: [0, 2, 0]\n    gravity: [0, 0, 0]\n"
     "    damping: 0.25\n    strain_limit: [0.75, 1.25]\n    solve_order: list\n    tile_size: 128\n"
-    "    collision: { thickness: 0.01, friction_scale: 2, max_push_out_speed: 3, mask: [0, 5] }\n"
+    "    collision: { thickness: 0.01, friction_scale: 2, max_push_out_speed: 3, features: all, mask: [0, 5] }\n"
     "    compute: [motion_stats, speed, strain, normals, points, collision_stats]\n"
     "    cloth: { solver: pbd, warp_compliance: 1e-3, weft_compliance: 2e-3, shear_compliance: 3e-3, "
     "stretch_stiffness: 0.5, shear_stiffness: 0.25, warp: [0, 0, 1], bending: isometric, bend_stiffness: 0.125, "
@@ -134,7 +134,7 @@ static void every_key_of_a_cloth_reaches_its_place( void** state )
     assert_int_equal( s->solve_order, WISP_SOLVE_ORDER_LIST );
     assert_int_equal( s->tile_size, 128 );
     assert_true( s->has_collision && s->collision.thickness == 0.01f && s->collision.friction_scale == 2.0f );
-    assert_true( s->collision.max_push_out_speed == 3.0f );
+    assert_true( s->collision.max_push_out_speed == 3.0f && s->collision.features == WISP_COLLISION_ALL );
     assert_int_equal( s->collision.mask, 33 );
     assert_true( s->request_points && s->request_normals && s->request_strain && s->request_speed &&
                  s->request_motion_stats );

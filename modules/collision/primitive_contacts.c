@@ -1,0 +1,416 @@
+// Contacts of edges and triangles (pass collision.find_primitives), once per substep, after those of particles. In: positions and
+// previous positions of a participant, poses of the bodies. Out: up to two half spaces per edge and per triangle, each with the
+// weights of the corners of the point that it keeps out, and the lists of edges and triangles that have some.
+//
+// - Everything is in the frame of the body, as for particles: a corner moves from b0, seen from the old pose, to b1 along a
+//   line. The deepest point of an edge or a triangle at a time of the substep is that of deepest_point.c.
+// - Conservative advancement finds where the path first comes nearer than a tenth of the thickness h: no point moves farther
+//   than the fastest corner, so at distance d nothing can be touched before another d over that displacement. The half space is the
+//   tangent plane there. A path that stays away gets the plane of its end. So a needle has the side that it comes from, at any speed.
+// - A point that starts nearer than h is moved out at the push-out speed, with its previous position, as particles are.
+// - Corners have contacts of their own: what is no deeper than they are, by a twentieth of h, gets none. Nor does a triangle whose
+//   deepest point is on its border, which belongs to its edges.
+// - Primitives are independent of each other, and lists have their order, so results do not depend on the workers. Push-out, which
+//   moves corners, is done contact by contact in that order.
+#include "primitive_contacts.h"
+
+#include "body_queries.h"
+#include "collision_passes.h"
+#include "reaction.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+enum
+{
+    GRAIN = 256,   // primitives, or particles, of a task
+    ADVANCES = 16, // of the conservative advancement
+};
+
+// Fractions of the thickness: distance at which a path is stopped, error of the deepest point, what corners may leave.
+static const float STOP = 0.1f, TOLERANCE = 0.005f, LEFT_TO_CORNERS = 0.05f;
+static const float BORDER = 0.01f; // weight of a corner below which a point of a triangle is on its border
+
+collision_primitives collision_primitives_of( wisp_frame* frame, wisp_entity e, const collision_state* state,
+                                              int corner_count )
+{
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, e );
+    const bool is_edges = corner_count == 2;
+    const wisp_component component = is_edges ? state->edge_contacts : state->triangle_contacts;
+    return ( collision_primitives ){
+        .corners = is_edges ? fabric->edges : fabric->triangles,
+        .count = is_edges ? fabric->edge_count : fabric->triangle_count,
+        .corner_count = corner_count,
+        .found = wisp_frame_column( frame, e, component, 0 ),
+        .active = wisp_frame_column( frame, e, component, 1 ),
+        .contacts = wisp_frame_column( frame, e, component, 2 ),
+        .active_count = wisp_frame_column( frame, e, state->all_features, is_edges ? 0 : 1 ),
+    };
+}
+
+typedef struct find_loop
+{
+    wisp_frame* frame;
+    const wisp_span* span;
+    const collision_state* state;
+    collision_primitives primitives;
+    float *position, *previous;
+    float* clearance; // [slot] m, less the reach: distance of the path of a particle from all bodies, or less
+} find_loop;
+
+// ---- a primitive and a body ----
+
+// The path of a primitive in the frame of a body.
+typedef struct primitive_path
+{
+    int corner_count;
+    wisp_vec3 from[3], to[3];
+    float displacement; // m, of the fastest corner
+} primitive_path;
+
+static bool load_path( const find_loop* loop, const collision_view* view, const int32_t* corners,
+                       primitive_path* path )
+{
+    path->corner_count = loop->primitives.corner_count;
+    path->displacement = 0.0f;
+    bool is_finite = true;
+    for ( int k = 0; k < path->corner_count; ++k )
+    {
+        const size_t quad = (size_t)corners[k] * 4;
+        path->from[k] = wisp_transform_to_local( view->before, collision_load( loop->previous + quad ) );
+        path->to[k] = wisp_transform_to_local( view->after, collision_load( loop->position + quad ) );
+        is_finite = is_finite && collision_is_finite( path->from[k] ) && collision_is_finite( path->to[k] );
+        path->displacement =
+            collision_larger( path->displacement, collision_length( collision_sub( path->to[k], path->from[k] ) ) );
+    }
+    return is_finite;
+}
+
+static void corners_at( const primitive_path* path, float time, wisp_vec3* corners )
+{
+    for ( int k = 0; k < path->corner_count; ++k )
+    {
+        const wisp_vec3 way = collision_sub( path->to[k], path->from[k] );
+        corners[k] = collision_add_scaled( path->from[k], time, way );
+    }
+}
+
+// Find the first time at which a path is as near as `stop`, or one shortly before, 1 if it never is.
+// @return false if a corner is not finite
+static bool advance( const collision_view* view, const primitive_path* path, float stop, float* time,
+                     collision_deepest* deepest )
+{
+    const float tolerance = TOLERANCE * view->thickness;
+    wisp_vec3 corners[3];
+    *time = 0.0f;
+    for ( int i = 0; i < ADVANCES && *time < 1.0f; ++i )
+    {
+        corners_at( path, *time, corners );
+        if ( collision_find_deepest( &view->body->shape, corners, path->corner_count, tolerance, deepest ) == false )
+        {
+            return false;
+        }
+        if ( deepest->surface.distance <= stop )
+        {
+            break;
+        }
+        // not quite, so that rounding and the tolerance do not carry it through
+        const float step =
+            ( deepest->surface.distance - 0.5f * stop ) / collision_larger( path->displacement, 1e-30f );
+        *time = step < 1.0f - *time ? *time + step : 1.0f;
+    }
+    return true;
+}
+
+// Find the point that meets a body: where the path is stopped, or at its end, if that is near and deeper than the corners.
+// @return false if there is none
+static bool find_meeting( const collision_view* view, const primitive_path* path, collision_deepest* deepest )
+{
+    const wisp_shape* shape = &view->body->shape;
+    const float stop = STOP * view->thickness, left = LEFT_TO_CORNERS * view->thickness;
+    float corner, time = 1.0f;
+    // most paths are too far from the body to be stopped in the substep
+    if ( collision_bound_deepest( shape, path->from, path->corner_count, &corner ) - path->displacement <= stop &&
+         advance( view, path, stop, &time, deepest ) == false )
+    {
+        return false;
+    }
+    if ( time < 1.0f )
+    {
+        return true;
+    }
+    const float bound = collision_bound_deepest( shape, path->to, path->corner_count, &corner );
+    const float most = collision_smaller( corner - left, 2.0f * view->thickness + path->displacement );
+    return bound < most &&
+           collision_find_deepest( shape, path->to, path->corner_count, TOLERANCE * view->thickness, deepest ) &&
+           deepest->surface.distance < most;
+}
+
+static bool is_on_border( const collision_deepest* d )
+{
+    return d->weights[0] < BORDER || d->weights[1] < BORDER || d->weights[2] < BORDER;
+}
+
+// Return the signed distance less the thickness at which the point of a contact starts.
+static float start_gap( const collision_view* view, const primitive_path* path, const collision_deepest* d )
+{
+    wisp_vec3 start = { 0.0f, 0.0f, 0.0f };
+    for ( int k = 0; k < path->corner_count; ++k )
+    {
+        start = collision_add_scaled( start, d->weights[k], path->from[k] );
+    }
+    const float gap = collision_plane_gap( view, &d->surface, start );
+    return gap >= -COLLISION_SHALLOW * view->thickness ? gap : collision_exact_gap( view, start, gap );
+}
+
+static void write_contact( const find_loop* loop, const collision_view* view, const int32_t* corners,
+                           const primitive_path* path, const collision_deepest* d, collision_primitive_contact* out )
+{
+    const wisp_vec3 point = wisp_transform_to_world( view->after, d->surface.point ),
+                    normal = wisp_quat_rotate( view->after.rotation, d->surface.normal );
+    *out = ( collision_primitive_contact ){
+        .half_space = { .gap = view->thickness,
+                        .static_friction = view->static_friction,
+                        .kinetic_friction = view->kinetic_friction },
+        .weights = { d->weights[0], d->weights[1], d->weights[2] },
+        .body = (int32_t)( view->body - loop->state->bodies ),
+    };
+    collision_store( out->half_space.point, point );
+    collision_store( out->half_space.normal, normal );
+    collision_store( out->half_space.motion,
+                     collision_sub( point, wisp_transform_to_world( view->before, d->surface.point ) ) );
+    // the start is measured again when other contacts have moved the corners: here what is not in the plane
+    float along = 0.0f;
+    for ( int k = 0; k < path->corner_count; ++k )
+    {
+        along += d->weights[k] * collision_dot( normal, collision_load( loop->previous + (size_t)corners[k] * 4 ) );
+    }
+    out->half_space.normal_correction = start_gap( view, path, d ) - along;
+}
+
+static bool is_pinned( const find_loop* loop, const int32_t* corners, const collision_deepest* d )
+{
+    float sum = 0.0f;
+    for ( int k = 0; k < loop->primitives.corner_count; ++k )
+    {
+        sum += loop->position[(size_t)corners[k] * 4 + 3] * d->weights[k] * d->weights[k];
+    }
+    return !( sum > 0.0f );
+}
+
+static void meet_body( const find_loop* loop, const collision_view* view, int primitive )
+{
+    const collision_primitives* p = &loop->primitives;
+    const int32_t* corners = p->corners + (size_t)primitive * (size_t)p->corner_count;
+    primitive_path path;
+    collision_deepest deepest;
+    if ( load_path( loop, view, corners, &path ) == false )
+    {
+        return;
+    }
+    if ( find_meeting( view, &path, &deepest ) == false || ( p->corner_count == 3 && is_on_border( &deepest ) ) ||
+         is_pinned( loop, corners, &deepest ) )
+    {
+        return;
+    }
+    int place = p->found[primitive]++;
+    collision_primitive_contact contact;
+    write_contact( loop, view, corners, &path, &deepest, &contact );
+    if ( place < COLLISION_PRIMITIVE_CONTACTS )
+    {
+        p->contacts[primitive][place] = contact;
+    }
+}
+
+// ---- the pass ----
+
+// Bound the distance of the path of each corner from all bodies: a box around the body is enough.
+static void measure_corners( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const find_loop* loop = context;
+    collision_view view;
+    for ( int slot = begin; slot < end; ++slot )
+    {
+        loop->clearance[slot] = INFINITY;
+    }
+    for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    {
+        for ( int slot = begin; collision_meets_primitives( view.body ) && slot < end; ++slot )
+        {
+            const size_t quad = (size_t)slot * 4;
+            const wisp_vec3 from = wisp_transform_to_local( view.before, collision_load( loop->previous + quad ) ),
+                            to = wisp_transform_to_local( view.after, collision_load( loop->position + quad ) );
+            const float apart = collision_box_distance( view.body, to ) -
+                                collision_length( collision_sub( to, from ) ) - 2.0f * view.thickness;
+            loop->clearance[slot] = collision_smaller( apart, loop->clearance[slot] );
+        }
+    }
+}
+
+// Return whether a side of a primitive may come within reach of a body: no point of it is farther from its nearer end than half its
+// length, and no point of a triangle farther from its nearest corner than the longest side.
+static bool may_meet( const find_loop* loop, const int32_t* corners )
+{
+    const int count = loop->primitives.corner_count;
+    float least = INFINITY, longest = 0.0f;
+    for ( int k = 0; k < count; ++k )
+    {
+        const size_t a = (size_t)corners[k], b = (size_t)corners[k + 1 < count ? k + 1 : 0];
+        const wisp_vec3 now = collision_sub( collision_load( loop->position + 4 * b ),
+                                             collision_load( loop->position + 4 * a ) ),
+                        old = collision_sub( collision_load( loop->previous + 4 * b ),
+                                             collision_load( loop->previous + 4 * a ) );
+        least = collision_smaller( loop->clearance[a], least );
+        longest = collision_larger( collision_dot( now, now ), longest );
+        longest = collision_larger( collision_dot( old, old ), longest );
+    }
+    // 1 / sqrt 3 of the longest side of a triangle, half of a segment
+    return least <= 0.0f || least * least <= ( count == 2 ? 0.251f : 0.334f ) * longest;
+}
+
+static void find_range( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const find_loop* loop = context;
+    const collision_primitives* p = &loop->primitives;
+    int32_t near[GRAIN];
+    int count = 0;
+    WISP_ASSERT( end - begin <= GRAIN );
+    for ( int i = begin; i < end; ++i )
+    {
+        p->found[i] = 0;
+        near[count] = i;
+        count += may_meet( loop, p->corners + (size_t)i * (size_t)p->corner_count ) ? 1 : 0;
+    }
+    collision_view view;
+    for ( int next = 0; count > 0 && collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    {
+        for ( int i = 0; collision_meets_primitives( view.body ) && i < count; ++i )
+        {
+            meet_body( loop, &view, near[i] );
+        }
+    }
+}
+
+// ---- push-out ----
+
+// Move the corners of a contact so that its point moves by a distance along the normal.
+static void move_corners( float* to, const float* position, const int32_t* corners, int corner_count,
+                          const collision_primitive_contact* c, float distance )
+{
+    float sum = 0.0f;
+    for ( int k = 0; k < corner_count; ++k )
+    {
+        sum += position[(size_t)corners[k] * 4 + 3] * c->weights[k] * c->weights[k];
+    }
+    for ( int k = 0; k < corner_count; ++k )
+    {
+        const size_t quad = (size_t)corners[k] * 4;
+        const float part = position[quad + 3] * c->weights[k] / sum;
+        collision_store( to + quad, collision_add_scaled( collision_load( to + quad ), part * distance,
+                                                          collision_load( c->half_space.normal ) ) );
+    }
+}
+
+// Complete a contact: its gap, and what moves out a point that starts too near, as find_push_out() of the kernel half_space_rows
+// does for particles. @param most m, that it is moved out; negative: not at all, and it gets no nearer
+static void push_out( const find_loop* loop, const int32_t* corners, float most, collision_primitive_contact* c )
+{
+    const int corner_count = loop->primitives.corner_count;
+    const float shallow = COLLISION_SHALLOW * c->half_space.gap;
+    const wisp_vec3 n = collision_load( c->half_space.normal ), q = collision_load( c->half_space.point );
+    float start = c->half_space.normal_correction, now = -collision_dot( n, q ) - c->half_space.gap;
+    for ( int k = 0; k < corner_count; ++k )
+    {
+        const size_t quad = (size_t)corners[k] * 4;
+        start += c->weights[k] * collision_dot( n, collision_load( loop->previous + quad ) );
+        now += c->weights[k] * collision_dot( n, collision_load( loop->position + quad ) );
+    }
+    c->half_space.normal_correction = 0.0f;
+    if ( start >= 0.0f )
+    {
+        return;
+    }
+    const float outward = collision_larger( now - start, 0.0f );
+    const float depth = collision_larger( -start - outward, 0.0f );
+    const float recovered = collision_smaller( depth, collision_larger( most - outward, 0.0f ) );
+    const float absorbed = start < -shallow ? outward : 0.0f;
+    c->half_space.gap += start + recovered;
+    if ( most < 0.0f )
+    {
+        return;
+    }
+    float before[3][6];
+    for ( int k = 0; k < corner_count; ++k )
+    {
+        memcpy( before[k], loop->position + (size_t)corners[k] * 4, 3 * sizeof( float ) );
+        memcpy( before[k] + 3, loop->previous + (size_t)corners[k] * 4, 3 * sizeof( float ) );
+    }
+    move_corners( loop->position, loop->position, corners, corner_count, c, recovered );
+    move_corners( loop->previous, loop->position, corners, corner_count, c, recovered + absorbed );
+    collision_impulse* sums = collision_reaction_sums( loop->frame, loop->span->entity, loop->state, 0 );
+    for ( int k = 0; k < corner_count && sums != NULL; ++k )
+    {
+        const size_t quad = (size_t)corners[k] * 4;
+        if ( loop->position[quad + 3] > 0.0f )
+        {
+            const double mass = 1.0 / (double)loop->position[quad + 3];
+            const double dt = (double)wisp_frame_dt( loop->frame, loop->span->entity );
+            collision_add_reaction( sums[c->body], mass / dt, collision_load( before[k] ),
+                                    collision_load( before[k] + 3 ), collision_load( loop->position + quad ),
+                                    collision_load( loop->previous + quad ) );
+        }
+    }
+}
+
+static void list_active( const find_loop* loop, float recovery )
+{
+    const collision_primitives* p = &loop->primitives;
+    int count = 0;
+    for ( int i = 0; i < p->count; ++i )
+    {
+        p->active[count] = i;
+        count += p->found[i] > 0 ? 1 : 0;
+    }
+    *p->active_count = count;
+    for ( int a = 0; a < count; ++a )
+    {
+        const int i = p->active[a];
+        for ( int k = 0; k < collision_contacts_of( p, i ); ++k )
+        {
+            push_out( loop, p->corners + (size_t)i * (size_t)p->corner_count, recovery, &p->contacts[i][k] );
+        }
+    }
+}
+
+void collision_search_primitives( wisp_frame* frame, const wisp_span* span, const collision_state* state,
+                                  float recovery )
+{
+    find_loop loop = {
+        .frame = frame,
+        .span = span,
+        .state = state,
+        .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+        .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
+        .clearance = wisp_frame_column( frame, span->entity, state->clearance, 0 ),
+    };
+    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    wisp_parallel_for( parallel, wisp_frame_fabric( frame, span->entity )->slot_count, GRAIN, measure_corners,
+                       &loop );
+    for ( int corner_count = 2; corner_count <= 3; ++corner_count )
+    {
+        loop.primitives = collision_primitives_of( frame, span->entity, state, corner_count );
+        wisp_parallel_for( parallel, loop.primitives.count, GRAIN, find_range, &loop );
+        list_active( &loop, recovery );
+    }
+}
+
+void collision_find_primitives( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const collision_state* state = user;
+    const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    collision_search_primitives( frame, span, state,
+                                 settings->max_push_out_speed * wisp_frame_dt( frame, span->entity ) );
+}

@@ -1,0 +1,285 @@
+// Projection of the contacts of edges and triangles (pass collision.project_primitives), before that of particles. In: contacts of
+// the substep. Out: positions.
+//
+// A contact keeps the point p = sum b_k x_k of its corners out of a half space, as contact_projection.c keeps a particle: with the
+// same accumulated normal and tangential corrections. A correction d of p moves the corners by
+//
+//   dx_k = w_k b_k d / sum w_j b_j^2
+//
+// so that linear and angular momentum are those of one impulse at p. Contacts are projected one after another, edges first, in the
+// order of the mesh, which no worker changes; a few sweeps let neighbours that share corners settle.
+#include "body_queries.h"
+#include "collision_passes.h"
+#include "primitive_contacts.h"
+#include "reaction.h"
+
+#include <math.h>
+
+enum
+{
+    SWEEPS = 4,
+    ROUNDS = 8, // of the search after fast motion
+};
+
+static const float FAST = 0.5f; // of the thickness: displacement against a body behind which is searched again
+
+typedef struct corner_quads
+{
+    int count;
+    size_t quad[3];
+    float part[3]; // displacement of a corner per displacement of the point
+} corner_quads;
+
+typedef struct primitive_loop
+{
+    float* position;
+    const float* previous;
+    collision_impulse* sums; // null without reactions
+    float dt;
+} primitive_loop;
+
+static corner_quads quads_of( const primitive_loop* loop, const int32_t* corners, int count,
+                              const collision_primitive_contact* c )
+{
+    corner_quads q = { .count = count };
+    float sum = 0.0f;
+    for ( int k = 0; k < count; ++k )
+    {
+        q.quad[k] = (size_t)corners[k] * 4;
+        q.part[k] = loop->position[q.quad[k] + 3] * c->weights[k];
+        sum += q.part[k] * c->weights[k];
+    }
+    for ( int k = 0; k < count; ++k )
+    {
+        q.part[k] /= sum;
+    }
+    return q;
+}
+
+static wisp_vec3 point_of( const corner_quads* q, const collision_primitive_contact* c, const float* rows )
+{
+    wisp_vec3 p = { 0.0f, 0.0f, 0.0f };
+    for ( int k = 0; k < q->count; ++k )
+    {
+        p = collision_add_scaled( p, c->weights[k], collision_load( rows + q->quad[k] ) );
+    }
+    return p;
+}
+
+static void move_point( const primitive_loop* loop, const corner_quads* q, const collision_primitive_contact* c,
+                        wisp_vec3 by )
+{
+    for ( int k = 0; k < q->count; ++k )
+    {
+        float* at = loop->position + q->quad[k];
+        const wisp_vec3 before = collision_load( at ), now = collision_add_scaled( before, q->part[k], by );
+        collision_store( at, now );
+        if ( loop->sums != NULL && at[3] > 0.0f )
+        {
+            const wisp_vec3 previous = collision_load( loop->previous + q->quad[k] );
+            collision_add_reaction( loop->sums[c->body], 1.0 / ( (double)at[3] * (double)loop->dt ), before, previous,
+                                    now, previous );
+        }
+    }
+}
+
+static void project_contact( const primitive_loop* loop, const int32_t* corners, int count,
+                             collision_primitive_contact* contact )
+{
+    collision_contact* c = &contact->half_space;
+    const corner_quads quads = quads_of( loop, corners, count, contact );
+    const wisp_vec3 start = point_of( &quads, contact, loop->position ), n = collision_load( c->normal );
+    const float missing = c->gap - collision_dot( n, collision_sub( start, collision_load( c->point ) ) );
+    const float normal = collision_larger( c->normal_correction + missing, 0.0f );
+    if ( normal == 0.0f && c->normal_correction == 0.0f )
+    {
+        return; // friction is 0 too
+    }
+    const wisp_vec3 pushed = collision_add_scaled( start, normal - c->normal_correction, n ),
+                    before = collision_load( c->tangential_correction );
+    c->normal_correction = normal;
+    wisp_vec3 u = collision_sub( pushed, point_of( &quads, contact, loop->previous ) );
+    u = collision_sub( u, collision_load( c->motion ) );
+    u = collision_add_scaled( u, -collision_dot( n, u ), n );
+    u = collision_sub( u, before );
+    const float length = collision_length( u );
+    const float fraction = length <= c->static_friction * normal ? 1.0f : c->kinetic_friction * normal / length;
+    const wisp_vec3 now = { -fraction * u.x, -fraction * u.y, -fraction * u.z };
+    collision_store( c->tangential_correction, now );
+    const wisp_vec3 p = collision_add_scaled( pushed, 1.0f, collision_sub( now, before ) );
+    move_point( loop, &quads, contact, collision_sub( p, start ) );
+}
+
+typedef struct primitive_lists
+{
+    collision_primitives edges, triangles;
+} primitive_lists;
+
+typedef struct contact_place
+{
+    const int32_t* corners;
+    int corner_count;
+    collision_primitive_contact* contact;
+} contact_place;
+
+// Iterate over all contacts, edges first. Start with a place of zero.
+typedef struct contact_walk
+{
+    int list, at, contact;
+} contact_walk;
+
+static bool next_contact( const primitive_lists* lists, contact_walk* walk, contact_place* out )
+{
+    for ( ; walk->list < 2; ++walk->list, walk->at = walk->contact = 0 )
+    {
+        const collision_primitives* p = walk->list == 0 ? &lists->edges : &lists->triangles;
+        for ( ; walk->at < *p->active_count; ++walk->at, walk->contact = 0 )
+        {
+            const int i = p->active[walk->at];
+            if ( walk->contact < collision_contacts_of( p, i ) )
+            {
+                *out = ( contact_place ){ p->corners + (size_t)i * (size_t)p->corner_count, p->corner_count,
+                                          &p->contacts[i][walk->contact++] };
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static void sweep( const primitive_loop* loop, const primitive_lists* lists )
+{
+    for ( int n = 0; n < SWEEPS; ++n )
+    {
+        contact_place c;
+        for ( contact_walk walk = { 0 }; next_contact( lists, &walk, &c ); )
+        {
+            project_contact( loop, c.corners, c.corner_count, c.contact );
+        }
+    }
+}
+
+// ---- fast motion ----
+
+// Return the distance of the point of a contact from the plane of the body.
+static float distance_of( const primitive_loop* loop, const contact_place* c )
+{
+    const corner_quads quads = quads_of( loop, c->corners, c->corner_count, c->contact );
+    const collision_contact* h = &c->contact->half_space;
+    return collision_dot( collision_load( h->normal ), collision_sub( point_of( &quads, c->contact, loop->position ),
+                                                                      collision_load( h->point ) ) );
+}
+
+// Return whether a corner with contact moved so far against a body that another part of a primitive may have got through.
+static bool is_fast( const primitive_loop* loop, const primitive_lists* lists, const collision_settings* settings )
+{
+    contact_place c;
+    for ( contact_walk walk = { 0 }; next_contact( lists, &walk, &c ); )
+    {
+        for ( int k = 0; k < c.corner_count; ++k )
+        {
+            const size_t quad = (size_t)c.corners[k] * 4;
+            wisp_vec3 way =
+                collision_sub( collision_load( loop->position + quad ), collision_load( loop->previous + quad ) );
+            way = collision_sub( way, collision_load( c.contact->half_space.motion ) );
+            if ( collision_length( way ) > FAST * settings->thickness )
+            {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+// Return how much nearer than its gap a contact is, the most of all.
+static float worst_of( const primitive_loop* loop, const primitive_lists* lists )
+{
+    float worst = 0.0f;
+    contact_place c;
+    for ( contact_walk walk = { 0 }; next_contact( lists, &walk, &c ); )
+    {
+        worst = collision_larger( worst, c.contact->half_space.gap - distance_of( loop, &c ) );
+    }
+    return worst;
+}
+
+// Corners of what still enters a body go along with the body. @return whether there are any
+static bool carry_along( wisp_frame* frame, const wisp_span* span, const collision_state* state,
+                         const primitive_loop* loop, const primitive_lists* lists, float stop )
+{
+    bool any = false;
+    contact_place c;
+    for ( contact_walk walk = { 0 }; next_contact( lists, &walk, &c ); )
+    {
+        collision_view view;
+        int next = c.contact->body;
+        const float allowed = collision_smaller( stop, 0.5f * c.contact->half_space.gap );
+        if ( distance_of( loop, &c ) >= allowed || collision_next( frame, span, state, &next, &view ) == false )
+        {
+            continue;
+        }
+        for ( int k = 0; k < c.corner_count; ++k )
+        {
+            float* at = loop->position + (size_t)c.corners[k] * 4;
+            const wisp_vec3 before = collision_load( at ),
+                            previous = collision_load( loop->previous + (size_t)c.corners[k] * 4 );
+            const wisp_vec3 now =
+                wisp_transform_to_world( view.after, wisp_transform_to_local( view.before, previous ) );
+            if ( at[3] > 0.0f )
+            {
+                collision_store( at, now );
+                any = true;
+            }
+            if ( at[3] > 0.0f && loop->sums != NULL )
+            {
+                collision_add_reaction( loop->sums[c.contact->body], 1.0 / ( (double)at[3] * (double)loop->dt ),
+                                        before, previous, now, previous );
+            }
+        }
+    }
+    return any;
+}
+
+// Where primitives moved far, other points of them than those in contact may have come through. So they are searched again on
+// the way that they took, and projected again.
+static void search_again( wisp_frame* frame, const wisp_span* span, const collision_state* state,
+                          const primitive_loop* loop, const primitive_lists* lists )
+{
+    const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    for ( int round = 0; round < ROUNDS; ++round )
+    {
+        collision_search_primitives( frame, span, state, -1.0f );
+        if ( worst_of( loop, lists ) <= COLLISION_SHALLOW * settings->thickness )
+        {
+            return;
+        }
+        sweep( loop, lists );
+    }
+    for ( int round = 0; round < ROUNDS; ++round )
+    {
+        collision_search_primitives( frame, span, state, -1.0f );
+        if ( carry_along( frame, span, state, loop, lists, COLLISION_SHALLOW * settings->thickness ) == false )
+        {
+            return;
+        }
+    }
+}
+
+void collision_project_primitives( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const collision_state* state = user;
+    const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    const primitive_loop loop = {
+        .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+        .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
+        .sums = collision_reaction_sums( frame, span->entity, state, 0 ),
+        .dt = wisp_frame_dt( frame, span->entity ),
+    };
+    const primitive_lists lists = { collision_primitives_of( frame, span->entity, state, 2 ),
+                                    collision_primitives_of( frame, span->entity, state, 3 ) };
+    sweep( &loop, &lists );
+    if ( span->iteration + 1 == wisp_frame_iterations( frame ) && is_fast( &loop, &lists, settings ) )
+    {
+        search_again( frame, span, state, &loop, &lists );
+    }
+}
