@@ -81,8 +81,7 @@ static void measure( wisp_frame* frame, const wisp_span* span, void* user )
     float square;
     memcpy( &square, &bits, sizeof( square ) );
     passes_sleep* state = wisp_frame_column( frame, span->entity, c->state, 0 );
-    const float seconds =
-        wisp_frame_dt( frame, span->entity ) * (float)wisp_frame_substeps( frame, span->entity );
+    const float seconds = wisp_frame_dt( frame, span->entity ) * (float)wisp_frame_substeps( frame, span->entity );
     const float moved = sqrtf( square );
     *(float*)wisp_frame_column( frame, span->entity, c->moved, 0 ) = moved;
     state->still = moved <= state->max_speed * seconds ? state->still + seconds : 0.0f;

@@ -192,7 +192,9 @@ static void run_member( const loop_substep* loop, const loop_member* member, int
     const plan* p = loop->frame->plan;
     const plan_node* node = p->nodes + p->loop_nodes[n];
     const store_entity* e = loop->frame->registry->store->entities + member->slot;
-    const int items = member->passes[n] != 0 && execute_leaves_out( e, node->section ) == false ? plan_item_count( e, node->domain ) : 0;
+    const int items = member->passes[n] != 0 && execute_leaves_out( e, node->section ) == false
+                          ? plan_item_count( e, node->domain )
+                          : 0;
     span.entity = member->entity;
     for ( span.begin = 0; span.begin < items; span.begin = span.end )
     {

@@ -14,7 +14,7 @@
 
 void wisp_init_sleep_def( wisp_sleep_def* def, size_t size )
 {
-    const wisp_sleep_def values = { .enabled = true, .max_speed = 0.01f, .seconds = 0.5f };
+    const wisp_sleep_def values = { .enabled = true, .max_speed = 0.02f, .seconds = 0.5f };
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
@@ -278,9 +278,9 @@ void world_sleep_begin( wisp_world* world )
         {
             wake( world, e );
         }
-        has_asleep = has_asleep || ( e->sleep != STORE_AWAKE &&
-                                     plan_registry_reach( &world->registry, world,
-                                                          store_handle( &world->store, slot ) ) >= 0.0f );
+        has_asleep = has_asleep ||
+                     ( e->sleep != STORE_AWAKE &&
+                       plan_registry_reach( &world->registry, world, store_handle( &world->store, slot ) ) >= 0.0f );
     }
     if ( has_asleep )
     {
@@ -419,8 +419,8 @@ static wisp_status check_sleep( wisp_world* world, wisp_entity entity, const wis
     };
     WISP_TRY( wisp_world_check_ranges( world, "sleep", ranges, WISP_COUNT( ranges ) ) );
     const store_entity* e = store_find( &world->store, entity );
-    const bool moves = e->fabric != NULL ||
-                       ( e->strands != NULL && store_mask_has( &e->components, WISP_STRAND_VELOCITY ) );
+    const bool moves =
+        e->fabric != NULL || ( e->strands != NULL && store_mask_has( &e->components, WISP_STRAND_VELOCITY ) );
     return moves ? WISP_OK
                  : wisp_world_fail( world, WISP_CONFLICT,
                                     "sleep: entity %u is neither a surface nor strands that move", entity.index );

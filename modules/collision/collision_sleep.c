@@ -11,28 +11,30 @@ static float longest_side( const wisp_sleep_bounds* b )
     return fmaxf( b->upper[0] - b->lower[0], fmaxf( b->upper[1] - b->lower[1], b->upper[2] - b->lower[2] ) );
 }
 
-// Add a ball around a body in a pose. A plane has an infinite one.
-static void add_ball( wisp_sleep_bounds* bounds, const collision_body* body, wisp_transform pose, float more )
-{
-    const wisp_vec3 c = wisp_transform_to_world( pose, body->centre );
-    const float centre[3] = { c.x, c.y, c.z }, radius = body->ball_radius + more;
-    for ( int k = 0; k < 3; ++k )
-    {
-        bounds->lower[k] = fminf( bounds->lower[k], centre[k] - radius );
-        bounds->upper[k] = fmaxf( bounds->upper[k], centre[k] + radius );
-    }
-}
-
-// Bounds of a body on its way from one pose to another. One that rotates about its origin may leave the straight line between both by
-// as much as its centre is away from the origin.
-static wisp_sleep_bounds sweep( const collision_body* body, wisp_transform from, wisp_transform to )
+// Does a ball around a body meet the bounds on its way from one pose to another? A body that rotates about its origin may leave the
+// straight line by as much as its centre is away from the origin. A plane has an infinite ball.
+static bool passes_by( const collision_body* body, wisp_transform from, wisp_transform to,
+                       const wisp_sleep_bounds* bounds, float reach )
 {
     const bool turns = memcmp( &from.rotation, &to.rotation, sizeof( from.rotation ) ) != 0;
-    const float more = turns ? collision_length( body->centre ) : 0.0f;
-    wisp_sleep_bounds bounds = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
-    add_ball( &bounds, body, from, more );
-    add_ball( &bounds, body, to, more );
-    return bounds;
+    const wisp_vec3 p = wisp_transform_to_world( from, body->centre ),
+                    q = wisp_transform_to_world( to, body->centre );
+    const float start[3] = { p.x, p.y, p.z }, way[3] = { q.x - p.x, q.y - p.y, q.z - p.z };
+    const float radius = body->ball_radius + ( turns ? collision_length( body->centre ) : 0.0f ) + reach;
+    float enters = 0.0f, leaves = 1.0f; // fractions of the way
+    for ( int k = 0; k < 3; ++k )
+    {
+        const float lower = bounds->lower[k] - radius - start[k], upper = bounds->upper[k] + radius - start[k];
+        if ( way[k] == 0.0f )
+        {
+            leaves = lower > 0.0f || upper < 0.0f ? -1.0f : leaves;
+            continue;
+        }
+        const float a = lower / way[k], b = upper / way[k];
+        enters = fmaxf( enters, fminf( a, b ) );
+        leaves = fminf( leaves, fmaxf( a, b ) );
+    }
+    return enters <= leaves;
 }
 
 // @return false if the body moves
@@ -42,8 +44,7 @@ static bool add_rigid( const collision_state* state, const wisp_world* world, co
     const collision_collider* collider = wisp_world_rows( world, body->entity, state->collider, 0 );
     const wisp_transform* motion = wisp_world_rows( world, body->entity, state->motion, 0 );
     const wisp_transform target = motion != NULL ? *motion : collider->to;
-    const wisp_sleep_bounds swept = sweep( body, collider->to, target );
-    if ( wisp_bounds_touch( bounds, &swept, reach ) == false )
+    if ( passes_by( body, collider->to, target, bounds, reach ) == false )
     {
         return true;
     }
@@ -85,8 +86,7 @@ bool collision_surroundings( const void* memory, wisp_world* world, wisp_entity 
             continue;
         }
         // what lies on a body rests a little above its thickness
-        const float reach =
-            2.0f * ( settings->thickness + collider->thickness ) + 1e-3f * longest_side( bounds );
+        const float reach = 2.0f * ( settings->thickness + collider->thickness ) + 1e-3f * longest_side( bounds );
         rests = body->follows ? add_surface( state, world, body, bounds, reach, hash )
                               : add_rigid( state, world, body, bounds, reach, hash );
     }

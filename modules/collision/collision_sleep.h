@@ -6,5 +6,5 @@
 #include "wisp/module/sleep.h"
 
 /// As wisp_sleep_hooks.surroundings: the bodies within reach of an entity's bounds.
-bool collision_surroundings( const void* state, wisp_world* world, wisp_entity entity, const wisp_sleep_bounds* bounds,
-                             uint64_t* hash );
+bool collision_surroundings( const void* state, wisp_world* world, wisp_entity entity,
+                             const wisp_sleep_bounds* bounds, uint64_t* hash );

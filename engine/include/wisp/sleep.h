@@ -15,7 +15,7 @@ typedef struct wisp_sleep_def
 {
     uint32_t size;   ///< bytes; set by wisp_default_sleep_def()
     bool enabled;    ///< default true; false: the entity never sleeps, and has no column and no pass for it
-    float max_speed; ///< m/s, 0 .. 1e6, default 0.01: of the displacement of each vertex over a step
+    float max_speed; ///< m/s, 0 .. 1e6, default 0.02: of the displacement of each vertex over a step
     float seconds;   ///< s, 0 .. 1e6, default 0.5: simulated time for which all vertices stay below it
 } wisp_sleep_def;
 
