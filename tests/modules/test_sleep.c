@@ -362,6 +362,25 @@ static void attached_cloth_sleeps_and_wakes_with_what_it_is_attached_to( void** 
     close_world( &h );
 }
 
+static void a_balloon_that_is_filled_does_not_sleep( void** state )
+{
+    (void)state;
+    hosted h;
+    open_stage( &h, 1 );
+    test_mesh mesh = ball_of( 2, 0.1f, ( wisp_vec3 ){ 0.0f, 0.5f, 0.0f } );
+    const wisp_entity e = add_balloon( h.world, &mesh, NONE );
+    let_sleep( h.world, e );
+    run_to_sleep( h.world, e );
+    assert_status( h.world, wisp_set_balloon_inflation( h.world, e, 1e-9f ), WISP_OK ); // too slow to be seen
+    for ( int i = 0; i < 60; ++i )
+    {
+        assert_wakes( h.world, e );
+    }
+    assert_status( h.world, wisp_set_balloon_inflation( h.world, e, 0.0f ), WISP_OK );
+    run_to_sleep( h.world, e );
+    close_world( &h );
+}
+
 static wisp_vec3 hanging( int strand, int i, int count, float length )
 {
     return ( wisp_vec3 ){ 0.02f * (float)strand + 0.3f * length * (float)i / (float)( count - 1 ),
@@ -602,6 +621,7 @@ int main( void )
         cmocka_unit_test( a_call_that_changes_nothing_wakes_nobody ),
         cmocka_unit_test( pins_that_are_moved_wake_a_sheet_and_pins_that_rest_let_it_sleep ),
         cmocka_unit_test( attached_cloth_sleeps_and_wakes_with_what_it_is_attached_to ),
+        cmocka_unit_test( a_balloon_that_is_filled_does_not_sleep ),
         cmocka_unit_test( hair_falls_asleep_and_wakes_by_its_head_and_by_wind ),
         cmocka_unit_test( a_pendulum_does_not_sleep_where_it_turns ),
         cmocka_unit_test( bits_do_not_depend_on_workers_nor_on_snapshots ),
