@@ -4,9 +4,8 @@
 // Everything is a function of the rows, of the step and of the bodies of modules, on the calling thread: the number of workers
 // does not matter. What a call may have written is only looked at after a call (store_entity.is_touched): an entity at rest costs
 // a hash of what is around it and, with contact, a comparison of bounds.
-#include "world.h"
+#include "sleep_bounds.h"
 
-#include "alloc.h"
 #include "wisp/module/components.h"
 
 #include <math.h>
@@ -18,201 +17,12 @@ void wisp_init_sleep_def( wisp_sleep_def* def, size_t size )
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
-// ---- rows and bounds ----
-
-const void* wisp_world_rows( const wisp_world* world, wisp_entity entity, wisp_component component, int column )
-{
-    const store_entity* e = store_find( &world->store, entity );
-    return e != NULL && component < world->store.component_count ? store_column( &world->store, e, component, column )
-                                                                 : NULL;
-}
-
-uint64_t wisp_hash_bytes( uint64_t seed, const void* bytes, size_t size )
-{
-    return store_hash_bytes( seed, bytes, size );
-}
-
-static void add_point( wisp_sleep_bounds* bounds, const float* p, size_t coordinate )
-{
-    for ( size_t k = 0; k < 3; ++k )
-    {
-        bounds->lower[k] = fminf( bounds->lower[k], p[k * coordinate] );
-        bounds->upper[k] = fmaxf( bounds->upper[k], p[k * coordinate] );
-    }
-}
-
-static void add_moved( wisp_sleep_bounds* bounds, const float* p, const float* velocity, size_t coordinate,
-                       float seconds )
-{
-    const float moved[3] = { p[0] + seconds * velocity[0], p[coordinate] + seconds * velocity[coordinate],
-                             p[2 * coordinate] + seconds * velocity[2 * coordinate] };
-    add_point( bounds, moved, 1 );
-}
-
-static void add_particles( const wisp_world* world, const store_entity* e, float seconds, wisp_sleep_bounds* out )
-{
-    const float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
-    const float* velocity = store_column( &world->store, e, WISP_PARTICLE_VELOCITY, 0 );
-    const float* target = store_column( &world->store, e, WISP_PARTICLE_TARGET, 0 );
-    for ( size_t i = 0; i < (size_t)e->fabric->vertex_count * 4; i += 4 )
-    {
-        add_point( out, position + i, 1 );
-        if ( seconds > 0.0f && velocity != NULL )
-        {
-            add_moved( out, position + i, velocity + i, 1, seconds );
-        }
-        if ( target != NULL && target[i + 3] != 0.0f && position[i + 3] == 0.0f )
-        {
-            add_point( out, target + i, 1 );
-        }
-    }
-}
-
-static void add_strands( const wisp_world* world, const store_entity* e, float seconds, wisp_sleep_bounds* out )
-{
-    const wisp_strand_topology* t = e->strands;
-    const float* position = store_column( &world->store, e, WISP_STRAND_POSITION, 0 );
-    const float* velocity = store_column( &world->store, e, WISP_STRAND_VELOCITY, 0 );
-    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
-    {
-        const int group = i / WISP_LANES, lane = i % WISP_LANES;
-        for ( int v = 0; v < t->lane_count[i]; ++v )
-        {
-            const size_t at = (size_t)( t->group_row[group] + v ) * 3 * WISP_LANES + (size_t)lane;
-            add_point( out, position + at, WISP_LANES );
-            if ( seconds > 0.0f && velocity != NULL )
-            {
-                add_moved( out, position + at, velocity + at, WISP_LANES, seconds );
-            }
-        }
-    }
-}
-
-static bool find_bounds( const wisp_world* world, const store_entity* e, float seconds, wisp_sleep_bounds* out )
-{
-    *out = ( wisp_sleep_bounds ){ { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
-    if ( e->fabric != NULL )
-    {
-        add_particles( world, e, seconds, out );
-    }
-    else if ( e->strands != NULL && store_mask_has( &e->components, WISP_STRAND_POSITION ) )
-    {
-        add_strands( world, e, seconds, out );
-    }
-    return out->lower[0] <= out->upper[0];
-}
-
-static float step_seconds( const wisp_world* world )
-{
-    return world->frame.seconds * (float)world->frame.substeps;
-}
-
-bool wisp_world_bounds( const wisp_world* world, wisp_entity entity, wisp_sleep_bounds* out )
-{
-    const store_entity* e = store_find( &world->store, entity );
-    return e != NULL && find_bounds( world, e, step_seconds( world ), out );
-}
-
-bool wisp_bounds_touch( const wisp_sleep_bounds* a, const wisp_sleep_bounds* b, float reach )
-{
-    bool touch = true;
-    for ( int k = 0; k < 3; ++k )
-    {
-        touch = touch && a->lower[k] - reach <= b->upper[k] && b->lower[k] - reach <= a->upper[k];
-    }
-    return touch;
-}
-
-// ---- who reaches whom ----
-
-/// An entity that acts on others with contact.
-typedef struct sleep_box
-{
-    wisp_sleep_bounds bounds; // m, with its motion in a step unless it sleeps
-    float reach;              // m; below 0: it acts on none, or is halted
-    bool is_still;            // it sleeps, or is going to
-} sleep_box;
-
-static passes_sleep* state_of( const wisp_world* world, const store_entity* e )
-{
-    return store_column( &world->store, e, world->sleep.components.state, 0 );
-}
-
-static wisp_sleep_bounds bounds_of( const passes_sleep* state )
-{
-    wisp_sleep_bounds bounds;
-    memcpy( bounds.lower, state->lower, sizeof( bounds.lower ) );
-    memcpy( bounds.upper, state->upper, sizeof( bounds.upper ) );
-    return bounds;
-}
-
-static sleep_box* reserve_boxes( wisp_world* world )
-{
-    const size_t bytes = (size_t)world->store.entity_count * sizeof( sleep_box );
-    return base_buffer_reserve( &world->allocator, &world->sleep.boxes, bytes ) ? world->sleep.boxes.data : NULL;
-}
-
-static void fill_boxes( wisp_world* world, sleep_box* boxes )
-{
-    for ( int slot = 0; slot < world->store.entity_count; ++slot )
-    {
-        const store_entity* e = world->store.entities + slot;
-        sleep_box* box = boxes + slot;
-        box->reach = e->alive && e->halted == 0
-                         ? plan_registry_reach( &world->registry, world, store_handle( &world->store, slot ) )
-                         : -1.0f;
-        if ( box->reach >= 0.0f && e->sleep != STORE_AWAKE )
-        {
-            box->bounds = bounds_of( state_of( world, e ) );
-        }
-        else if ( box->reach >= 0.0f && find_bounds( world, e, step_seconds( world ), &box->bounds ) == false )
-        {
-            box->reach = -1.0f;
-        }
-    }
-}
-
-// What lies on another rests a little above the distance at which both act.
-static float pair_reach( const sleep_box* a, const sleep_box* b )
-{
-    float longest = 0.0f;
-    for ( int k = 0; k < 3; ++k )
-    {
-        longest = fmaxf( longest, a->bounds.upper[k] - a->bounds.lower[k] );
-    }
-    return a->reach + b->reach + 1e-3f * longest;
-}
-
-// Entities that are still stir where one that is not reaches them, until none does.
-static void stir( sleep_box* boxes, int count )
-{
-    bool changed = true;
-    while ( changed )
-    {
-        changed = false;
-        for ( int i = 0; i < count; ++i )
-        {
-            sleep_box* a = boxes + i;
-            for ( int k = 0; k < count && a->is_still && a->reach >= 0.0f; ++k )
-            {
-                const sleep_box* b = boxes + k;
-                if ( b->is_still == false && b->reach >= 0.0f &&
-                     wisp_bounds_touch( &a->bounds, &b->bounds, pair_reach( a, b ) ) )
-                {
-                    a->is_still = false;
-                    changed = true;
-                }
-            }
-        }
-    }
-}
-
 // ---- waking ----
 
 static void wake( wisp_world* world, store_entity* e )
 {
     e->sleep = STORE_AWAKE;
-    passes_sleep* state = state_of( world, e );
+    passes_sleep* state = sleep_state_of( world, e );
     state->phase = STORE_AWAKE;
     state->still = 0.0f;
 }
@@ -228,10 +38,10 @@ static uint64_t hash_rows( const wisp_world* world, const store_entity* e )
 static bool is_disturbed( wisp_world* world, int slot )
 {
     store_entity* e = world->store.entities + slot;
-    const passes_sleep* state = state_of( world, e );
+    const passes_sleep* state = sleep_state_of( world, e );
     const bool has_changed = e->is_touched && hash_rows( world, e ) != state->rows;
     e->is_touched = false;
-    const wisp_sleep_bounds bounds = bounds_of( state );
+    const wisp_sleep_bounds bounds = sleep_bounds_of( state );
     uint64_t around;
     return has_changed ||
            plan_registry_surroundings( &world->registry, world, store_handle( &world->store, slot ), &bounds,
@@ -241,16 +51,16 @@ static bool is_disturbed( wisp_world* world, int slot )
 
 static void wake_reached( wisp_world* world )
 {
-    sleep_box* boxes = reserve_boxes( world );
+    sleep_box* boxes = sleep_reserve_boxes( world );
     const int count = world->store.entity_count;
     if ( boxes != NULL )
     {
-        fill_boxes( world, boxes );
+        sleep_fill_boxes( world, boxes );
         for ( int slot = 0; slot < count; ++slot )
         {
             boxes[slot].is_still = world->store.entities[slot].sleep != STORE_AWAKE;
         }
-        stir( boxes, count );
+        sleep_stir( boxes, count );
     }
     for ( int slot = 0; slot < count; ++slot )
     {
@@ -310,7 +120,7 @@ static void fall_asleep( wisp_world* world, int slot )
     clear_rows( world, e, WISP_STRAND_VELOCITY, 0 );
     wisp_world_restart_levels( world, entity );
     plan_registry_rested( &world->registry, world, entity );
-    passes_sleep* state = state_of( world, e );
+    passes_sleep* state = sleep_state_of( world, e );
     state->rows = hash_rows( world, e );
     state->phase = STORE_FALLING_ASLEEP;
     e->sleep = STORE_FALLING_ASLEEP;
@@ -320,7 +130,7 @@ static void fall_asleep( wisp_world* world, int slot )
 // Derived rows are computed once more after the velocities became zero.
 static void end_fall( wisp_world* world, store_entity* e )
 {
-    passes_sleep* state = state_of( world, e );
+    passes_sleep* state = sleep_state_of( world, e );
     state->rows = hash_rows( world, e );
     state->phase = STORE_ASLEEP;
     e->sleep = STORE_ASLEEP;
@@ -330,11 +140,11 @@ static void end_fall( wisp_world* world, store_entity* e )
 static bool is_ready( wisp_world* world, int slot )
 {
     const store_entity* e = world->store.entities + slot;
-    passes_sleep* state = e->alive ? state_of( world, e ) : NULL;
+    passes_sleep* state = e->alive ? sleep_state_of( world, e ) : NULL;
     wisp_sleep_bounds bounds;
     // sums of the same steps differ from the seconds by rounding
     if ( state == NULL || e->sleep != STORE_AWAKE || e->halted != 0 || state->still <= 0.0f ||
-         state->still < 0.9999f * state->seconds || find_bounds( world, e, 0.0f, &bounds ) == false ||
+         state->still < 0.9999f * state->seconds || sleep_find_bounds( world, e, 0.0f, &bounds ) == false ||
          plan_registry_surroundings( &world->registry, world, store_handle( &world->store, slot ), &bounds,
                                      &state->surroundings ) == false )
     {
@@ -360,7 +170,7 @@ static bool mark_ready( wisp_world* world, sleep_box* boxes )
 
 void world_sleep_end( wisp_world* world )
 {
-    sleep_box* boxes = has_sleepers( world ) ? reserve_boxes( world ) : NULL;
+    sleep_box* boxes = has_sleepers( world ) ? sleep_reserve_boxes( world ) : NULL;
     for ( int slot = 0; slot < world->store.entity_count && boxes != NULL; ++slot )
     {
         if ( world->store.entities[slot].sleep == STORE_FALLING_ASLEEP )
@@ -372,8 +182,8 @@ void world_sleep_end( wisp_world* world )
     {
         return;
     }
-    fill_boxes( world, boxes );
-    stir( boxes, world->store.entity_count );
+    sleep_fill_boxes( world, boxes );
+    sleep_stir( boxes, world->store.entity_count );
     for ( int slot = 0; slot < world->store.entity_count; ++slot )
     {
         if ( boxes[slot].is_still && world->store.entities[slot].sleep == STORE_AWAKE )
@@ -390,7 +200,7 @@ void world_sleep_to_rows( wisp_world* world )
     for ( int slot = 0; slot < world->store.entity_count && has_sleepers( world ); ++slot )
     {
         const store_entity* e = world->store.entities + slot;
-        passes_sleep* state = e->alive ? state_of( world, e ) : NULL;
+        passes_sleep* state = e->alive ? sleep_state_of( world, e ) : NULL;
         if ( state != NULL )
         {
             state->is_touched = e->sleep != STORE_AWAKE && e->is_touched;
@@ -403,7 +213,7 @@ void world_sleep_from_rows( wisp_world* world )
     for ( int slot = 0; slot < world->store.entity_count; ++slot )
     {
         store_entity* e = world->store.entities + slot;
-        const passes_sleep* state = e->alive ? state_of( world, e ) : NULL;
+        const passes_sleep* state = e->alive ? sleep_state_of( world, e ) : NULL;
         e->sleep = state != NULL ? (store_sleep)state->phase : STORE_AWAKE;
         e->is_touched = state != NULL && state->is_touched != 0;
     }
@@ -486,7 +296,7 @@ wisp_status wisp_set_sleep( wisp_world* world, wisp_entity entity, const wisp_sl
         keep_positions( world, entity );
     }
     store_entity* e = store_find( &world->store, entity );
-    passes_sleep* state = state_of( world, e );
+    passes_sleep* state = sleep_state_of( world, e );
     state->max_speed = def.max_speed;
     state->seconds = def.seconds;
     wake( world, e );
