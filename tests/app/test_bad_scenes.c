@@ -368,7 +368,7 @@ static const bad_scene BAD_SCENES[] = {
     { "surface_two_sources.yaml",
       ":4:5: surfaces[0]: got more than one of 'file', 'generate' and 'instance_of', expected one of them" },
     { "surface_unknown_key.yaml",
-      ":6:5: surfaces[0]: unknown key 'gravitation', expected one of name, file, generate, instance_of, repair, require, transform, copies, start, area_density, vertex_mass, mass_ratio, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, attach_pins, velocity, angular_velocity, gravity, damping, substeps, strain_limit, cloth, balloon, implicit, solve_order, tile_size, collision, collider, contact, boundary, motion_constraints, frame, max_speed, sleep" },
+      ":6:5: surfaces[0]: unknown key 'gravitation', expected one of name, file, generate, instance_of, repair, require, transform, copies, start, area_density, vertex_mass, mass_ratio, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, attach_pins, velocity, angular_velocity, gravity, damping, substeps, strain_limit, cloth, balloon, implicit, solve_order, tile_size, collision, collider, contact, boundary, motion_constraints, frame, max_speed, slee" },
     { "surface_unknown_key_far.yaml",
       ":6:5: surfaces[0]: unknown key 'colour', expected one of name, file, generate, instance_of, repair, require, transform, copies, start, area_density, vertex_mass, mass_ratio, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, attach_pins, velocity, angular_velocity, gravity, damping, substeps, strain_limit, cloth, balloon, implicit, solve_order, tile_size, collision, collider, contact, boundary, motion_constraints, frame, max_speed, sleep" },
     { "surfaces_mapping.yaml", ":3:11: surfaces: got a mapping, expected a list of surfaces" },
