@@ -468,8 +468,9 @@ wisp_status wisp_world_snapshot( wisp_world* world, void* out, size_t size )
         return wisp_world_fail( world, WISP_BAD_INPUT, "snapshot: got room for %zu bytes, expected at least %zu",
                                 size, store_size + sizeof( world->clock ) );
     }
-    world_sleep_to_rows( world );
+    world_sleep_to_rows( world, false );
     store_snapshot( &world->store, out );
+    world_sleep_to_rows( world, true );
     memcpy( (char*)out + store_size, &world->clock, sizeof( world->clock ) );
     return WISP_OK;
 }

@@ -89,8 +89,9 @@ float world_inverse_mass( wisp_world* world, const store_entity* surface, int sl
 void world_sleep_begin( wisp_world* world );
 /// Let entities fall asleep, behind all passes.
 void world_sleep_end( wisp_world* world );
-/// Store in rows what a snapshot must hold besides, and take it from there.
-void world_sleep_to_rows( wisp_world* world );
+/// Store in rows what a snapshot must hold besides, and clear it when the snapshot is there, so that no hash depends on snapshots.
+void world_sleep_to_rows( wisp_world* world, bool has_snapshot );
+/// Take it from there.
 void world_sleep_from_rows( wisp_world* world );
 
 /// Declares the passes that belong to no module: strands into the user's order.

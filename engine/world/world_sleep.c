@@ -195,7 +195,7 @@ void world_sleep_end( wisp_world* world )
 
 // ---- snapshots ----
 
-void world_sleep_to_rows( wisp_world* world )
+void world_sleep_to_rows( wisp_world* world, bool has_snapshot )
 {
     for ( int slot = 0; slot < world->store.entity_count && has_sleepers( world ); ++slot )
     {
@@ -203,7 +203,7 @@ void world_sleep_to_rows( wisp_world* world )
         passes_sleep* state = e->alive ? sleep_state_of( world, e ) : NULL;
         if ( state != NULL )
         {
-            state->is_touched = e->sleep != STORE_AWAKE && e->is_touched;
+            state->is_touched = has_snapshot == false && e->sleep != STORE_AWAKE && e->is_touched;
         }
     }
 }
@@ -217,6 +217,7 @@ void world_sleep_from_rows( wisp_world* world )
         e->sleep = state != NULL ? (store_sleep)state->phase : STORE_AWAKE;
         e->is_touched = state != NULL && state->is_touched != 0;
     }
+    world_sleep_to_rows( world, true );
 }
 
 // ---- calls of the host ----

@@ -67,6 +67,7 @@ static void a_snapshot_of_sleep_goes_on_in_another_world( void** state )
     assert_status( b.world, wisp_world_restore( b.world, saved.bytes, saved.size ), WISP_OK );
     free( saved.bytes );
     assert_true( wisp_is_asleep( b.world, b.sheet ) );
+    assert_true( wisp_world_hash( a.world ) == wisp_world_hash( b.world ) );
     run_steps( a.world, 5, FRAME );
     run_steps( b.world, 5, FRAME );
     assert_false( wisp_is_asleep( b.world, b.sheet ) );
@@ -74,6 +75,59 @@ static void a_snapshot_of_sleep_goes_on_in_another_world( void** state )
                  hash_of( b.world, b.sheet, WISP_SURFACE_POINTS ) );
     close_world( &a.h );
     close_world( &b.h );
+}
+
+enum
+{
+    CROWD = 9,
+};
+
+// Sheets that hang from a pin and come to rest one after another. Several have substep loops of their own.
+static void run_crowd( int first, int count, int workers, uint64_t hashes[CROWD], int asleep[CROWD] )
+{
+    hosted h;
+    open_stage( &h, workers );
+    wisp_entity sheets[CROWD];
+    for ( int i = first; i < first + count; ++i )
+    {
+        const int32_t pins[] = { 0, 5 };
+        test_mesh mesh = hanging_mesh( 6, 6, 0.05f, 0.05f );
+        for ( int v = 0; v < mesh.vertex_count; ++v )
+        {
+            mesh.points[v].z = 0.02f * (float)( v / 6 ) * (float)( i % 3 );
+        }
+        sheets[i] = add_draping( h.world, &mesh, pins, 2, EARTH );
+        assert_status( h.world, wisp_set_damping( h.world, sheets[i], 2.0f + (float)i ), WISP_OK );
+        let_sleep( h.world, sheets[i] );
+    }
+    run_steps( h.world, 130, FRAME );
+    for ( int i = first; i < first + count; ++i )
+    {
+        hashes[i] = hash_of( h.world, sheets[i], WISP_SURFACE_POINTS );
+        asleep[i] = wisp_is_asleep( h.world, sheets[i] ) ? 1 : 0;
+    }
+    close_world( &h );
+}
+
+static void a_crowd_of_which_some_sleep_has_the_bits_of_each_alone( void** state )
+{
+    (void)state;
+    uint64_t alone[CROWD], together[CROWD], with_workers[CROWD];
+    int asleep[CROWD], asleep_together[CROWD], sum = 0;
+    for ( int i = 0; i < CROWD; ++i )
+    {
+        run_crowd( i, 1, 1, alone, asleep );
+        sum += asleep[i];
+    }
+    assert_true( sum > 0 && sum < CROWD );
+    run_crowd( 0, CROWD, 1, together, asleep_together );
+    run_crowd( 0, CROWD, 3, with_workers, asleep_together );
+    for ( int i = 0; i < CROWD; ++i )
+    {
+        assert_int_equal( asleep[i], asleep_together[i] );
+        assert_true( alone[i] == together[i] );
+        assert_true( alone[i] == with_workers[i] );
+    }
 }
 
 static uint64_t fall_for( int steps, bool sleeps, int* passes )
@@ -151,6 +205,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( bits_do_not_depend_on_workers_nor_on_snapshots ),
+        cmocka_unit_test( a_crowd_of_which_some_sleep_has_the_bits_of_each_alone ),
         cmocka_unit_test( a_snapshot_of_sleep_goes_on_in_another_world ),
         cmocka_unit_test( what_never_sleeps_has_the_same_bits_and_one_pass_more ),
         cmocka_unit_test( sleep_without_memory_changes_nothing ),
