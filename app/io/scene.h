@@ -24,6 +24,7 @@
 #include "wisp/fabric.h"
 #include "wisp/moving_frame.h"
 #include "wisp/skin.h"
+#include "wisp/sleep.h"
 
 #ifdef __cplusplus
 extern "C"
@@ -147,6 +148,8 @@ extern "C"
         wisp_collision_def collision;
         bool has_contact;
         wisp_contact_def contact;
+        bool has_sleep;
+        wisp_sleep_def sleep;
         wisp_scene_path head;
         wisp_vec3 head_pivot; ///< m, where the head stands at the start, not turned; unless given, the pose's place
         wisp_strand_tip tips_hold; ///< of every tip, with has_tips
@@ -273,6 +276,8 @@ extern "C"
         bool has_frame_pivot;
         wisp_vec3 frame_pivot; ///< m, where the frame stands at the start; without it: the centre of the vertices
         float max_speed;       ///< m/s; infinite: none
+        bool has_sleep;
+        wisp_sleep_def sleep;
 
         wisp_vec3 velocity, angular_velocity;
         wisp_vec3 gravity; ///< the scene's unless the surface has its own

@@ -2,6 +2,7 @@
 #include "scene_copies.h"
 #include "scene_parts.h"
 #include "scene_ranges.h"
+#include "scene_sleep.h"
 #include "scene_start.h"
 
 #include <stddef.h>
@@ -168,6 +169,9 @@ static const scene_block COPIES_BLOCK = { COPIES_FIELDS, WISP_COUNT( COPIES_FIEL
 static const scene_field START_FIELDS[] = { SCENE_START_FIELDS( wisp_scene_strands ) };
 static const scene_block START_BLOCK = { START_FIELDS, WISP_COUNT( START_FIELDS ) };
 
+static const scene_field SLEEP_FIELDS[] = { SCENE_SLEEP_FIELDS( wisp_scene_strands ) };
+static const scene_block SLEEP_BLOCK = { SLEEP_FIELDS, WISP_COUNT( SLEEP_FIELDS ) };
+
 // `generate` stands before what is numbered by its strands and vertices, and the effects before `compute`.
 static const scene_field STRANDS_FIELDS[] = {
     { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name,
@@ -204,6 +208,8 @@ static const scene_field STRANDS_FIELDS[] = {
       .help = "Collision with colliders; needs `dynamics` or `ghosts`." },
     { "contact", SCENE_BLOCK, .at = AT( has_contact ), .block = &SCENE_STRAND_CONTACT_BLOCK,
       .help = "Contact with surfaces; needs `dynamics`." },
+    { "sleep", SCENE_BLOCK, .at = AT( has_sleep ), .block = &SLEEP_BLOCK,
+      .help = "Strands that rest cost nothing until something reaches or changes them; needs `dynamics`." },
     { "ghosts", SCENE_BLOCK, .at = AT( has_ghosts ), .block = &SCENE_GHOSTS_BLOCK,
       .help = "Makes the strands follow simulated ones; not with `dynamics`." },
     { "frozen_hair", SCENE_BLOCK, .at = AT( has_frozen_hair ), .block = &FROZEN_HAIR_BLOCK,

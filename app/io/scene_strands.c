@@ -23,6 +23,7 @@ wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
         .grid = wisp_default_strand_grid_def(),
         .collision = wisp_default_collision_def(),
         .contact = wisp_default_contact_def(),
+        .sleep = wisp_default_sleep_def(),
         .tips_hold = WISP_STRAND_TIP_CLAMPED,
         .tips_release = INFINITY,
         .on_surface = -1,

@@ -1,6 +1,7 @@
 // Keys of a surface that is held near targets, and of one in a moving frame.
 #include "scene_parts.h"
 #include "scene_ranges.h"
+#include "scene_sleep.h"
 
 #include <stddef.h>
 
@@ -84,6 +85,11 @@ static const scene_field FRAME_FIELDS[] = {
       .initial = "the centre of the vertices" },
 };
 const scene_block SCENE_FRAME_BLOCK = BLOCK( FRAME_FIELDS );
+
+// ---- sleep ----
+
+static const scene_field SLEEP_FIELDS[] = { SCENE_SLEEP_FIELDS( wisp_scene_surface ) };
+const scene_block SCENE_SURFACE_SLEEP_BLOCK = BLOCK( SLEEP_FIELDS );
 
 // ---- what no table can say ----
 

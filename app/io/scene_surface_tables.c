@@ -373,6 +373,8 @@ static const scene_field SURFACE_FIELDS[] = {
       .help = "A frame that moves and carries the surface by what that does not feel of it; not with `implicit`." },
     { "max_speed", SCENE_NUMBER, .at = AT( max_speed ), .range = RANGE( 1e-6, 1e6 ), .unit = SPEEDS,
       .help = "Largest speed of a vertex; faster velocities are scaled down and counted.", .initial = "no limit" },
+    { "sleep", SCENE_BLOCK, .at = AT( has_sleep ), .block = &SCENE_SURFACE_SLEEP_BLOCK,
+      .help = "A surface that rests costs nothing until something reaches or changes it." },
     { "compute", SCENE_CUSTOM, .given = AT( has_compute ), .read = scene_read_surface_request,
       .choices = SCENE_SURFACE_WORDS, .help = "What is computed for output and statistics.", .form = "list of words",
       .initial = "`points`; `[]`: none" },

@@ -165,6 +165,7 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
         .motion_constraints = wisp_default_motion_constraints_def(),
         .frame = wisp_default_moving_frame_def(),
         .max_speed = INFINITY,
+        .sleep = wisp_default_sleep_def(),
         .collision = wisp_default_collision_def(),
         .collider = wisp_default_collider_def(),
         .contact = wisp_default_contact_def(),

@@ -98,8 +98,8 @@ static void put_dynamics( strands_maker* m )
         text_node* head = text_put( m->entry, "head", text_map() );
         torture_put_keyframes( m->b, head, "keyframes", "position", "rotation", centre );
     }
-    static const char* const blocks[] = { "grid", "collision", "contact" };
-    static const int percents[] = { 25, 55, 60 };
+    static const char* const blocks[] = { "grid", "collision", "contact", "sleep" };
+    static const int percents[] = { 25, 55, 60, 20 };
     for ( int i = 0; i < WISP_COUNT( blocks ); ++i )
     {
         const bool is_contact = strcmp( blocks[i], "contact" ) == 0;

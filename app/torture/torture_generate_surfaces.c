@@ -171,6 +171,10 @@ static void put_surroundings( surface_maker* m, bool is_implicit )
     {
         put_strain_limit( m );
     }
+    if ( chance( m, 20 ) )
+    {
+        torture_put_block( m->b, m->block, m->entry, "sleep", 30 );
+    }
     if ( chance( m, 8 ) )
     {
         torture_put_block( m->b, m->block, m->entry, "boundary", 20 );

@@ -55,9 +55,11 @@ wisp_status scene_held_set( scene_world* world, int surface )
         frame.pose.translation = s->frame_pivot;
         status = wisp_set_moving_frame( world->world, s->entity, &frame );
     }
-    return status == WISP_OK && entry->max_speed < INFINITY
-               ? wisp_set_max_speed( world->world, s->entity, entry->max_speed )
-               : status;
+    if ( status == WISP_OK && entry->max_speed < INFINITY )
+    {
+        status = wisp_set_max_speed( world->world, s->entity, entry->max_speed );
+    }
+    return status == WISP_OK && entry->has_sleep ? wisp_set_sleep( world->world, s->entity, &entry->sleep ) : status;
 }
 
 wisp_status scene_targets_move( scene_world* world, int surface, const wisp_vec3* points,

@@ -74,6 +74,10 @@ static wisp_status set_dynamics( scene_world* world, int strands )
     {
         status = wisp_set_contact( world->world, entity, &entry->contact );
     }
+    if ( status == WISP_OK && entry->has_sleep )
+    {
+        status = wisp_set_sleep( world->world, entity, &entry->sleep );
+    }
     if ( status == WISP_OK && entry->on_surface >= 0 )
     {
         status = wisp_root_strands( world->world, entity, world->surfaces[entry->on_surface].entity );

@@ -192,7 +192,9 @@ static void run_member( const loop_substep* loop, const loop_member* member, int
     const plan* p = loop->frame->plan;
     const plan_node* node = p->nodes + p->loop_nodes[n];
     const store_entity* e = loop->frame->registry->store->entities + member->slot;
-    const int items = member->passes[n] != 0 && e->halted == 0 ? plan_item_count( e, node->domain ) : 0;
+    const int items = member->passes[n] != 0 && execute_leaves_out( e, node->section ) == false
+                          ? plan_item_count( e, node->domain )
+                          : 0;
     span.entity = member->entity;
     for ( span.begin = 0; span.begin < items; span.begin = span.end )
     {
@@ -292,7 +294,7 @@ static void choose_joined( loop_substep* loop, const plan_batch* batch )
     for ( int i = 0; i < loop->count; ++i )
     {
         const wisp_entity entity = loop->members[i].entity, first = loop->joined_count > 0 ? loop->joined[0] : entity;
-        if ( s->entities[loop->members[i].slot].halted == 0 &&
+        if ( execute_leaves_out( s->entities + loop->members[i].slot, PLAN_SUBSTEP ) == false &&
              batch->can_join( loop->frame, first, entity, batch->user ) )
         {
             loop->joined[loop->joined_count] = entity;
@@ -357,7 +359,7 @@ static int begin_entity( wisp_frame* frame, int index )
     const plan* p = frame->plan;
     const int slot = p->loop_slots[index], substeps = frame->substeps * p->entities[slot].split;
     const store_entity* e = frame->registry->store->entities + slot;
-    for ( int n = 0; n < p->loop_node_count && e->halted == 0; ++n )
+    for ( int n = 0; n < p->loop_node_count && execute_leaves_out( e, PLAN_SUBSTEP ) == false; ++n )
     {
         const plan_node* node = p->nodes + p->loop_nodes[n];
         const int items = plan_item_count( e, node->domain ) * substeps *

@@ -103,7 +103,12 @@ int wisp_frame_iterations( const wisp_frame* frame )
 
 bool wisp_frame_is_halted( wisp_frame* frame, wisp_entity entity )
 {
-    return entity_of( frame, entity )->halted != 0;
+    return entity_of( frame, entity )->halted != 0 || wisp_frame_is_asleep( frame, entity );
+}
+
+bool wisp_frame_is_asleep( wisp_frame* frame, wisp_entity entity )
+{
+    return entity_of( frame, entity )->sleep != STORE_AWAKE;
 }
 
 void wisp_frame_halt( wisp_frame* frame, wisp_entity entity, const char* message )
@@ -182,8 +187,8 @@ bool execute_is_due( wisp_frame* frame, int number, int slot )
 static uint32_t due_passes( wisp_frame* frame, const plan_node* node, const plan_target* target )
 {
     unsigned due = 0;
-    const bool halted = frame->registry->store->entities[target->slot].halted != 0;
-    for ( int i = 0; i < node->pass_count && halted == false; ++i )
+    const bool left_out = execute_leaves_out( frame->registry->store->entities + target->slot, node->section );
+    for ( int i = 0; i < node->pass_count && left_out == false; ++i )
     {
         bool live = ( target->passes >> i & 1 ) != 0;
         due |= live && execute_is_due( frame, node->passes[i], target->slot ) ? 1u << i : 0;

@@ -9,6 +9,13 @@ typedef struct pass_range
     int begin, end;
 } pass_range;
 
+/// Whether an entity is left out of the passes of a section.
+static inline bool execute_leaves_out( const store_entity* e, plan_section section )
+{
+    return e->halted != 0 || e->sleep == STORE_ASLEEP ||
+           ( e->sleep == STORE_FALLING_ASLEEP && section != PLAN_AFTER );
+}
+
 /// Whether a pass has to run on an entity; if so, what watches its output has to run too. Once per run of the pass.
 bool execute_is_due( wisp_frame* frame, int number, int slot );
 

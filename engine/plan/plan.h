@@ -11,6 +11,7 @@
 
 #include "wisp/explain.h"
 #include "wisp/module/module.h"
+#include "wisp/module/sleep.h"
 
 #include <stdatomic.h>
 
@@ -42,6 +43,7 @@ typedef struct plan_state
     void* memory;
     size_t size;
     wisp_state_hooks hooks;
+    wisp_sleep_hooks sleep;
 } plan_state;
 
 typedef struct plan_fusion
@@ -125,6 +127,13 @@ void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_enti
 /// Call the hooks of teleports. The first failure ends it. @param is_moved set if a module moves the entity
 wisp_status plan_registry_teleported( const wisp_registry* r, wisp_world* world, wisp_entity entity,
                                       const wisp_teleport_motion* teleport, bool* is_moved );
+
+/// Ask all modules what is around an entity, as wisp_sleep_hooks.surroundings.
+bool plan_registry_surroundings( const wisp_registry* r, wisp_world* world, wisp_entity entity,
+                                 const wisp_sleep_bounds* bounds, uint64_t* hash );
+/// Return the largest reach of an entity among all modules, m; below 0: none.
+float plan_registry_reach( const wisp_registry* r, wisp_world* world, wisp_entity entity );
+void plan_registry_rested( const wisp_registry* r, wisp_world* world, wisp_entity entity );
 
 /// Count the states and workspaces of a module, and what they point to. Modules are numbered by their states.
 /// @param held receives the bytes of what states and workspaces point to

@@ -175,7 +175,7 @@ void* wisp_declare_state( wisp_registry* registry, size_t size )
         return NULL;
     }
     memset( memory, 0, size );
-    registry->states[registry->state_count++] = ( plan_state ){ registry->module, memory, size, { 0 } };
+    registry->states[registry->state_count++] = ( plan_state ){ registry->module, memory, size, { 0 }, { 0 } };
     return memory;
 }
 
@@ -188,6 +188,17 @@ void wisp_declare_hooks( wisp_registry* registry, const wisp_state_hooks* hooks 
         return;
     }
     state->hooks = *hooks;
+}
+
+void wisp_declare_sleep( wisp_registry* registry, const wisp_sleep_hooks* hooks )
+{
+    plan_state* state = registry->state_count > 0 ? registry->states + registry->state_count - 1 : NULL;
+    if ( state == NULL || strcmp( state->module, registry->module ) != 0 )
+    {
+        fail_declaration( registry, "got hooks without a state for", registry->module );
+        return;
+    }
+    state->sleep = *hooks;
 }
 
 int wisp_declare_workspace( wisp_registry* registry, size_t size,
@@ -291,6 +302,42 @@ wisp_status plan_registry_teleported( const wisp_registry* r, wisp_world* world,
         }
     }
     return status;
+}
+
+bool plan_registry_surroundings( const wisp_registry* r, wisp_world* world, wisp_entity entity,
+                                 const wisp_sleep_bounds* bounds, uint64_t* hash )
+{
+    bool rests = true;
+    *hash = 0;
+    for ( int i = 0; i < r->state_count && rests; ++i )
+    {
+        const plan_state* s = r->states + i;
+        rests = s->sleep.surroundings == NULL || s->sleep.surroundings( s->memory, world, entity, bounds, hash );
+    }
+    return rests;
+}
+
+float plan_registry_reach( const wisp_registry* r, wisp_world* world, wisp_entity entity )
+{
+    float reach = -1.0f;
+    for ( int i = 0; i < r->state_count; ++i )
+    {
+        const plan_state* s = r->states + i;
+        const float of_module = s->sleep.reach != NULL ? s->sleep.reach( s->memory, world, entity ) : -1.0f;
+        reach = of_module > reach ? of_module : reach;
+    }
+    return reach;
+}
+
+void plan_registry_rested( const wisp_registry* r, wisp_world* world, wisp_entity entity )
+{
+    for ( int i = 0; i < r->state_count; ++i )
+    {
+        if ( r->states[i].sleep.rested != NULL )
+        {
+            r->states[i].sleep.rested( r->states[i].memory, world, entity );
+        }
+    }
 }
 
 wisp_status plan_registry_add( wisp_registry* r, const wisp_module* module )

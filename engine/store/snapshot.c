@@ -178,3 +178,22 @@ uint64_t store_hash( const store* s )
     visit_columns( s, add_hash, &hash );
     return hash;
 }
+
+uint64_t store_hash_entity( const store* s, const store_entity* e, store_mask excluded )
+{
+    uint64_t hash = store_hash_bytes( 0, &e->components, sizeof( e->components ) );
+    hash = store_hash_bytes( hash, &e->requests, sizeof( e->requests ) );
+    excluded = store_mask_or( excluded, s->transient );
+    for ( int c = 1; c < s->component_count; ++c )
+    {
+        const wisp_component_def* def = &s->components[c].def;
+        for ( int k = 0; k < def->column_count && store_mask_has( &e->components, c ); ++k )
+        {
+            const size_t bytes = (size_t)e->rows[def->table].count * def->columns[k].row_size;
+            hash = store_mask_has( &excluded, c )
+                       ? hash
+                       : store_hash_bytes( hash, store_column( s, e, (wisp_component)c, k ), bytes );
+        }
+    }
+    return hash;
+}

@@ -270,6 +270,7 @@ bool store_attach( store* s, wisp_entity entity, wisp_component component )
     store_mask_add( &e->components, component );
     // its rows are new and zero
     e->dirty = store_mask_or( e->dirty, store_mask_or( s->watchers[component], s->writers[component] ) );
+    e->is_touched = true;
     s->structure += 1;
     return true;
 }
@@ -293,6 +294,7 @@ void store_detach( store* s, wisp_entity entity, wisp_component component )
     store_mask_remove( &e->components, component );
     store_mask_remove( &e->requests, component );
     store_mask_remove( &e->derived, component );
+    e->is_touched = true;
     c->entity_count -= 1;
     if ( c->entity_count == 0 )
     {

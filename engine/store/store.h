@@ -24,6 +24,14 @@ typedef struct store_component
     int entity_count;
 } store_component;
 
+/// An entity that falls asleep still computes what is derived from its state, once.
+typedef enum store_sleep
+{
+    STORE_AWAKE = 0,
+    STORE_FALLING_ASLEEP = 1,
+    STORE_ASLEEP = 2,
+} store_sleep;
+
 typedef struct store_entity
 {
     uint32_t generation;
@@ -37,6 +45,8 @@ typedef struct store_entity
     const struct wisp_samples* samples;  // points that a module keeps on it for others; null: none
     int substeps;                        // in a step of usual length, as asked for; 0: those of the world
     uint64_t halted;                     // 1: left out of every pass
+    store_sleep sleep;                   // what the rows of wisp/sleep.h say
+    bool is_touched;                     // rows may have changed since it fell asleep
     store_mask dirty; // bit p: pass p must run on the entity, because what it watches or writes has changed
 } store_entity;
 
@@ -89,6 +99,7 @@ void* store_column( const store* s, const store_entity* e, wisp_component compon
 static inline void store_touch( const store* s, store_entity* e, wisp_component component )
 {
     e->dirty = store_mask_or( e->dirty, s->watchers[component] );
+    e->is_touched = true;
 }
 
 // snapshot.c
@@ -100,6 +111,9 @@ void store_snapshot( const store* s, void* out );
 wisp_status store_restore( store* s, const void* bytes, size_t size, wisp_error* error );
 /// Hash all rows of all entities except the transient ones.
 uint64_t store_hash( const store* s );
+
+/// Hash which components an entity has and which are requested, and its rows, except the transient ones and some others.
+uint64_t store_hash_entity( const store* s, const store_entity* e, store_mask excluded );
 
 /// 64-bit hash of bytes, chained through `seed`. Reads little-endian words, so equal bytes hash equal anywhere.
 uint64_t store_hash_bytes( uint64_t seed, const void* bytes, size_t size );

@@ -69,7 +69,7 @@ static wisp_status register_modules( wisp_world* world, const wisp_world_def* de
     {
         status = plan_registry_add( &world->registry, def->modules[i] );
     }
-    return status;
+    return status == WISP_OK ? passes_declare_sleep( &world->registry, &world->sleep.components ) : status;
 }
 
 static wisp_status build( wisp_world* world, const wisp_world_def* def, wisp_error* error )
@@ -160,6 +160,7 @@ void wisp_world_destroy( wisp_world* world )
     base_release( &world->allocator, world->frame.clocks, (size_t)world->registry.workers * sizeof( plan_clock ) );
     base_buffer_release( &world->allocator, &world->blend.previous );
     base_buffer_release( &world->allocator, &world->blend.points );
+    base_buffer_release( &world->allocator, &world->sleep.boxes );
     plan_registry_release( &world->registry );
     store_release( &world->store );
     jobs_destroy( world->pool );
@@ -271,9 +272,18 @@ static wisp_status step( wisp_world* world, float seconds )
     frame->halted_message[0] = '\0';
     cut_step( world, seconds, world->plan_is_new );
     world->plan_is_new = false;
+    const bool can_sleep = plan_has_substeps( &world->plan ) && frame->substeps > 0;
+    if ( can_sleep )
+    {
+        world_sleep_begin( world );
+    }
     if ( world->plan.node_count > 0 )
     {
         warn_without_threads( world, jobs_enter( world->pool, drive, frame ) );
+    }
+    if ( can_sleep && atomic_load( &frame->failed ) == false )
+    {
+        world_sleep_end( world );
     }
     tell_of_nothing( world );
     write_profile( world );
@@ -458,7 +468,9 @@ wisp_status wisp_world_snapshot( wisp_world* world, void* out, size_t size )
         return wisp_world_fail( world, WISP_BAD_INPUT, "snapshot: got room for %zu bytes, expected at least %zu",
                                 size, store_size + sizeof( world->clock ) );
     }
+    world_sleep_to_rows( world, false );
     store_snapshot( &world->store, out );
+    world_sleep_to_rows( world, true );
     memcpy( (char*)out + store_size, &world->clock, sizeof( world->clock ) );
     return WISP_OK;
 }
@@ -482,6 +494,7 @@ wisp_status wisp_world_restore( wisp_world* world, const void* bytes, size_t siz
     {
         return wisp_world_fail( world, status, "%s", error.message );
     }
+    world_sleep_from_rows( world );
     world->clock = clock;
     world->blend.is_shown = false;
     return WISP_OK;

@@ -7,6 +7,7 @@
 #include "log.h"
 #include "passes.h"
 #include "plan.h"
+#include "sleep.h"
 #include "step_clock.h"
 #include "store.h"
 
@@ -32,6 +33,13 @@ typedef struct world_blend
     bool is_shown;                // views are of `points`
 } world_blend;
 
+/// What sleep keeps of a world, outside of rows.
+typedef struct world_sleep
+{
+    passes_sleep_components components;
+    wisp_buffer boxes; // scratch of a step
+} world_sleep;
+
 struct wisp_world
 {
     world_memory memory;
@@ -48,6 +56,7 @@ struct wisp_world
     wisp_frame frame;
     step_clock clock;
     world_blend blend;
+    world_sleep sleep;
     wisp_error error; // of the last call that failed
     wisp_profile_line lines[PLAN_MAX_PASSES];
     int line_count;
@@ -73,6 +82,17 @@ wisp_status world_find_surface( wisp_world* world, wisp_entity entity, store_ent
 
 /// Inverse mass of a vertex while it is not pinned, 1/kg; 0 if it has no mass.
 float world_inverse_mass( wisp_world* world, const store_entity* surface, int slot );
+
+// world_sleep.c, in a step that has substeps
+
+/// Wake entities, before any pass.
+void world_sleep_begin( wisp_world* world );
+/// Let entities fall asleep, behind all passes.
+void world_sleep_end( wisp_world* world );
+/// Store in rows what a snapshot must hold besides, and clear it when the snapshot is there, so that no hash depends on snapshots.
+void world_sleep_to_rows( wisp_world* world, bool has_snapshot );
+/// Take it from there.
+void world_sleep_from_rows( wisp_world* world );
 
 /// Declares the passes that belong to no module: strands into the user's order.
 wisp_status world_declare_strands( wisp_registry* registry );

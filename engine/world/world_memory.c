@@ -82,6 +82,7 @@ static void add_engine( part_list* parts, const wisp_world* world )
     add_whole( parts, "strand topology", WISP_MEMORY_ENGINE, topology_bytes( s ) );
     add_whole( parts, "plan", WISP_MEMORY_ENGINE, plan_memory( &world->plan ) );
     add_whole( parts, "blended points", WISP_MEMORY_ENGINE, world->blend.previous.size + world->blend.points.size );
+    add_whole( parts, "sleep", WISP_MEMORY_ENGINE, world->sleep.boxes.size );
 }
 
 // @return sum over the parts

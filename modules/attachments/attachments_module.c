@@ -1,6 +1,8 @@
 // The module: its component and its pass.
 #include "attachments_state.h"
 
+#include "wisp/module/sleep.h"
+
 #include <string.h>
 
 #define ATTACHMENTS_PLACE_COLUMNS( X ) X( attachments_place, place, 1 )
@@ -37,6 +39,24 @@ static size_t count_memory( const void* memory, size_t* outside )
     return (size_t)( (const attachments_state*)memory )->capacity * sizeof( wisp_entity );
 }
 
+// As wisp_sleep_hooks.surroundings: pins go along with surfaces that must sleep themselves.
+static bool find_surroundings( const void* memory, wisp_world* world, wisp_entity entity,
+                               const wisp_sleep_bounds* bounds, uint64_t* hash )
+{
+    (void)bounds;
+    (void)hash;
+    const attachments_state* state = memory;
+    const attachments_place* place = wisp_world_rows( world, entity, state->place, 0 );
+    const int count = place != NULL ? wisp_world_fabric( world, entity )->slot_count : 0;
+    bool rests = true;
+    for ( int slot = 0; slot < count && rests; ++slot )
+    {
+        const wisp_entity to = place[slot].to;
+        rests = to.index == 0 || wisp_is_asleep( world, to ) || wisp_is_halted( world, to );
+    }
+    return rests;
+}
+
 static wisp_status declare( wisp_registry* r )
 {
     attachments_state* state = wisp_declare_state( r, sizeof( attachments_state ) );
@@ -46,6 +66,7 @@ static wisp_status declare( wisp_registry* r )
     }
     wisp_declare_hooks(
         r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
+    wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = find_surroundings } );
     const wisp_component_def place = { "attachments.place", WISP_TABLE_PARTICLE, PLACE_COLUMNS, 1 };
     state->place = wisp_declare_component( r, &place );
     const wisp_pass passes[] = {

@@ -1,6 +1,8 @@
 // Definition of a balloon: ranges, requirements on the mesh, and the components, which select the passes.
 #include "balloon_internal.h"
 
+#include "wisp/module/sleep.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -176,6 +178,18 @@ static wisp_status declare_passes( wisp_registry* r, balloon_state* s )
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
+// As wisp_sleep_hooks.surroundings: a balloon that is filled, or whose outlet is open, changes by itself.
+static bool find_surroundings( const void* memory, wisp_world* world, wisp_entity entity,
+                               const wisp_sleep_bounds* bounds, uint64_t* hash )
+{
+    (void)bounds;
+    (void)hash;
+    const balloon_state* state = memory;
+    const float* rate = wisp_world_rows( world, entity, state->inflation, 0 );
+    const balloon_outlet* outlet = wisp_world_rows( world, entity, state->outlet, 0 );
+    return ( rate == NULL || *rate == 0.0f ) && ( outlet == NULL || outlet->open == 0 );
+}
+
 static wisp_status declare( wisp_registry* r )
 {
     balloon_state* state = wisp_declare_state( r, sizeof( balloon_state ) );
@@ -183,6 +197,7 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
+    wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = find_surroundings } );
     declare_components( r, state );
     for ( wisp_component map = WISP_MAP_STRETCH_COMPLIANCE; map <= WISP_MAP_BEND_STIFFNESS; ++map )
     {

@@ -2,6 +2,7 @@
 #include "collision_bodies.h"
 #include "collision_participants.h"
 #include "collision_passes.h"
+#include "collision_sleep.h"
 #include "collision_surface.h"
 #include "primitive_contacts.h"
 #include "reaction.h"
@@ -336,6 +337,7 @@ static wisp_status declare( wisp_registry* r )
                                                   .removed = entity_removed,
                                                   .teleported = entity_teleported,
                                                   .memory = count_memory } );
+    wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = collision_surroundings } );
     wisp_status status = declare_components( r, state );
     return status == WISP_OK ? declare_passes( r, state ) : status;
 }

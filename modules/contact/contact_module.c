@@ -3,6 +3,7 @@
 
 #include "wisp/module/corrected.h"
 #include "wisp/module/sampling.h"
+#include "wisp/module/sleep.h"
 
 #include <string.h>
 
@@ -112,6 +113,14 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
     }
 }
 
+// As wisp_sleep_hooks.reach.
+static float participant_reach( const void* memory, wisp_world* world, wisp_entity entity )
+{
+    const contact_state* state = memory;
+    const contact_settings* settings = wisp_world_rows( world, entity, state->components.settings, 0 );
+    return settings != NULL ? settings->thickness : -1.0f;
+}
+
 static wisp_status declare_components( wisp_registry* r, contact_state* s )
 {
     const struct
@@ -217,6 +226,7 @@ static wisp_status declare( wisp_registry* r )
     };
     wisp_declare_hooks(
         r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
+    wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .reach = participant_reach } );
     wisp_status status = declare_components( r, state );
     status = status == WISP_OK ? declare_passes( r, state, false ) : status;
     return status == WISP_OK ? declare_passes( r, state, true ) : status;

@@ -14,6 +14,8 @@
 #include "loads.h"
 #include "solve.h"
 
+#include "wisp/module/sleep.h"
+
 #include <string.h>
 
 static contact_work begin_work( wisp_frame* frame, const wisp_span* span, contact_state* state )
@@ -30,6 +32,17 @@ static contact_work begin_work( wisp_frame* frame, const wisp_span* span, contac
         .seconds = wisp_frame_dt( frame, span->entity ),
         .worker = span->worker,
     };
+}
+
+// Nothing moves while all participants sleep.
+static bool all_sleep( wisp_frame* frame, const contact_state* state )
+{
+    bool sleep = true;
+    for ( int g = 0; g < state->participant_count && sleep; ++g )
+    {
+        sleep = wisp_frame_is_asleep( frame, state->participants[g].entity );
+    }
+    return sleep;
 }
 
 // ---- stages that can fail ----
@@ -100,6 +113,10 @@ static bool part_coincident( const contact_work* work )
 void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
 {
     contact_state* state = user;
+    if ( all_sleep( frame, state ) )
+    {
+        return;
+    }
     const contact_work work = begin_work( frame, span, state );
     contact_contact_mesh* s = work.contact_mesh;
     if ( span->substep == 0 )
@@ -197,9 +214,9 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const contact_state* state = user;
     const contact_work work = begin_work( frame, span, user );
-    if ( work.contact_mesh->is_listed == false )
+    if ( work.contact_mesh->is_listed == false || all_sleep( frame, state ) )
     {
-        return; // the step has failed
+        return; // the step has failed, or there is nothing to do
     }
     const bool is_end = span->iteration + 1 == wisp_frame_iterations( frame );
     contact_gather( &work, false );

@@ -1,5 +1,7 @@
 #include "implicit_internal.h"
 
+#include "wisp/module/sleep.h"
+
 #include <string.h>
 
 #define MATERIAL_COLUMNS_LIST( X ) X( implicit_material, material, 1 )
@@ -80,6 +82,28 @@ static wisp_status entity_teleported( void* memory, wisp_world* world, wisp_enti
     return WISP_OK;
 }
 
+// As wisp_sleep_hooks.rested: the substeps before differ by nothing.
+static void entity_rested( const void* memory, wisp_world* world, wisp_entity entity )
+{
+    const implicit_state* state = memory;
+    implicit_material* material = wisp_world_column( world, entity, state->material, 0 );
+    if ( material != NULL )
+    {
+        const size_t slots = (size_t)wisp_world_fabric( world, entity )->slot_count;
+        float* velocity = wisp_world_column( world, entity, state->history, 1 );
+        float* change = wisp_world_column( world, entity, state->change, 0 );
+        for ( size_t i = 0; i < 4 * slots && velocity != NULL; ++i )
+        {
+            velocity[i] = 0.0f;
+        }
+        for ( size_t i = 0; i < 3 * slots && change != NULL; ++i )
+        {
+            change[i] = 0.0f;
+        }
+        material->before = 0.0f;
+    }
+}
+
 static size_t count_memory( const void* memory, size_t* outside )
 {
     (void)outside;
@@ -150,6 +174,7 @@ static wisp_status declare( wisp_registry* r )
                                                   .removed = entity_removed,
                                                   .teleported = entity_teleported,
                                                   .memory = count_memory } );
+    wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .rested = entity_rested } );
     const struct
     {
         wisp_component* component;

@@ -5,6 +5,7 @@
 #include "rod_factors.h"
 #include "state_check.h"
 #include "strand_grid.h"
+#include "strand_sleep.h"
 #include "strands_state.h"
 #include "strand_tips.h"
 #include "strands_stats.h"
@@ -389,6 +390,7 @@ static wisp_status declare( wisp_registry* r )
                                                   .removed = strands_entity_removed,
                                                   .teleported = strands_teleported,
                                                   .memory = count_memory } );
+    wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = strands_surroundings, .rested = strands_rested } );
 #define STRANDS_DECLARE( member, name, table, columns )                                                              \
     s->member = wisp_declare_component(                                                                              \
         r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );

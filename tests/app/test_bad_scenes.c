@@ -359,6 +359,10 @@ static const bad_scene BAD_SCENES[] = {
       ":6:13: strands[0].frozen_hair.seed: got '18446744073709551616', expected a whole number in [0, 18446744073709551615]" },
     { "shape_unknown.yaml",
       ":3:38: strands[0].generate.shape: got 'curley', expected one of straight, wavy, curly; did you mean 'curly'?" },
+    { "sleep_negative.yaml", ":6:25: surfaces[0].sleep.max_speed: got -0.1, expected a value in [0, 1000000]" },
+    { "sleep_unknown.yaml",
+      ":6:14: surfaces[0].sleep: unknown key 'after', expected one of max_speed, seconds, enabled" },
+    { "sleep_without_dynamics.yaml", ":6:12: strands[0]: 'sleep' needs the key 'dynamics'" },
     { "solve_order_near.yaml",
       ":6:18: surfaces[0].solve_order: got 'color', expected one of colour, list; did you mean 'colour'?" },
     { "step_negative.yaml",
@@ -383,9 +387,9 @@ static const bad_scene BAD_SCENES[] = {
     { "surface_two_sources.yaml",
       ":4:5: surfaces[0]: got more than one of 'file', 'generate' and 'instance_of', expected one of them" },
     { "surface_unknown_key.yaml",
-      ":6:5: surfaces[0]: unknown key 'gravitation', expected one of name, file, generate, instance_of, repair, require, transform, copies, start, area_density, vertex_mass, mass_ratio, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, attach_pins, animation, velocity, angular_velocity, gravity, damping, substeps, strain_limit, cloth, balloon, implicit, solve_order, tile_size, collision, collider, contact, boundary, motion_constraints, frame, max_" },
+      ":6:5: surfaces[0]: unknown key 'gravitation', expected one of name, file, generate, instance_of, repair, require, transform, copies, start, area_density, vertex_mass, mass_ratio, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, attach_pins, animation, velocity, angular_velocity, gravity, damping, substeps, strain_limit, cloth, balloon, implicit, solve_order, tile_size, collision, collider, contact, boundary, motion_constraints, frame, max_speed, sleep, compute" },
     { "surface_unknown_key_far.yaml",
-      ":6:5: surfaces[0]: unknown key 'colour', expected one of name, file, generate, instance_of, repair, require, transform, copies, start, area_density, vertex_mass, mass_ratio, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, attach_pins, animation, velocity, angular_velocity, gravity, damping, substeps, strain_limit, cloth, balloon, implicit, solve_order, tile_size, collision, collider, contact, boundary, motion_constraints, frame, max_s" },
+      ":6:5: surfaces[0]: unknown key 'colour', expected one of name, file, generate, instance_of, repair, require, transform, copies, start, area_density, vertex_mass, mass_ratio, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, attach_pins, animation, velocity, angular_velocity, gravity, damping, substeps, strain_limit, cloth, balloon, implicit, solve_order, tile_size, collision, collider, contact, boundary, motion_constraints, frame, max_speed, sleep, compute" },
     { "surfaces_mapping.yaml", ":3:11: surfaces: got a mapping, expected a list of surfaces" },
     { "surfaces_too_many_vertices.yaml",
       ":4:3: surfaces: got 32000000 vertices in all surfaces, expected at most 16777216" },
@@ -476,7 +480,13 @@ static void every_bad_file_is_refused_with_its_place_its_key_and_what_is_wrong( 
         // The folder before the name differs from machine to machine.
         const char* name = strstr( error.message, bad->file );
         assert_non_null( name );
-        assert_string_equal( name + strlen( bad->file ), bad->message );
+        // A message that is full ends within its list of keys, at a place that depends on the folder.
+        const bool is_full = strlen( error.message ) == sizeof error.message - 1;
+        const char* message = name + strlen( bad->file );
+        if ( !is_full || strncmp( message, bad->message, strlen( message ) ) != 0 )
+        {
+            assert_string_equal( message, bad->message );
+        }
         assert_null( scene.strands );
         assert_null( scene.blocks );
     }

@@ -1,0 +1,188 @@
+// Bounds of entities, with where they go in a step. In: rows of vertices, the reach of contact. Out: which entities are reached by others.
+#include "sleep_bounds.h"
+
+#include "alloc.h"
+#include "wisp/module/components.h"
+
+#include <math.h>
+#include <string.h>
+
+// ---- rows and bounds ----
+
+const void* wisp_world_rows( const wisp_world* world, wisp_entity entity, wisp_component component, int column )
+{
+    const store_entity* e = store_find( &world->store, entity );
+    return e != NULL && component < world->store.component_count ? store_column( &world->store, e, component, column )
+                                                                 : NULL;
+}
+
+uint64_t wisp_hash_bytes( uint64_t seed, const void* bytes, size_t size )
+{
+    return store_hash_bytes( seed, bytes, size );
+}
+
+static void add_point( wisp_sleep_bounds* bounds, const float* p, size_t coordinate )
+{
+    for ( size_t k = 0; k < 3; ++k )
+    {
+        bounds->lower[k] = fminf( bounds->lower[k], p[k * coordinate] );
+        bounds->upper[k] = fmaxf( bounds->upper[k], p[k * coordinate] );
+    }
+}
+
+static void add_moved( wisp_sleep_bounds* bounds, const float* p, const float* velocity, size_t coordinate,
+                       float seconds )
+{
+    const float moved[3] = { p[0] + seconds * velocity[0], p[coordinate] + seconds * velocity[coordinate],
+                             p[2 * coordinate] + seconds * velocity[2 * coordinate] };
+    add_point( bounds, moved, 1 );
+}
+
+static void add_particles( const wisp_world* world, const store_entity* e, float seconds, wisp_sleep_bounds* out )
+{
+    const float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
+    const float* velocity = store_column( &world->store, e, WISP_PARTICLE_VELOCITY, 0 );
+    const float* target = store_column( &world->store, e, WISP_PARTICLE_TARGET, 0 );
+    for ( size_t i = 0; i < (size_t)e->fabric->vertex_count * 4; i += 4 )
+    {
+        add_point( out, position + i, 1 );
+        if ( seconds > 0.0f && velocity != NULL )
+        {
+            add_moved( out, position + i, velocity + i, 1, seconds );
+        }
+        if ( target != NULL && target[i + 3] != 0.0f && position[i + 3] == 0.0f )
+        {
+            add_point( out, target + i, 1 );
+        }
+    }
+}
+
+static void add_strands( const wisp_world* world, const store_entity* e, float seconds, wisp_sleep_bounds* out )
+{
+    const wisp_strand_topology* t = e->strands;
+    const float* position = store_column( &world->store, e, WISP_STRAND_POSITION, 0 );
+    const float* velocity = store_column( &world->store, e, WISP_STRAND_VELOCITY, 0 );
+    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
+    {
+        const int group = i / WISP_LANES, lane = i % WISP_LANES;
+        for ( int v = 0; v < t->lane_count[i]; ++v )
+        {
+            const size_t at = (size_t)( t->group_row[group] + v ) * 3 * WISP_LANES + (size_t)lane;
+            add_point( out, position + at, WISP_LANES );
+            if ( seconds > 0.0f && velocity != NULL )
+            {
+                add_moved( out, position + at, velocity + at, WISP_LANES, seconds );
+            }
+        }
+    }
+}
+
+bool sleep_find_bounds( const wisp_world* world, const store_entity* e, float seconds, wisp_sleep_bounds* out )
+{
+    *out = ( wisp_sleep_bounds ){ { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
+    if ( e->fabric != NULL )
+    {
+        add_particles( world, e, seconds, out );
+    }
+    else if ( e->strands != NULL && store_mask_has( &e->components, WISP_STRAND_POSITION ) )
+    {
+        add_strands( world, e, seconds, out );
+    }
+    return out->lower[0] <= out->upper[0];
+}
+
+static float step_seconds( const wisp_world* world )
+{
+    return world->frame.seconds * (float)world->frame.substeps;
+}
+
+bool wisp_world_bounds( const wisp_world* world, wisp_entity entity, wisp_sleep_bounds* out )
+{
+    const store_entity* e = store_find( &world->store, entity );
+    return e != NULL && sleep_find_bounds( world, e, step_seconds( world ), out );
+}
+
+bool wisp_bounds_touch( const wisp_sleep_bounds* a, const wisp_sleep_bounds* b, float reach )
+{
+    bool touch = true;
+    for ( int k = 0; k < 3; ++k )
+    {
+        touch = touch && a->lower[k] - reach <= b->upper[k] && b->lower[k] - reach <= a->upper[k];
+    }
+    return touch;
+}
+
+// ---- who reaches whom ----
+
+passes_sleep* sleep_state_of( const wisp_world* world, const store_entity* e )
+{
+    return store_column( &world->store, e, world->sleep.components.state, 0 );
+}
+
+wisp_sleep_bounds sleep_bounds_of( const passes_sleep* state )
+{
+    wisp_sleep_bounds bounds;
+    memcpy( bounds.lower, state->lower, sizeof( bounds.lower ) );
+    memcpy( bounds.upper, state->upper, sizeof( bounds.upper ) );
+    return bounds;
+}
+
+sleep_box* sleep_reserve_boxes( wisp_world* world )
+{
+    const size_t bytes = (size_t)world->store.entity_count * sizeof( sleep_box );
+    return base_buffer_reserve( &world->allocator, &world->sleep.boxes, bytes ) ? world->sleep.boxes.data : NULL;
+}
+
+void sleep_fill_boxes( wisp_world* world, sleep_box* boxes )
+{
+    for ( int slot = 0; slot < world->store.entity_count; ++slot )
+    {
+        const store_entity* e = world->store.entities + slot;
+        sleep_box* box = boxes + slot;
+        box->reach = e->alive && e->halted == 0
+                         ? plan_registry_reach( &world->registry, world, store_handle( &world->store, slot ) )
+                         : -1.0f;
+        if ( box->reach >= 0.0f && e->sleep != STORE_AWAKE )
+        {
+            box->bounds = sleep_bounds_of( sleep_state_of( world, e ) );
+        }
+        else if ( box->reach >= 0.0f && sleep_find_bounds( world, e, step_seconds( world ), &box->bounds ) == false )
+        {
+            box->reach = -1.0f;
+        }
+    }
+}
+
+// What lies on another rests a little above the distance at which both act.
+static float pair_reach( const sleep_box* a, const sleep_box* b )
+{
+    float longest = 0.0f;
+    for ( int k = 0; k < 3; ++k )
+    {
+        longest = fmaxf( longest, a->bounds.upper[k] - a->bounds.lower[k] );
+    }
+    return a->reach + b->reach + 1e-3f * longest;
+}
+
+void sleep_stir( sleep_box* boxes, int count )
+{
+    bool changed = true;
+    while ( changed )
+    {
+        changed = false;
+        for ( int i = 0; i < count; ++i )
+        {
+            sleep_box* a = boxes + i;
+            for ( int k = 0; k < count && a->is_still && a->reach >= 0.0f; ++k )
+            {
+                const sleep_box* b = boxes + k;
+                if ( b->is_still == false && b->reach >= 0.0f &&
+                     wisp_bounds_touch( &a->bounds, &b->bounds, pair_reach( a, b ) ) )
+                {
+                    a->is_still = false;
+                    changed = true;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,356 @@
+// Sleep: what lies still costs nothing, and wakes by whatever reaches or changes it.
+#include "sleep_fixture.h"
+
+static void a_sheet_on_the_ground_falls_asleep_and_no_pass_visits_it( void** state )
+{
+    (void)state;
+    bed b;
+    open_bed( &b, 1 );
+    const uint64_t points = hash_of( b.world, b.sheet, WISP_SURFACE_POINTS );
+    const uint64_t all = wisp_world_hash( b.world );
+    run_steps( b.world, 20, FRAME );
+    assert_true( wisp_is_asleep( b.world, b.sheet ) );
+    assert_int_equal( count_items( b.world ), 0 );
+    assert_true( points == hash_of( b.world, b.sheet, WISP_SURFACE_POINTS ) );
+    assert_true( all == wisp_world_hash( b.world ) );
+    assert_true( motion_stats_of( b.world, b.sheet ).kinetic_energy == 0.0 );
+    assert_true( motion_stats_of( b.world, b.sheet ).speed_max == 0.0 );
+    close_world( &b.h );
+}
+
+static void a_ball_wakes_a_sheet_that_it_reaches_and_no_other( void** state )
+{
+    (void)state;
+    bed b;
+    open_bed( &b, 1 );
+    move_ball( b.world, b.ball, ( wisp_vec3 ){ 2.0f, 0.05f, 0.0f } ); // its way is beside the sheet
+    run_steps( b.world, 3, FRAME );
+    assert_true( wisp_is_asleep( b.world, b.sheet ) );
+    // its way leads through the sheet, its ends do not touch it
+    move_ball( b.world, b.ball, ( wisp_vec3 ){ -2.0f, 0.05f, 0.0f } );
+    assert_wakes( b.world, b.sheet );
+    run_to_sleep( b.world, b.sheet );
+    close_world( &b.h );
+}
+
+static void a_body_that_appears_or_disappears_wakes_what_touches_it( void** state )
+{
+    (void)state;
+    bed b;
+    open_bed( &b, 1 );
+    const wisp_entity far = add_ball( b.world, ( wisp_vec3 ){ 0.0f, 3.0f, 0.0f } );
+    run_steps( b.world, 2, FRAME );
+    assert_true( wisp_is_asleep( b.world, b.sheet ) );
+    assert_status( b.world, wisp_remove( b.world, far ), WISP_OK );
+    run_steps( b.world, 2, FRAME );
+    assert_true( wisp_is_asleep( b.world, b.sheet ) );
+    const wisp_entity near = add_ball( b.world, ( wisp_vec3 ){ 0.0f, 0.04f, 0.0f } );
+    assert_wakes( b.world, b.sheet );
+    run_to_sleep( b.world, b.sheet );
+    assert_status( b.world, wisp_remove( b.world, near ), WISP_OK );
+    assert_wakes( b.world, b.sheet );
+    close_world( &b.h );
+}
+
+static void a_sheet_that_falls_on_another_wakes_it_and_both_fall_asleep_together( void** state )
+{
+    (void)state;
+    hosted h;
+    open_stage( &h, 1 );
+    wisp_world* world = h.world;
+    const wisp_entity lower = add_sheet( world, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, true );
+    const wisp_contact_def contact = contact_of( 0.01f );
+    set_contact( world, lower, &contact );
+    run_to_sleep( world, lower );
+    assert_int_equal( count_passes_named( world, "contact.find" ), 1 );
+    const wisp_entity upper = add_sheet( world, ( wisp_vec3 ){ 0.05f, 0.3f, 0.02f }, true );
+    set_contact( world, upper, &contact );
+    run_steps( world, 2, FRAME );
+    assert_true( wisp_is_asleep( world, lower ) );
+    int woken = 0;
+    for ( ; wisp_is_asleep( world, lower ) && woken < PATIENCE; ++woken )
+    {
+        run_steps( world, 1, FRAME );
+    }
+    assert_true( woken < PATIENCE );
+    assert_int_equal( count_passing( world, upper, lower ), 0 );
+    for ( int i = 0; wisp_is_asleep( world, upper ) == false; ++i )
+    {
+        assert_true( i < PATIENCE );
+        run_steps( world, 1, FRAME );
+        assert_int_equal( wisp_is_asleep( world, lower ), wisp_is_asleep( world, upper ) );
+    }
+    assert_true( mean_of( world, upper, 1 ) > mean_of( world, lower, 1 ) + 0.005 );
+    assert_status( world, wisp_set_gravity( world, lower, NONE ), WISP_OK );
+    assert_wakes( world, lower );
+    assert_false( wisp_is_asleep( world, upper ) ); // what touches it wakes in the same step
+    close_world( &h );
+}
+
+static void an_entity_that_moves_keeps_awake_what_it_touches( void** state )
+{
+    (void)state;
+    hosted h;
+    open_stage( &h, 1 );
+    const wisp_entity lower = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, true );
+    const wisp_entity upper = add_sheet( h.world, ( wisp_vec3 ){ 0.05f, 0.04f, 0.02f }, false ); // never sleeps
+    const wisp_contact_def contact = contact_of( 0.01f );
+    set_contact( h.world, lower, &contact );
+    set_contact( h.world, upper, &contact );
+    for ( int i = 0; i < 200; ++i )
+    {
+        run_steps( h.world, 1, FRAME );
+        assert_false( wisp_is_asleep( h.world, lower ) );
+    }
+    close_world( &h );
+}
+
+// ---- calls of the host ----
+
+typedef void change_fn( bed* b );
+
+static void set_wind( bed* b )
+{
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.internal_damping = 1.0f;
+    cloth.drag_coefficient = 1.0f;
+    cloth.wind.y = 3.0f;
+    assert_status( b->world, wisp_set_cloth( b->world, b->sheet, &cloth ), WISP_OK );
+}
+
+static void teleport( bed* b )
+{
+    const wisp_transform up = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.5f, 0.0f } };
+    assert_status( b->world, wisp_teleport( b->world, b->sheet, up, true ), WISP_OK );
+}
+
+static void pin( bed* b )
+{
+    const int32_t corner[] = { 0 };
+    assert_status( b->world, wisp_pin( b->world, b->sheet, corner, 1 ), WISP_OK );
+}
+
+static void request_normals( bed* b )
+{
+    assert_status( b->world, wisp_request( b->world, b->sheet, WISP_SURFACE_NORMALS ), WISP_OK );
+}
+
+static void no_longer_sleep( bed* b )
+{
+    wisp_sleep_def def = wisp_default_sleep_def();
+    def.enabled = false;
+    assert_status( b->world, wisp_set_sleep( b->world, b->sheet, &def ), WISP_OK );
+}
+
+static void every_call_that_changes_an_entity_wakes_it( void** state )
+{
+    (void)state;
+    static change_fn* const CHANGES[] = { set_wind, set_gravity,     set_velocity,   teleport,
+                                          pin,      request_normals, no_longer_sleep };
+    for ( int i = 0; i < WISP_COUNT( CHANGES ); ++i )
+    {
+        bed b;
+        open_bed( &b, 1 );
+        CHANGES[i]( &b );
+        assert_wakes( b.world, b.sheet );
+        close_world( &b.h );
+    }
+}
+
+static void a_call_that_changes_nothing_wakes_nobody( void** state )
+{
+    (void)state;
+    bed b;
+    open_bed( &b, 1 );
+    assert_status( b.world, wisp_set_gravity( b.world, b.sheet, EARTH ), WISP_OK );
+    assert_status( b.world, wisp_set_damping( b.world, b.sheet, 2.0f ), WISP_OK );
+    move_ball( b.world, b.ball, ( wisp_vec3 ){ 0.0f, 2.0f, 0.0f } );
+    run_steps( b.world, 2, FRAME );
+    assert_true( wisp_is_asleep( b.world, b.sheet ) );
+    close_world( &b.h );
+}
+
+static void pins_that_are_moved_wake_a_sheet_and_pins_that_rest_let_it_sleep( void** state )
+{
+    (void)state;
+    hosted h;
+    open_stage( &h, 1 );
+    const int32_t corners[] = { 0, SIDE - 1 };
+    const float half = 0.2f;
+    wisp_vec3 targets[] = { { -half, 0.6f, -half }, { half, 0.6f, -half } };
+    test_mesh mesh = level_sheet( SIDE, 2.0f * half, ( wisp_vec3 ){ 0.0f, 0.6f, 0.0f } );
+    const wisp_entity e = add_draping( h.world, &mesh, corners, 2, EARTH );
+    assert_status( h.world, wisp_set_damping( h.world, e, 4.0f ), WISP_OK );
+    let_sleep( h.world, e );
+    int steps = 0;
+    for ( ; wisp_is_asleep( h.world, e ) == false; ++steps )
+    {
+        assert_true( steps < 2 * PATIENCE );
+        // like a host that sets them in every frame
+        assert_status( h.world, wisp_move_pins( h.world, e, corners, targets, 2 ), WISP_OK );
+        run_steps( h.world, 1, FRAME );
+    }
+    assert_true( steps > 60 ); // it swings first
+    for ( int i = 0; i < 5; ++i )
+    {
+        assert_status( h.world, wisp_move_pins( h.world, e, corners, targets, 2 ), WISP_OK );
+        run_steps( h.world, 1, FRAME );
+        assert_true( wisp_is_asleep( h.world, e ) );
+    }
+    targets[0].y += 0.01f;
+    assert_status( h.world, wisp_move_pins( h.world, e, corners, targets, 2 ), WISP_OK );
+    assert_wakes( h.world, e );
+    assert_near( (double)place_of( h.world, e, 0 )[1], 0.61, 1e-6 );
+    close_world( &h );
+}
+
+// ---- what other entities hold ----
+
+static void attached_cloth_sleeps_and_wakes_with_what_it_is_attached_to( void** state )
+{
+    (void)state;
+    hosted h;
+    open_stage( &h, 1 );
+    wisp_world* world = h.world;
+    test_mesh mesh = level_sheet( 4, 0.4f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+    const wisp_entity base = add_pinned( world, &mesh );
+    const int32_t corners[] = { 0, SIDE - 1 };
+    mesh = level_sheet( SIDE, 0.4f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+    const wisp_entity flag = add_draping( world, &mesh, corners, 2, EARTH );
+    assert_status( world, wisp_set_damping( world, flag, 4.0f ), WISP_OK );
+    assert_status( world, wisp_attach_pins( world, flag, corners, 2, base ), WISP_OK );
+    let_sleep( world, flag );
+    for ( int i = 0; i < PATIENCE; ++i ) // the base could move
+    {
+        run_steps( world, 1, FRAME );
+        assert_false( wisp_is_asleep( world, flag ) );
+    }
+    let_sleep( world, base );
+    run_to_sleep( world, flag );
+    const int32_t first[] = { 0 };
+    const wisp_vec3 target[] = { { -0.2f, 1.1f, -0.2f } };
+    assert_status( world, wisp_move_pins( world, base, first, target, 1 ), WISP_OK );
+    assert_wakes( world, base );
+    assert_false( wisp_is_asleep( world, flag ) );
+    close_world( &h );
+}
+
+static void a_balloon_that_is_filled_does_not_sleep( void** state )
+{
+    (void)state;
+    hosted h;
+    open_stage( &h, 1 );
+    test_mesh mesh = ball_of( 2, 0.1f, ( wisp_vec3 ){ 0.0f, 0.5f, 0.0f } );
+    const wisp_entity e = add_balloon( h.world, &mesh, NONE );
+    let_sleep( h.world, e );
+    run_to_sleep( h.world, e );
+    assert_status( h.world, wisp_set_balloon_inflation( h.world, e, 1e-9f ), WISP_OK ); // too slow to be seen
+    for ( int i = 0; i < 60; ++i )
+    {
+        assert_wakes( h.world, e );
+    }
+    assert_status( h.world, wisp_set_balloon_inflation( h.world, e, 0.0f ), WISP_OK );
+    run_to_sleep( h.world, e );
+    close_world( &h );
+}
+
+static wisp_vec3 hanging( int strand, int i, int count, float length )
+{
+    return ( wisp_vec3 ){ 0.02f * (float)strand + 0.3f * length * (float)i / (float)( count - 1 ),
+                          1.0f - length * (float)i / (float)( count - 1 ), 0.0f };
+}
+
+static wisp_entity add_hair( wisp_world* world, int strands )
+{
+    int32_t offsets[9] = { 0 };
+    wisp_vec3 points[8 * 10];
+    for ( int s = 0; s < strands; ++s )
+    {
+        offsets[s + 1] = 10 * ( s + 1 );
+        for ( int i = 0; i < 10; ++i )
+        {
+            points[10 * s + i] = hanging( s, i, 10, 0.2f );
+        }
+    }
+    wisp_strands_def def = wisp_default_strands_def();
+    def.points = points;
+    def.offsets = offsets;
+    def.strand_count = strands;
+    wisp_entity e;
+    assert_status( world, wisp_add_strands( world, &def, &e ), WISP_OK );
+    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
+    dynamics.damping = 5.0f;
+    dynamics.drag_coefficient = 1.0f;
+    assert_status( world, wisp_set_strand_dynamics( world, e, &dynamics ), WISP_OK );
+    assert_status( world, wisp_request( world, e, WISP_STRAND_POINTS ), WISP_OK );
+    return e;
+}
+
+static void hair_falls_asleep_and_wakes_by_its_head_and_by_wind( void** state )
+{
+    (void)state;
+    hosted h;
+    open_stage( &h, 1 );
+    const wisp_entity hair = add_hair( h.world, 8 );
+    let_sleep( h.world, hair );
+    run_to_sleep( h.world, hair );
+    assert_int_equal( count_items( h.world ), 0 );
+    assert_status( h.world,
+                   wisp_move_strand_head( h.world, hair, ( wisp_transform ){ { 0.0f, 0.0f, 0.0f, 1.0f }, NONE } ),
+                   WISP_OK );
+    run_steps( h.world, 1, FRAME );
+    assert_true( wisp_is_asleep( h.world, hair ) );
+    const wisp_transform aside = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.05f, 0.0f, 0.0f } };
+    assert_status( h.world, wisp_move_strand_head( h.world, hair, aside ), WISP_OK );
+    assert_wakes( h.world, hair );
+    run_to_sleep( h.world, hair );
+    assert_status( h.world, wisp_set_strand_wind( h.world, hair, ( wisp_vec3 ){ 2.0f, 0.0f, 0.0f } ), WISP_OK );
+    assert_wakes( h.world, hair );
+    close_world( &h );
+}
+
+static void a_pendulum_does_not_sleep_where_it_turns( void** state )
+{
+    (void)state;
+    hosted h;
+    open_stage( &h, 1 );
+    const wisp_vec3 a = { 0.0f, 2.0f, 0.0f };
+    test_mesh mesh = triangle_mesh( a, ( wisp_vec3 ){ 0.5f, 2.0f, -0.01f }, ( wisp_vec3 ){ 0.5f, 2.0f, 0.01f } );
+    const int32_t pinned[] = { 0 };
+    const wisp_entity e = add_mesh( h.world, &mesh, pinned, 1, 0.15f );
+    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    assert_status( h.world, wisp_set_cloth( h.world, e, &cloth ), WISP_OK );
+    assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
+    wisp_sleep_def sleep = wisp_default_sleep_def();
+    sleep.max_speed = 0.3f; // it is slower than that for about 0.06 s at each end
+    sleep.seconds = 0.2f;
+    assert_status( h.world, wisp_set_sleep( h.world, e, &sleep ), WISP_OK );
+    int slow = 0;
+    for ( int i = 0; i < 300; ++i )
+    {
+        run_steps( h.world, 1, FRAME );
+        slow += motion_stats_of( h.world, e ).speed_max < 0.3 ? 1 : 0;
+        assert_false( wisp_is_asleep( h.world, e ) );
+    }
+    assert_true( slow > 5 ); // it has turned several times
+    close_world( &h );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_sheet_on_the_ground_falls_asleep_and_no_pass_visits_it ),
+        cmocka_unit_test( a_ball_wakes_a_sheet_that_it_reaches_and_no_other ),
+        cmocka_unit_test( a_body_that_appears_or_disappears_wakes_what_touches_it ),
+        cmocka_unit_test( a_sheet_that_falls_on_another_wakes_it_and_both_fall_asleep_together ),
+        cmocka_unit_test( an_entity_that_moves_keeps_awake_what_it_touches ),
+        cmocka_unit_test( every_call_that_changes_an_entity_wakes_it ),
+        cmocka_unit_test( a_call_that_changes_nothing_wakes_nobody ),
+        cmocka_unit_test( pins_that_are_moved_wake_a_sheet_and_pins_that_rest_let_it_sleep ),
+        cmocka_unit_test( attached_cloth_sleeps_and_wakes_with_what_it_is_attached_to ),
+        cmocka_unit_test( a_balloon_that_is_filled_does_not_sleep ),
+        cmocka_unit_test( hair_falls_asleep_and_wakes_by_its_head_and_by_wind ),
+        cmocka_unit_test( a_pendulum_does_not_sleep_where_it_turns ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
