@@ -65,11 +65,12 @@ static wisp_status register_modules( wisp_world* world, const wisp_world_def* de
 {
     wisp_status status = world_declare_strands( &world->registry );
     status = status == WISP_OK ? passes_declare( &world->registry ) : status;
+    status = status == WISP_OK ? passes_declare_sleep( &world->registry, &world->sleep.components ) : status;
     for ( int i = 0; i < def->module_count && status == WISP_OK; ++i )
     {
         status = plan_registry_add( &world->registry, def->modules[i] );
     }
-    return status == WISP_OK ? passes_declare_sleep( &world->registry, &world->sleep.components ) : status;
+    return status;
 }
 
 static wisp_status build( wisp_world* world, const wisp_world_def* def, wisp_error* error )
