@@ -218,7 +218,7 @@ static void a_needle_that_moves_does_not_pass( void** state )
     {
         const bool standing = k % 2 == 1;
         const float speed = speeds[k / 2]; // it ends above the plane of the sheet
-        const float start = speed < 1.0f ? -0.02f : -0.1f, rise = speed < 1.0f ? 0.06f : 0.2f;
+        const float start = speed < 1.0f ? -0.02f : -0.1f, rise = speed < 1.0f ? 0.06f : speed < 10.0f ? 0.2f : 0.34f;
         const wisp_collider_def needle = standing ? standing_needle( start ) : lying_needle( start );
         // free, so that it can be carried along
         sheet s = new_sheet( WISP_COLLISION_ALL, &needle, false, 0.0f, 10, 1 );
@@ -234,7 +234,7 @@ static void a_needle_that_moves_does_not_pass( void** state )
             least = fmin( least, least_distance( &s ) );
         }
         assert_true( above > 0.0 );
-        assert_true( least > 0.0 );
+        assert_true( least > 0.7 * (double)THICKNESS );
         free_sheet( &s );
     }
 }
