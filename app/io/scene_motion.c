@@ -69,7 +69,9 @@ static wisp_status check_dynamics( scene_reader* r, const scene_node* node, cons
 // What only strands that move can take; ghosts are at least kept out of bodies.
 static wisp_status check_still( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
 {
-    static const char* const keys[] = { "head", "tips", "on_surface", "grid", "collision", "contact", "sleep", "start" };
+    static const char* const keys[] = {
+        "head", "tips", "on_surface", "grid", "collision", "contact", "sleep", "start"
+    };
     for ( int i = 0; i < WISP_COUNT( keys ); ++i )
     {
         const scene_node* child = scene_child( r, node, keys[i] );

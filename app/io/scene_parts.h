@@ -8,19 +8,20 @@ extern const scene_block SCENE_STRANDS_BLOCK;  // over wisp_scene_strands
 extern const scene_block SCENE_GENERATE_BLOCK; // over wisp_groom_generator
 extern const scene_block SCENE_SCATTER_BLOCK, SCENE_CURVES_BLOCK, SCENE_DYNAMICS_BLOCK, SCENE_HEAD_BLOCK,
     SCENE_TIPS_BLOCK, SCENE_GRID_BLOCK, SCENE_GHOSTS_BLOCK, SCENE_STRAND_COLLISION_BLOCK,
-    SCENE_STRAND_CONTACT_BLOCK;                                             // over wisp_scene_strands
-extern const scene_block SCENE_COMMAND_BLOCK;                               // over wisp_scene_hair_event
-extern const scene_block SCENE_EVENT_BLOCK;                                 // over scene_event
-extern const scene_block SCENE_OUTPUT_BLOCK;                                // over wisp_scene_output
-extern const scene_block SCENE_SURFACE_BLOCK;                               // over wisp_scene_surface
-extern const scene_block SCENE_BOUNDARY_BLOCK, SCENE_CONTACT_BLOCK;         // over wisp_scene_surface
-extern const scene_block SCENE_MOTION_CONSTRAINTS_BLOCK, SCENE_FRAME_BLOCK, SCENE_SURFACE_SLEEP_BLOCK; // over wisp_scene_surface
-extern const scene_block SCENE_SURFACE_COLLIDER_BLOCK;                      // likewise
-extern const scene_block SCENE_ANIMATION_BLOCK;                             // likewise
-extern const scene_block SCENE_CLIP_BLOCK;                                  // over wisp_scene_clip
-extern const scene_block SCENE_WORLD_CONTACT_BLOCK;                         // over wisp_scene
-extern const scene_block SCENE_SEAM_BLOCK;                                  // over wisp_scene_seam
-extern const scene_block SCENE_BOX_BLOCK;                                   // over wisp_scene_box
+    SCENE_STRAND_CONTACT_BLOCK;                                     // over wisp_scene_strands
+extern const scene_block SCENE_COMMAND_BLOCK;                       // over wisp_scene_hair_event
+extern const scene_block SCENE_EVENT_BLOCK;                         // over scene_event
+extern const scene_block SCENE_OUTPUT_BLOCK;                        // over wisp_scene_output
+extern const scene_block SCENE_SURFACE_BLOCK;                       // over wisp_scene_surface
+extern const scene_block SCENE_BOUNDARY_BLOCK, SCENE_CONTACT_BLOCK; // over wisp_scene_surface
+extern const scene_block SCENE_MOTION_CONSTRAINTS_BLOCK, SCENE_FRAME_BLOCK,
+    SCENE_SURFACE_SLEEP_BLOCK;                         // over wisp_scene_surface
+extern const scene_block SCENE_SURFACE_COLLIDER_BLOCK; // likewise
+extern const scene_block SCENE_ANIMATION_BLOCK;        // likewise
+extern const scene_block SCENE_CLIP_BLOCK;             // over wisp_scene_clip
+extern const scene_block SCENE_WORLD_CONTACT_BLOCK;    // over wisp_scene
+extern const scene_block SCENE_SEAM_BLOCK;             // over wisp_scene_seam
+extern const scene_block SCENE_BOX_BLOCK;              // over wisp_scene_box
 
 extern const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT];      // over wisp_mesh_generator
 extern const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT];    // over wisp_scene_collider

@@ -329,7 +329,8 @@ static const scene_field SURFACE_FIELDS[] = {
     { "attach_pins", SCENE_CUSTOM, .read = scene_read_later_name, .form = "name of a surface", .initial = "none",
       .help = "Surface that all pins go along with, each at the point that is closest to it at the start." },
     { "animation", SCENE_BLOCK, .at = AT( has_animation ), .block = &SCENE_ANIMATION_BLOCK,
-      .help = "Clips of keyframes that move the skeleton of the mesh, a figure or a glTF file. Pins and motion targets go "
+      .help = "Clips of keyframes that move the skeleton of the mesh, a figure or a glTF file. Pins and motion "
+              "targets go "
               "along; without `cloth`, `balloon` and `implicit` every vertex does." },
     { "velocity", SCENE_VECTOR, .at = AT( velocity ), .range = VELOCITY, .unit = SPEEDS,
       .help = "Velocity at the start." },

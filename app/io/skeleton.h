@@ -72,7 +72,7 @@ extern "C"
         float* times;  ///< [key_count] s, ascending
         float*
             values; ///< [key_count][3 or 4]; cubic: [key_count][3][3 or 4], the tangent before, the value, the tangent after, in
-                    ///< units per second
+            ///< units per second
     } wisp_animation_track;
 
     /// A clip. Zero-initialised is empty. Arrays and the name are of malloc() and belong to it.

@@ -56,7 +56,8 @@ wisp_status scene_implicit_set( scene_world* world, int surface );
 wisp_status scene_held_set( scene_world* world, int surface );
 /// Move motion targets and frame of a surface to displacements from where they started.
 /// @param points [vertex_count] m, targets before the displacement
-wisp_status scene_targets_move( scene_world* world, int surface, const wisp_vec3* points, wisp_transform displacement );
+wisp_status scene_targets_move( scene_world* world, int surface, const wisp_vec3* points,
+                                wisp_transform displacement );
 wisp_status scene_frame_move( scene_world* world, int surface, wisp_transform displacement );
 /// Sew surfaces together. Call after all of them are added.
 wisp_status scene_seams_add( scene_world* world, wisp_error* error );

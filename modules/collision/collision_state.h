@@ -60,12 +60,12 @@ typedef struct collision_state
     wisp_component reaction;       // wisp_reaction of a body that is asked for it
     wisp_component reaction_part;  // of participants while one is: the first of their parts in the sums
     wisp_component contact_body;   // of surfaces likewise: for each contact the place of its body in the list
-    wisp_component all_features;      // a mark of surfaces whose edges and triangles collide, and how many have contacts
-    wisp_component edge_contacts;     // of their edges, while there is a body
+    wisp_component all_features;   // a mark of surfaces whose edges and triangles collide, and how many have contacts
+    wisp_component edge_contacts;  // of their edges, while there is a body
     wisp_component triangle_contacts; // likewise
     wisp_component clearance;         // of their particles, likewise
-    wisp_component bounce;         // of surfaces while a body has a restitution: m/s, for each contact
-    collision_impulse* sums;       // [part][body], zero between steps; null while no reaction is requested
+    wisp_component bounce;            // of surfaces while a body has a restitution: m/s, for each contact
+    collision_impulse* sums;          // [part][body], zero between steps; null while no reaction is requested
     size_t sum_count, sum_capacity;
     collision_body* bodies;
     int body_count, body_capacity;
