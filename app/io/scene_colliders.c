@@ -87,7 +87,7 @@ static const scene_field BOX_FIELDS[] = {
 static const scene_field MESH_FIELDS[] = {
     COMMON_FIELDS,
     { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file,
-      .help = "Mesh to read (`.obj`, `.ply`), relative to the folder of the scene.", .form = "path",
+      .help = "Mesh to read (`.obj`, `.ply`, `.glb`, `.gltf`), relative to the folder of the scene.", .form = "path",
       .initial = "none" },
     { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_generate,
       .help = "Generates the mesh instead of reading it, as for a surface.", .form = "block" },
@@ -109,7 +109,7 @@ static const scene_field MESH_FIELDS[] = {
 static const scene_field CONVEX_FIELDS[] = {
     COMMON_FIELDS,
     { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file,
-      .help = "Mesh to read (`.obj`, `.ply`), relative to the folder of the scene.", .form = "path",
+      .help = "Mesh to read (`.obj`, `.ply`, `.glb`, `.gltf`), relative to the folder of the scene.", .form = "path",
       .initial = "none" },
     { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_generate,
       .help = "Generates the mesh instead of reading it, as for a surface.", .form = "block" },

@@ -286,7 +286,7 @@ static const scene_field SURFACE_FIELDS[] = {
       .help = "Unique among strands, surfaces, colliders and seams.",
       .form = "1 to 64 of the characters A-Z a-z 0-9 _ -" },
     { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file,
-      .help = "Mesh to read (`.obj`, `.ply`), relative to the folder of the scene.", .form = "path",
+      .help = "Mesh to read (`.obj`, `.ply`, `.glb`, `.gltf`), relative to the folder of the scene.", .form = "path",
       .initial = "none" },
     { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_generate,
       .help = "Generates the mesh instead of reading it.", .form = "block" },
