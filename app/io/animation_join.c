@@ -5,11 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int width_of( wisp_joint_property property )
-{
-    return property == WISP_JOINT_ROTATION ? 4 : 3;
-}
-
 static const wisp_animation_track* find_track( const wisp_animation* animation, int joint,
                                                wisp_joint_property property )
 {
@@ -57,7 +52,8 @@ static void put( key_list* list, int width, float time, const float* value )
 
 static void put_clip( key_list* list, const wisp_clip* clip, const wisp_animation_track* track )
 {
-    const int width = width_of( track->property ), stride = track->interpolation == WISP_INTERPOLATION_CUBIC ? 3 : 1;
+    const int width = wisp_joint_property_width( track->property ),
+              stride = track->interpolation == WISP_INTERPOLATION_CUBIC ? 3 : 1;
     const float period = clip->animation->duration / clip->speed;
     const int rounds = clip->animation->loops ? 1 + (int)fminf( ( clip->end - clip->begin ) / period, 1e6f ) : 1;
     for ( int round = 0; round < rounds && list->count <= WISP_ANIMATION_MAX_KEYS; ++round )
@@ -78,7 +74,7 @@ static void put_clip( key_list* list, const wisp_clip* clip, const wisp_animatio
 static void put_all( key_list* list, const wisp_clip* clips, int count, const wisp_joint* rest, int joint,
                      wisp_joint_property property )
 {
-    const int width = width_of( property );
+    const int width = wisp_joint_property_width( property );
     const float* still = rest_value( rest, property );
     if ( clips[0].begin > 0.0f )
     {
@@ -126,7 +122,8 @@ static wisp_status join_property( const wisp_clip* clips, int count, const wisp_
                                                             : WISP_INTERPOLATION_LINEAR,
                                        .key_count = list.count };
     track->times = malloc( (size_t)list.count * sizeof *track->times );
-    track->values = malloc( (size_t)list.count * (size_t)width_of( property ) * sizeof *track->values );
+    track->values =
+        malloc( (size_t)list.count * (size_t)wisp_joint_property_width( property ) * sizeof *track->values );
     if ( track->times == NULL || track->values == NULL )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d keyframes", list.count );
@@ -143,7 +140,8 @@ static wisp_status copy_track( const wisp_animation_track* from, wisp_animation_
 {
     const size_t rows = from->interpolation == WISP_INTERPOLATION_CUBIC ? 3 : 1;
     const size_t times = (size_t)from->key_count * sizeof *from->times,
-                 values = (size_t)from->key_count * rows * (size_t)width_of( from->property ) * sizeof *from->values;
+                 values = (size_t)from->key_count * rows * (size_t)wisp_joint_property_width( from->property ) *
+                          sizeof *from->values;
     *to = *from;
     to->times = malloc( times );
     to->values = malloc( values );

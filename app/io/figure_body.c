@@ -229,12 +229,6 @@ static const struct
     { "right_foot", RIGHT_THIGH + 1, { -0.088, 0.05, -0.012 } },
 };
 
-static char* copy_text( const char* text )
-{
-    char* copy = malloc( strlen( text ) + 1 );
-    return copy != NULL ? strcpy( copy, text ) : NULL;
-}
-
 wisp_status figure_skeleton( float height, wisp_skeleton* out, wisp_error* error )
 {
     *out = ( wisp_skeleton ){ JOINTS, calloc( JOINTS, sizeof( wisp_joint ) ) };
@@ -245,7 +239,7 @@ wisp_status figure_skeleton( float height, wisp_skeleton* out, wisp_error* error
         wisp_joint* joint = &out->joints[j];
         const mesh_vector none = { 0 }, at = RIG[j].at, from = RIG[j].parent < 0 ? none : RIG[RIG[j].parent].at;
         const double h = (double)height;
-        joint->name = copy_text( RIG[j].name );
+        joint->name = strdup( RIG[j].name );
         joint->parent = RIG[j].parent;
         joint->rest = ( wisp_joint_transform ){ .rotation = { 0.0f, 0.0f, 0.0f, 1.0f },
                                                 .translation = { (float)( h * ( at.x - from.x ) ),

@@ -7,16 +7,6 @@
 
 #include "io_file.h"
 
-static char* copy_text( const char* text )
-{
-    char* copy = malloc( strlen( text ) + 1 );
-    if ( copy != NULL )
-    {
-        strcpy( copy, text );
-    }
-    return copy;
-}
-
 // ---- joints ----
 
 // Columns of a matrix that are at right angles are a rotation times a scale; one of them is mirrored in a left-handed matrix.
@@ -89,7 +79,7 @@ static wisp_status fill_joint( const gltf_node* node, const char* name, wisp_joi
     out->rest.translation = ( wisp_vec3 ){ (float)translation[0], (float)translation[1], (float)translation[2] };
     out->rest.scale = ( wisp_vec3 ){ (float)scale[0], (float)scale[1], (float)scale[2] };
     out->inverse_bind = wisp_affine_identity();
-    out->name = copy_text( node->name );
+    out->name = strdup( node->name );
     return out->name != NULL
                ? WISP_OK
                : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its nodes", io_short_name( name ) );
@@ -267,7 +257,7 @@ wisp_status gltf_rig_animation( const gltf_model* model, const char* animation, 
     const gltf_animation* from = &model->animations[found];
     out->duration = (float)fmax( from->duration, 1e-3 );
     out->loops = true;
-    out->name = copy_text( from->name );
+    out->name = strdup( from->name );
     out->tracks = calloc( (size_t)from->channel_count + 1, sizeof *out->tracks );
     wisp_status status = out->name != NULL && out->tracks != NULL
                              ? WISP_OK

@@ -84,13 +84,22 @@ static const scene_field BOX_FIELDS[] = {
     { "half_extent", SCENE_VECTOR, .at = DEF( half_extent ), .range = SIZE, .unit = METRES,
       .help = "Half of the edges along x, y and z." },
 };
+#define MESH_SOURCE_FIELDS                                                                                           \
+    { "file",                                                                                                        \
+      SCENE_CUSTOM,                                                                                                  \
+      .at = AT( mesh.file ),                                                                                         \
+      .read = scene_read_file,                                                                                       \
+      .help = "Mesh to read (`.obj`, `.ply`, `.glb`, `.gltf`), relative to the folder of the scene.",                \
+      .form = "path",                                                                                                \
+      .initial = "none" },                                                                                           \
+    {                                                                                                                \
+        "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_generate,                                \
+                                  .help = "Generates the mesh instead of reading it, as for a surface.",             \
+                                  .form = "block"                                                                    \
+    }
 static const scene_field MESH_FIELDS[] = {
     COMMON_FIELDS,
-    { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file,
-      .help = "Mesh to read (`.obj`, `.ply`, `.glb`, `.gltf`), relative to the folder of the scene.", .form = "path",
-      .initial = "none" },
-    { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_generate,
-      .help = "Generates the mesh instead of reading it, as for a surface.", .form = "block" },
+    MESH_SOURCE_FIELDS,
     { "repair", SCENE_CUSTOM, .at = AT( mesh.repairs ), .read = scene_read_repair, .choices = SCENE_REPAIR_WORDS,
       .help = "Repairs of the mesh, as for a surface.", .form = "list of words", .initial = "none" },
     { "require", SCENE_CUSTOM, .at = AT( mesh.demands ), .read = scene_read_require, .choices = SCENE_REQUIRE_WORDS,
@@ -108,11 +117,7 @@ static const scene_field MESH_FIELDS[] = {
 };
 static const scene_field CONVEX_FIELDS[] = {
     COMMON_FIELDS,
-    { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file,
-      .help = "Mesh to read (`.obj`, `.ply`, `.glb`, `.gltf`), relative to the folder of the scene.", .form = "path",
-      .initial = "none" },
-    { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_generate,
-      .help = "Generates the mesh instead of reading it, as for a surface.", .form = "block" },
+    MESH_SOURCE_FIELDS,
     { "scale", SCENE_NUMBER, .at = AT( mesh.scale ), .range = SIZE, .help = "Factor of the size of the mesh." },
 };
 static const scene_field HEIGHT_FIELD_FIELDS[] = {

@@ -105,20 +105,16 @@ wisp_status wisp_skeleton_check( const wisp_skeleton* skeleton, wisp_error* erro
     return WISP_OK;
 }
 
-static int width_of( wisp_joint_property property )
-{
-    return property == WISP_JOINT_ROTATION ? 4 : 3;
-}
-
 // Floats of a keyframe.
 static int stride_of( const wisp_animation_track* track )
 {
-    return width_of( track->property ) * ( track->interpolation == WISP_INTERPOLATION_CUBIC ? 3 : 1 );
+    return wisp_joint_property_width( track->property ) *
+           ( track->interpolation == WISP_INTERPOLATION_CUBIC ? 3 : 1 );
 }
 
 static const float* value_at( const wisp_animation_track* track, int key )
 {
-    const int width = width_of( track->property ), stride = stride_of( track );
+    const int width = wisp_joint_property_width( track->property ), stride = stride_of( track );
     return track->values + (size_t)key * (size_t)stride + ( stride > width ? width : 0 );
 }
 
@@ -210,7 +206,7 @@ static void turn_near( float* q, const float* before )
 
 wisp_status wisp_animation_track_smooth( wisp_animation_track* track, bool loops, wisp_error* error )
 {
-    const int width = width_of( track->property ), count = track->key_count, last = count - 1;
+    const int width = wisp_joint_property_width( track->property ), count = track->key_count, last = count - 1;
     float* values = calloc( (size_t)count * 3 * (size_t)width, sizeof *values );
     if ( values == NULL )
     {
@@ -287,7 +283,7 @@ static void slerp( const float* a, const float* b, float s, float* out )
 
 static void sample_between( const wisp_animation_track* track, int k, float time, float* out )
 {
-    const int width = width_of( track->property );
+    const int width = wisp_joint_property_width( track->property );
     const float *a = value_at( track, k ), *b = value_at( track, k + 1 );
     const float span = track->times[k + 1] - track->times[k], s = ( time - track->times[k] ) / span;
     if ( track->interpolation == WISP_INTERPOLATION_STEP )
@@ -313,7 +309,7 @@ static void sample_between( const wisp_animation_track* track, int k, float time
 
 static void sample( const wisp_animation_track* track, float time, float* out )
 {
-    const int width = width_of( track->property ), last = track->key_count - 1;
+    const int width = wisp_joint_property_width( track->property ), last = track->key_count - 1;
     if ( time <= track->times[0] || time >= track->times[last] )
     {
         memcpy( out, value_at( track, time <= track->times[0] ? 0 : last ), (size_t)width * sizeof *out );

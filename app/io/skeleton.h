@@ -61,6 +61,12 @@ extern "C"
         WISP_INTERPOLATION_CUBIC, ///< Hermite, with the tangents of the keyframes; rotations are normalised
     } wisp_interpolation;
 
+    /// Floats of a value.
+    static inline int wisp_joint_property_width( wisp_joint_property property )
+    {
+        return property == WISP_JOINT_ROTATION ? 4 : 3;
+    }
+
     /// Keyframes of one property of one joint. It replaces the value at rest. Before the first keyframe the value is that of the first,
     /// after the last that of the last.
     typedef struct wisp_animation_track
@@ -72,7 +78,7 @@ extern "C"
         float* times;  ///< [key_count] s, ascending
         float*
             values; ///< [key_count][3 or 4]; cubic: [key_count][3][3 or 4], the tangent before, the value, the tangent after, in
-            ///< units per second
+                    ///< units per second
     } wisp_animation_track;
 
     /// A clip. Zero-initialised is empty. Arrays and the name are of malloc() and belong to it.

@@ -167,6 +167,11 @@ void frozen_oracle_limit_depth( const double3* base, int count, double limit, do
 
 // Equations 8 to 13: turn a strand towards the cursor.
 
+/// Whether a 2.5D limit of depth applies; whether turns stay in the plane; a vector without the depth that then does not count.
+bool frozen_oracle_has_depth( const frozen_oracle_options* options );
+bool frozen_oracle_is_in_plane( const frozen_oracle_options* options );
+double3 frozen_oracle_without_depth( const frozen_oracle_options* options, double3 v );
+
 /// Eq. 8: tip - mean or tip - root of count >= 1 points.
 double3 frozen_oracle_representative( const double3* points, int count, frozen_oracle_direction direction );
 
