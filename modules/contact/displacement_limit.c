@@ -36,8 +36,8 @@ static const float MIN_OF_REQUESTED = 0.1f, MIN_OF_DISTANCE = 0.99f;
 // are few.
 static const float WAY_TO_GO = 0.9f;
 static const float PUSH = -1.0f; // in place of a cut
-// How far a push may move a point, beyond the longest displacement of a pinned point, in gaps of the pair.
-static const float PUSH_GAPS = 2.0f;
+// How far a push may move a point: in longest displacements of a pinned point, and in gaps of the pair.
+static const float PUSH_DRIVES = 4.0f, PUSH_GAPS = 8.0f;
 static const float ALMOST = 0.999f; // of what is left of a margin
 
 typedef struct guard_loop
@@ -173,7 +173,7 @@ static bool apply_push( guard_loop* loop, const contact_row* row )
     {
         return false;
     }
-    if ( !( row->gap - there <= s->limit->longest_drive + PUSH_GAPS * row->requested ) )
+    if ( !( row->gap - there <= PUSH_DRIVES * s->limit->longest_drive + PUSH_GAPS * row->requested ) )
     {
         atomic_store( &loop->is_crossed, true );
         return false;

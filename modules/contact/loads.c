@@ -57,16 +57,6 @@ static contact_load load_of( const contact_work* work, const contact_row* row, c
     return sum;
 }
 
-static float mobility_of( const contact_contact_mesh* s, const contact_row* row, contact_side side )
-{
-    float sum = 0.0f;
-    for ( int i = side.begin; i < side.end; ++i )
-    {
-        sum += s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i] * row->weight[i];
-    }
-    return sum;
-}
-
 // Move the points of a side so that the sides shift by this way along each other.
 static void shift_side( contact_contact_mesh* s, const contact_row* row, contact_side side, float mobility,
                         const float by[3] )
@@ -100,7 +90,7 @@ void contact_apply_pile_friction( const contact_work* work, contact_row* row )
     contact_contact_mesh* s = work->contact_mesh;
     const contact_side upper = contact_upper_side( work, row ), both = { 0, row->count };
     const contact_load load = load_of( work, row, upper );
-    const float mobility = mobility_of( s, row, upper ), all = mobility_of( s, row, both );
+    const float mobility = contact_mobility_of( s, row, upper ), all = contact_mobility_of( s, row, both );
     float way[3], by[3], left = row->friction * load.normal - load.held;
     if ( mobility > 0.0f && load.grip > 0.0f )
     {
@@ -130,7 +120,7 @@ static void press_down( const contact_work* work, const contact_row* row )
         return;
     }
     const contact_load load = load_of( work, row, upper );
-    const float mobility = mobility_of( work->contact_mesh, row, upper );
+    const float mobility = contact_mobility_of( work->contact_mesh, row, upper );
     const float* t = row->tangential_correction;
     const float held = load.held + ( mobility > 0.0f ? sqrtf( contact_dot( t, t ) ) / mobility : 0.0f );
     for ( int i = 0; i < row->count; ++i )

@@ -1,9 +1,9 @@
 // Projection of contact constraints (position based dynamics, Mueller et al. 2007), accumulated and clamped as the
 // impulses of Catto 2005. In: rows by colour. Out: moved points, accumulated corrections.
 //
-// - Push: Dx_i = w_i s_i n l with l = -C / sum w_j s_j^2, accumulated in `normal_correction`, which is never
-//   negative. The weights of a row sum to zero, so every correction keeps momentum, and forces on two participants
-//   are equal and opposite.
+// - Push: Dx_i = w_i s_i n l with l = -C / max( sum w_j s_j^2, max w_j |s_j| / 4 ), accumulated in
+//   `normal_correction`, which is never negative. The weights of a row sum to zero, so every correction keeps
+//   momentum, and forces on two participants are equal and opposite.
 // - Friction takes back the relative tangential displacement of the closest points since the start of the substep,
 //   accumulated in `tangential_correction`, which is never longer than mu times the push (Coulomb).
 // - What a body supports is not pushed into it, and lower layers not by higher ones: supports.c, loads.c.
@@ -25,14 +25,9 @@ typedef struct project_loop
     row_fn* run;
 } project_loop;
 
-static float sum_weights( const contact_contact_mesh* s, const contact_row* row )
+static float mobility_of( const contact_contact_mesh* s, const contact_row* row )
 {
-    float sum = 0.0f;
-    for ( int i = 0; i < row->count; ++i )
-    {
-        sum += s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i] * row->weight[i];
-    }
-    return sum;
+    return contact_mobility_of( s, row, ( contact_side ){ 0, row->count } );
 }
 
 // Return the distance of the two sides along the normal. Sums are relative to one of the points, against
@@ -80,7 +75,7 @@ static void project_row( const contact_work* work, contact_row* row )
 {
     contact_contact_mesh* s = work->contact_mesh;
     const float short_by = row->gap - distance_of( s->now, row );
-    const float sum = short_by > -row->normal_correction ? sum_weights( s, row ) : 0.0f;
+    const float sum = short_by > -row->normal_correction ? mobility_of( s, row ) : 0.0f;
     if ( !( sum > 0.0f ) )
     {
         return;
@@ -112,7 +107,7 @@ static void recover_row( const contact_work* work, contact_row* row )
     const contact_participant* participant = work->participants + (int)s->rest[(size_t)row->point[0] * 4 + 3];
     const float step = participant->settings.max_push_out_speed * work->seconds;
     const float short_by = contact_smaller( row->requested, row->distance + step ) - distance_of( s->now, row );
-    const float sum = short_by > 0.0f ? sum_weights( s, row ) : 0.0f;
+    const float sum = short_by > 0.0f ? mobility_of( s, row ) : 0.0f;
     if ( sum > 0.0f )
     {
         const float length = contact_smaller( short_by, step ) / sum;

@@ -154,6 +154,18 @@ void contact_find_supports( const contact_work* work )
 
 // ---- displacements ----
 
+float contact_mobility_of( const contact_contact_mesh* s, const contact_row* row, contact_side side )
+{
+    float sum = 0.0f, farthest = 0.0f;
+    for ( int i = side.begin; i < side.end; ++i )
+    {
+        const float way = s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i];
+        sum += way * row->weight[i];
+        farthest = contact_larger( farthest, fabsf( way ) );
+    }
+    return contact_larger( sum, farthest / CONTACT_MAX_LEVER );
+}
+
 bool contact_is_supported( const contact_work* work, const contact_row* row )
 {
     const contact_supports* supports = work->contact_mesh->supports;
@@ -222,7 +234,7 @@ void contact_move_supported( const contact_work* work, contact_row* row, float c
     const contact_side sides[2] = { { 0, row->split }, { row->split, row->count } };
     const contact_support* highest[2] = { contact_highest( s->supports, row, sides[0] ),
                                           contact_highest( s->supports, row, sides[1] ) };
-    float directions[CONTACT_MAX_POINTS][3], left = 0.0f;
+    float directions[CONTACT_MAX_POINTS][3], left = 0.0f, farthest = 0.0f;
     for ( int i = 0; i < row->count; ++i )
     {
         const float fraction = s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i];
@@ -231,7 +243,10 @@ void contact_move_supported( const contact_work* work, contact_row* row, float c
         keep_supported( work, row->point[i], change / sum * fraction, other != NULL ? other->layer : -1,
                         directions[i] );
         left += fraction * row->weight[i] * contact_dot( row->normal, directions[i] );
+        farthest =
+            contact_larger( farthest, fabsf( fraction ) * sqrtf( contact_dot( directions[i], directions[i] ) ) );
     }
+    left = contact_larger( left, farthest / CONTACT_MAX_LEVER );
     row->mobility = left > 1e-6f * sum ? left : 0.0f;
     for ( int i = 0; i < row->count && row->mobility > 0.0f; ++i )
     {

@@ -7,6 +7,7 @@ enum
 {
     CONTACT_NO_SUPPORT = 1 << 20,
     CONTACT_MAX_LAYERS = 64, // of a pile; what lies higher counts as not supported
+    CONTACT_MAX_LEVER = 4,   // a correction moves no point by more than this many times what the sides lack
 };
 
 /// What holds a point up in a substep.
@@ -51,6 +52,10 @@ static inline float contact_dot( const float a[3], const float b[3] )
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
+
+/// Return the mobility of a side, sum w s^2, in 1/kg, but at least max w |s| / CONTACT_MAX_LEVER. Where the only free
+/// point of a triangle is far from the contact, s is small, and a correction over sum w s^2 would throw it.
+float contact_mobility_of( const contact_contact_mesh* s, const contact_row* row, contact_side side );
 
 contact_half_spaces contact_half_spaces_of( const contact_work* work, int point );
 

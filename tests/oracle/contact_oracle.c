@@ -131,9 +131,22 @@ static double mobility_of( const contact_oracle_side* side, const double* w )
     return sum;
 }
 
+// Return the farthest that a correction of 1 moves one vertex.
+static double farthest_of( const contact_oracle_side* side, const double* w )
+{
+    double farthest = 0.0;
+    for ( int i = 0; i < side->count; ++i )
+    {
+        farthest = fmax( farthest, w[side->vertex[i]] * fabs( side->weight[i] ) );
+    }
+    return farthest;
+}
+
 double contact_oracle_mobility( const contact_oracle_contact* contact, const double* w )
 {
-    return mobility_of( &contact->a, w ) + mobility_of( &contact->b, w );
+    const double max_lever = 4.0;
+    return fmax( mobility_of( &contact->a, w ) + mobility_of( &contact->b, w ),
+                 fmax( farthest_of( &contact->a, w ), farthest_of( &contact->b, w ) ) / max_lever );
 }
 
 static void move_side( const contact_oracle_side* side, const double* w, double3 push, double3* x )
