@@ -430,10 +430,13 @@ static wisp_status connect( scene_world* world, int surface, wisp_error* error )
     const wisp_scene_surface* entry = &world->scene->surfaces[surface];
     const scene_world_surface* s = &world->surfaces[surface];
     wisp_status status = WISP_OK;
-    if ( entry->has_attachments )
+    for ( int g = 0; g < s->group_count && status == WISP_OK; ++g )
     {
-        status = wisp_attach_pins( world->world, s->entity, s->pins, s->pin_count,
-                                   world->surfaces[entry->attached_to].entity );
+        const int to = scene_pins_entry( entry, g )->attached_to;
+        const scene_world_pins* pins = &s->groups[g];
+        status = to < 0 ? WISP_OK
+                        : wisp_attach_pins( world->world, s->entity, pins->vertices, pins->count,
+                                            world->surfaces[to].entity );
     }
     if ( status == WISP_OK && entry->has_collider )
     {
@@ -484,8 +487,7 @@ void scene_surfaces_release( scene_world* world )
         wisp_mesh_release( &s->mesh );
         wisp_mesh_repairs_release( &s->repairs );
         wisp_fabric_release( s->fabric );
-        free( s->pins );
-        free( s->pin_targets );
+        scene_pins_release( s );
         free( s->motion_targets );
         scene_animation_release( s->animation );
     }
