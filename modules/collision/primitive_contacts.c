@@ -16,6 +16,7 @@
 
 #include "body_queries.h"
 #include "collision_passes.h"
+#include "feature_contacts.h"
 #include "reaction.h"
 
 #include <math.h>
@@ -60,14 +61,6 @@ typedef struct find_loop
 } find_loop;
 
 // ---- a primitive and a body ----
-
-// The path of a primitive in the frame of a body.
-typedef struct primitive_path
-{
-    int corner_count;
-    wisp_vec3 from[3], to[3];
-    float displacement; // m, of the fastest corner
-} primitive_path;
 
 static bool load_path( const find_loop* loop, const collision_view* view, const int32_t* corners,
                        primitive_path* path )
@@ -153,20 +146,22 @@ static bool is_on_border( const collision_deepest* d )
 }
 
 // Return the signed distance less the thickness at which the point of a contact starts.
-static float start_gap( const collision_view* view, const primitive_path* path, const collision_deepest* d )
+static float start_gap( const collision_view* view, const primitive_path* path, const collision_meeting* m )
 {
+    const collision_deepest* d = &m->deepest;
     wisp_vec3 start = { 0.0f, 0.0f, 0.0f };
     for ( int k = 0; k < path->corner_count; ++k )
     {
         start = collision_add_scaled( start, d->weights[k], path->from[k] );
     }
-    const float gap = collision_plane_gap( view, &d->surface, start );
+    const float gap = collision_plane_gap( view, &d->surface, collision_add_scaled( start, 1.0f, m->motion ) );
     return gap >= -COLLISION_SHALLOW * view->thickness ? gap : collision_exact_gap( view, start, gap );
 }
 
 static void write_contact( const find_loop* loop, const collision_view* view, const int32_t* corners,
-                           const primitive_path* path, const collision_deepest* d, collision_primitive_contact* out )
+                           const primitive_path* path, const collision_meeting* m, collision_primitive_contact* out )
 {
+    const collision_deepest* d = &m->deepest;
     const wisp_vec3 point = wisp_transform_to_world( view->after, d->surface.point ),
                     normal = wisp_quat_rotate( view->after.rotation, d->surface.normal );
     *out = ( collision_primitive_contact ){
@@ -178,15 +173,15 @@ static void write_contact( const find_loop* loop, const collision_view* view, co
     };
     collision_store( out->half_space.point, point );
     collision_store( out->half_space.normal, normal );
-    collision_store( out->half_space.motion,
-                     collision_sub( point, wisp_transform_to_world( view->before, d->surface.point ) ) );
+    const wisp_vec3 old = collision_sub( d->surface.point, m->motion );
+    collision_store( out->half_space.motion, collision_sub( point, wisp_transform_to_world( view->before, old ) ) );
     // the start is measured again when other contacts have moved the corners: here what is not in the plane
     float along = 0.0f;
     for ( int k = 0; k < path->corner_count; ++k )
     {
         along += d->weights[k] * collision_dot( normal, collision_load( loop->previous + (size_t)corners[k] * 4 ) );
     }
-    out->half_space.normal_correction = start_gap( view, path, d ) - along;
+    out->half_space.normal_correction = start_gap( view, path, m ) - along;
 }
 
 static bool is_pinned( const find_loop* loop, const int32_t* corners, const collision_deepest* d )
@@ -199,27 +194,37 @@ static bool is_pinned( const find_loop* loop, const int32_t* corners, const coll
     return !( sum > 0.0f );
 }
 
+// @return how many meetings there are, 1 at most
+static int meet_convex( const collision_view* view, const primitive_path* path, collision_meeting* out )
+{
+    *out = ( collision_meeting ){ .motion = { 0.0f, 0.0f, 0.0f } };
+    const bool meets = find_meeting( view, path, &out->deepest );
+    return meets && ( path->corner_count == 2 || is_on_border( &out->deepest ) == false ) ? 1 : 0;
+}
+
 static void meet_body( const find_loop* loop, const collision_view* view, int primitive )
 {
     const collision_primitives* p = &loop->primitives;
     const int32_t* corners = p->corners + (size_t)primitive * (size_t)p->corner_count;
     primitive_path path;
-    collision_deepest deepest;
+    collision_meeting meetings[COLLISION_PRIMITIVE_CONTACTS];
     if ( load_path( loop, view, corners, &path ) == false )
     {
         return;
     }
-    if ( find_meeting( view, &path, &deepest ) == false || ( p->corner_count == 3 && is_on_border( &deepest ) ) ||
-         is_pinned( loop, corners, &deepest ) )
+    const int count = view->body->tree != NULL ? collision_meet_mesh( view, &path, meetings )
+                                               : meet_convex( view, &path, &meetings[0] );
+    for ( int i = 0; i < count; ++i )
     {
-        return;
-    }
-    int place = p->found[primitive]++;
-    collision_primitive_contact contact;
-    write_contact( loop, view, corners, &path, &deepest, &contact );
-    if ( place < COLLISION_PRIMITIVE_CONTACTS )
-    {
-        p->contacts[primitive][place] = contact;
+        if ( is_pinned( loop, corners, &meetings[i].deepest ) )
+        {
+            continue;
+        }
+        const int place = p->found[primitive]++;
+        if ( place < COLLISION_PRIMITIVE_CONTACTS )
+        {
+            write_contact( loop, view, corners, &path, &meetings[i], &p->contacts[primitive][place] );
+        }
     }
 }
 
