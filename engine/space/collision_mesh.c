@@ -246,7 +246,13 @@ int wisp_collision_mesh_find_features( const wisp_collision_mesh* tree, const fl
 wisp_mesh_feature wisp_collision_mesh_feature( const wisp_collision_mesh* tree, int32_t feature, bool is_corner,
                                                float begin, float end )
 {
-    return mesh_features_describe( &tree->surface, feature, is_corner, (double)begin, (double)end );
+    return mesh_features_place( &tree->surface, feature, is_corner, begin, end );
+}
+
+wisp_mesh_sides wisp_collision_mesh_sides( const wisp_collision_mesh* tree, int32_t feature, bool is_corner,
+                                           float time )
+{
+    return mesh_features_sides( &tree->surface, feature, is_corner, (double)time );
 }
 
 // ---- queries ----

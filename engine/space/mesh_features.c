@@ -1,7 +1,7 @@
 // Edges and corners of a mesh that stick out: those that may touch something before the faces beside them do. An edge belongs
 // to the lowest of its triangles, a corner likewise, so that each is found once. Where two faces lie in one plane, or form a valley,
 // their edge touches nothing that they do not touch. Of a rigid mesh such edges, and corners with nothing but them, are left out when the
-// features are built; of one that deforms it is told when a feature is described.
+// features are built; of one that deforms the sides of an edge tell it.
 #include "mesh_features.h"
 
 #include "alloc.h"
@@ -201,35 +201,36 @@ int mesh_features_find( const mesh_features* features, const mesh_bvh* boxes, co
     return found;
 }
 
-static double3 place_of( const mesh_surface* s, int32_t point, double time )
+static wisp_vec3 place_of( const mesh_surface* s, int32_t point, float time )
 {
-    const double3 end = double3_from( s->xyzw + 4 * (size_t)point );
-    return s->start != NULL && time < 1.0
-               ? double3_mul_add( double3_scale( double3_from( s->start + 4 * (size_t)point ), 1.0 - time ), time,
-                                  end )
-               : end;
+    const float* end = s->xyzw + 4 * (size_t)point;
+    if ( s->start == NULL || time >= 1.0f )
+    {
+        return ( wisp_vec3 ){ end[0], end[1], end[2] };
+    }
+    const float* start = s->start + 4 * (size_t)point;
+    return ( wisp_vec3 ){ start[0] + time * ( end[0] - start[0] ), start[1] + time * ( end[1] - start[1] ),
+                          start[2] + time * ( end[2] - start[2] ) };
 }
 
-wisp_mesh_feature mesh_features_describe( const mesh_surface* s, int32_t feature, bool is_corner, double begin,
-                                          double end )
+wisp_mesh_feature mesh_features_place( const mesh_surface* s, int32_t feature, bool is_corner, float begin,
+                                       float end )
 {
-    wisp_mesh_feature out = { .in_front = true, .behind = true };
-    const int32_t number[2] = { point_of( s, feature, 0 ), point_of( s, feature, is_corner ? 0 : 1 ) };
-    for ( int k = 0; k < 2; ++k )
-    {
-        out.from[k] = double3_narrow( place_of( s, number[k], begin ) );
-        out.to[k] = double3_narrow( place_of( s, number[k], end ) );
-    }
+    const int32_t a = point_of( s, feature, 0 ), b = point_of( s, feature, is_corner ? 0 : 1 );
+    return ( wisp_mesh_feature ){ { place_of( s, a, begin ), place_of( s, b, begin ) },
+                                  { place_of( s, a, end ), place_of( s, b, end ) } };
+}
+
+wisp_mesh_sides mesh_features_sides( const mesh_surface* s, int32_t feature, bool is_corner, double time )
+{
+    const int32_t a = point_of( s, feature, 0 );
     if ( is_corner )
     {
-        out.normal = double3_narrow( mesh_surface_corner_normal( s, number[0], end ) );
-        return out;
+        return ( wisp_mesh_sides ){ double3_narrow( mesh_surface_corner_normal( s, a, time ) ), true, true };
     }
-    const edge_faces faces = faces_of( s, number[0], number[1], end );
+    const edge_faces faces = faces_of( s, a, point_of( s, feature, 1 ), time );
     const double3 sum =
         faces.count > 1 ? double3_mul_add( faces.normals[0], 1.0, faces.normals[1] ) : faces.normals[0];
-    out.normal = double3_narrow( double3_unit_or_zero( sum ) );
-    out.in_front = is_ridge( &faces, 1.0 );
-    out.behind = is_ridge( &faces, -1.0 );
-    return out;
+    return ( wisp_mesh_sides ){ double3_narrow( double3_unit_or_zero( sum ) ), is_ridge( &faces, 1.0 ),
+                                is_ridge( &faces, -1.0 ) };
 }

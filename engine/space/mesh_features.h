@@ -21,6 +21,7 @@ size_t mesh_features_bytes( const mesh_features* features, const mesh_surface* s
 int mesh_features_find( const mesh_features* features, const mesh_bvh* boxes, const float lower[3],
                         const float upper[3], bool corners, int32_t* out, int capacity );
 
-/// As wisp_collision_mesh_feature().
-wisp_mesh_feature mesh_features_describe( const mesh_surface* surface, int32_t feature, bool is_corner, double begin,
-                                          double end );
+/// As wisp_collision_mesh_feature() and wisp_collision_mesh_sides().
+wisp_mesh_feature mesh_features_place( const mesh_surface* surface, int32_t feature, bool is_corner, float begin,
+                                       float end );
+wisp_mesh_sides mesh_features_sides( const mesh_surface* surface, int32_t feature, bool is_corner, double time );

@@ -20,7 +20,9 @@ enum
 
 // Fractions of the thickness, as in primitive_contacts.c, and the distance of two contacts that count as one.
 static const double STOP = 0.1, SAME = 0.05;
+static const float LEFT_TO_CORNERS = 0.05f;
 static const float BORDER = 0.01f; // weight of a corner below which a point is on the border
+static const float ALIKE = 0.7f;   // cosine of two normals of one side
 
 // ---- distances ----
 
@@ -143,16 +145,6 @@ static wisp_vec3 between( wisp_vec3 a, wisp_vec3 b, float s )
     return collision_add_scaled( a, s, collision_sub( b, a ) );
 }
 
-static wisp_vec3 weighted( const wisp_vec3* corners, int count, const float* weights )
-{
-    wisp_vec3 p = { 0.0f, 0.0f, 0.0f };
-    for ( int k = 0; k < count; ++k )
-    {
-        p = collision_add_scaled( p, weights[k], corners[k] );
-    }
-    return p;
-}
-
 static void measure( const primitive_path* path, const wisp_mesh_feature* f, double time, approach* out )
 {
     wisp_vec3 corners[3], ends[2];
@@ -166,11 +158,22 @@ static void measure( const primitive_path* path, const wisp_mesh_feature* f, dou
     }
     out->time = time;
     out->distance = collision_closest_feature( corners, path->corner_count, ends, out->weights, &out->along );
-    const wisp_vec3 away = collision_sub( weighted( corners, path->corner_count, out->weights ),
-                                          between( ends[0], ends[1], out->along ) );
+}
+
+static void find_normal( const primitive_path* path, const wisp_mesh_feature* f, approach* a )
+{
+    wisp_vec3 p = { 0.0f, 0.0f, 0.0f };
+    const float time = (float)a->time;
+    for ( int k = 0; k < path->corner_count; ++k )
+    {
+        p = collision_add_scaled( p, a->weights[k], between( path->from[k], path->to[k], time ) );
+    }
+    const wisp_vec3 q =
+        between( between( f->from[0], f->to[0], time ), between( f->from[1], f->to[1], time ), a->along );
+    const wisp_vec3 away = collision_sub( p, q );
     const float length = collision_length( away );
-    out->normal = length > 0.0f ? ( wisp_vec3 ){ away.x / length, away.y / length, away.z / length }
-                                : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    a->normal = length > 0.0f ? ( wisp_vec3 ){ away.x / length, away.y / length, away.z / length }
+                              : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
 }
 
 static double feature_displacement( const wisp_mesh_feature* f )
@@ -179,24 +182,30 @@ static double feature_displacement( const wisp_mesh_feature* f )
                                      collision_length( collision_sub( f->to[1], f->from[1] ) ) );
 }
 
-// Find where a path is stopped, or its end if that is near. @return false: neither
+// Find where a path is stopped, or its end if that is near. The distance changes by no more than what both move.
+// @return false: neither
 static bool find_approach( const collision_view* view, const primitive_path* path, const wisp_mesh_feature* f,
                            approach* out )
 {
     const double stop = STOP * (double)view->thickness;
     const double displacement = (double)path->displacement + feature_displacement( f );
-    measure( path, f, 0.0, out );
-    for ( int i = 0; i < ADVANCES && out->time < 1.0; ++i )
+    measure( path, f, 1.0, out );
+    if ( out->distance > 2.0 * (double)view->thickness + displacement )
     {
-        if ( out->distance <= stop )
-        {
-            return true;
-        }
+        return false;
+    }
+    if ( out->distance - displacement <= stop )
+    {
+        measure( path, f, 0.0, out );
+    }
+    for ( int i = 0; i < ADVANCES && out->time < 1.0 && out->distance > stop; ++i )
+    {
         // not quite, so that rounding does not carry it through
         const double next = out->time + ( out->distance - 0.5 * stop ) / fmax( displacement, 1e-30 );
         measure( path, f, next < 1.0 ? next : 1.0, out );
     }
-    return out->time < 1.0 || out->distance < 2.0 * (double)view->thickness + (double)path->displacement;
+    find_normal( path, f, out );
+    return true;
 }
 
 static bool is_on_border( const primitive_path* path, const approach* a )
@@ -210,10 +219,23 @@ static bool is_on_border( const primitive_path* path, const approach* a )
 }
 
 // Whether a feature sticks out to the side that a primitive comes from. What is closed has one side.
-static bool faces( const collision_body* body, const wisp_mesh_feature* f, wisp_vec3 normal )
+static bool faces( const collision_body* body, const wisp_mesh_sides* f, wisp_vec3 normal )
 {
     const float side = collision_dot( normal, f->normal );
     return body->double_sided ? ( side >= 0.0f ? f->in_front : f->behind ) : side > 0.0f && f->in_front;
+}
+
+// At the end of a path, what is no deeper than a corner that has a contact with the same side is left to that contact.
+static bool is_left_to_corner( const collision_view* view, const primitive_path* path, const approach* a )
+{
+    bool any = false;
+    const float left = LEFT_TO_CORNERS * view->thickness;
+    for ( int k = 0; k < path->plane_count; ++k )
+    {
+        any = any || ( collision_dot( a->normal, path->normals[k] ) > ALIKE &&
+                       (float)a->distance >= path->distances[k] - left );
+    }
+    return any && a->time >= 1.0;
 }
 
 // ---- a primitive and a mesh ----
@@ -258,6 +280,16 @@ static void box_of( const collision_view* view, const primitive_path* path, floa
     }
 }
 
+static bool overlaps( const wisp_mesh_feature* f, const float lower[3], const float upper[3] )
+{
+    wisp_vec3 low = f->from[0], high = low;
+    collision_widen( &low, &high, f->from[1] );
+    collision_widen( &low, &high, f->to[0] );
+    collision_widen( &low, &high, f->to[1] );
+    return low.x <= upper[0] && low.y <= upper[1] && low.z <= upper[2] && high.x >= lower[0] && high.y >= lower[1] &&
+           high.z >= lower[2];
+}
+
 int collision_meet_mesh( const collision_view* view, const primitive_path* path, collision_meeting* out )
 {
     float lower[3], upper[3];
@@ -272,8 +304,13 @@ int collision_meet_mesh( const collision_view* view, const primitive_path* path,
     {
         const wisp_mesh_feature f = wisp_collision_mesh_feature( mesh, near[i], is_corner, view->begin, view->end );
         approach a;
-        if ( find_approach( view, path, &f, &a ) == false || is_on_border( path, &a ) ||
-             faces( view->body, &f, a.normal ) == false )
+        if ( overlaps( &f, lower, upper ) == false || find_approach( view, path, &f, &a ) == false ||
+             is_on_border( path, &a ) || is_left_to_corner( view, path, &a ) )
+        {
+            continue;
+        }
+        const wisp_mesh_sides sides = wisp_collision_mesh_sides( mesh, near[i], is_corner, view->end );
+        if ( faces( view->body, &sides, a.normal ) == false )
         {
             continue;
         }

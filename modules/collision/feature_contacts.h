@@ -10,6 +10,10 @@ typedef struct primitive_path
     int corner_count;
     wisp_vec3 from[3], to[3];
     float displacement; // m, of the fastest corner
+    // half spaces of the corners' own contacts, of a mesh: normals in the frame of the body, and distances of the corners, m
+    int plane_count;
+    wisp_vec3 normals[3 * WISP_COLLISION_CONTACTS];
+    float distances[3 * WISP_COLLISION_CONTACTS];
 } primitive_path;
 
 /// Where a primitive meets a mesh.

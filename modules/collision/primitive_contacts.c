@@ -57,6 +57,8 @@ typedef struct find_loop
     const collision_state* state;
     collision_primitives primitives;
     float *position, *previous;
+    const int32_t* contact_counts; // [slot] of particles
+    collision_contact ( *particle_contacts )[WISP_COLLISION_CONTACTS];
     float* clearance; // [slot] m, less the reach: distance of the path of a particle from all bodies, or less
 } find_loop;
 
@@ -78,6 +80,25 @@ static bool load_path( const find_loop* loop, const collision_view* view, const 
             collision_larger( path->displacement, collision_length( collision_sub( path->to[k], path->from[k] ) ) );
     }
     return is_finite;
+}
+
+// Note the half spaces that corners have of their own, of whatever body.
+static void load_planes( const find_loop* loop, const collision_view* view, const int32_t* corners,
+                         primitive_path* path )
+{
+    const wisp_quat q = view->after.rotation, back = { -q.x, -q.y, -q.z, q.w };
+    path->plane_count = 0;
+    for ( int k = 0; k < path->corner_count; ++k )
+    {
+        const wisp_vec3 p = collision_load( loop->position + (size_t)corners[k] * 4 );
+        for ( int i = 0; i < loop->contact_counts[corners[k]] && i < WISP_COLLISION_CONTACTS; ++i )
+        {
+            const collision_contact* c = &loop->particle_contacts[corners[k]][i];
+            const wisp_vec3 n = collision_load( c->normal );
+            path->normals[path->plane_count] = wisp_quat_rotate( back, n );
+            path->distances[path->plane_count++] = collision_dot( n, collision_sub( p, collision_load( c->point ) ) );
+        }
+    }
 }
 
 static void corners_at( const primitive_path* path, float time, wisp_vec3* corners )
@@ -211,6 +232,10 @@ static void meet_body( const find_loop* loop, const collision_view* view, int pr
     if ( load_path( loop, view, corners, &path ) == false )
     {
         return;
+    }
+    if ( view->body->tree != NULL )
+    {
+        load_planes( loop, view, corners, &path );
     }
     const int count = view->body->tree != NULL ? collision_meet_mesh( view, &path, meetings )
                                                : meet_convex( view, &path, &meetings[0] );
@@ -399,6 +424,8 @@ void collision_search_primitives( wisp_frame* frame, const wisp_span* span, cons
         .state = state,
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
+        .contact_counts = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 0 ),
+        .particle_contacts = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 2 ),
         .clearance = wisp_frame_column( frame, span->entity, state->clearance, 0 ),
     };
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
