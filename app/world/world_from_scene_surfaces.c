@@ -217,7 +217,7 @@ static wisp_status make_source( scene_world* world, int surface, unsigned char r
     if ( status == WISP_OK )
     {
         scene_start_place( &scene->surfaces[surface], s );
-        status = scene_animation_load( scene, surface, s, error );
+        status = scene_animation_load( scene, surface, rest, s, error );
     }
     free( rest );
     return status;
@@ -239,16 +239,20 @@ static wisp_status make_instance( scene_world* world, int surface, wisp_error* e
     {
         s->mesh.points[v] = fabric->rest[fabric->vertex_slot[v]];
     }
+    wisp_vec3* rest = NULL;
+    wisp_status status = copy_points( s->mesh.points, s->mesh.vertex_count, &rest, error );
     place( s->mesh.points, s->mesh.vertex_count, entry->pose );
     wisp_fabric_retain( source->fabric );
     s->fabric = source->fabric;
-    wisp_status status =
-        scene_pins_find( world->scene, surface, source->repairs.kept, source->repairs.kept_count, s, error );
+    status = status == WISP_OK ? scene_pins_find( world->scene, surface, source->repairs.kept,
+                                                  source->repairs.kept_count, s, error )
+                               : status;
     if ( status == WISP_OK )
     {
         scene_start_place( entry, s );
-        status = scene_animation_load( world->scene, surface, s, error );
+        status = scene_animation_load( world->scene, surface, rest, s, error );
     }
+    free( rest );
     return status;
 }
 
