@@ -338,6 +338,7 @@ extern "C"
         wisp_collider_def def; ///< without the arrays of a mesh
         wisp_scene_mesh mesh;  ///< of a mesh, or of a convex body
         wisp_scene_path path;  ///< where it is
+        bool request_reaction; ///< what participants give it
     } wisp_scene_collider;
 
     // ---- seams ----

@@ -54,6 +54,7 @@ scene_read_fn scene_read_pins, scene_read_pin_box, scene_read_pin_nearest; // wi
 scene_read_fn scene_read_pin_groups, scene_read_surface_request, scene_read_outlet,
     scene_read_gas_ratio_keyframes;                                              // wisp_scene_surface
 scene_read_fn scene_read_collider_path, scene_read_friction, scene_read_heights; // wisp_scene_collider
+scene_read_fn scene_read_collider_request;                                       // bool
 
 /// An entry of `events` before its time has become a step.
 typedef struct scene_event

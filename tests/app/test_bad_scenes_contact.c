@@ -56,6 +56,9 @@ const bad_scene BAD_SCENES_CONTACT[] = {
     { "contact_twice.yaml", ":4:1: key 'contact' is written twice, first in line 2" },
     { "contact_without_value.yaml",
       ":6:13: surfaces[0].contact: got nothing, expected a mapping ({} takes the defaults)" },
+    { "collider_computes_points.yaml",
+      ":3:40: colliders[0].compute[0]: got 'points', expected one of reaction" },
+    { "collider_computes_twice.yaml", ":5:25: colliders[0].compute[1]: 'reaction' is listed twice" },
     // groups of pins
     { "events_attach_itself.yaml",
       ":8:5: events[0]: 'attach_pins': got 'a', expected another surface" },
