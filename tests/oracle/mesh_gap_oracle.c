@@ -90,9 +90,24 @@ static corners_of load( const mesh_gap_oracle_mesh* m, int triangle )
     return c;
 }
 
-static double of_triangles( const corners_of* a, const corners_of* b )
+static double segments_if_near( const double3 a[2], const double3 b[2], double within )
 {
-    double least = INFINITY;
+    const double apart = double3_distance( double3_blend( a[0], a[1], 0.5 ), double3_blend( b[0], b[1], 0.5 ) );
+    const double reach = 0.5 * ( double3_distance( a[0], a[1] ) + double3_distance( b[0], b[1] ) );
+    return apart - reach < within ? fmin( within, mesh_gap_oracle_segments( a, b ) ) : within;
+}
+
+static double point_if_near( const corners_of* t, double3 p, double within )
+{
+    return double3_distance( t->middle, p ) - t->radius < within
+               ? fmin( within, mesh_gap_oracle_triangle( t->at, p ) )
+               : within;
+}
+
+// @param within of no interest is what is farther
+static double of_triangles( const corners_of* a, const corners_of* b, double within )
+{
+    double least = within;
     for ( int i = 0; i < 3; ++i )
     {
         const double3 e[2] = { a->at[i], a->at[( i + 1 ) % 3] }, f[2] = { b->at[i], b->at[( i + 1 ) % 3] };
@@ -100,12 +115,11 @@ static double of_triangles( const corners_of* a, const corners_of* b )
         {
             return -1.0;
         }
-        least = fmin(
-            least, fmin( mesh_gap_oracle_triangle( a->at, b->at[i] ), mesh_gap_oracle_triangle( b->at, a->at[i] ) ) );
+        least = point_if_near( b, a->at[i], point_if_near( a, b->at[i], least ) );
         for ( int k = 0; k < 3; ++k )
         {
             const double3 g[2] = { b->at[k], b->at[( k + 1 ) % 3] };
-            least = fmin( least, mesh_gap_oracle_segments( e, g ) );
+            least = segments_if_near( e, g, least );
         }
     }
     return least;
@@ -121,7 +135,7 @@ double mesh_gap_oracle_find( const mesh_gap_oracle_mesh* a, const mesh_gap_oracl
         {
             const corners_of q = load( b, k );
             const double apart = double3_distance( p.middle, q.middle ) - p.radius - q.radius;
-            least = apart < least ? fmin( least, of_triangles( &p, &q ) ) : least;
+            least = apart < least ? of_triangles( &p, &q, least ) : least;
         }
     }
     return least;
