@@ -154,28 +154,23 @@ const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT] = {
     [WISP_COLLIDER_HEIGHT_FIELD] = BLOCK( HEIGHT_FIELD_FIELDS ),
 };
 
+static wisp_status read_word( scene_reader* r, const scene_node* item, int index, void* context )
+{
+    bool* is_requested = context;
+    int word = 0;
+    const wisp_status status = scene_read_choice( r, item, WORDS, &word );
+    if ( !status && index > 0 )
+    {
+        return scene_refuse_node( r, item, "'%s' is listed twice", WORDS[word].word );
+    }
+    *is_requested = true;
+    return status;
+}
+
 wisp_status scene_read_collider_request( scene_reader* r, const scene_node* node, void* at )
 {
-    bool* is_requested = at;
-    wisp_status status = scene_expect_list( r, node, "a list of words" );
-    int i = 0;
-    for ( const scene_node* item = status ? NULL : scene_first( r->tree, node ); item && !status;
-          item = scene_next( r->tree, item ) )
-    {
-        const size_t outside = scene_enter_index( r, i++ );
-        int word = 0;
-        status = scene_read_choice( r, item, WORDS, &word );
-        if ( !status && *is_requested )
-        {
-            return scene_refuse_node( r, item, "'%s' is listed twice", WORDS[word].word );
-        }
-        if ( !status )
-        {
-            *is_requested = true;
-            scene_leave( r, outside );
-        }
-    }
-    return status;
+    const wisp_status status = scene_expect_list( r, node, "a list of words" );
+    return status ? status : scene_read_items( r, node, read_word, at );
 }
 
 // Read one number, or a pair of static and kinetic friction.

@@ -301,6 +301,24 @@ static wisp_status refuse_equal_events( scene_reader* r )
     return WISP_OK;
 }
 
+static wisp_status read_event( scene_reader* r, const scene_node* item, int index, void* context )
+{
+    wisp_scene* scene = context;
+    scene_event read = { .event = { .strands = -1,
+                                    .surface = -1,
+                                    .pin_group = -1,
+                                    .attach_to = -1,
+                                    .line = item->line,
+                                    .column = item->column } };
+    wisp_status status = scene_read_block( r, item, &SCENE_EVENT_BLOCK, &read );
+    status = status ? status : find_step( r, item, &read );
+    status = status ? status : find_group( r, item, &read );
+    status = status ? status : check_gust( r, item, &read );
+    scene->events[index] = read.event;
+    scene->event_count = index + 1;
+    return status ? status : check_event( r, item, &read.event );
+}
+
 wisp_status scene_read_events( scene_reader* r, const scene_node* node, void* at )
 {
     wisp_scene* scene = at;
@@ -308,26 +326,7 @@ wisp_status scene_read_events( scene_reader* r, const scene_node* node, void* at
     wisp_status status =
         scene_begin_list( r, node, "a list of entries", SCENE_MAX_NODES, sizeof *scene->events, &items );
     scene->events = items;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, scene->event_count );
-        scene_event read = { .event = { .strands = -1,
-                                        .surface = -1,
-                                        .pin_group = -1,
-                                        .attach_to = -1,
-                                        .line = item->line,
-                                        .column = item->column } };
-        status = scene_read_block( r, item, &SCENE_EVENT_BLOCK, &read );
-        status = status ? status : find_step( r, item, &read );
-        status = status ? status : find_group( r, item, &read );
-        status = status ? status : check_gust( r, item, &read );
-        status = status ? status : check_event( r, item, &read.event );
-        if ( !status )
-        {
-            scene->events[scene->event_count++] = read.event;
-            scene_leave( r, outside );
-        }
-    }
+    status = status ? status : scene_read_items( r, node, read_event, scene );
     if ( status || scene->event_count == 0 )
     {
         return status;

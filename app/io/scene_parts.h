@@ -135,5 +135,9 @@ wisp_status scene_read_named( scene_reader* reader, const scene_node* node, scen
 wisp_status scene_begin_list( scene_reader* reader, const scene_node* node, const char* what, int most, size_t size,
                               void** items );
 
+/// Read the items of a list one after the other, each with its number in the path, until one is refused.
+typedef wisp_status scene_item_fn( scene_reader* reader, const scene_node* item, int index, void* context );
+wisp_status scene_read_items( scene_reader* reader, const scene_node* list, scene_item_fn* read, void* context );
+
 /// scene_map.c: a map instead of a number; the number becomes its largest value. @param base a wisp_scene_surface
 wisp_status scene_read_map( scene_reader* r, const scene_node* node, const scene_field* field, void* base );

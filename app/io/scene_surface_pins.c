@@ -12,9 +12,10 @@ static const scene_field PLACE = { "place", SCENE_VECTOR, .range = COORDINATE, .
 // ---- vertices ----
 
 // How many vertices there are is known if the mesh is made.
-static wisp_status read_vertex( scene_reader* r, const scene_node* node, int32_t* out )
+static wisp_status read_vertex( scene_reader* r, const scene_node* node, int index, void* context )
 {
     const wisp_scene_mesh* mesh = r->mesh;
+    int32_t* out = context;
     int vertex = 0;
     wisp_status status = scene_read_whole( r, node, &VERTEX, &vertex );
     int64_t count = scene_generator_vertices( &mesh->generator );
@@ -22,24 +23,13 @@ static wisp_status read_vertex( scene_reader* r, const scene_node* node, int32_t
     {
         return scene_refuse_node( r, node, "got vertex %d, expected 0 .. %lld", vertex, (long long)( count - 1 ) );
     }
-    *out = vertex;
+    out[index] = vertex;
     return status;
 }
 
 wisp_status scene_read_vertices( scene_reader* r, const scene_node* node, int32_t* out )
 {
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i );
-        wisp_status status = read_vertex( r, item, &out[i++] );
-        if ( status )
-        {
-            return status;
-        }
-        scene_leave( r, outside );
-    }
-    return WISP_OK;
+    return scene_read_items( r, node, read_vertex, out );
 }
 
 wisp_status scene_read_pins( scene_reader* r, const scene_node* node, void* at )
@@ -57,26 +47,21 @@ wisp_status scene_read_pins( scene_reader* r, const scene_node* node, void* at )
     return status;
 }
 
+static wisp_status read_place( scene_reader* r, const scene_node* node, int index, void* context )
+{
+    wisp_vec3* places = context;
+    return scene_read_vector( r, node, &PLACE, &places[index] );
+}
+
 wisp_status scene_read_pin_nearest( scene_reader* r, const scene_node* node, void* at )
 {
     wisp_scene_pins* pins = at;
     void* items;
-    wisp_status status =
+    const wisp_status status =
         scene_begin_list( r, node, "a list of points", SCENE_MAX_NODES, sizeof( wisp_vec3 ), &items );
-    wisp_vec3* points = items;
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i );
-        status = scene_read_vector( r, item, &PLACE, &points[i++] );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
-    pins->nearest = points;
-    pins->nearest_count = i;
-    return status;
+    pins->nearest = items;
+    pins->nearest_count = status ? 0 : node->count;
+    return status ? status : scene_read_items( r, node, read_place, items );
 }
 
 #define AT( member ) offsetof( wisp_scene_box, member )
@@ -89,8 +74,9 @@ static const scene_field BOX_FIELDS[] = {
 #undef AT
 const scene_block SCENE_BOX_BLOCK = { BOX_FIELDS, WISP_COUNT( BOX_FIELDS ) };
 
-static wisp_status read_box( scene_reader* r, const scene_node* node, wisp_scene_box* box )
+static wisp_status read_box( scene_reader* r, const scene_node* node, int index, void* context )
 {
+    wisp_scene_box* box = (wisp_scene_box*)context + index;
     wisp_status status = scene_read_block( r, node, &SCENE_BOX_BLOCK, box );
     if ( !status && ( box->lower.x > box->upper.x || box->lower.y > box->upper.y || box->lower.z > box->upper.z ) )
     {
@@ -112,21 +98,7 @@ wisp_status scene_read_pin_box( scene_reader* r, const scene_node* node, void* a
     }
     pins->boxes = boxes;
     pins->box_count = count;
-    if ( !is_list )
-    {
-        return read_box( r, node, boxes );
-    }
-    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, (int)( boxes - pins->boxes ) );
-        wisp_status status = read_box( r, item, boxes++ );
-        if ( status )
-        {
-            return status;
-        }
-        scene_leave( r, outside );
-    }
-    return WISP_OK;
+    return is_list ? scene_read_items( r, node, read_box, boxes ) : read_box( r, node, 0, boxes );
 }
 
 // ---- groups ----
@@ -176,28 +148,26 @@ wisp_scene_pins scene_default_pins( void )
     return ( wisp_scene_pins ){ .attached_to = -1 };
 }
 
+static wisp_status read_group( scene_reader* r, const scene_node* item, int index, void* context )
+{
+    wisp_scene_surface* surface = context;
+    wisp_scene_pins* group = &surface->pin_groups[index];
+    surface->pin_group_count = index + 1;
+    *group = scene_default_pins();
+    group->line = item->line;
+    group->column = item->column;
+    const wisp_status status = scene_read_block( r, item, &SCENE_PIN_GROUP_BLOCK, group );
+    return status ? status : check_group( r, item, surface->pin_groups, index );
+}
+
 wisp_status scene_read_pin_groups( scene_reader* r, const scene_node* node, void* at )
 {
     wisp_scene_surface* surface = at;
     void* items;
-    wisp_status status =
+    const wisp_status status =
         scene_begin_list( r, node, "a list of groups", WISP_SCENE_MAX_PIN_GROUPS, sizeof( wisp_scene_pins ), &items );
     surface->pin_groups = items;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        const int i = surface->pin_group_count++;
-        size_t outside = scene_enter_index( r, i );
-        surface->pin_groups[i] = scene_default_pins();
-        surface->pin_groups[i].line = item->line;
-        surface->pin_groups[i].column = item->column;
-        status = scene_read_block( r, item, &SCENE_PIN_GROUP_BLOCK, &surface->pin_groups[i] );
-        status = status ? status : check_group( r, item, surface->pin_groups, i );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
-    return status;
+    return status ? status : scene_read_items( r, node, read_group, surface );
 }
 
 bool wisp_scene_has_pins( const wisp_scene_surface* surface )
@@ -255,23 +225,22 @@ static wisp_status bind_attachment( scene_reader* r, const scene_node* parent, i
     return WISP_OK;
 }
 
+static wisp_status bind_group( scene_reader* r, const scene_node* item, int index, void* context )
+{
+    const int surface = *(const int*)context;
+    return bind_attachment( r, item, surface, &r->scene->surfaces[surface].pin_groups[index] );
+}
+
 wisp_status scene_bind_attachments( scene_reader* r, const scene_node* entry, int surface )
 {
-    wisp_scene_surface* s = &r->scene->surfaces[surface];
-    wisp_status status = bind_attachment( r, entry, surface, &s->pins );
+    wisp_status status = bind_attachment( r, entry, surface, &r->scene->surfaces[surface].pins );
     const scene_node* list = scene_child( r, entry, "pin_groups" );
-    const size_t outside = scene_enter_key( r, "pin_groups" );
-    int i = 0;
-    for ( const scene_node* item = list ? scene_first( r->tree, list ) : NULL; item && !status;
-          item = scene_next( r->tree, item ), ++i )
+    if ( status || !list )
     {
-        const size_t list_length = scene_enter_index( r, i );
-        status = bind_attachment( r, item, surface, &s->pin_groups[i] );
-        if ( !status )
-        {
-            scene_leave( r, list_length );
-        }
+        return status;
     }
+    const size_t outside = scene_enter_key( r, "pin_groups" );
+    status = scene_read_items( r, list, bind_group, &surface );
     if ( !status )
     {
         scene_leave( r, outside );

@@ -268,7 +268,8 @@ static const scene_field COLLISION_FIELDS[] = {
       .unit = SPEEDS, .help = "Speed at which a vertex that starts inside is moved out.",
       .initial = "ten mean edges per second" },
     { "features", SCENE_CHOICE, .at = COLLISION( features ), .choices = FEATURES,
-      .help = "What keeps the thickness from bodies other than planes and height fields, which vertices alone meet." },
+      .help =
+          "What keeps the thickness from bodies other than planes and height fields, which vertices alone meet." },
     { "mask", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers,
       .help = "Numbers of the collider layers that stop it.", .form = "list of layers, 0 .. 31",
       .initial = "all layers" },

@@ -108,6 +108,130 @@ static test_mesh blade( float half, float depth )
     return new_mesh( points, 4, &triangles[0][0], 2 );
 }
 
+static void each_edge_of_a_box_is_found_once_and_no_diagonal_of_its_faces( void** state )
+{
+    (void)state;
+    test_mesh m = box( ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } );
+    const float all[2] = { -9.0f, 9.0f }, lower[3] = { all[0], all[0], all[0] },
+                upper[3] = { all[1], all[1], all[1] }, above[3] = { all[0], 1.9f, all[0] };
+    for ( int deforms = 0; deforms < 2; ++deforms )
+    {
+        const wisp_collision_mesh_def def = { .points = m.points,
+                                              .triangles = m.triangles,
+                                              .point_count = m.vertex_count,
+                                              .triangle_count = m.triangle_count,
+                                              .deforms = deforms == 1 };
+        wisp_collision_mesh* mesh;
+        int32_t found[64];
+        assert_int_equal( wisp_collision_mesh_create( &def, NULL, &mesh, NULL ), WISP_OK );
+        if ( deforms )
+        {
+            assert_int_equal( wisp_collision_mesh_update( mesh, NULL, m.points, NULL, NULL ), WISP_OK );
+        }
+        assert_int_equal( wisp_collision_mesh_find_features( mesh, lower, upper, false, found, 64 ), 0 );
+        const size_t bytes = wisp_collision_mesh_bytes( mesh );
+        assert_int_equal( wisp_collision_mesh_prepare_features( mesh, NULL ), WISP_OK );
+        assert_true( wisp_collision_mesh_bytes( mesh ) > bytes );
+        assert_int_equal( wisp_collision_mesh_prepare_features( mesh, NULL ), WISP_OK ); // once is enough
+        const int edges = wisp_collision_mesh_find_features( mesh, lower, upper, false, found, 64 );
+        assert_int_equal( edges, deforms ? 18 : 12 ); // what deforms may bend
+        int ridges = 0;
+        for ( int i = 0; i < edges; ++i )
+        {
+            const wisp_mesh_sides sides = wisp_collision_mesh_sides( mesh, found[i], false, 1.0f );
+            assert_false( sides.behind );
+            ridges += sides.in_front;
+        }
+        assert_int_equal( ridges, 12 );
+        assert_int_equal( wisp_collision_mesh_find_features( mesh, lower, upper, true, found, 64 ), 8 );
+        assert_int_equal( wisp_collision_mesh_find_features( mesh, lower, upper, true, found, 5 ), 5 );
+        const int upper_edges = wisp_collision_mesh_find_features( mesh, above, upper, false, found, 64 );
+        assert_true( upper_edges >= 4 && upper_edges < edges + 1 );
+        wisp_collision_mesh_release( mesh );
+    }
+    test_mesh_free( &m );
+}
+
+// ---- one edge and a mesh ----
+
+// Meet a mesh with a segment along x at a height, at rest. @return how many meetings
+static int meet( const test_mesh* mesh, bool double_sided, float y, float z, collision_meeting* out )
+{
+    const wisp_collision_mesh_def def = { .points = mesh->points,
+                                          .triangles = mesh->triangles,
+                                          .point_count = mesh->vertex_count,
+                                          .triangle_count = mesh->triangle_count };
+    collision_body body = { .double_sided = double_sided };
+    const collision_view view = { .body = &body, .thickness = 0.02f };
+    assert_int_equal( wisp_collision_mesh_create( &def, NULL, &body.tree, NULL ), WISP_OK );
+    assert_int_equal( wisp_collision_mesh_prepare_features( body.tree, NULL ), WISP_OK );
+    const primitive_path path = { .corner_count = 2,
+                                  .from = { { -1, y, z }, { 1, y, z } },
+                                  .to = { { -1, y, z }, { 1, y, z } } };
+    const int found = collision_meet_mesh( &view, &path, out );
+    wisp_collision_mesh_release( body.tree );
+    return found;
+}
+
+// Roofs with ridges along z at x = 0, 0.2, 0.4 ... and heights that differ; valleys between them.
+static test_mesh roofs( const float* heights, int count )
+{
+    wisp_vec3 points[32];
+    int32_t triangles[64][3];
+    for ( int i = 0; i <= 2 * count; ++i )
+    {
+        const float x = 0.1f * (float)i - 0.1f, y = i % 2 == 1 ? heights[i / 2] : -0.1f;
+        points[2 * i] = ( wisp_vec3 ){ x, y, -0.5f };
+        points[2 * i + 1] = ( wisp_vec3 ){ x, y, 0.5f };
+    }
+    for ( int i = 0; i < 2 * count; ++i )
+    {
+        const int32_t a = 2 * i;
+        memcpy( triangles[2 * i], ( int32_t[] ){ a, a + 1, a + 2 }, sizeof triangles[0] );
+        memcpy( triangles[2 * i + 1], ( int32_t[] ){ a + 1, a + 3, a + 2 }, sizeof triangles[0] );
+    }
+    return new_mesh( points, 4 * count + 2, &triangles[0][0], 4 * count );
+}
+
+static void the_two_nearest_ridges_are_met_and_no_valley( void** state )
+{
+    (void)state;
+    static const float heights[4] = { 0.011f, 0.018f, 0.005f, 0.014f };
+    test_mesh m = roofs( heights, 4 );
+    collision_meeting out[COLLISION_PRIMITIVE_CONTACTS];
+    assert_int_equal( meet( &m, true, 0.025f, 0.03f, out ), 2 );
+    assert_float_equal( out[0].deepest.surface.distance, 0.025f - 0.018f, 1e-6f );
+    assert_float_equal( out[1].deepest.surface.distance, 0.025f - 0.014f, 1e-6f );
+    assert_float_equal( out[0].deepest.surface.point.x, 0.2f, 1e-6f );
+    assert_float_equal( out[0].deepest.surface.normal.y, 1.0f, 1e-6f );
+    assert_float_equal( out[0].deepest.weights[1], 0.6f, 1e-6f );
+    // above a valley of this side, which is a ridge from below
+    assert_int_equal( meet( &m, true, -0.13f, 0.03f, out ), 2 );
+    assert_float_equal( out[0].deepest.surface.normal.y, -1.0f, 1e-6f );
+    test_mesh_free( &m );
+    static const float deep[1] = { -0.3f };
+    m = roofs( deep, 1 ); // one valley: its border is met, and the valley is not
+    const int found = meet( &m, true, -0.29f, 0.0f, out );
+    for ( int i = 0; i < found; ++i )
+    {
+        assert_true( fabsf( out[i].deepest.surface.point.x ) > 0.05f );
+    }
+    test_mesh_free( &m );
+}
+
+static void a_closed_mesh_is_met_from_outside_alone( void** state )
+{
+    (void)state;
+    test_mesh m = box( ( wisp_vec3 ){ 0.3f, 0.1f, 0.1f } );
+    collision_meeting out[COLLISION_PRIMITIVE_CONTACTS];
+    // across the edges at x = 0.3 and x = -0.3 it would lie in the face: above it both are met, below it none
+    assert_int_equal( meet( &m, false, 0.11f, 0.02f, out ), 2 );
+    assert_float_equal( out[0].deepest.surface.distance, 0.01f, 1e-6f );
+    assert_int_equal( meet( &m, false, 0.09f, 0.02f, out ), 0 );
+    assert_int_equal( meet( &m, true, 0.09f, 0.02f, out ), 0 ); // from behind they are valleys
+    test_mesh_free( &m );
+}
+
 // ---- a sheet and a mesh ----
 
 typedef struct setting
@@ -138,8 +262,7 @@ static wisp_vec3 place_of( const sheet* s, wisp_vec3 p )
 
 static void move_to( sheet* s, float height )
 {
-    const float half = 0.5f * CELL * (float)( SIDE - 1 );
-    s->place = ( wisp_vec3 ){ half + 0.003f, height, half + 0.0045f };
+    s->place.y = height;
     if ( s->with.follows == false )
     {
         const wisp_transform pose = wisp_transform_make( s->with.rotation, s->place );
@@ -270,7 +393,7 @@ static void a_spike_of_a_millimetre_does_not_pass_a_held_sheet_under_load( void*
     (void)state;
     const setting with = { WISP_COLLISION_ALL, .is_held = true, .gravity = 10.0f * GRAVITY, .rotation = TURNED };
     const double gap = spike_gap( with, 0.06f, 0.04f );
-    
+
     assert_true( gap > 0.7 * (double)THICKNESS );
     setting vertices = with;
     vertices.features = WISP_COLLISION_VERTICES;
@@ -285,7 +408,7 @@ static void a_spike_that_moves_does_not_pass_at_any_speed( void** state )
     {
         const setting with = { WISP_COLLISION_ALL, .rotation = TURNED };
         const double gap = spike_gap( with, speeds[k], k == 0 ? 0.06f : k == 1 ? 0.2f : 0.34f );
-        
+
         assert_true( gap > 0.5 * (double)THICKNESS );
     }
 }
@@ -306,7 +429,7 @@ static void a_bar_of_a_millimetre_does_not_pass_at_any_speed( void** state )
         const float from = -0.1f;
         sheet s = new_sheet( spike( 0.001f, 0.15f ), from, scaled );
         const double gap = rise( &s, from, k == 0 ? 0.14f : k == 1 ? 0.2f : 0.34f, speeds[k], 10 );
-        
+
         assert_true( gap > 0.5 * (double)THICKNESS );
         free_sheet( &s );
     }
@@ -319,7 +442,7 @@ static void a_blade_with_two_sides_does_not_cut( void** state )
                            .rotation = TURNED };
     sheet s = new_sheet( blade( 0.055f, 0.1f ), -0.02f, with );
     const double gap = rise( &s, -0.02f, 0.04f, 0.06f, 10 );
-    
+
     assert_true( gap > 0.5 * (double)THICKNESS );
     free_sheet( &s );
 }
@@ -343,7 +466,7 @@ static void no_edge_of_a_box_of_triangles_shows_through_a_draped_sheet( void** s
 {
     (void)state;
     const double gap = drape( WISP_COLLISION_ALL );
-    
+
     assert_true( gap > 0.8 * (double)THICKNESS );
     assert_true( drape( WISP_COLLISION_VERTICES ) < 0.0 );
 }
@@ -352,19 +475,42 @@ static void no_edge_of_a_box_of_triangles_shows_through_a_draped_sheet( void** s
 static void a_surface_that_is_moved_does_not_pass( void** state )
 {
     (void)state;
-    static const float speeds[] = { 0.5f, 5.0f };
-    for ( int k = 0; k < 2; ++k )
+    static const float speeds[] = { 0.5f, 5.0f, 20.0f };
+    for ( int k = 0; k < 3; ++k )
     {
         const setting with = { WISP_COLLISION_ALL, .follows = true, .rotation = TURNED };
-        const double gap = spike_gap( with, speeds[k], k == 0 ? 0.06f : 0.2f );
-        
+        const double gap = spike_gap( with, speeds[k], k == 0 ? 0.06f : k == 1 ? 0.2f : 0.34f );
+
         assert_true( gap > 0.5 * (double)THICKNESS );
     }
     const setting held = { WISP_COLLISION_ALL, .is_held = true, .follows = true, .gravity = 10.0f * GRAVITY,
                            .rotation = TURNED };
     const double gap = spike_gap( held, 0.06f, 0.04f );
-    
+
     assert_true( gap > 0.7 * (double)THICKNESS );
+}
+
+// A blade that rises at 0.5 m/s and goes aside at 0.25 m/s: friction of its edge gives the sheet half as much momentum aside. A rigid one
+// and one whose points move do the same.
+static void the_edge_of_a_blade_drags_a_sheet_along( void** state )
+{
+    (void)state;
+    for ( int follows = 0; follows < 2; ++follows )
+    {
+        const setting with = { WISP_COLLISION_ALL, .double_sided = true, .follows = follows == 1,
+                               .rotation = TURNED };
+        sheet s = new_sheet( blade( 0.15f, 0.1f ), -0.02f, with );
+        for ( int n = 1; n <= 12; ++n )
+        {
+            s.place.x += 0.25f * DT;
+            move_to( &s, -0.02f + 0.5f * DT * (float)n );
+            run_for( s.h->world, DT, 1 );
+        }
+        const wisp_motion_stats q = motion_stats_of( s.h->world, s.surface );
+        assert_true( q.momentum[1] > 0.0 );
+        assert_true( q.momentum[0] > 0.3 * q.momentum[1] && q.momentum[0] < 0.6 * q.momentum[1] );
+        free_sheet( &s );
+    }
 }
 
 // ---- the rest ----
@@ -428,12 +574,16 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( closest_points_are_those_of_the_oracle ),
+        cmocka_unit_test( each_edge_of_a_box_is_found_once_and_no_diagonal_of_its_faces ),
+        cmocka_unit_test( the_two_nearest_ridges_are_met_and_no_valley ),
+        cmocka_unit_test( a_closed_mesh_is_met_from_outside_alone ),
         cmocka_unit_test( a_spike_of_a_millimetre_does_not_pass_a_held_sheet_under_load ),
         cmocka_unit_test( a_spike_that_moves_does_not_pass_at_any_speed ),
         cmocka_unit_test( a_bar_of_a_millimetre_does_not_pass_at_any_speed ),
         cmocka_unit_test( a_blade_with_two_sides_does_not_cut ),
         cmocka_unit_test( no_edge_of_a_box_of_triangles_shows_through_a_draped_sheet ),
         cmocka_unit_test( a_surface_that_is_moved_does_not_pass ),
+        cmocka_unit_test( the_edge_of_a_blade_drags_a_sheet_along ),
         cmocka_unit_test( workers_and_the_search_change_no_bit ),
         cmocka_unit_test( without_memory_for_edges_nothing_changes ),
     };
