@@ -130,6 +130,13 @@ static void pin( bed* b )
     assert_status( b->world, wisp_pin( b->world, b->sheet, corner, 1 ), WISP_OK );
 }
 
+static void throw_a_vertex( bed* b )
+{
+    const int32_t corner[] = { 0 };
+    const wisp_vec3 up[] = { { 0.0f, 1.0f, 0.0f } };
+    assert_status( b->world, wisp_set_vertex_velocities( b->world, b->sheet, corner, up, 1 ), WISP_OK );
+}
+
 static void request_normals( bed* b )
 {
     assert_status( b->world, wisp_request( b->world, b->sheet, WISP_SURFACE_NORMALS ), WISP_OK );
@@ -145,8 +152,8 @@ static void no_longer_sleep( bed* b )
 static void every_call_that_changes_an_entity_wakes_it( void** state )
 {
     (void)state;
-    static change_fn* const CHANGES[] = { set_wind, set_gravity,     set_velocity,   teleport,
-                                          pin,      request_normals, no_longer_sleep };
+    static change_fn* const CHANGES[] = { set_wind, set_gravity,     set_velocity,    teleport,
+                                          pin,      request_normals, no_longer_sleep, throw_a_vertex };
     for ( int i = 0; i < WISP_COUNT( CHANGES ); ++i )
     {
         bed b;
