@@ -40,15 +40,10 @@ static const wisp_scene_surface* fabric_of( const wisp_scene* scene, const wisp_
     return surface->instance_of < 0 ? surface : &scene->surfaces[surface->instance_of];
 }
 
-static bool is_pinned( const wisp_scene_surface* surface )
-{
-    return surface->pin_count + surface->pin_box_count + surface->pin_nearest_count > 0;
-}
-
 // Tethers reach to the pins of the source, and hold where the instance is pinned.
 static bool may_have_tethers( const wisp_scene* scene, const wisp_scene_surface* surface )
 {
-    return surface->has_cloth && is_pinned( surface ) && is_pinned( fabric_of( scene, surface ) );
+    return surface->has_cloth && wisp_scene_has_pins( surface ) && wisp_scene_has_pins( fabric_of( scene, surface ) );
 }
 
 static bool is_direct( const wisp_scene_strands* strands )

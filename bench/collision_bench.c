@@ -6,6 +6,7 @@
 #include "cells.h"
 #include "mesh.h"
 #include "stats.h"
+#include "surface_implementation.h"
 
 #include "cloth/cloth.h"
 #include "collision/collision.h"
@@ -445,12 +446,7 @@ static wisp_status cook_cloth( wisp_fabric** out, wisp_error* error )
     {
         mesh.points[v].y += 1.12f; // just above the body's highest bump
     }
-    wisp_fabric_def def = wisp_default_fabric_def();
-    def.points = mesh.points;
-    def.triangles = mesh.triangles;
-    def.vertex_count = mesh.vertex_count;
-    def.triangle_count = mesh.triangle_count;
-    status = wisp_fabric_cook( &def, NULL, out, error );
+    status = surface_cook( &mesh, wisp_default_fabric_def(), out, error );
     wisp_mesh_release( &mesh );
     return status;
 }

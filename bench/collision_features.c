@@ -3,6 +3,7 @@
 #include "bench_world.h"
 #include "cells.h"
 #include "mesh.h"
+#include "surface_implementation.h"
 
 #include "cloth/cloth.h"
 #include "collision/collision.h"
@@ -78,12 +79,7 @@ static wisp_status add_sheet( features_run* run, wisp_collision_features feature
     {
         return status;
     }
-    wisp_fabric_def def = wisp_default_fabric_def();
-    def.points = run->mesh.points;
-    def.triangles = run->mesh.triangles;
-    def.vertex_count = run->mesh.vertex_count;
-    def.triangle_count = run->mesh.triangle_count;
-    status = wisp_fabric_cook( &def, NULL, &fabric, error );
+    status = surface_cook( &run->mesh, wisp_default_fabric_def(), &fabric, error );
     if ( status != WISP_OK )
     {
         return status;

@@ -96,16 +96,13 @@ static wisp_status check_keyframes( const binding_world* w, int body, const scen
                                     const int32_t* vertices, int count, wisp_error* error )
 {
     const wisp_scene_surface* entry = &w->scene.surfaces[body - w->scene.strands_count];
-    const bool moves = entry->pin_path.count > 0 || entry->has_animation;
-    for ( int i = 0; moves && !s->is_released && i < count; ++i )
+    for ( int i = 0; i < count; ++i )
     {
-        for ( int k = 0; k < s->pin_count; ++k )
+        const int group = scene_pins_holding( s, vertices[i] );
+        if ( group >= 0 && ( s->groups[group].starts != NULL || entry->has_animation ) )
         {
-            if ( s->pins[k] == vertices[i] )
-            {
-                return wisp_fail( error, WISP_CONFLICT, "%s: vertex %d of '%s' follows the keyframes of its pins",
-                                  w->scene.name, vertices[i], entry->name );
-            }
+            return wisp_fail( error, WISP_CONFLICT, "%s: vertex %d of '%s' follows the keyframes of its pins",
+                              w->scene.name, vertices[i], entry->name );
         }
     }
     return WISP_OK;

@@ -1,4 +1,4 @@
-// Snapshots: where the scene stands, the parameters of strands, surfaces that were released, places of colliders, and the bytes of
+// Snapshots: where the scene stands, the parameters of strands, which pins are held, places of colliders, and the bytes of
 // the world behind them.
 #include "binding_internal.h"
 
@@ -12,8 +12,7 @@ typedef struct snapshot_place
 static size_t front_size( const binding_world* w )
 {
     return sizeof( snapshot_place ) + (size_t)w->scene.strands_count * sizeof( hair_state ) +
-           (size_t)w->scene.surface_count * sizeof( int32_t ) +
-           (size_t)w->scene.collider_count * sizeof( wisp_transform );
+           scene_pins_state_size( &w->world ) + (size_t)w->scene.collider_count * sizeof( wisp_transform );
 }
 
 static char* put( char* at, const void* from, size_t size )
@@ -56,11 +55,8 @@ wisp_status binding_snapshot( const binding_world* w, void* out, size_t size, wi
         const hair_state hair = binding_hair_state( w, i );
         at = put( at, &hair, sizeof hair );
     }
-    for ( int i = 0; i < w->scene.surface_count; ++i )
-    {
-        const int32_t is_released = w->world.surfaces[i].is_released;
-        at = put( at, &is_released, sizeof is_released );
-    }
+    scene_pins_save( &w->world, at );
+    at += scene_pins_state_size( &w->world );
     for ( int i = 0; i < w->scene.collider_count; ++i )
     {
         at = put( at, &w->world.colliders[i].pose, sizeof( wisp_transform ) );
@@ -104,12 +100,8 @@ wisp_status binding_restore( binding_world* w, const void* bytes, size_t size, w
         at = take( at, &hair, sizeof hair );
         binding_hair_restore( w, i, hair );
     }
-    for ( int i = 0; i < w->scene.surface_count; ++i )
-    {
-        int32_t is_released;
-        at = take( at, &is_released, sizeof is_released );
-        w->world.surfaces[i].is_released = is_released != 0;
-    }
+    scene_pins_load( &w->world, at );
+    at += scene_pins_state_size( &w->world );
     for ( int i = 0; i < w->scene.collider_count; ++i )
     {
         at = take( at, &w->world.colliders[i].pose,

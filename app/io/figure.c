@@ -70,20 +70,24 @@ static wisp_status fit_mesh( int triangle_count, wisp_mesh* mesh, wisp_error* er
                       triangle_count );
 }
 
-static wisp_status put_weights( const wisp_mesh* mesh, wisp_skin_weights* out, wisp_error* error )
+wisp_status wisp_figure_bind( float height, const wisp_vec3* points, int point_count, wisp_skin_weights* out,
+                              wisp_error* error )
 {
-    const size_t count = (size_t)mesh->vertex_count;
-    *out = ( wisp_skin_weights ){ .vertex_count = mesh->vertex_count,
+    const size_t count = (size_t)point_count;
+    *out = ( wisp_skin_weights ){ .vertex_count = point_count,
                                   .joints = malloc( count * sizeof *out->joints ),
                                   .weights = malloc( count * sizeof *out->weights ) };
     if ( out->joints == NULL || out->weights == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "figure: out of memory for %d vertices", mesh->vertex_count );
+        wisp_skin_weights_release( out );
+        return wisp_fail( error, WISP_NO_MEMORY, "figure: out of memory for %d vertices", point_count );
     }
-    for ( int v = 0; v < mesh->vertex_count; ++v )
+    const double tall = (double)height;
+    for ( int v = 0; v < point_count; ++v )
     {
-        const wisp_vec3 p = mesh->points[v];
-        figure_weights( ( mesh_vector ){ (double)p.x, (double)p.y, (double)p.z }, out->joints[v], out->weights[v] );
+        const wisp_vec3 p = points[v];
+        figure_weights( ( mesh_vector ){ (double)p.x / tall, (double)p.y / tall, (double)p.z / tall }, out->joints[v],
+                        out->weights[v] );
     }
     return WISP_OK;
 }
@@ -103,13 +107,15 @@ wisp_status wisp_figure_generate( const wisp_figure_generator* generator, wisp_f
                           generator->triangle_count, WISP_FIGURE_MIN_TRIANGLES, WISP_FIGURE_MAX_TRIANGLES );
     }
     wisp_status status = fit_mesh( generator->triangle_count, &out->mesh, error );
-    status = status == WISP_OK ? put_weights( &out->mesh, &out->weights, error ) : status;
-    status = status == WISP_OK ? figure_skeleton( generator->height, &out->skeleton, error ) : status;
+    status = status == WISP_OK ? wisp_figure_skeleton( generator->height, &out->skeleton, error ) : status;
     for ( int v = 0; v < out->mesh.vertex_count && status == WISP_OK; ++v )
     {
         wisp_vec3* p = &out->mesh.points[v];
         *p = ( wisp_vec3 ){ generator->height * p->x, generator->height * p->y, generator->height * p->z };
     }
+    status = status == WISP_OK ? wisp_figure_bind( generator->height, out->mesh.points, out->mesh.vertex_count,
+                                                   &out->weights, error )
+                               : status;
     if ( status != WISP_OK )
     {
         wisp_figure_release( out );

@@ -40,6 +40,13 @@ extern "C"
     wisp_status wisp_figure_generate( const wisp_figure_generator* generator, wisp_figure* out, wisp_error* error );
     void wisp_figure_release( wisp_figure* figure );
 
+    /// The skeleton of a figure alone. @param out to be released
+    wisp_status wisp_figure_skeleton( float height, wisp_skeleton* out, wisp_error* error );
+    /// The weights of points on a figure: those that a figure is generated with, or others there.
+    /// @param points [point_count] m, of a figure of that height at rest @param out to be released; empty on failure
+    wisp_status wisp_figure_bind( float height, const wisp_vec3* points, int point_count, wisp_skin_weights* out,
+                                  wisp_error* error );
+
     /// Read clips of keyframes from YAML, see data/figures/motions.yaml: a mapping with the list `clips`; a clip has name, duration in s,
     /// loops, interpolation (step, linear or cubic) and keys; a key has time in s, translation of the root from its place at rest in m,
     /// and rotations, a mapping from joints to [x, y, z] in degrees about the fixed axes x, then y, then z of the parent, or to a

@@ -229,7 +229,7 @@ static const struct
     { "right_foot", RIGHT_THIGH + 1, { -0.088, 0.05, -0.012 } },
 };
 
-wisp_status figure_skeleton( float height, wisp_skeleton* out, wisp_error* error )
+wisp_status wisp_figure_skeleton( float height, wisp_skeleton* out, wisp_error* error )
 {
     *out = ( wisp_skeleton ){ JOINTS, calloc( JOINTS, sizeof( wisp_joint ) ) };
     bool done = out->joints != NULL;

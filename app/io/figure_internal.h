@@ -24,5 +24,4 @@ wisp_status figure_mesh( figure_field* field, const void* context, mesh_vector l
 figure_sample figure_body( const void* context, mesh_vector p );
 
 /// Skeleton of height 1, and how a point of the surface follows it: at most four weights above 0, sum 1.
-wisp_status figure_skeleton( float height, wisp_skeleton* out, wisp_error* error );
 void figure_weights( mesh_vector p, int32_t joints[4], float weights[4] );

@@ -23,26 +23,23 @@ void wisp_rig_release( wisp_rig* rig )
 
 // ---- the mesh's side ----
 
-static wisp_status load_figure( const wisp_mesh_generator* from, wisp_rig* out, wisp_error* error )
+static wisp_status load_figure( float height, const wisp_vec3* points, int point_count, wisp_rig* out,
+                                wisp_error* error )
 {
-    const wisp_figure_generator generator = { .height = from->height, .triangle_count = from->triangle_count };
-    wisp_figure figure;
-    wisp_status status = wisp_figure_generate( &generator, &figure, error );
-    if ( status == WISP_OK )
-    {
-        status = wisp_skeleton_skin( &figure.skeleton, figure.mesh.points, &figure.weights, &out->skin, error );
-        out->skeleton = figure.skeleton;
-        figure.skeleton = ( wisp_skeleton ){ 0 };
-    }
-    wisp_figure_release( &figure );
+    wisp_skin_weights weights = { 0 };
+    wisp_status status = wisp_figure_skeleton( height, &out->skeleton, error );
+    status = status == WISP_OK ? wisp_figure_bind( height, points, point_count, &weights, error ) : status;
+    status = status == WISP_OK ? wisp_skeleton_skin( &out->skeleton, points, &weights, &out->skin, error ) : status;
+    wisp_skin_weights_release( &weights );
     return status;
 }
 
-static wisp_status load_skeleton( const wisp_scene_mesh* mesh, gltf_model* model, wisp_rig* out, wisp_error* error )
+static wisp_status load_skeleton( const wisp_scene_mesh* mesh, const wisp_vec3* points, int point_count,
+                                  gltf_model* model, wisp_rig* out, wisp_error* error )
 {
     if ( mesh->is_generated && mesh->generator.shape == WISP_MESH_FIGURE )
     {
-        return load_figure( &mesh->generator, out, error );
+        return load_figure( mesh->generator.height, points, point_count, out, error );
     }
     if ( mesh->file == NULL || mesh->arrays != NULL || !gltf_is_path( mesh->file ) )
     {
@@ -147,12 +144,12 @@ static wisp_status load_animation( const wisp_scene_mesh* mesh, const wisp_scene
     return status;
 }
 
-wisp_status wisp_rig_load( const wisp_scene_mesh* mesh, const wisp_scene_animation* animation, float duration,
-                           wisp_rig* out, wisp_error* error )
+wisp_status wisp_rig_load( const wisp_scene_mesh* mesh, const wisp_vec3* points, int point_count,
+                           const wisp_scene_animation* animation, float duration, wisp_rig* out, wisp_error* error )
 {
     gltf_model model = { 0 };
     *out = ( wisp_rig ){ 0 };
-    wisp_status status = load_skeleton( mesh, &model, out, error );
+    wisp_status status = load_skeleton( mesh, points, point_count, &model, out, error );
     status = status == WISP_OK ? load_animation( mesh, animation, duration, &model, out, error ) : status;
     gltf_release( &model );
     if ( status != WISP_OK )

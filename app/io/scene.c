@@ -115,7 +115,7 @@ static wisp_status read_root( const scene_source* source, const scene_tree* tree
     status = status ? status : scene_read_block( &r, root, &SCENE_BLOCK_OF_ALL, scene );
     request_by_default( scene );
     status = status ? status : scene_bind_roots( &r, root );
-    status = status ? status : scene_bind_attachments( &r, root );
+    status = status ? status : scene_bind_pins( &r, root );
     return status ? status : scene_make_copies( &r );
 }
 

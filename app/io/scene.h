@@ -37,6 +37,7 @@ extern "C"
 #define WISP_SCENE_MAX_COLLIDERS 1000
 #define WISP_SCENE_MAX_SEAMS 10000
 #define WISP_SCENE_MAX_VERTICES ( 1 << 24 ) ///< of all surfaces together
+#define WISP_SCENE_MAX_PIN_GROUPS 256       ///< of a surface
 #define WISP_SCENE_MAX_NAME 64              ///< letters of a name
 #define WISP_SCENE_MAX_DT_FACTORS 64
 
@@ -195,6 +196,23 @@ extern "C"
         wisp_vec3 lower, upper; ///< m, low <= high
     } wisp_scene_box;
 
+    /// Vertices of a surface that are held, move and are released together.
+    typedef struct wisp_scene_pins
+    {
+        const char* name; ///< null: the surface's own
+        int line, column;
+        const int32_t* vertices; ///< [vertex_count] numbers as the file or the recipe has them
+        int vertex_count;
+        const wisp_scene_box* boxes; ///< [box_count] whatever starts inside is pinned
+        int box_count;
+        const wisp_vec3* nearest; ///< [nearest_count] the vertex that starts nearest to each is pinned
+        int nearest_count;
+        wisp_scene_path path; ///< how far they are from where they started
+        bool has_pivot;
+        wisp_vec3 pivot;  ///< m, what path turns about; without it: the middle of these pins
+        int attached_to;  ///< index of the surface that they are attached to, -1: none
+        bool starts_free; ///< nothing holds them until an event does
+    } wisp_scene_pins;
     /// One entry of `surfaces`. Texts and arrays belong to the scene.
     /// Values of a parameter that differ from vertex to vertex: from a file of numbers, or from an image by the coordinates of
     /// the surface. 0 in the file is `from`, and 1 is `to`.
@@ -251,15 +269,9 @@ extern "C"
         float area_density, vertex_mass; ///< as in wisp_surface_def
         float mass_ratio; ///< factor of masses at the lowest vertex of the placed rest shape, from 1 at the highest
 
-        const int32_t* pins; ///< [pin_count] numbers of vertices as the file or the recipe has them
-        int pin_count;
-        const wisp_scene_box* pin_boxes; ///< [pin_box_count] whatever starts inside is pinned
-        int pin_box_count;
-        const wisp_vec3* pin_nearest; ///< [pin_nearest_count] the vertex that starts nearest to each is pinned
-        int pin_nearest_count;
-        wisp_scene_path pin_path; ///< how far the pins are from where they started
-        bool has_pin_pivot;
-        wisp_vec3 pin_pivot; ///< m, what pin_path turns about; without it: the middle of the pins
+        wisp_scene_pins pins;        ///< of the surface's own keys; may hold nothing
+        wisp_scene_pins* pin_groups; ///< [pin_group_count] no vertex is in two of them, or in one and in `pins`
+        int pin_group_count;
 
         bool
             has_animation; ///< pins and motion targets follow it; without an effect that moves it every vertex is pinned
@@ -303,9 +315,7 @@ extern "C"
         int tile_size;
         bool has_collision;
         wisp_collision_def collision;
-        bool has_attachments; ///< pins are attached to `attached_to`
-        int attached_to;      ///< index into the scene's surfaces
-        bool has_collider;    ///< others collide with it
+        bool has_collider; ///< others collide with it
         wisp_collider_def collider;
         bool has_contact, has_boundary;
         wisp_contact_def contact;
@@ -328,6 +338,7 @@ extern "C"
         wisp_collider_def def; ///< without the arrays of a mesh
         wisp_scene_mesh mesh;  ///< of a mesh, or of a convex body
         wisp_scene_path path;  ///< where it is
+        bool request_reaction; ///< what participants give it
     } wisp_scene_collider;
 
     // ---- seams ----
@@ -377,8 +388,10 @@ extern "C"
         wisp_vec3 gust;                       ///< m/s
         bool gust_per_triangle;               ///< a vertex gets it once for each triangle that it meets
         wisp_vec3 teleport;                   ///< m, displacement
-        bool release;                         ///< lets all pins go
-        int line, column;                     ///< of the entry, for messages
+        int pin_group;                        ///< index into the surface's groups whose pins it changes, -1: all pins
+        bool release, hold, detach; ///< lets pins go; holds them where they are; detaches them from their surface
+        int attach_to;              ///< index of the surface that pins are attached to, -1: none
+        int line, column;           ///< of the entry, for messages
     } wisp_scene_event;
 
     typedef struct wisp_scene_output
@@ -467,6 +480,9 @@ extern "C"
     /// @return WISP_BAD_INPUT more than WISP_GROOM_MAX_GENERATED points; WISP_NO_MEMORY
     WISP_API wisp_status wisp_scene_make_curves( const wisp_curves_def* def, const wisp_groom* source,
                                                  wisp_groom* out, wisp_error* error );
+
+    /// @return whether a surface starts with pins of its own keys or of a group; those of an animation do not count
+    WISP_API bool wisp_scene_has_pins( const wisp_scene_surface* surface );
 
     /// Null and a zero scene are allowed.
     WISP_API void wisp_scene_release( wisp_scene* scene );

@@ -20,6 +20,8 @@ static const scene_choice SEARCHES[] = { { "tree", "a bounding volume tree, need
                                          { "voxels", "a grid of voxels" },
                                          { NULL, NULL } };
 
+static const scene_choice WORDS[] = { { "reaction", "force that surfaces and strands exert on it" }, { NULL, NULL } };
+
 // The rotation stands before the keyframes, the first of which takes it over unless it has its own.
 #define COMMON_FIELDS                                                                                                \
     { "name",                                                                                                        \
@@ -54,9 +56,17 @@ static const scene_choice SEARCHES[] = { { "tree", "a bounding volume tree, need
           .help = "Thickness that is added to that of what touches it." },                                           \
         { "restitution", SCENE_NUMBER, .at = DEF( restitution ), .range = RANGE( 0, 1 ),                             \
           .help = "Fraction of the approach speed that a vertex leaves with." },                                     \
+        { "layers",                                                                                                  \
+          SCENE_CUSTOM,                                                                                              \
+          .at = DEF( layers ),                                                                                       \
+          .read = scene_read_layers,                                                                                 \
+          .form = "list of layers, 0 .. 31",                                                                         \
+          .initial = "[0]",                                                                                          \
+          .help = "Layers; `collision.mask` chooses among them." },                                                  \
     {                                                                                                                \
-        "layers", SCENE_CUSTOM, .at = DEF( layers ), .read = scene_read_layers, .form = "list of layers, 0 .. 31",   \
-                                .initial = "[0]", .help = "Layers; `collision.mask` chooses among them."             \
+        "compute", SCENE_CUSTOM, .at = AT( request_reaction ), .read = scene_read_collider_request,                  \
+                                 .choices = WORDS, .form = "list of words", .initial = "none",                       \
+                                 .help = "What to compute; `wisp run` prints it."                                    \
     }
 
 static const scene_field PLANE_FIELDS[] = { COMMON_FIELDS };
@@ -143,6 +153,25 @@ const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT] = {
     [WISP_COLLIDER_CONVEX] = BLOCK( CONVEX_FIELDS ),
     [WISP_COLLIDER_HEIGHT_FIELD] = BLOCK( HEIGHT_FIELD_FIELDS ),
 };
+
+static wisp_status read_word( scene_reader* r, const scene_node* item, int index, void* context )
+{
+    bool* is_requested = context;
+    int word = 0;
+    const wisp_status status = scene_read_choice( r, item, WORDS, &word );
+    if ( !status && index > 0 )
+    {
+        return scene_refuse_node( r, item, "'%s' is listed twice", WORDS[word].word );
+    }
+    *is_requested = true;
+    return status;
+}
+
+wisp_status scene_read_collider_request( scene_reader* r, const scene_node* node, void* at )
+{
+    const wisp_status status = scene_expect_list( r, node, "a list of words" );
+    return status ? status : scene_read_items( r, node, read_word, at );
+}
 
 // Read one number, or a pair of static and kinetic friction.
 wisp_status scene_read_friction( scene_reader* r, const scene_node* node, void* at )

@@ -88,3 +88,19 @@ wisp_status scene_read_layers( scene_reader* r, const scene_node* node, void* at
     *(uint32_t*)at = bits;
     return status;
 }
+
+wisp_status scene_read_items( scene_reader* r, const scene_node* list, scene_item_fn* read, void* context )
+{
+    int i = 0;
+    wisp_status status = WISP_OK;
+    for ( const scene_node* item = scene_first( r->tree, list ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        const size_t outside = scene_enter_index( r, i );
+        status = read( r, item, i++, context );
+        if ( !status )
+        {
+            scene_leave( r, outside );
+        }
+    }
+    return status;
+}

@@ -62,29 +62,42 @@ static wisp_status check_name( const scene_reader* r, const char* name, int line
 
 // ---- surfaces ----
 
-static wisp_status move_pins( scene_reader* r, wisp_scene_surface* s, wisp_vec3 by )
+static wisp_status move_pins( scene_reader* r, wisp_scene_pins* pins, wisp_vec3 by )
 {
-    wisp_scene_box* boxes = scene_take( r->scene, (size_t)s->pin_box_count + 1, sizeof *boxes );
-    wisp_vec3* nearest = scene_take( r->scene, (size_t)s->pin_nearest_count + 1, sizeof *nearest );
+    wisp_scene_box* boxes = scene_take( r->scene, (size_t)pins->box_count + 1, sizeof *boxes );
+    wisp_vec3* nearest = scene_take( r->scene, (size_t)pins->nearest_count + 1, sizeof *nearest );
     if ( !boxes || !nearest )
     {
         return scene_no_memory( r );
     }
-    for ( int i = 0; i < s->pin_box_count; ++i )
+    for ( int i = 0; i < pins->box_count; ++i )
     {
-        boxes[i] = ( wisp_scene_box ){ moved( s->pin_boxes[i].lower, by ), moved( s->pin_boxes[i].upper, by ) };
+        boxes[i] = ( wisp_scene_box ){ moved( pins->boxes[i].lower, by ), moved( pins->boxes[i].upper, by ) };
     }
-    for ( int i = 0; i < s->pin_nearest_count; ++i )
+    for ( int i = 0; i < pins->nearest_count; ++i )
     {
-        nearest[i] = moved( s->pin_nearest[i], by );
+        nearest[i] = moved( pins->nearest[i], by );
     }
-    s->pin_boxes = boxes;
-    s->pin_nearest = nearest;
-    s->pin_pivot = moved( s->pin_pivot, by );
+    pins->boxes = boxes;
+    pins->nearest = nearest;
+    pins->pivot = moved( pins->pivot, by );
+    return WISP_OK;
+}
+
+static wisp_status move_places( scene_reader* r, wisp_scene_surface* s, wisp_vec3 by )
+{
+    wisp_scene_pins* groups = scene_take( r->scene, (size_t)s->pin_group_count + 1, sizeof *groups );
+    wisp_status status = groups ? move_pins( r, &s->pins, by ) : scene_no_memory( r );
+    for ( int i = 0; i < s->pin_group_count && !status; ++i )
+    {
+        groups[i] = s->pin_groups[i];
+        status = move_pins( r, &groups[i], by );
+    }
+    s->pin_groups = groups;
     s->target_pivot = moved( s->target_pivot, by );
     s->frame_pivot = moved( s->frame_pivot, by );
     s->outlet_nearest = moved( s->outlet_nearest, by );
-    return WISP_OK;
+    return status;
 }
 
 // A copy is an instance: it shares the fabric of the entry, or of the one that this shares.
@@ -102,7 +115,7 @@ static wisp_status copy_surface( scene_reader* r, int source, int k, wisp_scene_
     out->mesh = none.mesh;
     out->instance_of = from->instance_of >= 0 ? from->instance_of : source;
     out->pose.translation = moved( from->pose.translation, by );
-    const wisp_status status = move_pins( r, out, by );
+    const wisp_status status = move_places( r, out, by );
     return status ? status : check_name( r, out->name, out->line, out->column, "surfaces" );
 }
 

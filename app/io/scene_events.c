@@ -4,6 +4,7 @@
 
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 static wisp_status read_surface_name( scene_reader* r, const scene_node* node, void* at )
 {
@@ -59,7 +60,18 @@ static const scene_field EVENT_FIELDS[] = {
           "Displacement by which the surface moves at once, with its pins and the strands on it. It meets nothing on "
           "the way and keeps its velocity, unless `velocity` is given too.",
       .initial = "none" },
-    { "release", SCENE_SWITCH, .at = EVENT( release ), .help = "Releases all pins for good." },
+    { "pin_group", SCENE_TEXT, .at = AT( pin_group ), .form = "name of a group",
+      .help = "Group whose pins `release`, `hold`, `attach_pins` or `detach_pins` changes.", .initial = "all pins" },
+    { "release", SCENE_SWITCH, .at = EVENT( release ),
+      .help = "Releases pins. They keep the velocity that they were moved with." },
+    { "hold", SCENE_SWITCH, .at = EVENT( hold ),
+      .help = "Holds pins again that were released, or that start free, where they are. Keyframes move them from "
+              "there." },
+    { "attach_pins", SCENE_CUSTOM, .at = EVENT( attach_to ), .read = read_surface_name,
+      .help = "Holds pins and lets them go along with this surface, as the key of a surface does.",
+      .form = "name of a surface", .initial = "none" },
+    { "detach_pins", SCENE_SWITCH, .at = EVENT( detach ),
+      .help = "Detaches pins from the surface that they go along with, and holds them where they are." },
 };
 #undef AT
 const scene_block SCENE_EVENT_BLOCK = { EVENT_FIELDS, WISP_COUNT( EVENT_FIELDS ) };
@@ -79,6 +91,40 @@ static wisp_status find_step( scene_reader* r, const scene_node* node, scene_eve
                                   r->scene->steps );
     }
     read->event.step = (int)step;
+    return WISP_OK;
+}
+
+static bool changes_motion( const wisp_scene_event* e )
+{
+    return e->has_gas_ratio || e->has_inflation_rate || e->has_open || e->has_velocity || e->has_angular_velocity ||
+           e->has_gust || e->has_teleport;
+}
+
+static int pin_changes( const wisp_scene_event* e )
+{
+    return e->release + e->hold + e->detach + ( e->attach_to >= 0 );
+}
+
+// The group that an event names; it changes nothing but pins then.
+static wisp_status find_group( scene_reader* r, const scene_node* node, scene_event* read )
+{
+    wisp_scene_event* e = &read->event;
+    const wisp_scene_surface* s = read->pin_group && e->surface >= 0 ? &r->scene->surfaces[e->surface] : NULL;
+    for ( int g = 0; s && g < s->pin_group_count; ++g )
+    {
+        e->pin_group = strcmp( s->pin_groups[g].name, read->pin_group ) == 0 ? g : e->pin_group;
+    }
+    if ( read->pin_group && e->pin_group < 0 )
+    {
+        return scene_refuse_node( r, scene_child( r, node, "pin_group" ), "got '%s', which is no group of pins of %s",
+                                  scene_shorten( read->pin_group ).text, s ? s->name : "a surface" );
+    }
+    if ( e->pin_group >= 0 && ( pin_changes( e ) == 0 || e->has_wind || changes_motion( e ) ) )
+    {
+        return scene_refuse_node(
+            r, node,
+            "'pin_group' needs one of 'release', 'hold', 'attach_pins' and 'detach_pins', and no other change" );
+    }
     return WISP_OK;
 }
 
@@ -124,12 +170,48 @@ static wisp_status check_gas( scene_reader* r, const scene_node* node, const wis
     return WISP_OK;
 }
 
+// Keyframes of pins and animations would move what is attached to a surface away from it.
+static wisp_status check_pins( scene_reader* r, const scene_node* node, const wisp_scene_event* e,
+                               const wisp_scene_surface* s )
+{
+    if ( pin_changes( e ) > 1 )
+    {
+        return scene_refuse_node(
+            r, node,
+            "got more than one of 'release', 'hold', 'attach_pins' and 'detach_pins', expected one of them" );
+    }
+    if ( !wisp_scene_has_pins( s ) && s->pin_group_count == 0 )
+    {
+        return scene_refuse_node( r, node, "the surface '%s' has no pins%s", s->name,
+                                  e->release ? " to release" : "" );
+    }
+    const char* key = e->hold ? "hold" : "attach_pins";
+    if ( s->has_animation && ( e->hold || e->attach_to >= 0 ) )
+    {
+        return scene_refuse_node( r, node, "'%s' is not possible: the pins of '%s' follow its animation", key,
+                                  s->name );
+    }
+    if ( e->attach_to >= 0 && e->attach_to == e->surface )
+    {
+        return scene_refuse_node( r, node, "'attach_pins': got '%s', expected another surface", s->name );
+    }
+    for ( int g = -1; g < s->pin_group_count && e->attach_to >= 0; ++g )
+    {
+        const wisp_scene_pins* pins = g < 0 ? &s->pins : &s->pin_groups[g];
+        if ( ( e->pin_group < 0 || e->pin_group == g ) && pins->path.count > 0 )
+        {
+            return scene_refuse_node( r, node, "'attach_pins' is not possible: pins of '%s' have pin_keyframes",
+                                      s->name );
+        }
+    }
+    return WISP_OK;
+}
+
 // Ghosts and curves follow others and have no air of their own.
 static wisp_status check_strands( scene_reader* r, const scene_node* node, const wisp_scene_event* e )
 {
     const wisp_scene_strands* s = &r->scene->strands[e->strands];
-    if ( e->has_gas_ratio || e->has_inflation_rate || e->has_open || e->has_velocity || e->has_angular_velocity ||
-         e->has_gust || e->has_teleport || e->release )
+    if ( changes_motion( e ) || pin_changes( e ) > 0 )
     {
         return scene_refuse_node( r, node, "strands take only 'wind'" );
     }
@@ -156,12 +238,12 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
         return check_strands( r, node, e );
     }
     const wisp_scene_surface* s = &r->scene->surfaces[e->surface];
-    if ( !( e->has_gas_ratio || e->has_inflation_rate || e->has_open || e->has_wind || e->has_velocity ||
-            e->has_angular_velocity || e->has_gust || e->has_teleport || e->release ) )
+    if ( !( changes_motion( e ) || e->has_wind || pin_changes( e ) > 0 ) )
     {
         return scene_refuse_node( r, node,
                                   "got no change, expected one of gas_ratio, inflation_rate, outlet_open, wind, "
-                                  "velocity, angular_velocity, gust, teleport and release: true" );
+                                  "velocity, angular_velocity, gust, teleport, attach_pins, and hold, release and "
+                                  "detach_pins: true" );
     }
     if ( e->has_wind &&
          !( s->has_cloth && ( s->cloth.drag_coefficient > 0.0f || s->cloth.lift_coefficient > 0.0f ) ) )
@@ -171,21 +253,19 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
                                   "no cloth.lift_coefficient",
                                   s->name );
     }
-    if ( e->has_teleport && s->pin_path.count > 0 )
+    if ( e->has_teleport && s->pins.path.count > 0 )
     {
         return scene_refuse_node(
             r, node, "the pins of '%s' have pin_keyframes: a keyframe with 'jump: true' teleports it", s->name );
     }
-    if ( e->has_teleport && s->target_path.count + s->frame_path.count > 0 )
+    if ( e->has_teleport && ( s->target_path.count + s->frame_path.count > 0 || scene_moves_groups( s ) ) )
     {
-        return scene_refuse_node( r, node, "'%s' has keyframes of motion_constraints or frame, which do not teleport",
-                                  s->name );
+        return scene_refuse_node(
+            r, node, "'%s' has keyframes of motion_constraints, frame or pin_groups, which do not teleport",
+            s->name );
     }
-    if ( e->release && s->pin_count + s->pin_box_count + s->pin_nearest_count == 0 )
-    {
-        return scene_refuse_node( r, node, "the surface '%s' has no pins to release", s->name );
-    }
-    return check_gas( r, node, e, s );
+    const wisp_status status = pin_changes( e ) > 0 ? check_pins( r, node, e, s ) : WISP_OK;
+    return status ? status : check_gas( r, node, e, s );
 }
 
 // ---- the list ----
@@ -196,6 +276,7 @@ static int compare_events( const void* a, const void* b )
     int order = ( x->step > y->step ) - ( x->step < y->step );
     order = order ? order : ( x->strands > y->strands ) - ( x->strands < y->strands );
     order = order ? order : ( x->surface > y->surface ) - ( x->surface < y->surface );
+    order = order ? order : ( x->pin_group > y->pin_group ) - ( x->pin_group < y->pin_group );
     order = order ? order : ( x->line > y->line ) - ( x->line < y->line );
     return order ? order : ( x->column > y->column ) - ( x->column < y->column );
 }
@@ -207,7 +288,8 @@ static wisp_status refuse_equal_events( scene_reader* r )
     for ( int i = 1; i < scene->event_count; ++i )
     {
         const wisp_scene_event *e = &scene->events[i], *before = e - 1;
-        if ( e->step == before->step && e->strands == before->strands && e->surface == before->surface )
+        if ( e->step == before->step && e->strands == before->strands && e->surface == before->surface &&
+             e->pin_group == before->pin_group )
         {
             return scene_refuse( r->source, e->line, e->column, r->path,
                                  "got a second entry of %s '%s' for step %d, the first is in line %d",
@@ -219,6 +301,24 @@ static wisp_status refuse_equal_events( scene_reader* r )
     return WISP_OK;
 }
 
+static wisp_status read_event( scene_reader* r, const scene_node* item, int index, void* context )
+{
+    wisp_scene* scene = context;
+    scene_event read = { .event = { .strands = -1,
+                                    .surface = -1,
+                                    .pin_group = -1,
+                                    .attach_to = -1,
+                                    .line = item->line,
+                                    .column = item->column } };
+    wisp_status status = scene_read_block( r, item, &SCENE_EVENT_BLOCK, &read );
+    status = status ? status : find_step( r, item, &read );
+    status = status ? status : find_group( r, item, &read );
+    status = status ? status : check_gust( r, item, &read );
+    scene->events[index] = read.event;
+    scene->event_count = index + 1;
+    return status ? status : check_event( r, item, &read.event );
+}
+
 wisp_status scene_read_events( scene_reader* r, const scene_node* node, void* at )
 {
     wisp_scene* scene = at;
@@ -226,20 +326,7 @@ wisp_status scene_read_events( scene_reader* r, const scene_node* node, void* at
     wisp_status status =
         scene_begin_list( r, node, "a list of entries", SCENE_MAX_NODES, sizeof *scene->events, &items );
     scene->events = items;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, scene->event_count );
-        scene_event read = { .event = { .strands = -1, .surface = -1, .line = item->line, .column = item->column } };
-        status = scene_read_block( r, item, &SCENE_EVENT_BLOCK, &read );
-        status = status ? status : find_step( r, item, &read );
-        status = status ? status : check_gust( r, item, &read );
-        status = status ? status : check_event( r, item, &read.event );
-        if ( !status )
-        {
-            scene->events[scene->event_count++] = read.event;
-            scene_leave( r, outside );
-        }
-    }
+    status = status ? status : scene_read_items( r, node, read_event, scene );
     if ( status || scene->event_count == 0 )
     {
         return status;

@@ -313,6 +313,7 @@ int wisp_scene_write_keys( FILE* out, const char* only )
     const wisp_scene_output output = { 0 };
     const wisp_scene_pose pose = { 0 };
     const wisp_scene_box box = { 0 };
+    const wisp_scene_pins pins = scene_default_pins();
     const wisp_scene_clip clip = scene_default_clip();
     const wisp_scene_collider collider = scene_default_collider();
     const wisp_scene_seam seam = scene_default_seam();
@@ -336,6 +337,9 @@ int wisp_scene_write_keys( FILE* out, const char* only )
           meshes, sizeof meshes[0] },
         { "surfaces[].animation.clips[]", "A clip, played from a time on.", &SCENE_CLIP_BLOCK, 1, &clip, 0 },
         { "surfaces[].pin_box", "A box along the axes.", &SCENE_BOX_BLOCK, 1, &box, 0 },
+        { "surfaces[].pin_groups[]",
+          "Pins that move together. No vertex is in two groups, or in one and among the surface's own pins.",
+          &SCENE_PIN_GROUP_BLOCK, 1, &pins, 0 },
         { "surfaces[].pin_keyframes[]", "A pose of the pins, relative to where they started.", &SCENE_PIN_POSE_BLOCK,
           1, &pose, 0 },
         { "colliders[]", "A collider pushes surfaces and strands and is not pushed.", SCENE_COLLIDER_BLOCKS,

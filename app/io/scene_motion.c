@@ -233,27 +233,6 @@ wisp_status scene_bind_strands( scene_reader* r, const scene_node* list )
     return status ? status : bind_all( r, list, bind_ghosts );
 }
 
-static wisp_status bind_attachment( scene_reader* r, const scene_node* entry, int i )
-{
-    wisp_scene_surface* s = &r->scene->surfaces[i];
-    const scene_node* node = enter( r, entry, NULL, "attach_pins" );
-    wisp_status status = node ? scene_read_named( r, node, SCENE_SURFACE, &s->attached_to ) : WISP_OK;
-    s->has_attachments = node != NULL;
-    if ( !status && node && s->attached_to == i )
-    {
-        return scene_refuse_node( r, node, "got '%s', expected another surface", s->name );
-    }
-    if ( !status && node && s->pin_count == 0 && s->pin_box_count == 0 && s->pin_nearest_count == 0 )
-    {
-        return scene_refuse_node( r, node, "'attach_pins' needs pins, but nothing is pinned" );
-    }
-    if ( !status && node && s->pin_path.count > 0 )
-    {
-        return scene_refuse_node( r, node, "got both 'attach_pins' and 'pin_keyframes', expected one of them" );
-    }
-    return status;
-}
-
 static wisp_status bind_list( scene_reader* r, const scene_node* root, const char* key, bind_fn* bind )
 {
     const scene_node* list = scene_child( r, root, key );
@@ -271,7 +250,7 @@ wisp_status scene_bind_roots( scene_reader* r, const scene_node* root )
     return bind_list( r, root, "strands", bind_root );
 }
 
-wisp_status scene_bind_attachments( scene_reader* r, const scene_node* root )
+wisp_status scene_bind_pins( scene_reader* r, const scene_node* root )
 {
-    return bind_list( r, root, "surfaces", bind_attachment );
+    return bind_list( r, root, "surfaces", scene_bind_attachments );
 }

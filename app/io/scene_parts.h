@@ -22,6 +22,7 @@ extern const scene_block SCENE_CLIP_BLOCK;             // over wisp_scene_clip
 extern const scene_block SCENE_WORLD_CONTACT_BLOCK;    // over wisp_scene
 extern const scene_block SCENE_SEAM_BLOCK;             // over wisp_scene_seam
 extern const scene_block SCENE_BOX_BLOCK;              // over wisp_scene_box
+extern const scene_block SCENE_PIN_GROUP_BLOCK;        // over wisp_scene_pins
 
 extern const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT];      // over wisp_mesh_generator
 extern const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT];    // over wisp_scene_collider
@@ -48,18 +49,20 @@ scene_read_fn scene_read_dt_factors, scene_read_strands, scene_read_surfaces, sc
 // Readers of an entry's values; they are pointed at the entry.
 scene_read_fn scene_read_generate, scene_read_curve, scene_read_request; // wisp_scene_strands
 scene_read_fn scene_read_strand_pins, scene_read_vertex_masses, scene_read_head_path,
-    scene_read_tips_path; // wisp_scene_strands
-scene_read_fn scene_read_pins, scene_read_pin_box, scene_read_pin_nearest, scene_read_surface_request,
-    scene_read_outlet,
+    scene_read_tips_path;                                                  // wisp_scene_strands
+scene_read_fn scene_read_pins, scene_read_pin_box, scene_read_pin_nearest; // wisp_scene_pins
+scene_read_fn scene_read_pin_groups, scene_read_surface_request, scene_read_outlet,
     scene_read_gas_ratio_keyframes;                                              // wisp_scene_surface
 scene_read_fn scene_read_collider_path, scene_read_friction, scene_read_heights; // wisp_scene_collider
+scene_read_fn scene_read_collider_request;                                       // bool
 
 /// An entry of `events` before its time has become a step.
 typedef struct scene_event
 {
     wisp_scene_event event;
     bool has_step, has_time, has_gust_per_triangle;
-    float time; // s
+    float time;            // s
+    const char* pin_group; // null: all pins
 } scene_event;
 
 /// What entries are before a key is read. Strands have no stage of frozen hair.
@@ -92,8 +95,16 @@ wisp_status scene_check_strands( scene_reader* reader, const scene_node* node, c
 wisp_status scene_bind_strands( scene_reader* reader, const scene_node* list );
 /// Find the surfaces that entries of strands name. To be called once everything is registered.
 wisp_status scene_bind_roots( scene_reader* reader, const scene_node* root );
-/// Find the surfaces that pins are attached to.
-wisp_status scene_bind_attachments( scene_reader* reader, const scene_node* root );
+/// Find the surfaces that pins of surfaces are attached to, likewise.
+wisp_status scene_bind_pins( scene_reader* reader, const scene_node* root );
+
+/// scene_surface_pins.c: find the surfaces that pins of one surface are attached to.
+wisp_status scene_bind_attachments( scene_reader* reader, const scene_node* entry, int surface );
+wisp_scene_pins scene_default_pins( void );
+/// @return whether a group of pins has keyframes
+bool scene_moves_groups( const wisp_scene_surface* surface );
+/// A list of vertices of the mesh that is read, reader->mesh. @param out [count of the node]
+wisp_status scene_read_vertices( scene_reader* reader, const scene_node* node, int32_t* out );
 
 /// scene_copies.c: make entries of the copies that entries ask for, after all others, whose numbers stay. To be called once all
 /// names are bound.
@@ -123,6 +134,10 @@ wisp_status scene_read_named( scene_reader* reader, const scene_node* node, scen
 /// @param items receives null if the list is empty
 wisp_status scene_begin_list( scene_reader* reader, const scene_node* node, const char* what, int most, size_t size,
                               void** items );
+
+/// Read the items of a list one after the other, each with its number in the path, until one is refused.
+typedef wisp_status scene_item_fn( scene_reader* reader, const scene_node* item, int index, void* context );
+wisp_status scene_read_items( scene_reader* reader, const scene_node* list, scene_item_fn* read, void* context );
 
 /// scene_map.c: a map instead of a number; the number becomes its largest value. @param base a wisp_scene_surface
 wisp_status scene_read_map( scene_reader* r, const scene_node* node, const scene_field* field, void* base );

@@ -118,8 +118,11 @@ wisp_scene_seam scene_default_seam( void )
     return ( wisp_scene_seam ){ .def = wisp_default_seam_def() };
 }
 
-static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_scene_seam* seam )
+static wisp_status read_entry( scene_reader* r, const scene_node* node, int index, void* context )
 {
+    wisp_scene* scene = context;
+    wisp_scene_seam* seam = &scene->seams[index];
+    scene->seam_count = index + 1;
     *seam = scene_default_seam();
     seam->line = node->line;
     seam->column = node->column;
@@ -145,15 +148,6 @@ wisp_status scene_read_seams( scene_reader* r, const scene_node* node, void* at 
     wisp_status status =
         scene_begin_list( r, node, "a list of seams", WISP_SCENE_MAX_SEAMS, sizeof *scene->seams, &items );
     scene->seams = items;
-    for ( const scene_node* item = status ? NULL : scene_first( r->tree, node ); item && !status;
-          item = scene_next( r->tree, item ) )
-    {
-        const size_t outside = scene_enter_index( r, scene->seam_count );
-        status = read_entry( r, item, &scene->seams[scene->seam_count++] );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
+    status = status ? status : scene_read_items( r, node, read_entry, scene );
     return status ? status : scene_register( r, SCENE_SEAM, scene->seams, sizeof *scene->seams, scene->seam_count );
 }

@@ -109,13 +109,14 @@ static wisp_status check_path( scene_reader* r, const scene_node* node, const ch
 
 wisp_status scene_check_held( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
 {
-    const bool has_path = s->target_path.count > 0 || s->frame_path.count > 0;
-    for ( int i = 0; has_path && i < s->pin_path.count; ++i )
+    const bool has_path = s->target_path.count > 0 || s->frame_path.count > 0 || scene_moves_groups( s );
+    for ( int i = 0; has_path && i < s->pins.path.count; ++i )
     {
-        if ( s->pin_path.poses[i].jump )
+        if ( s->pins.path.poses[i].jump )
         {
-            return scene_refuse_node( r, scene_child( r, node, "pin_keyframes" ),
-                                      "'jump' in keyframe %d: not with keyframes of motion_constraints or frame", i );
+            return scene_refuse_node(
+                r, scene_child( r, node, "pin_keyframes" ),
+                "'jump' in keyframe %d: not with keyframes of motion_constraints, frame or pin_groups", i );
         }
     }
     if ( s->has_frame && s->has_implicit )

@@ -1,6 +1,7 @@
 // Every key of a surface.
 #include "scene_copies.h"
 #include "scene_parts.h"
+#include "scene_pins.h"
 #include "scene_ranges.h"
 #include "scene_start.h"
 
@@ -267,7 +268,8 @@ static const scene_field COLLISION_FIELDS[] = {
       .unit = SPEEDS, .help = "Speed at which a vertex that starts inside is moved out.",
       .initial = "ten mean edges per second" },
     { "features", SCENE_CHOICE, .at = COLLISION( features ), .choices = FEATURES,
-      .help = "What keeps the thickness from spheres, capsules, tapered capsules, boxes and convex polyhedra." },
+      .help =
+          "What keeps the thickness from bodies other than planes and height fields, which vertices alone meet." },
     { "mask", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers,
       .help = "Numbers of the collider layers that stop it.", .form = "list of layers, 0 .. 31",
       .initial = "all layers" },
@@ -311,23 +313,10 @@ static const scene_field SURFACE_FIELDS[] = {
     { "mass_ratio", SCENE_NUMBER, .at = AT( mass_ratio ), .range = RANGE( 1e-9, 1e9 ),
       .help =
           "Mass of the lowest vertex over that of the highest, as placed; between them it grows by equal factors." },
-    { "pins", SCENE_CUSTOM, .read = scene_read_pins,
-      .help = "Vertices that are held, as the file or the generator numbers them.", .form = "list of vertices",
-      .initial = "none" },
-    { "pin_box", SCENE_CUSTOM, .read = scene_read_pin_box,
-      .help = "Holds all vertices that start inside; a box without a vertex is refused.",
-      .form = "{min, max} or a list of them", .initial = "none" },
-    { "pin_nearest", SCENE_CUSTOM, .read = scene_read_pin_nearest,
-      .help = "Holds the vertex that starts nearest to each point.", .form = "list of points [x, y, z]",
-      .initial = "none" },
-    { "pin_keyframes", SCENE_CUSTOM, .at = AT( pin_path ), .read = scene_read_pin_path,
-      .help = "Displacement of all pins from where they started.",
-      .form = "list of keyframes {time, translate, rotate}", .initial = "none" },
-    { "pin_pivot", SCENE_VECTOR, .at = AT( pin_pivot ), .range = COORDINATE, .unit = METRES,
-      .given = AT( has_pin_pivot ), .help = "Point that the keyframes rotate about.",
-      .initial = "the centre of the pins" },
-    { "attach_pins", SCENE_CUSTOM, .read = scene_read_later_name, .form = "name of a surface", .initial = "none",
-      .help = "Surface that all pins go along with, each at the point that is closest to it at the start." },
+    SCENE_PIN_FIELDS( AT( pins ) ),
+    { "pin_groups", SCENE_CUSTOM, .read = scene_read_pin_groups,
+      .help = "Further pins, in groups that move, are attached and are released each by itself.",
+      .form = "list of blocks", .initial = "none" },
     { "animation", SCENE_BLOCK, .at = AT( has_animation ), .block = &SCENE_ANIMATION_BLOCK,
       .help = "Clips of keyframes that move the skeleton of the mesh, a figure or a glTF file. Pins and motion "
               "targets go "

@@ -1,132 +1,8 @@
-// Values of a surface: vertices, pins, limits, gas, words of `compute`.
+// Values of a surface: limits, gas, words of `compute`.
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
 #include <stddef.h>
-
-static const scene_field VERTEX = { "vertex", SCENE_WHOLE, .range = RANGE( 0, WISP_SCENE_MAX_VERTICES - 1 ) };
-static const scene_field PLACE = { "place", SCENE_VECTOR, .range = COORDINATE, .unit = METRES };
-
-// ---- vertices ----
-
-// How many vertices there are is known if the mesh is made.
-static wisp_status read_vertex( scene_reader* r, const scene_node* node, const wisp_scene_surface* surface,
-                                int32_t* out )
-{
-    int vertex = 0;
-    wisp_status status = scene_read_whole( r, node, &VERTEX, &vertex );
-    int64_t count = scene_generator_vertices( &surface->mesh.generator );
-    if ( !status && surface->mesh.is_generated && vertex >= count )
-    {
-        return scene_refuse_node( r, node, "got vertex %d, expected 0 .. %lld", vertex, (long long)( count - 1 ) );
-    }
-    *out = vertex;
-    return status;
-}
-
-static wisp_status read_vertices( scene_reader* r, const scene_node* node, const wisp_scene_surface* surface,
-                                  int32_t* out )
-{
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i );
-        wisp_status status = read_vertex( r, item, surface, &out[i++] );
-        if ( status )
-        {
-            return status;
-        }
-        scene_leave( r, outside );
-    }
-    return WISP_OK;
-}
-
-wisp_status scene_read_pins( scene_reader* r, const scene_node* node, void* at )
-{
-    wisp_scene_surface* surface = at;
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of vertices", SCENE_MAX_NODES, sizeof( int32_t ), &items );
-    if ( !status && items )
-    {
-        status = read_vertices( r, node, surface, items );
-        surface->pins = items;
-        surface->pin_count = node->count;
-    }
-    return status;
-}
-
-wisp_status scene_read_pin_nearest( scene_reader* r, const scene_node* node, void* at )
-{
-    wisp_scene_surface* surface = at;
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of points", SCENE_MAX_NODES, sizeof( wisp_vec3 ), &items );
-    wisp_vec3* points = items;
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i );
-        status = scene_read_vector( r, item, &PLACE, &points[i++] );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
-    surface->pin_nearest = points;
-    surface->pin_nearest_count = i;
-    return status;
-}
-
-#define AT( member ) offsetof( wisp_scene_box, member )
-static const scene_field BOX_FIELDS[] = {
-    { "min", SCENE_VECTOR, .required = true, .at = AT( lower ), .range = COORDINATE, .unit = METRES,
-      .help = "Corner with the smallest coordinates." },
-    { "max", SCENE_VECTOR, .required = true, .at = AT( upper ), .range = COORDINATE, .unit = METRES,
-      .help = "Corner with the largest coordinates." },
-};
-#undef AT
-const scene_block SCENE_BOX_BLOCK = { BOX_FIELDS, WISP_COUNT( BOX_FIELDS ) };
-
-static wisp_status read_box( scene_reader* r, const scene_node* node, wisp_scene_box* box )
-{
-    wisp_status status = scene_read_block( r, node, &SCENE_BOX_BLOCK, box );
-    if ( !status && ( box->lower.x > box->upper.x || box->lower.y > box->upper.y || box->lower.z > box->upper.z ) )
-    {
-        return scene_refuse_node( r, node, "got an empty box, expected 'min' below 'max'" );
-    }
-    return status;
-}
-
-// One box, or a list of them.
-wisp_status scene_read_pin_box( scene_reader* r, const scene_node* node, void* at )
-{
-    wisp_scene_surface* surface = at;
-    const bool is_list = node->kind == SCENE_LIST;
-    int count = is_list ? node->count : 1;
-    wisp_scene_box* boxes = scene_take( r->scene, (size_t)count + 1, sizeof *boxes );
-    if ( !boxes )
-    {
-        return scene_no_memory( r );
-    }
-    surface->pin_boxes = boxes;
-    surface->pin_box_count = count;
-    if ( !is_list )
-    {
-        return read_box( r, node, boxes );
-    }
-    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, (int)( boxes - surface->pin_boxes ) );
-        wisp_status status = read_box( r, item, boxes++ );
-        if ( status )
-        {
-            return status;
-        }
-        scene_leave( r, outside );
-    }
-    return WISP_OK;
-}
 
 // ---- limits and gas ----
 
@@ -165,7 +41,7 @@ wisp_status scene_read_outlet( scene_reader* r, const scene_node* node, void* at
     if ( !status )
     {
         surface->balloon.outlet_count = node->count;
-        status = read_vertices( r, node, surface, surface->balloon.outlet );
+        status = scene_read_vertices( r, node, surface->balloon.outlet );
     }
     return status;
 }

@@ -113,7 +113,7 @@ static wisp_status check_implicit( scene_reader* r, const scene_node* node, cons
 
 static wisp_status check_entry( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
 {
-    const bool pinned = s->pin_count > 0 || s->pin_box_count > 0 || s->pin_nearest_count > 0 || s->has_animation;
+    const bool pinned = wisp_scene_has_pins( s ) || s->has_animation;
     wisp_status status = check_source( r, node, s );
     if ( status )
     {
@@ -123,10 +123,11 @@ static wisp_status check_entry( scene_reader* r, const scene_node* node, const w
     {
         return scene_refuse_node( r, node, "got both 'cloth' and 'balloon', expected one of them" );
     }
-    if ( ( s->pin_path.count > 0 || s->has_pin_pivot ) && !pinned )
+    const bool has_own = s->pins.vertex_count + s->pins.box_count + s->pins.nearest_count > 0 || s->has_animation;
+    if ( ( s->pins.path.count > 0 || s->pins.has_pivot ) && !has_own )
     {
         return scene_refuse_node( r, node, "'%s' moves pins, but nothing is pinned",
-                                  s->pin_path.count > 0 ? "pin_keyframes" : "pin_pivot" );
+                                  s->pins.path.count > 0 ? "pin_keyframes" : "pin_pivot" );
     }
     if ( s->has_cloth && s->cloth.tethers && !pinned )
     {
@@ -151,7 +152,7 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
         .start = scene_default_start(),
         .mass_ratio = 1.0f,
         .instance_of = -1,
-        .attached_to = -1,
+        .pins = scene_default_pins(),
         .pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } },
         .area_density = def.area_density,
         .vertex_mass = def.vertex_mass,
@@ -178,6 +179,7 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
     *surface = scene_default_surface( r->scene->gravity );
     surface->line = node->line;
     surface->column = node->column;
+    r->mesh = &surface->mesh;
     wisp_status status = scene_read_block( r, node, &SCENE_SURFACE_BLOCK, surface );
     return status ? status : check_entry( r, node, surface );
 }
@@ -203,8 +205,7 @@ static wisp_status find_source( scene_reader* r, const scene_node* node, int i )
         return scene_refuse_node( r, node, "got '%s', which is an instance, expected '%s'", source->name,
                                   r->scene->surfaces[source->instance_of].name );
     }
-    if ( surface->has_cloth && surface->cloth.tethers &&
-         source->pin_count + source->pin_box_count + source->pin_nearest_count == 0 )
+    if ( surface->has_cloth && surface->cloth.tethers && !wisp_scene_has_pins( source ) )
     {
         return scene_refuse_node( r, node, "cloth.tethers needs pins, but '%s' has none", source->name );
     }

@@ -135,8 +135,11 @@ static void add_paths( const scene_world* world, stability_trace* trace )
     for ( int i = 0; i < scene->surface_count; ++i )
     {
         const double size = trace->bodies[scene->strands_count + i].size;
-        add_path( scene, &scene->surfaces[i].pin_path, still, size + length_of( scene->surfaces[i].pin_pivot ),
-                  &trace->inputs );
+        for ( int g = -1; g < scene->surfaces[i].pin_group_count; ++g )
+        {
+            const wisp_scene_pins* pins = g < 0 ? &scene->surfaces[i].pins : &scene->surfaces[i].pin_groups[g];
+            add_path( scene, &pins->path, still, size + length_of( pins->pivot ), &trace->inputs );
+        }
     }
     for ( int i = 0; i < scene->strands_count; ++i )
     {

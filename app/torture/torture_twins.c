@@ -38,21 +38,32 @@ static int hash_steps( scene_world* world, int steps, uint64_t* hashes )
 }
 
 // What a host keeps besides the world: where the scene's script is.
-static void copy_place( const scene_world* from, scene_world* to )
+typedef struct script_place
 {
-    to->next_step = from->next_step;
-    to->next_command = from->next_command;
-    to->next_event = from->next_event;
-    for ( int i = 0; i < from->scene->surface_count; ++i )
-    {
-        to->surfaces[i].is_released = from->surfaces[i].is_released;
-    }
+    int next_step, next_command, next_event;
+    void* pins;
+} script_place;
+
+static script_place save_place( const scene_world* world )
+{
+    const script_place out = { world->next_step, world->next_command, world->next_event,
+                               text_alloc( scene_pins_state_size( world ) + 1 ) };
+    scene_pins_save( world, out.pins );
+    return out;
+}
+
+static void load_place( const script_place* place, scene_world* out )
+{
+    out->next_step = place->next_step;
+    out->next_command = place->next_command;
+    out->next_event = place->next_event;
+    scene_pins_load( out, place->pins );
 }
 
 typedef struct snapshot_run
 {
     scene_world worlds[2]; // the one that the snapshot comes from, and a new one
-    scene_world place;     // where the script was
+    script_place place;    // where the script was
     void* bytes;
     size_t size;
     uint64_t *expected, *found; // hashes of the steps that follow
@@ -62,7 +73,7 @@ typedef struct snapshot_run
 static bool judge_restored( snapshot_run* run, int world, int expected, stability_verdict* out )
 {
     scene_world* restored = &run->worlds[world];
-    copy_place( &run->place, restored );
+    load_place( &run->place, restored );
     if ( wisp_world_restore( restored->world, run->bytes, run->size ) != WISP_OK )
     {
         *out = ( stability_verdict ){ .check = STABILITY_SNAPSHOT, .step = run->half, .severity = 1.0 };
@@ -79,13 +90,11 @@ static bool judge_restored( snapshot_run* run, int world, int expected, stabilit
 }
 
 // Both worlds have made a step, which compiles the plan.
-static bool judge_snapshot_of( const wisp_scene* scene, snapshot_run* run, stability_verdict* out )
+static bool judge_snapshot_of( snapshot_run* run, stability_verdict* out )
 {
     run->expected = text_alloc( (size_t)run->left * sizeof *run->expected );
     run->found = text_alloc( (size_t)run->left * sizeof *run->found );
-    run->place.surfaces = text_alloc( (size_t)scene->surface_count * sizeof *run->place.surfaces );
-    run->place.scene = scene;
-    copy_place( &run->worlds[0], &run->place );
+    run->place = save_place( &run->worlds[0] );
     run->size = wisp_world_snapshot_size( run->worlds[0].world );
     run->bytes = text_alloc( run->size );
     bool holds = wisp_world_snapshot( run->worlds[0].world, run->bytes, run->size ) == WISP_OK;
@@ -95,7 +104,7 @@ static bool judge_snapshot_of( const wisp_scene* scene, snapshot_run* run, stabi
         holds = judge_restored( run, world, expected, out );
     }
     free( run->bytes );
-    free( run->place.surfaces );
+    free( run->place.pins );
     free( run->expected );
     free( run->found );
     return holds;
@@ -120,7 +129,7 @@ static bool judge_snapshot( const wisp_scene* scene, stability_verdict* out )
         {
             has_stepped = has_stepped && scene_world_step( &run.worlds[0], NULL ) == WISP_OK;
         }
-        holds = !has_stepped || judge_snapshot_of( scene, &run, out );
+        holds = !has_stepped || judge_snapshot_of( &run, out );
         scene_world_destroy( &run.worlds[1] );
     }
     scene_world_destroy( &run.worlds[0] );

@@ -27,6 +27,17 @@ typedef struct scene_world_options
 
 typedef struct scene_animation scene_animation;
 
+/// Pins of a surface that are held, move and are released together.
+typedef struct scene_world_pins
+{
+    int32_t* vertices;  ///< [count] ascending
+    wisp_vec3* starts;  ///< [count] m, where keyframes move them from; null: no keyframes, or those of an animation
+    wisp_vec3* targets; ///< [count] buffer for their targets; null unless they move
+    int count;
+    wisp_vec3 pivot; ///< m, of their keyframes
+    bool is_held;    ///< no event has released them since they were held
+} scene_world_pins;
+
 /// A surface of the scene in the world.
 typedef struct scene_world_surface
 {
@@ -34,14 +45,13 @@ typedef struct scene_world_surface
     wisp_fabric* fabric;       ///< of this surface or of the one it is an instance of; a reference of its own
     wisp_mesh mesh;            ///< initial mesh; without triangles for an instance
     wisp_mesh_repairs repairs; ///< repairs of the mesh; empty for an instance
-    int32_t* pins;             ///< [pin_count] every vertex that the scene pins, ascending
-    wisp_vec3* pin_targets;    ///< [pin_count] buffer for their targets; null unless they move
+    int32_t* pins;             ///< [pin_count] every vertex that the scene pins at the start, ascending
     int pin_count;
-    wisp_vec3 pivot;                     ///< m, pivot of pin keyframes
+    scene_world_pins* groups; ///< [group_count] the surface's own pins, then the scene's groups
+    int group_count;
     wisp_vec3 target_pivot, frame_pivot; ///< m, of the keyframes of motion targets and of the frame
     wisp_vec3* motion_targets;           ///< [vertex_count] buffer; null unless they move
     scene_animation* animation;          ///< null: none
-    bool is_released;                    ///< an event has released the pins
 } scene_world_surface;
 
 /// A collider of the scene in the world.
@@ -81,6 +91,14 @@ int scene_world_used_modules( const wisp_scene* scene, const wisp_module** out )
 /// @return the error; the message names the line of the scene if the cause is there
 wisp_status scene_world_create( const wisp_scene* scene, const scene_world_options* options, scene_world* out,
                                 wisp_error* error );
+
+/// @return the group of a surface that holds a vertex now, -1: none
+int scene_pins_holding( const scene_world_surface* surface, int32_t vertex );
+/// What a host saves of the pins besides the world: which groups are held, and where keyframes move them from.
+size_t scene_pins_state_size( const scene_world* world );
+/// @param out [scene_pins_state_size()] bytes
+void scene_pins_save( const scene_world* world, void* out );
+void scene_pins_load( scene_world* world, const void* bytes );
 
 /// Apply the events of the next step, then run it.
 wisp_status scene_world_step( scene_world* world, wisp_error* error );

@@ -226,6 +226,9 @@ static wisp_status add_collider( scene_world* world, int collider, wisp_error* e
         def.triangle_count = c->mesh.triangle_count;
     }
     status = wisp_add_collider( world->world, &def, &c->entity );
+    status = status == WISP_OK && world->scene->colliders[collider].request_reaction
+                 ? wisp_request_reaction( world->world, c->entity, true )
+                 : status;
     return status == WISP_OK
                ? WISP_OK
                : fail_at_collider( world->scene, collider, status, wisp_world_message( world->world ), error );

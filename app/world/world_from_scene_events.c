@@ -126,18 +126,30 @@ static wisp_status make_jumps( scene_world* world, wisp_entity entity, const wis
 static const wisp_vec3 ORIGIN = { 0.0f, 0.0f, 0.0f };
 static const wisp_transform still = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
 
-// @param points [vertex_count] m, before the displacement
-static wisp_status move_pins( scene_world* world, int surface, const wisp_vec3* points, step_times t )
+// @param points [vertex_count] m, before the displacement; null: the group's starts
+static wisp_vec3 place_of( const scene_world_pins* pins, int i, const wisp_vec3* points, wisp_transform displacement )
+{
+    const wisp_vec3 p = points != NULL ? points[pins->vertices[i]] : pins->starts[i], o = pins->pivot;
+    const wisp_vec3 to = wisp_transform_to_world( displacement, ( wisp_vec3 ){ p.x - o.x, p.y - o.y, p.z - o.z } );
+    return ( wisp_vec3 ){ to.x + o.x, to.y + o.y, to.z + o.z };
+}
+
+// @param points [vertex_count] m, before the displacement; null: the group's starts
+static wisp_status move_group( scene_world* world, int surface, int group, const wisp_vec3* points, step_times t )
 {
     scene_world_surface* s = &world->surfaces[surface];
-    const wisp_transform pose = pose_at_end( world, &world->scene->surfaces[surface].pin_path, still, t );
-    for ( int i = 0; i < s->pin_count; ++i )
+    const scene_world_pins* pins = &s->groups[group];
+    const wisp_scene_path* path = &scene_pins_entry( &world->scene->surfaces[surface], group )->path;
+    if ( !pins->is_held || pins->count == 0 || !( points != NULL || is_moving( world, path, t ) ) )
     {
-        const wisp_vec3 p = points[s->pins[i]], o = s->pivot;
-        wisp_vec3 moved = wisp_transform_to_world( pose, ( wisp_vec3 ){ p.x - o.x, p.y - o.y, p.z - o.z } );
-        s->pin_targets[i] = ( wisp_vec3 ){ moved.x + o.x, moved.y + o.y, moved.z + o.z };
+        return WISP_OK;
     }
-    return wisp_move_pins( world->world, s->entity, s->pins, s->pin_targets, s->pin_count );
+    const wisp_transform pose = pose_at_end( world, path, still, t );
+    for ( int i = 0; i < pins->count; ++i )
+    {
+        pins->targets[i] = place_of( pins, i, points, pose );
+    }
+    return wisp_move_pins( world->world, s->entity, pins->vertices, pins->targets, pins->count );
 }
 
 static wisp_status follow_collider( scene_world* world, int collider, step_times t )
@@ -197,9 +209,9 @@ static wisp_status follow_surface( scene_world* world, int surface, step_times t
     {
         status = wisp_set_balloon_gas_ratio( world->world, s->entity, fill_at( entry, t.end ) );
     }
-    if ( status == WISP_OK && !s->is_released )
+    if ( status == WISP_OK && s->groups[0].is_held )
     {
-        status = make_jumps( world, s->entity, &entry->pin_path, still, s->pivot, t );
+        status = make_jumps( world, s->entity, &entry->pins.path, still, s->groups[0].pivot, t );
     }
     const wisp_vec3* points = s->mesh.points;
     wisp_error cause = { 0 };
@@ -209,10 +221,9 @@ static wisp_status follow_surface( scene_world* world, int surface, step_times t
         status = wisp_world_fail( world->world, cause.status, "%s", cause.message );
     }
     const bool is_animated = s->animation != NULL;
-    if ( status == WISP_OK && !s->is_released && s->pin_count > 0 &&
-         ( is_animated || is_moving( world, &entry->pin_path, t ) ) )
+    for ( int g = 0; g < s->group_count && status == WISP_OK; ++g )
     {
-        status = move_pins( world, surface, points, t );
+        status = move_group( world, surface, g, is_animated ? points : NULL, t );
     }
     if ( status == WISP_OK && entry->has_motion_constraints &&
          ( is_animated || is_moving( world, &entry->target_path, t ) ) )
@@ -325,11 +336,16 @@ static wisp_status play_gas( scene_world* world, const wisp_scene_event* e )
     return status;
 }
 
-// A gust comes on top of a velocity that is set. BDF2 looks back on the substep before, which had another velocity: it starts again.
+// BDF2 looks back on the substep before: it starts again with another velocity.
+static bool looks_back( const wisp_scene_surface* entry )
+{
+    return entry->has_implicit && entry->implicit.integrator == WISP_INTEGRATOR_BDF2;
+}
+
+// A gust comes on top of a velocity that is set.
 static wisp_status play_velocity( scene_world* world, const wisp_scene_event* e )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[e->surface];
-    const bool looks_back = entry->has_implicit && entry->implicit.integrator == WISP_INTEGRATOR_BDF2;
     wisp_entity entity = world->surfaces[e->surface].entity;
     wisp_status status = WISP_OK;
     if ( e->has_velocity || e->has_angular_velocity )
@@ -340,7 +356,94 @@ static wisp_status play_velocity( scene_world* world, const wisp_scene_event* e 
     {
         status = wisp_apply_gust( world->world, entity, e->gust, e->gust_per_triangle );
     }
-    return status == WISP_OK && looks_back ? scene_implicit_set( world, e->surface ) : status;
+    return status == WISP_OK && looks_back( entry ) ? scene_implicit_set( world, e->surface ) : status;
+}
+
+// Held again, pins are moved from where they are, as if they had started where the keyframes have brought them here from.
+static wisp_status hold_group( scene_world* world, int surface, int group )
+{
+    scene_world_surface* s = &world->surfaces[surface];
+    scene_world_pins* pins = &s->groups[group];
+    const step_times t = next_times( world );
+    const step_times now = { t.last, t.begin, t.begin };
+    const wisp_transform pose =
+        pose_at_end( world, &scene_pins_entry( &world->scene->surfaces[surface], group )->path, still, now );
+    const float* x = wisp_world_column( world->world, s->entity, WISP_PARTICLE_POSITION, 0 );
+    const wisp_status status = wisp_pin( world->world, s->entity, pins->vertices, pins->count );
+    for ( int i = 0; i < pins->count && pins->starts != NULL && status == WISP_OK; ++i )
+    {
+        const float* p = x + (size_t)s->fabric->vertex_slot[pins->vertices[i]] * 4;
+        const wisp_vec3 o = pins->pivot, d = pose.translation;
+        const wisp_quat back = { -pose.rotation.x, -pose.rotation.y, -pose.rotation.z, pose.rotation.w };
+        const wisp_vec3 start =
+            wisp_quat_rotate( back, ( wisp_vec3 ){ p[0] - o.x - d.x, p[1] - o.y - d.y, p[2] - o.z - d.z } );
+        pins->starts[i] = ( wisp_vec3 ){ start.x + o.x, start.y + o.y, start.z + o.z };
+    }
+    pins->is_held = true;
+    return status == WISP_OK ? move_group( world, surface, group, NULL, t ) : status;
+}
+
+// Vertices that were let go go on with the velocity that they were moved with in the last step. None comes of a jump.
+static wisp_status pass_velocities( scene_world* world, int surface, int group )
+{
+    scene_world_surface* s = &world->surfaces[surface];
+    scene_world_pins* pins = &s->groups[group];
+    const wisp_scene_path* path = &scene_pins_entry( &world->scene->surfaces[surface], group )->path;
+    const step_times t = next_times( world );
+    const float rate = 1.0f / (float)( t.begin - t.last );
+    for ( int i = count_reached( path, t.last ); i < count_reached( path, t.begin ); ++i )
+    {
+        if ( path->poses[i].jump )
+        {
+            return WISP_OK;
+        }
+    }
+    wisp_vec3* places = pins->targets; // before the last step, then velocities
+    for ( int now = 0; now < 2; ++now )
+    {
+        const double time = now ? t.begin : t.last;
+        const wisp_transform pose = pose_at_end( world, path, still, ( step_times ){ t.last, t.begin, time } );
+        const wisp_vec3* points = NULL;
+        wisp_error cause = { 0 };
+        if ( s->animation != NULL &&
+             scene_animation_pose( world->scene, surface, s->animation, time, &points, &cause ) != WISP_OK )
+        {
+            return wisp_world_fail( world->world, cause.status, "%s", cause.message );
+        }
+        for ( int i = 0; i < pins->count; ++i )
+        {
+            const wisp_vec3 p = place_of( pins, i, points, pose ), d = places[i];
+            places[i] = now ? ( wisp_vec3 ){ rate * ( p.x - d.x ), rate * ( p.y - d.y ), rate * ( p.z - d.z ) } : p;
+        }
+    }
+    const wisp_status status =
+        wisp_set_vertex_velocities( world->world, s->entity, pins->vertices, places, pins->count );
+    return status == WISP_OK && looks_back( &world->scene->surfaces[surface] ) ? scene_implicit_set( world, surface )
+                                                                               : status;
+}
+
+static wisp_status play_pins( scene_world* world, const wisp_scene_event* e, int group )
+{
+    scene_world_surface* s = &world->surfaces[e->surface];
+    scene_world_pins* pins = &s->groups[group];
+    if ( e->release )
+    {
+        const bool moves = pins->is_held && pins->targets != NULL && world->next_step > 0;
+        const wisp_status status = wisp_unpin( world->world, s->entity, pins->vertices, pins->count );
+        pins->is_held = false;
+        return status == WISP_OK && moves ? pass_velocities( world, e->surface, group ) : status;
+    }
+    if ( e->attach_to >= 0 )
+    {
+        pins->is_held = true;
+        return wisp_attach_pins( world->world, s->entity, pins->vertices, pins->count,
+                                 world->surfaces[e->attach_to].entity );
+    }
+    if ( e->detach )
+    {
+        return wisp_detach_pins( world->world, s->entity, pins->vertices, pins->count );
+    }
+    return e->hold && !pins->is_held ? hold_group( world, e->surface, group ) : WISP_OK;
 }
 
 // Pins are let go first, so that a velocity reaches them too.
@@ -352,10 +455,10 @@ static wisp_status play( scene_world* world, const wisp_scene_event* e )
     }
     scene_world_surface* s = &world->surfaces[e->surface];
     wisp_status status = play_gas( world, e );
-    if ( status == WISP_OK && e->release )
+    for ( int g = 0; g < s->group_count && status == WISP_OK; ++g )
     {
-        status = wisp_unpin( world->world, s->entity, s->pins, s->pin_count );
-        s->is_released = true;
+        const bool is_meant = e->pin_group < 0 || e->pin_group + 1 == g;
+        status = is_meant && s->groups[g].count > 0 ? play_pins( world, e, g ) : WISP_OK;
     }
     if ( status == WISP_OK && e->has_wind )
     {

@@ -27,8 +27,9 @@ static wisp_status grab_surface( scene_world* world, scene_hold* hold, wisp_erro
     const wisp_scene_surface* entry = &world->scene->surfaces[index];
     const scene_world_surface* s = &world->surfaces[index];
     const int32_t vertex = hold->vertex;
-    hold->was_pinned = !s->is_released && scene_pins_find_vertex( s->pins, s->pin_count, vertex ) >= 0;
-    if ( hold->was_pinned && ( entry->pin_path.count > 0 || entry->has_animation ) )
+    const int group = scene_pins_holding( s, vertex );
+    hold->was_pinned = group >= 0;
+    if ( hold->was_pinned && ( scene_pins_entry( entry, group )->path.count > 0 || entry->has_animation ) )
     {
         return wisp_fail( error, WISP_CONFLICT, "vertex %d of '%s' follows the keyframes of its pins", hold->vertex,
                           entry->name );

@@ -28,7 +28,6 @@ static bool any_strands( const wisp_scene* scene, bool ( *has )( const wisp_scen
     {                                                                                                                \
         return of->has_##block;                                                                                      \
     }
-BLOCK_OF( surface, attachments )
 BLOCK_OF( surface, balloon )
 BLOCK_OF( surface, boundary )
 BLOCK_OF( surface, cloth )
@@ -46,12 +45,31 @@ BLOCK_OF( strands, frozen_hair )
 BLOCK_OF( strands, ghosts )
 #undef BLOCK_OF
 
+// At the start, or by an event.
+static bool attaches_pins( const wisp_scene* scene )
+{
+    bool any = false;
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        const wisp_scene_surface* s = &scene->surfaces[i];
+        for ( int g = 0; g <= s->pin_group_count; ++g )
+        {
+            any = any || scene_pins_entry( s, g )->attached_to >= 0;
+        }
+    }
+    for ( int i = 0; i < scene->event_count; ++i )
+    {
+        any = any || scene->events[i].attach_to >= 0 || scene->events[i].detach;
+    }
+    return any;
+}
+
 #define USES( module, condition )                                                                                    \
     static bool uses_##module( const wisp_scene* scene )                                                             \
     {                                                                                                                \
         return condition;                                                                                            \
     }
-USES( attachments, any_surface( scene, surface_attachments ) )
+USES( attachments, attaches_pins( scene ) )
 USES( balloon, any_surface( scene, surface_balloon ) )
 USES( boundary, any_surface( scene, surface_boundary ) )
 USES( environment, any_strands( scene, strands_environment ) )

@@ -65,17 +65,22 @@ wisp_status scene_colliders_add( scene_world* world, wisp_error* error );
 void scene_colliders_release( scene_world* world );
 
 /// Load the animation of a placed surface, if its entry has one, and move its mesh to the first pose.
-wisp_status scene_animation_load( const wisp_scene* scene, int surface, scene_world_surface* out, wisp_error* error );
+/// @param rest [vertex_count] m, the mesh in its own frame
+wisp_status scene_animation_load( const wisp_scene* scene, int surface, const wisp_vec3* rest,
+                                  scene_world_surface* out, wisp_error* error );
 /// Where the vertices are. @param time s @param points receives [vertex_count] m, valid until the next call
 wisp_status scene_animation_pose( const wisp_scene* scene, int surface, scene_animation* animation, double time,
                                   const wisp_vec3** points, wisp_error* error );
 /// Null is allowed.
 void scene_animation_release( scene_animation* animation );
 
-/// Every vertex that a surface's entry pins, and the pivot of its pins. The mesh is the initial one.
+/// Every group of vertices that a surface's entry pins. The mesh is the initial one.
 /// @param kept [kept_count] index in the file of each vertex that a repair kept; null if none was dropped
 wisp_status scene_pins_find( const wisp_scene* scene, int surface, const int32_t* kept, int kept_count,
                              scene_world_surface* out, wisp_error* error );
+void scene_pins_release( scene_world_surface* surface );
+/// The entry of a surface's group. @param group 0: the surface's own pins
+const wisp_scene_pins* scene_pins_entry( const wisp_scene_surface* entry, int group );
 /// @return where a vertex stands in an ascending list, -1: it does not
 int32_t scene_pins_find_vertex( const int32_t* ascending, int count, int32_t vertex );
 /// The balloon of a surface with the vertices of its outlet found.

@@ -81,95 +81,138 @@ static int32_t nearest_vertex( const wisp_mesh* mesh, wisp_vec3 place )
 
 // ---- pins ----
 
+/// Marks of a vertex.
+enum
+{
+    IN_GROUP = 1, // of the group that is being found
+    TAKEN = 2,    // of a group before it
+    HELD = 4,     // from the start
+};
+
 static bool is_inside( const wisp_scene_box* box, wisp_vec3 p )
 {
     return p.x >= box->lower.x && p.x <= box->upper.x && p.y >= box->lower.y && p.y <= box->upper.y &&
            p.z >= box->lower.z && p.z <= box->upper.z;
 }
 
-static wisp_status mark_boxes( const vertex_finder* f, unsigned char* marks )
+static wisp_status mark_boxes( const vertex_finder* f, const wisp_scene_pins* pins, unsigned char* marks )
 {
-    for ( int i = 0; i < f->entry->pin_box_count; ++i )
+    for ( int i = 0; i < pins->box_count; ++i )
     {
         bool any = false;
         for ( int v = 0; v < f->mesh->vertex_count; ++v )
         {
-            bool inside = is_inside( &f->entry->pin_boxes[i], f->mesh->points[v] );
-            marks[v] |= inside;
+            bool inside = is_inside( &pins->boxes[i], f->mesh->points[v] );
+            marks[v] |= inside ? IN_GROUP : 0;
             any = any || inside;
         }
         if ( !any )
         {
-            char message[80];
-            snprintf( message, sizeof message, "no vertex starts in pin_box %d", i );
+            char message[160];
+            snprintf( message, sizeof message, "%s%s%sno vertex starts in pin_box %d", pins->name ? "group '" : "",
+                      pins->name ? pins->name : "", pins->name ? "': " : "", i );
             return refuse( f, message );
         }
     }
     return WISP_OK;
 }
 
-static wisp_status mark_pins( const vertex_finder* f, unsigned char* marks )
+static wisp_status mark_pins( const vertex_finder* f, const wisp_scene_pins* pins, unsigned char* marks )
 {
-    for ( int i = 0; i < f->entry->pin_count; ++i )
+    for ( int i = 0; i < pins->vertex_count; ++i )
     {
         int32_t vertex;
-        wisp_status status = find_number( f, "pins", f->entry->pins[i], &vertex );
+        wisp_status status = find_number( f, "pins", pins->vertices[i], &vertex );
         if ( status != WISP_OK )
         {
             return status;
         }
-        marks[vertex] = 1;
+        marks[vertex] |= IN_GROUP;
     }
-    for ( int i = 0; i < f->entry->pin_nearest_count; ++i )
+    for ( int i = 0; i < pins->nearest_count; ++i )
     {
-        marks[nearest_vertex( f->mesh, f->entry->pin_nearest[i] )] = 1;
+        marks[nearest_vertex( f->mesh, pins->nearest[i] )] |= IN_GROUP;
     }
     const bool moves_itself = f->entry->has_cloth || f->entry->has_balloon || f->entry->has_implicit;
-    if ( f->entry->has_animation && !moves_itself )
+    if ( f->entry->has_animation && !moves_itself && pins == &f->entry->pins )
     {
-        memset( marks, 1, (size_t)f->mesh->vertex_count );
+        memset( marks, IN_GROUP, (size_t)f->mesh->vertex_count );
     }
-    return mark_boxes( f, marks );
+    return mark_boxes( f, pins, marks );
 }
 
-static wisp_vec3 middle_of( const scene_world_surface* s )
+static wisp_vec3 middle_of( const wisp_mesh* mesh, const scene_world_pins* pins )
 {
     double sum[3] = { 0 };
-    for ( int i = 0; i < s->pin_count; ++i )
+    for ( int i = 0; i < pins->count; ++i )
     {
-        const wisp_vec3 p = s->mesh.points[s->pins[i]];
+        const wisp_vec3 p = mesh->points[pins->vertices[i]];
         sum[0] += (double)p.x;
         sum[1] += (double)p.y;
         sum[2] += (double)p.z;
     }
-    double fraction = 1.0 / (double)s->pin_count;
+    double fraction = 1.0 / (double)pins->count;
     return ( wisp_vec3 ){ (float)( sum[0] * fraction ), (float)( sum[1] * fraction ), (float)( sum[2] * fraction ) };
 }
 
-static wisp_status list_pins( const vertex_finder* f, const unsigned char* marks, scene_world_surface* out )
+// Vertices with a mark, in ascending order.
+static int32_t* list_marked( const unsigned char* marks, unsigned char mark, int vertex_count, int* count )
 {
-    int count = 0;
-    for ( int v = 0; v < f->mesh->vertex_count; ++v )
+    *count = 0;
+    for ( int v = 0; v < vertex_count; ++v )
     {
-        count += marks[v];
+        *count += ( marks[v] & mark ) != 0;
     }
-    const bool moves = f->entry->pin_path.count > 0 || f->entry->has_animation;
-    out->pins = calloc( (size_t)count + 1, sizeof *out->pins );
-    out->pin_targets = moves ? calloc( (size_t)count + 1, sizeof *out->pin_targets ) : NULL;
-    if ( !out->pins || ( moves && !out->pin_targets ) )
+    int32_t* out = calloc( (size_t)*count + 1, sizeof *out );
+    for ( int v = 0, i = 0; v < vertex_count && out; ++v )
     {
-        return wisp_fail( f->error, WISP_NO_MEMORY, "out of memory for %d pins", count );
-    }
-    for ( int v = 0; v < f->mesh->vertex_count; ++v )
-    {
-        if ( marks[v] )
+        if ( ( marks[v] & mark ) != 0 )
         {
-            out->pins[out->pin_count++] = v;
+            out[i++] = v;
         }
     }
-    if ( count > 0 )
+    return out;
+}
+
+static wisp_status list_group( const vertex_finder* f, const wisp_scene_pins* pins, const unsigned char* marks,
+                               scene_world_pins* out )
+{
+    const bool has_path = pins->path.count > 0 && !f->entry->has_animation;
+    const bool moves = pins->path.count > 0 || f->entry->has_animation;
+    out->vertices = list_marked( marks, IN_GROUP, f->mesh->vertex_count, &out->count );
+    out->starts = has_path ? calloc( (size_t)out->count + 1, sizeof *out->starts ) : NULL;
+    out->targets = moves ? calloc( (size_t)out->count + 1, sizeof *out->targets ) : NULL;
+    if ( !out->vertices || ( has_path && !out->starts ) || ( moves && !out->targets ) )
     {
-        out->pivot = f->entry->has_pin_pivot ? f->entry->pin_pivot : middle_of( out );
+        return wisp_fail( f->error, WISP_NO_MEMORY, "out of memory for %d pins", out->count );
+    }
+    for ( int i = 0; i < out->count && has_path; ++i )
+    {
+        out->starts[i] = f->mesh->points[out->vertices[i]];
+    }
+    if ( out->count > 0 )
+    {
+        out->pivot = pins->has_pivot ? pins->pivot : middle_of( f->mesh, out );
+    }
+    out->is_held = !pins->starts_free;
+    return WISP_OK;
+}
+
+static wisp_status take_group( const vertex_finder* f, const wisp_scene_pins* pins, unsigned char* marks )
+{
+    for ( int v = 0; v < f->mesh->vertex_count; ++v )
+    {
+        if ( ( marks[v] & ( IN_GROUP | TAKEN ) ) == ( IN_GROUP | TAKEN ) )
+        {
+            char message[160];
+            snprintf( message, sizeof message,
+                      "vertex %d of the group '%s' is also pinned by the surface or by a group before it",
+                      f->kept ? f->kept[v] : v, pins->name );
+            return refuse( f, message );
+        }
+        const bool is_in = ( marks[v] & IN_GROUP ) != 0;
+        marks[v] = (unsigned char)( ( marks[v] & ~IN_GROUP ) | ( is_in ? TAKEN : 0 ) |
+                                    ( is_in && !pins->starts_free ? HELD : 0 ) );
     }
     return WISP_OK;
 }
@@ -180,15 +223,120 @@ wisp_status scene_pins_find( const wisp_scene* scene, int surface, const int32_t
     const wisp_scene_surface* entry = &scene->surfaces[surface];
     const vertex_finder finder = { scene, entry, &out->mesh, kept, kept_count, error };
     unsigned char* marks = calloc( (size_t)out->mesh.vertex_count + 1, 1 );
-    if ( !marks )
+    out->groups = calloc( (size_t)entry->pin_group_count + 1, sizeof *out->groups );
+    if ( !marks || !out->groups )
     {
+        free( marks );
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the pins of %d vertices",
                           out->mesh.vertex_count );
     }
-    wisp_status status = mark_pins( &finder, marks );
-    status = status == WISP_OK ? list_pins( &finder, marks, out ) : status;
+    wisp_status status = WISP_OK;
+    for ( int g = 0; g <= entry->pin_group_count && status == WISP_OK; ++g )
+    {
+        const wisp_scene_pins* pins = scene_pins_entry( entry, g );
+        status = mark_pins( &finder, pins, marks );
+        status = status == WISP_OK ? list_group( &finder, pins, marks, &out->groups[out->group_count++] ) : status;
+        status = status == WISP_OK ? take_group( &finder, pins, marks ) : status;
+    }
+    if ( status == WISP_OK )
+    {
+        out->pins = list_marked( marks, HELD, out->mesh.vertex_count, &out->pin_count );
+        status =
+            out->pins ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d pins", out->pin_count );
+    }
     free( marks );
     return status;
+}
+
+const wisp_scene_pins* scene_pins_entry( const wisp_scene_surface* entry, int group )
+{
+    return group == 0 ? &entry->pins : &entry->pin_groups[group - 1];
+}
+
+int scene_pins_holding( const scene_world_surface* surface, int32_t vertex )
+{
+    for ( int g = 0; g < surface->group_count; ++g )
+    {
+        const scene_world_pins* pins = &surface->groups[g];
+        if ( pins->is_held && scene_pins_find_vertex( pins->vertices, pins->count, vertex ) >= 0 )
+        {
+            return g;
+        }
+    }
+    return -1;
+}
+
+void scene_pins_release( scene_world_surface* surface )
+{
+    for ( int g = 0; g < surface->group_count; ++g )
+    {
+        free( surface->groups[g].vertices );
+        free( surface->groups[g].starts );
+        free( surface->groups[g].targets );
+    }
+    free( surface->groups );
+    free( surface->pins );
+}
+
+// ---- what a host saves ----
+
+static size_t starts_size( const scene_world_pins* pins )
+{
+    return pins->starts ? (size_t)pins->count * sizeof *pins->starts : 0;
+}
+
+size_t scene_pins_state_size( const scene_world* world )
+{
+    size_t size = 0;
+    for ( int i = 0; i < world->scene->surface_count; ++i )
+    {
+        for ( int g = 0; g < world->surfaces[i].group_count; ++g )
+        {
+            size += sizeof( int32_t ) + starts_size( &world->surfaces[i].groups[g] );
+        }
+    }
+    return size;
+}
+
+void scene_pins_save( const scene_world* world, void* out )
+{
+    char* at = out;
+    for ( int i = 0; i < world->scene->surface_count; ++i )
+    {
+        for ( int g = 0; g < world->surfaces[i].group_count; ++g )
+        {
+            const scene_world_pins* pins = &world->surfaces[i].groups[g];
+            const int32_t is_held = pins->is_held;
+            memcpy( at, &is_held, sizeof is_held );
+            at += sizeof is_held;
+            if ( pins->starts )
+            {
+                memcpy( at, pins->starts, starts_size( pins ) );
+                at += starts_size( pins );
+            }
+        }
+    }
+}
+
+void scene_pins_load( scene_world* world, const void* bytes )
+{
+    const char* at = bytes;
+    for ( int i = 0; i < world->scene->surface_count; ++i )
+    {
+        for ( int g = 0; g < world->surfaces[i].group_count; ++g )
+        {
+            scene_world_pins* pins = &world->surfaces[i].groups[g];
+            int32_t is_held;
+            memcpy( &is_held, at, sizeof is_held );
+            at += sizeof is_held;
+            pins->is_held = is_held != 0;
+            if ( pins->starts )
+            {
+                memcpy( pins->starts, at, starts_size( pins ) );
+                at += starts_size( pins );
+            }
+        }
+    }
 }
 
 // ---- the outlet ----

@@ -217,7 +217,7 @@ static wisp_status make_source( scene_world* world, int surface, unsigned char r
     if ( status == WISP_OK )
     {
         scene_start_place( &scene->surfaces[surface], s );
-        status = scene_animation_load( scene, surface, s, error );
+        status = scene_animation_load( scene, surface, rest, s, error );
     }
     free( rest );
     return status;
@@ -239,16 +239,20 @@ static wisp_status make_instance( scene_world* world, int surface, wisp_error* e
     {
         s->mesh.points[v] = fabric->rest[fabric->vertex_slot[v]];
     }
+    wisp_vec3* rest = NULL;
+    wisp_status status = copy_points( s->mesh.points, s->mesh.vertex_count, &rest, error );
     place( s->mesh.points, s->mesh.vertex_count, entry->pose );
     wisp_fabric_retain( source->fabric );
     s->fabric = source->fabric;
-    wisp_status status =
-        scene_pins_find( world->scene, surface, source->repairs.kept, source->repairs.kept_count, s, error );
+    status = status == WISP_OK ? scene_pins_find( world->scene, surface, source->repairs.kept,
+                                                  source->repairs.kept_count, s, error )
+                               : status;
     if ( status == WISP_OK )
     {
         scene_start_place( entry, s );
-        status = scene_animation_load( world->scene, surface, s, error );
+        status = scene_animation_load( world->scene, surface, rest, s, error );
     }
+    free( rest );
     return status;
 }
 
@@ -430,10 +434,13 @@ static wisp_status connect( scene_world* world, int surface, wisp_error* error )
     const wisp_scene_surface* entry = &world->scene->surfaces[surface];
     const scene_world_surface* s = &world->surfaces[surface];
     wisp_status status = WISP_OK;
-    if ( entry->has_attachments )
+    for ( int g = 0; g < s->group_count && status == WISP_OK; ++g )
     {
-        status = wisp_attach_pins( world->world, s->entity, s->pins, s->pin_count,
-                                   world->surfaces[entry->attached_to].entity );
+        const int to = scene_pins_entry( entry, g )->attached_to;
+        const scene_world_pins* pins = &s->groups[g];
+        status = to < 0 ? WISP_OK
+                        : wisp_attach_pins( world->world, s->entity, pins->vertices, pins->count,
+                                            world->surfaces[to].entity );
     }
     if ( status == WISP_OK && entry->has_collider )
     {
@@ -484,8 +491,7 @@ void scene_surfaces_release( scene_world* world )
         wisp_mesh_release( &s->mesh );
         wisp_mesh_repairs_release( &s->repairs );
         wisp_fabric_release( s->fabric );
-        free( s->pins );
-        free( s->pin_targets );
+        scene_pins_release( s );
         free( s->motion_targets );
         scene_animation_release( s->animation );
     }

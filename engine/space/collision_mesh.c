@@ -1,6 +1,7 @@
 // Triangle meshes for queries: surface, search and results.
 #include "collision_mesh_embree.h"
 #include "mesh_bvh.h"
+#include "mesh_features.h"
 #include "voxels.h"
 
 #include "alloc.h"
@@ -11,9 +12,10 @@ struct wisp_collision_mesh
 {
     mesh_surface surface;
     wisp_mesh_search search;
-    embree_tree* embree; ///< of a rigid mesh, null if voxels are used
-    mesh_bvh bvh;        ///< of a mesh that deforms, zero if voxels are used
-    voxels voxels;       ///< zero if a tree is used
+    embree_tree* embree;    ///< of a rigid mesh, null if voxels are used
+    mesh_bvh bvh;           ///< of a mesh that deforms, zero if voxels are used
+    voxels voxels;          ///< zero if a tree is used
+    mesh_features features; ///< zero until they are prepared
     bool deforms;
     float* spare; ///< [point_count][4] old positions, restored if an update of voxels fails; null without
     int open_edge_count, flat_triangle_count;
@@ -100,6 +102,7 @@ void wisp_collision_mesh_release( wisp_collision_mesh* tree )
     wisp_allocator allocator = tree->surface.allocator;
     embree_tree_release( tree->embree );
     mesh_bvh_release( &tree->bvh );
+    mesh_features_release( &tree->features, &tree->surface );
     voxels_release( &tree->voxels, &allocator );
     base_release( &allocator, tree->spare, spare_bytes( tree ) );
     mesh_surface_release( &tree->surface );
@@ -113,7 +116,8 @@ static bool has_bvh( const wisp_collision_mesh* tree )
 
 size_t wisp_collision_mesh_bytes( const wisp_collision_mesh* tree )
 {
-    return sizeof( *tree ) + tree->surface.bytes + ( tree->spare != NULL ? spare_bytes( tree ) : 0 ) +
+    return sizeof( *tree ) + tree->surface.bytes + mesh_features_bytes( &tree->features, &tree->surface ) +
+           ( tree->spare != NULL ? spare_bytes( tree ) : 0 ) +
            ( has_bvh( tree )        ? mesh_bvh_bytes( &tree->bvh )
              : tree->embree != NULL ? embree_tree_bytes( tree->embree )
                                     : voxels_bytes( &tree->voxels ) );
@@ -179,7 +183,12 @@ wisp_status wisp_collision_mesh_update( wisp_collision_mesh* tree, const wisp_ve
     }
     if ( status != WISP_OK || has_bvh( tree ) == false )
     {
-        return status == WISP_OK ? update_voxels( tree, end, error ) : status;
+        status = status == WISP_OK ? update_voxels( tree, end, error ) : status;
+        if ( tree->features.boxes.surface != NULL )
+        {
+            mesh_bvh_refit( &tree->features.boxes, parallel );
+        }
+        return status;
     }
     mesh_surface_set_points( &tree->surface, start != NULL ? start : end, end );
     mesh_bvh_refit( &tree->bvh, parallel );
@@ -214,6 +223,36 @@ wisp_vec3 wisp_collision_mesh_motion( const wisp_collision_mesh* tree, int32_t t
     }
     const float fraction = end - begin;
     return ( wisp_vec3 ){ fraction * way[0], fraction * way[1], fraction * way[2] };
+}
+
+// ---- edges and corners ----
+
+wisp_status wisp_collision_mesh_prepare_features( wisp_collision_mesh* tree, wisp_error* error )
+{
+    return tree->features.candidates != NULL
+               ? WISP_OK
+               : mesh_features_build( &tree->features, &tree->surface, has_bvh( tree ) == false, error );
+}
+
+int wisp_collision_mesh_find_features( const wisp_collision_mesh* tree, const float lower[3], const float upper[3],
+                                       bool corners, int32_t* features, int capacity )
+{
+    const mesh_bvh* boxes = has_bvh( tree ) ? &tree->bvh : &tree->features.boxes;
+    return tree->features.candidates == NULL
+               ? 0
+               : mesh_features_find( &tree->features, boxes, lower, upper, corners, features, capacity );
+}
+
+wisp_mesh_feature wisp_collision_mesh_feature( const wisp_collision_mesh* tree, int32_t feature, bool is_corner,
+                                               float begin, float end )
+{
+    return mesh_features_place( &tree->surface, feature, is_corner, begin, end );
+}
+
+wisp_mesh_sides wisp_collision_mesh_sides( const wisp_collision_mesh* tree, int32_t feature, bool is_corner,
+                                           float time )
+{
+    return mesh_features_sides( &tree->surface, feature, is_corner, (double)time );
 }
 
 // ---- queries ----

@@ -467,3 +467,42 @@ void mesh_bvh_find_intersection( const mesh_bvh* bvh, mesh_cast* search )
         }
     }
 }
+
+// ---- overlaps ----
+
+LANE_INLINE uint32_t overlaps( const mesh_bvh_group* g, const float lower[3], const float upper[3] )
+{
+    lane8m meets = lane8_le( lane8_zero(), lane8_zero() );
+    for ( int k = 0; k < 3; ++k )
+    {
+        meets = lane8m_and( meets, lane8_le( lane8_loadu( g->lower[k] ), lane8_set1( upper[k] ) ) );
+        meets = lane8m_and( meets, lane8_ge( lane8_loadu( g->upper[k] ), lane8_set1( lower[k] ) ) );
+    }
+    return lane8m_bits( meets );
+}
+
+int mesh_bvh_next_overlaps( const mesh_bvh* bvh, mesh_bvh_overlap* search, const float lower[3], const float upper[3],
+                            int32_t* triangles, int most )
+{
+    int found = 0;
+    while ( search->count > 0 && found + MESH_BVH_WIDTH <= most )
+    {
+        const int level = search->level[--search->count];
+        const int32_t group = search->group[search->count];
+        uint32_t bits = overlaps( bvh->groups + bvh->first[level] + group, lower, upper );
+        for ( int child = 0; bits != 0; ++child, bits >>= 1 )
+        {
+            const int32_t below = group * MESH_BVH_WIDTH + child;
+            if ( ( bits & 1u ) != 0 && level > 0 )
+            {
+                search->group[search->count] = below;
+                search->level[search->count++] = (int16_t)( level - 1 );
+            }
+            else if ( ( bits & 1u ) != 0 && bvh->triangle[below] >= 0 )
+            {
+                triangles[found++] = bvh->triangle[below];
+            }
+        }
+    }
+    return found;
+}

@@ -42,3 +42,25 @@ void mesh_bvh_refit( mesh_bvh* bvh, const wisp_parallel* parallel );
 
 void mesh_bvh_find_closest( const mesh_bvh* bvh, mesh_closest* search );
 void mesh_bvh_find_intersection( const mesh_bvh* bvh, mesh_cast* search );
+
+/// Where a search for overlaps is.
+typedef struct mesh_bvh_overlap
+{
+    int32_t group[MESH_BVH_WIDTH * MESH_BVH_MAX_LEVELS]; ///< of its level
+    int16_t level[MESH_BVH_WIDTH * MESH_BVH_MAX_LEVELS];
+    int count; ///< 0: the search is over
+} mesh_bvh_overlap;
+
+static inline mesh_bvh_overlap mesh_bvh_overlap_begin( const mesh_bvh* bvh )
+{
+    mesh_bvh_overlap search;
+    search.group[0] = 0;
+    search.level[0] = (int16_t)( bvh->level_count - 1 );
+    search.count = 1;
+    return search;
+}
+
+/// Find triangles whose boxes, over the whole motion, overlap a box; call until search->count is 0.
+/// @param most at least MESH_BVH_WIDTH
+int mesh_bvh_next_overlaps( const mesh_bvh* bvh, mesh_bvh_overlap* search, const float lower[3], const float upper[3],
+                            int32_t* triangles, int most );

@@ -306,8 +306,13 @@ static double3 find_pseudonormal( const mesh_surface* s, int32_t triangle, doubl
     {
         return find_edge_normal( s, nearest->first, nearest->second, time );
     }
-    return s->corner_normals != NULL ? double3_widen( s->corner_normals[nearest->first] )
-                                     : find_corner_normal( s, nearest->first, time );
+    return mesh_surface_corner_normal( s, nearest->first, time );
+}
+
+double3 mesh_surface_corner_normal( const mesh_surface* s, int32_t point, double time )
+{
+    return s->corner_normals != NULL ? double3_widen( s->corner_normals[point] )
+                                     : find_corner_normal( s, point, time );
 }
 
 // Minimum distance from an edge or a corner, relative to coordinates, that gives a direction. Below it the

@@ -56,6 +56,9 @@ static inline triangle_corners mesh_surface_triangle( const mesh_surface* surfac
 /// Compute the box of a triangle, over its whole motion.
 void mesh_surface_box( const mesh_surface* surface, int32_t triangle, float lower[3], float upper[3] );
 
+/// Return the angle-weighted normal at a point, at a time of the motion.
+double3 mesh_surface_corner_normal( const mesh_surface* surface, int32_t point, double time );
+
 /// Complete a result with sign and normal of the feature nearest to p at a time of the motion.
 void mesh_surface_describe( const mesh_surface* surface, int32_t triangle, double time,
                             const triangle_nearest* nearest, double3 p, wisp_mesh_nearest* out );

@@ -5,6 +5,7 @@
 #include "wisp/module/components.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 // ---- rows and bounds ----
@@ -129,7 +130,8 @@ wisp_sleep_bounds sleep_bounds_of( const passes_sleep* state )
 
 sleep_box* sleep_reserve_boxes( wisp_world* world )
 {
-    const size_t bytes = (size_t)world->store.entity_count * sizeof( sleep_box );
+    const int count = world->store.entity_count;
+    const size_t bytes = (size_t)count * sizeof( sleep_box ) + sleep_stir_bytes( count );
     return base_buffer_reserve( &world->allocator, &world->sleep.boxes, bytes ) ? world->sleep.boxes.data : NULL;
 }
 
@@ -164,24 +166,120 @@ static float pair_reach( const sleep_box* a, const sleep_box* b )
     return a->reach + b->reach + 1e-3f * longest;
 }
 
-void sleep_stir( sleep_box* boxes, int count )
+// An entity by where it begins along an axis, and how far any of those before it and itself go.
+typedef struct stir_place
 {
-    bool changed = true;
-    while ( changed )
+    float begin, end;
+    int32_t slot;
+} stir_place;
+
+static int compare_places( const void* a, const void* b )
+{
+    const stir_place *x = a, *y = b;
+    const int order = ( x->begin > y->begin ) - ( x->begin < y->begin );
+    return order != 0 ? order : ( x->slot > y->slot ) - ( x->slot < y->slot );
+}
+
+// The axis along which the middles are spread most.
+static int find_axis( const sleep_box* boxes, int count )
+{
+    int axis = 0;
+    float widest = -1.0f;
+    for ( int k = 0; k < 3; ++k )
     {
-        changed = false;
+        float lower = INFINITY, upper = -INFINITY;
         for ( int i = 0; i < count; ++i )
         {
-            sleep_box* a = boxes + i;
-            for ( int k = 0; k < count && a->is_still && a->reach >= 0.0f; ++k )
+            const wisp_sleep_bounds* b = &boxes[i].bounds;
+            if ( boxes[i].reach >= 0.0f )
             {
-                const sleep_box* b = boxes + k;
-                if ( b->is_still == false && b->reach >= 0.0f &&
-                     wisp_bounds_touch( &a->bounds, &b->bounds, pair_reach( a, b ) ) )
-                {
-                    a->is_still = false;
-                    changed = true;
-                }
+                lower = fminf( lower, 0.5f * b->lower[k] + 0.5f * b->upper[k] );
+                upper = fmaxf( upper, 0.5f * b->lower[k] + 0.5f * b->upper[k] );
+            }
+        }
+        axis = upper - lower > widest ? k : axis;
+        widest = fmaxf( widest, upper - lower );
+    }
+    return axis;
+}
+
+// List those that are still, in ascending order. @return how many; `reach` receives the largest of their own parts of a pair
+static int list_still( const sleep_box* boxes, int count, int axis, stir_place* places, float* reach )
+{
+    static const sleep_box NO_REACH = { .reach = 0.0f };
+    int found = 0;
+    *reach = 0.0f;
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( boxes[i].is_still && boxes[i].reach >= 0.0f )
+        {
+            places[found++] = ( stir_place ){ boxes[i].bounds.lower[axis], boxes[i].bounds.upper[axis], i };
+            *reach = fmaxf( *reach, pair_reach( boxes + i, &NO_REACH ) );
+        }
+    }
+    qsort( places, (size_t)found, sizeof( *places ), compare_places );
+    for ( int i = 1; i < found; ++i )
+    {
+        places[i].end = fmaxf( places[i].end, places[i - 1].end );
+    }
+    return found;
+}
+
+// Return the number of places that begin no later.
+static int count_begun( const stir_place* places, int count, float at )
+{
+    int lower = 0, upper = count;
+    while ( lower < upper )
+    {
+        const int middle = lower + ( upper - lower ) / 2;
+        if ( places[middle].begin <= at )
+        {
+            lower = middle + 1;
+        }
+        else
+        {
+            upper = middle;
+        }
+    }
+    return lower;
+}
+
+size_t sleep_stir_bytes( int count )
+{
+    return (size_t)count * ( sizeof( stir_place ) + sizeof( int32_t ) );
+}
+
+// Each that is not still stirs those that it reaches, once. They are looked for along one axis, backwards from where it ends, until none
+// of those before comes as far.
+void sleep_stir( sleep_box* boxes, int count, void* room )
+{
+    stir_place* places = room;
+    int32_t* queue = (int32_t*)( places + count );
+    float still_reach;
+    const int axis = find_axis( boxes, count );
+    const int still = list_still( boxes, count, axis, places, &still_reach );
+    int queued = 0;
+    for ( int i = 0; i < count && still > 0; ++i )
+    {
+        if ( boxes[i].is_still == false && boxes[i].reach >= 0.0f )
+        {
+            queue[queued++] = i;
+        }
+    }
+    for ( int next = 0; next < queued; ++next )
+    {
+        const sleep_box* b = boxes + queue[next];
+        // a little farther than any pair reaches, against rounding
+        const float reach = 1.001f * ( still_reach + b->reach );
+        const float slack = 1e-6f * fmaxf( fabsf( b->bounds.lower[axis] ), fabsf( b->bounds.upper[axis] ) );
+        const float from = b->bounds.lower[axis] - reach - slack, to = b->bounds.upper[axis] + reach + slack;
+        for ( int i = count_begun( places, still, to ) - 1; i >= 0 && places[i].end >= from; --i )
+        {
+            sleep_box* a = boxes + places[i].slot;
+            if ( a->is_still && wisp_bounds_touch( &a->bounds, &b->bounds, pair_reach( a, b ) ) )
+            {
+                a->is_still = false;
+                queue[queued++] = places[i].slot;
             }
         }
     }

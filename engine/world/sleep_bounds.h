@@ -18,9 +18,11 @@ wisp_sleep_bounds sleep_bounds_of( const passes_sleep* state );
 /// Compute the bounds of an entity, and of where its velocities and targets take it in so many seconds. @return false without vertices
 bool sleep_find_bounds( const wisp_world* world, const store_entity* e, float seconds, wisp_sleep_bounds* out );
 
-/// Return room for a box of each slot; null without memory.
+/// Return room for a box of each slot, and for sleep_stir() behind them; null without memory.
 sleep_box* sleep_reserve_boxes( wisp_world* world );
 /// Compute bounds and reach of all entities. `is_still` stays.
 void sleep_fill_boxes( wisp_world* world, sleep_box* boxes );
 /// Entities that are still stir where one that is not reaches them, until none does.
-void sleep_stir( sleep_box* boxes, int count );
+/// @param room sleep_stir_bytes()
+void sleep_stir( sleep_box* boxes, int count, void* room );
+size_t sleep_stir_bytes( int count );

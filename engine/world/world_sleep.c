@@ -60,7 +60,7 @@ static void wake_reached( wisp_world* world )
         {
             boxes[slot].is_still = world->store.entities[slot].sleep != STORE_AWAKE;
         }
-        sleep_stir( boxes, count );
+        sleep_stir( boxes, count, boxes + count );
     }
     for ( int slot = 0; slot < count; ++slot )
     {
@@ -183,7 +183,7 @@ void world_sleep_end( wisp_world* world )
         return;
     }
     sleep_fill_boxes( world, boxes );
-    sleep_stir( boxes, world->store.entity_count );
+    sleep_stir( boxes, world->store.entity_count, boxes + world->store.entity_count );
     for ( int slot = 0; slot < world->store.entity_count; ++slot )
     {
         if ( boxes[slot].is_still && world->store.entities[slot].sleep == STORE_AWAKE )

@@ -50,6 +50,54 @@ wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3
     return WISP_OK;
 }
 
+// ---- chosen vertices ----
+
+static wisp_status check_velocities( wisp_world* world, const wisp_fabric* fabric, const int32_t* vertices,
+                                     const wisp_vec3* velocities, int count )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( vertices[i] < 0 || vertices[i] >= fabric->vertex_count )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "vertices: got %d, expected 0 .. %d", vertices[i],
+                                    fabric->vertex_count - 1 );
+        }
+        if ( !( v3_length( velocities[i] ) <= 1e6f ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "velocities: got (%g, %g, %g) m/s for vertex %d, expected finite numbers of at "
+                                    "most 1e6 m/s",
+                                    (double)velocities[i].x, (double)velocities[i].y, (double)velocities[i].z,
+                                    vertices[i] );
+        }
+    }
+    return WISP_OK;
+}
+
+wisp_status wisp_set_vertex_velocities( wisp_world* world, wisp_entity surface, const int32_t* vertices,
+                                        const wisp_vec3* velocities, int count )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    WISP_TRY( wisp_world_check_list( world, "vertices", vertices, count ) );
+    WISP_TRY( wisp_world_check_list( world, "velocities", velocities, count ) );
+    store_entity* e;
+    WISP_TRY( world_find_surface( world, surface, &e ) );
+    WISP_TRY( check_velocities( world, e->fabric, vertices, velocities, count ) );
+    const float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
+    float* velocity = wisp_world_column( world, surface, WISP_PARTICLE_VELOCITY, 0 );
+    for ( int i = 0; i < count; ++i )
+    {
+        const size_t row = (size_t)e->fabric->vertex_slot[vertices[i]] * 4;
+        if ( position[row + 3] > 0.0f )
+        {
+            memcpy( velocity + row, &velocities[i], sizeof velocities[i] );
+        }
+    }
+    wisp_world_restart_levels( world, surface );
+    return WISP_OK;
+}
+
 // ---- a gust ----
 
 // The triangles at each vertex that the gust meets: their normal is against it. In double precision, in which the sign is that of

@@ -80,12 +80,28 @@ static wisp_status update_strands( wisp_world* world, const collision_state* sta
     return status;
 }
 
+// Edges and corners of meshes are found once something collides with them.
+static wisp_status prepare_meshes( wisp_world* world, const collision_state* state, bool is_wanted )
+{
+    for ( int i = 0; i < state->body_count && is_wanted; ++i )
+    {
+        wisp_error error = { 0 };
+        wisp_collision_mesh* tree = state->bodies[i].tree;
+        if ( tree != NULL && wisp_collision_mesh_prepare_features( tree, &error ) != WISP_OK )
+        {
+            return wisp_world_fail( world, error.status, "%s", error.message );
+        }
+    }
+    return WISP_OK;
+}
+
 static wisp_status update( wisp_world* world, const collision_state* state, wisp_entity participant )
 {
     const collision_settings* settings = wisp_world_column( world, participant, state->settings, 0 );
     const bool active = state->body_count > 0 && settings->enabled != 0, stats = active && settings->stats != 0;
-    wisp_status status = WISP_OK;
-    if ( stats == false )
+    wisp_status status =
+        prepare_meshes( world, state, active && wisp_world_has( world, participant, state->all_features ) );
+    if ( status == WISP_OK && stats == false )
     {
         status = wisp_world_cancel_request( world, participant, state->stats );
     }

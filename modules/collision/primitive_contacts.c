@@ -16,6 +16,7 @@
 
 #include "body_queries.h"
 #include "collision_passes.h"
+#include "feature_contacts.h"
 #include "reaction.h"
 
 #include <math.h>
@@ -56,18 +57,12 @@ typedef struct find_loop
     const collision_state* state;
     collision_primitives primitives;
     float *position, *previous;
+    const int32_t* contact_counts; // [slot] of particles
+    collision_contact ( *particle_contacts )[WISP_COLLISION_CONTACTS];
     float* clearance; // [slot] m, less the reach: distance of the path of a particle from all bodies, or less
 } find_loop;
 
 // ---- a primitive and a body ----
-
-// The path of a primitive in the frame of a body.
-typedef struct primitive_path
-{
-    int corner_count;
-    wisp_vec3 from[3], to[3];
-    float displacement; // m, of the fastest corner
-} primitive_path;
 
 static bool load_path( const find_loop* loop, const collision_view* view, const int32_t* corners,
                        primitive_path* path )
@@ -85,6 +80,25 @@ static bool load_path( const find_loop* loop, const collision_view* view, const 
             collision_larger( path->displacement, collision_length( collision_sub( path->to[k], path->from[k] ) ) );
     }
     return is_finite;
+}
+
+// Note the half spaces that corners have of their own, of whatever body.
+static void load_planes( const find_loop* loop, const collision_view* view, const int32_t* corners,
+                         primitive_path* path )
+{
+    const wisp_quat q = view->after.rotation, back = { -q.x, -q.y, -q.z, q.w };
+    path->plane_count = 0;
+    for ( int k = 0; k < path->corner_count; ++k )
+    {
+        const wisp_vec3 p = collision_load( loop->position + (size_t)corners[k] * 4 );
+        for ( int i = 0; i < loop->contact_counts[corners[k]] && i < WISP_COLLISION_CONTACTS; ++i )
+        {
+            const collision_contact* c = &loop->particle_contacts[corners[k]][i];
+            const wisp_vec3 n = collision_load( c->normal );
+            path->normals[path->plane_count] = wisp_quat_rotate( back, n );
+            path->distances[path->plane_count++] = collision_dot( n, collision_sub( p, collision_load( c->point ) ) );
+        }
+    }
 }
 
 static void corners_at( const primitive_path* path, float time, wisp_vec3* corners )
@@ -153,20 +167,22 @@ static bool is_on_border( const collision_deepest* d )
 }
 
 // Return the signed distance less the thickness at which the point of a contact starts.
-static float start_gap( const collision_view* view, const primitive_path* path, const collision_deepest* d )
+static float start_gap( const collision_view* view, const primitive_path* path, const collision_meeting* m )
 {
+    const collision_deepest* d = &m->deepest;
     wisp_vec3 start = { 0.0f, 0.0f, 0.0f };
     for ( int k = 0; k < path->corner_count; ++k )
     {
         start = collision_add_scaled( start, d->weights[k], path->from[k] );
     }
-    const float gap = collision_plane_gap( view, &d->surface, start );
+    const float gap = collision_plane_gap( view, &d->surface, collision_add_scaled( start, 1.0f, m->motion ) );
     return gap >= -COLLISION_SHALLOW * view->thickness ? gap : collision_exact_gap( view, start, gap );
 }
 
 static void write_contact( const find_loop* loop, const collision_view* view, const int32_t* corners,
-                           const primitive_path* path, const collision_deepest* d, collision_primitive_contact* out )
+                           const primitive_path* path, const collision_meeting* m, collision_primitive_contact* out )
 {
+    const collision_deepest* d = &m->deepest;
     const wisp_vec3 point = wisp_transform_to_world( view->after, d->surface.point ),
                     normal = wisp_quat_rotate( view->after.rotation, d->surface.normal );
     *out = ( collision_primitive_contact ){
@@ -178,15 +194,15 @@ static void write_contact( const find_loop* loop, const collision_view* view, co
     };
     collision_store( out->half_space.point, point );
     collision_store( out->half_space.normal, normal );
-    collision_store( out->half_space.motion,
-                     collision_sub( point, wisp_transform_to_world( view->before, d->surface.point ) ) );
+    const wisp_vec3 old = collision_sub( d->surface.point, m->motion );
+    collision_store( out->half_space.motion, collision_sub( point, wisp_transform_to_world( view->before, old ) ) );
     // the start is measured again when other contacts have moved the corners: here what is not in the plane
     float along = 0.0f;
     for ( int k = 0; k < path->corner_count; ++k )
     {
         along += d->weights[k] * collision_dot( normal, collision_load( loop->previous + (size_t)corners[k] * 4 ) );
     }
-    out->half_space.normal_correction = start_gap( view, path, d ) - along;
+    out->half_space.normal_correction = start_gap( view, path, m ) - along;
 }
 
 static bool is_pinned( const find_loop* loop, const int32_t* corners, const collision_deepest* d )
@@ -199,27 +215,41 @@ static bool is_pinned( const find_loop* loop, const int32_t* corners, const coll
     return !( sum > 0.0f );
 }
 
+// @return how many meetings there are, 1 at most
+static int meet_convex( const collision_view* view, const primitive_path* path, collision_meeting* out )
+{
+    *out = ( collision_meeting ){ .motion = { 0.0f, 0.0f, 0.0f } };
+    const bool meets = find_meeting( view, path, &out->deepest );
+    return meets && ( path->corner_count == 2 || is_on_border( &out->deepest ) == false ) ? 1 : 0;
+}
+
 static void meet_body( const find_loop* loop, const collision_view* view, int primitive )
 {
     const collision_primitives* p = &loop->primitives;
     const int32_t* corners = p->corners + (size_t)primitive * (size_t)p->corner_count;
     primitive_path path;
-    collision_deepest deepest;
+    collision_meeting meetings[COLLISION_PRIMITIVE_CONTACTS];
     if ( load_path( loop, view, corners, &path ) == false )
     {
         return;
     }
-    if ( find_meeting( view, &path, &deepest ) == false || ( p->corner_count == 3 && is_on_border( &deepest ) ) ||
-         is_pinned( loop, corners, &deepest ) )
+    if ( view->body->tree != NULL )
     {
-        return;
+        load_planes( loop, view, corners, &path );
     }
-    int place = p->found[primitive]++;
-    collision_primitive_contact contact;
-    write_contact( loop, view, corners, &path, &deepest, &contact );
-    if ( place < COLLISION_PRIMITIVE_CONTACTS )
+    const int count = view->body->tree != NULL ? collision_meet_mesh( view, &path, meetings )
+                                               : meet_convex( view, &path, &meetings[0] );
+    for ( int i = 0; i < count; ++i )
     {
-        p->contacts[primitive][place] = contact;
+        if ( is_pinned( loop, corners, &meetings[i].deepest ) )
+        {
+            continue;
+        }
+        const int place = p->found[primitive]++;
+        if ( place < COLLISION_PRIMITIVE_CONTACTS )
+        {
+            write_contact( loop, view, corners, &path, &meetings[i], &p->contacts[primitive][place] );
+        }
     }
 }
 
@@ -394,6 +424,8 @@ void collision_search_primitives( wisp_frame* frame, const wisp_span* span, cons
         .state = state,
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
+        .contact_counts = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 0 ),
+        .particle_contacts = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 2 ),
         .clearance = wisp_frame_column( frame, span->entity, state->clearance, 0 ),
     };
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );

@@ -223,8 +223,11 @@ static bool carry_along( wisp_frame* frame, const wisp_span* span, const collisi
             float* at = loop->position + (size_t)c.corners[k] * 4;
             const wisp_vec3 before = collision_load( at ),
                             previous = collision_load( loop->previous + (size_t)c.corners[k] * 4 );
+            // a surface moves in the world
             const wisp_vec3 now =
-                wisp_transform_to_world( view.after, wisp_transform_to_local( view.before, previous ) );
+                view.body->follows
+                    ? collision_add_scaled( previous, 1.0f, collision_load( c.contact->half_space.motion ) )
+                    : wisp_transform_to_world( view.after, wisp_transform_to_local( view.before, previous ) );
             if ( at[3] > 0.0f )
             {
                 collision_store( at, now );

@@ -1,4 +1,4 @@
-// Messages for test_bad_scenes.c: boundary particles and contact.
+// Messages for test_bad_scenes.c: boundary particles, contact, and groups of pins.
 #include "bad_scenes.h"
 
 // clang-format off
@@ -56,6 +56,44 @@ const bad_scene BAD_SCENES_CONTACT[] = {
     { "contact_twice.yaml", ":4:1: key 'contact' is written twice, first in line 2" },
     { "contact_without_value.yaml",
       ":6:13: surfaces[0].contact: got nothing, expected a mapping ({} takes the defaults)" },
+    { "collider_computes_points.yaml",
+      ":3:40: colliders[0].compute[0]: got 'points', expected one of reaction" },
+    { "collider_computes_twice.yaml", ":5:25: colliders[0].compute[1]: 'reaction' is listed twice" },
+    // groups of pins
+    { "events_attach_itself.yaml",
+      ":8:5: events[0]: 'attach_pins': got 'a', expected another surface" },
+    { "events_attach_keyframes.yaml",
+      ":10:5: events[0]: 'attach_pins' is not possible: pins of 'a' have pin_keyframes" },
+    { "events_hold_and_release.yaml",
+      ":8:5: events[0]: got more than one of 'release', 'hold', 'attach_pins' and 'detach_pins', expected one of them" },
+    { "events_pin_group_idle.yaml",
+      ":8:5: events[0]: 'pin_group' needs one of 'release', 'hold', 'attach_pins' and 'detach_pins', and no other change" },
+    { "events_pin_group_twice.yaml",
+      ":9:5: events: got a second entry of surface 'a' for step 1, the first is in line 8" },
+    { "events_teleport_of_pin_groups.yaml",
+      ":9:5: events[0]: 'a' has keyframes of motion_constraints, frame or pin_groups, which do not teleport" },
+    { "events_unknown_pin_group.yaml",
+      ":8:39: events[0]: got 'h', which is no group of pins of a" },
+    { "pin_group_attached_and_free.yaml",
+      ":7:44: surfaces[0].pin_groups[0].attach_pins: got both 'attach_pins' and 'starts_free: true', expected one of them" },
+    { "pin_group_attached_and_moved.yaml",
+      ":7:44: surfaces[0].pin_groups[0].attach_pins: got both 'attach_pins' and 'pin_keyframes', expected one of them" },
+    { "pin_group_attached_to_itself.yaml",
+      ":7:44: surfaces[0].pin_groups[0].attach_pins: got 'a', expected another surface" },
+    { "pin_group_beyond.yaml",
+      ":6:36: surfaces[0].pin_groups[0].pins[0]: got vertex 9, expected 0 .. 8" },
+    { "pin_group_jump.yaml",
+      ":7:46: surfaces[0].pin_groups[0]: 'jump' in keyframe 0: not in a group, the whole surface jumps" },
+    { "pin_group_no_name.yaml",
+      ":6:18: surfaces[0].pin_groups[0]: key 'name' is missing" },
+    { "pin_group_no_pins.yaml",
+      ":6:18: surfaces[0].pin_groups[0]: got none of 'pins', 'pin_box' and 'pin_nearest', expected one of them" },
+    { "pin_group_twice.yaml",
+      ":8:9: surfaces[0].pin_groups[1]: got the name 'g' of the group in line 7" },
+    { "pin_groups_and_jump.yaml",
+      ":7:20: surfaces[0]: 'jump' in keyframe 0: not with keyframes of motion_constraints, frame or pin_groups" },
+    { "pin_groups_mapping.yaml",
+      ":6:17: surfaces[0].pin_groups: got a mapping, expected a list of groups" },
 };
 // clang-format on
 const int BAD_SCENES_CONTACT_COUNT = sizeof BAD_SCENES_CONTACT / sizeof BAD_SCENES_CONTACT[0];

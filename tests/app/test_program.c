@@ -416,6 +416,33 @@ static void penetration_is_printed_and_a_vertex_below_a_surface_is_told( void** 
     assert_non_null( strstr( result.out, "\"collision_penetration\": 0.0" ) );
 }
 
+// A sheet of 0.15 kg/m^2 and 0.16 m^2 that lies on the ground weighs 0.2352 N at 9.8 m/s^2.
+static void the_reaction_of_a_collider_is_the_weight_of_what_lies_on_it( void** state )
+{
+    (void)state;
+    write_text( "weight.yaml", "wisp: 1\nsteps: 60\ngravity: [0, -9.8, 0]\n"
+                               "surfaces:\n"
+                               "  - name: sheet\n"
+                               "    generate: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }\n"
+                               "    transform: { translate: [0, 0.01, 0] }\n"
+                               "    cloth: {}\n"
+                               "    collision: { thickness: 0.01 }\n"
+                               "colliders:\n"
+                               "  - { name: ground, shape: plane, compute: [reaction] }\n"
+                               "  - { name: aside, shape: sphere, radius: 1, position: [0, 9, 0] }\n" );
+    run_ok( "run weight.yaml" );
+    const char* table = strstr( result.out, "Reaction of colliders" );
+    assert_non_null( table );
+    const char* row = strstr( table, "\nground" );
+    assert_non_null( row );
+    double mean[3], largest = 0.0;
+    assert_int_equal( sscanf( row + 7, "%lf %lf %lf %lf", &mean[0], &mean[1], &mean[2], &largest ), 4 );
+    assert_true( fabs( mean[0] ) < 1e-4 && fabs( mean[2] ) < 1e-4 && fabs( mean[1] + 0.2352 ) < 1e-3 );
+    assert_true( largest >= 0.235 && largest < 0.5 );
+    assert_null( strstr( result.out, "aside" ) );
+    assert_null( strstr( result.out, "Penetration" ) );
+}
+
 static void a_scene_without_requests_has_a_plan_without_passes( void** state )
 {
     (void)state;
@@ -566,6 +593,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( a_run_writes_the_files_of_its_scene_with_width_and_colour ),
         cmocka_unit_test( stretched_cloth_is_reported_and_statistics_are_printed ),
         cmocka_unit_test( penetration_is_printed_and_a_vertex_below_a_surface_is_told ),
+        cmocka_unit_test( the_reaction_of_a_collider_is_the_weight_of_what_lies_on_it ),
         cmocka_unit_test( a_scene_without_requests_has_a_plan_without_passes ),
         cmocka_unit_test( info_tells_scenes_results_and_grooms_apart ),
         cmocka_unit_test( info_refuses_what_it_does_not_know_or_cannot_trust ),

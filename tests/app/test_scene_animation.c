@@ -113,7 +113,8 @@ static wisp_animation read_clip( const char* name )
     const wisp_scene_animation animation = { .file = MOTIONS, .clips = &clip, .clip_count = 1 };
     wisp_rig rig;
     wisp_error error = { .status = WISP_OK };
-    assert_ok( wisp_rig_load( &mesh, &animation, 10.0f, &rig, &error ), error );
+    assert_ok( wisp_rig_load( &mesh, figure.mesh.points, figure.mesh.vertex_count, &animation, 10.0f, &rig, &error ),
+               error );
     wisp_animation out = rig.animation;
     rig.animation = ( wisp_animation ){ 0 };
     wisp_rig_release( &rig );

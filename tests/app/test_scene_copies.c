@@ -44,10 +44,10 @@ static void copies_stand_in_rows_and_share_the_fabric( void** state )
         assert_int_equal( s->instance_of, 0 );
         assert_true( s->has_cloth && s->cloth.drag_coefficient == 0.5f && s->request_points );
     }
-    assert_vector( scene.surfaces[5].pin_boxes[0].lower, 9, 20, 30 );
-    assert_vector( scene.surfaces[5].pin_boxes[0].upper, 11, 22, 33 );
-    assert_vector( scene.surfaces[5].pin_nearest[0], 10, 21, 30 );
-    assert_vector( scene.surfaces[0].pin_boxes[0].lower, -1, 0, 0 );
+    assert_vector( scene.surfaces[5].pins.boxes[0].lower, 9, 20, 30 );
+    assert_vector( scene.surfaces[5].pins.boxes[0].upper, 11, 22, 33 );
+    assert_vector( scene.surfaces[5].pins.nearest[0], 10, 21, 30 );
+    assert_vector( scene.surfaces[0].pins.boxes[0].lower, -1, 0, 0 );
     wisp_scene_release( &scene );
 }
 

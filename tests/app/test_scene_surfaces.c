@@ -43,8 +43,8 @@ static void a_surface_without_blocks_has_the_defaults_and_computes_points( void*
     assert_true( s->area_density == wisp_default_surface_def().area_density && s->vertex_mass == 0.0f );
     assert_vector( s->gravity, 0.0f, -9.8f, 0.0f );
     assert_true( s->strain_limit[0] == 0.0f && isinf( s->strain_limit[1] ) );
-    assert_false( s->has_cloth || s->has_balloon || s->has_collision || s->has_pin_pivot || s->has_outlet_nearest );
-    assert_int_equal( s->pin_count + s->pin_box_count + s->pin_nearest_count + s->pin_path.count, 0 );
+    assert_false( s->has_cloth || s->has_balloon || s->has_collision || s->pins.has_pivot || s->has_outlet_nearest );
+    assert_int_equal( s->pins.vertex_count + s->pins.box_count + s->pins.nearest_count + s->pins.path.count, 0 );
     assert_true( s->request_points );
     assert_false( s->request_normals || s->request_strain || s->request_speed || s->request_motion_stats );
     assert_int_equal( s->cloth.size, wisp_default_cloth_def().size );
@@ -100,16 +100,16 @@ static void assert_cloth( const wisp_cloth_def* c )
 
 static void assert_pins( const wisp_scene_surface* s )
 {
-    assert_int_equal( s->pin_count, 2 );
-    assert_true( s->pins[0] == 7 && s->pins[1] == 3 );
-    assert_int_equal( s->pin_box_count, 1 );
-    assert_vector( s->pin_boxes[0].upper, 1.0f, 0.5f, 1.0f );
-    assert_int_equal( s->pin_nearest_count, 2 );
-    assert_vector( s->pin_nearest[1], 0.0f, 2.0f, 0.0f );
-    assert_true( s->has_pin_pivot );
-    assert_vector( s->pin_pivot, 9.0f, 8.0f, 7.0f );
-    assert_int_equal( s->pin_path.count, 2 );
-    const wisp_scene_pose* poses = s->pin_path.poses;
+    assert_int_equal( s->pins.vertex_count, 2 );
+    assert_true( s->pins.vertices[0] == 7 && s->pins.vertices[1] == 3 );
+    assert_int_equal( s->pins.box_count, 1 );
+    assert_vector( s->pins.boxes[0].upper, 1.0f, 0.5f, 1.0f );
+    assert_int_equal( s->pins.nearest_count, 2 );
+    assert_vector( s->pins.nearest[1], 0.0f, 2.0f, 0.0f );
+    assert_true( s->pins.has_pivot );
+    assert_vector( s->pins.pivot, 9.0f, 8.0f, 7.0f );
+    assert_int_equal( s->pins.path.count, 2 );
+    const wisp_scene_pose* poses = s->pins.path.poses;
     assert_true( poses[0].time == 0.5f && poses[1].time == 1.0f && poses[0].pose.rotation.w == 1.0f );
     // values missing in the second keyframe are those of the first
     assert_vector( poses[1].pose.translation, 0.0f, 1.0f, 0.0f );

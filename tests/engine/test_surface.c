@@ -90,6 +90,48 @@ static void a_vertex_that_is_let_go_falls_again( void** state )
     assert_true( point( h, e, 2 ).y == 0.0f );
 }
 
+// Two grippers of one vertex each; one lets go, and its vertex flies on as the host says.
+static void a_vertex_that_is_let_go_has_the_velocity_that_it_is_given( void** state )
+{
+    hosted* h = *state;
+    const int32_t pins[2] = { 0, 3 };
+    const wisp_vec3 velocities[2] = { { 1.0f, 0.0f, 0.0f }, { 0.0f, 2.0f, 0.0f } };
+    wisp_entity e = add_plane( h, 2, pins, 2 );
+    for ( int k = 1; k <= 5; ++k )
+    {
+        const wisp_vec3 targets[2] = { { -0.01f * (float)k, 0, 0 }, { 0.1f, 0.02f * (float)k, 0.1f } };
+        assert_int_equal( wisp_move_pins( h->world, e, pins, targets, 1 ), WISP_OK );
+        assert_int_equal( wisp_move_pins( h->world, e, pins + 1, targets + 1, 1 ), WISP_OK );
+        run( h->world, 1 );
+    }
+    assert_int_equal( wisp_unpin( h->world, e, pins + 1, 1 ), WISP_OK );
+    assert_int_equal( wisp_set_vertex_velocities( h->world, e, pins, velocities, 2 ), WISP_OK );
+    run( h->world, 10 );
+    const wisp_vec3 held = point( h, e, 0 ), free = point( h, e, 3 );
+    assert_float_equal( held.x, -0.05f, 1e-7f );
+    assert_true( held.y == 0.0f );
+    assert_float_equal( free.y, 0.3f, 1e-6f );
+}
+
+static void velocities_that_cannot_be_change_nothing( void** state )
+{
+    hosted* h = *state;
+    const int32_t vertices[2] = { 1, 4 }, beyond[2] = { 1, 9 };
+    const wisp_vec3 velocities[2] = { { 1, 0, 0 }, { 0, 1, 0 } }, fast[2] = { { 1, 0, 0 }, { 0, 2e6f, 0 } },
+                    nan[2] = { { 1, 0, 0 }, { NAN, 0, 0 } };
+    wisp_entity e = add_plane( h, 3, NULL, 0 );
+    const uint64_t before = wisp_world_hash( h->world );
+    assert_int_equal( wisp_set_vertex_velocities( h->world, e, beyond, velocities, 2 ), WISP_BAD_INPUT );
+    assert_non_null( strstr( wisp_world_message( h->world ), "got 9, expected 0 .. 8" ) );
+    assert_int_equal( wisp_set_vertex_velocities( h->world, e, vertices, fast, 2 ), WISP_BAD_INPUT );
+    assert_non_null( strstr( wisp_world_message( h->world ), "for vertex 4" ) );
+    assert_int_equal( wisp_set_vertex_velocities( h->world, e, vertices, nan, 2 ), WISP_BAD_INPUT );
+    assert_int_equal( wisp_set_vertex_velocities( h->world, e, NULL, velocities, 2 ), WISP_BAD_INPUT );
+    assert_int_equal( wisp_set_vertex_velocities( h->world, ( wisp_entity ){ 0, 0 }, vertices, velocities, 2 ),
+                      WISP_STALE_ID );
+    assert_true( wisp_world_hash( h->world ) == before );
+}
+
 static void only_pinned_vertices_can_be_carried( void** state )
 {
     hosted* h = *state;
@@ -294,6 +336,8 @@ int main( void )
         WORLD_TEST( mass_is_area_times_density_whatever_the_mesh ),
         WORLD_TEST( pinned_vertices_stay_and_carried_ones_arrive_with_the_step ),
         WORLD_TEST( a_vertex_that_is_let_go_falls_again ),
+        WORLD_TEST( a_vertex_that_is_let_go_has_the_velocity_that_it_is_given ),
+        WORLD_TEST( velocities_that_cannot_be_change_nothing ),
         WORLD_TEST( only_pinned_vertices_can_be_carried ),
         WORLD_TEST( a_nan_halts_its_entity_alone ),
         WORLD_TEST( a_resumed_entity_goes_on_from_its_last_good_state ),

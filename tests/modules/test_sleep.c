@@ -1,6 +1,17 @@
 // Sleep: what lies still costs nothing, and wakes by whatever reaches or changes it.
 #include "sleep_fixture.h"
 
+static bool is_zero( wisp_world* world, wisp_entity e, wisp_component component, int column, size_t floats )
+{
+    const float* rows = wisp_world_column( world, e, component, column );
+    bool zero = rows != NULL;
+    for ( size_t i = 0; zero && i < floats; ++i )
+    {
+        zero = rows[i] == 0.0f;
+    }
+    return zero;
+}
+
 static void a_sheet_on_the_ground_falls_asleep_and_no_pass_visits_it( void** state )
 {
     (void)state;
@@ -15,6 +26,8 @@ static void a_sheet_on_the_ground_falls_asleep_and_no_pass_visits_it( void** sta
     assert_true( all == wisp_world_hash( b.world ) );
     assert_true( motion_stats_of( b.world, b.sheet ).kinetic_energy == 0.0 );
     assert_true( motion_stats_of( b.world, b.sheet ).speed_max == 0.0 );
+    // a state that is restored after a failure rests too
+    assert_true( is_zero( b.world, b.sheet, WISP_PARTICLE_LAST_VALID, 1, (size_t)SIDE * SIDE * 4 ) );
     close_world( &b.h );
 }
 
@@ -105,6 +118,78 @@ static void an_entity_that_moves_keeps_awake_what_it_touches( void** state )
     close_world( &h );
 }
 
+typedef struct pile
+{
+    hosted h;
+    wisp_entity lower, upper;
+} pile;
+
+// A sheet that sleeps on the ground, and one that never sleeps 0.3 m above, free or held. Both have contact.
+static void open_pile( pile* p, bool is_held )
+{
+    open_stage( &p->h, 1 );
+    const wisp_contact_def contact = contact_of( 0.01f );
+    p->lower = add_sheet( p->h.world, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, true );
+    set_contact( p->h.world, p->lower, &contact );
+    run_to_sleep( p->h.world, p->lower );
+    p->upper = add_sheet( p->h.world, ( wisp_vec3 ){ 0.05f, 0.3f, 0.02f }, false );
+    set_contact( p->h.world, p->upper, &contact );
+    for ( int32_t v = 0; is_held && v < SIDE * SIDE; ++v )
+    {
+        assert_status( p->h.world, wisp_pin( p->h.world, p->upper, &v, 1 ), WISP_OK );
+    }
+}
+
+static void what_arrives_within_a_step_wakes_before_it( void** state )
+{
+    (void)state;
+    pile p;
+    open_pile( &p, false );
+    assert_status( p.h.world, wisp_set_velocity( p.h.world, p.upper, ( wisp_vec3 ){ 0.0f, -20.0f, 0.0f }, NONE ),
+                   WISP_OK );
+    assert_wakes( p.h.world, p.lower );
+    close_world( &p.h );
+}
+
+static void pins_that_arrive_within_a_step_wake_before_it( void** state )
+{
+    (void)state;
+    pile p;
+    open_pile( &p, true );
+    run_steps( p.h.world, 2, FRAME );
+    assert_true( wisp_is_asleep( p.h.world, p.lower ) );
+    const wisp_vec3* points = view_of( p.h.world, p.upper, WISP_SURFACE_POINTS ).data;
+    wisp_vec3 targets[SIDE * SIDE];
+    int32_t all[SIDE * SIDE];
+    for ( int32_t v = 0; v < SIDE * SIDE; ++v )
+    {
+        all[v] = v;
+        targets[v] = ( wisp_vec3 ){ points[v].x, 0.022f, points[v].z };
+    }
+    assert_status( p.h.world, wisp_move_pins( p.h.world, p.upper, all, targets, SIDE * SIDE ), WISP_OK );
+    assert_wakes( p.h.world, p.lower );
+    close_world( &p.h );
+}
+
+static void what_is_halted_keeps_nobody_awake( void** state )
+{
+    (void)state;
+    pile p;
+    open_pile( &p, false );
+    for ( int i = 0; wisp_is_asleep( p.h.world, p.lower ) && i < PATIENCE; ++i )
+    {
+        run_steps( p.h.world, 1, FRAME );
+    }
+    run_steps( p.h.world, 30, FRAME ); // it lies on the other by now
+    assert_false( wisp_is_asleep( p.h.world, p.lower ) );
+    float* velocity = wisp_world_column( p.h.world, p.upper, WISP_PARTICLE_VELOCITY, 0 );
+    velocity[0] = NAN;
+    run_steps( p.h.world, 1, FRAME );
+    assert_true( wisp_is_halted( p.h.world, p.upper ) );
+    run_to_sleep( p.h.world, p.lower );
+    close_world( &p.h );
+}
+
 // ---- calls of the host ----
 
 typedef void change_fn( bed* b );
@@ -130,6 +215,13 @@ static void pin( bed* b )
     assert_status( b->world, wisp_pin( b->world, b->sheet, corner, 1 ), WISP_OK );
 }
 
+static void throw_a_vertex( bed* b )
+{
+    const int32_t corner[] = { 0 };
+    const wisp_vec3 up[] = { { 0.0f, 1.0f, 0.0f } };
+    assert_status( b->world, wisp_set_vertex_velocities( b->world, b->sheet, corner, up, 1 ), WISP_OK );
+}
+
 static void request_normals( bed* b )
 {
     assert_status( b->world, wisp_request( b->world, b->sheet, WISP_SURFACE_NORMALS ), WISP_OK );
@@ -145,8 +237,8 @@ static void no_longer_sleep( bed* b )
 static void every_call_that_changes_an_entity_wakes_it( void** state )
 {
     (void)state;
-    static change_fn* const CHANGES[] = { set_wind, set_gravity,     set_velocity,   teleport,
-                                          pin,      request_normals, no_longer_sleep };
+    static change_fn* const CHANGES[] = { set_wind, set_gravity,     set_velocity,    teleport,
+                                          pin,      request_normals, no_longer_sleep, throw_a_vertex };
     for ( int i = 0; i < WISP_COUNT( CHANGES ); ++i )
     {
         bed b;
@@ -294,7 +386,10 @@ static void hair_falls_asleep_and_wakes_by_its_head_and_by_wind( void** state )
     const wisp_entity hair = add_hair( h.world, 8 );
     let_sleep( h.world, hair );
     run_to_sleep( h.world, hair );
+    run_steps( h.world, 1, FRAME );
     assert_int_equal( count_items( h.world ), 0 );
+    const size_t floats = (size_t)wisp_world_strands( h.world, hair )->row_count * 3 * WISP_LANES;
+    assert_true( is_zero( h.world, hair, WISP_STRAND_VELOCITY, 0, floats ) );
     assert_status( h.world,
                    wisp_move_strand_head( h.world, hair, ( wisp_transform ){ { 0.0f, 0.0f, 0.0f, 1.0f }, NONE } ),
                    WISP_OK );
@@ -344,6 +439,9 @@ int main( void )
         cmocka_unit_test( a_body_that_appears_or_disappears_wakes_what_touches_it ),
         cmocka_unit_test( a_sheet_that_falls_on_another_wakes_it_and_both_fall_asleep_together ),
         cmocka_unit_test( an_entity_that_moves_keeps_awake_what_it_touches ),
+        cmocka_unit_test( what_arrives_within_a_step_wakes_before_it ),
+        cmocka_unit_test( pins_that_arrive_within_a_step_wake_before_it ),
+        cmocka_unit_test( what_is_halted_keeps_nobody_awake ),
         cmocka_unit_test( every_call_that_changes_an_entity_wakes_it ),
         cmocka_unit_test( a_call_that_changes_nothing_wakes_nobody ),
         cmocka_unit_test( pins_that_are_moved_wake_a_sheet_and_pins_that_rest_let_it_sleep ),

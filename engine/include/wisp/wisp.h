@@ -97,7 +97,7 @@ WISP_API wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def
 /// Pin vertices where they are.
 /// @param vertices [count] in the user's order
 WISP_API wisp_status wisp_pin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count );
-/// Release pinned vertices. They get back the mass that their area gives them.
+/// Release pinned vertices. They get back the mass that their area gives them, and start at rest.
 /// @param vertices [count] in the user's order
 WISP_API wisp_status wisp_unpin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count );
 /// Move pinned vertices so that they reach the targets at the end of the next step, in a straight line.
@@ -119,6 +119,14 @@ WISP_API wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surfa
 /// Set the velocities of all vertices to those of a rigid motion about the centre of mass.
 /// @param linear m/s @param angular rad/s
 WISP_API wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3 linear, wisp_vec3 angular );
+/// Set the velocities of chosen vertices, such as those that were just unpinned: wisp_unpin() leaves them at rest, however their
+/// targets moved. Pinned vertices stay at rest.
+/// @param vertices [count] in the user's order
+/// @param velocities [count] m/s
+/// @return WISP_BAD_INPUT a vertex is out of range, or a velocity is not finite or above 1e6 m/s, and none is changed;
+///         WISP_CONFLICT the entity is not a surface; WISP_STALE_ID
+WISP_API wisp_status wisp_set_vertex_velocities( wisp_world* world, wisp_entity surface, const int32_t* vertices,
+                                                 const wisp_vec3* velocities, int count );
 /// Add a velocity to the vertices of all triangles whose normal is against it, as a sudden gust does: a sheet is hit on its
 /// front alone. It is added once, at once, whatever the step, the mass and the area. Pinned vertices stay. Steady air is the
 /// wind of cloth and strands.

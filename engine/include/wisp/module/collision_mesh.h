@@ -181,4 +181,40 @@ typedef struct wisp_mesh_hit
 WISP_API void wisp_collision_mesh_cast( wisp_collision_mesh* mesh, const wisp_mesh_path* paths, int count,
                                         wisp_mesh_hit* hits, wisp_collision_mesh_query_stats* work );
 
+/// The ends of an edge at two times of the motion, m; of a corner twice the same.
+typedef struct wisp_mesh_feature
+{
+    wisp_vec3 from[2], to[2];
+} wisp_mesh_feature;
+
+/// What the faces around an edge or a corner are like.
+typedef struct wisp_mesh_sides
+{
+    wisp_vec3 normal; ///< unit, the mean of their normals; zero if they have none
+    bool in_front,
+        behind; ///< an edge is a ridge as seen from the side of its normal, or from the other one; both of an open edge and
+                ///< of a corner, none where the faces lie in one plane
+} wisp_mesh_sides;
+
+/// Find out which edges and corners of a mesh stick out, and build what finds them. Nothing happens if that was done before.
+/// @return WISP_NO_MEMORY: the mesh is as it was
+/// @note Not while queries run.
+WISP_API wisp_status wisp_collision_mesh_prepare_features( wisp_collision_mesh* mesh, wisp_error* error );
+
+/// Find edges or corners of the triangles whose boxes, over the whole motion, overlap a box. Each is found once. Of a mesh that is
+/// rigid, what does not stick out on either side is left out.
+/// @param lower, upper [3] m
+/// @param features [capacity] receives numbers for wisp_collision_mesh_feature(); what is more is left out
+/// @return how many; 0 of a mesh that was not prepared
+/// @note Thread-safe with other queries.
+WISP_API int wisp_collision_mesh_find_features( const wisp_collision_mesh* mesh, const float lower[3],
+                                                const float upper[3], bool corners, int32_t* features, int capacity );
+
+/// Place an edge or a corner that was found. @param begin, end times in [0, 1] of the motion
+WISP_API wisp_mesh_feature wisp_collision_mesh_feature( const wisp_collision_mesh* mesh, int32_t feature,
+                                                        bool is_corner, float begin, float end );
+/// Describe its sides at a time of the motion.
+WISP_API wisp_mesh_sides wisp_collision_mesh_sides( const wisp_collision_mesh* mesh, int32_t feature, bool is_corner,
+                                                    float time );
+
 WISP_END_C

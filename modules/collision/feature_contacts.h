@@ -1,0 +1,35 @@
+// Contacts of edges and triangles of a surface with the corners and edges of a mesh.
+#pragma once
+
+#include "body_queries.h"
+#include "primitive_contacts.h"
+
+/// The path of a primitive in the frame of a body.
+typedef struct primitive_path
+{
+    int corner_count;
+    wisp_vec3 from[3], to[3];
+    float displacement; // m, of the fastest corner
+    // half spaces of the corners' own contacts, of a mesh: normals in the frame of the body, and distances of the corners, m
+    int plane_count;
+    wisp_vec3 normals[3 * WISP_COLLISION_CONTACTS];
+    float distances[3 * WISP_COLLISION_CONTACTS];
+} primitive_path;
+
+/// Where a primitive meets a mesh.
+typedef struct collision_meeting
+{
+    collision_deepest deepest; // its surface point is that at the end of the substep
+    wisp_vec3 motion;          // m, of that point in the substep; zero of a rigid mesh
+} collision_meeting;
+
+/// Find where an edge meets edges of a mesh, or a triangle its corners: the two that come first, else the two that are nearest at the
+/// end of the path. @param out [COLLISION_PRIMITIVE_CONTACTS] @return how many
+int collision_meet_mesh( const collision_view* view, const primitive_path* path, collision_meeting* out );
+
+/// Find the closest points of an edge and another edge, or of a triangle and a point.
+/// @param corners [count] of the primitive, 2 or 3 @param ends of the feature; of a point twice the same
+/// @param weights [3] receives those of the corners @param along receives where on the edge, 0 .. 1
+/// @return distance, m
+double collision_closest_feature( const wisp_vec3* corners, int count, const wisp_vec3 ends[2], float* weights,
+                                  float* along );
