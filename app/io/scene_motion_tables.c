@@ -58,9 +58,8 @@ static const scene_field DYNAMICS_FIELDS[] = {
       .unit = ROD_RIGIDITIES, .help = "Twisting rigidity GJ of a rod." },
     { "edgewise_rigidity", SCENE_NUMBER, .at = MOVES( edgewise_rigidity ), .range = RANGE( 0, 1e12 ),
       .unit = ROD_RIGIDITIES,
-      .help =
-          "Bending rigidity of an elliptic section or a ribbon in the plane of its width, at least `bend_rigidity`, "
-          "which is that across its flat side; 0 is circular." },
+      .help = "Bending rigidity of an elliptic section or a ribbon in the plane of its width, 1 to 1e5 times "
+              "`bend_rigidity`, which is that across its flat side; 0 is circular." },
     { "flat_normal", SCENE_VECTOR, .at = MOVES( flat_normal ), .range = RANGE( -1e5, 1e5 ),
       .help = "Direction across the flat side at roots, with `edgewise_rigidity`.", .initial = "any direction" },
     { "natural_twist", SCENE_NUMBER, .at = MOVES( natural_twist ), .range = RANGE( -1e5, 1e5 ), .unit = "rad/m",

@@ -55,7 +55,8 @@ static void keep_section( text_node* dynamics )
     text_is_number( text_find( dynamics, "edgewise_rigidity" ), &edgewise );
     text_is_number( text_find( dynamics, "bend_rigidity" ), &flat );
     const char* const bending = text_at( dynamics, "bending" );
-    if ( edgewise < flat || flat <= 0.0 || ( bending[0] != 0 && strcmp( bending, "rod" ) != 0 ) )
+    if ( edgewise < flat || edgewise > 1e5 * flat || flat <= 0.0 ||
+         ( bending[0] != 0 && strcmp( bending, "rod" ) != 0 ) )
     {
         text_remove_key( dynamics, "edgewise_rigidity" );
         edgewise = 0.0;

@@ -94,7 +94,7 @@ typedef struct wisp_strand_dynamics_def
                             ///< without giving them velocity; default 5
     float
         edgewise_rigidity; ///< rod: EI of an elliptic section or a ribbon against bending in the plane of its width,
-                           ///< N m^2, bend_rigidity .. 1e12; bend_rigidity is that against bending across its flat
+                           ///< N m^2, 1 .. 1e5 times bend_rigidity, which is that against bending across its flat
                            ///< side. Default 0: circular
     wisp_vec3 flat_normal; ///< rod: direction across the flat side at the root; what it has along the strand is left
                            ///< out. Default 0: any direction. With edgewise_rigidity only

@@ -10,6 +10,10 @@
 
 #include <string.h>
 
+// Largest EI' / EI. The flatness sqrt( 1 - EI / EI' ) is in single precision, and EI is what it leaves of EI': 0.05 % off at
+// 1e4, 1 % at 1e5, nothing that is left, and rest shapes that are NaN, from 3e7 on.
+#define MAX_EDGEWISE 1e5f
+
 void wisp_init_strand_dynamics_def( wisp_strand_dynamics_def* def, size_t size )
 {
     const wisp_strand_dynamics_def values = {
@@ -98,6 +102,13 @@ static wisp_status check_section( wisp_world* world, const wisp_strand_dynamics_
                                 "strands: got edgewise_rigidity %g with bend_rigidity %g, expected 0 or at least a "
                                 "bend_rigidity above 0",
                                 (double)d->edgewise_rigidity, (double)d->bend_rigidity );
+    }
+    if ( is_flat && d->edgewise_rigidity > MAX_EDGEWISE * d->bend_rigidity )
+    {
+        return wisp_world_fail(
+            world, WISP_BAD_INPUT,
+            "strands: got edgewise_rigidity %g with bend_rigidity %g, expected at most %g times it",
+            (double)d->edgewise_rigidity, (double)d->bend_rigidity, (double)MAX_EDGEWISE );
     }
     if ( is_flat && d->bending != WISP_STRAND_BEND_ROD )
     {

@@ -27,6 +27,7 @@ typedef struct golden_case
     bool rooted;                // in one of two small surfaces that fall
     bool bdf2;
     bool ghosts; // with ghosts, and curves through those
+    bool flat;   // the flattest section that there can be
     strand_curve* curve;
 } golden_case;
 
@@ -89,6 +90,8 @@ static const golden_case cases[] = {
       .curve = helix_down },
     { "bdf2-carried-over-a-ball", ROD, .rest = WISP_STRAND_REST_SAG_FREE, .iterations = 1, .carried = true,
       .ball = true, .bdf2 = true, .curve = fringe },
+    { "flattest-carried-curls", ROD, .rest = WISP_STRAND_REST_SAG_FREE, .iterations = 1, .carried = true,
+      .flat = true, .curve = helix_down },
 };
 
 // Without ghosts, ghosts and curves are the strands themselves.
@@ -107,6 +110,7 @@ static wisp_strand_dynamics_def def_of( const golden_case* c )
     def.bending = c->bend;
     def.integrator = c->bdf2 ? WISP_INTEGRATOR_BDF2 : WISP_INTEGRATOR_EULER;
     def.rest = c->rest;
+    def.edgewise_rigidity = c->flat ? 1e5f * def.bend_rigidity : 0.0f;
     def.solver = c->solver;
     def.stretch_compliance = 1.0f;
     def.bend_compliance = 100.0f;
