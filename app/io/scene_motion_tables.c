@@ -64,6 +64,13 @@ static const scene_field DYNAMICS_FIELDS[] = {
       .help = "Direction across the flat side at roots, with `edgewise_rigidity`.", .initial = "any direction" },
     { "natural_twist", SCENE_NUMBER, .at = MOVES( natural_twist ), .range = RANGE( -1e5, 1e5 ), .unit = "rad/m",
       .help = "Rotation of the section along a strand without load, with `edgewise_rigidity`." },
+    { "free_roots", SCENE_SWITCH, .at = MOVES( free_roots ),
+      .help = "Roots are free, in place and direction: strands fall. With `rest: shape` or `straight`." },
+    { "closed", SCENE_SWITCH, .at = MOVES( closed ),
+      .help = "Every strand is a loop that moves freely: its last vertex lies on its first and is the same one. With "
+              "`stretch: direct`, `bending: rod` or `none`, and `rest: shape` or `straight`." },
+    { "closing_twist", SCENE_NUMBER, .at = MOVES( closing_twist ), .range = RANGE( -1e4, 1e4 ), .unit = "rad",
+      .help = "How far one end of a closed rod was turned against the other before they were joined." },
     { "bend_damping", SCENE_NUMBER, .at = MOVES( bend_damping ), .range = RANGE( 0, 1e3 ), .unit = SECONDS,
       .help = "Ratio of the force against the rate of bending to the force against bending, of a rod." },
     { "rest", SCENE_CHOICE, .at = MOVES( rest ), .choices = RESTS, .help = "Shape of a rod where no force acts." },

@@ -23,7 +23,9 @@
 // needs 16 substeps of 1/60 s for its full stiffness, tighter curls more; with fewer substeps it is softer.
 #include "rod_factors.h"
 
+#include "closed_rods.h"
 #include "rod_frames.h"
+#include "substep_passes.h"
 
 #include <float.h>
 
@@ -368,6 +370,30 @@ static void factor_group( const factor_args* args, int group )
     }
 }
 
+static void factor_closed_groups( wisp_frame* frame, const wisp_span* span, const factor_args* args, float* response,
+                                  float* most )
+{
+    enum
+    {
+        WORK = 2 * sizeof( double ) / sizeof( float ), // per row
+    };
+    const closed_factor_args closed = { args->rows, args->settings, args->stiffness,
+                                        args->factor, response,       args->dt,
+                                        (double*)(void*)strands_scratch( frame, span, WORK ) };
+    for ( int i = span->begin * WISP_LANES; closed.work != NULL && i < span->end * WISP_LANES; ++i )
+    {
+        const rod_strand strand = rows_of( args, i / WISP_LANES, i % WISP_LANES );
+        if ( strand.count > 0 )
+        {
+            strands_factor_closed( &closed, strand.row, strand.count, strand.lane );
+        }
+        if ( strand.count > 0 && args->curled == false )
+        {
+            bound_held_tension( args, &strand, most );
+        }
+    }
+}
+
 void strands_factor( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
@@ -393,7 +419,11 @@ void strands_factor( wisp_frame* frame, const wisp_span* span, void* user )
     first_order.step = dt;
     first_order.factor = has_history ? wisp_frame_column( frame, span->entity, state->history, 3 ) : NULL;
     float* factored = wisp_frame_column( frame, span->entity, state->clamp, 1 );
-    for ( int g = span->begin; g < span->end; ++g )
+    if ( wisp_frame_has( frame, span->entity, state->response ) )
+    {
+        factor_closed_groups( frame, span, &args, wisp_frame_column( frame, span->entity, state->response, 0 ), most );
+    }
+    for ( int g = span->begin; g < span->end && wisp_frame_has( frame, span->entity, state->response ) == false; ++g )
     {
         for ( int lane = 0; lane < WISP_LANES; ++lane )
         {
@@ -409,6 +439,9 @@ void strands_factor( wisp_frame* frame, const wisp_span* span, void* user )
         {
             factor_group( &first_order, g );
         }
+    }
+    for ( int g = span->begin; g < span->end; ++g )
+    {
         factored[g] = wisp_frame_dt( frame, span->entity );
     }
 }

@@ -331,6 +331,10 @@ wisp_strand_rod_args strands_rod_args( wisp_frame* frame, const wisp_span* span,
         const strands_section* section = wisp_frame_column( frame, span->entity, state->section, 0 );
         args.flatness = section->flatness;
     }
+    if ( has_frames && wisp_frame_has( frame, span->entity, state->response ) )
+    {
+        args.response = column_of( frame, span, state->response, 0 );
+    }
     return args;
 }
 
@@ -345,7 +349,7 @@ static void bend( wisp_frame* frame, const wisp_span* span, const strands_state*
 {
     wisp_strand_rod_args args = strands_rod_args( frame, span, state, has_frames );
     rows_between rows;
-    const bool is_flat = args.flatness > 0.0f;
+    const bool is_flat = args.flatness > 0.0f || args.response != NULL;
     args.scratch =
         strands_scratch( frame, span, WISP_STRAND_SCRATCH + ( is_flat ? WISP_STRAND_SECTION_SCRATCH : 0 ) );
     args.section_scratch = is_flat && args.scratch != NULL ? behind_scratch( frame, span, args.scratch ) : NULL;
@@ -512,6 +516,7 @@ wisp_strand_stretch_args strands_stretch_args( wisp_frame* frame, const wisp_spa
         .acceleration = direct->has_rod != 0 ? ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } : settings->gravity,
         .history = history_of( frame, span, state ),
         .is_held = wisp_frame_has( frame, span->entity, state->tips ),
+        .is_closed = wisp_frame_has( frame, span->entity, state->closed ),
     };
 }
 
