@@ -515,7 +515,8 @@ static void turn_vertices( const wisp_strand_rod_args* args, int group, int firs
     {
         float* out = args->scratch + (size_t)( row - first ) * ROW + TURNING;
         const lane16v own = lane16v_load( out );
-        lane16v_store( out, lane16v_select( loop16_ends( args->inverse_length, row ), lane16v_add( own, joint ), own ) );
+        lane16v_store( out,
+                       lane16v_select( loop16_ends( args->inverse_length, row ), lane16v_add( own, joint ), own ) );
     }
 }
 

@@ -22,7 +22,8 @@ static void twist_row( const float* own, const float* next, lane16 own_twist, la
 {
     const lane16 half = lane16_set1( 0.5f );
     const lane16 slopes = lane16_add( lane16_load( own + SLOPE ), lane16_load( next + SLOPE ) );
-    *diagonal = lane16_mul( lane16_add( lane16_add( own_twist, next_twist ), slopes ), lane16_set1( CLOSED_DIAGONAL ) );
+    *diagonal =
+        lane16_mul( lane16_add( lane16_add( own_twist, next_twist ), slopes ), lane16_set1( CLOSED_DIAGONAL ) );
     *residual = lane16_add( lane16_sub( lane16_load( own + MOMENT ), lane16_load( next + MOMENT ) ),
                             lane16_mul( half, lane16_add( lane16_load( own + LOAD ), lane16_load( next + LOAD ) ) ) );
 }
@@ -53,15 +54,16 @@ static lane16 eliminate_closed_twist( const wisp_strand_rod_args* args, int firs
         const lane16 u = row == first ? lane16_neg( own0 ) : lane16_select( ends, corner, zero );
         // beyond the last segment nothing turns
         const lane16m is_segment = lane16_lt( zero, lanes_of( args->inverse_length, row ) );
-        const lane16 off =
-            row > first ? lane16_select( is_segment, lane16_sub( lane16_load( at + SLOPE ), own_twist ), zero ) : zero;
+        const lane16 off = row > first
+                               ? lane16_select( is_segment, lane16_sub( lane16_load( at + SLOPE ), own_twist ), zero )
+                               : zero;
         const lane16 pivot = lane16_sub( lane16_add( diagonal, extra ), lane16_mul( off, coupling ) );
         const lane16m turns = lane16m_and( is_segment, lane16_lt( least, pivot ) );
         const lane16 inverse = lane16_select( turns, lane16_div( one, pivot ), zero );
         y = lane16_mul( lane16_neg( lane16_add( residual, lane16_mul( off, y ) ) ), inverse );
         z = lane16_mul( lane16_sub( u, lane16_mul( off, z ) ), inverse );
-        const lane16 next_off =
-            lane16_select( ends, zero, lane16_sub( lane16_load( next + SLOPE ), lanes_of( args->twist_stiffness, row + 1 ) ) );
+        const lane16 next_off = lane16_select(
+            ends, zero, lane16_sub( lane16_load( next + SLOPE ), lanes_of( args->twist_stiffness, row + 1 ) ) );
         coupling = lane16_mul( next_off, inverse );
         lane16_store( at + TURN, y );
         lane16_store( at + COUPLING, coupling );
@@ -160,8 +162,8 @@ static lane16v load_closed( const wisp_strand_rod_args* args, const step_lanes* 
     }
     lane16v t = direction_of( args, first, lane16v_load( segment_of( args, first ) ) );
     lane16v change = args->damping > 0.0f ? change_of( args, step, first ) : none;
-    const lane16v joint = bend_vertex( args, dt2, first, first, t_end, t,
-                                       lane16v_scale( lane16v_sub( change, change_end ), damping ) );
+    const lane16v joint =
+        bend_vertex( args, dt2, first, first, t_end, t, lane16v_scale( lane16v_sub( change, change_end ), damping ) );
     lane16v own = joint;
     for ( int row = first; row + 1 < last; ++row )
     {
@@ -172,7 +174,8 @@ static lane16v load_closed( const wisp_strand_rod_args* args, const step_lanes* 
         {
             const lane16v u = direction_of( args, row + 1, lane16v_load( segment_of( args, row + 1 ) ) );
             const lane16v now = args->damping > 0.0f ? change_of( args, step, row + 1 ) : none;
-            next = bend_vertex( args, dt2, row + 1, first, t, u, lane16v_scale( lane16v_sub( now, change ), damping ) );
+            next =
+                bend_vertex( args, dt2, row + 1, first, t, u, lane16v_scale( lane16v_sub( now, change ), damping ) );
             t = u;
             change = now;
         }

@@ -100,8 +100,7 @@ static double entry( const ring* r, int i, int j )
 
 static void put_factor( const ring* r, int i, double inverse, double first, double second )
 {
-    strands_put( r->args->factor, r->row + i, r->lane,
-                 ( wisp_vec3 ){ (float)inverse, (float)first, (float)second } );
+    strands_put( r->args->factor, r->row + i, r->lane, ( wisp_vec3 ){ (float)inverse, (float)first, (float)second } );
 }
 
 static float* response_at( const ring* r, int i )

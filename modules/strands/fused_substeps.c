@@ -269,8 +269,7 @@ void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end
     {
         all.rod = strands_rod_args( frame, span, state, has.has_frames );
     }
-    const int section_floats =
-        all.rod.flatness > 0.0f || all.rod.response != NULL ? WISP_STRAND_SECTION_SCRATCH : 0;
+    const int section_floats = all.rod.flatness > 0.0f || all.rod.response != NULL ? WISP_STRAND_SECTION_SCRATCH : 0;
     all.stretch.scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH + PAIR_FLOATS + section_floats );
     if ( all.stretch.scratch == NULL )
     {

@@ -42,8 +42,7 @@ static const double LOOP = 1e-3;
 
 bool strands_is_loop( const float* rest, int row, int count, int lane )
 {
-    const wisp_vec3 gap =
-        strands_sub( strands_get( rest, row + count - 1, lane ), strands_get( rest, row, lane ) );
+    const wisp_vec3 gap = strands_sub( strands_get( rest, row + count - 1, lane ), strands_get( rest, row, lane ) );
     const double whole = count > 3 ? length_at_rest( rest, row, count, lane ) : 0.0;
     return whole > 0.0 && (double)strands_norm( gap ) <= LOOP * whole / ( count - 1 );
 }

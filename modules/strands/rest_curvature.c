@@ -163,9 +163,9 @@ typedef struct curve_args
     const strands_settings* settings;
     const float* stiffness;
     const float* clamp;
-    strands_section section; // zero: circular
-    const int32_t* hold;     // [group][16] wisp_strand_tip; null: tips are free
-    const float* tip;        // [group][4][16] frames of tips at rest
+    strands_section section;      // zero: circular
+    const int32_t* hold;          // [group][16] wisp_strand_tip; null: tips are free
+    const float* tip;             // [group][4][16] frames of tips at rest
     const strands_closed* closed; // null: strands are open
     float *rest, *rest_twist, *twist_stiffness, *rest_tension;
     double dt;
@@ -327,7 +327,8 @@ static double curve_vertices( const curve_args* args, const strand_shape* shape,
         vec k = is_straight ? scale( now.moment, 0.0 ) : sub( direction( shape, s ), direction( shape, s - 1 ) );
         double half_twist = 0.5 * strands_natural_twist( args->rows->length, shape->row, s, shape->count, shape->lane,
                                                          (double)args->section.twist );
-        half_twist = args->closed != NULL && args->closed->twist != 0.0f ? closing_half_twist( args, shape, s ) : half_twist;
+        half_twist =
+            args->closed != NULL && args->closed->twist != 0.0f ? closing_half_twist( args, shape, s ) : half_twist;
         if ( balanced && args->stiffness[strands_scalar( shape->row + s, shape->lane )] > 0.0f )
         {
             const vec bending = bending_moment( args, shape, s, now.moment );
@@ -386,7 +387,8 @@ static void rest_tip( const curve_args* args, const strand_shape* shape, wisp_qu
 
 // Give the joint of a closed strand its rest vector and twist: the given loop is without load but for its closing twist, which
 // is the same all along.
-static void rest_joint( const curve_args* args, const strand_shape* shape, wisp_quat last, wisp_quat clamp, wisp_vec3 k )
+static void rest_joint( const curve_args* args, const strand_shape* shape, wisp_quat last, wisp_quat clamp,
+                        wisp_vec3 k )
 {
     const wisp_quat first = next_frame( args, shape, 0, clamp );
     const wisp_quat r = strands_quat_multiply( strands_quat_inverse( last ), first );

@@ -377,8 +377,12 @@ static void factor_closed_groups( wisp_frame* frame, const wisp_span* span, cons
     {
         WORK = 2 * sizeof( double ) / sizeof( float ), // per row
     };
-    const closed_factor_args closed = { args->rows, args->settings, args->stiffness,
-                                        args->factor, response,       args->dt,
+    const closed_factor_args closed = { args->rows,
+                                        args->settings,
+                                        args->stiffness,
+                                        args->factor,
+                                        response,
+                                        args->dt,
                                         (double*)(void*)strands_scratch( frame, span, WORK ) };
     for ( int i = span->begin * WISP_LANES; closed.work != NULL && i < span->end * WISP_LANES; ++i )
     {
@@ -421,7 +425,8 @@ void strands_factor( wisp_frame* frame, const wisp_span* span, void* user )
     float* factored = wisp_frame_column( frame, span->entity, state->clamp, 1 );
     if ( wisp_frame_has( frame, span->entity, state->response ) )
     {
-        factor_closed_groups( frame, span, &args, wisp_frame_column( frame, span->entity, state->response, 0 ), most );
+        factor_closed_groups( frame, span, &args, wisp_frame_column( frame, span->entity, state->response, 0 ),
+                              most );
     }
     for ( int g = span->begin; g < span->end && wisp_frame_has( frame, span->entity, state->response ) == false; ++g )
     {

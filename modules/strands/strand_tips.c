@@ -367,8 +367,8 @@ wisp_status wisp_hold_strand_tip( wisp_world* world, wisp_entity strands, int st
     const strands_settings* settings = wisp_world_column( world, strands, state->settings, 0 );
     if ( settings->is_free != 0 )
     {
-        return wisp_world_fail( world, WISP_CONFLICT,
-                                "strands: the roots of entity %u are free, and so are the tips", strands.index );
+        return wisp_world_fail( world, WISP_CONFLICT, "strands: the roots of entity %u are free, and so are the tips",
+                                strands.index );
     }
     if ( hold == WISP_STRAND_TIP_FREE && wisp_world_has( world, strands, state->tips ) == false )
     {

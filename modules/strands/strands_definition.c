@@ -170,10 +170,11 @@ static wisp_status check_loops( wisp_world* world, wisp_entity strands )
         if ( t->lane_count[i] > 0 &&
              strands_is_loop( rest, t->group_row[i / WISP_LANES], t->lane_count[i], i % WISP_LANES ) == false )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "strands: strand %d is no loop, closed needs at least four vertices and the last on "
-                                    "the first",
-                                    t->lane_strand[i] );
+            return wisp_world_fail(
+                world, WISP_BAD_INPUT,
+                "strands: strand %d is no loop, closed needs at least four vertices and the last on "
+                "the first",
+                t->lane_strand[i] );
         }
     }
     return WISP_OK;

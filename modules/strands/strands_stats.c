@@ -20,7 +20,7 @@ typedef struct motion_stats_loop
 {
     const wisp_strand_topology* topology;
     const float *position, *velocity, *weight, *length;
-    int ends;            // 1: the last vertex is the first
+    int ends;         // 1: the last vertex is the first
     double origin[3]; // m, against cancellation far from the origin
     int groups;       // per block
     strand_sums sums[MOTION_STATS_BLOCKS];

@@ -443,9 +443,14 @@ static void loops_that_cannot_be_are_refused( void** state )
     lay_ring( RING, points );
     const wisp_strand_dynamics_def good = ring_def( 1.0f, 1.0f );
     wisp_strand_dynamics_def bad[8] = { good, good, good, good, good, good, good, good };
-    const char* const words[8] = { "closed with rest sag_free", "closed needs stretch direct", "closed needs stretch direct",
-                                   "closed needs stretch direct", "closed needs stretch direct", "closing_twist needs closed",
-                                   "closing_twist", "free_roots with rest sag_free" };
+    const char* const words[8] = { "closed with rest sag_free",
+                                   "closed needs stretch direct",
+                                   "closed needs stretch direct",
+                                   "closed needs stretch direct",
+                                   "closed needs stretch direct",
+                                   "closing_twist needs closed",
+                                   "closing_twist",
+                                   "free_roots with rest sag_free" };
     bad[0].rest = WISP_STRAND_REST_SAG_FREE;
     bad[1].stretch = WISP_STRAND_STRETCH_LINKS;
     bad[2].bending = WISP_STRAND_BEND_LINKS;
@@ -476,8 +481,9 @@ static void loops_that_cannot_be_are_refused( void** state )
     open.closed = false;
     open_rod( &rod, points, RING, 1, &open );
     assert_int_equal( wisp_set_strand_dynamics( rod.s.world, rod.e, &good ), WISP_BAD_INPUT );
-    assert_string_equal( wisp_world_message( rod.s.world ),
-                         "strands: strand 0 is no loop, closed needs at least four vertices and the last on the first" );
+    assert_string_equal(
+        wisp_world_message( rod.s.world ),
+        "strands: strand 0 is no loop, closed needs at least four vertices and the last on the first" );
     hold_tip( &rod, WISP_STRAND_TIP_PINNED );
     open.free_roots = true;
     assert_int_equal( wisp_set_strand_dynamics( rod.s.world, rod.e, &open ), WISP_CONFLICT );

@@ -285,7 +285,8 @@ bool strand_oracle_stretch( strand_oracle* strand, strand_oracle_measure measure
     {
         strand->closed ? strand_oracle_closed_pass( strand, dt ) : newton_pass( strand, measure, dt );
     }
-    const bool lost = strand->closed == false && !( strand_oracle_strain( strand ) <= tolerance ) && is_held_beyond_its_root( strand ) == false;
+    const bool lost = strand->closed == false && !( strand_oracle_strain( strand ) <= tolerance ) &&
+                      is_held_beyond_its_root( strand ) == false;
     if ( lost )
     {
         lay_out( strand, dt );

@@ -62,7 +62,7 @@ typedef struct strand_oracle
                      ///< stiffness is that of EI'; 0: circular
     /// The last vertex is the first again: vertex 0 is between the last segment and the first. Systems are solved dense.
     bool closed;
-    bool guided;     ///< the direction of the tip is held: frame[count - 1] is its frame, and vertex count - 1 bends
+    bool guided; ///< the direction of the tip is held: frame[count - 1] is its frame, and vertex count - 1 bends
 } strand_oracle;
 
 /// Make a strand at rest in this shape: lengths, frames carried along from the clamp without twist, the clamp in the

@@ -134,7 +134,8 @@ void strand_oracle_closed_move( strand_oracle* strand, double scale, double3* ri
     strand_oracle_solve( n, matrix, 3, x );
     for ( int i = 0; i < n; ++i )
     {
-        strand->position[i] = double3_add( strand->position[i], double3_make( x[3 * i], x[3 * i + 1], x[3 * i + 2] ) );
+        strand->position[i] =
+            double3_add( strand->position[i], double3_make( x[3 * i], x[3 * i + 1], x[3 * i + 2] ) );
     }
     strand->position[n] = strand->position[0];
 }

@@ -251,8 +251,8 @@ typedef struct wisp_strand_rod_args
                             ///< `response` only
     const float*
         response; ///< [row][2][16] of strands whose last vertex is their first, without the vertices 0 and 1,
-                           ///< which have no factors: Z = F^-1 B, the response to a displacement of those; rows 0 and 1
-                           ///< have S^-1 = (D - B^T Z)^-1. null: strands are open
+                  ///< which have no factors: Z = F^-1 B, the response to a displacement of those; rows 0 and 1
+                  ///< have S^-1 = (D - B^T Z)^-1. null: strands are open
 } wisp_strand_rod_args;
 
 /// Floats of scratch per row of rods with an elliptic section.
