@@ -123,6 +123,22 @@ static const scene_field HEAD_FIELDS[] = {
 };
 const scene_block SCENE_HEAD_BLOCK = BLOCK( HEAD_FIELDS );
 
+#define FRAME( member ) offsetof( wisp_scene_strands, frame.member )
+
+static const scene_field FRAME_FIELDS[] = {
+    { "linear_inertia", SCENE_NUMBER, .at = FRAME( linear_inertia ), .range = UNIT_RANGE,
+      .help = "Fraction of the displacement of the frame that strands feel." },
+    { "angular_inertia", SCENE_NUMBER, .at = FRAME( angular_inertia ), .range = UNIT_RANGE,
+      .help = "Fraction of the rotation of the frame that strands feel." },
+    { "keyframes", SCENE_CUSTOM, .at = AT( frame_path ), .read = scene_read_pin_path,
+      .help = "Displacement of the frame from where it starts; without `jump`.",
+      .form = "list of keyframes {time, translate, rotate}", .initial = "it goes with the head" },
+    { "pivot", SCENE_VECTOR, .at = AT( frame_pivot ), .range = COORDINATE, .unit = METRES,
+      .given = AT( has_frame_pivot ), .help = "Where the frame starts; it rotates about this point.",
+      .initial = "that of the head" },
+};
+const scene_block SCENE_STRAND_FRAME_BLOCK = BLOCK( FRAME_FIELDS );
+
 static const scene_choice HOLDS[] = { { "free", "not at all" },
                                       { "pinned", "their positions" },
                                       { "guided", "their directions and twist; they slide freely" },

@@ -123,6 +123,13 @@ const bad_scene BAD_SCENES_MOTION[] = {
     { "scatter_too_many.yaml",
       ":5:40: strands[1].scatter.around: 135 strands around each of 'hair' have 135000000 vertices, expected at most 134217728" },
     { "scatter_transform.yaml", ":9:16: strands[1]: 'transform' is not possible with 'scatter'" },
+    { "strands_closing_twist.yaml",
+      ":5:59: strands[0].dynamics.closing_twist: got 2e4, expected a value in [-10000, 10000]" },
+    { "strands_frame_inertia.yaml", ":6:31: strands[0].frame.angular_inertia: got 1.2, expected a value in [0, 1]" },
+    { "strands_frame_jump.yaml",
+      ":6:12: strands[0]: 'jump' in keyframe 0: only keyframes of pins, colliders and heads can jump" },
+    { "strands_frame_still.yaml", ":5:12: strands[0]: 'frame' needs the key 'dynamics'" },
+    { "strands_max_speed.yaml", ":6:16: strands[0].max_speed: got 0, expected a value in [1e-06, 1000000]" },
     { "strands_scale_zero.yaml", ":6:25: strands[0].transform.scale: got 0, expected a value in [1e-06, 1000000]" },
     { "strands_show_maybe.yaml", ":6:11: strands[0].show: got 'maybe', expected true or false" },
 };
