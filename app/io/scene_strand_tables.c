@@ -212,7 +212,7 @@ static const scene_field STRANDS_FIELDS[] = {
     { "collision", SCENE_BLOCK, .at = AT( has_collision ), .block = &SCENE_STRAND_COLLISION_BLOCK,
       .help = "Collision with colliders; needs `dynamics` or `ghosts`." },
     { "contact", SCENE_BLOCK, .at = AT( has_contact ), .block = &SCENE_STRAND_CONTACT_BLOCK,
-      .help = "Contact with surfaces; needs `dynamics`." },
+      .help = "Contact with surfaces, and with strands if they have `between_strands`; needs `dynamics`." },
     { "sleep", SCENE_BLOCK, .at = AT( has_sleep ), .block = &SLEEP_BLOCK,
       .help = "Strands that rest cost nothing until something reaches or changes them; needs `dynamics`." },
     { "ghosts", SCENE_BLOCK, .at = AT( has_ghosts ), .block = &SCENE_GHOSTS_BLOCK,

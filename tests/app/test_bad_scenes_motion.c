@@ -125,6 +125,7 @@ const bad_scene BAD_SCENES_MOTION[] = {
     { "scatter_transform.yaml", ":9:16: strands[1]: 'transform' is not possible with 'scatter'" },
     { "strands_closing_twist.yaml",
       ":5:59: strands[0].dynamics.closing_twist: got 2e4, expected a value in [-10000, 10000]" },
+    { "strands_contact_between.yaml", ":6:33: strands[0].contact.between_strands: got 'maybe', expected true or false" },
     { "strands_frame_inertia.yaml", ":6:31: strands[0].frame.angular_inertia: got 1.2, expected a value in [0, 1]" },
     { "strands_frame_jump.yaml",
       ":6:12: strands[0]: 'jump' in keyframe 0: only keyframes of pins, colliders and heads can jump" },
