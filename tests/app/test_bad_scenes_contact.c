@@ -47,7 +47,7 @@ const bad_scene BAD_SCENES_CONTACT[] = {
     { "contact_search_near.yaml",
       ":2:20: contact.search: got 'trees', expected one of auto, grid, tree, brute; did you mean 'tree'?" },
     { "contact_self_of_strands.yaml",
-      ":7:16: strands[0].contact: unknown key 'self', expected one of thickness, friction, max_push_out_speed, layers, mask, enabled" },
+      ":7:16: strands[0].contact: unknown key 'self', expected one of thickness, friction, max_push_out_speed, layers, mask, enabled, between_strands" },
     { "contact_spacing_of_triangles.yaml", ":2:30: contact: 'particle_spacing' needs 'primitives: particles'" },
     { "contact_speed_unit.yaml",
       ":6:36: surfaces[0].contact.max_push_out_speed: got '1 m/s', expected a number in m/s without its unit" },
