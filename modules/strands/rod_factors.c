@@ -305,9 +305,9 @@ static void stiffen_strand( const factor_args* args, const rod_strand* strand )
 }
 
 // Bound the tension of a strand whose tip is held, which may be more than its weight. A tension of EI / l^2 bends segments
-// less than their stiffness straightens them, so it may come from the substep before. Beyond that it may be four times the
-// weight, as between two pins, and at most a quarter of m l / dt^2: above half of that, one that is applied without a solve
-// folds a strand that is soft.
+// less than their stiffness straightens them, so it may come from the substep before, up to half of the bound of curls. Beyond
+// that it may be four times the weight, as between two pins, and at most an eighth of m l / dt^2. Both together stay below a
+// third of m l / dt^2: at 0.6, light hair whose clamped tips were moved whipped for ever in 10 substeps, and did so without twist.
 static void bound_held_tension( const factor_args* args, const rod_strand* strand, float* most )
 {
     const double gravity = (double)strands_norm( args->settings->gravity );
@@ -324,9 +324,9 @@ static void bound_held_tension( const factor_args* args, const rod_strand* stran
                      b = mass_at( args->rows, strand->row + i + 1, strand->lane );
         const double mass = a > 0.0 && b > 0.0 ? fmin( a, b ) : fmax( a, b );
         const double reach = strands_bend_length( args->rows, strand->row, i, strand->lane );
-        const double loose = fmin( 4.0 * gravity * whole, 0.25 * mass * l / ( args->dt * args->dt ) );
+        const double loose = fmin( 4.0 * gravity * whole, 0.125 * mass * l / ( args->dt * args->dt ) );
         const double rigidity = (double)args->stiffness[at] * reach;
-        const double bent = fmin( rigidity / ( l * l ), sqrt( MAX_CURLED * rigidity * mass / l ) / args->dt );
+        const double bent = fmin( rigidity / ( l * l ), sqrt( 0.25 * MAX_CURLED * rigidity * mass / l ) / args->dt );
         most[at] = (float)( loose + bent );
     }
 }

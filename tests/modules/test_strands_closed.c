@@ -77,8 +77,8 @@ static void bound_tension( strand_oracle* strand, double gravity, double dt )
         const double a = w[s] > 0.0 ? strand->mass[s] : INFINITY, b = w[s + 1] > 0.0 ? strand->mass[s + 1] : INFINITY;
         const double mass = fmin( a, b ), l = strand->length[s];
         const double rigidity = 0.5 * strand->stiffness[s] * ( ( s > 0 ? strand->length[s - 1] : 0.0 ) + l );
-        strand->max_tension[s] = fmin( 4.0 * gravity * whole, 0.25 * mass * l / ( dt * dt ) ) +
-                                 fmin( rigidity / ( l * l ), sqrt( 0.08 * rigidity * mass / l ) / dt );
+        strand->max_tension[s] = fmin( 4.0 * gravity * whole, 0.125 * mass * l / ( dt * dt ) ) +
+                                 fmin( rigidity / ( l * l ), sqrt( 0.02 * rigidity * mass / l ) / dt );
     }
 }
 
