@@ -173,7 +173,8 @@ static void print_count( const char* what, int count )
 
 static const char* shape_name( wisp_groom_shape shape )
 {
-    return shape == WISP_GROOM_STRAIGHT ? "straight" : shape == WISP_GROOM_WAVY ? "wavy" : "curly";
+    static const char* const NAMES[] = { "straight", "wavy", "curly", "ring" };
+    return NAMES[shape];
 }
 
 static void print_stages( const wisp_frozen_hair_def* def )

@@ -101,6 +101,7 @@ extern "C"
         WISP_GROOM_STRAIGHT,
         WISP_GROOM_WAVY,  ///< swings from side to side
         WISP_GROOM_CURLY, ///< winds: a helix in three dimensions, a looping cycloid in two
+        WISP_GROOM_RING,  ///< a regular polygon whose last vertex is on its first
     } wisp_groom_shape;
 
     /// A groom to generate. Fill from wisp_default_groom_generator().

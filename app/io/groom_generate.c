@@ -52,10 +52,15 @@ wisp_groom_generator wisp_default_groom_generator( wisp_groom_shape shape, int d
 
 static wisp_status check_counts( const wisp_groom_generator* r, wisp_error* error )
 {
-    if ( (int)r->shape < WISP_GROOM_STRAIGHT || (int)r->shape > WISP_GROOM_CURLY )
+    if ( (int)r->shape < WISP_GROOM_STRAIGHT || (int)r->shape > WISP_GROOM_RING )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "groom generator: shape: got %d, expected straight, wavy or curly",
-                          (int)r->shape );
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "groom generator: shape: got %d, expected straight, wavy, curly or ring", (int)r->shape );
+    }
+    if ( r->shape == WISP_GROOM_RING && r->vertices_per_strand < 4 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "groom generator: got rings of %d vertices, expected at least 4",
+                          r->vertices_per_strand );
     }
     if ( r->dimension != 2 && r->dimension != 3 )
     {
@@ -80,7 +85,7 @@ static wisp_status check_counts( const wisp_groom_generator* r, wisp_error* erro
 static wisp_status check_values( const wisp_groom_generator* r, wisp_error* error )
 {
     bool flat = r->dimension == 2;
-    bool waves = r->shape != WISP_GROOM_STRAIGHT;
+    bool waves = r->shape == WISP_GROOM_WAVY || r->shape == WISP_GROOM_CURLY;
     const struct
     {
         const char* name;
@@ -145,7 +150,7 @@ typedef struct wave_offset
 static wave_offset wave_at( const wisp_groom_generator* r, const strand_draw* draw, float t )
 {
     wave_offset offset = { 0.0f, 0.0f };
-    if ( r->shape == WISP_GROOM_STRAIGHT )
+    if ( r->shape == WISP_GROOM_STRAIGHT || r->shape == WISP_GROOM_RING )
     {
         return offset;
     }
@@ -163,12 +168,30 @@ static wave_offset wave_at( const wisp_groom_generator* r, const strand_draw* dr
     return offset;
 }
 
+// A vertex of a ring: aside, and away from the root, where the ring touches the line through it. The segments of a strand are as
+// long as it is in all.
+static wave_offset ring_at( const wisp_groom_generator* r, const strand_draw* draw, int k )
+{
+    int segments = r->vertices_per_strand - 1;
+    float sine, cosine, half_sine, half_cosine;
+    trig_sincos( TWO_PI * 0.5f / (float)segments, &half_sine, &half_cosine );
+    trig_sincos( TWO_PI * ( (float)( k % segments ) / (float)segments ), &sine, &cosine );
+    float radius = 0.5f * draw->length / ( (float)segments * half_sine );
+    return ( wave_offset ){ radius * sine, radius * ( 1.0f - cosine ) };
+}
+
 static void make_flat_strand( const wisp_groom_generator* r, const strand_draw* draw, int s, wisp_vec3* points )
 {
     float root = (float)( ( s - 0.5 * ( r->strand_count - 1 ) ) * (double)r->spacing );
     for ( int k = 0; k < r->vertices_per_strand; ++k )
     {
         float t = draw->length * ( (float)k / (float)( r->vertices_per_strand - 1 ) );
+        if ( r->shape == WISP_GROOM_RING )
+        {
+            wave_offset ring = ring_at( r, draw, k );
+            points[k] = ( wisp_vec3 ){ root + ring.aside, 0.0f - ring.away, 0.0f };
+            continue;
+        }
         wave_offset offset = wave_at( r, draw, t );
         // In the plane there is no direction away from the head: a curl runs ahead and returns, a cycloid.
         points[k] = ( wisp_vec3 ){ root + offset.aside, 0.0f - t - offset.away, 0.0f };
@@ -228,6 +251,17 @@ static void make_round_strand( const wisp_groom_generator* r, const strand_draw*
     meridian normal = { (float)sqrt( 1.0 - height * height ), (float)height };
 
     meridian place = { r->scalp_radius * normal.out, r->scalp_radius * normal.up };
+    for ( int k = 0; r->shape == WISP_GROOM_RING && k < r->vertices_per_strand; ++k )
+    {
+        wave_offset ring = ring_at( r, draw, k );
+        float out = place.out + normal.out * ring.away;
+        points[k] = ( wisp_vec3 ){ out * east - ring.aside * north, place.up + normal.up * ring.away,
+                                   out * north + ring.aside * east };
+    }
+    if ( r->shape == WISP_GROOM_RING )
+    {
+        return;
+    }
     meridian ahead = normal;
     float step = draw->length / (float)( r->vertices_per_strand - 1 );
     for ( int k = 0; k < r->vertices_per_strand; ++k )

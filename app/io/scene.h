@@ -153,10 +153,15 @@ extern "C"
         wisp_sleep_def sleep;
         wisp_scene_path head;
         wisp_vec3 head_pivot; ///< m, where the head stands at the start, not turned; unless given, the pose's place
-        wisp_strand_tip tips_hold; ///< of every tip, with has_tips
-        wisp_scene_path tips_path; ///< how far tips are from rest, relative to the head
-        float tips_release;        ///< s, time at which they are released; infinite: never
-        int on_surface;            ///< index into the scene's surfaces, of the one that roots are on; -1: none
+        bool has_frame, has_frame_pivot;
+        wisp_moving_frame_def frame; ///< its pose is the identity at the pivot
+        wisp_scene_path frame_path;  ///< how far it is from where it starts; empty: it goes with the head
+        wisp_vec3 frame_pivot;       ///< m, where it stands at the start; unless given, the pivot of the head
+        float max_speed;             ///< m/s; infinite: no limit
+        wisp_strand_tip tips_hold;   ///< of every tip, with has_tips
+        wisp_scene_path tips_path;   ///< how far tips are from rest, relative to the head
+        float tips_release;          ///< s, time at which they are released; infinite: never
+        int on_surface;              ///< index into the scene's surfaces, of the one that roots are on; -1: none
 
         bool has_ghosts;
         wisp_ghosts_def ghosts; ///< without targets

@@ -122,7 +122,13 @@ static const scene_field SURFACE_FIELDS[] = {
 };
 const scene_block SCENE_CONTACT_BLOCK = BLOCK( SURFACE_FIELDS );
 
-static const scene_field STRANDS_FIELDS[] = { PARTICIPANT_FIELDS( wisp_scene_strands ) };
+static const scene_field STRANDS_FIELDS[] = {
+    PARTICIPANT_FIELDS( wisp_scene_strands ),
+    { "between_strands", SCENE_SWITCH, .at = offsetof( wisp_scene_strands, contact.between_strands ),
+      .help =
+          "Whether the strands keep their distance from strands: from each other, and from those of other entries "
+          "that have it too." },
+};
 const scene_block SCENE_STRAND_CONTACT_BLOCK = BLOCK( STRANDS_FIELDS );
 
 // ---- contact of the scene ----

@@ -57,6 +57,15 @@ static wisp_status check_dynamics( scene_reader* r, const scene_node* node, cons
     {
         return scene_refuse_node( r, node, "got both 'head' and 'on_surface', expected one of them" );
     }
+    for ( int i = 0; i < s->frame_path.count; ++i )
+    {
+        if ( s->frame_path.poses[i].jump )
+        {
+            return scene_refuse_node( r, scene_child( r, node, "frame" ),
+                                      "'jump' in keyframe %d: only keyframes of pins, colliders and heads can jump",
+                                      i );
+        }
+    }
     if ( s->has_tips && ( s->tips_hold & WISP_STRAND_TIP_GUIDED ) != 0 &&
          s->dynamics.bending != WISP_STRAND_BEND_ROD )
     {
@@ -69,9 +78,8 @@ static wisp_status check_dynamics( scene_reader* r, const scene_node* node, cons
 // What only strands that move can take; ghosts are at least kept out of bodies.
 static wisp_status check_still( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
 {
-    static const char* const keys[] = {
-        "head", "tips", "on_surface", "grid", "collision", "contact", "sleep", "start"
-    };
+    static const char* const keys[] = { "head", "tips",      "frame",   "max_speed", "on_surface",
+                                        "grid", "collision", "contact", "sleep",     "start" };
     for ( int i = 0; i < WISP_COUNT( keys ); ++i )
     {
         const scene_node* child = scene_child( r, node, keys[i] );

@@ -58,13 +58,19 @@ static const scene_field DYNAMICS_FIELDS[] = {
       .unit = ROD_RIGIDITIES, .help = "Twisting rigidity GJ of a rod." },
     { "edgewise_rigidity", SCENE_NUMBER, .at = MOVES( edgewise_rigidity ), .range = RANGE( 0, 1e12 ),
       .unit = ROD_RIGIDITIES,
-      .help =
-          "Bending rigidity of an elliptic section or a ribbon in the plane of its width, at least `bend_rigidity`, "
-          "which is that across its flat side; 0 is circular." },
+      .help = "Bending rigidity of an elliptic section or a ribbon in the plane of its width, 1 to 1e5 times "
+              "`bend_rigidity`, which is that across its flat side; 0 is circular." },
     { "flat_normal", SCENE_VECTOR, .at = MOVES( flat_normal ), .range = RANGE( -1e5, 1e5 ),
       .help = "Direction across the flat side at roots, with `edgewise_rigidity`.", .initial = "any direction" },
     { "natural_twist", SCENE_NUMBER, .at = MOVES( natural_twist ), .range = RANGE( -1e5, 1e5 ), .unit = "rad/m",
       .help = "Rotation of the section along a strand without load, with `edgewise_rigidity`." },
+    { "free_roots", SCENE_SWITCH, .at = MOVES( free_roots ),
+      .help = "Roots are free, in place and direction: strands fall. With `rest: shape` or `straight`." },
+    { "closed", SCENE_SWITCH, .at = MOVES( closed ),
+      .help = "Every strand is a loop that moves freely: its last vertex lies on its first and is the same one. With "
+              "`stretch: direct`, `bending: rod` or `none`, and `rest: shape` or `straight`." },
+    { "closing_twist", SCENE_NUMBER, .at = MOVES( closing_twist ), .range = RANGE( -1e4, 1e4 ), .unit = "rad",
+      .help = "How far one end of a closed rod was turned against the other before they were joined." },
     { "bend_damping", SCENE_NUMBER, .at = MOVES( bend_damping ), .range = RANGE( 0, 1e3 ), .unit = SECONDS,
       .help = "Ratio of the force against the rate of bending to the force against bending, of a rod." },
     { "rest", SCENE_CHOICE, .at = MOVES( rest ), .choices = RESTS, .help = "Shape of a rod where no force acts." },
@@ -116,6 +122,22 @@ static const scene_field HEAD_FIELDS[] = {
       .initial = "`transform.translate`" },
 };
 const scene_block SCENE_HEAD_BLOCK = BLOCK( HEAD_FIELDS );
+
+#define FRAME( member ) offsetof( wisp_scene_strands, frame.member )
+
+static const scene_field FRAME_FIELDS[] = {
+    { "linear_inertia", SCENE_NUMBER, .at = FRAME( linear_inertia ), .range = UNIT_RANGE,
+      .help = "Fraction of the displacement of the frame that strands feel." },
+    { "angular_inertia", SCENE_NUMBER, .at = FRAME( angular_inertia ), .range = UNIT_RANGE,
+      .help = "Fraction of the rotation of the frame that strands feel." },
+    { "keyframes", SCENE_CUSTOM, .at = AT( frame_path ), .read = scene_read_pin_path,
+      .help = "Displacement of the frame from where it starts; without `jump`.",
+      .form = "list of keyframes {time, translate, rotate}", .initial = "it goes with the head" },
+    { "pivot", SCENE_VECTOR, .at = AT( frame_pivot ), .range = COORDINATE, .unit = METRES,
+      .given = AT( has_frame_pivot ), .help = "Where the frame starts; it rotates about this point.",
+      .initial = "that of the head" },
+};
+const scene_block SCENE_STRAND_FRAME_BLOCK = BLOCK( FRAME_FIELDS );
 
 static const scene_choice HOLDS[] = { { "free", "not at all" },
                                       { "pinned", "their positions" },

@@ -7,7 +7,7 @@ extern const scene_block SCENE_BLOCK_OF_ALL;   // over wisp_scene
 extern const scene_block SCENE_STRANDS_BLOCK;  // over wisp_scene_strands
 extern const scene_block SCENE_GENERATE_BLOCK; // over wisp_groom_generator
 extern const scene_block SCENE_SCATTER_BLOCK, SCENE_CURVES_BLOCK, SCENE_DYNAMICS_BLOCK, SCENE_HEAD_BLOCK,
-    SCENE_TIPS_BLOCK, SCENE_GRID_BLOCK, SCENE_GHOSTS_BLOCK, SCENE_STRAND_COLLISION_BLOCK,
+    SCENE_TIPS_BLOCK, SCENE_STRAND_FRAME_BLOCK, SCENE_GRID_BLOCK, SCENE_GHOSTS_BLOCK, SCENE_STRAND_COLLISION_BLOCK,
     SCENE_STRAND_CONTACT_BLOCK;                                     // over wisp_scene_strands
 extern const scene_block SCENE_COMMAND_BLOCK;                       // over wisp_scene_hair_event
 extern const scene_block SCENE_EVENT_BLOCK;                         // over scene_event

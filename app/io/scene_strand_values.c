@@ -10,9 +10,11 @@
 #define SMALLEST 1e-6
 #define FARTHEST ( (double)WISP_GROOM_MAX_COORDINATE )
 
-static const scene_choice SHAPES[] = {
-    { "straight", "a straight line" }, { "wavy", "waves in a plane" }, { "curly", "a helix" }, { NULL, NULL }
-};
+static const scene_choice SHAPES[] = { { "straight", "a straight line" },
+                                       { "wavy", "waves in a plane" },
+                                       { "curly", "a helix" },
+                                       { "ring", "a ring that touches its root, for `dynamics.closed`" },
+                                       { NULL, NULL } };
 
 static const scene_field MAKE_FIELDS[] = {
     { "shape", SCENE_CHOICE, .at = AT( shape ), .choices = SHAPES,

@@ -55,7 +55,8 @@ static void keep_section( text_node* dynamics )
     text_is_number( text_find( dynamics, "edgewise_rigidity" ), &edgewise );
     text_is_number( text_find( dynamics, "bend_rigidity" ), &flat );
     const char* const bending = text_at( dynamics, "bending" );
-    if ( edgewise < flat || flat <= 0.0 || ( bending[0] != 0 && strcmp( bending, "rod" ) != 0 ) )
+    if ( edgewise < flat || edgewise > 1e5 * flat || flat <= 0.0 ||
+         ( bending[0] != 0 && strcmp( bending, "rod" ) != 0 ) )
     {
         text_remove_key( dynamics, "edgewise_rigidity" );
         edgewise = 0.0;
@@ -67,6 +68,19 @@ static void keep_section( text_node* dynamics )
     }
 }
 
+// Closed strands are rings and nothing else. Roots are free of strands that are not sag-free, or do not bend as rods.
+static void keep_roots( strands_maker* m, text_node* dynamics )
+{
+    const char *const bending = text_at( dynamics, "bending" ), *const rest = text_at( dynamics, "rest" );
+    const bool is_rod = bending[0] == 0 || strcmp( bending, "rod" ) == 0;
+    text_remove_key( dynamics, "closed" );
+    text_remove_key( dynamics, "closing_twist" );
+    if ( ( is_rod && ( rest[0] == 0 || strcmp( rest, "sag_free" ) == 0 ) ) || text_find( m->entry, "tips" ) != NULL )
+    {
+        text_remove_key( dynamics, "free_roots" );
+    }
+}
+
 static void put_dynamics( strands_maker* m )
 {
     text_node* dynamics = torture_put_block( m->b, m->block, m->entry, "dynamics", 30 );
@@ -75,6 +89,7 @@ static void put_dynamics( strands_maker* m )
         text_remove_key( dynamics, "stretch" ); // BDF2 needs direct lengths, the default
     }
     keep_section( dynamics );
+    keep_roots( m, dynamics );
     if ( chance( m, 70 ) )
     {
         torture_put_log( m->b, dynamics, "damping", 0.5, 10.0 );
@@ -83,7 +98,8 @@ static void put_dynamics( strands_maker* m )
     {
         put_masses( m, dynamics );
     }
-    if ( m->b->surfaces->count > 0 && chance( m, 30 ) )
+    const bool is_free = strcmp( text_at( dynamics, "free_roots" ), "true" ) == 0;
+    if ( m->b->surfaces->count > 0 && chance( m, 30 ) && is_free == false )
     {
         text_put( m->entry, "on_surface", text_scalar( "%s", text_at( m->b->surfaces->children[0], "name" ) ) );
     }

@@ -250,6 +250,17 @@ static wisp_status follow_head( scene_world* world, int strands, step_times t )
         return status;
     }
     wisp_transform pose = pose_at_end( world, &entry->head, start, t );
+    if ( entry->has_frame && entry->frame_path.count == 0 )
+    {
+        const wisp_vec3 from = scene_strand_frame_pivot( entry );
+        const wisp_vec3 arm = { from.x - pivot.x, from.y - pivot.y, from.z - pivot.z };
+        const wisp_transform frame = wisp_transform_make( pose.rotation, wisp_transform_to_world( pose, arm ) );
+        const wisp_status moved = wisp_move_frame( world->world, world->entities[strands], frame );
+        if ( moved != WISP_OK )
+        {
+            return moved;
+        }
+    }
     const wisp_vec3 turned = wisp_quat_rotate( pose.rotation, pivot );
     pose.translation =
         ( wisp_vec3 ){ pose.translation.x - turned.x, pose.translation.y - turned.y, pose.translation.z - turned.z };
@@ -281,6 +292,20 @@ static wisp_status follow_tips( scene_world* world, int strands, step_times t )
     return status;
 }
 
+// A frame with a path of its own; one without goes with the head.
+static wisp_status follow_frame( scene_world* world, int strands, step_times t )
+{
+    const wisp_scene_strands* entry = &world->scene->strands[strands];
+    if ( !is_moving( world, &entry->frame_path, t ) )
+    {
+        return WISP_OK;
+    }
+    const wisp_transform way = pose_at_end( world, &entry->frame_path, still, t );
+    const wisp_vec3 from = scene_strand_frame_pivot( entry );
+    const wisp_vec3 to = { from.x + way.translation.x, from.y + way.translation.y, from.z + way.translation.z };
+    return wisp_move_frame( world->world, world->entities[strands], wisp_transform_make( way.rotation, to ) );
+}
+
 static wisp_status follow_heads( scene_world* world, step_times t, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
@@ -289,6 +314,7 @@ static wisp_status follow_heads( scene_world* world, step_times t, wisp_error* e
     {
         const wisp_scene_strands* entry = &scene->strands[i];
         status = follow_head( world, i, t );
+        status = status == WISP_OK && entry->has_frame ? follow_frame( world, i, t ) : status;
         status = status == WISP_OK && entry->has_tips && entry->tips_hold != WISP_STRAND_TIP_FREE
                      ? follow_tips( world, i, t )
                      : status;

@@ -3,6 +3,7 @@
 
 #include "wisp/module/module.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 static wisp_status fail_here( const scene_world* world, int strands, wisp_status status, wisp_error* error )
@@ -56,6 +57,13 @@ wisp_status scene_hold_tips( scene_world* world, int strands, wisp_strand_tip ho
     return status;
 }
 
+wisp_vec3 scene_strand_frame_pivot( const wisp_scene_strands* entry )
+{
+    return entry->has_frame_pivot  ? entry->frame_pivot
+           : entry->has_head_pivot ? entry->head_pivot
+                                   : entry->pose.translation;
+}
+
 static wisp_status set_dynamics( scene_world* world, int strands )
 {
     const wisp_scene_strands* entry = &world->scene->strands[strands];
@@ -67,6 +75,16 @@ static wisp_status set_dynamics( scene_world* world, int strands )
     if ( status == WISP_OK && entry->has_grid )
     {
         status = wisp_set_strand_grid( world->world, entity, &entry->grid );
+    }
+    if ( status == WISP_OK && entry->has_frame )
+    {
+        wisp_moving_frame_def frame = entry->frame;
+        frame.pose.translation = scene_strand_frame_pivot( entry );
+        status = wisp_set_moving_frame( world->world, entity, &frame );
+    }
+    if ( status == WISP_OK && entry->max_speed < INFINITY )
+    {
+        status = wisp_set_max_speed( world->world, entity, entry->max_speed );
     }
     status = status == WISP_OK && entry->has_tips ? scene_hold_tips( world, strands, entry->tips_hold ) : status;
     status = status == WISP_OK ? set_collision( world, strands ) : status;

@@ -23,6 +23,8 @@ wisp_status scene_fail_at_strands( const wisp_scene* scene, int strands, wisp_st
                                    wisp_error* error );
 /// Add the effects and requests of strands.
 wisp_status scene_strands_dress( scene_world* world, int strands );
+/// Where the frame of strands starts, m.
+wisp_vec3 scene_strand_frame_pivot( const wisp_scene_strands* entry );
 /// Add dynamics, ghosts and curves. Call after all other entries are added.
 wisp_status scene_motion_set( scene_world* world, wisp_error* error );
 

@@ -4,6 +4,7 @@
 // rod_frames.c.
 #include "strand_frame.h"
 #include "strand_history.h"
+#include "strand_loop.h"
 
 static const size_t STRIDE = 3 * WISP_LANES;
 static const size_t QUATERNION = 4 * WISP_LANES;
@@ -173,6 +174,18 @@ static frame16 clamp_frame( const wisp_strand_rod_args* args, int group )
                              frame16_load( args->clamp + (size_t)group * QUATERNION ) );
 }
 
+// Returns the frame of the segment before vertex 0: the clamp, of a closed strand its last segment.
+static frame16 frame_before_root( const wisp_strand_rod_args* args, int group, int first, int last )
+{
+    frame16 q = clamp_frame( args, group );
+    for ( int row = first; row + 1 < last && args->response != NULL; ++row )
+    {
+        q = frame16_select( loop16_ends( args->inverse_length, row ),
+                            frame16_load( args->frame + (size_t)row * QUATERNION ), q );
+    }
+    return q;
+}
+
 // Transports a segment's frame to its current direction; a segment without length keeps its frame.
 static frame16 carry_frame( const wisp_strand_rod_args* args, int row, lane16v e )
 {
@@ -340,9 +353,9 @@ static void carry_frames( const wisp_strand_rod_args* args, lane16 back, int fir
 static bool measure_frames( const wisp_strand_rod_args* args, const step_lanes* step, int group, int first, int last )
 {
     bool folds = false;
-    frame16 before = clamp_frame( args, group );
     const lane16 back = acceleration_offset( args, step, group );
     carry_frames( args, back, first, last );
+    frame16 before = frame_before_root( args, group, first, last );
     lane16v t_before = frame16_z( before );
     float* out = args->scratch;
     for ( int row = first; row < bending_end( args, last ); ++row, out += ROW )
@@ -429,6 +442,18 @@ static lane16m turn_segments( const wisp_strand_rod_args* args, int first, int l
     return balanced;
 }
 
+// Returns how far the last segment of a closed strand turned.
+static lane16 turn_of_joint( const wisp_strand_rod_args* args, int first, int last )
+{
+    lane16 turn = lane16_zero();
+    for ( int row = first; row + 1 < last; ++row )
+    {
+        const float* at = args->scratch + (size_t)( row - first ) * ROW;
+        turn = lane16_select( loop16_ends( args->inverse_length, row ), lane16_load( at + TURN ), turn );
+    }
+    return turn;
+}
+
 // Rotates the soft axis about the middle tangent, to first order and without changing its length.
 LANE_INLINE void turn_section( float* section, lane16 turn )
 {
@@ -447,8 +472,8 @@ static void turn_vertices( const wisp_strand_rod_args* args, int group, int firs
                            bool folds )
 {
     const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f ), four = lane16_set1( 4.0f );
-    lane16 before = zero;
-    lane16v behind = { zero, zero, zero };
+    lane16 before = args->response != NULL ? turn_of_joint( args, first, last ) : zero;
+    lane16v behind = { zero, zero, zero }, joint = behind;
     float* at = args->scratch;
     for ( int row = first; row < bending_end( args, last ); ++row, at += ROW )
     {
@@ -473,17 +498,26 @@ static void turn_vertices( const wisp_strand_rod_args* args, int group, int firs
         {
             const float* frame = args->frame + (size_t)row * QUATERNION;
             own = unfold_vertex( args, row,
-                                 row > first ? frame16_load( frame - QUATERNION ) : clamp_frame( args, group ),
+                                 row > first ? frame16_load( frame - QUATERNION )
+                                             : frame_before_root( args, group, first, last ),
                                  frame16_load( frame ), moment, at, section, own );
         }
         if ( row > first )
         {
             lane16v_store( at - ROW + TURNING, lane16v_add( behind, own.before ) );
         }
+        joint = row > first ? joint : own.before;
         behind = own.behind;
         before = turn;
     }
     lane16v_store( at - ROW + TURNING, behind );
+    for ( int row = first; row + 1 < last && args->response != NULL; ++row )
+    {
+        float* out = args->scratch + (size_t)( row - first ) * ROW + TURNING;
+        const lane16v own = lane16v_load( out );
+        lane16v_store( out,
+                       lane16v_select( loop16_ends( args->inverse_length, row ), lane16v_add( own, joint ), own ) );
+    }
 }
 
 // ---- bending ----
@@ -643,9 +677,16 @@ LANE_INLINE void substitute( const wisp_strand_rod_args* args, const step_lanes*
     }
 }
 
+#include "strand_rod_closed.h"
+
 static void bend_group( const wisp_strand_rod_args* args, int group, int first, int last )
 {
     const step_lanes step = step_of( args, group );
+    if ( args->response != NULL )
+    {
+        bend_closed_group( args, &step, group, first, last );
+        return;
+    }
     if ( args->frame != NULL )
     {
         const bool folds = measure_frames( args, &step, group, first, last );

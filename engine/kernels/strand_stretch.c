@@ -8,6 +8,7 @@
 // (strand_place.h).
 #include "strand_chains.h"
 #include "strand_history.h"
+#include "strand_loop.h"
 
 #include <math.h>
 
@@ -559,9 +560,16 @@ LANE_INLINE int stretch_all( const wisp_strand_stretch_args* args, int begin, in
     return laid;
 }
 
+#include "strand_stretch_closed.h"
+
 int KERNEL( strand_stretch )( const wisp_strand_stretch_args* args, int begin, int end )
 {
     const wisp_strand_stretch_args mine = *args;
+    if ( mine.is_closed )
+    {
+        stretch_closed( &mine, begin, end );
+        return 0;
+    }
     if ( mine.is_held )
     {
         const iteration_kind kind = { .is_first = true, .is_predicted = mine.previous != NULL, .is_held = true };

@@ -47,8 +47,7 @@ static void write_turn( rotation q, float turn[9] )
     }
 }
 
-// The unfelt motion of the frame in a substep. @return false if there is none
-static bool find_carry( wisp_frame* frame, const wisp_span* span, wisp_carry_args* args )
+bool wisp_frame_find_carry( wisp_frame* frame, const wisp_span* span, wisp_carry_args* args, wisp_quat* unfelt_turn )
 {
     const wisp_transform* pose = wisp_frame_column( frame, span->entity, WISP_PARTICLE_FRAME, 0 );
     const float* felt = wisp_frame_column( frame, span->entity, WISP_PARTICLE_FRAME, 1 );
@@ -61,7 +60,9 @@ static bool find_carry( wisp_frame* frame, const wisp_span* span, wisp_carry_arg
                 end = wisp_frame_progress( frame, span->entity, span->substep + 1 );
     const rotation turn = turn_between( wisp_transform_interpolate( pose[0], pose[1], begin ).rotation,
                                         wisp_transform_interpolate( pose[0], pose[1], end ).rotation );
-    write_turn( part_of( turn, 1.0 - (double)felt[1] ), args->turn );
+    const rotation part = part_of( turn, 1.0 - (double)felt[1] );
+    write_turn( part, args->turn );
+    *unfelt_turn = ( wisp_quat ){ (float)part.x, (float)part.y, (float)part.z, (float)part.w };
     const double unfelt = ( 1.0 - (double)felt[0] ) * ( (double)end - (double)begin ), at = (double)begin;
     const wisp_vec3 a = pose[0].translation, b = pose[1].translation;
     const double x = (double)b.x - (double)a.x, y = (double)b.y - (double)a.y, z = (double)b.z - (double)a.z;
@@ -71,22 +72,33 @@ static bool find_carry( wisp_frame* frame, const wisp_span* span, wisp_carry_arg
     return true;
 }
 
+static bool find_carry( wisp_frame* frame, const wisp_span* span, wisp_carry_args* args )
+{
+    wisp_quat turn;
+    return wisp_frame_find_carry( frame, span, args, &turn );
+}
+
 // ---- once per step ----
+
+void wisp_frame_move_carry( wisp_frame* frame, wisp_entity entity )
+{
+    wisp_transform* pose = wisp_frame_column( frame, entity, WISP_PARTICLE_FRAME, 0 );
+    int32_t* moves = wisp_frame_column( frame, entity, WISP_PARTICLE_FRAME, 2 );
+    pose[0] = wisp_frame_reached( frame, pose[0], pose[1] );
+    pose[1] = pose[2];
+    *moves = memcmp( pose, pose + 1, sizeof( *pose ) ) != 0 ? 1 : 0;
+}
 
 static void move_frame( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
-    wisp_transform* pose = wisp_frame_column( frame, span->entity, WISP_PARTICLE_FRAME, 0 );
-    int32_t* moves = wisp_frame_column( frame, span->entity, WISP_PARTICLE_FRAME, 2 );
     if ( wisp_frame_has( frame, span->entity, WISP_PARTICLE_EXTERNAL_SOLVER ) )
     {
         wisp_frame_fail( frame, WISP_CONFLICT,
                          "entity %u: has a moving frame, which an external solver does not support",
                          span->entity.index );
     }
-    pose[0] = wisp_frame_reached( frame, pose[0], pose[1] );
-    pose[1] = pose[2];
-    *moves = memcmp( pose, pose + 1, sizeof( *pose ) ) != 0 ? 1 : 0;
+    wisp_frame_move_carry( frame, span->entity );
 }
 
 // ---- each substep ----
@@ -170,7 +182,7 @@ wisp_status passes_declare_carry( wisp_registry* registry )
             .name = "particles.frame",
             .stage = WISP_STAGE_INPUT,
             .domain = WISP_DOMAIN_ENTITY,
-            .required = { WISP_PARTICLE_FRAME },
+            .required = { WISP_PARTICLE_FRAME, WISP_PARTICLE_POSITION },
             .reads = { WISP_PARTICLE_FRAME, WISP_PARTICLE_POSITION },
             .writes = { WISP_PARTICLE_FRAME, WISP_PARTICLE_POSITION },
             .run = move_frame,

@@ -1,4 +1,4 @@
-// Moving frames and largest speeds of surfaces: the calls of the host.
+// Moving frames and largest speeds of surfaces and strands: the calls of the host.
 #include "world.h"
 
 #include "wisp/module/components.h"
@@ -36,7 +36,21 @@ static wisp_status check_pose( wisp_world* world, wisp_transform pose )
                                   (double)q.y, (double)q.z, (double)q.w );
 }
 
-static wisp_status check_frame( wisp_world* world, wisp_entity surface, const wisp_moving_frame_def* def )
+// Check that an entity is a surface, or strands that move.
+static wisp_status check_entity( wisp_world* world, wisp_entity entity )
+{
+    store_entity* e;
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    if ( wisp_world_strands( world, entity ) != NULL &&
+         wisp_world_has( world, entity, WISP_STRAND_VELOCITY ) == false )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT,
+                                "entity %u: has strands that do not move: give them dynamics first", entity.index );
+    }
+    return wisp_world_strands( world, entity ) != NULL ? WISP_OK : world_find_surface( world, entity, &e );
+}
+
+static wisp_status check_frame( wisp_world* world, wisp_entity entity, const wisp_moving_frame_def* def )
 {
     const wisp_number_range ranges[] = {
         { "linear_inertia", def->linear_inertia, 0.0f, 1.0f },
@@ -44,41 +58,37 @@ static wisp_status check_frame( wisp_world* world, wisp_entity surface, const wi
     };
     WISP_TRY( wisp_world_check_ranges( world, "moving frame", ranges, WISP_COUNT( ranges ) ) );
     WISP_TRY( check_pose( world, def->pose ) );
-    return wisp_world_has( world, surface, WISP_PARTICLE_EXTERNAL_SOLVER )
+    return wisp_world_has( world, entity, WISP_PARTICLE_EXTERNAL_SOLVER )
                ? wisp_world_fail( world, WISP_CONFLICT,
-                                  "moving frame: entity %u has an external solver, which has none", surface.index )
+                                  "moving frame: entity %u has an external solver, which has none", entity.index )
                : WISP_OK;
 }
 
-wisp_status wisp_set_moving_frame( wisp_world* world, wisp_entity surface, const wisp_moving_frame_def* given )
+wisp_status wisp_set_moving_frame( wisp_world* world, wisp_entity entity, const wisp_moving_frame_def* given )
 {
     wisp_moving_frame_def def = wisp_default_moving_frame_def();
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_moving_frame_def", &def, given ) );
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    store_entity* e;
-    WISP_TRY( world_find_surface( world, surface, &e ) );
-    WISP_TRY( check_frame( world, surface, &def ) );
+    WISP_TRY( check_entity( world, entity ) );
+    WISP_TRY( check_frame( world, entity, &def ) );
     if ( def.linear_inertia == 1.0f && def.angular_inertia == 1.0f )
     {
-        return wisp_world_detach( world, surface, WISP_PARTICLE_FRAME );
+        return wisp_world_detach( world, entity, WISP_PARTICLE_FRAME );
     }
-    WISP_TRY( wisp_world_attach( world, surface, WISP_PARTICLE_FRAME ) );
-    wisp_transform* pose = wisp_world_column( world, surface, WISP_PARTICLE_FRAME, 0 );
-    float* felt = wisp_world_column( world, surface, WISP_PARTICLE_FRAME, 1 );
+    WISP_TRY( wisp_world_attach( world, entity, WISP_PARTICLE_FRAME ) );
+    wisp_transform* pose = wisp_world_column( world, entity, WISP_PARTICLE_FRAME, 0 );
+    float* felt = wisp_world_column( world, entity, WISP_PARTICLE_FRAME, 1 );
     pose[0] = pose[1] = pose[2] = wisp_transform_make( def.pose.rotation, def.pose.translation );
     felt[0] = def.linear_inertia;
     felt[1] = def.angular_inertia;
     return WISP_OK;
 }
 
-wisp_status wisp_move_frame( wisp_world* world, wisp_entity surface, wisp_transform pose )
+wisp_status wisp_move_frame( wisp_world* world, wisp_entity entity, wisp_transform pose )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    store_entity* e;
-    WISP_TRY( world_find_surface( world, surface, &e ) );
+    WISP_TRY( check_entity( world, entity ) );
     WISP_TRY( check_pose( world, pose ) );
-    wisp_transform* poses = wisp_world_column( world, surface, WISP_PARTICLE_FRAME, 0 );
+    wisp_transform* poses = wisp_world_column( world, entity, WISP_PARTICLE_FRAME, 0 );
     if ( poses != NULL )
     {
         poses[2] = wisp_transform_make( pose.rotation, pose.translation );
@@ -86,23 +96,21 @@ wisp_status wisp_move_frame( wisp_world* world, wisp_entity surface, wisp_transf
     return WISP_OK;
 }
 
-wisp_status wisp_set_max_speed( wisp_world* world, wisp_entity surface, float speed )
+wisp_status wisp_set_max_speed( wisp_world* world, wisp_entity entity, float speed )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    store_entity* e;
-    WISP_TRY( world_find_surface( world, surface, &e ) );
+    WISP_TRY( check_entity( world, entity ) );
     if ( !( speed > 0.0f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "max_speed: got %g m/s, expected a number above 0",
                                 (double)speed );
     }
     const bool is_limited = speed < INFINITY;
-    WISP_TRY( is_limited ? wisp_world_attach( world, surface, WISP_PARTICLE_MAX_SPEED )
-                         : wisp_world_detach( world, surface, WISP_PARTICLE_MAX_SPEED ) );
+    WISP_TRY( is_limited ? wisp_world_attach( world, entity, WISP_PARTICLE_MAX_SPEED )
+                         : wisp_world_detach( world, entity, WISP_PARTICLE_MAX_SPEED ) );
     if ( is_limited )
     {
-        *(float*)wisp_world_column( world, surface, WISP_PARTICLE_MAX_SPEED, 0 ) = speed;
+        *(float*)wisp_world_column( world, entity, WISP_PARTICLE_MAX_SPEED, 0 ) = speed;
     }
     return WISP_OK;
 }

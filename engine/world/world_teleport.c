@@ -87,6 +87,10 @@ static void move_particles( wisp_world* world, wisp_entity entity, const wisp_te
                         wisp_world_column( world, entity, WISP_PARTICLE_VELOCITY, 0 ), count, 4 );
     wisp_teleport_rows( teleport, wisp_world_column( world, entity, WISP_PARTICLE_LAST_VALID, 0 ), NULL, count, 4 );
     wisp_teleport_rows( teleport, wisp_world_column( world, entity, WISP_PARTICLE_TARGET, 0 ), NULL, count, 4 );
+}
+
+static void move_frame( wisp_world* world, wisp_entity entity, const wisp_teleport_motion* teleport )
+{
     wisp_transform* poses = wisp_world_column( world, entity, WISP_PARTICLE_FRAME, 0 );
     for ( int i = 0; poses != NULL && i < 3; ++i )
     {
@@ -119,6 +123,7 @@ static void move_views( wisp_world* world, const store_entity* e, const wisp_tel
 void wisp_world_move_columns( wisp_world* world, wisp_entity entity, const wisp_teleport_motion* teleport )
 {
     const store_entity* e = store_find( &world->store, entity );
+    move_frame( world, entity, teleport );
     if ( e->fabric != NULL )
     {
         move_particles( world, entity, teleport, e->fabric->slot_count );

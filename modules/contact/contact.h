@@ -1,4 +1,4 @@
-/// Contact between surfaces, of surfaces with themselves, and of strands with surfaces. Cloth does not pass through cloth, and
+/// Contact between surfaces, of surfaces with themselves, of strands with surfaces, and on request of strands with strands. Cloth does not pass through cloth, and
 /// balloons press on each other and flatten. Friction is Coulomb's, and momentum is conserved. Kinematic bodies belong to
 /// the module collision. The displacement limit follows Incremental Potential Contact (Li et al. 2020) in its purpose:
 /// a state without intersections stays free of them.
@@ -59,13 +59,17 @@ typedef struct wisp_contact_def
         thickness; ///< m; two participants keep half the sum of their thicknesses apart; default 0: a quarter of the mean
     ///< rest length of edges or segments. Must be below the shortest edge, or the surface cannot lie flat
     float friction; ///< mu >= 0, default 0.3; a pair has the geometric mean
-    bool self;      ///< default true: a surface keeps its distance from itself; strands never do
+    bool self;      ///< default true: a surface keeps its distance from itself, and strands with `between_strands` do
     float
         max_push_out_speed; ///< m/s, >= 0: speed at which pairs that are too near separate, without getting velocity;
                             ///< default 0: ten thicknesses per second
     uint32_t layers,
         mask;     ///< bits, default 1 and all: two participants collide if each has a layer in the mask of the other
     bool enabled; ///< default true
+    /// Strands keep their distance from strands: with `self` from each other and from themselves, and from those of another
+    /// entity that has it too. Segments that are nearer at rest keep 0.9 of that distance. Displacements are limited once more
+    /// after lengths are restored, so that segments do not pass through each other; lengths give way by that. Default false.
+    bool between_strands;
 } wisp_contact_def;
 
 WISP_DEFINITION( contact_def );

@@ -88,6 +88,7 @@ static void fill_strands( const contact_work* work, const contact_participant* p
 {
     contact_contact_mesh* s = work->contact_mesh;
     const wisp_strand_topology* t = wisp_frame_strands( work->frame, participant->entity );
+    const float* shape = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_REST, 0 );
     int32_t* edge = s->edges + 2 * (size_t)participant->first_edge;
     for ( int i = 0; i < participant->point_count; ++i )
     {
@@ -96,6 +97,16 @@ static void fill_strands( const contact_work* work, const contact_participant* p
     }
     for ( int lane = 0; lane < t->group_count * WISP_LANES; ++lane )
     {
+        for ( int i = 0; i < t->lane_count[lane] && ( participant->settings.self & 1 ) != 0; ++i )
+        {
+            const int point = participant->first_point + t->offsets[t->lane_strand[lane]] + i;
+            const float* from =
+                shape + (size_t)( t->group_row[lane / WISP_LANES] + i ) * 3 * WISP_LANES + lane % WISP_LANES;
+            for ( int k = 0; k < 3; ++k )
+            {
+                s->rest[(size_t)point * 4 + (size_t)k] = from[k * WISP_LANES];
+            }
+        }
         for ( int i = 1; i < t->lane_count[lane]; ++i, edge += 2 )
         {
             edge[1] = participant->first_point + t->offsets[t->lane_strand[lane]] + i;
@@ -155,8 +166,8 @@ bool contact_may_meet( const contact_participant* a, const contact_participant* 
 {
     if ( a == b )
     {
-        return a->settings.self != 0;
+        return ( a->settings.self & 1 ) != 0;
     }
     return ( a->settings.layers & b->settings.mask ) != 0 && ( b->settings.layers & a->settings.mask ) != 0 &&
-           ( a->is_strands && b->is_strands ) == false;
+           ( a->is_strands == false || b->is_strands == false || ( a->settings.self & b->settings.self & 2 ) != 0 );
 }

@@ -23,7 +23,7 @@ typedef struct contact_settings
 {
     float thickness, friction, max_push_out_speed;
     uint32_t layers, mask;
-    int32_t self;
+    int32_t self;   // 1: it meets itself; 2: it is made of strands, and meets those of others that have this
     int32_t is_new; // its column of intersection-free positions has no values yet
 } contact_settings;
 

@@ -135,6 +135,7 @@ static wisp_status declare_components( wisp_registry* r, contact_state* s )
         { &s->components.strand_free, { "contact.strands", WISP_TABLE_STRAND_ROW, STRAND_COLUMNS, 1 } },
         { &s->active, { "contact.active", WISP_TABLE_ENTITY, MEMORY_COLUMNS, 1 } },
         { &s->touches, { "contact.touches_strands", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
+        { &s->meets, { "contact.strands_meet", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
         { &s->pairs, { "contact.pairs", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
         { &s->result, { "contact.result", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
         { &s->stats, { "contact.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
@@ -144,6 +145,24 @@ static wisp_status declare_components( wisp_registry* r, contact_state* s )
         *all[i].out = wisp_declare_component( r, &all[i].def );
     }
     return s->stats != 0 ? WISP_OK : WISP_BAD_INPUT;
+}
+
+// Where strands meet strands, limit displacements once more, after lengths and before velocities are computed.
+static wisp_status declare_limit( wisp_registry* r, contact_state* s )
+{
+    const wisp_pass pass = {
+        .name = "contact.limit_strands",
+        .stage = WISP_STAGE_VELOCITY,
+        .domain = WISP_DOMAIN_ENTITY,
+        .required = { s->active, s->touches, s->meets },
+        .reads = { s->active },
+        .writes = { s->result },
+        .foreign = { WISP_STRAND_POSITION, WISP_STRAND_PREVIOUS },
+        .among = s->components.settings,
+        .run = contact_limit_strands,
+        .user = s,
+    };
+    return wisp_declare_pass( r, &pass );
 }
 
 // Declare each pass twice: with strands it also waits for the passes of strands, which then leave their own loop over
@@ -228,6 +247,7 @@ static wisp_status declare( wisp_registry* r )
         r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .reach = participant_reach } );
     wisp_status status = declare_components( r, state );
+    status = status == WISP_OK ? declare_limit( r, state ) : status;
     status = status == WISP_OK ? declare_passes( r, state, false ) : status;
     return status == WISP_OK ? declare_passes( r, state, true ) : status;
 }

@@ -3,6 +3,7 @@
 //   contact.find     gather; predict displacements; mark intersections after a reset; broad phase when the lists do
 //                    not hold; narrow phase; constraints; colouring
 //   contact.push     gather; project; in the last iteration recover, untangle, limit displacements; scatter
+//   contact.limit_strands  where strands meet strands: limit displacements after lengths are restored, not before
 //   contact.keep     store the intersection-free positions of a participant
 //   contact.stats  statistics, on request
 #include "contact_state.h"
@@ -199,6 +200,11 @@ static void end_substep( const contact_work* work, bool sums_impulses )
     {
         contact_sum_impulses( work );
     }
+}
+
+// Limit what points do in a substep, if they are limited.
+static void end_ways( const contact_work* work )
+{
     if ( work->settings->displacement_limit && contact_has_samples( work ) == false )
     {
         limit_displacements( work );
@@ -226,11 +232,47 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
         contact_begin_loads( &work );
     }
     contact_project_rows( &work );
+    // where strands meet strands, what they do is limited once their lengths are restored
+    const bool is_final = is_end && wisp_frame_has( frame, span->entity, state->meets ) == false;
     if ( is_end )
     {
         end_substep( &work, state->requests_stats );
     }
-    contact_scatter( &work, is_end );
+    if ( is_final )
+    {
+        end_ways( &work );
+    }
+    contact_scatter( &work, is_end, is_final );
+}
+
+// ---- contact.limit_strands ----
+
+// Surfaces have their velocities, and stay where they are.
+static void hold_surfaces( const contact_work* work )
+{
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        const contact_participant* participant = work->participants + g;
+        for ( int i = 0; i < participant->point_count && participant->is_strands == false; ++i )
+        {
+            work->contact_mesh->now[(size_t)( participant->first_point + i ) * 4 + 3] = 0.0f;
+        }
+    }
+}
+
+void contact_limit_strands( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const contact_state* state = user;
+    const contact_work work = begin_work( frame, span, user );
+    if ( work.contact_mesh->is_listed == false || all_sleep( frame, state ) )
+    {
+        return; // the step has failed, or there is nothing to do
+    }
+    contact_gather( &work, false );
+    memset( work.contact_mesh->shift, 0, (size_t)work.contact_mesh->point_count * 4 * sizeof( float ) );
+    hold_surfaces( &work );
+    end_ways( &work );
+    contact_scatter( &work, true, true );
 }
 
 // ---- contact.keep, contact.stats ----

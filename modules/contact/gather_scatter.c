@@ -282,7 +282,7 @@ typedef struct scatter_loop
     contact_contact_mesh* contact_mesh;
     const contact_participant* participant;
     float *position, *previous; // [vertex][4]; null where they stay
-    bool is_end;
+    bool is_final;              // positions become the intersection-free ones
 } scatter_loop;
 
 // The inverse mass in the fourth place stays the entity's own. Points without inverse mass did not move. The shift of
@@ -295,7 +295,7 @@ static void scatter_points( void* context, int begin, int end, int worker )
     for ( int i = begin; i < end; ++i )
     {
         const size_t at = (size_t)( loop->participant->first_point + i ) * 4, to = (size_t)i * 4;
-        if ( loop->is_end )
+        if ( loop->is_final )
         {
             memcpy( s->intersection_free + at, s->now + at, 3 * sizeof( float ) );
         }
@@ -324,12 +324,12 @@ static void scatter_strands( const contact_work* work, const contact_participant
     }
 }
 
-void contact_scatter( const contact_work* work, bool is_end )
+void contact_scatter( const contact_work* work, bool is_end, bool is_final )
 {
     for ( int g = 0; g < work->participant_count; ++g )
     {
         const contact_participant* participant = work->participants + g;
-        scatter_loop loop = { .contact_mesh = work->contact_mesh, .participant = participant, .is_end = is_end };
+        scatter_loop loop = { .contact_mesh = work->contact_mesh, .participant = participant, .is_final = is_final };
         if ( participant->is_strands )
         {
             scatter_strands( work, participant, is_end );
@@ -343,7 +343,7 @@ void contact_scatter( const contact_work* work, bool is_end )
                 is_end ? wisp_frame_column( work->frame, participant->entity, WISP_PARTICLE_PREVIOUS, 0 ) : NULL;
         }
         wisp_parallel_for( work->parallel, participant->point_count, GRAIN, scatter_points, &loop );
-        if ( is_end && participant->halted ) // its own passes do not run
+        if ( is_final && participant->halted ) // its own passes do not run
         {
             contact_keep_participant( work, participant );
         }

@@ -6,8 +6,10 @@
 /// Gather the positions of all points; at the start of a substep their intersection-free positions too.
 void contact_gather( const contact_work* work, bool is_start );
 
-/// Scatter the positions of all points; after the last iteration they become the intersection-free positions.
-void contact_scatter( const contact_work* work, bool is_end );
+/// Scatter the positions of all points.
+/// @param is_end after the last iteration: with the shift, which gives no velocity
+/// @param is_final they become the intersection-free positions
+void contact_scatter( const contact_work* work, bool is_end, bool is_final );
 
 /// Store the intersection-free positions of a participant in its column.
 void contact_keep_participant( const contact_work* work, const contact_participant* participant );

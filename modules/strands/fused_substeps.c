@@ -171,6 +171,10 @@ static void select_rods( pair_args* batch, const pair_args* all, const wisp_span
         rod->rest_twist = all->rod.rest_twist + 2 * scalar;
         rod->twist_stiffness = all->rod.twist_stiffness + scalar;
     }
+    if ( all->rod.response != NULL )
+    {
+        rod->response = all->rod.response + 2 * scalar;
+    }
     if ( all->rod.tip != NULL )
     {
         rod->tip = all->rod.tip + vector;
@@ -265,7 +269,7 @@ void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end
     {
         all.rod = strands_rod_args( frame, span, state, has.has_frames );
     }
-    const int section_floats = all.rod.flatness > 0.0f ? WISP_STRAND_SECTION_SCRATCH : 0;
+    const int section_floats = all.rod.flatness > 0.0f || all.rod.response != NULL ? WISP_STRAND_SECTION_SCRATCH : 0;
     all.stretch.scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH + PAIR_FLOATS + section_floats );
     if ( all.stretch.scratch == NULL )
     {

@@ -37,6 +37,16 @@ static void cook_lengths( const float* rest, float* length, int row, int count, 
     }
 }
 
+// The ends of a loop are nearer to each other than this fraction of its mean segment.
+static const double LOOP = 1e-3;
+
+bool strands_is_loop( const float* rest, int row, int count, int lane )
+{
+    const wisp_vec3 gap = strands_sub( strands_get( rest, row + count - 1, lane ), strands_get( rest, row, lane ) );
+    const double whole = count > 3 ? length_at_rest( rest, row, count, lane ) : 0.0;
+    return whole > 0.0 && (double)strands_norm( gap ) <= LOOP * whole / ( count - 1 );
+}
+
 // Return half the mass of both segments, unless the definition gives masses.
 static double mass_of( const wisp_strand_dynamics_def* def, const float* rest, int first_point, int row, int i,
                        int count, int lane )
@@ -49,7 +59,8 @@ static double mass_of( const wisp_strand_dynamics_def* def, const float* rest, i
     {
         return (double)def->vertex_mass;
     }
-    const double before = i > 0 ? (double)segment_at_rest( rest, row + i - 1, lane ) : 0.0;
+    const int joined = i > 0 || def->closed == false ? i : count - 1; // the last vertex of a loop is its first
+    const double before = joined > 0 ? (double)segment_at_rest( rest, row + joined - 1, lane ) : 0.0;
     const double behind = i + 1 < count ? (double)segment_at_rest( rest, row + i, lane ) : 0.0;
     return 0.5 * (double)def->line_density * ( before + behind );
 }
@@ -60,11 +71,15 @@ static void cook_weights( const wisp_strand_dynamics_def* def, const float* rest
     const double whole = length_at_rest( rest, row, count, lane );
     const double least = (double)MIN_MASS * (double)def->line_density * whole / ( count > 0 ? count : 1 );
     weight[strands_scalar( row, lane )] = 0.0f;
-    for ( int i = 1; i < count; ++i )
+    for ( int i = def->free_roots || def->closed ? 0 : 1; i < count; ++i )
     {
         const double mass = fmax( mass_of( def, rest, first_point, row, i, count, lane ), least );
         // a strand without length is a point, and moves with its root
         weight[strands_scalar( row + i, lane )] = whole > 0.0 && mass > 0.0 ? (float)( 1.0 / mass ) : 0.0f;
+    }
+    if ( def->closed )
+    {
+        weight[strands_scalar( row + count - 1, lane )] = weight[strands_scalar( row, lane )];
     }
 }
 
@@ -96,8 +111,14 @@ static void pin( const wisp_strand_topology* t, const wisp_strand_dynamics_def* 
     for ( int k = 0; k < def->pin_count; ++k )
     {
         const int i = strands_lane_of( t, def->pins[k] );
-        const int row = t->group_row[i / WISP_LANES] + def->pins[k] - t->offsets[t->lane_strand[i]];
+        const int first = t->group_row[i / WISP_LANES], last = first + t->lane_count[i] - 1;
+        const int row = first + def->pins[k] - t->offsets[t->lane_strand[i]];
         weight[strands_scalar( row, i % WISP_LANES )] = 0.0f;
+        if ( def->closed && ( row == first || row == last ) )
+        {
+            weight[strands_scalar( first, i % WISP_LANES )] = 0.0f;
+            weight[strands_scalar( last, i % WISP_LANES )] = 0.0f;
+        }
     }
 }
 

@@ -13,5 +13,8 @@ void strands_cook_links( wisp_world* world, wisp_entity strands, const strands_s
 /// Return the lane of a vertex, in the user's order: 16 times its group, and the lane in it.
 int strands_lane_of( const wisp_strand_topology* topology, int vertex );
 
+/// Return whether the last vertex of a strand lies on its first, at rest.
+bool strands_is_loop( const float* rest, int row, int count, int lane );
+
 /// Return the length of the longest strand at rest, m.
 float strands_longest( const strands_rows* rows );

@@ -79,7 +79,7 @@ typedef struct strand_shape
 {
     const strands_rows* rows;
     int row, count, lane;
-    vec growth; // direction of the clamp
+    vec growth; // direction of the clamp; of a closed strand of its last segment
 } strand_shape;
 
 // Return the direction of segment s at rest; -1 is the clamp. A segment without length has that of the one before.
@@ -163,9 +163,10 @@ typedef struct curve_args
     const strands_settings* settings;
     const float* stiffness;
     const float* clamp;
-    strands_section section; // zero: circular
-    const int32_t* hold;     // [group][16] wisp_strand_tip; null: tips are free
-    const float* tip;        // [group][4][16] frames of tips at rest
+    strands_section section;      // zero: circular
+    const int32_t* hold;          // [group][16] wisp_strand_tip; null: tips are free
+    const float* tip;             // [group][4][16] frames of tips at rest
+    const strands_closed* closed; // null: strands are open
     float *rest, *rest_twist, *twist_stiffness, *rest_tension;
     double dt;
 } curve_args;
@@ -254,6 +255,20 @@ static double fraction_of( compensation h )
     return h.needed > 1.001 * h.most ? h.most / h.needed : 1.0;
 }
 
+// Return half of what the closing twist leaves a vertex at rest: the strand was turned, so this is the other way.
+static double closing_half_twist( const curve_args* args, const strand_shape* shape, int i )
+{
+    double whole = 0.0;
+    for ( int s = 0; s + 1 < shape->count; ++s )
+    {
+        whole += (double)args->rows->length[strands_scalar( shape->row + s, shape->lane )];
+    }
+    const int before = i > 0 ? i - 1 : shape->count - 2;
+    const double reach = 0.5 * ( (double)args->rows->length[strands_scalar( shape->row + before, shape->lane )] +
+                                 (double)args->rows->length[strands_scalar( shape->row + i, shape->lane )] );
+    return -0.5 * (double)args->closed->twist * reach / whole;
+}
+
 // Return the fraction of its weight that the strand can hold in this shape. All terms of the recursion are in
 // proportion to gravity. Only curls need less than 1.
 static double fraction_of_weight( const curve_args* args, const strand_shape* shape )
@@ -312,6 +327,8 @@ static double curve_vertices( const curve_args* args, const strand_shape* shape,
         vec k = is_straight ? scale( now.moment, 0.0 ) : sub( direction( shape, s ), direction( shape, s - 1 ) );
         double half_twist = 0.5 * strands_natural_twist( args->rows->length, shape->row, s, shape->count, shape->lane,
                                                          (double)args->section.twist );
+        half_twist =
+            args->closed != NULL && args->closed->twist != 0.0f ? closing_half_twist( args, shape, s ) : half_twist;
         if ( balanced && args->stiffness[strands_scalar( shape->row + s, shape->lane )] > 0.0f )
         {
             const vec bending = bending_moment( args, shape, s, now.moment );
@@ -368,10 +385,27 @@ static void rest_tip( const curve_args* args, const strand_shape* shape, wisp_qu
     put_vertex( args, row, shape->lane, k, half_twist, twist_stiffness_of( args, shape, i ) );
 }
 
+// Give the joint of a closed strand its rest vector and twist: the given loop is without load but for its closing twist, which
+// is the same all along.
+static void rest_joint( const curve_args* args, const strand_shape* shape, wisp_quat last, wisp_quat clamp,
+                        wisp_vec3 k )
+{
+    const wisp_quat first = next_frame( args, shape, 0, clamp );
+    const wisp_quat r = strands_quat_multiply( strands_quat_inverse( last ), first );
+    const double sign = r.w < 0.0f ? -1.0 : 1.0; // of the two quaternions the smaller rotation
+    const double given = atan2( sign * (double)r.z, sign * (double)r.w );
+    put_vertex( args, shape->row, shape->lane, wisp_quat_inverse_rotate( middle_frame( last, first ), k ),
+                given + closing_half_twist( args, shape, 0 ), twist_stiffness_of( args, shape, 0 ) );
+}
+
 // @return the fraction of its weight that the strand feels @param held out: the fraction of that which it holds
 static double curve_strand( const curve_args* args, int group, int row, int count, int lane, double* held )
 {
-    const strand_shape shape = shape_of( args->rows, row, count, lane );
+    strand_shape shape = shape_of( args->rows, row, count, lane );
+    if ( args->closed != NULL && count > 1 )
+    {
+        shape.growth = direction( &shape, count - 2 );
+    }
     const wisp_quat clamp = strands_get_quat( args->clamp, group, lane );
     if ( args->section.flatness > 0.0f )
     {
@@ -381,6 +415,7 @@ static double curve_strand( const curve_args* args, int group, int row, int coun
         args->settings->rest == WISP_STRAND_REST_SAG_FREE ? fraction_of_weight( args, &shape ) : 1.0;
     *held = curve_vertices( args, &shape, fraction );
     wisp_quat before = clamp;
+    const wisp_vec3 joint = strands_get( args->rest, row, lane );
     for ( int s = 0; s + 1 < count; ++s )
     {
         const wisp_quat frame = next_frame( args, &shape, s, before );
@@ -391,6 +426,10 @@ static double curve_strand( const curve_args* args, int group, int row, int coun
     if ( args->hold != NULL && ( args->hold[group * WISP_LANES + lane] & WISP_STRAND_TIP_GUIDED ) != 0 )
     {
         rest_tip( args, &shape, before, strands_get_quat( args->tip, group, lane ) );
+    }
+    if ( args->closed != NULL && count > 1 )
+    {
+        rest_joint( args, &shape, before, clamp, joint );
     }
     return fraction;
 }
@@ -425,6 +464,10 @@ void strands_balance_rest( wisp_frame* frame, const wisp_span* span, void* user 
     {
         args.hold = wisp_frame_column( frame, span->entity, state->tips, 0 );
         args.tip = wisp_frame_column( frame, span->entity, state->tips, 4 );
+    }
+    if ( wisp_frame_has( frame, span->entity, state->closed ) )
+    {
+        args.closed = wisp_frame_column( frame, span->entity, state->closed, 0 );
     }
     float* balanced = wisp_frame_column( frame, span->entity, state->balance, 0 );
     float* fractions = wisp_frame_column( frame, span->entity, state->balance, 1 );

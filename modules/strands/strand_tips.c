@@ -15,9 +15,6 @@
 
 #include <string.h>
 
-// A strand is a loop if its ends are nearer to each other than this fraction of its mean segment.
-static const float LOOP = 1e-3f;
-
 static const wisp_transform AT_REST = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
 
 enum
@@ -171,28 +168,19 @@ static double natural_twist_at( wisp_world* world, wisp_entity strands, const st
                                   section != NULL ? (double)section->twist : 0.0 );
 }
 
-static bool is_loop( const strands_rows* rows, int i, float length )
-{
-    const wisp_strand_topology* t = rows->topology;
-    const int lane = i % WISP_LANES, first = t->group_row[i / WISP_LANES], count = t->lane_count[i];
-    const wisp_vec3 gap =
-        strands_sub( strands_get( rows->rest, first + count - 1, lane ), strands_get( rows->rest, first, lane ) );
-    return count > 3 && strands_norm( gap ) <= LOOP * length / (float)( count - 1 );
-}
-
 // Return the frame of a tip at rest: that of the last segment with its natural twist, of a loop that of the root.
 static wisp_quat rest_frame( wisp_world* world, wisp_entity strands, const strands_state* state, int i )
 {
     const strands_rows rows = strands_rows_of( world, strands );
     const float* clamp = wisp_world_column( world, strands, state->clamp, 0 );
-    const float* reach = wisp_world_column( world, strands, state->tips, REACH );
     const int lane = i % WISP_LANES, first = rows.topology->group_row[i / WISP_LANES];
     if ( clamp == NULL )
     {
         return AT_REST.rotation;
     }
     wisp_quat q = strands_get_quat( clamp, i / WISP_LANES, lane );
-    for ( int v = 0; v < rows.topology->lane_count[i] && is_loop( &rows, i, reach[i] ) == false; ++v )
+    const bool is_loop = strands_is_loop( rows.rest, first, rows.topology->lane_count[i], lane );
+    for ( int v = 0; v < rows.topology->lane_count[i] && is_loop == false; ++v )
     {
         if ( v + 1 < rows.topology->lane_count[i] )
         {
@@ -280,10 +268,9 @@ static wisp_transform present_pose( wisp_world* world, wisp_entity strands, cons
     const int first = rows.topology->group_row[group], last = tip_row( rows.topology, i );
     const float* position = wisp_world_column( world, strands, WISP_STRAND_POSITION, 0 );
     const float* frames = wisp_world_column( world, strands, state->curve, 0 );
-    const float* reach = wisp_world_column( world, strands, state->tips, REACH );
     const wisp_quat back = strands_quat_inverse(
         strands_get_quat( wisp_world_column( world, strands, WISP_STRAND_ROOT, 1 ), group, lane ) );
-    if ( is_loop( &rows, i, reach[i] ) )
+    if ( strands_is_loop( rows.rest, first, rows.topology->lane_count[i], lane ) )
     {
         return AT_REST;
     }
@@ -376,6 +363,12 @@ wisp_status wisp_hold_strand_tip( wisp_world* world, wisp_entity strands, int st
         return wisp_world_fail( world, WISP_CONFLICT,
                                 "strands: entity %u does not bend as rods, so the tip of strand %d has no direction",
                                 strands.index, strand );
+    }
+    const strands_settings* settings = wisp_world_column( world, strands, state->settings, 0 );
+    if ( settings->is_free != 0 )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "strands: the roots of entity %u are free, and so are the tips",
+                                strands.index );
     }
     if ( hold == WISP_STRAND_TIP_FREE && wisp_world_has( world, strands, state->tips ) == false )
     {

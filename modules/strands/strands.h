@@ -94,21 +94,29 @@ typedef struct wisp_strand_dynamics_def
                             ///< without giving them velocity; default 5
     float
         edgewise_rigidity; ///< rod: EI of an elliptic section or a ribbon against bending in the plane of its width,
-                           ///< N m^2, bend_rigidity .. 1e12; bend_rigidity is that against bending across its flat
+                           ///< N m^2, 1 .. 1e5 times bend_rigidity, which is that against bending across its flat
                            ///< side. Default 0: circular
     wisp_vec3 flat_normal; ///< rod: direction across the flat side at the root; what it has along the strand is left
                            ///< out. Default 0: any direction. With edgewise_rigidity only
     float natural_twist;   ///< rod: rad/m, -1e5 .. 1e5, rotation of the section along the strand without load, beyond
                            ///< that of frames without twist; default 0. With edgewise_rigidity only
+    bool free_roots;       ///< roots are free, in place and direction; default false. Without sag-free rods
+    /// Every strand is a loop without ends, that moves freely: its last vertex lies on its first and is the same one, and it
+    /// bends and twists there as anywhere else. Default false. With direct lengths, by Euler, without bend links, sag-free
+    /// rods and sections. Hold vertices by `pins`. The mass of the joint is that of the first vertex.
+    bool closed;
+    float closing_twist; ///< rod: rad, -1e4 .. 1e4, twist of a closed strand: how far one end was turned against the
+                         ///< other before they were joined; default 0. With `closed` only
 } wisp_strand_dynamics_def;
 
 WISP_DEFINITION( strand_dynamics_def );
 
 /// Make strands move, or replace their definition. They start at rest in the shape they were added with; roots (the first vertex of
 /// each strand) are pinned. Strands of one vertex only follow the head.
-/// @return WISP_BAD_INPUT a value is out of range, a mass is not above 0, a pin is out of range, or BDF2 has other than
-///         direct lengths (the message names it);
-///         WISP_CONFLICT the module is not registered, or the entity has no strands; WISP_NO_MEMORY
+/// @return WISP_BAD_INPUT a value is out of range, a mass is not above 0, a pin is out of range, BDF2 has other than
+///         direct lengths, or a strand is to be closed and is no loop of at least four vertices (the message names it);
+///         WISP_CONFLICT the module is not registered, the entity has no strands, or roots are to be free that are on a
+///         surface or whose tips are held; WISP_NO_MEMORY
 WISP_API wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands,
                                                const wisp_strand_dynamics_def* def );
 
@@ -129,7 +137,7 @@ WISP_API wisp_status wisp_move_strand_head( wisp_world* world, wisp_entity stran
 
 /// Attach the root of every strand to the nearest triangle of a surface, at the present positions of both. The root then moves
 /// and rotates with its triangle. Replaces the head.
-/// @return WISP_CONFLICT the strands have no dynamics, or the other entity is no surface with triangles; WISP_NO_MEMORY
+/// @return WISP_CONFLICT the strands have no dynamics, their roots are free, or the other entity is no surface with triangles; WISP_NO_MEMORY
 /// @note If the surface is removed, the roots stay where they are.
 WISP_API wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_entity surface );
 
@@ -149,7 +157,7 @@ typedef enum wisp_strand_tip
 /// system as those of a strand between two ends. Holds stay if the dynamics are replaced.
 /// @param strand in the user's order
 /// @return WISP_BAD_INPUT there is no such strand, it has one vertex, or the hold is unknown; WISP_CONFLICT the strands have no
-///         dynamics, or a direction is to be held and they do not bend as rods; WISP_NO_MEMORY
+///         dynamics, their roots are free, or a direction is to be held and they do not bend as rods; WISP_NO_MEMORY
 /// @note A tip that is held farther from its root than the strand is long stretches the strand, which is counted once per
 ///       step (WISP_COUNT_STRETCHED).
 WISP_API wisp_status wisp_hold_strand_tip( wisp_world* world, wisp_entity strands, int strand, wisp_strand_tip hold );

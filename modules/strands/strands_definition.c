@@ -10,6 +10,10 @@
 
 #include <string.h>
 
+// Largest EI' / EI. The flatness sqrt( 1 - EI / EI' ) is in single precision, and EI is what it leaves of EI': 0.05 % off at
+// 1e4, 1 % at 1e5, nothing that is left, and rest shapes that are NaN, from 3e7 on.
+#define MAX_EDGEWISE 1e5f
+
 void wisp_init_strand_dynamics_def( wisp_strand_dynamics_def* def, size_t size )
 {
     const wisp_strand_dynamics_def values = {
@@ -49,6 +53,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_d
         { "twist_rigidity", d->twist_rigidity, 0.0f, 1e12f },
         { "edgewise_rigidity", d->edgewise_rigidity, 0.0f, 1e12f },
         { "natural_twist", d->natural_twist, -1e5f, 1e5f },
+        { "closing_twist", d->closing_twist, -1e4f, 1e4f },
         { "bend_damping", d->bend_damping, 0.0f, 1e3f },
         { "rest", (float)d->rest, 0.0f, (float)( WISP_STRAND_REST_COUNT - 1 ) },
         { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
@@ -99,6 +104,13 @@ static wisp_status check_section( wisp_world* world, const wisp_strand_dynamics_
                                 "bend_rigidity above 0",
                                 (double)d->edgewise_rigidity, (double)d->bend_rigidity );
     }
+    if ( is_flat && d->edgewise_rigidity > MAX_EDGEWISE * d->bend_rigidity )
+    {
+        return wisp_world_fail(
+            world, WISP_BAD_INPUT,
+            "strands: got edgewise_rigidity %g with bend_rigidity %g, expected at most %g times it",
+            (double)d->edgewise_rigidity, (double)d->bend_rigidity, (double)MAX_EDGEWISE );
+    }
     if ( is_flat && d->bending != WISP_STRAND_BEND_ROD )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
@@ -111,6 +123,61 @@ static wisp_status check_section( wisp_world* world, const wisp_strand_dynamics_
                                 "strands: natural_twist and flat_normal need an edgewise_rigidity above 0" );
     }
     return check_vector( world, "flat_normal", n, 1e6f );
+}
+
+// Check what free roots and closed strands do without.
+static wisp_status check_free( wisp_world* world, wisp_entity strands, const strands_state* s,
+                               const wisp_strand_dynamics_def* d )
+{
+    const char* name = d->closed ? "closed" : "free_roots";
+    const bool rod = d->bending == WISP_STRAND_BEND_ROD;
+    if ( d->closed == false && d->closing_twist != 0.0f )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: closing_twist needs closed" );
+    }
+    if ( d->closed == false && d->free_roots == false )
+    {
+        return WISP_OK;
+    }
+    if ( rod && d->rest == WISP_STRAND_REST_SAG_FREE )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strands: got %s with rest sag_free, expected shape or straight", name );
+    }
+    if ( d->closed && ( d->stretch != WISP_STRAND_STRETCH_DIRECT || d->bending == WISP_STRAND_BEND_LINKS ||
+                        d->integrator != WISP_INTEGRATOR_EULER || d->edgewise_rigidity > 0.0f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strands: closed needs stretch direct, bending rod or none, integrator euler and no "
+                                "edgewise_rigidity" );
+    }
+    if ( wisp_world_has( world, strands, s->anchor ) || wisp_world_has( world, strands, s->tips ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT,
+                                "strands: got %s for entity %u, whose roots are on a surface or whose tips are held",
+                                name, strands.index );
+    }
+    return WISP_OK;
+}
+
+// Check that each strand is a loop whose segments have a length.
+static wisp_status check_loops( wisp_world* world, wisp_entity strands )
+{
+    const wisp_strand_topology* t = wisp_world_strands( world, strands );
+    const float* rest = wisp_world_column( world, strands, WISP_STRAND_REST, 0 );
+    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
+    {
+        if ( t->lane_count[i] > 0 &&
+             strands_is_loop( rest, t->group_row[i / WISP_LANES], t->lane_count[i], i % WISP_LANES ) == false )
+        {
+            return wisp_world_fail(
+                world, WISP_BAD_INPUT,
+                "strands: strand %d is no loop, closed needs at least four vertices and the last on "
+                "the first",
+                t->lane_strand[i] );
+        }
+    }
+    return WISP_OK;
 }
 
 static wisp_status check_lists( wisp_world* world, const wisp_strand_topology* t, const wisp_strand_dynamics_def* d )
@@ -179,7 +246,7 @@ typedef struct requested_component
 
 enum
 {
-    COMPONENT_COUNT = 24,
+    COMPONENT_COUNT = 26,
 };
 
 // Return whether vertices behind a root may be pinned: by a pin, or because a strand has no length.
@@ -231,7 +298,9 @@ static void list_components( const strands_state* s, const wisp_strand_dynamics_
         { s->rod, rod },
         { s->clamp, rod },
         { s->section, has_section },
-        { s->curve, rod && ( straight == false || has_section || guides ) },
+        { s->closed, d->closed },
+        { s->response, d->closed && rod },
+        { s->curve, rod && ( straight == false || has_section || guides || d->closed ) },
     };
     memcpy( all, list, sizeof( list ) );
 }
@@ -281,7 +350,8 @@ static void fill_settings( wisp_world* world, wisp_entity strands, const strands
         .bend_damping = d->bend_damping,
         .teleport = longest > 0.0f ? d->teleport * longest : INFINITY, // strands without length only follow
         .rest = (int32_t)d->rest,
-        .clamped = d->clamped ? 1 : 0,
+        .clamped = d->clamped && d->free_roots == false && d->closed == false ? 1 : 0,
+        .is_free = d->free_roots || d->closed ? 1 : 0,
     };
 }
 
@@ -295,7 +365,12 @@ static void fill_materials( wisp_world* world, wisp_entity strands, const strand
     strands_link* bend_links = wisp_world_column( world, strands, s->bend_links, 0 );
     float* fraction = wisp_world_column( world, strands, s->follow, 0 );
     strands_section* section = wisp_world_column( world, strands, s->section, 0 );
+    strands_closed* closed = wisp_world_column( world, strands, s->closed, 0 );
     const int32_t xpbd = d->solver == WISP_SOLVER_XPBD ? 1 : 0;
+    if ( closed != NULL )
+    {
+        *closed = ( strands_closed ){ d->closing_twist };
+    }
     if ( section != NULL )
     {
         const double ratio = (double)d->bend_rigidity / (double)d->edgewise_rigidity;
@@ -324,6 +399,21 @@ static void fill_materials( wisp_world* world, wisp_entity strands, const strand
     if ( fraction != NULL )
     {
         *fraction = d->leader_correction;
+    }
+}
+
+// Put the last vertex of each loop exactly on its first: it is the same one.
+static void join_ends( wisp_world* world, wisp_entity strands )
+{
+    const wisp_strand_topology* t = wisp_world_strands( world, strands );
+    float* rest = wisp_world_column( world, strands, WISP_STRAND_REST, 0 );
+    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
+    {
+        const int first = t->group_row[i / WISP_LANES], lane = i % WISP_LANES;
+        if ( t->lane_count[i] > 0 )
+        {
+            strands_put( rest, first + t->lane_count[i] - 1, lane, strands_get( rest, first, lane ) );
+        }
     }
 }
 
@@ -418,6 +508,8 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
     status = status == WISP_OK ? check_vector( world, "wind", def->wind, 1e5f ) : status;
     status = status == WISP_OK ? check_integrator( world, def ) : status;
     status = status == WISP_OK ? check_section( world, def ) : status;
+    status = status == WISP_OK ? check_free( world, strands, s, def ) : status;
+    status = status == WISP_OK && def->closed ? check_loops( world, strands ) : status;
     status = status == WISP_OK ? check_lists( world, wisp_world_strands( world, strands ), def ) : status;
     if ( status != WISP_OK )
     {
@@ -431,6 +523,10 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
     if ( status != WISP_OK )
     {
         return status;
+    }
+    if ( def->closed )
+    {
+        join_ends( world, strands );
     }
     cook( world, strands, s, def );
     if ( is_new )

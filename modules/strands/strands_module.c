@@ -4,6 +4,7 @@
 #include "rest_curvature.h"
 #include "rod_factors.h"
 #include "state_check.h"
+#include "strand_carry.h"
 #include "strand_grid.h"
 #include "strand_sleep.h"
 #include "strands_state.h"
@@ -38,6 +39,15 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
             .reads = { s->tips },
             .writes = { s->tips },
             .run = strands_move_tips,
+        },
+        {
+            .name = "strands.frame",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { s->settings, WISP_PARTICLE_FRAME },
+            .reads = { WISP_PARTICLE_FRAME },
+            .writes = { WISP_PARTICLE_FRAME },
+            .run = strands_move_frame,
         },
         {
             .name = "strands.factor",
@@ -79,6 +89,16 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
 static wisp_status declare_roots( wisp_registry* r, strands_state* s )
 {
     const wisp_pass passes[] = {
+        {
+            .name = "strands.carry",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .required = { s->settings, WISP_PARTICLE_FRAME },
+            .reads = { WISP_PARTICLE_FRAME, s->low, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION,
+                       WISP_STRAND_VELOCITY },
+            .writes = { s->low, WISP_STRAND_VELOCITY },
+            .run = strands_carry,
+        },
         {
             .name = "strands.teleport",
             .stage = WISP_STAGE_FORCE,
@@ -210,6 +230,15 @@ static wisp_status declare_forces( wisp_registry* r, strands_state* s )
             .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_PREVIOUS },
             .run = strands_predict,
         },
+        {
+            .name = "strands.carry_pins",
+            .stage = WISP_STAGE_PREDICT,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .required = { s->settings, WISP_PARTICLE_FRAME },
+            .reads = { WISP_PARTICLE_FRAME, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .writes = { WISP_STRAND_VELOCITY },
+            .run = strands_carry_pins,
+        },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
@@ -293,6 +322,15 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
                        WISP_STRAND_VELOCITY },
             .writes = { s->low, WISP_STRAND_VELOCITY },
             .run = strands_read_velocity,
+        },
+        {
+            .name = "strands.max_speed",
+            .stage = WISP_STAGE_VELOCITY,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .required = { s->settings, WISP_PARTICLE_MAX_SPEED },
+            .reads = { WISP_PARTICLE_MAX_SPEED, WISP_STRAND_INVERSE_MASS, WISP_STRAND_VELOCITY },
+            .writes = { WISP_STRAND_VELOCITY },
+            .run = strands_limit_speed,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );

@@ -19,6 +19,7 @@ typedef struct strands_settings
     float teleport;       // m, a root that moves farther in a step teleports its strands
     int32_t rest;         // wisp_strand_rest
     int32_t clamped;
+    int32_t is_free; // roots are
 } strands_settings;
 
 typedef struct strands_direct
@@ -41,6 +42,12 @@ typedef struct strands_section
     float twist;      // rad/m, natural
     wisp_vec3 normal; // of the flat side at the root, at rest; 0: any
 } strands_section;
+
+/// Strands that are closed.
+typedef struct strands_closed
+{
+    float twist; // rad
+} strands_closed;
 
 typedef struct strands_head
 {
@@ -126,6 +133,8 @@ typedef struct strands_grid
     X( float, rest, 64 )   /* quaternion [4][16]: frame at rest */                                                   \
     X( float, weight, 16 ) /* 1/kg, of a tip that is released */                                                     \
     X( float, reach, 16 )  /* m, length of the strand */
+#define STRANDS_CLOSED( X ) X( strands_closed, closed, 1 )
+#define STRANDS_RESPONSE( X ) X( float, response, 32 ) /* [2][16], wisp_strand_rod_args */
 #define STRANDS_TIP_ROWS( X )                                                                                        \
     X( float, direction, 48 ) /* of a tip whose direction is held, in its row; 0 elsewhere */
 
@@ -155,6 +164,8 @@ typedef struct strands_grid
     X( anchor, "strands.anchor", WISP_TABLE_STRAND_GROUP, STRANDS_ANCHOR )                                           \
     X( grid, "strands.grid", WISP_TABLE_ENTITY, STRANDS_GRID )                                                       \
     X( section, "strands.section", WISP_TABLE_ENTITY, STRANDS_SECTION )                                              \
+    X( closed, "strands.closed", WISP_TABLE_ENTITY, STRANDS_CLOSED )                                                 \
+    X( response, "strands.joint_response", WISP_TABLE_STRAND_ROW, STRANDS_RESPONSE )                                 \
     X( tips, "strands.tips", WISP_TABLE_STRAND_GROUP, STRANDS_TIPS )                                                 \
     X( tip_rows, "strands.tip_rows", WISP_TABLE_STRAND_ROW, STRANDS_TIP_ROWS )
 

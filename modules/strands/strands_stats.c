@@ -20,6 +20,7 @@ typedef struct motion_stats_loop
 {
     const wisp_strand_topology* topology;
     const float *position, *velocity, *weight, *length;
+    int ends;         // 1: the last vertex is the first
     double origin[3]; // m, against cancellation far from the origin
     int groups;       // per block
     strand_sums sums[MOTION_STATS_BLOCKS];
@@ -69,7 +70,10 @@ static void add_block( void* context, int begin, int end, int worker )
             for ( int v = 0; v < t->lane_count[i]; ++v )
             {
                 const int row = t->group_row[i / WISP_LANES] + v, lane = i % WISP_LANES;
-                add_vertex( loop, sums, row, lane );
+                if ( v + loop->ends < t->lane_count[i] )
+                {
+                    add_vertex( loop, sums, row, lane );
+                }
                 if ( v + 1 < t->lane_count[i] )
                 {
                     const double strain = (double)strain_of( loop->position, loop->length, row, lane );
@@ -142,6 +146,7 @@ void strands_compute_motion_stats( wisp_frame* frame, const wisp_span* span, voi
         .velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 ),
         .weight = wisp_frame_column( frame, span->entity, WISP_STRAND_INVERSE_MASS, 0 ),
         .length = wisp_frame_column( frame, span->entity, WISP_STRAND_LENGTH, 0 ),
+        .ends = wisp_frame_has( frame, span->entity, state->closed ) ? 1 : 0,
         .groups = ( t->group_count + MOTION_STATS_BLOCKS - 1 ) / MOTION_STATS_BLOCKS,
     };
     if ( t->group_count > 0 )

@@ -26,6 +26,7 @@
 #include "substep_passes.h"
 
 #include "head_roots.h"
+#include "strand_carry.h"
 #include "strand_rows.h"
 
 #include <string.h>
@@ -168,6 +169,12 @@ void strands_damp( wisp_frame* frame, const wisp_span* span, void* user )
     const wisp_vec3 way = strands_sub( b.translation, a.translation );
     args.linear = ( wisp_vec3 ){ way.x / dt, way.y / dt, way.z / dt };
     args.angular = angular_velocity( a.rotation, b.rotation, dt );
+    wisp_vec3 linear, angular; // velocities are without what carries
+    if ( head->jumped == 0 && strands_find_carry_velocity( frame, span, a.translation, &linear, &angular ) )
+    {
+        args.linear = strands_sub( args.linear, linear );
+        args.angular = strands_sub( args.angular, angular );
+    }
     wisp_frame_kernels( frame )->strand_damp( &args, span->begin, span->end );
 }
 
@@ -180,7 +187,7 @@ void strands_damp_anchored( wisp_frame* frame, const wisp_span* span, void* user
     wisp_strand_damp_args args = damp_args( frame, span, state );
     for ( int g = span->begin; g < span->end; ++g )
     {
-        wisp_vec3 sum = { 0.0f, 0.0f, 0.0f };
+        wisp_vec3 sum = { 0.0f, 0.0f, 0.0f }, place = sum, linear, angular;
         int count = 0;
         for ( int lane = 0; lane < WISP_LANES; ++lane )
         {
@@ -188,11 +195,20 @@ void strands_damp_anchored( wisp_frame* frame, const wisp_span* span, void* user
             {
                 sum = strands_add( sum, strands_sub( strands_get( root, g, lane ),
                                                      strands_get( args.position, t->group_row[g], lane ) ) );
+                place = strands_add( place, strands_get( root, g, lane ) );
                 count += 1;
             }
         }
         const float scale = 1.0f / ( (float)count * wisp_frame_dt( frame, span->entity ) );
         args.linear = ( wisp_vec3 ){ scale * sum.x, scale * sum.y, scale * sum.z };
+        const float mean = 1.0f / (float)count;
+        const wisp_vec3 centre = { mean * place.x, mean * place.y, mean * place.z };
+        if ( strands_find_carry_velocity( frame, span, centre, &linear, &angular ) )
+        {
+            args.centre = centre;
+            args.linear = strands_sub( args.linear, linear );
+            args.angular = ( wisp_vec3 ){ -angular.x, -angular.y, -angular.z };
+        }
         wisp_frame_kernels( frame )->strand_damp( &args, g, g + 1 );
     }
 }
@@ -331,6 +347,10 @@ wisp_strand_rod_args strands_rod_args( wisp_frame* frame, const wisp_span* span,
         const strands_section* section = wisp_frame_column( frame, span->entity, state->section, 0 );
         args.flatness = section->flatness;
     }
+    if ( has_frames && wisp_frame_has( frame, span->entity, state->response ) )
+    {
+        args.response = column_of( frame, span, state->response, 0 );
+    }
     return args;
 }
 
@@ -345,7 +365,7 @@ static void bend( wisp_frame* frame, const wisp_span* span, const strands_state*
 {
     wisp_strand_rod_args args = strands_rod_args( frame, span, state, has_frames );
     rows_between rows;
-    const bool is_flat = args.flatness > 0.0f;
+    const bool is_flat = args.flatness > 0.0f || args.response != NULL;
     args.scratch =
         strands_scratch( frame, span, WISP_STRAND_SCRATCH + ( is_flat ? WISP_STRAND_SECTION_SCRATCH : 0 ) );
     args.section_scratch = is_flat && args.scratch != NULL ? behind_scratch( frame, span, args.scratch ) : NULL;
@@ -512,6 +532,7 @@ wisp_strand_stretch_args strands_stretch_args( wisp_frame* frame, const wisp_spa
         .acceleration = direct->has_rod != 0 ? ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } : settings->gravity,
         .history = history_of( frame, span, state ),
         .is_held = wisp_frame_has( frame, span->entity, state->tips ),
+        .is_closed = wisp_frame_has( frame, span->entity, state->closed ),
     };
 }
 

@@ -199,6 +199,10 @@ wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_enti
     {
         return status;
     }
+    if ( ( (const strands_settings*)wisp_world_column( world, strands, state->settings, 0 ) )->is_free != 0 )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "strands: the roots of entity %u are free", strands.index );
+    }
     WISP_TRY( wisp_world_check_entity( world, surface ) );
     surface_view view = { .fabric = wisp_world_fabric( world, surface ) };
     if ( view.fabric == NULL || view.fabric->triangle_count == 0 )

@@ -358,7 +358,7 @@ static const bad_scene BAD_SCENES[] = {
     { "seed_too_large.yaml",
       ":6:13: strands[0].frozen_hair.seed: got '18446744073709551616', expected a whole number in [0, 18446744073709551615]" },
     { "shape_unknown.yaml",
-      ":3:38: strands[0].generate.shape: got 'curley', expected one of straight, wavy, curly; did you mean 'curly'?" },
+      ":3:38: strands[0].generate.shape: got 'curley', expected one of straight, wavy, curly, ring; did you mean 'curly'?" },
     { "sleep_negative.yaml", ":6:25: surfaces[0].sleep.max_speed: got -0.1, expected a value in [0, 1000000]" },
     { "sleep_unknown.yaml",
       ":6:14: surfaces[0].sleep: unknown key 'after', expected one of max_speed, seconds, enabled" },

@@ -133,6 +133,26 @@ static void straight_flat_hair_has_one_x_a_strand_and_roots_on_a_line( void** st
     wisp_groom_release( &groom );
 }
 
+static void rings_end_where_they_begin_and_have_equal_segments( void** state )
+{
+    (void)state;
+    for ( int dimension = 2; dimension <= 3; ++dimension )
+    {
+        wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_RING, dimension );
+        generator.length_variation = 0.0f;
+        wisp_groom groom = make( &generator );
+        const int n = generator.vertices_per_strand;
+        for ( int v = 0; v < groom.vertex_count; ++v )
+        {
+            const wisp_vec3 p = groom.points[v], q = groom.points[v % n == 0 ? v + n - 1 : v - 1];
+            const double x = (double)p.x - (double)q.x, y = (double)p.y - (double)q.y, z = (double)p.z - (double)q.z;
+            const double segment = v % n == 0 ? 0.0 : (double)generator.length / ( n - 1 );
+            assert_true( fabs( sqrt( x * x + y * y + z * z ) - segment ) < ( v % n == 0 ? 1e-9 : 2e-7 ) );
+        }
+        wisp_groom_release( &groom );
+    }
+}
+
 static void lengths_stay_within_their_variation_and_use_it( void** state )
 {
     (void)state;
@@ -353,6 +373,7 @@ int main( void )
         cmocka_unit_test( every_generator_gives_the_bits_it_always_gave ),
         cmocka_unit_test( another_seed_makes_another_groom ),
         cmocka_unit_test( straight_flat_hair_has_one_x_a_strand_and_roots_on_a_line ),
+        cmocka_unit_test( rings_end_where_they_begin_and_have_equal_segments ),
         cmocka_unit_test( lengths_stay_within_their_variation_and_use_it ),
         cmocka_unit_test( waves_swing_by_their_amplitude_and_come_back_after_their_length ),
         cmocka_unit_test( curls_wind_around_their_centre_line ),

@@ -219,8 +219,8 @@ static inline void bound_tension( const match* m, strand_oracle* strand, bool is
         const double mass = fmin( a, b ) < INFINITY ? fmin( a, b ) : 0.0, l = strand->length[s];
         const double rigidity = 0.5 * strand->stiffness[s] * ( ( s > 0 ? strand->length[s - 1] : 0.0 ) + l );
         strand->max_tension[s] =
-            fmin( 4.0 * double3_length( m->gravity ) * whole, 0.25 * mass * l / ( m->dt * m->dt ) ) +
-            fmin( rigidity / ( l * l ), sqrt( MAX_CURLED * rigidity * mass / l ) / m->dt );
+            fmin( 4.0 * double3_length( m->gravity ) * whole, 0.125 * mass * l / ( m->dt * m->dt ) ) +
+            fmin( rigidity / ( l * l ), sqrt( 0.25 * MAX_CURLED * rigidity * mass / l ) / m->dt );
     }
 }
 

@@ -27,6 +27,8 @@ typedef struct golden_case
     bool rooted;                // in one of two small surfaces that fall
     bool bdf2;
     bool ghosts; // with ghosts, and curves through those
+    bool flat;   // the flattest section that there can be
+    bool closed, free;
     strand_curve* curve;
 } golden_case;
 
@@ -61,6 +63,16 @@ static wisp_vec3 beside_the_fringe( int strand, int i, int count, float length )
     return ( wisp_vec3 ){ p.x + 0.001f, p.y, p.z + 0.0003f * (float)( 1 + strand / STRANDS ) };
 }
 
+// An octagon over the bodies at the origin, not quite regular and with four vertices on its sides. The last vertex is the first.
+static wisp_vec3 polygon( int strand, int i, int count, float length )
+{
+    static const float X[] = { 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 6.0f, 5.0f, 4.0f, 2.0f, 1.0f, 1.0f };
+    static const float Y[] = { 1.0f, 1.0f, 1.0f, 1.0f, 2.0f, 3.0f, 4.0f, 4.0f, 4.0f, 3.0f, 2.0f };
+    const int at = i % ( count - 1 );
+    return ( wisp_vec3 ){ 0.15f * length * ( X[at] - 3.5f ), 0.06f + 0.05f * length * ( at % 3 == 0 ? 0.2f : 0.0f ),
+                          0.15f * length * ( Y[at] - 2.5f ) + 0.0005f * (float)( strand - STRANDS / 2 ) };
+}
+
 #define DIRECT .stretch = WISP_STRAND_STRETCH_DIRECT
 #define ROD DIRECT, .bend = WISP_STRAND_BEND_ROD
 #define BEND_LINKS .bend = WISP_STRAND_BEND_LINKS
@@ -89,6 +101,14 @@ static const golden_case cases[] = {
       .curve = helix_down },
     { "bdf2-carried-over-a-ball", ROD, .rest = WISP_STRAND_REST_SAG_FREE, .iterations = 1, .carried = true,
       .ball = true, .bdf2 = true, .curve = fringe },
+    { "flattest-carried-curls", ROD, .rest = WISP_STRAND_REST_SAG_FREE, .iterations = 1, .carried = true,
+      .flat = true, .curve = helix_down },
+    { "closed-straight-twisted", ROD, .rest = WISP_STRAND_REST_STRAIGHT, .iterations = 1, .blown = true,
+      .closed = true, .curve = polygon },
+    { "closed-shape-over-a-ball", ROD, .rest = WISP_STRAND_REST_SHAPE, .iterations = 1, .closed = true, .ball = true,
+      .curve = polygon },
+    { "free-straight", ROD, .rest = WISP_STRAND_REST_STRAIGHT, .iterations = 1, .free = true, .ball = true,
+      .curve = fringe },
 };
 
 // Without ghosts, ghosts and curves are the strands themselves.
@@ -107,7 +127,11 @@ static wisp_strand_dynamics_def def_of( const golden_case* c )
     def.bending = c->bend;
     def.integrator = c->bdf2 ? WISP_INTEGRATOR_BDF2 : WISP_INTEGRATOR_EULER;
     def.rest = c->rest;
+    def.edgewise_rigidity = c->flat ? 1e5f * def.bend_rigidity : 0.0f;
     def.solver = c->solver;
+    def.closed = c->closed;
+    def.closing_twist = c->closed ? 4.0f : 0.0f;
+    def.free_roots = c->free;
     def.stretch_compliance = 1.0f;
     def.bend_compliance = 100.0f;
     def.bend_damping = c->rest == WISP_STRAND_REST_SHAPE ? 1e-3f : 0.0f;

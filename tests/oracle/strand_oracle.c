@@ -283,9 +283,10 @@ bool strand_oracle_stretch( strand_oracle* strand, strand_oracle_measure measure
     }
     for ( int pass = 0; pass < passes; ++pass )
     {
-        newton_pass( strand, measure, dt );
+        strand->closed ? strand_oracle_closed_pass( strand, dt ) : newton_pass( strand, measure, dt );
     }
-    const bool lost = !( strand_oracle_strain( strand ) <= tolerance ) && is_held_beyond_its_root( strand ) == false;
+    const bool lost = strand->closed == false && !( strand_oracle_strain( strand ) <= tolerance ) &&
+                      is_held_beyond_its_root( strand ) == false;
     if ( lost )
     {
         lay_out( strand, dt );
@@ -387,9 +388,12 @@ static bool solve_step( strand_oracle* strand, const strand_oracle_settings* set
 {
     const bool rod = settings->bending == STRAND_ORACLE_BENDING_ROD;
     bool laid = false;
-    if ( rod )
+    if ( rod && strand->closed == false )
     {
         strand_oracle_rod_factor( strand, settings->bend_damping, dt );
+    }
+    if ( rod )
+    {
         strand_oracle_rod( strand, settings->bend_damping, dt, settings->looks_back ? &settings->gravity : NULL );
     }
     sweep_links( strand, settings );

@@ -60,7 +60,9 @@ typedef struct strand_oracle
         held_diagonal; ///< factor of the diagonal of J W J^T, 1 from strand_oracle_shape(); 1 + 1e-5 where tips are held
     double flatness; ///< sqrt( 1 - EI / EI' ) of an elliptic section, whose x axis is across its flat side and whose
                      ///< stiffness is that of EI'; 0: circular
-    bool guided;     ///< the direction of the tip is held: frame[count - 1] is its frame, and vertex count - 1 bends
+    /// The last vertex is the first again: vertex 0 is between the last segment and the first. Systems are solved dense.
+    bool closed;
+    bool guided; ///< the direction of the tip is held: frame[count - 1] is its frame, and vertex count - 1 bends
 } strand_oracle;
 
 /// Make a strand at rest in this shape: lengths, frames carried along from the clamp without twist, the clamp in the
@@ -155,6 +157,17 @@ void strand_oracle_link( strand_oracle* strand, const double* rest, double* lamb
 /// Place each vertex at rest length from the one before; a held vertex, or one closer than 1e-15 m, stays. The
 /// previous position of a leader moves by `share` of the correction of its follower.
 void strand_oracle_follow( strand_oracle* strand, double fraction );
+
+/// Solve a dense system by elimination with row pivoting. @param matrix [n][n] by rows, destroyed
+/// @param right [n][columns], replaced by the solution
+void strand_oracle_solve( int n, double* matrix, int columns, double* right );
+/// A Newton pass of lengths around a closed strand, dense.
+void strand_oracle_closed_pass( strand_oracle* strand, double dt );
+/// The twist of a closed strand at rest in its shape, and its closing twist: -angle L_i / L of each vertex, and what frames
+/// carried around the loop are turned by at vertex 0.
+void strand_oracle_close( strand_oracle* strand, double angle );
+/// Solve (M + scale K) x = right of a closed strand for x, y and z, and move it by x.
+void strand_oracle_closed_move( strand_oracle* strand, double scale, double3* right );
 
 /// Largest |l/l_0 - 1| of the segments.
 double strand_oracle_strain( const strand_oracle* strand );

@@ -188,11 +188,13 @@ typedef struct vertex_state
 
 static strand_oracle_quaternion frame_before( const strand_oracle* strand, int i )
 {
-    return i > 0 ? strand->frame[i - 1] : strand_oracle_product( strand->turn, strand->clamp );
+    const int before = i > 0 || strand->closed == false ? i - 1 : strand->count - 2;
+    return before >= 0 ? strand->frame[before] : strand_oracle_product( strand->turn, strand->clamp );
 }
 
 static double3 tangent( const strand_oracle* strand, const double3* p, int s )
 {
+    s = s < 0 && strand->closed ? strand->count - 2 : s;
     if ( s < 0 )
     {
         return strand_oracle_turned( frame_before( strand, 0 ), z_axis );
@@ -208,6 +210,7 @@ static double3 unit_tangent( const strand_oracle* strand, const double3* p, int 
 {
     const double3 t = tangent( strand, p, s );
     const double length = double3_length( t );
+    s = s < 0 && strand->closed ? strand->count - 2 : s;
     return length > 1e-15 ? double3_scale( 1.0 / length, t ) : strand_oracle_turned( strand->frame[s], z_axis );
 }
 
@@ -337,19 +340,24 @@ static void gradient_of( const strand_oracle* strand, const vertex_state* v, dou
     gradient[0] = zero;
     for ( int s = 0; s + 1 < strand->count; ++s )
     {
-        const vertex_state *a = v + s, *b = v + s + 1;
-        const double3 ma = moment_of( strand, s, a ), mb = moment_of( strand, s + 1, b );
+        const int next = strand->closed && s + 2 == strand->count ? 0 : s + 1;
+        const vertex_state *a = v + s, *b = v + next;
+        const double3 ma = moment_of( strand, s, a ), mb = moment_of( strand, next, b );
         double3 turning = zero;
         if ( strand->framed )
         {
             turning = turning_of( strand, s, a, 1.0 );
-            turning = s + 1 < bending_count( strand ) ? double3_add( turning, turning_of( strand, s + 1, b, -1.0 ) )
-                                                      : turning;
+            turning = next < bending_count( strand ) ? double3_add( turning, turning_of( strand, next, b, -1.0 ) )
+                                                     : turning;
         }
         const double3 sum = double3_add_scaled( double3_sub( ma, mb ), 0.5, turning );
         const double3 g = double3_scale( 1.0 / strand->length[s], sum );
         gradient[s] = double3_sub( gradient[s], g );
         gradient[s + 1] = g;
+    }
+    if ( strand->closed )
+    {
+        gradient[0] = double3_add( gradient[0], gradient[strand->count - 1] );
     }
 }
 
@@ -377,12 +385,34 @@ void strand_oracle_twist_balance( const strand_oracle* strand, double* residual 
     }
 }
 
+// The same around a closed strand. The diagonal has the factor 1 + 1e-5, because a strand may turn about itself as a whole.
+static void solve_turns_around( const strand_oracle* strand, const vertex_state* v, double* turn )
+{
+    const int n = strand->count - 1;
+    double matrix[MAX_STRAND_ORACLE * MAX_STRAND_ORACLE] = { 0.0 };
+    for ( int s = 0; s < n; ++s )
+    {
+        const int next = ( s + 1 ) % n, before = ( s + n - 1 ) % n;
+        const double own = strand->twist_stiffness[s], behind = strand->twist_stiffness[next];
+        matrix[s * n + s] += ( own + v[s].slope + behind + v[next].slope ) * ( 1.0 + 1e-5 );
+        matrix[s * n + before] += v[s].slope - own;
+        matrix[s * n + next] += v[next].slope - behind;
+        turn[s] = -( v[s].moment - v[next].moment + 0.5 * ( v[s].load + v[next].load ) );
+    }
+    strand_oracle_solve( n, matrix, 1, turn );
+}
+
 // One Newton step for the turns of all segments about themselves: elimination from the root, substitution from the
 // tip.
 static void solve_turns( const strand_oracle* strand, const vertex_state* v, double* turn )
 {
     double inverse[MAX_STRAND_ORACLE], off[MAX_STRAND_ORACLE];
     const int segments = strand->count - 1;
+    if ( strand->closed )
+    {
+        solve_turns_around( strand, v, turn );
+        return;
+    }
     for ( int s = 0; s < segments; ++s )
     {
         const double own = strand->twist_stiffness[s], behind = strand->twist_stiffness[s + 1];
@@ -413,12 +443,13 @@ static void balance_twist( strand_oracle* strand, vertex_state* v )
         is_balanced = is_balanced && fabs( turn[s] ) <= 1.0;
     }
     turn[strand->count - 1] = 0.0; // of a tip
+    const double end = strand->closed ? fmax( -1.0, fmin( 1.0, turn[strand->count - 2] ) ) : 0.0;
     for ( int s = 0; s < bending_count( strand ); ++s )
     {
         turn[s] = fmax( -1.0, fmin( 1.0, turn[s] ) );
         const strand_oracle_quaternion about_itself = { 0.0, 0.0, 0.5 * turn[s], 1.0 };
         strand->frame[s] = normalised( strand_oracle_product( strand->frame[s], about_itself ), strand->frame[s] );
-        const double before = s > 0 ? turn[s - 1] : 0.0;
+        const double before = s > 0 ? turn[s - 1] : end;
         const double angle = 0.5 * ( before + turn[s] ), shorter = 1.0 / sqrt( 1.0 + angle * angle );
         v[s].soft = double3_scale( shorter, double3_add_scaled( v[s].soft, angle, v[s].edge ) );
         v[s].across = shorter * ( v[s].across + angle * v[s].along );
@@ -445,9 +476,10 @@ static void pull( strand_oracle* strand, const double3* place, double dt )
         {
             force = double3_add_scaled( force, strand->tension[i], tangent( strand, place, i ) );
         }
-        if ( i > 0 )
+        if ( i > 0 || strand->closed )
         {
-            force = double3_add_scaled( force, -strand->tension[i - 1], tangent( strand, place, i - 1 ) );
+            const int before = i > 0 ? i - 1 : strand->count - 2;
+            force = double3_add_scaled( force, -strand->tension[before], tangent( strand, place, before ) );
         }
         strand->position[i] = double3_add_scaled( strand->position[i], dt * dt * strand->weight[i], force );
     }
@@ -462,7 +494,21 @@ static void rate_gradient( const strand_oracle* strand, const vertex_state* v, d
         way[i] = double3_sub( strand->position[i], strand->previous[i] );
         gradient[i] = zero;
     }
-    for ( int i = 0; i < bending_count( strand ); ++i )
+    for ( int i = 0; i < bending_count( strand ) && strand->closed; ++i )
+    {
+        const int n = strand->count - 1, at[3] = { ( i + n - 1 ) % n, i, ( i + 1 ) % n };
+        const double a = 1.0 / strand->length[at[0]], b = 1.0 / strand->length[i], c[3] = { a, -a - b, b };
+        double3 change = zero;
+        for ( int k = 0; k < 3; ++k )
+        {
+            change = double3_add_scaled( change, c[k], way[at[k]] );
+        }
+        for ( int k = 0; k < 3; ++k )
+        {
+            gradient[at[k]] = double3_add_scaled( gradient[at[k]], strand->stiffness[i] * c[k], change );
+        }
+    }
+    for ( int i = 0; i < bending_count( strand ) && strand->closed == false; ++i )
     {
         double c[3];
         coefficients( strand, i, c );
@@ -528,12 +574,18 @@ void strand_oracle_rod( strand_oracle* strand, double damping, double dt, const 
         place[i] = gained ? double3_add_scaled( strand->position[i], -dt * dt, *acceleration ) : strand->position[i];
     }
     pull( strand, place, dt );
+    strand->position[strand->count - 1] = strand->position[strand->closed ? 0 : strand->count - 1];
     measure_rod( strand, acceleration != NULL ? place : strand->position, v );
     gradient_of( strand, v, right );
     rate_gradient( strand, v, rate );
     for ( int i = 0; i < strand->count; ++i )
     {
         right[i] = double3_add_scaled( double3_scale( -dt * dt, right[i] ), -damping * dt, rate[i] );
+    }
+    if ( strand->closed )
+    {
+        strand_oracle_closed_move( strand, dt * dt + damping * dt, right );
+        return;
     }
     solve_and_move( strand, right );
 }

@@ -270,6 +270,13 @@ WISP_API float wisp_frame_progress( const wisp_frame* frame, wisp_entity entity,
 WISP_API float wisp_frame_progress_left( const wisp_frame* frame, wisp_entity entity, int substep );
 /// @return where the step before left what moved from one pose to another
 WISP_API wisp_transform wisp_frame_reached( const wisp_frame* frame, wisp_transform from, wisp_transform to );
+/// Find what carries an entity with a moving frame (moving_frame.h) in a substep: the motion of the frame that it does not feel.
+/// @param turn receives the rotation of the motion
+/// @return false if there is none in this step
+WISP_API bool wisp_frame_find_carry( wisp_frame* frame, const wisp_span* span, wisp_carry_args* args,
+                                     wisp_quat* turn );
+/// Move the frame of an entity to the pose that it has been given for this step.
+WISP_API void wisp_frame_move_carry( wisp_frame* frame, wisp_entity entity );
 /// Iterations of a substep.
 WISP_API int wisp_frame_iterations( const wisp_frame* frame );
 /// Is the entity left out of passes?

@@ -166,6 +166,7 @@ typedef struct wisp_strand_stretch_args
     wisp_strand_history history;
     bool
         is_held; ///< strands may be held at both ends: the diagonal grows by 1e-5, because that of a taut one is singular
+    bool is_closed; ///< the last vertex of each strand is its first; not reset, and without history
 } wisp_strand_stretch_args;
 
 /// Floats of scratch per row of a strand kernel.
@@ -246,7 +247,12 @@ typedef struct wisp_strand_rod_args
     float
         flatness; ///< sqrt( 1 - EI / EI_edgewise ) of an elliptic section, which bends with EI about its y axis, the
                   ///< x axis being across the flat side; `stiffness` is that of EI_edgewise. 0: circular
-    float* section_scratch; ///< WISP_STRAND_SECTION_SCRATCH floats per row of the longest group; with `flatness` only
+    float* section_scratch; ///< WISP_STRAND_SECTION_SCRATCH floats per row of the longest group; with `flatness` or
+                            ///< `response` only
+    const float*
+        response; ///< [row][2][16] of strands whose last vertex is their first, without the vertices 0 and 1,
+                  ///< which have no factors: Z = F^-1 B, the response to a displacement of those; rows 0 and 1
+                  ///< have S^-1 = (D - B^T Z)^-1. null: strands are open
 } wisp_strand_rod_args;
 
 /// Floats of scratch per row of rods with an elliptic section.
