@@ -179,6 +179,7 @@ extern "C"
         bool is_generated;               ///< `recipe` tells how to make it
         wisp_mesh_generator generator;   ///< the defaults if not made
         int repairs;                     ///< WISP_MESH_DROP_DEGENERATES ... or-ed; 0: none
+        float weld_distance;             ///< m, before the scale; 0: as wisp_mesh_repair()
         int demands;                     ///< WISP_MESH_CLOSED ... or-ed, of the repaired mesh; 0: none
         float scale;                     ///< > 0, about the mesh's own origin
     } wisp_scene_mesh;

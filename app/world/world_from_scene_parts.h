@@ -73,13 +73,15 @@ wisp_status scene_animation_pose( const wisp_scene* scene, int surface, scene_an
 void scene_animation_release( scene_animation* animation );
 
 /// Every vertex that a surface's entry pins, and the pivot of its pins. The mesh is the initial one.
-/// @param kept [kept_count] index in the file of each vertex that a repair kept; null if none was dropped
-wisp_status scene_pins_find( const wisp_scene* scene, int surface, const int32_t* kept, int kept_count,
+/// @param repairs of the mesh; zero if there were none
+wisp_status scene_pins_find( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
                              scene_world_surface* out, wisp_error* error );
 /// @return where a vertex stands in an ascending list, -1: it does not
 int32_t scene_pins_find_vertex( const int32_t* ascending, int count, int32_t vertex );
+/// @param number >= 0, of a vertex in the file @return its index in the repaired mesh, -1: it has none
+int32_t scene_vertex_of_number( const wisp_mesh_repairs* repairs, int32_t number );
 /// The balloon of a surface with the vertices of its outlet found.
-wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const int32_t* kept, int kept_count,
+wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
                                const wisp_mesh* mesh, wisp_balloon_def* out, wisp_error* error );
 
 // ---- before a step ----

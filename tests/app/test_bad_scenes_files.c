@@ -1,0 +1,16 @@
+// Messages for test_bad_scenes.c: meshes and maps of files, repairs, starts.
+#include "bad_scenes.h"
+
+// clang-format off
+const bad_scene BAD_SCENES_FILES[] = {
+    { "weld_distance_alone.yaml",
+      ":7:20: surfaces[0]: 'weld_distance' needs 'repair: [weld]'" },
+    { "weld_distance_of_collider.yaml",
+      ":4:90: colliders[0]: 'weld_distance' needs 'repair: [weld]'" },
+    { "weld_distance_of_instance.yaml",
+      ":4:47: surfaces[1]: 'weld_distance' is not possible with 'instance_of'" },
+    { "weld_distance_zero.yaml",
+      ":7:20: surfaces[0].weld_distance: got 0, expected a value in [1e-06, 1000000]" },
+};
+// clang-format on
+const int BAD_SCENES_FILES_COUNT = sizeof BAD_SCENES_FILES / sizeof BAD_SCENES_FILES[0];
