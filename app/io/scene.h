@@ -93,8 +93,10 @@ extern "C"
         wisp_scene_start_shape shape;
         wisp_vec3 scale; ///< along x, y and z about its centre, before the shape; default 1
         float turns;
-        uint64_t seed; ///< of random places and of shaking
-        float shake;   ///< m, the largest displacement of a vertex along each axis, at random, after the shape
+        uint64_t seed;    ///< of random places and of shaking
+        float shake;      ///< m, the largest displacement of a vertex along each axis, at random, after the shape
+        const char* file; ///< of a surface: mesh with its vertices before scale and shape; null: the rest shape
+        const wisp_scene_arrays* arrays; ///< a host has it in memory: the file is not read
     } wisp_scene_start;
 
     /// Entries that one entry becomes, in a grid: number k stands in row k / columns and column k % columns.
@@ -444,6 +446,12 @@ extern "C"
     /// @return WISP_BAD_INPUT no entry names the file; WISP_NO_MEMORY
     WISP_API wisp_status wisp_scene_set_arrays( wisp_scene* scene, const wisp_scene_arrays* arrays, int count,
                                                 wisp_error* error );
+
+    /// Call a function for each file that a scene names, relative to the folder of the scene or the working directory as it is
+    /// to be opened: without the name of a mesh behind #. Ends at the first failure.
+    WISP_API wisp_status wisp_scene_files( const wisp_scene* scene,
+                                           wisp_status ( *each )( void* user, const char* file, wisp_error* error ),
+                                           void* user, wisp_error* error );
 
     /// @param step >= 0, counted from 0 @return s, its length
     WISP_API float wisp_scene_step_length( const wisp_scene* scene, int step );

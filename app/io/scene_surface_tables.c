@@ -246,7 +246,14 @@ static const scene_block TRANSFORM_BLOCK = BLOCK( TRANSFORM_FIELDS );
 static const scene_field COPIES_FIELDS[] = { SCENE_COPIES_FIELDS( wisp_scene_surface ) };
 static const scene_block COPIES_BLOCK = { COPIES_FIELDS, WISP_COUNT( COPIES_FIELDS ) };
 
-static const scene_field START_FIELDS[] = { SCENE_START_FIELDS( wisp_scene_surface ) };
+static const scene_field START_FIELDS[] = {
+    { "file", SCENE_CUSTOM, .at = AT( start.file ), .read = scene_read_file,
+      .help = "Mesh with the positions of all vertices in the order of the mesh, before `transform`, `scale` and "
+              "`shape`; its "
+              "triangles are not used. Pinned vertices start there too.",
+      .form = "path", .initial = "the rest shape" },
+    SCENE_START_FIELDS( wisp_scene_surface ),
+};
 static const scene_block START_BLOCK = BLOCK( START_FIELDS );
 
 #define COLLISION( member ) offsetof( wisp_scene_surface, collision.member )

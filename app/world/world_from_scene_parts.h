@@ -40,6 +40,10 @@ wisp_status scene_maps_set( const scene_world* world, int surface, bool of_mass,
 
 /// Add all surfaces, then all colliders.
 wisp_status scene_surfaces_add( scene_world* world, wisp_error* error );
+/// Move the vertices of a placed surface to those of the file that its entry starts as, if it has one.
+/// @param repairs of the mesh that it has, or of its source: a start file may have the vertices before them
+wisp_status scene_start_load( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
+                              scene_world_surface* out, wisp_error* error );
 /// Move the vertices of a placed surface to where its entry has them start.
 void scene_start_place( const wisp_scene_surface* entry, scene_world_surface* surface );
 /// Let the masses of a surface that was added grow downwards, as its entry says.

@@ -214,6 +214,7 @@ static wisp_status make_source( scene_world* world, int surface, unsigned char r
         status = scene_pins_find( scene, surface, &s->repairs, s, error );
     }
     status = status == WISP_OK ? cook( scene, surface, required, rest, s, error ) : status;
+    status = status == WISP_OK ? scene_start_load( scene, surface, &s->repairs, s, error ) : status;
     if ( status == WISP_OK )
     {
         scene_start_place( &scene->surfaces[surface], s );
@@ -243,6 +244,7 @@ static wisp_status make_instance( scene_world* world, int surface, wisp_error* e
     wisp_fabric_retain( source->fabric );
     s->fabric = source->fabric;
     wisp_status status = scene_pins_find( world->scene, surface, &source->repairs, s, error );
+    status = status == WISP_OK ? scene_start_load( world->scene, surface, &source->repairs, s, error ) : status;
     if ( status == WISP_OK )
     {
         scene_start_place( entry, s );

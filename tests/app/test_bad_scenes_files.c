@@ -3,6 +3,8 @@
 
 // clang-format off
 const bad_scene BAD_SCENES_FILES[] = {
+    { "start_file_of_strands.yaml",
+      ":6:14: strands[0].start: unknown key 'file', expected one of shape, scale, turns, shake, seed" },
     { "weld_distance_alone.yaml",
       ":7:20: surfaces[0]: 'weld_distance' needs 'repair: [weld]'" },
     { "weld_distance_of_collider.yaml",
