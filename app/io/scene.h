@@ -198,13 +198,22 @@ extern "C"
         wisp_vec3 lower, upper; ///< m, low <= high
     } wisp_scene_box;
 
-    /// One entry of `surfaces`. Texts and arrays belong to the scene.
-    /// Values of a parameter that differ from vertex to vertex: from a file of numbers, or from an image by the coordinates of
-    /// the surface. 0 in the file is `from`, and 1 is `to`.
+    /// What a map takes of a colour.
+    typedef enum wisp_scene_map_channel
+    {
+        WISP_SCENE_MAP_MEAN, ///< of red, green and blue
+        WISP_SCENE_MAP_RED,
+        WISP_SCENE_MAP_GREEN,
+        WISP_SCENE_MAP_BLUE,
+    } wisp_scene_map_channel;
+
+    /// Values of a parameter that differ from vertex to vertex: from a file of numbers, from an image by the coordinates of the
+    /// surface, or from the colours of its vertices. 0 in the file is `from`, and 1 is `to`.
     typedef struct wisp_scene_map
     {
         wisp_component map; ///< WISP_MAP_..., see maps.h
-        const char* file;   ///< PNG by its extension, else text
+        const char* file;   ///< PNG by its extension, else text; null: the colours of the vertices of the mesh
+        wisp_scene_map_channel channel; ///< of an image or of colours
         float from, to;
         float constant;     ///< of the effect; the map has the values over it
         float lower, upper; ///< of the values
@@ -212,7 +221,10 @@ extern "C"
         char path[64]; ///< of the key, for messages
     } wisp_scene_map;
 
-#define WISP_SCENE_MAX_MAPS 12
+#define WISP_SCENE_MAX_MAPS 16
+
+    /// Whether a map is an image by its extension.
+    WISP_API bool wisp_scene_map_is_image( const wisp_scene_map* map );
 
     /// Read the numbers of a map that is a text file.
     /// @param out [count] as in the file
@@ -239,6 +251,7 @@ extern "C"
         wisp_skin_method method;
     } wisp_scene_animation;
 
+    /// One entry of `surfaces`. Texts and arrays belong to the scene.
     typedef struct wisp_scene_surface
     {
         const char* name; ///< unique among strands, surfaces, colliders and seams

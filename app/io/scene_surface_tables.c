@@ -264,12 +264,13 @@ static const scene_choice FEATURES[] = { { "vertices",
                                          { NULL, NULL } };
 
 static const scene_field COLLISION_FIELDS[] = {
-    { "thickness", SCENE_NUMBER, .at = COLLISION( thickness ), .range = RANGE( 0, 1e6 ), .unit = METRES,
+    { "thickness", SCENE_NUMBER, .map = WISP_MAP_COLLISION_THICKNESS, .at = COLLISION( thickness ),
+      .range = RANGE( 0, 1e6 ), .unit = METRES,
       .help =
           "Distance that vertices keep from colliders; of implicit cloth, the margin within which a vertex is held.",
       .initial = "a quarter of the mean edge" },
-    { "friction_scale", SCENE_NUMBER, .at = COLLISION( friction_scale ), .range = RANGE( 0, 1e6 ),
-      .help = "Factor of the friction of the collider." },
+    { "friction_scale", SCENE_NUMBER, .map = WISP_MAP_COLLISION_FRICTION, .at = COLLISION( friction_scale ),
+      .range = RANGE( 0, 1e6 ), .help = "Factor of the friction of the collider." },
     { "max_push_out_speed", SCENE_NUMBER, .at = COLLISION( max_push_out_speed ), .range = RANGE( 0, 1e6 ),
       .unit = SPEEDS, .help = "Speed at which a vertex that starts inside is moved out.",
       .initial = "ten mean edges per second" },

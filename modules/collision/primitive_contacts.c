@@ -56,6 +56,7 @@ typedef struct find_loop
     const collision_state* state;
     collision_primitives primitives;
     float *position, *previous;
+    collision_maps maps;
     float* clearance; // [slot] m, less the reach: distance of the path of a particle from all bodies, or less
 } find_loop;
 
@@ -199,10 +200,18 @@ static bool is_pinned( const find_loop* loop, const int32_t* corners, const coll
     return !( sum > 0.0f );
 }
 
-static void meet_body( const find_loop* loop, const collision_view* view, int primitive )
+static void meet_body( const find_loop* loop, const collision_view* of_all, int primitive )
 {
     const collision_primitives* p = &loop->primitives;
     const int32_t* corners = p->corners + (size_t)primitive * (size_t)p->corner_count;
+    const collision_view* view = of_all;
+    collision_view of_this;
+    if ( loop->maps.thickness != NULL || loop->maps.friction != NULL )
+    {
+        of_this = *of_all;
+        collision_view_at( &loop->maps, corners, p->corner_count, &of_this );
+        view = &of_this;
+    }
     primitive_path path;
     collision_deepest deepest;
     if ( load_path( loop, view, corners, &path ) == false )
@@ -395,6 +404,7 @@ void collision_search_primitives( wisp_frame* frame, const wisp_span* span, cons
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
         .clearance = wisp_frame_column( frame, span->entity, state->clearance, 0 ),
+        .maps = collision_maps_of( frame, span->entity, state ),
     };
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     wisp_parallel_for( parallel, wisp_frame_fabric( frame, span->entity )->slot_count, GRAIN, measure_corners,

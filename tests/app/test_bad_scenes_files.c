@@ -3,6 +3,14 @@
 
 // clang-format off
 const bad_scene BAD_SCENES_FILES[] = {
+    { "map_channel_of_text.yaml",
+      ":5:43: surfaces[0].damping: 'channel' needs an image (.png) or 'map: colours'" },
+    { "map_channel_unknown.yaml",
+      ":5:39: surfaces[0].damping.channel: got 'alpha', expected one of mean, r, g, b" },
+    { "map_colors.yaml",
+      ":5:21: surfaces[0].damping.map: got 'colors', did you mean 'colours'?" },
+    { "map_of_strand_contact.yaml",
+      ":6:27: strands[0].contact.thickness: got a mapping, expected a number" },
     { "start_file_of_strands.yaml",
       ":6:14: strands[0].start: unknown key 'file', expected one of shape, scale, turns, shake, seed" },
     { "weld_distance_alone.yaml",
