@@ -2,6 +2,9 @@
 #include "scene_world_fixture.h"
 
 #include "files.h"
+#include "record.h"
+
+#include <math.h>
 
 #define REST "scene_start_rest.obj"
 #define START "scene_start.obj"
@@ -153,10 +156,66 @@ static void a_start_that_does_not_fit_is_refused( void** state )
     }
 }
 
+// A recording of cloth goes on where a frame of it stopped: the vertices are those of the scene, in its order.
+static void a_frame_of_a_recording_is_a_start( void** state )
+{
+    (void)state;
+    static const char TEXT[] =
+        "wisp: 1\nsteps: 4\nsurfaces:\n  - { name: sheet, generate: { shape: plane, columns: 5, rows: 4 },"
+        " pins: [0, 4], cloth: {}%s }\n";
+    char text[600];
+    snprintf( text, sizeof text, TEXT, "" );
+    fixture f;
+    build( &f, text );
+    wisp_vec3 points[5][20];
+    const scene_body body = scene_world_body( &f.world, 0 );
+    const wisp_record_body recorded = { .name = "sheet",
+                                        .triangles = body.triangles,
+                                        .vertex_count = body.vertex_count,
+                                        .triangle_count = body.triangle_count };
+    const wisp_recorder_def def = { .bodies = &recorded, .body_count = 1, .dt = 1.0 / 60.0 };
+    wisp_recorder* recorder;
+    assert_ok( wisp_recorder_open( "scene_start.glb", WISP_RECORD_BY_NAME, &def, &recorder, &f.error ), f.error );
+    for ( int i = 0; i < 5; ++i )
+    {
+        step( &f, i > 0 ? 1 : 0 );
+        assert_int_equal( scene_world_points( &f.world, 0, points[i], &f.error ), WISP_OK );
+        const wisp_vec3* all[] = { points[i] };
+        assert_ok( wisp_recorder_frame( recorder, i / 60.0, 0, all, &f.error ), f.error );
+    }
+    assert_ok( wisp_recorder_close( recorder, &f.error ), f.error );
+    release( &f );
+    snprintf( text, sizeof text, TEXT, ", start: { file: 'scene_start.glb#@frame_0005' }" );
+    build( &f, text );
+    wisp_vec3 began[20];
+    assert_int_equal( scene_world_points( &f.world, 0, began, &f.error ), WISP_OK );
+    double moved = 0.0;
+    for ( int v = 0; v < 20; ++v )
+    {
+        const double x = (double)began[v].x - (double)points[4][v].x, y = (double)began[v].y - (double)points[4][v].y,
+                     z = (double)began[v].z - (double)points[4][v].z;
+        assert_true( sqrt( x * x + y * y + z * z ) < 1e-7 ); // m, of a sheet 0.08 m wide
+        moved = fmax( moved, fabs( (double)points[4][v].y - (double)points[0][v].y ) );
+    }
+    assert_true( moved > 0.01 );
+    release( &f );
+    demand_refusal(
+        "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane, columns: 5, rows: 4 },"
+        " start: { file: 'scene_start.glb#@frame_0006' } }\n",
+        "test.yaml:3:5: surface 'a': scene_start.glb: got 'frame_0006' behind @, expected a time in s or one of "
+        "the 4 morph targets 'frame_0002' .. 'frame_0005'" );
+    // and a body that does not move
+    build( &f, "wisp: 1\ncolliders:\n  - { name: c, shape: mesh, file: 'scene_start.glb#sheet@0.05', double_sided: "
+               "true }\n" );
+    release( &f );
+    remove( "scene_start.glb" );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_start_has_the_vertices_of_the_file_or_of_the_repaired_mesh ),
+        cmocka_unit_test( a_frame_of_a_recording_is_a_start ),
         cmocka_unit_test( scale_and_shake_come_after_the_file ),
         cmocka_unit_test( a_host_gives_a_start_as_arrays ),
         cmocka_unit_test( all_files_of_a_scene_are_listed_without_names_of_meshes ),
