@@ -154,6 +154,12 @@ extern "C"
     wisp_status gltf_mesh_at( const gltf_model* model, int node, gltf_moment moment, const char* name, wisp_mesh* out,
                               wisp_error* error );
 
+    /// Doubles of work for gltf_points_at().
+    size_t gltf_points_work( const gltf_model* model, int node );
+
+    /// The vertices alone; they may overflow. Does not allocate. @param work [gltf_points_work()] @param out [vertex_count] m
+    void gltf_points_at( const gltf_model* model, int node, gltf_moment moment, double* work, wisp_vec3* out );
+
     /// Weights of the morph targets of a node. @param out [target_count of its mesh]
     void gltf_weights_at( const gltf_model* model, int node, gltf_moment moment, double* out );
 

@@ -107,19 +107,28 @@ static void morph( const gltf_mesh* mesh, const double* weights, int v, double p
     }
 }
 
+size_t gltf_points_work( const gltf_model* model, int node )
+{
+    const gltf_mesh* mesh = &model->meshes[model->nodes[node].mesh];
+    const int skin = model->nodes[node].skin;
+    return gltf_pose_work( model ) + (size_t)mesh->target_count +
+           ( skin >= 0 ? 12 * (size_t)model->skins[skin].joint_count : 0 );
+}
+
 // A skin alone places its mesh (glTF 2.0, section 3.7.3.3), else the node does.
-static void place( const gltf_model* model, int n, gltf_moment moment, const double* weights, double* work,
-                   double* matrices, wisp_mesh* out )
+void gltf_points_at( const gltf_model* model, int n, gltf_moment moment, double* work, wisp_vec3* out )
 {
     const gltf_node* node = &model->nodes[n];
     const gltf_mesh* mesh = &model->meshes[node->mesh];
     const bool is_skinned = node->skin >= 0 && mesh->joints != NULL;
+    double *weights = work + gltf_pose_work( model ), *matrices = weights + mesh->target_count;
     const double* global = gltf_pose_nodes( model, moment.animation, moment.time, work ) + 12 * (size_t)n;
+    gltf_weights_at( model, n, moment, weights );
     if ( is_skinned )
     {
         gltf_pose( model, node->skin, moment.animation, moment.time, work, matrices );
     }
-    for ( int v = 0; v < out->vertex_count; ++v )
+    for ( int v = 0; v < mesh->mesh.vertex_count; ++v )
     {
         double from[3], p[3] = { 0.0, 0.0, 0.0 };
         morph( mesh, weights, v, from );
@@ -129,7 +138,7 @@ static void place( const gltf_model* model, int n, gltf_moment moment, const dou
             add_scaled( is_skinned ? matrices + 12 * mesh->joints[i] : global,
                         is_skinned ? (double)mesh->weights[i] : 1.0, from, p );
         }
-        out->points[v] = ( wisp_vec3 ){ (float)p[0], (float)p[1], (float)p[2] };
+        out[v] = ( wisp_vec3 ){ (float)p[0], (float)p[1], (float)p[2] };
     }
 }
 
@@ -137,19 +146,13 @@ wisp_status gltf_mesh_at( const gltf_model* model, int node, gltf_moment moment,
                           wisp_error* error )
 {
     *out = ( wisp_mesh ){ 0 };
-    const gltf_mesh* mesh = &model->meshes[model->nodes[node].mesh];
-    const int skin = model->nodes[node].skin;
-    const size_t joints = skin >= 0 ? (size_t)model->skins[skin].joint_count : 0;
-    const size_t of_pose = gltf_pose_work( model ), of_joints = 12 * joints;
-    double* work = malloc( ( of_pose + of_joints + (size_t)mesh->target_count ) * sizeof *work );
-    wisp_status status = work != NULL ? mesh_copy( &mesh->mesh, out, name, error )
+    double* work = malloc( gltf_points_work( model, node ) * sizeof *work );
+    wisp_status status = work != NULL ? mesh_copy( &model->meshes[model->nodes[node].mesh].mesh, out, name, error )
                                       : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d nodes",
                                                    io_short_name( name ), model->node_count );
     if ( status == WISP_OK )
     {
-        double* weights = work + of_pose + of_joints;
-        gltf_weights_at( model, node, moment, weights );
-        place( model, node, moment, weights, work, work + of_pose, out );
+        gltf_points_at( model, node, moment, work, out->points );
         status = mesh_check( out, name, error );
     }
     if ( status != WISP_OK )

@@ -204,7 +204,41 @@ static void a_frame_of_a_recording_is_a_start( void** state )
         " start: { file: 'scene_start.glb#@frame_0006' } }\n",
         "test.yaml:3:5: surface 'a': scene_start.glb: got 'frame_0006' behind @, expected a time in s or one of "
         "the 4 morph targets 'frame_0002' .. 'frame_0005'" );
-    // and a body that does not move
+    // a body that moves as recorded, at half the speed from the third step on, and cloth of which one pin does
+    build( &f, "wisp: 1\nsteps: 20\nsurfaces:\n  - { name: a, generate: { shape: plane, columns: 5, rows: 4 }, "
+               "collider: { double_sided: true },"
+               " animation: { file: 'scene_start.glb#sheet', clips: [{ clip: recording, time: 0.05, speed: 0.5 }] },"
+               " transform: { scale: 2, translate: [1, 0, 0] } }\n"
+               "  - { name: b, generate: { shape: plane, columns: 5, rows: 4 }, cloth: {}, pins: [19],"
+               " animation: { file: scene_start.glb, clips: [{ clip: recording }] } }\n" );
+    for ( int i = 1; i <= 20; ++i )
+    {
+        wisp_vec3 now[20];
+        step( &f, 1 );
+        const double at = fmin( fmax( ( i - 3 ) * 0.5, 0.0 ), 4.0 ), part = at - floor( at );
+        const int frame = (int)at, next = frame < 4 ? frame + 1 : 4;
+        assert_int_equal( scene_world_points( &f.world, 0, now, &f.error ), WISP_OK );
+        for ( int v = 0; v < 20; ++v )
+        {
+            const wisp_vec3 p = points[frame][v], q = points[next][v];
+            assert_true( fabs( (double)now[v].x - 1.0 -
+                               2.0 * ( (double)p.x + part * ( (double)q.x - (double)p.x ) ) ) < 1e-6 );
+            assert_true( fabs( (double)now[v].y - 2.0 * ( (double)p.y + part * ( (double)q.y - (double)p.y ) ) ) <
+                         1e-6 );
+        }
+        assert_int_equal( scene_world_points( &f.world, 1, now, &f.error ), WISP_OK );
+        assert_true( fabs( (double)now[19].y - (double)points[i < 4 ? i : 4][19].y ) < 1e-6 );
+    }
+    release( &f );
+    demand_refusal(
+        "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane, columns: 5, rows: 5 },"
+        " animation: { file: scene_start.glb, clips: [{ clip: recording }] } }\n",
+        "test.yaml:3:5: surface 'a': animation: scene_start.glb: got 20 vertices, expected 25 as the mesh has" );
+    demand_refusal(
+        "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane, columns: 5, rows: 4 },"
+        " animation: { file: scene_start.glb, clips: [{ clip: recording }, { clip: recording, time: 1 }] } }\n",
+        "test.yaml:3:5: surface 'a': animation: got 2 clips, expected one of a mesh with morph targets" );
+    // and one that does not move
     build( &f, "wisp: 1\ncolliders:\n  - { name: c, shape: mesh, file: 'scene_start.glb#sheet@0.05', double_sided: "
                "true }\n" );
     release( &f );
