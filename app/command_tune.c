@@ -122,22 +122,18 @@ static int folder_length( const char* path )
     return slash ? (int)( slash - path ) + 1 : 0;
 }
 
+static wisp_status count_file( void* user, const char* file, wisp_error* error )
+{
+    (void)file, (void)error;
+    *(int*)user += 1;
+    return WISP_OK;
+}
+
 static bool reads_files( const wisp_scene* scene )
 {
-    bool reads = false;
-    for ( int i = 0; i < scene->strands_count; ++i )
-    {
-        reads |= scene->strands[i].file != NULL;
-    }
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        reads |= scene->surfaces[i].mesh.file != NULL;
-    }
-    for ( int i = 0; i < scene->collider_count; ++i )
-    {
-        reads |= scene->colliders[i].mesh.file != NULL;
-    }
-    return reads;
+    int count = 0;
+    (void)wisp_scene_files( scene, count_file, &count, NULL );
+    return count > 0;
 }
 
 static wisp_status edit_scene( const tune_options* options, const tune_parameters* parameters,

@@ -25,9 +25,10 @@ static const char* name_in_page( const page_files* page, const char* path )
     return strncmp( path, page->scene, page->folder ) == 0 ? io_input_name( path ) + page->folder : path;
 }
 
-static wisp_status add_file( page_files* page, const char* path, wisp_error* error )
+static wisp_status add_file( void* user, const char* path, wisp_error* error )
 {
-    const bool is_there = path == NULL || json_object_get( page->files, name_in_page( page, path ) ) != NULL;
+    page_files* page = user;
+    const bool is_there = json_object_get( page->files, name_in_page( page, path ) ) != NULL;
     return is_there ? WISP_OK : view_add_file( page->files, name_in_page( page, path ), path, &page->total, error );
 }
 
@@ -35,20 +36,8 @@ wisp_status view_scene_files( const wisp_scene* scene, const char* path, json_t*
 {
     const char* slash = strrchr( path, '/' );
     page_files page = { .files = files, .scene = path, .folder = slash ? (size_t)( slash - path ) + 1 : 0 };
-    wisp_status status = add_file( &page, path, error );
-    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
-    {
-        status = add_file( &page, scene->strands[i].file, error );
-    }
-    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
-    {
-        status = add_file( &page, scene->surfaces[i].mesh.file, error );
-    }
-    for ( int i = 0; i < scene->collider_count && status == WISP_OK; ++i )
-    {
-        status = add_file( &page, scene->colliders[i].mesh.file, error );
-    }
-    return status;
+    const wisp_status status = add_file( &page, path, error );
+    return status == WISP_OK ? wisp_scene_files( scene, add_file, &page, error ) : status;
 }
 
 // ---- hashes ----

@@ -27,12 +27,20 @@ void gltf_release( gltf_model* model )
     for ( int n = 0; n < model->node_count; ++n )
     {
         free( model->nodes[n].name );
+        free( model->nodes[n].weights );
     }
     for ( int m = 0; m < model->mesh_count; ++m )
     {
         free( model->meshes[m].name );
         free( model->meshes[m].joints );
         free( model->meshes[m].weights );
+        for ( int t = 0; model->meshes[m].target_names != NULL && t < model->meshes[m].target_count; ++t )
+        {
+            free( model->meshes[m].target_names[t] );
+        }
+        free( model->meshes[m].target_names );
+        free( model->meshes[m].targets );
+        free( model->meshes[m].weights_at_rest );
         wisp_mesh_release( &model->meshes[m].mesh );
     }
     for ( int s = 0; s < model->skin_count; ++s )
@@ -48,6 +56,13 @@ void gltf_release( gltf_model* model )
             free( model->animations[a].channels[c].times );
             free( model->animations[a].channels[c].values );
         }
+        for ( int w = 0; w < model->animations[a].weights_count; ++w )
+        {
+            gltf_weights* weights = &model->animations[a].weights[w];
+            free( weights->is_shared ? NULL : weights->times );
+            free( weights->is_shared ? NULL : weights->values );
+        }
+        free( model->animations[a].weights );
         free( model->animations[a].channels );
         free( model->animations[a].name );
     }
@@ -322,63 +337,6 @@ wisp_status gltf_find_mesh( const gltf_model* model, const char* wanted, const c
                             names );
 }
 
-static void add_scaled( const double m[12], double weight, wisp_vec3 p, double sum[3] )
-{
-    const double x = (double)p.x, y = (double)p.y, z = (double)p.z;
-    for ( int row = 0; row < 3; ++row )
-    {
-        const double* r = m + 4 * row;
-        sum[row] += weight * ( r[0] * x + r[1] * y + r[2] * z + r[3] );
-    }
-}
-
-// A skin alone places its mesh (glTF 2.0, section 3.7.3.3), else the node does.
-static void place( const gltf_model* model, int n, double* work, double* matrices, wisp_mesh* out )
-{
-    const gltf_node* node = &model->nodes[n];
-    const gltf_mesh* mesh = &model->meshes[node->mesh];
-    const bool is_skinned = node->skin >= 0 && mesh->joints != NULL;
-    const double* global = gltf_pose_nodes( model, -1, 0.0, work ) + 12 * (size_t)n;
-    if ( is_skinned )
-    {
-        gltf_pose( model, node->skin, -1, 0.0, work, matrices );
-    }
-    for ( int v = 0; v < out->vertex_count; ++v )
-    {
-        double p[3] = { 0.0, 0.0, 0.0 };
-        for ( int k = 0; k < ( is_skinned ? 4 : 1 ); ++k )
-        {
-            const size_t i = 4 * (size_t)v + (size_t)k;
-            add_scaled( is_skinned ? matrices + 12 * mesh->joints[i] : global,
-                        is_skinned ? (double)mesh->weights[i] : 1.0, mesh->mesh.points[v], p );
-        }
-        out->points[v] = ( wisp_vec3 ){ (float)p[0], (float)p[1], (float)p[2] };
-    }
-}
-
-wisp_status gltf_mesh_at_rest( const gltf_model* model, int node, const char* name, wisp_mesh* out,
-                               wisp_error* error )
-{
-    *out = ( wisp_mesh ){ 0 };
-    const int skin = model->nodes[node].skin;
-    const size_t joints = skin >= 0 ? (size_t)model->skins[skin].joint_count : 0;
-    double* work = malloc( ( gltf_pose_work( model ) + 12 * joints ) * sizeof *work );
-    wisp_status status = work != NULL ? mesh_copy( &model->meshes[model->nodes[node].mesh].mesh, out, name, error )
-                                      : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d nodes",
-                                                   io_short_name( name ), model->node_count );
-    if ( status == WISP_OK )
-    {
-        place( model, node, work, work + gltf_pose_work( model ), out );
-        status = mesh_check( out, name, error );
-    }
-    if ( status != WISP_OK )
-    {
-        wisp_mesh_release( out );
-    }
-    free( work );
-    return status;
-}
-
 // Bytes of the path before the # of a name.
 static size_t file_length( const char* path )
 {
@@ -412,16 +370,5 @@ wisp_status gltf_model_read( const char* path, gltf_model* out, int* node, wisp_
     {
         gltf_release( out );
     }
-    return status;
-}
-
-wisp_status gltf_mesh_read( const char* path, wisp_mesh* out, wisp_error* error )
-{
-    gltf_model model;
-    int node = -1;
-    *out = ( wisp_mesh ){ 0 };
-    wisp_status status = gltf_model_read( path, &model, &node, error );
-    status = status == WISP_OK ? gltf_mesh_at_rest( &model, node, path, out, error ) : status;
-    gltf_release( &model );
     return status;
 }

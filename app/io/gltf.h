@@ -26,6 +26,8 @@ extern "C"
         double rotation[4];    ///< unit quaternion x, y, z, w
         double scale[3];
         double matrix[12]; ///< rows of a 3 x 4 matrix, with has_matrix
+        double* weights;   ///< [weight_count] of morph targets at rest; null: those of the mesh
+        int weight_count;
     } gltf_node;
 
     /// All triangles of a mesh: its primitives joined.
@@ -39,7 +41,10 @@ extern "C"
         int skipped_count;           ///< primitives of points and lines
         int merged_count;            ///< vertices merged into an earlier one
         int dropped_influence_count; ///< vertices with more than four weights, of which the largest are kept
-        int target_count;            ///< morph targets, which are not read
+        int target_count;            ///< morph targets
+        char** target_names;         ///< [target_count] "target 3" where the file gives none
+        float* targets;              ///< [target_count][vertex_count][3] m, displacements at weight 1
+        double* weights_at_rest;     ///< [target_count]
     } gltf_mesh;
 
     typedef struct gltf_skin
@@ -75,12 +80,25 @@ extern "C"
             values; ///< [key_count][width]; of cubic splines [key_count][3][width]: in-tangent, value, out-tangent
     } gltf_channel;
 
+    /// Weights of the morph targets of a node over time.
+    typedef struct gltf_weights
+    {
+        int node, sampler;
+        gltf_interpolation interpolation;
+        int key_count;  ///< >= 1
+        double* times;  ///< [key_count] s, >= 0, rising
+        float* values;  ///< [key_count][target_count]; of cubic splines [key_count][3][target_count]
+        bool is_shared; ///< both arrays belong to an earlier entry of the animation
+    } gltf_weights;
+
     typedef struct gltf_animation
     {
         char* name;
         int channel_count;
-        int skipped_count; ///< channels of morph weights or without a node
+        int skipped_count; ///< channels without a node, and those of weights of a node without morph targets
         gltf_channel* channels;
+        int weights_count;
+        gltf_weights* weights;
         double duration; ///< s, time of the last key
     } gltf_animation;
 
@@ -124,6 +142,30 @@ extern "C"
     wisp_status gltf_mesh_at_rest( const gltf_model* model, int node, const char* name, wisp_mesh* out,
                                    wisp_error* error );
 
+    /// What a mesh looks like: at rest, at a time of an animation, or with one morph target alone.
+    typedef struct gltf_moment
+    {
+        int animation; ///< -1: at rest
+        double time;   ///< s; before the first key and after the last the pose stays
+        int target;    ///< its weight is 1 and all others are 0; -1: weights at rest, or of the animation
+    } gltf_moment;
+
+    /// The triangles of a node at a moment: morphed, then placed as gltf_mesh_at_rest() does (glTF 2.0, section 3.7.2.2).
+    wisp_status gltf_mesh_at( const gltf_model* model, int node, gltf_moment moment, const char* name, wisp_mesh* out,
+                              wisp_error* error );
+
+    /// Doubles of work for gltf_points_at().
+    size_t gltf_points_work( const gltf_model* model, int node );
+
+    /// The vertices alone; they may overflow. Does not allocate. @param work [gltf_points_work()] @param out [vertex_count] m
+    void gltf_points_at( const gltf_model* model, int node, gltf_moment moment, double* work, wisp_vec3* out );
+
+    /// Weights of the morph targets of a node. @param out [target_count of its mesh]
+    void gltf_weights_at( const gltf_model* model, int node, gltf_moment moment, double* out );
+
+    /// Find the time at which an animation has a morph target of a node alone, at weight 1, at a key. @return s; -1: never
+    double gltf_target_time( const gltf_model* model, int node, int animation, int target );
+
     /// Whether a path ends in .glb or .gltf, maybe with # and a name behind.
     bool gltf_is_path( const char* path );
 
@@ -131,7 +173,9 @@ extern "C"
     /// @param out receives the model, to be released; empty on failure @param node receives the node with the mesh
     wisp_status gltf_model_read( const char* path, gltf_model* out, int* node, wisp_error* error );
 
-    /// Read a file and take one mesh at rest. @param path of a file, and maybe # and the name of a node or mesh
+    /// Read a file and take one mesh. @param path of a file, and maybe # and the name of a node or mesh, and maybe @ and a
+    /// time of the first animation in s, or the name of a morph target: `take.glb#cloth@1.5`, `take.glb#@frame_0002`
+    /// @return also WISP_BAD_INPUT there is no animation, or no such morph target (the message names some)
     wisp_status gltf_mesh_read( const char* path, wisp_mesh* out, wisp_error* error );
 
     /// Doubles of work for gltf_pose(). @return node_count * 22

@@ -11,10 +11,6 @@ static void print_mesh_stats( FILE* out, const gltf_mesh* mesh )
     {
         fprintf( out, "  note: primitives of points or lines, which are skipped: %d\n", mesh->skipped_count );
     }
-    if ( mesh->target_count > 0 )
-    {
-        fprintf( out, "  note: morph targets, which are not read: %d\n", mesh->target_count );
-    }
     if ( mesh->merged_count > 0 )
     {
         fprintf( out, "  note: vertices of equal position and weights, merged: %d\n", mesh->merged_count );
@@ -47,12 +43,37 @@ static void print_animations( FILE* out, const gltf_model* model )
     {
         const gltf_animation* animation = &model->animations[a];
         fprintf( out, "animation %s: %.6g s, %d channels\n", animation->name, animation->duration,
-                 animation->channel_count );
+                 animation->channel_count + animation->weights_count );
         if ( animation->skipped_count > 0 )
         {
-            fprintf( out, "  note: channels of morph weights or without a node, which are skipped: %d\n",
+            fprintf( out,
+                     "  note: channels without a node, or of weights without morph targets, which are skipped: %d\n",
                      animation->skipped_count );
         }
+    }
+}
+
+// Morph targets, and when the first animation shows each of them alone: the frames of a recording.
+static void print_targets( FILE* out, const gltf_model* model, int n )
+{
+    const gltf_mesh* mesh = &model->meshes[model->nodes[n].mesh];
+    if ( mesh->target_count > 0 )
+    {
+        fprintf( out, "  morph targets: %d\n", mesh->target_count );
+    }
+    for ( int t = 0; t < mesh->target_count && t < WISP_MESH_LISTED; ++t )
+    {
+        const double time = model->animation_count > 0 ? gltf_target_time( model, n, 0, t ) : -1.0;
+        fprintf( out, "    target %d, %s", t, mesh->target_names[t] );
+        if ( time >= 0.0 )
+        {
+            fprintf( out, ", at %.6g s", time );
+        }
+        fputc( '\n', out );
+    }
+    if ( mesh->target_count > WISP_MESH_LISTED )
+    {
+        fprintf( out, "    and %d more\n", mesh->target_count - WISP_MESH_LISTED );
     }
 }
 
@@ -81,6 +102,7 @@ static wisp_status print_node( FILE* out, const gltf_model* model, int n, const 
     fprintf( out, "  mesh %s of %d %s", mesh->name, mesh->primitive_count,
              mesh->primitive_count == 1 ? "primitive" : "primitives" );
     fprintf( out, node->skin >= 0 ? ", skin %s\n" : "\n", node->skin >= 0 ? model->skins[node->skin].name : "" );
+    print_targets( out, model, n );
     print_mesh_stats( out, mesh );
     return status;
 }

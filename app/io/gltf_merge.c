@@ -1,5 +1,5 @@
 // Vertices that a file splits where normals or texture coordinates differ become one again: cloth must not fall apart
-// at its seams. Only exactly equal positions with exactly equal joints and weights are the same vertex.
+// at its seams. Only exactly equal positions with exactly equal joints, weights and displacements are the same vertex.
 #include "gltf_internal.h"
 
 #include <stdlib.h>
@@ -26,13 +26,46 @@ static void key_of( const gltf_mesh* mesh, int v, uint32_t key[WORDS] )
     }
 }
 
-static uint64_t hash_of( const uint32_t key[WORDS] )
+// Of a morph target, whose rows keep their length while vertices are merged.
+static float* displacement( const gltf_mesh* mesh, int target, int v )
+{
+    return mesh->targets + 3 * ( (size_t)target * (size_t)mesh->mesh.vertex_count + (size_t)v );
+}
+
+// Vertices that only start at one place stay apart.
+static bool moves_alike( const gltf_mesh* mesh, int a, int b )
+{
+    bool alike = true;
+    for ( int t = 0; t < mesh->target_count && alike; ++t )
+    {
+        const float *p = displacement( mesh, t, a ), *q = displacement( mesh, t, b );
+        alike = p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
+    }
+    return alike;
+}
+
+static uint64_t mix( uint64_t hash, uint32_t word )
+{
+    hash = ( hash ^ word ) * 0xff51afd7ed558ccdu;
+    return hash ^ hash >> 32;
+}
+
+static uint64_t hash_of( const gltf_mesh* mesh, int v, const uint32_t key[WORDS] )
 {
     uint64_t hash = 0x9e3779b97f4a7c15u;
     for ( int i = 0; i < WORDS; ++i )
     {
-        hash = ( hash ^ key[i] ) * 0xff51afd7ed558ccdu;
-        hash ^= hash >> 32;
+        hash = mix( hash, key[i] );
+    }
+    for ( int t = 0; t < mesh->target_count; ++t )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            const float d = displacement( mesh, t, v )[k] + 0.0f;
+            uint32_t word;
+            memcpy( &word, &d, sizeof word );
+            hash = mix( hash, word );
+        }
     }
     return hash;
 }
@@ -60,6 +93,10 @@ static void keep( gltf_mesh* mesh, int from, int to )
     {
         memmove( mesh->mesh.uvs + 2 * (size_t)to, mesh->mesh.uvs + 2 * (size_t)from, 2 * sizeof *mesh->mesh.uvs );
     }
+    for ( int t = 0; t < mesh->target_count; ++t )
+    {
+        memmove( displacement( mesh, t, to ), displacement( mesh, t, from ), 3 * sizeof *mesh->targets );
+    }
     if ( mesh->joints != NULL )
     {
         memmove( mesh->joints + 4 * (size_t)to, mesh->joints + 4 * (size_t)from, 4 * sizeof *mesh->joints );
@@ -75,11 +112,11 @@ static void merge( gltf_mesh* mesh, int32_t* table, size_t slots, int32_t* numbe
     {
         uint32_t key[WORDS], other[WORDS];
         key_of( mesh, v, key );
-        size_t slot = hash_of( key ) & ( slots - 1 );
+        size_t slot = hash_of( mesh, v, key ) & ( slots - 1 );
         for ( ; table[slot] != 0; slot = ( slot + 1 ) & ( slots - 1 ) )
         {
             key_of( mesh, table[slot] - 1, other );
-            if ( memcmp( key, other, sizeof key ) == 0 )
+            if ( memcmp( key, other, sizeof key ) == 0 && moves_alike( mesh, v, table[slot] - 1 ) )
             {
                 break;
             }
@@ -97,6 +134,11 @@ static void merge( gltf_mesh* mesh, int32_t* table, size_t slots, int32_t* numbe
     for ( int c = 0; c < 3 * mesh->mesh.triangle_count; ++c )
     {
         mesh->mesh.triangles[c] = number[mesh->mesh.triangles[c]];
+    }
+    for ( int t = 1; t < mesh->target_count; ++t )
+    {
+        memmove( mesh->targets + 3 * (size_t)t * (size_t)kept, displacement( mesh, t, 0 ),
+                 3 * (size_t)kept * sizeof *mesh->targets );
     }
     mesh->merged_count = mesh->mesh.vertex_count - kept;
     mesh->mesh.vertex_count = kept;

@@ -174,6 +174,94 @@ numbers take( const tinygltf::Model& model, int index, size_t least_width, size_
     return out;
 }
 
+// Bytes of all buffers: no file needs more numbers of morph targets, and a short one cannot ask for more memory by naming
+// the same bytes again and again.
+size_t buffer_bytes( const tinygltf::Model& model )
+{
+    size_t sum = 0;
+    for ( const tinygltf::Buffer& buffer : model.buffers )
+    {
+        sum += buffer.data.size();
+    }
+    return sum;
+}
+
+// `count` values at an offset of a view, packed.
+const unsigned char* packed( const tinygltf::Model& model, int view_index, size_t offset, size_t count, size_t item,
+                             const string& where )
+{
+    check_element( view_index, model.bufferViews.size(), where, "buffer view" );
+    const tinygltf::BufferView& view = model.bufferViews[static_cast<size_t>( view_index )];
+    check_element( view.buffer, model.buffers.size(), where, "buffer" );
+    const std::vector<unsigned char>& bytes = model.buffers[static_cast<size_t>( view.buffer )].data;
+    const bool fits = view.byteOffset <= bytes.size() && view.byteLength <= bytes.size() - view.byteOffset &&
+                      offset <= view.byteLength && count <= ( view.byteLength - offset ) / item;
+    if ( !fits )
+    {
+        refuse( where, "its " + to_string( count ) + " sparse values are not within the bytes of the file" );
+    }
+    return bytes.data() + view.byteOffset + offset;
+}
+
+// Displacements of a morph target, which are often sparse: only vertices that move are in the file.
+std::vector<double> take_displacements( const tinygltf::Model& model, int index, size_t count, const string& where )
+{
+    check_element( index, model.accessors.size(), where, "accessor" );
+    tinygltf::Accessor a = model.accessors[static_cast<size_t>( index )];
+    const string place = where + ": accessor " + to_string( index );
+    if ( a.count != count )
+    {
+        refuse( place,
+                "got " + to_string( a.count ) + " values, expected " + to_string( count ) + ", one for each vertex" );
+    }
+    if ( !a.sparse.isSparse )
+    {
+        return take( model, index, 3, 3, where ).values;
+    }
+    if ( a.bufferView >= 0 || a.type != TINYGLTF_TYPE_VEC3 || a.sparse.count < 0 )
+    {
+        refuse( place, "sparse values are read of three numbers, without others below" );
+    }
+    const size_t given = static_cast<size_t>( a.sparse.count );
+    const int index_type = a.sparse.indices.componentType, type = a.componentType;
+    const bool is_index = index_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+                          index_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+                          index_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+    const int size = tinygltf::GetComponentSizeInBytes( static_cast<uint32_t>( type ) );
+    if ( !is_index || size <= 0 || size > 4 || type == TINYGLTF_COMPONENT_TYPE_INT || given > count )
+    {
+        refuse( place, "got sparse values of type " + to_string( type ) + " and indices of type " +
+                           to_string( index_type ) );
+    }
+    const size_t index_size =
+        static_cast<size_t>( tinygltf::GetComponentSizeInBytes( static_cast<uint32_t>( index_type ) ) );
+    const size_t part = static_cast<size_t>( size );
+    const unsigned char* indices =
+        packed( model, a.sparse.indices.bufferView, static_cast<size_t>( a.sparse.indices.byteOffset ), given,
+                index_size, place );
+    const unsigned char* values = packed( model, a.sparse.values.bufferView,
+                                          static_cast<size_t>( a.sparse.values.byteOffset ), given, 3 * part, place );
+    std::vector<double> out( 3 * count, 0.0 );
+    for ( size_t i = 0; i < given; ++i )
+    {
+        const double vertex = component( indices + i * index_size, index_type, false );
+        if ( !( vertex < static_cast<double>( count ) ) )
+        {
+            refuse( place, "sparse value " + to_string( i ) + " is of a vertex that the mesh does not have" );
+        }
+        for ( size_t k = 0; k < 3; ++k )
+        {
+            const double value = component( values + ( 3 * i + k ) * part, type, a.normalized );
+            if ( !std::isfinite( value ) )
+            {
+                refuse( place, "sparse value " + to_string( i ) + " is not finite" );
+            }
+            out[3 * static_cast<size_t>( vertex ) + k] = value;
+        }
+    }
+    return out;
+}
+
 // ---- nodes and skins -------------------------------------------------------------------------------------------
 
 void take_vector( const std::vector<double>& from, size_t count, double* to, const string& where )
@@ -234,6 +322,13 @@ void take_node( const tinygltf::Model& model, size_t n, gltf_node* out )
     take_vector( node.rotation, 4, out->rotation, where + ": rotation" );
     take_vector( node.scale, 3, out->scale, where + ": scale" );
     normalize( out->rotation, where );
+    if ( !node.weights.empty() )
+    {
+        // More than a mesh can have are of no use.
+        out->weight_count = static_cast<int>( std::min( node.weights.size(), size_t{ GLTF_ELEMENT_CAP } ) );
+        out->weights = allocate<double>( node.weights.size() );
+        take_vector( node.weights, node.weights.size(), out->weights, where + ": weights" );
+    }
     double columns[16];
     take_vector( node.matrix, 16, columns, where + ": matrix" );
     out->has_matrix = !node.matrix.empty();
@@ -298,6 +393,28 @@ void take_skin( const tinygltf::Model& model, size_t s, gltf_skin* out )
 
 // ---- animations ------------------------------------------------------------------------------------------------
 
+gltf_interpolation take_interpolation( const string& kind, const string& where )
+{
+    if ( kind != "STEP" && kind != "LINEAR" && kind != "CUBICSPLINE" )
+    {
+        refuse( where,
+                "got the interpolation " + printable( kind, "", 0 ) + ", expected STEP, LINEAR or CUBICSPLINE" );
+    }
+    return kind == "STEP" ? GLTF_STEP : kind == "LINEAR" ? GLTF_LINEAR : GLTF_CUBICSPLINE;
+}
+
+void check_times( const double* times, size_t count, const string& where )
+{
+    for ( size_t k = 0; k < count; ++k )
+    {
+        if ( times[k] < 0.0 || ( k > 0 && times[k] <= times[k - 1] ) )
+        {
+            refuse( where,
+                    "key " + to_string( k ) + " at " + to_string( times[k] ) + " s is not after the one before" );
+        }
+    }
+}
+
 bool take_channel( const tinygltf::Model& model, const tinygltf::Animation& animation, size_t c, const string& where,
                    gltf_channel* out )
 {
@@ -311,15 +428,9 @@ bool take_channel( const tinygltf::Model& model, const tinygltf::Animation& anim
     check_element( channel.target_node, model.nodes.size(), where, "node" );
     check_element( channel.sampler, animation.samplers.size(), where, "sampler" );
     const tinygltf::AnimationSampler& sampler = animation.samplers[static_cast<size_t>( channel.sampler )];
-    const string& kind = sampler.interpolation;
-    if ( kind != "STEP" && kind != "LINEAR" && kind != "CUBICSPLINE" )
-    {
-        refuse( where,
-                "got the interpolation " + printable( kind, "", 0 ) + ", expected STEP, LINEAR or CUBICSPLINE" );
-    }
     out->node = channel.target_node;
     out->path = path == "translation" ? GLTF_TRANSLATION : path == "rotation" ? GLTF_ROTATION : GLTF_SCALE;
-    out->interpolation = kind == "STEP" ? GLTF_STEP : kind == "LINEAR" ? GLTF_LINEAR : GLTF_CUBICSPLINE;
+    out->interpolation = take_interpolation( sampler.interpolation, where );
     const size_t width = out->path == GLTF_ROTATION ? 4 : 3, rows = out->interpolation == GLTF_CUBICSPLINE ? 3 : 1;
     const numbers times = take( model, sampler.input, 1, 1, where + ": times" );
     const numbers values = take( model, sampler.output, width, width, where + ": values" );
@@ -333,29 +444,91 @@ bool take_channel( const tinygltf::Model& model, const tinygltf::Animation& anim
     out->values = allocate<double>( values.values.size() );
     std::memcpy( out->times, times.values.data(), times.count * sizeof( double ) );
     std::memcpy( out->values, values.values.data(), values.values.size() * sizeof( double ) );
-    for ( size_t k = 0; k < times.count; ++k )
+    check_times( out->times, times.count, where );
+    for ( size_t k = 0; k < times.count && out->path == GLTF_ROTATION; ++k )
     {
-        if ( out->times[k] < 0.0 || ( k > 0 && out->times[k] <= out->times[k - 1] ) )
-        {
-            refuse( where, "key " + to_string( k ) + " at " + to_string( out->times[k] ) +
-                               " s is not after the one before" );
-        }
-        if ( out->path == GLTF_ROTATION )
-        {
-            normalize( out->values + ( rows * k + rows / 2 ) * 4, where + ": key " + to_string( k ) );
-        }
+        normalize( out->values + ( rows * k + rows / 2 ) * 4, where + ": key " + to_string( k ) );
     }
     return true;
 }
 
-void take_animation( const tinygltf::Model& model, size_t i, gltf_animation* out )
+// Weights of a node with morph targets. Channels of one sampler share its arrays: a recording has one for all bodies.
+bool take_weights_channel( const tinygltf::Model& model, const tinygltf::Animation& animation, size_t c,
+                           const string& where, const gltf_model* known, size_t* left, gltf_animation* out )
+{
+    const tinygltf::AnimationChannel& channel = animation.channels[c];
+    if ( channel.target_path != "weights" || channel.target_node == -1 )
+    {
+        return false;
+    }
+    check_element( channel.target_node, model.nodes.size(), where, "node" );
+    check_element( channel.sampler, animation.samplers.size(), where, "sampler" );
+    const int mesh = known->nodes[channel.target_node].mesh;
+    const size_t width = mesh >= 0 ? static_cast<size_t>( known->meshes[mesh].target_count ) : 0;
+    if ( width == 0 )
+    {
+        return false;
+    }
+    gltf_weights* weights = &out->weights[out->weights_count];
+    for ( int w = 0; w < out->weights_count; ++w )
+    {
+        const gltf_weights* before = &out->weights[w];
+        const gltf_mesh* of_before = &known->meshes[known->nodes[before->node].mesh];
+        if ( before->sampler == channel.sampler && static_cast<size_t>( of_before->target_count ) == width )
+        {
+            *weights = *before;
+            weights->node = channel.target_node;
+            weights->is_shared = true;
+            ++out->weights_count;
+            return true;
+        }
+    }
+    const tinygltf::AnimationSampler& sampler = animation.samplers[static_cast<size_t>( channel.sampler )];
+    weights->node = channel.target_node;
+    weights->sampler = channel.sampler;
+    weights->interpolation = take_interpolation( sampler.interpolation, where );
+    const size_t rows = weights->interpolation == GLTF_CUBICSPLINE ? 3 : 1;
+    const numbers times = take( model, sampler.input, 1, 1, where + ": times" );
+    const numbers values = take( model, sampler.output, 1, 1, where + ": values" );
+    if ( times.count > INT32_MAX / 16 || values.count / width / rows != times.count ||
+         values.count != times.count * width * rows )
+    {
+        refuse( where, "got " + to_string( values.count ) + " weights, expected one for each of " +
+                           to_string( times.count ) + " keys and " + to_string( width ) + " morph targets" );
+    }
+    if ( values.count > *left )
+    {
+        refuse( where, "the weights of this file are the same bytes again and again" );
+    }
+    *left -= values.count;
+    ++out->weights_count;
+    weights->key_count = static_cast<int>( times.count );
+    weights->times = allocate<double>( times.count );
+    weights->values = allocate<float>( values.count );
+    std::memcpy( weights->times, times.values.data(), times.count * sizeof( double ) );
+    check_times( weights->times, times.count, where );
+    for ( size_t k = 0; k < values.count; ++k )
+    {
+        weights->values[k] = static_cast<float>( values.values[k] );
+    }
+    out->duration = std::fmax( out->duration, weights->times[weights->key_count - 1] );
+    return true;
+}
+
+void take_animation( const tinygltf::Model& model, size_t i, const gltf_model* known, size_t* left,
+                     gltf_animation* out )
 {
     const tinygltf::Animation& animation = model.animations[i];
     out->name = copy_text( printable( animation.name, "animation", i ) );
     out->channels = allocate<gltf_channel>( animation.channels.size() );
+    out->weights = allocate<gltf_weights>( animation.channels.size() );
     for ( size_t c = 0; c < animation.channels.size(); ++c )
     {
         const string where = "animation " + to_string( i ) + ": channel " + to_string( c );
+        if ( take_weights_channel( model, animation, c, where, known, left, out ) )
+        {
+            continue;
+        }
         gltf_channel* channel = &out->channels[out->channel_count++];
         if ( take_channel( model, animation, c, where, channel ) )
         {
@@ -376,6 +549,7 @@ struct joined
 {
     std::vector<wisp_vec3> points, colours;
     std::vector<float> uvs, weights;
+    std::vector<std::vector<float>> targets; // displacements, of each morph target
     std::vector<int32_t> triangles, joints;
     size_t colour_count = 0, uv_count = 0;
     int skinned = 0, plain = 0; // primitives
@@ -481,8 +655,41 @@ void take_triangles( const tinygltf::Model& model, const tinygltf::Primitive& pr
     }
 }
 
+// Each primitive of a mesh has the same morph targets.
+void take_targets( const tinygltf::Model& model, const tinygltf::Primitive& primitive, size_t count,
+                   const string& where, size_t* left, joined* out )
+{
+    const bool is_first = out->points.size() == count;
+    if ( primitive.targets.size() > GLTF_ELEMENT_CAP ||
+         ( !is_first && primitive.targets.size() != out->targets.size() ) )
+    {
+        refuse( where, "got " + to_string( primitive.targets.size() ) + " morph targets, expected " +
+                           ( is_first ? "at most " + to_string( GLTF_ELEMENT_CAP )
+                                      : to_string( out->targets.size() ) + " as of the primitive before" ) );
+    }
+    out->targets.resize( primitive.targets.size() );
+    for ( size_t t = 0; t < primitive.targets.size(); ++t )
+    {
+        if ( count > *left )
+        {
+            refuse( where, "its " + to_string( primitive.targets.size() ) +
+                               " morph targets are the same bytes again and again" );
+        }
+        *left -= count;
+        const auto found = primitive.targets[t].find( "POSITION" );
+        const std::vector<double> values =
+            found != primitive.targets[t].end()
+                ? take_displacements( model, found->second, count, where + ": target " + to_string( t ) )
+                : std::vector<double>( 3 * count, 0.0 );
+        for ( double value : values )
+        {
+            out->targets[t].push_back( static_cast<float>( value ) );
+        }
+    }
+}
+
 void take_primitive( const tinygltf::Model& model, const tinygltf::Primitive& primitive, const string& where,
-                     joined* out, gltf_mesh* mesh )
+                     size_t* left, joined* out, gltf_mesh* mesh )
 {
     const numbers points = take_attribute( model, primitive, "POSITION", 3, 3, 0, where );
     const size_t count = points.count, before = out->points.size();
@@ -530,6 +737,7 @@ void take_primitive( const tinygltf::Model& model, const tinygltf::Primitive& pr
     {
         take_weights( model, primitive, count, where, out, mesh );
     }
+    take_targets( model, primitive, count, where, left, out );
     take_triangles( model, primitive, count, where, out );
 }
 
@@ -543,7 +751,38 @@ template <typename T> T* copy( const std::vector<T>& from )
     return to;
 }
 
-void take_mesh( const tinygltf::Model& model, size_t m, gltf_mesh* out )
+// Names are in no part of the standard, but everywhere.
+string target_name( const tinygltf::Mesh& mesh, size_t t )
+{
+    const bool has_names =
+        mesh.extras.IsObject() && mesh.extras.Has( "targetNames" ) && mesh.extras.Get( "targetNames" ).IsArray() &&
+        t < mesh.extras.Get( "targetNames" ).ArrayLen() && mesh.extras.Get( "targetNames" ).Get( t ).IsString();
+    return printable( has_names ? mesh.extras.Get( "targetNames" ).Get( t ).Get<string>() : string(), "target", t );
+}
+
+void copy_targets( const tinygltf::Mesh& mesh, const joined& all, const string& where, gltf_mesh* out )
+{
+    const size_t count = all.targets.size(), numbers_each = 3 * all.points.size();
+    if ( count == 0 )
+    {
+        return;
+    }
+    out->target_names = allocate<char*>( count );
+    out->targets = allocate<float>( count * numbers_each );
+    out->weights_at_rest = allocate<double>( count );
+    out->target_count = static_cast<int>( count );
+    for ( size_t t = 0; t < count; ++t )
+    {
+        out->target_names[t] = copy_text( target_name( mesh, t ) );
+        std::memcpy( out->targets + t * numbers_each, all.targets[t].data(), numbers_each * sizeof( float ) );
+    }
+    if ( !mesh.weights.empty() )
+    {
+        take_vector( mesh.weights, count, out->weights_at_rest, where + ": weights" );
+    }
+}
+
+void take_mesh( const tinygltf::Model& model, size_t m, size_t* left, gltf_mesh* out )
 {
     const tinygltf::Mesh& mesh = model.meshes[m];
     joined all;
@@ -556,9 +795,8 @@ void take_mesh( const tinygltf::Model& model, size_t m, gltf_mesh* out )
             ++out->skipped_count;
             continue;
         }
-        out->target_count =
-            primitive.targets.size() < INT32_MAX ? static_cast<int>( primitive.targets.size() ) : INT32_MAX;
-        take_primitive( model, primitive, "mesh " + to_string( m ) + ": primitive " + to_string( p ), &all, out );
+        take_primitive( model, primitive, "mesh " + to_string( m ) + ": primitive " + to_string( p ), left, &all,
+                        out );
         ++out->primitive_count;
     }
     if ( all.triangles.size() / 3 > WISP_MESH_TRIANGLE_CAP )
@@ -580,6 +818,7 @@ void take_mesh( const tinygltf::Model& model, size_t m, gltf_mesh* out )
     out->mesh.uv_missing_count = all.uv_count > 0 ? static_cast<int>( count - all.uv_count ) : 0;
     out->joints = all.skinned > 0 ? copy( all.joints ) : nullptr;
     out->weights = all.skinned > 0 ? copy( all.weights ) : nullptr;
+    copy_targets( mesh, all, "mesh " + to_string( m ), out );
 }
 
 // ---- whole file ------------------------------------------------------------------------------------------------
@@ -692,6 +931,7 @@ void convert( const tinygltf::Model& model, gltf_model* out )
 {
     check_extensions( model );
     check_counts( model );
+    size_t left = buffer_bytes( model ), left_weights = left;
     out->nodes = allocate<gltf_node>( model.nodes.size() );
     out->order = allocate<int32_t>( model.nodes.size() );
     for ( ; static_cast<size_t>( out->node_count ) < model.nodes.size(); )
@@ -704,7 +944,7 @@ void convert( const tinygltf::Model& model, gltf_model* out )
     out->meshes = allocate<gltf_mesh>( model.meshes.size() );
     for ( size_t m = 0; m < model.meshes.size(); ++m )
     {
-        take_mesh( model, m, &out->meshes[out->mesh_count++] );
+        take_mesh( model, m, &left, &out->meshes[out->mesh_count++] );
     }
     out->skins = allocate<gltf_skin>( model.skins.size() );
     for ( size_t s = 0; s < model.skins.size(); ++s )
@@ -714,7 +954,7 @@ void convert( const tinygltf::Model& model, gltf_model* out )
     out->animations = allocate<gltf_animation>( model.animations.size() );
     for ( size_t a = 0; a < model.animations.size(); ++a )
     {
-        take_animation( model, a, &out->animations[out->animation_count++] );
+        take_animation( model, a, out, &left_weights, &out->animations[out->animation_count++] );
     }
 }
 

@@ -29,15 +29,14 @@ void gltf_multiply( const double a[12], const double b[12], double product[12] )
 
 // ---- samplers --------------------------------------------------------------------------------------------------
 
-// The last key at or before a time that is not before the first.
-static int find_key( const gltf_channel* channel, double time )
+int gltf_find_key( const double* times, int count, double time )
 {
-    int low = 0, high = channel->key_count - 1;
+    int low = 0, high = count - 1;
     while ( low < high )
     {
         const int middle = low + ( high - low + 1 ) / 2;
-        low = channel->times[middle] <= time ? middle : low;
-        high = channel->times[middle] <= time ? high : middle - 1;
+        low = times[middle] <= time ? middle : low;
+        high = times[middle] <= time ? high : middle - 1;
     }
     return low;
 }
@@ -58,8 +57,7 @@ static void slerp( const double* a, const double* b, double t, double* out )
     }
 }
 
-// Hermite's cubic (appendix C.5): tangents per second.
-static double spline( double p, double out_tangent, double in_tangent, double q, double dt, double t )
+double gltf_spline( double p, double out_tangent, double in_tangent, double q, double dt, double t )
 {
     const double t2 = t * t, t3 = t2 * t;
     return ( 2.0 * t3 - 3.0 * t2 + 1.0 ) * p + dt * ( t3 - 2.0 * t2 + t ) * out_tangent +
@@ -70,7 +68,7 @@ static void sample( const gltf_channel* channel, double time, double* out )
 {
     const int width = channel->path == GLTF_ROTATION ? 4 : 3;
     const int rows = channel->interpolation == GLTF_CUBICSPLINE ? 3 : 1;
-    const int key = find_key( channel, time );
+    const int key = gltf_find_key( channel->times, channel->key_count, time );
     const double* a = channel->values + (size_t)width * ( (size_t)rows * (size_t)key + (size_t)( rows / 2 ) );
     const double* b = a + width * rows;
     const bool is_between = time > channel->times[key] && key + 1 < channel->key_count;
@@ -87,7 +85,8 @@ static void sample( const gltf_channel* channel, double time, double* out )
     }
     for ( int k = 0; k < width; ++k )
     {
-        out[k] = rows == 3 ? spline( a[k], a[width + k], b[k - width], b[k], dt, t ) : a[k] + t * ( b[k] - a[k] );
+        out[k] =
+            rows == 3 ? gltf_spline( a[k], a[width + k], b[k - width], b[k], dt, t ) : a[k] + t * ( b[k] - a[k] );
     }
 }
 

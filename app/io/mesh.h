@@ -285,7 +285,8 @@ extern "C"
     WISP_API wisp_status wisp_mesh_require( const wisp_mesh_diagnostics* report, int demands, const char* name,
                                             wisp_error* error );
 
-    /// Permitted repairs of wisp_mesh_repair(), or-ed. Done in this order.
+    /// Permitted repairs of wisp_mesh_repair(), or-ed. Done in this order: weld, degenerates, duplicates, winding, flip,
+    /// unreferenced.
     enum
     {
         WISP_MESH_DROP_DEGENERATES = 1,
@@ -295,7 +296,12 @@ extern "C"
                ///< ones keep the winding that most of their triangles have
         WISP_MESH_DROP_UNREFERENCED = 8,
         WISP_MESH_REPAIR_ALL = 15,
+        WISP_MESH_WELD = 16, ///< merge vertices near an earlier one into it, and remove the triangles that collapse
+        WISP_MESH_FLIP = 32, ///< turn all triangles, so that the mesh is inside out
     };
+
+/// Distance of WISP_MESH_WELD unless another is given, in longest sides of the bounds.
+#define WISP_MESH_WELD_FRACTION 1e-5
 
     /// The repairs that were done. Release with wisp_mesh_repairs_release().
     typedef struct wisp_mesh_repairs
@@ -306,6 +312,12 @@ extern "C"
         int unreferenced_dropped;
         int32_t* kept; ///< [kept_count] original index of each vertex that is kept, ascending
         int kept_count;
+        int vertices_welded;   ///< merged into an earlier one
+        int collapsed_dropped; ///< triangles of which two corners were merged
+        int triangles_flipped; ///< by WISP_MESH_FLIP
+        int32_t* became;    ///< [original_count] index in the repaired mesh of each original vertex, of a merged one
+                            ///< that of the vertex it became; -1: it was removed
+        int original_count; ///< vertices before the repair
     } wisp_mesh_repairs;
 
     /// Null and zero repairs are allowed; the struct is zero afterwards.
@@ -318,6 +330,13 @@ extern "C"
     ///        names the edge where the flood meets itself), or nothing would be left; WISP_NO_MEMORY; the mesh is
     ///        unchanged
     WISP_API wisp_status wisp_mesh_repair( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error );
+
+    /// The same with a distance for WISP_MESH_WELD. A vertex within it of an earlier one that stays becomes the lowest of
+    /// those, with its position, colour and texture coordinates; vertices that stay do not move. Time is n log n for any
+    /// mesh of n vertices.
+    /// @param weld_distance m, at least a billionth of the longest side of the bounds; 0: WISP_MESH_WELD_FRACTION of it
+    WISP_API wisp_status wisp_mesh_repair_within( wisp_mesh* mesh, int what, float weld_distance,
+                                                  wisp_mesh_repairs* repairs, wisp_error* error );
 
     // ---- text ----
 

@@ -1,6 +1,8 @@
 // Text of the doctor: `wisp info` for a mesh, rejections, and repairs that were done.
 #include "mesh_internal.h"
 
+#include <stdlib.h>
+
 #include "io_file.h"
 
 // ---- findings --------------------------------------------------------------------------------------------------
@@ -219,6 +221,26 @@ void wisp_mesh_print( FILE* out, const wisp_mesh_diagnostics* report, const char
     }
 }
 
+// Vertices of a renderer are split, and those of other programs rounded: what looks joined is open.
+static wisp_status print_near( FILE* out, const wisp_mesh* mesh, wisp_error* error )
+{
+    int32_t* became = malloc( (size_t)mesh->vertex_count * sizeof *became );
+    wisp_status status = became == NULL
+                             ? wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d vertices", mesh->vertex_count )
+                             : mesh_weld_find( mesh, 0.0f, became, error );
+    int count = 0;
+    for ( int v = 0; v < mesh->vertex_count && status == WISP_OK; ++v )
+    {
+        count += became[v] != v;
+    }
+    if ( count > 0 )
+    {
+        fprintf( out, "  note: vertices that the repair `weld` merges into others: %d\n", count );
+    }
+    free( became );
+    return status;
+}
+
 wisp_status wisp_mesh_info( FILE* out, const wisp_mesh* mesh, const char* name )
 {
     wisp_mesh_diagnostics report;
@@ -227,8 +249,9 @@ wisp_status wisp_mesh_info( FILE* out, const wisp_mesh* mesh, const char* name )
     if ( status == WISP_OK )
     {
         wisp_mesh_print( out, &report, name );
+        status = print_near( out, mesh, &error );
     }
-    else
+    if ( status != WISP_OK )
     {
         fprintf( out, "%s: %s\n", name, error.message );
     }
@@ -242,9 +265,13 @@ void wisp_mesh_print_repairs( FILE* out, const wisp_mesh_repairs* repairs, const
         int count;
         const char *one, *many;
     } deeds[] = {
+        { repairs->vertices_welded, "vertex was merged into another", "vertices were merged into others" },
+        { repairs->collapsed_dropped, "triangle that collapsed was removed",
+          "triangles that collapsed were removed" },
         { repairs->degenerates_dropped, "triangle without area was removed", "triangles without area were removed" },
         { repairs->duplicates_dropped, "duplicate triangle was removed", "duplicate triangles were removed" },
         { repairs->triangles_turned, "triangle was turned over", "triangles were turned over" },
+        { repairs->triangles_flipped, "triangle was flipped", "triangles were flipped" },
         { repairs->unreferenced_dropped, "unreferenced vertex was removed", "unreferenced vertices were removed" },
     };
     bool done = false;

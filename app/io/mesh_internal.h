@@ -165,6 +165,13 @@ extern "C"
     mesh_vector mesh_cross( mesh_vector a, mesh_vector b );
     double mesh_dot( mesh_vector a, mesh_vector b );
 
+    // ---- mesh_weld.c ----
+
+    /// became[v] is the lowest vertex that stays within a distance of vertex v, or v itself, which stays.
+    /// @param distance m; 0: WISP_MESH_WELD_FRACTION of the longest side of the bounds
+    /// @return WISP_BAD_INPUT the distance is less than a billionth of the size; WISP_NO_MEMORY
+    wisp_status mesh_weld_find( const wisp_mesh* mesh, float distance, int32_t* became, wisp_error* error );
+
     // ---- mesh_generate_*.c: shapes ----
 
     /// All take a checked definition.

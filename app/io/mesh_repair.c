@@ -1,6 +1,7 @@
 // Repairs, on a copy: the mesh changes only when everything has succeeded.
 #include "mesh_internal.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,6 +11,47 @@ enum
 {
     UNSEEN = -1,
 };
+
+// ---- welding ---------------------------------------------------------------------------------------------------
+
+// The first coordinates of a vertex stay, as where a file is read.
+static void count_seams( wisp_mesh* mesh, const int32_t* became )
+{
+    for ( int v = 0; mesh->uvs != NULL && v < mesh->vertex_count; ++v )
+    {
+        const float *mine = mesh->uvs + 2 * (size_t)v, *kept = mesh->uvs + 2 * (size_t)became[v];
+        mesh->uv_seam_count += mine[0] != kept[0] || mine[1] != kept[1];
+    }
+}
+
+// Corners name the vertices that stay. Triangles that collapse go; those that named a vertex twice before are another repair.
+static wisp_status weld( wisp_mesh* mesh, float distance, wisp_mesh_repairs* repairs, wisp_error* error )
+{
+    wisp_status status = mesh_weld_find( mesh, distance, repairs->became, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const int count = mesh->triangle_count;
+    count_seams( mesh, repairs->became );
+    mesh->triangle_count = 0;
+    for ( int t = 0; t < count; ++t )
+    {
+        const int32_t* from = mesh->triangles + 3 * (size_t)t;
+        int32_t* to = mesh->triangles + 3 * (size_t)mesh->triangle_count;
+        const bool was_twice = mesh_names_twice( mesh, t );
+        for ( int k = 0; k < 3; ++k )
+        {
+            to[k] = repairs->became[from[k]];
+        }
+        const bool collapsed = !was_twice && mesh_names_twice( mesh, mesh->triangle_count );
+        repairs->collapsed_dropped += collapsed;
+        mesh->triangle_count += !collapsed;
+    }
+    return mesh->triangle_count > 0
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "mesh: the repair removes all %d triangles", count );
+}
 
 // ---- dropping triangles ----------------------------------------------------------------------------------------
 
@@ -241,19 +283,33 @@ static wisp_status fill( flood* f, wisp_error* error )
 }
 
 // The first corner stays, so that a turned triangle still begins with the same vertex.
+static void turn( wisp_mesh* mesh, int t )
+{
+    int32_t* c = mesh->triangles + 3 * (size_t)t;
+    const int32_t second = c[1];
+    c[1] = c[2];
+    c[2] = second;
+}
+
 static void turn_triangles( flood* f, wisp_mesh_repairs* repairs )
 {
     for ( int t = 0; t < f->mesh->triangle_count; ++t )
     {
-        int32_t* c = f->mesh->triangles + 3 * t;
         if ( f->turned[t] )
         {
-            int32_t second = c[1];
-            c[1] = c[2];
-            c[2] = second;
+            turn( f->mesh, t );
             ++repairs->triangles_turned;
         }
     }
+}
+
+static void flip( wisp_mesh* mesh, wisp_mesh_repairs* repairs )
+{
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        turn( mesh, t );
+    }
+    repairs->triangles_flipped = mesh->triangle_count;
 }
 
 static wisp_status repair_winding( wisp_mesh* mesh, wisp_mesh_repairs* repairs, wisp_error* error )
@@ -292,13 +348,14 @@ static wisp_status repair_winding( wisp_mesh* mesh, wisp_mesh_repairs* repairs, 
 
 // ---- dropping vertices -----------------------------------------------------------------------------------------
 
-// Fills repairs->kept; new_number[v] is the new index of a vertex, or UNSEEN.
+// Fills repairs->kept; new_number[v] is the new index of a vertex, or UNSEEN. A merged vertex is none of its own.
 static void number_vertices( const wisp_mesh* mesh, int what, int32_t* new_number, wisp_mesh_repairs* repairs )
 {
-    bool keep_all = ( what & WISP_MESH_DROP_UNREFERENCED ) == 0;
+    const bool keep_all = ( what & WISP_MESH_DROP_UNREFERENCED ) == 0;
     for ( int v = 0; v < mesh->vertex_count; ++v )
     {
-        new_number[v] = keep_all ? v : UNSEEN;
+        new_number[v] = keep_all && repairs->became[v] == v ? v : UNSEEN;
+        repairs->vertices_welded += repairs->became[v] != v;
     }
     for ( int c = 0; c < 3 * mesh->triangle_count; ++c )
     {
@@ -312,7 +369,7 @@ static void number_vertices( const wisp_mesh* mesh, int what, int32_t* new_numbe
             new_number[v] = repairs->kept_count++;
         }
     }
-    repairs->unreferenced_dropped = mesh->vertex_count - repairs->kept_count;
+    repairs->unreferenced_dropped = mesh->vertex_count - repairs->kept_count - repairs->vertices_welded;
 }
 
 static wisp_status drop_vertices( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error )
@@ -329,6 +386,10 @@ static wisp_status drop_vertices( wisp_mesh* mesh, int what, wisp_mesh_repairs* 
     for ( int c = 0; c < 3 * mesh->triangle_count; ++c )
     {
         mesh->triangles[c] = new_number[mesh->triangles[c]];
+    }
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        repairs->became[v] = new_number[repairs->became[v]];
     }
     for ( int v = 0; v < repairs->kept_count; ++v )
     {
@@ -355,32 +416,60 @@ void wisp_mesh_repairs_release( wisp_mesh_repairs* repairs )
     if ( repairs != NULL )
     {
         free( repairs->kept );
+        free( repairs->became );
         *repairs = ( wisp_mesh_repairs ){ 0 };
     }
 }
 
-static wisp_status repair_copy( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error )
+static wisp_status repair_copy( wisp_mesh* mesh, int what, float weld_distance, wisp_mesh_repairs* repairs,
+                                wisp_error* error )
 {
-    wisp_status status = drop_triangles( mesh, what, repairs, error );
+    repairs->original_count = mesh->vertex_count;
+    repairs->became = malloc( (size_t)mesh->vertex_count * sizeof *repairs->became );
+    if ( repairs->became == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to number %d vertices", mesh->vertex_count );
+    }
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        repairs->became[v] = v;
+    }
+    wisp_status status = ( what & WISP_MESH_WELD ) != 0 ? weld( mesh, weld_distance, repairs, error ) : WISP_OK;
+    status = status == WISP_OK ? drop_triangles( mesh, what, repairs, error ) : status;
     if ( status == WISP_OK && ( what & WISP_MESH_TURN_TRIANGLES ) != 0 )
     {
         status = repair_winding( mesh, repairs, error );
+    }
+    if ( status == WISP_OK && ( what & WISP_MESH_FLIP ) != 0 )
+    {
+        flip( mesh, repairs );
     }
     return status == WISP_OK ? drop_vertices( mesh, what, repairs, error ) : status;
 }
 
 wisp_status wisp_mesh_repair( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error )
 {
+    return wisp_mesh_repair_within( mesh, what, 0.0f, repairs, error );
+}
+
+wisp_status wisp_mesh_repair_within( wisp_mesh* mesh, int what, float weld_distance, wisp_mesh_repairs* repairs,
+                                     wisp_error* error )
+{
     *repairs = ( wisp_mesh_repairs ){ 0 };
     wisp_mesh copy = { 0 };
     wisp_status status = mesh_check( mesh, "mesh", error );
+    if ( status == WISP_OK && !( weld_distance >= 0.0f && isfinite( weld_distance ) ) )
+    {
+        status = wisp_fail( error, WISP_BAD_INPUT, "mesh: got %g m as the distance to weld, expected 0 or more",
+                            (double)weld_distance );
+    }
     if ( status == WISP_OK )
     {
         status = mesh_copy( mesh, &copy, "mesh", error );
     }
     if ( status == WISP_OK )
     {
-        status = repair_copy( &copy, what, repairs, error );
+        status = repair_copy( &copy, what, weld_distance, repairs, error );
     }
     if ( status == WISP_OK )
     {

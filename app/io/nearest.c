@@ -80,3 +80,22 @@ const char* nearest_word( const char* word, const char* const* words, int count 
     }
     return nearest;
 }
+
+int nearest_words( const char* word, const char* const* words, int count, const char** out, int max )
+{
+    const int length = (int)strnlen( word, LONGEST + 1 );
+    int found = 0;
+    // Ascending distances: each word of the list goes behind those that are as near.
+    for ( int wanted = 0; wanted <= LONGEST && length <= LONGEST && found < max; ++wanted )
+    {
+        for ( int i = 0; i < count && found < max; ++i )
+        {
+            const int other = (int)strnlen( words[i], LONGEST );
+            if ( distance( word, length, words[i], other ) == wanted )
+            {
+                out[found++] = words[i];
+            }
+        }
+    }
+    return found;
+}

@@ -1,4 +1,7 @@
+#define _POSIX_C_SOURCE 200809L // strndup
+
 #include "scene.h"
+#include "gltf.h"
 #include "io_file.h"
 #include "scene_parts.h"
 #include "scene_ranges.h"
@@ -201,7 +204,9 @@ static int give_arrays( wisp_scene* scene, const wisp_scene_arrays* arrays, cons
     for ( int i = 0; i < scene->surface_count && arrays->triangles != NULL; ++i )
     {
         wisp_scene_mesh* mesh = &scene->surfaces[i].mesh;
+        wisp_scene_start* start = &scene->surfaces[i].start;
         found += take_arrays( mesh->file, arrays, resolved, &mesh->arrays );
+        found += take_arrays( start->file, arrays, resolved, &start->arrays );
     }
     for ( int i = 0; i < scene->collider_count && arrays->triangles != NULL; ++i )
     {
@@ -233,4 +238,60 @@ wisp_status wisp_scene_set_arrays( wisp_scene* scene, const wisp_scene_arrays* a
         }
     }
     return WISP_OK;
+}
+
+// ---- files ----
+
+typedef struct file_walk
+{
+    wisp_status ( *each )( void* user, const char* file, wisp_error* error );
+    void* user;
+    wisp_error* error;
+} file_walk;
+
+static wisp_status visit( const file_walk* walk, const char* file )
+{
+    if ( file == NULL )
+    {
+        return WISP_OK;
+    }
+    const char* hash = gltf_is_path( file ) ? strrchr( file, '#' ) : NULL;
+    char* plain = strndup( file, hash != NULL ? (size_t)( hash - file ) : strlen( file ) );
+    const wisp_status status = plain != NULL ? walk->each( walk->user, plain, walk->error )
+                                             : wisp_fail( walk->error, WISP_NO_MEMORY, "out of memory for a path" );
+    free( plain );
+    return status;
+}
+
+static wisp_status visit_surface( const file_walk* walk, const wisp_scene_surface* surface )
+{
+    wisp_status status = visit( walk, surface->mesh.file );
+    status = status ? status : visit( walk, surface->start.file );
+    status = status ? status : visit( walk, surface->animation.file );
+    for ( int i = 0; i < surface->map_count && !status; ++i )
+    {
+        status = visit( walk, surface->maps[i].file );
+    }
+    return status;
+}
+
+wisp_status wisp_scene_files( const wisp_scene* scene,
+                              wisp_status ( *each )( void* user, const char* file, wisp_error* error ), void* user,
+                              wisp_error* error )
+{
+    const file_walk walk = { each, user, error };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < scene->strands_count && !status; ++i )
+    {
+        status = visit( &walk, scene->strands[i].file );
+    }
+    for ( int i = 0; i < scene->surface_count && !status; ++i )
+    {
+        status = visit_surface( &walk, &scene->surfaces[i] );
+    }
+    for ( int i = 0; i < scene->collider_count && !status; ++i )
+    {
+        status = visit( &walk, scene->colliders[i].mesh.file );
+    }
+    return status;
 }

@@ -94,8 +94,10 @@ extern "C"
         wisp_scene_start_shape shape;
         wisp_vec3 scale; ///< along x, y and z about its centre, before the shape; default 1
         float turns;
-        uint64_t seed; ///< of random places and of shaking
-        float shake;   ///< m, the largest displacement of a vertex along each axis, at random, after the shape
+        uint64_t seed;    ///< of random places and of shaking
+        float shake;      ///< m, the largest displacement of a vertex along each axis, at random, after the shape
+        const char* file; ///< of a surface: mesh with its vertices before scale and shape; null: the rest shape
+        const wisp_scene_arrays* arrays; ///< a host has it in memory: the file is not read
     } wisp_scene_start;
 
     /// Entries that one entry becomes, in a grid: number k stands in row k / columns and column k % columns.
@@ -185,6 +187,7 @@ extern "C"
         bool is_generated;               ///< `recipe` tells how to make it
         wisp_mesh_generator generator;   ///< the defaults if not made
         int repairs;                     ///< WISP_MESH_DROP_DEGENERATES ... or-ed; 0: none
+        float weld_distance;             ///< m, before the scale; 0: as wisp_mesh_repair()
         int demands;                     ///< WISP_MESH_CLOSED ... or-ed, of the repaired mesh; 0: none
         float scale;                     ///< > 0, about the mesh's own origin
     } wisp_scene_mesh;
@@ -218,13 +221,23 @@ extern "C"
         int attached_to;  ///< index of the surface that they are attached to, -1: none
         bool starts_free; ///< nothing holds them until an event does
     } wisp_scene_pins;
-    /// One entry of `surfaces`. Texts and arrays belong to the scene.
-    /// Values of a parameter that differ from vertex to vertex: from a file of numbers, or from an image by the coordinates of
-    /// the surface. 0 in the file is `from`, and 1 is `to`.
+
+    /// What a map takes of a colour.
+    typedef enum wisp_scene_map_channel
+    {
+        WISP_SCENE_MAP_MEAN, ///< of red, green and blue
+        WISP_SCENE_MAP_RED,
+        WISP_SCENE_MAP_GREEN,
+        WISP_SCENE_MAP_BLUE,
+    } wisp_scene_map_channel;
+
+    /// Values of a parameter that differ from vertex to vertex: from a file of numbers, from an image by the coordinates of the
+    /// surface, or from the colours of its vertices. 0 in the file is `from`, and 1 is `to`.
     typedef struct wisp_scene_map
     {
         wisp_component map; ///< WISP_MAP_..., see maps.h
-        const char* file;   ///< PNG by its extension, else text
+        const char* file;   ///< PNG by its extension, else text; null: the colours of the vertices of the mesh
+        wisp_scene_map_channel channel; ///< of an image or of colours
         float from, to;
         float constant;     ///< of the effect; the map has the values over it
         float lower, upper; ///< of the values
@@ -232,7 +245,10 @@ extern "C"
         char path[64]; ///< of the key, for messages
     } wisp_scene_map;
 
-#define WISP_SCENE_MAX_MAPS 12
+#define WISP_SCENE_MAX_MAPS 16
+
+    /// Whether a map is an image by its extension.
+    WISP_API bool wisp_scene_map_is_image( const wisp_scene_map* map );
 
     /// Read the numbers of a map that is a text file.
     /// @param out [count] as in the file
@@ -259,6 +275,7 @@ extern "C"
         wisp_skin_method method;
     } wisp_scene_animation;
 
+    /// One entry of `surfaces`. Texts and arrays belong to the scene.
     typedef struct wisp_scene_surface
     {
         const char* name; ///< unique among strands, surfaces, colliders and seams
@@ -461,6 +478,12 @@ extern "C"
     /// @return WISP_BAD_INPUT no entry names the file; WISP_NO_MEMORY
     WISP_API wisp_status wisp_scene_set_arrays( wisp_scene* scene, const wisp_scene_arrays* arrays, int count,
                                                 wisp_error* error );
+
+    /// Call a function for each file that a scene names, relative to the folder of the scene or the working directory as it is
+    /// to be opened: without the name of a mesh behind #. Ends at the first failure.
+    WISP_API wisp_status wisp_scene_files( const wisp_scene* scene,
+                                           wisp_status ( *each )( void* user, const char* file, wisp_error* error ),
+                                           void* user, wisp_error* error );
 
     /// @param step >= 0, counted from 0 @return s, its length
     WISP_API float wisp_scene_step_length( const wisp_scene* scene, int step );

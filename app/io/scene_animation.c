@@ -1,4 +1,5 @@
 // The key `animation` of a surface.
+#include "gltf.h"
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
@@ -72,7 +73,9 @@ static const scene_choice SKINNINGS[] = { { "linear", "mean of where joints take
 #define AT( member ) offsetof( wisp_scene_surface, animation.member )
 static const scene_field ANIMATION_FIELDS[] = {
     { "file", SCENE_CUSTOM, .at = AT( file ), .read = scene_read_file, .form = "path",
-      .help = "File of the clips: glTF (`.glb`, `.gltf`), or keyframes in YAML as in `data/figures/motions.yaml`.",
+      .help = "File of the clips: glTF (`.glb`, `.gltf`), or keyframes in YAML as in `data/figures/motions.yaml`; or "
+              "a glTF "
+              "file with morph targets that the vertices follow.",
       .initial = "that of the mesh" },
     { "clips", SCENE_CUSTOM, .required = true, .read = read_clips, .form = "list of {clip, time, speed}",
       .help = "Clips, one after the other; one that loops repeats until the next." },
@@ -101,7 +104,9 @@ wisp_status scene_check_animation( scene_reader* r, const scene_node* node, cons
         return scene_refuse_node( r, own, "got both 'attach_pins' and 'animation', expected one of them" );
     }
     const bool is_figure = s->mesh.is_generated && s->mesh.generator.shape == WISP_MESH_FIGURE;
-    if ( s->mesh.is_generated && !is_figure )
+    const bool is_followed =
+        a->file != NULL && gltf_is_path( a->file ); // vertices of a file may be those of the mesh
+    if ( s->mesh.is_generated && !is_figure && !is_followed )
     {
         return scene_refuse_node( r, own,
                                   "the mesh has no skeleton, expected 'generate: { shape: figure }' or a glTF file" );

@@ -112,6 +112,9 @@ static const scene_field MESH_FIELDS[] = {
     MESH_SOURCE_FIELDS,
     { "repair", SCENE_CUSTOM, .at = AT( mesh.repairs ), .read = scene_read_repair, .choices = SCENE_REPAIR_WORDS,
       .help = "Repairs of the mesh, as for a surface.", .form = "list of words", .initial = "none" },
+    { "weld_distance", SCENE_NUMBER, .at = AT( mesh.weld_distance ), .range = SIZE, .unit = METRES,
+      .help = "Distance of `repair: [weld]`, before `scale`.",
+      .initial = "a hundred-thousandth of the longest side of the mesh" },
     { "require", SCENE_CUSTOM, .at = AT( mesh.demands ), .read = scene_read_require, .choices = SCENE_REQUIRE_WORDS,
       .help = "Properties that the repaired mesh must have, as for a surface.", .form = "list of words",
       .initial = "none" },
@@ -295,6 +298,7 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
                                   collider->mesh.is_generated ? "both 'file' and 'generate'"
                                                               : "neither 'file' nor 'generate'" );
     }
+    status = status ? status : scene_check_weld( r, node, &collider->mesh );
     const scene_node* size = status ? NULL : scene_child( r, node, "voxel_size" );
     if ( size && collider->def.search != WISP_MESH_SEARCH_VOXELS )
     {

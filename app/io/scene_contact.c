@@ -77,17 +77,22 @@ wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const
 
 // ---- participants of contact ----
 
-// Strands never meet themselves, so theirs is the same table without `self`.
-#define PARTICIPANT_FIELDS( owner )                                                                                  \
+// Strands never meet themselves, and have no maps, so theirs is the same table without `self`.
+#define PARTICIPANT_FIELDS( owner, thickness_map, friction_map )                                                     \
     { "thickness",                                                                                                   \
       SCENE_NUMBER,                                                                                                  \
+      .map = thickness_map,                                                                                          \
       .at = offsetof( owner, contact.thickness ),                                                                    \
       .range = RANGE( 0, 1e6 ),                                                                                      \
       .unit = METRES,                                                                                                \
       .initial = "a quarter of the mean edge, or of the mean segment",                                               \
       .help = "Two participants keep half of the sum of theirs apart; to lie flat it must be below the shortest "    \
               "edges." },                                                                                            \
-        { "friction", SCENE_NUMBER, .at = offsetof( owner, contact.friction ), .range = RANGE( 0, 1e6 ),             \
+        { "friction",                                                                                                \
+          SCENE_NUMBER,                                                                                              \
+          .map = friction_map,                                                                                       \
+          .at = offsetof( owner, contact.friction ),                                                                 \
+          .range = RANGE( 0, 1e6 ),                                                                                  \
           .help = "Friction coefficient; two participants have the geometric mean of theirs." },                     \
         { "max_push_out_speed",                                                                                      \
           SCENE_NUMBER,                                                                                              \
@@ -116,14 +121,14 @@ wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const
     }
 
 static const scene_field SURFACE_FIELDS[] = {
-    PARTICIPANT_FIELDS( wisp_scene_surface ),
+    PARTICIPANT_FIELDS( wisp_scene_surface, WISP_MAP_CONTACT_THICKNESS, WISP_MAP_CONTACT_FRICTION ),
     { "self", SCENE_SWITCH, .at = offsetof( wisp_scene_surface, contact.self ),
       .help = "Whether the surface keeps its distance from itself." },
 };
 const scene_block SCENE_CONTACT_BLOCK = BLOCK( SURFACE_FIELDS );
 
 static const scene_field STRANDS_FIELDS[] = {
-    PARTICIPANT_FIELDS( wisp_scene_strands ),
+    PARTICIPANT_FIELDS( wisp_scene_strands, 0, 0 ),
     { "between_strands", SCENE_SWITCH, .at = offsetof( wisp_scene_strands, contact.between_strands ),
       .help =
           "Whether the strands keep their distance from strands: from each other, and from those of other entries "

@@ -10,10 +10,31 @@
 #include <stdlib.h>
 #include <string.h>
 
+// A file whose name is the word is written ./colours.
+static const char COLOURS[] = "colours";
+
+static wisp_status read_source( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_map* map = at;
+    const char* text = NULL;
+    wisp_status status = scene_read_text( r, node, &text );
+    if ( !status && strcmp( text, "colors" ) == 0 )
+    {
+        return scene_refuse_node( r, node, "got 'colors', did you mean '%s'?", COLOURS );
+    }
+    return status || strcmp( text, COLOURS ) == 0 ? status : scene_read_file( r, node, &map->file );
+}
+
+static const scene_choice CHANNELS[] = {
+    { "mean", "the mean of red, green and blue" }, { "r", "red" }, { "g", "green" }, { "b", "blue" }, { NULL, NULL },
+};
+
 #define AT( member ) offsetof( wisp_scene_map, member )
 static const scene_field MAP_FIELDS[] = {
-    { "map", SCENE_CUSTOM, .required = true, .at = AT( file ), .read = scene_read_file,
-      .help = "Text file with one number per vertex, in the order of the mesh; or an image (.png)." },
+    { "map", SCENE_CUSTOM, .required = true, .read = read_source,
+      .help = "Text file with one number per vertex, in the order of the mesh; or an image (.png); or `colours`." },
+    { "channel", SCENE_CHOICE, .at = AT( channel ), .choices = CHANNELS,
+      .help = "What counts of a colour, of an image or of the vertices." },
     { "from", SCENE_NUMBER, .at = AT( from ), .range = RANGE( -1e12, 1e12 ), .help = "Value of 0 in the file." },
     { "to", SCENE_NUMBER, .at = AT( to ), .range = RANGE( -1e12, 1e12 ), .help = "Value of 1 in the file." },
 };
@@ -39,6 +60,11 @@ wisp_status scene_read_map( scene_reader* r, const scene_node* node, const scene
     {
         return status;
     }
+    const scene_node* channel = scene_child( r, node, "channel" );
+    if ( channel && map->file && !wisp_scene_map_is_image( map ) )
+    {
+        return scene_refuse_node( r, channel, "'channel' needs an image (.png) or 'map: %s'", COLOURS );
+    }
     snprintf( map->path, sizeof map->path, "%s", field->key );
     map->lower = (float)field->range.lower;
     map->upper = (float)field->range.upper;
@@ -51,6 +77,13 @@ wisp_status scene_read_map( scene_reader* r, const scene_node* node, const scene
     surface->map_count += 1;
     *(float*)(void*)( (char*)base + field->at ) = map->constant;
     return WISP_OK;
+}
+
+bool wisp_scene_map_is_image( const wisp_scene_map* map )
+{
+    const size_t length = map->file ? strlen( map->file ) : 0;
+    return length > 4 &&
+           ( strcmp( map->file + length - 4, ".png" ) == 0 || strcmp( map->file + length - 4, ".PNG" ) == 0 );
 }
 
 // ---- numbers of a file ----

@@ -260,10 +260,12 @@ wisp_status scene_read_mesh_generate( scene_reader* r, const scene_node* node, v
 // ---- repair and require ----
 
 const scene_choice SCENE_REPAIR_WORDS[] = {
+    { "weld", "merges vertices within `weld_distance` of an earlier one, and removes triangles that collapse" },
     { "degenerates", "removes triangles without area and triangles that name a vertex twice" },
     { "duplicates", "removes triangles with the same vertices as an earlier one" },
     { "winding",
       "turns triangles until neighbours agree; closed parts then face outwards, open ones the way of most" },
+    { "flip", "turns all triangles over: a mesh that is inside out faces outwards then" },
     { "unreferenced", "removes vertices that no triangle names" },
     { NULL, NULL },
 };
@@ -302,10 +304,12 @@ static wisp_status read_flags( scene_reader* r, const scene_node* node, const sc
 
 wisp_status scene_read_repair( scene_reader* r, const scene_node* node, void* at )
 {
-    static const int flags[] = { WISP_MESH_DROP_DEGENERATES, WISP_MESH_DROP_DUPLICATES, WISP_MESH_TURN_TRIANGLES,
-                                 WISP_MESH_DROP_UNREFERENCED };
+    static const int flags[] = {
+        WISP_MESH_WELD, WISP_MESH_DROP_DEGENERATES, WISP_MESH_DROP_DUPLICATES, WISP_MESH_TURN_TRIANGLES,
+        WISP_MESH_FLIP, WISP_MESH_DROP_UNREFERENCED
+    };
     return read_flags( r, node, SCENE_REPAIR_WORDS, flags,
-                       "a list of degenerates, duplicates, winding and unreferenced", at );
+                       "a list of weld, degenerates, duplicates, winding, flip and unreferenced", at );
 }
 
 wisp_status scene_read_require( scene_reader* r, const scene_node* node, void* at )
@@ -314,6 +318,14 @@ wisp_status scene_read_require( scene_reader* r, const scene_node* node, void* a
                                  WISP_MESH_ONE_COMPONENT };
     return read_flags( r, node, SCENE_REQUIRE_WORDS, flags,
                        "a list of closed, oriented, manifold, clean and one_component", at );
+}
+
+wisp_status scene_check_weld( scene_reader* r, const scene_node* node, const wisp_scene_mesh* mesh )
+{
+    const scene_node* distance = scene_child( r, node, "weld_distance" );
+    return distance && ( mesh->repairs & WISP_MESH_WELD ) == 0
+               ? scene_refuse_node( r, distance, "'weld_distance' needs 'repair: [weld]'" )
+               : WISP_OK;
 }
 
 // ---- rotations ----

@@ -72,6 +72,9 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity );
 wisp_scene_collider scene_default_collider( void );
 wisp_scene_seam scene_default_seam( void );
 
+/// scene_mesh.c: a distance to weld needs the repair. @param node of a surface or a collider
+wisp_status scene_check_weld( scene_reader* reader, const scene_node* node, const wisp_scene_mesh* mesh );
+
 /// The rotation about the fixed axes x, then y, then z.
 wisp_quat scene_quat_of_degrees( wisp_vec3 degrees );
 

@@ -177,21 +177,55 @@ static int find_field( const scene_block* block, const char* key )
     return -1;
 }
 
+enum
+{
+    LISTED_KEYS = 12, // of a block with more, the nearest few
+    NEAR_KEYS = 4,
+};
+
+static void list_keys( const char* const* keys, int count, char* list, size_t size )
+{
+    size_t used = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        const int n = snprintf( list + used, size - used, "%s%s", i ? ", " : "", keys[i] );
+        used += (size_t)n < size - used ? (size_t)n : size - used - 1;
+    }
+}
+
+// The path of a block for `wisp info --keys`: without the numbers of entries.
+static void path_of_keys( const char* path, char* out, size_t size )
+{
+    size_t used = 0;
+    bool inside = false;
+    for ( const char* c = path; *c != '\0' && used + 1 < size; ++c )
+    {
+        inside = inside || *c == '[';
+        if ( !inside )
+        {
+            out[used++] = *c;
+        }
+        inside = inside && *c != ']';
+    }
+    out[used] = '\0';
+}
+
 static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node, const scene_block* block )
 {
     const char* key = scene_key_of( r->tree, node );
-    const char* known[SCENE_MAX_FIELDS];
-    char list[400] = "";
-    size_t used = 0;
-    for ( int i = 0; i < block->field_count; ++i )
+    const int count = block->field_count;
+    const char *known[SCENE_MAX_FIELDS], *nearest[NEAR_KEYS];
+    char list[400] = "", path[200] = "";
+    for ( int i = 0; i < count; ++i )
     {
         known[i] = block->fields[i].key;
-        int n = snprintf( list + used, sizeof list - used, "%s%s", i ? ", " : "", known[i] );
-        used += (size_t)n < sizeof list - used ? (size_t)n : sizeof list - used - 1;
     }
-    const char* now = scene_find_renamed_key( r->path, key, known, block->field_count );
-    const char* near = now ? NULL : nearest_word( key, known, block->field_count );
+    const char* now = scene_find_renamed_key( r->path, key, known, count );
+    const char* near = now ? NULL : nearest_word( key, known, count );
+    const int near_count = count > LISTED_KEYS ? nearest_words( key, known, count, nearest, NEAR_KEYS ) : 0;
     char message[480];
+    list_keys( count > LISTED_KEYS ? nearest : known, count > LISTED_KEYS ? near_count : count, list, sizeof list );
+    path_of_keys( r->path, path, sizeof path );
     if ( now )
     {
         snprintf( message, sizeof message, "`%s` is called `%s` now", key, now );
@@ -199,6 +233,12 @@ static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node
     else if ( near )
     {
         snprintf( message, sizeof message, "unknown key '%s', did you mean '%s'?", scene_shorten( key ).text, near );
+    }
+    else if ( count > LISTED_KEYS )
+    {
+        snprintf( message, sizeof message, "unknown key '%s'; %s%s%swisp info --keys%s%s lists all %d",
+                  scene_shorten( key ).text, near_count > 0 ? "the nearest are " : "", list,
+                  near_count > 0 ? "; " : "", path[0] != '\0' ? " " : "", path, count );
     }
     else
     {

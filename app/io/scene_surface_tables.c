@@ -247,7 +247,14 @@ static const scene_block TRANSFORM_BLOCK = BLOCK( TRANSFORM_FIELDS );
 static const scene_field COPIES_FIELDS[] = { SCENE_COPIES_FIELDS( wisp_scene_surface ) };
 static const scene_block COPIES_BLOCK = { COPIES_FIELDS, WISP_COUNT( COPIES_FIELDS ) };
 
-static const scene_field START_FIELDS[] = { SCENE_START_FIELDS( wisp_scene_surface ) };
+static const scene_field START_FIELDS[] = {
+    { "file", SCENE_CUSTOM, .at = AT( start.file ), .read = scene_read_file,
+      .help = "Mesh with the positions of all vertices in the order of the mesh, before `transform`, `scale` and "
+              "`shape`; its "
+              "triangles are not used. Pinned vertices start there too.",
+      .form = "path", .initial = "the rest shape" },
+    SCENE_START_FIELDS( wisp_scene_surface ),
+};
 static const scene_block START_BLOCK = BLOCK( START_FIELDS );
 
 #define COLLISION( member ) offsetof( wisp_scene_surface, collision.member )
@@ -258,12 +265,13 @@ static const scene_choice FEATURES[] = { { "vertices",
                                          { NULL, NULL } };
 
 static const scene_field COLLISION_FIELDS[] = {
-    { "thickness", SCENE_NUMBER, .at = COLLISION( thickness ), .range = RANGE( 0, 1e6 ), .unit = METRES,
+    { "thickness", SCENE_NUMBER, .map = WISP_MAP_COLLISION_THICKNESS, .at = COLLISION( thickness ),
+      .range = RANGE( 0, 1e6 ), .unit = METRES,
       .help =
           "Distance that vertices keep from colliders; of implicit cloth, the margin within which a vertex is held.",
       .initial = "a quarter of the mean edge" },
-    { "friction_scale", SCENE_NUMBER, .at = COLLISION( friction_scale ), .range = RANGE( 0, 1e6 ),
-      .help = "Factor of the friction of the collider." },
+    { "friction_scale", SCENE_NUMBER, .map = WISP_MAP_COLLISION_FRICTION, .at = COLLISION( friction_scale ),
+      .range = RANGE( 0, 1e6 ), .help = "Factor of the friction of the collider." },
     { "max_push_out_speed", SCENE_NUMBER, .at = COLLISION( max_push_out_speed ), .range = RANGE( 0, 1e6 ),
       .unit = SPEEDS, .help = "Speed at which a vertex that starts inside is moved out.",
       .initial = "ten mean edges per second" },
@@ -298,6 +306,9 @@ static const scene_field SURFACE_FIELDS[] = {
     { "repair", SCENE_CUSTOM, .at = AT( mesh.repairs ), .read = scene_read_repair, .choices = SCENE_REPAIR_WORDS,
       .help = "Repairs of the mesh before it is used; what was repaired is printed.", .form = "list of words",
       .initial = "none" },
+    { "weld_distance", SCENE_NUMBER, .at = AT( mesh.weld_distance ), .range = SIZE, .unit = METRES,
+      .help = "Distance of `repair: [weld]`, before `transform.scale`.",
+      .initial = "a hundred-thousandth of the longest side of the mesh" },
     { "require", SCENE_CUSTOM, .at = AT( mesh.demands ), .read = scene_read_require, .choices = SCENE_REQUIRE_WORDS,
       .help = "Properties that the repaired mesh must have; a mesh without them is refused.", .form = "list of words",
       .initial = "none" },

@@ -8,7 +8,7 @@
 
 static wisp_status check_source( scene_reader* r, const scene_node* node, const wisp_scene_surface* surface )
 {
-    static const char* const fabric_keys[] = { "repair", "require", "solve_order", "tile_size" };
+    static const char* const fabric_keys[] = { "repair", "weld_distance", "require", "solve_order", "tile_size" };
     const bool instance = scene_child( r, node, "instance_of" ) != NULL;
     int sources = ( surface->mesh.file != NULL ) + surface->mesh.is_generated + instance;
     if ( sources == 0 )
@@ -30,7 +30,8 @@ static wisp_status check_source( scene_reader* r, const scene_node* node, const 
     }
     const scene_node* transform = scene_child( r, node, "transform" );
     const scene_node* scale = instance && transform ? scene_child( r, transform, "scale" ) : NULL;
-    return scale ? scene_refuse_node( r, scale, "'scale' is not possible with 'instance_of'" ) : WISP_OK;
+    return scale ? scene_refuse_node( r, scale, "'scale' is not possible with 'instance_of'" )
+                 : scene_check_weld( r, node, &surface->mesh );
 }
 
 static wisp_status check_cloth( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )

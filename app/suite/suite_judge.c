@@ -54,7 +54,8 @@ static uint64_t key_of( const suite_row* row )
 
 static bool is_elsewhere( const wisp_scene_start* start )
 {
-    return start->shape != WISP_SCENE_START_REST; // what is shaken a little may fall into other folds
+    return start->shape != WISP_SCENE_START_REST ||
+           start->file != NULL; // what is shaken a little may fall into other folds
 }
 
 static bool has_starts( const wisp_scene* scene )
@@ -74,6 +75,7 @@ static bool has_starts( const wisp_scene* scene )
 static void put_to_rest( wisp_scene_start* start )
 {
     start->shape = WISP_SCENE_START_REST;
+    start->file = NULL;
 }
 
 static struct suite_twin* find( const suite_twins* twins, uint64_t key )

@@ -1,4 +1,5 @@
-// Maps of a scene: numbers of a text file, one per vertex, or an image sampled at the natural coordinates of a plane.
+// Maps of a scene: numbers of a text file, one per vertex; an image sampled at texture coordinates, or at the natural ones of a
+// plane; or colours of vertices.
 #include "world_from_scene_parts.h"
 
 #include "wisp/maps.h"
@@ -13,10 +14,13 @@
 
 // ---- images ----
 
-static bool is_image( const char* file )
+// What a map takes of a colour.
+static double of_channel( wisp_scene_map_channel channel, double r, double g, double b )
 {
-    const size_t length = strlen( file );
-    return length > 4 && ( strcmp( file + length - 4, ".png" ) == 0 || strcmp( file + length - 4, ".PNG" ) == 0 );
+    return channel == WISP_SCENE_MAP_RED     ? r
+           : channel == WISP_SCENE_MAP_GREEN ? g
+           : channel == WISP_SCENE_MAP_BLUE  ? b
+                                             : ( r + g + b ) / 3.0;
 }
 
 #if defined( WISP_PNG )
@@ -50,7 +54,7 @@ static double sample( const texture* t, double u, double v )
            b * ( ( 1.0 - a ) * texel( t, i, j + 1 ) + a * texel( t, i + 1, j + 1 ) );
 }
 
-static wisp_status open_texture( const char* file, texture* out, wisp_error* error )
+static wisp_status open_texture( const char* file, wisp_scene_map_channel channel, texture* out, wisp_error* error )
 {
     png_image image = { .version = PNG_IMAGE_VERSION };
     *out = ( texture ){ 0 };
@@ -82,7 +86,9 @@ static wisp_status open_texture( const char* file, texture* out, wisp_error* err
     const size_t pixels = (size_t)out->width * (size_t)out->height;
     for ( size_t i = 0; i < pixels; ++i )
     {
-        rgb[i] = (uint8_t)( ( rgb[3 * i] + rgb[3 * i + 1] + rgb[3 * i + 2] + 1 ) / 3 );
+        const uint8_t* from = rgb + 3 * i;
+        rgb[i] = channel == WISP_SCENE_MAP_MEAN ? (uint8_t)( ( from[0] + from[1] + from[2] + 1 ) / 3 )
+                                                : from[channel - WISP_SCENE_MAP_RED];
     }
     out->grey = rgb;
     return WISP_OK;
@@ -107,14 +113,26 @@ static void sample_plane( const texture* t, const wisp_vec3* rest, int count, fl
     }
 }
 
-static wisp_status read_image( const wisp_scene_map* map, const wisp_vec3* rest, int count, float* out,
-                               wisp_error* error )
+// A texture coordinate within the image: outside 0 .. 1 the image repeats, and both borders of it are its own.
+static double wrapped( float coordinate )
+{
+    const double c = (double)coordinate;
+    return c >= 0.0 && c <= 1.0 ? c : c - floor( c );
+}
+
+// @param uvs [count][2] from the lower left; null: a flat piece
+static wisp_status read_image( const wisp_scene_map* map, const float* uvs, const wisp_vec3* rest, int count,
+                               float* out, wisp_error* error )
 {
     texture t;
-    const wisp_status status = open_texture( map->file, &t, error );
-    if ( status == WISP_OK )
+    const wisp_status status = open_texture( map->file, map->channel, &t, error );
+    if ( status == WISP_OK && uvs == NULL )
     {
         sample_plane( &t, rest, count, out );
+    }
+    for ( int v = 0; v < count && status == WISP_OK && uvs != NULL; ++v )
+    {
+        out[v] = (float)sample( &t, wrapped( uvs[2 * v] ), 1.0 - wrapped( uvs[2 * v + 1] ) );
     }
     free( t.grey );
     return status;
@@ -122,9 +140,10 @@ static wisp_status read_image( const wisp_scene_map* map, const wisp_vec3* rest,
 
 #else
 
-static wisp_status read_image( const wisp_scene_map* map, const wisp_vec3* rest, int count, float* out,
-                               wisp_error* error )
+static wisp_status read_image( const wisp_scene_map* map, const float* uvs, const wisp_vec3* rest, int count,
+                               float* out, wisp_error* error )
 {
+    (void)uvs;
     (void)rest;
     (void)count;
     (void)out;
@@ -141,19 +160,57 @@ static bool is_flat( const wisp_scene_mesh* mesh )
     return mesh->is_generated && mesh->generator.shape <= WISP_MESH_GARMENT;
 }
 
-static wisp_status read_values( const wisp_scene_map* map, const wisp_scene_mesh* mesh, const wisp_vec3* rest,
-                                int count, float* out, wisp_error* error )
+static wisp_status read_colours( const wisp_scene_map* map, const wisp_mesh* mesh, float* out, wisp_error* error )
 {
-    if ( is_image( map->file ) == false )
+    for ( int v = 0; v < mesh->vertex_count && mesh->colours != NULL; ++v )
+    {
+        const wisp_vec3 c = mesh->colours[v];
+        out[v] = (float)of_channel( map->channel, (double)c.x, (double)c.y, (double)c.z );
+    }
+    return mesh->colours != NULL
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT,
+                            "map: the mesh has no colours; files with a colour of each vertex have" );
+}
+
+// What a file lacks of some vertices has a value all the same, which is said.
+static void tell_missing( const scene_world* world, const wisp_scene_surface* entry, const wisp_scene_map* map,
+                          const wisp_mesh* mesh )
+{
+    const int missing = map->file == NULL ? mesh->colour_missing_count : mesh->uv_missing_count;
+    if ( missing > 0 && !world->is_quiet )
+    {
+        char text[400];
+        snprintf( text, sizeof text, "%.120s:%d:%d: surface '%s': %s: vertices of the file without %s: %d",
+                  world->scene->name, map->line, map->column, entry->name, map->path,
+                  map->file == NULL ? "a colour, which are white" : "texture coordinates, which are at (0, 0)",
+                  missing );
+        scene_tell( world, WISP_LOG_WARNING, text );
+    }
+}
+
+// @param source the surface that has the mesh with its attributes
+static wisp_status read_values( const scene_world* world, const wisp_scene_map* map, int source,
+                                const wisp_vec3* rest, int count, float* out, wisp_error* error )
+{
+    const wisp_scene_surface* entry = &world->scene->surfaces[source];
+    const wisp_mesh* mesh = &world->surfaces[source].mesh;
+    const bool is_image = wisp_scene_map_is_image( map );
+    if ( map->file != NULL && !is_image )
     {
         return wisp_scene_map_numbers( map, count, out, error );
     }
-    return is_flat( mesh )
-               ? read_image( map, rest, count, out, error )
-               : wisp_fail( error, WISP_BAD_INPUT,
-                            "%s: the mesh has no coordinates of an image; planes, Delaunay rectangles and "
-                            "garments that are generated have",
-                            map->file );
+    tell_missing( world, entry, map, mesh );
+    if ( !is_image )
+    {
+        return read_colours( map, mesh, out, error );
+    }
+    return is_flat( &entry->mesh ) ? read_image( map, NULL, rest, count, out, error )
+           : mesh->uvs != NULL     ? read_image( map, mesh->uvs, rest, count, out, error )
+                                   : wisp_fail( error, WISP_BAD_INPUT,
+                                                "%s: the mesh has no coordinates of an image; files with texture "
+                                                    "coordinates, and planes, Delaunay rectangles and garments have",
+                                                map->file );
 }
 
 // From what a file has to factors of the constant.
@@ -164,8 +221,9 @@ static wisp_status scale( const wisp_scene_map* map, int count, float* values, w
         const float value = map->from + ( map->to - map->from ) * values[v];
         if ( !( value >= map->lower && value <= map->upper ) )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "%s: vertex %d: got %g, expected %g to %g", map->file, v,
-                              (double)value, (double)map->lower, (double)map->upper );
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: vertex %d: got %g, expected %g to %g",
+                              map->file != NULL ? map->file : "map: colours", v, (double)value, (double)map->lower,
+                              (double)map->upper );
         }
         values[v] = value / map->constant;
     }
@@ -187,8 +245,7 @@ static wisp_status set_map( const scene_world* world, int surface, const wisp_sc
     {
         rest[v] = s->fabric->rest[s->fabric->vertex_slot[v]];
     }
-    status = status == WISP_OK ? read_values( map, &world->scene->surfaces[source].mesh, rest, count, values, &cause )
-                               : status;
+    status = status == WISP_OK ? read_values( world, map, source, rest, count, values, &cause ) : status;
     status = status == WISP_OK ? scale( map, count, values, &cause ) : status;
     if ( status == WISP_OK && wisp_set_map( world->world, s->entity, map->map, values, count ) != WISP_OK )
     {

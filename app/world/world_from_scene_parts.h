@@ -42,6 +42,10 @@ wisp_status scene_maps_set( const scene_world* world, int surface, bool of_mass,
 
 /// Add all surfaces, then all colliders.
 wisp_status scene_surfaces_add( scene_world* world, wisp_error* error );
+/// Move the vertices of a placed surface to those of the file that its entry starts as, if it has one.
+/// @param repairs of the mesh that it has, or of its source: a start file may have the vertices before them
+wisp_status scene_start_load( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
+                              scene_world_surface* out, wisp_error* error );
 /// Move the vertices of a placed surface to where its entry has them start.
 void scene_start_place( const wisp_scene_surface* entry, scene_world_surface* surface );
 /// Let the masses of a surface that was added grow downwards, as its entry says.
@@ -77,16 +81,18 @@ wisp_status scene_animation_pose( const wisp_scene* scene, int surface, scene_an
 void scene_animation_release( scene_animation* animation );
 
 /// Every group of vertices that a surface's entry pins. The mesh is the initial one.
-/// @param kept [kept_count] index in the file of each vertex that a repair kept; null if none was dropped
-wisp_status scene_pins_find( const wisp_scene* scene, int surface, const int32_t* kept, int kept_count,
+/// @param repairs of the mesh; zero if there were none
+wisp_status scene_pins_find( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
                              scene_world_surface* out, wisp_error* error );
 void scene_pins_release( scene_world_surface* surface );
 /// The entry of a surface's group. @param group 0: the surface's own pins
 const wisp_scene_pins* scene_pins_entry( const wisp_scene_surface* entry, int group );
 /// @return where a vertex stands in an ascending list, -1: it does not
 int32_t scene_pins_find_vertex( const int32_t* ascending, int count, int32_t vertex );
+/// @param number >= 0, of a vertex in the file @return its index in the repaired mesh, -1: it has none
+int32_t scene_vertex_of_number( const wisp_mesh_repairs* repairs, int32_t number );
 /// The balloon of a surface with the vertices of its outlet found.
-wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const int32_t* kept, int kept_count,
+wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
                                const wisp_mesh* mesh, wisp_balloon_def* out, wisp_error* error );
 
 // ---- before a step ----

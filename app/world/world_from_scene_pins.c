@@ -11,8 +11,7 @@ typedef struct vertex_finder
     const wisp_scene* scene;
     const wisp_scene_surface* entry;
     const wisp_mesh* mesh;
-    const int32_t* kept; // null: the numbers are the same
-    int kept_count;
+    const wisp_mesh_repairs* repairs;
     wisp_error* error;
 } vertex_finder;
 
@@ -35,20 +34,21 @@ int32_t scene_pins_find_vertex( const int32_t* ascending, int count, int32_t ver
     return found ? (int32_t)( found - ascending ) : -1;
 }
 
+int32_t scene_vertex_of_number( const wisp_mesh_repairs* repairs, int32_t number )
+{
+    return repairs->became == NULL ? number : number < repairs->original_count ? repairs->became[number] : -1;
+}
+
 // A repair that drops vertices renumbers the others; the scene keeps the numbers of the file.
 static wisp_status find_number( const vertex_finder* f, const char* what, int32_t number, int32_t* vertex )
 {
     char message[160];
-    *vertex = number;
-    if ( f->kept )
+    *vertex = scene_vertex_of_number( f->repairs, number );
+    if ( *vertex < 0 )
     {
-        *vertex = scene_pins_find_vertex( f->kept, f->kept_count, number );
-        if ( *vertex < 0 )
-        {
-            snprintf( message, sizeof message,
-                      "%s: got vertex %d, which the mesh does not have or which repair removed", what, number );
-            return refuse( f, message );
-        }
+        snprintf( message, sizeof message, "%s: got vertex %d, which the mesh does not have or which repair removed",
+                  what, number );
+        return refuse( f, message );
     }
     if ( *vertex >= f->mesh->vertex_count )
     {
@@ -217,11 +217,11 @@ static wisp_status take_group( const vertex_finder* f, const wisp_scene_pins* pi
     return WISP_OK;
 }
 
-wisp_status scene_pins_find( const wisp_scene* scene, int surface, const int32_t* kept, int kept_count,
+wisp_status scene_pins_find( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
                              scene_world_surface* out, wisp_error* error )
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
-    const vertex_finder finder = { scene, entry, &out->mesh, kept, kept_count, error };
+    const vertex_finder finder = { scene, entry, &out->mesh, repairs, error };
     unsigned char* marks = calloc( (size_t)out->mesh.vertex_count + 1, 1 );
     out->groups = calloc( (size_t)entry->pin_group_count + 1, sizeof *out->groups );
     if ( !marks || !out->groups )
@@ -341,11 +341,11 @@ void scene_pins_load( scene_world* world, const void* bytes )
 
 // ---- the outlet ----
 
-wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const int32_t* kept, int kept_count,
+wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
                                const wisp_mesh* mesh, wisp_balloon_def* out, wisp_error* error )
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
-    const vertex_finder finder = { scene, entry, mesh, kept, kept_count, error };
+    const vertex_finder finder = { scene, entry, mesh, repairs, error };
     *out = entry->balloon;
     for ( int i = 0; i < out->outlet_count; ++i )
     {

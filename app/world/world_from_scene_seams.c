@@ -13,8 +13,7 @@ static wisp_status refuse( const scene_world* world, const wisp_scene_seam* entr
 static int32_t find_vertex( const scene_world* world, int surface, int32_t number )
 {
     const int source = world->scene->surfaces[surface].instance_of;
-    const wisp_mesh_repairs* repairs = &world->surfaces[source >= 0 ? source : surface].repairs;
-    return repairs->kept ? scene_pins_find_vertex( repairs->kept, repairs->kept_count, number ) : number;
+    return scene_vertex_of_number( &world->surfaces[source >= 0 ? source : surface].repairs, number );
 }
 
 static wisp_status find_pairs( const scene_world* world, const wisp_scene_seam* entry, int32_t* pairs,

@@ -88,6 +88,52 @@ static wisp_vec3 start_of( const wisp_scene_start* start, const start_box* box, 
     return ( wisp_vec3 ){ (float)p[0], (float)p[1], (float)p[2] };
 }
 
+// A file has the vertices of the mesh, or those of the file of the mesh before its repair.
+static wisp_status place_file( const wisp_scene_surface* entry, float scale, const wisp_mesh_repairs* repairs,
+                               const wisp_mesh* file, wisp_mesh* mesh, wisp_error* error )
+{
+    const bool is_unrepaired = repairs->kept != NULL && file->vertex_count == repairs->original_count;
+    if ( file->vertex_count != mesh->vertex_count && !is_unrepaired )
+    {
+        char before[60] = "";
+        if ( repairs->kept != NULL && repairs->original_count != mesh->vertex_count )
+        {
+            snprintf( before, sizeof before, ", or %d as before its repair", repairs->original_count );
+        }
+        return wisp_fail( error, WISP_BAD_INPUT, "start.file: %.200s: got %d vertices, expected %d as the mesh has%s",
+                          entry->start.file, file->vertex_count, mesh->vertex_count, before );
+    }
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        const wisp_vec3 p = file->points[is_unrepaired ? repairs->kept[v] : v];
+        mesh->points[v] =
+            wisp_transform_to_world( entry->pose, ( wisp_vec3 ){ scale * p.x, scale * p.y, scale * p.z } );
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_start_load( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
+                              scene_world_surface* out, wisp_error* error )
+{
+    const wisp_scene_surface* entry = &scene->surfaces[surface];
+    const wisp_scene_arrays* a = entry->start.arrays;
+    if ( !entry->has_start || entry->start.file == NULL )
+    {
+        return WISP_OK;
+    }
+    const float scale = scene->surfaces[entry->instance_of >= 0 ? entry->instance_of : surface].mesh.scale;
+    wisp_mesh file = { 0 };
+    wisp_error cause = { 0 };
+    wisp_status status = a != NULL ? wisp_mesh_of_arrays( a->points, a->point_count, a->triangles, a->triangle_count,
+                                                          entry->start.file, &file, &cause )
+                                   : wisp_mesh_read( entry->start.file, &file, &cause );
+    status = status == WISP_OK ? place_file( entry, scale, repairs, &file, &out->mesh, &cause ) : status;
+    wisp_mesh_release( &file );
+    return status == WISP_OK ? WISP_OK
+                             : scene_fail_at( scene, entry->line, entry->column, "surface", entry->name, status,
+                                              cause.message, error );
+}
+
 void scene_start_place( const wisp_scene_surface* entry, scene_world_surface* surface )
 {
     wisp_mesh* mesh = &surface->mesh;

@@ -29,7 +29,7 @@ static wisp_status tell_repairs( const scene_world* world, const wisp_mesh_repai
                                  wisp_error* error )
 {
     const int done = repairs->degenerates_dropped + repairs->duplicates_dropped + repairs->triangles_turned +
-                     repairs->unreferenced_dropped;
+                     repairs->unreferenced_dropped + repairs->vertices_welded + repairs->triangles_flipped;
     if ( !called || done == 0 )
     {
         return WISP_OK;
@@ -81,7 +81,7 @@ wisp_status scene_mesh_load( const scene_world* world, const wisp_scene_mesh* so
     wisp_status status = read_mesh( source, out, error );
     if ( status == WISP_OK && source->repairs != 0 )
     {
-        status = wisp_mesh_repair( out, source->repairs, &done, error );
+        status = wisp_mesh_repair_within( out, source->repairs, source->weld_distance, &done, error );
     }
     if ( status == WISP_OK && source->demands != 0 )
     {
@@ -211,9 +211,10 @@ static wisp_status make_source( scene_world* world, int surface, unsigned char r
     if ( status == WISP_OK )
     {
         place( s->mesh.points, s->mesh.vertex_count, scene->surfaces[surface].pose );
-        status = scene_pins_find( scene, surface, s->repairs.kept, s->repairs.kept_count, s, error );
+        status = scene_pins_find( scene, surface, &s->repairs, s, error );
     }
     status = status == WISP_OK ? cook( scene, surface, required, rest, s, error ) : status;
+    status = status == WISP_OK ? scene_start_load( scene, surface, &s->repairs, s, error ) : status;
     if ( status == WISP_OK )
     {
         scene_start_place( &scene->surfaces[surface], s );
@@ -244,9 +245,8 @@ static wisp_status make_instance( scene_world* world, int surface, wisp_error* e
     place( s->mesh.points, s->mesh.vertex_count, entry->pose );
     wisp_fabric_retain( source->fabric );
     s->fabric = source->fabric;
-    status = status == WISP_OK ? scene_pins_find( world->scene, surface, source->repairs.kept,
-                                                  source->repairs.kept_count, s, error )
-                               : status;
+    status = status == WISP_OK ? scene_pins_find( world->scene, surface, &source->repairs, s, error ) : status;
+    status = status == WISP_OK ? scene_start_load( world->scene, surface, &source->repairs, s, error ) : status;
     if ( status == WISP_OK )
     {
         scene_start_place( entry, s );
@@ -384,8 +384,7 @@ static wisp_status add_effects( scene_world* world, int surface, wisp_error* err
     const int source = scene->surfaces[surface].instance_of;
     const wisp_mesh_repairs* repairs = source >= 0 ? &world->surfaces[source].repairs : &s->repairs;
     wisp_balloon_def balloon;
-    wisp_status status =
-        scene_outlet_find( scene, surface, repairs->kept, repairs->kept_count, &s->mesh, &balloon, error );
+    wisp_status status = scene_outlet_find( scene, surface, repairs, &s->mesh, &balloon, error );
     if ( status != WISP_OK )
     {
         return status;

@@ -14,7 +14,8 @@ static const float INACTIVE = 1e12f;
 
 static bool is_map( wisp_component map )
 {
-    return map >= WISP_MAP_AREA_DENSITY && map <= WISP_MAP_LIFT;
+    return ( map >= WISP_MAP_AREA_DENSITY && map <= WISP_MAP_LIFT ) ||
+           ( map >= WISP_MAP_COLLISION_THICKNESS && map <= WISP_MAP_CONTACT_FRICTION );
 }
 
 static bool is_of_edges( wisp_component map )
@@ -201,14 +202,17 @@ static wisp_status check_count( wisp_world* world, wisp_component map, int got, 
 static wisp_status check_factors( wisp_world* world, wisp_component map, const float* factors, int count,
                                   const char* of )
 {
-    const float least = map == WISP_MAP_AREA_DENSITY ? 1e-6f : 0.0f;
+    // Searches reach as far as the constant thickness. Between surfaces none is 0: at distance 0 they have passed each other.
+    const bool is_thickness = map == WISP_MAP_COLLISION_THICKNESS || map == WISP_MAP_CONTACT_THICKNESS;
+    const float least = map == WISP_MAP_AREA_DENSITY ? 1e-6f : map == WISP_MAP_CONTACT_THICKNESS ? 0.01f : 0.0f;
+    const float most = is_thickness ? 1.0f : 1e6f;
     for ( int i = 0; i < count; ++i )
     {
-        if ( !( factors[i] >= least && factors[i] <= 1e6f ) )
+        if ( !( factors[i] >= least && factors[i] <= most ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "%s: %s %d: got the factor %g, expected %g to 1e+06",
-                                    wisp_world_component_name( world, map ), of, i, (double)factors[i],
-                                    (double)least );
+            return wisp_world_fail( world, WISP_BAD_INPUT, "%s: %s %d: got the factor %g, expected %g to %g",
+                                    wisp_world_component_name( world, map ), of, i, (double)factors[i], (double)least,
+                                    (double)most );
         }
     }
     return WISP_OK;

@@ -127,6 +127,8 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     const wisp_component_def strand_tracked = { "collision.strand_tracked", WISP_TABLE_STRAND_ROW,
                                                 STRAND_TRACKED_COLUMNS, WISP_COUNT( STRAND_TRACKED_COLUMNS ) };
     state->settings = wisp_declare_component( r, &settings );
+    wisp_declare_map( r, WISP_MAP_COLLISION_THICKNESS, state->settings, NULL );
+    wisp_declare_map( r, WISP_MAP_COLLISION_FRICTION, state->settings, NULL );
     state->active = wisp_declare_component( r, &active );
     state->strand_contact = wisp_declare_component( r, &strand_contact );
     state->carried = wisp_declare_component( r, &carried );

@@ -38,16 +38,18 @@ static void add_depth( wisp_collision_stats* f, float depth, float thickness, in
 
 typedef struct measure_batch
 {
-    int vertices[CHUNK]; // in the user's order
+    int vertices[CHUNK];  // in the user's order
+    float thinner[CHUNK]; // m, than the participant
     wisp_mesh_query queries[CHUNK];
     wisp_surface_point nearest[CHUNK];
     bool is_near[CHUNK];
     int count;
 } measure_batch;
 
-static void add_vertex( measure_batch* batch, const collision_view* view, int vertex, wisp_vec3 p )
+static void add_vertex( measure_batch* batch, const collision_view* view, int vertex, float thinner, wisp_vec3 p )
 {
     batch->vertices[batch->count] = vertex;
+    batch->thinner[batch->count] = thinner;
     batch->queries[batch->count++] = ( wisp_mesh_query ){ .point = wisp_transform_to_local( view->after, p ),
                                                           .radius = view->thickness,
                                                           .time = view->end };
@@ -58,8 +60,9 @@ static void measure_batch_of( measure_batch* batch, const collision_view* view, 
     collision_closest( view, batch->queries, batch->count, batch->nearest, batch->is_near, NULL );
     for ( int i = 0; i < batch->count; ++i )
     {
-        const float depth = batch->is_near[i] ? view->thickness - batch->nearest[i].distance : 0.0f;
-        add_depth( f, depth, view->thickness, batch->vertices[i] );
+        const float thickness = view->thickness - batch->thinner[i];
+        const float depth = batch->is_near[i] ? thickness - batch->nearest[i].distance : 0.0f;
+        add_depth( f, depth, thickness, batch->vertices[i] );
     }
     batch->count = 0;
 }
@@ -84,15 +87,16 @@ static void count_contacts( const measure_loop* loop, int begin, int end, wisp_c
     }
 }
 
-static void add_free_slots( measure_batch* batch, const collision_view* view, const wisp_fabric* fabric,
-                            const float* position, int begin, int end )
+static void add_free_slots( measure_batch* batch, const collision_view* view, const collision_maps* maps,
+                            const wisp_fabric* fabric, const float* position, int begin, int end )
 {
     for ( int slot = begin; slot < end; ++slot )
     {
         const float* quad = position + (size_t)slot * 4;
         if ( quad[3] > 0.0f )
         {
-            add_vertex( batch, view, fabric->slot_vertex[slot], collision_load( quad ) );
+            add_vertex( batch, view, fabric->slot_vertex[slot], collision_thinner( maps, slot ),
+                        collision_load( quad ) );
         }
     }
 }
@@ -102,12 +106,13 @@ static void measure_slots( void* context, int begin, int end, int worker )
     measure_loop* loop = context;
     const wisp_fabric* fabric = wisp_frame_fabric( loop->frame, loop->span->entity );
     const float* position = wisp_frame_column( loop->frame, loop->span->entity, WISP_PARTICLE_POSITION, 0 );
+    const collision_maps maps = collision_maps_of( loop->frame, loop->span->entity, loop->state );
     measure_batch batch;
     batch.count = 0;
     collision_view view;
     for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
     {
-        add_free_slots( &batch, &view, fabric, position, begin, end );
+        add_free_slots( &batch, &view, &maps, fabric, position, begin, end );
         measure_batch_of( &batch, &view, loop->stats + worker );
     }
     count_contacts( loop, begin, end, loop->stats + worker );
@@ -123,8 +128,9 @@ static void measure_touches_of( measure_batch* batch, const collision_view* view
     for ( int i = 0; i < batch->count; ++i )
     {
         const float distance = batch->is_near[i] ? batch->nearest[i].distance : INFINITY;
-        add_depth( f, -distance, view->thickness, batch->vertices[i] );
-        touches[i] = touches[i] || distance < view->thickness;
+        const float thickness = view->thickness - batch->thinner[i];
+        add_depth( f, -distance, thickness, batch->vertices[i] );
+        touches[i] = touches[i] || distance < thickness;
     }
     batch->count = 0;
 }
@@ -136,12 +142,13 @@ static void measure_solved_slots( void* context, int begin, int end, int worker 
     const float* position = wisp_frame_column( loop->frame, loop->span->entity, WISP_PARTICLE_POSITION, 0 );
     wisp_collision_stats* f = loop->stats + worker;
     bool touches[CHUNK] = { false }; // [free vertex of the chunk]
+    const collision_maps maps = collision_maps_of( loop->frame, loop->span->entity, loop->state );
     measure_batch batch;
     batch.count = 0;
     collision_view view;
     for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
     {
-        add_free_slots( &batch, &view, fabric, position, begin, end );
+        add_free_slots( &batch, &view, &maps, fabric, position, begin, end );
         measure_touches_of( &batch, &view, touches, f );
     }
     for ( int i = 0; i < CHUNK; ++i )
@@ -178,7 +185,7 @@ static void measure_row( const measure_rows* rows, const collision_view* view, i
         if ( is_free( rows, group, row, l ) )
         {
             const int vertex = rows->strands->offsets[strand[l]] + row - rows->strands->group_row[group];
-            add_vertex( &batch, view, vertex,
+            add_vertex( &batch, view, vertex, 0.0f,
                         collision_load_lane( rows->position + (size_t)row * 3 * WISP_LANES + l ) );
         }
     }

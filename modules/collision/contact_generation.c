@@ -314,6 +314,32 @@ static void add_recovery( const collision_find_args* args, const collision_view*
     }
 }
 
+static void scale_friction( const collision_find_args* args, const collision_block* block, const found_planes* planes,
+                            int first, int end, float* rows )
+{
+    for ( int m = first; m < end; ++m )
+    {
+        const float factor = args->maps.friction[block->begin + planes->particle_x4[m] / 4];
+        float* row = rows + planes->row_x16[m];
+        row[offsetof( collision_contact, static_friction ) / sizeof( float )] *= factor;
+        row[offsetof( collision_contact, kinetic_friction ) / sizeof( float )] *= factor;
+    }
+}
+
+// A thinner vertex keeps its thickness from a plane as one of the whole thickness does from a plane farther inside.
+static void move_planes_inside( const collision_find_args* args, const collision_block* block, found_planes* planes )
+{
+    for ( int m = 0; m < planes->count; ++m )
+    {
+        const float inside =
+            collision_thinner( &args->maps, collision_slot( block, block->candidates[planes->near[m]] ) );
+        const wisp_vec3 point = load_one( planes->point, m ), normal = load_one( planes->normal, m );
+        store_one( planes->point, m, collision_add_scaled( point, -inside, normal ) );
+        planes->now[m] += inside;
+        planes->start[m] += inside;
+    }
+}
+
 // Move particles out and write rows. Later bodies see the new positions.
 static void write_rows( const collision_find_args* args, const collision_view* view, collision_block* block,
                         found_planes* planes, int first, int count, float* rows )
@@ -358,6 +384,10 @@ static void write_rows( const collision_find_args* args, const collision_view* v
     if ( moved && args->sums != NULL )
     {
         add_recovery( args, view, block, planes, first, end, before );
+    }
+    if ( args->maps.friction != NULL )
+    {
+        scale_friction( args, block, planes, first, end, rows );
     }
     for ( int m = first; moved && block->is_last == false && m < end; ++m )
     {
@@ -486,6 +516,10 @@ void collision_meet( const collision_find_args* args, const collision_view* view
         query_shape( args, view, block, &planes );
     }
     sweep_special( view, block, &planes );
+    if ( args->maps.thickness != NULL )
+    {
+        move_planes_inside( args, block, &planes );
+    }
     for ( int n = 0; n < block->candidate_count; ++n )
     {
         float* clear = block->clear + block->candidates[n];
@@ -514,6 +548,7 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
         .gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f },
         .dt = wisp_frame_dt( frame, span->entity ),
+        .maps = collision_maps_of( frame, span->entity, state ),
         .has_settled = span->substep > 0 && is_last == false,
         .settles = is_last == false,
         .tracked = wisp_frame_column( frame, span->entity, state->tracked, 0 ),

@@ -17,6 +17,7 @@
 //   A third is not answered for in this substep.
 // - Rows keep the index and generation of the body, by which the solver recognises a contact of the step before.
 #include "body_queries.h"
+#include "collision_maps.h"
 #include "collision_passes.h"
 
 #include <float.h>
@@ -41,6 +42,7 @@ typedef struct input_loop
     const float *position, *velocity;
     wisp_vec3 gravity; // m/s^2
     float seconds, recovery;
+    collision_maps maps;
     int32_t ( *body )[WISP_MAX_PARTICLE_CONTACTS];
     float ( *plane )[4 * WISP_MAX_PARTICLE_CONTACTS];
     float ( *motion )[4 * WISP_MAX_PARTICLE_CONTACTS];
@@ -233,8 +235,17 @@ static void insert( input_loop* loop, int particle, const input_touch* found )
     all[place] = *found;
 }
 
-static void add_touch( input_loop* loop, const collision_view* view, int i )
+static void add_touch( input_loop* loop, const collision_view* of_all, int i )
 {
+    const int32_t slot = loop->begin + loop->candidates[i];
+    const collision_view* view = of_all;
+    collision_view of_this;
+    if ( loop->maps.thickness != NULL || loop->maps.friction != NULL )
+    {
+        of_this = *of_all;
+        collision_view_at( &loop->maps, &slot, 1, &of_this );
+        view = &of_this;
+    }
     const wisp_vec3 carried = loop->carried[i], from = loop->queries[i].point,
                     to = collision_add_scaled( loop->to[i], -1.0f, carried );
     wisp_surface_point plane = loop->nearest[i];
@@ -305,6 +316,7 @@ void collision_sense( wisp_frame* frame, const wisp_span* span, void* user )
     loop.gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
     loop.seconds = wisp_frame_dt( frame, span->entity );
     loop.recovery = settings->max_push_out_speed;
+    loop.maps = collision_maps_of( frame, span->entity, state );
     loop.body = wisp_frame_column( frame, span->entity, WISP_PARTICLE_CONTACTS, 0 );
     loop.plane = wisp_frame_column( frame, span->entity, WISP_PARTICLE_CONTACTS, 1 );
     loop.motion = wisp_frame_column( frame, span->entity, WISP_PARTICLE_CONTACTS, 2 );

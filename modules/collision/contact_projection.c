@@ -61,7 +61,7 @@ static void project_contacts( collision_contact* contacts, int count, wisp_vec3*
 
 // Sweep a particle that moved farther than the distance that is clear. If its path enters a body, it stops where it
 // enters. If the way there is blocked as well, it keeps its old place in the frame of the body.
-static void stop_at_entry( const collision_view* view, wisp_vec3* p, wisp_vec3 previous )
+static void stop_at_entry( const collision_view* view, float thickness, wisp_vec3* p, wisp_vec3 previous )
 {
     const wisp_vec3 from = wisp_transform_to_local( view->before, previous );
     wisp_vec3 to = wisp_transform_to_local( view->after, *p );
@@ -74,7 +74,7 @@ static void stop_at_entry( const collision_view* view, wisp_vec3* p, wisp_vec3 p
     // no farther from the body than it was: an approach must not become a separation
     const wisp_vec3 carried = collision_add_scaled( from, 1.0f, motion );
     float height = collision_dot( hit.normal, collision_sub( carried, hit.point ) );
-    to = collision_add_scaled( hit.point, fminf( view->thickness, fmaxf( 0.0f, height ) ), hit.normal );
+    to = collision_add_scaled( hit.point, fminf( thickness, fmaxf( 0.0f, height ) ), hit.normal );
     to = collision_cast( view, from, to, &hit, &motion ) ? carried : to;
     *p = wisp_transform_to_world( view->after, to );
 }
@@ -106,6 +106,7 @@ static void add_reaction( const project_loop* loop, int slot, int64_t body, wisp
 static void stop_displaced( wisp_frame* frame, const wisp_span* span, const collision_state* state,
                             project_loop* loop )
 {
+    const collision_maps maps = collision_maps_of( frame, span->entity, state );
     wisp_vec3 lower = { INFINITY, INFINITY, INFINITY }, upper = { -INFINITY, -INFINITY, -INFINITY };
     for ( int i = 0; i < loop->displaced_count; ++i )
     {
@@ -123,7 +124,8 @@ static void stop_displaced( wisp_frame* frame, const wisp_span* span, const coll
             size_t quad = (size_t)loop->displaced[i] * 4;
             wisp_vec3 p = collision_load( loop->position + quad );
             const wisp_vec3 before = p;
-            stop_at_entry( &view, &p, collision_load( loop->previous + quad ) );
+            const float thickness = view.thickness - collision_thinner( &maps, loop->displaced[i] );
+            stop_at_entry( &view, thickness, &p, collision_load( loop->previous + quad ) );
             collision_store( loop->position + quad, p );
             if ( loop->sums != NULL && loop->position[quad + 3] > 0.0f )
             {

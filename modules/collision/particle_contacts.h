@@ -1,7 +1,7 @@
 // Contacts of particles, and blocks of particles that are culled together.
 #pragma once
 
-#include "collision_bodies.h"
+#include "collision_maps.h"
 
 enum
 {
@@ -68,8 +68,9 @@ typedef struct collision_find_args
     const float* velocity; // [slot][4] m/s, with the gravity of the substep
     wisp_vec3 gravity;     // m/s^2
     float dt;              // s
-    bool has_settled;      // groups of an earlier substep of this step may be settled
-    bool settles;          // groups may be settled until the next substep
+    collision_maps maps;
+    bool has_settled; // groups of an earlier substep of this step may be settled
+    bool settles;     // groups may be settled until the next substep
 } collision_find_args;
 
 /// Return the slot of a particle of the block.

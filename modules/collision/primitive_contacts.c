@@ -59,6 +59,7 @@ typedef struct find_loop
     float *position, *previous;
     const int32_t* contact_counts; // [slot] of particles
     collision_contact ( *particle_contacts )[WISP_COLLISION_CONTACTS];
+    collision_maps maps;
     float* clearance; // [slot] m, less the reach: distance of the path of a particle from all bodies, or less
 } find_loop;
 
@@ -223,10 +224,18 @@ static int meet_convex( const collision_view* view, const primitive_path* path, 
     return meets && ( path->corner_count == 2 || is_on_border( &out->deepest ) == false ) ? 1 : 0;
 }
 
-static void meet_body( const find_loop* loop, const collision_view* view, int primitive )
+static void meet_body( const find_loop* loop, const collision_view* of_all, int primitive )
 {
     const collision_primitives* p = &loop->primitives;
     const int32_t* corners = p->corners + (size_t)primitive * (size_t)p->corner_count;
+    const collision_view* view = of_all;
+    collision_view of_this;
+    if ( loop->maps.thickness != NULL || loop->maps.friction != NULL )
+    {
+        of_this = *of_all;
+        collision_view_at( &loop->maps, corners, p->corner_count, &of_this );
+        view = &of_this;
+    }
     primitive_path path;
     collision_meeting meetings[COLLISION_PRIMITIVE_CONTACTS];
     if ( load_path( loop, view, corners, &path ) == false )
@@ -427,6 +436,7 @@ void collision_search_primitives( wisp_frame* frame, const wisp_span* span, cons
         .contact_counts = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 0 ),
         .particle_contacts = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 2 ),
         .clearance = wisp_frame_column( frame, span->entity, state->clearance, 0 ),
+        .maps = collision_maps_of( frame, span->entity, state ),
     };
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     wisp_parallel_for( parallel, wisp_frame_fabric( frame, span->entity )->slot_count, GRAIN, measure_corners,

@@ -110,14 +110,35 @@ static void measure_pairs( const contact_work* work, const contact_pair* pairs, 
     }
 }
 
+// Return the mean of a map over the points of one side, by their weights: 1 without a map.
+static float factor_of( const contact_participant* participant, const float* map, const contact_row* row, int begin,
+                        int end )
+{
+    float sum = map != NULL ? 0.0f : 1.0f;
+    for ( int k = begin; k < end && map != NULL; ++k )
+    {
+        sum += fabsf( row->weight[k] ) * map[row->point[k] - participant->first_point];
+    }
+    return sum;
+}
+
 static void begin_row( const contact_work* work, const contact_pair* c, contact_row* row )
 {
+    const contact_participant *a = contact_participant_of( work, row->point[0] ),
+                              *b = contact_participant_of( work, row->point[row->split] );
+    float gap = c->gap;
+    if ( a->thickness != NULL || b->thickness != NULL )
+    {
+        const float sum = a->settings.thickness * factor_of( a, a->thickness, row, 0, row->split ) +
+                          b->settings.thickness * factor_of( b, b->thickness, row, row->split, row->count );
+        gap = contact_smaller( gap, 0.5f * sum );
+    }
     row->a = c->a;
     row->b = c->b;
-    row->gap = contact_smaller( c->gap, row->distance );
-    row->requested = c->gap;
-    row->friction = sqrtf( contact_participant_of( work, row->point[0] )->settings.friction *
-                           contact_participant_of( work, row->point[row->split] )->settings.friction );
+    row->gap = contact_smaller( gap, row->distance );
+    row->requested = gap;
+    row->friction = sqrtf( a->settings.friction * factor_of( a, a->friction, row, 0, row->split ) *
+                           ( b->settings.friction * factor_of( b, b->friction, row, row->split, row->count ) ) );
     row->normal_correction = row->tangential_correction[0] = row->tangential_correction[1] =
         row->tangential_correction[2] = 0.0f;
     row->mobility = 0.0f;

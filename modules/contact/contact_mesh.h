@@ -51,10 +51,11 @@ typedef struct contact_participant
     bool has_layer; // its particles are those that another module shares, as they are at the start of a step
     int first_point, point_count, first_edge, edge_count, first_triangle, triangle_count;
     contact_settings settings;
-    double impulse[3];           // N s, of this step
-    const int32_t* half_spaces;  // [point] number of half spaces that it is held in; null: none
-    const float* half_space_row; // [point][WISP_MAX_HALF_SPACES][16] those, as rows of the kernel half_space
-    contact_load* loads;         // [point] its column; null: of strands
+    double impulse[3];                 // N s, of this step
+    const float *thickness, *friction; // [point] factors of those of the settings; null: 1
+    const int32_t* half_spaces;        // [point] number of half spaces that it is held in; null: none
+    const float* half_space_row;       // [point][WISP_MAX_HALF_SPACES][16] those, as rows of the kernel half_space
+    contact_load* loads;               // [point] its column; null: of strands
 } contact_participant;
 
 /// The contact mesh. It is a function of the columns of the participants, built again after those changed from

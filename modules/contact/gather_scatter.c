@@ -265,6 +265,8 @@ void contact_gather( const contact_work* work, bool is_start )
     {
         contact_participant* participant = work->participants + g;
         participant->halted = wisp_frame_is_halted( work->frame, participant->entity );
+        participant->thickness = wisp_frame_column( work->frame, participant->entity, WISP_MAP_CONTACT_THICKNESS, 0 );
+        participant->friction = wisp_frame_column( work->frame, participant->entity, WISP_MAP_CONTACT_FRICTION, 0 );
         participant->half_spaces =
             wisp_frame_column( work->frame, participant->entity, WISP_PARTICLE_HALF_SPACES, 0 );
         participant->half_space_row =

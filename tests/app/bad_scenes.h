@@ -11,5 +11,7 @@ extern const bad_scene BAD_SCENES_MOTION[];
 extern const int BAD_SCENES_MOTION_COUNT;
 extern const bad_scene BAD_SCENES_IMPLICIT[];
 extern const int BAD_SCENES_IMPLICIT_COUNT;
+extern const bad_scene BAD_SCENES_FILES[];
+extern const int BAD_SCENES_FILES_COUNT;
 extern const bad_scene BAD_SCENES_CONTACT[];
 extern const int BAD_SCENES_CONTACT_COUNT;

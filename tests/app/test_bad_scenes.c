@@ -141,7 +141,7 @@ static const bad_scene BAD_SCENES[] = {
       ":6:14: strands[0].frozen_hair.freeze: got nothing, expected a mapping ({} takes the defaults)" },
     { "entry_is_text.yaml", ":2:11: strands[0]: got 'hair', expected a mapping ({} takes the defaults)" },
     { "escape_in_key.yaml",
-      ":2:1: unknown key 'st?[31m?rands', expected one of wisp, dt, dt_factors, steps, frames_per_step, substeps, iterations, workers, gravity, contact, strands, surfaces, colliders, seams, hair_events, events, output" },
+      ":2:1: unknown key 'st?[31m?rands'; the nearest are strands, dt_factors, steps, iterations; wisp info --keys lists all 17" },
     { "escape_in_value.yaml",
       ":6:21: strands[0].frozen_hair.clump.gap: got 'abs?olute', expected one of absolute, signed, reversed, none; did you mean 'absolute'?" },
     { "events_does_nothing.yaml",
@@ -249,7 +249,7 @@ static const bad_scene BAD_SCENES[] = {
     { "list_too_short.yaml",
       ":6:36: strands[0].frozen_hair.freeze.stretch_stiffness: got 2 numbers, expected 3, one per strand" },
     { "long_key.yaml",
-      ":2:1: unknown key 'radiusradiusradiusradiusradiusradiusradiusra...', expected one of wisp, dt, dt_factors, steps, frames_per_step, substeps, iterations, workers, gravity, contact, strands, surfaces, colliders, seams, hair_events, events, output" },
+      ":2:1: unknown key 'radiusradiusradiusradiusradiusradiusradiusra...'; wisp info --keys lists all 17" },
     { "long_number.yaml",
       ":2:8: steps: got '11111111111111111111111111111111111111111111...', expected a whole number" },
     { "max_depth_change.yaml",
@@ -257,7 +257,7 @@ static const bad_scene BAD_SCENES[] = {
     { "max_neighbours.yaml",
       ":6:32: strands[0].frozen_hair.clump.max_neighbours: got 5000, expected a value in [1, 4096]" },
     { "merge_key.yaml",
-      ":2:1: unknown key '<<', expected one of wisp, dt, dt_factors, steps, frames_per_step, substeps, iterations, workers, gravity, contact, strands, surfaces, colliders, seams, hair_events, events, output" },
+      ":2:1: unknown key '<<'; the nearest are dt, wisp, steps, seams; wisp info --keys lists all 17" },
     { "millimetres.yaml",
       ":6:24: strands[0].frozen_hair.clump.radius: got '10 mm', expected a number in m without its unit" },
     { "milliseconds.yaml", ":2:5: dt: got '16ms', expected a number in s without its unit" },
@@ -342,7 +342,7 @@ static const bad_scene BAD_SCENES[] = {
     { "renamed_word_of_list.yaml", ":5:23: surfaces[0].require[1]: `one_shell` is called `one_component` now" },
     { "repair_twice.yaml", ":6:28: surfaces[0].repair[1]: 'unreferenced' is listed twice" },
     { "repair_unknown.yaml",
-      ":6:14: surfaces[0].repair[0]: got 'holes', expected one of degenerates, duplicates, winding, unreferenced" },
+      ":6:14: surfaces[0].repair[0]: got 'holes', expected one of weld, degenerates, duplicates, winding, flip, unreferenced" },
     { "require_unknown.yaml",
       ":6:15: surfaces[0].require[0]: got 'close', expected one of closed, oriented, manifold, clean, one_component; did you mean 'closed'?" },
     { "rotate_axis_and_angles.yaml",
@@ -387,9 +387,9 @@ static const bad_scene BAD_SCENES[] = {
     { "surface_two_sources.yaml",
       ":4:5: surfaces[0]: got more than one of 'file', 'generate' and 'instance_of', expected one of them" },
     { "surface_unknown_key.yaml",
-      ":6:5: surfaces[0]: unknown key 'gravitation', expected one of name, file, generate, instance_of, repair, require, transform, copies, start, area_density, vertex_mass, mass_ratio, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, attach_pins, pin_groups, animation, velocity, angular_velocity, gravity, damping, substeps, strain_limit, cloth, balloon, implicit, solve_order, tile_size, collision, collider, contact, boundary, motion_constraints, frame, max_speed, sleep, compute" },
+      ":6:5: surfaces[0]: unknown key 'gravitation'; the nearest are animation, gravity, mass_ratio, collision; wisp info --keys surfaces lists all 40" },
     { "surface_unknown_key_far.yaml",
-      ":6:5: surfaces[0]: unknown key 'colour', expected one of name, file, generate, instance_of, repair, require, transform, copies, start, area_density, vertex_mass, mass_ratio, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, attach_pins, pin_groups, animation, velocity, angular_velocity, gravity, damping, substeps, strain_limit, cloth, balloon, implicit, solve_order, tile_size, collision, collider, contact, boundary, motion_constraints, frame, max_speed, sleep, compute" },
+      ":6:5: surfaces[0]: unknown key 'colour'; the nearest are cloth, copies, collider, compute; wisp info --keys surfaces lists all 40" },
     { "surfaces_mapping.yaml", ":3:11: surfaces: got a mapping, expected a list of surfaces" },
     { "surfaces_too_many_vertices.yaml",
       ":4:3: surfaces: got 32000000 vertices in all surfaces, expected at most 16777216" },
@@ -429,17 +429,27 @@ static const bad_scene BAD_SCENES[] = {
 
 static int scene_count( void )
 {
-    return WISP_COUNT( BAD_SCENES ) + BAD_SCENES_MOTION_COUNT + BAD_SCENES_IMPLICIT_COUNT + BAD_SCENES_CONTACT_COUNT;
+    return WISP_COUNT( BAD_SCENES ) + BAD_SCENES_MOTION_COUNT + BAD_SCENES_IMPLICIT_COUNT + BAD_SCENES_CONTACT_COUNT +
+           BAD_SCENES_FILES_COUNT;
 }
 
 static const bad_scene* scene_at( int i )
 {
-    const int motion = i - WISP_COUNT( BAD_SCENES ), implicit = motion - BAD_SCENES_MOTION_COUNT;
-    const int contact = implicit - BAD_SCENES_IMPLICIT_COUNT;
-    return motion < 0     ? &BAD_SCENES[i]
-           : implicit < 0 ? &BAD_SCENES_MOTION[motion]
-           : contact < 0  ? &BAD_SCENES_IMPLICIT[implicit]
-                          : &BAD_SCENES_CONTACT[contact];
+    const struct
+    {
+        const bad_scene* list;
+        int count;
+    } lists[] = {
+        { BAD_SCENES, WISP_COUNT( BAD_SCENES ) },           { BAD_SCENES_MOTION, BAD_SCENES_MOTION_COUNT },
+        { BAD_SCENES_IMPLICIT, BAD_SCENES_IMPLICIT_COUNT }, { BAD_SCENES_CONTACT, BAD_SCENES_CONTACT_COUNT },
+        { BAD_SCENES_FILES, BAD_SCENES_FILES_COUNT },
+    };
+    int k = 0;
+    for ( ; i >= lists[k].count; ++k )
+    {
+        i -= lists[k].count;
+    }
+    return &lists[k].list[i];
 }
 
 static const bad_scene* find( const char* file )

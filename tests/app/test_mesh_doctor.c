@@ -505,18 +505,25 @@ static void a_mesh_that_cannot_be_examined_prints_one_message( void** state )
 static void every_repair_is_said_out_loud( void** state )
 {
     (void)state;
-    wisp_mesh_repairs all = {
-        .degenerates_dropped = 1, .duplicates_dropped = 2, .triangles_turned = 3, .unreferenced_dropped = 1
-    };
+    wisp_mesh_repairs all = { .degenerates_dropped = 1,
+                              .duplicates_dropped = 2,
+                              .triangles_turned = 3,
+                              .unreferenced_dropped = 1,
+                              .vertices_welded = 5,
+                              .collapsed_dropped = 1,
+                              .triangles_flipped = 7 };
     wisp_mesh_repairs none = { 0 };
     printed p;
     begin_printing( &p );
     wisp_mesh_print_repairs( p.stream, &all, "a" );
     wisp_mesh_print_repairs( p.stream, &none, "b" );
     fclose( p.stream );
-    assert_string_equal( p.text, "a: 1 triangle without area was removed\n"
+    assert_string_equal( p.text, "a: 5 vertices were merged into others\n"
+                                 "a: 1 triangle that collapsed was removed\n"
+                                 "a: 1 triangle without area was removed\n"
                                  "a: 2 duplicate triangles were removed\n"
                                  "a: 3 triangles were turned over\n"
+                                 "a: 7 triangles were flipped\n"
                                  "a: 1 unreferenced vertex was removed\n"
                                  "b: nothing to repair\n" );
     free( p.text );

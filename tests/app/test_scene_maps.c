@@ -118,6 +118,135 @@ static void an_image_is_sampled_from_left_to_right_along_x_and_from_top_to_botto
     release( &f );
 }
 
+// ---- attributes of files ----
+
+static void write_file( const char* name, const void* bytes, size_t size )
+{
+    char path[260];
+    snprintf( path, sizeof path, "%s/%s", folder, name );
+    FILE* file = fopen( path, "wb" );
+    assert_non_null( file );
+    assert_int_equal( fwrite( bytes, 1, size, file ), size );
+    assert_int_equal( fclose( file ), 0 );
+}
+
+static void remove_file( const char* name )
+{
+    char path[260];
+    snprintf( path, sizeof path, "%s/%s", folder, name );
+    assert_int_equal( unlink( path ), 0 );
+}
+
+// @param keys with one %s for the folder
+static const char* scene_of_mesh( const char* keys )
+{
+    static char text[3000], filled[1200];
+    snprintf( filled, sizeof filled, keys, folder, folder );
+    snprintf( text, sizeof text, "wisp: 1\nsurfaces:\n  - { name: sheet, file: %s/mesh.obj, %s }\n", folder, filled );
+    return text;
+}
+
+static void write_mesh( const char* text )
+{
+    write_file( "mesh.obj", text, strlen( text ) );
+}
+
+// The first vertex belongs to no triangle, the last one is welded to the one before.
+static const char COLOURED[] = "v 9 9 9 1 1 1\nv 0 0 0 0.5 0.25 0\nv 1 0 0 1 0.5 0.75\nv 0 0 1 0 1 0.5\n"
+                               "v 0 0 1 0.3 0.3 0.3\nf 2 4 3\nf 3 5 2\n";
+
+static void colours_of_vertices_are_values_also_of_an_instance( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char* channel;
+        float values[3];
+    } cases[] = {
+        { "r", { 0.5f, 1.0f, 0.0f } },
+        { "g", { 0.25f, 0.5f, 1.0f } },
+        { "b", { 0.0f, 0.75f, 0.5f } },
+        { "mean", { 0.25f, 0.75f, 0.5f } },
+    };
+    write_mesh( COLOURED );
+    for ( int i = 0; i < WISP_COUNT( cases ); ++i )
+    {
+        char keys[400];
+        snprintf( keys, sizeof keys,
+                  "repair: [weld, unreferenced], area_density: { map: colours, channel: %s, from: 1, to: 3 } }\n"
+                  "  - { name: twin, instance_of: sheet, damping: { map: colours, channel: %s, to: 2 }",
+                  cases[i].channel, cases[i].channel );
+        fixture f;
+        build( &f, scene_of_mesh( keys ) );
+        for ( int v = 0; v < 3; ++v )
+        {
+            const float value = cases[i].values[v];
+            assert_float_equal( factor_of( &f, WISP_MAP_AREA_DENSITY, v ), ( 1.0f + 2.0f * value ) / 3.0f, 1e-6f );
+            const wisp_entity twin = f.world.surfaces[1].entity;
+            const float* column = wisp_world_column( f.world.world, twin, WISP_MAP_DAMPING, 0 );
+            assert_float_equal( column[wisp_world_fabric( f.world.world, twin )->vertex_slot[v]], value, 1e-6f );
+        }
+        release( &f );
+    }
+    remove_file( "mesh.obj" );
+}
+
+// 4 x 2 pixels: red 0, 85, 170, 255 from the left, green 0 and 255 from the top, blue 51.
+static const unsigned char IMAGE[] = {
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00,
+    0x00, 0x04, 0x00, 0x00, 0x00, 0x02, 0x08, 0x02, 0x00, 0x00, 0x00, 0xf0, 0xca, 0xea, 0x34, 0x00, 0x00, 0x00,
+    0x1e, 0x49, 0x44, 0x41, 0x54, 0x78, 0xda, 0x05, 0xc1, 0x01, 0x01, 0x00, 0x00, 0x08, 0x83, 0x30, 0x3a, 0x91,
+    0xc5, 0x92, 0x2f, 0x89, 0x1b, 0xe0, 0xe1, 0x30, 0x84, 0xbc, 0x5c, 0x96, 0x0f, 0x5a, 0xf2, 0x09, 0x91, 0xbf,
+    0x94, 0xf1, 0xe6, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82,
+};
+
+static void an_image_is_sampled_at_texture_coordinates_and_repeats( void** state )
+{
+    (void)state;
+    // At the middle of a pixel, between two, at the right border, and the first again some images to the right and below.
+    write_mesh( "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nv 2 0 0\nv 2 0 1\n"
+                "vt 0.125 0.75\nvt 0.25 0.25\nvt 1 0.5\nvt 3.125 -1.25\nvt -0.125 1.75\nvt 0.375 0\n"
+                "f 1/1 3/3 2/2\nf 2/2 3/3 4/4\nf 2/2 4/4 5/5\nf 4/4 6/6 5/5\n" );
+    write_file( "map.png", IMAGE, sizeof IMAGE );
+    static const float red[] = { 0.0f, 1.0f / 6.0f, 1.0f, 0.0f, 1.0f, 1.0f / 3.0f },
+                       green[] = { 0.0f, 1.0f, 0.5f, 0.0f, 0.0f, 1.0f };
+    fixture f;
+    build( &f, scene_of_mesh( "area_density: { map: %s/map.png, channel: r, from: 1, to: 2 },"
+                              " damping: { map: %s/map.png, channel: g }" ) );
+    for ( int v = 0; v < 6; ++v )
+    {
+        assert_float_equal( factor_of( &f, WISP_MAP_AREA_DENSITY, v ), 0.5f + 0.5f * red[v], 1e-6f );
+        assert_float_equal( factor_of( &f, WISP_MAP_DAMPING, v ), green[v], 1e-6f );
+    }
+    release( &f );
+    // the mean of a pixel, of whole numbers as before
+    build( &f, scene_of_mesh( "damping: { map: %s/map.png }" ) );
+    assert_float_equal( factor_of( &f, WISP_MAP_DAMPING, 0 ), 17.0f / 255.0f, 1e-6f );
+    release( &f );
+    remove_file( "mesh.obj" );
+    remove_file( "map.png" );
+}
+
+static void thickness_and_friction_are_maps_of_vertices( void** state )
+{
+    (void)state;
+    write_map( "0 0.5 1 1 0.5 0" );
+    fixture f;
+    build( &f, scene_with( "collision: { thickness: { map: %1$s/map.txt, from: 0.01, to: 0.02 },"
+                           " friction_scale: { map: %1$s/map.txt, to: 3 } },"
+                           " contact: { thickness: { map: %1$s/map.txt, from: 0.004, to: 0.001 },"
+                           " friction: { map: %1$s/map.txt } }" ) );
+    static const float values[] = { 0.0f, 0.5f, 1.0f, 1.0f, 0.5f, 0.0f };
+    for ( int v = 0; v < 6; ++v )
+    {
+        assert_float_equal( factor_of( &f, WISP_MAP_COLLISION_THICKNESS, v ), 0.5f + 0.5f * values[v], 1e-6f );
+        assert_float_equal( factor_of( &f, WISP_MAP_COLLISION_FRICTION, v ), values[v], 1e-6f );
+        assert_float_equal( factor_of( &f, WISP_MAP_CONTACT_THICKNESS, v ), 1.0f - 0.75f * values[v], 1e-6f );
+        assert_float_equal( factor_of( &f, WISP_MAP_CONTACT_FRICTION, v ), values[v], 1e-6f );
+    }
+    release( &f );
+}
+
 // The message ends with these words.
 static void demand_map_refusal( const char* keys, wisp_status status, const char* words )
 {
@@ -150,12 +279,43 @@ static void bad_maps_are_refused_with_file_line_or_vertex( void** state )
                         "map.stretch_compliance: entity" );
 }
 
+static void demand_refusal_of_mesh( const char* keys, const char* words )
+{
+    fixture f;
+    assert_int_equal( try_build( &f, scene_of_mesh( keys ) ), WISP_BAD_INPUT );
+    assert_contains( f.error.message, words );
+    assert_contains( f.error.message, ":3:" );
+    wisp_scene_release( &f.scene );
+}
+
+static void maps_of_what_a_mesh_lacks_are_refused( void** state )
+{
+    (void)state;
+    write_mesh( "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n" );
+    write_file( "map.png", IMAGE, sizeof IMAGE );
+    demand_refusal_of_mesh( "damping: { map: colours }", "map: the mesh has no colours" );
+    demand_refusal_of_mesh( "damping: { map: %s/map.png }", "map.png: the mesh has no coordinates of an image" );
+    write_mesh( "v 0 0 0 2 0 0\nv 1 0 0 1 0 0\nv 0 0 1 -1 0 0\nf 1 3 2\n" );
+    demand_refusal_of_mesh( "damping: { map: colours, channel: r }",
+                            "map: colours: vertex 2: got -1, expected 0 to 1e+09" );
+    demand_map_refusal( "damping: { map: colours }", WISP_BAD_INPUT, "map: the mesh has no colours" );
+    write_map( "0 0.5 1 1 0.5 0" );
+    demand_map_refusal( "contact: { thickness: { map: %s/map.txt } }", WISP_BAD_INPUT,
+                        "map.contact_thickness: vertex 0: got the factor 0, expected 0.01 to 1" );
+    remove_file( "mesh.obj" );
+    remove_file( "map.png" );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( numbers_of_a_text_file_are_values_of_vertices ),
         cmocka_unit_test( from_and_to_are_the_values_of_zero_and_one ),
         cmocka_unit_test( an_image_is_sampled_from_left_to_right_along_x_and_from_top_to_bottom_along_z ),
+        cmocka_unit_test( colours_of_vertices_are_values_also_of_an_instance ),
+        cmocka_unit_test( an_image_is_sampled_at_texture_coordinates_and_repeats ),
+        cmocka_unit_test( thickness_and_friction_are_maps_of_vertices ),
+        cmocka_unit_test( maps_of_what_a_mesh_lacks_are_refused ),
         cmocka_unit_test( bad_maps_are_refused_with_file_line_or_vertex ),
     };
     return cmocka_run_group_tests( tests, make_folder, remove_folder );

@@ -658,6 +658,35 @@ static void the_scenes_of_the_project_run( void** state )
     }
 }
 
+// Two triangles with corners of their own: those that are merged keep both of their numbers.
+static void a_merged_vertex_is_named_by_each_of_its_numbers( void** state )
+{
+    (void)state;
+    write_text( "scene_world_split.obj",
+                "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 0\nv 1 0 1\nv 0.001 0 1\nf 1 3 2\nf 4 6 5\n" );
+    fixture f;
+    build(
+        &f,
+        "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_split.obj, repair: [weld, flip], weld_distance: 0.01,"
+        " transform: { scale: 2 }, pins: [3, 5] }\n  - { name: b, instance_of: a, pins: [1, 2, 4] }\n" );
+    static const int32_t pins[] = { 1, 2, 3 };
+    assert_int_equal( f.world.surfaces[0].mesh.vertex_count, 4 );
+    assert_int_equal( f.world.surfaces[0].mesh.triangle_count, 2 );
+    assert_int_equal( f.world.surfaces[0].mesh.triangles[1], 1 ); // flipped
+    assert_int_equal( f.world.surfaces[0].pin_count, 2 );
+    assert_memory_equal( f.world.surfaces[0].pins, pins, 2 * sizeof *pins );
+    assert_int_equal( f.world.surfaces[1].pin_count, 3 );
+    assert_memory_equal( f.world.surfaces[1].pins, pins, sizeof pins );
+    release( &f );
+    build( &f, "wisp: 1\ncolliders:\n  - { name: a, shape: mesh, file: scene_world_split.obj, double_sided: true,"
+               " repair: [weld], weld_distance: 0.01, require: [one_component] }\n" );
+    release( &f );
+    demand_refusal(
+        "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_split.obj, repair: [weld], pins: [6] }\n",
+        "test.yaml:3:5: surface 'a': pins: got vertex 6, which the mesh does not have or which repair removed" );
+    remove( "scene_world_split.obj" );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -674,6 +703,7 @@ int main( void )
         cmocka_unit_test( an_instance_that_needs_coarse_sheets_is_enough_for_its_source_to_have_them ),
         cmocka_unit_test( pins_are_named_by_number_by_place_and_by_box ),
         cmocka_unit_test( numbers_of_vertices_are_those_of_the_file_also_after_a_repair ),
+        cmocka_unit_test( a_merged_vertex_is_named_by_each_of_its_numbers ),
         cmocka_unit_test( an_outlet_near_a_point_has_the_vertices_within_its_radius ),
         cmocka_unit_test( pins_follow_their_keyframes_and_stay_at_the_last ),
         cmocka_unit_test( a_released_surface_falls_and_its_pins_follow_no_keyframe ),

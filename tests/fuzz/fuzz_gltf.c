@@ -20,6 +20,27 @@ static void pose( const gltf_model* model )
     free( work );
 }
 
+// Every mesh at a time of the first animation, and its last morph target alone.
+static void morph( const gltf_model* model )
+{
+    for ( int n = 0; n < model->node_count; ++n )
+    {
+        if ( model->nodes[n].mesh < 0 || model->meshes[model->nodes[n].mesh].mesh.triangle_count == 0 )
+        {
+            continue;
+        }
+        const int last = model->meshes[model->nodes[n].mesh].target_count - 1;
+        const gltf_moment moments[] = { { model->animation_count > 0 ? 0 : -1, 0.4, -1 }, { -1, 0.0, last } };
+        for ( int i = 0; i < 2; ++i )
+        {
+            wisp_mesh mesh;
+            const wisp_status status = gltf_mesh_at( model, n, moments[i], "fuzz", &mesh, NULL );
+            demand( status == WISP_OK || status == WISP_BAD_INPUT );
+            wisp_mesh_release( &mesh );
+        }
+    }
+}
+
 int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
 {
     gltf_model model;
@@ -32,6 +53,7 @@ int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
         return 0;
     }
     pose( &model );
+    morph( &model );
     char* text = NULL;
     size_t length = 0;
     FILE* stream = open_memstream( &text, &length );

@@ -64,6 +64,17 @@ static inline void fuzz_repair( wisp_mesh* mesh )
     demand( wisp_mesh_require( &report, WISP_MESH_CLEAN, "fuzz", NULL ) == WISP_OK );
     demand( report.windings.count == 0 && repairs.kept_count == mesh->vertex_count );
     wisp_mesh_repairs_release( &repairs );
+    triangle_count = mesh->triangle_count;
+    if ( wisp_mesh_repair( mesh, WISP_MESH_WELD | WISP_MESH_FLIP, &repairs, &error ) != WISP_OK )
+    {
+        demand( error.message[0] != 0 && repairs.became == NULL && mesh->triangle_count == triangle_count );
+        return;
+    }
+    demand( repairs.kept_count == mesh->vertex_count && repairs.unreferenced_dropped == 0 );
+    demand( repairs.original_count == mesh->vertex_count + repairs.vertices_welded );
+    demand( repairs.triangles_flipped == mesh->triangle_count );
+    demand( triangle_count == mesh->triangle_count + repairs.collapsed_dropped );
+    wisp_mesh_repairs_release( &repairs );
 }
 
 /// @param status of the reader

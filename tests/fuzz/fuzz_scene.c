@@ -116,7 +116,10 @@ static void demand_strands( const wisp_scene* scene, int i )
 static void demand_mesh( const wisp_scene_mesh* mesh, bool needed )
 {
     demand( needed == ( mesh->is_generated || mesh->file ) && !( mesh->is_generated && mesh->file ) );
-    demand( mesh->scale > 0.0f && ( mesh->repairs & ~WISP_MESH_REPAIR_ALL ) == 0 );
+    demand( mesh->scale > 0.0f );
+    demand( ( mesh->repairs & ~( WISP_MESH_REPAIR_ALL | WISP_MESH_WELD | WISP_MESH_FLIP ) ) == 0 );
+    demand( mesh->weld_distance >= 0.0f &&
+            ( mesh->weld_distance == 0.0f || ( mesh->repairs & WISP_MESH_WELD ) != 0 ) );
     demand( mesh->generator.shape >= 0 && mesh->generator.shape < WISP_MESH_SHAPE_COUNT );
 }
 

@@ -18,6 +18,14 @@
 /// | WISP_MAP_BEND_RIGIDITY       | bend_rigidity, not that of sharp folds                  | cloth, xpbd, dihedral or isometric |
 /// | WISP_MAP_INTERNAL_DAMPING    | internal_damping; momenta are kept                      | cloth          |
 /// | WISP_MAP_DRAG, WISP_MAP_LIFT | drag_coefficient, lift_coefficient                      | cloth          |
+/// | WISP_MAP_COLLISION_THICKNESS | thickness of the collision, which is the largest: 0 to 1; not that of the collider | surfaces that collide |
+/// | WISP_MAP_COLLISION_FRICTION  | friction_scale                                          | surfaces that collide |
+/// | WISP_MAP_CONTACT_THICKNESS   | thickness of the contact, which is the largest: 0.01 to 1 | surfaces with contact |
+/// | WISP_MAP_CONTACT_FRICTION    | friction                                                | surfaces with contact |
+///
+/// Bodies and other participants are searched within the largest thickness, so a map of thickness makes no search shorter. A
+/// point on an edge or a triangle, or a boundary particle, has the mean of the corners by its weights; an edge or a triangle
+/// that collides with a body (WISP_COLLISION_ALL) the mean of its corners.
 ///
 /// A map waits while the effect is changed so that nothing has its constant, and acts again afterwards. Snapshots hold maps. An
 /// instance has the map of area density of its source, as it was, and no other map, as it has no effect.
@@ -30,7 +38,7 @@ WISP_BEGIN_C
 /// Set or replace a map by the vertices of a surface. An edge has the mean of its ends, a triangle that of its corners, a link
 /// of a coarse sheet that of the edges along it, by their lengths.
 /// @param map WISP_MAP_...
-/// @param factors [count] in the user's order, 0 to 1e6; null removes the map. Copied
+/// @param factors [count] in the user's order, 0 to 1e6 unless the table says otherwise; null removes the map. Copied
 /// @param count the number of vertices; ignored if the map is removed
 /// @return WISP_BAD_INPUT another count, or a factor out of range (the message has both counts, or the vertex); WISP_CONFLICT
 ///         the entity is no surface, or nothing that it has has this constant; WISP_NO_MEMORY. Nothing changes then

@@ -67,7 +67,11 @@
     X( MAP_LIFT, "map.lift_coefficient", WISP_TABLE_PARTICLE )                                                       \
     X( LINK_CONSTANT, "link.constant", WISP_TABLE_LINK )                                                             \
     X( HINGE_CONSTANT, "hinge.constant", WISP_TABLE_HINGE )                                                          \
-    X( LEVEL_CONSTANT, "level.constant", WISP_TABLE_LEVEL_LINK )
+    X( LEVEL_CONSTANT, "level.constant", WISP_TABLE_LEVEL_LINK )                                                     \
+    X( MAP_COLLISION_THICKNESS, "map.collision_thickness", WISP_TABLE_PARTICLE )                                     \
+    X( MAP_COLLISION_FRICTION, "map.collision_friction", WISP_TABLE_PARTICLE )                                       \
+    X( MAP_CONTACT_THICKNESS, "map.contact_thickness", WISP_TABLE_PARTICLE )                                         \
+    X( MAP_CONTACT_FRICTION, "map.contact_friction", WISP_TABLE_PARTICLE )
 
 #define WISP_STRAND_REST_COLUMNS( X ) X( float, rest, 48 )         /* m, [3][16] a row, as the user gave it */
 #define WISP_STRAND_POSITION_COLUMNS( X ) X( float, position, 48 ) /* m, [3][16] a row */
@@ -183,6 +187,10 @@
 #define WISP_MAP_INTERNAL_DAMPING_COLUMNS( X ) X( float, factor, 1 )
 #define WISP_MAP_DRAG_COLUMNS( X ) X( float, factor, 1 )
 #define WISP_MAP_LIFT_COLUMNS( X ) X( float, factor, 1 )
+#define WISP_MAP_COLLISION_THICKNESS_COLUMNS( X ) X( float, factor, 1 )
+#define WISP_MAP_COLLISION_FRICTION_COLUMNS( X ) X( float, factor, 1 )
+#define WISP_MAP_CONTACT_THICKNESS_COLUMNS( X ) X( float, factor, 1 )
+#define WISP_MAP_CONTACT_FRICTION_COLUMNS( X ) X( float, factor, 1 )
 /// Coefficients of links, hinges and links of coarse sheets as the effect has set them, where maps multiply them.
 #define WISP_LINK_CONSTANT_COLUMNS( X )                                                                              \
     X( float, constant, 1 )                                                                                          \
