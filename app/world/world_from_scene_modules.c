@@ -66,6 +66,7 @@ USES( guide_hair, any_strands( scene, strands_ghosts ) )
 USES( implicit_cloth, any_surface( scene, surface_implicit ) )
 USES( strand_appearance, any_strands( scene, strands_appearance ) )
 USES( strands, any_strands( scene, strands_dynamics ) )
+USES( tearing, false && scene != NULL )
 #undef USES
 
 #define WISP_MODULE( name ) uses_##name,

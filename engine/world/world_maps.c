@@ -246,8 +246,7 @@ static wisp_status begin_map( wisp_world* world, wisp_entity surface, wisp_compo
 
 // ---- setting ----
 
-// Which edge each link and hinge takes its factor from. @return false without memory
-static bool list_edges( wisp_world* world, store_entity* e )
+bool world_list_map_edges( wisp_world* world, store_entity* e )
 {
     const wisp_fabric* f = e->fabric;
     const wisp_allocator* allocator = &world->allocator;
@@ -315,9 +314,10 @@ static wisp_status attach_map( wisp_world* world, wisp_entity surface, wisp_comp
     status = status == WISP_OK ? wisp_world_attach( world, surface, map ) : status;
     if ( status == WISP_OK && keeps && keeps_already == false )
     {
-        status = list_edges( world, e ) ? WISP_OK
-                                        : wisp_world_fail( world, WISP_NO_MEMORY, "%s: out of memory for its edges",
-                                                           wisp_world_component_name( world, map ) );
+        status = world_list_map_edges( world, e )
+                     ? WISP_OK
+                     : wisp_world_fail( world, WISP_NO_MEMORY, "%s: out of memory for its edges",
+                                        wisp_world_component_name( world, map ) );
         copy_rows( world, e, true );
     }
     if ( status != WISP_OK && is_new )

@@ -12,6 +12,7 @@
 #include "implicit_cloth.h"
 #include "seams.h"
 #include "strand_appearance.h"
+#include "tearing.h"
 #include "wisp/explain.h"
 #include "wisp/fabric.h"
 #include "wisp/generate.h"
