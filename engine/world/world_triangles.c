@@ -1,5 +1,5 @@
 // Other triangles of a surface. In: triangles by slot, and which vertices are copies. Out: a fabric of its own, and columns that fit it.
-#include "world.h"
+#include "world_blend.h"
 
 #include "alloc.h"
 #include "fabric_triangles.h"
