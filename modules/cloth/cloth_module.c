@@ -63,15 +63,21 @@ static size_t count_memory( const void* memory, size_t* outside )
     return bytes;
 }
 
-// A plate is made of a fabric.
+// A plate is made of a fabric. Without memory for another one the surface no longer resists bending.
 static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_entity surface )
 {
-    if ( cloth_find_plate( memory, surface ) < 0 )
+    cloth_state* state = memory;
+    if ( cloth_find_plate( state, surface ) < 0 )
     {
         return WISP_OK;
     }
-    cloth_remove_plate( memory, surface, wisp_world_allocator( world ) );
-    return cloth_add_plate( world, memory, surface );
+    cloth_remove_plate( state, surface, wisp_world_allocator( world ) );
+    const wisp_status status = cloth_add_plate( world, state, surface );
+    if ( status != WISP_OK )
+    {
+        (void)wisp_world_detach( world, surface, state->bending );
+    }
+    return status;
 }
 
 static void declare_maps( wisp_registry* r, const cloth_state* state )

@@ -67,6 +67,7 @@ void tearing_measure( wisp_frame* frame, const wisp_span* span, void* user )
     }
     wisp_parallel_for( parallel, slots, GRAIN, measure_range, &loop );
     result->inverse_dt2 = loop.inverse_dt2;
+    result->is_new = 1;
     for ( int b = 0; b < blocks; ++b )
     {
         result->over_count += loop.blocks[b].over_count;

@@ -333,12 +333,10 @@ static wisp_status split_mesh( wisp_world* world, const tearing_state* state, wi
     wisp_status status = WISP_OK;
     if ( splits > 0 )
     {
+        const wisp_fabric* before = mesh.fabric;
         status = wisp_world_change_triangles( world, surface, mesh.triangles, mesh.parents );
-    }
-    if ( splits > 0 && status == WISP_OK )
-    {
-        settings = wisp_world_column( world, surface, state->settings, 0 );
-        settings->split_count += splits;
+        // what fails last are modules that make things anew: the triangles have changed by then
+        settings->split_count += wisp_world_fabric( world, surface ) != before ? splits : 0;
         tearing_fill_limits( world, state, surface );
     }
     tearing_mesh_release( &mesh, allocator );
@@ -347,11 +345,12 @@ static wisp_status split_mesh( wisp_world* world, const tearing_state* state, wi
 
 wisp_status tearing_split( wisp_world* world, const tearing_state* state, wisp_entity surface )
 {
-    const tearing_result* result = wisp_world_column( world, surface, state->result, 0 );
-    if ( result == NULL || result->over_count == 0 )
+    tearing_result* result = wisp_world_column( world, surface, state->result, 0 );
+    if ( result == NULL || result->is_new == 0 || result->over_count == 0 )
     {
         return WISP_OK;
     }
+    result->is_new = 0;
     const wisp_allocator* allocator = wisp_world_allocator( world );
     const size_t bytes = (size_t)result->over_count * sizeof( tearing_edge );
     tearing_edge* edges = allocator->allocate( allocator->user, bytes, 64 );

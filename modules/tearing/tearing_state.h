@@ -25,6 +25,7 @@ typedef struct tearing_result
     int32_t over_count;
     float max_load;
     float inverse_dt2; // 1/s^2, of the last substep
+    int32_t is_new;    // 1: no split was made for it; the pass leaves halted and sleeping surfaces as they are
 } tearing_result;
 
 typedef struct tearing_state

@@ -59,7 +59,7 @@ typedef struct mesh_report
 {
     int pieces;               ///< of triangles that share edges
     int nonmanifold_edges;    ///< that more than two triangles have, or two in one direction
-    int nonmanifold_vertices; ///< whose triangles are several fans
+    int nonmanifold_vertices; ///< whose triangles are several fans, without pinned ones
     int used_vertices;
 } mesh_report;
 
@@ -103,8 +103,11 @@ static inline int count_fans_at( const int32_t* t, int count, int vertex, int ve
     return neighbours - joined;
 }
 
-static inline mesh_report report_mesh( const int32_t* t, int count, int vertex_count )
+static inline mesh_report report_mesh( const int32_t* t, int count, int vertex_count, wisp_world* world,
+                                       wisp_entity e )
 {
+    const wisp_fabric* f = wisp_world_fabric( world, e );
+    const float* position = wisp_world_column( world, e, WISP_PARTICLE_POSITION, 0 );
     mesh_report r = { 0 };
     int* parent = calloc( (size_t)vertex_count, sizeof( int ) );
     assert_non_null( parent );
@@ -122,7 +125,7 @@ static inline mesh_report report_mesh( const int32_t* t, int count, int vertex_c
     {
         const int fans = count_fans_at( t, count, v, vertex_count );
         r.used_vertices += fans > 0 ? 1 : 0;
-        r.nonmanifold_vertices += fans > 1 ? 1 : 0;
+        r.nonmanifold_vertices += fans > 1 && position[4 * (size_t)f->vertex_slot[v] + 3] > 0.0f ? 1 : 0;
         r.pieces += fans > 0 && root_of( parent, v ) == v ? 1 : 0;
     }
     free( parent );

@@ -131,7 +131,7 @@ static void a_torn_mesh_has_the_same_triangles_in_two_pieces( void** state )
         const wisp_vec3 was = mesh.points[mesh.triangles[i]], is = f->rest[f->vertex_slot[t[i]]];
         assert_true( was.x == is.x && was.y == is.y && was.z == is.z );
     }
-    const mesh_report r = report_mesh( t, s.triangle_count, s.vertex_count );
+    const mesh_report r = report_mesh( t, s.triangle_count, s.vertex_count, s.world, s.e );
     assert_int_equal( r.pieces, 2 );
     assert_int_equal( r.used_vertices, VERTICES + COLUMNS );
     assert_int_equal( r.nonmanifold_edges, 0 );
