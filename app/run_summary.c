@@ -115,6 +115,22 @@ static void add_seams( results* out, int table, const scene_world* world )
     }
 }
 
+// Surfaces that can tear.
+static void add_tears( results* out, int table, const scene_world* world )
+{
+    for ( int i = 0; i < world->scene->surface_count; ++i )
+    {
+        const scene_world_surface* s = &world->surfaces[i];
+        wisp_tearing_stats stats;
+        if ( world->scene->surfaces[i].has_tearing &&
+             wisp_read_tearing_stats( world->world, s->entity, &stats ) == WISP_OK )
+        {
+            add_head_line( out, table, "tears", "%s: %d vertices split, %d of %d spare ones left",
+                           world->scene->surfaces[i].name, stats.split_count, stats.spare_count, s->spare_count );
+        }
+    }
+}
+
 // A table without a title is a list of labels and values.
 static void add_head( results* out, const scene_world* world, const run_record* record, stats_summary times,
                       const run_recorder_def* def, run_recorder_counts counts )
@@ -128,6 +144,7 @@ static void add_head( results* out, const scene_world* world, const run_record* 
         add_head_line( out, table, "computed", "nothing, since the scene requests nothing (key `compute`)" );
     }
     add_seams( out, table, world );
+    add_tears( out, table, world );
     add_files( out, table, world->scene, record, def, counts );
     add_head_line( out, table, "hash", "%016llx", (unsigned long long)wisp_world_hash( world->world ) );
 }
