@@ -183,11 +183,19 @@ static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node
     const char* known[SCENE_MAX_FIELDS];
     char list[400] = "";
     size_t used = 0;
+    int listed = 0;
     for ( int i = 0; i < block->field_count; ++i )
     {
         known[i] = block->fields[i].key;
-        int n = snprintf( list + used, sizeof list - used, "%s%s", i ? ", " : "", known[i] );
-        used += (size_t)n < sizeof list - used ? (size_t)n : sizeof list - used - 1;
+        if ( listed == i && used + strlen( known[i] ) + sizeof ", and 99 more" < sizeof list )
+        {
+            used += (size_t)snprintf( list + used, sizeof list - used, "%s%s", i ? ", " : "", known[i] );
+            listed += 1;
+        }
+    }
+    if ( listed < block->field_count )
+    {
+        snprintf( list + used, sizeof list - used, " and %d more", block->field_count - listed );
     }
     const char* now = scene_find_renamed_key( r->path, key, known, block->field_count );
     const char* near = now ? NULL : nearest_word( key, known, block->field_count );
