@@ -290,14 +290,15 @@ void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_enti
     }
 }
 
-wisp_status plan_registry_triangles_changed( const wisp_registry* r, wisp_world* world, wisp_entity surface )
+wisp_status plan_registry_triangles_changed( const wisp_registry* r, wisp_world* world, wisp_entity surface,
+                                             const wisp_fabric* before )
 {
     wisp_status status = WISP_OK;
     for ( int i = 0; i < r->state_count && status == WISP_OK; ++i )
     {
         if ( r->states[i].hooks.triangles_changed != NULL )
         {
-            status = r->states[i].hooks.triangles_changed( r->states[i].memory, world, surface );
+            status = r->states[i].hooks.triangles_changed( r->states[i].memory, world, surface, before );
         }
     }
     return status;

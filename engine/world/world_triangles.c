@@ -221,7 +221,6 @@ wisp_status wisp_world_change_triangles( wisp_world* world, wisp_entity surface,
     world->blend.structure = keeps_points ? world->store.structure : world->blend.structure; // rows of points stay
     copy_vertices( world, e, parents );
     update_masses( world, e, from->area );
-    wisp_fabric_release( from );
     for ( int slot = 0; slot < to->vertex_count; ++slot )
     {
         copies += parents[slot] != slot ? 1 : 0;
@@ -231,9 +230,11 @@ wisp_status wisp_world_change_triangles( wisp_world* world, wisp_entity surface,
     e->is_touched = true;
     if ( store_mask_has( &e->components, WISP_LINK_CONSTANT ) && world_list_map_edges( world, e ) == false )
     {
-        return out_of_memory( world, surface );
+        status = out_of_memory( world, surface );
     }
-    return plan_registry_triangles_changed( &world->registry, world, surface );
+    status = status == WISP_OK ? plan_registry_triangles_changed( &world->registry, world, surface, from ) : status;
+    wisp_fabric_release( from );
+    return status;
 }
 
 wisp_status wisp_read_triangles( wisp_world* world, wisp_entity surface, int32_t* out, int count )

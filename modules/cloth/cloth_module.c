@@ -64,8 +64,10 @@ static size_t count_memory( const void* memory, size_t* outside )
 }
 
 // A plate is made of a fabric. Without memory for another one the surface no longer resists bending.
-static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_entity surface )
+static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_entity surface,
+                                      const wisp_fabric* before )
 {
+    (void)before;
     cloth_state* state = memory;
     if ( cloth_find_plate( state, surface ) < 0 )
     {

@@ -114,8 +114,10 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
 }
 
 // The contact mesh is made of the triangles of participants.
-static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_entity surface )
+static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_entity surface,
+                                      const wisp_fabric* before )
 {
+    (void)before;
     contact_state* state = memory;
     (void)world;
     state->changed = state->changed || contact_find_participant( state, surface ) >= 0;

@@ -3,10 +3,12 @@
 
 #include "saved_world.h"
 
+#include "attachments.h"
 #include "boundary.h"
 #include "collision.h"
 #include "contact.h"
 #include "motion_constraints.h"
+#include "strands.h"
 
 enum
 {
@@ -285,6 +287,97 @@ static void a_map_of_factors_decides_where_it_tears( void** state )
     close_sheet( s );
 }
 
+// ---- what is attached to it ----
+
+static bool is_triangle( const wisp_fabric* f, const int32_t corner[3] )
+{
+    for ( int t = 0; t < f->triangle_count; ++t )
+    {
+        if ( memcmp( f->triangles + 3 * (size_t)t, corner, 3 * sizeof( int32_t ) ) == 0 )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+// A sheet that tears, one whose vertices are attached to it all over, and hair on it.
+static void pins_and_roots_go_with_their_triangles( void** state )
+{
+    (void)state;
+    static const wisp_module* const MODULES[] = { &wisp_attachments_module, &wisp_cloth_module, &wisp_strands_module,
+                                                  &wisp_tearing_module };
+    enum
+    {
+        N = 12,
+        MORE = 40,
+        COUNT = N * N,
+    };
+    hosted* h = new_hosted( MODULES, WISP_COUNT( MODULES ), 2, 2, 1 );
+    wisp_world* w = h->world;
+    test_mesh mesh = hanging_mesh( N, N, 0.05f, 0.05f ), upper = hanging_mesh( N, N, 0.045f, 0.045f );
+    int32_t top[N], all[COUNT];
+    wisp_vec3 points[2 * COUNT];
+    int32_t offsets[COUNT + 1];
+    add_spares( &mesh, MORE );
+    for ( int v = 0; v < COUNT; ++v )
+    {
+        all[v] = v;
+        top[v % N] = v % N;
+        upper.points[v].x += 0.011f, upper.points[v].y -= 0.013f, upper.points[v].z = 0.02f;
+        points[2 * v] = points[2 * v + 1] = upper.points[v];
+        points[2 * v + 1].z += 0.02f;
+        offsets[v + 1] = 2 * ( v + 1 );
+    }
+    offsets[0] = 0;
+    wisp_fabric_def fabric = test_fabric_def( &mesh ), above = test_fabric_def( &upper );
+    wisp_surface_def surface = wisp_default_surface_def(), loose = surface;
+    surface.pins = top, surface.pin_count = N, surface.spare_count = MORE;
+    loose.pins = all, loose.pin_count = COUNT;
+    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    const wisp_entity e = add_cloth( w, &fabric, surface, &cloth, EARTH ),
+                      pinned = test_surface_of( w, &above, loose );
+    assert_status( w, wisp_request( w, pinned, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_status( w, wisp_attach_pins( w, pinned, all, COUNT, e ), WISP_OK );
+    wisp_entity hair;
+    wisp_strands_def strands = wisp_default_strands_def();
+    const wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
+    strands.points = points, strands.offsets = offsets, strands.strand_count = COUNT;
+    assert_status( w, wisp_add_strands( w, &strands, &hair ), WISP_OK );
+    assert_status( w, wisp_set_strand_dynamics( w, hair, &dynamics ), WISP_OK );
+    assert_status( w, wisp_root_strands( w, hair, e ), WISP_OK );
+    assert_status( w, wisp_request( w, hair, WISP_STRAND_POINTS ), WISP_OK );
+    wisp_tearing_def def = wisp_default_tearing_def();
+    def.strength = 0.3f;
+    assert_status( w, wisp_set_tearing( w, e, &def ), WISP_OK );
+    for ( int step = 0; step < 10; ++step )
+    {
+        assert_status( w, wisp_world_step( w, 1.0f / 60.0f ), WISP_OK );
+    }
+    assert_true( tearing_stats_of( w, e ).split_count > 10 );
+    const wisp_fabric* f = wisp_world_fabric( w, e );
+    const char* place = wisp_world_column( w, pinned, wisp_world_find_component( w, "attachments.place" ), 0 );
+    const int32_t* anchor = wisp_world_column( w, hair, wisp_world_find_component( w, "strands.anchor" ), 0 );
+    int changed = 0;
+    for ( int v = 0; v < COUNT; ++v )
+    {
+        int32_t corner[3];
+        memcpy( corner, place + 44 * (size_t)wisp_world_fabric( w, pinned )->vertex_slot[v] + 8, sizeof( corner ) );
+        assert_true( is_triangle( f, corner ) );
+        const int lane = v % WISP_LANES, first = v / WISP_LANES * 3 * WISP_LANES + lane;
+        const int32_t root[3] = { anchor[first], anchor[first + WISP_LANES], anchor[first + 2 * WISP_LANES] };
+        assert_true( is_triangle( f, root ) );
+        changed += f->slot_vertex[corner[0]] >= COUNT || f->slot_vertex[corner[1]] >= COUNT ||
+                           f->slot_vertex[corner[2]] >= COUNT
+                       ? 1
+                       : 0;
+    }
+    assert_true( changed > 5 );
+    test_mesh_free( &mesh );
+    test_mesh_free( &upper );
+    close_tearing( h );
+}
+
 // ---- refusals ----
 
 static void assert_refused( wisp_world* world, wisp_entity e, wisp_tearing_def def, wisp_status status,
@@ -371,6 +464,7 @@ int main( void )
         cmocka_unit_test( a_step_without_memory_fails_and_the_next_one_goes_on ),
         cmocka_unit_test( a_cloth_without_tearing_has_no_pass_and_no_column ),
         cmocka_unit_test( a_map_of_factors_decides_where_it_tears ),
+        cmocka_unit_test( pins_and_roots_go_with_their_triangles ),
         cmocka_unit_test( what_does_not_tear_is_refused_with_its_reason ),
         cmocka_unit_test( a_world_without_the_module_says_so ),
     };

@@ -209,7 +209,9 @@ typedef struct wisp_state_hooks
     wisp_status ( *teleported )( void* state, wisp_world* world, wisp_entity entity,
                                  const wisp_teleport_motion* teleport, bool* is_moved );
     /// The triangles of a surface have changed (wisp_world_change_triangles()): make anew what was made of them.
-    wisp_status ( *triangles_changed )( void* state, wisp_world* world, wisp_entity surface );
+    /// @param before the fabric that it had; a triangle is the same one in both, with its corners in the same order
+    wisp_status ( *triangles_changed )( void* state, wisp_world* world, wisp_entity surface,
+                                        const wisp_fabric* before );
     /// A step has run all of its passes. Entities and their topology may change here, and what the host must not do in a step may
     /// not be called.
     wisp_status ( *stepped )( void* state, wisp_world* world );
