@@ -6,8 +6,9 @@
 // less), the displacements of its points are cut. A cut may bring other pairs together, so tests and cuts go on in
 // rounds until no plane is passed. They end, because points without displacement pass nothing. A cut loses momentum.
 // Pinned points are not cut. Where they alone would pass a plane, the other side is pushed ahead of them, and is then
-// treated as pinned for the rest of the substep, so that a push goes on through layers. What is pinned on both sides is
-// marked as tangled (untangling.c).
+// treated as pinned for the rest of the substep, so that a push goes on through layers. Layers go as far as what drives
+// them. A push that would go farther goes from crease to crease of crumpled cloth, and would grow with each: it is
+// refused. What is pinned on both sides, or refused, is marked as tangled (untangling.c).
 #include "displacement_limit.h"
 
 #include "broad_phase.h"
@@ -34,7 +35,9 @@ static const float MIN_OF_REQUESTED = 0.1f, MIN_OF_DISTANCE = 0.99f;
 // Fraction of the way to that distance that a cut leaves, so that a pair comes to it in several substeps and rounds
 // are few.
 static const float WAY_TO_GO = 0.9f;
-static const float PUSH = -1.0f;    // in place of a cut
+static const float PUSH = -1.0f; // in place of a cut
+// How far a push may move a point, beyond the longest displacement of a pinned point, in gaps of the pair.
+static const float PUSH_GAPS = 2.0f;
 static const float ALMOST = 0.999f; // of what is left of a margin
 
 typedef struct guard_loop
@@ -161,12 +164,18 @@ static void check_rows( void* context, int begin, int end, int worker )
     atomic_fetch_add( &loop->tests, tests );
 }
 
-// Push the side of a row without fixed points until the sides have their gap. @return whether they had not
-static bool apply_push( contact_contact_mesh* s, const contact_row* row )
+// Push the side of a row without fixed points until the sides have their gap. @return whether a point moved
+static bool apply_push( guard_loop* loop, const contact_row* row )
 {
+    contact_contact_mesh* s = loop->contact_mesh;
     const float there = separation( s, row, false );
     if ( there >= least_of( row ) )
     {
+        return false;
+    }
+    if ( !( row->gap - there <= s->limit->longest_drive + PUSH_GAPS * row->requested ) )
+    {
+        atomic_store( &loop->is_crossed, true );
         return false;
     }
     const bool is_second = pushed_side( s, row ) == 1;
@@ -209,9 +218,7 @@ static bool apply_cuts( guard_loop* loop, int count )
         if ( loop->has_cuts[r / ROW_GRAIN] )
         {
             const contact_row* row = row_of( loop->contact_mesh, r );
-            any =
-                ( row->cut == PUSH ? apply_push( loop->contact_mesh, row ) : apply_cut( loop->contact_mesh, row ) ) ||
-                any;
+            any = ( row->cut == PUSH ? apply_push( loop, row ) : apply_cut( loop->contact_mesh, row ) ) || any;
         }
     }
     return any;
@@ -325,9 +332,27 @@ int contact_stay_in_reach( const contact_work* work )
     return count;
 }
 
+// Return the longest displacement of a pinned point, relative to the mean, m.
+static float longest_of_pinned( const contact_contact_mesh* s )
+{
+    float squared = 0.0f;
+    for ( size_t i = 0; i < (size_t)s->point_count; ++i )
+    {
+        float way = 0.0f;
+        for ( size_t k = 0; k < 3 && s->now[4 * i + 3] == 0.0f; ++k )
+        {
+            const float d = s->now[4 * i + k] - s->intersection_free[4 * i + k] - s->motion->common[k];
+            way += d * d;
+        }
+        squared = contact_larger( squared, way );
+    }
+    return sqrtf( squared );
+}
+
 void contact_begin_limit( const contact_work* work )
 {
     contact_contact_mesh* s = work->contact_mesh;
+    s->limit->longest_drive = longest_of_pinned( s );
     memset( s->limit->is_driven, 0, (size_t)s->point_count );
     memset( s->limit->changed, 0, (size_t)s->point_count );
     s->limit->is_again = false;

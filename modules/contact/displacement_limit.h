@@ -8,9 +8,10 @@ typedef struct contact_limit
     float* fraction;    // [point] fraction of its displacement that is left
     uint8_t* is_driven; // [point] 1: pushed ahead of pinned points in this substep, and not cut
     uint8_t* changed;   // [point] CONTACT_CHANGED bits: its displacement changed, so its constraints are tested again
-    bool is_again;      // a call before has tested the constraints of this substep
-    int64_t tests;      // of constraints, in this step
-    float* cut;         // [point] smallest cut of its pairs in a round
+    float longest_drive; // m, the longest displacement of a pinned point in this substep
+    bool is_again;       // a call before has tested the constraints of this substep
+    int64_t tests;       // of constraints, in this step
+    float* cut;          // [point] smallest cut of its pairs in a round
     wisp_buffer buffers[4];
 } contact_limit;
 

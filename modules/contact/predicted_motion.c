@@ -2,8 +2,8 @@
 // for each point its displacement and a tolerance, for each cluster the range of its displacements, its predicted
 // motion and its deviation.
 //
-// - A point's tolerance is a quarter of its displacement relative to the mean, and a twentieth of the thickness.
-//   Points that leave it are marked missed. Which pairs become constraints follows from this alone, so searches do
+// - A point's tolerance is a quarter of its displacement relative to the mean of its participant, and a twentieth of the
+//   thickness. Points that leave it are marked missed. Which pairs become constraints follows from this alone, so searches do
 //   not change results.
 // - A search assumes that each cluster goes on for five substeps as it does, within a margin. It holds as long as no
 //   deviation exceeds its margin (as in a Verlet list).
@@ -34,10 +34,10 @@ typedef struct way_loop
 {
     const contact_work* work;
     contact_contact_mesh* contact_mesh;
-    double ( *sums )[3]; // [block]
+    const contact_participant* participant; // whose points the loop runs over; else null
+    double ( *sums )[3];                    // [block]
     _Atomic bool has_fixed;
     float drifts;        // 1 while clusters are predicted to drift, else 0
-    bool is_expected;    // predicted, else measured
     _Atomic int reached; // contact_reached
 } way_loop;
 
@@ -71,8 +71,9 @@ static void sum_displacements( void* context, int begin, int end, int worker )
 {
     (void)worker;
     way_loop* loop = context;
-    const wisp_displacement_args args = { .before = loop->contact_mesh->intersection_free,
-                                          .now = loop->contact_mesh->now };
+    const size_t first = (size_t)loop->participant->first_point * 4;
+    const wisp_displacement_args args = { .before = loop->contact_mesh->intersection_free + first,
+                                          .now = loop->contact_mesh->now + first };
     if ( wisp_frame_kernels( loop->work->frame )->sum_displacements( &args, begin, end, loop->sums[begin / GRAIN] ) )
     {
         atomic_store( &loop->has_fixed, true );
@@ -97,27 +98,45 @@ static bool touches_body( const contact_work* work )
     return false;
 }
 
-static void find_common( way_loop* loop )
+// Compute the mean displacement of a participant, and add the displacements of its points to `total`.
+static void find_mean( way_loop* loop, contact_participant* participant, double total[3] )
+{
+    const int blocks = ( participant->point_count + GRAIN - 1 ) / GRAIN;
+    double sum[3] = { 0.0, 0.0, 0.0 };
+    loop->participant = participant;
+    wisp_parallel_for( loop->work->parallel, participant->point_count, GRAIN, sum_displacements, loop );
+    for ( int k = 0; k < 3; ++k )
+    {
+        for ( int b = 0; b < blocks; ++b )
+        {
+            sum[k] += loop->sums[b][k];
+        }
+        participant->mean_way[k] =
+            (float)( sum[k] / ( participant->point_count > 0 ? participant->point_count : 1 ) );
+        total[k] += sum[k];
+    }
+}
+
+static void find_means( way_loop* loop )
 {
     const contact_work* work = loop->work;
     contact_contact_mesh* s = work->contact_mesh;
-    const int blocks = ( s->point_count + GRAIN - 1 ) / GRAIN;
+    double total[3] = { 0.0, 0.0, 0.0 };
     memset( s->motion->common, 0, sizeof( s->motion->common ) );
-    loop->sums = wisp_parallel_scratch( work->parallel, work->worker, (size_t)blocks * sizeof( *loop->sums ) );
-    if ( loop->sums == NULL )
-    {
-        return; // a mean of 0 is valid too and only costs time
-    }
+    const size_t blocks = ( (size_t)s->point_count + GRAIN - 1 ) / GRAIN;
+    loop->sums = wisp_parallel_scratch( work->parallel, work->worker, blocks * sizeof( *loop->sums ) );
     atomic_init( &loop->has_fixed, touches_body( work ) );
-    wisp_parallel_for( work->parallel, s->point_count, GRAIN, sum_displacements, loop );
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        memset( work->participants[g].mean_way, 0, sizeof( work->participants[g].mean_way ) );
+        if ( loop->sums != NULL ) // means of 0 are valid too and only cost time
+        {
+            find_mean( loop, work->participants + g, total );
+        }
+    }
     for ( int k = 0; k < 3 && atomic_load( &loop->has_fixed ) == false; ++k )
     {
-        double sum = 0.0;
-        for ( int b = 0; b < blocks; ++b )
-        {
-            sum += loop->sums[b][k];
-        }
-        s->motion->common[k] = (float)( sum / ( s->point_count > 0 ? s->point_count : 1 ) );
+        s->motion->common[k] = (float)( total[k] / ( s->point_count > 0 ? s->point_count : 1 ) );
     }
 }
 
@@ -150,28 +169,36 @@ static void measure_way( contact_contact_mesh* s, int point )
     }
 }
 
-// Predict displacements and tolerances, or measure which points left theirs.
-static void find_ways( void* context, int begin, int end, int worker )
+// Predict displacements and tolerances of a participant.
+static void expect_ways( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const way_loop* loop = context;
+    contact_contact_mesh* s = loop->contact_mesh;
+    const size_t first = (size_t)loop->participant->first_point;
+    const float* mean = loop->participant->mean_way;
+    const wisp_displacement_args args = {
+        .before = s->intersection_free + 4 * first,
+        .now = s->now + 4 * first,
+        .common_displacement = { mean[0], mean[1], mean[2] },
+        .relative_margin = SPARE,
+        .margin = SPARE_THICKNESS * s->min_thickness,
+        .displacement = s->motion->ahead + 4 * first,
+    };
+    wisp_frame_kernels( loop->work->frame )->measure_displacements( &args, begin, end );
+    memset( s->motion->is_missed + first + begin, 0, (size_t)( end - begin ) );
+}
+
+// Measure which points left their tolerance.
+static void find_missed( void* context, int begin, int end, int worker )
 {
     (void)worker;
     way_loop* loop = context;
     contact_contact_mesh* s = loop->contact_mesh;
-    const wisp_kernels* kernels = wisp_frame_kernels( loop->work->frame );
-    const wisp_displacement_args args = {
-        .before = s->intersection_free,
-        .now = s->now,
-        .common_displacement = { s->motion->common[0], s->motion->common[1], s->motion->common[2] },
-        .relative_margin = SPARE,
-        .margin = SPARE_THICKNESS * s->min_thickness,
-        .displacement = s->motion->ahead,
-    };
-    if ( loop->is_expected )
-    {
-        kernels->measure_displacements( &args, begin, end );
-        memset( s->motion->is_missed + begin, 0, (size_t)( end - begin ) );
-        return;
-    }
-    const bool is_missed = kernels->exceeds_prediction( &args, begin, end );
+    const wisp_displacement_args args = { .before = s->intersection_free,
+                                          .now = s->now,
+                                          .displacement = s->motion->ahead };
+    const bool is_missed = wisp_frame_kernels( loop->work->frame )->exceeds_prediction( &args, begin, end );
     for ( int p = begin; p < end && is_missed; ++p )
     {
         measure_way( s, p );
@@ -276,28 +303,34 @@ static void find_missed_clusters( way_loop* loop )
     }
 }
 
-static contact_reached measure_displacements( const contact_work* work, bool is_expected )
+contact_reached contact_expect_ways( const contact_work* work )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    way_loop loop = { .work = work, .contact_mesh = s, .is_expected = is_expected };
+    way_loop loop = { .work = work, .contact_mesh = s };
     atomic_init( &loop.reached, CONTACT_WITHIN );
-    find_common( &loop );
-    wisp_parallel_for( work->parallel, s->point_count, GRAIN, find_ways, &loop );
-    if ( is_expected )
+    s->motion->reach = INFINITY;
+    find_means( &loop );
+    for ( int g = 0; g < work->participant_count; ++g ) // in order: kernels write whole groups of eight
     {
-        wisp_parallel_for( work->parallel, s->clusters->count, CLUSTER_GRAIN, expect_cluster_ways, &loop );
+        loop.participant = work->participants + g;
+        wisp_parallel_for( work->parallel, loop.participant->point_count, GRAIN, expect_ways, &loop );
     }
-    else if ( atomic_load( &loop.reached ) != CONTACT_WITHIN )
+    wisp_parallel_for( work->parallel, s->clusters->count, CLUSTER_GRAIN, expect_cluster_ways, &loop );
+    return (contact_reached)atomic_load( &loop.reached );
+}
+
+contact_reached contact_measure_ways( const contact_work* work )
+{
+    contact_contact_mesh* s = work->contact_mesh;
+    way_loop loop = { .work = work, .contact_mesh = s };
+    atomic_init( &loop.reached, CONTACT_WITHIN );
+    find_means( &loop );
+    wisp_parallel_for( work->parallel, s->point_count, GRAIN, find_missed, &loop );
+    if ( atomic_load( &loop.reached ) != CONTACT_WITHIN )
     {
         find_missed_clusters( &loop );
     }
     return (contact_reached)atomic_load( &loop.reached );
-}
-
-contact_reached contact_expect_ways( const contact_work* work )
-{
-    work->contact_mesh->motion->reach = INFINITY;
-    return measure_displacements( work, true );
 }
 
 static void shorten_ways( void* context, int begin, int end, int worker )
@@ -329,11 +362,6 @@ void contact_shorten_ways( const contact_work* work )
     atomic_init( &loop.reached, CONTACT_WITHIN );
     wisp_parallel_for( work->parallel, s->point_count, GRAIN, shorten_ways, &loop );
     wisp_parallel_for( work->parallel, s->clusters->count, CLUSTER_GRAIN, expect_cluster_ways, &loop );
-}
-
-contact_reached contact_measure_ways( const contact_work* work )
-{
-    return measure_displacements( work, false );
 }
 
 // ---- predicted motion ----
