@@ -398,6 +398,22 @@ wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned arrays )
     return done ? WISP_OK : WISP_NO_MEMORY;
 }
 
+// Edges are sorted by their first slot, then by their second.
+int wisp_fabric_find_edge( const wisp_fabric* f, int32_t a, int32_t b )
+{
+    const int32_t first = a < b ? a : b, second = a < b ? b : a;
+    int lower = 0, upper = f->edge_count - 1;
+    while ( lower < upper )
+    {
+        const int middle = lower + ( upper - lower ) / 2;
+        const int32_t* edge = f->edges + 2 * (size_t)middle;
+        const bool is_before = edge[0] < first || ( edge[0] == first && edge[1] < second );
+        lower = is_before ? middle + 1 : lower;
+        upper = is_before ? upper : middle;
+    }
+    return lower;
+}
+
 static bool cook( const wisp_fabric_def* def, const wisp_fabric* like, cook_fabric* cooked, fabric_pool* scratch )
 {
     wisp_fabric* f = &cooked->fabric;

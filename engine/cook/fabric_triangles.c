@@ -71,22 +71,6 @@ wisp_status fabric_change_triangles( const wisp_fabric* from, const int32_t* tri
 
 // ---- origins ----
 
-// Edges are sorted by their first slot, then by their second.
-static int find_edge( const wisp_fabric* f, int32_t a, int32_t b )
-{
-    const int32_t first = a < b ? a : b, second = a < b ? b : a;
-    int lower = 0, upper = f->edge_count - 1;
-    while ( lower < upper )
-    {
-        const int middle = lower + ( upper - lower ) / 2;
-        const int32_t* edge = f->edges + 2 * (size_t)middle;
-        const bool is_before = edge[0] < first || ( edge[0] == first && edge[1] < second );
-        lower = is_before ? middle + 1 : lower;
-        upper = is_before ? upper : middle;
-    }
-    return lower;
-}
-
 // Numbers of the earlier fabric by edge.
 typedef struct edge_numbers
 {
@@ -123,7 +107,7 @@ static bool number_edges( const wisp_fabric* f, fabric_pool* pool, edge_numbers*
     for ( int h = 0; h < f->hinge_count; ++h )
     {
         const int32_t* corner = f->hinges + 4 * (size_t)h;
-        const int edge = find_edge( f, corner[0], corner[1] );
+        const int edge = wisp_fabric_find_edge( f, corner[0], corner[1] );
         out->hinge[edge] = h;
         if ( corner[2] != corner[3] && link < f->link_count ) // as the fabric lists bend links
         {
@@ -147,7 +131,8 @@ static void fill_origins( const wisp_fabric* from, const wisp_fabric* to, const 
     memset( out->hinges, 0xff, (size_t)to->hinge_order.slot_count * sizeof( int32_t ) );
     for ( int e = 0; e < to->edge_count; ++e )
     {
-        const int old = find_edge( from, parents[to->edges[2 * (size_t)e]], parents[to->edges[2 * (size_t)e + 1]] );
+        const int old =
+            wisp_fabric_find_edge( from, parents[to->edges[2 * (size_t)e]], parents[to->edges[2 * (size_t)e + 1]] );
         out->edges[e] = old;
         out->links[now->link_slot[e]] = before->link_slot[old];
         if ( now->bend_link[e] >= 0 )

@@ -86,22 +86,6 @@ static double triangle_area( const wisp_fabric* f, int32_t a, int32_t b, int32_t
     return 0.5 * sqrt( x * x + y * y + z * z );
 }
 
-// Edges are sorted by their first slot, then by their second.
-static int find_edge( const wisp_fabric* f, int32_t a, int32_t b )
-{
-    const int32_t first = a < b ? a : b, second = a < b ? b : a;
-    int lower = 0, upper = f->edge_count - 1;
-    while ( lower < upper )
-    {
-        const int middle = lower + ( upper - lower ) / 2;
-        const int32_t* edge = f->edges + 2 * (size_t)middle;
-        const bool is_before = edge[0] < first || ( edge[0] == first && edge[1] < second );
-        lower = is_before ? middle + 1 : lower;
-        upper = is_before ? upper : middle;
-    }
-    return lower;
-}
-
 // Areas by length: the width that an edge stands for. @param width [edge_count]
 static void fill_widths( const wisp_fabric* f, float* width )
 {
@@ -112,7 +96,7 @@ static void fill_widths( const wisp_fabric* f, float* width )
         const float area = (float)triangle_area( f, v[0], v[1], v[2] );
         for ( int k = 0; k < 3; ++k )
         {
-            width[find_edge( f, v[k], v[( k + 1 ) % 3] )] += area;
+            width[wisp_fabric_find_edge( f, v[k], v[( k + 1 ) % 3] )] += area;
         }
     }
     for ( int e = 0; e < f->edge_count; ++e )
