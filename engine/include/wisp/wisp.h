@@ -82,7 +82,7 @@ typedef struct wisp_surface_def
     float vertex_mass;       ///< kg; above 0 it is the mass of every vertex, whatever its area; default 0
     const int32_t* pins;     ///< [pin_count] vertices that move only by wisp_move_pins(), the user's order
     int pin_count;           ///< default 0
-    int spare_count;         ///< last vertices that are in no triangle on purpose: tearing takes them; default 0
+    int spare_count;         ///< last vertices that are in no triangle on purpose: effects may take them; default 0
     wisp_vec3 gravity;       ///< m/s^2, default (0, -9.81, 0), as for strands; zero: none, and no pass
 } wisp_surface_def;
 
