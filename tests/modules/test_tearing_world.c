@@ -79,6 +79,7 @@ static sheet* open_sheet( const sheet_case* c, int workers, const char* isa, flo
     {
         mesh.points[v].x += test_random_float( 3, 2 * v, -0.006f, 0.006f );
         mesh.points[v].y += test_random_float( 3, 2 * v + 1, -0.006f, 0.006f );
+        mesh.points[v].z = test_random_float( 4, v, -0.003f, 0.003f ); // hinges have angles at rest
     }
     for ( int i = 0; i < SIDE; ++i )
     {
@@ -155,7 +156,7 @@ static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
         {
             sheet* s = open_sheet( CASES + n, workers[i], isas[i % 3], STRENGTH );
             run_sheet( s, 0, STEPS );
-            assert_true( tearing_stats_of( s->h.world, s->e ).split_count > 12 );
+            assert_true( tearing_stats_of( s->h.world, s->e ).split_count > 5 );
             assert_int_equal( wisp_world_counter( s->h.world, WISP_COUNT_HALTED ), 0 );
             const uint64_t hash = wisp_world_hash( s->h.world );
             expected = i == 0 ? hash : expected;
