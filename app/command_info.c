@@ -302,6 +302,10 @@ static void print_surface( const wisp_scene* scene, const wisp_scene_surface* en
     {
         print_contact( &entry->contact, entry->contact.self ? " and self contact" : "" );
     }
+    if ( entry->has_tearing )
+    {
+        printf( "    tears at %g N/m\n", (double)entry->tearing.strength );
+    }
     if ( entry->has_boundary )
     {
         print_layer( &entry->boundary );

@@ -111,6 +111,22 @@ static wisp_status add_hashes( const view_options* options, const wisp_scene* sc
     return status;
 }
 
+// The page draws the triangles of the start.
+static wisp_status check_triangles( const wisp_scene* scene, wisp_error* error )
+{
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        const wisp_scene_surface* entry = &scene->surfaces[i];
+        if ( entry->has_tearing )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "%s:%d:%d: surface '%s' tears, which the page cannot draw; 'wisp render' can",
+                              scene->name, entry->line, entry->column, entry->name );
+        }
+    }
+    return WISP_OK;
+}
+
 static wisp_status take_scene( const view_options* options, json_t* files, json_t** data, wisp_error* error )
 {
     wisp_scene scene;
@@ -120,7 +136,8 @@ static wisp_status take_scene( const view_options* options, json_t* files, json_
         return status;
     }
     interruption_begin(); // before that there is nothing to keep
-    status = view_scene_files( &scene, options->input, files, error );
+    status = check_triangles( &scene, error );
+    status = status == WISP_OK ? view_scene_files( &scene, options->input, files, error ) : status;
     *data = status == WISP_OK ? begin_data( "scene", options->input, files ) : NULL;
     status = *data ? add_hashes( options, &scene, *data, error ) : status;
     wisp_scene_release( &scene );

@@ -168,6 +168,7 @@ static wisp_record_body entry_of( const scene_body* body, wisp_vec3 colour )
         .triangle_count = body->triangle_count,
         .strand_count = body->strand_count,
         .base_colour = colour,
+        .triangles_change = body->tears,
     };
 }
 

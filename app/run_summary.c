@@ -115,6 +115,22 @@ static void add_seams( results* out, int table, const scene_world* world )
     }
 }
 
+// Surfaces that can tear.
+static void add_tears( results* out, int table, const scene_world* world )
+{
+    for ( int i = 0; i < world->scene->surface_count; ++i )
+    {
+        const scene_world_surface* s = &world->surfaces[i];
+        wisp_tearing_stats stats;
+        if ( world->scene->surfaces[i].has_tearing &&
+             wisp_read_tearing_stats( world->world, s->entity, &stats ) == WISP_OK )
+        {
+            add_head_line( out, table, "tears", "%s: %d vertices split, %d of %d spare ones left",
+                           world->scene->surfaces[i].name, stats.split_count, stats.spare_count, s->spare_count );
+        }
+    }
+}
+
 // A table without a title is a list of labels and values.
 static void add_head( results* out, const scene_world* world, const run_record* record, stats_summary times,
                       const run_recorder_def* def, run_recorder_counts counts )
@@ -128,6 +144,7 @@ static void add_head( results* out, const scene_world* world, const run_record* 
         add_head_line( out, table, "computed", "nothing, since the scene requests nothing (key `compute`)" );
     }
     add_seams( out, table, world );
+    add_tears( out, table, world );
     add_files( out, table, world->scene, record, def, counts );
     add_head_line( out, table, "hash", "%016llx", (unsigned long long)wisp_world_hash( world->world ) );
 }
@@ -196,6 +213,7 @@ static void add_counter_table( results* out, const wisp_world* world )
         [WISP_COUNT_SAGGING] = "strands too soft to hold their shape under gravity: they sag",
         [WISP_COUNT_STRETCHED] = "strands over 5 % too long in a step: use stretch: direct",
         [WISP_COUNT_SPEED_LIMITED] = "velocities of vertices scaled down to the largest speed, in each substep",
+        [WISP_COUNT_SPLIT_VERTICES] = "vertices that tearing has split",
     };
     int table = -1;
     for ( int i = 0; i < WISP_COUNTER_COUNT; ++i )

@@ -10,6 +10,7 @@
 #include "motion_constraints.h"
 #include "seams.h"
 #include "strand_appearance.h"
+#include "tearing.h"
 #include "wisp/fabric.h"
 #include "wisp/module/module.h"
 

@@ -27,6 +27,7 @@
 #include "seams.h"
 #include "strand_appearance.h"
 #include "strands.h"
+#include "tearing.h"
 #include "wisp/fabric.h"
 #include "wisp/wisp.h"
 

@@ -61,6 +61,8 @@ extern "C"
         const wisp_record_value* values; ///< [value_count], see wisp_record_has_values()
         int value_count;                 ///< >= 0
         bool is_static;                  ///< its points are those of the first frame in every frame
+        /// `triangles` is not copied: each wisp_recorder_frame() reads it. Only .obj, .pvd and .pc2, which has no triangles, hold it
+        bool triangles_change;
     } wisp_record_body;
 
     // ---- writing -----------------------------------------------------------------------------------------------

@@ -23,7 +23,7 @@ static bool is_name( const char* text )
     return length >= 1 && length <= WISP_RECORD_MAX_NAME && text[length] == 0;
 }
 
-static wisp_status check_mesh( const wisp_record_body* body, const char* name, wisp_error* error )
+wisp_status record_check_mesh( const wisp_record_body* body, const char* name, wisp_error* error )
 {
     // Three corners a triangle must fit an int, because ParaView counts them.
     if ( body->triangle_count < 0 || body->triangle_count > INT_MAX / 3 )
@@ -174,7 +174,8 @@ static wisp_status check_body( const wisp_record_body* bodies, int b, const char
         return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: got %d vertices, expected at least 1", name,
                           body->name, body->vertex_count );
     }
-    wisp_status status = body->offsets != NULL ? check_strands( body, name, error ) : check_mesh( body, name, error );
+    wisp_status status =
+        body->offsets != NULL ? check_strands( body, name, error ) : record_check_mesh( body, name, error );
     status = status == WISP_OK ? check_appearance( body, name, error ) : status;
     return status == WISP_OK ? check_values( body, name, error ) : status;
 }
@@ -243,10 +244,14 @@ static bool copy_body( const wisp_record_body* from, wisp_record_body* to )
         .strand_count = strands ? from->strand_count : 0,
         .base_colour = from->base_colour,
         .is_static = from->is_static,
+        .triangles_change = from->triangles_change,
     };
     const size_t vertices = (size_t)from->vertex_count;
     bool made = to->name != NULL;
-    to->triangles = copy_block( from->triangles, 3 * (size_t)to->triangle_count * sizeof *to->triangles, &made );
+    to->triangles =
+        from->triangles_change
+            ? from->triangles
+            : copy_block( from->triangles, 3 * (size_t)to->triangle_count * sizeof *to->triangles, &made );
     to->offsets = copy_block( from->offsets, ( (size_t)to->strand_count + 1 ) * sizeof *to->offsets, &made );
     to->widths = copy_block( from->widths, vertices * sizeof *to->widths, &made );
     to->colours = copy_block( from->colours, vertices * sizeof *to->colours, &made );
@@ -287,7 +292,7 @@ void record_release_bodies( record_bodies* bodies )
         }
         release( body->values );
         release( body->name );
-        release( body->triangles );
+        release( body->triangles_change ? NULL : body->triangles );
         release( body->offsets );
         release( body->widths );
         release( body->colours );

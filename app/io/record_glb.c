@@ -312,4 +312,4 @@ static wisp_status glb_close( wisp_recorder* recorder, wisp_error* error )
     return status;
 }
 
-const record_format record_format_glb = { ".glb", false, true, glb_open, glb_frame, glb_close };
+const record_format record_format_glb = { ".glb", false, true, false, glb_open, glb_frame, glb_close };

@@ -75,6 +75,9 @@ typedef struct record_bodies
 /// @param name of the file in messages
 wisp_status record_check_bodies( const wisp_record_body* bodies, int count, const char* name, wisp_error* error );
 
+/// Check the triangles of a mesh.
+wisp_status record_check_mesh( const wisp_record_body* body, const char* name, wisp_error* error );
+
 wisp_status record_copy_bodies( const wisp_record_body* bodies, int count, const char* name, record_bodies* out,
                                 wisp_error* error );
 
@@ -121,6 +124,7 @@ struct record_format
     const char* extension;
     bool has_values;  ///< holds the values of bodies
     bool has_normals; ///< calls record_normals()
+    bool has_changes; ///< takes triangles that change
     /// Fill recorder->file; a failure leaves nothing behind.
     wisp_status ( *open )( wisp_recorder* recorder, wisp_error* error );
     wisp_status ( *frame )( wisp_recorder* recorder, const record_frame* frame, wisp_error* error );

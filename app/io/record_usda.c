@@ -210,4 +210,4 @@ static wisp_status usda_close( wisp_recorder* recorder, wisp_error* error )
     return status;
 }
 
-const record_format record_format_usda = { ".usda", true, true, usda_open, usda_frame, usda_close };
+const record_format record_format_usda = { ".usda", true, true, false, usda_open, usda_frame, usda_close };

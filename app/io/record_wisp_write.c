@@ -232,4 +232,4 @@ static wisp_status own_close( wisp_recorder* recorder, wisp_error* error )
     return status;
 }
 
-const record_format record_format_wisp = { ".wisp", false, false, own_open, own_frame, own_close };
+const record_format record_format_wisp = { ".wisp", false, false, false, own_open, own_frame, own_close };

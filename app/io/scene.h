@@ -15,6 +15,7 @@
 #include "guide_hair/guide_hair.h"
 #include "implicit_cloth/implicit_cloth.h"
 #include "motion_constraints/motion_constraints.h"
+#include "tearing/tearing.h"
 #include "seams/seams.h"
 #include "strand_appearance/strand_appearance.h"
 #include "strands/strands.h"
@@ -245,7 +246,8 @@ extern "C"
         char path[64]; ///< of the key, for messages
     } wisp_scene_map;
 
-#define WISP_SCENE_MAX_MAPS 16
+#define WISP_SCENE_MAP_TEARING ( (wisp_component)UINT16_MAX ) ///< a map of the strength in `tearing`
+#define WISP_SCENE_MAX_MAPS 17
 
     /// Whether a map is an image by its extension.
     WISP_API bool wisp_scene_map_is_image( const wisp_scene_map* map );
@@ -304,6 +306,9 @@ extern "C"
         wisp_scene_path target_path;                    ///< how far the targets are from where the vertices start
         bool has_target_pivot;
         wisp_vec3 target_pivot; ///< m, what target_path turns about; without it: the centre of the vertices
+        bool has_tearing;
+        wisp_tearing_def tearing; ///< without factors
+        int max_new_vertices;     ///< spare vertices of the mesh; -1: a quarter of its vertices, at least 64
         bool has_frame;
         wisp_moving_frame_def frame; ///< its pose is the identity at the pivot
         wisp_scene_path frame_path;  ///< how far it is from where it starts

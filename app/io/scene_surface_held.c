@@ -46,6 +46,22 @@ static const scene_field MOTION_FIELDS[] = {
 };
 const scene_block SCENE_MOTION_CONSTRAINTS_BLOCK = BLOCK( MOTION_FIELDS );
 
+// ---- tearing ----
+
+#define TEARING( member ) offsetof( wisp_scene_surface, tearing.member )
+
+static const scene_field TEARING_FIELDS[] = {
+    { "strength", SCENE_NUMBER, .required = true, .map = WISP_SCENE_MAP_TEARING, .at = TEARING( strength ),
+      .range = RANGE( 1e-6, 1e12 ), .unit = STIFFNESSES,
+      .help = "Tension at which an edge gives way: force of a strip by its width." },
+    { "max_splits", SCENE_WHOLE, .at = TEARING( max_splits ), .range = RANGE( 1, 1e6 ),
+      .help = "Most vertices that split in a step." },
+    { "max_new_vertices", SCENE_WHOLE, .at = AT( max_new_vertices ), .range = RANGE( 0, 1e7 ),
+      .help = "Vertices that are reserved for splits. When all are used the cloth no longer tears.",
+      .initial = "a quarter of the vertices of the mesh, at least 64" },
+};
+const scene_block SCENE_TEARING_BLOCK = BLOCK( TEARING_FIELDS );
+
 // ---- surfaces as colliders ----
 
 #define COLLIDER( member ) offsetof( wisp_scene_surface, collider.member )
@@ -107,6 +123,35 @@ static wisp_status check_path( scene_reader* r, const scene_node* node, const ch
     return WISP_OK;
 }
 
+// What the engine would refuse too, at the line of the key.
+static wisp_status check_tearing( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+{
+    const struct
+    {
+        bool is_given;
+        const char* message;
+    } cases[] = {
+        { s->has_cloth == false, "needs the key 'cloth'" },
+        { s->cloth.solver == WISP_SOLVER_PBD, "needs the solver xpbd, but 'solver' of 'cloth' is pbd" },
+        { s->cloth.coarse_substeps > 0, "is not possible with coarse sheets: set cloth.coarse_substeps to 0" },
+        { s->cloth.tethers, "is not possible with cloth.tethers" },
+        { s->has_motion_constraints, "is not possible with 'motion_constraints'" },
+        { s->has_boundary, "is not possible with 'boundary'" },
+        { s->has_animation, "is not possible with 'animation'" },
+        { s->has_collider, "is not possible with 'collider'" },
+        { s->vertex_mass > 0.0f, "needs 'area_density', but the surface has 'vertex_mass'" },
+        { s->mass_ratio != 1.0f, "is not possible with 'mass_ratio'" },
+    };
+    for ( int i = 0; i < WISP_COUNT( cases ) && s->has_tearing; ++i )
+    {
+        if ( cases[i].is_given )
+        {
+            return scene_refuse_node( r, scene_child( r, node, "tearing" ), "'tearing' %s", cases[i].message );
+        }
+    }
+    return WISP_OK;
+}
+
 wisp_status scene_check_held( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
 {
     const bool has_path = s->target_path.count > 0 || s->frame_path.count > 0 || scene_moves_groups( s );
@@ -123,6 +168,7 @@ wisp_status scene_check_held( scene_reader* r, const scene_node* node, const wis
     {
         return scene_refuse_node( r, scene_child( r, node, "frame" ), "'frame' is not possible with 'implicit'" );
     }
-    wisp_status status = check_path( r, node, "motion_constraints", &s->target_path );
+    wisp_status status = check_tearing( r, node, s );
+    status = status ? status : check_path( r, node, "motion_constraints", &s->target_path );
     return status ? status : check_path( r, node, "frame", &s->frame_path );
 }

@@ -370,6 +370,9 @@ static const scene_field SURFACE_FIELDS[] = {
     { "motion_constraints", SCENE_BLOCK, .at = AT( has_motion_constraints ), .block = &SCENE_MOTION_CONSTRAINTS_BLOCK,
       .help =
           "Keeps vertices near targets, which start where the vertices start, and out of a backstop behind them." },
+    { "tearing", SCENE_BLOCK, .at = AT( has_tearing ), .block = &SCENE_TEARING_BLOCK,
+      .help =
+          "Splits the cloth where it is pulled too hard; needs `cloth` by xpbd without coarse sheets or tethers." },
     { "frame", SCENE_BLOCK, .at = AT( has_frame ), .block = &SCENE_FRAME_BLOCK,
       .help = "A frame that moves and carries the surface by what that does not feel of it; not with `implicit`." },
     { "max_speed", SCENE_NUMBER, .at = AT( max_speed ), .range = RANGE( 1e-6, 1e6 ), .unit = SPEEDS,

@@ -164,6 +164,8 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
         .implicit = wisp_default_implicit_cloth_def(),
         .solve_order = wisp_default_fabric_def().solve_order,
         .animation = { .blend = 0.3f },
+        .tearing = wisp_default_tearing_def(),
+        .max_new_vertices = -1,
         .motion_constraints = wisp_default_motion_constraints_def(),
         .frame = wisp_default_moving_frame_def(),
         .max_speed = INFINITY,

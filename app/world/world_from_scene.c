@@ -205,7 +205,7 @@ wisp_status scene_world_step( scene_world* world, wisp_error* error )
     }
     print_late_error( world );
     ++world->next_step;
-    return WISP_OK;
+    return scene_tearing_follow( world, error );
 }
 
 // ---- frames of any length ----
@@ -253,7 +253,7 @@ wisp_status scene_world_advance( scene_world* world, float seconds, wisp_error* 
     }
     world->next_step += state.is_begun;
     print_late_error( world );
-    return state.status;
+    return state.status == WISP_OK ? scene_tearing_follow( world, error ) : state.status;
 }
 
 // ---- outputs ----

@@ -42,13 +42,16 @@ typedef struct scene_world_pins
 typedef struct scene_world_surface
 {
     wisp_entity entity;
-    wisp_fabric* fabric;       ///< of this surface or of the one it is an instance of; a reference of its own
-    wisp_mesh mesh;            ///< initial mesh; without triangles for an instance
+    wisp_fabric* fabric; ///< of this surface or of the one it is an instance of; a reference of its own
+    wisp_mesh
+        mesh; ///< initial mesh, with its present triangles; without triangles for an instance that does not tear
     wisp_mesh_repairs repairs; ///< repairs of the mesh; empty for an instance
     int32_t* pins;             ///< [pin_count] every vertex that the scene pins at the start, ascending
     int pin_count;
     scene_world_pins* groups; ///< [group_count] the surface's own pins, then the scene's groups
     int group_count;
+    int spare_count;                     ///< last vertices of the mesh, which are in no triangle until it tears
+    int split_count;                     ///< vertices that tearing had split when the triangles were read
     wisp_vec3 target_pivot, frame_pivot; ///< m, of the keyframes of motion targets and of the frame
     wisp_vec3* motion_targets;           ///< [vertex_count] buffer; null unless they move
     scene_animation* animation;          ///< null: none
@@ -164,6 +167,7 @@ typedef struct scene_body
     int vertex_count;
     const int32_t* triangles; ///< [triangle_count][3], counter-clockwise seen from outside; null for strands
     int triangle_count;
+    bool tears;             ///< vertices in the list of triangles change in steps
     const int32_t* offsets; ///< [strand_count + 1] of strands; else null
     int strand_count;
 } scene_body;

@@ -43,16 +43,18 @@ int scene_world_body_count( const scene_world* world )
     return scene_world_moving_count( world ) + world->scene->collider_count;
 }
 
-// An instance has the triangles of its source.
+// An instance has the triangles of its source, unless it tears.
 static scene_body surface_body( const scene_world* world, body_place place )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[place.index];
-    const wisp_mesh* source = &world->surfaces[entry->instance_of >= 0 ? entry->instance_of : place.index].mesh;
+    const bool has_own = entry->instance_of < 0 || entry->has_tearing;
+    const wisp_mesh* source = &world->surfaces[has_own ? place.index : entry->instance_of].mesh;
     return ( scene_body ){ .name = entry->name,
                            .kind = place.kind,
                            .vertex_count = source->vertex_count,
                            .triangles = source->triangles,
-                           .triangle_count = source->triangle_count };
+                           .triangle_count = source->triangle_count,
+                           .tears = entry->has_tearing };
 }
 
 scene_body scene_world_body( const scene_world* world, int body )

@@ -230,12 +230,20 @@ static wisp_status scale( const wisp_scene_map* map, int count, float* values, w
     return WISP_OK;
 }
 
-static wisp_status set_map( const scene_world* world, int surface, const wisp_scene_map* map, wisp_error* error )
+static wisp_status set_values( scene_world* world, int surface, const wisp_scene_map* map, const float* values )
+{
+    const scene_world_surface* s = &world->surfaces[surface];
+    return map->map == WISP_SCENE_MAP_TEARING
+               ? scene_tearing_set( world, surface, values )
+               : wisp_set_map( world->world, s->entity, map->map, values, s->mesh.vertex_count );
+}
+
+static wisp_status set_map( scene_world* world, int surface, const wisp_scene_map* map, wisp_error* error )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[surface];
     const int source = entry->instance_of >= 0 ? entry->instance_of : surface;
     const scene_world_surface* s = &world->surfaces[surface];
-    const int count = s->mesh.vertex_count;
+    const int count = s->mesh.vertex_count, own = count - s->spare_count;
     float* values = malloc( (size_t)count * sizeof *values + 1 );
     wisp_vec3* rest = malloc( (size_t)count * sizeof *rest + 1 );
     wisp_error cause = { 0 };
@@ -245,9 +253,13 @@ static wisp_status set_map( const scene_world* world, int surface, const wisp_sc
     {
         rest[v] = s->fabric->rest[s->fabric->vertex_slot[v]];
     }
-    status = status == WISP_OK ? read_values( world, map, source, rest, count, values, &cause ) : status;
+    status = status == WISP_OK ? read_values( world, map, source, rest, own, values, &cause ) : status;
+    for ( int v = own; v < count && status == WISP_OK; ++v )
+    {
+        values[v] = values[0]; // until it is a copy of another vertex
+    }
     status = status == WISP_OK ? scale( map, count, values, &cause ) : status;
-    if ( status == WISP_OK && wisp_set_map( world->world, s->entity, map->map, values, count ) != WISP_OK )
+    if ( status == WISP_OK && set_values( world, surface, map, values ) != WISP_OK )
     {
         status = wisp_fail( &cause, WISP_BAD_INPUT, "%s", wisp_world_message( world->world ) );
     }
@@ -258,7 +270,7 @@ static wisp_status set_map( const scene_world* world, int surface, const wisp_sc
                                               cause.message, error );
 }
 
-wisp_status scene_maps_set( const scene_world* world, int surface, bool of_mass, wisp_error* error )
+wisp_status scene_maps_set( scene_world* world, int surface, bool of_mass, wisp_error* error )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[surface];
     wisp_status status = WISP_OK;

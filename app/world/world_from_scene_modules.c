@@ -36,6 +36,7 @@ BLOCK_OF( surface, collision )
 BLOCK_OF( surface, contact )
 BLOCK_OF( surface, implicit )
 BLOCK_OF( surface, motion_constraints )
+BLOCK_OF( surface, tearing )
 BLOCK_OF( strands, appearance )
 BLOCK_OF( strands, collision )
 BLOCK_OF( strands, contact )
@@ -84,6 +85,7 @@ USES( guide_hair, any_strands( scene, strands_ghosts ) )
 USES( implicit_cloth, any_surface( scene, surface_implicit ) )
 USES( strand_appearance, any_strands( scene, strands_appearance ) )
 USES( strands, any_strands( scene, strands_dynamics ) )
+USES( tearing, any_surface( scene, surface_tearing ) )
 #undef USES
 
 #define WISP_MODULE( name ) uses_##name,

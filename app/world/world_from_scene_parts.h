@@ -38,7 +38,7 @@ wisp_status scene_mesh_load( const scene_world* world, const wisp_scene_mesh* so
                              wisp_mesh* out, wisp_mesh_repairs* repairs, wisp_error* error );
 
 /// Set the maps of a surface that was added. @param of_mass only that of area density, else all others
-wisp_status scene_maps_set( const scene_world* world, int surface, bool of_mass, wisp_error* error );
+wisp_status scene_maps_set( scene_world* world, int surface, bool of_mass, wisp_error* error );
 
 /// Add all surfaces, then all colliders.
 wisp_status scene_surfaces_add( scene_world* world, wisp_error* error );
@@ -65,6 +65,16 @@ wisp_status scene_held_set( scene_world* world, int surface );
 wisp_status scene_targets_move( scene_world* world, int surface, const wisp_vec3* points,
                                 wisp_transform displacement );
 wisp_status scene_frame_move( scene_world* world, int surface, wisp_transform displacement );
+/// Add spare vertices to a mesh that was loaded, where its surface or an instance of it tears.
+wisp_status scene_tearing_reserve( const wisp_scene* scene, int surface, scene_world_surface* out,
+                                   wisp_error* error );
+/// Give an instance that tears triangles of its own.
+wisp_status scene_tearing_prepare( scene_world* world, int surface, wisp_error* error );
+/// Let a surface tear as its entry says. On failure the message is the last one of the world.
+/// @param factors [vertex_count] of the strength; null: 1
+wisp_status scene_tearing_set( scene_world* world, int surface, const float* factors );
+/// Read the triangles of surfaces that have torn in the last step.
+wisp_status scene_tearing_follow( scene_world* world, wisp_error* error );
 /// Sew surfaces together. Call after all of them are added.
 wisp_status scene_seams_add( scene_world* world, wisp_error* error );
 wisp_status scene_colliders_add( scene_world* world, wisp_error* error );

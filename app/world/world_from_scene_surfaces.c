@@ -201,20 +201,40 @@ static wisp_status copy_points( const wisp_vec3* from, int count, wisp_vec3** ou
     return WISP_OK;
 }
 
+// Spare vertices are not pinned: they become copies of others.
+static wisp_status find_pins( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
+                              scene_world_surface* s, wisp_error* error )
+{
+    s->mesh.vertex_count -= s->spare_count;
+    const wisp_status status = scene_pins_find( scene, surface, repairs, s, error );
+    s->mesh.vertex_count += s->spare_count;
+    return status;
+}
+
+static wisp_status load_start( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
+                               scene_world_surface* s, wisp_error* error )
+{
+    s->mesh.vertex_count -= s->spare_count;
+    const wisp_status status = scene_start_load( scene, surface, repairs, s, error );
+    s->mesh.vertex_count += s->spare_count;
+    return status;
+}
+
 static wisp_status make_source( scene_world* world, int surface, unsigned char required, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
     scene_world_surface* s = &world->surfaces[surface];
     wisp_status status = load_mesh( world, scene, surface, &s->mesh, &s->repairs, error );
     wisp_vec3* rest = NULL;
+    status = status == WISP_OK ? scene_tearing_reserve( scene, surface, s, error ) : status;
     status = status == WISP_OK ? copy_points( s->mesh.points, s->mesh.vertex_count, &rest, error ) : status;
     if ( status == WISP_OK )
     {
         place( s->mesh.points, s->mesh.vertex_count, scene->surfaces[surface].pose );
-        status = scene_pins_find( scene, surface, &s->repairs, s, error );
+        status = find_pins( scene, surface, &s->repairs, s, error );
     }
     status = status == WISP_OK ? cook( scene, surface, required, rest, s, error ) : status;
-    status = status == WISP_OK ? scene_start_load( scene, surface, &s->repairs, s, error ) : status;
+    status = status == WISP_OK ? load_start( scene, surface, &s->repairs, s, error ) : status;
     if ( status == WISP_OK )
     {
         scene_start_place( &scene->surfaces[surface], s );
@@ -236,6 +256,7 @@ static wisp_status make_instance( scene_world* world, int surface, wisp_error* e
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d vertices", fabric->vertex_count );
     }
     s->mesh.vertex_count = fabric->vertex_count;
+    s->spare_count = source->spare_count;
     for ( int v = 0; v < fabric->vertex_count; ++v )
     {
         s->mesh.points[v] = fabric->rest[fabric->vertex_slot[v]];
@@ -245,15 +266,15 @@ static wisp_status make_instance( scene_world* world, int surface, wisp_error* e
     place( s->mesh.points, s->mesh.vertex_count, entry->pose );
     wisp_fabric_retain( source->fabric );
     s->fabric = source->fabric;
-    status = status == WISP_OK ? scene_pins_find( world->scene, surface, &source->repairs, s, error ) : status;
-    status = status == WISP_OK ? scene_start_load( world->scene, surface, &source->repairs, s, error ) : status;
+    status = status == WISP_OK ? find_pins( world->scene, surface, &source->repairs, s, error ) : status;
+    status = status == WISP_OK ? load_start( world->scene, surface, &source->repairs, s, error ) : status;
     if ( status == WISP_OK )
     {
         scene_start_place( entry, s );
         status = scene_animation_load( world->scene, surface, rest, s, error );
     }
     free( rest );
-    return status;
+    return status == WISP_OK ? scene_tearing_prepare( world, surface, error ) : status;
 }
 
 // ---- effects ----
@@ -269,6 +290,7 @@ static wisp_status add_particles( scene_world* world, int surface, wisp_error* e
     def.vertex_mass = entry->vertex_mass;
     def.pins = s->pins;
     def.pin_count = s->pin_count;
+    def.spare_count = s->spare_count;
     def.gravity = entry->gravity;
     wisp_status status = wisp_add_surface( world->world, &def, &s->entity );
     if ( status == WISP_OK && scene_maps_set( world, surface, true, error ) != WISP_OK )
@@ -344,7 +366,7 @@ static wisp_status dress( scene_world* world, int surface, const wisp_balloon_de
     {
         status = wisp_set_boundary( world->world, entity, &entry->boundary );
     }
-    return status;
+    return status == WISP_OK ? scene_tearing_set( world, surface, NULL ) : status;
 }
 
 static wisp_status request( scene_world* world, int surface )

@@ -113,8 +113,9 @@ static wisp_status check_def( const wisp_fabric_def* def, wisp_error* error )
 
 // ---- stages ----
 
-// Computes the vertex order, and the neighbours by slot.
-static bool order( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch, fabric_graph* graph )
+// Computes the vertex order, or takes that of another fabric, and the neighbours by slot.
+static bool order( const wisp_fabric_def* def, const wisp_fabric* like, cook_fabric* cooked, fabric_pool* scratch,
+                   fabric_graph* graph )
 {
     wisp_fabric* f = &cooked->fabric;
     fabric_pool user = { .allocator = scratch->allocator };
@@ -124,10 +125,18 @@ static bool order( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool*
     f->vertex_slot = vertex_slot;
     f->slot_vertex = slot_vertex;
     bool done = vertex_slot != NULL && slot_vertex != NULL &&
-                fabric_graph_make( &user, def->triangles, def->triangle_count, def->vertex_count, &by_vertex ) &&
-                fabric_order_vertices( user.allocator, &by_vertex, def->attachments, def->attachment_count,
-                                       vertex_slot, slot_vertex ) &&
-                fabric_graph_relist( scratch, &by_vertex, slot_vertex, vertex_slot, graph );
+                fabric_graph_make( &user, def->triangles, def->triangle_count, def->vertex_count, &by_vertex );
+    if ( done && like != NULL )
+    {
+        memcpy( vertex_slot, like->vertex_slot, (size_t)f->vertex_count * sizeof( int32_t ) );
+        memcpy( slot_vertex, like->slot_vertex, (size_t)f->vertex_count * sizeof( int32_t ) );
+    }
+    else if ( done )
+    {
+        done = fabric_order_vertices( user.allocator, &by_vertex, def->attachments, def->attachment_count,
+                                      vertex_slot, slot_vertex );
+    }
+    done = done && fabric_graph_relist( scratch, &by_vertex, slot_vertex, vertex_slot, graph );
     for ( int s = f->vertex_count; s < f->slot_count && done; ++s )
     {
         slot_vertex[s] = -1;
@@ -389,7 +398,23 @@ wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned arrays )
     return done ? WISP_OK : WISP_NO_MEMORY;
 }
 
-static bool cook( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )
+// Edges are sorted by their first slot, then by their second.
+int wisp_fabric_find_edge( const wisp_fabric* f, int32_t a, int32_t b )
+{
+    const int32_t first = a < b ? a : b, second = a < b ? b : a;
+    int lower = 0, upper = f->edge_count - 1;
+    while ( lower < upper )
+    {
+        const int middle = lower + ( upper - lower ) / 2;
+        const int32_t* edge = f->edges + 2 * (size_t)middle;
+        const bool is_before = edge[0] < first || ( edge[0] == first && edge[1] < second );
+        lower = is_before ? middle + 1 : lower;
+        upper = is_before ? upper : middle;
+    }
+    return lower;
+}
+
+static bool cook( const wisp_fabric_def* def, const wisp_fabric* like, cook_fabric* cooked, fabric_pool* scratch )
 {
     wisp_fabric* f = &cooked->fabric;
     f->vertex_count = def->vertex_count;
@@ -403,7 +428,7 @@ static bool cook( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* 
     fabric_graph graph;
     fabric_mesh mesh;
     bool across = def->tethers || def->coarse_sheets;
-    bool done = order( def, cooked, scratch, &graph ) && rename( def, cooked, scratch ) &&
+    bool done = order( def, like, cooked, scratch, &graph ) && rename( def, cooked, scratch ) &&
                 fabric_mesh_connect( &graph, across, scratch, cooked, &mesh ) &&
                 fabric_mesh_measure_areas( &mesh, scratch, cooked ) && cook_rings( &mesh, cooked, scratch ) &&
                 cook_lists( def, cooked, scratch ) && cook_parts( def, &mesh, cooked );
@@ -418,6 +443,23 @@ static bool cook( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* 
     return done;
 }
 
+wisp_status fabric_cook_checked( const wisp_fabric_def* def, const wisp_fabric* like, const wisp_allocator* allocator,
+                                 wisp_fabric** out, wisp_error* error )
+{
+    fabric_pool scratch = { .allocator = allocator };
+    cook_fabric* cooked = fabric_create( allocator );
+    bool done = cooked != NULL && cook( def, like, cooked, &scratch );
+    fabric_pool_release( &scratch );
+    if ( done == false )
+    {
+        wisp_fabric_release( (wisp_fabric*)cooked );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to cook a fabric of %d vertices and %d triangles",
+                          def->vertex_count, def->triangle_count );
+    }
+    *out = &cooked->fabric;
+    return WISP_OK;
+}
+
 wisp_status wisp_fabric_cook( const wisp_fabric_def* given, const wisp_allocator* allocator, wisp_fabric** out,
                               wisp_error* error )
 {
@@ -430,20 +472,5 @@ wisp_status wisp_fabric_cook( const wisp_fabric_def* given, const wisp_allocator
     const wisp_fabric_def* def = &values;
     WISP_TRY( wisp_def_read( &values, given, "wisp_default_fabric_def", error ) );
     wisp_status status = check_def( def, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    fabric_pool scratch = { .allocator = allocator };
-    cook_fabric* cooked = fabric_create( allocator );
-    bool done = cooked != NULL && cook( def, cooked, &scratch );
-    fabric_pool_release( &scratch );
-    if ( done == false )
-    {
-        wisp_fabric_release( (wisp_fabric*)cooked );
-        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to cook a fabric of %d vertices and %d triangles",
-                          def->vertex_count, def->triangle_count );
-    }
-    *out = &cooked->fabric;
-    return WISP_OK;
+    return status == WISP_OK ? fabric_cook_checked( def, NULL, allocator, out, error ) : status;
 }

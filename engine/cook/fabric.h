@@ -41,6 +41,13 @@ static inline int fabric_tiles( int vertex_count, int tile_size )
     return vertex_count / tile_size + ( vertex_count % tile_size != 0 ? 1 : 0 );
 }
 
+// ---- fabric.c ----
+
+/// Cook a checked definition.
+/// @param like null: the order is found; else it is that of this fabric, which has the same vertices
+wisp_status fabric_cook_checked( const wisp_fabric_def* def, const wisp_fabric* like, const wisp_allocator* allocator,
+                                 wisp_fabric** out, wisp_error* error );
+
 // ---- fabric_mesh.c ----
 
 /// Neighbours of vertices, without duplicates.

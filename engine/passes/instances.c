@@ -50,6 +50,7 @@ static bool can_join( wisp_frame* frame, wisp_entity first, wisp_entity entity, 
                 *material_first = wisp_frame_column( frame, first, material_of( user ), 0 );
     const size_t bytes = (size_t)wisp_frame_fabric( frame, first )->link_order.slot_count * sizeof( float );
     return has_folds( frame, entity ) == false && wisp_frame_has( frame, entity, WISP_MAP_DAMPING ) == false &&
+           wisp_frame_has( frame, entity, WISP_LINK_LAMBDA ) == false &&
            wisp_frame_has( frame, first, WISP_LINK_FOLDS ) == wisp_frame_has( frame, entity, WISP_LINK_FOLDS ) &&
            offset <= INT32_MAX && offset >= INT32_MIN && memcmp( material, material_first, bytes ) == 0;
 }

@@ -122,6 +122,10 @@ void plan_registry_release( wisp_registry* r );
 /// @return status of the first invalid declaration, with its message in r->error
 wisp_status plan_registry_add( wisp_registry* r, const wisp_module* module );
 void* plan_registry_state( const wisp_registry* r, const char* module );
+/// Notify the modules of other triangles, and of the end of a step; the first failure ends it.
+wisp_status plan_registry_triangles_changed( const wisp_registry* r, wisp_world* world, wisp_entity surface,
+                                             const wisp_fabric* before );
+wisp_status plan_registry_stepped( const wisp_registry* r, wisp_world* world );
 /// Notify the modules before an entity is removed.
 void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_entity entity );
 /// Call the hooks of teleports. The first failure ends it. @param is_moved set if a module moves the entity

@@ -290,6 +290,33 @@ void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_enti
     }
 }
 
+wisp_status plan_registry_triangles_changed( const wisp_registry* r, wisp_world* world, wisp_entity surface,
+                                             const wisp_fabric* before )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < r->state_count && status == WISP_OK; ++i )
+    {
+        if ( r->states[i].hooks.triangles_changed != NULL )
+        {
+            status = r->states[i].hooks.triangles_changed( r->states[i].memory, world, surface, before );
+        }
+    }
+    return status;
+}
+
+wisp_status plan_registry_stepped( const wisp_registry* r, wisp_world* world )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < r->state_count && status == WISP_OK; ++i )
+    {
+        if ( r->states[i].hooks.stepped != NULL )
+        {
+            status = r->states[i].hooks.stepped( r->states[i].memory, world );
+        }
+    }
+    return status;
+}
+
 wisp_status plan_registry_teleported( const wisp_registry* r, wisp_world* world, wisp_entity entity,
                                       const wisp_teleport_motion* teleport, bool* is_moved )
 {

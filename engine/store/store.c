@@ -237,6 +237,42 @@ void store_remove( store* s, wisp_entity entity )
     s->structure += 1;
 }
 
+bool store_reserve_rows( store* s, const store_entity* e, wisp_table table, int count )
+{
+    const int others = s->row_count[table] - e->rows[table].count;
+    return count <= INT32_MAX - others && grow_table( s, table, others + count );
+}
+
+void store_resize_rows( store* s, store_entity* e, wisp_table table, int count )
+{
+    const store_rows rows = e->rows[table];
+    const int change = count - rows.count, end = rows.begin + rows.count, total = s->row_count[table];
+    const int cleared = change < 0 ? total + change : end; // vacated at the end, or new
+    for ( int i = 1; i < s->component_count; ++i )
+    {
+        const store_component* c = s->components + i;
+        for ( int k = 0; k < c->def.column_count; ++k )
+        {
+            if ( c->def.table == table && c->columns[k] != NULL )
+            {
+                const size_t row_size = c->def.columns[k].row_size;
+                char* data = c->columns[k];
+                memmove( data + (size_t)( end + change ) * row_size, data + (size_t)end * row_size,
+                         (size_t)( total - end ) * row_size );
+                memset( data + (size_t)cleared * row_size, 0, (size_t)( change < 0 ? -change : change ) * row_size );
+            }
+        }
+    }
+    for ( int i = 0; i < s->entity_count; ++i )
+    {
+        store_entity* other = s->entities + i;
+        other->rows[table].begin += other->alive && other != e && other->rows[table].begin >= end ? change : 0;
+    }
+    e->rows[table].count = count;
+    s->row_count[table] += change;
+    s->structure += 1;
+}
+
 static bool allocate_columns( store* s, store_component* c )
 {
     for ( int k = 0; k < c->def.column_count; ++k )

@@ -85,6 +85,12 @@ bool store_add( store* s, const int row_counts[WISP_TABLE_COUNT], wisp_entity* o
 /// Later rows move down to close the gap.
 void store_remove( store* s, wisp_entity entity );
 
+/// Make room for as many rows of an entity in a table. @return false without memory, nothing changed
+bool store_reserve_rows( store* s, const store_entity* e, wisp_table table, int count );
+/// Give it another number of rows, for which there is room. Rows of others move; of its own, those that remain are kept, and those that
+/// are new are zero.
+void store_resize_rows( store* s, store_entity* e, wisp_table table, int count );
+
 /// @return false without memory, nothing changed
 bool store_attach( store* s, wisp_entity entity, wisp_component component );
 void store_detach( store* s, wisp_entity entity, wisp_component component );

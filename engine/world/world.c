@@ -299,7 +299,7 @@ static wisp_status step( wisp_world* world, float seconds )
     {
         return wisp_world_fail( world, frame->error.status, "%s", frame->error.message );
     }
-    return WISP_OK;
+    return plan_registry_stepped( &world->registry, world );
 }
 
 wisp_status wisp_world_run( wisp_world* world, wisp_entity entity, wisp_pass_fn* run, void* user )
@@ -365,6 +365,7 @@ const char* wisp_counter_name( wisp_counter counter )
         "sagging strands",
         "stretched strands",
         "limited speeds",
+        "split vertices",
     };
     return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";
 }

@@ -83,6 +83,9 @@ wisp_status world_find_surface( wisp_world* world, wisp_entity entity, store_ent
 /// Inverse mass of a vertex while it is not pinned, 1/kg; 0 if it has no mass.
 float world_inverse_mass( wisp_world* world, const store_entity* surface, int slot );
 
+/// List which edge each link and hinge takes the factor of its map from. @return false without memory
+bool world_list_map_edges( wisp_world* world, store_entity* surface );
+
 // world_sleep.c, in a step that has substeps
 
 /// Wake entities, before any pass.

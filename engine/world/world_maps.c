@@ -28,24 +28,6 @@ static float* column_of( wisp_world* world, const store_entity* e, wisp_componen
     return store_column( &world->store, e, component, 0 );
 }
 
-// ---- edges ----
-
-// @return number of the edge between two slots; edges are sorted by their first slot, then by their second
-static int find_edge( const wisp_fabric* f, int32_t a, int32_t b )
-{
-    const int32_t first = a < b ? a : b, second = a < b ? b : a;
-    int lower = 0, upper = f->edge_count - 1;
-    while ( lower < upper )
-    {
-        const int middle = lower + ( upper - lower ) / 2;
-        const int32_t* edge = f->edges + 2 * (size_t)middle;
-        const bool is_before = edge[0] < first || ( edge[0] == first && edge[1] < second );
-        lower = is_before ? middle + 1 : lower;
-        upper = is_before ? upper : middle;
-    }
-    return lower;
-}
-
 // ---- coefficients ----
 
 static float times( float constant, const float* map, int edge, bool is_stiffness )
@@ -123,7 +105,7 @@ static float mean_along( const wisp_fabric* f, const wisp_fabric_level* level, i
         if ( a != b )
         {
             const double part = (double)v3_length( v3_sub( f->rest[a], f->rest[b] ) );
-            sum += part * (double)map[find_edge( f, a, b )];
+            sum += part * (double)map[wisp_fabric_find_edge( f, a, b )];
             length += part;
         }
     }
@@ -250,8 +232,7 @@ static wisp_status begin_map( wisp_world* world, wisp_entity surface, wisp_compo
 
 // ---- setting ----
 
-// Which edge each link and hinge takes its factor from. @return false without memory
-static bool list_edges( wisp_world* world, store_entity* e )
+bool world_list_map_edges( wisp_world* world, store_entity* e )
 {
     const wisp_fabric* f = e->fabric;
     const wisp_allocator* allocator = &world->allocator;
@@ -266,7 +247,7 @@ static bool list_edges( wisp_world* world, store_entity* e )
     for ( int h = 0, count = 0; h < f->hinge_count; ++h )
     {
         const int32_t* corner = f->hinges + 4 * (size_t)h;
-        of_hinge[h] = find_edge( f, corner[0], corner[1] );
+        of_hinge[h] = wisp_fabric_find_edge( f, corner[0], corner[1] );
         of_link[count] = of_hinge[h];
         count += corner[2] != corner[3] ? 1 : 0; // as the fabric lists bend links
     }
@@ -319,9 +300,10 @@ static wisp_status attach_map( wisp_world* world, wisp_entity surface, wisp_comp
     status = status == WISP_OK ? wisp_world_attach( world, surface, map ) : status;
     if ( status == WISP_OK && keeps && keeps_already == false )
     {
-        status = list_edges( world, e ) ? WISP_OK
-                                        : wisp_world_fail( world, WISP_NO_MEMORY, "%s: out of memory for its edges",
-                                                           wisp_world_component_name( world, map ) );
+        status = world_list_map_edges( world, e )
+                     ? WISP_OK
+                     : wisp_world_fail( world, WISP_NO_MEMORY, "%s: out of memory for its edges",
+                                        wisp_world_component_name( world, map ) );
         copy_rows( world, e, true );
     }
     if ( status != WISP_OK && is_new )
@@ -411,8 +393,9 @@ static void fill_by_edges( wisp_world* world, const store_entity* e, wisp_compon
     for ( int t = 0; t < f->triangle_count && map == WISP_MAP_BEND_RIGIDITY; ++t )
     {
         const int32_t* corner = f->triangles + 3 * (size_t)t;
-        row[t] = ( factors[find_edge( f, corner[0], corner[1] )] + factors[find_edge( f, corner[1], corner[2] )] +
-                   factors[find_edge( f, corner[2], corner[0] )] ) /
+        row[t] = ( factors[wisp_fabric_find_edge( f, corner[0], corner[1] )] +
+                   factors[wisp_fabric_find_edge( f, corner[1], corner[2] )] +
+                   factors[wisp_fabric_find_edge( f, corner[2], corner[0] )] ) /
                  3.0f;
     }
     if ( map != WISP_MAP_BEND_RIGIDITY )

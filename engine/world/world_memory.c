@@ -1,6 +1,8 @@
 // Where the memory of a world goes.
 #include "world.h"
 
+#include "fabric.h"
+
 #include <string.h>
 
 // Parts as they are found.
@@ -43,6 +45,12 @@ static bool is_first( const store* s, int slot, const void* shared, bool is_fabr
     return true;
 }
 
+// A surface whose triangles have changed has a fabric in the memory of the world.
+static bool is_own( const store* s, const wisp_fabric* fabric )
+{
+    return ( (const cook_fabric*)fabric )->keep.allocator == s->allocator;
+}
+
 static size_t topology_bytes( const store* s )
 {
     size_t bytes = 0;
@@ -51,6 +59,9 @@ static size_t topology_bytes( const store* s )
         const store_entity* e = s->entities + i;
         bytes += e->alive && e->strands != NULL && is_first( s, i, e->strands, false )
                      ? ( (const cook_strands*)e->strands )->bytes
+                     : 0;
+        bytes += e->alive && e->fabric != NULL && is_own( s, e->fabric ) && is_first( s, i, e->fabric, true )
+                     ? wisp_fabric_bytes( e->fabric )
                      : 0;
     }
     return bytes;
@@ -62,8 +73,9 @@ static size_t fabric_bytes( const store* s )
     for ( int i = 0; i < s->entity_count; ++i )
     {
         const store_entity* e = s->entities + i;
-        bytes +=
-            e->alive && e->fabric != NULL && is_first( s, i, e->fabric, true ) ? wisp_fabric_bytes( e->fabric ) : 0;
+        bytes += e->alive && e->fabric != NULL && is_own( s, e->fabric ) == false && is_first( s, i, e->fabric, true )
+                     ? wisp_fabric_bytes( e->fabric )
+                     : 0;
     }
     return bytes;
 }
@@ -79,7 +91,7 @@ static void add_engine( part_list* parts, const wisp_world* world )
     add_whole( parts, "scratch", WISP_MEMORY_ENGINE, scratch );
     add( parts, "entities", WISP_MEMORY_ENGINE, (size_t)s->entity_count * sizeof( store_entity ),
          (size_t)s->entity_capacity * sizeof( store_entity ) );
-    add_whole( parts, "strand topology", WISP_MEMORY_ENGINE, topology_bytes( s ) );
+    add_whole( parts, "topology", WISP_MEMORY_ENGINE, topology_bytes( s ) );
     add_whole( parts, "plan", WISP_MEMORY_ENGINE, plan_memory( &world->plan ) );
     add_whole( parts, "blended points", WISP_MEMORY_ENGINE, world->blend.previous.size + world->blend.points.size );
     add_whole( parts, "sleep", WISP_MEMORY_ENGINE, world->sleep.boxes.size );

@@ -167,7 +167,7 @@ static int fill_particles( wisp_world* world, wisp_entity entity, const wisp_sur
         int vertex = fabric->slot_vertex[slot];
         const wisp_vec3 p = vertex >= 0 && def->points != NULL ? def->points[vertex] : fabric->rest[slot];
         float w = vertex >= 0 ? inverse_mass( fabric, slot, def->area_density, def->vertex_mass ) : 0.0f;
-        weightless += vertex >= 0 && w == 0.0f ? 1 : 0;
+        weightless += vertex >= 0 && vertex < fabric->vertex_count - def->spare_count && w == 0.0f ? 1 : 0;
         float* to = position + (size_t)slot * 4;
         to[0] = p.x;
         to[1] = p.y;

@@ -33,6 +33,13 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
     attachments_forget( state, world, entity );
 }
 
+static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_entity surface,
+                                      const wisp_fabric* before )
+{
+    attachments_follow_triangles( memory, world, surface, before );
+    return WISP_OK;
+}
+
 static size_t count_memory( const void* memory, size_t* outside )
 {
     (void)outside;
@@ -64,8 +71,10 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks(
-        r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
+                                                  .removed = entity_removed,
+                                                  .triangles_changed = triangles_changed,
+                                                  .memory = count_memory } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = find_surroundings } );
     const wisp_component_def place = { "attachments.place", WISP_TABLE_PARTICLE, PLACE_COLUMNS, 1 };
     state->place = wisp_declare_component( r, &place );

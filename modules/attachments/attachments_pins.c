@@ -384,3 +384,36 @@ void attachments_forget( attachments_state* state, wisp_world* world, wisp_entit
         }
     }
 }
+
+static void follow_triangle( attachments_place* place, int slot_count, wisp_entity to, const int32_t* before,
+                             const int32_t* now )
+{
+    for ( int slot = 0; slot < slot_count; ++slot )
+    {
+        if ( wisp_entity_equal( place[slot].to, to ) &&
+             memcmp( place[slot].corner, before, sizeof( place[slot].corner ) ) == 0 )
+        {
+            memcpy( place[slot].corner, now, sizeof( place[slot].corner ) );
+        }
+    }
+}
+
+// A new vertex is in no triangle of before, so no place is taken twice.
+void attachments_follow_triangles( const attachments_state* state, wisp_world* world, wisp_entity to,
+                                   const wisp_fabric* before )
+{
+    const int32_t *now = wisp_world_fabric( world, to )->triangles, *then = before->triangles;
+    for ( int i = 0; i < state->count; ++i )
+    {
+        attachments_place* place = wisp_world_column( world, state->surfaces[i], state->place, 0 );
+        const int slots = wisp_world_fabric( world, state->surfaces[i] )->slot_count;
+        for ( int t = 0; t < before->triangle_count && place != NULL; ++t )
+        {
+            const size_t first = 3 * (size_t)t;
+            if ( memcmp( now + first, then + first, 3 * sizeof( int32_t ) ) != 0 )
+            {
+                follow_triangle( place, slots, to, then + first, now + first );
+            }
+        }
+    }
+}

@@ -27,5 +27,9 @@ _Static_assert( sizeof( wisp_entity ) == 8 && sizeof( attachments_place ) == 44,
 /// Rows of the surface that the span names take their targets from the other surfaces.
 void attachments_follow( wisp_frame* frame, const wisp_span* span, void* user ); // attachments_pins.c
 
+/// Pins that are attached to a surface go with their triangles, whose corners may be other vertices now.
+void attachments_follow_triangles( const attachments_state* state, wisp_world* world, wisp_entity to,
+                                   const wisp_fabric* before ); // attachments_pins.c
+
 /// Detach all pins that are attached to a surface.
 void attachments_forget( attachments_state* state, wisp_world* world, wisp_entity to ); // attachments_pins.c

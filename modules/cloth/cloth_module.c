@@ -63,6 +63,25 @@ static size_t count_memory( const void* memory, size_t* outside )
     return bytes;
 }
 
+// A plate is made of a fabric. Without memory for another one the surface no longer resists bending.
+static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_entity surface,
+                                      const wisp_fabric* before )
+{
+    (void)before;
+    cloth_state* state = memory;
+    if ( cloth_find_plate( state, surface ) < 0 )
+    {
+        return WISP_OK;
+    }
+    cloth_remove_plate( state, surface, wisp_world_allocator( world ) );
+    const wisp_status status = cloth_add_plate( world, state, surface );
+    if ( status != WISP_OK )
+    {
+        (void)wisp_world_detach( world, surface, state->bending );
+    }
+    return status;
+}
+
 static void declare_maps( wisp_registry* r, const cloth_state* state )
 {
     wisp_declare_map( r, WISP_MAP_STRETCH_COMPLIANCE, WISP_LINK_COMPLIANCE, NULL );
@@ -82,8 +101,10 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks(
-        r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
+                                                  .removed = entity_removed,
+                                                  .triangles_changed = triangles_changed,
+                                                  .memory = count_memory } );
     const wisp_component_def air = { "cloth.air", WISP_TABLE_ENTITY, AIR_COLUMNS, 1 };
     const wisp_component_def damping = { "cloth.damping", WISP_TABLE_ENTITY, DAMPING_COLUMNS, 1 };
     state->air = wisp_declare_component( r, &air );

@@ -113,6 +113,17 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
     }
 }
 
+// The contact mesh is made of the triangles of participants.
+static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_entity surface,
+                                      const wisp_fabric* before )
+{
+    (void)before;
+    contact_state* state = memory;
+    (void)world;
+    state->changed = state->changed || contact_find_participant( state, surface ) >= 0;
+    return WISP_OK;
+}
+
 // As wisp_sleep_hooks.reach.
 static float participant_reach( const void* memory, wisp_world* world, wisp_entity entity )
 {
@@ -245,8 +256,10 @@ static wisp_status declare( wisp_registry* r )
         .limit = &state->limit,
         .untangling = &state->untangling,
     };
-    wisp_declare_hooks(
-        r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
+                                                  .removed = entity_removed,
+                                                  .triangles_changed = triangles_changed,
+                                                  .memory = count_memory } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .reach = participant_reach } );
     wisp_status status = declare_components( r, state );
     status = status == WISP_OK ? declare_limit( r, state ) : status;

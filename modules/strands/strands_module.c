@@ -427,6 +427,7 @@ static wisp_status declare( wisp_registry* r )
     wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
                                                   .removed = strands_entity_removed,
                                                   .teleported = strands_teleported,
+                                                  .triangles_changed = strands_triangles_changed,
                                                   .memory = count_memory } );
     wisp_declare_sleep( r, &( wisp_sleep_hooks ){ .surroundings = strands_surroundings, .rested = strands_rested } );
 #define STRANDS_DECLARE( member, name, table, columns )                                                              \

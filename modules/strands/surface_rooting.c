@@ -261,3 +261,40 @@ void strands_entity_removed( void* memory, wisp_world* world, wisp_entity entity
         }
     }
 }
+
+static void follow_triangle( const strands_state* state, wisp_world* world, wisp_entity strands,
+                             const int32_t* before, const int32_t* now )
+{
+    int32_t* slot = wisp_world_column( world, strands, state->anchor, 0 );
+    for ( int i = 0; i < wisp_world_strands( world, strands )->group_count * WISP_LANES; ++i )
+    {
+        int32_t* corner = slot + strands_vector( i / WISP_LANES, i % WISP_LANES );
+        if ( corner[0] == before[0] && corner[WISP_LANES] == before[1] && corner[2 * WISP_LANES] == before[2] )
+        {
+            corner[0] = now[0];
+            corner[WISP_LANES] = now[1];
+            corner[2 * WISP_LANES] = now[2];
+        }
+    }
+}
+
+wisp_status strands_triangles_changed( void* memory, wisp_world* world, wisp_entity surface,
+                                       const wisp_fabric* before )
+{
+    const strands_state* state = memory;
+    const int32_t *now = wisp_world_fabric( world, surface )->triangles, *then = before->triangles;
+    for ( int i = 0; i < state->rooted_count; ++i )
+    {
+        const wisp_entity* of = wisp_world_column( world, state->rooted[i], state->surface, 0 );
+        const bool is_here = of != NULL && wisp_entity_equal( *of, surface );
+        for ( int t = 0; t < before->triangle_count && is_here; ++t )
+        {
+            const size_t first = 3 * (size_t)t;
+            if ( memcmp( now + first, then + first, 3 * sizeof( int32_t ) ) != 0 )
+            {
+                follow_triangle( state, world, state->rooted[i], then + first, now + first );
+            }
+        }
+    }
+    return WISP_OK;
+}

@@ -21,6 +21,9 @@ void strands_put_corners( float* corner, int group, int lane, const strands_tria
 
 /// Handle removed entities: roots of a removed surface stay in place.
 void strands_entity_removed( void* state, wisp_world* world, wisp_entity entity );
+/// As wisp_state_hooks.triangles_changed: roots go with their triangles.
+wisp_status strands_triangles_changed( void* memory, wisp_world* world, wisp_entity surface,
+                                       const wisp_fabric* before );
 
 /// Handle teleports: strands go along with their head, or with the surface that they are rooted in.
 wisp_status strands_teleported( void* state, wisp_world* world, wisp_entity entity,

@@ -50,6 +50,7 @@
 #include "seams.h"
 #include "strand_appearance.h"
 #include "strands.h"
+#include "tearing.h"
 #include "wisp.hpp"
 
 #include <cstdio>

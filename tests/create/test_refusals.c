@@ -12,6 +12,7 @@
 #include "implicit_cloth.h"
 #include "seams.h"
 #include "strand_appearance.h"
+#include "tearing.h"
 #include "wisp/explain.h"
 #include "wisp/fabric.h"
 #include "wisp/generate.h"
@@ -94,6 +95,9 @@ static int close_fixture( void** state )
     X( wisp_attach_pins( W, E, corners, 1, E ) )                                                                     \
     X( wisp_detach_pins( W, E, corners, 1 ) )                                                                        \
     X( wisp_read_seam_pairs( W, E, NULL, 0 ) )                                                                       \
+    X( wisp_set_tearing( W, E, NULL ) )                                                                              \
+    X( wisp_read_tearing_stats( W, E, &( wisp_tearing_stats ){ 0 } ) )                                               \
+    X( wisp_read_triangles( W, E, &triangles[0][0], WISP_COUNT( triangles ) ) )                                      \
     X( wisp_set_gravity( W, E, points[0] ) )                                                                         \
     X( wisp_set_damping( W, E, 1.0f ) )                                                                              \
     X( wisp_set_strain_limit( W, E, 0.5f, 2.0f ) )                                                                   \

@@ -189,6 +189,10 @@ WISP_API void wisp_fabric_release( wisp_fabric* fabric );
 /// @return WISP_NO_MEMORY; WISP_BAD_INPUT the fabric is null
 WISP_API wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned arrays );
 
+/// Find the edge between two neighbouring slots. The fabric has its edges: wisp_fabric_need() makes those of a lean one.
+/// @return its number; that of another edge if the two are no neighbours
+WISP_API int wisp_fabric_find_edge( const wisp_fabric* fabric, int32_t a, int32_t b );
+
 /// Makes all arrays of a lean fabric. @return bytes that wisp_fabric_save() writes; 0 without memory for them
 WISP_API size_t wisp_fabric_saved_size( const wisp_fabric* fabric );
 /// Write a fabric, for wisp_fabric_load().

@@ -82,6 +82,7 @@ typedef struct wisp_surface_def
     float vertex_mass;       ///< kg; above 0 it is the mass of every vertex, whatever its area; default 0
     const int32_t* pins;     ///< [pin_count] vertices that move only by wisp_move_pins(), the user's order
     int pin_count;           ///< default 0
+    int spare_count;         ///< last vertices that are in no triangle on purpose: effects may take them; default 0
     wisp_vec3 gravity;       ///< m/s^2, default (0, -9.81, 0), as for strands; zero: none, and no pass
 } wisp_surface_def;
 
@@ -94,6 +95,10 @@ WISP_DEFINITION( surface_def );
 /// @note A vertex without triangles has no area. Unless vertex_mass is given it is pinned, and a log line says so.
 WISP_API wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* def, wisp_entity* out );
 
+/// Read the triangles of a surface, which change where it tears.
+/// @param out [count][3] vertices in the user's order, triangles in theirs
+/// @return WISP_BAD_INPUT `count` is not the number of triangles; WISP_CONFLICT the entity is not a surface; WISP_STALE_ID
+WISP_API wisp_status wisp_read_triangles( wisp_world* world, wisp_entity surface, int32_t* out, int count );
 /// Pin vertices where they are.
 /// @param vertices [count] in the user's order
 WISP_API wisp_status wisp_pin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count );
@@ -332,7 +337,8 @@ typedef enum wisp_counter
             ///< sweeps for their masses
     WISP_COUNT_SPEED_LIMITED =
         16, ///< velocities of vertices above the largest speed, scaled down to it, in each substep
-    WISP_COUNTER_COUNT = 17,
+    WISP_COUNT_SPLIT_VERTICES = 17, ///< vertices of surfaces that became two
+    WISP_COUNTER_COUNT = 18,
 } wisp_counter;
 
 WISP_API uint64_t wisp_world_counter( const wisp_world* world, wisp_counter counter );

@@ -208,6 +208,13 @@ typedef struct wisp_state_hooks
     /// @param is_moved set it if the entity is one that this module moves
     wisp_status ( *teleported )( void* state, wisp_world* world, wisp_entity entity,
                                  const wisp_teleport_motion* teleport, bool* is_moved );
+    /// The triangles of a surface have changed (wisp_world_change_triangles()): make anew what was made of them.
+    /// @param before the fabric that it had; a triangle is the same one in both, with its corners in the same order
+    wisp_status ( *triangles_changed )( void* state, wisp_world* world, wisp_entity surface,
+                                        const wisp_fabric* before );
+    /// A step has run all of its passes. Entities and their topology may change here, and what the host must not do in a step may
+    /// not be called.
+    wisp_status ( *stepped )( void* state, wisp_world* world );
     /// Count what the state points to, for wisp_world_memory_parts().
     /// @param outside add bytes to it that are not of the world's allocator, such as those of Embree
     /// @return bytes of the world's allocator, without the state itself
@@ -366,6 +373,16 @@ WISP_API void wisp_world_apply_maps( wisp_world* world, wisp_entity surface );
 WISP_API void* wisp_world_column( wisp_world* world, wisp_entity entity, wisp_component component, int column );
 WISP_API const wisp_strand_topology* wisp_world_strands( wisp_world* world, wisp_entity entity );
 WISP_API const wisp_fabric* wisp_world_fabric( wisp_world* world, wisp_entity entity );
+
+/// Give a surface other triangles, as many as it has, between steps or in wisp_state_hooks.stepped. It gets a fabric of its own, in
+/// which vertices keep their slots; what is stored of edges, links and hinges goes along. Masses follow the areas. Coarse sheets and
+/// tethers are not made again, so the surface must have none.
+/// @param triangles [triangle_count][3] slots: an edge of a triangle that is new is an edge of the old mesh between the parents of
+///        its ends
+/// @param parents [slot_count] a slot that was in no triangle is a copy of its parent from now on; all others are their own parents
+/// @return WISP_NO_MEMORY: nothing changed, unless a module lacks memory for what it makes anew
+WISP_API wisp_status wisp_world_change_triangles( wisp_world* world, wisp_entity surface, const int32_t* triangles,
+                                                  const int32_t* parents );
 
 /// Move rows of points, and of velocities: [row_count][row_floats], x y z first; what is behind them stays. Either may be null.
 WISP_API void wisp_teleport_rows( const wisp_teleport_motion* teleport, float* points, float* velocities,

@@ -1,0 +1,168 @@
+// Tearing of scenes: keys, spare vertices, instances, maps of the strength, bodies and recordings whose triangles change.
+#include "folder_fixture.h"
+
+#include "scene_world_fixture.h"
+
+#include "record.h"
+
+enum
+{
+    SIDE = 6,
+    OWN = SIDE * SIDE,
+    TRIANGLES = 2 * ( SIDE - 1 ) * ( SIDE - 1 ),
+};
+
+// Sheets that hang along z from their first row. Their weight is 0.23 N/m of width.
+static const char SHEETS[] = "wisp: 1\n"
+                             "gravity: [0, 0, 9.81]\n"
+                             "substeps: 4\n"
+                             "iterations: 4\n"
+                             "surfaces:\n"
+                             "  - name: a\n"
+                             "    generate: { shape: plane, columns: 6, rows: 6, spacing: 0.03 }\n"
+                             "    pins: [0, 1, 2, 3, 4, 5]\n"
+                             "    cloth: {}\n"
+                             "    tearing: { strength: %s, max_splits: 7, max_new_vertices: 12 }\n"
+                             "  - name: b\n"
+                             "    instance_of: a\n"
+                             "    transform: { translate: [1, 0, 0] }\n"
+                             "    pin_box: { min: [0, -1, -1], max: [2, 1, 1] }\n"
+                             "    cloth: {}\n"
+                             "    tearing: { strength: %s }\n";
+
+static void build_sheets( fixture* f, const char* a, const char* b )
+{
+    char text[2000];
+    snprintf( text, sizeof text, SHEETS, a, b );
+    build( f, text );
+}
+
+static void every_key_reaches_its_place_and_meshes_have_spare_vertices( void** state )
+{
+    (void)state;
+    fixture f;
+    build_sheets( &f, "80", "90" );
+    const wisp_scene_surface* s = f.scene.surfaces;
+    assert_true( s->has_tearing && s->tearing.strength == 80.0f && s->tearing.max_splits == 7 );
+    assert_true( s->max_new_vertices == 12 && s[1].max_new_vertices == -1 && s[1].tearing.max_splits == 64 );
+    // the instance asks for more: a quarter of 36, at least 64
+    for ( int i = 0; i < 2; ++i )
+    {
+        wisp_tearing_stats stats;
+        assert_int_equal( f.world.surfaces[i].spare_count, 64 );
+        assert_int_equal( wisp_read_tearing_stats( f.world.world, f.world.surfaces[i].entity, &stats ), WISP_OK );
+        assert_int_equal( stats.spare_count, 64 );
+    }
+    // spare vertices are not pinned, although they lie where a pin is
+    assert_int_equal( f.world.surfaces[0].pin_count, SIDE );
+    assert_int_equal( f.world.surfaces[1].pin_count, OWN );
+    release( &f );
+}
+
+static void an_instance_tears_on_its_own_and_bodies_show_it( void** state )
+{
+    (void)state;
+    fixture f;
+    build_sheets( &f, "0.01", "1e6" );
+    int32_t before[3 * TRIANGLES];
+    const scene_body a = scene_world_body( &f.world, 0 ), b = scene_world_body( &f.world, 1 );
+    assert_true( a.tears && b.tears && a.triangle_count == TRIANGLES && b.triangle_count == TRIANGLES );
+    assert_true( a.triangles != b.triangles );
+    memcpy( before, a.triangles, sizeof before );
+    assert_memory_equal( b.triangles, before, sizeof before );
+    step( &f, 20 );
+    assert_true( f.world.surfaces[0].split_count > 0 && f.world.surfaces[1].split_count == 0 );
+    assert_true( memcmp( a.triangles, before, sizeof before ) != 0 ); // the same array
+    assert_memory_equal( b.triangles, before, sizeof before );
+    int largest = 0;
+    for ( int i = 0; i < 3 * TRIANGLES; ++i )
+    {
+        largest = a.triangles[i] > largest ? a.triangles[i] : largest;
+    }
+    assert_int_equal( largest, OWN + f.world.surfaces[0].split_count - 1 );
+    release( &f );
+}
+
+// The strength grows from left to right: only the left tears.
+static void a_map_of_the_strength_is_one_number_per_vertex_of_the_mesh( void** state )
+{
+    fixture f;
+    const char* path = path_in( state, "strength.txt" );
+    FILE* file = fopen( path, "w" );
+    assert_non_null( file );
+    for ( int v = 0; v < OWN; ++v )
+    {
+        fprintf( file, "%s\n", v % SIDE < 3 ? "1e-6" : "1" );
+    }
+    fclose( file );
+    char map[600];
+    snprintf( map, sizeof map, "{ map: %s, to: 1000 }", path );
+    build_sheets( &f, map, "1e6" );
+    step( &f, 20 );
+    const scene_body a = scene_world_body( &f.world, 0 );
+    assert_true( f.world.surfaces[0].split_count > 0 );
+    for ( int t = 0; t < TRIANGLES; ++t )
+    {
+        const int column = t / 2 % ( SIDE - 1 ); // cells are row by row
+        for ( int k = 0; k < 3 && column >= 3; ++k )
+        {
+            assert_true( a.triangles[3 * t + k] < OWN );
+        }
+    }
+    release( &f );
+}
+
+static void recordings_hold_triangles_that_change_or_refuse_them( void** state )
+{
+    static const char* const NAMES[] = { "x.obj", "x.pvd", "x.pc2", "x.wisp", "x.usda", "x.glb" };
+    int32_t triangles[6] = { 0, 1, 2, 0, 2, 3 };
+    const wisp_record_body body = {
+        .name = "sheet", .triangles = triangles, .vertex_count = 6, .triangle_count = 2, .triangles_change = true
+    };
+    const wisp_recorder_def def = { .bodies = &body, .body_count = 1, .dt = 0.1 };
+    wisp_vec3 points[6] = { { 0 } };
+    const wisp_vec3* all[1] = { points };
+    for ( int i = 0; i < WISP_COUNT( NAMES ); ++i )
+    {
+        const char* path = path_in( state, NAMES[i] );
+        triangles[3] = 0;
+        wisp_recorder* recorder = NULL;
+        wisp_error error = { 0 };
+        const wisp_status status = wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error );
+        assert_int_equal( status, i < 3 ? WISP_OK : WISP_BAD_INPUT );
+        if ( status != WISP_OK )
+        {
+            assert_non_null( strstr( error.message, "body sheet: its triangles change, since it tears" ) );
+            continue;
+        }
+        assert_int_equal( wisp_recorder_frame( recorder, 0.0, 0, all, &error ), WISP_OK );
+        triangles[3] = 4;
+        assert_int_equal( wisp_recorder_frame( recorder, 0.1, 0, all, &error ), WISP_OK );
+        triangles[3] = 6;
+        assert_int_equal( wisp_recorder_frame( recorder, 0.2, 0, all, &error ), WISP_BAD_INPUT );
+        assert_int_equal( wisp_recorder_close( recorder, &error ), WISP_OK );
+    }
+    char line[100];
+    FILE* file = fopen( path_in( state, "x_0002.obj" ), "r" );
+    bool found = false;
+    assert_non_null( file );
+    while ( fgets( line, sizeof line, file ) )
+    {
+        found = found || strcmp( line, "f 5 3 4\n" ) == 0;
+    }
+    fclose( file );
+    assert_true( found );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( every_key_reaches_its_place_and_meshes_have_spare_vertices ),
+        cmocka_unit_test( an_instance_tears_on_its_own_and_bodies_show_it ),
+        cmocka_unit_test_setup_teardown( a_map_of_the_strength_is_one_number_per_vertex_of_the_mesh, make_folder,
+                                         remove_folder ),
+        cmocka_unit_test_setup_teardown( recordings_hold_triangles_that_change_or_refuse_them, make_folder,
+                                         remove_folder ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
