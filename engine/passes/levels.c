@@ -298,6 +298,85 @@ static void measure( const wisp_fabric_level* level, const float* at, float* mov
     }
 }
 
+// ---- sheets alone ----
+
+typedef struct scale_loop
+{
+    const float *from, *position; // [slot][4]
+    float* to;
+    float factor;
+} scale_loop;
+
+static void run_scale( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const scale_loop* loop = context;
+    for ( int slot = 8 * begin; slot < 8 * end; ++slot )
+    {
+        for ( int k = 0, i = 4 * slot; k < 3 && loop->position[4 * slot + 3] > 0.0f; ++k, ++i )
+        {
+            loop->to[i] = loop->factor * loop->from[i];
+        }
+    }
+}
+
+// Sets rows of vertices that are not pinned to a multiple of others. The fourth components stay.
+static void scale_rows( const levels_sheet* sheet, const float* position, const float* from, float factor, float* to )
+{
+    scale_loop loop = { from, position, to, factor };
+    wisp_parallel_for( sheet->parallel, sheet->level->finer_row_count / 8, SLICE_GRAIN, run_scale, &loop );
+}
+
+// Fraction of its offset from the sheets that a vertex keeps in a substep: most of it is gone after the steps of the blend.
+static float kept_offset( wisp_frame* frame, wisp_entity entity )
+{
+    const float steps = (float)wisp_frame_detail( frame, entity ).blend_steps;
+    const float left = steps * (float)wisp_frame_substeps( frame, entity ) - 3.0f;
+    return left > 0.0f ? left / ( left + 3.0f ) : 0.0f;
+}
+
+// Puts vertices where the finest sheet takes them, with a part of their offset: x' = P X' + kept ( x - P X ), with P the prolongation.
+static void follow_sheet( wisp_frame* frame, const wisp_span* span, const levels_sheet* sheet, float* value )
+{
+    const wisp_fabric_level* level = sheet->level;
+    const float* previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 );
+    float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    const float kept = kept_offset( frame, span->entity );
+    for ( int row = 0; row < level->row_count; ++row )
+    {
+        const float *now = sheet->links.position + 4 * row, *before = previous + level->slot_x4[row];
+        for ( int k = 0; k < 3; ++k )
+        {
+            value[4 * row + k] = now[k] - kept * before[k];
+        }
+        value[4 * row + 3] = 0.0f;
+    }
+    scale_rows( sheet, position, previous, kept, position );
+    prolong( sheet, value, position, position );
+}
+
+// Filters the velocity of vertices relative to the finest sheet, which fine constraints give them at once when they return.
+static void filter_velocity( wisp_frame* frame, const wisp_span* span, const levels_sheet* sheet, float* value )
+{
+    const wisp_fabric_level* level = sheet->level;
+    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+    const float kept = wisp_frame_detail( frame, span->entity ).blend;
+    gather_rows( level, velocity, value );
+    for ( int i = 0; i < 4 * level->row_count; ++i )
+    {
+        value[i] *= 1.0f - kept;
+    }
+    scale_rows( sheet, position, velocity, kept, velocity );
+    prolong( sheet, value, position, velocity );
+}
+
+static bool is_filtered( wisp_frame* frame, wisp_entity entity )
+{
+    const wisp_detail_frame detail = wisp_frame_detail( frame, entity );
+    return detail.from == WISP_DETAIL_COARSE && detail.level < WISP_DETAIL_COARSE && detail.blend < 1.0f;
+}
+
 // Moves the coarsest sheet from where the surface was. Its velocities are kept for the end of the substep.
 // @return false, and it forgets its history, if the surface has torn it apart
 static bool move_coarsest( wisp_frame* frame, const wisp_span* span, const levels_sheet* sheet,
@@ -383,6 +462,11 @@ static void carry( wisp_frame* frame, const wisp_span* span, void* user )
         set_pins( frame, span, &m, l, &sheet );
         move_sheet( frame, span, &m, &coarser, &sheet );
     }
+    if ( wisp_frame_detail( frame, span->entity ).level == WISP_DETAIL_COARSE )
+    {
+        follow_sheet( frame, span, &sheet, m.moved );
+        return;
+    }
     float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     prolong( &sheet, m.moved, position, position );
 }
@@ -423,6 +507,10 @@ static void carry_velocity( wisp_frame* frame, const wisp_span* span, void* user
         else
         {
             prolong( &sheet, value, position, velocity );
+            if ( is_filtered( frame, span->entity ) )
+            {
+                filter_velocity( frame, span, &sheet, m.moved );
+            }
         }
     }
     gather_rows( coarsest, velocity, motion[0] );

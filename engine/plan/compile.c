@@ -333,7 +333,7 @@ uint32_t plan_live_passes( const plan* p, const plan_node* node, int slot )
     uint32_t passes = 0;
     for ( int i = 0; i < node->pass_count; ++i )
     {
-        passes |= store_mask_has( &p->entities[slot].live, node->passes[i] ) ? 1u << i : 0;
+        passes |= store_mask_has( &p->entities[slot].runs, node->passes[i] ) ? 1u << i : 0;
     }
     return passes;
 }
@@ -425,8 +425,8 @@ static uint64_t hash_plan( const plan* p, const wisp_registry* r )
     }
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
-        const int split[2] = { slot, p->entities[slot].split };
-        hash = split[1] > 1 ? store_hash_bytes( hash, split, sizeof( split ) ) : hash;
+        const int rate[2] = { slot, plan_rate( p->entities + slot, r ) };
+        hash = rate[1] != 1 ? store_hash_bytes( hash, rate, sizeof( rate ) ) : hash;
     }
     return hash;
 }
@@ -528,13 +528,30 @@ static wisp_status need_fabric( const wisp_registry* r, const store_entity* e, s
     return arrays != 0 && e->fabric != NULL ? wisp_fabric_need( e->fabric, arrays ) : WISP_OK;
 }
 
+// Return those of some passes that run at a detail. The others keep their place in the plan, and their rows.
+static store_mask passes_at( const wisp_registry* r, store_mask live, wisp_detail detail )
+{
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        const unsigned use = r->passes[i].detail;
+        const bool runs = detail == WISP_DETAIL_NOTHING  ? ( use & WISP_PASS_WITHOUT_MOTION ) != 0
+                          : detail == WISP_DETAIL_COARSE ? ( use & WISP_PASS_FINE ) == 0
+                                                         : true;
+        if ( runs == false )
+        {
+            store_mask_remove( &live, i );
+        }
+    }
+    return live;
+}
+
 static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error )
 {
     store* s = r->store;
     for ( int slot = 0; slot < s->entity_count; ++slot )
     {
         const store_mask live = live_passes( r, s->entities + slot );
-        p->entities[slot] = ( plan_entity ){ .live = live };
+        p->entities[slot] = ( plan_entity ){ .live = live, .runs = passes_at( r, live, s->entities[slot].detail.level ) };
         wisp_status status = s->entities[slot].alive ? check_supply( r, live, slot, error ) : WISP_OK;
         if ( status != WISP_OK )
         {

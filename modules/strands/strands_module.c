@@ -4,6 +4,7 @@
 #include "rest_curvature.h"
 #include "rod_factors.h"
 #include "state_check.h"
+#include "strand_detail.h"
 #include "strand_grid.h"
 #include "strand_sleep.h"
 #include "strands_state.h"
@@ -29,6 +30,7 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
             .reads = { s->settings, s->head },
             .writes = { s->head },
             .run = strands_move_head,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "strands.tip_targets",
@@ -38,6 +40,16 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
             .reads = { s->tips },
             .writes = { s->tips },
             .run = strands_move_tips,
+        },
+        {
+            .name = "strands.slow",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .required = { wisp_detail_component( r ), s->settings },
+            .reads = { wisp_detail_component( r ), WISP_STRAND_VELOCITY },
+            .writes = { WISP_STRAND_VELOCITY },
+            .run = strands_slow,
+            .should_run = strands_slow_is_due,
         },
         {
             .name = "strands.factor",
@@ -87,6 +99,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .reads = { s->head, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .writes = { s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .run = strands_jump,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "strands.teleport_frames",
@@ -96,6 +109,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .reads = { s->head, s->curve },
             .writes = { s->curve },
             .run = strands_jump_frames,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "strands.roots",
@@ -105,6 +119,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .reads = { s->head, WISP_STRAND_REST },
             .writes = { WISP_STRAND_ROOT },
             .run = strands_root,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "strands.anchors",
@@ -116,6 +131,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .writes = { WISP_STRAND_ROOT, s->anchor, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .follows = true, // its surface
             .run = strands_anchor,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "strands.anchor_frames",
@@ -125,6 +141,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .reads = { s->anchor, s->curve },
             .writes = { s->curve },
             .run = strands_anchor_frames,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "strands.pins",
@@ -341,6 +358,7 @@ static wisp_status declare_stats( wisp_registry* r, strands_state* s )
                        WISP_STRAND_LENGTH },
             .writes = { WISP_MOTION_STATS },
             .run = strands_compute_motion_stats,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "strands.strain",
@@ -359,6 +377,7 @@ static wisp_status declare_stats( wisp_registry* r, strands_state* s )
             .reads = { WISP_STRAND_VELOCITY },
             .writes = { WISP_POINT_SPEED },
             .run = strands_scatter_speed,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
