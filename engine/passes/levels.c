@@ -302,8 +302,8 @@ static void measure( const wisp_fabric_level* level, const float* at, float* mov
 
 typedef struct scale_loop
 {
-    const float *from, *position; // [slot][4]
-    float* to;
+    const float* previous; // [slot][4]
+    float* position;
     float factor;
 } scale_loop;
 
@@ -315,16 +315,9 @@ static void run_scale( void* context, int begin, int end, int worker )
     {
         for ( int k = 0, i = 4 * slot; k < 3 && loop->position[4 * slot + 3] > 0.0f; ++k, ++i )
         {
-            loop->to[i] = loop->factor * loop->from[i];
+            loop->position[i] = loop->factor * loop->previous[i];
         }
     }
-}
-
-// Sets rows of vertices that are not pinned to a multiple of others. The fourth components stay.
-static void scale_rows( const levels_sheet* sheet, const float* position, const float* from, float factor, float* to )
-{
-    scale_loop loop = { from, position, to, factor };
-    wisp_parallel_for( sheet->parallel, sheet->level->finer_row_count / 8, SLICE_GRAIN, run_scale, &loop );
 }
 
 // Fraction of its offset from the sheets that a vertex keeps in a substep: most of it is gone after the steps of the blend.
@@ -351,30 +344,9 @@ static void follow_sheet( wisp_frame* frame, const wisp_span* span, const levels
         }
         value[4 * row + 3] = 0.0f;
     }
-    scale_rows( sheet, position, previous, kept, position );
+    scale_loop loop = { previous, position, kept };
+    wisp_parallel_for( sheet->parallel, level->finer_row_count / 8, SLICE_GRAIN, run_scale, &loop );
     prolong( sheet, value, position, position );
-}
-
-// Filters the velocity of vertices relative to the finest sheet, which fine constraints give them at once when they return.
-static void filter_velocity( wisp_frame* frame, const wisp_span* span, const levels_sheet* sheet, float* value )
-{
-    const wisp_fabric_level* level = sheet->level;
-    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
-    const float kept = wisp_frame_detail( frame, span->entity ).blend;
-    gather_rows( level, velocity, value );
-    for ( int i = 0; i < 4 * level->row_count; ++i )
-    {
-        value[i] *= 1.0f - kept;
-    }
-    scale_rows( sheet, position, velocity, kept, velocity );
-    prolong( sheet, value, position, velocity );
-}
-
-static bool is_filtered( wisp_frame* frame, wisp_entity entity )
-{
-    const wisp_detail_frame detail = wisp_frame_detail( frame, entity );
-    return detail.from == WISP_DETAIL_COARSE && detail.level < WISP_DETAIL_COARSE && detail.blend < 1.0f;
 }
 
 // Moves the coarsest sheet from where the surface was. Its velocities are kept for the end of the substep.
@@ -507,10 +479,6 @@ static void carry_velocity( wisp_frame* frame, const wisp_span* span, void* user
         else
         {
             prolong( &sheet, value, position, velocity );
-            if ( is_filtered( frame, span->entity ) )
-            {
-                filter_velocity( frame, span, &sheet, m.moved );
-            }
         }
     }
     gather_rows( coarsest, velocity, motion[0] );

@@ -33,14 +33,14 @@ static int substeps_at( const passes_detail* d, int level, int asked )
     return level == WISP_DETAIL_FULL ? asked : ( asked - 1 ) / d->divisor + 1;
 }
 
-// Rising substeps come one by one: shorter ones are stiffer.
+// Substeps come and go one by one: shorter ones are stiffer, so what is stretched would shorten at once, and what is blown up shrink.
 static void advance_substeps( passes_detail* d, int asked )
 {
     if ( d->active != WISP_DETAIL_NOTHING && d->active == d->level )
     {
         const int goal = substeps_at( d, d->active, asked ), of = d->of_substeps > 0 ? d->of_substeps : asked;
-        const bool rises = goal > of && d->elapsed < d->blend_steps;
-        d->substeps = rises ? of + (int)( (int64_t)( goal - of ) * d->elapsed / d->blend_steps ) : goal;
+        const bool blends = d->elapsed < d->blend_steps;
+        d->substeps = blends ? of + (int)( (int64_t)( goal - of ) * d->elapsed / d->blend_steps ) : goal;
     }
 }
 

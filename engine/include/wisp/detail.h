@@ -41,15 +41,14 @@ WISP_DEFINITION( detail_def );
 
 /// Set the level of an entity from the next step on. Entities run at full detail unless this is called.
 ///
-///  - To more substeps their number rises step by step, because shorter substeps are stiffer: all at once would shorten what is
-///    stretched within a substep, and give it that velocity. To fewer it falls at once.
-///  - To coarse sheets alone, offsets of fine vertices decay. From there, the velocity of fine vertices relative to the sheets is
-///    filtered, less from step to step.
+///  - To more or fewer substeps their number changes step by step, because shorter substeps are stiffer: all at once would shorten
+///    what is stretched within a substep, and give it that velocity.
+///  - To coarse sheets alone, offsets of fine vertices from where the sheets take them decay.
 ///  - To nothing, the entity goes on at the level that it has, while its velocity relative to the rigid motion falls to 0. From
 ///    there, it starts with the velocity of that motion.
 ///
 /// Entities that meet in the substep loop make the substeps of the one with the most (wisp_set_substeps). Setting what is set changes
-/// nothing. A change compiles the plan again, and so does each step in which the number of substeps rises; it needs no memory but at
+/// nothing. A change compiles the plan again, and so does each step in which the number of substeps changes; it needs no memory but at
 /// the first call of an entity. Results do not depend on the number of workers, and snapshots hold the level and its change.
 /// @param entity a surface or strands
 /// @return WISP_BAD_INPUT a number is out of range; WISP_CONFLICT the entity has neither vertices nor strands, or, for
