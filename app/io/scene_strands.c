@@ -24,6 +24,7 @@ wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
         .collision = wisp_default_collision_def(),
         .contact = wisp_default_contact_def(),
         .sleep = wisp_default_sleep_def(),
+        .detail = wisp_default_detail_def(),
         .tips_hold = WISP_STRAND_TIP_CLAMPED,
         .tips_release = INFINITY,
         .on_surface = -1,

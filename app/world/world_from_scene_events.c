@@ -343,15 +343,28 @@ static wisp_status play_velocity( scene_world* world, const wisp_scene_event* e 
     return status == WISP_OK && looks_back ? scene_implicit_set( world, e->surface ) : status;
 }
 
+static wisp_status play_detail( scene_world* world, const wisp_scene_event* e )
+{
+    const bool is_strands = e->strands >= 0;
+    wisp_detail_def def =
+        is_strands ? world->scene->strands[e->strands].detail : world->scene->surfaces[e->surface].detail;
+    def.level = e->detail;
+    return wisp_set_detail( world->world,
+                            is_strands ? world->entities[e->strands] : world->surfaces[e->surface].entity, &def );
+}
+
 // Pins are let go first, so that a velocity reaches them too.
 static wisp_status play( scene_world* world, const wisp_scene_event* e )
 {
+    wisp_status status = e->has_detail ? play_detail( world, e ) : WISP_OK;
     if ( e->strands >= 0 )
     {
-        return wisp_set_strand_wind( world->world, world->entities[e->strands], e->wind );
+        return status == WISP_OK && e->has_wind
+                   ? wisp_set_strand_wind( world->world, world->entities[e->strands], e->wind )
+                   : status;
     }
     scene_world_surface* s = &world->surfaces[e->surface];
-    wisp_status status = play_gas( world, e );
+    status = status == WISP_OK ? play_gas( world, e ) : status;
     if ( status == WISP_OK && e->release )
     {
         status = wisp_unpin( world->world, s->entity, s->pins, s->pin_count );

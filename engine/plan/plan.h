@@ -139,6 +139,8 @@ void plan_registry_rested( const wisp_registry* r, wisp_world* world, wisp_entit
 
 /// Has an entity something coarse of any module?
 bool plan_registry_has_coarse( const wisp_registry* r, const wisp_world* world, wisp_entity entity );
+/// Let all modules attach what an entity needs whose detail is set for the first time. The first failure ends it.
+wisp_status plan_registry_prepare_detail( const wisp_registry* r, wisp_world* world, wisp_entity entity );
 /// Tell all modules that an entity runs at another level of detail from now on.
 void plan_registry_detail_changed( const wisp_registry* r, wisp_world* world, wisp_entity entity, wisp_detail from,
                                    wisp_detail to );

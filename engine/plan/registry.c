@@ -373,6 +373,17 @@ bool plan_registry_has_coarse( const wisp_registry* r, const wisp_world* world, 
     return found;
 }
 
+wisp_status plan_registry_prepare_detail( const wisp_registry* r, wisp_world* world, wisp_entity entity )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < r->state_count && status == WISP_OK; ++i )
+    {
+        const plan_state* s = r->states + i;
+        status = s->detail.prepare != NULL ? s->detail.prepare( s->memory, world, entity ) : WISP_OK;
+    }
+    return status;
+}
+
 void plan_registry_detail_changed( const wisp_registry* r, wisp_world* world, wisp_entity entity, wisp_detail from,
                                    wisp_detail to )
 {

@@ -171,7 +171,7 @@ static wisp_status check_detail( wisp_world* world, wisp_entity entity, const wi
                                   entity.index );
 }
 
-static void set_level( const wisp_world* world, passes_detail* d, const wisp_detail_def* def )
+static void set_level( const wisp_world* world, const store_entity* e, passes_detail* d, const wisp_detail_def* def )
 {
     const bool is_before_steps = world->frame.step == 0;
     d->divisor = def->substep_divisor;
@@ -179,9 +179,12 @@ static void set_level( const wisp_world* world, passes_detail* d, const wisp_det
     d->elapsed = d->elapsed < d->blend_steps ? d->elapsed : d->blend_steps;
     if ( d->level != (int32_t)def->level || is_before_steps )
     {
-        d->from = d->active;
+        // strands that come back from a rigid motion go on coming back
+        const bool returns = e->strands != NULL && d->from >= WISP_DETAIL_COARSE && d->active < WISP_DETAIL_COARSE &&
+                             def->level < WISP_DETAIL_COARSE && is_before_steps == false;
+        d->from = returns ? d->from : d->active;
         d->level = (int32_t)def->level;
-        d->elapsed = is_before_steps ? d->blend_steps : 0;
+        d->elapsed = is_before_steps ? d->blend_steps : returns ? d->elapsed : 0;
         d->of_substeps = d->substeps;
     }
 }
@@ -192,8 +195,17 @@ wisp_status wisp_set_detail( wisp_world* world, wisp_entity entity, const wisp_d
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_detail_def", &def, given ) );
     WISP_TRY( wisp_world_check_entity( world, entity ) );
     WISP_TRY( check_detail( world, entity, &def ) );
+    const bool is_new = wisp_world_has( world, entity, world->registry.detail ) == false;
     WISP_TRY( wisp_world_attach( world, entity, world->registry.detail ) );
-    set_level( world, state_of( world, store_find( &world->store, entity ) ), &def );
+    const wisp_status status =
+        is_new ? plan_registry_prepare_detail( &world->registry, world, entity ) : WISP_OK;
+    if ( status != WISP_OK )
+    {
+        wisp_world_detach( world, entity, world->registry.detail );
+        return status;
+    }
+    const store_entity* e = store_find( &world->store, entity );
+    set_level( world, e, state_of( world, e ), &def );
     return WISP_OK;
 }
 

@@ -33,6 +33,8 @@ typedef struct wisp_detail_hooks
 {
     /// @return whether the entity has something coarse of this module
     bool ( *has_coarse )( const void* state, const wisp_world* world, wisp_entity entity );
+    /// The detail of the entity is set for the first time: attach what its passes need.
+    wisp_status ( *prepare )( const void* state, wisp_world* world, wisp_entity entity );
     /// The next step runs at another level than the last one.
     void ( *changed )( const void* state, wisp_world* world, wisp_entity entity, wisp_detail from, wisp_detail to );
 } wisp_detail_hooks;
