@@ -59,7 +59,7 @@ typedef struct scene_field
     const char* initial; // default, if it is not the value in the struct
 } scene_field;
 
-#define SCENE_MAX_FIELDS 40
+#define SCENE_MAX_FIELDS 48
 #define SCENE_MAX_CHOICES 16
 
 typedef struct scene_block

@@ -133,7 +133,8 @@ static wisp_status check_entry( scene_reader* r, const scene_node* node, const w
     {
         return scene_refuse_node( r, node, "cloth.tethers needs pins, but nothing is pinned" );
     }
-    const scene_node* level = scene_child( r, scene_child( r, node, "detail" ), "level" );
+    const scene_node* detail = scene_child( r, node, "detail" );
+    const scene_node* level = detail ? scene_child( r, detail, "level" ) : NULL;
     status = level ? scene_check_surface_detail( r, level, s, s->detail.level ) : WISP_OK;
     status = status ? status : scene_check_held( r, node, s );
     status = status || !s->has_animation ? status : scene_check_animation( r, node, s );

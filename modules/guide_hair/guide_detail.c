@@ -51,18 +51,52 @@ static void keep_lane( const carried_loop* loop, int lane )
     }
 }
 
-static void carry_lane( const carried_loop* loop, int lane )
+// Rotations and places of the roots of a group, lane = strand.
+typedef struct root_lanes
 {
-    const wisp_transform pose = root_of( loop, lane );
-    for ( int i = 0; i < loop->topology->lane_count[lane]; ++i )
+    float turn[9][WISP_LANES], place[3][WISP_LANES];
+} root_lanes;
+
+static void find_roots( const carried_loop* loop, int group, root_lanes* out )
+{
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
     {
-        const int row = loop->topology->group_row[lane / WISP_LANES] + i;
-        const size_t at = (size_t)row * GUIDE_ROW + (size_t)( lane % WISP_LANES );
-        const wisp_vec3 rigid = wisp_transform_to_world( pose, get( loop->local, at ) );
-        const wisp_vec3 now = get( loop->position, at );
-        const wisp_vec3 mixed = { now.x + loop->weight * ( rigid.x - now.x ), now.y + loop->weight * ( rigid.y - now.y ),
-                                  now.z + loop->weight * ( rigid.z - now.z ) };
-        put( loop->position, at, loop->weight < 1.0f ? mixed : rigid );
+        const wisp_transform pose = root_of( loop, group * WISP_LANES + lane );
+        const wisp_vec3 x = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
+        const wisp_vec3 y = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+        const wisp_vec3 z = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } );
+        const float turn[9] = { x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z };
+        const float place[3] = { pose.translation.x, pose.translation.y, pose.translation.z };
+        for ( int k = 0; k < 9; ++k )
+        {
+            out->turn[k][lane] = turn[k];
+            out->place[k % 3][lane] = place[k % 3];
+        }
+    }
+}
+
+static void carry_row( const root_lanes* roots, const float* local, float weight, float* row )
+{
+    for ( int k = 0; k < 3; ++k )
+    {
+        const float *x = roots->turn[3 * k], *y = roots->turn[3 * k + 1], *z = roots->turn[3 * k + 2];
+        float* out = row + k * WISP_LANES;
+        for ( int lane = 0; lane < WISP_LANES; ++lane )
+        {
+            const float rigid = x[lane] * local[lane] + y[lane] * local[WISP_LANES + lane] +
+                                z[lane] * local[2 * WISP_LANES + lane] + roots->place[k][lane];
+            out[lane] = weight < 1.0f ? out[lane] + weight * ( rigid - out[lane] ) : rigid;
+        }
+    }
+}
+
+static void carry_group( const carried_loop* loop, int group )
+{
+    root_lanes roots;
+    find_roots( loop, group, &roots );
+    for ( int row = loop->topology->group_row[group]; row < loop->topology->group_row[group + 1]; ++row )
+    {
+        carry_row( &roots, loop->local + (size_t)row * GUIDE_ROW, loop->weight, loop->position + (size_t)row * GUIDE_ROW );
     }
 }
 
@@ -94,9 +128,9 @@ void guide_run_carried( wisp_frame* frame, const wisp_span* span, void* user )
         .rotation = has_roots ? wisp_frame_column( frame, targets, WISP_STRAND_ROOT, 1 ) : NULL,
         .weight = rigid_weight( frame, span->entity ),
     };
-    for ( int lane = span->begin * WISP_LANES; lane < span->end * WISP_LANES; ++lane )
+    for ( int group = span->begin; group < span->end; ++group )
     {
-        carry_lane( &loop, lane );
+        carry_group( &loop, group );
     }
 }
 
