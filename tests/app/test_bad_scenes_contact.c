@@ -15,7 +15,7 @@ const bad_scene BAD_SCENES_CONTACT[] = {
     { "boundary_min_above_max.yaml",
       ":4:5: surfaces[0]: got boundary.min_spacing 0.02, expected at most boundary.max_spacing, 0.01" },
     { "boundary_of_strands.yaml",
-      ":6:5: strands[0]: unknown key 'boundary', expected one of name, file, generate, scatter, curves, transform, copies, start, dynamics, head, tips, on_surface, grid, collision, contact, sleep, ghosts, frozen_hair, environment, appearance, compute, show" },
+      ":6:5: strands[0]: unknown key 'boundary', expected one of name, file, generate, scatter, curves, transform, copies, start, dynamics, head, tips, on_surface, grid, collision, contact, sleep, detail, ghosts, frozen_hair, environment, appearance, compute, show" },
     { "boundary_pixels_without_screen.yaml", ":6:43: surfaces[0]: boundary.pixels needs 'by_screen: true'" },
     { "boundary_policy_near.yaml",
       ":6:25: surfaces[0].boundary.policy: got 'evenly', expected one of even, exact; did you mean 'even'?" },
