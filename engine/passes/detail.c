@@ -199,29 +199,6 @@ static void move_rows( void* context, int begin, int end, int worker )
     }
 }
 
-// Coarse sheets remember a motion that is slower now; they would take the change for a force.
-static void slow_levels( wisp_frame* frame, wisp_entity entity, const detail_loop* loop )
-{
-    const wisp_fabric* f = wisp_frame_fabric( frame, entity );
-    const bool has_levels = wisp_frame_has( frame, entity, WISP_LEVEL_MOTION ) && f->level_count > 0;
-    const wisp_fabric_level* coarsest = has_levels ? f->levels + f->level_count - 1 : NULL;
-    float* motion[5];
-    for ( int k = 0; k < 5; ++k )
-    {
-        motion[k] = wisp_frame_column( frame, entity, WISP_LEVEL_MOTION, k );
-    }
-    for ( int row = 0; has_levels && row < coarsest->vertex_count; ++row )
-    {
-        const float* v = loop->velocity + coarsest->slot_x4[row];
-        for ( int i = 4 * row; i < 4 * row + 3; ++i )
-        {
-            motion[0][i] = motion[4][i] = v[i - 4 * row];
-            motion[1][i] *= loop->keep;
-            motion[2][i] *= loop->keep;
-        }
-    }
-}
-
 static bool is_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
     (void)user;
@@ -254,10 +231,6 @@ static void move( wisp_frame* frame, const wisp_span* span, void* user )
     loop.is_motion = m->q[0] != 0.0 || m->q[1] != 0.0 || m->q[2] != 0.0 || m->from[0] != m->to[0] ||
                      m->from[1] != m->to[1] || m->from[2] != m->to[2];
     wisp_parallel_for( wisp_frame_parallel( frame, span ), count, GRAIN, move_rows, &loop );
-    if ( loop.keep >= 0.0f )
-    {
-        slow_levels( frame, span->entity, &loop );
-    }
 }
 
 wisp_status passes_declare_detail( wisp_registry* registry, wisp_component* out )

@@ -52,19 +52,13 @@ static void forget_velocities( wisp_world* world, int slot )
 
 static void change( wisp_world* world, int slot, passes_detail* d )
 {
-    const wisp_entity entity = store_handle( &world->store, slot );
     const wisp_detail from = (wisp_detail)d->active, to = (wisp_detail)d->level;
     d->active = d->level;
     if ( to == WISP_DETAIL_NOTHING )
     {
         forget_velocities( world, slot );
     }
-    if ( from == WISP_DETAIL_NOTHING )
-    {
-        d->elapsed = 0;
-        wisp_world_restart_levels( world, entity );
-    }
-    plan_registry_detail_changed( &world->registry, world, entity, from, to );
+    plan_registry_detail_changed( &world->registry, world, store_handle( &world->store, slot ), from, to );
 }
 
 static void advance( wisp_world* world, int slot, passes_detail* d )

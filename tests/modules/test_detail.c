@@ -286,6 +286,7 @@ static void coarse_sheets_alone_carry_a_surface( void** state )
         run_steps( h.world, 1, FRAME );
         const double now = largest_offset( h.world, e );
         assert_true( now <= before + 1e-6 ); // rounding
+        assert_true( i > 0 || now > 0.5 * before );
         before = now;
         assert_true( i >= 30 || rms_distance( h.world, e, full ) < 0.05 );
     }
@@ -403,7 +404,7 @@ static void what_is_solved_again_goes_on_with_the_velocity_that_it_was_carried_w
         }
         for ( int v = 0; v < strand_count; v += 5 )
         {
-            assert_float_equal( hair_now[v].x - hair[v].x, 0.05f, i == 20 ? 3e-3f : 1e-5f );
+            assert_float_equal( hair_now[v].x - hair[v].x, 0.05f, i == 20 ? 5e-4f : 1e-5f );
         }
         free( before );
         free( hair );
@@ -537,6 +538,8 @@ static void a_change_neither_jumps_nor_throws( void** state )
     check_change( NULL, WISP_DETAIL_FULL, WISP_DETAIL_COARSE, 46 );
     check_change( NULL, WISP_DETAIL_COARSE, WISP_DETAIL_FULL, 46 );
     check_change( NULL, WISP_DETAIL_FEWER_SUBSTEPS, WISP_DETAIL_FULL, 78 );
+    check_change( hair_of_links, WISP_DETAIL_FULL, WISP_DETAIL_NOTHING, 4 );
+    check_change( hair_of_rods, WISP_DETAIL_FULL, WISP_DETAIL_NOTHING, 4 );
 }
 
 // What rests, and is solved again, goes on resting.
@@ -620,6 +623,29 @@ static void bits_do_not_depend_on_workers_instruction_sets_nor_snapshots( void**
     }
 }
 
+static void a_snapshot_holds_the_level_and_its_change( void** state )
+{
+    (void)state;
+    hosted h;
+    open_levels( &h, 10, 1 );
+    const wisp_entity e = add_sheet( h.world, false );
+    set_level( h.world, e, WISP_DETAIL_FEWER_SUBSTEPS );
+    run_steps( h.world, 2, FRAME );
+    set_level( h.world, e, WISP_DETAIL_FULL );
+    run_steps( h.world, 5, FRAME );
+    assert_int_equal( substeps_of( h.world, e ), 3 + 7 * 5 / 15 );
+    const saved_world saved = save_world( h.world );
+    set_level( h.world, e, WISP_DETAIL_NOTHING );
+    run_steps( h.world, 20, FRAME );
+    assert_int_equal( substeps_of( h.world, e ), 1 );
+    assert_status( h.world, wisp_world_restore( h.world, saved.bytes, saved.size ), WISP_OK );
+    free( saved.bytes );
+    assert_int_equal( wisp_detail_of( h.world, e ), WISP_DETAIL_FULL );
+    assert_true( wisp_is_detail_blending( h.world, e ) );
+    assert_int_equal( substeps_of( h.world, e ), 3 + 7 * 5 / 15 );
+    close_world( &h );
+}
+
 static void full_detail_has_the_bits_of_none( void** state )
 {
     (void)state;
@@ -695,6 +721,7 @@ int main( void )
         cmocka_unit_test( a_change_neither_jumps_nor_throws ),
         cmocka_unit_test( a_surface_at_rest_is_at_rest_after_a_pause ),
         cmocka_unit_test( bits_do_not_depend_on_workers_instruction_sets_nor_snapshots ),
+        cmocka_unit_test( a_snapshot_holds_the_level_and_its_change ),
         cmocka_unit_test( full_detail_has_the_bits_of_none ),
         cmocka_unit_test( what_has_no_detail_is_refused ),
     };
