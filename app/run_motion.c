@@ -88,10 +88,10 @@ void run_motion_add_detail( const scene_world* world, results* out )
         char text[24];
         const bool is_known = wisp_read_substeps( world->world, entity, &substeps ) == WISP_OK;
         snprintf( text, sizeof( text ), "%d", is_known ? substeps : 0 );
-        results_add_cells( out, table,
-                           ( const char* const[] ){
-                               surface < 0 ? scene->strands[body].name : scene->surfaces[surface].name,
-                               LEVELS[wisp_detail_of( world->world, entity )], text } );
+        results_add_cells(
+            out, table,
+            ( const char* const[] ){ surface < 0 ? scene->strands[body].name : scene->surfaces[surface].name,
+                                     LEVELS[wisp_detail_of( world->world, entity )], text } );
     }
 }
 

@@ -144,7 +144,8 @@ static void fit_pins( rigid_motion* m, const float* position, const float* targe
     {
         for ( int k = 0; k < 9 && target[i + 3] != 0.0f && position[i + 3] == 0.0f; ++k )
         {
-            moments[k] += ( (double)target[i + k / 3] - m->to[k / 3] ) * ( (double)position[i + k % 3] - m->from[k % 3] );
+            moments[k] +=
+                ( (double)target[i + k / 3] - m->to[k / 3] ) * ( (double)position[i + k % 3] - m->from[k % 3] );
         }
     }
     if ( pins > 1 )

@@ -552,7 +552,8 @@ static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error
     for ( int slot = 0; slot < s->entity_count; ++slot )
     {
         const store_mask live = live_passes( r, s->entities + slot );
-        p->entities[slot] = ( plan_entity ){ .live = live, .runs = passes_at( r, live, s->entities[slot].detail.level ) };
+        p->entities[slot] =
+            ( plan_entity ){ .live = live, .runs = passes_at( r, live, s->entities[slot].detail.level ) };
         wisp_status status = s->entities[slot].alive ? check_supply( r, live, slot, error ) : WISP_OK;
         if ( status != WISP_OK )
         {

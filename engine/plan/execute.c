@@ -434,8 +434,8 @@ static void run_block( void* context, int index, int worker )
                        .begin = block.begin,
                        .end = block.end,
                        .worker = worker,
-                       .substep = node->section == PLAN_AFTER ? execute_substeps( frame, block.slot ) - 1
-                                                              : frame->substep,
+                       .substep =
+                           node->section == PLAN_AFTER ? execute_substeps( frame, block.slot ) - 1 : frame->substep,
                        .iteration = frame->iteration };
     if ( node->section == PLAN_ITEM_LOOP )
     {

@@ -96,8 +96,8 @@ struct wisp_registry
 {
     store* store;
     int workers;
-    int substeps;   // of the world in a step of usual length; 0 means 1
-    int iterations; // per substep; 0 means 1
+    int substeps;          // of the world in a step of usual length; 0 means 1
+    int iterations;        // per substep; 0 means 1
     wisp_component detail; // of entities whose level of detail was set
     wisp_pass passes[PLAN_MAX_PASSES];
     const char* pass_modules[PLAN_MAX_PASSES]; // module that declared the pass
@@ -194,7 +194,7 @@ typedef struct plan_entity
     store_mask live; // passes
     store_mask runs; // those of them that run at its detail
     int split;       // substeps in a substep of the world
-    int fewer;       // substeps of a step in which the world makes its usual ones, when they are fewer; 0: `split` counts
+    int fewer; // substeps of a step in which the world makes its usual ones, when they are fewer; 0: `split` counts
     bool runs_waves; // passes of substeps, unless it loops
     bool meets;      // other entities in them
     bool loops;      // it runs all its substeps before the next entity does

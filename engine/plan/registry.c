@@ -175,7 +175,8 @@ void* wisp_declare_state( wisp_registry* registry, size_t size )
         return NULL;
     }
     memset( memory, 0, size );
-    registry->states[registry->state_count++] = ( plan_state ){ .module = registry->module, .memory = memory, .size = size };
+    registry->states[registry->state_count++] =
+        ( plan_state ){ .module = registry->module, .memory = memory, .size = size };
     return memory;
 }
 

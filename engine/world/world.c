@@ -405,7 +405,8 @@ wisp_status wisp_read_substeps( wisp_world* world, wisp_entity entity, int* out 
     const wisp_status status = compile_if_changed( world );
     if ( status == WISP_OK )
     {
-        *out = plan_substeps_of_rate( &world->registry, plan_rate( world->plan.entities + entity.index - 1, &world->registry ),
+        *out = plan_substeps_of_rate( &world->registry,
+                                      plan_rate( world->plan.entities + entity.index - 1, &world->registry ),
                                       world->registry.substeps );
     }
     return status;

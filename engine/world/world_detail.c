@@ -159,10 +159,11 @@ static wisp_status check_detail( wisp_world* world, wisp_entity entity, const wi
     }
     return def->level != WISP_DETAIL_COARSE || has_coarse( world, entity )
                ? WISP_OK
-               : wisp_world_fail( world, WISP_CONFLICT,
-                                  "detail: level coarse of entity %u: expected a surface with coarse sheets, or strands "
-                                  "that follow others",
-                                  entity.index );
+               : wisp_world_fail(
+                     world, WISP_CONFLICT,
+                     "detail: level coarse of entity %u: expected a surface with coarse sheets, or strands "
+                     "that follow others",
+                     entity.index );
 }
 
 static void set_level( const wisp_world* world, const store_entity* e, passes_detail* d, const wisp_detail_def* def )
@@ -191,8 +192,7 @@ wisp_status wisp_set_detail( wisp_world* world, wisp_entity entity, const wisp_d
     WISP_TRY( check_detail( world, entity, &def ) );
     const bool is_new = wisp_world_has( world, entity, world->registry.detail ) == false;
     WISP_TRY( wisp_world_attach( world, entity, world->registry.detail ) );
-    const wisp_status status =
-        is_new ? plan_registry_prepare_detail( &world->registry, world, entity ) : WISP_OK;
+    const wisp_status status = is_new ? plan_registry_prepare_detail( &world->registry, world, entity ) : WISP_OK;
     if ( status != WISP_OK )
     {
         wisp_world_detach( world, entity, world->registry.detail );

@@ -96,7 +96,8 @@ static void carry_group( const carried_loop* loop, int group )
     find_roots( loop, group, &roots );
     for ( int row = loop->topology->group_row[group]; row < loop->topology->group_row[group + 1]; ++row )
     {
-        carry_row( &roots, loop->local + (size_t)row * GUIDE_ROW, loop->weight, loop->position + (size_t)row * GUIDE_ROW );
+        carry_row( &roots, loop->local + (size_t)row * GUIDE_ROW, loop->weight,
+                   loop->position + (size_t)row * GUIDE_ROW );
     }
 }
 
@@ -157,7 +158,8 @@ static void keep_shape( const guide_state* state, wisp_world* world, const guide
 // Find where the roots of the first targets are. @param at [target strands] scratch
 static void find_carriers( const guide_state* state, wisp_world* world, const guide_follower* f, int32_t* at )
 {
-    const wisp_strand_topology *from = wisp_world_strands( world, f->targets ), *t = wisp_world_strands( world, f->ghosts );
+    const wisp_strand_topology *from = wisp_world_strands( world, f->targets ),
+                               *t = wisp_world_strands( world, f->ghosts );
     int32_t* lanes = wisp_world_column( world, f->ghosts, state->carrier, 0 );
     for ( int lane = 0; lane < from->group_count * WISP_LANES; ++lane )
     {
@@ -207,7 +209,8 @@ bool guide_has_coarse( const void* memory, const wisp_world* world, wisp_entity 
     return guide_active_follower( memory, entity ) != NULL;
 }
 
-void guide_detail_changed( const void* memory, wisp_world* world, wisp_entity entity, wisp_detail from, wisp_detail to )
+void guide_detail_changed( const void* memory, wisp_world* world, wisp_entity entity, wisp_detail from,
+                           wisp_detail to )
 {
     const guide_state* state = memory;
     const guide_follower* f = guide_active_follower( state, entity );

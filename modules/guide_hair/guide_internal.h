@@ -240,8 +240,10 @@ typedef struct guide_settings
     X( float, velocity_before, 48 ) /* m/s, of their targets' nodes a step before */                                 \
     X( float, velocity, 48 )        /* m/s, and now */
 #define GUIDE_INTERVAL_COLUMNS( X ) X( float, seconds, 1 ) /* from the step before to the last one */
-#define GUIDE_CARRIED_COLUMNS( X ) X( float, local, 48 )   /* m, [3][16] a row: relative to the root of the first target */
-#define GUIDE_CARRIER_COLUMNS( X ) X( int32_t, lane, 16 )  /* float of that root's position in those of the targets; -1: none */
+#define GUIDE_CARRIED_COLUMNS( X )                                                                                   \
+    X( float, local, 48 ) /* m, [3][16] a row: relative to the root of the first target */
+#define GUIDE_CARRIER_COLUMNS( X )                                                                                   \
+    X( int32_t, lane, 16 ) /* float of that root's position in those of the targets; -1: none */
 #define GUIDE_DRAWN_COLUMNS( X ) X( uint64_t, changes, 1 ) /* of sources: how often their place was written */
 #define GUIDE_CURVES_COLUMNS( X ) X( uint64_t, drawn, 1 )  /* the source's changes when it was drawn */
 
@@ -255,8 +257,8 @@ typedef struct guide_settings
     X( curves, "guide_hair.curves", WISP_TABLE_ENTITY, GUIDE_CURVES_COLUMNS )                                        \
     X( feedback, "guide_hair.feedback", WISP_TABLE_STRAND_ROW, GUIDE_FEEDBACK_COLUMNS )                              \
     X( between, "guide_hair.between", WISP_TABLE_STRAND_ROW, GUIDE_BETWEEN_COLUMNS )                                 \
-    X( interval, "guide_hair.interval", WISP_TABLE_ENTITY, GUIDE_INTERVAL_COLUMNS )                                    \
-    X( carried, "guide_hair.carried", WISP_TABLE_STRAND_ROW, GUIDE_CARRIED_COLUMNS )                                  \
+    X( interval, "guide_hair.interval", WISP_TABLE_ENTITY, GUIDE_INTERVAL_COLUMNS )                                  \
+    X( carried, "guide_hair.carried", WISP_TABLE_STRAND_ROW, GUIDE_CARRIED_COLUMNS )                                 \
     X( carrier, "guide_hair.carrier", WISP_TABLE_STRAND_GROUP, GUIDE_CARRIER_COLUMNS )
 
 typedef struct guide_state

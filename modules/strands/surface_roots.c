@@ -150,7 +150,8 @@ static void jump( wisp_frame* frame, const wisp_span* span, const strands_state*
 {
     const wisp_vec3 root = strands_get( c->root, group, lane );
     const wisp_transform end = pose_on( c, now, group, lane );
-    const wisp_quat before = strands_get_quat( c->rotation, group, lane ), last = strands_get_quat( c->jump, group, lane );
+    const wisp_quat before = strands_get_quat( c->rotation, group, lane ),
+                    last = strands_get_quat( c->jump, group, lane );
     const bool is_carried = wisp_frame_detail( frame, span->entity ).level == WISP_DETAIL_NOTHING;
     const bool moves = memcmp( &end.translation, &root, sizeof( root ) ) != 0 ||
                        memcmp( &end.rotation, &before, sizeof( before ) ) != 0;
@@ -162,8 +163,7 @@ static void jump( wisp_frame* frame, const wisp_span* span, const strands_state*
     }
     else if ( strands_norm( strands_sub( end.translation, root ) ) > teleport || ( is_carried && moves ) )
     {
-        turn = strands_quat_multiply( end.rotation,
-                                      strands_quat_inverse( before ) );
+        turn = strands_quat_multiply( end.rotation, strands_quat_inverse( before ) );
         strands_turn( frame, span->entity, state, group, lane, root, end.translation, turn );
         strands_put_corners( c->corner, group, lane, now );
     }

@@ -471,15 +471,19 @@ static void levels_of_detail_are_set_and_changed_by_events( void** state )
 {
     (void)state;
     fixture f;
-    build( &f, "wisp: 1\nsteps: 20\nsubsteps: 8\nstrands:\n"
-               "  - { name: guides, generate: { strands: 4, vertices: 6 }, dynamics: {}, detail: { level: fewer_substeps } }\n"
-               "  - { name: hair, generate: { strands: 8, vertices: 6 }, ghosts: { targets: guides }, detail: { level: coarse } }\n"
-               "surfaces:\n"
-               "  - name: sheet\n    generate: { shape: plane, columns: 24, rows: 24, spacing: 0.02 }\n    pins: [0, 23]\n"
-               "    cloth: { coarse_substeps: 1 }\n    detail: { substep_divisor: 2, blend_steps: 4 }\n"
-               "events:\n"
-               "  - { step: 3, surface: sheet, detail: coarse }\n"
-               "  - { step: 5, strands: guides, detail: nothing }\n" );
+    build(
+        &f,
+        "wisp: 1\nsteps: 20\nsubsteps: 8\nstrands:\n"
+        "  - { name: guides, generate: { strands: 4, vertices: 6 }, dynamics: {}, detail: { level: fewer_substeps } "
+        "}\n"
+        "  - { name: hair, generate: { strands: 8, vertices: 6 }, ghosts: { targets: guides }, detail: { level: "
+        "coarse } }\n"
+        "surfaces:\n"
+        "  - name: sheet\n    generate: { shape: plane, columns: 24, rows: 24, spacing: 0.02 }\n    pins: [0, 23]\n"
+        "    cloth: { coarse_substeps: 1 }\n    detail: { substep_divisor: 2, blend_steps: 4 }\n"
+        "events:\n"
+        "  - { step: 3, surface: sheet, detail: coarse }\n"
+        "  - { step: 5, strands: guides, detail: nothing }\n" );
     wisp_world* world = f.world.world;
     const wisp_entity guides = f.world.entities[0], hair = f.world.entities[1], sheet = f.world.surfaces[0].entity;
     assert_int_equal( wisp_detail_of( world, guides ), WISP_DETAIL_FEWER_SUBSTEPS );

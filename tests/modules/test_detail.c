@@ -100,7 +100,6 @@ static float step_and_measure( wisp_world* world, wisp_entity e )
     return most;
 }
 
-
 static void set_level_at_once( wisp_world* world, wisp_entity e, wisp_detail level )
 {
     wisp_detail_def def = wisp_default_detail_def();
@@ -384,11 +383,12 @@ static void what_is_solved_again_goes_on_with_the_velocity_that_it_was_carried_w
     for ( int i = 1; i <= 20; ++i )
     {
         const float x = 0.05f * (float)i; // 3 m/s
-        const wisp_vec3 targets[2] = { { from[0].x + x, from[0].y, from[0].z }, { from[1].x + x, from[1].y, from[1].z } };
+        const wisp_vec3 targets[2] = { { from[0].x + x, from[0].y, from[0].z },
+                                       { from[1].x + x, from[1].y, from[1].z } };
         assert_status( h.world, wisp_move_pins( h.world, e, pins, targets, 2 ), WISP_OK );
         assert_status( h.world,
-                       wisp_move_strand_head(
-                           h.world, strands, ( wisp_transform ){ { 0.0f, 0.0f, 0.0f, 1.0f }, { x, 0.0f, 0.0f } } ),
+                       wisp_move_strand_head( h.world, strands,
+                                              ( wisp_transform ){ { 0.0f, 0.0f, 0.0f, 1.0f }, { x, 0.0f, 0.0f } } ),
                        WISP_OK );
         if ( i == 20 )
         {
@@ -458,7 +458,8 @@ static void strands_that_are_not_solved_go_along_with_their_head( void** state )
             const float angle = 0.05f * (float)i;
             const wisp_vec3 shift = { 0.01f * (float)i, 0.0f, 0.02f * (float)i };
             const wisp_quat turn = { 0.0f, sinf( 0.5f * angle ), 0.0f, cosf( 0.5f * angle ) };
-            assert_status( h.world, wisp_move_strand_head( h.world, e, wisp_transform_make( turn, shift ) ), WISP_OK );
+            assert_status( h.world, wisp_move_strand_head( h.world, e, wisp_transform_make( turn, shift ) ),
+                           WISP_OK );
             run_steps( h.world, 1, FRAME );
             assert_true( largest_distance_to_turned( h.world, e, from, angle, shift ) < 1e-5f );
         }
@@ -501,7 +502,6 @@ static peaks run_through( effect_setup* setup, wisp_detail from, wisp_detail to,
     return p;
 }
 
-
 // A change makes no vertex much faster than it is at either level, nor changes its speed much more from one step to the next, besides
 // slowing it down within the steps of the blend. A balloon that rests breathes by less than a hundredth of its radius in a step.
 static void check_change( effect_setup* setup, wisp_detail from, wisp_detail to, int at )
@@ -513,9 +513,10 @@ static void check_change( effect_setup* setup, wisp_detail from, wisp_detail to,
     const float starts = from == WISP_DETAIL_NOTHING ? 0.003f : 0.0f; // gravity, in a step
     if ( p.moved > 1.3f * moved + 0.002f || p.changed > 1.5f * changed + slows + starts + 0.002f )
     {
-        fail_msg( "from %d to %d after %d steps: a vertex moves by %g m in a step and that changes by %g m; without a "
-                  "change by %g m and %g m",
-                  (int)from, (int)to, at, (double)p.moved, (double)p.changed, (double)moved, (double)changed );
+        fail_msg(
+            "from %d to %d after %d steps: a vertex moves by %g m in a step and that changes by %g m; without a "
+            "change by %g m and %g m",
+            (int)from, (int)to, at, (double)p.moved, (double)p.changed, (double)moved, (double)changed );
     }
 }
 
@@ -527,7 +528,8 @@ static void a_change_neither_jumps_nor_throws( void** state )
     {
         const wisp_detail from = (wisp_detail)( i / 4 % 4 ), to = (wisp_detail)( i % 4 );
         const bool has_coarse = setups[i / 16] == NULL;
-        const bool is_change = from != to && ( has_coarse || ( from != WISP_DETAIL_COARSE && to != WISP_DETAIL_COARSE ) );
+        const bool is_change =
+            from != to && ( has_coarse || ( from != WISP_DETAIL_COARSE && to != WISP_DETAIL_COARSE ) );
         // what was never solved starts where the others began
         const bool has_peer = from != WISP_DETAIL_NOTHING;
         if ( is_change && has_peer )
@@ -592,7 +594,8 @@ static void a_surface_at_rest_is_at_rest_after_a_pause( void** state )
         int count;
         wisp_vec3 *a = copy_points( h.world, e, &count ), *b = copy_points( h.world, ball, &count );
         assert_true( step_and_measure( h.world, e ) < 2e-3f );
-        assert_true( largest_distance_to_turned( h.world, ball, b, 0.0f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) < 1e-3f );
+        assert_true( largest_distance_to_turned( h.world, ball, b, 0.0f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) <
+                     1e-3f );
         free( a );
         free( b );
     }
@@ -716,7 +719,8 @@ static void what_has_no_detail_is_refused( void** state )
     assert_int_equal( def.level, WISP_DETAIL_FULL );
     assert_int_equal( def.substep_divisor, 4 );
     assert_int_equal( def.blend_steps, 15 );
-    expect_refusal( h.world, wisp_set_detail( h.world, ball, &def ), WISP_CONFLICT, "is neither a surface nor strands" );
+    expect_refusal( h.world, wisp_set_detail( h.world, ball, &def ), WISP_CONFLICT,
+                    "is neither a surface nor strands" );
     def.level = WISP_DETAIL_COARSE;
     expect_refusal( h.world, wisp_set_detail( h.world, e, &def ), WISP_CONFLICT,
                     "level coarse of entity 1: expected a surface with coarse sheets" );

@@ -30,8 +30,8 @@ typedef enum wisp_detail
 /// Fill from wisp_default_detail_def(). Copied.
 typedef struct wisp_detail_def
 {
-    uint32_t size;       ///< bytes; set by wisp_default_detail_def()
-    wisp_detail level;   ///< default WISP_DETAIL_FULL
+    uint32_t size;     ///< bytes; set by wisp_default_detail_def()
+    wisp_detail level; ///< default WISP_DETAIL_FULL
     int substep_divisor; ///< 1 .. 1000000, default 4: of the substeps of the entity, for two of the levels; rounded up to whole ones
     /// 0 .. 1000000, default 15: over which a change is blended. Before the first step of the world nothing is.
     int blend_steps;

@@ -22,7 +22,7 @@ typedef struct wisp_detail_frame
     int max_substeps;        ///< in a step of usual length; 0: as many as it asks for
     int blend_steps;         ///< of the definition
     float blend;             ///< in [0, 1], fraction of the last change that is over at the end of the step
-    float keep;              ///< fraction of the relative velocity that the step begins with; below 1 while it comes to rest
+    float keep; ///< fraction of the relative velocity that the step begins with; below 1 while it comes to rest
 } wisp_detail_frame;
 
 /// @return zero, which is full detail, for an entity whose detail was never set
