@@ -51,6 +51,50 @@ void run_motion_add_table( const scene_world* world, results* out )
     }
 }
 
+// ---- level of detail ----
+
+static bool has_event( const wisp_scene* scene, int body )
+{
+    bool found = false;
+    for ( int i = 0; i < scene->event_count; ++i )
+    {
+        const wisp_scene_event* e = &scene->events[i];
+        const int of = e->strands >= 0 ? e->strands : scene->strands_count + e->surface;
+        found = found || ( e->has_detail && of == body );
+    }
+    return found;
+}
+
+void run_motion_add_detail( const scene_world* world, results* out )
+{
+    static const char* const LEVELS[WISP_DETAIL_COUNT] = { "full", "fewer substeps", "coarse", "nothing" };
+    const wisp_scene* scene = world->scene;
+    int table = -1;
+    for ( int body = 0; body < scene->strands_count + scene->surface_count; ++body )
+    {
+        const int surface = body - scene->strands_count;
+        const bool is_set = surface < 0 ? scene->strands[body].has_detail : scene->surfaces[surface].has_detail;
+        if ( is_set == false && has_event( scene, body ) == false )
+        {
+            continue;
+        }
+        if ( table < 0 )
+        {
+            table = results_add_table( out, "Level of detail at the end", 3,
+                                       ( const char* const[] ){ "body", "level", "substeps" } );
+        }
+        const wisp_entity entity = surface < 0 ? world->entities[body] : world->surfaces[surface].entity;
+        int substeps;
+        char text[24];
+        const bool is_known = wisp_read_substeps( world->world, entity, &substeps ) == WISP_OK;
+        snprintf( text, sizeof( text ), "%d", is_known ? substeps : 0 );
+        results_add_cells(
+            out, table,
+            ( const char* const[] ){ surface < 0 ? scene->strands[body].name : scene->surfaces[surface].name,
+                                     LEVELS[wisp_detail_of( world->world, entity )], text } );
+    }
+}
+
 // ---- stretch ----
 
 typedef struct stretch_sums

@@ -310,6 +310,7 @@ void run_summarise( const scene_world* world, run_record* record, const run_reco
     if ( record->steps > 0 )
     {
         run_motion_add_table( world, out );
+        run_motion_add_detail( world, out );
         run_collision_report( record->collision, out );
         if ( record->profile.pass_count > 0 )
         {

@@ -25,6 +25,7 @@
 #include "wisp/fabric.h"
 #include "wisp/moving_frame.h"
 #include "wisp/skin.h"
+#include "wisp/detail.h"
 #include "wisp/sleep.h"
 
 #ifdef __cplusplus
@@ -154,6 +155,8 @@ extern "C"
         wisp_contact_def contact;
         bool has_sleep;
         wisp_sleep_def sleep;
+        bool has_detail;
+        wisp_detail_def detail;
         wisp_scene_path head;
         wisp_vec3 head_pivot; ///< m, where the head stands at the start, not turned; unless given, the pose's place
         bool has_frame, has_frame_pivot;
@@ -317,6 +320,8 @@ extern "C"
         float max_speed;       ///< m/s; infinite: none
         bool has_sleep;
         wisp_sleep_def sleep;
+        bool has_detail;
+        wisp_detail_def detail;
 
         wisp_vec3 velocity, angular_velocity;
         wisp_vec3 gravity; ///< the scene's unless the surface has its own
@@ -404,9 +409,9 @@ extern "C"
     {
         int step;    ///< in [0, steps)
         int strands; ///< index into the scene's strands, -1: it is a surface's
-        int surface; ///< index into the scene's surfaces, -1: it is that of strands, which know wind alone
+        int surface; ///< index into the scene's surfaces, -1: it is that of strands, which know wind and detail alone
         bool has_gas_ratio, has_inflation_rate, has_open, has_wind, has_velocity, has_angular_velocity, has_gust,
-            has_teleport;
+            has_teleport, has_detail;
         float gas_ratio;
         float inflation_rate; ///< m^3/s
         bool open;
@@ -415,6 +420,7 @@ extern "C"
         wisp_vec3 gust;                       ///< m/s
         bool gust_per_triangle;               ///< a vertex gets it once for each triangle that it meets
         wisp_vec3 teleport;                   ///< m, displacement
+        wisp_detail detail;                   ///< level of detail
         int pin_group;                        ///< index into the surface's groups whose pins it changes, -1: all pins
         bool release, hold, detach; ///< lets pins go; holds them where they are; detaches them from their surface
         int attach_to;              ///< index of the surface that pins are attached to, -1: none

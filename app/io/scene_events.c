@@ -1,4 +1,5 @@
 // Events: changes of surfaces and strands before chosen steps.
+#include "scene_detail.h"
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
@@ -26,8 +27,8 @@ static const scene_field EVENT_FIELDS[] = {
       .help = "Time instead of `step`; the event comes before the first step that starts then or later.",
       .initial = "by `step`" },
     { "strands", SCENE_CUSTOM, .at = EVENT( strands ), .read = read_strands_name,
-      .help = "Strands with `dynamics.drag_coefficient`; they take `wind` only.", .form = "name of strands",
-      .initial = "none" },
+      .help = "Strands with `dynamics.drag_coefficient`; they take `wind`; all strands take `detail`.",
+      .form = "name of strands", .initial = "none" },
     { "surface", SCENE_CUSTOM, .at = EVENT( surface ), .read = read_surface_name,
       .help = "Surface; exactly one of `strands` and `surface` is given.", .form = "name of a surface",
       .initial = "none" },
@@ -60,6 +61,8 @@ static const scene_field EVENT_FIELDS[] = {
           "Displacement by which the surface moves at once, with its pins and the strands on it. It meets nothing on "
           "the way and keeps its velocity, unless `velocity` is given too.",
       .initial = "none" },
+    { "detail", SCENE_CHOICE, .at = EVENT( detail ), .given = EVENT( has_detail ), .choices = SCENE_DETAIL_LEVELS,
+      .help = "New level of detail, blended as the entry's `detail` says; of strands too.", .initial = "unchanged" },
     { "pin_group", SCENE_TEXT, .at = AT( pin_group ), .form = "name of a group",
       .help = "Group whose pins `release`, `hold`, `attach_pins` or `detach_pins` changes.", .initial = "all pins" },
     { "release", SCENE_SWITCH, .at = EVENT( release ),
@@ -213,13 +216,19 @@ static wisp_status check_strands( scene_reader* r, const scene_node* node, const
     const wisp_scene_strands* s = &r->scene->strands[e->strands];
     if ( changes_motion( e ) || pin_changes( e ) > 0 )
     {
-        return scene_refuse_node( r, node, "strands take only 'wind'" );
+        return scene_refuse_node( r, node, "strands take only 'wind' and 'detail'" );
     }
-    if ( !e->has_wind )
+    if ( !e->has_wind && !e->has_detail )
     {
-        return scene_refuse_node( r, node, "got no change, expected 'wind'" );
+        return scene_refuse_node( r, node, "got no change, expected 'wind' or 'detail'" );
     }
-    return s->has_dynamics && s->dynamics.drag_coefficient > 0.0f
+    const wisp_status status =
+        e->has_detail ? scene_check_strands_detail( r, scene_child( r, node, "detail" ), s, e->detail ) : WISP_OK;
+    if ( status )
+    {
+        return status;
+    }
+    return !e->has_wind || ( s->has_dynamics && s->dynamics.drag_coefficient > 0.0f )
                ? WISP_OK
                : scene_refuse_node(
                      r, node, "'wind' needs drag, but the strands '%s' have no dynamics.drag_coefficient", s->name );
@@ -238,12 +247,18 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
         return check_strands( r, node, e );
     }
     const wisp_scene_surface* s = &r->scene->surfaces[e->surface];
-    if ( !( changes_motion( e ) || e->has_wind || pin_changes( e ) > 0 ) )
+    if ( !( changes_motion( e ) || e->has_wind || e->has_detail || pin_changes( e ) > 0 ) )
     {
         return scene_refuse_node( r, node,
                                   "got no change, expected one of gas_ratio, inflation_rate, outlet_open, wind, "
-                                  "velocity, angular_velocity, gust, teleport, attach_pins, and hold, release and "
+                                  "velocity, angular_velocity, gust, teleport, detail, attach_pins, and hold, release and "
                                   "detach_pins: true" );
+    }
+    const wisp_status status =
+        e->has_detail ? scene_check_surface_detail( r, scene_child( r, node, "detail" ), s, e->detail ) : WISP_OK;
+    if ( status )
+    {
+        return status;
     }
     if ( e->has_wind &&
          !( s->has_cloth && ( s->cloth.drag_coefficient > 0.0f || s->cloth.lift_coefficient > 0.0f ) ) )

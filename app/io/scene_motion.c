@@ -1,4 +1,5 @@
 // Strands: what no table can say about an entry, and the entries that it names.
+#include "scene_detail.h"
 #include "scene_parts.h"
 
 #include <string.h>
@@ -108,6 +109,12 @@ wisp_status scene_check_strands( scene_reader* r, const scene_node* node, const 
          !scene_child( r, scene_child( r, node, "ghosts" ), "targets" ) )
     {
         return scene_refuse_node( r, node, "got neither ghosts.targets nor 'scatter', expected one of them" );
+    }
+    const scene_node* detail = scene_child( r, node, "detail" );
+    if ( !status && detail )
+    {
+        const scene_node* level = scene_child( r, detail, "level" );
+        status = scene_check_strands_detail( r, level ? level : detail, s, s->detail.level );
     }
     if ( !status && s->has_frozen_hair && s->frozen_hair.base == WISP_FROZEN_BASE_STROKE && s->has_cursor )
     {

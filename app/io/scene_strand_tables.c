@@ -2,6 +2,7 @@
 #include "scene_copies.h"
 #include "scene_parts.h"
 #include "scene_ranges.h"
+#include "scene_detail.h"
 #include "scene_sleep.h"
 #include "scene_start.h"
 
@@ -172,6 +173,9 @@ static const scene_block START_BLOCK = { START_FIELDS, WISP_COUNT( START_FIELDS 
 static const scene_field SLEEP_FIELDS[] = { SCENE_SLEEP_FIELDS( wisp_scene_strands ) };
 static const scene_block SLEEP_BLOCK = { SLEEP_FIELDS, WISP_COUNT( SLEEP_FIELDS ) };
 
+static const scene_field DETAIL_FIELDS[] = { SCENE_DETAIL_FIELDS( wisp_scene_strands ) };
+static const scene_block DETAIL_BLOCK = { DETAIL_FIELDS, WISP_COUNT( DETAIL_FIELDS ) };
+
 // `generate` stands before what is numbered by its strands and vertices, and the effects before `compute`.
 static const scene_field STRANDS_FIELDS[] = {
     { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name,
@@ -215,6 +219,8 @@ static const scene_field STRANDS_FIELDS[] = {
       .help = "Contact with surfaces, and with strands if they have `between_strands`; needs `dynamics`." },
     { "sleep", SCENE_BLOCK, .at = AT( has_sleep ), .block = &SLEEP_BLOCK,
       .help = "Strands that rest cost nothing until something reaches or changes them; needs `dynamics`." },
+    { "detail", SCENE_BLOCK, .at = AT( has_detail ), .block = &DETAIL_BLOCK,
+      .help = "Level of detail: strands that are far away or out of sight cost less; needs `dynamics` or `ghosts`." },
     { "ghosts", SCENE_BLOCK, .at = AT( has_ghosts ), .block = &SCENE_GHOSTS_BLOCK,
       .help = "Makes the strands follow simulated ones; not with `dynamics`." },
     { "frozen_hair", SCENE_BLOCK, .at = AT( has_frozen_hair ), .block = &FROZEN_HAIR_BLOCK,

@@ -26,6 +26,7 @@ wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
         .sleep = wisp_default_sleep_def(),
         .frame = wisp_default_moving_frame_def(),
         .max_speed = INFINITY,
+        .detail = wisp_default_detail_def(),
         .tips_hold = WISP_STRAND_TIP_CLAMPED,
         .tips_release = INFINITY,
         .on_surface = -1,

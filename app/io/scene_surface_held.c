@@ -1,6 +1,7 @@
 // Keys of a surface that is held near targets, and of one in a moving frame.
 #include "scene_parts.h"
 #include "scene_ranges.h"
+#include "scene_detail.h"
 #include "scene_sleep.h"
 
 #include <stddef.h>
@@ -106,6 +107,11 @@ const scene_block SCENE_FRAME_BLOCK = BLOCK( FRAME_FIELDS );
 
 static const scene_field SLEEP_FIELDS[] = { SCENE_SLEEP_FIELDS( wisp_scene_surface ) };
 const scene_block SCENE_SURFACE_SLEEP_BLOCK = BLOCK( SLEEP_FIELDS );
+
+// ---- level of detail ----
+
+static const scene_field DETAIL_FIELDS[] = { SCENE_DETAIL_FIELDS( wisp_scene_surface ) };
+const scene_block SCENE_SURFACE_DETAIL_BLOCK = BLOCK( DETAIL_FIELDS );
 
 // ---- what no table can say ----
 

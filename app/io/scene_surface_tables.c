@@ -379,6 +379,8 @@ static const scene_field SURFACE_FIELDS[] = {
       .help = "Largest speed of a vertex; faster velocities are scaled down and counted.", .initial = "no limit" },
     { "sleep", SCENE_BLOCK, .at = AT( has_sleep ), .block = &SCENE_SURFACE_SLEEP_BLOCK,
       .help = "A surface that rests costs nothing until something reaches or changes it." },
+    { "detail", SCENE_BLOCK, .at = AT( has_detail ), .block = &SCENE_SURFACE_DETAIL_BLOCK,
+      .help = "Level of detail: a surface that is far away or out of sight costs less." },
     { "compute", SCENE_CUSTOM, .given = AT( has_compute ), .read = scene_read_surface_request,
       .choices = SCENE_SURFACE_WORDS, .help = "What is computed for output and statistics.", .form = "list of words",
       .initial = "`points`; `[]`: none" },

@@ -1,4 +1,5 @@
 // Surfaces: what no table can say about an entry, and the list of them.
+#include "scene_detail.h"
 #include "scene_parts.h"
 #include "scene_start.h"
 
@@ -134,7 +135,10 @@ static wisp_status check_entry( scene_reader* r, const scene_node* node, const w
     {
         return scene_refuse_node( r, node, "cloth.tethers needs pins, but nothing is pinned" );
     }
-    status = scene_check_held( r, node, s );
+    const scene_node* detail = scene_child( r, node, "detail" );
+    const scene_node* level = detail ? scene_child( r, detail, "level" ) : NULL;
+    status = level ? scene_check_surface_detail( r, level, s, s->detail.level ) : WISP_OK;
+    status = status ? status : scene_check_held( r, node, s );
     status = status || !s->has_animation ? status : scene_check_animation( r, node, s );
     status = status || !s->has_boundary ? status : scene_check_boundary( r, node, s );
     status = status || !s->has_implicit ? status : check_implicit( r, node, s );
@@ -170,6 +174,7 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
         .frame = wisp_default_moving_frame_def(),
         .max_speed = INFINITY,
         .sleep = wisp_default_sleep_def(),
+        .detail = wisp_default_detail_def(),
         .collision = wisp_default_collision_def(),
         .collider = wisp_default_collider_def(),
         .contact = wisp_default_contact_def(),

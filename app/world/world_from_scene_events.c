@@ -472,15 +472,28 @@ static wisp_status play_pins( scene_world* world, const wisp_scene_event* e, int
     return e->hold && !pins->is_held ? hold_group( world, e->surface, group ) : WISP_OK;
 }
 
+static wisp_status play_detail( scene_world* world, const wisp_scene_event* e )
+{
+    const bool is_strands = e->strands >= 0;
+    wisp_detail_def def =
+        is_strands ? world->scene->strands[e->strands].detail : world->scene->surfaces[e->surface].detail;
+    def.level = e->detail;
+    return wisp_set_detail( world->world,
+                            is_strands ? world->entities[e->strands] : world->surfaces[e->surface].entity, &def );
+}
+
 // Pins are let go first, so that a velocity reaches them too.
 static wisp_status play( scene_world* world, const wisp_scene_event* e )
 {
+    wisp_status status = e->has_detail ? play_detail( world, e ) : WISP_OK;
     if ( e->strands >= 0 )
     {
-        return wisp_set_strand_wind( world->world, world->entities[e->strands], e->wind );
+        return status == WISP_OK && e->has_wind
+                   ? wisp_set_strand_wind( world->world, world->entities[e->strands], e->wind )
+                   : status;
     }
     scene_world_surface* s = &world->surfaces[e->surface];
-    wisp_status status = play_gas( world, e );
+    status = status == WISP_OK ? play_gas( world, e ) : status;
     for ( int g = 0; g < s->group_count && status == WISP_OK; ++g )
     {
         const bool is_meant = e->pin_group < 0 || e->pin_group + 1 == g;

@@ -59,7 +59,10 @@ wisp_status scene_held_set( scene_world* world, int surface )
     {
         status = wisp_set_max_speed( world->world, s->entity, entry->max_speed );
     }
-    return status == WISP_OK && entry->has_sleep ? wisp_set_sleep( world->world, s->entity, &entry->sleep ) : status;
+    status =
+        status == WISP_OK && entry->has_sleep ? wisp_set_sleep( world->world, s->entity, &entry->sleep ) : status;
+    return status == WISP_OK && entry->has_detail ? wisp_set_detail( world->world, s->entity, &entry->detail )
+                                                  : status;
 }
 
 wisp_status scene_targets_move( scene_world* world, int surface, const wisp_vec3* points,

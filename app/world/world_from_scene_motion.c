@@ -160,6 +160,13 @@ wisp_status scene_motion_set( scene_world* world, wisp_error* error )
             scene_strands_start( &scene->strands[i], world->world, world->entities[i], &world->grooms[i] );
         }
     }
+    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    {
+        const wisp_detail_def* detail = &scene->strands[i].detail;
+        status = scene->strands[i].has_detail
+                     ? fail_here( world, i, wisp_set_detail( world->world, world->entities[i], detail ), error )
+                     : WISP_OK;
+    }
     return status;
 }
 

@@ -186,6 +186,7 @@ wisp_status passes_declare_carry( wisp_registry* registry )
             .reads = { WISP_PARTICLE_FRAME, WISP_PARTICLE_POSITION },
             .writes = { WISP_PARTICLE_FRAME, WISP_PARTICLE_POSITION },
             .run = move_frame,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "particles.carry",

@@ -128,6 +128,7 @@ wisp_status passes_declare_constraints( wisp_registry* registry )
     {                                                                                                                \
         .name = text, .stage = WISP_STAGE_PROJECT, .domain = WISP_DOMAIN_ENTITY, .required = { __VA_ARGS__ },        \
         .reads = { WISP_PARTICLE_POSITION, __VA_ARGS__ }, .writes = { WISP_PARTICLE_POSITION }, .run = function,     \
+        .detail = WISP_PASS_FINE,                                                                                    \
     }
     const wisp_pass passes[] = {
         PROJECTION( "links.pbd", links_pbd, WISP_LINK_STIFFNESS ),
@@ -137,7 +138,8 @@ wisp_status passes_declare_constraints( wisp_registry* registry )
           .required = { WISP_LINK_COMPLIANCE },
           .reads = { WISP_PARTICLE_POSITION, WISP_LINK_COMPLIANCE, lambda },
           .writes = { WISP_PARTICLE_POSITION, lambda },
-          .run = links_xpbd },
+          .run = links_xpbd,
+          .detail = WISP_PASS_FINE },
         PROJECTION( "hinges.dihedral_pbd", hinges_dihedral, WISP_HINGE_REST, WISP_HINGE_STIFFNESS ),
         PROJECTION( "hinges.isometric_pbd", hinges_isometric, WISP_HINGE_COTANGENT, WISP_HINGE_STIFFNESS ),
         { .name = "hinges.folds",
@@ -147,7 +149,8 @@ wisp_status passes_declare_constraints( wisp_registry* registry )
           .fabric = WISP_FABRIC_SPANS,
           .reads = { WISP_PARTICLE_POSITION, WISP_HINGE_FOLDS },
           .writes = { WISP_PARTICLE_POSITION },
-          .run = passes_open_hinges },
+          .run = passes_open_hinges,
+          .detail = WISP_PASS_FINE },
         PROJECTION( "links.limit", links_limit, WISP_LINK_LIMIT ),
     };
 #undef PROJECTION

@@ -298,6 +298,57 @@ static void measure( const wisp_fabric_level* level, const float* at, float* mov
     }
 }
 
+// ---- sheets alone ----
+
+typedef struct scale_loop
+{
+    const float* previous; // [slot][4]
+    float* position;
+    float factor;
+} scale_loop;
+
+static void run_scale( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const scale_loop* loop = context;
+    for ( int slot = 8 * begin; slot < 8 * end; ++slot )
+    {
+        for ( int k = 0, i = 4 * slot; k < 3 && loop->position[4 * slot + 3] > 0.0f; ++k, ++i )
+        {
+            loop->position[i] = loop->factor * loop->previous[i];
+        }
+    }
+}
+
+// Fraction of its offset from the sheets that a vertex keeps in a substep: most of it is gone after the steps of the blend.
+static float kept_offset( wisp_frame* frame, wisp_entity entity )
+{
+    const float steps = (float)wisp_frame_detail( frame, entity ).blend_steps;
+    const float left = steps * (float)wisp_frame_substeps( frame, entity ) - 3.0f;
+    return left > 0.0f ? left / ( left + 3.0f ) : 0.0f;
+}
+
+// Puts vertices where the finest sheet takes them, with a part of their offset: x' = P X' + kept ( x - P X ), with P the prolongation.
+static void follow_sheet( wisp_frame* frame, const wisp_span* span, const levels_sheet* sheet, float* value )
+{
+    const wisp_fabric_level* level = sheet->level;
+    const float* previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 );
+    float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    const float kept = kept_offset( frame, span->entity );
+    for ( int row = 0; row < level->row_count; ++row )
+    {
+        const float *now = sheet->links.position + 4 * row, *before = previous + level->slot_x4[row];
+        for ( int k = 0; k < 3; ++k )
+        {
+            value[4 * row + k] = now[k] - kept * before[k];
+        }
+        value[4 * row + 3] = 0.0f;
+    }
+    scale_loop loop = { previous, position, kept };
+    wisp_parallel_for( sheet->parallel, level->finer_row_count / 8, SLICE_GRAIN, run_scale, &loop );
+    prolong( sheet, value, position, position );
+}
+
 // Moves the coarsest sheet from where the surface was. Its velocities are kept for the end of the substep.
 // @return false, and it forgets its history, if the surface has torn it apart
 static bool move_coarsest( wisp_frame* frame, const wisp_span* span, const levels_sheet* sheet,
@@ -382,6 +433,11 @@ static void carry( wisp_frame* frame, const wisp_span* span, void* user )
         sheet = sheet_of( frame, span, &m, --l );
         set_pins( frame, span, &m, l, &sheet );
         move_sheet( frame, span, &m, &coarser, &sheet );
+    }
+    if ( wisp_frame_detail( frame, span->entity ).level == WISP_DETAIL_COARSE )
+    {
+        follow_sheet( frame, span, &sheet, m.moved );
+        return;
     }
     float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     prolong( &sheet, m.moved, position, position );

@@ -243,6 +243,7 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .reads = { WISP_PARTICLE_POSITION },
             .writes = { WISP_SURFACE_POINTS },
             .run = hand_out_points,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "surface.speed",
@@ -252,6 +253,7 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .reads = { WISP_PARTICLE_VELOCITY },
             .writes = { WISP_POINT_SPEED },
             .run = hand_out_speed,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "surface.normals",
@@ -261,6 +263,7 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .reads = { WISP_PARTICLE_POSITION },
             .writes = { WISP_SURFACE_NORMALS },
             .run = hand_out_normals,
+            .detail = WISP_PASS_WITHOUT_MOTION,
             .fabric = WISP_FABRIC_RINGS,
         },
         {
@@ -281,6 +284,7 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_MOTION_STATS },
             .run = take_motion_stats,
+            .detail = WISP_PASS_WITHOUT_MOTION,
             .fabric = WISP_FABRIC_EDGES,
         },
     };

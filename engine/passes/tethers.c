@@ -47,6 +47,7 @@ wisp_status passes_declare_tethers( wisp_registry* registry )
         .reads = { WISP_SURFACE_TETHERS, WISP_PARTICLE_POSITION },
         .writes = { WISP_PARTICLE_POSITION },
         .run = project_tethers,
+        .detail = WISP_PASS_FINE,
     };
     return wisp_declare_pass( registry, &pass );
 }

@@ -328,14 +328,20 @@ static int find_fusion( const wisp_registry* r, const plan_node* node, uint32_t 
     return found;
 }
 
-uint32_t plan_live_passes( const plan* p, const plan_node* node, int slot )
+// Return those of some passes that a node has. Bit i: passes[i] of the node.
+static uint32_t passes_in( const plan_node* node, store_mask some )
 {
     uint32_t passes = 0;
     for ( int i = 0; i < node->pass_count; ++i )
     {
-        passes |= store_mask_has( &p->entities[slot].live, node->passes[i] ) ? 1u << i : 0;
+        passes |= store_mask_has( &some, node->passes[i] ) ? 1u << i : 0;
     }
     return passes;
+}
+
+uint32_t plan_live_passes( const plan* p, const plan_node* node, int slot )
+{
+    return passes_in( node, p->entities[slot].runs );
 }
 
 // Append the targets of a node that run in waves, or those with a substep loop of their own.
@@ -425,8 +431,8 @@ static uint64_t hash_plan( const plan* p, const wisp_registry* r )
     }
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
-        const int split[2] = { slot, p->entities[slot].split };
-        hash = split[1] > 1 ? store_hash_bytes( hash, split, sizeof( split ) ) : hash;
+        const int rate[2] = { slot, plan_rate( p->entities + slot, r ) };
+        hash = rate[1] != 1 ? store_hash_bytes( hash, rate, sizeof( rate ) ) : hash;
     }
     return hash;
 }
@@ -492,25 +498,20 @@ static const plan_node* find_item_loop( const plan* p )
     return NULL;
 }
 
-// Rows that mean nothing between steps: a fusion takes some for the items at hand, so the entity needs none of all items.
+// Rows that mean nothing between steps: a fusion takes some for the items at hand, so the entity needs none of all items. Which rows
+// there are does not depend on the detail of an entity, so that snapshots fit; passes that run at any need none of those.
 static bool fit_transient( const plan* p, const wisp_registry* r )
 {
     store* s = r->store;
     const plan_node* loop = wisp_registry_iterations( r ) == 1 ? find_item_loop( p ) : NULL;
-    int next = 0; // target of the loop; those are in the order of slots
     bool room = true;
     for ( int slot = 0; slot < s->entity_count && room; ++slot )
     {
         store_mask alone = p->entities[slot].live;
-        const plan_target* target =
-            loop != NULL && next < loop->target_count ? p->targets + loop->first_target + next : NULL;
-        if ( target != NULL && target->slot == slot )
+        const bool is_fused = loop != NULL && find_fusion( r, loop, passes_in( loop, alone ) ) >= 0;
+        for ( int i = 0; is_fused && i < loop->pass_count; ++i )
         {
-            next += 1;
-            for ( int i = 0; i < loop->pass_count && target->join >= 0; ++i )
-            {
-                store_mask_remove( &alone, loop->passes[i] );
-            }
+            store_mask_remove( &alone, loop->passes[i] );
         }
         room = s->entities[slot].alive == false || fit_to( s, slot, used_by( r, alone ), s->transient );
     }
@@ -528,13 +529,31 @@ static wisp_status need_fabric( const wisp_registry* r, const store_entity* e, s
     return arrays != 0 && e->fabric != NULL ? wisp_fabric_need( e->fabric, arrays ) : WISP_OK;
 }
 
+// Return those of some passes that run at a detail. The others keep their place in the plan, and their rows.
+static store_mask passes_at( const wisp_registry* r, store_mask live, wisp_detail detail )
+{
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        const unsigned use = r->passes[i].detail;
+        const bool runs = detail == WISP_DETAIL_NOTHING  ? ( use & WISP_PASS_WITHOUT_MOTION ) != 0
+                          : detail == WISP_DETAIL_COARSE ? ( use & WISP_PASS_FINE ) == 0
+                                                         : true;
+        if ( runs == false )
+        {
+            store_mask_remove( &live, i );
+        }
+    }
+    return live;
+}
+
 static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error )
 {
     store* s = r->store;
     for ( int slot = 0; slot < s->entity_count; ++slot )
     {
         const store_mask live = live_passes( r, s->entities + slot );
-        p->entities[slot] = ( plan_entity ){ .live = live };
+        p->entities[slot] =
+            ( plan_entity ){ .live = live, .runs = passes_at( r, live, s->entities[slot].detail.level ) };
         wisp_status status = s->entities[slot].alive ? check_supply( r, live, slot, error ) : WISP_OK;
         if ( status != WISP_OK )
         {

@@ -18,7 +18,7 @@ static bool can_loop( const plan* p, const wisp_registry* r, int slot )
         for ( int i = 0; i < node->pass_count; ++i )
         {
             const wisp_pass* pass = r->passes + node->passes[i];
-            const bool is_live = store_mask_has( &e->live, node->passes[i] );
+            const bool is_live = store_mask_has( &e->runs, node->passes[i] );
             possible = possible && ( is_live == false || ( pass->should_run == NULL && pass->on_change == 0 ) );
         }
     }
@@ -75,7 +75,7 @@ static int find_batch( const plan* p, const wisp_registry* r, int slot, bool* ha
         const plan_node* node = p->nodes + p->loop_nodes[n];
         for ( int i = 0; i < node->pass_count; ++i )
         {
-            if ( store_mask_has( &p->entities[slot].live, node->passes[i] ) )
+            if ( store_mask_has( &p->entities[slot].runs, node->passes[i] ) )
             {
                 store_mask_add( &live, node->passes[i] );
             }
@@ -131,8 +131,8 @@ static void append_group( plan* p, const wisp_registry* r, int slot, int entitie
     {
         const plan_entity* e = p->entities + other;
         if ( e->loops && e->listed == false && s->entities[other].fabric == s->entities[slot].fabric &&
-             e->split == p->entities[slot].split &&
-             memcmp( &e->live, &p->entities[slot].live, sizeof( e->live ) ) == 0 )
+             plan_rate( e, r ) == plan_rate( p->entities + slot, r ) &&
+             memcmp( &e->runs, &p->entities[slot].runs, sizeof( e->runs ) ) == 0 )
         {
             append_loop( p, other );
         }
@@ -357,7 +357,7 @@ static void run_group( void* context, int index, int worker )
 static int begin_entity( wisp_frame* frame, int index )
 {
     const plan* p = frame->plan;
-    const int slot = p->loop_slots[index], substeps = frame->substeps * p->entities[slot].split;
+    const int slot = p->loop_slots[index], substeps = execute_substeps( frame, slot );
     const store_entity* e = frame->registry->store->entities + slot;
     for ( int n = 0; n < p->loop_node_count && execute_leaves_out( e, PLAN_SUBSTEP ) == false; ++n )
     {

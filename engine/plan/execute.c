@@ -3,6 +3,7 @@
 // workers.
 #include "execute_parts.h"
 
+#include <limits.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -57,25 +58,35 @@ wisp_span wisp_frame_particles( wisp_frame* frame, const wisp_span* span )
     return particles;
 }
 
-static int split_of( const wisp_frame* frame, wisp_entity entity )
+int execute_substeps( const wisp_frame* frame, int slot )
 {
-    return frame->plan->entities[entity.index - 1].split;
+    return plan_substeps_of_rate( frame->registry, plan_rate( frame->plan->entities + slot, frame->registry ),
+                                  frame->substeps );
+}
+
+// What a substep of the world has of something, for a substep of an entity.
+static float in_substep( const wisp_frame* frame, wisp_entity entity, float of_world )
+{
+    const plan_entity* e = frame->plan->entities + entity.index - 1;
+    return e->fewer > 0 && frame->substeps > 0
+               ? of_world * (float)frame->substeps / (float)wisp_frame_substeps( frame, entity )
+               : of_world / (float)e->split;
 }
 
 float wisp_frame_dt( const wisp_frame* frame, wisp_entity entity )
 {
     return frame->even > 0.0f ? frame->even / (float)wisp_frame_substeps( frame, entity )
-                              : frame->seconds / (float)split_of( frame, entity );
+                              : in_substep( frame, entity, frame->seconds );
 }
 
 int wisp_frame_substeps( const wisp_frame* frame, wisp_entity entity )
 {
-    return frame->substeps * split_of( frame, entity );
+    return execute_substeps( frame, (int)entity.index - 1 );
 }
 
 float wisp_frame_progress( const wisp_frame* frame, wisp_entity entity, int substeps )
 {
-    const float progress = frame->progress / (float)split_of( frame, entity ) * (float)substeps;
+    const float progress = in_substep( frame, entity, frame->progress ) * (float)substeps;
     return frame->progress == 0.0f ? (float)substeps / (float)wisp_frame_substeps( frame, entity )
            : progress < 1.0f       ? progress
                                    : 1.0f;
@@ -83,7 +94,7 @@ float wisp_frame_progress( const wisp_frame* frame, wisp_entity entity, int subs
 
 float wisp_frame_progress_left( const wisp_frame* frame, wisp_entity entity, int substep )
 {
-    const float progress = frame->progress / (float)split_of( frame, entity );
+    const float progress = in_substep( frame, entity, frame->progress );
     const float left = 1.0f - progress * (float)substep;
     return progress == 0.0f  ? 1.0f / (float)( wisp_frame_substeps( frame, entity ) - substep )
            : left > progress ? progress / left
@@ -103,7 +114,13 @@ int wisp_frame_iterations( const wisp_frame* frame )
 
 bool wisp_frame_is_halted( wisp_frame* frame, wisp_entity entity )
 {
-    return entity_of( frame, entity )->halted != 0 || wisp_frame_is_asleep( frame, entity );
+    const store_entity* e = entity_of( frame, entity );
+    return e->halted != 0 || e->sleep != STORE_AWAKE || e->detail.level == WISP_DETAIL_NOTHING;
+}
+
+wisp_detail_frame wisp_frame_detail( wisp_frame* frame, wisp_entity entity )
+{
+    return entity_of( frame, entity )->detail;
 }
 
 bool wisp_frame_is_asleep( wisp_frame* frame, wisp_entity entity )
@@ -205,7 +222,7 @@ typedef struct wave_size
 // Substeps of an entity in one run of a node.
 static int substeps_in( const wisp_frame* frame, const plan_node* node, int slot )
 {
-    return node->section == PLAN_ITEM_LOOP ? frame->substeps * frame->plan->entities[slot].split : 1;
+    return node->section == PLAN_ITEM_LOOP ? execute_substeps( frame, slot ) : 1;
 }
 
 // Number of runs of each pass in so many substeps of one run of its node.
@@ -235,10 +252,11 @@ static void add_blocks( wisp_frame* frame, int n, const plan_target* target, uns
     size->rows += plan_row_count( e ) * substeps;
 }
 
-// Entities whose substeps are shorter than those of the world have the substep loop for themselves.
+// Entities whose substeps are not those of the world have the substep loop for themselves.
 static bool takes_part( const wisp_frame* frame, plan_section section, int slot )
 {
-    return plan_is_substep( section ) == false || frame->plan->entities[slot].split == frame->split;
+    return plan_is_substep( section ) == false ||
+           plan_rate( frame->plan->entities + slot, frame->registry ) == frame->rate;
 }
 
 static wave_size collect_blocks( wisp_frame* frame, plan_section section, int wave )
@@ -416,9 +434,8 @@ static void run_block( void* context, int index, int worker )
                        .begin = block.begin,
                        .end = block.end,
                        .worker = worker,
-                       .substep = node->section == PLAN_AFTER
-                                      ? frame->substeps * frame->plan->entities[block.slot].split - 1
-                                      : frame->substep,
+                       .substep =
+                           node->section == PLAN_AFTER ? execute_substeps( frame, block.slot ) - 1 : frame->substep,
                        .iteration = frame->iteration };
     if ( node->section == PLAN_ITEM_LOOP )
     {
@@ -549,12 +566,13 @@ static void run_section( wisp_frame* frame, plan_section section )
     }
 }
 
-// Run the substeps of the entities that wait for each other and split those of the world into so many.
-static void run_substeps( wisp_frame* frame, int split )
+// Run the substeps of the entities that wait for each other and make them at a rate.
+static void run_substeps( wisp_frame* frame, int rate )
 {
     const bool iterates = frame->plan->wave_count[PLAN_ITERATION] > 0;
-    frame->split = split;
-    for ( frame->substep = 0; frame->substep < frame->substeps * split; ++frame->substep )
+    const int count = plan_substeps_of_rate( frame->registry, rate, frame->substeps );
+    frame->rate = rate;
+    for ( frame->substep = 0; frame->substep < count; ++frame->substep )
     {
         run_section( frame, PLAN_SUBSTEP );
         for ( frame->iteration = 0; frame->iteration < frame->iterations && iterates; ++frame->iteration )
@@ -583,9 +601,10 @@ void plan_execute( wisp_frame* frame )
 
     frame->substep = frame->iteration = 0;
     run_section( frame, PLAN_BEFORE );
-    for ( int split = plan_next_split( p, 0 ); split > 0; split = plan_next_split( p, split ) )
+    for ( int rate = plan_next_rate( p, frame->registry, INT_MIN ); rate != 0;
+          rate = plan_next_rate( p, frame->registry, rate ) )
     {
-        run_substeps( frame, split );
+        run_substeps( frame, rate );
     }
     frame->iteration = frame->iterations - 1;
     execute_entity_loops( frame ); // strands follow where surfaces have moved

@@ -72,7 +72,8 @@ static uint64_t across_bytes( const store* s, const wisp_pass* pass )
 // Runs on an entity in a step of usual length.
 static int runs_on( const writer* w, wisp_stage stage, int slot )
 {
-    const int substeps = w->substeps * w->plan->entities[slot].split, iterations = w->iterations;
+    const int rate = plan_rate( w->plan->entities + slot, w->registry ), iterations = w->iterations;
+    const int substeps = plan_substeps_of_rate( w->registry, rate, w->substeps );
     switch ( plan_section_of( stage ) )
     {
         case PLAN_SUBSTEP:

@@ -44,6 +44,7 @@ typedef struct plan_state
     size_t size;
     wisp_state_hooks hooks;
     wisp_sleep_hooks sleep;
+    wisp_detail_hooks detail;
 } plan_state;
 
 typedef struct plan_fusion
@@ -95,8 +96,9 @@ struct wisp_registry
 {
     store* store;
     int workers;
-    int substeps;   // of the world in a step of usual length; 0 means 1
-    int iterations; // per substep; 0 means 1
+    int substeps;          // of the world in a step of usual length; 0 means 1
+    int iterations;        // per substep; 0 means 1
+    wisp_component detail; // of entities whose level of detail was set
     wisp_pass passes[PLAN_MAX_PASSES];
     const char* pass_modules[PLAN_MAX_PASSES]; // module that declared the pass
     int pass_count;
@@ -138,6 +140,14 @@ bool plan_registry_surroundings( const wisp_registry* r, wisp_world* world, wisp
 /// Return the largest reach of an entity among all modules, m; below 0: none.
 float plan_registry_reach( const wisp_registry* r, wisp_world* world, wisp_entity entity );
 void plan_registry_rested( const wisp_registry* r, wisp_world* world, wisp_entity entity );
+
+/// Has an entity something coarse of any module?
+bool plan_registry_has_coarse( const wisp_registry* r, const wisp_world* world, wisp_entity entity );
+/// Let all modules attach what an entity needs whose detail is set for the first time. The first failure ends it.
+wisp_status plan_registry_prepare_detail( const wisp_registry* r, wisp_world* world, wisp_entity entity );
+/// Tell all modules that an entity runs at another level of detail from now on.
+void plan_registry_detail_changed( const wisp_registry* r, wisp_world* world, wisp_entity entity, wisp_detail from,
+                                   wisp_detail to );
 
 /// Count the states and workspaces of a module, and what they point to. Modules are numbered by their states.
 /// @param held receives the bytes of what states and workspaces point to
@@ -186,7 +196,9 @@ typedef struct plan_target
 typedef struct plan_entity
 {
     store_mask live; // passes
+    store_mask runs; // those of them that run at its detail
     int split;       // substeps in a substep of the world
+    int fewer; // substeps of a step in which the world makes its usual ones, when they are fewer; 0: `split` counts
     bool runs_waves; // passes of substeps, unless it loops
     bool meets;      // other entities in them
     bool loops;      // it runs all its substeps before the next entity does
@@ -250,10 +262,16 @@ void plan_print( const wisp_plan_info* report, void ( *write )( void* user, cons
 
 // substeps.c
 
-/// Find which entities meet in substeps, and into how many each splits one of the world; after nodes and before loops.
+/// Find which entities meet in substeps, and how many each makes; after nodes and before loops.
 void plan_find_splits( plan* p, const wisp_registry* r );
-/// Return the next larger split among entities that run substeps in waves; 0: none.
-int plan_next_split( const plan* p, int split );
+/// Return the substeps that the world makes in a step of usual length.
+int plan_usual_substeps( const wisp_registry* r );
+/// Return the rate of an entity: those with equal rates have equal substeps. Above 0 it is the split.
+int plan_rate( const plan_entity* e, const wisp_registry* r );
+/// Return the substeps of a rate in a step in which the world makes so many.
+int plan_substeps_of_rate( const wisp_registry* r, int rate, int of_world );
+/// Return the next larger rate among entities that run substeps in waves; 0: none.
+int plan_next_rate( const plan* p, const wisp_registry* r, int rate );
 
 // entity_loop.c
 
@@ -264,7 +282,7 @@ void plan_fill_entity_loops( plan* p, const wisp_registry* r );
 
 // compile.c
 
-/// Return the selected passes of an entity that a node has. Bit i: passes[i] of the node.
+/// Return the selected passes of an entity that a node has and that run at its detail. Bit i: passes[i] of the node.
 uint32_t plan_live_passes( const plan* p, const plan_node* node, int slot );
 
 /// Return the size of an entity in rows of sixteen lanes.
@@ -299,7 +317,7 @@ struct wisp_frame
     uint64_t step;
     int substeps, iterations; // of the world
     int substep, iteration;   // current ones
-    int split;                // of the entities whose substeps run
+    int rate;                 // of the entities whose substeps run
     float seconds;            // of a substep of the world
     float even;               // s, the step if it has its usual length and nothing is left of those before; else 0
     float progress;           // fraction of the motion to kinematic targets per substep; 0: 1 / substeps

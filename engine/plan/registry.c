@@ -175,30 +175,53 @@ void* wisp_declare_state( wisp_registry* registry, size_t size )
         return NULL;
     }
     memset( memory, 0, size );
-    registry->states[registry->state_count++] = ( plan_state ){ registry->module, memory, size, { 0 }, { 0 } };
+    registry->states[registry->state_count++] =
+        ( plan_state ){ .module = registry->module, .memory = memory, .size = size };
     return memory;
+}
+
+// Find the state of the module that declares hooks of it.
+static plan_state* find_own_state( wisp_registry* registry )
+{
+    plan_state* state = registry->state_count > 0 ? registry->states + registry->state_count - 1 : NULL;
+    if ( state == NULL || strcmp( state->module, registry->module ) != 0 )
+    {
+        fail_declaration( registry, "got hooks without a state for", registry->module );
+        return NULL;
+    }
+    return state;
 }
 
 void wisp_declare_hooks( wisp_registry* registry, const wisp_state_hooks* hooks )
 {
-    plan_state* state = registry->state_count > 0 ? registry->states + registry->state_count - 1 : NULL;
-    if ( state == NULL || strcmp( state->module, registry->module ) != 0 )
+    plan_state* state = find_own_state( registry );
+    if ( state != NULL )
     {
-        fail_declaration( registry, "got hooks without a state for", registry->module );
-        return;
+        state->hooks = *hooks;
     }
-    state->hooks = *hooks;
 }
 
 void wisp_declare_sleep( wisp_registry* registry, const wisp_sleep_hooks* hooks )
 {
-    plan_state* state = registry->state_count > 0 ? registry->states + registry->state_count - 1 : NULL;
-    if ( state == NULL || strcmp( state->module, registry->module ) != 0 )
+    plan_state* state = find_own_state( registry );
+    if ( state != NULL )
     {
-        fail_declaration( registry, "got hooks without a state for", registry->module );
-        return;
+        state->sleep = *hooks;
     }
-    state->sleep = *hooks;
+}
+
+void wisp_declare_detail( wisp_registry* registry, const wisp_detail_hooks* hooks )
+{
+    plan_state* state = find_own_state( registry );
+    if ( state != NULL )
+    {
+        state->detail = *hooks;
+    }
+}
+
+wisp_component wisp_detail_component( wisp_registry* registry )
+{
+    return registry->detail;
 }
 
 int wisp_declare_workspace( wisp_registry* registry, size_t size,
@@ -363,6 +386,40 @@ void plan_registry_rested( const wisp_registry* r, wisp_world* world, wisp_entit
         if ( r->states[i].sleep.rested != NULL )
         {
             r->states[i].sleep.rested( r->states[i].memory, world, entity );
+        }
+    }
+}
+
+bool plan_registry_has_coarse( const wisp_registry* r, const wisp_world* world, wisp_entity entity )
+{
+    bool found = false;
+    for ( int i = 0; i < r->state_count; ++i )
+    {
+        const plan_state* s = r->states + i;
+        found = found || ( s->detail.has_coarse != NULL && s->detail.has_coarse( s->memory, world, entity ) );
+    }
+    return found;
+}
+
+wisp_status plan_registry_prepare_detail( const wisp_registry* r, wisp_world* world, wisp_entity entity )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < r->state_count && status == WISP_OK; ++i )
+    {
+        const plan_state* s = r->states + i;
+        status = s->detail.prepare != NULL ? s->detail.prepare( s->memory, world, entity ) : WISP_OK;
+    }
+    return status;
+}
+
+void plan_registry_detail_changed( const wisp_registry* r, wisp_world* world, wisp_entity entity, wisp_detail from,
+                                   wisp_detail to )
+{
+    for ( int i = 0; i < r->state_count; ++i )
+    {
+        if ( r->states[i].detail.changed != NULL )
+        {
+            r->states[i].detail.changed( r->states[i].memory, world, entity, from, to );
         }
     }
 }

@@ -1,5 +1,6 @@
 // Substeps of entities. An entity may ask for more substeps than the world makes: it splits each of those into as many
-// as it needs. Entities that meet in substeps have the substeps of the one with the most.
+// as it needs. Its detail may allow it fewer: then it makes fewer and longer ones in the same time. Entities that meet in substeps
+// have the substeps of the one with the most.
 #include "plan.h"
 
 // Return what passes of other entities touch of an entity in the substep loop.
@@ -47,7 +48,7 @@ static void find_meetings( plan* p, const wisp_registry* r, int slot, bool all_m
         for ( int i = 0; i < node->pass_count && plan_is_substep( node->section ); ++i )
         {
             const wisp_pass* pass = r->passes + node->passes[i];
-            if ( store_mask_has( &e->live, node->passes[i] ) )
+            if ( store_mask_has( &e->runs, node->passes[i] ) )
             {
                 const store_mask touched = store_mask_or( plan_mask( pass->reads ), plan_mask( pass->writes ) );
                 e->runs_waves = true;
@@ -57,36 +58,70 @@ static void find_meetings( plan* p, const wisp_registry* r, int slot, bool all_m
     }
 }
 
-static int split_for( int substeps, int of_world )
+int plan_usual_substeps( const wisp_registry* r )
 {
-    return substeps > of_world ? ( substeps - 1 ) / of_world + 1 : 1;
+    return r->substeps > 1 ? r->substeps : 1;
+}
+
+// Rates are ordered by the number of substeps.
+int plan_rate( const plan_entity* e, const wisp_registry* r )
+{
+    return e->fewer > 0 ? e->fewer - plan_usual_substeps( r ) : e->split;
+}
+
+int plan_substeps_of_rate( const wisp_registry* r, int rate, int of_world )
+{
+    const int64_t usual = plan_usual_substeps( r );
+    return rate > 0 ? of_world * rate : (int)( ( (int64_t)of_world * ( usual + rate ) + usual - 1 ) / usual );
+}
+
+// Return the rate for what an entity asks for, and the limit that its detail sets.
+static int rate_for( const store_entity* e, int usual )
+{
+    const int asked = e->substeps > usual ? ( e->substeps - 1 ) / usual + 1 : 1;
+    const int limit = e->detail.max_substeps;
+    if ( limit == 0 || limit >= asked * usual )
+    {
+        return asked;
+    }
+    return limit < usual ? limit - usual : ( limit - 1 ) / usual + 1;
+}
+
+static void set_rate( plan_entity* e, int rate, int usual )
+{
+    e->split = rate > 0 ? rate : 1;
+    e->fewer = rate > 0 ? 0 : usual + rate;
 }
 
 void plan_find_splits( plan* p, const wisp_registry* r )
 {
     const bool all_meet = has_followers( p, r );
-    int most = 1; // of those that meet
+    const int usual = plan_usual_substeps( r );
+    int most = -usual; // of those that meet
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
         plan_entity* e = p->entities + slot;
         find_meetings( p, r, slot, all_meet );
-        e->split = split_for( r->store->entities[slot].substeps, r->substeps > 1 ? r->substeps : 1 );
-        most = e->meets && e->split > most ? e->split : most;
+        const int rate = rate_for( r->store->entities + slot, usual );
+        set_rate( e, rate, usual );
+        most = e->meets && rate > most ? rate : most;
     }
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
-        p->entities[slot].split = p->entities[slot].meets ? most : p->entities[slot].split;
+        plan_entity* e = p->entities + slot;
+        set_rate( e, e->meets ? most : plan_rate( e, r ), usual );
     }
 }
 
-int plan_next_split( const plan* p, int split )
+int plan_next_rate( const plan* p, const wisp_registry* r, int rate )
 {
     int next = 0;
     for ( int slot = 0; slot < p->entity_count; ++slot )
     {
         const plan_entity* e = p->entities + slot;
-        const bool is_nearer = e->split > split && ( next == 0 || e->split < next );
-        next = e->runs_waves && e->loops == false && is_nearer ? e->split : next;
+        const int own = plan_rate( e, r );
+        const bool is_nearer = own > rate && ( next == 0 || own < next );
+        next = e->runs_waves && e->loops == false && is_nearer ? own : next;
     }
     return next;
 }

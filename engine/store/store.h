@@ -47,6 +47,7 @@ typedef struct store_entity
     uint64_t halted;                     // 1: left out of every pass
     store_sleep sleep;                   // what the rows of wisp/sleep.h say
     bool is_touched;                     // rows may have changed since it fell asleep
+    wisp_detail_frame detail;            // what the rows of wisp/detail.h say
     store_mask dirty; // bit p: pass p must run on the entity, because what it watches or writes has changed
 } store_entity;
 

@@ -65,6 +65,7 @@ static wisp_status register_modules( wisp_world* world, const wisp_world_def* de
 {
     wisp_status status = world_declare_strands( &world->registry );
     status = status == WISP_OK ? passes_declare( &world->registry ) : status;
+    status = status == WISP_OK ? passes_declare_detail( &world->registry, &world->registry.detail ) : status;
     status = status == WISP_OK ? passes_declare_sleep( &world->registry, &world->sleep.components ) : status;
     for ( int i = 0; i < def->module_count && status == WISP_OK; ++i )
     {
@@ -263,6 +264,7 @@ static wisp_status step( wisp_world* world, float seconds )
         return wisp_world_fail( world, WISP_BAD_INPUT, "step: got %g s, expected a number above 0 and below 1e6",
                                 (double)seconds );
     }
+    world_detail_begin( world );
     WISP_TRY( compile_if_changed( world ) );
     world->blend.is_shown = false;
     double begin = wisp_clock_seconds();
@@ -404,7 +406,9 @@ wisp_status wisp_read_substeps( wisp_world* world, wisp_entity entity, int* out 
     const wisp_status status = compile_if_changed( world );
     if ( status == WISP_OK )
     {
-        *out = world->registry.substeps * world->plan.entities[entity.index - 1].split;
+        *out = plan_substeps_of_rate( &world->registry,
+                                      plan_rate( world->plan.entities + entity.index - 1, &world->registry ),
+                                      world->registry.substeps );
     }
     return status;
 }
@@ -497,6 +501,7 @@ wisp_status wisp_world_restore( wisp_world* world, const void* bytes, size_t siz
         return wisp_world_fail( world, status, "%s", error.message );
     }
     world_sleep_from_rows( world );
+    world_detail_from_rows( world );
     world->clock = clock;
     world->blend.is_shown = false;
     return WISP_OK;

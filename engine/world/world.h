@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cook_strands.h"
+#include "detail.h"
 #include "jobs.h"
 #include "kernel_tables.h"
 #include "log.h"
@@ -96,6 +97,16 @@ void world_sleep_end( wisp_world* world );
 void world_sleep_to_rows( wisp_world* world, bool has_snapshot );
 /// Take it from there.
 void world_sleep_from_rows( wisp_world* world );
+
+/// Zero the velocities of an entity that comes to rest, and of its last valid state; coarse sheets forget how they moved.
+void world_forget_velocities( wisp_world* world, store_entity* e );
+
+// world_detail.c
+
+/// Advance changes of detail by a step, before the plan.
+void world_detail_begin( wisp_world* world );
+/// Take the detail of entities from the rows of a snapshot.
+void world_detail_from_rows( wisp_world* world );
 
 /// Declares the passes that belong to no module: strands into the user's order.
 wisp_status world_declare_strands( wisp_registry* registry );

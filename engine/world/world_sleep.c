@@ -111,14 +111,19 @@ static void clear_rows( wisp_world* world, store_entity* e, wisp_component compo
     }
 }
 
+void world_forget_velocities( wisp_world* world, store_entity* e )
+{
+    clear_rows( world, e, WISP_PARTICLE_VELOCITY, 0 );
+    clear_rows( world, e, WISP_PARTICLE_LAST_VALID, 1 );
+    clear_rows( world, e, WISP_STRAND_VELOCITY, 0 );
+    wisp_world_restart_levels( world, store_handle( &world->store, (int)( e - world->store.entities ) ) );
+}
+
 static void fall_asleep( wisp_world* world, int slot )
 {
     store_entity* e = world->store.entities + slot;
     const wisp_entity entity = store_handle( &world->store, slot );
-    clear_rows( world, e, WISP_PARTICLE_VELOCITY, 0 );
-    clear_rows( world, e, WISP_PARTICLE_LAST_VALID, 1 );
-    clear_rows( world, e, WISP_STRAND_VELOCITY, 0 );
-    wisp_world_restart_levels( world, entity );
+    world_forget_velocities( world, e );
     plan_registry_rested( &world->registry, world, entity );
     passes_sleep* state = sleep_state_of( world, e );
     state->rows = hash_rows( world, e );

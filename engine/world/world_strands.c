@@ -46,6 +46,7 @@ wisp_status world_declare_strands( wisp_registry* registry )
                                             .reads = { WISP_STRAND_POSITION },
                                             .writes = { WISP_STRAND_POINTS },
                                             .run = unpack_points,
+                                            .detail = WISP_PASS_WITHOUT_MOTION,
                                             .on_change = WISP_STRAND_POSITION,
                                         } );
 }

@@ -87,6 +87,7 @@ static wisp_status declare( wisp_registry* r )
             .reads = { state->place, WISP_PARTICLE_POSITION },
             .writes = { WISP_PARTICLE_TARGET },
             .run = attachments_follow,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
     };
     return state->place != 0 ? wisp_declare_passes( r, passes, WISP_COUNT( passes ), state ) : WISP_BAD_INPUT;

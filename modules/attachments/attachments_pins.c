@@ -84,7 +84,9 @@ typedef struct source
 
 static source open_source( wisp_frame* frame, wisp_entity to )
 {
-    const bool is_halted = wisp_frame_is_halted( frame, to );
+    // one that is not solved goes along with something
+    const bool is_halted =
+        wisp_frame_is_halted( frame, to ) && wisp_frame_detail( frame, to ).level != WISP_DETAIL_NOTHING;
     return ( source ){
         .entity = to,
         .position = wisp_frame_column( frame, to, WISP_PARTICLE_POSITION, 0 ),

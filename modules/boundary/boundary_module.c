@@ -94,6 +94,7 @@ static wisp_status declare_passes( wisp_registry* r, boundary_state* s )
           .reads = { x },
           .writes = { s->normals },
           .run = boundary_find_normals,
+          .detail = WISP_PASS_WITHOUT_MOTION,
           .fabric = WISP_FABRIC_RINGS | WISP_FABRIC_EDGES },
         { .name = "boundary.spacing",
           .stage = WISP_STAGE_DERIVE,
@@ -101,6 +102,7 @@ static wisp_status declare_passes( wisp_registry* r, boundary_state* s )
           .reads = { x, s->settings, s->normals },
           .writes = { s->edges, s->triangles },
           .run = boundary_find_spacing,
+          .detail = WISP_PASS_WITHOUT_MOTION,
           .fabric = WISP_FABRIC_RINGS | WISP_FABRIC_EDGES },
         { .name = "boundary.points",
           .stage = WISP_STAGE_DERIVE,
@@ -108,6 +110,7 @@ static wisp_status declare_passes( wisp_registry* r, boundary_state* s )
           .reads = { x, s->settings, s->normals, s->edges, s->triangles },
           .writes = { s->edges, s->triangles },
           .run = boundary_place_points,
+          .detail = WISP_PASS_WITHOUT_MOTION,
           .fabric = WISP_FABRIC_RINGS | WISP_FABRIC_EDGES },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );

@@ -136,6 +136,7 @@ static wisp_status declare( wisp_registry* r )
                                        .reads = { state->bending, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
                                        .writes = { WISP_PARTICLE_VELOCITY },
                                        .run = cloth_bend,
+                                       .detail = WISP_PASS_FINE,
                                        .user = state,
                                    } );
     if ( status != WISP_OK )
@@ -150,6 +151,7 @@ static wisp_status declare( wisp_registry* r )
                                      .reads = { state->damping, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
                                      .writes = { WISP_PARTICLE_VELOCITY },
                                      .run = cloth_damp,
+                                     .detail = WISP_PASS_FINE,
                                      .fabric = WISP_FABRIC_RINGS,
                                      .user = state,
                                  } );

@@ -216,7 +216,9 @@ void collision_follow( wisp_frame* frame, const wisp_span* span, void* user )
         return;
     }
     const wisp_entity surface = body->surface;
-    const bool is_halted = wisp_frame_is_halted( frame, surface );
+    // one that is not solved goes along with something
+    const bool is_halted =
+        wisp_frame_is_halted( frame, surface ) && wisp_frame_detail( frame, surface ).level != WISP_DETAIL_NOTHING;
     follow_loop loop = {
         .body = body,
         .vertex_slot = wisp_frame_fabric( frame, surface )->vertex_slot,

@@ -129,6 +129,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .reads = { s->settings },
             .writes = { s->event },
             .run = command,
+            .detail = WISP_PASS_WITHOUT_MOTION,
             .should_run = command_is_due,
         },
         {
@@ -139,6 +140,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .reads = { s->event, WISP_STRAND_REST },
             .writes = { WISP_STRAND_POSITION },
             .run = start,
+            .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = s->event,
         },
         {
@@ -149,6 +151,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .reads = { s->event, WISP_STRAND_STIFFNESS, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
             .run = freeze,
+            .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = s->event,
         },
         {
@@ -159,6 +162,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .reads = { s->event, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
             .run = frozen_limit_depth,
+            .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = s->event,
         },
         {
@@ -170,6 +174,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .reads = { s->event, s->intensity, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
             .run = align,
+            .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = s->event,
         },
         {
@@ -181,6 +186,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .reads = { s->event, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { s->stroke },
             .run = frozen_find_turn,
+            .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = s->event,
         },
         {
@@ -191,6 +197,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .reads = { s->event, s->stroke, s->intensity, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { s->swept, WISP_STRAND_POSITION },
             .run = align,
+            .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = s->event,
         },
         {
@@ -201,6 +208,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .reads = { s->event, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION, s->report },
             .run = frozen_clump_run,
+            .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = s->event,
         },
     };

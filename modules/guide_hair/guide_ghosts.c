@@ -240,7 +240,7 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
     {
         guide_begin_between( world, s, follower );
     }
-    return WISP_OK;
+    return wisp_world_has( world, ghosts, s->detail ) ? guide_prepare_detail( s, world, ghosts ) : WISP_OK;
 }
 
 // ---- reports ----

@@ -240,6 +240,10 @@ typedef struct guide_settings
     X( float, velocity_before, 48 ) /* m/s, of their targets' nodes a step before */                                 \
     X( float, velocity, 48 )        /* m/s, and now */
 #define GUIDE_INTERVAL_COLUMNS( X ) X( float, seconds, 1 ) /* from the step before to the last one */
+#define GUIDE_CARRIED_COLUMNS( X )                                                                                   \
+    X( float, local, 48 ) /* m, [3][16] a row: relative to the root of the first target */
+#define GUIDE_CARRIER_COLUMNS( X )                                                                                   \
+    X( int32_t, lane, 16 ) /* float of that root's position in those of the targets; -1: none */
 #define GUIDE_DRAWN_COLUMNS( X ) X( uint64_t, changes, 1 ) /* of sources: how often their place was written */
 #define GUIDE_CURVES_COLUMNS( X ) X( uint64_t, drawn, 1 )  /* the source's changes when it was drawn */
 
@@ -253,13 +257,16 @@ typedef struct guide_settings
     X( curves, "guide_hair.curves", WISP_TABLE_ENTITY, GUIDE_CURVES_COLUMNS )                                        \
     X( feedback, "guide_hair.feedback", WISP_TABLE_STRAND_ROW, GUIDE_FEEDBACK_COLUMNS )                              \
     X( between, "guide_hair.between", WISP_TABLE_STRAND_ROW, GUIDE_BETWEEN_COLUMNS )                                 \
-    X( interval, "guide_hair.interval", WISP_TABLE_ENTITY, GUIDE_INTERVAL_COLUMNS )
+    X( interval, "guide_hair.interval", WISP_TABLE_ENTITY, GUIDE_INTERVAL_COLUMNS )                                  \
+    X( carried, "guide_hair.carried", WISP_TABLE_STRAND_ROW, GUIDE_CARRIED_COLUMNS )                                 \
+    X( carrier, "guide_hair.carrier", WISP_TABLE_STRAND_GROUP, GUIDE_CARRIER_COLUMNS )
 
 typedef struct guide_state
 {
 #define GUIDE_MEMBER( member, name, table, columns ) wisp_component member;
     GUIDE_COMPONENTS( GUIDE_MEMBER )
 #undef GUIDE_MEMBER
+    wisp_component detail; // of entities whose level of detail was set
     guide_follower** followers;
     int follower_count, follower_capacity;
     guide_drawing** drawings;
@@ -279,6 +286,15 @@ void guide_drawing_release( guide_drawing* drawing );
 /// guide_passes.c
 wisp_pass_fn guide_run_targets, guide_run_ghosts, guide_run_lengths, guide_run_carry;
 bool guide_ghosts_are_due( wisp_frame* frame, wisp_entity entity, void* user );
+
+/// guide_detail.c
+wisp_pass_fn guide_run_carried;
+bool guide_carried_is_due( wisp_frame* frame, wisp_entity entity, void* user );
+/// As the hooks of wisp_detail_hooks.
+bool guide_has_coarse( const void* state, const wisp_world* world, wisp_entity entity );
+wisp_status guide_prepare_detail( const void* state, wisp_world* world, wisp_entity entity );
+void guide_detail_changed( const void* state, wisp_world* world, wisp_entity entity, wisp_detail from,
+                           wisp_detail to );
 
 /// guide_feedback.c
 /// @return false without memory

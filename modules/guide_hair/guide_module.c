@@ -86,6 +86,7 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .reads = { s->before, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { s->before, s->table },
             .run = guide_run_targets,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             // Ghosts have the component of the table, so that the plan orders them after their targets. They do not
@@ -97,6 +98,7 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .reads = { s->settings, s->table, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
             .run = guide_run_ghosts,
+            .detail = WISP_PASS_FINE,
             .should_run = guide_ghosts_are_due,
         },
         {
@@ -108,6 +110,7 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .reads = { s->settings, s->table, s->feedback, WISP_STRAND_POSITION },
             .writes = { s->feedback, WISP_STRAND_POSITION },
             .run = guide_run_feedback,
+            .detail = WISP_PASS_FINE,
             .should_run = guide_feedback_is_due,
         },
         {
@@ -118,6 +121,18 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .reads = { s->settings, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
             .run = guide_run_lengths,
+            .detail = WISP_PASS_FINE,
+        },
+        {
+            .name = "guide_hair.carried",
+            .stage = WISP_STAGE_DERIVE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .required = { s->settings, s->detail, s->carried, s->carrier },
+            .reads = { s->settings, s->detail, s->carried, s->carrier, WISP_STRAND_POSITION },
+            .writes = { WISP_STRAND_POSITION },
+            .run = guide_run_carried,
+            .should_run = guide_carried_is_due,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             // it reads columns that passes of a later stage write
@@ -128,6 +143,7 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .reads = { s->settings, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSED },
             .run = guide_run_carry,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "guide_hair.between",
@@ -137,6 +153,7 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .reads = { s->settings, s->table, s->between, WISP_STRAND_POSITION },
             .writes = { s->between, s->interval },
             .run = guide_run_between,
+            .detail = WISP_PASS_WITHOUT_MOTION,
             .should_run = guide_between_is_due,
         },
     };
@@ -154,6 +171,7 @@ static wisp_status declare_curves( wisp_registry* r, guide_state* s )
             .reads = { s->drawn, WISP_STRAND_POSITION },
             .writes = { s->drawn },
             .run = guide_run_source,
+            .detail = WISP_PASS_WITHOUT_MOTION,
             .on_change = WISP_STRAND_POSITION,
         },
         {
@@ -164,6 +182,7 @@ static wisp_status declare_curves( wisp_registry* r, guide_state* s )
             .reads = { s->curves },
             .writes = { s->curves, WISP_STRAND_POSITION },
             .run = guide_run_curves,
+            .detail = WISP_PASS_WITHOUT_MOTION,
             .should_run = guide_curves_are_due,
         },
     };
@@ -195,6 +214,10 @@ static wisp_status declare( wisp_registry* r )
     }
     wisp_declare_hooks(
         r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed, .memory = count_memory } );
+    wisp_declare_detail( r, &( wisp_detail_hooks ){ .has_coarse = guide_has_coarse,
+                                                    .prepare = guide_prepare_detail,
+                                                    .changed = guide_detail_changed } );
+    s->detail = wisp_detail_component( r );
 #define GUIDE_DECLARE( member, name, table, columns )                                                                \
     s->member = wisp_declare_component(                                                                              \
         r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );

@@ -148,7 +148,8 @@ void guide_run_targets( wisp_frame* frame, const wisp_span* span, void* user )
     };
     for ( int i = 0; i < state->follower_count; ++i )
     {
-        if ( wisp_entity_equal( state->followers[i]->targets, entity ) )
+        const bool is_computed = wisp_frame_detail( frame, state->followers[i]->ghosts ).level < WISP_DETAIL_COARSE;
+        if ( is_computed && wisp_entity_equal( state->followers[i]->targets, entity ) )
         {
             fill_table( frame, span, state, state->followers[i], loop );
         }

@@ -174,6 +174,7 @@ static wisp_status declare_passes( wisp_registry* r, motion_state* state )
             .reads = { state->settings, state->distance },
             .writes = { state->distance },
             .run = move_targets,
+            .detail = WISP_PASS_WITHOUT_MOTION,
             .should_run = have_moved,
         },
         {

@@ -99,6 +99,7 @@ static wisp_status declare( wisp_registry* r )
         .reads = { state->settings },
         .writes = { WISP_POINT_WIDTH },
         .run = paint_width,
+        .detail = WISP_PASS_WITHOUT_MOTION,
         .on_change = state->settings,
         .user = state,
     };

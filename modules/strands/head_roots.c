@@ -9,16 +9,21 @@
 
 // ---- the head ----
 
-// Move the head. Beyond the teleport distance it takes its strands along as rigid bodies.
+// Move the head. Beyond the teleport distance, and where strands are not solved, it takes them along as rigid bodies. Those that
+// are not solved get a velocity by that, so there is one more such motion when the head stops.
 void strands_move_head( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
-    head->from = head->jumped != 0 ? head->to : wisp_frame_reached( frame, head->from, head->to );
+    const int32_t jumped = head->jumped;
+    head->from = jumped != 0 ? head->to : wisp_frame_reached( frame, head->from, head->to );
     head->to = head->target;
     const float way = strands_norm( strands_sub( head->to.translation, head->from.translation ) );
-    head->jumped = way > settings->teleport ? 1 : 0;
+    const bool moves = memcmp( &head->from, &head->to, sizeof( wisp_transform ) ) != 0;
+    const int32_t carried = moves ? STRANDS_CARRIED : jumped == STRANDS_CARRIED ? STRANDS_STOPPED : 0;
+    const bool is_solved = wisp_frame_detail( frame, span->entity ).level != WISP_DETAIL_NOTHING;
+    head->jumped = is_solved ? ( way > settings->teleport ? STRANDS_JUMPED : 0 ) : carried;
     head->is_still = memcmp( &head->from, &head->to, sizeof( wisp_transform ) ) == 0 ? 1 : 0;
 }
 
@@ -34,15 +39,21 @@ wisp_transform strands_head_pose( wisp_frame* frame, wisp_entity strands, const 
 typedef struct turned_columns
 {
     float *position, *low, *velocity;
+    float inverse_seconds; // of the step; 0: velocities turn
 } turned_columns;
 
 static void turn_vertex( const turned_columns* c, int row, int lane, wisp_vec3 from, wisp_vec3 to, wisp_quat turn )
 {
+    const wisp_vec3 old = strands_get( c->position, row, lane );
     const wisp_vec3 low = strands_get( c->low, row, lane );
     const wisp_vec3 arm = strands_add( strands_sub( strands_get( c->position, row, lane ), from ), low );
     const wisp_vec3 turned = wisp_quat_rotate( turn, arm ), put = strands_add( to, turned );
     strands_put( c->position, row, lane, put );
-    strands_put( c->velocity, row, lane, wisp_quat_rotate( turn, strands_get( c->velocity, row, lane ) ) );
+    const wisp_vec3 way = strands_sub( put, old );
+    const wisp_vec3 speed = { c->inverse_seconds * way.x, c->inverse_seconds * way.y, c->inverse_seconds * way.z };
+    strands_put( c->velocity, row, lane,
+                 c->inverse_seconds > 0.0f ? speed
+                                           : wisp_quat_rotate( turn, strands_get( c->velocity, row, lane ) ) );
     strands_put( c->low, row, lane, strands_low_vector( to, turned, put ) );
 }
 
@@ -50,10 +61,13 @@ void strands_turn( wisp_frame* frame, wisp_entity entity, const strands_state* s
                    wisp_vec3 from, wisp_vec3 to, wisp_quat turn )
 {
     const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
+    const bool is_carried = wisp_frame_detail( frame, entity ).level == WISP_DETAIL_NOTHING;
+    const float seconds = wisp_frame_dt( frame, entity ) * (float)wisp_frame_substeps( frame, entity );
     const turned_columns c = {
         .position = wisp_frame_column( frame, entity, WISP_STRAND_POSITION, 0 ),
         .low = wisp_frame_column( frame, entity, state->low, 0 ),
         .velocity = wisp_frame_column( frame, entity, WISP_STRAND_VELOCITY, 0 ),
+        .inverse_seconds = is_carried ? 1.0f / seconds : 0.0f,
     };
     for ( int v = 0; v < t->lane_count[group * WISP_LANES + lane]; ++v )
     {

@@ -11,7 +11,8 @@ wisp_transform strands_head_pose( wisp_frame* frame, wisp_entity strands, const 
 /// Check that a pose is within bounds and has a rotation. @param what it is the pose of, for the message
 wisp_status strands_check_pose( wisp_world* world, const char* what, wisp_transform pose );
 
-/// Move a strand as a rigid body, with its velocities: from one position of the root to another. Its history ends.
+/// Move a strand as a rigid body, with its velocities: from one position of the root to another. Its history ends. Where strands
+/// are not solved, velocities become those of the motion.
 void strands_turn( wisp_frame* frame, wisp_entity entity, const strands_state* state, int group, int lane,
                    wisp_vec3 from, wisp_vec3 to, wisp_quat turn );
 

@@ -5,6 +5,7 @@
 #include "rod_factors.h"
 #include "state_check.h"
 #include "strand_carry.h"
+#include "strand_detail.h"
 #include "strand_grid.h"
 #include "strand_sleep.h"
 #include "strands_state.h"
@@ -30,6 +31,7 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
             .reads = { s->settings, s->head },
             .writes = { s->head },
             .run = strands_move_head,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "strands.tip_targets",
@@ -48,6 +50,16 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
             .reads = { WISP_PARTICLE_FRAME },
             .writes = { WISP_PARTICLE_FRAME },
             .run = strands_move_frame,
+        },
+        {
+            .name = "strands.slow",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .required = { wisp_detail_component( r ), s->settings },
+            .reads = { wisp_detail_component( r ), WISP_STRAND_VELOCITY },
+            .writes = { WISP_STRAND_VELOCITY },
+            .run = strands_slow,
+            .should_run = strands_slow_is_due,
         },
         {
             .name = "strands.factor",
@@ -107,6 +119,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .reads = { s->head, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .writes = { s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .run = strands_jump,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "strands.teleport_frames",
@@ -116,6 +129,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .reads = { s->head, s->curve },
             .writes = { s->curve },
             .run = strands_jump_frames,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "strands.roots",
@@ -125,6 +139,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .reads = { s->head, WISP_STRAND_REST },
             .writes = { WISP_STRAND_ROOT },
             .run = strands_root,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "strands.anchors",
@@ -136,6 +151,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .writes = { WISP_STRAND_ROOT, s->anchor, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .follows = true, // its surface
             .run = strands_anchor,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "strands.anchor_frames",
@@ -145,6 +161,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .reads = { s->anchor, s->curve },
             .writes = { s->curve },
             .run = strands_anchor_frames,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "strands.pins",
@@ -379,6 +396,7 @@ static wisp_status declare_stats( wisp_registry* r, strands_state* s )
                        WISP_STRAND_LENGTH },
             .writes = { WISP_MOTION_STATS },
             .run = strands_compute_motion_stats,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
         {
             .name = "strands.strain",
@@ -397,6 +415,7 @@ static wisp_status declare_stats( wisp_registry* r, strands_state* s )
             .reads = { WISP_STRAND_VELOCITY },
             .writes = { WISP_POINT_SPEED },
             .run = strands_scatter_speed,
+            .detail = WISP_PASS_WITHOUT_MOTION,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );

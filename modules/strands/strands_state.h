@@ -49,11 +49,19 @@ typedef struct strands_closed
     float twist; // rad
 } strands_closed;
 
+/// How the head takes its strands along as rigid bodies in a step.
+enum
+{
+    STRANDS_JUMPED = 1,
+    STRANDS_CARRIED = 2, ///< they are not solved
+    STRANDS_STOPPED = 3, ///< the same, and the head has stopped
+};
+
 typedef struct strands_head
 {
     wisp_transform from, to; // at the start and at the end of the step
     wisp_transform target;   // at the end of the next one
-    int32_t jumped;          // the strands were teleported: the pose is `to` from the first substep on
+    int32_t jumped;          // 0, or how strands go along: the pose is then `to` from the first substep on
     int32_t is_still;        // it does not move in this step, so roots are in place
 } strands_head;
 

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-static const wisp_quat NO_JUMP = { 0.0f, 0.0f, 0.0f, 0.0f };
+static const wisp_quat NO_JUMP = { 0.0f, 0.0f, 0.0f, 0.0f }, IDENTITY = { 0.0f, 0.0f, 0.0f, 1.0f };
 
 static wisp_vec3 scale( wisp_vec3 v, float s )
 {
@@ -143,17 +143,27 @@ static anchor_columns columns_of( wisp_frame* frame, const wisp_span* span, cons
     };
 }
 
-// Teleport the strand of a root that moves too far in the step; the root then stays for the rest of the step.
+// Teleport the strand of a root that moves too far in the step, or that is not solved; the root then stays for the rest of the step.
+// One that is not solved gets a velocity by that, so there is one more such motion when the root stops.
 static void jump( wisp_frame* frame, const wisp_span* span, const strands_state* state, const anchor_columns* c,
                   int group, int lane, const strands_triangle* now, float teleport )
 {
     const wisp_vec3 root = strands_get( c->root, group, lane );
     const wisp_transform end = pose_on( c, now, group, lane );
+    const wisp_quat before = strands_get_quat( c->rotation, group, lane ),
+                    last = strands_get_quat( c->jump, group, lane );
+    const bool is_carried = wisp_frame_detail( frame, span->entity ).level == WISP_DETAIL_NOTHING;
+    const bool moves = memcmp( &end.translation, &root, sizeof( root ) ) != 0 ||
+                       memcmp( &end.rotation, &before, sizeof( before ) ) != 0;
+    const bool stops = is_carried && moves == false && memcmp( &last, &NO_JUMP, sizeof( last ) ) != 0;
     wisp_quat turn = NO_JUMP;
-    if ( strands_norm( strands_sub( end.translation, root ) ) > teleport )
+    if ( stops )
     {
-        turn = strands_quat_multiply( end.rotation,
-                                      strands_quat_inverse( strands_get_quat( c->rotation, group, lane ) ) );
+        strands_turn( frame, span->entity, state, group, lane, root, root, IDENTITY );
+    }
+    else if ( strands_norm( strands_sub( end.translation, root ) ) > teleport || ( is_carried && moves ) )
+    {
+        turn = strands_quat_multiply( end.rotation, strands_quat_inverse( before ) );
         strands_turn( frame, span->entity, state, group, lane, root, end.translation, turn );
         strands_put_corners( c->corner, group, lane, now );
     }

@@ -467,6 +467,40 @@ static void keyframes_that_jump_and_events_teleport( void** state )
     release( &f );
 }
 
+static void levels_of_detail_are_set_and_changed_by_events( void** state )
+{
+    (void)state;
+    fixture f;
+    build(
+        &f,
+        "wisp: 1\nsteps: 20\nsubsteps: 8\nstrands:\n"
+        "  - { name: guides, generate: { strands: 4, vertices: 6 }, dynamics: {}, detail: { level: fewer_substeps } "
+        "}\n"
+        "  - { name: hair, generate: { strands: 8, vertices: 6 }, ghosts: { targets: guides }, detail: { level: "
+        "coarse } }\n"
+        "surfaces:\n"
+        "  - name: sheet\n    generate: { shape: plane, columns: 24, rows: 24, spacing: 0.02 }\n    pins: [0, 23]\n"
+        "    cloth: { coarse_substeps: 1 }\n    detail: { substep_divisor: 2, blend_steps: 4 }\n"
+        "events:\n"
+        "  - { step: 3, surface: sheet, detail: coarse }\n"
+        "  - { step: 5, strands: guides, detail: nothing }\n" );
+    wisp_world* world = f.world.world;
+    const wisp_entity guides = f.world.entities[0], hair = f.world.entities[1], sheet = f.world.surfaces[0].entity;
+    assert_int_equal( wisp_detail_of( world, guides ), WISP_DETAIL_FEWER_SUBSTEPS );
+    assert_int_equal( wisp_detail_of( world, hair ), WISP_DETAIL_COARSE );
+    assert_int_equal( wisp_detail_of( world, sheet ), WISP_DETAIL_FULL );
+    step( &f, 3 );
+    assert_int_equal( scene_world_substeps( &f.world, 0 ), 2 );
+    assert_int_equal( scene_world_substeps( &f.world, 2 ), 8 );
+    step( &f, 4 );
+    assert_int_equal( wisp_detail_of( world, sheet ), WISP_DETAIL_COARSE );
+    assert_int_equal( scene_world_substeps( &f.world, 2 ), 4 );
+    assert_false( wisp_is_detail_blending( world, sheet ) );
+    assert_int_equal( wisp_detail_of( world, guides ), WISP_DETAIL_NOTHING );
+    assert_true( wisp_is_detail_blending( world, guides ) );
+    release( &f );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -486,6 +520,7 @@ int main( void )
         cmocka_unit_test( scenes_of_strands_that_move_do_not_depend_on_the_number_of_workers ),
         cmocka_unit_test( balanced_curls_stay_where_those_beside_them_sag ),
         cmocka_unit_test( keyframes_that_jump_and_events_teleport ),
+        cmocka_unit_test( levels_of_detail_are_set_and_changed_by_events ),
         cmocka_unit_test( links_stretch_where_the_direct_solve_and_the_follower_do_not ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

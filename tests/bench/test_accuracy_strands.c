@@ -128,6 +128,19 @@ static void fewer_guides_miss_more( void** state )
     assert_true( error_of( &scene, "ghosts as guides, substeps=10, strands=36" ) > four );
     assert_true( error_of( &scene, "all simulated, substeps=1" ) > 2.0 * all.error );
     assert_same_hash( &scene, "ghosts sway, strands=144" );
+
+    // Levels of detail, each of which costs less than the one before.
+    static const char* const levels[] = { "full", "fewer substeps", "coarse ghosts" };
+    double last = 0.0;
+    for ( int i = 0; i < WISP_COUNT( levels ); ++i )
+    {
+        char name[80];
+        snprintf( name, sizeof name, "levels of detail, level=%s", levels[i] );
+        const double error = error_of( &scene, name );
+        assert_true( error > last );
+        last = error;
+    }
+    assert_same_hash( &scene, "levels of detail, level=both" );
     close_suite( &suite, &scene );
 }
 

@@ -2,8 +2,9 @@
 #pragma once
 
 #include "wisp/fabric.h"
-#include "wisp/module/jobs.h"
 #include "wisp/module/definition.h"
+#include "wisp/module/detail.h"
+#include "wisp/module/jobs.h"
 #include "wisp/module/kernels.h"
 #include "wisp/wisp.h"
 
@@ -126,6 +127,7 @@ typedef struct wisp_pass
     void* user;
     int grain;       ///< items per block, 0: default of the domain
     unsigned fabric; ///< wisp_fabric_arrays that it reads of the entity's fabric, or-ed; they are there when it runs
+    unsigned detail; ///< wisp_pass_detail or-ed: at which detail it runs (module/detail.h); 0: where the entity moves
 } wisp_pass;
 
 WISP_API wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass );

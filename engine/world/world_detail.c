@@ -1,0 +1,218 @@
+// Level of detail: what was set of each entity becomes what a step runs. In: rows of "detail.state". Out: store_entity.detail, by which the
+// plan chooses passes and substeps.
+//
+// A change is part of the state: its rows are advanced once per step, before the plan, so a snapshot goes on in the middle of one.
+#include "world.h"
+
+#include "wisp/module/components.h"
+
+#include <string.h>
+
+void wisp_init_detail_def( wisp_detail_def* def, size_t size )
+{
+    const wisp_detail_def values = { .level = WISP_DETAIL_FULL, .substep_divisor = 4, .blend_steps = 15 };
+    wisp_def_init( def, size, &values, sizeof( values ) );
+}
+
+static passes_detail* state_of( const wisp_world* world, const store_entity* e )
+{
+    return e->alive ? store_column( &world->store, e, world->registry.detail, 0 ) : NULL;
+}
+
+// ---- steps ----
+
+// Substeps that an entity asks for, as the plan rounds them.
+static int asked_substeps( const wisp_world* world, const store_entity* e )
+{
+    const int usual = plan_usual_substeps( &world->registry );
+    return e->substeps > usual ? ( ( e->substeps - 1 ) / usual + 1 ) * usual : usual;
+}
+
+static int substeps_at( const passes_detail* d, int level, int asked )
+{
+    return level == WISP_DETAIL_FULL ? asked : ( asked - 1 ) / d->divisor + 1;
+}
+
+// Substeps come and go one by one: shorter ones are stiffer, so what is stretched would shorten at once, and what is blown up shrink.
+static void advance_substeps( passes_detail* d, int asked )
+{
+    if ( d->active != WISP_DETAIL_NOTHING && d->active == d->level )
+    {
+        const int goal = substeps_at( d, d->active, asked ), of = d->of_substeps > 0 ? d->of_substeps : asked;
+        const bool blends = d->elapsed < d->blend_steps;
+        d->substeps = blends ? of + (int)( (int64_t)( goal - of ) * d->elapsed / d->blend_steps ) : goal;
+    }
+}
+
+static void forget_velocities( wisp_world* world, int slot )
+{
+    world_forget_velocities( world, world->store.entities + slot );
+    plan_registry_rested( &world->registry, world, store_handle( &world->store, slot ) );
+}
+
+static void change( wisp_world* world, int slot, passes_detail* d )
+{
+    const wisp_detail from = (wisp_detail)d->active, to = (wisp_detail)d->level;
+    d->active = d->level;
+    if ( to == WISP_DETAIL_NOTHING )
+    {
+        forget_velocities( world, slot );
+    }
+    plan_registry_detail_changed( &world->registry, world, store_handle( &world->store, slot ), from, to );
+}
+
+static void advance( wisp_world* world, int slot, passes_detail* d )
+{
+    const bool comes_to_rest = d->level == WISP_DETAIL_NOTHING && d->elapsed < d->blend_steps;
+    if ( d->active != d->level && comes_to_rest == false )
+    {
+        change( world, slot, d );
+    }
+    d->elapsed += d->elapsed < d->blend_steps ? 1 : 0;
+    advance_substeps( d, asked_substeps( world, world->store.entities + slot ) );
+}
+
+static wisp_detail_frame frame_of( const passes_detail* d, int asked )
+{
+    const int left = d->blend_steps - d->elapsed;
+    const bool comes_to_rest = d->level == WISP_DETAIL_NOTHING && d->active != d->level;
+    const int limit = d->active == WISP_DETAIL_NOTHING ? 1 : d->substeps;
+    return ( wisp_detail_frame ){
+        .level = (wisp_detail)d->active,
+        .from = (wisp_detail)d->from,
+        .max_substeps = limit < asked ? limit : 0,
+        .blend_steps = d->blend_steps,
+        .blend = d->blend_steps > 0 ? (float)d->elapsed / (float)d->blend_steps : 1.0f,
+        .keep = comes_to_rest ? (float)left / (float)( left + 1 ) : 1.0f,
+    };
+}
+
+// Rows that were advanced become what the plan and the passes see.
+static void show( wisp_world* world, store_entity* e, const passes_detail* d )
+{
+    const wisp_detail_frame detail = frame_of( d, asked_substeps( world, e ) );
+    world->plan_is_stale =
+        world->plan_is_stale || detail.level != e->detail.level || detail.max_substeps != e->detail.max_substeps;
+    e->detail = detail;
+}
+
+void world_detail_begin( wisp_world* world )
+{
+    const bool is_used = world->store.components[world->registry.detail].entity_count > 0;
+    for ( int slot = 0; slot < world->store.entity_count && is_used; ++slot )
+    {
+        store_entity* e = world->store.entities + slot;
+        passes_detail* d = state_of( world, e );
+        if ( d != NULL )
+        {
+            advance( world, slot, d );
+            show( world, e, d );
+        }
+    }
+}
+
+// Whether a row of unknown origin is one that a world could have left.
+static bool is_valid( const passes_detail* d )
+{
+    const bool has_levels = d->level >= 0 && d->level < WISP_DETAIL_COUNT && d->active >= 0 &&
+                            d->active < WISP_DETAIL_COUNT && d->from >= 0 && d->from < WISP_DETAIL_COUNT;
+    return has_levels && d->divisor >= 1 && d->divisor <= WORLD_MAX_SUBSTEPS && d->blend_steps >= 0 &&
+           d->blend_steps <= WORLD_MAX_SUBSTEPS && d->elapsed >= 0 && d->elapsed <= d->blend_steps &&
+           d->substeps >= 0 && d->of_substeps >= 0;
+}
+
+void world_detail_from_rows( wisp_world* world )
+{
+    for ( int slot = 0; slot < world->store.entity_count; ++slot )
+    {
+        store_entity* e = world->store.entities + slot;
+        passes_detail* d = state_of( world, e );
+        if ( d != NULL )
+        {
+            *d = is_valid( d ) ? *d : ( passes_detail ){ .divisor = 1 };
+            show( world, e, d );
+        }
+    }
+}
+
+// ---- calls of the host ----
+
+static bool has_coarse( const wisp_world* world, wisp_entity entity )
+{
+    return wisp_world_has( world, entity, WISP_SURFACE_LEVELS ) ||
+           plan_registry_has_coarse( &world->registry, world, entity );
+}
+
+static wisp_status check_detail( wisp_world* world, wisp_entity entity, const wisp_detail_def* def )
+{
+    const wisp_number_range ranges[] = {
+        { "level", (float)def->level, 0.0f, (float)( WISP_DETAIL_COUNT - 1 ) },
+        { "substep_divisor", (float)def->substep_divisor, 1.0f, (float)WORLD_MAX_SUBSTEPS },
+        { "blend_steps", (float)def->blend_steps, 0.0f, (float)WORLD_MAX_SUBSTEPS },
+    };
+    WISP_TRY( wisp_world_check_ranges( world, "detail", ranges, WISP_COUNT( ranges ) ) );
+    const store_entity* e = store_find( &world->store, entity );
+    if ( e->fabric == NULL && e->strands == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "detail: entity %u is neither a surface nor strands",
+                                entity.index );
+    }
+    return def->level != WISP_DETAIL_COARSE || has_coarse( world, entity )
+               ? WISP_OK
+               : wisp_world_fail(
+                     world, WISP_CONFLICT,
+                     "detail: level coarse of entity %u: expected a surface with coarse sheets, or strands "
+                     "that follow others",
+                     entity.index );
+}
+
+static void set_level( const wisp_world* world, const store_entity* e, passes_detail* d, const wisp_detail_def* def )
+{
+    const bool is_before_steps = world->frame.step == 0;
+    d->divisor = def->substep_divisor;
+    d->blend_steps = def->blend_steps;
+    d->elapsed = d->elapsed < d->blend_steps ? d->elapsed : d->blend_steps;
+    if ( d->level != (int32_t)def->level || is_before_steps )
+    {
+        // strands that come back from a rigid motion go on coming back
+        const bool returns = e->strands != NULL && d->from >= WISP_DETAIL_COARSE && d->active < WISP_DETAIL_COARSE &&
+                             def->level < WISP_DETAIL_COARSE && is_before_steps == false;
+        d->from = returns ? d->from : d->active;
+        d->level = (int32_t)def->level;
+        d->elapsed = is_before_steps ? d->blend_steps : returns ? d->elapsed : 0;
+        d->of_substeps = d->substeps;
+    }
+}
+
+wisp_status wisp_set_detail( wisp_world* world, wisp_entity entity, const wisp_detail_def* given )
+{
+    wisp_detail_def def = wisp_default_detail_def();
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_detail_def", &def, given ) );
+    WISP_TRY( wisp_world_check_entity( world, entity ) );
+    WISP_TRY( check_detail( world, entity, &def ) );
+    const bool is_new = wisp_world_has( world, entity, world->registry.detail ) == false;
+    WISP_TRY( wisp_world_attach( world, entity, world->registry.detail ) );
+    const wisp_status status = is_new ? plan_registry_prepare_detail( &world->registry, world, entity ) : WISP_OK;
+    if ( status != WISP_OK )
+    {
+        wisp_world_detach( world, entity, world->registry.detail );
+        return status;
+    }
+    const store_entity* e = store_find( &world->store, entity );
+    set_level( world, e, state_of( world, e ), &def );
+    return WISP_OK;
+}
+
+wisp_detail wisp_detail_of( const wisp_world* world, wisp_entity entity )
+{
+    const store_entity* e = world != NULL ? store_find( &world->store, entity ) : NULL;
+    const passes_detail* d = e != NULL ? state_of( world, e ) : NULL;
+    return d != NULL ? (wisp_detail)d->level : WISP_DETAIL_FULL;
+}
+
+bool wisp_is_detail_blending( const wisp_world* world, wisp_entity entity )
+{
+    const store_entity* e = world != NULL ? store_find( &world->store, entity ) : NULL;
+    const passes_detail* d = e != NULL ? state_of( world, e ) : NULL;
+    return d != NULL && ( d->elapsed < d->blend_steps || d->active != d->level );
+}
