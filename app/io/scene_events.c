@@ -122,7 +122,7 @@ static wisp_status find_group( scene_reader* r, const scene_node* node, scene_ev
         return scene_refuse_node( r, scene_child( r, node, "pin_group" ), "got '%s', which is no group of pins of %s",
                                   scene_shorten( read->pin_group ).text, s ? s->name : "a surface" );
     }
-    if ( e->pin_group >= 0 && ( pin_changes( e ) == 0 || e->has_wind || changes_motion( e ) ) )
+    if ( e->pin_group >= 0 && ( pin_changes( e ) == 0 || e->has_wind || e->has_detail || changes_motion( e ) ) )
     {
         return scene_refuse_node(
             r, node,
@@ -249,12 +249,13 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
     const wisp_scene_surface* s = &r->scene->surfaces[e->surface];
     if ( !( changes_motion( e ) || e->has_wind || e->has_detail || pin_changes( e ) > 0 ) )
     {
-        return scene_refuse_node( r, node,
-                                  "got no change, expected one of gas_ratio, inflation_rate, outlet_open, wind, "
-                                  "velocity, angular_velocity, gust, teleport, detail, attach_pins, and hold, release and "
-                                  "detach_pins: true" );
+        return scene_refuse_node(
+            r, node,
+            "got no change, expected one of gas_ratio, inflation_rate, outlet_open, wind, "
+            "velocity, angular_velocity, gust, teleport, detail, attach_pins, and hold, release and "
+            "detach_pins: true" );
     }
-    const wisp_status status =
+    wisp_status status =
         e->has_detail ? scene_check_surface_detail( r, scene_child( r, node, "detail" ), s, e->detail ) : WISP_OK;
     if ( status )
     {
@@ -279,7 +280,7 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
             r, node, "'%s' has keyframes of motion_constraints, frame or pin_groups, which do not teleport",
             s->name );
     }
-    const wisp_status status = pin_changes( e ) > 0 ? check_pins( r, node, e, s ) : WISP_OK;
+    status = pin_changes( e ) > 0 ? check_pins( r, node, e, s ) : WISP_OK;
     return status ? status : check_gas( r, node, e, s );
 }
 

@@ -207,7 +207,7 @@ static wisp_status take_group( const vertex_finder* f, const wisp_scene_pins* pi
             char message[160];
             snprintf( message, sizeof message,
                       "vertex %d of the group '%s' is also pinned by the surface or by a group before it",
-                      f->kept ? f->kept[v] : v, pins->name );
+                      f->repairs->kept ? f->repairs->kept[v] : v, pins->name );
             return refuse( f, message );
         }
         const bool is_in = ( marks[v] & IN_GROUP ) != 0;

@@ -161,6 +161,20 @@ static void demand_implicit( const wisp_scene* scene, const wisp_scene_surface* 
     demand( !s->has_quad_links || d->stiffness_model == WISP_IMPLICIT_STIFFNESS_LINK );
 }
 
+static void demand_pins( const wisp_scene_pins* pins )
+{
+    demand( pins->path.count == 0 || pins->vertex_count + pins->box_count + pins->nearest_count > 0 );
+    for ( int k = 0; k < pins->vertex_count; ++k )
+    {
+        demand( pins->vertices[k] >= 0 && pins->vertices[k] < WISP_SCENE_MAX_VERTICES );
+    }
+    for ( int k = 0; k < pins->box_count; ++k )
+    {
+        demand( pins->boxes[k].lower.y <= pins->boxes[k].upper.y );
+    }
+    demand_path( &pins->path );
+}
+
 static void demand_surface( const wisp_scene* scene, int i )
 {
     const wisp_scene_surface* s = &scene->surfaces[i];
@@ -173,16 +187,11 @@ static void demand_surface( const wisp_scene* scene, int i )
     demand( !s->request_stats || s->has_balloon || s->has_implicit );
     demand( s->strain_limit[0] <= 1.0f && s->strain_limit[1] >= 1.0f );
     demand( s->tile_size == 0 || ( s->tile_size >= 64 && s->tile_size % 8 == 0 ) );
-    demand( s->pin_path.count == 0 || s->pin_count + s->pin_box_count + s->pin_nearest_count > 0 );
-    for ( int k = 0; k < s->pin_count; ++k )
+    demand_pins( &s->pins );
+    for ( int k = 0; k < s->pin_group_count; ++k )
     {
-        demand( s->pins[k] >= 0 && s->pins[k] < WISP_SCENE_MAX_VERTICES );
+        demand_pins( &s->pin_groups[k] );
     }
-    for ( int k = 0; k < s->pin_box_count; ++k )
-    {
-        demand( s->pin_boxes[k].lower.y <= s->pin_boxes[k].upper.y );
-    }
-    demand_path( &s->pin_path );
     demand_balloon( s );
     demand_implicit( scene, s );
     demand_contact( &s->contact );
@@ -208,9 +217,10 @@ static void demand_event( const wisp_scene* scene, int i )
     demand( ( e->surface >= 0 ) != ( e->strands >= 0 ) );
     if ( e->surface < 0 )
     {
-        const wisp_strand_dynamics_def* d = &scene->strands[e->strands].dynamics;
-        demand( scene->strands[e->strands].has_dynamics && d->drag_coefficient > 0.0f && e->has_wind &&
-                isfinite( e->wind.x ) );
+        const wisp_scene_strands* strands = &scene->strands[e->strands];
+        demand( e->has_wind || e->has_detail );
+        demand( !e->has_wind ||
+                ( strands->has_dynamics && strands->dynamics.drag_coefficient > 0.0f && isfinite( e->wind.x ) ) );
         return;
     }
     demand( i == 0 || e->step > e[-1].step || e->surface > e[-1].surface );
