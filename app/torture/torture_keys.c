@@ -381,7 +381,13 @@ bool torture_draw_key( torture_random* random, const scene_field* field, const v
 // Keys that only suites ask for. A draw for it would make every scene of a seed another one.
 static bool is_left_out( const scene_field* field )
 {
-    return strcmp( field->key, "mass_ratio" ) == 0 || strcmp( field->key, "copies" ) == 0;
+    static const char* const KEYS[] = { "mass_ratio", "copies", "weld_distance" };
+    bool is_out = false;
+    for ( int i = 0; i < WISP_COUNT( KEYS ); ++i )
+    {
+        is_out = is_out || strcmp( field->key, KEYS[i] ) == 0;
+    }
+    return is_out;
 }
 
 void torture_draw_keys( torture_random* random, torture_block block, int percent, text_node* map )

@@ -15,7 +15,7 @@ const bad_scene BAD_SCENES_CONTACT[] = {
     { "boundary_min_above_max.yaml",
       ":4:5: surfaces[0]: got boundary.min_spacing 0.02, expected at most boundary.max_spacing, 0.01" },
     { "boundary_of_strands.yaml",
-      ":6:5: strands[0]: unknown key 'boundary'; the nearest are contact, name, start, generate; wisp info --keys strands lists all 22" },
+      ":6:5: strands[0]: unknown key 'boundary'; the nearest are contact, name, start, generate; wisp info --keys strands lists all 25" },
     { "boundary_pixels_without_screen.yaml", ":6:43: surfaces[0]: boundary.pixels needs 'by_screen: true'" },
     { "boundary_policy_near.yaml",
       ":6:25: surfaces[0].boundary.policy: got 'evenly', expected one of even, exact; did you mean 'even'?" },

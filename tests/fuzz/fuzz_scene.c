@@ -223,7 +223,8 @@ static void demand_event( const wisp_scene* scene, int i )
                 ( strands->has_dynamics && strands->dynamics.drag_coefficient > 0.0f && isfinite( e->wind.x ) ) );
         return;
     }
-    demand( i == 0 || e->step > e[-1].step || e->surface > e[-1].surface );
+    demand( i == 0 || e->step > e[-1].step || e->surface > e[-1].surface ||
+            ( e->surface == e[-1].surface && e->pin_group != e[-1].pin_group ) );
     const wisp_scene_surface* s = &scene->surfaces[e->surface];
     demand( s->has_balloon || !( e->has_gas_ratio || e->has_inflation_rate || e->has_open ) );
     demand( !e->has_gas_ratio || e->gas_ratio >= s->balloon.min_gas_ratio );
