@@ -201,21 +201,15 @@ static wisp_status copy_points( const wisp_vec3* from, int count, wisp_vec3** ou
     return WISP_OK;
 }
 
-// Spare vertices are not pinned: they become copies of others.
-static wisp_status find_pins( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
-                              scene_world_surface* s, wisp_error* error )
-{
-    s->mesh.vertex_count -= s->spare_count;
-    const wisp_status status = scene_pins_find( scene, surface, repairs, s, error );
-    s->mesh.vertex_count += s->spare_count;
-    return status;
-}
+typedef wisp_status vertices_fn( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
+                                 scene_world_surface* s, wisp_error* error );
 
-static wisp_status load_start( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
-                               scene_world_surface* s, wisp_error* error )
+// Spare vertices are not pinned and not in a file: they become copies of others.
+static wisp_status without_spares( vertices_fn* run, const wisp_scene* scene, int surface,
+                                   const wisp_mesh_repairs* repairs, scene_world_surface* s, wisp_error* error )
 {
     s->mesh.vertex_count -= s->spare_count;
-    const wisp_status status = scene_start_load( scene, surface, repairs, s, error );
+    const wisp_status status = run( scene, surface, repairs, s, error );
     s->mesh.vertex_count += s->spare_count;
     return status;
 }
@@ -231,10 +225,10 @@ static wisp_status make_source( scene_world* world, int surface, unsigned char r
     if ( status == WISP_OK )
     {
         place( s->mesh.points, s->mesh.vertex_count, scene->surfaces[surface].pose );
-        status = find_pins( scene, surface, &s->repairs, s, error );
+        status = without_spares( scene_pins_find, scene, surface, &s->repairs, s, error );
     }
     status = status == WISP_OK ? cook( scene, surface, required, rest, s, error ) : status;
-    status = status == WISP_OK ? load_start( scene, surface, &s->repairs, s, error ) : status;
+    status = status == WISP_OK ? without_spares( scene_start_load, scene, surface, &s->repairs, s, error ) : status;
     if ( status == WISP_OK )
     {
         scene_start_place( &scene->surfaces[surface], s );
@@ -266,8 +260,10 @@ static wisp_status make_instance( scene_world* world, int surface, wisp_error* e
     place( s->mesh.points, s->mesh.vertex_count, entry->pose );
     wisp_fabric_retain( source->fabric );
     s->fabric = source->fabric;
-    status = status == WISP_OK ? find_pins( world->scene, surface, &source->repairs, s, error ) : status;
-    status = status == WISP_OK ? load_start( world->scene, surface, &source->repairs, s, error ) : status;
+    status = status == WISP_OK ? without_spares( scene_pins_find, world->scene, surface, &source->repairs, s, error )
+                               : status;
+    status = status == WISP_OK ? without_spares( scene_start_load, world->scene, surface, &source->repairs, s, error )
+                               : status;
     if ( status == WISP_OK )
     {
         scene_start_place( entry, s );
