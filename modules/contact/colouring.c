@@ -24,17 +24,6 @@ static void cut_blocks( contact_colouring* blocks, int split, int count )
     blocks->begin[blocks->count] = count;
 }
 
-static void clear_colours( contact_contact_mesh* s )
-{
-    for ( int r = 0; r < s->constraints->row_count; ++r )
-    {
-        for ( int i = 0; i < s->constraints->rows[r].count; ++i )
-        {
-            s->colouring->of_point[s->constraints->rows[r].point[i]] = 0;
-        }
-    }
-}
-
 // Take the lowest colour that no point of the block has yet. Blocks without one get the last colour, which runs
 // serially.
 static int colour_block( contact_contact_mesh* s, int begin, int end )
@@ -66,7 +55,7 @@ static void colour_blocks( contact_contact_mesh* s )
 {
     contact_colouring* blocks = s->colouring;
     memset( blocks->colour, 0, sizeof( blocks->colour ) );
-    clear_colours( s );
+    memset( blocks->of_point, 0, (size_t)s->point_count * sizeof( *blocks->of_point ) );
     for ( int b = 0; b < blocks->count; ++b )
     {
         blocks->colour_of[b] = colour_block( s, blocks->begin[b], blocks->begin[b + 1] );
@@ -87,13 +76,8 @@ static void colour_blocks( contact_contact_mesh* s )
 bool contact_reserve_colouring( const contact_work* work )
 {
     contact_colouring* c = work->contact_mesh->colouring;
-    const size_t bytes = (size_t)work->contact_mesh->point_count * sizeof( uint64_t );
-    const bool enough = contact_reserve( work, &c->point_buffer, bytes, (void**)&c->of_point );
-    if ( enough )
-    {
-        memset( c->of_point, 0, bytes );
-    }
-    return enough;
+    return contact_reserve( work, &c->point_buffer, (size_t)work->contact_mesh->point_count * sizeof( *c->of_point ),
+                            (void**)&c->of_point );
 }
 
 wisp_status contact_colour_rows( const contact_work* work, wisp_error* error )

@@ -23,8 +23,7 @@
 enum
 {
     ROW_GRAIN = 256,
-    DIGIT_BITS = 8,
-    DIGITS = 1 << DIGIT_BITS,
+    SORT_GRAIN = 512,
 };
 
 // Set the points of a pair.
@@ -154,49 +153,58 @@ static int order_of( const contact_pair* c, int32_t a, int32_t b )
     return first != 0 ? first : ( c->b > b ) - ( c->b < b );
 }
 
-static void count_digits( const contact_pair* from, int count, bool by_a, int shift, int32_t begin[DIGITS + 1] )
+typedef struct sort_loop
 {
-    memset( begin, 0, ( DIGITS + 1 ) * sizeof( *begin ) );
-    for ( int i = 0; i < count; ++i )
+    const contact_pair* pairs; // those of one first side are together
+    const int32_t* begin;      // [first side + 1] its pairs
+    contact_pair* sorted;
+} sort_loop;
+
+static void sort_second_sides( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const sort_loop* loop = context;
+    for ( int a = begin; a < end; ++a )
     {
-        const int32_t number = by_a ? from[i].a : from[i].b;
-        begin[( number >> shift & ( DIGITS - 1 ) ) + 1] += 1;
-    }
-    for ( int d = 0; d < DIGITS; ++d )
-    {
-        begin[d + 1] += begin[d];
+        // a primitive has few pairs
+        for ( int i = loop->begin[a]; i < loop->begin[a + 1]; ++i )
+        {
+            int at = i;
+            for ( ; at > loop->begin[a] && loop->sorted[at - 1].b > loop->pairs[i].b; --at )
+            {
+                loop->sorted[at] = loop->sorted[at - 1];
+            }
+            loop->sorted[at] = loop->pairs[i];
+        }
     }
 }
 
-// Sort pairs by radix. No two are equal. @param spare [near->count] scratch
-static void sort_pairs( contact_near* near, contact_pair* spare )
+// Sort pairs by their first side, then by their second. No two are equal. @param count of first sides
+// @param spare [near->count] scratch @param begin [count + 1] scratch
+static void sort_pairs( const contact_work* work, contact_near* near, int count, contact_pair* spare, int32_t* begin )
 {
-    contact_pair *from = near->items, *to = spare;
-    int32_t most[2] = { 0, 0 }, begin[DIGITS + 1];
+    memset( begin, 0, (size_t)( count + 1 ) * sizeof( *begin ) );
     for ( int i = 0; i < near->count; ++i )
     {
-        most[0] = from[i].b > most[0] ? from[i].b : most[0];
-        most[1] = from[i].a > most[1] ? from[i].a : most[1];
+        begin[near->items[i].a] += 1;
     }
-    for ( int side = 0; side < 2; ++side )
+    int end = 0;
+    for ( int a = 0; a <= count; ++a )
     {
-        for ( int shift = 0; most[side] >> shift > 0; shift += DIGIT_BITS )
-        {
-            count_digits( from, near->count, side == 1, shift, begin );
-            for ( int i = 0; i < near->count; ++i )
-            {
-                const int32_t number = side == 1 ? from[i].a : from[i].b;
-                to[begin[number >> shift & ( DIGITS - 1 )]++] = from[i];
-            }
-            contact_pair* const sorted = to;
-            to = from;
-            from = sorted;
-        }
+        end += begin[a];
+        begin[a] = end;
     }
-    if ( from != near->items )
+    for ( int i = near->count - 1; i >= 0; --i )
     {
-        memcpy( near->items, from, (size_t)near->count * sizeof( *from ) );
+        spare[--begin[near->items[i].a]] = near->items[i];
     }
+    sort_loop loop = { spare, begin, near->items };
+    wisp_parallel_for( work->parallel, count, SORT_GRAIN, sort_second_sides, &loop );
+}
+
+static int larger( int a, int b )
+{
+    return a > b ? a : b;
 }
 
 static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp_error* error )
@@ -209,17 +217,21 @@ static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp
     {
         return status;
     }
-    const int most = s->primitives->near[0].count > s->primitives->near[1].count ? s->primitives->near[0].count
-                                                                                 : s->primitives->near[1].count;
+    // points, or particles; then edges
+    const int sides[CONTACT_KIND_COUNT] = { are_samples ? s->samples->count : s->point_count, s->edge_count };
+    const int pairs = larger( s->primitives->near[0].count, s->primitives->near[1].count );
     contact_pair* spare;
-    if ( contact_reserve( work, &s->constraints->spare_buffer, (size_t)most * sizeof( *spare ), (void**)&spare ) ==
-         false )
+    int32_t* begin;
+    if ( contact_reserve( work, &s->constraints->spare_buffer, (size_t)pairs * sizeof( *spare ), (void**)&spare ) ==
+             false ||
+         contact_reserve( work, &s->constraints->side_buffer,
+                          (size_t)( larger( sides[0], sides[1] ) + 1 ) * sizeof( *begin ), (void**)&begin ) == false )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d contact pairs", most );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d contact pairs", pairs );
     }
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
-        sort_pairs( s->primitives->near + kind, spare );
+        sort_pairs( work, s->primitives->near + kind, sides[kind], spare, begin );
     }
     return WISP_OK;
 }

@@ -114,8 +114,12 @@ void contact_apply_pile_friction( const contact_work* work, contact_row* row )
 static void press_down( const contact_work* work, const contact_row* row )
 {
     contact_supports* supports = work->contact_mesh->supports;
+    if ( !( row->normal_correction > 0.0f ) )
+    {
+        return; // most rows
+    }
     const contact_side upper = contact_upper_side( work, row );
-    if ( upper.end == 0 || !( row->normal_correction > 0.0f ) )
+    if ( upper.end == 0 )
     {
         return;
     }

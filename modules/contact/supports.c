@@ -102,10 +102,26 @@ static const contact_support* find_below( const contact_supports* supports, cons
     return lowest;
 }
 
+// Return the lowest or the highest layer of a side.
+static int layer_of( const contact_supports* supports, const contact_row* row, contact_side side, bool highest )
+{
+    int layer = supports->points[row->point[side.begin]].layer;
+    for ( int i = side.begin + 1; i < side.end; ++i )
+    {
+        const int other = supports->points[row->point[i]].layer;
+        layer = ( other > layer ) == highest ? other : layer;
+    }
+    return layer;
+}
+
 // Lay one side of a row on the other. @return whether a layer changed
 static bool lay_on( contact_supports* supports, const contact_row* row, contact_side side, contact_side other,
                     const float up[3] )
 {
+    if ( layer_of( supports, row, other, false ) + 1 >= layer_of( supports, row, side, true ) )
+    {
+        return false; // nearly all rows, so before anything is computed
+    }
     const contact_support* below = find_below( supports, row, other, up );
     bool any = false;
     for ( int i = side.begin; i < side.end && below != NULL; ++i )
