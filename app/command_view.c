@@ -111,22 +111,6 @@ static wisp_status add_hashes( const view_options* options, const wisp_scene* sc
     return status;
 }
 
-// The page draws the triangles of the start.
-static wisp_status check_triangles( const wisp_scene* scene, wisp_error* error )
-{
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        const wisp_scene_surface* entry = &scene->surfaces[i];
-        if ( entry->has_tearing )
-        {
-            return wisp_fail( error, WISP_BAD_INPUT,
-                              "%s:%d:%d: surface '%s' tears, which the page cannot draw; 'wisp render' can",
-                              scene->name, entry->line, entry->column, entry->name );
-        }
-    }
-    return WISP_OK;
-}
-
 static wisp_status take_scene( const view_options* options, json_t* files, json_t** data, wisp_error* error )
 {
     wisp_scene scene;
@@ -136,8 +120,7 @@ static wisp_status take_scene( const view_options* options, json_t* files, json_
         return status;
     }
     interruption_begin(); // before that there is nothing to keep
-    status = check_triangles( &scene, error );
-    status = status == WISP_OK ? view_scene_files( &scene, options->input, files, error ) : status;
+    status = view_scene_files( &scene, options->input, files, error );
     *data = status == WISP_OK ? begin_data( "scene", options->input, files ) : NULL;
     status = *data ? add_hashes( options, &scene, *data, error ) : status;
     wisp_scene_release( &scene );
@@ -157,16 +140,6 @@ static wisp_status take_recording( const view_options* options, json_t* files, j
     if ( status == WISP_OK && wisp_recording_describe( recording ).frame_count == 0 )
     {
         status = wisp_fail( error, WISP_BAD_INPUT, "%s: the recording has no whole frame", options->input );
-    }
-    for ( int b = 0; status == WISP_OK && b < wisp_recording_describe( recording ).body_count; ++b )
-    {
-        const wisp_record_body* body = wisp_recording_body( recording, b );
-        if ( body->triangles_change )
-        {
-            status = wisp_fail( error, WISP_BAD_INPUT,
-                                "%s: body '%s' tears, which the page cannot draw; 'wisp render' can", options->input,
-                                body->name );
-        }
     }
     wisp_recording_close( recording );
     if ( status == WISP_OK )

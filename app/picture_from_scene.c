@@ -267,7 +267,8 @@ static wisp_status add_body( picture_source* source, simulation* s, int body, wi
     }
     *to = ( picture_body ){
         .name = from.name,
-        .kind = from.kind,
+        .kind = from.is_led ? SCENE_BODY_COLLIDER : from.kind,
+        .is_led = from.is_led,
         .vertex_count = from.vertex_count,
         .triangles = from.triangles,
         .triangle_count = from.triangle_count,

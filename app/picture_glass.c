@@ -1,4 +1,4 @@
-// Which colliders hide what moves.
+// Which colliders hide what moves. A surface that nothing solves, such as a figure that wears cloth, hides half of it by nature.
 #include "picture_stage.h"
 
 #include <stdlib.h>
@@ -72,7 +72,7 @@ static void name_bodies( const picture_source* source, const picture_stage* stag
 
 static bool is_collider( const picture_source* source, int body )
 {
-    return body >= 0 && source->bodies[body].kind == SCENE_BODY_COLLIDER;
+    return body >= 0 && source->bodies[body].kind == SCENE_BODY_COLLIDER && !source->bodies[body].is_led;
 }
 
 // @param begin, end sights of one surface

@@ -39,6 +39,7 @@ typedef struct picture_body
 {
     const char* name;
     scene_body_kind kind;
+    bool is_led; ///< a surface that nothing solves: its kind is that of colliders
     int vertex_count;
     const int32_t* triangles; ///< [triangle_count][3], null for strands
     int triangle_count;

@@ -204,7 +204,8 @@ static wisp_status list_bodies( scene_world* world, bool has_values, unsigned as
             continue;
         }
         wisp_record_body* to = &out->list[out->count];
-        *to = entry_of( &body, scene_body_colour( body.kind, &cloths, &balloons ) );
+        const scene_body_kind drawn = body.is_led ? SCENE_BODY_COLLIDER : body.kind;
+        *to = entry_of( &body, scene_body_colour( drawn, &cloths, &balloons ) );
         out->numbers[out->count] = i;
         run_body_data* data = &out->data[out->count++];
         status = add_appearance( world, i, &body, to, data, error );

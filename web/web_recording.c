@@ -68,6 +68,11 @@ WEB_API const int32_t* web_recording_triangles( const binding_recording* r, int 
     return binding_recording_triangles( r, body );
 }
 
+WEB_API int web_recording_tears( const binding_recording* r, int body )
+{
+    return binding_recording_tears( r, body );
+}
+
 WEB_API int web_recording_triangle_count( const binding_recording* r, int body )
 {
     return binding_recording_triangle_count( r, body );

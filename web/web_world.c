@@ -90,6 +90,11 @@ WEB_API const int32_t* web_body_triangles( const web_world* w, int body )
     return binding_body_triangles( w->world, body );
 }
 
+WEB_API int web_body_tears( const web_world* w, int body )
+{
+    return binding_body_tears( w->world, body );
+}
+
 WEB_API int web_body_triangle_count( const web_world* w, int body )
 {
     return binding_body_triangle_count( w->world, body );

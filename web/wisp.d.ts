@@ -94,8 +94,10 @@ export interface Body {
   readonly name: string;
   readonly kind: BodyKind;
   readonly vertexCount: number;
-  /** [3 * triangles], counter-clockwise seen from outside; null for strands */
+  /** [3 * triangles], counter-clockwise seen from outside; null for strands. Of a body that tears those of the start. */
   readonly triangles: Int32Array | null;
+  /** Its triangles change: `triangles(body)` of the world or recording has those of now. */
+  readonly tears: boolean;
   /** [strandCount + 1] first vertex of each strand, root first; null for others */
   readonly offsets: Int32Array | null;
   readonly strandCount: number;
@@ -146,6 +148,8 @@ export interface World {
   request(body: Body, what: Value): void;
   /** m, [3 * vertexCount]; colliders too */
   points(body: Body): Float32Array;
+  /** [3 * triangles] of now; null for strands */
+  triangles(body: Body): Int32Array | null;
   /** unit vectors */
   normals(body: Body): Float32Array;
   /** linear red, green, blue */
@@ -212,5 +216,7 @@ export interface Recording {
   /** that the run had after this frame, 0s if the file has none */
   hash(): string;
   points(body: Body): Float32Array;
+  /** [3 * triangles] of the frame; null for strands */
+  triangles(body: Body): Int32Array | null;
   release(): void;
 }

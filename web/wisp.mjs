@@ -322,6 +322,7 @@ class World {
       offsets: kind === "strands" ? copyIntegers(engine, this.#call("body_offsets", index), strandCount + 1) : null,
       strandCount,
       moves: kind !== "collider" && kind !== "plane",
+      tears: this.#call("body_tears", index) === 1,
       hidden: this.#call("body_is_shown", index) === 0,
       isFrozenHair: this.#call("hair_is_frozen", index) === 1,
       has: this.#flags("body_has", index),
@@ -331,6 +332,10 @@ class World {
 
   #flags(name, index) {
     return Object.fromEntries(Object.entries(VALUES).map(([what, number]) => [what, this.#call(name, index, number) === 1]));
+  }
+
+  triangles(body) {
+    return viewIntegers(this.#engine, this.#call("body_triangles", body.index), body.triangles?.length ?? 0);
   }
 
   step() {
@@ -520,8 +525,12 @@ class World {
   }
 }
 
+function viewIntegers(engine, pointer, count) {
+  return pointer && count > 0 ? new Int32Array(engine.module.HEAPU8.buffer, pointer, count) : null;
+}
+
 function copyIntegers(engine, pointer, count) {
-  return pointer && count > 0 ? new Int32Array(engine.module.HEAPU8.buffer, pointer, count).slice() : null;
+  return viewIntegers(engine, pointer, count)?.slice() ?? null;
 }
 
 // ---- recordings ----
@@ -566,6 +575,7 @@ class Recording {
       offsets: strandCount > 0 ? copyIntegers(this.#engine, this.#call("offsets", index), strandCount + 1) : null,
       strandCount,
       moves: true,
+      tears: this.#call("tears", index) === 1,
       hidden: false,
     };
   }
@@ -578,6 +588,10 @@ class Recording {
 
   hash() {
     return this.#engine.text(this.#call("hash"));
+  }
+
+  triangles(body) {
+    return viewIntegers(this.#engine, this.#call("triangles", body.index), body.triangles?.length ?? 0);
   }
 
   points(body) {

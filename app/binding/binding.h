@@ -96,8 +96,9 @@ const char* binding_body_name( const binding_world* world, int body );
 /// A scene_body_kind.
 int binding_body_kind( const binding_world* world, int body );
 int binding_body_vertices( const binding_world* world, int body );
-/// [3 * triangle count], null for strands; until the world is closed
+/// [3 * triangle count], null for strands; until the world is closed. Those of a body that tears change in steps.
 const int32_t* binding_body_triangles( const binding_world* world, int body );
+bool binding_body_tears( const binding_world* world, int body );
 int binding_body_triangle_count( const binding_world* world, int body );
 /// [strands + 1], null for others; until the world is closed
 const int32_t* binding_body_offsets( const binding_world* world, int body );
@@ -265,6 +266,8 @@ int binding_recording_bodies( const binding_recording* recording );
 const char* binding_recording_name( const binding_recording* recording, int body );
 int binding_recording_vertices( const binding_recording* recording, int body );
 const int32_t* binding_recording_triangles( const binding_recording* recording, int body );
+/// Whether triangles are those of the frame that was sought last.
+bool binding_recording_tears( const binding_recording* recording, int body );
 int binding_recording_triangle_count( const binding_recording* recording, int body );
 const int32_t* binding_recording_offsets( const binding_recording* recording, int body );
 int binding_recording_strands( const binding_recording* recording, int body );

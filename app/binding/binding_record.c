@@ -186,6 +186,11 @@ const int32_t* binding_recording_triangles( const binding_recording* r, int body
     return wisp_recording_body( r->recording, body )->triangles;
 }
 
+bool binding_recording_tears( const binding_recording* r, int body )
+{
+    return wisp_recording_body( r->recording, body )->triangles_change;
+}
+
 int binding_recording_triangle_count( const binding_recording* r, int body )
 {
     return wisp_recording_body( r->recording, body )->triangle_count;

@@ -181,6 +181,11 @@ const int32_t* binding_body_triangles( const binding_world* w, int body )
     return scene_world_body( &w->world, body ).triangles;
 }
 
+bool binding_body_tears( const binding_world* w, int body )
+{
+    return scene_world_body( &w->world, body ).tears;
+}
+
 int binding_body_triangle_count( const binding_world* w, int body )
 {
     return scene_world_body( &w->world, body ).triangle_count;

@@ -168,6 +168,7 @@ typedef struct scene_body
     const int32_t* triangles; ///< [triangle_count][3], counter-clockwise seen from outside; null for strands
     int triangle_count;
     bool tears;             ///< vertices in the list of triangles change in steps
+    bool is_led;            ///< a surface that nothing solves: it is drawn as what it is to others, a solid body
     const int32_t* offsets; ///< [strand_count + 1] of strands; else null
     int strand_count;
 } scene_body;

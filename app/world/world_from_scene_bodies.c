@@ -54,7 +54,8 @@ static scene_body surface_body( const scene_world* world, body_place place )
                            .vertex_count = source->vertex_count,
                            .triangles = source->triangles,
                            .triangle_count = source->triangle_count,
-                           .tears = entry->has_tearing };
+                           .tears = entry->has_tearing,
+                           .is_led = !entry->has_cloth && !entry->has_balloon && !entry->has_implicit };
 }
 
 scene_body scene_world_body( const scene_world* world, int body )

@@ -54,6 +54,28 @@ test("a wrong scene is refused with file, line and column", () => {
     /scene\.yaml:5:5: surface 'cloth': gone\.obj: cannot open: No such file/);
 });
 
+test("a banner that tears has the hash of the native build, and the triangles of its recording", () => {
+  const folder = mkdtempSync(join(tmpdir(), "wisp-module-"));
+  const file = join(folder, "banner.wisp");
+  runProgram("run", "data/scenes/tearing.yaml", "--record", file);
+  const recording = wisp.openRecording(readFileSync(file));
+  rmSync(folder, { recursive: true });
+  const world = open("tearing.yaml").createWorld(), banner = world.bodies[0];
+  assert.deepEqual(world.bodies.map((body) => body.tears), [true, false]);
+  assert.equal(recording.bodies[0].tears, true);
+  let splits = 0;
+  for (let step = 0; step <= world.scene.steps; ++step) {
+    recording.seek(step);
+    assert.deepEqual(world.triangles(banner), recording.triangles(recording.bodies[0]));
+    splits += world.triangles(banner).some((vertex, k) => vertex !== banner.triangles[k]) ? 1 : 0;
+    if (step < world.scene.steps) world.step();
+  }
+  assert.ok(splits > 10 && splits < world.scene.steps);
+  assert.equal(world.hash(), nativeHash("data/scenes/tearing.yaml"));
+  world.release();
+  recording.release();
+});
+
 test("points are a view of memory that follows the steps", () => {
   const world = scene(HANGING).createWorld();
   const cloth = world.bodies[0];

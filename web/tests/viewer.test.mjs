@@ -243,6 +243,34 @@ test("without data the page asks for files, and says what it expects", async () 
     });
 });
 
+test("a banner that tears is drawn with the triangles of its step, simulated and recorded, and again from its start", async () => {
+    const text = readFileSync(new URL("../../data/scenes/tearing.yaml", import.meta.url), "utf8");
+    const world = wisp.readScene("tearing.yaml", { "tearing.yaml": text }).createWorld(), banner = world.bodies[0];
+    const start = Array.from(banner.triangles);
+    for (let step = 0; step < world.scene.steps; ++step) world.step();
+    const end = Array.from(world.triangles(banner));
+    world.release();
+    const drawn = (page) => page.evaluate(() => window.wispPage.triangles(0));
+    await withPage(browser, pageData("tearing.yaml", { "tearing.yaml": text }), {}, async (page) => {
+        await until(page, (s) => s.step >= 45 && !s.isPlaying);
+        assert.deepEqual(await drawn(page), end);
+        await page.locator("#canvas").focus();
+        await page.keyboard.press("r");
+        await until(page, (s) => s.step === 0);
+        assert.deepEqual(await drawn(page), start);
+    });
+    const folder = mkdtempSync(join(tmpdir(), "wisp-viewer-")), file = join(folder, "tearing.wisp");
+    runProgram("run", "data/scenes/tearing.yaml", "--record", file);
+    await withPage(browser, pageData("tearing.wisp", { "tearing.wisp": readFileSync(file) }), {}, async (page) => {
+        await until(page, (s) => s.kind === "recording" && !s.isPlaying && s.step === 45);
+        assert.deepEqual(await drawn(page), end);
+        await page.getByRole("slider", { name: "Frame of the recording" }).fill("3");
+        await until(page, (s) => s.step === 3);
+        assert.deepEqual(await drawn(page), start);
+    });
+    rmSync(folder, { recursive: true });
+});
+
 test("a recording plays, stops at its end, and its slider goes to any frame", async () => {
     const folder = mkdtempSync(join(tmpdir(), "wisp-"));
     try {

@@ -4,7 +4,7 @@
  */
 import { BufferAttribute, BufferGeometry, GLSL3, Mesh, ShaderMaterial, DoubleSide } from "three";
 import { PLACES } from "./glsl.mjs";
-import { edgesOf } from "./surface_topology.mjs";
+import { areEqual, edgesOf } from "./surface_topology.mjs";
 
 /** Strands of the reference that are drawn: more would hide the main world. */
 const MAX_STRANDS = 160;
@@ -59,27 +59,42 @@ function segmentsOf(body) {
     return Int32Array.from(segments);
 }
 
+/** @param {Int32Array} segments four numbers each, as edgesOf() has them */
+function geometryOf(segments) {
+    const count = segments.length / 4;
+    const edges = new Float32Array(16 * count), corners = new Int8Array(8 * count), indices = new Uint32Array(6 * count);
+    for (let e = 0; e < count; ++e) {
+        for (let k = 0; k < 4; ++k) edges.set(segments.subarray(4 * e, 4 * e + 4), 16 * e + 4 * k);
+        corners.set([0, -1, 0, 1, 1, -1, 1, 1], 8 * e);
+        indices.set([4 * e, 4 * e + 1, 4 * e + 2, 4 * e + 1, 4 * e + 3, 4 * e + 2], 6 * e);
+    }
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("edge", new BufferAttribute(edges, 4));
+    geometry.setAttribute("corner", new BufferAttribute(corners, 2));
+    geometry.setIndex(new BufferAttribute(indices, 1));
+    return geometry;
+}
+
 export class OutlineDrawing {
     constructor(body, points, shared) {
-        const segments = segmentsOf(body), count = segments.length / 4;
-        const edges = new Float32Array(16 * count), corners = new Int8Array(8 * count), indices = new Uint32Array(6 * count);
-        for (let e = 0; e < count; ++e) {
-            for (let k = 0; k < 4; ++k) edges.set(segments.subarray(4 * e, 4 * e + 4), 16 * e + 4 * k);
-            corners.set([0, -1, 0, 1, 1, -1, 1, 1], 8 * e);
-            indices.set([4 * e, 4 * e + 1, 4 * e + 2, 4 * e + 1, 4 * e + 3, 4 * e + 2], 6 * e);
-        }
-        const geometry = new BufferGeometry();
-        geometry.setAttribute("edge", new BufferAttribute(edges, 4));
-        geometry.setAttribute("corner", new BufferAttribute(corners, 2));
-        geometry.setIndex(new BufferAttribute(indices, 1));
+        this.body = body;
+        this.triangles = body.triangles;
         this.material = new ShaderMaterial({
             vertexShader: VERTEX, fragmentShader: FRAGMENT, side: DoubleSide, glslVersion: GLSL3, transparent: true,
             depthTest: false, depthWrite: false,
             uniforms: { ...points.uniforms, viewport: shared.viewport, pixels: { value: body.triangles ? 2.4 : 1.6 }, ink: shared.ink },
         });
-        this.object = new Mesh(geometry, this.material);
+        this.object = new Mesh(geometryOf(segmentsOf(body)), this.material);
         this.object.frustumCulled = false;
         this.object.renderOrder = 10;
+    }
+
+    /** Other triangles, where the body has torn. @param {Int32Array} triangles */
+    showTriangles(triangles) {
+        if (areEqual(triangles, this.triangles)) return;
+        this.triangles = triangles;
+        this.object.geometry.dispose();
+        this.object.geometry = geometryOf(edgesOf(triangles, this.body.vertexCount));
     }
 
     dispose() {

@@ -1,5 +1,6 @@
 /** Frames of a `.wisp` recording, packed like those of a simulation. */
 import { BufferPool, paddedLength } from "./buffer_pool.mjs";
+import { trianglesOf } from "./surface_topology.mjs";
 
 export class RecordingPlayer {
     constructor(recording) {
@@ -32,7 +33,7 @@ export class RecordingPlayer {
             return array;
         });
         const frame = {
-            step: index, time: this.recording.time, points, values: points.map(() => null), looks: null,
+            step: index, time: this.recording.time, points, triangles: trianglesOf(this.recording, this.bodies), values: points.map(() => null), looks: null,
             stepMs: 0, profile: [], counters: null, hashes: [], largest: 0, strokes: null, refused: [], log: [],
         };
         return { frame, transfer: points.map((array) => array.buffer) };

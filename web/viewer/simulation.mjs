@@ -13,6 +13,7 @@
  * @property {number} step
  * @property {number} time s
  * @property {(Float32Array|null)[]} points per body, padded to rows of a texture; null for hidden ones
+ * @property {(Int32Array|null)[]|null} triangles of bodies that tear; null if none does
  * @property {(Float32Array|null)[]} values strain or speed per body
  * @property {{width: Float32Array|null, colour: Float32Array|null}[]|null} looks widths and colours, when they may have changed
  * @property {number} stepMs mean of the steps of this frame
@@ -26,6 +27,7 @@
 import { BufferPool, paddedLength } from "./buffer_pool.mjs";
 import { engineLog } from "./engine_log.mjs";
 import { StrokeHistory } from "./stroke_history.mjs";
+import { trianglesOf } from "./surface_topology.mjs";
 
 const NO_PROFILE = [];
 
@@ -198,7 +200,7 @@ export class Simulation {
             for (let i = 0; i < count; ++i) if (Math.abs(array[i]) > largest) largest = Math.abs(array[i]);
         });
         const frame = {
-            step: world.stepCount, time: world.time, points, values, looks, stepMs, hashes, largest, ...news, refused: [...this.refused], log: engineLog.take(),
+            step: world.stepCount, time: world.time, points, triangles: trianglesOf(world, this.bodies), values, looks, stepMs, hashes, largest, ...news, refused: [...this.refused], log: engineLog.take(),
             profile: hasStepped ? world.profile() : NO_PROFILE,
             counters: hasStepped ? world.counters() : null,
             strokes: this.strokes.state(),

@@ -177,11 +177,15 @@ export class Stage {
     show({ from, to, mix, reference }, valueScale) {
         for (const { b, textures, drawing } of this.#drawings) {
             textures.show(from.points[b], to.points[b], mix);
+            // vertices that the earlier frame has are in both
+            if (from.triangles?.[b]) drawing.showTriangles(from.triangles[b]);
             drawing.showValues(to.values[b], valueScale);
         }
         for (const { b, textures, drawing } of this.#outlines) {
             drawing.object.visible = Boolean(reference);
-            if (reference) textures.show(reference.from.points[b], reference.to.points[b], mix);
+            if (!reference) continue;
+            textures.show(reference.from.points[b], reference.to.points[b], mix);
+            if (reference.from.triangles?.[b]) drawing.showTriangles(reference.from.triangles[b]);
         }
     }
 

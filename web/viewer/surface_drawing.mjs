@@ -6,7 +6,7 @@
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, GLSL3, Mesh, ShaderMaterial } from "three";
 import { COLOUR_MAP, LIGHT, OUTPUT, PLACES, RING, VALUES } from "./glsl.mjs";
 import { numbersTexture, pairsTexture } from "./point_textures.mjs";
-import { ringOf } from "./surface_topology.mjs";
+import { areEqual, ringOf } from "./surface_topology.mjs";
 
 const VERTEX = /* glsl */ `
 ${PLACES}${VALUES}${RING}
@@ -73,6 +73,7 @@ export class SurfaceDrawing {
      * @param {import("./point_textures.mjs").PointTextures} points @param {object} shared uniforms of light and colour map
      */
     constructor(body, number, points, shared) {
+        this.body = body;
         const ring = ringOf(body.triangles, body.vertexCount);
         this.ring = pairsTexture(ring.array, ring.count);
         this.values = numbersTexture(null, body.vertexCount);
@@ -96,6 +97,17 @@ export class SurfaceDrawing {
         });
         this.object = new Mesh(geometry, this.material);
         this.object.frustumCulled = false;
+    }
+
+    /** Other triangles, as many as before, where the body has torn. The pointer finds them too. @param {Int32Array} triangles */
+    showTriangles(triangles) {
+        if (areEqual(triangles, this.body.triangles)) return;
+        this.body.triangles = triangles;
+        const index = this.object.geometry.index;
+        index.array.set(triangles);
+        index.needsUpdate = true;
+        this.ring.image.data = ringOf(triangles, this.body.vertexCount).array;
+        this.ring.needsUpdate = true;
     }
 
     /** @param {Float32Array|null} values @param {number} scale from a value to its place in the colour map; 0: no values */

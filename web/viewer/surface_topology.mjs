@@ -1,5 +1,21 @@
-/** What a mesh's shaders need to know about its triangles, computed once. */
+/** What a mesh's shaders need to know about its triangles, computed once, and again where cloth has torn. */
 import { paddedLength } from "./buffer_pool.mjs";
+
+/**
+ * Triangles of the bodies that tear, as they are now.
+ * @param {object} source a world or a recording
+ * @returns {(Int32Array|null)[]|null} null if no body tears
+ */
+export function trianglesOf(source, bodies) {
+    if (!bodies.some((body) => body.tears)) return null;
+    return bodies.map((body) => (body.tears ? Int32Array.from(source.triangles(body)) : null));
+}
+
+/** @param {Int32Array} a @param {Int32Array} b of the same length */
+export function areEqual(a, b) {
+    for (let i = 0; i < a.length; ++i) if (a[i] !== b[i]) return false;
+    return true;
+}
 
 /**
  * The triangles around each vertex: first a pair (start, count) per vertex, then for each triangle around it the other two corners.

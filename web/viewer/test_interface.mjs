@@ -26,6 +26,8 @@ export function testInterface(viewer) {
         savedScene: () => viewer.session.saveScene(),
         /** @returns {number[]} m, as shown */
         vertex: (body, vertex) => viewer.vertex(body, vertex).toArray(),
+        /** @returns {number[]} of a surface, as drawn */
+        triangles: (body) => Array.from(viewer.bodies[body].triangles),
         /** @returns {[number, number]} pixels */
         vertexOnScreen: (body, vertex) => viewer.onScreen(viewer.vertex(body, vertex)),
     };
