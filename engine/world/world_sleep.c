@@ -29,10 +29,7 @@ static void wake( wisp_world* world, store_entity* e )
 
 static uint64_t hash_rows( const wisp_world* world, const store_entity* e )
 {
-    const passes_sleep_components* c = &world->sleep.components;
-    const store_mask own = store_mask_or( store_mask_or( store_bit( c->state ), store_bit( c->moved ) ),
-                                          store_mask_or( store_bit( c->particles ), store_bit( c->strands ) ) );
-    return store_hash_entity( &world->store, e, own );
+    return store_hash_entity( &world->store, e, store_bit( world->sleep.components.state ) );
 }
 
 static bool is_disturbed( wisp_world* world, int slot )
@@ -129,7 +126,6 @@ static void fall_asleep( wisp_world* world, int slot )
     state->rows = hash_rows( world, e );
     state->phase = STORE_FALLING_ASLEEP;
     e->sleep = STORE_FALLING_ASLEEP;
-    e->is_touched = false;
 }
 
 // Derived rows are computed once more after the velocities became zero.
@@ -139,7 +135,6 @@ static void end_fall( wisp_world* world, store_entity* e )
     state->rows = hash_rows( world, e );
     state->phase = STORE_ASLEEP;
     e->sleep = STORE_ASLEEP;
-    e->is_touched = false;
 }
 
 static bool is_ready( wisp_world* world, int slot )
