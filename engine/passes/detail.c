@@ -101,14 +101,13 @@ static rigid_motion motion_of_frame( wisp_frame* frame, wisp_entity entity )
         const double to[3] = { (double)b.x, (double)b.y, (double)b.z };
         memcpy( m.from, from, sizeof( from ) );
         memcpy( m.to, to, sizeof( to ) );
-        if ( memcmp( &p, &q, sizeof( p ) ) != 0 ) // q p^-1
-        {
-            const double px = -(double)p.x, py = -(double)p.y, pz = -(double)p.z, pw = (double)p.w;
-            const double qx = (double)q.x, qy = (double)q.y, qz = (double)q.z, qw = (double)q.w;
-            const double r[4] = { qw * px + qx * pw + qy * pz - qz * py, qw * py - qx * pz + qy * pw + qz * px,
-                                  qw * pz + qx * py - qy * px + qz * pw, qw * pw - qx * px - qy * py - qz * pz };
-            memcpy( m.q, r, sizeof( r ) );
-        }
+        // q p^-1, in an order in which its axis is exactly zero where both are the same
+        const double px = -(double)p.x, py = -(double)p.y, pz = -(double)p.z, pw = (double)p.w;
+        const double qx = (double)q.x, qy = (double)q.y, qz = (double)q.z, qw = (double)q.w;
+        const double r[4] = { ( qw * px + qx * pw ) + ( qy * pz - qz * py ),
+                              ( qw * py + qy * pw ) + ( qz * px - qx * pz ),
+                              ( qw * pz + qz * pw ) + ( qx * py - qy * px ), qw * pw - qx * px - qy * py - qz * pz };
+        memcpy( m.q, r, sizeof( r ) );
     }
     write_turn( m.q, m.turn );
     return m;

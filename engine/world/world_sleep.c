@@ -203,7 +203,7 @@ void world_sleep_to_rows( wisp_world* world, bool has_snapshot )
         passes_sleep* state = e->alive ? sleep_state_of( world, e ) : NULL;
         if ( state != NULL )
         {
-            state->is_touched = has_snapshot == false && e->sleep != STORE_AWAKE && e->is_touched;
+            state->is_touched = has_snapshot == false && e->is_touched;
         }
     }
 }

@@ -165,6 +165,29 @@ static void pins_may_turn_by_much_in_a_step( void** state )
     }
 }
 
+// Not by a bit, and without a velocity, wherever they are.
+static void pins_that_rest_move_nothing( void** state )
+{
+    (void)state;
+    const int32_t pins[3] = { 7, SIDE - 2, SIDE * SIDE - 5 };
+    hosted h;
+    const wisp_entity e = open_still( &h, pins, 3 );
+    int count;
+    wisp_vec3* from = copy_points( h.world, e, &count );
+    move_to_turned( h.world, e, pins, 3, from, 0.7f );
+    run_steps( h.world, 1, FRAME );
+    const uint64_t hash = hash_of( h.world, e, WISP_SURFACE_POINTS );
+    move_to_turned( h.world, e, pins, 3, from, 0.7f );
+    assert_true( hash_of( h.world, e, WISP_SURFACE_POINTS ) == hash );
+    for ( int v = 0; v < SIDE * SIDE; ++v )
+    {
+        const float* velocity = velocity_of( h.world, e, v );
+        assert_true( velocity[0] == 0.0f && velocity[1] == 0.0f && velocity[2] == 0.0f );
+    }
+    free( from );
+    close_world( &h );
+}
+
 static void pins_that_go_apart_are_at_their_targets( void** state )
 {
     (void)state;
@@ -209,7 +232,11 @@ static void a_frame_turns_what_hangs_on_a_pin( void** state )
     // the pin is at the origin, and stays there
     assert_true( largest_distance_to_turned( h.world, e, from, 0.4f, ( wisp_vec3 ){ 0 } ) < 1e-6f );
     // a frame that has come to rest moves nothing, not by a bit
-    run_steps( h.world, 1, FRAME );
+    const wisp_quat askew = { 0.31f, -0.22f, 0.57f, 0.7282f };
+    assert_status( h.world,
+                   wisp_move_frame( h.world, e, wisp_transform_make( askew, ( wisp_vec3 ){ 1.0f, 0.3f, 0.0f } ) ),
+                   WISP_OK );
+    run_steps( h.world, 2, FRAME );
     const uint64_t hash = hash_of( h.world, e, WISP_SURFACE_POINTS );
     run_steps( h.world, 20, FRAME );
     assert_true( hash_of( h.world, e, WISP_SURFACE_POINTS ) == hash );
@@ -289,6 +316,7 @@ int main( void )
         cmocka_unit_test( what_is_solved_again_goes_on_with_the_velocity_that_it_was_carried_with ),
         cmocka_unit_test( a_surface_without_pins_goes_along_with_its_frame ),
         cmocka_unit_test( pins_may_turn_by_much_in_a_step ),
+        cmocka_unit_test( pins_that_rest_move_nothing ),
         cmocka_unit_test( pins_that_go_apart_are_at_their_targets ),
         cmocka_unit_test( a_frame_turns_what_hangs_on_a_pin ),
         cmocka_unit_test( what_comes_to_rest_relative_to_pins_has_their_velocity ),
