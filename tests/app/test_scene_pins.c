@@ -254,12 +254,12 @@ static void implicit_cloth_by_bdf2_goes_on_with_the_velocity_of_its_pins( void**
                      "    pin_box: { min: [-1, -1, -1], max: [1, 1, 1] }\n"
                      "    pin_keyframes: [ { time: 1, translate: [0, 0.5, 0] } ]\n"
                      "events:\n  - { step: 10, surface: cloth, release: true }\n"
-                     "  - { step: 20, surface: cloth, velocity: [2, 0, 0] }\n" );
+                     "  - { step: 20, surface: cloth, velocity: [0, 0.3, 0] }\n" );
     for ( int k = 1; k <= 30; ++k )
     {
         step( &f, 1 );
-        const double height = 0.5 * 0.02 * fmin( k, 20 ), way = 2.0 * 0.02 * fmax( k - 20, 0 );
-        assert_at( at( &f, 0, 40 ), ( point ){ way, height, 0 }, 2e-6 );
+        const double height = 0.5 * 0.02 * fmin( k, 20 ) + 0.3 * 0.02 * fmax( k - 20, 0 );
+        assert_at( at( &f, 0, 40 ), ( point ){ 0, height, 0 }, 2e-6 );
     }
     release( &f );
 }

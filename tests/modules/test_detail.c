@@ -406,7 +406,8 @@ static void bdf2_starts_again_after_a_pause( void** state )
     const wisp_entity e = add_effect( h.world, implicit_cloth );
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     def.integrator = WISP_INTEGRATOR_BDF2;
-    def.stretch_stiffness = 1.0f; // soft enough for it
+    def.stretch_stiffness = 1.0f;  // soft enough for it
+    def.max_newton_iterations = 1; // no second try of what gains energy
     assert_status( h.world, wisp_set_implicit_cloth( h.world, e, &def ), WISP_OK );
     assert_status( h.world, wisp_set_damping( h.world, e, 0.0f ), WISP_OK );
     assert_status( h.world, wisp_unpin( h.world, e, corners, 2 ), WISP_OK );
@@ -414,7 +415,8 @@ static void bdf2_starts_again_after_a_pause( void** state )
     set_level_at_once( h.world, e, WISP_DETAIL_NOTHING );
     assert_true( step_and_measure( h.world, e ) == 0.0f );
     set_level_at_once( h.world, e, WISP_DETAIL_FULL );
-    assert_true( step_and_measure( h.world, e ) < 9.81f * FRAME * FRAME );
+    const float fallen = step_and_measure( h.world, e ), expected = 0.625f * 9.81f * FRAME * FRAME; // by Euler
+    assert_true( fallen > 0.8f * expected && fallen < 1.1f * expected );
     close_world( &h );
 }
 

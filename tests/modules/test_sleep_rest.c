@@ -105,7 +105,8 @@ static void implicit_cloth_wakes_without_the_velocities_that_it_had( void** stat
     const wisp_entity sheet = add_mesh( h.world, &mesh, NULL, 0, 0.15f );
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     def.integrator = WISP_INTEGRATOR_BDF2;
-    def.stretch_stiffness = 1.0f; // soft enough for it
+    def.stretch_stiffness = 1.0f;  // soft enough for it
+    def.max_newton_iterations = 1; // no second try of what gains energy
     assert_status( h.world, wisp_set_implicit_cloth( h.world, sheet, &def ), WISP_OK );
     assert_status( h.world, wisp_set_gravity( h.world, sheet, EARTH ), WISP_OK );
     sleep_on_the_way( h.world, sheet );
@@ -113,15 +114,14 @@ static void implicit_cloth_wakes_without_the_velocities_that_it_had( void** stat
     assert_true( before < 2.9 ); // it was fast
     assert_status( h.world, wisp_set_gravity( h.world, sheet, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
     assert_wakes( h.world, sheet );
-    assert_true( fabs( (double)place_of( h.world, sheet, 0 )[1] - before ) < FROM_REST );
+    const double fallen = before - (double)place_of( h.world, sheet, 0 )[1];
+    assert_true( fallen > 0.5 * FROM_REST && fallen < 0.7 * FROM_REST ); // 5 / 8 of it in four substeps of Euler
     close_world( &h );
 }
 
-static void hair_wakes_without_the_velocities_that_it_had( void** state )
+// A strand that starts level and swings down.
+static wisp_entity add_strand( wisp_world* world )
 {
-    (void)state;
-    hosted h;
-    open_stage( &h, 1 );
     const int32_t offsets[] = { 0, 6 };
     wisp_vec3 points[6];
     for ( int i = 0; i < 6; ++i )
@@ -133,12 +133,21 @@ static void hair_wakes_without_the_velocities_that_it_had( void** state )
     def.offsets = offsets;
     def.strand_count = 1;
     wisp_entity hair;
-    assert_status( h.world, wisp_add_strands( h.world, &def, &hair ), WISP_OK );
+    assert_status( world, wisp_add_strands( world, &def, &hair ), WISP_OK );
     wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
     dynamics.integrator = WISP_INTEGRATOR_BDF2;
     dynamics.bending = WISP_STRAND_BEND_NONE;
-    assert_status( h.world, wisp_set_strand_dynamics( h.world, hair, &dynamics ), WISP_OK );
-    assert_status( h.world, wisp_request( h.world, hair, WISP_STRAND_POINTS ), WISP_OK );
+    assert_status( world, wisp_set_strand_dynamics( world, hair, &dynamics ), WISP_OK );
+    assert_status( world, wisp_request( world, hair, WISP_STRAND_POINTS ), WISP_OK );
+    return hair;
+}
+
+static void hair_wakes_without_the_velocities_that_it_had( void** state )
+{
+    (void)state;
+    hosted h;
+    open_stage( &h, 1 );
+    const wisp_entity hair = add_strand( h.world );
     sleep_on_the_way( h.world, hair );
     const wisp_vec3 before = ( (const wisp_vec3*)view_of( h.world, hair, WISP_STRAND_POINTS ).data )[5];
     assert_true( before.y < 2.9f );
@@ -149,25 +158,42 @@ static void hair_wakes_without_the_velocities_that_it_had( void** state )
     close_world( &h );
 }
 
+// What fails before the step that ends its fall asleep is restored to what the host saw last: without a velocity.
 static void what_fails_as_it_wakes_is_restored_at_rest( void** state )
 {
     (void)state;
     hosted h;
     open_stage( &h, 1 );
-    const wisp_entity sheet = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 3.0f, 0.0f }, false );
+    const wisp_entity sheet = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 3.0f, 0.0f }, false ),
+                      hair = add_strand( h.world );
     wisp_sleep_def sleep = wisp_default_sleep_def();
     sleep.max_speed = 1e3f;
     sleep.seconds = TEN_FRAMES;
     assert_status( h.world, wisp_set_sleep( h.world, sheet, &sleep ), WISP_OK );
+    assert_status( h.world, wisp_set_sleep( h.world, hair, &sleep ), WISP_OK );
     run_steps( h.world, 10, FRAME );
-    assert_true( wisp_is_asleep( h.world, sheet ) );
-    float* velocity = wisp_world_column( h.world, sheet, WISP_PARTICLE_VELOCITY, 0 );
-    velocity[0] = NAN; // before the step that ends its fall
-    run_steps( h.world, 1, FRAME );
-    assert_true( wisp_is_halted( h.world, sheet ) );
-    for ( int i = 0; i < 4 * SIDE * SIDE; ++i )
+    assert_true( wisp_is_asleep( h.world, sheet ) && wisp_is_asleep( h.world, hair ) );
+    const int rows = wisp_world_strands( h.world, hair )->row_count;
+    const struct
     {
-        assert_true( velocity[i] == 0.0f );
+        wisp_entity entity;
+        float* velocity;
+        int count, damaged;
+    } failing[] = { { sheet, wisp_world_column( h.world, sheet, WISP_PARTICLE_VELOCITY, 0 ), 4 * SIDE * SIDE, 0 },
+                    { hair, wisp_world_column( h.world, hair, WISP_STRAND_VELOCITY, 0 ), rows * 3 * WISP_LANES,
+                      3 * 3 * WISP_LANES } };
+    for ( int i = 0; i < WISP_COUNT( failing ); ++i )
+    {
+        failing[i].velocity[failing[i].damaged] = NAN;
+    }
+    run_steps( h.world, 1, FRAME );
+    for ( int i = 0; i < WISP_COUNT( failing ); ++i )
+    {
+        assert_true( wisp_is_halted( h.world, failing[i].entity ) );
+        for ( int k = 0; k < failing[i].count; ++k )
+        {
+            assert_true( failing[i].velocity[k] == 0.0f );
+        }
     }
     close_world( &h );
 }
