@@ -284,8 +284,12 @@ static void holding_again_changes_no_bit( void** state )
     uint64_t hashes[2];
     for ( int k = 0; k < 2; ++k )
     {
-        fixture f = { .scene = parsed(
-                          k == 0 ? GRIPPERS : GRIPPERS "events:\n  - { step: 20, surface: cloth, hold: true }\n" ) };
+        char text[2000];
+        snprintf( text, sizeof text,
+                  GRIPPERS "      - { name: third, pins: [40], starts_free: true }\n"
+                           "events:\n  - { step: 20, surface: cloth, %s hold: true }\n",
+                  k == 0 ? "pin_group: third," : "" );
+        fixture f = { .scene = parsed( text ) };
         create( &f, 1 );
         step( &f, 40 );
         hashes[k] = wisp_world_hash( f.world.world );

@@ -478,14 +478,15 @@ static void loops_that_cannot_be_are_refused( void** state )
     wisp_vec3 points[RING];
     lay_ring( RING, points );
     const wisp_strand_dynamics_def good = ring_def( 1.0f, 1.0f );
-    wisp_strand_dynamics_def bad[8] = { good, good, good, good, good, good, good, good };
-    const char* const words[8] = { "closed with rest sag_free",
+    wisp_strand_dynamics_def bad[9] = { good, good, good, good, good, good, good, good, good };
+    const char* const words[9] = { "closed with rest sag_free",
                                    "closed needs stretch direct",
                                    "closed needs stretch direct",
                                    "closed needs stretch direct",
                                    "closed needs stretch direct",
-                                   "closing_twist needs closed",
+                                   "closing_twist needs closed and bending rod",
                                    "closing_twist",
+                                   "closing_twist needs closed and bending rod",
                                    "free_roots with rest sag_free" };
     bad[0].rest = WISP_STRAND_REST_SAG_FREE;
     bad[1].stretch = WISP_STRAND_STRETCH_LINKS;
@@ -495,9 +496,11 @@ static void loops_that_cannot_be_are_refused( void** state )
     bad[5].closed = false;
     bad[5].closing_twist = 1.0f;
     bad[6].closing_twist = NAN;
-    bad[7].closed = false;
-    bad[7].free_roots = true;
-    bad[7].rest = WISP_STRAND_REST_SAG_FREE;
+    bad[7].closing_twist = 1.0f;
+    bad[7].bending = WISP_STRAND_BEND_NONE;
+    bad[8].closed = false;
+    bad[8].free_roots = true;
+    bad[8].rest = WISP_STRAND_REST_SAG_FREE;
     rod_world rod;
     open_rod( &rod, points, RING, 1, &good );
     for ( int i = 0; i < WISP_COUNT( bad ); ++i )
