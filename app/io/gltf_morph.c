@@ -1,6 +1,7 @@
 // Meshes at a moment: morph targets and their weights over time, and what a path asks for.
 #include "gltf_internal.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -198,22 +199,28 @@ static wisp_status read_moment( const gltf_model* model, int node, const char* t
                                 gltf_moment* moment, wisp_error* error )
 {
     const mesh_word word = { text, strlen( text ) };
-    if ( !mesh_word_is_number( word ) || word.length > MESH_WORD_LONGEST || text[0] == '-' )
+    double time = -1.0;
+    if ( mesh_word_is_number( word ) && word.length <= MESH_WORD_LONGEST && text[0] != '-' )
+    {
+        io_numbers numbers;
+        const wisp_status status = io_numbers_begin( &numbers, error );
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+        time = mesh_word_value( word );
+        io_numbers_end( &numbers );
+    }
+    if ( !( time >= 0.0 && time < INFINITY ) )
     {
         return find_target( &model->meshes[model->nodes[node].mesh], text, name, &moment->target, error );
     }
-    io_numbers numbers;
-    const wisp_status status = io_numbers_begin( &numbers, error );
-    if ( status == WISP_OK )
-    {
-        moment->animation = 0;
-        moment->time = mesh_word_value( word );
-        io_numbers_end( &numbers );
-    }
-    return status == WISP_OK && model->animation_count == 0
-               ? wisp_fail( error, WISP_BAD_INPUT, "%s: got the time %.20s s behind @, but the file has no animation",
-                            name, text )
-               : status;
+    moment->animation = 0;
+    moment->time = time;
+    return model->animation_count > 0
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "%s: got the time %.20s s behind @, but the file has no animation",
+                            name, text );
 }
 
 // A name may have an @ of its own: then it is all of it.

@@ -317,6 +317,81 @@ static wisp_status refuse_equal_events( scene_reader* r )
     return WISP_OK;
 }
 
+/// What entries have made of the pins of a group.
+typedef struct group_state
+{
+    bool is_free, is_attached;
+} group_state;
+
+static const wisp_scene_pins* pins_of( const wisp_scene_surface* s, int group )
+{
+    return group < 0 ? &s->pins : &s->pin_groups[group];
+}
+
+// @param states [1 + groups] of the surface @return whether any pin is another one afterwards
+static bool change_pins( const wisp_scene_event* e, const wisp_scene_surface* s, group_state* states )
+{
+    bool changes = false;
+    for ( int g = -1; g < s->pin_group_count; ++g )
+    {
+        group_state* state = states + g + 1;
+        if ( ( e->pin_group >= 0 && e->pin_group != g ) || ( g < 0 && !wisp_scene_has_pins( s ) ) )
+        {
+            continue;
+        }
+        changes = changes || e->attach_to >= 0 || ( e->release && !state->is_free ) ||
+                  ( e->hold && state->is_free ) || ( e->detach && state->is_attached );
+        state->is_free = e->release || ( state->is_free && !e->hold && e->attach_to < 0 );
+        state->is_attached = e->attach_to >= 0 || ( state->is_attached && !e->detach && !e->release );
+    }
+    return changes;
+}
+
+// Of entries that release what is free, hold what is held, or detach what is not attached, something else was meant.
+static wisp_status refuse_idle_pins( scene_reader* r )
+{
+    const wisp_scene* scene = r->scene;
+    size_t groups = 0;
+    for ( int s = 0; s < scene->surface_count; ++s )
+    {
+        groups += 1 + (size_t)scene->surfaces[s].pin_group_count;
+    }
+    group_state* states = calloc( groups + 1, sizeof *states );
+    group_state** of_surface = calloc( (size_t)scene->surface_count + 1, sizeof *of_surface );
+    wisp_status status = states && of_surface ? WISP_OK : scene_no_memory( r );
+    groups = 0;
+    for ( int s = 0; status == WISP_OK && s < scene->surface_count; ++s )
+    {
+        of_surface[s] = states + groups;
+        for ( int g = -1; g < scene->surfaces[s].pin_group_count; ++g )
+        {
+            const wisp_scene_pins* pins = pins_of( &scene->surfaces[s], g );
+            states[groups++] = ( group_state ){ pins->starts_free, pins->attached_to >= 0 };
+        }
+    }
+    for ( int i = 0; status == WISP_OK && i < scene->event_count; ++i )
+    {
+        const wisp_scene_event* e = &scene->events[i];
+        if ( e->surface >= 0 && pin_changes( e ) > 0 &&
+             !change_pins( e, &scene->surfaces[e->surface], of_surface[e->surface] ) )
+        {
+            status = scene_refuse( r->source, e->line, e->column, r->path,
+                                   "'%s' changes nothing: its pins of '%s' %s before step %d",
+                                   e->release ? "release"
+                                   : e->hold  ? "hold"
+                                              : "detach_pins",
+                                   scene->surfaces[e->surface].name,
+                                   e->release ? "are free"
+                                   : e->hold  ? "are held"
+                                              : "are not attached",
+                                   e->step );
+        }
+    }
+    free( of_surface );
+    free( states );
+    return status;
+}
+
 static wisp_status read_event( scene_reader* r, const scene_node* item, int index, void* context )
 {
     wisp_scene* scene = context;
@@ -348,5 +423,6 @@ wisp_status scene_read_events( scene_reader* r, const scene_node* node, void* at
         return status;
     }
     qsort( scene->events, (size_t)scene->event_count, sizeof *scene->events, compare_events );
-    return refuse_equal_events( r );
+    status = refuse_equal_events( r );
+    return status ? status : refuse_idle_pins( r );
 }

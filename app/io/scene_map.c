@@ -65,6 +65,12 @@ wisp_status scene_read_map( scene_reader* r, const scene_node* node, const scene
     {
         return scene_refuse_node( r, channel, "'channel' needs an image (.png) or 'map: %s'", COLOURS );
     }
+    if ( map->from == map->to )
+    {
+        return scene_refuse_node( r, node,
+                                  "got %g for both 'from' (default 0) and 'to' (default 1), so the map says nothing",
+                                  (double)map->to );
+    }
     snprintf( map->path, sizeof map->path, "%s", field->key );
     map->lower = (float)field->range.lower;
     map->upper = (float)field->range.upper;
@@ -96,8 +102,12 @@ static wisp_status refuse_number( const wisp_scene_map* map, int line, const cha
         word[n] = at[n];
         word[n + 1] = '\0';
     }
-    return wisp_fail( error, WISP_BAD_INPUT, "%s:%d: got '%s', expected a finite number", io_short_name( map->file ),
-                      line, word );
+    return word[0] != '\0' ? wisp_fail( error, WISP_BAD_INPUT, "%s:%d: got '%s', expected a finite number",
+                                        io_short_name( map->file ), line, word )
+                           : wisp_fail( error, WISP_BAD_INPUT,
+                                        "%s:%d: got a byte that is no text, expected numbers, or an image "
+                                        "that ends in .png",
+                                        io_short_name( map->file ), line );
 }
 
 // Numbers between spaces, commas and ends of lines.

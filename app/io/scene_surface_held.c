@@ -158,6 +158,19 @@ static wisp_status check_tearing( scene_reader* r, const scene_node* node, const
     return WISP_OK;
 }
 
+// Without a limit they do nothing, whatever else is said.
+static wisp_status check_motion_constraints( scene_reader* r, const scene_node* node )
+{
+    const scene_node* held = scene_child( r, node, "motion_constraints" );
+    const scene_node* backstop = held ? scene_child( r, held, "backstop" ) : NULL;
+    if ( held && !backstop && !scene_child( r, held, "max_distance" ) )
+    {
+        return scene_refuse_node( r, held, "'motion_constraints' needs 'max_distance' or 'backstop'" );
+    }
+    const scene_node* radius = held ? scene_child( r, held, "backstop_radius" ) : NULL;
+    return radius && !backstop ? scene_refuse_node( r, radius, "'backstop_radius' needs 'backstop'" ) : WISP_OK;
+}
+
 wisp_status scene_check_held( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
 {
     const bool has_path = s->target_path.count > 0 || s->frame_path.count > 0 || scene_moves_groups( s );
@@ -176,5 +189,6 @@ wisp_status scene_check_held( scene_reader* r, const scene_node* node, const wis
     }
     wisp_status status = check_tearing( r, node, s );
     status = status ? status : check_path( r, node, "motion_constraints", &s->target_path );
+    status = status ? status : check_motion_constraints( r, node );
     return status ? status : check_path( r, node, "frame", &s->frame_path );
 }

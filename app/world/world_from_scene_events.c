@@ -103,6 +103,13 @@ static wisp_transform motion_between( wisp_transform from, wisp_transform to, wi
     return motion;
 }
 
+// Does a keyframe jump between the beginnings of the last step and of this one?
+static bool is_jump_due( const scene_world* world, const wisp_scene_pose* pose, step_times t )
+{
+    return pose->jump && !is_before( world, t.begin, (double)pose->time ) &&
+           is_before( world, t.last, (double)pose->time );
+}
+
 // Teleport an entity by the jumps of its path that come before this step.
 static wisp_status make_jumps( scene_world* world, wisp_entity entity, const wisp_scene_path* path,
                                wisp_transform start, wisp_vec3 pivot, step_times t )
@@ -111,12 +118,9 @@ static wisp_status make_jumps( scene_world* world, wisp_entity entity, const wis
     for ( int i = count_reached( path, t.last - (double)world->scene->dt ); i < path->count && status == WISP_OK;
           ++i )
     {
-        const wisp_scene_pose* to = &path->poses[i];
-        const bool is_due = !is_before( world, t.begin, (double)to->time ),
-                   is_past = !is_before( world, t.last, (double)to->time );
-        if ( to->jump && is_due && !is_past )
+        if ( is_jump_due( world, &path->poses[i], t ) )
         {
-            const wisp_transform motion = motion_between( pose_before( path, i, start ), to->pose, pivot );
+            const wisp_transform motion = motion_between( pose_before( path, i, start ), path->poses[i].pose, pivot );
             status = wisp_teleport( world->world, entity, motion, true );
         }
     }
@@ -417,9 +421,9 @@ static wisp_status pass_velocities( scene_world* world, int surface, int group )
     const wisp_scene_path* path = &scene_pins_entry( &world->scene->surfaces[surface], group )->path;
     const step_times t = next_times( world );
     const float rate = 1.0f / (float)( t.begin - t.last );
-    for ( int i = count_reached( path, t.last ); i < count_reached( path, t.begin ); ++i )
+    for ( int i = count_reached( path, t.last - (double)world->scene->dt ); i < path->count; ++i )
     {
-        if ( path->poses[i].jump )
+        if ( is_jump_due( world, &path->poses[i], t ) )
         {
             return WISP_OK;
         }

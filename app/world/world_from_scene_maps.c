@@ -4,9 +4,11 @@
 
 #include "wisp/maps.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #if defined( WISP_PNG )
 #include <png.h>
@@ -58,6 +60,10 @@ static wisp_status open_texture( const char* file, wisp_scene_map_channel channe
 {
     png_image image = { .version = PNG_IMAGE_VERSION };
     *out = ( texture ){ 0 };
+    if ( access( file, R_OK ) != 0 )
+    {
+        return wisp_fail( error, WISP_IO_ERROR, "%s: cannot open: %s", file, strerror( errno ) );
+    }
     if ( !png_image_begin_read_from_file( &image, file ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: is not a PNG image: %s", file, image.message );

@@ -76,10 +76,12 @@ static void fit_turn( rigid_motion* m, const double moments[9] )
             axis[k] *= 0.5 / fabs( agreement );
             change += axis[k] * axis[k];
         }
-        if ( change < 1e6 ) // also false where coordinates are not finite
+        // no further than a quarter turn at once: about there the agreement is lost
+        for ( int k = 0; k < 3 && change > 1.0; ++k )
         {
-            turn_further( m->q, axis );
+            axis[k] /= sqrt( change );
         }
+        turn_further( m->q, axis );
     }
     write_turn( m->q, m->turn );
 }
@@ -99,25 +101,23 @@ static rigid_motion motion_of_frame( wisp_frame* frame, wisp_entity entity )
         const double to[3] = { (double)b.x, (double)b.y, (double)b.z };
         memcpy( m.from, from, sizeof( from ) );
         memcpy( m.to, to, sizeof( to ) );
-        if ( memcmp( &p, &q, sizeof( p ) ) != 0 ) // q p^-1
-        {
-            const double px = -(double)p.x, py = -(double)p.y, pz = -(double)p.z, pw = (double)p.w;
-            const double qx = (double)q.x, qy = (double)q.y, qz = (double)q.z, qw = (double)q.w;
-            const double r[4] = { qw * px + qx * pw + qy * pz - qz * py, qw * py - qx * pz + qy * pw + qz * px,
-                                  qw * pz + qx * py - qy * px + qz * pw, qw * pw - qx * px - qy * py - qz * pz };
-            memcpy( m.q, r, sizeof( r ) );
-        }
+        // q p^-1, in an order in which its axis is exactly zero where both are the same
+        const double px = -(double)p.x, py = -(double)p.y, pz = -(double)p.z, pw = (double)p.w;
+        const double qx = (double)q.x, qy = (double)q.y, qz = (double)q.z, qw = (double)q.w;
+        const double r[4] = { ( qw * px + qx * pw ) + ( qy * pz - qz * py ),
+                              ( qw * py + qy * pw ) + ( qz * px - qx * pz ),
+                              ( qw * pz + qz * pw ) + ( qx * py - qy * px ), qw * pw - qx * px - qy * py - qz * pz };
+        memcpy( m.q, r, sizeof( r ) );
     }
     write_turn( m.q, m.turn );
     return m;
 }
 
-// The motion that takes pins to their targets.
+// The motion that takes pins to their targets. Pins that rest have moments that are symmetric to the bit, so they turn nothing.
 static void fit_pins( rigid_motion* m, const float* position, const float* target, int count )
 {
     double from[3] = { 0.0, 0.0, 0.0 }, to[3] = { 0.0, 0.0, 0.0 }, moments[9] = { 0.0 };
     int pins = 0;
-    bool moves = false;
     for ( int i = 0; i < 4 * count; i += 4 )
     {
         const bool counts = target[i + 3] != 0.0f && position[i + 3] == 0.0f;
@@ -126,21 +126,18 @@ static void fit_pins( rigid_motion* m, const float* position, const float* targe
         {
             from[k] += (double)position[i + k];
             to[k] += (double)target[i + k];
-            moves = moves || position[i + k] != target[i + k];
         }
     }
-    for ( int k = 0; k < 3 && pins > 0; ++k )
+    if ( pins == 0 )
     {
-        m->from[k] = from[k] / pins;
-        m->to[k] = moves ? to[k] / pins : m->from[k];
-    }
-    if ( pins > 0 && moves == false )
-    {
-        *m = ( rigid_motion ){ .q = { 0.0, 0.0, 0.0, 1.0 } };
-        write_turn( m->q, m->turn );
         return;
     }
-    for ( int i = 0; i < 4 * count && pins > 1; i += 4 )
+    for ( int k = 0; k < 3; ++k )
+    {
+        m->from[k] = from[k] / pins;
+        m->to[k] = to[k] / pins;
+    }
+    for ( int i = 0; i < 4 * count; i += 4 )
     {
         for ( int k = 0; k < 9 && target[i + 3] != 0.0f && position[i + 3] == 0.0f; ++k )
         {
@@ -148,10 +145,7 @@ static void fit_pins( rigid_motion* m, const float* position, const float* targe
                 ( (double)target[i + k / 3] - m->to[k / 3] ) * ( (double)position[i + k % 3] - m->from[k % 3] );
         }
     }
-    if ( pins > 1 )
-    {
-        fit_turn( m, moments );
-    }
+    fit_turn( m, moments );
 }
 
 typedef struct detail_loop

@@ -32,7 +32,7 @@ static float row_motion( const measure_loop* loop, size_t first )
         const size_t y = (size_t)loop->coordinate, z = 2 * y;
         const float d[3] = { a[0] - b[0], a[y] - b[y], a[z] - b[z] };
         const float square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-        most = square <= most ? most : square; // NaN stays
+        most = square > most ? square : most; // what is not finite was halted before (guard.c)
     }
     return most;
 }
@@ -45,13 +45,12 @@ static void measure_rows( void* context, int begin, int end, int worker )
     for ( int r = begin; r < end; ++r )
     {
         const float square = row_motion( loop, (size_t)r * (size_t)loop->row );
-        most = square <= most ? most : square;
+        most = square > most ? square : most;
     }
     const size_t first = (size_t)begin * (size_t)loop->row, count = (size_t)( end - begin ) * (size_t)loop->row;
     memcpy( loop->before + first, loop->now + first, count * sizeof( float ) );
     uint32_t bits, largest = atomic_load_explicit( &loop->most, memory_order_relaxed );
     memcpy( &bits, &most, sizeof( bits ) );
-    bits &= 0x7fffffffu; // of a NaN too, which is above all numbers
     while ( bits > largest && atomic_compare_exchange_weak( &loop->most, &largest, bits ) == false )
     {
     }

@@ -29,10 +29,7 @@ static void wake( wisp_world* world, store_entity* e )
 
 static uint64_t hash_rows( const wisp_world* world, const store_entity* e )
 {
-    const passes_sleep_components* c = &world->sleep.components;
-    const store_mask own = store_mask_or( store_mask_or( store_bit( c->state ), store_bit( c->moved ) ),
-                                          store_mask_or( store_bit( c->particles ), store_bit( c->strands ) ) );
-    return store_hash_entity( &world->store, e, own );
+    return store_hash_entity( &world->store, e, store_bit( world->sleep.components.state ) );
 }
 
 static bool is_disturbed( wisp_world* world, int slot )
@@ -129,7 +126,6 @@ static void fall_asleep( wisp_world* world, int slot )
     state->rows = hash_rows( world, e );
     state->phase = STORE_FALLING_ASLEEP;
     e->sleep = STORE_FALLING_ASLEEP;
-    e->is_touched = false;
 }
 
 // Derived rows are computed once more after the velocities became zero.
@@ -139,7 +135,6 @@ static void end_fall( wisp_world* world, store_entity* e )
     state->rows = hash_rows( world, e );
     state->phase = STORE_ASLEEP;
     e->sleep = STORE_ASLEEP;
-    e->is_touched = false;
 }
 
 static bool is_ready( wisp_world* world, int slot )
@@ -208,7 +203,7 @@ void world_sleep_to_rows( wisp_world* world, bool has_snapshot )
         passes_sleep* state = e->alive ? sleep_state_of( world, e ) : NULL;
         if ( state != NULL )
         {
-            state->is_touched = has_snapshot == false && e->sleep != STORE_AWAKE && e->is_touched;
+            state->is_touched = has_snapshot == false && e->is_touched;
         }
     }
 }

@@ -82,24 +82,13 @@ static wisp_status entity_teleported( void* memory, wisp_world* world, wisp_enti
     return WISP_OK;
 }
 
-// As wisp_sleep_hooks.rested: the substeps before differ by nothing.
+// As wisp_sleep_hooks.rested: BDF2 starts again, so that what was kept of the substep before is not read.
 static void entity_rested( const void* memory, wisp_world* world, wisp_entity entity )
 {
     const implicit_state* state = memory;
     implicit_material* material = wisp_world_column( world, entity, state->material, 0 );
     if ( material != NULL )
     {
-        const size_t slots = (size_t)wisp_world_fabric( world, entity )->slot_count;
-        float* velocity = wisp_world_column( world, entity, state->history, 1 );
-        float* change = wisp_world_column( world, entity, state->change, 0 );
-        for ( size_t i = 0; i < 4 * slots && velocity != NULL; ++i )
-        {
-            velocity[i] = 0.0f;
-        }
-        for ( size_t i = 0; i < 3 * slots && change != NULL; ++i )
-        {
-            change[i] = 0.0f;
-        }
         material->before = 0.0f;
     }
 }

@@ -21,15 +21,10 @@ void strands_rested( const void* memory, wisp_world* world, wisp_entity entity )
 {
     const strands_state* state = memory;
     const wisp_strand_topology* t = wisp_world_strands( world, entity );
-    float* const velocities[] = { wisp_world_column( world, entity, state->good, 1 ),
-                                  wisp_world_column( world, entity, state->history, 0 ),
-                                  wisp_world_column( world, entity, state->history, 1 ) };
-    for ( int k = 0; k < WISP_COUNT( velocities ) && t != NULL; ++k )
+    float* velocity = wisp_world_column( world, entity, state->good, 1 );
+    if ( velocity != NULL && t != NULL )
     {
-        if ( velocities[k] != NULL )
-        {
-            memset( velocities[k], 0, strands_vector( t->row_count, 0 ) * sizeof( float ) );
-        }
+        memset( velocity, 0, strands_vector( t->row_count, 0 ) * sizeof( float ) );
     }
     // the next substep has none before it
     float* step = wisp_world_column( world, entity, state->history, 2 );

@@ -131,9 +131,9 @@ static wisp_status check_free( wisp_world* world, wisp_entity strands, const str
 {
     const char* name = d->closed ? "closed" : "free_roots";
     const bool rod = d->bending == WISP_STRAND_BEND_ROD;
-    if ( d->closed == false && d->closing_twist != 0.0f )
+    if ( ( d->closed == false || rod == false ) && d->closing_twist != 0.0f )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: closing_twist needs closed" );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: closing_twist needs closed and bending rod" );
     }
     if ( d->closed == false && d->free_roots == false )
     {

@@ -4,6 +4,8 @@
 
 #include "mesh_fixture.h"
 
+#include "files.h"
+
 #include "gltf_internal.h"
 #include "gltf_writer.h"
 #include "record.h"
@@ -167,6 +169,8 @@ static void the_description_lists_targets_and_their_frames( void** state )
     gltf_release( &model );
 }
 
+#define ZEROS "00000000000000000000000000000000"
+
 static void paths_that_ask_for_what_is_not_there_are_refused( void** state )
 {
     (void)state;
@@ -176,6 +180,8 @@ static void paths_that_ask_for_what_is_not_there_are_refused( void** state )
                                              "'frame_0007'" },
         { "morph_take.glb#sheet@-1", "morph_take.glb: got '-1' behind @" },
         { "morph_take.glb#sheet@", "morph_take.glb: got '' behind @" },
+        { "morph_take.glb#sheet@1e999", "morph_take.glb: got '1e999' behind @" }, // infinite
+        { "morph_take.glb#sheet@0." ZEROS ZEROS "1", "morph_take.glb: got '0.0000" },
         { "morph_take.glb#ground@frame_0002", "mesh 'ground' has no morph targets, got 'frame_0002' behind @" },
         { "morph_take.glb#skirt@1", "got 0 nodes with the mesh 'skirt'" },
         { "morph_take.glb#@1", "got 3 nodes with a mesh, expected the name of one behind #" },
@@ -307,6 +313,74 @@ static void displacements_are_added_by_weights_and_placed_by_the_node( void** st
     gltf_release( &model );
 }
 
+static void an_animation_moves_the_weights_of_its_node_alone( void** state )
+{
+    (void)state;
+    gltf_model model;
+    wisp_error error = { 0 };
+    assert_ok( read_quad( "\"nodes\":[", "\"nodes\":[{\"name\":\"other\",\"mesh\":0},", &model, &error ), error );
+    const gltf_moment then = { 0, 1.5, -1 };
+    double weights[2][2];
+    gltf_weights_at( &model, 0, then, weights[0] );
+    gltf_weights_at( &model, 1, then, weights[1] );
+    assert_true( weights[0][0] == 0.25 && weights[0][1] == 0.75 ); // the channel is that of node 0
+    assert_true( weights[1][0] == 0.5 && weights[1][1] == 0.0 );   // at rest
+    assert_true( gltf_target_time( &model, 0, 0, 1 ) == 1.0 && gltf_target_time( &model, 1, 0, 1 ) == -1.0 );
+    // one target alone is shown whatever the time
+    gltf_weights_at( &model, 0, ( gltf_moment ){ 0, 1.5, 0 }, weights[0] );
+    assert_true( weights[0][0] == 1.0 && weights[0][1] == 0.0 );
+    gltf_release( &model );
+}
+
+static void a_frame_of_a_target_shows_it_alone( void** state )
+{
+    (void)state;
+    gltf_model model;
+    wisp_error error = { 0 };
+    // weights (1, 1) and (0, 0)
+    assert_ok( read_quad( "\"byteOffset\":116", "\"byteOffset\":120", &model, &error ), error );
+    assert_true( gltf_target_time( &model, 0, 0, 0 ) == -1.0 && gltf_target_time( &model, 0, 0, 1 ) == -1.0 );
+    gltf_release( &model );
+    // values of a spline are between its tangents
+    assert_ok( read_quad( "\"output\":5,\"interpolation\":\"LINEAR\"",
+                          "\"output\":6,\"interpolation\":\"CUBICSPLINE\"", &model, &error ),
+               error );
+    assert_true( gltf_target_time( &model, 0, 0, 0 ) == 3.0 && gltf_target_time( &model, 0, 0, 1 ) == -1.0 );
+    gltf_release( &model );
+}
+
+static void weights_that_throw_vertices_out_of_all_numbers_are_refused( void** state )
+{
+    (void)state;
+    gltf_model model;
+    wisp_mesh mesh;
+    wisp_error error = { 0 };
+    assert_ok( read_quad( "[0.5,0]", "[3e38,0]", &model, &error ), error );
+    assert_int_equal( gltf_mesh_at_rest( &model, 0, "quad.glb", &mesh, &error ), WISP_BAD_INPUT );
+    assert_contains( error.message, "vertex 1: z is infinite" );
+    assert_null( mesh.points );
+    gltf_release( &model );
+}
+
+// A name may have an @.
+static void the_whole_name_of_a_mesh_goes_before_a_time( void** state )
+{
+    (void)state;
+    char json[6000];
+    const char *name = "\"name\":\"quad\",\"mesh\"", *found = strstr( QUAD, name );
+    assert_non_null( found );
+    snprintf( json, sizeof json, "%.*s\"name\":\"quad@1\",\"mesh\"%s", (int)( found - QUAD ), QUAD,
+              found + strlen( name ) );
+    const gltf_bytes binary = quad_binary(), file = gltf_binary_file( json, &binary );
+    write_bytes( "morph_at.glb", file.data, file.size );
+    wisp_mesh named = read_good( "morph_at.glb#quad@1" ), later = read_good( "morph_at.glb#quad@1@1" );
+    assert_place( named.points[2], 11, 1, 1.5 ); // at rest
+    assert_place( later.points[2], 16, 7, 7 );
+    wisp_mesh_release( &named );
+    wisp_mesh_release( &later );
+    remove( "morph_at.glb" );
+}
+
 // Vertices 0, 1 and 2 are at one place; 2 moves as 0 does, 1 does not.
 static void merged_vertices_take_their_displacements_along( void** state )
 {
@@ -389,6 +463,10 @@ int main( void )
         cmocka_unit_test( the_description_lists_targets_and_their_frames ),
         cmocka_unit_test( paths_that_ask_for_what_is_not_there_are_refused ),
         cmocka_unit_test( displacements_are_added_by_weights_and_placed_by_the_node ),
+        cmocka_unit_test( an_animation_moves_the_weights_of_its_node_alone ),
+        cmocka_unit_test( a_frame_of_a_target_shows_it_alone ),
+        cmocka_unit_test( weights_that_throw_vertices_out_of_all_numbers_are_refused ),
+        cmocka_unit_test( the_whole_name_of_a_mesh_goes_before_a_time ),
         cmocka_unit_test( merged_vertices_take_their_displacements_along ),
         cmocka_unit_test( bad_targets_are_refused_by_element ),
         cmocka_unit_test( targets_of_the_same_bytes_are_bounded ),

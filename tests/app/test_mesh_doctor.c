@@ -529,6 +529,28 @@ static void every_repair_is_said_out_loud( void** state )
     free( p.text );
 }
 
+// Four tents over one triangle, which face down. Each of its sides has four triangles, but no tent is closed, so each goes on facing the way
+// of its triangles.
+static void sheets_that_share_their_border_are_open( void** state )
+{
+    (void)state;
+    wisp_vec3 points[7] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
+    int32_t triangles[36];
+    for ( int f = 0; f < 4; ++f )
+    {
+        const int32_t top = 3 + f, tent[9] = { 1, 0, top, 2, 1, top, 0, 2, top };
+        points[top] = ( wisp_vec3 ){ 0.3f, 0.3f, 1.0f + (float)f };
+        memcpy( triangles + 9 * f, tent, sizeof tent );
+    }
+    wisp_mesh mesh = fixture_mesh( points, 7, triangles, 12 );
+    wisp_mesh_repairs repairs;
+    assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_TURN_TRIANGLES, &repairs, NULL ), WISP_OK );
+    assert_int_equal( repairs.triangles_turned, 0 );
+    assert_memory_equal( mesh.triangles, triangles, sizeof triangles );
+    wisp_mesh_repairs_release( &repairs );
+    wisp_mesh_release( &mesh );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -557,6 +579,7 @@ int main( void )
         cmocka_unit_test( every_defect_is_printed_by_its_number ),
         cmocka_unit_test( a_mesh_that_cannot_be_examined_prints_one_message ),
         cmocka_unit_test( every_repair_is_said_out_loud ),
+        cmocka_unit_test( sheets_that_share_their_border_are_open ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

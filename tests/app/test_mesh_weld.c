@@ -126,6 +126,19 @@ static void a_chain_does_not_drift_together( void** state )
     wisp_mesh_release( &mesh );
 }
 
+static void what_is_as_far_as_the_distance_is_near( void** state )
+{
+    (void)state;
+    const wisp_vec3 points[] = { { 0, 0, 0 }, { 0.5f, 0, 0 }, { 1, 0, 0 }, { 0, 5, 0 } };
+    const int32_t triangles[] = { 0, 2, 3, 1, 2, 3 }, expected[] = { 0, 0, 1, 2 };
+    wisp_mesh mesh = fixture_mesh( points, 4, triangles, 2 );
+    wisp_mesh_repairs repairs;
+    assert_int_equal( wisp_mesh_repair_within( &mesh, WISP_MESH_WELD, 0.5f, &repairs, NULL ), WISP_OK );
+    assert_memory_equal( repairs.became, expected, sizeof expected );
+    wisp_mesh_repairs_release( &repairs );
+    wisp_mesh_release( &mesh );
+}
+
 // Four triangles with corners of their own, as a renderer has them, and rounded.
 static wisp_mesh split_tetrahedron( float noise )
 {
@@ -213,7 +226,7 @@ static void attributes_are_those_of_the_vertex_that_stays( void** state )
     (void)state;
     static const char text[] =
         "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 1 0 0 1 1 1\nv 1 1 0 0 0 0\nv 0 1 0 1 1 1\n"
-        "vt 0 0\nvt 1 0\nvt 0 1\nvt 0.5 0\nf 1/1 2/2 3/3\nf 4/4 5/1 6/3\n";
+        "vt 0 0\nvt 1 0\nvt 0 1\nvt 1 0.5\nf 1/1 2/2 3/3\nf 4/4 5/1 6/3\n";
     wisp_mesh mesh;
     wisp_error error = { 0 };
     wisp_mesh_repairs repairs;
@@ -278,6 +291,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( near_vertices_become_the_lowest_that_stays ),
         cmocka_unit_test( a_chain_does_not_drift_together ),
+        cmocka_unit_test( what_is_as_far_as_the_distance_is_near ),
         cmocka_unit_test( a_split_mesh_is_closed_again ),
         cmocka_unit_test( other_repairs_find_the_welded_mesh ),
         cmocka_unit_test( a_flipped_mesh_is_inside_out_and_flipping_twice_changes_nothing ),

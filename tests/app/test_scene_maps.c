@@ -270,10 +270,14 @@ static void bad_maps_are_refused_with_file_line_or_vertex( void** state )
                         "map.txt:2: got 'x5', expected a finite number" );
     write_map( "1 2 3\n4 5 nan\n" );
     demand_map_refusal( "area_density: { map: %s/map.txt }", WISP_BAD_INPUT, "map.txt:2: got 'nan'" );
+    write_map( "1 2\n\xff\xd8\xff" );
+    demand_map_refusal( "area_density: { map: %s/map.txt }", WISP_BAD_INPUT,
+                        "map.txt:2: got a byte that is no text" );
     write_map( "1 2 3\n4 -5 6\n" );
     demand_map_refusal( "area_density: { map: %s/map.txt }", WISP_BAD_INPUT, "map.txt: vertex 4: got -5, expected" );
     demand_map_refusal( "area_density: { map: %s/missing.txt }", WISP_IO_ERROR, "missing.txt" );
-    demand_map_refusal( "area_density: { map: %s/missing.png }", WISP_BAD_INPUT, "missing.png: is not a PNG image" );
+    demand_map_refusal( "area_density: { map: %s/missing.png }", WISP_IO_ERROR,
+                        "missing.png: cannot open: No such file" );
     write_map( "1 1 1 1 1 1" );
     demand_map_refusal( "cloth: { solver: pbd, warp_compliance: { map: %s/map.txt } }", WISP_BAD_INPUT,
                         "map.stretch_compliance: entity" );

@@ -206,14 +206,116 @@ static void copies_have_groups_of_their_own( void** state )
     release( &f );
 }
 
-static uint64_t hash_after( int workers, int steps, bool restores )
+// The surface jumps by a metre before step 10; what is let go then or in the step behind does not fly on at 50 m/s. A jump of pins that
+// were let go before is none.
+static void a_jump_gives_no_velocity_to_what_is_let_go( void** state )
+{
+    (void)state;
+    for ( int release_at = 9; release_at <= 12; ++release_at )
+    {
+        char text[900];
+        snprintf( text, sizeof text,
+                  SHEET "    gravity: [0, 0, 0]\n    pins: [0, 8]\n"
+                        "    pin_keyframes: [ { time: 0.2, translate: [1, 0, 0], jump: true } ]\n"
+                        "events:\n  - { step: %d, surface: cloth, release: true }\n",
+                  release_at );
+        fixture f;
+        build( &f, text );
+        step( &f, 30 );
+        const double way = release_at < 10 ? 0.0 : 1.0;
+        assert_at( at( &f, 0, 0 ), ( point ){ -0.2 + way, 0, -0.2 }, 1e-6 );
+        assert_at( at( &f, 0, 80 ), ( point ){ 0.2 + way, 0, 0.2 }, 1e-6 );
+        release( &f );
+    }
+}
+
+static void what_nothing_holds_gets_no_velocity_when_it_is_let_go( void** state )
+{
+    (void)state;
+    fixture f;
+    build( &f, SHEET "    gravity: [0, 0, 0]\n    pin_groups:\n"
+                     "      - { name: a, pins: [0], pin_keyframes: [ { time: 1, translate: [0, 1, 0] } ] }\n"
+                     "      - { name: b, pins: [8], starts_free: true,\n"
+                     "          pin_keyframes: [ { time: 1, translate: [0, 1, 0] } ] }\n"
+                     "events:\n  - { step: 0, surface: cloth, pin_group: a, release: true }\n"
+                     "  - { step: 10, surface: cloth, release: true }\n" );
+    step( &f, 20 );
+    assert_at( at( &f, 0, 0 ), ( point ){ -0.2, 0, -0.2 }, 1e-7 ); // before the first step nothing moves
+    assert_at( at( &f, 0, 8 ), ( point ){ 0.2, 0, -0.2 }, 1e-7 );
+    release( &f );
+}
+
+// All vertices are pins that go at 0.5 m/s, so that nothing is strained when they are let go. It is soft enough for BDF2.
+static void implicit_cloth_by_bdf2_goes_on_with_the_velocity_of_its_pins( void** state )
+{
+    (void)state;
+    fixture f;
+    build( &f, SHEET "    gravity: [0, 0, 0]\n    implicit: { integrator: bdf2, stretch_stiffness: 1 }\n"
+                     "    pin_box: { min: [-1, -1, -1], max: [1, 1, 1] }\n"
+                     "    pin_keyframes: [ { time: 1, translate: [0, 0.5, 0] } ]\n"
+                     "events:\n  - { step: 10, surface: cloth, release: true }\n"
+                     "  - { step: 20, surface: cloth, velocity: [0, 0.3, 0] }\n" );
+    for ( int k = 1; k <= 30; ++k )
+    {
+        step( &f, 1 );
+        const double height = 0.5 * 0.02 * fmin( k, 20 ) + 0.3 * 0.02 * fmax( k - 20, 0 );
+        assert_at( at( &f, 0, 40 ), ( point ){ 0, height, 0 }, 2e-6 );
+    }
+    release( &f );
+}
+
+static void a_pivot_is_what_the_pins_of_a_group_turn_about( void** state )
+{
+    (void)state;
+    fixture f;
+    build( &f, SHEET "    pin_groups:\n      - { name: a, pins: [0, 8], pin_pivot: [0.2, 0, -0.2],\n"
+                     "          pin_keyframes: [ { time: 0.2, translate: [0, 0, 0],\n"
+                     "            rotate: { axis: [0, 0, 1], degrees: -90 } } ] }\n" );
+    step( &f, 10 );
+    assert_at( at( &f, 0, 0 ), ( point ){ 0.2, 0.4, -0.2 }, 1e-6 );
+    assert_at( at( &f, 0, 8 ), ( point ){ 0.2, 0, -0.2 }, 1e-6 );
+    release( &f );
+}
+
+// Of what is held already, and of what an event has attached.
+static void holding_again_changes_no_bit( void** state )
+{
+    (void)state;
+    uint64_t hashes[2];
+    for ( int k = 0; k < 2; ++k )
+    {
+        char text[2000];
+        snprintf( text, sizeof text,
+                  GRIPPERS "      - { name: third, pins: [40], starts_free: true }\n"
+                           "events:\n  - { step: 20, surface: cloth, %s hold: true }\n",
+                  k == 0 ? "pin_group: third," : "" );
+        fixture f = { .scene = parsed( text ) };
+        create( &f, 1 );
+        step( &f, 40 );
+        hashes[k] = wisp_world_hash( f.world.world );
+        release( &f );
+    }
+    assert_true( hashes[0] == hashes[1] );
+    fixture f;
+    build( &f, SHEET "    pin_groups:\n      - { name: grip, pins: [0], starts_free: true }\n"
+                     "  - name: tray\n    generate: { shape: plane, columns: 2, rows: 2, spacing: 1 }\n"
+                     "    pin_box: { min: [-2, -2, -2], max: [2, 2, 2] }\n"
+                     "events:\n  - { step: 2, surface: cloth, pin_group: grip, attach_pins: tray }\n" );
+    assert_int_equal( scene_pins_holding( &f.world.surfaces[0], 0 ), -1 );
+    step( &f, 3 );
+    assert_int_equal( scene_pins_holding( &f.world.surfaces[0], 0 ), 1 );
+    release( &f );
+}
+
+// @param restore_at step after which the world goes on in another one; 0: never
+static uint64_t hash_after( int workers, int steps, int restore_at )
 {
     fixture f = { .scene =
                       parsed( GRIPPERS "events:\n  - { step: 20, surface: cloth, pin_group: right, release: true }\n"
                                        "  - { step: 25, surface: cloth, pin_group: right, hold: true }\n" ) };
     create( &f, workers );
-    step( &f, restores ? 30 : steps );
-    if ( restores ) // into a world that has made one step
+    step( &f, restore_at > 0 ? restore_at : steps );
+    if ( restore_at > 0 ) // into a world that has made one step
     {
         fixture g = { .scene = f.scene };
         create( &g, workers );
@@ -230,7 +332,7 @@ static uint64_t hash_after( int workers, int steps, bool restores )
         free( bytes );
         scene_world_destroy( &f.world );
         f.world = g.world;
-        step( &f, steps - 30 );
+        step( &f, steps - restore_at );
     }
     const uint64_t hash = wisp_world_hash( f.world.world );
     release( &f );
@@ -240,9 +342,10 @@ static uint64_t hash_after( int workers, int steps, bool restores )
 static void workers_and_snapshots_change_no_bit( void** state )
 {
     (void)state;
-    const uint64_t expected = hash_after( 1, 50, false );
-    assert_true( hash_after( 3, 50, false ) == expected );
-    assert_true( hash_after( 2, 50, true ) == expected );
+    const uint64_t expected = hash_after( 1, 50, 0 );
+    assert_true( hash_after( 3, 50, 0 ) == expected );
+    assert_true( hash_after( 2, 50, 22 ) == expected ); // let go
+    assert_true( hash_after( 2, 50, 30 ) == expected ); // held again
 }
 
 static void a_vertex_in_two_groups_and_an_empty_box_are_refused( void** state )
@@ -251,6 +354,12 @@ static void a_vertex_in_two_groups_and_an_empty_box_are_refused( void** state )
     demand_refusal(
         SHEET "    pins: [3]\n    pin_groups: [ { name: a, pins: [4, 3] } ]\n",
         "test.yaml:5:5: surface 'cloth': vertex 3 of the group 'a' is also pinned by the surface or by a group "
+        "before it" );
+    // the number in the file, of a vertex that a repair has moved up
+    demand_refusal(
+        SHEET
+        "    repair: [weld]\n    weld_distance: 0.06\n    pins: [8]\n    pin_groups: [ { name: a, pins: [8] } ]\n",
+        "test.yaml:5:5: surface 'cloth': vertex 8 of the group 'a' is also pinned by the surface or by a group "
         "before it" );
     demand_refusal( SHEET "    pin_groups: [ { name: a, pin_box: { min: [5, 5, 5], max: [6, 6, 6] } } ]\n",
                     "test.yaml:5:5: surface 'cloth': group 'a': no vertex starts in pin_box 0" );
@@ -265,6 +374,11 @@ int main( void )
         cmocka_unit_test( an_event_attaches_a_group_to_a_surface_and_another_detaches_it ),
         cmocka_unit_test( an_event_without_a_group_is_for_all_pins ),
         cmocka_unit_test( copies_have_groups_of_their_own ),
+        cmocka_unit_test( a_jump_gives_no_velocity_to_what_is_let_go ),
+        cmocka_unit_test( what_nothing_holds_gets_no_velocity_when_it_is_let_go ),
+        cmocka_unit_test( implicit_cloth_by_bdf2_goes_on_with_the_velocity_of_its_pins ),
+        cmocka_unit_test( a_pivot_is_what_the_pins_of_a_group_turn_about ),
+        cmocka_unit_test( holding_again_changes_no_bit ),
         cmocka_unit_test( workers_and_snapshots_change_no_bit ),
         cmocka_unit_test( a_vertex_in_two_groups_and_an_empty_box_are_refused ),
     };

@@ -467,6 +467,21 @@ static void keyframes_that_jump_and_events_teleport( void** state )
     release( &f );
 }
 
+// A collider whose last keyframe jumps is drawn where it is.
+static void a_collider_stays_where_its_last_jump_has_taken_it( void** state )
+{
+    (void)state;
+    fixture f;
+    build( &f,
+           "wisp: 1\nsteps: 20\ndt: 0.01\ncolliders:\n"
+           "  - name: body\n    shape: sphere\n    radius: 0.1\n"
+           "    keyframes: [{ time: 0.05, position: [0, 1, 0] }, { time: 0.1, position: [5, 2, 0], jump: true }]\n" );
+    run_until( &f, 20 );
+    const wisp_vec3 p = f.world.colliders[0].pose.translation;
+    assert_near( p, ( wisp_vec3 ){ 5, 2, 0 }, 1e-6f );
+    release( &f );
+}
+
 static void levels_of_detail_are_set_and_changed_by_events( void** state )
 {
     (void)state;
@@ -520,6 +535,7 @@ int main( void )
         cmocka_unit_test( scenes_of_strands_that_move_do_not_depend_on_the_number_of_workers ),
         cmocka_unit_test( balanced_curls_stay_where_those_beside_them_sag ),
         cmocka_unit_test( keyframes_that_jump_and_events_teleport ),
+        cmocka_unit_test( a_collider_stays_where_its_last_jump_has_taken_it ),
         cmocka_unit_test( levels_of_detail_are_set_and_changed_by_events ),
         cmocka_unit_test( links_stretch_where_the_direct_solve_and_the_follower_do_not ),
     };

@@ -135,10 +135,8 @@ static inline void add_spring( springs* s, int i, int j, bool bends )
     l->ramp_end = bends ? find_ramp_end( (double)l->ramp * (double)l->rest / (double)l->load ) : 0.0f;
 }
 
-static inline springs* new_springs( void )
+static inline void fill_springs( springs* s )
 {
-    springs* s = aligned_alloc( 64, ( sizeof( springs ) + 63 ) / 64 * 64 );
-    assert_non_null( s );
     memset( s, 0, sizeof( *s ) );
     for ( int row = 0; row < ROWS; ++row )
     {
@@ -165,6 +163,19 @@ static inline springs* new_springs( void )
         add_spring( s, i, ( i + 13 ) % VERTICES, true );
     }
     place_entries( s );
+}
+
+// They are the same at each call, and made once: the ends of ramps are searched for.
+static inline springs* new_springs( void )
+{
+    static _Alignas( 64 ) springs made;
+    springs* s = aligned_alloc( 64, ( sizeof( springs ) + 63 ) / 64 * 64 );
+    assert_non_null( s );
+    if ( made.link_count == 0 )
+    {
+        fill_springs( &made );
+    }
+    memcpy( s, &made, sizeof( *s ) );
     return s;
 }
 

@@ -167,17 +167,32 @@ static inline void set_collision( wisp_world* world, wisp_entity e )
 
 // ---- intersections ----
 
-static inline bool boxes_part( const float* p, const float* q, const float* a, const float* b, const float* c )
+typedef struct bounds_of
 {
-    for ( int k = 0; k < 3; ++k )
+    float lower[3], upper[3];
+} bounds_of;
+
+// Bounds of two or three points. @param slots of the points
+static inline bounds_of find_bounds( const float* position, const int32_t* slots, int count )
+{
+    const float* first = position + 4 * (size_t)slots[0];
+    bounds_of b = { { first[0], first[1], first[2] }, { first[0], first[1], first[2] } };
+    for ( int i = 1; i < count; ++i )
     {
-        const float lower = fminf( p[k], q[k] ), upper = fmaxf( p[k], q[k] );
-        if ( upper < fminf( a[k], fminf( b[k], c[k] ) ) || lower > fmaxf( a[k], fmaxf( b[k], c[k] ) ) )
+        const float* p = position + 4 * (size_t)slots[i];
+        for ( int k = 0; k < 3; ++k )
         {
-            return true;
+            b.lower[k] = p[k] < b.lower[k] ? p[k] : b.lower[k];
+            b.upper[k] = p[k] > b.upper[k] ? p[k] : b.upper[k];
         }
     }
-    return false;
+    return b;
+}
+
+static inline bool bounds_part( const bounds_of* a, const bounds_of* b )
+{
+    return a->lower[0] > b->upper[0] || b->lower[0] > a->upper[0] || a->lower[1] > b->upper[1] ||
+           b->lower[1] > a->upper[1] || a->lower[2] > b->upper[2] || b->lower[2] > a->upper[2];
 }
 
 /// Edges of one surface that pass through triangles of another, or of itself: every edge is tested against every
@@ -187,22 +202,31 @@ static inline int count_passing( wisp_world* world, wisp_entity edges_of, wisp_e
     const wisp_fabric *f = wisp_world_fabric( world, edges_of ), *g = wisp_world_fabric( world, triangles_of );
     const float* x = wisp_world_column( world, edges_of, WISP_PARTICLE_POSITION, 0 );
     const float* y = wisp_world_column( world, triangles_of, WISP_PARTICLE_POSITION, 0 );
+    bounds_of* bounds = checked_calloc( (size_t)g->triangle_count, sizeof( *bounds ) );
+    for ( int t = 0; t < g->triangle_count; ++t )
+    {
+        bounds[t] = find_bounds( y, g->triangles + 3 * (size_t)t, 3 );
+    }
     int count = 0;
     for ( int e = 0; e < f->edge_count; ++e )
     {
         const int32_t* ends = f->edges + 2 * (size_t)e;
+        const bounds_of edge = find_bounds( x, ends, 2 );
+        const float *p = x + 4 * (size_t)ends[0], *q = x + 4 * (size_t)ends[1];
         for ( int t = 0; t < g->triangle_count; ++t )
         {
+            if ( bounds_part( &edge, bounds + t ) )
+            {
+                continue;
+            }
             const int32_t* corners = g->triangles + 3 * (size_t)t;
-            const float *p = x + 4 * (size_t)ends[0], *q = x + 4 * (size_t)ends[1], *a = y + 4 * (size_t)corners[0],
-                        *b = y + 4 * (size_t)corners[1], *c = y + 4 * (size_t)corners[2];
-            const bool fraction = p == a || p == b || p == c || q == a || q == b || q == c;
-            count +=
-                fraction == false && boxes_part( p, q, a, b, c ) == false && wisp_segment_intersects( p, q, a, b, c )
-                    ? 1
-                    : 0;
+            const float *a = y + 4 * (size_t)corners[0], *b = y + 4 * (size_t)corners[1],
+                        *c = y + 4 * (size_t)corners[2];
+            const bool shares = p == a || p == b || p == c || q == a || q == b || q == c;
+            count += shares == false && wisp_segment_intersects( p, q, a, b, c ) ? 1 : 0;
         }
     }
+    free( bounds );
     return count;
 }
 

@@ -107,10 +107,10 @@ static double hang_out( solver_kind kind, bool irregular, double load, int subst
     hosted h;
     const wisp_entity e = clamped_strip( &h, kind, irregular, load, substeps );
     assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
-    // the first mode of a stiff strip, and the swing of a soft one; damped critically, with twenty of its times to settle
+    // the first mode of a stiff strip, and the swing of a soft one; damped critically, with twelve of its times to settle
     const double slowest = fmax( 3.516 * sqrt( 9.81 / load ), 3.0 );
     assert_status( h.world, wisp_set_damping( h.world, e, (float)( 2.0 * slowest ) ), WISP_OK );
-    run_steps( h.world, (int)( 20.0 / slowest * 60.0 ), 1.0f / 60.0f );
+    run_steps( h.world, (int)( 12.0 / slowest * 60.0 ), 1.0f / 60.0f );
     assert_false( wisp_is_halted( h.world, e ) );
     double drop = 0.0;
     for ( int j = 0; j < ROWS; ++j )

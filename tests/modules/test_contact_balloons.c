@@ -11,7 +11,7 @@ static const float RADIUS = 0.15f; // m
 enum
 {
     SUBSTEPS = 10,
-    STARTS = 10, // jittered; each must pass
+    STARTS = 5, // jittered; each must pass
 };
 
 // ---- a pressed pair ----

@@ -5,7 +5,7 @@
 enum
 {
     SUBSTEPS = 10,
-    STARTS = 10, // jittered; each must pass
+    STARTS = 5, // jittered; each must pass
 };
 
 typedef struct folding

@@ -4,8 +4,7 @@
 
 #include "oracle/contact_oracle.h"
 
-static const wisp_pair_search SEARCHES[] = { WISP_PAIR_SEARCH_AUTO, WISP_PAIR_SEARCH_GRID, WISP_PAIR_SEARCH_TREE,
-                                             WISP_PAIR_SEARCH_BRUTE };
+static const wisp_pair_search SEARCHES[] = { WISP_PAIR_SEARCH_AUTO, WISP_PAIR_SEARCH_GRID, WISP_PAIR_SEARCH_TREE };
 
 typedef struct scene_counts
 {
@@ -182,7 +181,7 @@ static void what_is_remembered_does_not_change_a_bit( void** state )
 {
     (void)state;
     check_remembered( false, 120, FRAME / 8.0f );
-    check_remembered( true, 500, FRAME / 10.0f );
+    check_remembered( true, 320, FRAME / 10.0f );
 }
 
 // Between a floor and a sheet that spins far above it, whose pair is listed from the start, another sheet descends

@@ -6,7 +6,7 @@ enum
 {
     SIDE = 15,
     SUBSTEPS = 10,
-    STARTS = 10, // jittered; each must pass
+    STARTS = 5, // jittered; each must pass
 };
 
 typedef struct tangle
@@ -140,8 +140,8 @@ static void what_pins_drive_through_is_drawn_apart_when_they_return( void** stat
         caught += left > 0 ? 1 : 0;
     }
     // two seconds later; a fold that the sheet was dragged through itself may stay
-    assert_true( driven > 1000 );
-    assert_true( caught <= 2 );
+    assert_true( driven > 500 );
+    assert_true( caught <= 1 );
 }
 
 // Separation adds no momentum: two free sheets that start intersecting, at rest, stay slow, and their centre stays.

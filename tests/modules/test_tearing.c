@@ -177,6 +177,21 @@ static void the_lower_piece_falls_freely_and_the_upper_one_hangs( void** state )
     close_tearing( s.h );
 }
 
+// An edge that a tear has laid open stands for half of its width, as if the torn mesh had been given.
+static void limits_are_those_of_the_torn_mesh( void** state )
+{
+    (void)state;
+    strip s = open_torn();
+    const wisp_component component = wisp_world_find_component( s.world, "tearing.limit" );
+    const size_t bytes = (size_t)wisp_world_fabric( s.world, s.e )->link_order.slot_count * sizeof( float );
+    float* torn = checked_malloc( bytes );
+    memcpy( torn, wisp_world_column( s.world, s.e, component, 0 ), bytes );
+    let_tear( &s, 0.97f * tension() ); // fills them anew
+    assert_memory_equal( torn, wisp_world_column( s.world, s.e, component, 0 ), bytes );
+    free( torn );
+    close_tearing( s.h );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -185,6 +200,7 @@ int main( void )
         cmocka_unit_test( a_torn_mesh_has_the_same_triangles_in_two_pieces ),
         cmocka_unit_test( a_split_keeps_mass_and_momentum ),
         cmocka_unit_test( the_lower_piece_falls_freely_and_the_upper_one_hangs ),
+        cmocka_unit_test( limits_are_those_of_the_torn_mesh ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }
