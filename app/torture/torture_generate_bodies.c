@@ -150,6 +150,18 @@ static void put_wind( torture_builder* b, text_node* event )
     torture_put_vector( b, event, "wind", ( const double[] ){ -8, -2, -8 }, ( const double[] ){ 8, 2, 8 } );
 }
 
+// Return whether an event releases the pins of a surface; a second one is refused.
+static bool is_released( const torture_builder* b, const char* surface )
+{
+    bool found = false;
+    for ( int i = 0; i < b->events->count; ++i )
+    {
+        const text_node* event = b->events->children[i];
+        found = found || ( text_find( event, "release" ) && strcmp( text_at( event, "surface" ), surface ) == 0 );
+    }
+    return found;
+}
+
 static void change_surface( torture_builder* b, text_node* event, const text_node* surface )
 {
     const text_node* cloth = text_find( surface, "cloth" );
@@ -165,6 +177,12 @@ static void change_surface( torture_builder* b, text_node* event, const text_nod
     }
     else if ( is_pinned && torture_random_chance( &b->random, 30 ) )
     {
+        if ( is_released( b, text_at( surface, "name" ) ) )
+        {
+            torture_put_vector( b, event, "velocity", ( const double[] ){ -3, -3, -3 },
+                                ( const double[] ){ 3, 3, 3 } );
+            return;
+        }
         text_put( event, "release", text_scalar( "true" ) );
     }
     else if ( balloon && text_find( balloon, "outlet_nearest" ) && torture_random_chance( &b->random, 40 ) )
