@@ -79,6 +79,48 @@ static void errors_fall_along_a_series( void** state )
     json_decref( root );
 }
 
+static void an_entry_of_a_list_is_removed_by_its_name_or_number( void** state )
+{
+    (void)state;
+    write_text( "both.yaml", "wisp: 1\n"
+                             "steps: 2\n"
+                             "surfaces:\n"
+                             "  - name: a_sheet_with_a_long_name\n"
+                             "    generate: { shape: plane, columns: 3, rows: 3 }\n"
+                             "    cloth: {}\n"
+                             "  - name: a_sheet_with_a_long_name_too\n"
+                             "    generate: { shape: plane, columns: 4, rows: 4 }\n"
+                             "    cloth: {}\n" );
+    write_text( "less.yaml",
+                "wisp_suite: 1\n"
+                "scenes:\n"
+                "  - { file: both.yaml, name: both }\n"
+                "  - { file: both.yaml, name: second, set: { \"surfaces[a_sheet_with_a_long_name]\": null } }\n"
+                "  - { file: both.yaml, name: first, set: { \"surfaces[1]\": null } }\n" );
+    json_t* root = measure( "bench less.yaml --seconds 0.1 -f json -o out.json" );
+    const struct
+    {
+        const char* name;
+        int vertices;
+    } rows[] = { { "both", 25 }, { "second", 16 }, { "first", 9 } };
+    for ( int i = 0; i < WISP_COUNT( rows ); ++i )
+    {
+        size_t k;
+        json_t* row;
+        json_array_foreach( json_object_get( root, "rows" ), k, row )
+        {
+            if ( strcmp( json_string_value( json_object_get( row, "variant" ) ), rows[i].name ) == 0 )
+            {
+                assert_int_equal( json_number_value( json_object_get( json_object_get( row, "size" ), "vertices" ) ),
+                                  rows[i].vertices );
+                break;
+            }
+        }
+        assert_true( k < json_array_size( json_object_get( root, "rows" ) ) );
+    }
+    json_decref( root );
+}
+
 static void a_run_that_is_the_reference_has_no_error( void** state )
 {
     (void)state;
@@ -219,6 +261,7 @@ static void what_a_suite_gets_wrong_is_said( void** state )
         { "reference: { set: { substeps: 30 }, extrapolate: 1 }", "got a reference of 30 substeps" },
         { "reference: { overlap: some }", "expected overlap: none alone" },
         { "reference: { set: { \"surfaces[3].damping\": 1 }, check: {} }", "names nothing of the scene" },
+        { "reference: { set: { \"surfaces[3]\": null }, check: {} }", "names nothing of the scene" },
         { "seconds: -1", "expected seconds of simulated time" },
         { "titel: x", "did you mean 'title'?" },
     };
@@ -303,6 +346,7 @@ int main( int argc, char** argv )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( errors_fall_along_a_series ),
+        cmocka_unit_test( an_entry_of_a_list_is_removed_by_its_name_or_number ),
         cmocka_unit_test( a_run_that_is_the_reference_has_no_error ),
         cmocka_unit_test( a_reference_is_extrapolated ),
         cmocka_unit_test( what_is_within_the_doubt_is_below_it ),
