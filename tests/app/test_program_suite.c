@@ -121,6 +121,35 @@ static void an_entry_of_a_list_is_removed_by_its_name_or_number( void** state )
     json_decref( root );
 }
 
+// The skin of a figure that raises an arm is stretched there by a lot, and the cloth that falls through it is not.
+static void what_an_animation_moves_has_no_strain_and_its_intersections_are_apart( void** state )
+{
+    (void)state;
+    write_text( "motions.yaml", "clips:\n"
+                                "  - name: reach\n"
+                                "    duration: 1\n"
+                                "    keys:\n"
+                                "      - { time: 0, rotations: { left_upper_arm: [0, 0, 80] } }\n"
+                                "      - { time: 1, rotations: { left_upper_arm: [0, 0, 80] } }\n" );
+    write_text( "figure.yaml", "wisp: 1\n"
+                               "steps: 3\n"
+                               "surfaces:\n"
+                               "  - name: body\n"
+                               "    generate: { shape: figure, triangles: 1500 }\n"
+                               "    animation: { file: motions.yaml, clips: [{ clip: reach, time: 0.05 }] }\n"
+                               "  - name: cloth\n"
+                               "    generate: { shape: plane, columns: 9, rows: 9, spacing: 0.1 }\n"
+                               "    transform: { translate: [0, 1.2, 0] }\n"
+                               "    cloth: {}\n"
+                               "    contact: {}\n" );
+    write_text( "skin.yaml", "wisp_suite: 1\nscenes:\n  - { file: figure.yaml, name: skin }\n" );
+    json_t* root = measure( "bench skin.yaml --seconds 0.1 -f json -o out.json" );
+    assert_true( measure_of( root, "skin", "stretch_max_percent" ) < 1e-3 );
+    const double through = measure_of( root, "skin", "intersections_with_driven_surfaces" );
+    assert_true( through > 0.0 && measure_of( root, "skin", "intersections" ) == through );
+    json_decref( root );
+}
+
 static void a_run_that_is_the_reference_has_no_error( void** state )
 {
     (void)state;
@@ -347,6 +376,7 @@ int main( int argc, char** argv )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( errors_fall_along_a_series ),
         cmocka_unit_test( an_entry_of_a_list_is_removed_by_its_name_or_number ),
+        cmocka_unit_test( what_an_animation_moves_has_no_strain_and_its_intersections_are_apart ),
         cmocka_unit_test( a_run_that_is_the_reference_has_no_error ),
         cmocka_unit_test( a_reference_is_extrapolated ),
         cmocka_unit_test( what_is_within_the_doubt_is_below_it ),
