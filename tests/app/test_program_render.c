@@ -196,6 +196,22 @@ static void a_scene_shows_the_map_of_a_surface( void** state )
     run( "render map.yaml -o mirrored.png --size 80x60 --samples 1 --frame 0 --colour map" );
     free( assert_picture( "mirrored.png", 80, 60 ).rgb );
     assert_false( same_file( "mirrored.png", "map.png" ) );
+    char weights[400] = "9"; // the scale reaches single vertices
+    for ( int v = 1; v < 36; ++v )
+    {
+        strcat( weights, " 0.1" );
+    }
+    write_text( "weights.txt", weights );
+    write_text( "spot.yaml", "wisp: 1\n"
+                             "surfaces:\n"
+                             "  - name: sheet\n"
+                             "    generate: { shape: plane, columns: 6, rows: 6 }\n"
+                             "    area_density: { map: weights.txt }\n"
+                             "    cloth: {}\n" );
+    run( "render spot.yaml -o spot.png --size 80x60 --samples 1 --frame 0 --colour map" );
+    free( assert_picture( "spot.png", 80, 60 ).rgb );
+    run( "render spot.yaml -o whole.png --size 80x60 --samples 1 --frame 0 --colour map --range 0,9" );
+    assert_true( same_file( "spot.png", "whole.png" ) );
 }
 
 static void a_sequence_is_numbered_from_one( void** state )
