@@ -35,7 +35,7 @@ enum
     KEY_CUT,
 };
 
-static const char* const value_words[] = { "body", "strain", "speed" };
+static const char* const value_words[] = { "body", "strain", "speed", "map" };
 static const char* const layer_words[] = { "normal", "class", "none" };
 static const char* const ground_words[] = { "auto", "none" };
 static const char* const background_words[] = { "studio", "white", "dark" };
@@ -59,9 +59,10 @@ static const option_row rows[] = {
     { "camera", KEY_CAMERA, "X,Y,Z,X,Y,Z", "Eye and target in metres, instead of --from", OPTION_ANY },
     { "turntable", KEY_TURNTABLE, "N", "N views around one frame", OPTION_ANY },
     OPTION_TITLE( "Appearance:" ),
-    { "colour", KEY_COLOUR, "WHAT", "body (default), strain or speed", OPTION_WORDS( value_words ) },
+    { "colour", KEY_COLOUR, "WHAT", "body (default), strain, speed, or map: the first map of a surface",
+      OPTION_WORDS( value_words ) },
     { "color", KEY_COLOUR, "WHAT", NULL, OPTION_WORDS( value_words ) },
-    { "range", KEY_RANGE, "LOW,HIGH", "Strain or speed at the ends of the colour scale", OPTION_ANY },
+    { "range", KEY_RANGE, "LOW,HIGH", "Values at the ends of the colour scale", OPTION_ANY },
     { "boundary", KEY_BOUNDARY, "WHAT", "Boundary points by normal (default) or class, or none",
       OPTION_WORDS( layer_words ) },
     { "cut", KEY_CUT, "X,Y,Z,D", "Cut bodies open: draw what has X x + Y y + Z z <= D", OPTION_ANY },
@@ -273,7 +274,7 @@ static void check( const options_state* o, const picture_options* options )
     }
     if ( options->has_range && options->source.value == PICTURE_BODY )
     {
-        options_fail( o, "--range: expected together with --colour strain or --colour speed" );
+        options_fail( o, "--range: expected together with --colour strain, speed or map" );
     }
 }
 

@@ -24,6 +24,7 @@ typedef struct run_options
     run_recorder_def recorder;
     const char* boundary; ///< file of boundary points, or null
     int frames_per_step;  ///< 0: that of the scene
+    bool intersections;   ///< count those of all surfaces after each step
 } run_options;
 
 // ---- the command line ----
@@ -43,6 +44,7 @@ enum
     KEY_TRACK_FILE,
     KEY_VERIFY,
     KEY_BOUNDARY,
+    KEY_INTERSECTIONS,
 };
 
 static const option_row rows[] = {
@@ -52,6 +54,8 @@ static const option_row rows[] = {
     { "isa", KEY_ISA, "SET", "Use at most baseline, avx2 or avx512; default: the best available",
       OPTION_WORDS( option_isa_words ) },
     OPTION_TITLE( "Summary:" ),
+    { "intersections", KEY_INTERSECTIONS, NULL, "Count the edges through triangles of all surfaces after each step",
+      OPTION_ANY },
     OPTION_RESULTS_FORMAT( KEY_FORMAT ),
     { "output", KEY_OUTPUT, "FILE", "Write the summary to FILE; default: standard output", OPTION_FILES( "*" ) },
     OPTION_TITLE( "Recording:" ),
@@ -90,7 +94,8 @@ const command_text run_text = {
              "FILE_SURFACE_0002.ply if several surfaces have boundary points.\n"
              "docs/outputs.md describes each format, the summary and the hash.",
     .examples = "wisp run data/scenes/flag.yaml\n"
-                "wisp run data/scenes/flag.yaml --steps 100 --record flag.wisp",
+                "wisp run data/scenes/flag.yaml --steps 100 --record flag.wisp\n"
+                "wisp run data/scenes/character.yaml --intersections",
     .rows = rows,
     .row_count = WISP_COUNT( rows ),
     .values = OPTION_FILES( ".yaml .yml .json" ),
@@ -231,6 +236,9 @@ static bool take( options_state* o, int key, const char* argument )
         case KEY_FRAMES:
             options->frames_per_step = option_whole( o, argument, 1, 1000 );
             return true;
+        case KEY_INTERSECTIONS:
+            options->intersections = true;
+            return true;
         case OPTIONS_END:
             option_input( o, key, argument, &options->scene );
             check( o, options );
@@ -280,6 +288,10 @@ static wisp_status simulate( scene_world* world, int steps, run_recorder* record
         {
             status = run_collision_step( record->collision, error );
         }
+        if ( status == WISP_OK )
+        {
+            status = run_intersections_step( record->intersections, error );
+        }
         progress_show( &bar, (double)record->steps / steps, "steps" );
     }
     progress_end( &bar );
@@ -301,6 +313,10 @@ static wisp_status simulate_and_record( run_options* options, scene_world* world
     if ( status == WISP_OK )
     {
         status = run_collision_open( world, &record->collision, error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = run_intersections_open( world, &record->intersections, error );
     }
     if ( status == WISP_OK )
     {
@@ -357,6 +373,7 @@ static wisp_status run_scene( run_options* options, const wisp_scene* scene, res
     profile_samples_free( &record.profile );
     run_layers_close( record.layers );
     run_collision_close( record.collision );
+    run_intersections_close( record.intersections );
     free( record.ms );
     scene_world_destroy( &world );
     return status;
@@ -374,6 +391,10 @@ int command_run( int argc, char** argv )
         return command_fail( &error );
     }
     scene.frames_per_step = options.frames_per_step > 0 ? options.frames_per_step : scene.frames_per_step;
+    if ( options.intersections )
+    {
+        scene_request_intersections( &scene );
+    }
     interruption_begin(); // before that there is nothing to keep
     results out = { 0 };
     results_put_options( &out, argc, argv );

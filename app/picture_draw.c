@@ -208,6 +208,7 @@ static void put_legend( const drawing* d, image* picture )
         return;
     }
     const char* title = d->look.value == PICTURE_STRAIN ? "strain"
+                        : d->look.value == PICTURE_MAP  ? "map"
                         : d->source.has_seconds         ? "speed, m/s"
                                                         : "speed, m a frame";
     image_legend( picture, COLOUR_MAP_RISING, (double)d->look.range[0], (double)d->look.range[1], title );

@@ -25,6 +25,12 @@ static bool has_appearance( const simulation* s, int body )
     return body < s->scene.strands_count && s->scene.strands[body].has_appearance;
 }
 
+static bool has_map( const simulation* s, int body )
+{
+    const int surface = body - s->scene.strands_count;
+    return surface >= 0 && surface < s->scene.surface_count && s->scene.surfaces[surface].map_count > 0;
+}
+
 // Guides, whose ghosts or curves are shown instead.
 static bool is_hidden( const simulation* s, int body )
 {
@@ -44,7 +50,7 @@ static wisp_status request_all( const picture_source* source, simulation* s, wis
             continue;
         }
         status = scene_world_request( &s->world, i, SCENE_REQUEST_POINTS, error );
-        if ( status == WISP_OK && source->bodies[i].values )
+        if ( status == WISP_OK && source->bodies[i].values && source->value != PICTURE_MAP )
         {
             status = scene_world_request(
                 &s->world, i, source->value == PICTURE_STRAIN ? SCENE_REQUEST_STRAIN : SCENE_REQUEST_SPEED, error );
@@ -137,7 +143,7 @@ static wisp_status read_body( picture_source* source, simulation* s, int body, w
 {
     picture_body* b = &source->bodies[body];
     wisp_status status = scene_world_points( &s->world, body, b->points, error );
-    if ( status == WISP_OK && b->values )
+    if ( status == WISP_OK && b->values && source->value != PICTURE_MAP )
     {
         status = scene_world_numbers( &s->world, body,
                                       source->value == PICTURE_STRAIN ? SCENE_REQUEST_STRAIN : SCENE_REQUEST_SPEED,
@@ -275,8 +281,13 @@ static wisp_status add_body( picture_source* source, simulation* s, int body, wi
         .offsets = from.offsets,
         .strand_count = from.strand_count,
     };
-    wisp_status status =
-        picture_make_points( source, body, source->value != PICTURE_BODY && is_surface( to ), error );
+    const bool has_values =
+        source->value == PICTURE_MAP ? has_map( s, body ) : source->value != PICTURE_BODY && is_surface( to );
+    wisp_status status = picture_make_points( source, body, has_values, error );
+    if ( status == WISP_OK && has_values && source->value == PICTURE_MAP )
+    {
+        status = scene_world_map( &s->world, body - s->scene.strands_count, to->values, error );
+    }
     if ( status == WISP_OK && from.kind == SCENE_BODY_STRANDS && !dress_strands( s, body, to ) )
     {
         status = picture_no_memory( source, error );
@@ -308,7 +319,10 @@ static wisp_status add_bodies( picture_source* source, simulation* s, wisp_error
     }
     if ( status == WISP_OK && source->value != PICTURE_BODY && !has_values )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: got no surface, but only surfaces have strain and speed",
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          source->value == PICTURE_MAP
+                              ? "%s: no surface has a map"
+                              : "%s: got no surface, but only surfaces have strain and speed",
                           source->path );
     }
     return status;

@@ -103,7 +103,9 @@ wisp_status picture_open_still( picture_source* source, file_kind kind, const pi
 {
     if ( def->value != PICTURE_BODY )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: a single shape without motion has no strain and no speed",
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          def->value == PICTURE_MAP ? "%s: only surfaces of scenes have maps"
+                                                    : "%s: a single shape without motion has no strain and no speed",
                           source->path );
     }
     source->input = &still_input;
@@ -130,6 +132,10 @@ static wisp_status open_kind( picture_source* source, file_kind kind, const pict
     if ( def->mesh && kind != FILE_POINT_CACHE )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: --mesh expects a point cache (.pc2)", def->path );
+    }
+    if ( def->value == PICTURE_MAP && ( kind == FILE_RECORDING || kind == FILE_POINT_CACHE ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: only surfaces of scenes have maps", source->path );
     }
     switch ( kind )
     {

@@ -13,6 +13,7 @@ typedef enum picture_value
     PICTURE_BODY,   ///< the body
     PICTURE_STRAIN, ///< largest |l / l_0 - 1| of the edges at a vertex
     PICTURE_SPEED,  ///< m/s
+    PICTURE_MAP,    ///< the first map of a surface of a scene, as its source has it
 } picture_value;
 
 /// Display of boundary particles.
@@ -48,7 +49,7 @@ typedef struct picture_body
     wisp_vec3* points;  ///< [vertex_count]
     float* widths;      ///< [vertex_count] m, diameters of strands; null if unknown
     wisp_vec3* colours; ///< [vertex_count] linear RGB of strands, or null
-    float* values;      ///< [vertex_count] strain or speed, or null where there is none
+    float* values;      ///< [vertex_count] strain, speed or map, or null where there is none
     picture_layer layer;
 } picture_body;
 

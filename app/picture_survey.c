@@ -294,7 +294,8 @@ wisp_status picture_survey_camera( const picture_survey* survey, const picture_f
 static void find_range( const picture_survey* survey, picture_look* look )
 {
     double root = survey->value_count > 0.0 ? sqrt( survey->square_sum / survey->value_count ) : 0.0;
-    double upper = fmin( (double)survey->max_value, 3.0 * root );
+    const bool is_map = survey->options->source.value == PICTURE_MAP; // what few vertices have there is meant
+    double upper = is_map ? (double)survey->max_value : fmin( (double)survey->max_value, 3.0 * root );
     look->range[0] = 0.0f;
     look->range[1] = upper > 0.0 ? (float)upper : 1.0f;
 }

@@ -135,6 +135,7 @@ static void add_tears( results* out, int table, const scene_world* world )
 static void add_head( results* out, const scene_world* world, const run_record* record, stats_summary times,
                       const run_recorder_def* def, run_recorder_counts counts )
 {
+    char intersections[120];
     const int table = results_add_table( out, "", 2, ( const char* const[] ){ "", "" } );
     add_head_line( out, table, "scene", "%s", world->scene->name );
     add_times( out, table, world, record, times );
@@ -145,6 +146,11 @@ static void add_head( results* out, const scene_world* world, const run_record* 
     }
     add_seams( out, table, world );
     add_tears( out, table, world );
+    run_intersections_describe( record->intersections, intersections, sizeof intersections );
+    if ( intersections[0] != '\0' )
+    {
+        add_head_line( out, table, "intersections", "%s", intersections );
+    }
     add_files( out, table, world->scene, record, def, counts );
     add_head_line( out, table, "hash", "%016llx", (unsigned long long)wisp_world_hash( world->world ) );
 }
@@ -296,6 +302,7 @@ static void add_row( results* out, const scene_world* world, run_record* record,
     run_memory_put( world->world, &row->size );
     run_layers_put( record->layers, &row->size );
     run_collision_put( record->collision, &row->size );
+    run_intersections_put( record->intersections, &row->size );
 }
 
 void run_summarise( const scene_world* world, run_record* record, const run_recorder_def* recorder,
@@ -312,6 +319,7 @@ void run_summarise( const scene_world* world, run_record* record, const run_reco
         run_motion_add_table( world, out );
         run_motion_add_detail( world, out );
         run_collision_report( record->collision, out );
+        run_intersections_report( record->intersections, out );
         if ( record->profile.pass_count > 0 )
         {
             add_pass_table( out, record );

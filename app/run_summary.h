@@ -5,6 +5,7 @@
 #include "results.h"
 #include "run_recorder.h"
 #include "run_collision.h"
+#include "run_intersections.h"
 #include "run_layers.h"
 #include "world_from_scene.h"
 
@@ -12,12 +13,13 @@
 typedef struct run_record
 {
     profile_samples profile;
-    double* ms;               ///< [steps]
-    int steps;                ///< that were made
-    int all_steps;            ///< more if the run was interrupted
-    double cpu_seconds;       ///< processor time of all steps
-    run_layers* layers;       ///< or null
-    run_collision* collision; ///< or null
+    double* ms;                       ///< [steps]
+    int steps;                        ///< that were made
+    int all_steps;                    ///< more if the run was interrupted
+    double cpu_seconds;               ///< processor time of all steps
+    run_layers* layers;               ///< or null
+    run_collision* collision;         ///< or null
+    run_intersections* intersections; ///< or null
 } run_record;
 
 /// Fill the results of a run that has ended. Sorts the times of the record.

@@ -35,22 +35,6 @@ static void release( void* user, void* block, size_t size )
     free( block );
 }
 
-// Make surfaces participants whose intersections are counted and that meet nothing. Implicit cloth cannot be one.
-static void count_intersections( wisp_scene* scene )
-{
-    scene->request_contact_stats = scene->request_intersections = true;
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        wisp_scene_surface* s = &scene->surfaces[i];
-        if ( !s->has_contact && !s->has_implicit )
-        {
-            s->has_contact = true;
-            s->contact.self = false;
-            s->contact.mask = 0;
-        }
-    }
-}
-
 // What lasts from step to step.
 typedef struct watch
 {
@@ -101,6 +85,13 @@ static double count_iterations( const scene_world* world )
     return sum;
 }
 
+bool suite_motion_stats( const scene_world* world, int body, wisp_motion_stats* out )
+{
+    const int surface = body - world->scene->strands_count;
+    return ( surface < 0 || !scene_is_driven( &world->scene->surfaces[surface] ) ) &&
+           scene_world_motion_stats( world, body, out, NULL ) == WISP_OK;
+}
+
 static void watch_step( const scene_world* world, watch* w, suite_measurement* out )
 {
     double sum = 0.0;
@@ -108,7 +99,7 @@ static void watch_step( const scene_world* world, watch* w, suite_measurement* o
     {
         wisp_motion_stats m;
         wisp_collision_stats c;
-        if ( scene_world_motion_stats( world, body, &m, NULL ) == WISP_OK )
+        if ( suite_motion_stats( world, body, &m ) )
         {
             sum += m.kinetic_energy + m.potential_energy;
             out->values[SUITE_STRETCH] = fmax( out->values[SUITE_STRETCH], m.strain_mean );
@@ -221,7 +212,7 @@ wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_ob
     scene_request_statistics( &scene );
     if ( observer && observer->requests_contact )
     {
-        count_intersections( &scene );
+        scene_request_intersections( &scene );
     }
     double allocations = 0.0;
     const wisp_allocator allocator = { allocate, release, &allocations };

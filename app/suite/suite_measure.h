@@ -62,6 +62,11 @@ typedef struct suite_observer
 wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_observer* observer,
                            suite_measurement* out, wisp_error* error );
 
+/// The statistics of a body's motion, of which suites sum energy and look for the largest strain. An animation alone moves a driven
+/// surface: its strain and its energy are no result.
+/// @return false for a body that has none
+bool suite_motion_stats( const scene_world* world, int body, wisp_motion_stats* out );
+
 /// Continue a hash over the bits of all points, as measurements have it. @param points [vertices of the scene] buffer
 uint64_t suite_hash_points( const scene_world* world, wisp_vec3* points, uint64_t hash );
 /// What it begins with.

@@ -135,6 +135,11 @@ wisp_status scene_surface_mesh( const wisp_scene* scene, int surface, wisp_mesh*
 
 /// Have a scene compute the points of all bodies and the statistics that each can have. Statistics change no bit.
 void scene_request_statistics( wisp_scene* scene );
+/// Have a scene count intersections after every step. Surfaces without contact have theirs counted too, and meet nothing; implicit
+/// cloth without contact is left out. No bit changes.
+void scene_request_intersections( wisp_scene* scene );
+/// Whether an animation moves every vertex of a surface, as of the skin of a character: nothing is solved for it.
+bool scene_is_driven( const wisp_scene_surface* surface );
 /// Whether a surface takes part in contact.
 bool scene_has_contact( const wisp_scene* scene );
 
@@ -217,6 +222,9 @@ wisp_status scene_world_points( const scene_world* world, int body, wisp_vec3* o
 /// A number per vertex. @param request strain, speed (zero before the first step) or width @param out [vertex_count]
 wisp_status scene_world_numbers( const scene_world* world, int body, scene_request request, float* out,
                                  wisp_error* error );
+
+/// The first map of a surface that has one, as its source has it: 0 to 1 of an image. @param out [vertex_count]
+wisp_status scene_world_map( const scene_world* world, int surface, float* out, wisp_error* error );
 
 /// Unit normal of every vertex of a surface. Before the first step: zero.
 /// @param out [vertex_count]

@@ -244,33 +244,53 @@ static wisp_status set_values( scene_world* world, int surface, const wisp_scene
                : wisp_set_map( world->world, s->entity, map->map, values, s->mesh.vertex_count );
 }
 
-static wisp_status set_map( scene_world* world, int surface, const wisp_scene_map* map, wisp_error* error )
+// The values of a map as its source has them. @param out [vertex_count] of the mesh
+static wisp_status sample_map( const scene_world* world, int surface, const wisp_scene_map* map, float* out,
+                               wisp_error* error )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[surface];
     const int source = entry->instance_of >= 0 ? entry->instance_of : surface;
     const scene_world_surface* s = &world->surfaces[surface];
     const int count = s->mesh.vertex_count, own = count - s->spare_count;
-    float* values = malloc( (size_t)count * sizeof *values + 1 );
     wisp_vec3* rest = malloc( (size_t)count * sizeof *rest + 1 );
-    wisp_error cause = { 0 };
-    wisp_status status =
-        values == NULL || rest == NULL ? wisp_fail( &cause, WISP_NO_MEMORY, "out of memory for a map" ) : WISP_OK;
-    for ( int v = 0; v < count && status == WISP_OK; ++v )
+    if ( rest == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a map" );
+    }
+    for ( int v = 0; v < count; ++v )
     {
         rest[v] = s->fabric->rest[s->fabric->vertex_slot[v]];
     }
-    status = status == WISP_OK ? read_values( world, map, source, rest, own, values, &cause ) : status;
+    const wisp_status status = read_values( world, map, source, rest, own, out, error );
     for ( int v = own; v < count && status == WISP_OK; ++v )
     {
-        values[v] = values[0]; // until it is a copy of another vertex
+        out[v] = out[0]; // until it is a copy of another vertex
     }
+    free( rest );
+    return status;
+}
+
+wisp_status scene_world_map( const scene_world* world, int surface, float* out, wisp_error* error )
+{
+    const wisp_scene_surface* entry = &world->scene->surfaces[surface];
+    WISP_ASSERT( entry->map_count > 0 );
+    return sample_map( world, surface, entry->maps, out, error );
+}
+
+static wisp_status set_map( scene_world* world, int surface, const wisp_scene_map* map, wisp_error* error )
+{
+    const wisp_scene_surface* entry = &world->scene->surfaces[surface];
+    const int count = world->surfaces[surface].mesh.vertex_count;
+    float* values = malloc( (size_t)count * sizeof *values + 1 );
+    wisp_error cause = { 0 };
+    wisp_status status = values == NULL ? wisp_fail( &cause, WISP_NO_MEMORY, "out of memory for a map" ) : WISP_OK;
+    status = status == WISP_OK ? sample_map( world, surface, map, values, &cause ) : status;
     status = status == WISP_OK ? scale( map, count, values, &cause ) : status;
     if ( status == WISP_OK && set_values( world, surface, map, values ) != WISP_OK )
     {
         status = wisp_fail( &cause, WISP_BAD_INPUT, "%s", wisp_world_message( world->world ) );
     }
     free( values );
-    free( rest );
     return status == WISP_OK ? WISP_OK
                              : scene_fail_at( world->scene, map->line, map->column, "surface", entry->name, status,
                                               cause.message, error );

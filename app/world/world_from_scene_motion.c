@@ -188,6 +188,26 @@ void scene_request_statistics( wisp_scene* scene )
     }
 }
 
+void scene_request_intersections( wisp_scene* scene )
+{
+    scene->request_contact_stats = scene->request_intersections = true;
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        wisp_scene_surface* s = &scene->surfaces[i];
+        if ( !s->has_contact && !s->has_implicit )
+        {
+            s->has_contact = true;
+            s->contact.self = false;
+            s->contact.mask = 0;
+        }
+    }
+}
+
+bool scene_is_driven( const wisp_scene_surface* surface )
+{
+    return surface->has_animation && !( surface->has_cloth || surface->has_balloon || surface->has_implicit );
+}
+
 bool scene_has_contact( const wisp_scene* scene )
 {
     bool any = false;

@@ -133,8 +133,7 @@ static wisp_status mark_pins( const vertex_finder* f, const wisp_scene_pins* pin
     {
         marks[nearest_vertex( f->mesh, pins->nearest[i] )] |= IN_GROUP;
     }
-    const bool moves_itself = f->entry->has_cloth || f->entry->has_balloon || f->entry->has_implicit;
-    if ( f->entry->has_animation && !moves_itself && pins == &f->entry->pins )
+    if ( scene_is_driven( f->entry ) && pins == &f->entry->pins )
     {
         memset( marks, IN_GROUP, (size_t)f->mesh->vertex_count );
     }

@@ -6,7 +6,7 @@
 #include "profile_samples.h"
 #include "suite.h"
 
-#define ACCURACY_MEASURES_MAX 36
+#define ACCURACY_MEASURES_MAX 40
 #define ACCURACY_WORKERS_MAX 2
 
 /// Parameters of one setting, and its name. A scene has settings of any number of methods and parameters.

@@ -32,6 +32,7 @@ const char* const suite_sample_names[SAMPLE_COUNT] = {
     [SAMPLE_PRESSURE] = "pressure, Pa",
     [SAMPLE_EVEN_PRESSURE] = "pressure if scaled evenly, Pa",
     [SAMPLE_INTERSECTIONS] = "intersections",
+    [SAMPLE_INTERSECTIONS_DRIVEN] = "intersections with driven surfaces",
     [SAMPLE_MEMORY] = "memory, KiB",
     [SAMPLE_CANDIDATES] = "pairs",
     [SAMPLE_CONTACTS] = "contacts",
@@ -76,6 +77,10 @@ void suite_samples_of( const wisp_scene* scene, bool has[SAMPLE_COUNT] )
         has[SAMPLE_VOLUME_ERROR] || balloons > 0;
     has[SAMPLE_NOT_CONVERGED] = has[SAMPLE_ITERATIONS];
     has[SAMPLE_FIRST_ORDER] = has[SAMPLE_FIRST_ORDER] || has[SAMPLE_ITERATIONS];
+    for ( int i = 0; i < scene->surface_count && has[SAMPLE_INTERSECTIONS]; ++i )
+    {
+        has[SAMPLE_INTERSECTIONS_DRIVEN] = has[SAMPLE_INTERSECTIONS_DRIVEN] || scene_is_driven( &scene->surfaces[i] );
+    }
     has[SAMPLE_MEMORY] = true;
     has[SAMPLE_CANDIDATES] = has[SAMPLE_CANDIDATES] || has[SAMPLE_INTERSECTIONS];
     for ( int i = SAMPLE_CANDIDATES; i <= SAMPLE_FORCE; ++i )
@@ -93,7 +98,7 @@ static void sample_motion( suite_sampler* s, const scene_world* world )
     for ( int body = 0; body < scene_world_moving_count( world ); ++body )
     {
         wisp_motion_stats m;
-        if ( scene_world_motion_stats( world, body, &m, NULL ) == WISP_OK )
+        if ( suite_motion_stats( world, body, &m ) )
         {
             energy += m.kinetic_energy + m.potential_energy;
             potential += m.potential_energy;
@@ -174,6 +179,25 @@ static double largest_impulse( const scene_world* world )
     return most;
 }
 
+// Edges of what is simulated through triangles of what an animation moves, and the other way round.
+static int count_driven_intersections( const scene_world* world )
+{
+    const wisp_scene* scene = world->scene;
+    int sum = 0;
+    for ( int a = 0; a < scene->surface_count; ++a )
+    {
+        for ( int b = 0; b < scene->surface_count && scene_is_driven( &scene->surfaces[a] ); ++b )
+        {
+            int count = 0;
+            const bool is_pair = !scene_is_driven( &scene->surfaces[b] );
+            const wisp_entity one = world->surfaces[a].entity, other = world->surfaces[b].entity;
+            sum +=
+                is_pair && wisp_read_contact_intersections( world->world, one, other, &count ) == WISP_OK ? count : 0;
+        }
+    }
+    return sum;
+}
+
 static void sample_contact( suite_sampler* s, const scene_world* world )
 {
     wisp_contact_stats c;
@@ -195,6 +219,7 @@ static void sample_contact( suite_sampler* s, const scene_world* world )
     {
         s->net_impulse = fmax( s->net_impulse, fabs( c.net_impulse[k] ) );
     }
+    s->intersections_driven = world->next_step == s->last_step ? count_driven_intersections( world ) : 0;
     ++s->contact_steps;
 }
 
@@ -259,6 +284,7 @@ void suite_sampler_values( const suite_sampler* s, const suite_measurement* meas
         [SAMPLE_PRESSURE] = s->pressure,
         [SAMPLE_EVEN_PRESSURE] = s->even_pressure,
         [SAMPLE_INTERSECTIONS] = measured->values[SUITE_INTERSECTIONS],
+        [SAMPLE_INTERSECTIONS_DRIVEN] = s->contact_steps > 0 ? (double)s->intersections_driven : NAN,
         [SAMPLE_MEMORY] = measured->values[SUITE_BYTES] / 1024.0,
         [SAMPLE_CANDIDATES] = s->candidates * per_step,
         [SAMPLE_CONTACTS] = s->contacts * per_step,

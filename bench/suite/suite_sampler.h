@@ -27,6 +27,7 @@ typedef enum suite_sample
     SAMPLE_PRESSURE,
     SAMPLE_EVEN_PRESSURE,
     SAMPLE_INTERSECTIONS,
+    SAMPLE_INTERSECTIONS_DRIVEN,
     SAMPLE_MEMORY,
     SAMPLE_CANDIDATES,
     SAMPLE_CONTACT_FIRST = SAMPLE_CANDIDATES,
@@ -63,6 +64,7 @@ typedef struct suite_sampler
     double speed; // m/s, of the fastest vertex after the last step
     double candidates, contacts, searches, limited, impulse, net_impulse, force, min_gap;
     int intersections_max, intersected_steps, contact_steps;
+    int intersections_driven; // after the last step
     suite_overlap overlap;
     double overlap_max, missed_max;               // m, fraction
     double iterations;                            // of conjugate gradients

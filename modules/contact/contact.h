@@ -93,7 +93,8 @@ typedef struct wisp_contact_stats
     float min_gap;      ///< smallest distance of a pair over its thickness at the end; 1 or more: no pair is too near
     int displacement_limited; ///< vertices whose displacement was limited, summed over substeps; above 0 momentum is not conserved
     int tangled;              ///< edges through triangles that were being untangled at the last search
-    int intersections; ///< edges that intersect triangles at the end of the step, exact; -1 unless requested
+    int intersections; ///< edges that intersect triangles at the end of the step, exact, of which not all five points
+                       ///< are pinned; -1 unless requested
     double net_impulse
         [3];        ///< N s, sum of the impulses of all pairs in this step: equal and opposite, so 0 but for rounding
     double impulse; ///< N s, sum of the pairs' magnitudes in this step
@@ -111,5 +112,11 @@ WISP_API wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_st
 /// @param out receives N s
 /// @return WISP_CONFLICT as wisp_read_contact_stats()
 WISP_API wisp_status wisp_read_contact_impulse( wisp_world* world, wisp_entity entity, double out[3] );
+
+/// Read how many of `intersections` of wisp_contact_stats are between two entities: edges of one through triangles of the other.
+/// @param a, b participants; the same one twice: an entity with itself
+/// @return WISP_CONFLICT intersections were not counted in the last step, an entity takes no part, or participants have changed
+///         since that step
+WISP_API wisp_status wisp_read_contact_intersections( wisp_world* world, wisp_entity a, wisp_entity b, int* out );
 
 WISP_END_C

@@ -355,6 +355,13 @@ wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out 
     return status;
 }
 
+static wisp_status find_participant( wisp_world* world, const contact_state* state, wisp_entity entity, int* out )
+{
+    *out = contact_find_participant( state, entity );
+    return *out >= 0 ? WISP_OK
+                     : wisp_world_fail( world, WISP_CONFLICT, "contact: entity %u takes no part", entity.index );
+}
+
 wisp_status wisp_read_contact_impulse( wisp_world* world, wisp_entity participant, double out[3] )
 {
     WISP_TRY( wisp_world_begin( world ) );
@@ -363,15 +370,33 @@ wisp_status wisp_read_contact_impulse( wisp_world* world, wisp_entity participan
     WISP_TRY( wisp_world_check_entity( world, participant ) );
     contact_state* state;
     const wisp_contact_stats* stats;
-    const wisp_status status = find_stats( world, &state, &stats );
-    const int number = status == WISP_OK ? contact_find_participant( state, participant ) : -1;
-    if ( status == WISP_OK && number < 0 )
+    int number;
+    WISP_TRY( find_stats( world, &state, &stats ) );
+    WISP_TRY( find_participant( world, state, participant, &number ) );
+    memcpy( out, state->participants[number].impulse, sizeof( state->participants[number].impulse ) );
+    return WISP_OK;
+}
+
+wisp_status wisp_read_contact_intersections( wisp_world* world, wisp_entity a, wisp_entity b, int* out )
+{
+    WISP_TRY( wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
+    *out = 0;
+    WISP_TRY( wisp_world_check_entity( world, a ) );
+    WISP_TRY( wisp_world_check_entity( world, b ) );
+    contact_state* state;
+    const wisp_contact_stats* stats;
+    int first, second;
+    WISP_TRY( find_stats( world, &state, &stats ) );
+    WISP_TRY( find_participant( world, state, a, &first ) );
+    WISP_TRY( find_participant( world, state, b, &second ) );
+    if ( stats->intersections < 0 || state->changed )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "contact: entity %u takes no part", participant.index );
+        return wisp_world_fail( world, WISP_CONFLICT,
+                                stats->intersections < 0
+                                    ? "contact: intersections were not counted in the last step"
+                                    : "contact: participants have changed since intersections were counted" );
     }
-    if ( status == WISP_OK )
-    {
-        memcpy( out, state->participants[number].impulse, sizeof( state->participants[number].impulse ) );
-    }
-    return status;
+    *out = contact_count_intersections( &state->contact_mesh, first, second );
+    return WISP_OK;
 }

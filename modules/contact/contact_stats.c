@@ -91,7 +91,12 @@ static void count_intersections( const contact_work* work )
     {
         wisp_frame_fail( work->frame, status, "%s", error.message );
     }
-    work->memory->stats.intersections = work->contact_mesh->intersections->intersections.count;
+    const wisp_intersections* found = &work->contact_mesh->intersections->intersections;
+    work->memory->stats.intersections = 0;
+    for ( int i = 0; i < found->count && status == WISP_OK; ++i )
+    {
+        work->memory->stats.intersections += contact_is_movable( work->contact_mesh, found->list + i );
+    }
 }
 
 void contact_fill_stats( const contact_work* work, bool counts_intersections )

@@ -38,6 +38,35 @@ bool contact_is_forbidden( const contact_work* work, const wisp_intersection* in
                              contact_participant_of( work, s->triangles[3 * (size_t)intersection->triangle] ) );
 }
 
+bool contact_is_movable( const contact_contact_mesh* s, const wisp_intersection* intersection )
+{
+    const int32_t *edge = s->edges + 2 * (size_t)intersection->edge,
+                  *triangle = s->triangles + 3 * (size_t)intersection->triangle;
+    const int32_t points[5] = { edge[0], edge[1], triangle[0], triangle[1], triangle[2] };
+    for ( int i = 0; i < 5; ++i )
+    {
+        if ( s->now[(size_t)points[i] * 4 + 3] > 0.0f )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+int contact_count_intersections( const contact_contact_mesh* s, int a, int b )
+{
+    const wisp_intersections* found = &s->intersections->intersections;
+    int count = 0;
+    for ( int i = 0; i < found->count; ++i )
+    {
+        const int edge_of = (int)s->rest[(size_t)s->edges[2 * (size_t)found->list[i].edge] * 4 + 3],
+                  triangle_of = (int)s->rest[(size_t)s->triangles[3 * (size_t)found->list[i].triangle] * 4 + 3];
+        const bool is_theirs = ( edge_of == a && triangle_of == b ) || ( edge_of == b && triangle_of == a );
+        count += is_theirs && contact_is_movable( s, found->list + i );
+    }
+    return count;
+}
+
 static void mark( contact_contact_mesh* s, const wisp_intersection* intersection )
 {
     uint8_t* is_tangled = s->intersections->is_tangled;

@@ -23,5 +23,11 @@ wisp_status contact_find_intersections( const contact_work* work, const float* x
 /// Return whether an intersection is between participants that are kept apart.
 bool contact_is_forbidden( const contact_work* work, const wisp_intersection* intersection );
 
+/// Return whether any of its points can move. Nothing undoes an intersection of pinned points, so it is not counted.
+bool contact_is_movable( const contact_contact_mesh* s, const wisp_intersection* intersection );
+
+/// Count the movable ones of the last search between two participants, or of one with itself.
+int contact_count_intersections( const contact_contact_mesh* s, int a, int b );
+
 /// Mark the points of intersections at the intersection-free positions, while there may be any.
 wisp_status contact_mark_intersections( const contact_work* work, wisp_error* error );

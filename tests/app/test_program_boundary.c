@@ -36,11 +36,27 @@ static const char plain_scene[] = "wisp: 1\n"
                                   "surfaces:\n"
                                   "  - { name: cloth, generate: { shape: plane, columns: 4, rows: 4 }, cloth: {} }\n";
 
+// A cloth that hangs through a level one, both without contact.
+static const char through_scene[] =
+    "wisp: 1\n"
+    "steps: 3\n"
+    "surfaces:\n"
+    "  - name: level\n"
+    "    generate: { shape: plane, columns: 6, rows: 6, spacing: 0.1 }\n"
+    "    pins: [0, 5, 30, 35]\n"
+    "    cloth: {}\n"
+    "  - name: upright\n"
+    "    generate: { shape: plane, columns: 6, rows: 6, spacing: 0.1 }\n"
+    "    transform: { rotate: { axis: [1, 0, 0], degrees: 80 }, translate: [0.033, 0, 0] }\n"
+    "    pins: [0, 5]\n"
+    "    cloth: {}\n";
+
 static int enter_folder( void** state )
 {
     static const text_file files[] = { { "ball.yaml", ball_scene },
                                        { "two.yaml", two_balls_scene },
-                                       { "plain.yaml", plain_scene } };
+                                       { "plain.yaml", plain_scene },
+                                       { "through.yaml", through_scene } };
     return enter_folder_with( state, files, WISP_COUNT( files ) );
 }
 
@@ -81,6 +97,41 @@ static void a_run_tells_of_contact_where_stats_are_requested( void** state )
     run_well( "run plain.yaml" );
     assert_null( strstr( result.out, "contact" ) );
     assert_null( strstr( result.out, "oundary" ) );
+}
+
+static void a_run_counts_intersections_and_moves_no_vertex_by_that( void** state )
+{
+    (void)state;
+    run_well( "run two.yaml" ); // by the key of the scene
+    assert_non_null( strstr( result.out, "intersections  none in 3 steps" ) );
+    assert_null( strstr( result.out, "Intersections" ) );
+    run_well( "run plain.yaml --intersections" );
+    assert_non_null( strstr( result.out, "intersections  none in 2 steps" ) );
+    run_well( "run through.yaml --record alone.obj" );
+    assert_null( strstr( result.out, "ntersections" ) );
+    run_well( "run through.yaml --record seen.obj --intersections" );
+    size_t size, seen_size;
+    char *alone = read_bytes( "alone_0004.obj", &size ), *seen = read_bytes( "seen_0004.obj", &seen_size );
+    assert_int_equal( size, seen_size );
+    assert_memory_equal( alone, seen, size );
+    free( alone );
+    free( seen );
+    const char* line = strstr( result.out, "intersections  in 3 of 3 steps; at most " );
+    const char* row = strstr( result.out, "level  upright" );
+    int most = 0, at = 0, left = 0, of_pair[4] = { 0 };
+    assert_non_null( line );
+    assert_non_null( row );
+    assert_int_equal(
+        sscanf( line, "intersections in 3 of 3 steps; at most %d, in step %d; %d at the end", &most, &at, &left ),
+        3 );
+    assert_int_equal( sscanf( row, "level upright %d %d %d %d", of_pair, of_pair + 1, of_pair + 2, of_pair + 3 ), 4 );
+    assert_true( most > 0 && left > 0 && most >= left && at >= 1 && at <= 3 );
+    assert_true( of_pair[0] == 3 && of_pair[1] == most && of_pair[2] == at && of_pair[3] == left );
+    run_well( "run through.yaml --intersections --format json" );
+    char text[60];
+    snprintf( text, sizeof text, "\"max_intersections\": %d", most );
+    assert_non_null( strstr( result.out, text ) );
+    assert_non_null( strstr( result.out, "\"steps_with_intersections\": 3" ) );
 }
 
 static void machines_get_a_row_a_step( void** state )
@@ -287,6 +338,7 @@ int main( int argc, char** argv )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_run_tells_how_many_points_there_are_and_how_much_was_resampled ),
         cmocka_unit_test( a_run_tells_of_contact_where_stats_are_requested ),
+        cmocka_unit_test( a_run_counts_intersections_and_moves_no_vertex_by_that ),
         cmocka_unit_test( machines_get_a_row_a_step ),
         cmocka_unit_test( a_scene_is_described_with_its_layers_and_contacts ),
         cmocka_unit_test( files_hold_the_vertices_and_behind_them_the_points ),

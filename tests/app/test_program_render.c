@@ -173,6 +173,47 @@ static void a_scene_shows_strain_and_speed_of_its_surfaces( void** state )
     assert_false( same_file( "pace_0003.png", "pull_0003.png" ) );
 }
 
+static void a_scene_shows_the_map_of_a_surface( void** state )
+{
+    (void)state;
+    write_text( "weights.txt", "1 2 3 1 2 3 1 2 3" );
+    write_text( "map.yaml", "wisp: 1\n"
+                            "surfaces:\n"
+                            "  - name: sheet\n"
+                            "    generate: { shape: plane, columns: 3, rows: 3 }\n"
+                            "    area_density: { map: weights.txt }\n"
+                            "    pins: [0, 2]\n"
+                            "    cloth: {}\n" );
+    run( "render map.yaml -o plain.png --size 80x60 --samples 1 --frame 0" );
+    free( assert_picture( "plain.png", 80, 60 ).rgb );
+    run( "render map.yaml -o map.png --size 80x60 --samples 1 --frame 0 --colour map" );
+    free( assert_picture( "map.png", 80, 60 ).rgb );
+    run( "render map.yaml -o wide.png --size 80x60 --samples 1 --frame 0 --colour map --range 0,30" );
+    free( assert_picture( "wide.png", 80, 60 ).rgb );
+    assert_false( same_file( "plain.png", "map.png" ) );
+    assert_false( same_file( "wide.png", "map.png" ) );
+    write_text( "weights.txt", "3 2 1 3 2 1 3 2 1" ); // mirrored
+    run( "render map.yaml -o mirrored.png --size 80x60 --samples 1 --frame 0 --colour map" );
+    free( assert_picture( "mirrored.png", 80, 60 ).rgb );
+    assert_false( same_file( "mirrored.png", "map.png" ) );
+    char weights[400] = "9"; // the scale reaches single vertices
+    for ( int v = 1; v < 36; ++v )
+    {
+        strcat( weights, " 0.1" );
+    }
+    write_text( "weights.txt", weights );
+    write_text( "spot.yaml", "wisp: 1\n"
+                             "surfaces:\n"
+                             "  - name: sheet\n"
+                             "    generate: { shape: plane, columns: 6, rows: 6 }\n"
+                             "    area_density: { map: weights.txt }\n"
+                             "    cloth: {}\n" );
+    run( "render spot.yaml -o spot.png --size 80x60 --samples 1 --frame 0 --colour map" );
+    free( assert_picture( "spot.png", 80, 60 ).rgb );
+    run( "render spot.yaml -o whole.png --size 80x60 --samples 1 --frame 0 --colour map --range 0,9" );
+    assert_true( same_file( "spot.png", "whole.png" ) );
+}
+
 static void a_sequence_is_numbered_from_one( void** state )
 {
     (void)state;
@@ -414,6 +455,9 @@ static void input_that_cannot_be_drawn_is_refused_in_one_message( void** state )
         { "render fly.wisp -o b.png --mesh sheet.obj", "--mesh" },
         { "render sheet.obj -o b.png --colour strain", "no strain and no speed" },
         { "render hair.yaml -o b.png --colour strain", "only surfaces" },
+        { "render cloth.yaml -o b.png --colour map", "no surface has a map" },
+        { "render fly.wisp -o b.png --colour map", "only surfaces of scenes have maps" },
+        { "render sheet.obj -o b.png --colour map", "only surfaces of scenes have maps" },
         { "render sheet.obj -o b.png --camera 0,0,1,0,0,1", "sheet.obj" },
         { "render fly.wisp -o b.png --size 16000x16000 --sheet", "too large for one sheet" },
     };
@@ -463,6 +507,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( a_scene_that_is_drawn_gives_the_pictures_of_its_recording ),
         cmocka_unit_test( cloth_and_collider_look_alike_in_a_scene_and_in_its_recording ),
         cmocka_unit_test( a_scene_shows_strain_and_speed_of_its_surfaces ),
+        cmocka_unit_test( a_scene_shows_the_map_of_a_surface ),
         cmocka_unit_test( a_sequence_is_numbered_from_one ),
         cmocka_unit_test( parts_of_a_range_of_frames_may_be_left_out ),
         cmocka_unit_test( a_body_that_moves_is_seen_by_a_camera_that_stands_still ),

@@ -79,6 +79,77 @@ static void errors_fall_along_a_series( void** state )
     json_decref( root );
 }
 
+static void an_entry_of_a_list_is_removed_by_its_name_or_number( void** state )
+{
+    (void)state;
+    write_text( "both.yaml", "wisp: 1\n"
+                             "steps: 2\n"
+                             "surfaces:\n"
+                             "  - name: a_sheet_with_a_long_name\n"
+                             "    generate: { shape: plane, columns: 3, rows: 3 }\n"
+                             "    cloth: {}\n"
+                             "  - name: a_sheet_with_a_long_name_too\n"
+                             "    generate: { shape: plane, columns: 4, rows: 4 }\n"
+                             "    cloth: {}\n" );
+    write_text( "less.yaml",
+                "wisp_suite: 1\n"
+                "scenes:\n"
+                "  - { file: both.yaml, name: both }\n"
+                "  - { file: both.yaml, name: second, set: { \"surfaces[a_sheet_with_a_long_name]\": null } }\n"
+                "  - { file: both.yaml, name: first, set: { \"surfaces[1]\": null } }\n" );
+    json_t* root = measure( "bench less.yaml --seconds 0.1 -f json -o out.json" );
+    const struct
+    {
+        const char* name;
+        int vertices;
+    } rows[] = { { "both", 25 }, { "second", 16 }, { "first", 9 } };
+    for ( int i = 0; i < WISP_COUNT( rows ); ++i )
+    {
+        size_t k;
+        json_t* row;
+        json_array_foreach( json_object_get( root, "rows" ), k, row )
+        {
+            if ( strcmp( json_string_value( json_object_get( row, "variant" ) ), rows[i].name ) == 0 )
+            {
+                assert_int_equal( json_number_value( json_object_get( json_object_get( row, "size" ), "vertices" ) ),
+                                  rows[i].vertices );
+                break;
+            }
+        }
+        assert_true( k < json_array_size( json_object_get( root, "rows" ) ) );
+    }
+    json_decref( root );
+}
+
+// The skin of a figure that raises an arm is stretched there by a lot, and the cloth that falls through it is not.
+static void what_an_animation_moves_has_no_strain_and_its_intersections_are_apart( void** state )
+{
+    (void)state;
+    write_text( "motions.yaml", "clips:\n"
+                                "  - name: reach\n"
+                                "    duration: 1\n"
+                                "    keys:\n"
+                                "      - { time: 0, rotations: { left_upper_arm: [0, 0, 80] } }\n"
+                                "      - { time: 1, rotations: { left_upper_arm: [0, 0, 80] } }\n" );
+    write_text( "figure.yaml", "wisp: 1\n"
+                               "steps: 3\n"
+                               "surfaces:\n"
+                               "  - name: body\n"
+                               "    generate: { shape: figure, triangles: 1500 }\n"
+                               "    animation: { file: motions.yaml, clips: [{ clip: reach, time: 0.05 }] }\n"
+                               "  - name: cloth\n"
+                               "    generate: { shape: plane, columns: 9, rows: 9, spacing: 0.1 }\n"
+                               "    transform: { translate: [0, 1.2, 0] }\n"
+                               "    cloth: {}\n"
+                               "    contact: {}\n" );
+    write_text( "skin.yaml", "wisp_suite: 1\nscenes:\n  - { file: figure.yaml, name: skin }\n" );
+    json_t* root = measure( "bench skin.yaml --seconds 0.1 -f json -o out.json" );
+    assert_true( measure_of( root, "skin", "stretch_max_percent" ) < 1e-3 );
+    const double through = measure_of( root, "skin", "intersections_with_driven_surfaces" );
+    assert_true( through > 0.0 && measure_of( root, "skin", "intersections" ) == through );
+    json_decref( root );
+}
+
 static void a_run_that_is_the_reference_has_no_error( void** state )
 {
     (void)state;
@@ -219,6 +290,7 @@ static void what_a_suite_gets_wrong_is_said( void** state )
         { "reference: { set: { substeps: 30 }, extrapolate: 1 }", "got a reference of 30 substeps" },
         { "reference: { overlap: some }", "expected overlap: none alone" },
         { "reference: { set: { \"surfaces[3].damping\": 1 }, check: {} }", "names nothing of the scene" },
+        { "reference: { set: { \"surfaces[3]\": null }, check: {} }", "names nothing of the scene" },
         { "seconds: -1", "expected seconds of simulated time" },
         { "titel: x", "did you mean 'title'?" },
     };
@@ -303,6 +375,8 @@ int main( int argc, char** argv )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( errors_fall_along_a_series ),
+        cmocka_unit_test( an_entry_of_a_list_is_removed_by_its_name_or_number ),
+        cmocka_unit_test( what_an_animation_moves_has_no_strain_and_its_intersections_are_apart ),
         cmocka_unit_test( a_run_that_is_the_reference_has_no_error ),
         cmocka_unit_test( a_reference_is_extrapolated ),
         cmocka_unit_test( what_is_within_the_doubt_is_below_it ),

@@ -59,6 +59,26 @@ static void the_suite_has_cloth_crowds_balloons_strands_and_sizes_to_a_million( 
     suite_release( &suite );
 }
 
+// Reading it checks that each row names things of the scene, which others than its suite change, and is a scene.
+static void the_suite_of_the_dressed_figure_is_one_row_more_than_its_effects( void** state )
+{
+    (void)state;
+    wisp_suite suite;
+    wisp_error error = { 0 };
+    assert_ok( suite_read( WISP_SOURCE_ROOT "/data/suites/character.yaml", &suite, &error ), error );
+    assert_int_equal( suite.row_count, 1 + 12 );
+    assert_true( has_row( &suite, "figure: base" ) && has_row( &suite, "figure: no self-contact" ) &&
+                 has_row( &suite, "figure: no ghosts" ) && has_row( &suite, "figure: no cape" ) );
+    int quick = 0;
+    for ( int i = 0; i < suite.row_count; ++i )
+    {
+        quick += !suite.rows[i].is_slow;
+    }
+    assert_int_equal( quick, 3 );
+    assert_false( suite.rows[0].is_slow ); // what all others are compared with
+    suite_release( &suite );
+}
+
 static void every_quick_row_has_the_same_bits_with_one_worker_and_two( void** state )
 {
     (void)state;
@@ -96,6 +116,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( the_suite_has_cloth_crowds_balloons_strands_and_sizes_to_a_million ),
+        cmocka_unit_test( the_suite_of_the_dressed_figure_is_one_row_more_than_its_effects ),
         cmocka_unit_test( every_quick_row_has_the_same_bits_with_one_worker_and_two ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

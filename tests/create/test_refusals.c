@@ -129,6 +129,7 @@ static int close_fixture( void** state )
     X( wisp_read_collision_stats( W, E, &( wisp_collision_stats ){ 0 } ) )                                           \
     X( wisp_unset_contact( W, E ) )                                                                                  \
     X( wisp_read_contact_impulse( W, E, ( double[3] ){ 0 } ) )                                                       \
+    X( wisp_read_contact_intersections( W, E, E, &( int ){ 0 } ) )                                                   \
     X( wisp_command_frozen_hair( W, E, points[0] ) )                                                                 \
     X( wisp_begin_frozen_hair_stroke( W, E ) )                                                                       \
     X( wisp_replay_frozen_hair( W, E, points[0], 1 ) )                                                               \

@@ -33,6 +33,9 @@ REWRITTEN = [
     (r"^meson setup build && meson install -C build$", "meson install --no-rebuild --quiet -C {build} --destdir $PWD/installed"),
     (r"^c\+\+ ", "g++ {sanitizer} "),
     (r"^cc ", "{compiler} "),                           # a sanitizer of the build is in its libraries
+    (r"^wisp run data/scenes/character\.yaml", r"\g<0> --steps 2"), # minutes of a figure; the first steps are like the others
+    (r"(character\.yaml) --frames \S+", r"\1 --frames 0:1 --size 80x60 --samples 1"),
+    (r"(character\.yaml) --steps \d+", r"\1 --steps 1"),
     (r"^wisp view ", f"mkdir -p page && printf '%s' '{PAGE}' >page/viewer.html && WISP_DATA=page wisp view "), # the page needs a compiler of its own
     (r"^(\./dev python|meson setup .*-Dpython=enabled|meson install -C build$|meson install --tags python).*", "true"), # builds of their own: ./dev python
     (r" \| dot .*$", ""),                               # draws a graph; not a package of Wisp's

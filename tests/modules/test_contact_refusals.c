@@ -157,6 +157,9 @@ static void a_world_without_the_module_says_so( void** state )
     expect_refusal( h.world, wisp_request_contact_stats( h.world, true, true ), WISP_CONFLICT, "not registered" );
     expect_refusal( h.world, wisp_read_contact_stats( h.world, &f ), WISP_CONFLICT, "not registered" );
     expect_refusal( h.world, wisp_read_contact_impulse( h.world, e, impulse ), WISP_CONFLICT, "not registered" );
+    int count;
+    expect_refusal( h.world, wisp_read_contact_intersections( h.world, e, e, &count ), WISP_CONFLICT,
+                    "not registered" );
     close_world( &h );
 }
 

@@ -184,12 +184,76 @@ static void untangling_gives_neither_momentum_nor_speed( void** state )
     close_world( &h );
 }
 
+static int intersections_between( wisp_world* world, wisp_entity a, wisp_entity b )
+{
+    int count = -1, mirrored = -1;
+    assert_status( world, wisp_read_contact_intersections( world, a, b, &count ), WISP_OK );
+    assert_status( world, wisp_read_contact_intersections( world, b, a, &mirrored ), WISP_OK );
+    assert_int_equal( count, mirrored );
+    return count;
+}
+
+static wisp_entity add_upright( wisp_world* world, float x )
+{
+    test_mesh mesh = level_sheet( 5, 0.5f, ( wisp_vec3 ){ 0 } );
+    for ( int v = 0; v < mesh.vertex_count; ++v )
+    {
+        const wisp_vec3 p = mesh.points[v];
+        mesh.points[v] = ( wisp_vec3 ){ x, 0.9f * p.x + 0.011f, p.z + 0.013f };
+    }
+    return add_pinned( world, &mesh );
+}
+
+// Each two are told apart, as brute force does. Nothing can part the two pinned sheets, so what they share is not counted.
+static void intersections_are_told_by_pair( void** state )
+{
+    (void)state;
+    tangle t;
+    open_tangle( &t, 0.1f, 1 );
+    test_mesh level = level_sheet( 9, 0.5f, ( wisp_vec3 ){ 0.07f, -0.01f, 0.0f } );
+    const wisp_entity all[4] = { t.c[0], t.c[1], add_pinned( t.h.world, &level ), add_upright( t.h.world, 0.2f ) };
+    wisp_contact_def def = wisp_default_contact_def();
+    def.mask = 0; // these are only looked at
+    set_contact( t.h.world, all[2], &def );
+    set_contact( t.h.world, all[3], &def );
+    run_steps( t.h.world, 1, FRAME );
+    assert_true( count_passing( t.h.world, all[2], all[3] ) > 0 );
+    int sum = 0;
+    for ( int i = 0; i < 4; ++i )
+    {
+        for ( int k = i; k < 4; ++k )
+        {
+            const int brute = count_passing( t.h.world, all[i], all[k] ) +
+                              ( i == k ? 0 : count_passing( t.h.world, all[k], all[i] ) );
+            const int found = intersections_between( t.h.world, all[i], all[k] );
+            assert_int_equal( found, i >= 2 ? 0 : brute );
+            sum += found;
+        }
+    }
+    assert_true( intersections_between( t.h.world, all[0], all[1] ) > 0 );
+    assert_true( intersections_between( t.h.world, all[0], all[3] ) > 0 );
+    assert_int_equal( sum, contact_stats( t.h.world ).intersections );
+    // what has changed since the step is not told
+    int count;
+    assert_status( t.h.world, wisp_unset_contact( t.h.world, all[3] ), WISP_OK );
+    assert_int_equal( wisp_read_contact_intersections( t.h.world, all[0], all[3], &count ), WISP_CONFLICT );
+    assert_non_null( strstr( wisp_world_message( t.h.world ), "takes no part" ) );
+    assert_int_equal( wisp_read_contact_intersections( t.h.world, all[0], all[1], &count ), WISP_CONFLICT );
+    assert_non_null( strstr( wisp_world_message( t.h.world ), "have changed" ) );
+    assert_status( t.h.world, wisp_request_contact_stats( t.h.world, true, false ), WISP_OK );
+    run_steps( t.h.world, 1, FRAME );
+    assert_int_equal( wisp_read_contact_intersections( t.h.world, all[0], all[1], &count ), WISP_CONFLICT );
+    assert_non_null( strstr( wisp_world_message( t.h.world ), "not counted" ) );
+    close_world( &t.h );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( what_starts_crossed_is_drawn_apart ),
         cmocka_unit_test( what_the_user_puts_through_is_drawn_apart ),
         cmocka_unit_test( what_pins_drive_through_is_drawn_apart_when_they_return ),
+        cmocka_unit_test( intersections_are_told_by_pair ),
         cmocka_unit_test( untangling_gives_neither_momentum_nor_speed ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
