@@ -339,15 +339,15 @@ static bool change_pins( const wisp_scene_event* e, const wisp_scene_surface* s,
         {
             continue;
         }
-        changes = changes || e->attach_to >= 0 || ( e->release && !state->is_free ) ||
-                  ( e->hold && state->is_free ) || ( e->detach && state->is_attached );
+        changes = changes || e->attach_to >= 0 || e->release || ( e->hold && state->is_free ) ||
+                  ( e->detach && state->is_attached );
         state->is_free = e->release || ( state->is_free && !e->hold && e->attach_to < 0 );
         state->is_attached = e->attach_to >= 0 || ( state->is_attached && !e->detach && !e->release );
     }
     return changes;
 }
 
-// Of entries that release what is free, hold what is held, or detach what is not attached, something else was meant.
+// Of entries that hold what is held, or detach what is not attached, something else was meant.
 static wisp_status refuse_idle_pins( scene_reader* r )
 {
     const wisp_scene* scene = r->scene;

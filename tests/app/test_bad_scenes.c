@@ -342,7 +342,6 @@ static const bad_scene BAD_SCENES[] = {
     { "motion_constraints_radius_alone.yaml", ":5:63: surfaces[0]: 'backstop_radius' needs 'backstop'" },
     { "map_of_one_value.yaml", ":5:19: surfaces[0].area_density: got 1 for both 'from' (default 0) and 'to' (default 1), so the map says nothing" },
     { "events_hold_held.yaml", ":9:5: events: 'hold' changes nothing: its pins of 'a' are held before step 1" },
-    { "events_release_twice.yaml", ":8:5: events: 'release' changes nothing: its pins of 'a' are free before step 3" },
     { "events_detach_unattached.yaml", ":8:5: events: 'detach_pins' changes nothing: its pins of 'a' are not attached before step 1" },
     { "frame_and_implicit.yaml", ":7:12: surfaces[0]: 'frame' is not possible with 'implicit'" },
     { "tearing_without_cloth.yaml", ":5:14: surfaces[0]: 'tearing' needs the key 'cloth'" },

@@ -153,26 +153,45 @@ static bool passes( const moving_pair* m )
     return false;
 }
 
+static bounds_of bounds_of_way( const wisp_vec3* before, const wisp_vec3* now )
+{
+    const wisp_vec3 ends[4] = { before[0], before[1], now[0], now[1] };
+    bounds_of b = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
+    for ( int i = 0; i < 4; ++i )
+    {
+        const float p[3] = { ends[i].x, ends[i].y, ends[i].z };
+        for ( int k = 0; k < 3; ++k )
+        {
+            b.lower[k] = p[k] < b.lower[k] ? p[k] : b.lower[k];
+            b.upper[k] = p[k] > b.upper[k] ? p[k] : b.upper[k];
+        }
+    }
+    return b;
+}
+
 // Segments that pass through each other between two lists of points, of strands with `count` vertices each.
 static int count_passes( const wisp_vec3* before, const wisp_vec3* now, int points, int count )
 {
+    bounds_of* ways = checked_calloc( (size_t)points, sizeof( *ways ) );
     int found = 0;
+    for ( int a = 0; a + 1 < points; ++a )
+    {
+        ways[a] = bounds_of_way( before + a, now + a );
+    }
     for ( int a = 0; a + 1 < points; ++a )
     {
         for ( int b = a + 2; b + 1 < points; ++b )
         {
-            if ( fabsf( before[a].y - before[b].y ) > 0.15f )
+            if ( bounds_part( ways + a, ways + b ) || ( a + 1 ) % count == 0 || ( b + 1 ) % count == 0 )
             {
                 continue;
             }
-            moving_pair m = { { before[a], before[a + 1], before[b], before[b + 1] },
-                              { now[a], now[a + 1], now[b], now[b + 1] } };
-            const float x = m.start[0].x - m.start[2].x, y = m.start[0].y - m.start[2].y,
-                        z = m.start[0].z - m.start[2].z;
-            const bool is_near = x * x + y * y + z * z < 0.2f * 0.2f;
-            found += ( a + 1 ) % count != 0 && ( b + 1 ) % count != 0 && is_near && passes( &m ) ? 1 : 0;
+            const moving_pair m = { { before[a], before[a + 1], before[b], before[b + 1] },
+                                    { now[a], now[a + 1], now[b], now[b + 1] } };
+            found += passes( &m ) ? 1 : 0;
         }
     }
+    free( ways );
     return found;
 }
 
