@@ -1,0 +1,151 @@
+/// Shared by the tests of detail: worlds, sheets, what moved in a step.
+#pragma once
+
+#include "effects_fixture.h"
+#include "saved_world.h"
+
+#include "wisp/detail.h"
+#include "wisp/moving_frame.h"
+
+static const float FRAME = 1.0f / 60.0f; // s
+
+enum
+{
+    SIDE = 33, // vertices along a side of a sheet of a metre
+};
+
+static inline void open_levels( hosted* h, int substeps, int workers )
+{
+    *h = ( hosted ){ 0 };
+    h->def = hosted_def( h );
+    h->def.modules = EFFECTS;
+    h->def.module_count = WISP_COUNT( EFFECTS );
+    h->def.substeps = substeps;
+    h->def.workers = workers;
+    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+}
+
+// A level sheet that falls about two of its corners.
+static inline wisp_entity add_sheet( wisp_world* world, bool has_coarse_sheets )
+{
+    test_mesh mesh = test_plane( SIDE, 1.0f / (float)( SIDE - 1 ) );
+    const int32_t pins[2] = { 0, SIDE - 1 };
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    fabric.bend_links = true;
+    fabric.coarse_sheets = has_coarse_sheets;
+    fabric.attachments = pins;
+    fabric.attachment_count = 2;
+    wisp_surface_def surface = support_weightless_surface_def();
+    surface.area_density = 0.2f;
+    surface.pins = pins;
+    surface.pin_count = 2;
+    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    const wisp_entity e = add_cloth( world, &fabric, surface, &cloth, EARTH );
+    assert_status( world, wisp_set_damping( world, e, 0.5f ), WISP_OK );
+    test_mesh_free( &mesh );
+    return e;
+}
+
+static inline void set_level( wisp_world* world, wisp_entity e, wisp_detail level )
+{
+    wisp_detail_def def = wisp_default_detail_def();
+    def.level = level;
+    assert_status( world, wisp_set_detail( world, e, &def ), WISP_OK );
+}
+
+static inline int items_of( const wisp_world* world, const char* pass )
+{
+    const wisp_profile profile = wisp_world_profile( world );
+    int items = -1;
+    for ( int i = 0; i < profile.count; ++i )
+    {
+        items = strcmp( profile.lines[i].pass, pass ) == 0 ? profile.lines[i].items : items;
+    }
+    return items;
+}
+
+static inline wisp_component points_of( wisp_world* world, wisp_entity e )
+{
+    return wisp_has_strands( world, e ) ? WISP_STRAND_POINTS : WISP_SURFACE_POINTS;
+}
+
+static const wisp_vec3* points_now( wisp_world* world, wisp_entity e, int* count )
+{
+    const wisp_view view = view_of( world, e, points_of( world, e ) );
+    *count = view.count;
+    return view.data;
+}
+
+static inline float distance( wisp_vec3 a, wisp_vec3 b )
+{
+    const float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+    return sqrtf( x * x + y * y + z * z );
+}
+
+// Make a step. @return the largest displacement of a vertex in it
+static inline float step_and_measure( wisp_world* world, wisp_entity e )
+{
+    int count;
+    const wisp_vec3* now = points_now( world, e, &count );
+    wisp_vec3* before = checked_calloc( (size_t)count, sizeof( *before ) );
+    memcpy( before, now, (size_t)count * sizeof( *before ) );
+    run_steps( world, 1, FRAME );
+    now = points_now( world, e, &count );
+    float most = 0.0f;
+    for ( int v = 0; v < count; ++v )
+    {
+        const float moved = distance( before[v], now[v] );
+        most = moved <= most ? most : moved;
+    }
+    free( before );
+    return most;
+}
+
+static inline void set_level_at_once( wisp_world* world, wisp_entity e, wisp_detail level )
+{
+    wisp_detail_def def = wisp_default_detail_def();
+    def.level = level;
+    def.blend_steps = 0;
+    assert_status( world, wisp_set_detail( world, e, &def ), WISP_OK );
+}
+
+static inline wisp_entity add_effect( wisp_world* world, effect_setup* setup )
+{
+    const wisp_entity e = setup( world );
+    assert_status( world, wisp_request( world, e, points_of( world, e ) ), WISP_OK );
+    return e;
+}
+
+static inline int substeps_of( wisp_world* world, wisp_entity e )
+{
+    int substeps;
+    assert_status( world, wisp_read_substeps( world, e, &substeps ), WISP_OK );
+    return substeps;
+}
+
+static inline wisp_vec3 turned_about_y( wisp_vec3 p, float angle, wisp_vec3 shift )
+{
+    const float c = cosf( angle ), s = sinf( angle );
+    return ( wisp_vec3 ){ c * p.x + s * p.z + shift.x, p.y + shift.y, -s * p.x + c * p.z + shift.z };
+}
+
+static inline wisp_vec3* copy_points( wisp_world* world, wisp_entity e, int* count )
+{
+    const wisp_vec3* now = points_now( world, e, count );
+    wisp_vec3* copy = checked_calloc( (size_t)*count, sizeof( *copy ) );
+    memcpy( copy, now, (size_t)*count * sizeof( *copy ) );
+    return copy;
+}
+
+static inline float largest_distance_to_turned( wisp_world* world, wisp_entity e, const wisp_vec3* from, float angle,
+                                                wisp_vec3 shift )
+{
+    int count;
+    const wisp_vec3* now = points_now( world, e, &count );
+    float most = 0.0f;
+    for ( int v = 0; v < count; ++v )
+    {
+        most = fmaxf( most, distance( now[v], turned_about_y( from[v], angle, shift ) ) );
+    }
+    return most;
+}
