@@ -1,5 +1,606 @@
-// Level of detail: bits, snapshots, refusals.
-#include "detail_fixture.h"
+// Level of detail: what runs at each level, against worlds with fewer substeps, prolongation in double precision and rigid motions in
+// closed form; and that a change neither jumps nor throws.
+#include "effects_fixture.h"
+#include "saved_world.h"
+
+#include "wisp/detail.h"
+#include "wisp/moving_frame.h"
+
+static const float FRAME = 1.0f / 60.0f; // s
+
+enum
+{
+    SIDE = 33, // vertices along a side of a sheet of a metre
+};
+
+static void open_levels( hosted* h, int substeps, int workers )
+{
+    *h = ( hosted ){ 0 };
+    h->def = hosted_def( h );
+    h->def.modules = EFFECTS;
+    h->def.module_count = WISP_COUNT( EFFECTS );
+    h->def.substeps = substeps;
+    h->def.workers = workers;
+    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+}
+
+// A level sheet that falls about two of its corners.
+static wisp_entity add_sheet( wisp_world* world, bool has_coarse_sheets )
+{
+    test_mesh mesh = test_plane( SIDE, 1.0f / (float)( SIDE - 1 ) );
+    const int32_t pins[2] = { 0, SIDE - 1 };
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    fabric.bend_links = true;
+    fabric.coarse_sheets = has_coarse_sheets;
+    fabric.attachments = pins;
+    fabric.attachment_count = 2;
+    wisp_surface_def surface = support_weightless_surface_def();
+    surface.area_density = 0.2f;
+    surface.pins = pins;
+    surface.pin_count = 2;
+    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    const wisp_entity e = add_cloth( world, &fabric, surface, &cloth, EARTH );
+    assert_status( world, wisp_set_damping( world, e, 0.5f ), WISP_OK );
+    test_mesh_free( &mesh );
+    return e;
+}
+
+static void set_level( wisp_world* world, wisp_entity e, wisp_detail level )
+{
+    wisp_detail_def def = wisp_default_detail_def();
+    def.level = level;
+    assert_status( world, wisp_set_detail( world, e, &def ), WISP_OK );
+}
+
+static int items_of( const wisp_world* world, const char* pass )
+{
+    const wisp_profile profile = wisp_world_profile( world );
+    int items = -1;
+    for ( int i = 0; i < profile.count; ++i )
+    {
+        items = strcmp( profile.lines[i].pass, pass ) == 0 ? profile.lines[i].items : items;
+    }
+    return items;
+}
+
+static wisp_component points_of( wisp_world* world, wisp_entity e )
+{
+    return wisp_has_strands( world, e ) ? WISP_STRAND_POINTS : WISP_SURFACE_POINTS;
+}
+
+static const wisp_vec3* points_now( wisp_world* world, wisp_entity e, int* count )
+{
+    const wisp_view view = view_of( world, e, points_of( world, e ) );
+    *count = view.count;
+    return view.data;
+}
+
+static float distance( wisp_vec3 a, wisp_vec3 b )
+{
+    const float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+    return sqrtf( x * x + y * y + z * z );
+}
+
+// Make a step. @return the largest displacement of a vertex in it
+static float step_and_measure( wisp_world* world, wisp_entity e )
+{
+    int count;
+    const wisp_vec3* now = points_now( world, e, &count );
+    wisp_vec3* before = checked_calloc( (size_t)count, sizeof( *before ) );
+    memcpy( before, now, (size_t)count * sizeof( *before ) );
+    run_steps( world, 1, FRAME );
+    now = points_now( world, e, &count );
+    float most = 0.0f;
+    for ( int v = 0; v < count; ++v )
+    {
+        const float moved = distance( before[v], now[v] );
+        most = moved <= most ? most : moved;
+    }
+    free( before );
+    return most;
+}
+
+static void set_level_at_once( wisp_world* world, wisp_entity e, wisp_detail level )
+{
+    wisp_detail_def def = wisp_default_detail_def();
+    def.level = level;
+    def.blend_steps = 0;
+    assert_status( world, wisp_set_detail( world, e, &def ), WISP_OK );
+}
+
+// ---- fewer substeps ----
+
+static wisp_entity add_effect( wisp_world* world, effect_setup* setup )
+{
+    const wisp_entity e = setup( world );
+    assert_status( world, wisp_request( world, e, points_of( world, e ) ), WISP_OK );
+    return e;
+}
+
+static uint64_t run_effect( effect_setup* setup, int substeps, wisp_detail level, int workers )
+{
+    hosted h;
+    open_levels( &h, substeps, workers );
+    const wisp_entity other = add_effect( h.world, hair_of_rods ), e = add_effect( h.world, setup );
+    if ( level != WISP_DETAIL_FULL )
+    {
+        set_level( h.world, e, level ); // before the first step, so nothing is blended
+    }
+    run_steps( h.world, 40, FRAME );
+    const uint64_t hash = hash_of( h.world, e, points_of( h.world, e ) );
+    assert_true( hash_of( h.world, other, WISP_STRAND_POINTS ) != 0 );
+    close_world( &h );
+    return hash;
+}
+
+static void with_fewer_substeps_an_entity_moves_as_in_a_world_that_makes_so_many( void** state )
+{
+    (void)state;
+    effect_setup* const setups[] = { cloth_of_links, dihedral_cloth, implicit_cloth,
+                                     balloon,        hair_of_links,  hair_of_rods };
+    for ( int i = 0; i < WISP_COUNT( setups ); ++i )
+    {
+        const uint64_t expected = run_effect( setups[i], 3, WISP_DETAIL_FULL, 1 );
+        assert_true( run_effect( setups[i], 12, WISP_DETAIL_FEWER_SUBSTEPS, 1 + i % 3 ) == expected );
+        assert_true( run_effect( setups[i], 12, WISP_DETAIL_FULL, 1 ) != expected );
+        assert_true( run_effect( setups[i], 10, WISP_DETAIL_FEWER_SUBSTEPS, 1 ) == expected ); // 10 / 4 is rounded up
+    }
+}
+
+static int substeps_of( wisp_world* world, wisp_entity e )
+{
+    int substeps;
+    assert_status( world, wisp_read_substeps( world, e, &substeps ), WISP_OK );
+    return substeps;
+}
+
+// Run through a change of the level. Substeps go from one number to another in equal parts.
+static void check_ramp( wisp_world* world, wisp_entity e, wisp_detail level, int from, int to )
+{
+    set_level( world, e, level );
+    for ( int i = 1; i <= 15; ++i )
+    {
+        assert_true( wisp_is_detail_blending( world, e ) );
+        run_steps( world, 1, FRAME );
+        assert_int_equal( substeps_of( world, e ), from + ( to - from ) * i / 15 );
+    }
+    assert_false( wisp_is_detail_blending( world, e ) );
+}
+
+static void substeps_change_step_by_step( void** state )
+{
+    (void)state;
+    hosted h;
+    open_levels( &h, 10, 1 );
+    const wisp_entity e = add_sheet( h.world, false ), other = add_sheet( h.world, false );
+    run_steps( h.world, 1, FRAME );
+    check_ramp( h.world, e, WISP_DETAIL_FEWER_SUBSTEPS, 10, 3 );
+    assert_int_equal( substeps_of( h.world, other ), 10 );
+    check_ramp( h.world, e, WISP_DETAIL_FULL, 3, 10 );
+    // an entity that asks for more than the world: 40, and a quarter of them
+    assert_status( h.world, wisp_set_substeps( h.world, e, 37 ), WISP_OK );
+    run_steps( h.world, 1, FRAME );
+    assert_int_equal( substeps_of( h.world, e ), 40 );
+    set_level( h.world, e, WISP_DETAIL_FEWER_SUBSTEPS );
+    run_steps( h.world, 15, FRAME );
+    assert_int_equal( substeps_of( h.world, e ), 10 );
+    close_world( &h );
+}
+
+// Steps of any length cover all of the time: a body in free fall is where it would be.
+static void fewer_substeps_cover_all_of_the_time( void** state )
+{
+    (void)state;
+    hosted h;
+    open_levels( &h, 10, 1 );
+    const wisp_entity e = add_sheet( h.world, false ), other = add_sheet( h.world, false );
+    const int32_t pins[2] = { 0, SIDE - 1 };
+    const wisp_entity both[2] = { e, other };
+    for ( int k = 0; k < 2; ++k )
+    {
+        assert_status( h.world, wisp_unpin( h.world, both[k], pins, 2 ), WISP_OK );
+        assert_status( h.world, wisp_set_damping( h.world, both[k], 0.0f ), WISP_OK );
+        assert_status( h.world, wisp_set_gravity( h.world, both[k], ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), WISP_OK );
+        assert_status( h.world,
+                       wisp_set_velocity( h.world, both[k], ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f },
+                                          ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ),
+                       WISP_OK );
+    }
+    set_level( h.world, e, WISP_DETAIL_FEWER_SUBSTEPS );
+    const float dts[] = { 0.016f, 0.016f, 0.021f, 0.009f, 0.033f, 0.017f, 0.0031f, 0.02f, 0.016f };
+    for ( int i = 0; i < 5 * WISP_COUNT( dts ); ++i )
+    {
+        run_steps( h.world, 1, dts[i % WISP_COUNT( dts )] );
+        int count;
+        const wisp_vec3 a = points_now( h.world, e, &count )[40], b = points_now( h.world, other, &count )[40];
+        assert_float_equal( a.x, b.x, 1e-5f );
+    }
+    close_world( &h );
+}
+
+// ---- coarse sheets alone ----
+
+// Where the finest sheet takes a vertex, in double precision.
+static void prolonged( const wisp_fabric* f, const float* position, int slot, double out[3] )
+{
+    const wisp_fabric_level* level = f->levels;
+    out[0] = out[1] = out[2] = 0.0;
+    for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
+    {
+        const size_t at = (size_t)( ( slot / 8 * WISP_FABRIC_PARENTS + k ) * 8 + slot % 8 );
+        const float* parent = position + level->slot_x4[level->parent_x4[at] / 4];
+        for ( int c = 0; c < 3; ++c )
+        {
+            out[c] += (double)level->weight[at] * (double)parent[c];
+        }
+    }
+}
+
+static double largest_offset( wisp_world* world, wisp_entity e )
+{
+    const wisp_fabric* f = wisp_world_fabric( world, e );
+    const float* position = wisp_world_column( world, e, WISP_PARTICLE_POSITION, 0 );
+    double most = 0.0;
+    for ( int slot = 0; slot < f->slot_count; ++slot )
+    {
+        double on[3], square = 0.0;
+        prolonged( f, position, slot, on );
+        for ( int c = 0; c < 3 && f->slot_vertex[slot] >= 0 && position[4 * slot + 3] > 0.0f; ++c )
+        {
+            const double d = (double)position[4 * slot + c] - on[c];
+            square += d * d;
+        }
+        most = square > most ? square : most;
+    }
+    return sqrt( most );
+}
+
+static double rms_distance( wisp_world* world, wisp_entity a, wisp_entity b )
+{
+    int count;
+    const wisp_vec3 *p = points_now( world, a, &count ), *q = points_now( world, b, &count );
+    double sum = 0.0;
+    for ( int v = 0; v < count; ++v )
+    {
+        const double d = (double)distance( p[v], q[v] );
+        sum += d * d;
+    }
+    return sqrt( sum / count );
+}
+
+static void coarse_sheets_alone_carry_a_surface( void** state )
+{
+    (void)state;
+    hosted h;
+    open_levels( &h, 10, 1 );
+    const wisp_entity e = add_sheet( h.world, true ), full = add_sheet( h.world, true );
+    assert_true( wisp_world_fabric( h.world, e )->level_count > 0 );
+    run_steps( h.world, 20, FRAME );
+    assert_true( largest_offset( h.world, e ) > 1e-3 ); // wrinkles
+    set_level( h.world, e, WISP_DETAIL_COARSE );
+    double before = largest_offset( h.world, e );
+    const double first = before;
+    for ( int i = 0; i < 60; ++i )
+    {
+        run_steps( h.world, 1, FRAME );
+        const double now = largest_offset( h.world, e );
+        assert_true( now <= before + 1e-6 ); // rounding
+        assert_true( i > 0 || now > 0.5 * before );
+        before = now;
+        assert_true( i >= 30 || rms_distance( h.world, e, full ) < 0.05 );
+    }
+    assert_true( before < 0.05 * first );
+    // the passes of the other sheet alone: ten substeps of it
+    assert_int_equal( items_of( h.world, "links.xpbd" ), 10 );
+    assert_int_equal( items_of( h.world, "surface.levels" ), 10 + 3 );
+    close_world( &h );
+}
+
+// ---- nothing ----
+
+static wisp_vec3 turned_about_y( wisp_vec3 p, float angle, wisp_vec3 shift )
+{
+    const float c = cosf( angle ), s = sinf( angle );
+    return ( wisp_vec3 ){ c * p.x + s * p.z + shift.x, p.y + shift.y, -s * p.x + c * p.z + shift.z };
+}
+
+static wisp_vec3* copy_points( wisp_world* world, wisp_entity e, int* count )
+{
+    const wisp_vec3* now = points_now( world, e, count );
+    wisp_vec3* copy = checked_calloc( (size_t)*count, sizeof( *copy ) );
+    memcpy( copy, now, (size_t)*count * sizeof( *copy ) );
+    return copy;
+}
+
+static float largest_distance_to_turned( wisp_world* world, wisp_entity e, const wisp_vec3* from, float angle,
+                                         wisp_vec3 shift )
+{
+    int count;
+    const wisp_vec3* now = points_now( world, e, &count );
+    float most = 0.0f;
+    for ( int v = 0; v < count; ++v )
+    {
+        most = fmaxf( most, distance( now[v], turned_about_y( from[v], angle, shift ) ) );
+    }
+    return most;
+}
+
+// Two pins leave the rotation about their line open, and none is added to it.
+static void a_surface_that_is_not_solved_goes_along_with_its_pins( void** state )
+{
+    (void)state;
+    hosted h;
+    open_levels( &h, 10, 1 );
+    const wisp_entity e = add_sheet( h.world, true );
+    const int32_t pins[2] = { 0, SIDE - 1 };
+    run_steps( h.world, 20, FRAME );
+    int count;
+    set_level_at_once( h.world, e, WISP_DETAIL_NOTHING );
+    wisp_vec3* from = copy_points( h.world, e, &count );
+    for ( int i = 1; i <= 60; ++i )
+    {
+        const float angle = 0.05f * (float)i;
+        const wisp_vec3 shift = { 0.01f * (float)i, -0.02f * (float)i, 0.03f * (float)i };
+        wisp_vec3 targets[2];
+        for ( int k = 0; k < 2; ++k )
+        {
+            targets[k] = turned_about_y( from[pins[k]], angle, shift );
+        }
+        assert_status( h.world, wisp_move_pins( h.world, e, pins, targets, 2 ), WISP_OK );
+        run_steps( h.world, 1, FRAME );
+        assert_true( largest_distance_to_turned( h.world, e, from, angle, shift ) < 2e-5f ); // 60 roundings of 3 m
+    }
+    const int solved[] = { items_of( h.world, "links.xpbd" ), items_of( h.world, "particles.predict" ),
+                           items_of( h.world, "surface.levels" ) };
+    for ( int k = 0; k < WISP_COUNT( solved ); ++k )
+    {
+        assert_int_equal( solved[k], 0 );
+    }
+    // pins that rest: not a bit moves, and there is no velocity left
+    run_steps( h.world, 1, FRAME );
+    const uint64_t hash = hash_of( h.world, e, WISP_SURFACE_POINTS );
+    run_steps( h.world, 5, FRAME );
+    assert_true( hash_of( h.world, e, WISP_SURFACE_POINTS ) == hash );
+    assert_float_equal( velocity_of( h.world, e, 500 )[1], 0.0f, 0.0f );
+    free( from );
+    close_world( &h );
+}
+
+// A body that moves along when it is solved again: it has the velocity of the pins.
+static void what_is_solved_again_goes_on_with_the_velocity_that_it_was_carried_with( void** state )
+{
+    (void)state;
+    hosted h;
+    open_levels( &h, 10, 1 );
+    const wisp_entity e = add_sheet( h.world, true ), strands = add_effect( h.world, hair_of_rods );
+    const int32_t pins[2] = { 0, SIDE - 1 };
+    run_steps( h.world, 60, FRAME );
+    int count, strand_count;
+    const wisp_vec3* p = points_now( h.world, e, &count );
+    const wisp_vec3 from[2] = { p[pins[0]], p[pins[1]] };
+    set_level_at_once( h.world, e, WISP_DETAIL_NOTHING );
+    set_level_at_once( h.world, strands, WISP_DETAIL_NOTHING );
+    for ( int i = 1; i <= 20; ++i )
+    {
+        const float x = 0.05f * (float)i; // 3 m/s
+        const wisp_vec3 targets[2] = { { from[0].x + x, from[0].y, from[0].z },
+                                       { from[1].x + x, from[1].y, from[1].z } };
+        assert_status( h.world, wisp_move_pins( h.world, e, pins, targets, 2 ), WISP_OK );
+        assert_status( h.world,
+                       wisp_move_strand_head( h.world, strands,
+                                              ( wisp_transform ){ { 0.0f, 0.0f, 0.0f, 1.0f }, { x, 0.0f, 0.0f } } ),
+                       WISP_OK );
+        if ( i == 20 )
+        {
+            set_level_at_once( h.world, e, WISP_DETAIL_FULL );
+            set_level_at_once( h.world, strands, WISP_DETAIL_FULL );
+        }
+        wisp_vec3 *before = copy_points( h.world, e, &count ), *hair = copy_points( h.world, strands, &strand_count );
+        run_steps( h.world, 1, FRAME );
+        const wisp_vec3 *now = points_now( h.world, e, &count ), *hair_now = points_now( h.world, strands, &count );
+        for ( int v = 0; v < SIDE * SIDE; v += 37 )
+        {
+            assert_float_equal( now[v].x - before[v].x, 0.05f, i == 20 ? 3e-3f : 1e-5f );
+        }
+        for ( int v = 0; v < strand_count; v += 5 )
+        {
+            assert_float_equal( hair_now[v].x - hair[v].x, 0.05f, i == 20 ? 5e-4f : 1e-5f );
+        }
+        free( before );
+        free( hair );
+    }
+    close_world( &h );
+}
+
+static void a_surface_without_pins_goes_along_with_its_frame( void** state )
+{
+    (void)state;
+    hosted h;
+    open_levels( &h, 10, 1 );
+    const wisp_entity e = add_sheet( h.world, true );
+    const int32_t pins[2] = { 0, SIDE - 1 };
+    assert_status( h.world, wisp_unpin( h.world, e, pins, 2 ), WISP_OK );
+    wisp_moving_frame_def frame = wisp_default_moving_frame_def();
+    frame.linear_inertia = 0.3f;
+    assert_status( h.world, wisp_set_moving_frame( h.world, e, &frame ), WISP_OK );
+    run_steps( h.world, 10, FRAME );
+    int count;
+    set_level_at_once( h.world, e, WISP_DETAIL_NOTHING );
+    wisp_vec3* from = copy_points( h.world, e, &count );
+    for ( int i = 1; i <= 40; ++i )
+    {
+        const float angle = 0.04f * (float)i;
+        const wisp_vec3 shift = { 0.0f, 0.02f * (float)i, 0.0f };
+        const wisp_quat turn = { 0.0f, sinf( 0.5f * angle ), 0.0f, cosf( 0.5f * angle ) };
+        assert_status( h.world, wisp_move_frame( h.world, e, wisp_transform_make( turn, shift ) ), WISP_OK );
+        run_steps( h.world, 1, FRAME );
+        assert_true( largest_distance_to_turned( h.world, e, from, angle, shift ) < 1e-5f );
+    }
+    free( from );
+    close_world( &h );
+}
+
+static void strands_that_are_not_solved_go_along_with_their_head( void** state )
+{
+    (void)state;
+    effect_setup* const setups[] = { hair_of_links, hair_of_rods };
+    for ( int k = 0; k < WISP_COUNT( setups ); ++k )
+    {
+        hosted h;
+        open_levels( &h, 10, 1 );
+        const wisp_entity e = add_effect( h.world, setups[k] );
+        run_steps( h.world, 20, FRAME );
+        set_level_at_once( h.world, e, WISP_DETAIL_NOTHING );
+        int count;
+        wisp_vec3* from = copy_points( h.world, e, &count );
+        for ( int i = 1; i <= 40; ++i )
+        {
+            const float angle = 0.05f * (float)i;
+            const wisp_vec3 shift = { 0.01f * (float)i, 0.0f, 0.02f * (float)i };
+            const wisp_quat turn = { 0.0f, sinf( 0.5f * angle ), 0.0f, cosf( 0.5f * angle ) };
+            assert_status( h.world, wisp_move_strand_head( h.world, e, wisp_transform_make( turn, shift ) ),
+                           WISP_OK );
+            run_steps( h.world, 1, FRAME );
+            assert_true( largest_distance_to_turned( h.world, e, from, angle, shift ) < 1e-5f );
+        }
+        assert_int_equal( items_of( h.world, "strands.predict" ), 0 );
+        free( from );
+        close_world( &h );
+    }
+}
+
+// ---- changes ----
+
+typedef struct peaks
+{
+    float moved, changed; // m, largest displacement of a vertex in a step, and change of it from step to step
+} peaks;
+
+// Run to a change, and through it.
+static peaks run_through( effect_setup* setup, wisp_detail from, wisp_detail to, int at )
+{
+    hosted h;
+    open_levels( &h, 10, 1 );
+    const wisp_entity e = setup != NULL ? add_effect( h.world, setup ) : add_sheet( h.world, true );
+    wisp_detail_def def = wisp_default_detail_def();
+    def.level = from;
+    assert_status( h.world, wisp_set_detail( h.world, e, &def ), WISP_OK );
+    run_steps( h.world, at, FRAME );
+    float last = step_and_measure( h.world, e );
+    def.level = to;
+    assert_status( h.world, wisp_set_detail( h.world, e, &def ), WISP_OK );
+    peaks p = { 0.0f, 0.0f };
+    for ( int i = 0; i < 24; ++i )
+    {
+        const float moved = step_and_measure( h.world, e );
+        assert_true( isfinite( moved ) );
+        p.moved = fmaxf( p.moved, moved );
+        p.changed = fmaxf( p.changed, fabsf( moved - last ) );
+        last = moved;
+    }
+    close_world( &h );
+    return p;
+}
+
+// A change makes no vertex much faster than it is at either level, nor changes its speed much more from one step to the next, besides
+// slowing it down within the steps of the blend. A balloon that rests breathes by less than a hundredth of its radius in a step.
+static void check_change( effect_setup* setup, wisp_detail from, wisp_detail to, int at )
+{
+    const peaks p = run_through( setup, from, to, at ), a = run_through( setup, from, from, at ),
+                b = run_through( setup, to, to, at );
+    const float moved = fmaxf( a.moved, b.moved ), changed = fmaxf( a.changed, b.changed );
+    const float slows = to == WISP_DETAIL_NOTHING ? moved / 7.5f : 0.0f;
+    const float starts = from == WISP_DETAIL_NOTHING ? 0.003f : 0.0f; // gravity, in a step
+    if ( p.moved > 1.3f * moved + 0.002f || p.changed > 1.5f * changed + slows + starts + 0.002f )
+    {
+        fail_msg(
+            "from %d to %d after %d steps: a vertex moves by %g m in a step and that changes by %g m; without a "
+            "change by %g m and %g m",
+            (int)from, (int)to, at, (double)p.moved, (double)p.changed, (double)moved, (double)changed );
+    }
+}
+
+static void a_change_neither_jumps_nor_throws( void** state )
+{
+    (void)state;
+    effect_setup* const setups[] = { NULL, cloth_of_links, implicit_cloth, hair_of_links, hair_of_rods, balloon };
+    for ( int i = 0; i < 16 * WISP_COUNT( setups ); ++i )
+    {
+        const wisp_detail from = (wisp_detail)( i / 4 % 4 ), to = (wisp_detail)( i % 4 );
+        const bool has_coarse = setups[i / 16] == NULL;
+        const bool is_change =
+            from != to && ( has_coarse || ( from != WISP_DETAIL_COARSE && to != WISP_DETAIL_COARSE ) );
+        // what was never solved starts where the others began
+        const bool has_peer = from != WISP_DETAIL_NOTHING;
+        if ( is_change && has_peer )
+        {
+            check_change( setups[i / 16], from, to, 24 );
+        }
+    }
+    check_change( NULL, WISP_DETAIL_FULL, WISP_DETAIL_COARSE, 46 );
+    check_change( NULL, WISP_DETAIL_COARSE, WISP_DETAIL_FULL, 46 );
+    check_change( NULL, WISP_DETAIL_FEWER_SUBSTEPS, WISP_DETAIL_FULL, 78 );
+}
+
+// In the last steps before nothing is solved it moves by little, while it would still fall.
+static void what_comes_to_rest_becomes_slower( void** state )
+{
+    (void)state;
+    effect_setup* const setups[] = { NULL, cloth_of_links, implicit_cloth, hair_of_links };
+    for ( int k = 0; k < WISP_COUNT( setups ); ++k )
+    {
+        hosted h;
+        open_levels( &h, 10, 1 );
+        wisp_entity e[2];
+        for ( int i = 0; i < 2; ++i )
+        {
+            e[i] = setups[k] != NULL ? add_effect( h.world, setups[k] ) : add_sheet( h.world, true );
+        }
+        run_steps( h.world, 4, FRAME );
+        set_level( h.world, e[1], WISP_DETAIL_NOTHING );
+        run_steps( h.world, 12, FRAME );
+        int count;
+        wisp_vec3* before = copy_points( h.world, e[0], &count );
+        const float slow = step_and_measure( h.world, e[1] );
+        const wisp_vec3* now = points_now( h.world, e[0], &count );
+        float fast = 0.0f;
+        for ( int v = 0; v < count; ++v )
+        {
+            fast = fmaxf( fast, distance( now[v], before[v] ) );
+        }
+        assert_true( slow < 0.5f * fast );
+        run_steps( h.world, 2, FRAME );
+        assert_float_equal( step_and_measure( h.world, e[1] ), 0.0f, 0.0f );
+        free( before );
+        close_world( &h );
+    }
+}
+
+// What rests, and is solved again, goes on resting.
+static void a_surface_at_rest_is_at_rest_after_a_pause( void** state )
+{
+    (void)state;
+    hosted h;
+    open_levels( &h, 10, 1 );
+    const wisp_entity e = add_effect( h.world, cloth_of_links ), ball = add_effect( h.world, balloon );
+    run_steps( h.world, 300, FRAME );
+    set_level( h.world, e, WISP_DETAIL_NOTHING );
+    set_level( h.world, ball, WISP_DETAIL_NOTHING );
+    run_steps( h.world, 40, FRAME );
+    set_level( h.world, e, WISP_DETAIL_FULL );
+    set_level( h.world, ball, WISP_DETAIL_FULL );
+    for ( int i = 0; i < 40; ++i )
+    {
+        int count;
+        wisp_vec3 *a = copy_points( h.world, e, &count ), *b = copy_points( h.world, ball, &count );
+        assert_true( step_and_measure( h.world, e ) < 2e-3f );
+        assert_true( largest_distance_to_turned( h.world, ball, b, 0.0f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) <
+                     1e-3f );
+        free( a );
+        free( b );
+    }
+    close_world( &h );
+}
 
 // ---- bits ----
 
@@ -145,6 +746,17 @@ static void what_has_no_detail_is_refused( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test( with_fewer_substeps_an_entity_moves_as_in_a_world_that_makes_so_many ),
+        cmocka_unit_test( substeps_change_step_by_step ),
+        cmocka_unit_test( fewer_substeps_cover_all_of_the_time ),
+        cmocka_unit_test( coarse_sheets_alone_carry_a_surface ),
+        cmocka_unit_test( a_surface_that_is_not_solved_goes_along_with_its_pins ),
+        cmocka_unit_test( what_is_solved_again_goes_on_with_the_velocity_that_it_was_carried_with ),
+        cmocka_unit_test( a_surface_without_pins_goes_along_with_its_frame ),
+        cmocka_unit_test( strands_that_are_not_solved_go_along_with_their_head ),
+        cmocka_unit_test( a_change_neither_jumps_nor_throws ),
+        cmocka_unit_test( what_comes_to_rest_becomes_slower ),
+        cmocka_unit_test( a_surface_at_rest_is_at_rest_after_a_pause ),
         cmocka_unit_test( bits_do_not_depend_on_workers_instruction_sets_nor_snapshots ),
         cmocka_unit_test( a_snapshot_holds_the_level_and_its_change ),
         cmocka_unit_test( full_detail_has_the_bits_of_none ),
