@@ -8,7 +8,7 @@ extern "C"
 {
 #endif
 
-    /// gltf_parse.cc, the only file that uses tinygltf: bytes that gltf.c has checked become a model whose numbers are
+    /// gltf_parse.cc, through tinygltf: bytes that gltf.c has checked become a model whose numbers are
     /// within their arrays and finite.
     /// @param folder of other buffers, null: refused
     wisp_status gltf_parse( const void* bytes, size_t size, bool is_binary, const char* folder, const char* name,

@@ -34,36 +34,27 @@ wisp_scene_clip scene_default_clip( void )
     return ( wisp_scene_clip ){ .speed = 1.0f };
 }
 
+static wisp_status read_clip( scene_reader* r, const scene_node* node, int index, void* context )
+{
+    wisp_scene_clip* clip = (wisp_scene_clip*)context + index;
+    *clip = scene_default_clip();
+    const wisp_status status = scene_read_block( r, node, &SCENE_CLIP_BLOCK, clip );
+    return status || index == 0 ? status : scene_check_rises( r, node, clip[-1].time, clip->time );
+}
+
 static wisp_status read_clips( scene_reader* r, const scene_node* node, void* at )
 {
     wisp_scene_surface* surface = at;
     void* items;
     wisp_status status =
         scene_begin_list( r, node, "a list of clips", SCENE_MAX_NODES, sizeof( wisp_scene_clip ), &items );
-    wisp_scene_clip* clips = items;
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        const size_t outside = scene_enter_index( r, i );
-        clips[i] = scene_default_clip();
-        status = scene_read_block( r, item, &SCENE_CLIP_BLOCK, &clips[i] );
-        if ( !status && i > 0 && !( clips[i].time > clips[i - 1].time ) )
-        {
-            return scene_refuse_node( r, item, "got time %g, expected more than the time before, %g",
-                                      (double)clips[i].time, (double)clips[i - 1].time );
-        }
-        if ( !status )
-        {
-            scene_leave( r, outside );
-            surface->animation.clip_count = ++i;
-        }
-    }
-    if ( !status && i == 0 )
+    if ( !status && !items )
     {
         return scene_refuse_node( r, node, "got no clip, expected at least one" );
     }
-    surface->animation.clips = clips;
-    return status;
+    surface->animation.clips = items;
+    surface->animation.clip_count = status ? 0 : node->count;
+    return status ? status : scene_read_items( r, node, read_clip, items );
 }
 
 static const scene_choice SKINNINGS[] = { { "linear", "mean of where joints take a vertex" },

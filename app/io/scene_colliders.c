@@ -199,26 +199,24 @@ wisp_status scene_read_friction( scene_reader* r, const scene_node* node, void* 
     return status;
 }
 
-static wisp_status read_height_row( scene_reader* r, const scene_node* row, wisp_collider_def* def, float* to )
+typedef struct height_rows
+{
+    float* heights;
+    int width;
+} height_rows;
+
+static wisp_status read_height_row( scene_reader* r, const scene_node* row, int index, void* context )
 {
     static const scene_field field = { "heights", SCENE_NUMBER, .range = COORDINATE };
+    const height_rows* rows = context;
     wisp_status status = scene_expect_list( r, row, "a row of heights" );
-    if ( !status && row->count != def->height_count_x )
+    if ( !status && row->count != rows->width )
     {
         return scene_refuse_node( r, row, "got a row of %d heights, expected %d as in the first row", row->count,
-                                  def->height_count_x );
+                                  rows->width );
     }
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, row ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i );
-        status = scene_read_number( r, item, &field, &to[i++] );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
-    return status;
+    return status ? status
+                  : scene_read_numbers( r, row, &field, rows->heights + (size_t)index * (size_t)rows->width );
 }
 
 // Rows along z of heights along x.
@@ -243,18 +241,9 @@ wisp_status scene_read_heights( scene_reader* r, const scene_node* node, void* a
     {
         return scene_no_memory( r );
     }
-    int k = 0;
-    for ( const scene_node* row = first; row && !status; row = scene_next( r->tree, row ), ++k )
-    {
-        size_t outside = scene_enter_index( r, k );
-        status = read_height_row( r, row, def, heights + (size_t)k * (size_t)def->height_count_x );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
+    height_rows rows = { heights, def->height_count_x };
     def->heights = heights;
-    return status;
+    return scene_read_items( r, node, read_height_row, &rows );
 }
 
 // The shape decides on the table, and may stand anywhere in the mapping.
@@ -283,8 +272,11 @@ wisp_scene_collider scene_default_collider( void )
     };
 }
 
-static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_scene_collider* collider )
+static wisp_status read_entry( scene_reader* r, const scene_node* node, int index, void* context )
 {
+    wisp_scene* scene = context;
+    wisp_scene_collider* collider = &scene->colliders[index];
+    scene->collider_count = index + 1;
     *collider = scene_default_collider();
     collider->line = node->line;
     collider->column = node->column;
@@ -314,15 +306,7 @@ wisp_status scene_read_colliders( scene_reader* r, const scene_node* node, void*
     wisp_status status = scene_begin_list( r, node, "a list of colliders", WISP_SCENE_MAX_COLLIDERS,
                                            sizeof *scene->colliders, &items );
     scene->colliders = items;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, scene->collider_count );
-        status = read_entry( r, item, &scene->colliders[scene->collider_count++] );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
+    status = status ? status : scene_read_items( r, node, read_entry, scene );
     return status ? status
                   : scene_register( r, SCENE_COLLIDER, scene->colliders, sizeof *scene->colliders,
                                     scene->collider_count );

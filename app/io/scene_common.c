@@ -104,3 +104,28 @@ wisp_status scene_read_items( scene_reader* r, const scene_node* list, scene_ite
     }
     return status;
 }
+
+typedef struct number_list
+{
+    const scene_field* field;
+    float* out;
+} number_list;
+
+static wisp_status read_number( scene_reader* r, const scene_node* item, int index, void* context )
+{
+    const number_list* list = context;
+    return scene_read_number( r, item, list->field, &list->out[index] );
+}
+
+wisp_status scene_read_numbers( scene_reader* r, const scene_node* list, const scene_field* field, float* out )
+{
+    number_list numbers = { field, out };
+    return scene_read_items( r, list, read_number, &numbers );
+}
+
+wisp_status scene_check_rises( scene_reader* r, const scene_node* node, float before, float time )
+{
+    return time > before ? WISP_OK
+                         : scene_refuse_node( r, node, "got time %g, expected more than the time before, %g",
+                                              (double)time, (double)before );
+}

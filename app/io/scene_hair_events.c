@@ -114,8 +114,11 @@ static wisp_status check_command( scene_reader* r, const scene_node* node, const
     return check_stages( r, node, e );
 }
 
-static wisp_status read_command( scene_reader* r, const scene_node* node, wisp_scene_hair_event* command )
+static wisp_status read_command( scene_reader* r, const scene_node* node, int index, void* context )
 {
+    wisp_scene* scene = context;
+    wisp_scene_hair_event* command = &scene->commands[index];
+    scene->command_count = index + 1;
     command->line = node->line;
     command->column = node->column;
     wisp_status status = scene_read_block( r, node, &SCENE_COMMAND_BLOCK, command );
@@ -163,25 +166,14 @@ static wisp_status carry_all( scene_reader* r )
 wisp_status scene_read_commands( scene_reader* r, const scene_node* node, void* base )
 {
     wisp_scene* scene = base;
-    wisp_status status = scene_expect_list( r, node, "a list of hair events" );
-    if ( status || node->count == 0 )
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of hair events", SCENE_MAX_NODES, sizeof *scene->commands, &items );
+    scene->commands = items;
+    status = status ? status : scene_read_items( r, node, read_command, scene );
+    if ( status || !items )
     {
         return status;
-    }
-    scene->commands = scene_take( scene, (size_t)node->count, sizeof *scene->commands );
-    if ( !scene->commands )
-    {
-        return scene_no_memory( r );
-    }
-    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, scene->command_count );
-        status = read_command( r, item, &scene->commands[scene->command_count++] );
-        if ( status )
-        {
-            return status;
-        }
-        scene_leave( r, outside );
     }
 
     // Sort by step, as the program reads them. Of two entries for one step the first would have no effect.

@@ -453,34 +453,33 @@ static const scene_field POSITION_FIELDS[] = {
 const scene_block SCENE_PIN_POSE_BLOCK = BLOCK( PIN_POSE_FIELDS );
 const scene_block SCENE_POSITION_BLOCK = BLOCK( POSITION_FIELDS );
 
+typedef struct path_list
+{
+    const scene_block* block;
+    wisp_quat start;
+    wisp_scene_pose* poses;
+} path_list;
+
+static wisp_status read_pose( scene_reader* r, const scene_node* node, int index, void* context )
+{
+    const path_list* list = context;
+    wisp_scene_pose* pose = &list->poses[index];
+    // A turn that is not written is the one before.
+    pose->pose = index > 0 ? pose[-1].pose : ( wisp_transform ){ .rotation = list->start };
+    const wisp_status status = scene_read_block( r, node, list->block, pose );
+    return status || index == 0 ? status : scene_check_rises( r, node, pose[-1].time, pose->time );
+}
+
 static wisp_status read_path( scene_reader* r, const scene_node* node, const scene_block* block, wisp_quat start,
                               wisp_scene_path* path )
 {
     void* items;
     wisp_status status =
         scene_begin_list( r, node, "a list of keyframes", SCENE_MAX_NODES, sizeof( wisp_scene_pose ), &items );
-    wisp_scene_pose* poses = items;
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i );
-        // A turn that is not written is the one before.
-        poses[i].pose.rotation = i > 0 ? poses[i - 1].pose.rotation : start;
-        poses[i].pose.translation = i > 0 ? poses[i - 1].pose.translation : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-        status = scene_read_block( r, item, block, &poses[i] );
-        if ( !status && i > 0 && !( poses[i].time > poses[i - 1].time ) )
-        {
-            return scene_refuse_node( r, item, "got time %g, expected more than the time before, %g",
-                                      (double)poses[i].time, (double)poses[i - 1].time );
-        }
-        if ( !status )
-        {
-            scene_leave( r, outside );
-            path->count = ++i;
-        }
-    }
-    path->poses = poses;
-    return status;
+    path_list list = { block, start, items };
+    path->poses = items;
+    path->count = status ? 0 : node->count;
+    return status ? status : scene_read_items( r, node, read_pose, &list );
 }
 
 wisp_status scene_read_pin_path( scene_reader* r, const scene_node* node, void* at )

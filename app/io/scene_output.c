@@ -71,8 +71,11 @@ static const scene_field OUTPUT_FIELDS[] = {
 };
 const scene_block SCENE_OUTPUT_BLOCK = { OUTPUT_FIELDS, WISP_COUNT( OUTPUT_FIELDS ) };
 
-static wisp_status read_output( scene_reader* r, const scene_node* node, wisp_scene_output* output )
+static wisp_status read_output( scene_reader* r, const scene_node* node, int index, void* context )
 {
+    wisp_scene* scene = context;
+    wisp_scene_output* output = &scene->outputs[index];
+    scene->output_count = index + 1;
     *output = ( wisp_scene_output ){ .strands = -1, .surface = -1, .line = node->line, .column = node->column };
     wisp_status status = scene_read_block( r, node, &SCENE_OUTPUT_BLOCK, output );
     if ( !status && ( output->strands >= 0 ) == ( output->surface >= 0 ) )
@@ -121,25 +124,14 @@ static wisp_status refuse_equal_files( scene_reader* r )
 wisp_status scene_read_outputs( scene_reader* r, const scene_node* node, void* base )
 {
     wisp_scene* scene = base;
-    wisp_status status = scene_expect_list( r, node, "a list of files to write" );
-    if ( status || node->count == 0 )
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of files to write", SCENE_MAX_NODES, sizeof *scene->outputs, &items );
+    scene->outputs = items;
+    status = status ? status : scene_read_items( r, node, read_output, scene );
+    if ( status || !items )
     {
         return status;
-    }
-    scene->outputs = scene_take( scene, (size_t)node->count, sizeof *scene->outputs );
-    if ( !scene->outputs )
-    {
-        return scene_no_memory( r );
-    }
-    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, scene->output_count );
-        status = read_output( r, item, &scene->outputs[scene->output_count++] );
-        if ( status )
-        {
-            return status;
-        }
-        scene_leave( r, outside );
     }
     return refuse_equal_files( r );
 }

@@ -141,6 +141,11 @@ wisp_status scene_begin_list( scene_reader* reader, const scene_node* node, cons
 /// Read the items of a list one after the other, each with its number in the path, until one is refused.
 typedef wisp_status scene_item_fn( scene_reader* reader, const scene_node* item, int index, void* context );
 wisp_status scene_read_items( scene_reader* reader, const scene_node* list, scene_item_fn* read, void* context );
+/// @param out [list->count]
+wisp_status scene_read_numbers( scene_reader* reader, const scene_node* list, const scene_field* field, float* out );
+
+/// Refuse the time of a keyframe that is not after that of the one before.
+wisp_status scene_check_rises( scene_reader* reader, const scene_node* node, float before, float time );
 
 /// scene_map.c: a map instead of a number; the number becomes its largest value. @param base a wisp_scene_surface
 wisp_status scene_read_map( scene_reader* r, const scene_node* node, const scene_field* field, void* base );

@@ -63,20 +63,9 @@ static wisp_status read_numbers( scene_reader* r, const scene_node* node, const 
     {
         return scene_no_memory( r );
     }
-    int count = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, count );
-        wisp_status status = scene_read_number( r, item, field, &values[count++] );
-        if ( status )
-        {
-            return status;
-        }
-        scene_leave( r, outside );
-    }
     *(const float**)(void*)( base + field->list ) = values;
-    *(int*)(void*)( base + field->list_count ) = count;
-    return WISP_OK;
+    *(int*)(void*)( base + field->list_count ) = node->count;
+    return scene_read_numbers( r, node, field, values );
 }
 
 static wisp_status read_choice( scene_reader* r, const scene_node* node, const scene_field* field, void* out )

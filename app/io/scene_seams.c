@@ -70,8 +70,16 @@ static wisp_status read_vertex( scene_reader* r, const scene_node* node, const w
     return status;
 }
 
-static wisp_status read_pair( scene_reader* r, const scene_node* node, const wisp_scene_seam* seam, int32_t* pair )
+typedef struct seam_pairs
 {
+    const wisp_scene_seam* seam;
+    int32_t* pairs; // [][2]
+} seam_pairs;
+
+static wisp_status read_pair( scene_reader* r, const scene_node* node, int index, void* context )
+{
+    const wisp_scene_seam* seam = ( (const seam_pairs*)context )->seam;
+    int32_t* pair = ( (const seam_pairs*)context )->pairs + 2 * (size_t)index;
     wisp_status status = scene_expect_pair( r, node, "a pair of vertices" );
     const scene_node* item = status ? NULL : scene_first( r->tree, node );
     for ( int k = 0; k < 2 && !status; ++k, item = scene_next( r->tree, item ) )
@@ -94,21 +102,10 @@ static wisp_status read_pairs( scene_reader* r, const scene_node* node, void* ba
     void* items;
     wisp_status status =
         scene_begin_list( r, node, "a list of pairs of vertices", SCENE_MAX_NODES, 2 * sizeof( int32_t ), &items );
-    int32_t* pairs = items;
-    int count = 0;
-    for ( const scene_node* item = status ? NULL : scene_first( r->tree, node ); item && !status;
-          item = scene_next( r->tree, item ) )
-    {
-        const size_t outside = scene_enter_index( r, count );
-        status = read_pair( r, item, seam, pairs + 2 * (size_t)count++ );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
-    seam->pairs = pairs;
-    seam->pair_count = count;
-    return status;
+    seam_pairs list = { seam, items };
+    seam->pairs = items;
+    seam->pair_count = status ? 0 : node->count;
+    return status ? status : scene_read_items( r, node, read_pair, &list );
 }
 
 // ---- the list ----

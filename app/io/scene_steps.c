@@ -15,20 +15,9 @@ wisp_status scene_read_dt_factors( scene_reader* r, const scene_node* node, void
     {
         return scene_refuse_node( r, node, "got an empty list, expected numbers" );
     }
-    float* factors = items;
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i );
-        status = scene_read_number( r, item, &factor, &factors[i++] );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
-    scene->dt_factors = factors;
-    scene->dt_factor_count = i;
-    return status;
+    scene->dt_factors = items;
+    scene->dt_factor_count = node->count;
+    return status ? status : scene_read_numbers( r, node, &factor, items );
 }
 
 float wisp_scene_step_length( const wisp_scene* scene, int step )

@@ -76,19 +76,25 @@ int64_t scene_made_vertices( const wisp_scene_strands* strands )
     return (int64_t)strands->generator.strand_count * strands->generator.vertices_per_strand;
 }
 
+typedef struct strand_pins
+{
+    const wisp_scene_strands* strands;
+    int32_t* out;
+} strand_pins;
+
 // How many vertices there are is known if the strands are made.
-static wisp_status read_pin( scene_reader* r, const scene_node* node, const wisp_scene_strands* strands,
-                             int32_t* out )
+static wisp_status read_pin( scene_reader* r, const scene_node* node, int index, void* context )
 {
     static const scene_field field = { "vertex", SCENE_WHOLE, .range = RANGE( 0, 2147483647 ) };
+    const strand_pins* pins = context;
+    const int64_t count = scene_made_vertices( pins->strands );
     int vertex = 0;
     wisp_status status = scene_read_whole( r, node, &field, &vertex );
-    if ( !status && strands->is_generated && vertex >= scene_made_vertices( strands ) )
+    if ( !status && pins->strands->is_generated && vertex >= count )
     {
-        return scene_refuse_node( r, node, "got vertex %d, expected 0 .. %lld", vertex,
-                                  (long long)( scene_made_vertices( strands ) - 1 ) );
+        return scene_refuse_node( r, node, "got vertex %d, expected 0 .. %lld", vertex, (long long)( count - 1 ) );
     }
-    *out = vertex;
+    pins->out[index] = vertex;
     return status;
 }
 
@@ -98,20 +104,10 @@ wisp_status scene_read_strand_pins( scene_reader* r, const scene_node* node, voi
     void* items;
     wisp_status status =
         scene_begin_list( r, node, "a list of vertices", SCENE_MAX_NODES, sizeof( int32_t ), &items );
-    int32_t* pins = items;
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i );
-        status = read_pin( r, item, strands, &pins[i++] );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
-    strands->dynamics.pins = pins;
-    strands->dynamics.pin_count = i;
-    return status;
+    strand_pins pins = { strands, items };
+    strands->dynamics.pins = items;
+    strands->dynamics.pin_count = status ? 0 : node->count;
+    return status ? status : scene_read_items( r, node, read_pin, &pins );
 }
 
 wisp_status scene_read_vertex_masses( scene_reader* r, const scene_node* node, void* at )
@@ -125,20 +121,9 @@ wisp_status scene_read_vertex_masses( scene_reader* r, const scene_node* node, v
     {
         return scene_refuse_node( r, node, "got %d masses, expected one per vertex", node->count );
     }
-    float* masses = items;
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i );
-        status = scene_read_number( r, item, &mass, &masses[i++] );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
-    strands->dynamics.vertex_masses = masses;
-    strands->mass_count = i;
-    return status;
+    strands->dynamics.vertex_masses = items;
+    strands->mass_count = node->count;
+    return status ? status : scene_read_numbers( r, node, &mass, items );
 }
 
 wisp_status scene_read_head_path( scene_reader* r, const scene_node* node, void* at )

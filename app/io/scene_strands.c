@@ -40,8 +40,11 @@ wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
     return strands;
 }
 
-static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_scene_strands* strands )
+static wisp_status read_entry( scene_reader* r, const scene_node* node, int index, void* context )
 {
+    wisp_scene* scene = context;
+    wisp_scene_strands* strands = &scene->strands[index];
+    scene->strands_count = index + 1;
     *strands = scene_default_strands( r->scene->gravity );
     strands->line = node->line;
     strands->column = node->column;
@@ -57,32 +60,17 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
 wisp_status scene_read_strands( scene_reader* r, const scene_node* node, void* base )
 {
     wisp_scene* scene = base;
-    wisp_status status = scene_expect_list( r, node, "a list of strands" );
-    if ( status || node->count == 0 )
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of strands", WISP_SCENE_MAX_STRANDS, sizeof *scene->strands, &items );
+    if ( status || !items )
     {
         return status;
     }
-    if ( node->count > WISP_SCENE_MAX_STRANDS )
-    {
-        return scene_refuse_node( r, node, "got %d entries, expected at most %d", node->count,
-                                  WISP_SCENE_MAX_STRANDS );
-    }
-    scene->strands = scene_take( scene, (size_t)node->count, sizeof *scene->strands );
-    if ( !scene->strands )
-    {
-        return scene_no_memory( r );
-    }
-    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, scene->strands_count );
-        status = read_entry( r, item, &scene->strands[scene->strands_count] );
-        if ( status )
-        {
-            return status;
-        }
-        scene->strands_count++;
-        scene_leave( r, outside );
-    }
-    status = scene_register( r, SCENE_STRANDS, scene->strands, sizeof *scene->strands, scene->strands_count );
+    scene->strands = items;
+    status = scene_read_items( r, node, read_entry, scene );
+    status = status
+                 ? status
+                 : scene_register( r, SCENE_STRANDS, scene->strands, sizeof *scene->strands, scene->strands_count );
     return status ? status : scene_bind_strands( r, node );
 }

@@ -46,21 +46,16 @@ wisp_status scene_read_outlet( scene_reader* r, const scene_node* node, void* at
     return status;
 }
 
-static wisp_status read_fill( scene_reader* r, const scene_node* node, wisp_scene_gas_ratio_keyframe* gas_ratio,
-                              const wisp_scene_gas_ratio_keyframe* before )
+static wisp_status read_fill( scene_reader* r, const scene_node* node, int index, void* context )
 {
+    wisp_scene_gas_ratio_keyframe* gas_ratio = (wisp_scene_gas_ratio_keyframe*)context + index;
     static const scene_field time = { "time", SCENE_NUMBER, .range = TIME, .unit = SECONDS };
     static const scene_field fraction = { "gas_ratio", SCENE_NUMBER, .range = RANGE( 1e-3, 1e6 ) };
     wisp_status status = scene_expect_pair( r, node, "a pair [time, gas_ratio]" );
     const scene_node* first = scene_first( r->tree, node );
     status = status ? status : scene_read_number( r, first, &time, &gas_ratio->time );
     status = status ? status : scene_read_number( r, scene_next( r->tree, first ), &fraction, &gas_ratio->gas_ratio );
-    if ( !status && before && !( gas_ratio->time > before->time ) )
-    {
-        return scene_refuse_node( r, first, "got time %g, expected more than the time before, %g",
-                                  (double)gas_ratio->time, (double)before->time );
-    }
-    return status;
+    return status || index == 0 ? status : scene_check_rises( r, first, gas_ratio[-1].time, gas_ratio->time );
 }
 
 wisp_status scene_read_gas_ratio_keyframes( scene_reader* r, const scene_node* node, void* at )
@@ -69,21 +64,9 @@ wisp_status scene_read_gas_ratio_keyframes( scene_reader* r, const scene_node* n
     void* items;
     wisp_status status = scene_begin_list( r, node, "a list of pairs [time, gas_ratio]", SCENE_MAX_NODES,
                                            sizeof( wisp_scene_gas_ratio_keyframe ), &items );
-    wisp_scene_gas_ratio_keyframe* fills = items;
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i );
-        status = read_fill( r, item, &fills[i], i > 0 ? &fills[i - 1] : NULL );
-        ++i;
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
-    surface->gas_ratio_keyframes = fills;
-    surface->gas_ratio_keyframe_count = i;
-    return status;
+    surface->gas_ratio_keyframes = items;
+    surface->gas_ratio_keyframe_count = status ? 0 : node->count;
+    return status ? status : scene_read_items( r, node, read_fill, items );
 }
 
 // ---- compute ----

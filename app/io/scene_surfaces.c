@@ -182,8 +182,11 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
     };
 }
 
-static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_scene_surface* surface )
+static wisp_status read_entry( scene_reader* r, const scene_node* node, int index, void* context )
 {
+    wisp_scene* scene = context;
+    wisp_scene_surface* surface = &scene->surfaces[index];
+    scene->surface_count = index + 1;
     *surface = scene_default_surface( r->scene->gravity );
     surface->line = node->line;
     surface->column = node->column;
@@ -220,22 +223,17 @@ static wisp_status find_source( scene_reader* r, const scene_node* node, int i )
     return surface->has_quad_links ? check_quad_links( r, node, &source->mesh ) : WISP_OK;
 }
 
-static wisp_status find_sources( scene_reader* r, const scene_node* node )
+static wisp_status bind_instance( scene_reader* r, const scene_node* item, int index, void* context )
 {
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ), ++i )
+    (void)context;
+    const scene_node* source = scene_child( r, item, "instance_of" );
+    const size_t outside = scene_enter_key( r, "instance_of" );
+    const wisp_status status = source ? find_source( r, source, index ) : WISP_OK;
+    if ( !status )
     {
-        const scene_node* source = scene_child( r, item, "instance_of" );
-        size_t outside = scene_enter_index( r, i );
-        scene_enter_key( r, "instance_of" );
-        wisp_status status = source ? find_source( r, source, i ) : WISP_OK;
-        if ( status )
-        {
-            return status;
-        }
         scene_leave( r, outside );
     }
-    return WISP_OK;
+    return status;
 }
 
 // What a file holds is only known when it is read; made meshes are counted here, so that a short scene cannot ask for
@@ -262,18 +260,10 @@ wisp_status scene_read_surfaces( scene_reader* r, const scene_node* node, void* 
     wisp_status status =
         scene_begin_list( r, node, "a list of surfaces", WISP_SCENE_MAX_SURFACES, sizeof *scene->surfaces, &items );
     scene->surfaces = items;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, scene->surface_count );
-        status = read_entry( r, item, &scene->surfaces[scene->surface_count++] );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
+    status = status ? status : scene_read_items( r, node, read_entry, scene );
     status = status
                  ? status
                  : scene_register( r, SCENE_SURFACE, scene->surfaces, sizeof *scene->surfaces, scene->surface_count );
-    status = status ? status : find_sources( r, node );
+    status = status ? status : scene_read_items( r, node, bind_instance, NULL );
     return status ? status : count_vertices( r, node );
 }

@@ -27,8 +27,8 @@ extern "C"
         char* name;                ///< null if it has none; belongs to the skeleton
         int32_t parent;            ///< below the own number; -1: none
         wisp_joint_transform rest; ///< relative to the parent, where no track moves it
-        wisp_affine
-            inverse_bind; ///< from the space of the mesh to that of the joint in the bind pose; identity if no vertex follows
+        wisp_affine inverse_bind;  ///< from the space of the mesh to that of the joint in the bind pose; identity if
+                                   ///< no vertex follows
     } wisp_joint;
 
     /// A hierarchy of joints, parents first. Zero-initialised is empty. Arrays are of malloc() and belong to the skeleton. Nodes of a
@@ -76,9 +76,8 @@ extern "C"
         wisp_interpolation interpolation;
         int key_count; ///< >= 1
         float* times;  ///< [key_count] s, ascending
-        float*
-            values; ///< [key_count][3 or 4]; cubic: [key_count][3][3 or 4], the tangent before, the value, the tangent after, in
-                    ///< units per second
+        float* values; ///< [key_count][3 or 4]; cubic: [key_count][3][3 or 4], the tangent before, the value, the
+                       ///< tangent after, in units per second
     } wisp_animation_track;
 
     /// A clip. Zero-initialised is empty. Arrays and the name are of malloc() and belong to it.

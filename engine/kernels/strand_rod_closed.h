@@ -3,6 +3,8 @@
 // and the response of those to the vertices 0 and 1 (modules/strands/closed_rods.c).
 #pragma once
 
+#include "strand_rod_twist.h"
+
 // Factor of the diagonal of twist: a rod without rest curvature may turn about itself as a whole, and nothing holds it.
 #define CLOSED_DIAGONAL ( 1.0f + 1e-5f )
 
@@ -198,8 +200,10 @@ LANE_INLINE const float* response_at( const wisp_strand_rod_args* args, int row 
 static joint_load eliminate_closed( const wisp_strand_rod_args* args, int first, int last, lane16v end )
 {
     const lane16 zero = lane16_zero();
-    lane16v before = end, y1 = { zero, zero, zero }, y2 = y1;
-    joint_load joint = { y1, y1 };
+    const lane16v none = { zero, zero, zero };
+    lane16v before = end;
+    joint_load joint = { none, none };
+    forward_sweep sweep = { none, none };
     for ( int row = first; row + 1 < last; ++row )
     {
         float* at = scratch_at( args, row, first );
@@ -207,7 +211,7 @@ static joint_load eliminate_closed( const wisp_strand_rod_args* args, int first,
         const float* factor = args->factor + (size_t)row * STRIDE;
         const float* response = response_at( args, row );
         const lane16m is_segment = lane16_lt( zero, lanes_of( args->inverse_length, row ) );
-        lane16v y = { zero, zero, zero };
+        lane16v y = none;
         if ( row < first + 2 )
         {
             joint.r0 = row == first ? r : joint.r0;
@@ -215,16 +219,13 @@ static joint_load eliminate_closed( const wisp_strand_rod_args* args, int first,
         }
         else
         {
-            const lane16v z = lane16v_select( is_segment, r, y ); // of a vertex, not of the joint again
+            const lane16v z = lane16v_select( is_segment, r, none ); // of a vertex, not of the joint again
             joint.r0 = lane16v_sub( joint.r0, lane16v_scale( z, lane16_load( response ) ) );
             joint.r1 = lane16v_sub( joint.r1, lane16v_scale( z, lane16_load( response + WISP_LANES ) ) );
-            y = lane16v_sub( z, lane16v_scale( y1, lane16_load( factor + WISP_LANES ) ) );
-            y = lane16v_sub( y, lane16v_scale( y2, lane16_load( factor + 2 * WISP_LANES ) ) );
+            y = forward_row( &sweep, factor, z );
         }
         lane16v_store( at + SOLVED, y );
         before = gradient;
-        y2 = y1;
-        y1 = y;
     }
     return joint;
 }
@@ -232,26 +233,16 @@ static joint_load eliminate_closed( const wisp_strand_rod_args* args, int first,
 // Substitutes back. @return the displacements of the vertices 0 and 1
 static joint_load substitute_closed( const wisp_strand_rod_args* args, int first, int last, joint_load joint )
 {
-    const lane16 zero = lane16_zero();
     const float *s0 = response_at( args, first ), *s1 = response_at( args, first + 1 );
     const lane16 s00 = lane16_load( s0 ), s01 = lane16_load( s0 + WISP_LANES ), s11 = lane16_load( s1 + WISP_LANES );
     const joint_load moved = { lane16v_add( lane16v_scale( joint.r0, s00 ), lane16v_scale( joint.r1, s01 ) ),
                                lane16v_add( lane16v_scale( joint.r0, s01 ), lane16v_scale( joint.r1, s11 ) ) };
-    lane16v x1 = { zero, zero, zero }, x2 = x1;
-    lane16 first_band = zero, second_band = zero, second_band_behind = zero;
+    backward_sweep sweep = backward_begin();
     for ( int row = last - 2; row >= first + 2; --row )
     {
         const float* factor = args->factor + (size_t)row * STRIDE;
         float* at = scratch_at( args, row, first ) + SOLVED;
-        lane16v x = lane16v_scale( lane16v_load( at ), lane16_load( factor ) );
-        x = lane16v_sub( x, lane16v_scale( x1, first_band ) );
-        x = lane16v_sub( x, lane16v_scale( x2, second_band_behind ) );
-        lane16v_store( at, x );
-        second_band_behind = second_band;
-        first_band = lane16_load( factor + WISP_LANES );
-        second_band = lane16_load( factor + 2 * WISP_LANES );
-        x2 = x1;
-        x1 = x;
+        lane16v_store( at, backward_row( &sweep, factor, lane16v_load( at ) ) );
     }
     return moved;
 }

@@ -5,6 +5,8 @@
 //   T' y = -C,   T' z = u,   dlambda = y - z (v . y) / (1 + v . z)
 #pragma once
 
+#include "strand_stretch_reset.h"
+
 // Values of a row of a closed strand in scratch.
 enum
 {

@@ -16,7 +16,7 @@ enum
     SLICE_GRAIN = 128, // slices of eight rows per block
 };
 
-static levels_columns columns_of( wisp_frame* frame, wisp_entity entity )
+levels_columns levels_columns_of( wisp_frame* frame, wisp_entity entity )
 {
     return ( levels_columns ){
         .substeps = wisp_frame_column( frame, entity, WISP_SURFACE_LEVELS, 0 ),
@@ -26,7 +26,7 @@ static levels_columns columns_of( wisp_frame* frame, wisp_entity entity )
     };
 }
 
-static levels_surface surface_of( wisp_frame* frame, wisp_entity entity )
+levels_surface levels_surface_of( wisp_frame* frame, wisp_entity entity )
 {
     return ( levels_surface ){
         .fabric = wisp_frame_fabric( frame, entity ),
@@ -36,102 +36,11 @@ static levels_surface surface_of( wisp_frame* frame, wisp_entity entity )
     };
 }
 
-static const wisp_fabric_level* coarsest_of( const wisp_fabric* f )
-{
-    return f->levels + f->level_count - 1;
-}
-
-// ---- masses ----
-
-// Adds the masses of the next finer rows to those that carry them.
-static void add_masses( const wisp_fabric_level* level, const double* finer, double* mass )
-{
-    memset( mass, 0, (size_t)level->row_count * sizeof( double ) );
-    for ( int row = 0; row < level->finer_row_count; ++row )
-    {
-        for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
-        {
-            const size_t at = levels_parent_at( row, k );
-            mass[level->parent_x4[at] / 4] += (double)level->weight[at] * finer[row];
-        }
-    }
-}
-
-// Finds the inverse masses of all levels. A coarse vertex is pinned where the surface is.
-static bool find_masses( wisp_frame* frame, const wisp_span* span )
-{
-    const wisp_fabric* f = wisp_frame_fabric( frame, span->entity );
-    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    float* inverse_mass = wisp_frame_column( frame, span->entity, WISP_LEVEL_MASS, 0 );
-    const size_t room = ( (size_t)f->slot_count + (size_t)f->levels[0].row_count ) * sizeof( double );
-    double* finer = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, room );
-    if ( finer == NULL )
-    {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the coarse sheets of %d particles",
-                         f->slot_count );
-        return false;
-    }
-    double* mass = finer + f->slot_count;
-    for ( int slot = 0; slot < f->slot_count; ++slot )
-    {
-        const double w = (double)position[4 * slot + 3];
-        finer[slot] = w > 0.0 ? 1.0 / w : 0.0;
-    }
-    for ( int l = 0; l < f->level_count; ++l )
-    {
-        const wisp_fabric_level* level = f->levels + l;
-        add_masses( level, finer, mass );
-        for ( int row = 0; row < level->row_count; ++row )
-        {
-            const bool moves =
-                row < level->vertex_count && position[level->slot_x4[row] + 3] > 0.0f && mass[row] > 0.0;
-            finer[row] = moves ? mass[row] : 0.0;
-            inverse_mass[level->first_row + row] = moves ? (float)( 1.0 / mass[row] ) : 0.0f;
-        }
-    }
-    return true;
-}
-
-static bool has_restarted( wisp_frame* frame, wisp_entity entity, void* user )
-{
-    (void)user;
-    return *columns_of( frame, entity ).state == LEVELS_RESTARTED;
-}
-
-static void gather_rows( const wisp_fabric_level* level, const float* from, float* to )
+void levels_gather_rows( const wisp_fabric_level* level, const float* from, float* to )
 {
     for ( int row = 0; row < level->row_count; ++row )
     {
         memcpy( to + 4 * row, from + level->slot_x4[row], 4 * sizeof( float ) );
-    }
-}
-
-// @return the most pins between rows that a level has
-static int count_pins( const levels_surface* s )
-{
-    int most = 0;
-    for ( int l = 0; l < s->fabric->level_count; ++l )
-    {
-        const int count = levels_find_pins( s, l, NULL, 0 );
-        most = count > most ? count : most;
-    }
-    return most;
-}
-
-// Forgets the history. Velocities are those before the forces of this step.
-static void restart( wisp_frame* frame, const wisp_span* span, void* user )
-{
-    (void)user;
-    const levels_columns columns = columns_of( frame, span->entity );
-    const wisp_fabric* f = wisp_frame_fabric( frame, span->entity );
-    if ( find_masses( frame, span ) )
-    {
-        const float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
-        gather_rows( coarsest_of( f ), velocity, wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 0 ) );
-        gather_rows( coarsest_of( f ), velocity, wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 4 ) );
-        const levels_surface surface = surface_of( frame, span->entity );
-        *columns.pins = count_pins( &surface );
-        *columns.state = LEVELS_FIRST;
     }
 }
 
@@ -211,10 +120,10 @@ typedef struct levels_memory
 static bool take_memory( wisp_frame* frame, const wisp_span* span, levels_memory* out )
 {
     const wisp_fabric* f = wisp_frame_fabric( frame, span->entity );
-    const wisp_fabric_level* last = coarsest_of( f );
+    const wisp_fabric_level* last = levels_coarsest( f );
     const size_t rows = 4 * (size_t)( last->first_row + last->row_count ), own = 4 * (size_t)last->row_count;
     const size_t links = (size_t)( last->first_link + last->schedule.slot_count );
-    const size_t pins = (size_t)*columns_of( frame, span->entity ).pins;
+    const size_t pins = (size_t)*levels_columns_of( frame, span->entity ).pins;
     float* at =
         wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
                                ( 2 * rows + 2 * own + 3 * links ) * sizeof( float ) + pins * sizeof( levels_pin ) );
@@ -267,8 +176,8 @@ static levels_sheet sheet_of( wisp_frame* frame, const wisp_span* span, const le
 static void set_pins( wisp_frame* frame, const wisp_span* span, const levels_memory* m, int number,
                       levels_sheet* sheet )
 {
-    const levels_surface surface = surface_of( frame, span->entity );
-    const int room = *columns_of( frame, span->entity ).pins;
+    const levels_surface surface = levels_surface_of( frame, span->entity );
+    const int room = *levels_columns_of( frame, span->entity ).pins;
     const int count = room > 0 ? levels_find_pins( &surface, number, m->pins, room ) : 0;
     sheet->pins = m->pins;
     sheet->pin_count = count < room ? count : room;
@@ -361,9 +270,9 @@ static bool move_coarsest( wisp_frame* frame, const wisp_span* span, const level
     float* target = m->moved + 4 * (size_t)level->first_row;
     float* velocity = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 0 );
     float* mean = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 3 );
-    gather_rows( level, sheet->links.particle, target );
-    gather_rows( level, wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ), at );
-    gather_rows( level, wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ), m->acceleration );
+    levels_gather_rows( level, sheet->links.particle, target );
+    levels_gather_rows( level, wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ), at );
+    levels_gather_rows( level, wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ), m->acceleration );
     set_masses( frame, span, level, at );
     memcpy( mean, at, bytes );
     for ( int i = 0; i < 4 * level->row_count; ++i )
@@ -379,7 +288,7 @@ static bool move_coarsest( wisp_frame* frame, const wisp_span* span, const level
         .change = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 1 ),
         .lag = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, 2 ),
         .dt = dt,
-        .columns = columns_of( frame, span->entity ),
+        .columns = levels_columns_of( frame, span->entity ),
     };
     if ( levels_move_carrier( &carrier ) == false )
     {
@@ -402,7 +311,7 @@ static void move_sheet( wisp_frame* frame, const wisp_span* span, const levels_m
 {
     const wisp_fabric_level* level = sheet->level;
     float *at = sheet->links.position, *moved = m->moved + 4 * (size_t)level->first_row;
-    gather_rows( level, sheet->links.particle, at );
+    levels_gather_rows( level, sheet->links.particle, at );
     memcpy( moved, at, 4 * (size_t)level->row_count * sizeof( float ) );
     set_masses( frame, span, level, at );
     prolong( coarser, m->moved + 4 * (size_t)coarser->level->first_row, at, at );
@@ -460,7 +369,7 @@ static void carry_velocity( wisp_frame* frame, const wisp_span* span, void* user
     {
         motion[k] = wisp_frame_column( frame, span->entity, WISP_LEVEL_MOTION, k );
     }
-    const wisp_fabric_level* coarsest = coarsest_of( f );
+    const wisp_fabric_level* coarsest = levels_coarsest( f );
     float *value = m.moved + 4 * (size_t)coarsest->first_row, *sum = m.at + 4 * (size_t)coarsest->first_row;
     const bool is_second_order = levels_find_added( coarsest, velocity, motion, sum, value );
     wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, is_second_order ? 0u : 1u );
@@ -481,7 +390,7 @@ static void carry_velocity( wisp_frame* frame, const wisp_span* span, void* user
             prolong( &sheet, value, position, velocity );
         }
     }
-    gather_rows( coarsest, velocity, motion[0] );
+    levels_gather_rows( coarsest, velocity, motion[0] );
 }
 
 wisp_status passes_declare_levels( wisp_registry* registry )
@@ -494,8 +403,8 @@ wisp_status passes_declare_levels( wisp_registry* registry )
             .required = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_MOTION },
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_VELOCITY, WISP_SURFACE_LEVELS },
             .writes = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_MOTION },
-            .should_run = has_restarted,
-            .run = restart,
+            .should_run = levels_have_restarted,
+            .run = levels_restart,
         },
         {
             .name = "surface.levels",

@@ -31,6 +31,22 @@ typedef struct levels_surface
     const float* inverse_mass; ///< [row] 1/kg, of all levels
 } levels_surface;
 
+// levels.c
+levels_columns levels_columns_of( wisp_frame* frame, wisp_entity entity );
+levels_surface levels_surface_of( wisp_frame* frame, wisp_entity entity );
+/// Copy what the vertices of a level have. @param from [slot][4] @param to [row][4]
+void levels_gather_rows( const wisp_fabric_level* level, const float* from, float* to );
+
+static inline const wisp_fabric_level* levels_coarsest( const wisp_fabric* f )
+{
+    return f->levels + f->level_count - 1;
+}
+
+// levels_restart.c
+bool levels_have_restarted( wisp_frame* frame, wisp_entity entity, void* user );
+/// Forget the history. Velocities are those before the forces of this step.
+void levels_restart( wisp_frame* frame, const wisp_span* span, void* user );
+
 /// A pinned vertex of the surface between rows of a sheet.
 typedef struct levels_pin
 {

@@ -52,6 +52,14 @@ typedef struct box_level
     int32_t cell_first; ///< index of the level's first cell among the cells of all levels
 } box_level;
 
+/// Return the cell of a coordinate along an axis. Clamps before the conversion to an integer, since a query may be anywhere.
+static inline int box_cell_along( const box_level* level, float coordinate, int axis )
+{
+    float cell = ( coordinate - level->origin[axis] ) * level->inverse[axis];
+    cell = cell > 0.0f ? cell : 0.0f;
+    return (int)( cell < level->last[axis] ? cell : level->last[axis] );
+}
+
 typedef struct box_grid
 {
     wisp_aabb_stream stream; ///< slots, sorted by level, cell and box index

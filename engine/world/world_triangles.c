@@ -41,9 +41,9 @@ static bool keep_rows( const store* s, const store_entity* e, wisp_table table, 
         out->bytes += is_held( s, e, c, table ) ? rows * row_bytes( s->components + c ) : 0;
     }
     out->data = out->bytes > 0 ? base_allocate( s->allocator, out->bytes, BASE_BUFFER_ALIGNMENT ) : NULL;
-    if ( out->bytes > 0 && out->data == NULL )
+    if ( out->data == NULL )
     {
-        return false;
+        return out->bytes == 0;
     }
     char* cursor = out->data;
     for ( int c = 1; c < s->component_count; ++c )
@@ -62,7 +62,7 @@ static bool keep_rows( const store* s, const store_entity* e, wisp_table table, 
 static void put_rows( const store* s, const store_entity* e, wisp_table table, const kept_rows* kept, int kept_count,
                       const int32_t* origins )
 {
-    const char* from = kept->data;
+    size_t first = 0; // byte of a column in what was kept
     for ( int c = 1; c < s->component_count; ++c )
     {
         for ( int k = 0; k < s->components[c].def.column_count && is_held( s, e, c, table ); ++k )
@@ -73,14 +73,14 @@ static void put_rows( const store* s, const store_entity* e, wisp_table table, c
             {
                 if ( origins[row] >= 0 )
                 {
-                    memcpy( to + (size_t)row * size, from + (size_t)origins[row] * size, size );
+                    memcpy( to + (size_t)row * size, kept->data + first + (size_t)origins[row] * size, size );
                 }
                 else
                 {
                     memset( to + (size_t)row * size, 0, size );
                 }
             }
-            from += (size_t)kept_count * size;
+            first += (size_t)kept_count * size;
         }
     }
 }

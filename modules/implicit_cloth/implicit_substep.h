@@ -53,3 +53,15 @@ bool implicit_find_room( implicit_substep* s, int worker );
 void implicit_set_kept( wisp_frame* frame, const wisp_span* span, implicit_substep* s );
 /// Bring the rows of bending up to date, if the material has them.
 void implicit_set_plate( wisp_frame* frame, const wisp_span* span, implicit_substep* s );
+
+/// Run over the slices of the surface, in its blocks.
+static inline void implicit_for_slices( implicit_substep* s, wisp_range_fn* run )
+{
+    wisp_parallel_for( s->system.parallel, s->system.links->slice_count, s->system.grain, run, s );
+}
+
+// implicit_newton.c
+/// Assemble forces and their derivatives where the solves have come to. @return links without direction
+int implicit_assemble( implicit_substep* s, bool repeat );
+/// Solve and move, until the substep is done.
+void implicit_iterate( wisp_frame* frame, implicit_substep* s, implicit_tally* total );

@@ -10,10 +10,6 @@
 
 #include <string.h>
 
-// Largest EI' / EI. The flatness sqrt( 1 - EI / EI' ) is in single precision, and EI is what it leaves of EI': 0.05 % off at
-// 1e4, 1 % at 1e5, nothing that is left, and rest shapes that are NaN, from 3e7 on.
-#define MAX_EDGEWISE 1e5f
-
 void wisp_init_strand_dynamics_def( wisp_strand_dynamics_def* def, size_t size )
 {
     const wisp_strand_dynamics_def values = {
@@ -36,180 +32,6 @@ void wisp_init_strand_dynamics_def( wisp_strand_dynamics_def* def, size_t size )
         .teleport = 5.0f,
     };
     wisp_def_init( def, size, &values, sizeof( values ) );
-}
-
-// ---- checks ----
-
-static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_def* d )
-{
-    const wisp_number_range ranges[] = {
-        { "stretch", (float)d->stretch, 0.0f, (float)( WISP_STRAND_STRETCH_COUNT - 1 ) },
-        { "stretch_passes", (float)d->stretch_passes, 1.0f, 16.0f },
-        { "stretch_tolerance", d->stretch_tolerance, 1e-6f, 1.0f },
-        { "integrator", (float)d->integrator, 0.0f, (float)( WISP_INTEGRATOR_COUNT - 1 ) },
-        { "leader_correction", d->leader_correction, 0.0f, 1.0f },
-        { "bending", (float)d->bending, 0.0f, (float)( WISP_STRAND_BEND_COUNT - 1 ) },
-        { "bend_rigidity", d->bend_rigidity, 0.0f, 1e12f },
-        { "twist_rigidity", d->twist_rigidity, 0.0f, 1e12f },
-        { "edgewise_rigidity", d->edgewise_rigidity, 0.0f, 1e12f },
-        { "natural_twist", d->natural_twist, -1e5f, 1e5f },
-        { "closing_twist", d->closing_twist, -1e4f, 1e4f },
-        { "bend_damping", d->bend_damping, 0.0f, 1e3f },
-        { "rest", (float)d->rest, 0.0f, (float)( WISP_STRAND_REST_COUNT - 1 ) },
-        { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
-        { "stretch_compliance", d->stretch_compliance, 0.0f, 1e12f },
-        { "bend_compliance", d->bend_compliance, 0.0f, 1e12f },
-        { "stretch_stiffness", d->stretch_stiffness, 0.0f, 1.0f },
-        { "bend_stiffness", d->bend_stiffness, 0.0f, 1.0f },
-        { "line_density", d->line_density, 1e-12f, 1e12f },
-        { "vertex_mass", d->vertex_mass, 0.0f, 1e12f },
-        { "damping", d->damping, 0.0f, 1e9f },
-        { "air_density", d->air_density, 0.0f, 1e6f },
-        { "drag_coefficient", d->drag_coefficient, 0.0f, 1e6f },
-        { "diameter", d->diameter, 1e-12f, 1e6f },
-        { "teleport", d->teleport, 1e-6f, 1e12f },
-    };
-    return wisp_world_check_ranges( world, "strands", ranges, WISP_COUNT( ranges ) );
-}
-
-static wisp_status check_vector( wisp_world* world, const char* name, wisp_vec3 v, float most )
-{
-    if ( !( strands_norm( v ) <= most ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: %s (%g, %g, %g) is not finite or above %g", name,
-                                (double)v.x, (double)v.y, (double)v.z, (double)most );
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_integrator( wisp_world* world, const wisp_strand_dynamics_def* d )
-{
-    if ( d->integrator == WISP_INTEGRATOR_BDF2 && d->stretch != WISP_STRAND_STRETCH_DIRECT )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "strands: got integrator bdf2 with stretch %s, expected direct",
-                                d->stretch == WISP_STRAND_STRETCH_LINKS ? "links" : "follow" );
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_section( wisp_world* world, const wisp_strand_dynamics_def* d )
-{
-    const wisp_vec3 n = d->flat_normal;
-    const bool is_flat = d->edgewise_rigidity > 0.0f;
-    if ( is_flat && ( d->edgewise_rigidity < d->bend_rigidity || d->bend_rigidity <= 0.0f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "strands: got edgewise_rigidity %g with bend_rigidity %g, expected 0 or at least a "
-                                "bend_rigidity above 0",
-                                (double)d->edgewise_rigidity, (double)d->bend_rigidity );
-    }
-    if ( is_flat && d->edgewise_rigidity > MAX_EDGEWISE * d->bend_rigidity )
-    {
-        return wisp_world_fail(
-            world, WISP_BAD_INPUT,
-            "strands: got edgewise_rigidity %g with bend_rigidity %g, expected at most %g times it",
-            (double)d->edgewise_rigidity, (double)d->bend_rigidity, (double)MAX_EDGEWISE );
-    }
-    if ( is_flat && d->bending != WISP_STRAND_BEND_ROD )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "strands: got edgewise_rigidity %g with bending other than rod",
-                                (double)d->edgewise_rigidity );
-    }
-    if ( is_flat == false && ( d->natural_twist != 0.0f || n.x != 0.0f || n.y != 0.0f || n.z != 0.0f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "strands: natural_twist and flat_normal need an edgewise_rigidity above 0" );
-    }
-    return check_vector( world, "flat_normal", n, 1e6f );
-}
-
-// Check what free roots and closed strands do without.
-static wisp_status check_free( wisp_world* world, wisp_entity strands, const strands_state* s,
-                               const wisp_strand_dynamics_def* d )
-{
-    const char* name = d->closed ? "closed" : "free_roots";
-    const bool rod = d->bending == WISP_STRAND_BEND_ROD;
-    if ( ( d->closed == false || rod == false ) && d->closing_twist != 0.0f )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: closing_twist needs closed and bending rod" );
-    }
-    if ( d->closed == false && d->free_roots == false )
-    {
-        return WISP_OK;
-    }
-    if ( rod && d->rest == WISP_STRAND_REST_SAG_FREE )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "strands: got %s with rest sag_free, expected shape or straight", name );
-    }
-    if ( d->closed && ( d->stretch != WISP_STRAND_STRETCH_DIRECT || d->bending == WISP_STRAND_BEND_LINKS ||
-                        d->integrator != WISP_INTEGRATOR_EULER || d->edgewise_rigidity > 0.0f ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "strands: closed needs stretch direct, bending rod or none, integrator euler and no "
-                                "edgewise_rigidity" );
-    }
-    if ( wisp_world_has( world, strands, s->anchor ) || wisp_world_has( world, strands, s->tips ) )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT,
-                                "strands: got %s for entity %u, whose roots are on a surface or whose tips are held",
-                                name, strands.index );
-    }
-    return WISP_OK;
-}
-
-// Check that each strand is a loop whose segments have a length.
-static wisp_status check_loops( wisp_world* world, wisp_entity strands )
-{
-    const wisp_strand_topology* t = wisp_world_strands( world, strands );
-    const float* rest = wisp_world_column( world, strands, WISP_STRAND_REST, 0 );
-    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
-    {
-        if ( t->lane_count[i] > 0 &&
-             strands_is_loop( rest, t->group_row[i / WISP_LANES], t->lane_count[i], i % WISP_LANES ) == false )
-        {
-            return wisp_world_fail(
-                world, WISP_BAD_INPUT,
-                "strands: strand %d is no loop, closed needs at least four vertices and the last on "
-                "the first",
-                t->lane_strand[i] );
-        }
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_lists( wisp_world* world, const wisp_strand_topology* t, const wisp_strand_dynamics_def* d )
-{
-    for ( int v = 0; d->vertex_masses != NULL && v < t->vertex_count; ++v )
-    {
-        if ( !( d->vertex_masses[v] >= 1e-15f && d->vertex_masses[v] <= 1e12f ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "strands: the mass of vertex %d is %g kg, it must be 1e-15 to 1e12", v,
-                                    (double)d->vertex_masses[v] );
-        }
-    }
-    if ( d->vertex_mass != 0.0f && d->vertex_mass < 1e-15f )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: vertex_mass is %g kg, it must be 0 or 1e-15 to 1e12",
-                                (double)d->vertex_mass );
-    }
-    if ( d->pin_count < 0 || ( d->pin_count > 0 && d->pins == NULL ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: %d pins without a list of them", d->pin_count );
-    }
-    for ( int k = 0; k < d->pin_count; ++k )
-    {
-        if ( d->pins[k] < 0 || d->pins[k] >= t->vertex_count )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "strands: pin %d is vertex %d, the strands have %d vertices", k, d->pins[k],
-                                    t->vertex_count );
-        }
-    }
-    return WISP_OK;
 }
 
 static wisp_status find_strands( wisp_world* world, wisp_entity strands, strands_state** state )
@@ -493,7 +315,7 @@ static void cook( wisp_world* world, wisp_entity strands, const strands_state* s
     forget_history( world, strands, s );
 }
 
-// ---- calls ----
+// ---- the call of the host ----
 
 wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, const wisp_strand_dynamics_def* given )
 {
@@ -503,14 +325,7 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
     WISP_TRY( wisp_world_check_entity( world, strands ) );
     strands_state* s;
     wisp_status status = find_strands( world, strands, &s );
-    status = status == WISP_OK ? check_ranges( world, def ) : status;
-    status = status == WISP_OK ? check_vector( world, "gravity", def->gravity, 1e6f ) : status;
-    status = status == WISP_OK ? check_vector( world, "wind", def->wind, 1e5f ) : status;
-    status = status == WISP_OK ? check_integrator( world, def ) : status;
-    status = status == WISP_OK ? check_section( world, def ) : status;
-    status = status == WISP_OK ? check_free( world, strands, s, def ) : status;
-    status = status == WISP_OK && def->closed ? check_loops( world, strands ) : status;
-    status = status == WISP_OK ? check_lists( world, wisp_world_strands( world, strands ), def ) : status;
+    status = status == WISP_OK ? strands_check_definition( world, strands, s, def ) : status;
     if ( status != WISP_OK )
     {
         return status;
@@ -545,122 +360,6 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
         // tensions are not solved any more, and a rod must not apply old ones
         const size_t rows = (size_t)wisp_world_strands( world, strands )->row_count;
         memset( tension, 0, rows * WISP_LANES * sizeof( float ) );
-    }
-    return WISP_OK;
-}
-
-wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_vec3 wind )
-{
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
-    strands_state* s;
-    wisp_status status = strands_find( world, strands, &s );
-    status = status == WISP_OK ? check_vector( world, "wind", wind, 1e5f ) : status;
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    strands_air* air = wisp_world_column( world, strands, s->air, 0 );
-    if ( air == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u has no air: give it drag first",
-                                strands.index );
-    }
-    air->wind = wind;
-    return WISP_OK;
-}
-
-wisp_status wisp_set_strand_gravity( wisp_world* world, wisp_entity strands, wisp_vec3 gravity )
-{
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
-    strands_state* s;
-    wisp_status status = strands_find( world, strands, &s );
-    status = status == WISP_OK ? check_vector( world, "gravity", gravity, 1e5f ) : status;
-    if ( status == WISP_OK )
-    {
-        strands_settings* settings = wisp_world_column( world, strands, s->settings, 0 );
-        settings->gravity = gravity;
-    }
-    return status;
-}
-
-wisp_status wisp_read_strand_tension( wisp_world* world, wisp_entity strands, float* tensions )
-{
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
-    WISP_TRY( wisp_world_check_pointer( world, "tensions", tensions ) );
-    strands_state* s;
-    wisp_status status = strands_find( world, strands, &s );
-    if ( status == WISP_OK && wisp_world_has( world, strands, s->direct ) == false )
-    {
-        status = wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u does not stretch by the direct solve",
-                                  strands.index );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    const wisp_strand_topology* t = wisp_world_strands( world, strands );
-    const float* tension = wisp_world_column( world, strands, s->tension, 0 );
-    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
-    {
-        for ( int v = 0; v < t->lane_count[i]; ++v )
-        {
-            const float value = tension[strands_scalar( t->group_row[i / WISP_LANES] + v, i % WISP_LANES )];
-            tensions[t->offsets[t->lane_strand[i]] + v] = v + 1 < t->lane_count[i] ? value : 0.0f;
-        }
-    }
-    return WISP_OK;
-}
-
-static double length_of( const wisp_strand_topology* t, const float* length, int lane )
-{
-    double sum = 0.0;
-    for ( int v = 0; v + 1 < t->lane_count[lane]; ++v )
-    {
-        sum += (double)length[strands_scalar( t->group_row[lane / WISP_LANES] + v, lane % WISP_LANES )];
-    }
-    return sum;
-}
-
-wisp_status wisp_read_strand_hold( wisp_world* world, wisp_entity strands, wisp_strand_hold* out )
-{
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_strand_hold ){ 0 };
-    WISP_TRY( wisp_world_check_entity( world, strands ) );
-    strands_state* s;
-    wisp_status status = strands_find( world, strands, &s );
-    if ( status == WISP_OK && wisp_world_has( world, strands, s->rod ) == false )
-    {
-        status = wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u does not bend as rods", strands.index );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    const wisp_strand_topology* t = wisp_world_strands( world, strands );
-    const strands_rows rows = strands_rows_of( world, strands );
-    const float* balanced = wisp_world_column( world, strands, s->balance, 0 );
-    const float* held = wisp_world_column( world, strands, s->balance, 2 );
-    const strands_settings* settings = wisp_world_column( world, strands, s->settings, 0 );
-    const strands_section* section = wisp_world_column( world, strands, s->section, 0 );
-    const double flat = section != NULL ? (double)section->flatness : 0.0;
-    const double rigidity = (double)settings->bend_rigidity * ( 1.0 - flat * flat );
-    *out = ( wisp_strand_hold ){ .bend_rigidity = (float)rigidity };
-    double least = 2.0;
-    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
-    {
-        const bool is_known = balanced != NULL && balanced[i / WISP_LANES] != 0.0f;
-        const double own = is_known ? (double)held[i] : 1.0;
-        if ( t->lane_count[i] > 1 && own < least )
-        {
-            least = own;
-            out->max_length = (float)( cbrt( own ) * length_of( t, rows.length, i ) );
-            out->bend_rigidity = (float)( rigidity / own );
-        }
-        out->sagging += t->lane_count[i] > 1 && own < 1.0 ? 1 : 0;
     }
     return WISP_OK;
 }

@@ -68,3 +68,26 @@ static inline void demand_refusal( const char* text, const char* message )
     assert_null( f.world.world );
     wisp_scene_release( &f.scene );
 }
+
+static inline wisp_vec3 point_of( fixture* f, int body, int vertex )
+{
+    wisp_vec3* points = checked_calloc( (size_t)scene_world_body( &f->world, body ).vertex_count, sizeof *points );
+    if ( scene_world_points( &f->world, body, points, &f->error ) != WISP_OK )
+    {
+        fail_msg( "no points: %s", f->error.message );
+    }
+    wisp_vec3 point = points[vertex];
+    free( points );
+    return point;
+}
+
+// Turns are made of a sine within 1e-7, and lengths here are below 10 m.
+static inline void assert_point_at( wisp_vec3 v, float x, float y, float z )
+{
+    const float tolerance = 1e-5f;
+    if ( !( fabsf( v.x - x ) < tolerance && fabsf( v.y - y ) < tolerance && fabsf( v.z - z ) < tolerance ) )
+    {
+        fail_msg( "(%g, %g, %g) is not (%g, %g, %g)", (double)v.x, (double)v.y, (double)v.z, (double)x, (double)y,
+                  (double)z );
+    }
+}

@@ -330,6 +330,7 @@ static uint64_t hash_after( int workers, int steps, int restore_at )
         g.world.next_step = f.world.next_step;
         g.world.next_event = f.world.next_event;
         free( bytes );
+        g.world.scene = &f.scene; // that of g ends here
         scene_world_destroy( &f.world );
         f.world = g.world;
         step( &f, steps - restore_at );

@@ -15,14 +15,6 @@ static wisp_vec3* points_of( fixture* f, int body )
     return points;
 }
 
-static wisp_vec3 point_of( fixture* f, int body, int vertex )
-{
-    wisp_vec3* points = points_of( f, body );
-    const wisp_vec3 point = points[vertex];
-    free( points );
-    return point;
-}
-
 static float distance( wisp_vec3 a, wisp_vec3 b )
 {
     return sqrtf( ( a.x - b.x ) * ( a.x - b.x ) + ( a.y - b.y ) * ( a.y - b.y ) + ( a.z - b.z ) * ( a.z - b.z ) );

@@ -1,5 +1,5 @@
 // Closed strands: systems around the loop, written down entry by entry and solved dense.
-#include "strand_oracle.h"
+#include "strand_oracle_rod.h"
 
 #include <string.h>
 
@@ -138,4 +138,38 @@ void strand_oracle_closed_move( strand_oracle* strand, double scale, double3* ri
             double3_add( strand->position[i], double3_make( x[3 * i], x[3 * i + 1], x[3 * i + 2] ) );
     }
     strand->position[n] = strand->position[0];
+}
+
+void rod_closed_turns( const strand_oracle* strand, const rod_vertex* v, double* turn )
+{
+    const int n = strand->count - 1;
+    double matrix[MAX_STRAND_ORACLE * MAX_STRAND_ORACLE] = { 0.0 };
+    for ( int s = 0; s < n; ++s )
+    {
+        const int next = ( s + 1 ) % n, before = ( s + n - 1 ) % n;
+        const double own = strand->twist_stiffness[s], behind = strand->twist_stiffness[next];
+        matrix[s * n + s] += ( own + v[s].slope + behind + v[next].slope ) * ( 1.0 + 1e-5 );
+        matrix[s * n + before] += v[s].slope - own;
+        matrix[s * n + next] += v[next].slope - behind;
+        turn[s] = -( v[s].moment - v[next].moment + 0.5 * ( v[s].load + v[next].load ) );
+    }
+    strand_oracle_solve( n, matrix, 1, turn );
+}
+
+void rod_closed_rate( const strand_oracle* strand, const double3* way, double3* gradient )
+{
+    for ( int i = 0; i < rod_bending_count( strand ); ++i )
+    {
+        const int n = strand->count - 1, at[3] = { ( i + n - 1 ) % n, i, ( i + 1 ) % n };
+        const double a = 1.0 / strand->length[at[0]], b = 1.0 / strand->length[i], c[3] = { a, -a - b, b };
+        double3 change = rod_none;
+        for ( int k = 0; k < 3; ++k )
+        {
+            change = double3_add_scaled( change, c[k], way[at[k]] );
+        }
+        for ( int k = 0; k < 3; ++k )
+        {
+            gradient[at[k]] = double3_add_scaled( gradient[at[k]], strand->stiffness[i] * c[k], change );
+        }
+    }
 }

@@ -1,88 +1,7 @@
-#include "strand_oracle.h"
+// Rods: stiffness, the matrix and its factors, twist in equilibrium, and a substep.
+#include "strand_oracle_rod.h"
 
-#include <stddef.h>
 #include <string.h>
-
-static const double3 zero = { 0.0, 0.0, 0.0 };
-static const double3 x_axis = { 1.0, 0.0, 0.0 };
-static const double3 z_axis = { 0.0, 0.0, 1.0 };
-
-// ---- rotations ----
-
-strand_oracle_quaternion strand_oracle_about( double3 unit_axis, double angle )
-{
-    const double3 v = double3_scale( sin( 0.5 * angle ), unit_axis );
-    return ( strand_oracle_quaternion ){ v.x, v.y, v.z, cos( 0.5 * angle ) };
-}
-
-strand_oracle_quaternion strand_oracle_product( strand_oracle_quaternion a, strand_oracle_quaternion b )
-{
-    const double3 u = { a.x, a.y, a.z }, v = { b.x, b.y, b.z };
-    const double3 sum = double3_add_scaled( double3_add_scaled( double3_cross( u, v ), a.w, v ), b.w, u );
-    return ( strand_oracle_quaternion ){ sum.x, sum.y, sum.z, a.w * b.w - double3_dot( u, v ) };
-}
-
-double3 strand_oracle_turned( strand_oracle_quaternion q, double3 v )
-{
-    const double3 u = { q.x, q.y, q.z };
-    const double3 across = double3_scale( 2.0, double3_cross( u, v ) );
-    return double3_add( double3_add_scaled( v, q.w, across ), double3_cross( u, across ) );
-}
-
-static strand_oracle_quaternion conjugate( strand_oracle_quaternion q )
-{
-    return ( strand_oracle_quaternion ){ -q.x, -q.y, -q.z, q.w };
-}
-
-static double quaternion_dot( strand_oracle_quaternion a, strand_oracle_quaternion b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
-}
-
-static strand_oracle_quaternion normalised( strand_oracle_quaternion q, strand_oracle_quaternion otherwise )
-{
-    const double length = sqrt( quaternion_dot( q, q ) );
-    if ( !( length > 1e-15 ) )
-    {
-        return otherwise;
-    }
-    return ( strand_oracle_quaternion ){ q.x / length, q.y / length, q.z / length, q.w / length };
-}
-
-strand_oracle_quaternion strand_oracle_smallest( double3 from, double3 to )
-{
-    const strand_oracle_quaternion none = { 0.0, 0.0, 0.0, 1.0 };
-    const double3 axis = double3_cross( from, to );
-    const double cosine = double3_dot( from, to );
-    if ( 1.0 + cosine > 1e-12 )
-    {
-        return normalised( ( strand_oracle_quaternion ){ axis.x, axis.y, axis.z, 1.0 + cosine }, none );
-    }
-    const bool min_x_is = fabs( from.x ) <= fabs( from.y ) && fabs( from.x ) <= fabs( from.z );
-    const bool min_y_is = fabs( from.y ) <= fabs( from.z );
-    const double3 across =
-        double3_make( min_x_is ? 1.0 : 0.0, !min_x_is && min_y_is ? 1.0 : 0.0, !min_x_is && !min_y_is ? 1.0 : 0.0 );
-    const double3 turn = double3_add_scaled( across, -double3_dot( across, from ), from );
-    return normalised( ( strand_oracle_quaternion ){ turn.x, turn.y, turn.z, 0.0 }, none );
-}
-
-strand_oracle_quaternion strand_oracle_carried( strand_oracle_quaternion frame, double3 e )
-{
-    const double length = double3_length( e );
-    if ( !( length > 1e-15 ) )
-    {
-        return frame;
-    }
-    const double3 z = strand_oracle_turned( frame, z_axis );
-    const strand_oracle_quaternion swing = strand_oracle_smallest( z, double3_scale( 1.0 / length, e ) );
-    return normalised( strand_oracle_product( swing, frame ), frame );
-}
-
-// Number of vertices from the root on that may bend.
-static int bending_count( const strand_oracle* strand )
-{
-    return strand->guided ? strand->count : strand->count - 1;
-}
 
 // ---- stiffness ----
 
@@ -94,7 +13,7 @@ void strand_oracle_stiffen( strand_oracle* strand, double bend_rigidity, double 
     for ( int i = 0; i < strand->count; ++i )
     {
         strand->stiffness[i] = strand->twist_stiffness[i] = 0.0;
-        if ( i >= bending_count( strand ) || ( i == 0 && clamped == false ) )
+        if ( i >= rod_bending_count( strand ) || ( i == 0 && clamped == false ) )
         {
             continue;
         }
@@ -125,7 +44,7 @@ void strand_oracle_rod_matrix( const strand_oracle* strand, double scale, double
 {
     const int n = strand->count;
     memset( matrix, 0, sizeof( double ) * (size_t)n * (size_t)n );
-    for ( int i = 0; i < bending_count( strand ); ++i )
+    for ( int i = 0; i < rod_bending_count( strand ); ++i )
     {
         double c[3];
         coefficients( strand, i, c );
@@ -167,250 +86,32 @@ void strand_oracle_rod_factor( strand_oracle* strand, double damping, double dt 
     }
 }
 
-// ---- bending and twist at a vertex ----
-
-typedef struct vertex_state
-{
-    double3 bend;   // t_i - t_{i-1}
-    double3 rest;   // w_i k_i in the world
-    double3 turned; // z_i x w_i k_i
-    double3 kb;
-    double3 before, behind;  // unit directions of the two segments
-    double share, unfolding; // w_i and its derivative by 1 + t_{i-1} . t_i
-    double ratio;            // tan( angle / 4 ) / tan( angle / 2 ) / 2
-    double twist;            // m_i less its rest value, as 2 z' / w'
-    double moment;           // T_i
-    double load;             // b_i
-    double slope;            // derivative of the bending by a turn of one of its two segments
-    double3 soft, edge;      // s_i, and z_i x s_i
-    double across, along;    // C_i . s_i, and (t_i - t_{i-1}) . (z_i x s_i)
-} vertex_state;
-
-static strand_oracle_quaternion frame_before( const strand_oracle* strand, int i )
-{
-    const int before = i > 0 || strand->closed == false ? i - 1 : strand->count - 2;
-    return before >= 0 ? strand->frame[before] : strand_oracle_product( strand->turn, strand->clamp );
-}
-
-static double3 tangent( const strand_oracle* strand, const double3* p, int s )
-{
-    s = s < 0 && strand->closed ? strand->count - 2 : s;
-    if ( s < 0 )
-    {
-        return strand_oracle_turned( frame_before( strand, 0 ), z_axis );
-    }
-    if ( s + 1 == strand->count )
-    {
-        return strand_oracle_turned( strand->frame[s], z_axis );
-    }
-    return double3_scale( 1.0 / strand->length[s], double3_sub( p[s + 1], p[s] ) );
-}
-
-static double3 unit_tangent( const strand_oracle* strand, const double3* p, int s )
-{
-    const double3 t = tangent( strand, p, s );
-    const double length = double3_length( t );
-    s = s < 0 && strand->closed ? strand->count - 2 : s;
-    return length > 1e-15 ? double3_scale( 1.0 / length, t ) : strand_oracle_turned( strand->frame[s], z_axis );
-}
-
-static strand_oracle_quaternion middle_frame( strand_oracle_quaternion a, strand_oracle_quaternion b )
-{
-    const double sign = quaternion_dot( a, b ) < 0.0 ? -1.0 : 1.0;
-    const strand_oracle_quaternion sum = { a.x + sign * b.x, a.y + sign * b.y, a.z + sign * b.z, a.w + sign * b.w };
-    return normalised( sum, a );
-}
-
-// conj( q_{i-1} ) q_i, with the sign that makes it a small rotation.
-static strand_oracle_quaternion relative_frame( strand_oracle_quaternion a, strand_oracle_quaternion b )
-{
-    const strand_oracle_quaternion r = strand_oracle_product( conjugate( a ), b );
-    return r.w < 0.0 ? ( strand_oracle_quaternion ){ -r.x, -r.y, -r.z, -r.w } : r;
-}
-
-static double curvature_denominator( double3 before, double3 behind )
-{
-    return fmax( 1.0 + double3_dot( before, behind ), 0.1 );
-}
-
-// w = f (2 - f): 1 up to a fold of a quarter of that at rest, and falling where the vertex folds further.
-static void fade( const strand_oracle* strand, int i, vertex_state* v )
-{
-    const double at_rest = 2.0 - 0.5 * double3_dot( strand->rest[i], strand->rest[i] );
-    const double begin = 0.25 * fmax( 0.2, fmin( 1.0, at_rest ) );
-    const double f = fmax( 0.1, fmin( 1.0, ( 1.0 + double3_dot( v->before, v->behind ) ) / begin ) );
-    v->share = f * ( 2.0 - f );
-    v->unfolding = 2.0 * ( 1.0 - f ) / begin;
-}
-
-static vertex_state measure_vertex( const strand_oracle* strand, const double3* p, int i )
-{
-    vertex_state v = { .bend = double3_sub( tangent( strand, p, i ), tangent( strand, p, i - 1 ) ) };
-    if ( strand->framed == false )
-    {
-        return v;
-    }
-    const strand_oracle_quaternion a = frame_before( strand, i ), b = strand->frame[i], middle = middle_frame( a, b );
-    const double3 before = unit_tangent( strand, p, i - 1 ), behind = unit_tangent( strand, p, i );
-    v.before = before;
-    v.behind = behind;
-    fade( strand, i, &v );
-    v.ratio = 0.5 * fabs( quaternion_dot( a, b ) ) / ( 1.0 + fabs( quaternion_dot( a, b ) ) );
-    v.rest = double3_scale( v.share, strand_oracle_turned( middle, strand->rest[i] ) );
-    v.turned = double3_cross( strand_oracle_turned( middle, z_axis ), v.rest );
-    v.kb = double3_scale( 2.0 / curvature_denominator( before, behind ), double3_cross( before, behind ) );
-
-    const strand_oracle_quaternion r = relative_frame( a, b );
-    const double c = cos( 0.5 * strand->rest_twist[i] ), s = sin( 0.5 * strand->rest_twist[i] );
-    const double z = r.z * c - r.w * s, w = r.w * c + r.z * s;
-    v.twist = 2.0 * z / copysign( fmax( fabs( w ), 0.087 ), w );
-    v.moment = v.share * strand->twist_stiffness[i] * v.twist;
-    const double3 bend = double3_sub( behind, before );
-    v.soft = double3_scale( strand->flatness * sqrt( v.share ), strand_oracle_turned( middle, x_axis ) );
-    v.edge = double3_cross( strand_oracle_turned( middle, z_axis ), v.soft );
-    v.across = double3_dot( double3_sub( bend, v.rest ), v.soft );
-    v.along = double3_dot( bend, v.edge );
-    v.load = -strand->stiffness[i] * ( double3_dot( bend, v.turned ) + v.across * v.along );
-    const double slope = double3_dot( bend, v.rest ) + v.across * double3_dot( bend, v.soft ) - v.along * v.along;
-    v.slope = 0.25 * strand->stiffness[i] * fmax( 0.0, slope );
-    return v;
-}
-
-// A tip that is not guided neither bends nor twists.
-static void measure_vertices( const strand_oracle* strand, const double3* p, vertex_state* v )
-{
-    v[strand->count - 1] = ( vertex_state ){ .twist = 0.0 };
-    for ( int i = 0; i < bending_count( strand ); ++i )
-    {
-        v[i] = measure_vertex( strand, p, i );
-    }
-}
-
-double strand_oracle_twist( const strand_oracle* strand, int vertex )
-{
-    const strand_oracle_quaternion r = relative_frame( frame_before( strand, vertex ), strand->frame[vertex] );
-    return 2.0 * atan2( r.z, r.w );
-}
-
-double strand_oracle_rod_energy( const strand_oracle* strand )
-{
-    double energy = 0.0;
-    for ( int i = 0; i < bending_count( strand ); ++i )
-    {
-        const vertex_state v = measure_vertex( strand, strand->position, i );
-        const double3 c = double3_sub( v.bend, v.rest );
-        const double half = strand->framed ? 0.5 * ( strand_oracle_twist( strand, i ) - strand->rest_twist[i] ) : 0.0;
-        const double across = double3_dot( c, v.soft );
-        energy += 0.5 * strand->stiffness[i] * ( double3_dot( c, c ) - across * across );
-        energy -= strand->framed ? 4.0 * v.share * strand->twist_stiffness[i] * log( fabs( cos( half ) ) ) : 0.0;
-    }
-    return energy;
-}
-
-// Twice what twist and rest curvature of a vertex add to the gradient by one of its segments, times its length:
-// `side` is -1 before it and 1 behind it.
-static double3 turning_of( const strand_oracle* strand, int i, const vertex_state* v, double side )
-{
-    double3 sum = double3_scale( v->moment + side * v->ratio * v->load, v->kb );
-    if ( v->unfolding > 0.0 )
-    {
-        const double3 bend = double3_sub( v->behind, v->before );
-        double energy = strand->stiffness[i] * double3_dot( v->rest, double3_sub( v->rest, bend ) );
-        energy += strand->stiffness[i] * v->across * ( double3_dot( v->rest, v->soft ) - 0.5 * v->across );
-        energy += strand->twist_stiffness[i] > 0.0
-                      ? 0.5 * v->moment * v->moment / ( v->share * strand->twist_stiffness[i] )
-                      : 0.0;
-        const double3 own = side < 0.0 ? v->before : v->behind, other = side < 0.0 ? v->behind : v->before;
-        const double3 across = double3_add_scaled( other, -double3_dot( own, other ), own );
-        sum = double3_add_scaled( sum, 2.0 * energy * v->unfolding / v->share, across );
-    }
-    return sum;
-}
-
-// M_i: bending against the part that an elliptic section leaves.
-static double3 moment_of( const strand_oracle* strand, int i, const vertex_state* v )
-{
-    const double3 c = double3_add_scaled( double3_sub( v->bend, v->rest ), -v->across, v->soft );
-    return double3_scale( strand->stiffness[i], c );
-}
-
-// G_s = (M_s - M_{s+1} + (turning of s and of s + 1) / 2) / l_s by e_s; it pulls at both ends of the segment.
-static void gradient_of( const strand_oracle* strand, const vertex_state* v, double3* gradient )
-{
-    gradient[0] = zero;
-    for ( int s = 0; s + 1 < strand->count; ++s )
-    {
-        const int next = strand->closed && s + 2 == strand->count ? 0 : s + 1;
-        const vertex_state *a = v + s, *b = v + next;
-        const double3 ma = moment_of( strand, s, a ), mb = moment_of( strand, next, b );
-        double3 turning = zero;
-        if ( strand->framed )
-        {
-            turning = turning_of( strand, s, a, 1.0 );
-            turning = next < bending_count( strand ) ? double3_add( turning, turning_of( strand, next, b, -1.0 ) )
-                                                     : turning;
-        }
-        const double3 sum = double3_add_scaled( double3_sub( ma, mb ), 0.5, turning );
-        const double3 g = double3_scale( 1.0 / strand->length[s], sum );
-        gradient[s] = double3_sub( gradient[s], g );
-        gradient[s + 1] = g;
-    }
-    if ( strand->closed )
-    {
-        gradient[0] = double3_add( gradient[0], gradient[strand->count - 1] );
-    }
-}
-
-void strand_oracle_rod_gradient( const strand_oracle* strand, double3* gradient )
-{
-    vertex_state v[MAX_STRAND_ORACLE];
-    measure_vertices( strand, strand->position, v );
-    gradient_of( strand, v, gradient );
-}
-
 // ---- twist ----
 
-static double out_of_balance( const vertex_state* v, int s )
+static double out_of_balance( const rod_vertex* v, int s )
 {
     return v[s].moment - v[s + 1].moment + 0.5 * ( v[s].load + v[s + 1].load );
 }
 
 void strand_oracle_twist_balance( const strand_oracle* strand, double* residual )
 {
-    vertex_state v[MAX_STRAND_ORACLE];
-    measure_vertices( strand, strand->position, v );
+    rod_vertex v[MAX_STRAND_ORACLE];
+    rod_measure_all( strand, strand->position, v );
     for ( int s = 0; s + 1 < strand->count; ++s )
     {
         residual[s] = out_of_balance( v, s );
     }
 }
 
-// The same around a closed strand. The diagonal has the factor 1 + 1e-5, because a strand may turn about itself as a whole.
-static void solve_turns_around( const strand_oracle* strand, const vertex_state* v, double* turn )
-{
-    const int n = strand->count - 1;
-    double matrix[MAX_STRAND_ORACLE * MAX_STRAND_ORACLE] = { 0.0 };
-    for ( int s = 0; s < n; ++s )
-    {
-        const int next = ( s + 1 ) % n, before = ( s + n - 1 ) % n;
-        const double own = strand->twist_stiffness[s], behind = strand->twist_stiffness[next];
-        matrix[s * n + s] += ( own + v[s].slope + behind + v[next].slope ) * ( 1.0 + 1e-5 );
-        matrix[s * n + before] += v[s].slope - own;
-        matrix[s * n + next] += v[next].slope - behind;
-        turn[s] = -( v[s].moment - v[next].moment + 0.5 * ( v[s].load + v[next].load ) );
-    }
-    strand_oracle_solve( n, matrix, 1, turn );
-}
-
 // One Newton step for the turns of all segments about themselves: elimination from the root, substitution from the
 // tip.
-static void solve_turns( const strand_oracle* strand, const vertex_state* v, double* turn )
+static void solve_turns( const strand_oracle* strand, const rod_vertex* v, double* turn )
 {
     double inverse[MAX_STRAND_ORACLE], off[MAX_STRAND_ORACLE];
     const int segments = strand->count - 1;
     if ( strand->closed )
     {
-        solve_turns_around( strand, v, turn );
+        rod_closed_turns( strand, v, turn );
         return;
     }
     for ( int s = 0; s < segments; ++s )
@@ -433,7 +134,7 @@ static void solve_turns( const strand_oracle* strand, const vertex_state* v, dou
     }
 }
 
-static void balance_twist( strand_oracle* strand, vertex_state* v )
+static void balance_twist( strand_oracle* strand, rod_vertex* v )
 {
     double turn[MAX_STRAND_ORACLE];
     bool is_balanced = true;
@@ -444,11 +145,12 @@ static void balance_twist( strand_oracle* strand, vertex_state* v )
     }
     turn[strand->count - 1] = 0.0; // of a tip
     const double end = strand->closed ? fmax( -1.0, fmin( 1.0, turn[strand->count - 2] ) ) : 0.0;
-    for ( int s = 0; s < bending_count( strand ); ++s )
+    for ( int s = 0; s < rod_bending_count( strand ); ++s )
     {
         turn[s] = fmax( -1.0, fmin( 1.0, turn[s] ) );
         const strand_oracle_quaternion about_itself = { 0.0, 0.0, 0.5 * turn[s], 1.0 };
-        strand->frame[s] = normalised( strand_oracle_product( strand->frame[s], about_itself ), strand->frame[s] );
+        strand->frame[s] =
+            quaternion_normalised( strand_oracle_product( strand->frame[s], about_itself ), strand->frame[s] );
         const double before = s > 0 ? turn[s - 1] : end;
         const double angle = 0.5 * ( before + turn[s] ), shorter = 1.0 / sqrt( 1.0 + angle * angle );
         v[s].soft = double3_scale( shorter, double3_add_scaled( v[s].soft, angle, v[s].edge ) );
@@ -471,44 +173,35 @@ static void pull( strand_oracle* strand, const double3* place, double dt )
     }
     for ( int i = 0; i < strand->count; ++i )
     {
-        double3 force = zero;
+        double3 force = rod_none;
         if ( i + 1 < strand->count )
         {
-            force = double3_add_scaled( force, strand->tension[i], tangent( strand, place, i ) );
+            force = double3_add_scaled( force, strand->tension[i], rod_tangent( strand, place, i ) );
         }
         if ( i > 0 || strand->closed )
         {
             const int before = i > 0 ? i - 1 : strand->count - 2;
-            force = double3_add_scaled( force, -strand->tension[before], tangent( strand, place, before ) );
+            force = double3_add_scaled( force, -strand->tension[before], rod_tangent( strand, place, before ) );
         }
         strand->position[i] = double3_add_scaled( strand->position[i], dt * dt * strand->weight[i], force );
     }
 }
 
 // K (p* - p): the change of the bending at each vertex since the start of the substep. The clamp counts as resting.
-static void rate_gradient( const strand_oracle* strand, const vertex_state* v, double3* gradient )
+static void rate_gradient( const strand_oracle* strand, const rod_vertex* v, double3* gradient )
 {
     double3 way[MAX_STRAND_ORACLE];
     for ( int i = 0; i < strand->count; ++i )
     {
         way[i] = double3_sub( strand->position[i], strand->previous[i] );
-        gradient[i] = zero;
+        gradient[i] = rod_none;
     }
-    for ( int i = 0; i < bending_count( strand ) && strand->closed; ++i )
+    if ( strand->closed )
     {
-        const int n = strand->count - 1, at[3] = { ( i + n - 1 ) % n, i, ( i + 1 ) % n };
-        const double a = 1.0 / strand->length[at[0]], b = 1.0 / strand->length[i], c[3] = { a, -a - b, b };
-        double3 change = zero;
-        for ( int k = 0; k < 3; ++k )
-        {
-            change = double3_add_scaled( change, c[k], way[at[k]] );
-        }
-        for ( int k = 0; k < 3; ++k )
-        {
-            gradient[at[k]] = double3_add_scaled( gradient[at[k]], strand->stiffness[i] * c[k], change );
-        }
+        rod_closed_rate( strand, way, gradient );
+        return;
     }
-    for ( int i = 0; i < bending_count( strand ) && strand->closed == false; ++i )
+    for ( int i = 0; i < rod_bending_count( strand ); ++i )
     {
         double c[3];
         coefficients( strand, i, c );
@@ -543,26 +236,27 @@ static void solve_and_move( strand_oracle* strand, double3* x )
 
 // Frames are carried to the segments at `place`, where twist is measured and balanced. Bending is evaluated at p*,
 // because only that is solved for.
-static void measure_rod( strand_oracle* strand, const double3* place, vertex_state* v )
+static void measure_rod( strand_oracle* strand, const double3* place, rod_vertex* v )
 {
     for ( int s = 0; s + 1 < strand->count && strand->framed; ++s )
     {
         strand->frame[s] = strand_oracle_carried( strand->frame[s], double3_sub( place[s + 1], place[s] ) );
     }
-    measure_vertices( strand, place, v );
+    rod_measure_all( strand, place, v );
     if ( strand->framed )
     {
         balance_twist( strand, v );
     }
-    for ( int i = 0; i < bending_count( strand ); ++i )
+    for ( int i = 0; i < rod_bending_count( strand ); ++i )
     {
-        v[i].bend = double3_sub( tangent( strand, strand->position, i ), tangent( strand, strand->position, i - 1 ) );
+        v[i].bend =
+            double3_sub( rod_tangent( strand, strand->position, i ), rod_tangent( strand, strand->position, i - 1 ) );
     }
 }
 
 void strand_oracle_rod( strand_oracle* strand, double damping, double dt, const double3* acceleration )
 {
-    vertex_state v[MAX_STRAND_ORACLE];
+    rod_vertex v[MAX_STRAND_ORACLE];
     double3 place[MAX_STRAND_ORACLE], right[MAX_STRAND_ORACLE], rate[MAX_STRAND_ORACLE];
     if ( strand->count < 2 )
     {
@@ -576,7 +270,7 @@ void strand_oracle_rod( strand_oracle* strand, double damping, double dt, const 
     pull( strand, place, dt );
     strand->position[strand->count - 1] = strand->position[strand->closed ? 0 : strand->count - 1];
     measure_rod( strand, acceleration != NULL ? place : strand->position, v );
-    gradient_of( strand, v, right );
+    rod_gradient_of( strand, v, right );
     rate_gradient( strand, v, rate );
     for ( int i = 0; i < strand->count; ++i )
     {
@@ -588,127 +282,4 @@ void strand_oracle_rod( strand_oracle* strand, double damping, double dt, const 
         return;
     }
     solve_and_move( strand, right );
-}
-
-// ---- shapes at rest ----
-
-// Frames carried along the present shape from the clamp; twist is 0 everywhere.
-static void lay_frames( strand_oracle* strand )
-{
-    for ( int s = 0; s + 1 < strand->count; ++s )
-    {
-        const double3 e = double3_sub( strand->position[s + 1], strand->position[s] );
-        strand->frame[s] = strand_oracle_carried( frame_before( strand, s ), e );
-        strand->rest_twist[s] = 0.0;
-    }
-    if ( strand->guided ) // held as it is
-    {
-        strand->frame[strand->count - 1] = strand->frame[strand->count - 2];
-        strand->rest_twist[strand->count - 1] = 0.0;
-        strand->rest[strand->count - 1] = zero;
-    }
-    strand->framed = true;
-}
-
-static double3 into_middle( const strand_oracle* strand, int i, double3 k )
-{
-    return strand_oracle_turned( conjugate( middle_frame( frame_before( strand, i ), strand->frame[i] ) ), k );
-}
-
-void strand_oracle_rest_shape( strand_oracle* strand )
-{
-    lay_frames( strand );
-    for ( int i = 0; i + 1 < strand->count; ++i )
-    {
-        strand->rest[i] = into_middle( strand, i, measure_vertex( strand, strand->position, i ).bend );
-    }
-}
-
-void strand_oracle_rest_straight( strand_oracle* strand )
-{
-    lay_frames( strand );
-    memset( strand->rest, 0, sizeof( strand->rest ) );
-    strand->framed = strand->guided || strand->flatness > 0.0;
-}
-
-// Values that the recursion from the tip passes to the previous segment.
-typedef struct hanging
-{
-    double3 weight;       // N, W_s
-    double3 moment;       // M_{s+1}
-    double twist, load;   // T_{s+1}, b_{s+1}
-    double3 twist_moment; // (T_{s+1} - r b_{s+1}) kb_{s+1}
-    double3 turn;         // rad, sum of M / (EI / L) from the tip
-    double largest_turn;  // rad
-} hanging;
-
-// With u = bend x z, b_s = M_s . u. M_s = A - l alpha t_s - (T_s + r b_s) kb_s / 2 and t_s . u = 0 make T_s and b_s
-// linear equations.
-static void balance_vertex( strand_oracle* strand, int s, hanging* h )
-{
-    const vertex_state v = measure_vertex( strand, strand->position, s );
-    const double l = strand->length[s];
-    const double3 t = tangent( strand, strand->position, s );
-    const double3 z = strand_oracle_turned( middle_frame( frame_before( strand, s ), strand->frame[s] ), z_axis );
-    const double3 u = double3_cross( v.bend, z );
-    double3 m = double3_add_scaled( double3_add_scaled( h->moment, l, h->weight ), -0.5, h->twist_moment );
-    const double across = double3_dot( m, u ), along = double3_dot( v.kb, u ), own = 1.0 + 0.5 * v.ratio * along;
-    double twist = 0.0;
-    if ( strand->twist_stiffness[s] > 0.0 )
-    {
-        twist = h->twist - 0.5 * ( across / own + h->load );
-        twist /= 1.0 - 0.25 * along / own;
-    }
-    const double load = ( across - 0.5 * twist * along ) / own;
-    h->twist_moment = double3_scale( twist - v.ratio * load, v.kb );
-    m = double3_add_scaled( m, -0.5 * ( twist + v.ratio * load ), v.kb );
-    const double lean = double3_dot( t, z );
-    const double alpha = lean > 1e-12 ? double3_dot( m, z ) / ( l * lean ) : 0.0;
-    m = double3_add_scaled( m, -l * alpha, t );
-    h->moment = m;
-    h->twist = twist;
-    h->load = double3_dot( m, u );
-
-    const bool bends = strand->stiffness[s] > 0.0;
-    // C_i of an elliptic section under M_i
-    const double3 axis = strand_oracle_turned( middle_frame( frame_before( strand, s ), strand->frame[s] ), x_axis );
-    const double flat = strand->flatness * strand->flatness;
-    m = double3_add_scaled( m, flat / ( 1.0 - flat ) * double3_dot( m, axis ), axis );
-    h->turn = bends ? double3_add_scaled( h->turn, 1.0 / strand->stiffness[s], m ) : h->turn;
-    h->largest_turn = fmax( h->largest_turn, double3_length( h->turn ) );
-    const double3 k = bends ? double3_add_scaled( v.bend, -1.0 / strand->stiffness[s], m ) : v.bend;
-    strand->rest[s] = into_middle( strand, s, k );
-    strand->rest_twist[s] = twist != 0.0 ? -2.0 * atan( 0.5 * twist / strand->twist_stiffness[s] ) : 0.0;
-    strand->tension[s] = alpha;
-}
-
-// @return rad, the largest turn of the rest shape against the load between the tip and a vertex
-static double balance( strand_oracle* strand, double3 gravity )
-{
-    hanging h = { .twist = 0.0 };
-    lay_frames( strand );
-    for ( int s = strand->count - 2; s >= 0; --s )
-    {
-        const bool is_held = strand->weight[s + 1] <= 0.0;
-        h.weight = is_held ? zero : double3_add_scaled( h.weight, strand->mass[s + 1], gravity );
-        balance_vertex( strand, s, &h );
-    }
-    strand->tension[strand->count - 1] = 0.0;
-    return h.largest_turn;
-}
-
-void strand_oracle_balance( strand_oracle* strand, double3 gravity )
-{
-    balance( strand, gravity );
-}
-
-double strand_oracle_balance_stably( strand_oracle* strand, double3 gravity, double max_turn )
-{
-    const double turn = balance( strand, gravity );
-    const double fraction = turn > max_turn ? max_turn / turn : 1.0;
-    if ( fraction < 1.0 )
-    {
-        balance( strand, double3_scale( fraction, gravity ) );
-    }
-    return fraction;
 }

@@ -279,10 +279,9 @@ typedef struct wisp_motion_target_args
     float *normal, *normal_change; ///< likewise; null: no backstops
     const float* next_normal;
     const float *max_distance, *backstop_distance; ///< [slot] m
-    float*
-        bound; ///< [slot][4] m, out: middle of the path; half the edge of a cube around it in which no particle of the group of
-        ///< eight is constrained in the whole step, negative: there is none
-    float left; ///< fraction of the last displacement that the last step left
+    float* bound; ///< [slot][4] m, out: middle of the path; half the edge of a cube around it in which none of the
+                  ///< group of eight is constrained in the whole step, negative: there is none
+    float left;   ///< fraction of the last displacement that the last step left
 } wisp_motion_target_args;
 
 /// Arguments of links of a coarse sheet, by xpbd. A link longer than its rest length pulls, and one shorter than its lower length

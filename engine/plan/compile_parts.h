@@ -1,0 +1,26 @@
+/// Declarations shared by the files that compile a plan.
+#pragma once
+
+#include "plan.h"
+
+// select.c
+
+/// Select the passes of each entity, attach the rows that they need and make the arrays of fabrics that they read.
+/// @return WISP_CONFLICT a request or a read without supplier; WISP_NO_MEMORY
+wisp_status plan_select( plan* p, const wisp_registry* r, wisp_error* error );
+
+/// Return the components that some passes read and write.
+store_mask plan_used_by( const wisp_registry* r, store_mask passes );
+
+/// Attach those of some components that are used, and detach those that only unselected passes needed.
+/// @return false: no memory
+bool plan_fit_rows( store* s, int slot, store_mask used, store_mask components );
+
+// place.c
+
+/// Order passes by stage, then data dependency, then declaration. @param order [PLAN_MAX_PASSES]
+/// @return WISP_CONFLICT passes wait for each other
+wisp_status plan_order( const wisp_registry* r, store_mask live, int* order, int* count, wisp_error* error );
+
+/// Place ordered passes in nodes and waves, and fuse them.
+void plan_place( plan* p, const wisp_registry* r, const int* order, int count );

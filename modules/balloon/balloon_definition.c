@@ -1,0 +1,352 @@
+// Definition of a balloon: ranges, requirements on the mesh, and the components, which select the passes.
+#include "balloon_internal.h"
+
+#include <string.h>
+
+void wisp_init_balloon_def( wisp_balloon_def* def, size_t size )
+{
+    const wisp_balloon_def values = {
+        .solver = WISP_SOLVER_XPBD,
+        .edge_stiffness = 2000.0f,
+        .bend_link_stiffness = 20.0f,
+        .stretch_stiffness = 0.9f,
+        .bend_stiffness = 0.1f,
+        .volume = WISP_SOLVER_XPBD,
+        .volume_stiffness = 1.0f,
+        .gas_ratio = 1.0f,
+        .min_gas_ratio = 1.0f,
+        .atmospheric_pressure = 101325.0f,
+        .temperature = 293.15f,
+        .gas_molar_mass = 4.0026e-3f,
+        .air_molar_mass = 28.9647e-3f,
+        .pressure = WISP_BALLOON_PRESSURE_VIRIAL,
+        .buoyancy = true,
+        .drag_coefficient = 0.5f,
+        .drag_model = WISP_BALLOON_DRAG_MAX,
+        .outlet_area = 1e-4f,
+        .spin = WISP_BALLOON_SPIN_VELOCITY,
+        .keep_angular_momentum = true,
+    };
+    wisp_def_init( def, size, &values, sizeof( values ) );
+}
+
+// ---- checks ----
+
+static wisp_status check_ranges( wisp_world* world, const wisp_balloon_def* d )
+{
+    const wisp_number_range ranges[] = {
+        { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
+        { "edge_stiffness", d->edge_stiffness, 1e-6f, 1e12f },
+        { "bend_link_stiffness", d->bend_link_stiffness, 1e-6f, 1e12f },
+        { "stretch_stiffness", d->stretch_stiffness, 0.0f, 1.0f },
+        { "bend_stiffness", d->bend_stiffness, 0.0f, 1.0f },
+        { "volume", (float)d->volume, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
+        { "volume_stiffness", d->volume_stiffness, 1e-6f, 1.0f },
+        { "min_gas_ratio", d->min_gas_ratio, 1e-3f, 1.0f },
+        { "gas_ratio", d->gas_ratio, d->min_gas_ratio, 1e6f },
+        { "inflation_rate", d->inflation_rate, -1e6f, 1e6f },
+        { "atmospheric_pressure", d->atmospheric_pressure, 1e-3f, 1e12f },
+        { "temperature", d->temperature, 1e-3f, 1e6f },
+        { "gas_molar_mass", d->gas_molar_mass, 1e-6f, 10.0f },
+        { "air_molar_mass", d->air_molar_mass, 1e-6f, 10.0f },
+        { "pressure", (float)d->pressure, 0.0f, (float)( WISP_BALLOON_PRESSURE_COUNT - 1 ) },
+        { "drag_coefficient", d->drag_coefficient, 0.0f, 1e6f },
+        { "drag_model", (float)d->drag_model, 0.0f, (float)( WISP_BALLOON_DRAG_COUNT - 1 ) },
+        { "outlet_count", (float)d->outlet_count, 0.0f, (float)WISP_BALLOON_MAX_OUTLET },
+        { "outlet_area", d->outlet_area, 1e-12f, 1e6f },
+        { "outlet_constant", (float)d->outlet_constant, 0.0f, (float)( WISP_BALLOON_OUTLET_COUNT - 1 ) },
+        { "spin", (float)d->spin, 0.0f, (float)( WISP_BALLOON_SPIN_COUNT - 1 ) },
+    };
+    return wisp_world_check_ranges( world, "balloon", ranges, WISP_COUNT( ranges ) );
+}
+
+static wisp_status check_outlet( wisp_world* world, const wisp_fabric* f, const wisp_balloon_def* d )
+{
+    for ( int i = 0; i < d->outlet_count; ++i )
+    {
+        if ( d->outlet[i] < 0 || d->outlet[i] >= f->vertex_count )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "balloon: outlet %d: got vertex %d, but the surface has %d vertices", i,
+                                    d->outlet[i], f->vertex_count );
+        }
+    }
+    return WISP_OK;
+}
+
+static double rest_volume( const wisp_fabric* f, const balloon_loops* loops )
+{
+    double volume = 0.0;
+    const wisp_vec3 o = f->rest[0];
+    for ( int t = 0; t < f->triangle_count; ++t )
+    {
+        double e[3][3];
+        for ( int corner = 0; corner < 3; ++corner )
+        {
+            const wisp_vec3 p = f->rest[f->triangles[3 * t + corner]];
+            e[corner][0] = (double)p.x - (double)o.x;
+            e[corner][1] = (double)p.y - (double)o.y;
+            e[corner][2] = (double)p.z - (double)o.z;
+        }
+        volume += e[0][0] * ( e[1][1] * e[2][2] - e[1][2] * e[2][1] ) +
+                  e[0][1] * ( e[1][2] * e[2][0] - e[1][0] * e[2][2] ) +
+                  e[0][2] * ( e[1][0] * e[2][1] - e[1][1] * e[2][0] );
+    }
+    return volume / 6.0 + balloon_fan_volume( loops, (const float*)f->rest, 3 );
+}
+
+// Count connected components by union-find; unreferenced vertices do not count.
+static int count_shells( const wisp_fabric* f, int32_t* parent )
+{
+    int components = 0;
+    for ( int v = 0; v < f->vertex_count; ++v )
+    {
+        parent[v] = v;
+    }
+    for ( int e = 0; e < f->edge_count; ++e )
+    {
+        int32_t root[2];
+        for ( int k = 0; k < 2; ++k )
+        {
+            root[k] = f->edges[2 * e + k];
+            while ( parent[root[k]] != root[k] )
+            {
+                parent[root[k]] = parent[parent[root[k]]];
+                root[k] = parent[root[k]];
+            }
+        }
+        parent[root[0]] = root[1];
+    }
+    for ( int v = 0; v < f->vertex_count; ++v )
+    {
+        components += parent[v] == v && f->area[v] > 0.0f ? 1 : 0;
+    }
+    return components;
+}
+
+// @param scratch [2][slot_count]
+static wisp_status check_mesh( wisp_world* world, const wisp_fabric* f, int32_t* scratch )
+{
+    if ( f->nonmanifold_edge_count > 0 )
+    {
+        return wisp_world_fail(
+            world, WISP_BAD_INPUT,
+            "balloon: got %d nonmanifold edges, expected each edge in at most two triangles of equal winding",
+            f->nonmanifold_edge_count );
+    }
+    int components = count_shells( f, scratch );
+    if ( components != 1 )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "balloon: got %d components, expected one: make each a surface of its own",
+                                components );
+    }
+    wisp_status status = balloon_check_border( world, f );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    balloon_find_loops( f, scratch, scratch + f->slot_count );
+    double volume = rest_volume( f, &( balloon_loops ){ scratch, scratch + f->slot_count, f->slot_count } );
+    if ( !( volume > 0.0 ) )
+    {
+        return wisp_world_fail(
+            world, WISP_BAD_INPUT,
+            "balloon: got an enclosed volume of %g m^3, expected triangles that are counter-clockwise seen from "
+            "outside",
+            volume );
+    }
+    return WISP_OK;
+}
+
+// ---- components ----
+
+typedef struct requested_component
+{
+    wisp_component component;
+    bool requested;
+} requested_component;
+
+static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d, const balloon_state* s )
+{
+    const bool pbd = d->solver == WISP_SOLVER_PBD, jet = d->outlet_count > 0;
+    const bool open = wisp_world_fabric( world, surface )->open_edge_count > 0;
+    const requested_component all[] = {
+        { s->gas, true },
+        { s->volume, true },
+        { s->skin, true },
+        { s->reading, true },
+        { s->open_edge, open },
+        { s->inflation, d->inflation_rate != 0.0f },
+        { s->buoyancy, d->buoyancy },
+        { s->air, d->drag_coefficient > 0.0f },
+        { s->angular, d->keep_angular_momentum },
+        { s->outlet, jet },
+        { s->kick, jet && d->spin == WISP_BALLOON_SPIN_VELOCITY },
+        { s->turn, jet && d->spin == WISP_BALLOON_SPIN_POSITION },
+        { WISP_LINK_STIFFNESS, pbd },
+        { WISP_LINK_COMPLIANCE, pbd == false },
+    };
+    // attach rows first, because only that can fail, and detach them again on failure
+    bool given[WISP_COUNT( all )];
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( all ) && status == WISP_OK; ++i )
+    {
+        given[i] = all[i].requested && wisp_world_has( world, surface, all[i].component ) == false;
+        status = given[i] ? wisp_world_attach( world, surface, all[i].component ) : WISP_OK;
+        for ( int k = 0; k < i && status != WISP_OK; ++k )
+        {
+            if ( given[k] )
+            {
+                wisp_world_detach( world, surface, all[k].component );
+            }
+        }
+    }
+    for ( int i = 0; i < WISP_COUNT( all ) && status == WISP_OK; ++i )
+    {
+        status = all[i].requested ? WISP_OK : wisp_world_detach( world, surface, all[i].component );
+    }
+    return status;
+}
+
+static void fill_links( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d )
+{
+    const wisp_fabric* f = wisp_world_fabric( world, surface );
+    const bool pbd = d->solver == WISP_SOLVER_PBD;
+    float* column = wisp_world_column( world, surface, pbd ? WISP_LINK_STIFFNESS : WISP_LINK_COMPLIANCE, 0 );
+    for ( int slot = 0; slot < f->link_order.slot_count; ++slot )
+    {
+        int link = f->link_order.constraint[slot];
+        bool edge = link < f->edge_count;
+        float value = pbd ? ( edge ? d->stretch_stiffness : d->bend_stiffness )
+                          : 1.0f / ( edge ? d->edge_stiffness : d->bend_link_stiffness );
+        column[slot] = link >= 0 ? value : 0.0f;
+    }
+    wisp_world_apply_maps( world, surface );
+}
+
+static double density_of( const wisp_balloon_def* d, float molar_mass )
+{
+    return (double)d->atmospheric_pressure * (double)molar_mass / ( BALLOON_GAS_CONSTANT * (double)d->temperature );
+}
+
+static void fill_outlet( const wisp_fabric* f, const wisp_balloon_def* d, balloon_outlet* outlet )
+{
+    memset( outlet, 0, sizeof( *outlet ) );
+    outlet->area = (double)d->outlet_area;
+    outlet->count = d->outlet_count;
+    outlet->open = d->outlet_open ? 1 : 0;
+    outlet->constant = (int32_t)d->outlet_constant;
+    for ( int i = 0; i < d->outlet_count; ++i )
+    {
+        outlet->slots[i] = f->vertex_slot[d->outlet[i]];
+    }
+}
+
+static void fill( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d, const balloon_state* s )
+{
+    const wisp_fabric* f = wisp_world_fabric( world, surface );
+    balloon_loops loops = { 0 };
+    int32_t* open_edge = wisp_world_column( world, surface, s->open_edge, 0 );
+    if ( open_edge != NULL )
+    {
+        int32_t* size = wisp_world_column( world, surface, s->open_edge, 1 );
+        balloon_find_loops( f, open_edge, size );
+        loops = ( balloon_loops ){ open_edge, size, f->slot_count };
+    }
+    double volume = rest_volume( f, &loops );
+    *(balloon_gas*)wisp_world_column( world, surface, s->gas, 0 ) = ( balloon_gas ){
+        .rest_volume = volume,
+        .target_volume = (double)d->gas_ratio * volume,
+        .min_volume = (double)d->min_gas_ratio * volume,
+        .atmosphere = (double)d->atmospheric_pressure,
+        .gas_density = density_of( d, d->gas_molar_mass ),
+        .air_density = density_of( d, d->air_molar_mass ),
+        .molar_energy = BALLOON_GAS_CONSTANT * (double)d->temperature,
+    };
+    *(balloon_skin*)wisp_world_column( world, surface, s->skin, 0 ) =
+        ( balloon_skin ){ d->edge_stiffness, d->bend_link_stiffness };
+    *(float*)wisp_world_column( world, surface, s->volume, 0 ) =
+        d->volume == WISP_SOLVER_PBD ? d->volume_stiffness : -1.0f;
+    *(int32_t*)wisp_world_column( world, surface, s->reading, 0 ) = (int32_t)d->pressure;
+    float* rate = wisp_world_column( world, surface, s->inflation, 0 );
+    if ( rate != NULL )
+    {
+        *rate = d->inflation_rate;
+    }
+    balloon_air* air = wisp_world_column( world, surface, s->air, 0 );
+    if ( air != NULL )
+    {
+        double half = 0.5 * density_of( d, d->air_molar_mass ) * (double)d->drag_coefficient;
+        *air = ( balloon_air ){ (float)half, (int32_t)d->drag_model };
+    }
+    balloon_outlet* outlet = wisp_world_column( world, surface, s->outlet, 0 );
+    if ( outlet != NULL )
+    {
+        fill_outlet( f, d, outlet );
+    }
+    balloon_turn* turn = wisp_world_column( world, surface, s->turn, 0 );
+    if ( turn != NULL )
+    {
+        memset( turn, 0, sizeof( *turn ) );
+    }
+    fill_links( world, surface, d );
+}
+
+// ---- the call of the host ----
+
+// A balloon has passed the rest of this check with the same fabric. Only balloons have rings, so their rows serve as scratch
+// memory of the right size.
+static wisp_status check_skin( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d,
+                               const balloon_state* s )
+{
+    const wisp_fabric* f = wisp_world_fabric( world, surface );
+    wisp_status status = wisp_world_need_fabric( world, surface, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( f->open_edge_count > 0 && d->allow_open == false )
+    {
+        return balloon_refuse_open( world, f );
+    }
+    if ( wisp_world_has( world, surface, s->gas ) )
+    {
+        return WISP_OK;
+    }
+    status = wisp_world_attach( world, surface, s->rings );
+    if ( status == WISP_OK )
+    {
+        status = check_mesh( world, f, wisp_world_column( world, surface, s->rings, 0 ) );
+        wisp_world_detach( world, surface, s->rings );
+    }
+    return status;
+}
+
+static wisp_status check_alone( wisp_world* world, wisp_entity surface )
+{
+    return wisp_world_has( world, surface, WISP_PARTICLE_EXTERNAL_SOLVER )
+               ? wisp_world_fail( world, WISP_CONFLICT, "balloon: entity %u already has another solver",
+                                  surface.index )
+               : WISP_OK;
+}
+
+wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp_balloon_def* given )
+{
+    wisp_balloon_def values = wisp_default_balloon_def();
+    const wisp_balloon_def* def = &values;
+    WISP_TRY( wisp_world_begin_def( world, "wisp_default_balloon_def", &values, given ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    const balloon_state* state;
+    wisp_status status = balloon_find_state( world, surface, &state );
+    status = status == WISP_OK ? check_alone( world, surface ) : status;
+    status = status == WISP_OK ? check_ranges( world, def ) : status;
+    status = status == WISP_OK ? check_outlet( world, wisp_world_fabric( world, surface ), def ) : status;
+    status = status == WISP_OK ? check_skin( world, surface, def, state ) : status;
+    status = status == WISP_OK ? dress( world, surface, def, state ) : status;
+    if ( status == WISP_OK )
+    {
+        fill( world, surface, def, state );
+    }
+    return status;
+}
