@@ -125,6 +125,11 @@ static size_t triangle_bytes( const mesh_bvh* bvh )
     return leaves_of( bvh->surface ) * MESH_BVH_WIDTH * sizeof( int32_t );
 }
 
+static size_t shift_bytes( const mesh_bvh* bvh )
+{
+    return leaves_of( bvh->surface ) * MESH_BVH_WIDTH * sizeof( float );
+}
+
 static size_t group_bytes( const mesh_bvh* bvh )
 {
     return (size_t)bvh->first[bvh->level_count] * sizeof( mesh_bvh_group );
@@ -172,8 +177,9 @@ wisp_status mesh_bvh_build( mesh_bvh* bvh, const mesh_surface* surface, wisp_err
     const size_t centre_bytes = (size_t)surface->triangle_count * 3 * sizeof( float );
     float( *centre )[3] = base_allocate( allocator, centre_bytes, BASE_BUFFER_ALIGNMENT );
     bvh->triangle = base_allocate( allocator, triangle_bytes( bvh ), BASE_BUFFER_ALIGNMENT );
+    bvh->shift = base_allocate( allocator, shift_bytes( bvh ), BASE_BUFFER_ALIGNMENT );
     bvh->groups = base_allocate( allocator, group_bytes( bvh ), BASE_BUFFER_ALIGNMENT );
-    const bool enough = centre != NULL && bvh->triangle != NULL && bvh->groups != NULL;
+    const bool enough = centre != NULL && bvh->triangle != NULL && bvh->shift != NULL && bvh->groups != NULL;
     if ( enough )
     {
         sort_triangles( bvh, centre );
@@ -195,6 +201,7 @@ void mesh_bvh_release( mesh_bvh* bvh )
     if ( bvh->surface != NULL )
     {
         base_release( &bvh->surface->allocator, bvh->triangle, triangle_bytes( bvh ) );
+        base_release( &bvh->surface->allocator, bvh->shift, shift_bytes( bvh ) );
         base_release( &bvh->surface->allocator, bvh->groups, group_bytes( bvh ) );
     }
     *bvh = ( mesh_bvh ){ 0 };
@@ -202,7 +209,7 @@ void mesh_bvh_release( mesh_bvh* bvh )
 
 size_t mesh_bvh_bytes( const mesh_bvh* bvh )
 {
-    return triangle_bytes( bvh ) + group_bytes( bvh );
+    return triangle_bytes( bvh ) + shift_bytes( bvh ) + group_bytes( bvh );
 }
 
 // ---- refit ----
@@ -214,6 +221,19 @@ static void clear_child( mesh_bvh_group* group, int child )
         group->lower[k][child] = FLT_MAX;
         group->upper[k][child] = -FLT_MAX;
     }
+}
+
+static float shift_of( const mesh_surface* s, int32_t triangle )
+{
+    float most = 0.0f;
+    for ( int corner = 0; corner < 3 && s->start != NULL; ++corner )
+    {
+        const size_t quad = 4 * (size_t)s->triangles[3 * (size_t)triangle + (size_t)corner];
+        const float x = s->xyzw[quad] - s->start[quad], y = s->xyzw[quad + 1] - s->start[quad + 1],
+                    z = s->xyzw[quad + 2] - s->start[quad + 2], squared = x * x + y * y + z * z;
+        most = squared > most ? squared : most;
+    }
+    return 1.00001f * sqrtf( most );
 }
 
 static void refit_leaf( const mesh_bvh* bvh, int leaf, float widening )
@@ -229,6 +249,7 @@ static void refit_leaf( const mesh_bvh* bvh, int leaf, float widening )
         }
         float lower[3], upper[3];
         mesh_surface_box( bvh->surface, triangle, lower, upper );
+        bvh->shift[leaf * MESH_BVH_WIDTH + child] = shift_of( bvh->surface, triangle );
         for ( int k = 0; k < 3; ++k )
         {
             group->lower[k][child] = lower[k] - widening;
@@ -331,22 +352,40 @@ LANE_INLINE lane8 squares_of( const mesh_bvh_group* g, const lane8 p[3] )
     return lane8_add( lane8_add( lane8_mul( x, x ), lane8_mul( y, y ) ), lane8_mul( z, z ) );
 }
 
-// Return the square beyond which boxes are skipped, rounded up.
-static float limit_of( const mesh_closest* search )
+// Limits of a search.
+typedef struct closest_limits
 {
-    const double radius = mesh_closest_radius( search );
-    return (float)fmin( radius * radius * 1.000001, 1e37 );
+    float squared; // m^2, boxes that are farther are skipped
+    float near;    // m^2, likewise, however far the best triangle is
+    double clear;  // m, no triangle that was tested comes nearer in the motion
+} closest_limits;
+
+// Return the square beyond which boxes are skipped, rounded up by more than the slack of a search.
+static float limit_of( const mesh_closest* search, float near )
+{
+    const float limit = (float)( search->best.squared * 1.00001 + 1e-30 );
+    return limit < near ? limit : near;
 }
 
-static void propose_leaf( const mesh_bvh* bvh, int leaf, uint32_t bits, const float* squares, mesh_closest* search )
+static void propose_leaf( const mesh_bvh* bvh, int leaf, uint32_t bits, const float* squares, bool is_approach,
+                          mesh_closest* search, closest_limits* limits )
 {
     const int32_t* triangle = bvh->triangle + leaf * MESH_BVH_WIDTH;
-    float limit = limit_of( search );
     for ( int child = 0; bits != 0; ++child, bits >>= 1 )
     {
-        if ( ( bits & 1u ) != 0 && squares[child] <= limit && mesh_closest_propose( search, triangle[child] ) )
+        if ( ( bits & 1u ) == 0 || squares[child] > limits->squared )
         {
-            limit = limit_of( search );
+            continue;
+        }
+        if ( mesh_closest_propose( search, triangle[child] ) )
+        {
+            limits->squared = limit_of( search, limits->near );
+        }
+        if ( is_approach )
+        {
+            const double left = 1.0 - search->time, shift = (double)bvh->shift[leaf * MESH_BVH_WIDTH + child];
+            const double clear = sqrt( search->measured ) - left * shift;
+            limits->clear = clear < limits->clear ? clear : limits->clear;
         }
     }
 }
@@ -371,7 +410,7 @@ static int push_children( stack_entry* stack, int count, int level, int group, u
     return count;
 }
 
-void mesh_bvh_find_closest( const mesh_bvh* bvh, mesh_closest* search )
+LANE_INLINE void find_closest( const mesh_bvh* bvh, bool is_approach, mesh_closest* search, closest_limits* limits )
 {
     const lane8 p[3] = { lane8_set1( (float)search->point.x ), lane8_set1( (float)search->point.y ),
                          lane8_set1( (float)search->point.z ) };
@@ -381,24 +420,44 @@ void mesh_bvh_find_closest( const mesh_bvh* bvh, mesh_closest* search )
     while ( count > 0 )
     {
         const stack_entry top = stack[--count];
-        const float limit = limit_of( search );
-        if ( top.squared > limit )
+        if ( top.squared > limits->squared )
         {
             continue;
         }
         const lane8 found = squares_of( bvh->groups + bvh->first[top.level] + top.group, p );
-        const uint32_t bits = lane8m_bits( lane8_le( found, lane8_set1( limit ) ) );
+        const uint32_t bits = lane8m_bits( lane8_le( found, lane8_set1( limits->squared ) ) );
+        if ( bits == 0 )
+        {
+            continue;
+        }
         float squares[MESH_BVH_WIDTH];
         lane8_storeu( squares, found );
         if ( top.level == 0 )
         {
-            propose_leaf( bvh, top.group, bits, squares, search );
+            propose_leaf( bvh, top.group, bits, squares, is_approach, search, limits );
         }
         else
         {
             count = push_children( stack, count, top.level, top.group, bits, squares );
         }
     }
+}
+
+void mesh_bvh_find_closest( const mesh_bvh* bvh, mesh_closest* search )
+{
+    const float all = 1e37f;
+    closest_limits limits = { limit_of( search, all ), all, INFINITY };
+    find_closest( bvh, false, search, &limits );
+}
+
+float mesh_bvh_find_approach( const mesh_bvh* bvh, mesh_closest* search, float near )
+{
+    const float square = fminf( near * near * 1.00001f + 1e-30f, 1e37f );
+    closest_limits limits = { limit_of( search, square ), square, (double)near };
+    find_closest( bvh, true, search, &limits );
+    // boxes were skipped that are beyond the best triangle; less by the rounding of all this
+    const double best = sqrt( search->best.squared ), clear = best < limits.clear ? best : limits.clear;
+    return (float)( clear - 1e-6 * ( fabs( clear ) + bvh->surface->largest ) );
 }
 
 // ---- paths ----

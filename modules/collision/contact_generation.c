@@ -32,6 +32,9 @@ enum
     PLANES = COLLISION_BLOCK + 2 * COLLISION_GROUP, // two lists, each padded
 };
 
+// Of the path that a particle had in the first substep: how far it may get in later ones.
+static const float MARGIN = 1.25f;
+
 // Planes of one body, of the particles that are near it, in the frame of the body.
 typedef struct found_planes
 {
@@ -128,14 +131,26 @@ static void track_candidates( const collision_find_args* args, const collision_v
                               wisp_surface_point* nearest, bool* is_near, wisp_vec3* motion )
 {
     collision_track tracks[COLLISION_BLOCK];
+    collision_tracked_query tracked[COLLISION_BLOCK];
+    const int t = view->body->track;
+    const float shift = collision_surface_shift( view );
     for ( int n = 0; n < block->candidate_count; ++n )
     {
         const int slot = collision_slot( block, block->candidates[n] );
-        tracks[n] =
-            ( collision_track ){ args->tracked[slot] + view->body->track, args->free[slot] + view->body->track };
+        tracks[n] = ( collision_track ){ args->tracked[slot][t], args->free[slot][t], args->origin[slot][t] };
+        // particles gain speed within the step
+        const float ahead = MARGIN * ( block->path[n] - shift ) * (float)args->substeps_left;
+        tracked[n] = ( collision_tracked_query ){ queries[n].point, queries[n].radius, queries[n].radius, ahead };
     }
-    collision_track_closest( view, queries, block->path, tracks, block->candidate_count, args->is_first,
-                             args->substeps_left, nearest, is_near, motion );
+    collision_track_closest( view, tracked, tracks, block->candidate_count, args->is_first, -1, nearest, is_near,
+                             motion );
+    for ( int n = 0; n < block->candidate_count; ++n )
+    {
+        const int slot = collision_slot( block, block->candidates[n] );
+        args->tracked[slot][t] = tracks[n].triangle;
+        args->free[slot][t] = tracks[n].free;
+        args->origin[slot][t] = tracks[n].origin;
+    }
 }
 
 // The same for meshes, convex polyhedra and height fields.
@@ -553,6 +568,7 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
         .settles = is_last == false,
         .tracked = wisp_frame_column( frame, span->entity, state->tracked, 0 ),
         .free = wisp_frame_column( frame, span->entity, state->tracked, 1 ),
+        .origin = wisp_frame_column( frame, span->entity, state->tracked, 2 ),
         .is_first = span->substep == 0,
         .substeps_left = wisp_frame_substeps( frame, span->entity ) - 1 - span->substep,
     };
