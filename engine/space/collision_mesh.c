@@ -321,9 +321,9 @@ void wisp_collision_mesh_closest( wisp_collision_mesh* tree, const wisp_mesh_que
     add_work( sum, &work );
 }
 
-float wisp_collision_mesh_clearance( const wisp_collision_mesh* tree, wisp_vec3 point )
+float wisp_collision_mesh_clearance( const wisp_collision_mesh* tree, wisp_vec3 point, float near )
 {
-    return mesh_cells_clearance( &tree->cells, point );
+    return mesh_cells_clearance( &tree->cells, point, near );
 }
 
 // Rigid meshes do not move in their own frame, so the distance is what stays clear.

@@ -20,11 +20,19 @@ typedef struct mesh_bvh_group
     float lower[3][MESH_BVH_WIDTH], upper[3][MESH_BVH_WIDTH]; ///< m
 } mesh_bvh_group;
 
+/// The triangles of a leaf over the motion.
+typedef struct mesh_bvh_leaf
+{
+    float start[9][MESH_BVH_WIDTH],
+        way[9][MESH_BVH_WIDTH];  ///< m, [3 corner + axis] where it starts, and how far it goes
+    float shift[MESH_BVH_WIDTH]; ///< m, the longest way of a corner
+} mesh_bvh_leaf;
+
 typedef struct mesh_bvh
 {
     const mesh_surface* surface;
     int32_t* triangle;      ///< [leaves][8], -1 behind the last
-    float* shift;           ///< [leaves][8] m, the most that a corner of the triangle moves in the motion
+    mesh_bvh_leaf* leaves;  ///< [leaves]
     mesh_bvh_group* groups; ///< [group_count] leaves first, the root last
     int level_count;
     int first[MESH_BVH_MAX_LEVELS + 1]; ///< first group of each level; leaves are level 0

@@ -40,7 +40,7 @@ float collision_ball_distance( const collision_view* view, wisp_vec3 lower, wisp
 // closest point query.
 static bool is_inside( const collision_body* body, wisp_vec3 p, float time )
 {
-    if ( body->double_sided || wisp_collision_mesh_clearance( body->tree, p ) >= 0.0f ||
+    if ( body->double_sided || wisp_collision_mesh_clearance( body->tree, p, 0.0f ) >= 0.0f ||
          collision_box_distance( body, p ) > 0.0f )
     {
         return false;
@@ -117,9 +117,9 @@ static bool prepare_search( const collision_view* view, const collision_tracked_
                             collision_track* track, wisp_mesh_approach* approach )
 {
     const float near = q->near + q->ahead;
-    const float clear = wisp_collision_mesh_clearance( view->body->tree, q->point );
+    const float clear = wisp_collision_mesh_clearance( view->body->tree, q->point, near );
     *approach = ( wisp_mesh_approach ){ { q->point, q->radius + q->ahead, view->end }, near, seed };
-    if ( clear > near )
+    if ( clear == near )
     {
         *track = ( collision_track ){ -1, clear, q->point };
         return false;
@@ -266,12 +266,29 @@ bool collision_cast( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
     return true;
 }
 
-float collision_exact_gap( const collision_view* view, wisp_vec3 from, float gap )
+// From a triangle that is near the answer one search is enough, wherever the point is.
+static bool find_at_start( const collision_view* view, wisp_vec3 from, int32_t seed, float* distance )
 {
-    const wisp_mesh_query query = { .point = from, .radius = view->thickness, .time = view->begin };
-    wisp_surface_point at_start;
-    bool is_near;
-    collision_closest( view, &query, 1, &at_start, &is_near, NULL );
-    float exact = is_near ? at_start.distance - view->thickness : 0.0f;
+    if ( seed < 0 )
+    {
+        const wisp_mesh_query query = { .point = from, .radius = view->thickness, .time = view->begin };
+        wisp_surface_point at_start;
+        bool is_near;
+        collision_closest( view, &query, 1, &at_start, &is_near, NULL );
+        *distance = at_start.distance;
+        return is_near;
+    }
+    const wisp_mesh_approach approach = { { from, INFINITY, view->begin }, INFINITY, seed };
+    wisp_mesh_nearest a;
+    float clearance;
+    wisp_collision_mesh_approach( view->body->tree, &approach, 1, &a, &clearance );
+    *distance = view->body->double_sided ? fabsf( a.distance ) : a.distance;
+    return a.triangle >= 0 && *distance <= view->thickness;
+}
+
+float collision_exact_gap( const collision_view* view, wisp_vec3 from, int32_t seed, float gap )
+{
+    float distance;
+    const float exact = find_at_start( view, from, seed, &distance ) ? distance - view->thickness : 0.0f;
     return exact > gap ? exact : gap;
 }

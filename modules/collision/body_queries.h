@@ -54,7 +54,8 @@ bool collision_cast( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
                      wisp_vec3* motion );
 
 /// Return the signed distance of a point at the start of the substep less the thickness, but no less than `gap`, m.
-float collision_exact_gap( const collision_view* view, wisp_vec3 from, float gap );
+/// @param seed a triangle near it, or -1
+float collision_exact_gap( const collision_view* view, wisp_vec3 from, int32_t seed, float gap );
 
 /// Return the signed distance of the start of a path from a plane, less the thickness.
 static inline float collision_plane_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from )
@@ -64,13 +65,13 @@ static inline float collision_plane_gap( const collision_view* view, const wisp_
 
 /// Return the signed distance at the start of a path whose end meets a plane, less the thickness. Near the surface
 /// the plane is good enough. Farther away the surface may be curved between start and end, so the closest point is
-/// queried. @param motion of the plane in the substep, m
+/// queried. @param motion of the plane in the substep, m @param seed a triangle near it, or -1
 static inline float collision_start_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from,
-                                         wisp_vec3 motion, bool swept )
+                                         wisp_vec3 motion, bool swept, int32_t seed )
 {
     const float gap = collision_plane_gap( view, plane, collision_add_scaled( from, 1.0f, motion ) );
     const bool is_exact = swept || gap >= -COLLISION_SHALLOW * view->thickness;
-    return is_exact ? gap : collision_exact_gap( view, from, gap );
+    return is_exact ? gap : collision_exact_gap( view, from, seed, gap );
 }
 
 static inline float collision_outside( float distance, float half )

@@ -204,8 +204,16 @@ static void query_mesh( const collision_find_args* args, const collision_view* v
 
 // ---- paths that enter, and deep starts ----
 
+static int32_t seed_of( const collision_find_args* args, const collision_view* view, const collision_block* block,
+                        int n )
+{
+    return has_tracks( args, view ) ? args->tracked[collision_slot( block, block->candidates[n] )][view->body->track]
+                                    : -1;
+}
+
 // A path that enters the body gets the plane where it enters. @return false if there is no contact
-static bool sweep_one( const collision_view* view, collision_block* block, found_planes* planes, int m )
+static bool sweep_one( const collision_find_args* args, const collision_view* view, collision_block* block,
+                       found_planes* planes, int m )
 {
     const int n = planes->near[m];
     const wisp_vec3 from = load_candidate( block, false, n ), to = load_candidate( block, true, n );
@@ -228,7 +236,7 @@ static bool sweep_one( const collision_view* view, collision_block* block, found
             return false;
         }
     }
-    planes->start[m] = collision_start_gap( view, &plane, from, motion, swept );
+    planes->start[m] = collision_start_gap( view, &plane, from, motion, swept, seed_of( args, view, block, n ) );
     return true;
 }
 
@@ -244,14 +252,15 @@ static void copy_plane( found_planes* source, int from, found_planes* planes, in
     planes->start[to] = source->start[from];
 }
 
-static void sweep_special( const collision_view* view, collision_block* block, found_planes* planes )
+static void sweep_special( const collision_find_args* args, const collision_view* view, collision_block* block,
+                           found_planes* planes )
 {
     bool is_dropped[PLANES];
     bool any = false;
     for ( int i = 0; i < planes->special_count; ++i )
     {
         const int m = planes->special[i];
-        const bool touches = sweep_one( view, block, planes, m );
+        const bool touches = sweep_one( args, view, block, planes, m );
         if ( touches == false && any == false )
         {
             memset( is_dropped, 0, sizeof( is_dropped ) );
@@ -530,7 +539,7 @@ void collision_meet( const collision_find_args* args, const collision_view* view
     {
         query_shape( args, view, block, &planes );
     }
-    sweep_special( view, block, &planes );
+    sweep_special( args, view, block, &planes );
     if ( args->maps.thickness != NULL )
     {
         move_planes_inside( args, block, &planes );

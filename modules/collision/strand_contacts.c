@@ -120,7 +120,7 @@ static wisp_vec3 friction_of( const collision_view* view, wisp_vec3 u, wisp_vec3
 }
 
 static void push_vertex( strand_loop* loop, const collision_view* view, int row, int lane, wisp_vec3 from,
-                         wisp_vec3 to, const wisp_surface_point* nearest, wisp_vec3 carried )
+                         wisp_vec3 to, const wisp_surface_point* nearest, wisp_vec3 carried, int32_t seed )
 {
     // as path_along() of contact_generation.c
     const bool is_solid = view->body->follows && view->body->double_sided == false;
@@ -138,7 +138,7 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
     }
     const size_t i = (size_t)row * WISP_LANES + (size_t)lane;
     float *at = loop->args.position + (size_t)row * ROW + lane, *was = loop->args.previous + (size_t)row * ROW + lane;
-    const float start = collision_start_gap( view, &plane, from, carried, swept ) + view->thickness;
+    const float start = collision_start_gap( view, &plane, from, carried, swept, seed ) + view->thickness;
     const strand_way way = find_way( loop, view->thickness, start, now, loop->args.allowed_depth[i] );
     const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane.normal );
     const wisp_vec3 p = collision_add_scaled( collision_load_lane( at ), way.out, normal );
@@ -257,7 +257,7 @@ static void push_tracked_row( strand_loop* loop, const collision_view* view, int
         collision_store_lane( t.origin + l, track.origin );
         if ( is_near )
         {
-            push_vertex( loop, view, row, l, lane_of( r.from, l ), to, &nearest, motion );
+            push_vertex( loop, view, row, l, lane_of( r.from, l ), to, &nearest, motion, track.triangle );
         }
     }
 }
@@ -288,7 +288,7 @@ static void push_row( strand_loop* loop, const collision_view* view, int row )
         if ( is_near[i] )
         {
             push_vertex( loop, view, row, lanes[i], lane_of( r.from, lanes[i] ), queries[i].point, nearest + i,
-                         motion[i] );
+                         motion[i], -1 );
         }
     }
 }

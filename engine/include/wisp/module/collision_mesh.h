@@ -143,10 +143,12 @@ WISP_API wisp_vec3 wisp_collision_mesh_motion( const wisp_collision_mesh* mesh, 
 WISP_API void wisp_collision_mesh_closest( wisp_collision_mesh* mesh, const wisp_mesh_query* queries, int count,
                                            wisp_mesh_nearest* nearest, wisp_collision_mesh_query_stats* work );
 
-/// Return a lower bound of the distance of a point from the surface in the whole motion, m, if a grid of cells knows that the
-/// point is outside all the time; -1 if not.
+/// Ask a grid of cells about a point.
+/// @param near m, >= 0
+/// @return `near` if the point is outside and the surface stays farther than that in the whole motion; 0 if it is outside all
+///         the time; -1 if that is not known
 /// @note Thread-safe with queries.
-WISP_API float wisp_collision_mesh_clearance( const wisp_collision_mesh* mesh, wisp_vec3 point );
+WISP_API float wisp_collision_mesh_clearance( const wisp_collision_mesh* mesh, wisp_vec3 point, float near );
 
 /// A closest-point query of a point that stays for a while.
 typedef struct wisp_mesh_approach
