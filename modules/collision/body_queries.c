@@ -172,6 +172,9 @@ void collision_track_closest( const collision_view* view, const collision_tracke
             wisp_collision_mesh_approach( tree, &approach, 1, &a, &track->free );
             track->triangle = a.triangle;
             track->origin = q->point;
+            // whoever is inside is pushed out in each substep, however far from the surface
+            const bool is_inside = a.distance < 0.0f && view->body->double_sided == false;
+            track->free = is_inside ? 0.0f : track->free;
             found[i] = take_tracked( view, &a, q->radius, nearest + i, motion + i );
         }
         seed = track->triangle >= 0 ? track->triangle : seed;

@@ -230,14 +230,15 @@ enum
     VERTICES = 21,
 };
 
-// Soft hair of 0.3 m all over the upper half of the ball.
+// Soft hair of 0.3 m all over the upper half of the ball. Every fourth strand starts inside.
 static wisp_entity add_hair( wisp_world* world )
 {
     test_strands s = test_strands_of( STRANDS, VERTICES );
     for ( int i = 0; i < STRANDS * VERTICES; ++i )
     {
         const double up = 0.1 + 0.85 * ( i / VERTICES + 0.5 ) / STRANDS, turn = 2.399963 * ( i / VERTICES );
-        const double radius = 0.3 + 0.015 * ( i % VERTICES ), flat = radius * sqrt( 1.0 - up * up );
+        const double radius = 0.3 + ( i / VERTICES % 4 == 1 ? -0.006 : 0.015 ) * ( i % VERTICES ),
+                     flat = radius * sqrt( 1.0 - up * up );
         s.points[i] =
             ( wisp_vec3 ){ (float)( flat * cos( turn ) ), (float)( radius * up ), (float)( flat * sin( turn ) ) };
     }
@@ -265,7 +266,8 @@ static wisp_vec3 sighing( wisp_vec3 p, float time )
                           (float)( (double)p.z - swing * swing ) };
 }
 
-// What is left out because it is far could not have touched, so only rounding makes a difference.
+// What is left out because it is far could not have touched. From inside there are several closest points, so that
+// strands which start there leave a little elsewhere.
 static void hair_that_is_tracked_lies_where_hair_that_is_searched_in_each_substep_does( void** state )
 {
     (void)state;
@@ -304,7 +306,7 @@ static void hair_that_is_tracked_lies_where_hair_that_is_searched_in_each_subste
     }
     print_message( "%d and %d contacts, %g and %g m deep, at most %g m apart\n", stats[0].contacts, stats[1].contacts,
                    (double)stats[0].penetration, (double)stats[1].penetration, most );
-    assert_true( stats[1].contacts > 100 && most < 1e-4 );
+    assert_true( stats[1].contacts > 100 && most < 0.003 );
     assert_near( stats[0].penetration, stats[1].penetration, 1e-4 );
 }
 
