@@ -158,6 +158,16 @@ static wisp_status take_recording( const view_options* options, json_t* files, j
     {
         status = wisp_fail( error, WISP_BAD_INPUT, "%s: the recording has no whole frame", options->input );
     }
+    for ( int b = 0; status == WISP_OK && b < wisp_recording_describe( recording ).body_count; ++b )
+    {
+        const wisp_record_body* body = wisp_recording_body( recording, b );
+        if ( body->triangles_change )
+        {
+            status = wisp_fail( error, WISP_BAD_INPUT,
+                                "%s: body '%s' tears, which the page cannot draw; 'wisp render' can", options->input,
+                                body->name );
+        }
+    }
     wisp_recording_close( recording );
     if ( status == WISP_OK )
     {

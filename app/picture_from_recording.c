@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 // Rounding to floats changes the length of an edge by far less, and anything elastic by far more.
 #define RIGID_TOLERANCE 1e-4f
@@ -13,6 +14,7 @@ typedef struct playback
     wisp_pc2* cache;
     wisp_mesh mesh;        ///< triangles of the cache
     wisp_vec3** others[2]; ///< [body_count] of another frame each: the first for strain, neighbours for speed
+    int32_t** first;       ///< [body_count] triangles of the first frame where they change, else null
     int body_count;        ///< of `others`
 } playback;
 
@@ -41,22 +43,27 @@ static float length_between( const wisp_vec3* points, int i, int j )
     return sqrtf( x * x + y * y + z * z );
 }
 
-typedef void edge_fn( void* context, int i, int j );
-
-static void each_edge( const picture_body* body, edge_fn* visit, void* context )
+// An edge between two vertices, which at rest had their corners at others where the body tears.
+typedef struct body_edge
 {
-    for ( int t = 0; t < body->triangle_count; ++t )
+    int32_t now[2], rest[2];
+} body_edge;
+
+typedef void edge_fn( void* context, body_edge edge );
+
+// @param rest [triangle_count][3] triangles of the body at rest
+static void each_edge( const picture_body* body, const int32_t* rest, edge_fn* visit, void* context )
+{
+    for ( int i = 0; i < 3 * body->triangle_count; ++i )
     {
-        const int32_t* corner = body->triangles + 3 * (size_t)t;
-        visit( context, corner[0], corner[1] );
-        visit( context, corner[1], corner[2] );
-        visit( context, corner[2], corner[0] );
+        const int next = i % 3 == 2 ? i - 2 : i + 1;
+        visit( context, ( body_edge ){ { body->triangles[i], body->triangles[next] }, { rest[i], rest[next] } } );
     }
     for ( int s = 0; s < body->strand_count; ++s )
     {
         for ( int v = body->offsets[s]; v + 1 < body->offsets[s + 1]; ++v )
         {
-            visit( context, v, v + 1 );
+            visit( context, ( body_edge ){ { v, v + 1 }, { v, v + 1 } } );
         }
     }
 }
@@ -70,10 +77,11 @@ typedef struct stretching
 } stretching;
 
 // An inner edge occurs twice, which does not change a maximum.
-static void stretch_edge( void* context, int i, int j )
+static void stretch_edge( void* context, body_edge edge )
 {
     stretching* s = context;
-    float rest = length_between( s->rest, i, j );
+    const int i = edge.now[0], j = edge.now[1];
+    float rest = length_between( s->rest, edge.rest[0], edge.rest[1] );
     float strain = rest > 0.0f ? fabsf( length_between( s->now, i, j ) / rest - 1.0f ) : 0.0f;
     s->most = fmaxf( s->most, strain );
     if ( s->values )
@@ -83,14 +91,14 @@ static void stretch_edge( void* context, int i, int j )
     }
 }
 
-static void find_strain( picture_body* body, const wisp_vec3* rest )
+static void find_strain( picture_body* body, const wisp_vec3* rest, const int32_t* rest_triangles )
 {
     for ( int v = 0; v < body->vertex_count; ++v )
     {
         body->values[v] = 0.0f;
     }
     stretching s = { rest, body->points, body->values, 0.0f };
-    each_edge( body, stretch_edge, &s );
+    each_edge( body, rest_triangles, stretch_edge, &s );
 }
 
 static void find_speed( picture_body* body, const wisp_vec3* before, const wisp_vec3* after, double seconds )
@@ -123,16 +131,23 @@ static wisp_status load_speed( picture_source* source, int frame, wisp_error* er
     return status;
 }
 
+static const int32_t* first_triangles( const playback* p, const picture_body* body, int i )
+{
+    return p->first[i] != NULL ? p->first[i] : body->triangles;
+}
+
 static wisp_status load( picture_source* source, int frame, wisp_error* error )
 {
     playback* p = source->state;
     double seconds = 0.0;
-    wisp_status status = read_frame( source, frame, source->points, &seconds, error );
+    // last the frame itself, because triangles are those of the frame read last
+    wisp_status status = source->value == PICTURE_SPEED ? load_speed( source, frame, error ) : WISP_OK;
+    status = status == WISP_OK ? read_frame( source, frame, source->points, &seconds, error ) : status;
     for ( int i = 0; i < source->body_count && status == WISP_OK && source->value == PICTURE_STRAIN; ++i )
     {
-        find_strain( &source->bodies[i], p->others[0][i] );
+        find_strain( &source->bodies[i], p->others[0][i], first_triangles( p, source->bodies + i, i ) );
     }
-    return status == WISP_OK && source->value == PICTURE_SPEED ? load_speed( source, frame, error ) : status;
+    return status;
 }
 
 static void close_playback( picture_source* source )
@@ -146,6 +161,11 @@ static void close_playback( picture_source* source )
         }
         free( p->others[k] );
     }
+    for ( int i = 0; p->first && i < p->body_count; ++i )
+    {
+        free( p->first[i] );
+    }
+    free( p->first );
     wisp_recording_close( p->recording );
     wisp_pc2_close( p->cache );
     wisp_mesh_release( &p->mesh );
@@ -170,6 +190,8 @@ static wisp_status make_others( picture_source* source, wisp_error* error )
         }
         made = made && p->others[k];
     }
+    p->first = calloc( (size_t)source->body_count, sizeof *p->first );
+    made = made && p->first;
     return made ? WISP_OK : picture_no_memory( source, error );
 }
 
@@ -183,11 +205,33 @@ static wisp_status make_room( picture_source* source, wisp_error* error )
     return status == WISP_OK ? make_others( source, error ) : status;
 }
 
-static bool is_rigid( const picture_body* body, const wisp_vec3* rest )
+static bool is_rigid( const picture_body* body, const wisp_vec3* rest, const int32_t* first )
 {
     stretching s = { rest, body->points, NULL, 0.0f };
-    each_edge( body, stretch_edge, &s );
+    each_edge( body, first, stretch_edge, &s );
     return s.most <= RIGID_TOLERANCE;
+}
+
+// Of the frame that was read last.
+static wisp_status keep_first_triangles( picture_source* source, wisp_error* error )
+{
+    const playback* p = source->state;
+    bool made = true;
+    for ( int i = 0; i < source->body_count && p->recording != NULL; ++i )
+    {
+        const wisp_record_body* body = wisp_recording_body( p->recording, i );
+        const size_t bytes = 3 * (size_t)body->triangle_count * sizeof *body->triangles;
+        if ( body->triangles_change && bytes > 0 )
+        {
+            p->first[i] = malloc( bytes );
+            made = made && p->first[i] != NULL;
+            if ( p->first[i] != NULL )
+            {
+                memcpy( p->first[i], body->triangles, bytes );
+            }
+        }
+    }
+    return made ? WISP_OK : picture_no_memory( source, error );
 }
 
 // A body whose edges all keep their length is a collider; of the rest, closed meshes are balloons. A single frame
@@ -198,6 +242,7 @@ static wisp_status guess_kinds( picture_source* source, wisp_error* error )
     const int seen[2] = { source->frame_count / 2, source->frame_count - 1 };
     double seconds;
     wisp_status status = read_frame( source, 0, p->others[0], &seconds, error );
+    status = status == WISP_OK ? keep_first_triangles( source, error ) : status;
     for ( int i = 0; i < source->body_count; ++i )
     {
         picture_body* body = &source->bodies[i];
@@ -211,7 +256,8 @@ static wisp_status guess_kinds( picture_source* source, wisp_error* error )
         for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
         {
             picture_body* body = &source->bodies[i];
-            bool is_bent = body->kind == SCENE_BODY_COLLIDER && !is_rigid( body, p->others[0][i] );
+            bool is_bent = body->kind == SCENE_BODY_COLLIDER &&
+                           !is_rigid( body, p->others[0][i], first_triangles( p, body, i ) );
             body->kind = is_bent ? SCENE_BODY_CLOTH : body->kind;
         }
     }

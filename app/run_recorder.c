@@ -120,6 +120,7 @@ static bool same_body( const wisp_record_body* a, const wisp_record_body* b )
 {
     return strcmp( a->name, b->name ) == 0 && a->vertex_count == b->vertex_count &&
            a->triangle_count == b->triangle_count && a->strand_count == b->strand_count &&
+           a->triangles_change == b->triangles_change &&
            same_numbers( a->triangles, b->triangles, 3 * (size_t)a->triangle_count ) &&
            same_numbers( a->offsets, b->offsets, a->strand_count > 0 ? (size_t)a->strand_count + 1 : 0 );
 }
@@ -202,6 +203,18 @@ static wisp_status compare_body( const run_recorder* r, int body, int frame, dou
                               r->proof_name, frame, time, r->bodies.list[body].name, v, (double)now[v].x,
                               (double)now[v].y, (double)now[v].z, (double)then[v].x, (double)then[v].y,
                               (double)then[v].z );
+        }
+    }
+    const wisp_record_body* list = r->bodies.list;
+    const int32_t* corners = wisp_recording_body( r->proof, body )->triangles;
+    for ( int t = 0; list[body].triangles_change && t < list[body].triangle_count; ++t )
+    {
+        if ( same_numbers( list[body].triangles + 3 * (size_t)t, corners + 3 * (size_t)t, 3 ) == false )
+        {
+            return wisp_fail(
+                error, WISP_CONFLICT,
+                "%s: frame %d at %g s: the vertices of triangle %d of %s differ: one was torn, the other not",
+                r->proof_name, frame, time, t, list[body].name );
         }
     }
     return WISP_OK;

@@ -245,6 +245,20 @@ static wisp_status refuse_name( const gltf_model* model, const char* animation, 
                       io_short_name( name ), animation, names[0] != '\0' ? names : "none" );
 }
 
+static wisp_status refuse_still( const gltf_model* model, const gltf_animation* animation, const char* name,
+                                 wisp_error* error )
+{
+    const char* file = io_short_name( name );
+    const char* node = animation->weights_count > 0 ? model->nodes[animation->weights[0].node].name : NULL;
+    return node != NULL
+               ? wisp_fail(
+                     error, WISP_BAD_INPUT,
+                     "%s: animation '%.40s' moves morph targets and no joints; expected the name of their mesh "
+                     "behind #, as in %s#%.60s",
+                     file, animation->name, file, node )
+               : wisp_fail( error, WISP_BAD_INPUT, "%s: animation '%.40s' moves no joints", file, animation->name );
+}
+
 wisp_status gltf_rig_animation( const gltf_model* model, const char* animation, const char* name,
                                 const wisp_skeleton* skeleton, wisp_animation* out, wisp_error* error )
 {
@@ -255,6 +269,10 @@ wisp_status gltf_rig_animation( const gltf_model* model, const char* animation, 
         return refuse_name( model, animation, name, error );
     }
     const gltf_animation* from = &model->animations[found];
+    if ( from->channel_count == 0 )
+    {
+        return refuse_still( model, from, name, error );
+    }
     out->duration = (float)fmax( from->duration, 1e-3 );
     out->loops = true;
     out->name = strdup( from->name );

@@ -123,16 +123,6 @@ wisp_status wisp_recorder_open( const char* path, wisp_record_format format, con
     {
         return status;
     }
-    for ( int b = 0; b < def->body_count && found->has_changes == false; ++b )
-    {
-        if ( def->bodies[b].triangles_change )
-        {
-            return wisp_fail( error, WISP_BAD_INPUT,
-                              "%s: body %s: its triangles change, since it tears, which only files that end in .obj, "
-                              ".pvd or .pc2 hold",
-                              io_short_name( path ), def->bodies[b].name );
-        }
-    }
     wisp_recorder* recorder = calloc( 1, sizeof *recorder );
     if ( recorder == NULL )
     {
@@ -184,6 +174,7 @@ static wisp_status check_body( const wisp_recorder* recorder, int b, const wisp_
     }
     if ( body->triangles_change )
     {
+        record_set_triangles( body, recorder->bodies.sources[b] );
         const wisp_status status = record_check_mesh( body, io_short_name( recorder->path ), error );
         if ( status != WISP_OK )
         {

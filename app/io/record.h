@@ -54,14 +54,15 @@ extern "C"
         int triangle_count;       ///< >= 0, of a mesh
         int strand_count;         ///< >= 1, of strands
 
-        // What .pvd, .usda and .glb hold besides. Other formats and the readers leave it out.
+        // What .pvd, .usda and .glb hold besides. Other formats and the readers leave it out, but for the last.
         const float* widths;             ///< [vertex_count] m, diameters of strands, >= 0; null: none
         const wisp_vec3* colours;        ///< [vertex_count] linear RGB in [0, 1]; null: none
         wisp_vec3 base_colour;           ///< linear RGB in [0, 1] of a body without colours; (0, 0, 0): a light grey
         const wisp_record_value* values; ///< [value_count], see wisp_record_has_values()
         int value_count;                 ///< >= 0
         bool is_static;                  ///< its points are those of the first frame in every frame
-        /// `triangles` is not copied: each wisp_recorder_frame() reads it. Only .obj, .pvd and .pc2, which has no triangles, hold it
+        /// Vertices are split, so that corners get other vertices: each wisp_recorder_frame() reads `triangles` again,
+        /// and each wisp_recording_frame() fills it. .glb has the triangles of the last frame in all frames, .pc2 none.
         bool triangles_change;
     } wisp_record_body;
 
@@ -156,13 +157,15 @@ extern "C"
     WISP_API wisp_recording_info wisp_recording_describe( const wisp_recording* recording );
 
     /// @param body 0 .. body_count - 1
-    /// @return belongs to the recording. Without a frame nothing confirms vertex_count: allocate memory only if there
+    /// @return belongs to the recording. Triangles that change are those of the last frame whose points of this body were read,
+    ///        at first those with which it was opened. Without a frame nothing confirms vertex_count: allocate memory only if there
     ///        is a frame, which the file is then long enough to fill.
     WISP_API const wisp_record_body* wisp_recording_body( const wisp_recording* recording, int body );
 
     /// Read a frame, in any order. The bits are the recorded ones. Not thread-safe: one recording has one buffer.
     /// @param index 0 .. frame_count - 1
-    /// @param points [body_count][vertex_count] to be filled; null, or null for a body, if not needed
+    /// @param points [body_count][vertex_count] to be filled, and triangles that change with them; null, or null for a body,
+    ///        if not needed
     /// @param time, hash may be null
     /// @return WISP_BAD_INPUT no such frame, or a damaged one: the message names its number and the byte where it
     ///         starts, and nothing is filled; WISP_IO_ERROR; WISP_NO_MEMORY

@@ -248,10 +248,7 @@ static bool copy_body( const wisp_record_body* from, wisp_record_body* to )
     };
     const size_t vertices = (size_t)from->vertex_count;
     bool made = to->name != NULL;
-    to->triangles =
-        from->triangles_change
-            ? from->triangles
-            : copy_block( from->triangles, 3 * (size_t)to->triangle_count * sizeof *to->triangles, &made );
+    to->triangles = copy_block( from->triangles, 3 * (size_t)to->triangle_count * sizeof *to->triangles, &made );
     to->offsets = copy_block( from->offsets, ( (size_t)to->strand_count + 1 ) * sizeof *to->offsets, &made );
     to->widths = copy_block( from->widths, vertices * sizeof *to->widths, &made );
     to->colours = copy_block( from->colours, vertices * sizeof *to->colours, &made );
@@ -261,11 +258,13 @@ static bool copy_body( const wisp_record_body* from, wisp_record_body* to )
 wisp_status record_copy_bodies( const wisp_record_body* bodies, int count, const char* name, record_bodies* out,
                                 wisp_error* error )
 {
-    *out = ( record_bodies ){ calloc( (size_t)count, sizeof *out->list ), count };
-    bool copied = out->list != NULL;
+    *out = ( record_bodies ){ calloc( (size_t)count, sizeof *out->list ),
+                              calloc( (size_t)count, sizeof( const int32_t* ) ), count };
+    bool copied = out->list != NULL && out->sources != NULL;
     for ( int b = 0; copied && b < count; ++b )
     {
         copied = copy_body( &bodies[b], &out->list[b] );
+        out->sources[b] = bodies[b].triangles_change ? bodies[b].triangles : NULL;
     }
     if ( !copied )
     {
@@ -292,25 +291,40 @@ void record_release_bodies( record_bodies* bodies )
         }
         release( body->values );
         release( body->name );
-        release( body->triangles_change ? NULL : body->triangles );
+        release( body->triangles );
         release( body->offsets );
         release( body->widths );
         release( body->colours );
     }
     free( bodies->list );
+    free( bodies->sources );
     *bodies = ( record_bodies ){ 0 };
 }
 
 // ---- points ----------------------------------------------------------------------------------------------------
 
-uint64_t record_point_bytes( const record_bodies* bodies )
+uint64_t record_triangle_bytes( const wisp_record_body* body )
 {
-    uint64_t vertices = 0;
+    return body->triangles_change ? 3 * sizeof( int32_t ) * (uint64_t)body->triangle_count : 0;
+}
+
+uint64_t record_frame_bytes( const record_bodies* bodies )
+{
+    uint64_t bytes = 0;
     for ( int b = 0; b < bodies->count; ++b )
     {
-        vertices += (uint64_t)bodies->list[b].vertex_count;
+        bytes +=
+            RECORD_POINT_SIZE * (uint64_t)bodies->list[b].vertex_count + record_triangle_bytes( &bodies->list[b] );
     }
-    return RECORD_POINT_SIZE * vertices;
+    return bytes;
+}
+
+void record_set_triangles( const wisp_record_body* body, const int32_t* triangles )
+{
+    if ( body->triangle_count > 0 )
+    {
+        memcpy( (void*)(uintptr_t)body->triangles, triangles, (size_t)record_triangle_bytes( body ) );
+    }
 }
 
 int64_t record_find_not_finite( const wisp_vec3* points, int count )

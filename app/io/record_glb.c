@@ -153,22 +153,29 @@ static void release_file( const wisp_recorder* recorder, glb_file* file )
     free( file->first );
     free( file->points );
     free( file->first_normals );
+    free( file->normals );
+    free( file->last );
     free( file );
 }
 
 static wisp_status glb_start( const wisp_recorder* recorder, glb_file* file, wisp_error* error )
 {
-    size_t largest = 0;
+    size_t largest = 0, triangles = 0;
     for ( int b = 0; b < recorder->bodies.count; ++b )
     {
         const size_t count = (size_t)recorder->bodies.list[b].vertex_count;
+        const size_t bytes = (size_t)record_triangle_bytes( &recorder->bodies.list[b] );
         largest = count > largest ? count : largest;
+        triangles = bytes > triangles ? bytes : triangles;
     }
     file->layout.bodies = calloc( (size_t)recorder->bodies.count, sizeof *file->layout.bodies );
     file->first = malloc( largest * sizeof *file->first );
     file->points = malloc( largest * sizeof *file->points );
     file->first_normals = malloc( largest * sizeof *file->first_normals );
-    if ( !file->layout.bodies || !file->first || !file->points || !file->first_normals )
+    file->normals = malloc( largest * sizeof *file->normals );
+    file->last = malloc( triangles + 1 );
+    if ( !file->layout.bodies || !file->first || !file->points || !file->first_normals || !file->normals ||
+         !file->last )
     {
         return record_no_memory( recorder->path, error );
     }
@@ -312,4 +319,4 @@ static wisp_status glb_close( wisp_recorder* recorder, wisp_error* error )
     return status;
 }
 
-const record_format record_format_glb = { ".glb", false, true, false, glb_open, glb_frame, glb_close };
+const record_format record_format_glb = { ".glb", false, true, glb_open, glb_frame, glb_close };

@@ -28,9 +28,10 @@ typedef struct glb_file
 {
     io_output output;
     record_waiting* waiting;
-    wisp_vec3 *first, *points; ///< [largest vertex_count] in the first frame and in another one
-    wisp_vec3* first_normals;  ///< [largest vertex_count]
-    glb_layout layout;         ///< when the recorder is closed
+    wisp_vec3 *first, *points;          ///< [largest vertex_count] in the first frame and in another one
+    wisp_vec3 *first_normals, *normals; ///< [largest vertex_count]
+    int32_t* last;     ///< [largest triangle_count of those that change][3] of the last frame, of one body
+    glb_layout layout; ///< when the recorder is closed
 } glb_file;
 
 /// Bytes of the points, normals or colours of a body.

@@ -1,4 +1,7 @@
 // The binary part of a .glb file: indices and points of bodies, their morph targets, and the animation.
+//
+// A morph target moves vertices and cannot change triangles. Where a body tears, all frames have the triangles of the last
+// one, and a vertex is where its corners are in the frame: in one place with its twins until they are split.
 #include "record_glb.h"
 
 #include <stdlib.h>
@@ -56,23 +59,62 @@ static wisp_vec3 unit_normal( wisp_vec3 n )
     return n.x != 0.0f || n.y != 0.0f || n.z != 0.0f ? n : ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f };
 }
 
-static wisp_status load_points( const wisp_recorder* recorder, int b, int frame, wisp_vec3* out, wisp_error* error )
+// Carry vectors at the vertices of a frame to those of the last frame.
+static void carry_to_last( const wisp_recorder* recorder, int b, wisp_vec3* vectors )
 {
     const glb_file* file = recorder->file;
     const wisp_record_body* body = &recorder->bodies.list[b];
+    if ( body->triangles_change )
+    {
+        record_carry_corners( body, body->triangles, file->last, vectors );
+    }
+}
+
+// @param normals [vertex_count] unit normals of the frame; null if not needed
+static wisp_status load_frame( const wisp_recorder* recorder, int b, int frame, wisp_vec3* points, wisp_vec3* normals,
+                               wisp_error* error )
+{
+    const glb_file* file = recorder->file;
+    const wisp_record_body* body = &recorder->bodies.list[b];
+    const size_t bytes = (size_t)body->vertex_count * sizeof *points;
     if ( body->is_static )
     {
-        memcpy( out, recorder->fixed[b], (size_t)body->vertex_count * sizeof *out );
+        memcpy( points, recorder->fixed[b], bytes );
+    }
+    const wisp_status status =
+        body->is_static ? WISP_OK : record_waiting_points( recorder, file->waiting, frame, b, points, error );
+    if ( status == WISP_OK && normals != NULL )
+    {
+        memcpy( normals, record_normals( recorder, b, points ), bytes );
+        carry_to_last( recorder, b, normals );
+    }
+    if ( status == WISP_OK )
+    {
+        carry_to_last( recorder, b, points );
+    }
+    return status;
+}
+
+// Load the triangles of the last frame into file->last.
+static wisp_status load_last( const wisp_recorder* recorder, int b, wisp_error* error )
+{
+    const glb_file* file = recorder->file;
+    const wisp_record_body* body = &recorder->bodies.list[b];
+    if ( body->triangles_change == false )
+    {
         return WISP_OK;
     }
-    return record_waiting_points( recorder, file->waiting, frame, b, out, error );
+    const wisp_status status =
+        record_waiting_points( recorder, file->waiting, recorder->frame_count - 1, b, file->points, error );
+    memcpy( file->last, body->triangles, (size_t)record_triangle_bytes( body ) );
+    return status;
 }
 
 // Load a target of a body: file->points become displacements from the first frame.
 static wisp_status load_target( const wisp_recorder* recorder, int b, int target, wisp_error* error )
 {
     const glb_file* file = recorder->file;
-    wisp_status status = load_points( recorder, b, target + 1, file->points, error );
+    wisp_status status = load_frame( recorder, b, target + 1, file->points, NULL, error );
     for ( int v = 0; status == WISP_OK && v < recorder->bodies.list[b].vertex_count; ++v )
     {
         file->points[v] = difference( file->points[v], file->first[v] );
@@ -90,7 +132,8 @@ wisp_status glb_find_bounds( const wisp_recorder* recorder, int b, wisp_error* e
     {
         return record_no_memory( recorder->path, error );
     }
-    wisp_status status = load_points( recorder, b, 0, file->first, error );
+    wisp_status status = load_last( recorder, b, error );
+    status = status == WISP_OK ? load_frame( recorder, b, 0, file->first, NULL, error ) : status;
     if ( status == WISP_OK )
     {
         record_extend_bounds( &place->bounds[0], file->first, count );
@@ -119,11 +162,10 @@ static wisp_status put_target( const wisp_recorder* recorder, int b, int target,
     if ( status == WISP_OK && file->layout.bodies[b].has_normals )
     {
         // The normals are those of the points, not of the displacements.
-        status = load_points( recorder, b, target + 1, file->points, error );
-        const wisp_vec3* normals = status == WISP_OK ? record_normals( recorder, b, file->points ) : NULL;
-        for ( int v = 0; normals != NULL && v < count; ++v )
+        status = load_frame( recorder, b, target + 1, file->points, file->normals, error );
+        for ( int v = 0; status == WISP_OK && v < count; ++v )
         {
-            const wisp_vec3 turned = difference( unit_normal( normals[v] ), file->first_normals[v] );
+            const wisp_vec3 turned = difference( unit_normal( file->normals[v] ), file->first_normals[v] );
             put_vectors( out, &turned, 1 );
         }
     }
@@ -136,8 +178,12 @@ static wisp_status put_body( const wisp_recorder* recorder, int b, wisp_error* e
     const wisp_record_body* body = &recorder->bodies.list[b];
     const glb_body* place = &file->layout.bodies[b];
     FILE* out = file->output.stream;
-    put_indices( out, body );
-    wisp_status status = load_points( recorder, b, 0, file->first, error );
+    wisp_status status = load_last( recorder, b, error );
+    if ( status == WISP_OK )
+    {
+        put_indices( out, body );
+        status = load_frame( recorder, b, 0, file->first, place->has_normals ? file->first_normals : NULL, error );
+    }
     if ( status != WISP_OK )
     {
         return status;
@@ -145,10 +191,9 @@ static wisp_status put_body( const wisp_recorder* recorder, int b, wisp_error* e
     put_vectors( out, file->first, body->vertex_count );
     if ( place->has_normals )
     {
-        const wisp_vec3* normals = record_normals( recorder, b, file->first );
         for ( int v = 0; v < body->vertex_count; ++v )
         {
-            file->first_normals[v] = unit_normal( normals[v] );
+            file->first_normals[v] = unit_normal( file->first_normals[v] );
         }
         put_vectors( out, file->first_normals, body->vertex_count );
     }

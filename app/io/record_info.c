@@ -181,7 +181,10 @@ static void print_stats( FILE* out, const survey* s, const wisp_recording* recor
         const wisp_record_body* body = wisp_recording_body( recording, b );
         bool strands = body->offsets != NULL;
         fprintf( out, "    %-18s %d %s, %d vertices", body->name, strands ? body->strand_count : body->triangle_count,
-                 strands ? "strands" : "triangles", body->vertex_count );
+                 strands                  ? "strands"
+                 : body->triangles_change ? "triangles that change"
+                                          : "triangles",
+                 body->vertex_count );
         print_bounds( out, &s->bounds[b] );
     }
 }

@@ -15,8 +15,8 @@
 //             bodies, u64 checksum of all before
 //     body    u32 kind, u32 letters of the name, u32 vertices, u32 triangles or strands,
 //             name with zeros up to a multiple of 4, i32 [triangles][3] or [strands + 1]
-//     frame   "WISPFRAM", u64 frame bytes, u64 index, f64 time, u64 world hash, f32 [vertices][3] of each body,
-//             u64 checksum of all before
+//     frame   "WISPFRAM", u64 frame bytes, u64 index, f64 time, u64 world hash, for each body f32 [vertices][3] and,
+//             if its triangles change, i32 [triangles][3]; u64 checksum of all before
 //     end     "WISPEND\n", u64 frames, u64 checksum of all before
 //
 // Checksums of frames and of the end start from the header's, so that a frame of another recording is rejected. The
@@ -38,6 +38,7 @@ enum
     RECORD_BODY_SIZE = 16, // before the name
     RECORD_MESH = 0,
     RECORD_STRANDS = 1,
+    RECORD_CHANGING_MESH = 2, // its triangles change
 
     RECORD_FRAME_AT_BYTES = 8,
     RECORD_FRAME_AT_INDEX = 16,
@@ -68,6 +69,7 @@ void record_put_points( unsigned char* bytes, const wisp_vec3* points, int count
 typedef struct record_bodies
 {
     wisp_record_body* list;
+    const int32_t** sources; ///< [count] of a recorder: the caller's triangles where they change, else null
     int count;
 } record_bodies;
 
@@ -84,8 +86,14 @@ wisp_status record_copy_bodies( const wisp_record_body* bodies, int count, const
 /// Release what was allocated so far; pointers that are null are allowed.
 void record_release_bodies( record_bodies* bodies );
 
-/// Bytes of the points of all bodies.
-uint64_t record_point_bytes( const record_bodies* bodies );
+/// Bytes of the points of all bodies, and of triangles that change, in a frame of our own format.
+uint64_t record_frame_bytes( const record_bodies* bodies );
+
+/// Bytes of the triangles of a body if they change, else 0.
+uint64_t record_triangle_bytes( const wisp_record_body* body );
+
+/// Replace triangles that change. @param triangles [triangle_count][3]
+void record_set_triangles( const wisp_record_body* body, const int32_t* triangles );
 
 /// The first number of a body that is not finite, or -1; three numbers a vertex.
 int64_t record_find_not_finite( const wisp_vec3* points, int count );
@@ -124,7 +132,6 @@ struct record_format
     const char* extension;
     bool has_values;  ///< holds the values of bodies
     bool has_normals; ///< calls record_normals()
-    bool has_changes; ///< takes triangles that change
     /// Fill recorder->file; a failure leaves nothing behind.
     wisp_status ( *open )( wisp_recorder* recorder, wisp_error* error );
     wisp_status ( *frame )( wisp_recorder* recorder, const record_frame* frame, wisp_error* error );
@@ -141,6 +148,12 @@ extern const record_format record_format_wisp, record_format_pc2, record_format_
 /// @return [vertex_count], valid until the next call
 const wisp_vec3* record_normals( const wisp_recorder* recorder, int body, const wisp_vec3* points );
 
+/// Carry vectors at vertices to later triangles, in which vertices are split: each corner keeps its vector. What corners get
+/// instead of their vertex had no corner before.
+/// @param now, later [triangle_count][3] @param vectors [vertex_count]
+void record_carry_corners( const wisp_record_body* body, const int32_t* now, const int32_t* later,
+                           wisp_vec3* vectors );
+
 /// Linear RGB of a body without colours.
 wisp_vec3 record_base_colour( const wisp_record_body* body );
 
@@ -153,7 +166,7 @@ wisp_status record_waiting_add( wisp_recorder* recorder, record_waiting* waiting
                                 wisp_error* error );
 /// Seconds of a frame.
 double record_waiting_time( const record_waiting* waiting, int frame );
-/// Points of a body that is not static. @param out [vertex_count]
+/// Points of a body that is not static; triangles that change become those of the frame. @param out [vertex_count]
 wisp_status record_waiting_points( const wisp_recorder* recorder, const record_waiting* waiting, int frame, int body,
                                    wisp_vec3* out, wisp_error* error );
 /// A value of a body. @param out [vertex_count]

@@ -80,4 +80,4 @@ static wisp_status obj_close( wisp_recorder* recorder, wisp_error* error )
     return WISP_OK;
 }
 
-const record_format record_format_obj = { ".obj", false, false, true, obj_open, obj_frame, obj_close };
+const record_format record_format_obj = { ".obj", false, false, obj_open, obj_frame, obj_close };

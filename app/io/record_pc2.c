@@ -150,7 +150,7 @@ static wisp_status pc2_finish( wisp_recorder* recorder, wisp_error* error )
     return status;
 }
 
-const record_format record_format_pc2 = { ".pc2", false, false, true, pc2_open, pc2_write_frame, pc2_finish };
+const record_format record_format_pc2 = { ".pc2", false, false, pc2_open, pc2_write_frame, pc2_finish };
 
 // ---- reading ---------------------------------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-// What formats for pictures have in common: normals, and a colour for bodies without one.
+// What formats for pictures have in common: normals, vectors at split vertices, and a colour for bodies without one.
 #include "record_internal.h"
 
 #include <math.h>
@@ -40,6 +40,15 @@ const wisp_vec3* record_normals( const wisp_recorder* recorder, int b, const wis
         }
     }
     return recorder->normals;
+}
+
+void record_carry_corners( const wisp_record_body* body, const int32_t* now, const int32_t* later,
+                           wisp_vec3* vectors )
+{
+    for ( size_t i = 0; i < 3 * (size_t)body->triangle_count; ++i )
+    {
+        vectors[later[i]] = vectors[now[i]];
+    }
 }
 
 wisp_vec3 record_base_colour( const wisp_record_body* body )

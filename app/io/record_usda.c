@@ -72,21 +72,25 @@ static void release_file( usda_file* file )
     free( file->points[0] );
     free( file->points[1] );
     free( file->numbers );
+    free( file->triangles );
     free( file );
 }
 
 static wisp_status usda_start( const wisp_recorder* recorder, usda_file* file, wisp_error* error )
 {
-    size_t largest = 0;
+    size_t largest = 0, triangles = 0;
     for ( int b = 0; b < recorder->bodies.count; ++b )
     {
-        size_t count = (size_t)recorder->bodies.list[b].vertex_count;
+        const size_t count = (size_t)recorder->bodies.list[b].vertex_count;
+        const size_t bytes = (size_t)record_triangle_bytes( &recorder->bodies.list[b] );
         largest = count > largest ? count : largest;
+        triangles = bytes > triangles ? bytes : triangles;
     }
     file->points[0] = malloc( largest * sizeof( wisp_vec3 ) );
     file->points[1] = malloc( largest * sizeof( wisp_vec3 ) );
     file->numbers = malloc( largest * sizeof( float ) );
-    if ( file->points[0] == NULL || file->points[1] == NULL || file->numbers == NULL )
+    file->triangles = malloc( triangles + 1 );
+    if ( !file->points[0] || !file->points[1] || !file->numbers || !file->triangles )
     {
         return record_no_memory( recorder->path, error );
     }
@@ -210,4 +214,4 @@ static wisp_status usda_close( wisp_recorder* recorder, wisp_error* error )
     return status;
 }
 
-const record_format record_format_usda = { ".usda", true, true, false, usda_open, usda_frame, usda_close };
+const record_format record_format_usda = { ".usda", true, true, usda_open, usda_frame, usda_close };

@@ -9,6 +9,7 @@ typedef struct usda_file
     record_waiting* waiting;
     wisp_vec3* points[2]; ///< [largest vertex_count] of two frames
     float* numbers;       ///< [largest vertex_count]
+    int32_t* triangles;   ///< [largest triangle_count of those that change][3] of the frame before
 } usda_file;
 
 /// The name of a prim: USD allows neither a dash nor a leading digit. @param out room for two more letters

@@ -66,6 +66,21 @@ static wisp_status write_points( const usda_prim* prim, int frame, wisp_error* e
     return status;
 }
 
+static void write_corners( FILE* out, const wisp_record_body* body )
+{
+    for ( size_t i = 0; i < 3 * (size_t)body->triangle_count; ++i )
+    {
+        fprintf( out, "%s%d", i > 0 ? ", " : "", body->triangles[i] );
+    }
+}
+
+static wisp_status write_triangles( const usda_prim* prim, int frame, wisp_error* error )
+{
+    const wisp_status status = load_points( prim, frame, prim->file->points[0], error );
+    write_corners( prim->out, prim->body );
+    return status;
+}
+
 static wisp_status write_normals( const usda_prim* prim, int frame, wisp_error* error )
 {
     wisp_vec3* points = prim->file->points[0];
@@ -106,14 +121,33 @@ static wisp_status write_extent( const usda_prim* prim, int frame, wisp_error* e
     return status;
 }
 
-// Central differences of the frames around, one-sided at the ends: what motion blur around a frame needs.
+// Load the points of two frames. A vertex that is split between them comes from where its corners were.
+static wisp_status load_two( const usda_prim* prim, int before, int after, wisp_error* error )
+{
+    const usda_file* file = prim->file;
+    const wisp_record_body* body = prim->body;
+    wisp_status status = load_points( prim, before, file->points[0], error );
+    if ( body->triangles_change )
+    {
+        memcpy( file->triangles, body->triangles, (size_t)record_triangle_bytes( body ) );
+    }
+    status = status == WISP_OK ? load_points( prim, after, file->points[1], error ) : status;
+    if ( status == WISP_OK && body->triangles_change )
+    {
+        record_carry_corners( body, file->triangles, body->triangles, file->points[0] );
+    }
+    return status;
+}
+
+// Central differences of the frames around, one-sided at the ends: what motion blur around a frame needs. Where vertices are
+// split between frames, from the frame before.
 static wisp_status write_velocities( const usda_prim* prim, int frame, wisp_error* error )
 {
     const usda_file* file = prim->file;
     const int before = frame > 0 ? frame - 1 : 0;
-    const int after = frame + 1 < prim->recorder->frame_count ? frame + 1 : frame;
-    wisp_status status = load_points( prim, before, file->points[0], error );
-    status = status == WISP_OK ? load_points( prim, after, file->points[1], error ) : status;
+    const bool is_last = frame + 1 >= prim->recorder->frame_count || ( prim->body->triangles_change && frame > 0 );
+    const int after = is_last ? frame : frame + 1;
+    const wisp_status status = load_two( prim, before, after, error );
     if ( status == WISP_OK )
     {
         const double time =
@@ -215,6 +249,10 @@ static wisp_status write_all_attributes( usda_prim* prim, wisp_error* error )
     }
     wisp_status status = write_attribute( prim, "float3[] extent", NULL, write_extent, error );
     status = status == WISP_OK ? write_attribute( prim, "point3f[] points", NULL, write_points, error ) : status;
+    if ( status == WISP_OK && body->triangles_change )
+    {
+        status = write_samples( prim, "int[] faceVertexIndices", NULL, write_triangles, error );
+    }
     if ( status == WISP_OK && body->triangle_count > 0 )
     {
         status = write_attribute( prim, "normal3f[] normals", "vertex", write_normals, error );
@@ -237,13 +275,15 @@ static void write_mesh( FILE* out, const wisp_record_body* body )
     {
         fputs( t > 0 ? ", 3" : "3", out );
     }
-    fputs( "]\n        int[] faceVertexIndices = [", out );
-    for ( size_t i = 0; i < 3 * (size_t)body->triangle_count; ++i )
+    fputs( "]\n", out );
+    if ( body->triangles_change == false )
     {
-        fprintf( out, "%s%d", i > 0 ? ", " : "", body->triangles[i] );
+        fputs( "        int[] faceVertexIndices = [", out );
+        write_corners( out, body );
+        fputs( "]\n", out );
     }
     // Without this the mesh would be drawn as a subdivision surface, smoother than what was simulated.
-    fputs( "]\n        uniform token subdivisionScheme = \"none\"\n", out );
+    fputs( "        uniform token subdivisionScheme = \"none\"\n", out );
 }
 
 static void write_curves( FILE* out, const wisp_record_body* body )

@@ -394,4 +394,4 @@ static wisp_status pvd_close( wisp_recorder* recorder, wisp_error* error )
     return status;
 }
 
-const record_format record_format_pvd = { ".pvd", true, true, true, pvd_open, pvd_frame, pvd_close };
+const record_format record_format_pvd = { ".pvd", true, true, pvd_open, pvd_frame, pvd_close };

@@ -1,6 +1,6 @@
 // Frames on their way into a file that stores bodies one after the other: they wait in a file without a name next to the
 // recording, where there is space for it, so that a crash leaves nothing behind. A frame is the points of bodies that
-// move and the values of all bodies, as they are in memory.
+// move, the values of all bodies and triangles that change, as they are in memory.
 #define _XOPEN_SOURCE 700
 
 #include "record_internal.h"
@@ -69,7 +69,8 @@ wisp_status record_waiting_open( const wisp_recorder* recorder, record_waiting**
     {
         const wisp_record_body* body = &recorder->bodies.list[b];
         waiting->offsets[b] = waiting->frame_bytes;
-        waiting->frame_bytes += point_bytes( body ) + (uint64_t)body->value_count * value_bytes( body );
+        waiting->frame_bytes +=
+            point_bytes( body ) + (uint64_t)body->value_count * value_bytes( body ) + record_triangle_bytes( body );
     }
     wisp_status status = open_file( recorder->path, &waiting->file, error );
     if ( status != WISP_OK )
@@ -106,7 +107,8 @@ static bool write_body( record_waiting* waiting, const wisp_record_body* body, c
     {
         written = fwrite( body->values[i].numbers, sizeof( float ), count, waiting->file ) == count;
     }
-    return written;
+    const size_t triangle_bytes = (size_t)record_triangle_bytes( body );
+    return written && fwrite( body->triangles, 1, triangle_bytes, waiting->file ) == triangle_bytes;
 }
 
 wisp_status record_waiting_add( wisp_recorder* recorder, record_waiting* waiting, const record_frame* frame,
@@ -147,8 +149,14 @@ static wisp_status read_at( const wisp_recorder* recorder, const record_waiting*
 wisp_status record_waiting_points( const wisp_recorder* recorder, const record_waiting* waiting, int frame, int b,
                                    wisp_vec3* out, wisp_error* error )
 {
+    const wisp_record_body* body = &recorder->bodies.list[b];
     const uint64_t at = (uint64_t)frame * waiting->frame_bytes + waiting->offsets[b];
-    return read_at( recorder, waiting, at, out, point_bytes( &recorder->bodies.list[b] ), error );
+    const wisp_status status = read_at( recorder, waiting, at, out, point_bytes( body ), error );
+    const uint64_t triangles_at = at + point_bytes( body ) + (uint64_t)body->value_count * value_bytes( body );
+    return status == WISP_OK && body->triangles_change
+               ? read_at( recorder, waiting, triangles_at, (void*)(uintptr_t)body->triangles,
+                          record_triangle_bytes( body ), error )
+               : status;
 }
 
 wisp_status record_waiting_numbers( const wisp_recorder* recorder, const record_waiting* waiting, int frame, int b,

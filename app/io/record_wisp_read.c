@@ -138,7 +138,8 @@ static wisp_status read_body( header_cursor* cursor, int b, wisp_record_body* bo
     uint32_t name_size = io_get_u32( head + 4 );
     uint32_t vertices = io_get_u32( head + 8 );
     uint32_t elements = io_get_u32( head + 12 );
-    if ( kind > RECORD_STRANDS || name_size > WISP_RECORD_MAX_NAME || vertices >= INT_MAX || elements >= INT_MAX )
+    if ( kind > RECORD_CHANGING_MESH || name_size > WISP_RECORD_MAX_NAME || vertices >= INT_MAX ||
+         elements >= INT_MAX )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           "%s: byte %zu: body %d cannot be of kind %u with a name of %u letters, %u vertices and %u "
@@ -166,6 +167,7 @@ static wisp_status read_body( header_cursor* cursor, int b, wisp_record_body* bo
     }
     cursor->at += 4 * (size_t)count;
     body->vertex_count = (int)vertices;
+    body->triangles_change = kind == RECORD_CHANGING_MESH;
     *( strands ? &body->offsets : &body->triangles ) = numbers;
     *( strands ? &body->strand_count : &body->triangle_count ) = (int)elements;
     return WISP_OK;
@@ -179,7 +181,8 @@ static wisp_status read_bodies( wisp_recording* recording, header_cursor* cursor
         return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got %u bodies, expected 1 to %d", cursor->name,
                           RECORD_AT_BODY_COUNT, count, WISP_RECORD_MAX_BODIES );
     }
-    recording->bodies = ( record_bodies ){ calloc( count, sizeof *recording->bodies.list ), (int)count };
+    recording->bodies =
+        ( record_bodies ){ .list = calloc( count, sizeof *recording->bodies.list ), .count = (int)count };
     if ( recording->bodies.list == NULL )
     {
         return record_no_memory( cursor->name, error );
@@ -211,7 +214,7 @@ static wisp_status read_stats( wisp_recording* recording, const header_cursor* c
                           RECORD_AT_STEP_SECONDS, info->dt );
     }
     info->frame_bytes = io_get_u64( cursor->bytes + RECORD_AT_FRAME_BYTES );
-    uint64_t needed = RECORD_FRAME_AT_POINTS + record_point_bytes( &recording->bodies ) + RECORD_CHECKSUM_SIZE;
+    uint64_t needed = RECORD_FRAME_AT_POINTS + record_frame_bytes( &recording->bodies ) + RECORD_CHECKSUM_SIZE;
     if ( info->frame_bytes != needed || (size_t)needed != needed )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
@@ -428,6 +431,23 @@ static wisp_status check_head( const wisp_recording* recording, int index, const
                : damaged( recording, index, "its time is not finite", error );
 }
 
+static wisp_status check_triangles( const wisp_recording* recording, int index, const unsigned char* bytes,
+                                    const wisp_record_body* body, wisp_error* error )
+{
+    for ( size_t i = 0; body->triangles_change && i < 3 * (size_t)body->triangle_count; ++i )
+    {
+        const uint32_t vertex = io_get_u32( bytes + 4 * i );
+        if ( vertex >= (uint32_t)body->vertex_count )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "%s: frame %d at byte %llu: body %s, triangle %zu: got vertex %u, expected 0 .. %d",
+                              recording->source.name, index, (unsigned long long)frame_byte( recording, index ),
+                              body->name, i / 3, vertex, body->vertex_count - 1 );
+        }
+    }
+    return WISP_OK;
+}
+
 static wisp_status check_points( const wisp_recording* recording, int index, const unsigned char* bytes,
                                  wisp_error* error )
 {
@@ -446,8 +466,23 @@ static wisp_status check_points( const wisp_recording* recording, int index, con
                                   body->name, v );
             }
         }
+        wisp_status status = check_triangles( recording, index, bytes + at, body, error );
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+        at += (size_t)record_triangle_bytes( body );
     }
     return WISP_OK;
+}
+
+static void get_triangles( const unsigned char* bytes, const wisp_record_body* body )
+{
+    int32_t* to = (int32_t*)(uintptr_t)body->triangles;
+    for ( size_t i = 0; body->triangles_change && i < 3 * (size_t)body->triangle_count; ++i )
+    {
+        to[i] = (int32_t)io_get_u32( bytes + 4 * i );
+    }
 }
 
 wisp_status wisp_recording_frame( wisp_recording* recording, int index, wisp_vec3* const* points, double* time,
@@ -476,9 +511,13 @@ wisp_status wisp_recording_frame( wisp_recording* recording, int index, wisp_vec
     size_t at = RECORD_FRAME_AT_POINTS;
     for ( int b = 0; points != NULL && b < recording->bodies.count; ++b )
     {
-        int count = recording->bodies.list[b].vertex_count;
-        record_get_points( bytes + at, points[b] != NULL ? count : 0, points[b] );
-        at += RECORD_POINT_SIZE * (size_t)count;
+        const wisp_record_body* body = &recording->bodies.list[b];
+        if ( points[b] != NULL )
+        {
+            record_get_points( bytes + at, body->vertex_count, points[b] );
+            get_triangles( bytes + at + RECORD_POINT_SIZE * (size_t)body->vertex_count, body );
+        }
+        at += RECORD_POINT_SIZE * (size_t)body->vertex_count + (size_t)record_triangle_bytes( body );
     }
     if ( time != NULL )
     {

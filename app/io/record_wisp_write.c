@@ -41,11 +41,20 @@ static uint64_t header_bytes( const record_bodies* bodies )
     return size;
 }
 
+static unsigned char* put_numbers( unsigned char* at, const int32_t* numbers, size_t count )
+{
+    for ( size_t i = 0; i < count; ++i, at += 4 )
+    {
+        io_put_u32( at, (uint32_t)numbers[i] );
+    }
+    return at;
+}
+
 static unsigned char* put_body( unsigned char* at, const wisp_record_body* body )
 {
     bool strands = body->offsets != NULL;
     size_t name_size = strlen( body->name );
-    io_put_u32( at, strands ? RECORD_STRANDS : RECORD_MESH );
+    io_put_u32( at, strands ? RECORD_STRANDS : body->triangles_change ? RECORD_CHANGING_MESH : RECORD_MESH );
     io_put_u32( at + 4, (uint32_t)name_size );
     io_put_u32( at + 8, (uint32_t)body->vertex_count );
     io_put_u32( at + 12, (uint32_t)( strands ? body->strand_count : body->triangle_count ) );
@@ -53,12 +62,7 @@ static unsigned char* put_body( unsigned char* at, const wisp_record_body* body 
     memset( at, 0, padded( name_size ) );
     memcpy( at, body->name, name_size );
     at += padded( name_size );
-    const int32_t* numbers = strands ? body->offsets : body->triangles;
-    for ( size_t i = 0; i < number_count( body ); ++i, at += 4 )
-    {
-        io_put_u32( at, (uint32_t)numbers[i] );
-    }
-    return at;
+    return put_numbers( at, strands ? body->offsets : body->triangles, number_count( body ) );
 }
 
 static void put_header( unsigned char* bytes, size_t size, const wisp_recorder* recorder, own_file* file )
@@ -115,7 +119,7 @@ static wisp_status own_start( const wisp_recorder* recorder, own_file* file, wis
     }
     file->size = size;
     file->frame_bytes =
-        RECORD_FRAME_AT_POINTS + (size_t)record_point_bytes( &recorder->bodies ) + RECORD_CHECKSUM_SIZE;
+        RECORD_FRAME_AT_POINTS + (size_t)record_frame_bytes( &recorder->bodies ) + RECORD_CHECKSUM_SIZE;
     file->buffer = malloc( file->frame_bytes );
     unsigned char* header = malloc( (size_t)size );
     wisp_status status = WISP_OK;
@@ -193,9 +197,10 @@ static wisp_status own_frame( wisp_recorder* recorder, const record_frame* frame
     unsigned char* at = bytes + RECORD_FRAME_AT_POINTS;
     for ( int b = 0; b < recorder->bodies.count; ++b )
     {
-        int count = recorder->bodies.list[b].vertex_count;
-        record_put_points( at, frame->points[b], count );
-        at += RECORD_POINT_SIZE * (size_t)count;
+        const wisp_record_body* body = &recorder->bodies.list[b];
+        record_put_points( at, frame->points[b], body->vertex_count );
+        at += RECORD_POINT_SIZE * (size_t)body->vertex_count;
+        at = body->triangles_change ? put_numbers( at, body->triangles, number_count( body ) ) : at;
     }
     io_put_u64( at, record_checksum( file->seed, bytes, file->frame_bytes - RECORD_CHECKSUM_SIZE ) );
     return append( recorder, bytes, file->frame_bytes, error );
@@ -232,4 +237,4 @@ static wisp_status own_close( wisp_recorder* recorder, wisp_error* error )
     return status;
 }
 
-const record_format record_format_wisp = { ".wisp", false, false, false, own_open, own_frame, own_close };
+const record_format record_format_wisp = { ".wisp", false, false, own_open, own_frame, own_close };

@@ -1,9 +1,7 @@
-// Tearing of scenes: keys, spare vertices, instances, maps of the strength, bodies and recordings whose triangles change.
+// Tearing of scenes: keys, spare vertices, instances, maps of the strength, bodies whose triangles change.
 #include "folder_fixture.h"
 
 #include "scene_world_fixture.h"
-
-#include "record.h"
 
 enum
 {
@@ -112,56 +110,12 @@ static void a_map_of_the_strength_is_one_number_per_vertex_of_the_mesh( void** s
     release( &f );
 }
 
-static void recordings_hold_triangles_that_change_or_refuse_them( void** state )
-{
-    static const char* const NAMES[] = { "x.obj", "x.pvd", "x.pc2", "x.wisp", "x.usda", "x.glb" };
-    int32_t triangles[6] = { 0, 1, 2, 0, 2, 3 };
-    const wisp_record_body body = {
-        .name = "sheet", .triangles = triangles, .vertex_count = 6, .triangle_count = 2, .triangles_change = true
-    };
-    const wisp_recorder_def def = { .bodies = &body, .body_count = 1, .dt = 0.1 };
-    wisp_vec3 points[6] = { { 0 } };
-    const wisp_vec3* all[1] = { points };
-    for ( int i = 0; i < WISP_COUNT( NAMES ); ++i )
-    {
-        const char* path = path_in( state, NAMES[i] );
-        triangles[3] = 0;
-        wisp_recorder* recorder = NULL;
-        wisp_error error = { 0 };
-        const wisp_status status = wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error );
-        assert_int_equal( status, i < 3 ? WISP_OK : WISP_BAD_INPUT );
-        if ( status != WISP_OK )
-        {
-            assert_non_null( strstr( error.message, "body sheet: its triangles change, since it tears" ) );
-            continue;
-        }
-        assert_int_equal( wisp_recorder_frame( recorder, 0.0, 0, all, &error ), WISP_OK );
-        triangles[3] = 4;
-        assert_int_equal( wisp_recorder_frame( recorder, 0.1, 0, all, &error ), WISP_OK );
-        triangles[3] = 6;
-        assert_int_equal( wisp_recorder_frame( recorder, 0.2, 0, all, &error ), WISP_BAD_INPUT );
-        assert_int_equal( wisp_recorder_close( recorder, &error ), WISP_OK );
-    }
-    char line[100];
-    FILE* file = fopen( path_in( state, "x_0002.obj" ), "r" );
-    bool found = false;
-    assert_non_null( file );
-    while ( fgets( line, sizeof line, file ) )
-    {
-        found = found || strcmp( line, "f 5 3 4\n" ) == 0;
-    }
-    fclose( file );
-    assert_true( found );
-}
-
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( every_key_reaches_its_place_and_meshes_have_spare_vertices ),
         cmocka_unit_test( an_instance_tears_on_its_own_and_bodies_show_it ),
         cmocka_unit_test_setup_teardown( a_map_of_the_strength_is_one_number_per_vertex_of_the_mesh, make_folder,
-                                         remove_folder ),
-        cmocka_unit_test_setup_teardown( recordings_hold_triangles_that_change_or_refuse_them, make_folder,
                                          remove_folder ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -54,6 +54,7 @@ static bool read_frames( wisp_recording* recording, wisp_vec3** points, int body
         for ( int b = 0; status == WISP_OK && b < body_count; ++b )
         {
             demand_finite( points[b], wisp_recording_body( recording, b )->vertex_count );
+            demand_body( wisp_recording_body( recording, b ) );
         }
     }
     return good;
