@@ -130,16 +130,25 @@ static void widen_slab( const mesh_cells* cells, const float* xyzw, const int32_
     }
 }
 
-static slab slab_of( const mesh_cells* cells, const mesh_surface* surface, int32_t triangle, float widening )
+// Place the box of a triangle. @return how many cells it meets
+static int place_box( const mesh_cells* cells, const mesh_surface* surface, int32_t triangle, float widening,
+                      slab* s )
 {
-    slab s = { .lower = INFINITY, .upper = -INFINITY };
     float lower[3], upper[3];
+    int count = 1;
     mesh_surface_box( surface, triangle, lower, upper );
     for ( int k = 0; k < 3; ++k )
     {
-        s.first[k] = cell_at( cells, k, lower[k] - widening );
-        s.last[k] = cell_at( cells, k, upper[k] + widening );
+        s->first[k] = cell_at( cells, k, lower[k] - widening );
+        s->last[k] = cell_at( cells, k, upper[k] + widening );
+        count *= s->last[k] - s->first[k] + 1;
     }
+    return count;
+}
+
+static void place_slab( const mesh_cells* cells, const mesh_surface* surface, int32_t triangle, float widening,
+                        slab* s )
+{
     const int32_t* number = surface->triangles + 3 * (size_t)triangle;
     const float *a = surface->xyzw + 4 * (size_t)number[0], *b = surface->xyzw + 4 * (size_t)number[1],
                 *c = surface->xyzw + 4 * (size_t)number[2];
@@ -147,28 +156,37 @@ static slab slab_of( const mesh_cells* cells, const mesh_surface* surface, int32
     for ( int k = 0; k < 3; ++k )
     {
         const int i = ( k + 1 ) % 3, j = ( k + 2 ) % 3;
-        s.normal[k] = ( ( b[i] - a[i] ) * ( c[j] - a[j] ) - ( b[j] - a[j] ) * ( c[i] - a[i] ) ) * cells->inverse *
-                      cells->inverse;
-        out += fabsf( s.normal[k] );
+        s->normal[k] = ( ( b[i] - a[i] ) * ( c[j] - a[j] ) - ( b[j] - a[j] ) * ( c[i] - a[i] ) ) * cells->inverse *
+                       cells->inverse;
+        out += fabsf( s->normal[k] );
     }
-    widen_slab( cells, surface->xyzw, number, &s );
+    s->lower = INFINITY;
+    s->upper = -INFINITY;
+    widen_slab( cells, surface->xyzw, number, s );
     if ( surface->start != NULL )
     {
-        widen_slab( cells, surface->start, number, &s );
+        widen_slab( cells, surface->start, number, s );
     }
     // half of a cell, and more than the rounding of a place among 128 cells
     const float wide = out * ( 0.51f * cells->edge + 4.0f * widening );
-    s.lower -= wide;
-    s.upper += wide;
-    return s;
+    s->lower -= wide;
+    s->upper += wide;
 }
 
 // NaN takes a cell.
 static void take_triangles( mesh_cells* cells, const mesh_surface* surface, float widening )
 {
+    enum
+    {
+        FEW = 4, // cells: a slab would cost more than it leaves out
+    };
     for ( int32_t t = 0; t < surface->triangle_count; ++t )
     {
-        const slab s = slab_of( cells, surface, t, widening );
+        slab s = { .lower = -INFINITY, .upper = INFINITY };
+        if ( place_box( cells, surface, t, widening, &s ) > FEW )
+        {
+            place_slab( cells, surface, t, widening, &s );
+        }
         const float* n = s.normal;
         for ( int z = s.first[2]; z <= s.last[2]; ++z )
         {
@@ -213,6 +231,10 @@ static bool spread_to( mesh_cells* cells, int row )
     bool changed = false;
     for ( int i = 0; i < words; ++i, ++outside, ++taken )
     {
+        if ( ( *outside | *taken ) == ~(uint64_t)0 )
+        {
+            continue;
+        }
         uint64_t seeds = *outside;
         seeds |= y > 0 ? outside[-beside] : 0;
         seeds |= y + 1 < across ? outside[beside] : 0;
