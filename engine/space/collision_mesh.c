@@ -1,6 +1,7 @@
 // Triangle meshes for queries: surface, search and results.
 #include "collision_mesh_embree.h"
 #include "mesh_bvh.h"
+#include "mesh_cells.h"
 #include "mesh_features.h"
 #include "voxels.h"
 
@@ -14,6 +15,7 @@ struct wisp_collision_mesh
     wisp_mesh_search search;
     embree_tree* embree;    ///< of a rigid mesh, null if voxels are used
     mesh_bvh bvh;           ///< of a mesh that deforms, zero if voxels are used
+    mesh_cells cells;       ///< known to be outside
     voxels voxels;          ///< zero if a tree is used
     mesh_features features; ///< zero until they are prepared
     bool deforms;
@@ -82,6 +84,7 @@ wisp_status wisp_collision_mesh_create( const wisp_collision_mesh_def* def, cons
     }
     *tree = ( wisp_collision_mesh ){ .surface = surface, .search = def->search, .deforms = def->deforms };
     status = make_search( tree, def, error );
+    status = status == WISP_OK ? mesh_cells_create( &tree->cells, &tree->surface, error ) : status;
     if ( status != WISP_OK )
     {
         wisp_collision_mesh_release( tree );
@@ -102,6 +105,7 @@ void wisp_collision_mesh_release( wisp_collision_mesh* tree )
     wisp_allocator allocator = tree->surface.allocator;
     embree_tree_release( tree->embree );
     mesh_bvh_release( &tree->bvh );
+    mesh_cells_release( &tree->cells, &tree->surface );
     mesh_features_release( &tree->features, &tree->surface );
     voxels_release( &tree->voxels, &allocator );
     base_release( &allocator, tree->spare, spare_bytes( tree ) );
@@ -117,7 +121,7 @@ static bool has_bvh( const wisp_collision_mesh* tree )
 size_t wisp_collision_mesh_bytes( const wisp_collision_mesh* tree )
 {
     return sizeof( *tree ) + tree->surface.bytes + mesh_features_bytes( &tree->features, &tree->surface ) +
-           ( tree->spare != NULL ? spare_bytes( tree ) : 0 ) +
+           mesh_cells_bytes( &tree->cells ) + ( tree->spare != NULL ? spare_bytes( tree ) : 0 ) +
            ( has_bvh( tree )        ? mesh_bvh_bytes( &tree->bvh )
              : tree->embree != NULL ? embree_tree_bytes( tree->embree )
                                     : voxels_bytes( &tree->voxels ) );
@@ -184,6 +188,7 @@ wisp_status wisp_collision_mesh_update( wisp_collision_mesh* tree, const wisp_ve
     if ( status != WISP_OK || has_bvh( tree ) == false )
     {
         status = status == WISP_OK ? update_voxels( tree, end, error ) : status;
+        mesh_cells_fill( &tree->cells, &tree->surface );
         if ( tree->features.boxes.surface != NULL )
         {
             mesh_bvh_refit( &tree->features.boxes, parallel );
@@ -192,6 +197,7 @@ wisp_status wisp_collision_mesh_update( wisp_collision_mesh* tree, const wisp_ve
     }
     mesh_surface_set_points( &tree->surface, start != NULL ? start : end, end );
     mesh_bvh_refit( &tree->bvh, parallel );
+    mesh_cells_fill( &tree->cells, &tree->surface );
     return WISP_OK;
 }
 
@@ -313,6 +319,49 @@ void wisp_collision_mesh_closest( wisp_collision_mesh* tree, const wisp_mesh_que
         work.answered += find_closest( tree, queries + i, nearest + i, &work.tested ) ? 1 : 0;
     }
     add_work( sum, &work );
+}
+
+float wisp_collision_mesh_clearance( const wisp_collision_mesh* tree, wisp_vec3 point, float near )
+{
+    return mesh_cells_clearance( &tree->cells, point, near );
+}
+
+// Rigid meshes do not move in their own frame, so the distance is what stays clear.
+static float approach( const wisp_collision_mesh* tree, const wisp_mesh_approach* a, mesh_closest* search )
+{
+    if ( a->seed >= 0 )
+    {
+        mesh_closest_propose( search, a->seed );
+    }
+    if ( has_bvh( tree ) )
+    {
+        return mesh_bvh_find_approach( &tree->bvh, search, a->near );
+    }
+    tree->embree != NULL ? embree_tree_find_closest( tree->embree, search )
+                         : voxels_find_closest( &tree->voxels, search );
+    return (float)( sqrt( search->best.squared ) * ( 1.0 - SEARCH_SLACK ) );
+}
+
+void wisp_collision_mesh_approach( const wisp_collision_mesh* tree, const wisp_mesh_approach* approaches, int count,
+                                   wisp_mesh_nearest* nearest, float* clearance )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        const wisp_mesh_query* query = &approaches[i].query;
+        nearest[i] = ( wisp_mesh_nearest ){ .triangle = -1 };
+        clearance[i] = 0.0f;
+        if ( !is_reachable( query->point ) || !( query->radius >= 0.0f ) )
+        {
+            continue;
+        }
+        mesh_closest search = mesh_closest_begin( &tree->surface, query );
+        clearance[i] = approach( tree, approaches + i, &search );
+        if ( search.triangle >= 0 )
+        {
+            mesh_surface_describe( &tree->surface, search.triangle, search.time, &search.best, search.point,
+                                   nearest + i );
+        }
+    }
 }
 
 // Propose the triangles that share the edge or the corner that is closest. @return whether one is better

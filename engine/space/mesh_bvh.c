@@ -2,6 +2,7 @@
 
 #include "alloc.h"
 #include "lane.h"
+#include "lane_vec.h"
 
 #include <float.h>
 #include <string.h>
@@ -9,7 +10,6 @@
 enum
 {
     REFIT_GRAIN = 64, // groups of leaves per block
-    MAX_STACK = MESH_BVH_MAX_LEVELS * MESH_BVH_WIDTH,
 };
 
 // Relative to the mesh's largest coordinate: more than the rounding of a distance to a box.
@@ -125,6 +125,11 @@ static size_t triangle_bytes( const mesh_bvh* bvh )
     return leaves_of( bvh->surface ) * MESH_BVH_WIDTH * sizeof( int32_t );
 }
 
+static size_t leaf_bytes( const mesh_bvh* bvh )
+{
+    return leaves_of( bvh->surface ) * sizeof( mesh_bvh_leaf );
+}
+
 static size_t group_bytes( const mesh_bvh* bvh )
 {
     return (size_t)bvh->first[bvh->level_count] * sizeof( mesh_bvh_group );
@@ -172,8 +177,9 @@ wisp_status mesh_bvh_build( mesh_bvh* bvh, const mesh_surface* surface, wisp_err
     const size_t centre_bytes = (size_t)surface->triangle_count * 3 * sizeof( float );
     float( *centre )[3] = base_allocate( allocator, centre_bytes, BASE_BUFFER_ALIGNMENT );
     bvh->triangle = base_allocate( allocator, triangle_bytes( bvh ), BASE_BUFFER_ALIGNMENT );
+    bvh->leaves = base_allocate( allocator, leaf_bytes( bvh ), BASE_BUFFER_ALIGNMENT );
     bvh->groups = base_allocate( allocator, group_bytes( bvh ), BASE_BUFFER_ALIGNMENT );
-    const bool enough = centre != NULL && bvh->triangle != NULL && bvh->groups != NULL;
+    const bool enough = centre != NULL && bvh->triangle != NULL && bvh->leaves != NULL && bvh->groups != NULL;
     if ( enough )
     {
         sort_triangles( bvh, centre );
@@ -195,6 +201,7 @@ void mesh_bvh_release( mesh_bvh* bvh )
     if ( bvh->surface != NULL )
     {
         base_release( &bvh->surface->allocator, bvh->triangle, triangle_bytes( bvh ) );
+        base_release( &bvh->surface->allocator, bvh->leaves, leaf_bytes( bvh ) );
         base_release( &bvh->surface->allocator, bvh->groups, group_bytes( bvh ) );
     }
     *bvh = ( mesh_bvh ){ 0 };
@@ -202,7 +209,7 @@ void mesh_bvh_release( mesh_bvh* bvh )
 
 size_t mesh_bvh_bytes( const mesh_bvh* bvh )
 {
-    return triangle_bytes( bvh ) + group_bytes( bvh );
+    return triangle_bytes( bvh ) + leaf_bytes( bvh ) + group_bytes( bvh );
 }
 
 // ---- refit ----
@@ -216,23 +223,66 @@ static void clear_child( mesh_bvh_group* group, int child )
     }
 }
 
+// Load one corner of eight triangles as lanes.
+LANE_INLINE lane8v load_corners( const float* xyzw, const int32_t* quads )
+{
+    lane8v p;
+    lane8_load_xyz( xyzw, quads, &p.x, &p.y, &p.z );
+    return p;
+}
+
+LANE_INLINE void store_corner( float ( *to )[MESH_BVH_WIDTH], lane8v v )
+{
+    lane8_storeu( to[0], v.x );
+    lane8_storeu( to[1], v.y );
+    lane8_storeu( to[2], v.z );
+}
+
+LANE_INLINE lane8v smaller( lane8v a, lane8v b )
+{
+    return ( lane8v ){ lane8_min( a.x, b.x ), lane8_min( a.y, b.y ), lane8_min( a.z, b.z ) };
+}
+
+LANE_INLINE lane8v larger( lane8v a, lane8v b )
+{
+    return ( lane8v ){ lane8_max( a.x, b.x ), lane8_max( a.y, b.y ), lane8_max( a.z, b.z ) };
+}
+
+// A place without a triangle gets the first triangle of the leaf, and an empty box.
 static void refit_leaf( const mesh_bvh* bvh, int leaf, float widening )
 {
+    const mesh_surface* s = bvh->surface;
+    const int32_t* triangle = bvh->triangle + leaf * MESH_BVH_WIDTH;
+    mesh_bvh_leaf* kept = bvh->leaves + leaf;
+    lane8v lower = lane8v_set1( ( wisp_vec3 ){ INFINITY, INFINITY, INFINITY } ),
+           upper = lane8v_set1( ( wisp_vec3 ){ -INFINITY, -INFINITY, -INFINITY } );
+    lane8 farthest = lane8_zero();
+    for ( size_t corner = 0; corner < 3; ++corner )
+    {
+        int32_t quads[MESH_BVH_WIDTH];
+        for ( int child = 0; child < MESH_BVH_WIDTH; ++child )
+        {
+            const size_t t = (size_t)( triangle[child] >= 0 ? triangle[child] : triangle[0] );
+            quads[child] = 4 * s->triangles[3 * t + corner];
+        }
+        const lane8v end = load_corners( s->xyzw, quads ),
+                     start = s->start != NULL ? load_corners( s->start, quads ) : end, way = lane8v_sub( end, start );
+        store_corner( kept->start + 3 * corner, start );
+        store_corner( kept->way + 3 * corner, way );
+        lower = smaller( lower, smaller( start, end ) );
+        upper = larger( upper, larger( start, end ) );
+        farthest = lane8_max( farthest, lane8v_dot( way, way ) );
+    }
+    lane8_storeu( kept->shift, lane8_mul( lane8_set1( 1.00001f ), lane8_sqrt( farthest ) ) );
+    const lane8v wide = lane8v_set1( ( wisp_vec3 ){ widening, widening, widening } );
     mesh_bvh_group* group = bvh->groups + leaf;
+    store_corner( group->lower, lane8v_sub( lower, wide ) );
+    store_corner( group->upper, lane8v_add( upper, wide ) );
     for ( int child = 0; child < MESH_BVH_WIDTH; ++child )
     {
-        const int32_t triangle = bvh->triangle[leaf * MESH_BVH_WIDTH + child];
-        if ( triangle < 0 )
+        if ( triangle[child] < 0 )
         {
             clear_child( group, child );
-            continue;
-        }
-        float lower[3], upper[3];
-        mesh_surface_box( bvh->surface, triangle, lower, upper );
-        for ( int k = 0; k < 3; ++k )
-        {
-            group->lower[k][child] = lower[k] - widening;
-            group->upper[k][child] = upper[k] + widening;
         }
     }
 }
@@ -307,202 +357,4 @@ void mesh_bvh_refit( mesh_bvh* bvh, const wisp_parallel* parallel )
         refit_level( bvh, level );
     }
     bvh->refit_count += 1;
-}
-
-// ---- closest points ----
-
-typedef struct stack_entry
-{
-    float squared; // m^2, of the distance to the box
-    int16_t level;
-    int32_t group; // of its level
-} stack_entry;
-
-LANE_INLINE lane8 gap_of( const float* lower, const float* upper, lane8 p )
-{
-    const lane8 below = lane8_sub( lane8_loadu( lower ), p ), above = lane8_sub( p, lane8_loadu( upper ) );
-    return lane8_max( lane8_max( below, above ), lane8_zero() );
-}
-
-LANE_INLINE lane8 squares_of( const mesh_bvh_group* g, const lane8 p[3] )
-{
-    const lane8 x = gap_of( g->lower[0], g->upper[0], p[0] ), y = gap_of( g->lower[1], g->upper[1], p[1] ),
-                z = gap_of( g->lower[2], g->upper[2], p[2] );
-    return lane8_add( lane8_add( lane8_mul( x, x ), lane8_mul( y, y ) ), lane8_mul( z, z ) );
-}
-
-// Return the square beyond which boxes are skipped, rounded up.
-static float limit_of( const mesh_closest* search )
-{
-    const double radius = mesh_closest_radius( search );
-    return (float)fmin( radius * radius * 1.000001, 1e37 );
-}
-
-static void propose_leaf( const mesh_bvh* bvh, int leaf, uint32_t bits, const float* squares, mesh_closest* search )
-{
-    const int32_t* triangle = bvh->triangle + leaf * MESH_BVH_WIDTH;
-    float limit = limit_of( search );
-    for ( int child = 0; bits != 0; ++child, bits >>= 1 )
-    {
-        if ( ( bits & 1u ) != 0 && squares[child] <= limit && mesh_closest_propose( search, triangle[child] ) )
-        {
-            limit = limit_of( search );
-        }
-    }
-}
-
-// Push the children within the limit, the nearest on top.
-static int push_children( stack_entry* stack, int count, int level, int group, uint32_t bits, const float* squares )
-{
-    const int bottom = count;
-    for ( int child = 0; bits != 0; ++child, bits >>= 1 )
-    {
-        if ( ( bits & 1u ) == 0 )
-        {
-            continue;
-        }
-        int at = count++;
-        for ( ; at > bottom && stack[at - 1].squared < squares[child]; --at )
-        {
-            stack[at] = stack[at - 1];
-        }
-        stack[at] = ( stack_entry ){ squares[child], (int16_t)( level - 1 ), group * MESH_BVH_WIDTH + child };
-    }
-    return count;
-}
-
-void mesh_bvh_find_closest( const mesh_bvh* bvh, mesh_closest* search )
-{
-    const lane8 p[3] = { lane8_set1( (float)search->point.x ), lane8_set1( (float)search->point.y ),
-                         lane8_set1( (float)search->point.z ) };
-    stack_entry stack[MAX_STACK];
-    int count = 1;
-    stack[0] = ( stack_entry ){ 0.0f, (int16_t)( bvh->level_count - 1 ), 0 };
-    while ( count > 0 )
-    {
-        const stack_entry top = stack[--count];
-        const float limit = limit_of( search );
-        if ( top.squared > limit )
-        {
-            continue;
-        }
-        const lane8 found = squares_of( bvh->groups + bvh->first[top.level] + top.group, p );
-        const uint32_t bits = lane8m_bits( lane8_le( found, lane8_set1( limit ) ) );
-        float squares[MESH_BVH_WIDTH];
-        lane8_storeu( squares, found );
-        if ( top.level == 0 )
-        {
-            propose_leaf( bvh, top.group, bits, squares, search );
-        }
-        else
-        {
-            count = push_children( stack, count, top.level, top.group, bits, squares );
-        }
-    }
-}
-
-// ---- paths ----
-
-// Test a path against the boxes of a group, slab by slab, as bits. `inverse` is 1 / step, 0 where a path does not move
-// along an axis.
-LANE_INLINE uint32_t meets( const mesh_bvh_group* g, const float* from, const float* inverse, lane8 slack,
-                            float last )
-{
-    lane8 begin = lane8_zero(), end = lane8_set1( last );
-    lane8m inside = lane8_le( begin, end );
-    for ( int k = 0; k < 3; ++k )
-    {
-        const lane8 p = lane8_set1( from[k] );
-        const lane8 low = lane8_sub( lane8_sub( lane8_loadu( g->lower[k] ), slack ), p );
-        const lane8 high = lane8_sub( lane8_add( lane8_loadu( g->upper[k] ), slack ), p );
-        if ( inverse[k] == 0.0f )
-        {
-            inside =
-                lane8m_and( inside, lane8m_and( lane8_le( low, lane8_zero() ), lane8_ge( high, lane8_zero() ) ) );
-            continue;
-        }
-        // in the order of the path, so that an empty box, whose sides are exchanged, is never met
-        const lane8 i = lane8_set1( inverse[k] ), near = lane8_mul( inverse[k] > 0.0f ? low : high, i ),
-                    far = lane8_mul( inverse[k] > 0.0f ? high : low, i );
-        begin = lane8_max( near, begin );
-        end = lane8_min( far, end );
-    }
-    return lane8m_bits( lane8m_and( inside, lane8_le( begin, end ) ) );
-}
-
-void mesh_bvh_find_intersection( const mesh_bvh* bvh, mesh_cast* search )
-{
-    const double3 step = double3_sub( search->to, search->from );
-    const float from[3] = { (float)search->from.x, (float)search->from.y, (float)search->from.z };
-    const double each[3] = { step.x, step.y, step.z };
-    float inverse[3];
-    // a step along an axis that is lost within the slack counts as none: its quotient would not be finite
-    const double slack = search->slack;
-    for ( int k = 0; k < 3; ++k )
-    {
-        inverse[k] = fabs( each[k] ) > 1e-6 * slack ? (float)( 1.0 / each[k] ) : 0.0f;
-    }
-    const lane8 wide = lane8_set1( (float)slack );
-    stack_entry stack[MAX_STACK];
-    int count = 1;
-    stack[0] = ( stack_entry ){ 0.0f, (int16_t)( bvh->level_count - 1 ), 0 };
-    while ( count > 0 )
-    {
-        const stack_entry top = stack[--count];
-        const float last =
-            search->triangle >= 0 ? (float)fmin( 1.0, search->best.time + slack / search->length ) : 1.0f;
-        uint32_t bits =
-            meets( bvh->groups + bvh->first[top.level] + top.group, from, inverse, wide, last * 1.000001f );
-        for ( int child = 0; bits != 0; ++child, bits >>= 1 )
-        {
-            const int32_t below = top.group * MESH_BVH_WIDTH + child;
-            if ( ( bits & 1u ) != 0 && top.level > 0 )
-            {
-                stack[count++] = ( stack_entry ){ 0.0f, (int16_t)( top.level - 1 ), below };
-            }
-            else if ( ( bits & 1u ) != 0 && bvh->triangle[below] >= 0 )
-            {
-                mesh_cast_propose( search, bvh->triangle[below] );
-            }
-        }
-    }
-}
-
-// ---- overlaps ----
-
-LANE_INLINE uint32_t overlaps( const mesh_bvh_group* g, const float lower[3], const float upper[3] )
-{
-    lane8m meets = lane8_le( lane8_zero(), lane8_zero() );
-    for ( int k = 0; k < 3; ++k )
-    {
-        meets = lane8m_and( meets, lane8_le( lane8_loadu( g->lower[k] ), lane8_set1( upper[k] ) ) );
-        meets = lane8m_and( meets, lane8_ge( lane8_loadu( g->upper[k] ), lane8_set1( lower[k] ) ) );
-    }
-    return lane8m_bits( meets );
-}
-
-int mesh_bvh_next_overlaps( const mesh_bvh* bvh, mesh_bvh_overlap* search, const float lower[3], const float upper[3],
-                            int32_t* triangles, int most )
-{
-    int found = 0;
-    while ( search->count > 0 && found + MESH_BVH_WIDTH <= most )
-    {
-        const int level = search->level[--search->count];
-        const int32_t group = search->group[search->count];
-        uint32_t bits = overlaps( bvh->groups + bvh->first[level] + group, lower, upper );
-        for ( int child = 0; bits != 0; ++child, bits >>= 1 )
-        {
-            const int32_t below = group * MESH_BVH_WIDTH + child;
-            if ( ( bits & 1u ) != 0 && level > 0 )
-            {
-                search->group[search->count] = below;
-                search->level[search->count++] = (int16_t)( level - 1 );
-            }
-            else if ( ( bits & 1u ) != 0 && bvh->triangle[below] >= 0 )
-            {
-                triangles[found++] = bvh->triangle[below];
-            }
-        }
-    }
-    return found;
 }

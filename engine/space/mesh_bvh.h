@@ -20,10 +20,19 @@ typedef struct mesh_bvh_group
     float lower[3][MESH_BVH_WIDTH], upper[3][MESH_BVH_WIDTH]; ///< m
 } mesh_bvh_group;
 
+/// The triangles of a leaf over the motion.
+typedef struct mesh_bvh_leaf
+{
+    float start[9][MESH_BVH_WIDTH],
+        way[9][MESH_BVH_WIDTH];  ///< m, [3 corner + axis] where it starts, and how far it goes
+    float shift[MESH_BVH_WIDTH]; ///< m, the longest way of a corner
+} mesh_bvh_leaf;
+
 typedef struct mesh_bvh
 {
     const mesh_surface* surface;
     int32_t* triangle;      ///< [leaves][8], -1 behind the last
+    mesh_bvh_leaf* leaves;  ///< [leaves]
     mesh_bvh_group* groups; ///< [group_count] leaves first, the root last
     int level_count;
     int first[MESH_BVH_MAX_LEVELS + 1]; ///< first group of each level; leaves are level 0
@@ -41,6 +50,9 @@ size_t mesh_bvh_bytes( const mesh_bvh* bvh );
 void mesh_bvh_refit( mesh_bvh* bvh, const wisp_parallel* parallel );
 
 void mesh_bvh_find_closest( const mesh_bvh* bvh, mesh_closest* search );
+/// The same, but boxes that are farther than `near` may be left out. Boxes hold the whole motion.
+/// @return a lower bound of the distance from the search's time to the end of the motion, at most `near`, m
+float mesh_bvh_find_approach( const mesh_bvh* bvh, mesh_closest* search, float near );
 void mesh_bvh_find_intersection( const mesh_bvh* bvh, mesh_cast* search );
 
 /// Where a search for overlaps is.

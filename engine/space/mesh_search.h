@@ -21,6 +21,7 @@ typedef struct mesh_closest
     double time;      ///< of the motion of the mesh
     int32_t triangle; ///< -1 until one is found
     uint64_t tested;
+    double measured;       ///< m^2, of the triangle that was tested last
     triangle_nearest best; ///< squared is that of the radius until a triangle is found
 } mesh_closest;
 
@@ -48,6 +49,7 @@ static inline bool mesh_closest_propose( mesh_closest* search, int32_t triangle 
     triangle_nearest nearest;
     triangle_find_nearest( &nearest, &t, search->point );
     ++search->tested;
+    search->measured = nearest.squared;
     bool is_closer = nearest.squared < search->best.squared;
     bool is_first =
         nearest.squared == search->best.squared && ( search->triangle < 0 || triangle < search->triangle );

@@ -40,7 +40,8 @@ float collision_ball_distance( const collision_view* view, wisp_vec3 lower, wisp
 // closest point query.
 static bool is_inside( const collision_body* body, wisp_vec3 p, float time )
 {
-    if ( body->double_sided || collision_box_distance( body, p ) > 0.0f )
+    if ( body->double_sided || wisp_collision_mesh_clearance( body->tree, p, 0.0f ) >= 0.0f ||
+         collision_box_distance( body, p ) > 0.0f )
     {
         return false;
     }
@@ -110,63 +111,73 @@ static void closest_on_mesh( const collision_view* view, const wisp_mesh_query* 
 
 // ---- tracking ----
 
-// Tell how a vertex gets its answer: 0 it is far, 1 it is tracked, 2 the body is searched.
-static int choose_way( const collision_track* track, float radius, float path, bool is_first )
+// Say how far to search for a vertex, and from where on it is of no use. Of a solid body whoever is not known to be outside gets an
+// answer wherever the surface is, because that tells the side. @return false if a cell has the answer
+static bool prepare_search( const collision_view* view, const collision_tracked_query* q, int32_t seed,
+                            collision_track* track, wisp_mesh_approach* approach )
 {
-    if ( is_first )
+    const float near = q->near + q->ahead;
+    const float clear = wisp_collision_mesh_clearance( view->body->tree, q->point, near );
+    *approach = ( wisp_mesh_approach ){ { q->point, q->radius + q->ahead, view->end }, near, seed };
+    if ( clear == near )
     {
-        return 2;
+        *track = ( collision_track ){ -1, clear, q->point };
+        return false;
     }
-    *track->free -= path;
-    if ( *track->free > radius )
+    if ( clear < 0.0f && view->body->double_sided == false )
     {
-        return 0;
+        approach->query.radius = approach->near = INFINITY;
     }
-    return *track->triangle >= 0 ? 1 : 2;
+    return true;
 }
 
-void collision_track_closest( const collision_view* view, const wisp_mesh_query* queries, const float* path,
-                              collision_track* tracks, int count, bool is_first, int substeps_left,
+// Answer for a vertex whose search or track has ended.
+static bool take_tracked( const collision_view* view, const wisp_mesh_nearest* a, float radius,
+                          wisp_surface_point* nearest, wisp_vec3* motion )
+{
+    if ( a->triangle < 0 || a->distance > radius )
+    {
+        return false;
+    }
+    take_answer( view, a, nearest, motion );
+    return true;
+}
+
+void collision_track_closest( const collision_view* view, const collision_tracked_query* queries,
+                              collision_track* tracks, int count, bool is_first, int32_t seed,
                               wisp_surface_point* nearest, bool* found, wisp_vec3* motion )
 {
-    wisp_mesh_query batch[2][BATCH];
-    wisp_mesh_nearest answers[2][BATCH];
-    int32_t triangles[BATCH];
-    for ( int first = 0; first < count; first += BATCH )
+    const wisp_collision_mesh* tree = view->body->tree;
+    for ( int i = 0; i < count; ++i )
     {
-        const int n = count - first < BATCH ? count - first : BATCH;
-        int number[2][BATCH], counts[2] = { 0, 0 };
-        for ( int i = first; i < first + n; ++i )
+        const collision_tracked_query* q = queries + i;
+        collision_track* track = tracks + i;
+        wisp_mesh_nearest a;
+        wisp_mesh_approach approach;
+        found[i] = false;
+        motion[i] = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+        if ( is_first == false && collision_is_free( track, q->point, q->near ) )
         {
-            found[i] = false;
-            motion[i] = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-            const int way = choose_way( tracks + i, queries[i].radius, path[i], is_first );
-            if ( way > 0 )
-            {
-                const int at = counts[way - 1]++;
-                triangles[at] = way == 1 ? *tracks[i].triangle : triangles[at];
-                number[way - 1][at] = i;
-                batch[way - 1][at] = queries[i];
-                batch[way - 1][at].radius += way == 2 ? path[i] * (float)substeps_left : 0.0f;
-            }
+            continue;
         }
-        wisp_collision_mesh_track( view->body->tree, batch[0], triangles, counts[0], answers[0] );
-        search_mesh( view->body, batch[1], counts[1], answers[1] );
-        for ( int way = 0; way < 2; ++way )
+        if ( is_first == false && track->triangle >= 0 )
         {
-            for ( int k = 0; k < counts[way]; ++k )
-            {
-                const wisp_mesh_nearest* a = &answers[way][k];
-                const int i = number[way][k];
-                *tracks[i].triangle = a->triangle;
-                *tracks[i].free = a->triangle < 0 ? batch[way][k].radius : fabsf( a->distance );
-                found[i] = a->triangle >= 0 && a->distance <= queries[i].radius;
-                if ( found[i] )
-                {
-                    take_answer( view, a, nearest + i, motion + i );
-                }
-            }
+            const wisp_mesh_query query = { .point = q->point, .radius = INFINITY, .time = view->end };
+            wisp_collision_mesh_track( tree, &query, &track->triangle, 1, &a );
+            track->triangle = a.triangle;
+            found[i] = take_tracked( view, &a, q->radius, nearest + i, motion + i );
         }
+        else if ( prepare_search( view, q, seed, track, &approach ) )
+        {
+            wisp_collision_mesh_approach( tree, &approach, 1, &a, &track->free );
+            track->triangle = a.triangle;
+            track->origin = q->point;
+            // whoever is inside is pushed out in each substep, however far from the surface
+            const bool is_inside = a.distance < 0.0f && view->body->double_sided == false;
+            track->free = is_inside ? 0.0f : track->free;
+            found[i] = take_tracked( view, &a, q->radius, nearest + i, motion + i );
+        }
+        seed = track->triangle >= 0 ? track->triangle : seed;
     }
 }
 
@@ -258,12 +269,29 @@ bool collision_cast( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
     return true;
 }
 
-float collision_exact_gap( const collision_view* view, wisp_vec3 from, float gap )
+// From a triangle that is near the answer one search is enough, wherever the point is.
+static bool find_at_start( const collision_view* view, wisp_vec3 from, int32_t seed, float* distance )
 {
-    const wisp_mesh_query query = { .point = from, .radius = view->thickness, .time = view->begin };
-    wisp_surface_point at_start;
-    bool is_near;
-    collision_closest( view, &query, 1, &at_start, &is_near, NULL );
-    float exact = is_near ? at_start.distance - view->thickness : 0.0f;
+    if ( seed < 0 )
+    {
+        const wisp_mesh_query query = { .point = from, .radius = view->thickness, .time = view->begin };
+        wisp_surface_point at_start;
+        bool is_near;
+        collision_closest( view, &query, 1, &at_start, &is_near, NULL );
+        *distance = at_start.distance;
+        return is_near;
+    }
+    const wisp_mesh_approach approach = { { from, INFINITY, view->begin }, INFINITY, seed };
+    wisp_mesh_nearest a;
+    float clearance;
+    wisp_collision_mesh_approach( view->body->tree, &approach, 1, &a, &clearance );
+    *distance = view->body->double_sided ? fabsf( a.distance ) : a.distance;
+    return a.triangle >= 0 && *distance <= view->thickness;
+}
+
+float collision_exact_gap( const collision_view* view, wisp_vec3 from, int32_t seed, float gap )
+{
+    float distance;
+    const float exact = find_at_start( view, from, seed, &distance ) ? distance - view->thickness : 0.0f;
     return exact > gap ? exact : gap;
 }

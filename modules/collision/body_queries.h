@@ -20,17 +20,32 @@ void collision_closest( const collision_view* view, const wisp_mesh_query* queri
 /// What a vertex keeps of a body that is tracked.
 typedef struct collision_track
 {
-    int32_t* triangle; // that was closest; -1: none was near
-    float* free;       // m, at least the distance from the body
+    int32_t triangle; // that was closest; -1: none was near
+    float free;       // m, at least the distance of `origin` from the body from then to the end of the step
+    wisp_vec3 origin; // in the frame of the body, where this was found
 } collision_track;
+
+/// Return whether a vertex has stayed away from the body since it was searched.
+static inline bool collision_is_free( const collision_track* track, wisp_vec3 point, float near )
+{
+    return track->free - collision_length( collision_sub( point, track->origin ) ) > near;
+}
+
+/// A query of a vertex that is tracked.
+typedef struct collision_tracked_query
+{
+    wisp_vec3 point;
+    float radius; // m, within which a surface counts
+    float near;   // m, of which it comes this near to `point` in the substep
+    float ahead;  // m, how far the vertex may get in later substeps: if it gets farther, it is searched again
+} collision_tracked_query;
 
 /// As collision_closest(), of vertices that keep a track of the body. In the first substep of a step the surface is searched, as
 /// far as the vertex may get in the step. Later vertices that are still far are left out, and others are tracked.
-/// @param queries the radius is that within which a surface counts
-/// @param path [count] m, bounds of the displacement against the body in the substep
-/// @param substeps_left behind this one
-void collision_track_closest( const collision_view* view, const wisp_mesh_query* queries, const float* path,
-                              collision_track* tracks, int count, bool is_first, int substeps_left,
+/// @param tracks [count] as they were left, nothing of them is read in the first substep
+/// @param seed a triangle where the search of the first vertex may begin, or -1
+void collision_track_closest( const collision_view* view, const collision_tracked_query* queries,
+                              collision_track* tracks, int count, bool is_first, int32_t seed,
                               wisp_surface_point* nearest, bool* found, wisp_vec3* motion );
 
 /// Find the first time in the substep at which a path enters the body, or passes the sheet from either side. The plane of a
@@ -39,7 +54,8 @@ bool collision_cast( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
                      wisp_vec3* motion );
 
 /// Return the signed distance of a point at the start of the substep less the thickness, but no less than `gap`, m.
-float collision_exact_gap( const collision_view* view, wisp_vec3 from, float gap );
+/// @param seed a triangle near it, or -1
+float collision_exact_gap( const collision_view* view, wisp_vec3 from, int32_t seed, float gap );
 
 /// Return the signed distance of the start of a path from a plane, less the thickness.
 static inline float collision_plane_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from )
@@ -49,13 +65,13 @@ static inline float collision_plane_gap( const collision_view* view, const wisp_
 
 /// Return the signed distance at the start of a path whose end meets a plane, less the thickness. Near the surface
 /// the plane is good enough. Farther away the surface may be curved between start and end, so the closest point is
-/// queried. @param motion of the plane in the substep, m
+/// queried. @param motion of the plane in the substep, m @param seed a triangle near it, or -1
 static inline float collision_start_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from,
-                                         wisp_vec3 motion, bool swept )
+                                         wisp_vec3 motion, bool swept, int32_t seed )
 {
     const float gap = collision_plane_gap( view, plane, collision_add_scaled( from, 1.0f, motion ) );
     const bool is_exact = swept || gap >= -COLLISION_SHALLOW * view->thickness;
-    return is_exact ? gap : collision_exact_gap( view, from, gap );
+    return is_exact ? gap : collision_exact_gap( view, from, seed, gap );
 }
 
 static inline float collision_outside( float distance, float half )

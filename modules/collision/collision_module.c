@@ -20,10 +20,13 @@
 
 #define COLLISION_TRACKED_COLUMNS( X )                                                                               \
     X( int32_t, triangle, COLLISION_TRACKS ) /* that was closest, of each body that is tracked; -1: none was near */ \
-    X( float, free, COLLISION_TRACKS )       /* m, at least the distance from the body */
+    X( float, free,                                                                                                  \
+       COLLISION_TRACKS ) /* m, at least the distance of `origin` from the body to the end of the step */            \
+    X( wisp_vec3, origin, COLLISION_TRACKS ) /* m, in the frame of the body: where this was found */
 #define COLLISION_STRAND_TRACKED_COLUMNS( X )                                                                        \
     X( int32_t, triangle, 16 * COLLISION_TRACKS ) /* [body][lane] */                                                 \
-    X( float, free, 16 * COLLISION_TRACKS )
+    X( float, free, 16 * COLLISION_TRACKS )                                                                          \
+    X( float, origin, 48 * COLLISION_TRACKS )                    /* [body][x, y, z][lane] */
 #define COLLISION_FOLLOWER_COLUMNS( X ) X( int32_t, follows, 1 ) /* the body is a surface */
 #define COLLISION_REACTION_COLUMNS( X ) X( wisp_reaction, reaction, 1 )
 #define COLLISION_REACTION_PART_COLUMNS( X ) X( int32_t, first, 1 )

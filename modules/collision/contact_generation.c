@@ -32,6 +32,9 @@ enum
     PLANES = COLLISION_BLOCK + 2 * COLLISION_GROUP, // two lists, each padded
 };
 
+// Of the path that a particle had in the first substep: how far it may get in later ones.
+static const float MARGIN = 1.25f;
+
 // Planes of one body, of the particles that are near it, in the frame of the body.
 typedef struct found_planes
 {
@@ -128,14 +131,26 @@ static void track_candidates( const collision_find_args* args, const collision_v
                               wisp_surface_point* nearest, bool* is_near, wisp_vec3* motion )
 {
     collision_track tracks[COLLISION_BLOCK];
+    collision_tracked_query tracked[COLLISION_BLOCK];
+    const int t = view->body->track;
+    const float shift = collision_surface_shift( view );
     for ( int n = 0; n < block->candidate_count; ++n )
     {
         const int slot = collision_slot( block, block->candidates[n] );
-        tracks[n] =
-            ( collision_track ){ args->tracked[slot] + view->body->track, args->free[slot] + view->body->track };
+        tracks[n] = ( collision_track ){ args->tracked[slot][t], args->free[slot][t], args->origin[slot][t] };
+        // particles gain speed within the step
+        const float ahead = MARGIN * ( block->path[n] - shift ) * (float)args->substeps_left;
+        tracked[n] = ( collision_tracked_query ){ queries[n].point, queries[n].radius, queries[n].radius, ahead };
     }
-    collision_track_closest( view, queries, block->path, tracks, block->candidate_count, args->is_first,
-                             args->substeps_left, nearest, is_near, motion );
+    collision_track_closest( view, tracked, tracks, block->candidate_count, args->is_first, -1, nearest, is_near,
+                             motion );
+    for ( int n = 0; n < block->candidate_count; ++n )
+    {
+        const int slot = collision_slot( block, block->candidates[n] );
+        args->tracked[slot][t] = tracks[n].triangle;
+        args->free[slot][t] = tracks[n].free;
+        args->origin[slot][t] = tracks[n].origin;
+    }
 }
 
 // The same for meshes, convex polyhedra and height fields.
@@ -189,8 +204,16 @@ static void query_mesh( const collision_find_args* args, const collision_view* v
 
 // ---- paths that enter, and deep starts ----
 
+static int32_t seed_of( const collision_find_args* args, const collision_view* view, const collision_block* block,
+                        int n )
+{
+    return has_tracks( args, view ) ? args->tracked[collision_slot( block, block->candidates[n] )][view->body->track]
+                                    : -1;
+}
+
 // A path that enters the body gets the plane where it enters. @return false if there is no contact
-static bool sweep_one( const collision_view* view, collision_block* block, found_planes* planes, int m )
+static bool sweep_one( const collision_find_args* args, const collision_view* view, collision_block* block,
+                       found_planes* planes, int m )
 {
     const int n = planes->near[m];
     const wisp_vec3 from = load_candidate( block, false, n ), to = load_candidate( block, true, n );
@@ -213,7 +236,7 @@ static bool sweep_one( const collision_view* view, collision_block* block, found
             return false;
         }
     }
-    planes->start[m] = collision_start_gap( view, &plane, from, motion, swept );
+    planes->start[m] = collision_start_gap( view, &plane, from, motion, swept, seed_of( args, view, block, n ) );
     return true;
 }
 
@@ -229,14 +252,15 @@ static void copy_plane( found_planes* source, int from, found_planes* planes, in
     planes->start[to] = source->start[from];
 }
 
-static void sweep_special( const collision_view* view, collision_block* block, found_planes* planes )
+static void sweep_special( const collision_find_args* args, const collision_view* view, collision_block* block,
+                           found_planes* planes )
 {
     bool is_dropped[PLANES];
     bool any = false;
     for ( int i = 0; i < planes->special_count; ++i )
     {
         const int m = planes->special[i];
-        const bool touches = sweep_one( view, block, planes, m );
+        const bool touches = sweep_one( args, view, block, planes, m );
         if ( touches == false && any == false )
         {
             memset( is_dropped, 0, sizeof( is_dropped ) );
@@ -515,7 +539,7 @@ void collision_meet( const collision_find_args* args, const collision_view* view
     {
         query_shape( args, view, block, &planes );
     }
-    sweep_special( view, block, &planes );
+    sweep_special( args, view, block, &planes );
     if ( args->maps.thickness != NULL )
     {
         move_planes_inside( args, block, &planes );
@@ -553,6 +577,7 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
         .settles = is_last == false,
         .tracked = wisp_frame_column( frame, span->entity, state->tracked, 0 ),
         .free = wisp_frame_column( frame, span->entity, state->tracked, 1 ),
+        .origin = wisp_frame_column( frame, span->entity, state->tracked, 2 ),
         .is_first = span->substep == 0,
         .substeps_left = wisp_frame_substeps( frame, span->entity ) - 1 - span->substep,
     };

@@ -56,10 +56,11 @@ typedef struct collision_find_args
                                 // settled, minus the free radius
     collision_contact ( *contact )[WISP_COLLISION_CONTACTS];
     int32_t ( *tracked )[COLLISION_TRACKS]; // [slot] closest triangles; null if no body is tracked
-    float ( *free )[COLLISION_TRACKS];      // [slot] m, at least the distance from the body
-    int substeps_left;                      // of the step, behind this one
-    bool is_first;                          // substep of the step: nothing is tracked yet
-    float recovery;                         // m, in this substep
+    float ( *free )[COLLISION_TRACKS];      // [slot] m, at least the distance of `origin` from the body
+    wisp_vec3 ( *origin )[COLLISION_TRACKS];
+    int substeps_left; // of the step, behind this one
+    bool is_first;     // substep of the step: nothing is tracked yet
+    float recovery;    // m, in this substep
     // for reactions and restitution, else null
     const collision_state* state;
     int32_t ( *contact_body )[WISP_COLLISION_CONTACTS];

@@ -177,7 +177,7 @@ static float start_gap( const collision_view* view, const primitive_path* path, 
         start = collision_add_scaled( start, d->weights[k], path->from[k] );
     }
     const float gap = collision_plane_gap( view, &d->surface, collision_add_scaled( start, 1.0f, m->motion ) );
-    return gap >= -COLLISION_SHALLOW * view->thickness ? gap : collision_exact_gap( view, start, gap );
+    return gap >= -COLLISION_SHALLOW * view->thickness ? gap : collision_exact_gap( view, start, -1, gap );
 }
 
 static void write_contact( const find_loop* loop, const collision_view* view, const int32_t* corners,

@@ -28,7 +28,8 @@
 typedef struct strand_loop
 {
     int32_t* tracked; // [row][COLLISION_TRACKS][lane] closest triangles; null if no body is tracked
-    float* free;      // m, the same way: at least the distance from the body
+    float* free;      // m, the same way: at least the distance of `origin` from the body
+    float* origin;    // m, [row][COLLISION_TRACKS][3][lane] in the frame of the body: where this was found
     bool is_first;    // pass of the step
     int substeps_left;
     wisp_strand_contact_args args; // without the body
@@ -40,6 +41,9 @@ typedef struct strand_loop
 } strand_loop;
 
 static const size_t ROW = 3 * WISP_LANES;
+
+// Of the path that a vertex had in the first substep: how far it may get in later ones.
+static const float MARGIN = 1.25f;
 
 // ---- culling ----
 
@@ -116,7 +120,7 @@ static wisp_vec3 friction_of( const collision_view* view, wisp_vec3 u, wisp_vec3
 }
 
 static void push_vertex( strand_loop* loop, const collision_view* view, int row, int lane, wisp_vec3 from,
-                         wisp_vec3 to, const wisp_surface_point* nearest, wisp_vec3 carried )
+                         wisp_vec3 to, const wisp_surface_point* nearest, wisp_vec3 carried, int32_t seed )
 {
     // as path_along() of contact_generation.c
     const bool is_solid = view->body->follows && view->body->double_sided == false;
@@ -134,7 +138,7 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
     }
     const size_t i = (size_t)row * WISP_LANES + (size_t)lane;
     float *at = loop->args.position + (size_t)row * ROW + lane, *was = loop->args.previous + (size_t)row * ROW + lane;
-    const float start = collision_start_gap( view, &plane, from, carried, swept ) + view->thickness;
+    const float start = collision_start_gap( view, &plane, from, carried, swept, seed ) + view->thickness;
     const strand_way way = find_way( loop, view->thickness, start, now, loop->args.allowed_depth[i] );
     const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane.normal );
     const wisp_vec3 p = collision_add_scaled( collision_load_lane( at ), way.out, normal );
@@ -156,67 +160,135 @@ static bool has_tracks( const strand_loop* loop, const collision_view* view )
     return loop->tracked != NULL && view->body->tree != NULL && view->body->track >= 0;
 }
 
-static collision_track track_of( const strand_loop* loop, const collision_view* view, int row, int lane )
+// Rows of sixteen vertices, seen from a body.
+typedef struct strand_row
 {
-    if ( has_tracks( loop, view ) == false )
+    float from[3][WISP_LANES], to[3][WISP_LANES]; // m, in its frame
+    float near[WISP_LANES];                       // m, what comes this near to `to` in the substep counts
+    bool moves[WISP_LANES];
+} strand_row;
+
+static wisp_vec3 lane_of( float ( *x )[WISP_LANES], int lane )
+{
+    return ( wisp_vec3 ){ x[0][lane], x[1][lane], x[2][lane] };
+}
+
+static void set_lane( float ( *x )[WISP_LANES], int lane, wisp_vec3 v )
+{
+    x[0][lane] = v.x;
+    x[1][lane] = v.y;
+    x[2][lane] = v.z;
+}
+
+// The frame of a surface is that of the world.
+static void load_row( const strand_loop* loop, const collision_view* view, int row, strand_row* r )
+{
+    const float *at = loop->args.position + (size_t)row * ROW, *was = loop->args.previous + (size_t)row * ROW;
+    const float* inverse_mass = loop->args.inverse_mass + (size_t)row * WISP_LANES;
+    memcpy( r->from, was, sizeof( r->from ) );
+    memcpy( r->to, at, sizeof( r->to ) );
+    for ( int l = 0; l < WISP_LANES && view->body->follows == false; ++l )
     {
-        return ( collision_track ){ NULL, NULL };
+        set_lane( r->from, l, wisp_transform_to_local( view->before, collision_load_lane( was + l ) ) );
+        set_lane( r->to, l, wisp_transform_to_local( view->after, collision_load_lane( at + l ) ) );
     }
-    const size_t at = ( (size_t)row * COLLISION_TRACKS + (size_t)view->body->track ) * WISP_LANES + (size_t)lane;
-    return ( collision_track ){ loop->tracked + at, loop->free + at };
+    for ( int l = 0; l < WISP_LANES; ++l )
+    {
+        const float x = r->to[0][l] - r->from[0][l], y = r->to[1][l] - r->from[1][l], z = r->to[2][l] - r->from[2][l];
+        r->near[l] = view->thickness + sqrtf( x * x + y * y + z * z );
+        r->moves[l] = inverse_mass[l] > 0.0f;
+    }
+}
+
+// What is kept of a row of vertices.
+typedef struct strand_tracks
+{
+    int32_t* triangle;
+    float *free, *origin;
+} strand_tracks;
+
+static strand_tracks tracks_of( const strand_loop* loop, const collision_view* view, int row )
+{
+    const size_t at = ( (size_t)row * COLLISION_TRACKS + (size_t)view->body->track ) * WISP_LANES;
+    return ( strand_tracks ){ loop->tracked + at, loop->free + at, loop->origin + 3 * at };
+}
+
+// Find the vertices of a row that are not free, as collision_is_free(). @return how many
+static int find_bound( const strand_row* r, const strand_tracks* t, bool is_first, int lanes[WISP_LANES] )
+{
+    bool is_free[WISP_LANES];
+    for ( int l = 0; l < WISP_LANES; ++l )
+    {
+        const float x = r->to[0][l] - t->origin[l], y = r->to[1][l] - t->origin[WISP_LANES + l],
+                    z = r->to[2][l] - t->origin[2 * WISP_LANES + l];
+        is_free[l] = t->free[l] - sqrtf( x * x + y * y + z * z ) > r->near[l];
+    }
+    int n = 0;
+    for ( int l = 0; l < WISP_LANES; ++l )
+    {
+        lanes[n] = l;
+        n += r->moves[l] && ( is_first || is_free[l] == false ) ? 1 : 0;
+    }
+    return n;
+}
+
+// Push a row of vertices that are tracked. @param seeds [lane] triangle near the vertex before, or -1
+static void push_tracked_row( strand_loop* loop, const collision_view* view, int row, int32_t* seeds )
+{
+    strand_row r;
+    load_row( loop, view, row, &r );
+    const strand_tracks t = tracks_of( loop, view, row );
+    int lanes[WISP_LANES];
+    const int n = find_bound( &r, &t, loop->is_first, lanes );
+    const float shift = collision_surface_shift( view );
+    for ( int i = 0; i < n; ++i )
+    {
+        const int l = lanes[i];
+        const wisp_vec3 to = lane_of( r.to, l );
+        const float ahead = MARGIN * ( r.near[l] - view->thickness ) * (float)loop->substeps_left;
+        const collision_tracked_query query = { to, r.near[l] + shift, r.near[l], ahead };
+        collision_track track = { t.triangle[l], t.free[l], collision_load_lane( t.origin + l ) };
+        wisp_surface_point nearest;
+        bool is_near;
+        wisp_vec3 motion;
+        collision_track_closest( view, &query, &track, 1, loop->is_first, seeds[l], &nearest, &is_near, &motion );
+        t.triangle[l] = seeds[l] = track.triangle;
+        t.free[l] = track.free;
+        collision_store_lane( t.origin + l, track.origin );
+        if ( is_near )
+        {
+            push_vertex( loop, view, row, l, lane_of( r.from, l ), to, &nearest, motion, track.triangle );
+        }
+    }
 }
 
 static void push_row( strand_loop* loop, const collision_view* view, int row )
 {
     int lanes[WISP_LANES], n = 0;
-    wisp_vec3 from[WISP_LANES];
     wisp_mesh_query queries[WISP_LANES];
     wisp_surface_point nearest[WISP_LANES];
     bool is_near[WISP_LANES];
     wisp_vec3 motion[WISP_LANES];
-    float path[WISP_LANES];
-    collision_track tracks[WISP_LANES];
+    strand_row r;
+    load_row( loop, view, row, &r );
     for ( int l = 0; l < WISP_LANES; ++l )
     {
-        if ( !( loop->args.inverse_mass[(size_t)row * WISP_LANES + (size_t)l] > 0.0f ) )
-        {
-            continue;
-        }
-        const size_t at = (size_t)row * ROW + (size_t)l;
-        from[n] = wisp_transform_to_local( view->before, collision_load_lane( loop->args.previous + at ) );
-        const wisp_vec3 to = wisp_transform_to_local( view->after, collision_load_lane( loop->args.position + at ) );
-        const float reach =
-            view->thickness + collision_length( collision_sub( to, from[n] ) ) + collision_surface_shift( view );
+        const wisp_vec3 to = lane_of( r.to, l );
+        const float reach = r.near[l] + collision_surface_shift( view );
         // false for NaN too
-        const bool is_candidate = collision_box_distance( view->body, to ) <= reach;
-        const collision_track track = track_of( loop, view, row, l );
-        if ( is_candidate == false && track.triangle != NULL )
-        {
-            *track.triangle = -1; // how far it moves until it is one is not known
-            *track.free = 0.0f;
-        }
-        if ( is_candidate )
+        if ( r.moves[l] && collision_box_distance( view->body, to ) <= reach )
         {
             lanes[n] = l;
-            path[n] = reach - view->thickness;
-            tracks[n] = track;
             queries[n++] = ( wisp_mesh_query ){ .point = to, .radius = reach, .time = view->end };
         }
     }
-    if ( has_tracks( loop, view ) )
-    {
-        collision_track_closest( view, queries, path, tracks, n, loop->is_first, loop->substeps_left, nearest,
-                                 is_near, motion );
-    }
-    else
-    {
-        collision_closest( view, queries, n, nearest, is_near, motion );
-    }
+    collision_closest( view, queries, n, nearest, is_near, motion );
     for ( int i = 0; i < n; ++i )
     {
         if ( is_near[i] )
         {
-            push_vertex( loop, view, row, lanes[i], from[i], queries[i].point, nearest + i, motion[i] );
+            push_vertex( loop, view, row, lanes[i], lane_of( r.from, lanes[i] ), queries[i].point, nearest + i,
+                         motion[i], -1 );
         }
     }
 }
@@ -279,11 +351,11 @@ static void forget_group( strand_loop* loop, const collision_view* view )
     const int begin = loop->args.group_row[loop->group], end = loop->args.group_row[loop->group + 1];
     for ( int row = begin; row < end && has_tracks( loop, view ); ++row )
     {
-        const collision_track track = track_of( loop, view, row, 0 );
+        const strand_tracks t = tracks_of( loop, view, row );
         for ( int lane = 0; lane < WISP_LANES; ++lane )
         {
-            track.triangle[lane] = -1;
-            track.free[lane] = 0.0f;
+            t.triangle[lane] = -1;
+            t.free[lane] = 0.0f;
         }
     }
 }
@@ -307,6 +379,9 @@ static void push_group( wisp_frame* frame, strand_loop* loop, const collision_vi
         push_lanes( frame, loop, view, sum );
         return;
     }
+    const bool is_tracked = has_tracks( loop, view );
+    int32_t seeds[WISP_LANES];
+    memset( seeds, -1, sizeof( seeds ) );
     for ( int row = loop->args.group_row[loop->group]; row < loop->args.group_row[loop->group + 1]; ++row )
     {
         float before[2][3 * WISP_LANES];
@@ -315,7 +390,7 @@ static void push_group( wisp_frame* frame, strand_loop* loop, const collision_vi
             memcpy( before[0], loop->args.position + (size_t)row * ROW, sizeof( before[0] ) );
             memcpy( before[1], loop->args.previous + (size_t)row * ROW, sizeof( before[1] ) );
         }
-        push_row( loop, view, row );
+        is_tracked ? push_tracked_row( loop, view, row, seeds ) : push_row( loop, view, row );
         if ( sum != NULL )
         {
             add_row_reaction( loop, row, sum, before );
@@ -341,6 +416,7 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
     };
     loop.tracked = wisp_frame_column( frame, span->entity, state->strand_tracked, 0 );
     loop.free = wisp_frame_column( frame, span->entity, state->strand_tracked, 1 );
+    loop.origin = wisp_frame_column( frame, span->entity, state->strand_tracked, 2 );
     loop.is_first = span->substep == 0 && span->iteration == 0;
     loop.substeps_left = wisp_frame_substeps( frame, span->entity ) - 1 - span->substep;
     loop.dt = wisp_frame_dt( frame, span->entity );

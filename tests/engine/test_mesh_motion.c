@@ -201,6 +201,89 @@ static void tracking_follows_the_closest_point_along_a_round_mesh( void** state 
     free_motion( &m );
 }
 
+// The smallest distance from the surface from a time to the end of the motion, with its sign.
+static float least_distance( wisp_collision_mesh* tree, wisp_vec3 p, float begin )
+{
+    const int samples = 24;
+    float least = INFINITY;
+    for ( int k = 0; k <= samples; ++k )
+    {
+        const float distance = closest_at( tree, p, begin + ( 1.0f - begin ) * (float)k / (float)samples ).distance;
+        least = fabsf( distance ) < fabsf( least ) ? distance : least;
+    }
+    return least;
+}
+
+// Points all around, and points just above the surface as it is at the start or at the end.
+static void cells_know_who_stays_outside_and_at_what_distance( void** state )
+{
+    (void)state;
+    motion m = new_motion( 0.3f, 0.2f );
+    int outside = 0, apart = 0, inside = 0;
+    for ( int i = 0; i < 20 * QUERIES; ++i )
+    {
+        const wisp_vec3 corner = ( i % 4 == 0 ? m.start : m.end )[i % m.mesh.point_count];
+        const wisp_vec3 around = test_point( i, 0, 1.8f ), beside = test_sum( corner, test_point( i, 1, 0.15f ) ),
+                        p = i % 2 == 0 ? beside : around;
+        const float near = 0.04f * (float)( i % 7 ), clear = wisp_collision_mesh_clearance( m.tree, p, near ),
+                    least = least_distance( m.tree, p, 0.0f );
+        assert_true( clear == -1.0f || ( ( clear == 0.0f || clear == near ) && clear <= least ) );
+        outside += clear >= 0.0f ? 1 : 0;
+        apart += clear > 0.0f ? 1 : 0;
+        inside += least < 0.0f ? 1 : 0;
+        // all that is far outside is known
+        assert_true( least < 0.2f || clear >= 0.0f );
+        assert_true( least < 0.2f + near || near > 0.1f || clear == near );
+    }
+    assert_true( outside > 4 * QUERIES && apart > QUERIES && inside > QUERIES );
+    free_motion( &m );
+}
+
+// Nothing comes nearer than the clearance for the rest of the motion, whatever triangle the search begins at.
+static void an_approach_finds_the_closest_point_and_how_long_it_is_enough( void** state )
+{
+    (void)state;
+    motion m = new_motion( 0.3f, 0.2f );
+    int found = 0, clear_count = 0;
+    for ( int i = 0; i < 10 * QUERIES; ++i )
+    {
+        const wisp_vec3 p = test_point( i, 0, 1.6f );
+        const float time = 0.25f * (float)( i % 5 ), near = i % 2 == 0 ? INFINITY : 0.3f;
+        const wisp_mesh_nearest exact = closest_at( m.tree, p, time );
+        wisp_mesh_approach approach = { { p, near, time }, near, -1 };
+        for ( int k = 0; k < 3; ++k )
+        {
+            wisp_mesh_nearest nearest;
+            float clearance;
+            wisp_collision_mesh_approach( m.tree, &approach, 1, &nearest, &clearance );
+            const bool is_near = fabsf( exact.distance ) <= near;
+            assert_true( is_near == false || memcmp( &nearest, &exact, sizeof( exact ) ) == 0 );
+            assert_true( is_near || nearest.triangle < 0 );
+            assert_true( clearance <= near && clearance <= fabsf( least_distance( m.tree, p, time ) ) );
+            found += is_near ? 1 : 0;
+            clear_count += clearance > 0.0f ? 1 : 0;
+            approach.seed = ( 31 * i + 7 * k ) % m.mesh.triangle_count;
+        }
+    }
+    assert_true( found > 10 * QUERIES && clear_count > 10 * QUERIES );
+    free_motion( &m );
+}
+
+static void an_approach_to_a_point_that_is_not_finite_finds_nothing( void** state )
+{
+    (void)state;
+    motion m = new_motion( 0.3f, 0.2f );
+    const wisp_vec3 p = { NAN, 0.0f, 0.0f };
+    const wisp_mesh_approach approach = { { p, INFINITY, 1.0f }, INFINITY, 0 };
+    wisp_mesh_nearest nearest;
+    float clearance;
+    wisp_collision_mesh_approach( m.tree, &approach, 1, &nearest, &clearance );
+    assert_int_equal( nearest.triangle, -1 );
+    assert_true( clearance == 0.0f );
+    assert_true( wisp_collision_mesh_clearance( m.tree, p, 0.1f ) == -1.0f );
+    free_motion( &m );
+}
+
 static void voxels_refuse_a_start( void** state )
 {
     (void)state;
@@ -225,6 +308,9 @@ int main( void )
         cmocka_unit_test( paths_to_corners_do_not_slip_through ),
         cmocka_unit_test( a_point_of_a_triangle_goes_where_its_corners_go ),
         cmocka_unit_test( tracking_follows_the_closest_point_along_a_round_mesh ),
+        cmocka_unit_test( cells_know_who_stays_outside_and_at_what_distance ),
+        cmocka_unit_test( an_approach_finds_the_closest_point_and_how_long_it_is_enough ),
+        cmocka_unit_test( an_approach_to_a_point_that_is_not_finite_finds_nothing ),
         cmocka_unit_test( voxels_refuse_a_start ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -67,7 +67,7 @@ static inline void one_touches( const find_one* one, const wisp_surface_point* n
     {
         return;
     }
-    float start = collision_start_gap( view, &plane, one->from, motion, swept );
+    float start = collision_start_gap( view, &plane, one->from, motion, swept, -1 );
     float outward = fmaxf( 0.0f, now - view->thickness - start ), recovered = 0.0f;
     if ( start + outward < 0.0f )
     {

@@ -1,6 +1,8 @@
 // Surfaces of the world as bodies: held to meshes that move rigidly, and to motions that no rigid body makes.
 #include "collision_fixture.h"
 
+#include "strands.h"
+
 static const float DT = 1.0f / 60.0f;
 
 // ---- a surface whose vertices are all pinned ----
@@ -13,7 +15,7 @@ typedef struct skin
     wisp_vec3* targets;
 } skin;
 
-static skin add_skin( wisp_world* world, test_mesh mesh, bool double_sided )
+static skin add_skin_that( wisp_world* world, test_mesh mesh, bool double_sided, bool tracks )
 {
     skin s = { .mesh = mesh };
     s.all = checked_calloc( (size_t)mesh.vertex_count, sizeof( int32_t ) );
@@ -31,8 +33,14 @@ static skin add_skin( wisp_world* world, test_mesh mesh, bool double_sided )
     def.kind = WISP_COLLIDER_SURFACE;
     def.surface = s.surface;
     def.double_sided = double_sided;
+    def.tracks = tracks;
     s.collider = add_collider( world, &def );
     return s;
+}
+
+static skin add_skin( wisp_world* world, test_mesh mesh, bool double_sided )
+{
+    return add_skin_that( world, mesh, double_sided, true );
 }
 
 static void free_skin( skin* s )
@@ -214,6 +222,94 @@ static void the_velocity_of_the_surface_drags_by_friction( void** state )
     free_skin( &s );
 }
 
+// ---- what is kept within a step ----
+
+enum
+{
+    STRANDS = 60,
+    VERTICES = 21,
+};
+
+// Soft hair of 0.3 m all over the upper half of the ball. Every fourth strand starts inside.
+static wisp_entity add_hair( wisp_world* world )
+{
+    test_strands s = test_strands_of( STRANDS, VERTICES );
+    for ( int i = 0; i < STRANDS * VERTICES; ++i )
+    {
+        const double up = 0.1 + 0.85 * ( i / VERTICES + 0.5 ) / STRANDS, turn = 2.399963 * ( i / VERTICES );
+        const double radius = 0.3 + ( i / VERTICES % 4 == 1 ? -0.006 : 0.015 ) * ( i % VERTICES ),
+                     flat = radius * sqrt( 1.0 - up * up );
+        s.points[i] =
+            ( wisp_vec3 ){ (float)( flat * cos( turn ) ), (float)( radius * up ), (float)( flat * sin( turn ) ) };
+    }
+    const wisp_strands_def def = test_strands_def( &s );
+    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
+    dynamics.rest = WISP_STRAND_REST_STRAIGHT;
+    dynamics.bend_rigidity = 5e-10f;
+    dynamics.damping = 5.0f;
+    const wisp_collision_def collision = wisp_default_collision_def();
+    wisp_entity e;
+    assert_int_equal( wisp_add_strands( world, &def, &e ), WISP_OK );
+    test_strands_free( &s );
+    assert_int_equal( wisp_set_strand_dynamics( world, e, &dynamics ), WISP_OK );
+    assert_int_equal( wisp_set_collision( world, e, &collision ), WISP_OK );
+    assert_int_equal( wisp_request( world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request_collision_stats( world, e, true ), WISP_OK );
+    return e;
+}
+
+// The roots rest. The ball shrinks on one side and comes back, and swings a little.
+static wisp_vec3 sighing( wisp_vec3 p, float time )
+{
+    const double x = (double)p.x, sigh = sin( 9.0 * (double)time ), swing = 0.01 * sin( 5.0 * (double)time );
+    return ( wisp_vec3 ){ (float)( x > 0.0 ? x * ( 1.0 - x * sigh * sigh ) : x ), p.y,
+                          (float)( (double)p.z - swing * swing ) };
+}
+
+// What is left out because it is far could not have touched. From inside there are several closest points, so that
+// strands which start there leave a little elsewhere.
+static void hair_that_is_tracked_lies_where_hair_that_is_searched_in_each_substep_does( void** state )
+{
+    (void)state;
+    static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module, &wisp_strands_module };
+    wisp_vec3 points[2][STRANDS * VERTICES];
+    wisp_collision_stats stats[2];
+    for ( int tracks = 0; tracks < 2; ++tracks )
+    {
+        hosted* h = checked_calloc( 1, sizeof( hosted ) );
+        h->def = hosted_def( h );
+        h->def.modules = MODULES;
+        h->def.module_count = WISP_COUNT( MODULES );
+        h->def.substeps = 6;
+        assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+        skin s = add_skin_that( h->world, ball_mesh( 4 ), false, tracks == 1 );
+        const wisp_entity e = add_hair( h->world );
+        float deepest = 0.0f;
+        for ( int n = 1; n <= 60; ++n )
+        {
+            move_skin( h->world, &s, sighing, (float)n * DT );
+            run_for( h->world, DT, 1 );
+            deepest = fmaxf( deepest, collision_of( h->world, e ).penetration );
+        }
+        stats[tracks] = collision_of( h->world, e );
+        stats[tracks].penetration = deepest;
+        const wisp_view view = view_of( h->world, e, WISP_STRAND_POINTS );
+        memcpy( points[tracks], view.data, sizeof( points[tracks] ) );
+        free_colliding( h );
+        free_skin( &s );
+    }
+    double most = 0.0;
+    for ( int i = 0; i < STRANDS * VERTICES; ++i )
+    {
+        const wisp_vec3 a = points[0][i], b = points[1][i];
+        most = fmax( most, fmax( fabs( (double)a.x - (double)b.x ), fabs( (double)a.y - (double)b.y ) ) );
+    }
+    print_message( "%d and %d contacts, %g and %g m deep, at most %g m apart\n", stats[0].contacts, stats[1].contacts,
+                   (double)stats[0].penetration, (double)stats[1].penetration, most );
+    assert_true( stats[1].contacts > 100 && most < 0.003 );
+    assert_near( stats[0].penetration, stats[1].penetration, 1e-4 );
+}
+
 // ---- surfaces that are simulated ----
 
 // A cloth that falls on the floor is a body for a second one, which lies on it and not in it.
@@ -346,6 +442,7 @@ int main( void )
         cmocka_unit_test( a_sheet_at_30_m_s_takes_cloth_along ),
         cmocka_unit_test( a_ball_that_grows_lifts_cloth ),
         cmocka_unit_test( the_velocity_of_the_surface_drags_by_friction ),
+        cmocka_unit_test( hair_that_is_tracked_lies_where_hair_that_is_searched_in_each_substep_does ),
         cmocka_unit_test( cloth_lies_on_cloth_that_moves_by_itself ),
         cmocka_unit_test( nothing_collides_with_a_surface_that_was_removed ),
         cmocka_unit_test( a_snapshot_restores_the_motion_of_a_surface ),

@@ -143,6 +143,29 @@ WISP_API wisp_vec3 wisp_collision_mesh_motion( const wisp_collision_mesh* mesh, 
 WISP_API void wisp_collision_mesh_closest( wisp_collision_mesh* mesh, const wisp_mesh_query* queries, int count,
                                            wisp_mesh_nearest* nearest, wisp_collision_mesh_query_stats* work );
 
+/// Ask a grid of cells about a point.
+/// @param near m, >= 0
+/// @return `near` if the point is outside and the surface stays farther than that in the whole motion; 0 if it is outside all
+///         the time; -1 if that is not known
+/// @note Thread-safe with queries.
+WISP_API float wisp_collision_mesh_clearance( const wisp_collision_mesh* mesh, wisp_vec3 point, float near );
+
+/// A closest-point query of a point that stays for a while.
+typedef struct wisp_mesh_approach
+{
+    wisp_mesh_query query;
+    float near; ///< m, >= 0: triangles that stay farther than this in the whole motion may be left out
+    int32_t
+        seed; ///< a triangle that may be near, in range, or -1: it makes the search faster and does not change its result
+} wisp_mesh_approach;
+
+/// Find closest points as wisp_collision_mesh_closest() does, and for how long they are enough.
+/// @param clearance [count] receives lower bounds of the distance from the surface, from the time of the query to the end of
+///        the motion, m; at most `near`, and negative where a triangle may pass the point
+/// @note Thread-safe with other queries.
+WISP_API void wisp_collision_mesh_approach( const wisp_collision_mesh* mesh, const wisp_mesh_approach* approaches,
+                                            int count, wisp_mesh_nearest* nearest, float* clearance );
+
 /// Track closest points (after Lin and Canny 1991): go from a triangle near the result to neighbours that are closer, until none
 /// is. It gives what wisp_collision_mesh_closest() gives where the distance has one minimum between the two, at a fifth of
 /// the time.
