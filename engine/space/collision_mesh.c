@@ -188,7 +188,7 @@ wisp_status wisp_collision_mesh_update( wisp_collision_mesh* tree, const wisp_ve
     if ( status != WISP_OK || has_bvh( tree ) == false )
     {
         status = status == WISP_OK ? update_voxels( tree, end, error ) : status;
-        mesh_cells_fill( &tree->cells, &tree->surface );
+        mesh_cells_empty( &tree->cells );
         if ( tree->features.boxes.surface != NULL )
         {
             mesh_bvh_refit( &tree->features.boxes, parallel );
@@ -197,8 +197,13 @@ wisp_status wisp_collision_mesh_update( wisp_collision_mesh* tree, const wisp_ve
     }
     mesh_surface_set_points( &tree->surface, start != NULL ? start : end, end );
     mesh_bvh_refit( &tree->bvh, parallel );
-    mesh_cells_fill( &tree->cells, &tree->surface );
+    mesh_cells_empty( &tree->cells );
     return WISP_OK;
+}
+
+void wisp_collision_mesh_fill_cells( wisp_collision_mesh* tree )
+{
+    mesh_cells_fill( &tree->cells, &tree->surface );
 }
 
 wisp_mesh_place wisp_collision_mesh_place( const wisp_collision_mesh* tree, int32_t triangle, const float weights[3],

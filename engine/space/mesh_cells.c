@@ -54,6 +54,11 @@ void mesh_cells_release( mesh_cells* cells, const mesh_surface* surface )
     *cells = ( mesh_cells ){ 0 };
 }
 
+void mesh_cells_empty( mesh_cells* cells )
+{
+    memset( cells->size, 0, sizeof( cells->size ) );
+}
+
 // ---- layout ----
 
 // Lay cells around a box, with a border of one that the surface cannot reach and one more against rounding.

@@ -24,6 +24,9 @@ wisp_status mesh_cells_create( mesh_cells* cells, const mesh_surface* surface, w
 void mesh_cells_release( mesh_cells* cells, const mesh_surface* surface );
 size_t mesh_cells_bytes( const mesh_cells* cells );
 
+/// Forget what is known.
+void mesh_cells_empty( mesh_cells* cells );
+
 /// Fill the cells for the points of a surface.
 void mesh_cells_fill( mesh_cells* cells, const mesh_surface* surface );
 

@@ -208,6 +208,20 @@ static collision_body* find_body( collision_state* state, wisp_entity entity )
     return state->bodies + i;
 }
 
+// Count the vertices that may ask a body: those of all participants but its own.
+static int64_t count_vertices( wisp_frame* frame, const collision_state* state, wisp_entity surface )
+{
+    int64_t count = 0;
+    for ( int i = 0; i < state->participant_count; ++i )
+    {
+        const wisp_entity e = state->participants[i];
+        const wisp_fabric* fabric = wisp_frame_fabric( frame, e );
+        const bool is_own = wisp_entity_equal( e, surface );
+        count += is_own ? 0 : fabric != NULL ? fabric->vertex_count : wisp_frame_strands( frame, e )->vertex_count;
+    }
+    return count;
+}
+
 void collision_follow( wisp_frame* frame, const wisp_span* span, void* user )
 {
     collision_body* body = find_body( user, span->entity );
@@ -233,4 +247,8 @@ void collision_follow( wisp_frame* frame, const wisp_span* span, void* user )
     const wisp_status status = wisp_collision_mesh_update( body->tree, body->start, body->finish, parallel, NULL );
     WISP_ASSERT( status == WISP_OK ); // all points are in range, and a tree needs no memory
     (void)status;
+    if ( count_vertices( frame, user, surface ) >= wisp_frame_fabric( frame, surface )->triangle_count / 2 )
+    {
+        wisp_collision_mesh_fill_cells( body->tree );
+    }
 }

@@ -220,6 +220,10 @@ static void cells_know_who_stays_outside_and_at_what_distance( void** state )
     (void)state;
     motion m = new_motion( 0.3f, 0.2f );
     int outside = 0, apart = 0, inside = 0;
+    const wisp_vec3 far = { 4.0f, 0.0f, 0.0f };
+    assert_true( wisp_collision_mesh_clearance( m.tree, far, 0.1f ) == -1.0f );
+    wisp_collision_mesh_fill_cells( m.tree );
+    assert_true( wisp_collision_mesh_clearance( m.tree, far, 0.1f ) == 0.1f );
     for ( int i = 0; i < 20 * QUERIES; ++i )
     {
         const wisp_vec3 corner = ( i % 4 == 0 ? m.start : m.end )[i % m.mesh.point_count];

@@ -143,10 +143,15 @@ WISP_API wisp_vec3 wisp_collision_mesh_motion( const wisp_collision_mesh* mesh, 
 WISP_API void wisp_collision_mesh_closest( wisp_collision_mesh* mesh, const wisp_mesh_query* queries, int count,
                                            wisp_mesh_nearest* nearest, wisp_collision_mesh_query_stats* work );
 
-/// Ask a grid of cells about a point.
+/// Fill a grid of cells with what is outside during the whole motion, after wisp_collision_mesh_update(). It takes about 0.1
+/// microseconds a triangle, and pays where about half as many points ask. A mesh that has not been updated has its cells.
+WISP_API void wisp_collision_mesh_fill_cells( wisp_collision_mesh* mesh );
+
+/// Ask the grid of cells about a point.
 /// @param near m, >= 0
 /// @return `near` if the point is outside and the surface stays farther than that in the whole motion; 0 if it is outside all
-///         the time; -1 if that is not known
+///         the time; -1 if that is not known, as without
+///         wisp_collision_mesh_fill_cells()
 /// @note Thread-safe with queries.
 WISP_API float wisp_collision_mesh_clearance( const wisp_collision_mesh* mesh, wisp_vec3 point, float near );
 
