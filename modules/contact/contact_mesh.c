@@ -59,41 +59,7 @@ static bool reserve_mesh( const contact_work* work )
            contact_reserve( work, b++, xyzw, (void**)&s->rest ) &&
            contact_reserve( work, b++, xyzw, (void**)&s->shift ) &&
            contact_reserve( work, b++, edges, (void**)&s->edges ) &&
-           contact_reserve( work, b++, triangles, (void**)&s->triangles ) &&
-           contact_reserve( work, b++, triangles, (void**)&s->first_at_side ) &&
-           contact_reserve( work, b++, (size_t)s->edge_count * index, (void**)&s->first_at_edge ) &&
-           contact_reserve( work, b++, (size_t)s->point_count * index, (void**)&s->first_at_point );
-}
-
-// Return the edge opposite of a corner of a triangle.
-static int edge_of_side( const contact_contact_mesh* s, const contact_participant* participant,
-                         const int32_t corner[3], int k )
-{
-    const int a = corner[( k + 1 ) % 3], b = corner[( k + 2 ) % 3];
-    return contact_find_edge( s, participant, a < b ? a : b, a < b ? b : a );
-}
-
-// Find the lowest triangle at each side and around each point of a surface.
-static void find_first_triangles( contact_contact_mesh* s, const contact_participant* participant )
-{
-    const int begin = participant->first_triangle, end = begin + participant->triangle_count;
-    for ( int t = end - 1; t >= begin; --t )
-    {
-        const int32_t* corner = s->triangles + 3 * (size_t)t;
-        for ( int k = 0; k < 3; ++k )
-        {
-            s->first_at_point[corner[k]] = t;
-            s->first_at_edge[edge_of_side( s, participant, corner, k )] = t;
-        }
-    }
-    for ( int t = begin; t < end; ++t )
-    {
-        const int32_t* corner = s->triangles + 3 * (size_t)t;
-        for ( int k = 0; k < 3; ++k )
-        {
-            s->first_at_side[3 * (size_t)t + (size_t)k] = s->first_at_edge[edge_of_side( s, participant, corner, k )];
-        }
-    }
+           contact_reserve( work, b++, triangles, (void**)&s->triangles );
 }
 
 static void fill_surface( const contact_work* work, const contact_participant* participant, int number )
@@ -116,7 +82,6 @@ static void fill_surface( const contact_work* work, const contact_participant* p
     {
         s->triangles[3 * participant->first_triangle + i] = participant->first_point + f->triangles[i];
     }
-    find_first_triangles( s, participant );
 }
 
 static void fill_strands( const contact_work* work, const contact_participant* participant, int number )
@@ -171,7 +136,6 @@ bool contact_build_contact_mesh( const contact_work* work )
     {
         return false;
     }
-    memset( s->first_at_point, -1, (size_t)s->point_count * sizeof( int32_t ) );
     memset( s->intersection_free, 0, (size_t)s->point_count * 4 * sizeof( float ) ); // compared before it is written
     for ( int g = 0; g < work->participant_count; ++g )
     {

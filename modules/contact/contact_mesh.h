@@ -69,14 +69,11 @@ typedef struct contact_contact_mesh
     float* shift;             // [point][4] m: displacement of this substep that gives no velocity
     int32_t* edges;           // [edge][2]
     int32_t* triangles;       // [triangle][3]
-    int32_t* first_at_side;   // [triangle][3] lowest triangle at the side opposite of each corner
-    int32_t* first_at_edge;   // [edge] the same
-    int32_t* first_at_point;  // [point] lowest triangle around it; -1: none
     float min_thickness;      // m, of the participants
     bool is_listed;           // the pair lists of the broad phase hold for these positions
     bool is_parting;          // pairs at no distance are found too
     bool is_reset;            // intersection-free positions were replaced: intersections and pairs are unknown
-    wisp_buffer buffers[9];
+    wisp_buffer buffers[6];
 
     struct contact_clusters* clusters;           // clusters.h
     struct contact_motion* motion;               // predicted_motion.h

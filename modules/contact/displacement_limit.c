@@ -31,7 +31,7 @@ enum
 };
 
 // The distance that a pair keeps: a fraction of its gap, or of its distance if it is nearer already.
-static const float MIN_OF_DISTANCE = 0.99f;
+static const float MIN_OF_REQUESTED = 0.1f, MIN_OF_DISTANCE = 0.99f;
 // Fraction of the way to that distance that a cut leaves, so that a pair comes to it in several substeps and rounds
 // are few.
 static const float WAY_TO_GO = 0.9f;
@@ -95,7 +95,7 @@ static contact_row* row_of( const contact_contact_mesh* s, int r )
 
 static float least_of( const contact_row* row )
 {
-    return contact_smaller( CONTACT_LEAST_GAP * row->requested, MIN_OF_DISTANCE * row->distance );
+    return contact_smaller( MIN_OF_REQUESTED * row->requested, MIN_OF_DISTANCE * row->distance );
 }
 
 // Return the side of a row, 0 or 1, that fixed points of the other side can push: it has none itself. -1: no side.

@@ -3,9 +3,6 @@
 
 #include "contact_mesh.h"
 
-/// The least distance that is left to a pair, as a fraction of the one that it requests.
-#define CONTACT_LEAST_GAP 0.1f
-
 typedef struct contact_limit
 {
     float* fraction;    // [point] fraction of its displacement that is left

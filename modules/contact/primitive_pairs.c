@@ -4,14 +4,12 @@
 // A pair is active if its distance at the intersection-free positions is less than its gap and the most that two of
 // its points may approach each other. The test looks at the state alone, so results do not depend on what found the
 // pair. Within a participant the gap is at most 0.9 of the distance at rest, so that nothing presses at rest. Pairs
-// around an intersection are dropped, because no side of their plane is right. Pairs that repeat another one are active only
-// where they might cross (repeats.c).
+// around an intersection are dropped, because no side of their plane is right.
 #include "primitive_pairs.h"
 
 #include "closest_points.h"
 #include "intersections.h"
 #include "predicted_motion.h"
-#include "repeats.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -110,9 +108,9 @@ static void find_closings( const contact_work* work, contact_kind kind, contact_
 }
 
 // Pairs at no distance have no plane between them; only coincident.c can use them.
-static bool may_meet( const contact_contact_mesh* s, const contact_batch* batch, int i, float gap )
+static bool may_meet( const contact_contact_mesh* s, const contact_batch* batch, int i )
 {
-    return ( batch->distance[i] > 0.0f || s->is_parting ) && batch->distance[i] < gap + batch->closing[i];
+    return ( batch->distance[i] > 0.0f || s->is_parting ) && batch->distance[i] < batch->gap[i] + batch->closing[i];
 }
 
 // ---- rest distances ----
@@ -142,7 +140,6 @@ static void thin_gaps( const contact_work* work, contact_kind kind, contact_batc
     const contact_contact_mesh* s = work->contact_mesh;
     contact_primitives primitives;
     primitives.are_edges = kind == CONTACT_EDGES;
-    memset( batch->is_near_at_rest, 0, (size_t)count );
     for ( int next = 0; next < count; )
     {
         int thin[CONTACT_BATCH], thin_count = 0;
@@ -155,7 +152,6 @@ static void thin_gaps( const contact_work* work, contact_kind kind, contact_batc
                 const int32_t points[4] = { batch->point_x4[0][next] / 4, batch->point_x4[1][next] / 4,
                                             batch->point_x4[2][next] / 4, batch->point_x4[3][next] / 4 };
                 contact_put_primitives( &primitives, thin_count, points );
-                batch->is_near_at_rest[next] = 1;
                 thin[thin_count++] = next;
             }
         }
@@ -190,7 +186,7 @@ void contact_select_active( const contact_work* work, contact_kind kind, contact
     {
         batch->selected[kept] = i;
         const bool is_dropped = work->memory->tangled != 0 && is_tangled( s, kind, batch, i );
-        kept += may_meet( s, batch, i, batch->gap[i] ) && is_dropped == false ? 1 : 0;
+        kept += may_meet( s, batch, i ) && is_dropped == false ? 1 : 0;
     }
     for ( int i = 0; i < kept; ++i )
     {
@@ -198,12 +194,11 @@ void contact_select_active( const contact_work* work, contact_kind kind, contact
     }
     compact( batch, kept );
     thin_gaps( work, kind, batch, kept );
-    contact_find_reaches( work, kind, batch, kept );
     int count = 0;
     for ( int i = 0; i < kept; ++i )
     {
         batch->found[count] = ( contact_pair ){ batch->first[i], batch->second[i], batch->gap[i] };
-        count += batch->gap[i] > 0.0f && may_meet( s, batch, i, batch->reach[i] ) ? 1 : 0;
+        count += batch->gap[i] > 0.0f && may_meet( s, batch, i ) ? 1 : 0;
     }
     const int first = count > 0 ? atomic_fetch_add( total, count ) : 0;
     if ( count > 0 && first + count <= near->most )

@@ -49,8 +49,6 @@ typedef struct contact_batch
     int32_t of[CONTACT_ROOM];                                               // the pair of clusters
     int32_t selected[CONTACT_ROOM];                                         // indices of those that pass a test
     float gap[CONTACT_ROOM], distance[CONTACT_ROOM], closing[CONTACT_ROOM]; // m
-    float reach[CONTACT_ROOM];                                              // m: active within it and the closing
-    uint8_t is_near_at_rest[CONTACT_ROOM]; // 1: of one participant, and not much farther than the gap at rest
     contact_pair found[CONTACT_ROOM];
 } contact_batch;
 

@@ -163,13 +163,13 @@ static void fly( const pair_def* d )
     request_stats( w );
     const double mass = 0.15 * 0.16, speed = (double)d->speed, energy = 0.5 * mass * 1.04 * speed * speed;
     const double begin[3] = { 0.2 * mass * speed, -mass * speed, 0.0 };
-    int met = 0; // pairs that pushed, and points that the displacement limit held
+    int contacts = 0;
     for ( int s = 0; s < 40; ++s )
     {
         run_steps( w, 1, FRAME );
         const wisp_contact_stats stats = contact_stats( w );
         assert_int_equal( stats.intersections, 0 );
-        met += stats.contacts + stats.displacement_limited;
+        contacts += stats.contacts;
         double now[3];
         momentum_of( w, both, 2, now );
         for ( int k = 0; k < 3; ++k )
@@ -179,7 +179,7 @@ static void fly( const pair_def* d )
         const double links = d->stretch_stiffness > 1e3f ? 0.0 : stored( w, both[0] );
         assert_true( energy_of( w, both, 2 ) + links < d->energy * energy );
     }
-    assert_true( met > 20 );
+    assert_true( contacts > 10 );
     assert_int_equal( count_all_passing( w, both, 2 ), 0 );
     close_world( &h );
 }
@@ -305,8 +305,8 @@ static pile_end pile_up( const pile_def* d )
 static void two_layers_come_to_rest( void** state )
 {
     (void)state;
-    assert_true( pile_up( &( pile_def ){ 2, 0.15f, WISP_INTEGRATOR_EULER, 100 } ).speed < 0.04 );
-    assert_true( pile_up( &( pile_def ){ 2, 0.15f, WISP_INTEGRATOR_BDF2, 100 } ).speed < 0.04 );
+    assert_true( pile_up( &( pile_def ){ 2, 0.15f, WISP_INTEGRATOR_EULER, 100 } ).speed < 0.03 );
+    assert_true( pile_up( &( pile_def ){ 2, 0.15f, WISP_INTEGRATOR_BDF2, 100 } ).speed < 0.03 );
 }
 
 // Half a margin of the lower layer is 3.75 mm.
