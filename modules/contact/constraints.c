@@ -23,7 +23,6 @@
 enum
 {
     ROW_GRAIN = 256,
-    SORT_GRAIN = 512,
 };
 
 // Set the points of a pair.
@@ -153,53 +152,31 @@ static int order_of( const contact_pair* c, int32_t a, int32_t b )
     return first != 0 ? first : ( c->b > b ) - ( c->b < b );
 }
 
-typedef struct sort_loop
+// Move pairs to the order of one of their sides; those with the same one stay in their order.
+// @param count of sides @param begin [count + 1] scratch
+static void sort_by( const contact_pair* from, contact_pair* to, int pairs, bool by_a, int count, int32_t* begin )
 {
-    const contact_pair* pairs; // those of one first side are together
-    const int32_t* begin;      // [first side + 1] its pairs
-    contact_pair* sorted;
-} sort_loop;
-
-static void sort_second_sides( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const sort_loop* loop = context;
-    for ( int a = begin; a < end; ++a )
+    memset( begin, 0, (size_t)( count + 1 ) * sizeof( *begin ) );
+    for ( int i = 0; i < pairs; ++i )
     {
-        // a primitive has few pairs
-        for ( int i = loop->begin[a]; i < loop->begin[a + 1]; ++i )
-        {
-            int at = i;
-            for ( ; at > loop->begin[a] && loop->sorted[at - 1].b > loop->pairs[i].b; --at )
-            {
-                loop->sorted[at] = loop->sorted[at - 1];
-            }
-            loop->sorted[at] = loop->pairs[i];
-        }
+        begin[( by_a ? from[i].a : from[i].b ) + 1] += 1;
+    }
+    for ( int side = 0; side < count; ++side )
+    {
+        begin[side + 1] += begin[side];
+    }
+    for ( int i = 0; i < pairs; ++i )
+    {
+        to[begin[by_a ? from[i].a : from[i].b]++] = from[i];
     }
 }
 
-// Sort pairs by their first side, then by their second. No two are equal. @param count of first sides
-// @param spare [near->count] scratch @param begin [count + 1] scratch
-static void sort_pairs( const contact_work* work, contact_near* near, int count, contact_pair* spare, int32_t* begin )
+// Sort pairs by their first side, then by their second. No two are equal. @param counts of first and of second sides
+// @param spare [near->count] scratch @param begin [larger count + 1] scratch
+static void sort_pairs( contact_near* near, const int counts[2], contact_pair* spare, int32_t* begin )
 {
-    memset( begin, 0, (size_t)( count + 1 ) * sizeof( *begin ) );
-    for ( int i = 0; i < near->count; ++i )
-    {
-        begin[near->items[i].a] += 1;
-    }
-    int end = 0;
-    for ( int a = 0; a <= count; ++a )
-    {
-        end += begin[a];
-        begin[a] = end;
-    }
-    for ( int i = near->count - 1; i >= 0; --i )
-    {
-        spare[--begin[near->items[i].a]] = near->items[i];
-    }
-    sort_loop loop = { spare, begin, near->items };
-    wisp_parallel_for( work->parallel, count, SORT_GRAIN, sort_second_sides, &loop );
+    sort_by( near->items, spare, near->count, false, counts[1], begin );
+    sort_by( spare, near->items, near->count, true, counts[0], begin );
 }
 
 static int larger( int a, int b )
@@ -218,20 +195,25 @@ static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp
         return status;
     }
     // points, or particles; then edges
-    const int sides[CONTACT_KIND_COUNT] = { are_samples ? s->samples->count : s->point_count, s->edge_count };
+    const int samples = s->samples->count;
+    const int sides[CONTACT_KIND_COUNT][2] = {
+        { are_samples ? samples : s->point_count, are_samples ? samples : s->triangle_count },
+        { s->edge_count, s->edge_count },
+    };
+    const int most = larger( larger( sides[0][0], sides[0][1] ), s->edge_count );
     const int pairs = larger( s->primitives->near[0].count, s->primitives->near[1].count );
     contact_pair* spare;
     int32_t* begin;
     if ( contact_reserve( work, &s->constraints->spare_buffer, (size_t)pairs * sizeof( *spare ), (void**)&spare ) ==
              false ||
-         contact_reserve( work, &s->constraints->side_buffer,
-                          (size_t)( larger( sides[0], sides[1] ) + 1 ) * sizeof( *begin ), (void**)&begin ) == false )
+         contact_reserve( work, &s->constraints->side_buffer, ( (size_t)most + 1 ) * sizeof( *begin ),
+                          (void**)&begin ) == false )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d contact pairs", pairs );
     }
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
-        sort_pairs( work, s->primitives->near + kind, sides[kind], spare, begin );
+        sort_pairs( s->primitives->near + kind, sides[kind], spare, begin );
     }
     return WISP_OK;
 }
