@@ -5,6 +5,7 @@
 // have not met. Where a pair ends nearer to its plane than a tenth of its gap (or 0.99 of its distance, if that is
 // less), the displacements of its points are cut. A cut may bring other pairs together, so tests and cuts go on in
 // rounds until no plane is passed. They end, because points without displacement pass nothing. A cut loses momentum.
+// It leaves what pinned points carry along (carried_motion.c), and takes that too where it is too much.
 // Pinned points are not cut. Where they alone would pass a plane, the other side is pushed ahead of them, and is then
 // treated as pinned for the rest of the substep, so that a push goes on through layers. Layers go as far as what drives
 // them. A push that would go farther goes from crease to crease of crumpled cloth, and would grow with each: it is
@@ -12,6 +13,7 @@
 #include "displacement_limit.h"
 
 #include "broad_phase.h"
+#include "carried_motion.h"
 #include "clusters.h"
 #include "constraints.h"
 #include "predicted_motion.h"
@@ -35,9 +37,9 @@ static const float MIN_OF_REQUESTED = 0.1f, MIN_OF_DISTANCE = 0.99f;
 // Fraction of the way to that distance that a cut leaves, so that a pair comes to it in several substeps and rounds
 // are few.
 static const float WAY_TO_GO = 0.9f;
-static const float PUSH = -1.0f; // in place of a cut
-// How far a push may move a point: in longest displacements of a pinned point, and in gaps of the pair.
-static const float PUSH_DRIVES = 4.0f, PUSH_GAPS = 8.0f;
+static const float PUSH = -1.0f, STAY = -2.0f; // in place of a cut
+// How far a push may move a point: in displacements of the pinned point that drives it, and in gaps of the pair.
+static const float PUSH_DRIVES = 2.0f, PUSH_GAPS = 2.0f;
 static const float ALMOST = 0.999f; // of what is left of a margin
 
 typedef struct guard_loop
@@ -67,6 +69,10 @@ static float place_along( const contact_contact_mesh* s, const contact_row* row,
         const float start = s->intersection_free[at + k] - origin[k];
         const float way = s->now[at + k] - s->intersection_free[at + k] - s->motion->common[k];
         sum += row->normal[k] * ( start + fraction * way );
+    }
+    for ( size_t k = 0; k < 3 && fraction < 1.0f && s->limit->carries; ++k )
+    {
+        sum += ( 1.0f - fraction ) * row->normal[k] * s->limit->carried[at + k];
     }
     return sum;
 }
@@ -110,7 +116,24 @@ static int pushed_side( const contact_contact_mesh* s, const contact_row* row )
     return has_fixed[0] == has_fixed[1] ? -1 : has_fixed[0] ? 1 : 0;
 }
 
-// Test a row and compute its cut, which is negative if points have to be pushed. @return whether either is needed
+static bool is_carried( const contact_contact_mesh* s, int point )
+{
+    const float* carried = s->limit->carried + (size_t)point * 4;
+    return s->limit->carries && is_fixed( s, point ) == false &&
+           ( carried[0] != 0.0f || carried[1] != 0.0f || carried[2] != 0.0f );
+}
+
+static bool has_carried( const contact_contact_mesh* s, const contact_row* row )
+{
+    bool any = false;
+    for ( int i = 0; i < row->count; ++i )
+    {
+        any = any || is_carried( s, row->point[i] );
+    }
+    return any;
+}
+
+// Test a row and compute its cut, which is negative if points have to be pushed, or not even carried. @return whether any is needed
 static bool check_row( guard_loop* loop, contact_row* row )
 {
     const contact_contact_mesh* s = loop->contact_mesh;
@@ -120,12 +143,14 @@ static bool check_row( guard_loop* loop, contact_row* row )
     {
         const float start = separation( s, row, true );
         const bool pushes = start < least && pushed_side( s, row ) >= 0;
-        if ( pushes == false && start <= 0.0f ) // fixed points of both sides went through each other
+        const bool stays = pushes == false && start < least && has_carried( s, row );
+        if ( pushes == false && stays == false && start <= 0.0f )
         {
+            // fixed points of both sides went through each other
             atomic_store( &loop->is_crossed, true );
         }
         row->cut = loop->gives_up || !( start > least ) ? 0.0f : WAY_TO_GO * ( start - least ) / ( start - there );
-        row->cut = pushes ? PUSH : row->cut;
+        row->cut = pushes ? PUSH : stays ? STAY : row->cut;
     }
     return there < least;
 }
@@ -164,6 +189,18 @@ static void check_rows( void* context, int begin, int end, int worker )
     atomic_fetch_add( &loop->tests, tests );
 }
 
+// Return the largest displacement that drives the points of a row from a to b, m.
+static float drive_of( const contact_contact_mesh* s, const contact_row* row, int a, int b )
+{
+    float drive = 0.0f;
+    for ( int i = a; i < b; ++i )
+    {
+        const int point = row->point[i];
+        drive = is_fixed( s, point ) ? contact_larger( drive, s->limit->drive[point] ) : drive;
+    }
+    return drive;
+}
+
 // Push the side of a row without fixed points until the sides have their gap. @return whether a point moved
 static bool apply_push( guard_loop* loop, const contact_row* row )
 {
@@ -173,26 +210,48 @@ static bool apply_push( guard_loop* loop, const contact_row* row )
     {
         return false;
     }
-    if ( !( row->gap - there <= PUSH_DRIVES * s->limit->longest_drive + PUSH_GAPS * row->requested ) )
+    const bool is_second = pushed_side( s, row ) == 1;
+    const int first = is_second ? row->split : 0, end = is_second ? row->count : row->split;
+    const float drive = is_second ? drive_of( s, row, 0, row->split ) : drive_of( s, row, row->split, row->count );
+    const float push = row->gap - there;
+    if ( !( push <= PUSH_DRIVES * drive + PUSH_GAPS * row->requested ) )
     {
         atomic_store( &loop->is_crossed, true );
         return false;
     }
-    const bool is_second = pushed_side( s, row ) == 1;
-    const float length = is_second ? there - row->gap : row->gap - there;
-    for ( int i = is_second ? row->split : 0; i < ( is_second ? row->count : row->split ); ++i )
+    const float length = is_second ? -push : push;
+    for ( int i = first; i < end; ++i )
     {
         const int point = row->point[i];
         for ( size_t k = 0, at = (size_t)point * 4; k < 3; ++k )
         {
-            const float start = s->intersection_free[at + k];
+            const float start = s->intersection_free[at + k] + s->limit->carried[at + k];
             s->now[at + k] = start + s->limit->fraction[point] * ( s->now[at + k] - start ) + length * row->normal[k];
         }
         s->limit->fraction[point] = 1.0f;
         s->limit->is_driven[point] = JUST_DRIVEN;
+        s->limit->drive[point] = drive;
         s->limit->changed[point] |= CHANGED_NOW;
     }
     return true;
+}
+
+// Leave the points of a row where they were.
+static bool apply_stay( contact_contact_mesh* s, const contact_row* row )
+{
+    bool any = false;
+    for ( int i = 0; i < row->count; ++i )
+    {
+        const int point = row->point[i];
+        if ( is_carried( s, point ) )
+        {
+            memset( s->limit->carried + (size_t)point * 4, 0, 3 * sizeof( float ) );
+            s->limit->fraction[point] = 0.0f;
+            s->limit->changed[point] |= CHANGED_NOW;
+            any = true;
+        }
+    }
+    return any;
 }
 
 static bool apply_cut( contact_contact_mesh* s, const contact_row* row )
@@ -218,7 +277,10 @@ static bool apply_cuts( guard_loop* loop, int count )
         if ( loop->has_cuts[r / ROW_GRAIN] )
         {
             const contact_row* row = row_of( loop->contact_mesh, r );
-            any = ( row->cut == PUSH ? apply_push( loop, row ) : apply_cut( loop->contact_mesh, row ) ) || any;
+            const bool moves = row->cut == PUSH   ? apply_push( loop, row )
+                               : row->cut == STAY ? apply_stay( loop->contact_mesh, row )
+                                                  : apply_cut( loop->contact_mesh, row );
+            any = any || moves;
         }
     }
     return any;
@@ -260,7 +322,7 @@ static void cut_ways( void* context, int begin, int end, int worker )
         const float fraction = s->limit->fraction[i];
         for ( size_t k = 0, at = (size_t)i * 4; k < 3 && fraction < 1.0f; ++k )
         {
-            const float there = s->intersection_free[at + k] + s->motion->common[k];
+            const float there = s->intersection_free[at + k] + s->motion->common[k] + s->limit->carried[at + k];
             s->now[at + k] = there + fraction * ( s->now[at + k] - there );
             s->shift[at + k] *= fraction;
         }
@@ -289,6 +351,7 @@ static void hold_all( contact_contact_mesh* s )
     {
         s->limit->fraction[i] = is_fixed( s, i ) ? 1.0f : 0.0f;
     }
+    memset( s->limit->carried, 0, (size_t)s->point_count * 4 * sizeof( float ) );
 }
 
 bool contact_reserve_limit( const contact_work* work )
@@ -298,7 +361,9 @@ bool contact_reserve_limit( const contact_work* work )
     return contact_reserve( work, limit->buffers, points * sizeof( float ), (void**)&limit->fraction ) &&
            contact_reserve( work, limit->buffers + 1, points, (void**)&limit->is_driven ) &&
            contact_reserve( work, limit->buffers + 2, points, (void**)&limit->changed ) &&
-           contact_reserve( work, limit->buffers + 3, points * sizeof( float ), (void**)&limit->cut );
+           contact_reserve( work, limit->buffers + 3, points * sizeof( float ), (void**)&limit->cut ) &&
+           contact_reserve( work, limit->buffers + 4, points * 4 * sizeof( float ), (void**)&limit->carried ) &&
+           contact_reserve( work, limit->buffers + 5, points * sizeof( float ), (void**)&limit->drive );
 }
 
 // Shorten the displacement of a free point to what the lists reach. @return whether it was longer
@@ -332,27 +397,26 @@ int contact_stay_in_reach( const contact_work* work )
     return count;
 }
 
-// Return the longest displacement of a pinned point, relative to the mean, m.
-static float longest_of_pinned( const contact_contact_mesh* s )
+// Pinned points drive as far as they go, relative to the mean.
+static void find_drives( const contact_contact_mesh* s )
 {
-    float squared = 0.0f;
     for ( size_t i = 0; i < (size_t)s->point_count; ++i )
     {
-        float way = 0.0f;
+        float squared = 0.0f;
         for ( size_t k = 0; k < 3 && s->now[4 * i + 3] == 0.0f; ++k )
         {
-            const float d = s->now[4 * i + k] - s->intersection_free[4 * i + k] - s->motion->common[k];
-            way += d * d;
+            const float way = s->now[4 * i + k] - s->intersection_free[4 * i + k] - s->motion->common[k];
+            squared += way * way;
         }
-        squared = contact_larger( squared, way );
+        s->limit->drive[i] = sqrtf( squared );
     }
-    return sqrtf( squared );
 }
 
 void contact_begin_limit( const contact_work* work )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    s->limit->longest_drive = longest_of_pinned( s );
+    find_drives( s );
+    contact_find_carried( work );
     memset( s->limit->is_driven, 0, (size_t)s->point_count );
     memset( s->limit->changed, 0, (size_t)s->point_count );
     s->limit->is_again = false;
