@@ -48,12 +48,6 @@ void run_intersections_close( run_intersections* intersections )
     }
 }
 
-static wisp_entity entity_of( const scene_world* world, int body )
-{
-    const int strands = world->scene->strands_count;
-    return body < strands ? world->entities[body] : world->surfaces[body - strands].entity;
-}
-
 static bool takes_part( const wisp_scene* scene, int body )
 {
     return body < scene->strands_count ? scene->strands[body].has_contact
@@ -98,8 +92,8 @@ static wisp_status add_pair( run_intersections* x, int first, int second, int* l
 {
     wisp_world* world = x->world->world;
     int count = 0;
-    const wisp_status status =
-        wisp_read_contact_intersections( world, entity_of( x->world, first ), entity_of( x->world, second ), &count );
+    const wisp_status status = wisp_read_contact_intersections( world, scene_world_entity( x->world, first ),
+                                                                scene_world_entity( x->world, second ), &count );
     if ( status != WISP_OK || count == 0 )
     {
         return status == WISP_OK

@@ -83,7 +83,7 @@ void run_motion_add_detail( const scene_world* world, results* out )
             table = results_add_table( out, "Level of detail at the end", 3,
                                        ( const char* const[] ){ "body", "level", "substeps" } );
         }
-        const wisp_entity entity = surface < 0 ? world->entities[body] : world->surfaces[surface].entity;
+        const wisp_entity entity = scene_world_entity( world, body );
         int substeps;
         char text[24];
         const bool is_known = wisp_read_substeps( world->world, entity, &substeps ) == WISP_OK;

@@ -12,12 +12,6 @@
 
 // ---- samples ----
 
-static wisp_entity entity_of( const scene_world* world, int body )
-{
-    const int strands = world->scene->strands_count;
-    return body < strands ? world->entities[body] : world->surfaces[body - strands].entity;
-}
-
 static bool collides( const wisp_scene* scene, int body )
 {
     return body < scene->strands_count ? scene->strands[body].has_collision
@@ -130,7 +124,7 @@ static void read_end( const scene_world* world, stability_trace* trace )
     {
         uint64_t hash = 0;
         const bool is_strands = body < world->scene->strands_count;
-        (void)wisp_world_hash_column( world->world, entity_of( world, body ),
+        (void)wisp_world_hash_column( world->world, scene_world_entity( world, body ),
                                       is_strands ? WISP_STRAND_POINTS : WISP_SURFACE_POINTS, &hash );
         trace->hash = body > 0 ? wisp_random_mix( trace->hash ^ hash ) : hash;
     }
@@ -145,7 +139,7 @@ static void finish_bodies( const scene_world* world, stability_reader* const* re
     {
         stability_body* b = &trace->bodies[body];
         const stability_reader* r = readers[body];
-        b->is_halted = wisp_is_halted( world->world, entity_of( world, body ) );
+        b->is_halted = wisp_is_halted( world->world, scene_world_entity( world, body ) );
         for ( int i = 0; i < r->edge_count; ++i )
         {
             b->stretch = fmax( b->stretch, stretch_of_edge( r->now, r->rest, r->edges[2 * i], r->edges[2 * i + 1] ) );

@@ -183,6 +183,8 @@ int scene_world_body_count( const scene_world* world );
 /// Number of bodies that are not colliders: the first ones.
 int scene_world_moving_count( const scene_world* world );
 scene_body scene_world_body( const scene_world* world, int body );
+/// Return the entity of a body that moves.
+wisp_entity scene_world_entity( const scene_world* world, int body );
 /// Return the substeps that a body that moves makes in a step of usual length. The world's plan is compiled if needed.
 int scene_world_substeps( const scene_world* world, int body );
 

@@ -116,16 +116,16 @@ bool scene_world_has( const scene_world* world, int body, scene_request request 
     return component_of( world, place_of( world, body ), request ) != 0;
 }
 
-static wisp_entity entity_of( const scene_world* world, body_place place )
+wisp_entity scene_world_entity( const scene_world* world, int body )
 {
+    const body_place place = place_of( world, body );
     return is_surface( place ) ? world->surfaces[place.index].entity : world->entities[place.index];
 }
 
 int scene_world_substeps( const scene_world* world, int body )
 {
     int substeps = 0;
-    const wisp_status status =
-        wisp_read_substeps( world->world, entity_of( world, place_of( world, body ) ), &substeps );
+    const wisp_status status = wisp_read_substeps( world->world, scene_world_entity( world, body ), &substeps );
     return status == WISP_OK ? substeps : world->scene->substeps;
 }
 
@@ -161,7 +161,7 @@ wisp_status scene_world_request( scene_world* world, int body, scene_request req
     {
         return status;
     }
-    status = wisp_request( world->world, entity_of( world, place_of( world, body ) ), component );
+    status = wisp_request( world->world, scene_world_entity( world, body ), component );
     return status == WISP_OK ? WISP_OK : fail_at_body( world, body, status, error );
 }
 
@@ -186,7 +186,7 @@ wisp_status scene_world_request_shown( scene_world* world, wisp_error* error )
 static wisp_status view_column( const scene_world* world, int body, wisp_component component, wisp_view* out,
                                 wisp_error* error )
 {
-    const wisp_entity entity = entity_of( world, place_of( world, body ) );
+    const wisp_entity entity = scene_world_entity( world, body );
     const wisp_status status = wisp_world_view( world->world, entity, component, out );
     return status == WISP_OK ? WISP_OK : fail_at_body( world, body, status, error );
 }
@@ -293,8 +293,7 @@ wisp_status scene_world_strand_hold( const scene_world* world, int body, wisp_st
     {
         return wisp_fail( error, WISP_CONFLICT, "body %d has no rods", body );
     }
-    const wisp_status status =
-        wisp_read_strand_hold( world->world, entity_of( world, place_of( world, body ) ), out );
+    const wisp_status status = wisp_read_strand_hold( world->world, scene_world_entity( world, body ), out );
     return status == WISP_OK ? WISP_OK : fail_at_body( world, body, status, error );
 }
 
@@ -307,15 +306,14 @@ wisp_status scene_world_motion_stats( const scene_world* world, int body, wisp_m
     {
         return status;
     }
-    status = wisp_read_motion_stats( world->world, entity_of( world, place_of( world, body ) ), out );
+    status = wisp_read_motion_stats( world->world, scene_world_entity( world, body ), out );
     return status == WISP_OK ? WISP_OK : fail_at_body( world, body, status, error );
 }
 
 wisp_status scene_world_collision_stats( const scene_world* world, int body, wisp_collision_stats* out,
                                          wisp_error* error )
 {
-    const wisp_status status =
-        wisp_read_collision_stats( world->world, entity_of( world, place_of( world, body ) ), out );
+    const wisp_status status = wisp_read_collision_stats( world->world, scene_world_entity( world, body ), out );
     return status == WISP_OK ? WISP_OK : fail_at_body( world, body, status, error );
 }
 

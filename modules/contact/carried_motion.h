@@ -3,5 +3,5 @@
 
 #include "contact_mesh.h"
 
-/// Compute `carries`, and `carried` of all points of the contact mesh for this substep, relative to `common`.
+/// Compute `carries` for this substep, and if it is set `carried` of all points of the contact mesh.
 void contact_find_carried( const contact_work* work );

@@ -58,6 +58,12 @@ static bool is_fixed( const contact_contact_mesh* s, int point )
     return s->now[(size_t)point * 4 + 3] == 0.0f || s->limit->is_driven[point] != 0;
 }
 
+// Return a coordinate of what is carried of a point, m. @param at of all coordinates
+static float carried_along( const contact_contact_mesh* s, size_t at )
+{
+    return s->limit->carries ? s->limit->carried[at] : 0.0f;
+}
+
 // Return the coordinate of a point along the normal, with a fraction of its displacement, relative to an origin.
 static float place_along( const contact_contact_mesh* s, const contact_row* row, int i, float fraction,
                           const float* origin )
@@ -189,6 +195,23 @@ static void check_rows( void* context, int begin, int end, int worker )
     atomic_fetch_add( &loop->tests, tests );
 }
 
+// Return how far a pinned point goes, relative to the mean, or the one that drives a point, m.
+static float drive_of_point( const contact_contact_mesh* s, int point )
+{
+    const size_t at = (size_t)point * 4;
+    float squared = 0.0f;
+    if ( s->now[at + 3] != 0.0f )
+    {
+        return s->limit->drive[point];
+    }
+    for ( size_t k = 0; k < 3; ++k )
+    {
+        const float way = s->now[at + k] - s->intersection_free[at + k] - s->motion->common[k];
+        squared += way * way;
+    }
+    return sqrtf( squared );
+}
+
 // Return the largest displacement that drives the points of a row from a to b, m.
 static float drive_of( const contact_contact_mesh* s, const contact_row* row, int a, int b )
 {
@@ -196,7 +219,7 @@ static float drive_of( const contact_contact_mesh* s, const contact_row* row, in
     for ( int i = a; i < b; ++i )
     {
         const int point = row->point[i];
-        drive = is_fixed( s, point ) ? contact_larger( drive, s->limit->drive[point] ) : drive;
+        drive = is_fixed( s, point ) ? contact_larger( drive, drive_of_point( s, point ) ) : drive;
     }
     return drive;
 }
@@ -225,7 +248,7 @@ static bool apply_push( guard_loop* loop, const contact_row* row )
         const int point = row->point[i];
         for ( size_t k = 0, at = (size_t)point * 4; k < 3; ++k )
         {
-            const float start = s->intersection_free[at + k] + s->limit->carried[at + k];
+            const float start = s->intersection_free[at + k] + carried_along( s, at + k );
             s->now[at + k] = start + s->limit->fraction[point] * ( s->now[at + k] - start ) + length * row->normal[k];
         }
         s->limit->fraction[point] = 1.0f;
@@ -322,7 +345,7 @@ static void cut_ways( void* context, int begin, int end, int worker )
         const float fraction = s->limit->fraction[i];
         for ( size_t k = 0, at = (size_t)i * 4; k < 3 && fraction < 1.0f; ++k )
         {
-            const float there = s->intersection_free[at + k] + s->motion->common[k] + s->limit->carried[at + k];
+            const float there = s->intersection_free[at + k] + s->motion->common[k] + carried_along( s, at + k );
             s->now[at + k] = there + fraction * ( s->now[at + k] - there );
             s->shift[at + k] *= fraction;
         }
@@ -351,7 +374,7 @@ static void hold_all( contact_contact_mesh* s )
     {
         s->limit->fraction[i] = is_fixed( s, i ) ? 1.0f : 0.0f;
     }
-    memset( s->limit->carried, 0, (size_t)s->point_count * 4 * sizeof( float ) );
+    s->limit->carries = false;
 }
 
 bool contact_reserve_limit( const contact_work* work )
@@ -397,25 +420,9 @@ int contact_stay_in_reach( const contact_work* work )
     return count;
 }
 
-// Pinned points drive as far as they go, relative to the mean.
-static void find_drives( const contact_contact_mesh* s )
-{
-    for ( size_t i = 0; i < (size_t)s->point_count; ++i )
-    {
-        float squared = 0.0f;
-        for ( size_t k = 0; k < 3 && s->now[4 * i + 3] == 0.0f; ++k )
-        {
-            const float way = s->now[4 * i + k] - s->intersection_free[4 * i + k] - s->motion->common[k];
-            squared += way * way;
-        }
-        s->limit->drive[i] = sqrtf( squared );
-    }
-}
-
 void contact_begin_limit( const contact_work* work )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    find_drives( s );
     contact_find_carried( work );
     memset( s->limit->is_driven, 0, (size_t)s->point_count );
     memset( s->limit->changed, 0, (size_t)s->point_count );

@@ -5,14 +5,15 @@
 
 typedef struct contact_limit
 {
-    float* fraction;    // [point] fraction of its displacement that is left, beyond what is carried
-    bool carries;       // some point is carried
-    float* carried;     // [point][4] m: displacement that a cut leaves, relative to the common one (carried_motion.h)
+    float* fraction; // [point] fraction of its displacement that is left, beyond what is carried
+    bool carries;    // some point is carried
+    float*
+        carried; // [point][4] m: displacement that a cut leaves, relative to the common one; unset unless one is carried
     uint8_t* is_driven; // [point] 1: pushed ahead of pinned points in this substep, and not cut
     uint8_t* changed;   // [point] CONTACT_CHANGED bits: its displacement changed, so its constraints are tested again
     bool is_again;      // a call before has tested the constraints of this substep
     int64_t tests;      // of constraints, in this step
-    float* drive;       // [point] m: displacement of the pinned point that it is, or that drives it
+    float* drive;       // [point] m: displacement of the pinned point that drives it; unset unless it is driven
     float* cut;         // [point] smallest cut of its pairs in a round
     wisp_buffer buffers[6];
 } contact_limit;

@@ -20,6 +20,7 @@
 #include "wisp/module/components.h"
 #include "wisp/module/corrected.h"
 #include "wisp/module/definition.h"
+#include "wisp/module/inertia.h"
 #include "wisp/module/instances.h"
 #include "wisp/module/intersections.h"
 #include "wisp/module/kernels.h"
