@@ -110,8 +110,9 @@ typedef struct wisp_reaction
 /// block of particles; without a request nothing. A step between two reads is not added to the next.
 /// @param requested false cancels the request
 /// @return WISP_CONFLICT the entity is no collider; WISP_NO_MEMORY
-/// @note Surfaces with an external solver (implicit cloth) and strands without dynamics add nothing: they are not moved by this
-///       module, or have no momentum
+/// @note Implicit cloth gives the impulses of its solve; what wisp_set_contact() pushes against bodies after it is not counted. With
+///       `effective` weights its momentum is not kept, and what friction holds of strains has a resultant (1e-4 of the weight). Strands
+///       without dynamics have no momentum and give nothing
 WISP_API wisp_status wisp_request_reaction( wisp_world* world, wisp_entity collider, bool requested );
 
 /// Read the reaction of the last step. Sums are made in double in a fixed order, independent of the number of workers.

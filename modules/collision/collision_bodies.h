@@ -3,6 +3,13 @@
 
 #include "collision_state.h"
 
+/// Return a number for a body that stays from step to step, is not 0, and differs between a million entities.
+static inline int32_t collision_body_name( wisp_entity entity )
+{
+    const uint32_t name = ( entity.index + ( entity.generation << 20 ) ) & INT32_MAX;
+    return name != 0 ? (int32_t)name : 1;
+}
+
 /// A body in one substep, with the thickness and friction of a pair of body and participant.
 typedef struct collision_view
 {

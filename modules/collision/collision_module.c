@@ -165,6 +165,21 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
 
 static wisp_status declare_passes( wisp_registry* r, collision_state* state )
 {
+    const wisp_pass contact_input = {
+        .name = "collision.contact_input",
+        .stage = WISP_STAGE_FORCE,
+        .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+        .required = { state->settings, state->active, WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS },
+        .excluded = { state->reaction_part },
+        .reads = { state->settings, state->active, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+        .writes = { WISP_PARTICLE_CONTACTS },
+        .run = collision_sense,
+    };
+    wisp_pass reacting_input = contact_input;
+    reacting_input.name = "collision.reacting_input";
+    reacting_input.required[4] = state->reaction_part;
+    reacting_input.excluded[0] = 0;
+    reacting_input.reads[4] = WISP_PARTICLE_CONTACT_IMPULSES; // which its next substep finds empty again
     const wisp_pass passes[] = {
         {
             .name = "collision.carry",
@@ -235,6 +250,14 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .run = collision_bounce_off,
         },
         {
+            .name = "collision.gather_impulses",
+            .stage = WISP_STAGE_VELOCITY,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .required = { state->reaction_part, WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS },
+            .writes = { WISP_PARTICLE_CONTACT_IMPULSES },
+            .run = collision_gather_impulses,
+        },
+        {
             .name = "collision.reaction",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
@@ -253,15 +276,8 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .writes = { state->stats },
             .run = collision_measure,
         },
-        {
-            .name = "collision.contact_input",
-            .stage = WISP_STAGE_FORCE,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-            .required = { state->settings, state->active, WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS },
-            .reads = { state->settings, state->active, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-            .writes = { WISP_PARTICLE_CONTACTS },
-            .run = collision_sense,
-        },
+        contact_input,
+        reacting_input,
         {
             .name = "collision.contact_stats",
             .stage = WISP_STAGE_OBSERVE,

@@ -11,6 +11,7 @@ void collision_find_primitives( wisp_frame* frame, const wisp_span* span, void* 
 void collision_project_primitives( wisp_frame* frame, const wisp_span* span, void* user ); // primitive_projection.c
 void collision_sense( wisp_frame* frame, const wisp_span* span, void* user );              // contact_input.c
 void collision_bounce_off( wisp_frame* frame, const wisp_span* span, void* user );         // restitution.c
+void collision_gather_impulses( wisp_frame* frame, const wisp_span* span, void* user );    // reaction.c
 void collision_read_reactions( wisp_frame* frame, const wisp_span* span, void* user );     // reaction.c
 void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* user );      // strand_contacts.c
 void collision_keep_out( wisp_frame* frame, const wisp_span* span, void* user );           // posed_strands.c

@@ -207,13 +207,6 @@ static bool find_plane( const collision_view* view, wisp_vec3 from, wisp_vec3 to
 
 // ---- one particle, one body ----
 
-// Return a number for a body that stays from step to step, is not 0, and differs between a million entities.
-static int32_t id_of( wisp_entity entity )
-{
-    const uint32_t name = ( entity.index + ( entity.generation << 20 ) ) & INT32_MAX;
-    return name != 0 ? (int32_t)name : 1;
-}
-
 // Insert a half space in rising order of rank. Equal ones stay in the order of bodies.
 static void insert( input_loop* loop, int particle, const input_touch* found )
 {
@@ -256,7 +249,7 @@ static void add_touch( input_loop* loop, const collision_view* of_all, int i )
     const float end = plane.distance + collision_dot( plane.normal, collision_sub( to, from ) );
     input_touch found = {
         .rank = collision_smaller( plane.distance, end ) - view->thickness,
-        .body = id_of( view->body->entity ),
+        .body = collision_body_name( view->body->entity ),
         .friction = { view->static_friction, view->kinetic_friction, loop->recovery },
     };
     collision_store( found.plane, wisp_quat_rotate( view->before.rotation, plane.normal ) );

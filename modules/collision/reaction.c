@@ -74,12 +74,11 @@ void collision_release_reactions( const wisp_allocator* allocator, collision_sta
 static wisp_status update_participant( wisp_world* world, collision_state* state, wisp_entity participant,
                                        bool requested, int first )
 {
-    const bool moves = wisp_world_has( world, participant, WISP_PARTICLE_HALF_SPACES ),
-               is_strands = wisp_world_has( world, participant, state->strand_contact );
-    const bool counts = requested && ( moves || is_strands );
+    const bool counts = requested && ( wisp_world_has( world, participant, state->active ) ||
+                                       wisp_world_has( world, participant, state->strand_contact ) );
     wisp_status status = counts ? wisp_world_attach( world, participant, state->reaction_part )
                                 : wisp_world_detach( world, participant, state->reaction_part );
-    const bool has_bodies = counts && moves;
+    const bool has_bodies = counts && wisp_world_has( world, participant, WISP_PARTICLE_HALF_SPACES );
     if ( status == WISP_OK )
     {
         status = has_bodies ? wisp_world_attach( world, participant, state->contact_body )
@@ -115,7 +114,43 @@ wisp_status collision_update_reactions( wisp_world* world, collision_state* stat
     return status;
 }
 
-// ---- the pass ----
+// ---- passes ----
+
+// @return the place of a body in the list; the number of bodies if it is gone
+static int find_body( const collision_state* state, int32_t name )
+{
+    int body = 0;
+    while ( body < state->body_count && collision_body_name( state->bodies[body].entity ) != name )
+    {
+        body += 1;
+    }
+    return body;
+}
+
+void collision_gather_impulses( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const collision_state* state = user;
+    const wisp_entity e = span->entity;
+    int32_t( *name )[WISP_MAX_PARTICLE_CONTACTS] = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACT_IMPULSES, 0 );
+    const wisp_vec3( *impulse )[WISP_MAX_PARTICLE_CONTACTS] =
+        wisp_frame_column( frame, e, WISP_PARTICLE_CONTACT_IMPULSES, 1 );
+    const wisp_vec3* point = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACT_IMPULSES, 2 );
+    const wisp_span s = wisp_frame_particles( frame, span );
+    for ( int slot = s.begin; slot < s.end; ++slot )
+    {
+        collision_impulse* sums = collision_reaction_sums( frame, e, state, slot / COLLISION_BLOCK );
+        for ( int i = 0; i < WISP_MAX_PARTICLE_CONTACTS && sums != NULL; ++i )
+        {
+            const int body = name[slot][i] != 0 ? find_body( state, name[slot][i] ) : state->body_count;
+            if ( body < state->body_count )
+            {
+                const wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
+                collision_add_impulse( sums[body], 1.0, impulse[slot][i], none, point[slot] );
+            }
+            name[slot][i] = 0;
+        }
+    }
+}
 
 static void add_parts( wisp_frame* frame, const collision_state* state, wisp_entity participant, size_t body,
                        int parts, double* total )

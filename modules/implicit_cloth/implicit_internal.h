@@ -105,6 +105,14 @@ typedef struct implicit_contact_input
     bool speculative;
 } implicit_contact_input;
 
+/// What contact gives to bodies in a substep: the columns of particle.contact_impulses. Null: nobody asks.
+typedef struct implicit_given
+{
+    int32_t* body;
+    float *impulse, *point;
+    float per_solve; ///< h over the time of the equations: impulses of a solve are of the latter
+} implicit_given;
+
 /// Outcome of a solve.
 typedef struct implicit_outcome
 {
@@ -168,6 +176,18 @@ void implicit_settle_row( const implicit_contact_input* contact_input, int slot,
 
 /// Impulse of contact on a row, kg m/s: J = -(1 - S) r of the last solve.
 wisp_vec3 implicit_impulse( const implicit_system* system, int row );
+
+// ---- implicit_reaction.c ----
+
+/// Momentum of a slot as BDF2 conserves it, kg m/s: m (3 v - v_before) / 2; by Euler m v.
+/// @param v_before [3], null: Euler
+wisp_vec3 implicit_momentum( const implicit_contact_input* contact_input, int slot, const float* v,
+                             const float* v_before );
+/// Write what a row gave to its bodies, from the impulse that implicit_press_row() stored.
+/// @param settled kg m/s, what contact took from the row besides
+/// @param from [3] m, where the row was
+void implicit_give_row( const implicit_system* system, const implicit_contact_input* contact_input,
+                        const implicit_given* given, int row, wisp_vec3 settled, const float* from );
 
 // ---- implicit_corrected.c ----
 

@@ -143,6 +143,11 @@ void implicit_find_columns( wisp_frame* frame, const wisp_span* span, const impl
         .before_velocity = wisp_frame_column( frame, e, state->history, 1 ),
         .body = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACTS, 0 ),
     };
+    s->columns.given = ( implicit_given ){
+        .body = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACT_IMPULSES, 0 ),
+        .impulse = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACT_IMPULSES, 1 ),
+        .point = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACT_IMPULSES, 2 ),
+    };
     if ( wisp_frame_has( frame, e, state->corrected ) )
     {
         s->columns.previous = wisp_frame_column( frame, e, WISP_PARTICLE_PREVIOUS, 0 );

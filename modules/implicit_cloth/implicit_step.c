@@ -106,6 +106,18 @@ static void pass_on( implicit_substep* s, int slot, const float from[4] )
     }
 }
 
+// @return the momentum that it gives to the slot, kg m/s
+static wisp_vec3 settle( implicit_substep* s, int slot )
+{
+    const implicit_columns* c = &s->columns;
+    const size_t quad = (size_t)slot * 4;
+    float *v = c->velocity + quad, *v_before = c->before_velocity + quad;
+    const wisp_vec3 old = implicit_momentum( &s->contact_input, slot, v, s->extrapolates ? v_before : NULL );
+    implicit_settle_row( &s->contact_input, slot, c->position + quad, v, c->before_position + quad, v_before );
+    const wisp_vec3 new = implicit_momentum( &s->contact_input, slot, v, s->extrapolates ? v_before : NULL );
+    return ( wisp_vec3 ){ new.x - old.x, new.y - old.y, new.z - old.z };
+}
+
 static void scatter_row( implicit_substep* s, int row )
 {
     const implicit_system* system = &s->system;
@@ -141,9 +153,14 @@ static void scatter_row( implicit_substep* s, int row )
         // contacts are valid for this substep only
         c->body[(size_t)slot * WISP_MAX_PARTICLE_CONTACTS + (size_t)( k % WISP_MAX_PARTICLE_CONTACTS )] = 0;
     }
+    wisp_vec3 settled = { 0.0f, 0.0f, 0.0f };
     if ( c->before_position != NULL )
     {
-        implicit_settle_row( &s->contact_input, slot, x, v, c->before_position + quad, c->before_velocity + quad );
+        settled = settle( s, slot );
+    }
+    if ( c->given.body != NULL )
+    {
+        implicit_give_row( system, &s->contact_input, &c->given, row, settled, from );
     }
     const float* target = s->contact_input.target != NULL ? s->contact_input.target + quad : NULL;
     if ( x[3] == 0.0f && target != NULL && target[3] != 0.0f && s->contact_input.target_fraction >= 1.0f )
@@ -284,6 +301,7 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
     material->gained = (float)s.gained;
     add_contacts( &s, &tally );
     tally.stiffest = s.system.spring.max_stiffness;
+    s.columns.given.per_solve = s.contact_input.seconds / s.system.spring.dt;
     implicit_for_slices( &s, scatter_slices );
     // after the impulses, because the right side overwrites them
     tally.newton_residual = material->requests_stats != 0 ? newton_residual( &s ) : 0.0f;

@@ -14,6 +14,7 @@ typedef struct implicit_columns
     float* solved;                            // [slot][3] m, way of the substep
     int32_t* half_space_count;                // [slot]
     float ( *half_space_rows )[16];           // [slot][WISP_MAX_HALF_SPACES]
+    implicit_given given;                     // to bodies
 } implicit_columns;
 
 typedef struct implicit_substep

@@ -71,7 +71,8 @@
     X( MAP_COLLISION_THICKNESS, "map.collision_thickness", WISP_TABLE_PARTICLE )                                     \
     X( MAP_COLLISION_FRICTION, "map.collision_friction", WISP_TABLE_PARTICLE )                                       \
     X( MAP_CONTACT_THICKNESS, "map.contact_thickness", WISP_TABLE_PARTICLE )                                         \
-    X( MAP_CONTACT_FRICTION, "map.contact_friction", WISP_TABLE_PARTICLE )
+    X( MAP_CONTACT_FRICTION, "map.contact_friction", WISP_TABLE_PARTICLE )                                           \
+    X( PARTICLE_CONTACT_IMPULSES, "particle.contact_impulses", WISP_TABLE_PARTICLE )
 
 #define WISP_STRAND_REST_COLUMNS( X ) X( float, rest, 48 )         /* m, [3][16] a row, as the user gave it */
 #define WISP_STRAND_POSITION_COLUMNS( X ) X( float, position, 48 ) /* m, [3][16] a row */
@@ -123,6 +124,12 @@
     X( float, motion,                                                                                                \
        4 * WISP_MAX_PARTICLE_CONTACTS ) /* m/s, of the body's surface there; m, margin in which it touches */        \
     X( float, friction, 3 * WISP_MAX_PARTICLE_CONTACTS ) /* static, kinetic; m/s, how fast depth is undone at most */
+/// What a solver of velocities gave to the bodies of particle.contacts in the substep. Exists while somebody asks for it, who clears
+/// `body` again.
+#define WISP_PARTICLE_CONTACT_IMPULSES_COLUMNS( X )                                                                  \
+    X( int32_t, body, WISP_MAX_PARTICLE_CONTACTS )      /* as in particle.contacts; 0: none */                       \
+    X( float, impulse, 3 * WISP_MAX_PARTICLE_CONTACTS ) /* N s, on the body */                                       \
+    X( float, point, 3 ) /* m, where it acts: the particle at the start of the substep */
 // Half spaces that a particle has to stay in for one substep, such as those outside bodies. Rows are those of the kernel half_space.
 #define WISP_PARTICLE_HALF_SPACES_COLUMNS( X )                                                                       \
     X( int32_t, count, 1 ) /* found; at most WISP_MAX_HALF_SPACES are stored */                                      \
