@@ -187,8 +187,8 @@ int command_view( int argc, char** argv )
     if ( status == WISP_OK )
     {
         const size_t hashes = json_array_size( json_object_get( json_object_get( data, "hashes" ), "values" ) );
-        fprintf( io_is_standard( options.output ) ? stderr : stdout, "%s: %.1f MB, %zu hashes\n", options.output,
-                 (double)size / 1e6, hashes );
+        fprintf( io_is_standard( options.output ) ? stderr : stdout, "%s: %.1f MB, %zu hash%s\n", options.output,
+                 (double)size / 1e6, hashes, hashes == 1 ? "" : "es" );
     }
     json_decref( data );
     json_decref( files );

@@ -135,8 +135,8 @@ typedef struct wisp_collision_def
     uint32_t mask; ///< of the layers to collide with, default all
     bool enabled;  ///< default true
     /// surfaces: default WISP_COLLISION_VERTICES. Edges and triangles keep the thickness from spheres, capsules, tapered capsules, boxes
-    /// and convex polyhedra, and from the edges and corners of meshes and surfaces; a plane needs no more than vertices. From height
-    /// fields vertices alone keep it, and restitution acts on vertices alone
+    /// and convex polyhedra, and from the edges and corners of meshes, surfaces and height fields; a plane needs no more than vertices.
+    /// Restitution acts on vertices alone
     wisp_collision_features features;
 } wisp_collision_def;
 

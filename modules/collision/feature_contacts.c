@@ -290,26 +290,31 @@ static bool overlaps( const wisp_mesh_feature* f, const float lower[3], const fl
            high.z >= lower[2];
 }
 
-int collision_meet_mesh( const collision_view* view, const primitive_path* path, collision_meeting* out )
+int collision_meet_features( const collision_view* view, const primitive_path* path, collision_meeting* out )
 {
     float lower[3], upper[3];
     int32_t near[NEAR];
     approach best[COLLISION_PRIMITIVE_CONTACTS];
     int found = 0;
     const bool is_corner = path->corner_count == 3;
-    const wisp_collision_mesh* mesh = view->body->tree;
+    const wisp_collision_mesh* mesh = view->body->tree; // null: a height field
+    const wisp_height_field* field = &view->body->shape.height_field;
     box_of( view, path, lower, upper );
-    const int count = wisp_collision_mesh_find_features( mesh, lower, upper, is_corner, near, NEAR );
+    const int count = mesh != NULL ? wisp_collision_mesh_find_features( mesh, lower, upper, is_corner, near, NEAR )
+                                   : wisp_height_field_find_features( field, lower, upper, is_corner, near, NEAR );
     for ( int i = 0; i < count; ++i )
     {
-        const wisp_mesh_feature f = wisp_collision_mesh_feature( mesh, near[i], is_corner, view->begin, view->end );
+        const wisp_mesh_feature f =
+            mesh != NULL ? wisp_collision_mesh_feature( mesh, near[i], is_corner, view->begin, view->end )
+                         : wisp_height_field_feature( field, near[i] );
         approach a;
         if ( overlaps( &f, lower, upper ) == false || find_approach( view, path, &f, &a ) == false ||
              is_on_border( path, &a ) || is_left_to_corner( view, path, &a ) )
         {
             continue;
         }
-        const wisp_mesh_sides sides = wisp_collision_mesh_sides( mesh, near[i], is_corner, view->end );
+        const wisp_mesh_sides sides = mesh != NULL ? wisp_collision_mesh_sides( mesh, near[i], is_corner, view->end )
+                                                   : wisp_height_field_sides( field, near[i] );
         if ( faces( view->body, &sides, a.normal ) == false )
         {
             continue;

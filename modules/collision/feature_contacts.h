@@ -1,4 +1,4 @@
-// Contacts of edges and triangles of a surface with the corners and edges of a mesh.
+// Contacts of edges and triangles of a surface with the corners and edges of a mesh or a height field.
 #pragma once
 
 #include "body_queries.h"
@@ -16,16 +16,22 @@ typedef struct primitive_path
     float distances[3 * WISP_COLLISION_CONTACTS];
 } primitive_path;
 
-/// Where a primitive meets a mesh.
+/// Where a primitive meets a body.
 typedef struct collision_meeting
 {
     collision_deepest deepest; // its surface point is that at the end of the substep
     wisp_vec3 motion;          // m, of that point in the substep; zero of a rigid mesh
 } collision_meeting;
 
-/// Find where an edge meets edges of a mesh, or a triangle its corners: the two that come first, else the two that are nearest at the
-/// end of the path. @param out [COLLISION_PRIMITIVE_CONTACTS] @return how many
-int collision_meet_mesh( const collision_view* view, const primitive_path* path, collision_meeting* out );
+/// Return whether a body has edges and corners of its own: a mesh, a surface or a height field.
+static inline bool collision_has_features( const collision_body* body )
+{
+    return body->tree != NULL || body->shape.kind == WISP_SHAPE_HEIGHT_FIELD;
+}
+
+/// Find where an edge meets edges of such a body, or a triangle its corners: the two that come first, else the two that are nearest at
+/// the end of the path. @param out [COLLISION_PRIMITIVE_CONTACTS] @return how many
+int collision_meet_features( const collision_view* view, const primitive_path* path, collision_meeting* out );
 
 /// Find the closest points of an edge and another edge, or of a triangle and a point.
 /// @param corners [count] of the primitive, 2 or 3 @param ends of the feature; of a point twice the same

@@ -242,12 +242,13 @@ static void meet_body( const find_loop* loop, const collision_view* of_all, int 
     {
         return;
     }
-    if ( view->body->tree != NULL )
+    const bool has_features = collision_has_features( view->body );
+    if ( has_features )
     {
         load_planes( loop, view, corners, &path );
     }
-    const int count = view->body->tree != NULL ? collision_meet_mesh( view, &path, meetings )
-                                               : meet_convex( view, &path, &meetings[0] );
+    const int count =
+        has_features ? collision_meet_features( view, &path, meetings ) : meet_convex( view, &path, &meetings[0] );
     for ( int i = 0; i < count; ++i )
     {
         if ( is_pinned( loop, corners, &meetings[i].deepest ) )

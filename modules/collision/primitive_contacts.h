@@ -48,6 +48,5 @@ void collision_search_primitives( wisp_frame* frame, const wisp_span* span, cons
 /// Return whether edges and triangles collide with a body. A plane needs no more than vertices.
 static inline bool collision_meets_primitives( const collision_body* body )
 {
-    return body->tree != NULL ||
-           ( body->shape.kind != WISP_SHAPE_PLANE && body->shape.kind != WISP_SHAPE_HEIGHT_FIELD );
+    return body->tree != NULL || body->shape.kind != WISP_SHAPE_PLANE;
 }

@@ -14,6 +14,7 @@ enum
 {
     SIDE = 21, // vertices
     MOST_POINTS = 600,
+    MOST_CORNERS = 121, // of a collider
 };
 
 // ---- distances ----
@@ -168,7 +169,7 @@ static int meet( const test_mesh* mesh, bool double_sided, float y, float z, col
     const primitive_path path = { .corner_count = 2,
                                   .from = { { -1, y, z }, { 1, y, z } },
                                   .to = { { -1, y, z }, { 1, y, z } } };
-    const int found = collision_meet_mesh( &view, &path, out );
+    const int found = collision_meet_features( &view, &path, out );
     wisp_collision_mesh_release( body.tree );
     return found;
 }
@@ -232,12 +233,101 @@ static void a_closed_mesh_is_met_from_outside_alone( void** state )
     test_mesh_free( &m );
 }
 
+// ---- height fields ----
+
+// The triangles of a field, which face upwards.
+static test_mesh mesh_of_field( const wisp_height_field* f )
+{
+    const int nx = f->count_x, nz = f->count_z;
+    wisp_vec3 points[MOST_POINTS];
+    int32_t triangles[2 * MOST_POINTS][3];
+    int count = 0;
+    for ( int v = 0; v < nx * nz; ++v )
+    {
+        points[v] = ( wisp_vec3 ){ f->spacing * ( (float)( v % nx ) - 0.5f * (float)( nx - 1 ) ), f->heights[v],
+                                   f->spacing * ( (float)( v / nx ) - 0.5f * (float)( nz - 1 ) ) };
+        if ( v % nx + 1 < nx && v / nx + 1 < nz )
+        {
+            memcpy( triangles[count++], ( int32_t[] ){ v, v + nx, v + nx + 1 }, sizeof triangles[0] );
+            memcpy( triangles[count++], ( int32_t[] ){ v, v + nx + 1, v + 1 }, sizeof triangles[0] );
+        }
+    }
+    return new_mesh( points, nx * nz, &triangles[0][0], count );
+}
+
+static bool is_same_place( const wisp_mesh_feature* a, const wisp_mesh_feature* b )
+{
+    const float near = 1e-5f;
+    return ( collision_length( collision_sub( a->from[0], b->from[0] ) ) < near &&
+             collision_length( collision_sub( a->from[1], b->from[1] ) ) < near ) ||
+           ( collision_length( collision_sub( a->from[0], b->from[1] ) ) < near &&
+             collision_length( collision_sub( a->from[1], b->from[0] ) ) < near );
+}
+
+// Within a box, the edges of a field that stick out are those that stick out of the mesh of its triangles, with the same normals.
+static void a_height_field_has_the_edges_and_corners_of_its_triangles( void** state )
+{
+    (void)state;
+    float heights[9 * 7];
+    for ( uint32_t v = 0; v < 63; ++v )
+    {
+        heights[v] = v % 5 == 0 ? 0.05f : 0.2f * random_point( v ).x;
+    }
+    const wisp_height_field field = { heights, 9, 7, 0.1f };
+    test_mesh m = mesh_of_field( &field );
+    const wisp_collision_mesh_def def = { .points = m.points,
+                                          .triangles = m.triangles,
+                                          .point_count = m.vertex_count,
+                                          .triangle_count = m.triangle_count,
+                                          .search = WISP_MESH_SEARCH_TREE };
+    wisp_collision_mesh* mesh = NULL;
+    assert_int_equal( wisp_collision_mesh_create( &def, NULL, &mesh, NULL ), WISP_OK );
+    assert_int_equal( wisp_collision_mesh_prepare_features( mesh, NULL ), WISP_OK );
+    const float lower[3] = { -0.25f, 0.06f, -0.15f }, upper[3] = { 0.2f, 0.15f, 0.18f };
+    for ( int corners = 0; corners < 2; ++corners )
+    {
+        int32_t own[400], others[400];
+        const int count = wisp_height_field_find_features( &field, lower, upper, corners == 1, own, 400 );
+        const int other_count = wisp_collision_mesh_find_features( mesh, lower, upper, corners == 1, others, 400 );
+        int matched = 0, expected = 0;
+        for ( int k = 0; k < other_count; ++k )
+        {
+            const wisp_mesh_feature g = wisp_collision_mesh_feature( mesh, others[k], corners == 1, 0.0f, 1.0f );
+            const wisp_mesh_sides sides = wisp_collision_mesh_sides( mesh, others[k], corners == 1, 1.0f );
+            // the mesh looks at boxes of triangles, and keeps corners with a valley alone
+            const bool is_near =
+                fminf( g.from[0].x, g.from[1].x ) <= upper[0] && fmaxf( g.from[0].x, g.from[1].x ) >= lower[0] &&
+                fminf( g.from[0].y, g.from[1].y ) <= upper[1] && fmaxf( g.from[0].y, g.from[1].y ) >= lower[1] &&
+                fminf( g.from[0].z, g.from[1].z ) <= upper[2] && fmaxf( g.from[0].z, g.from[1].z ) >= lower[2];
+            expected += is_near && sides.in_front && corners == 0 ? 1 : 0;
+            for ( int i = 0; i < count; ++i )
+            {
+                const wisp_mesh_feature f = wisp_height_field_feature( &field, own[i] );
+                const wisp_mesh_sides mine = wisp_height_field_sides( &field, own[i] );
+                if ( is_same_place( &f, &g ) )
+                {
+                    matched += 1;
+                    assert_true( is_near && sides.in_front && mine.in_front && mine.behind == false );
+                    // corners are weighted by angles there, and not here
+                    assert_true( collision_dot( mine.normal, sides.normal ) > ( corners == 1 ? 0.8f : 0.999999f ) );
+                }
+            }
+        }
+        assert_int_equal( matched, count );
+        assert_true( count > 5 && ( corners == 1 || count == expected ) );
+        assert_int_equal( wisp_height_field_find_features( &field, lower, upper, corners == 1, own, 3 ), 3 );
+    }
+    wisp_collision_mesh_release( mesh );
+    test_mesh_free( &m );
+}
+
 // ---- a sheet and a mesh ----
 
 typedef struct setting
 {
     wisp_collision_features features;
     bool is_held, double_sided, follows, by_voxels;
+    const wisp_height_field* field; // that the collider is, in place of a mesh; null: it is one
     float gravity;
     int workers;
     wisp_quat rotation;
@@ -318,6 +408,16 @@ static sheet new_sheet( test_mesh collider, float height, setting with )
         def.pose = wisp_transform_make( with.rotation, s.place );
         def.search = with.by_voxels ? WISP_MESH_SEARCH_VOXELS : WISP_MESH_SEARCH_TREE;
     }
+    if ( with.field != NULL )
+    {
+        def = wisp_default_collider_def();
+        def.kind = WISP_COLLIDER_HEIGHT_FIELD;
+        def.heights = with.field->heights;
+        def.height_count_x = with.field->count_x;
+        def.height_count_z = with.field->count_z;
+        def.spacing = with.field->spacing;
+        def.pose = wisp_transform_make( with.rotation, s.place );
+    }
     def.double_sided = with.double_sided;
     s.body = add_collider( s.h->world, &def );
     s.mesh = test_plane( SIDE, CELL );
@@ -350,8 +450,8 @@ static void free_sheet( sheet* s )
 static double gap_of( const sheet* s )
 {
     static double3 points[MOST_POINTS];
-    double3 corners[8];
-    assert_true( s->mesh.vertex_count <= MOST_POINTS && s->collider.vertex_count <= 8 );
+    double3 corners[MOST_CORNERS];
+    assert_true( s->mesh.vertex_count <= MOST_POINTS && s->collider.vertex_count <= MOST_CORNERS );
     for ( int v = 0; v < s->mesh.vertex_count; ++v )
     {
         points[v] = double3_widen( point_of( s->h->world, s->surface, v ) );
@@ -410,6 +510,31 @@ static void a_spike_that_moves_does_not_pass_at_any_speed( void** state )
         const double gap = spike_gap( with, speeds[k], k == 0 ? 0.06f : k == 1 ? 0.2f : 0.34f );
 
         assert_true( gap > 0.5 * (double)THICKNESS );
+    }
+}
+
+// A ground with one sample that is 4 cm higher than the others, and with a ridge of such samples.
+static void no_peak_and_no_ridge_of_a_height_field_shows_through_a_sheet( void** state )
+{
+    (void)state;
+    for ( int k = 0; k < 4; ++k )
+    {
+        float heights[11 * 11];
+        for ( int v = 0; v < 121; ++v )
+        {
+            const bool is_top = k < 2 ? v == 60 : v / 11 == 5 && v % 11 > 1 && v % 11 < 9;
+            heights[v] = is_top ? 0.0f : -0.04f;
+        }
+        const wisp_height_field field = { heights, 11, 11, 0.012f };
+        const setting with = { .features = k % 2 == 0 ? WISP_COLLISION_ALL : WISP_COLLISION_VERTICES,
+                               .is_held = true,
+                               .field = &field,
+                               .gravity = 10.0f * GRAVITY,
+                               .rotation = TURNED };
+        sheet s = new_sheet( mesh_of_field( &field ), -0.02f, with );
+        const double gap = rise( &s, -0.02f, 0.035f, 0.06f, 10 );
+        free_sheet( &s );
+        assert_true( k % 2 == 0 ? gap > 0.7 * (double)THICKNESS : gap < 0.0 );
     }
 }
 
@@ -577,6 +702,8 @@ int main( void )
         cmocka_unit_test( each_edge_of_a_box_is_found_once_and_no_diagonal_of_its_faces ),
         cmocka_unit_test( the_two_nearest_ridges_are_met_and_no_valley ),
         cmocka_unit_test( a_closed_mesh_is_met_from_outside_alone ),
+        cmocka_unit_test( a_height_field_has_the_edges_and_corners_of_its_triangles ),
+        cmocka_unit_test( no_peak_and_no_ridge_of_a_height_field_shows_through_a_sheet ),
         cmocka_unit_test( a_spike_of_a_millimetre_does_not_pass_a_held_sheet_under_load ),
         cmocka_unit_test( a_spike_that_moves_does_not_pass_at_any_speed ),
         cmocka_unit_test( a_bar_of_a_millimetre_does_not_pass_at_any_speed ),

@@ -15,6 +15,7 @@
 #pragma once
 
 #include "wisp/module/jobs.h"
+#include "wisp/shapes.h"
 #include "wisp/variants.h"
 
 WISP_BEGIN_C
@@ -244,5 +245,12 @@ WISP_API wisp_mesh_feature wisp_collision_mesh_feature( const wisp_collision_mes
 /// Describe its sides at a time of the motion.
 WISP_API wisp_mesh_sides wisp_collision_mesh_sides( const wisp_collision_mesh* mesh, int32_t feature, bool is_corner,
                                                     float time );
+
+/// The same of a height field, whose features are those within its border and have one side, the upper one.
+/// @note Thread-safe.
+WISP_API int wisp_height_field_find_features( const wisp_height_field* field, const float lower[3],
+                                              const float upper[3], bool corners, int32_t* features, int capacity );
+WISP_API wisp_mesh_feature wisp_height_field_feature( const wisp_height_field* field, int32_t feature );
+WISP_API wisp_mesh_sides wisp_height_field_sides( const wisp_height_field* field, int32_t feature );
 
 WISP_END_C
