@@ -1,4 +1,4 @@
-/// Shared by the two commands of the program wisp-bench, `wisp bench` and `wisp accuracy`.
+/// Shared by the commands of the program wisp-bench: `wisp bench`, `accuracy`, `sweep` and `merge`.
 #pragma once
 
 #include "results.h"
@@ -6,6 +6,10 @@
 
 /// `wisp accuracy`. @return exit status
 int bench_accuracy( int argc, char** argv );
+/// `wisp sweep`. @return exit status
+int bench_sweep( int argc, char** argv );
+/// `wisp merge`. @return exit status
+int bench_merge( int argc, char** argv );
 
 /// @return whether a report and results, which are to go to standard output if it is null, have one file
 bool bench_writes_twice( const char* report, const char* output );

@@ -285,9 +285,21 @@ wisp_status bench_describe_machine( machine_info* out, wisp_error* error )
 
 int main( int argc, char** argv )
 {
-    if ( strcmp( argv[0], "wisp accuracy" ) == 0 )
+    static const struct
     {
-        return bench_accuracy( argc, argv );
+        const char* name;
+        int ( *run )( int argc, char** argv );
+    } others[] = {
+        { "wisp accuracy", bench_accuracy },
+        { "wisp sweep", bench_sweep },
+        { "wisp merge", bench_merge },
+    };
+    for ( int i = 0; i < WISP_COUNT( others ); ++i )
+    {
+        if ( strcmp( argv[0], others[i].name ) == 0 )
+        {
+            return others[i].run( argc, argv );
+        }
     }
     // users know the program as a command of wisp, also in the results
     char program[] = "wisp bench";

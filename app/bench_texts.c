@@ -85,3 +85,63 @@ const command_text accuracy_text = {
     .row_count = WISP_COUNT( accuracy_rows ),
     .values = OPTION_FILES( ".yaml .yml .json" ),
 };
+
+static const option_row sweep_rows[] = {
+    OPTION_TITLE( "What is run:" ),
+    { "output", BENCH_KEY_OUTPUT, "FOLDER", "Folder of the parts, made if it is not there; required",
+      OPTION_FILES( "/" ) },
+    { "shard", BENCH_KEY_SHARD, "I/N",
+      "The share I of N, from 1/N to N/N; default: what the scheduler says, else all", OPTION_ANY },
+    { "shards", BENCH_KEY_SHARDS, "N", "N shares, where the scheduler says only which one this is, from 1 on",
+      OPTION_ANY },
+    { "resume", BENCH_KEY_RESUME, NULL, "Go on with a part that was begun, and accept one that is done", OPTION_ANY },
+    { "list", BENCH_KEY_LIST, NULL, "Print the numbers, hashes and names of the items, and run none", OPTION_ANY },
+    OPTION_TITLE( "Times:" ),
+    { "exclusive", BENCH_KEY_EXCLUSIVE, NULL, "Nothing else runs on this machine: measure times too", OPTION_ANY },
+    { "workers", BENCH_KEY_WORKERS, "N", "Time with one worker and with N, 1 to 64, default 1", OPTION_ANY },
+};
+
+const command_text sweep_text = {
+    .name = "sweep",
+    .operands = "SUITE",
+    .noun = "suite",
+    .summary = "run a suite in shares, on one or many machines",
+    .about = "Run the rows of a suite, or a share of them, and keep the errors, hashes and measures of each in a\n"
+             "part file. 'wisp merge' makes one result of all parts. docs/scaling.md shows how clusters run it.",
+    .notes = "Rows go to shares by the hash of their settings; one in a hundred is run by two of them, and must\n"
+             "have the same bits. A part has a line for each row that was run, so a process that is killed\n"
+             "loses the row that it ran; --resume goes on. Without --shard the share is that of a Slurm array\n"
+             "(SLURM_ARRAY_TASK_ID), of GTEST_SHARD_INDEX, of a PBS array (PBS_ARRAY_INDEX, with --shards), or of\n"
+             "a job of HTCondor.",
+    .examples = "wisp sweep suite.yaml -o results\n"
+                "wisp sweep suite.yaml -o results --shard 2/8 --resume\n"
+                "sbatch --array=1-8 --requeue --wrap 'wisp sweep suite.yaml -o results --resume'",
+    .unmet = "a row could not be run, or breaks a check that it should not",
+    .rows = sweep_rows,
+    .row_count = WISP_COUNT( sweep_rows ),
+    .values = OPTION_FILES( ".yaml .yml .json" ),
+};
+
+static const option_row merge_rows[] = {
+    OPTION_RESULTS_FORMAT( BENCH_KEY_FORMAT ),
+    { "output", BENCH_KEY_OUTPUT, "FILE", "Write the results to FILE; default: standard output",
+      OPTION_FILES( "*" ) },
+    { "report", BENCH_KEY_REPORT, "FILE", "Also write an HTML page with charts", OPTION_FILES( ".html" ) },
+};
+
+const command_text merge_text = {
+    .name = "merge",
+    .operands = "FOLDER",
+    .noun = "folder",
+    .summary = "make one result of the parts of a sweep",
+    .about = "Make one result of the parts that 'wisp sweep' has written to a folder.",
+    .notes = "Nothing is merged if a part or a row is missing, if parts are of different suites or versions, or if\n"
+             "two runs of a row have different bits. Errors come from any machine. Times come from parts with\n"
+             "--exclusive alone, and those of different processors are in columns of their own.",
+    .examples = "wisp merge results\n"
+                "wisp merge results --report sweep.html --format csv -o sweep.csv",
+    .unmet = "a row could not be run, or breaks a check that it should not",
+    .rows = merge_rows,
+    .row_count = WISP_COUNT( merge_rows ),
+    .values = OPTION_FILES( "/" ),
+};

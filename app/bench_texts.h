@@ -1,4 +1,4 @@
-/// Options of the commands of the program wisp-bench, `wisp bench` and `wisp accuracy`.
+/// Options of the commands of the program wisp-bench, `wisp bench`, `accuracy`, `sweep` and `merge`.
 #pragma once
 
 #include "commands.h"
@@ -17,4 +17,8 @@ enum
     BENCH_KEY_LONG,
     BENCH_KEY_LENGTH,
     BENCH_KEY_SUITE,
+    BENCH_KEY_SHARD,
+    BENCH_KEY_SHARDS,
+    BENCH_KEY_RESUME,
+    BENCH_KEY_EXCLUSIVE,
 };

@@ -250,8 +250,8 @@ static wisp_status compare_row( const gate_program programs[2], const gate_turns
 
 static void decide( int count, int row_count, gate_pair_check* checks )
 {
-    double p[SUITE_MAX_ROWS];
-    bool is_slower[SUITE_MAX_ROWS];
+    double p[SUITE_MAX_ROWS] = { 0.0 };
+    bool is_slower[SUITE_MAX_ROWS] = { false };
     for ( int i = 0; i < count; ++i )
     {
         const bool is_measurable = checks[i].pace != PACE_DOUBT || checks[i].noise <= MOST_NOISE;
