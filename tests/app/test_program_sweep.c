@@ -1,0 +1,507 @@
+// The program as a user meets it: `wisp sweep` in shares that are stopped and gone on with, and `wisp merge`.
+#include "program_fixture.h"
+
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <time.h>
+
+static const char sheet[] = "wisp: 1\n"
+                            "steps: 2\n"
+                            "surfaces:\n"
+                            "  - name: sheet\n"
+                            "    generate: { shape: plane, columns: 3, rows: 3, spacing: 0.1 }\n"
+                            "    pins: [0, 2]\n"
+                            "    cloth: { warp_compliance: 1e-3, bending: none }\n";
+
+// 13 x 8 x 3 rows, of which some are run by two shards, and a row of its own.
+static const char suite[] = "wisp_suite: 1\n"
+                            "title: sheets\n"
+                            "reference: { set: { substeps: 40 }, check: { substeps: 20 } }\n"
+                            "scenes:\n"
+                            "  - file: sheet.yaml\n"
+                            "    vary:\n"
+                            "      surfaces[0].damping: [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]\n"
+                            "      surfaces[0].area_density: [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8]\n"
+                            "    along: { substeps: [1, 2, 4] }\n"
+                            "    order: 1\n"
+                            "  - { file: sheet.yaml, name: alone }\n";
+
+enum
+{
+    ITEMS = 13 * 8 * 3 + 1,
+};
+
+static int enter_folder( void** state )
+{
+    static const text_file files[] = { { "sheet.yaml", sheet }, { "suite.yaml", suite } };
+    static const char* const others[] = { "SLURM_ARRAY_TASK_ID", "GTEST_SHARD_INDEX", "PBS_ARRAY_INDEX",
+                                          "_CONDOR_JOB_AD" };
+    for ( int i = 0; i < WISP_COUNT( others ); ++i )
+    {
+        unsetenv( others[i] );
+    }
+    setenv( "WISP_CACHE", "cache", 1 );
+    return enter_folder_with( state, files, WISP_COUNT( files ) );
+}
+
+static char* read_whole( const char* path )
+{
+    static char text[2][1 << 20];
+    static int turn;
+    char* out = text[turn++ % 2];
+    FILE* file = fopen( path, "r" );
+    assert_non_null( file );
+    out[fread( out, 1, sizeof text[0] - 1, file )] = '\0';
+    fclose( file );
+    return out;
+}
+
+// Put another text in place of the first one in a file.
+static void change( const char* path, const char* from, const char* to )
+{
+    char* text = read_whole( path );
+    char* at = strstr( text, from );
+    assert_non_null( at );
+    FILE* file = fopen( path, "w" );
+    fprintf( file, "%.*s%s%s", (int)( at - text ), text, to, at + strlen( from ) );
+    fclose( file );
+}
+
+static void sweep( const char* folder, int shards )
+{
+    for ( int i = 1; i <= shards; ++i )
+    {
+        char command[200];
+        snprintf( command, sizeof command, "sweep suite.yaml -o %s --shard %d/%d", folder, i, shards );
+        run_ok( command );
+    }
+}
+
+static void copy_folder( const char* from, const char* to )
+{
+    char command[200];
+    snprintf( command, sizeof command, "rm -rf %s && cp -r %s %s", to, from, to );
+    assert_int_equal( system( command ), 0 );
+}
+
+// ---- one result of any number of shards ----
+
+static void any_number_of_shards_gives_the_same_bytes( void** state )
+{
+    (void)state;
+    static const int counts[] = { 1, 3, 8 };
+    static const char* const formats[] = { "text", "markdown", "csv", "json" };
+    char* first[WISP_COUNT( formats )] = { NULL };
+    int most = 0;
+    for ( int k = 0; k < WISP_COUNT( counts ); ++k )
+    {
+        char folder[16], command[100];
+        snprintf( folder, sizeof folder, "same_%d", counts[k] );
+        sweep( folder, counts[k] );
+        for ( int f = 0; f < WISP_COUNT( formats ); ++f )
+        {
+            snprintf( command, sizeof command, "merge %s -f %s -o merged --report merged.html", folder, formats[f] );
+            run_ok( command );
+            const char* merged = read_whole( "merged" );
+            first[f] = first[f] != NULL ? first[f] : strdup( merged );
+            assert_string_equal( merged, first[f] );
+        }
+        assert_true( strstr( read_whole( "merged.html" ), "Observed orders" ) != NULL );
+        int twice = 0;
+        most = sscanf( result.err, "%d item", &twice ) == 1 && twice > most ? twice : most;
+        assert_true( counts[k] > 1 || twice == 0 );
+    }
+    assert_true( most > 0 );
+    for ( int f = 0; f < WISP_COUNT( formats ); ++f )
+    {
+        free( first[f] );
+    }
+}
+
+// A row of a sweep has the error that the same row of a benchmark has.
+static void errors_are_those_of_the_benchmark( void** state )
+{
+    (void)state;
+    write_text( "few.yaml", "wisp_suite: 1\n"
+                            "reference: { set: { substeps: 40 }, check: { substeps: 20 } }\n"
+                            "scenes: [ { file: sheet.yaml, along: { substeps: [1, 8] } } ]\n" );
+    run_ok( "sweep few.yaml -o few" );
+    run_ok( "merge few -f csv" );
+    const char* merged = strdup( result.out );
+    run_ok( "bench few.yaml --seconds 0.1 -f csv" );
+    for ( int i = 0; i < 2; ++i )
+    {
+        char row[40], hash[20] = "", cell[20];
+        snprintf( row, sizeof row, "substeps=%d", i == 0 ? 1 : 8 );
+        const char *mine = strstr( merged, row ), *other = strstr( result.out, row );
+        assert_true( mine != NULL && other != NULL );
+        // a hash is the one cell of sixteen hexadecimal digits
+        for ( const char* at = mine; *at != '\n' && hash[0] == '\0'; ++at )
+        {
+            if ( strspn( at, "0123456789abcdef" ) == 16 )
+            {
+                snprintf( hash, sizeof hash, "%.16s", at );
+            }
+        }
+        snprintf( cell, sizeof cell, "%s", hash );
+        const char* end = strchr( other, '\n' );
+        const char* found = strstr( other, cell );
+        assert_true( hash[0] != '\0' && found != NULL && found < end );
+    }
+    free( (char*)merged );
+}
+
+// ---- what is stopped goes on ----
+
+static int line_number( const char* path )
+{
+    return exists( path ) ? line_count( read_whole( path ) ) : 0;
+}
+
+static void what_is_killed_loses_only_the_item_that_ran( void** state )
+{
+    (void)state;
+    char line[] = "sweep suite.yaml -o killed", *arguments[ARGUMENTS_MAX + 1];
+    split( line, arguments );
+    const pid_t child = fork();
+    if ( child == 0 )
+    {
+        const int nothing = open( "/dev/null", O_WRONLY );
+        become_program( arguments, nothing, nothing );
+    }
+    const char* running = "killed/part-0001-of-0001.running";
+    for ( int i = 0; i < 2000 && line_number( running ) < 20; ++i )
+    {
+        nanosleep( &( struct timespec ){ .tv_nsec = 1000000 }, NULL );
+    }
+    kill( child, SIGKILL );
+    assert_int_equal( wait_for( child ), -1 );
+    const int before = line_number( running );
+    assert_true( before >= 20 );
+    assert_refused( "merge killed", "shard 1 of 1 is not done" );
+    // a line that was not written whole
+    FILE* file = fopen( running, "a" );
+    fputs( "{\"item\":7,\"ke", file );
+    fclose( file );
+    assert_refused( "sweep suite.yaml -o killed", "--resume" );
+    run_ok( "sweep suite.yaml -o killed --resume" );
+    char told[80];
+    snprintf( told, sizeof told, "%d of %d items, %d from before", ITEMS, ITEMS, before - 1 );
+    assert_true( strstr( result.err, told ) != NULL );
+    assert_false( exists( running ) );
+    run_ok( "merge killed -o killed.txt" );
+    sweep( "whole", 1 );
+    run_ok( "merge whole -o whole.txt" );
+    assert_string_equal( read_whole( "killed.txt" ), read_whole( "whole.txt" ) );
+    // what is done stays as it is
+    assert_refused( "sweep suite.yaml -o killed", "--resume accepts it" );
+    run_ok( "sweep suite.yaml -o killed --resume" );
+    assert_true( strstr( result.err, "313 from before" ) != NULL );
+}
+
+static void a_full_disk_keeps_what_fitted( void** state )
+{
+    (void)state;
+    struct rlimit old, small = { 20000, 20000 };
+    assert_int_equal( getrlimit( RLIMIT_FSIZE, &old ), 0 );
+    small.rlim_max = old.rlim_max;
+    signal( SIGXFSZ, SIG_IGN );
+    run_ok( "sweep suite.yaml -o warm" ); // the reference is in the cache then
+    assert_int_equal( setrlimit( RLIMIT_FSIZE, &small ), 0 );
+    run( "sweep suite.yaml -o full" );
+    setrlimit( RLIMIT_FSIZE, &old );
+    assert_int_equal( result.status, 2 );
+    assert_true( strstr( result.err, "full/part-0001-of-0001.running: cannot be written: " ) != NULL );
+    assert_true( strstr( result.err, "--resume goes on" ) != NULL );
+    const char* text = read_whole( "full/part-0001-of-0001.running" );
+    assert_true( strlen( text ) <= 20000 && text[strlen( text ) - 1] == '\n' );
+    assert_refused( "merge full", "is not done" );
+    run_ok( "sweep suite.yaml -o full --resume" );
+    run_ok( "merge full -o full.txt" );
+    run_ok( "merge warm -o warm.txt" );
+    assert_string_equal( read_whole( "full.txt" ), read_whole( "warm.txt" ) );
+}
+
+static void two_processes_do_not_write_one_part( void** state )
+{
+    (void)state;
+    assert_int_equal( mkdir( "locked", 0777 ), 0 );
+    const int file = open( "locked/part-0001-of-0001.running", O_CREAT | O_RDWR, 0666 );
+    assert_int_equal( flock( file, LOCK_EX ), 0 );
+    assert_refused( "sweep suite.yaml -o locked --resume", "another process writes it" );
+    close( file );
+    run_ok( "sweep suite.yaml -o locked --resume" );
+}
+
+// ---- whose share ----
+
+static void say( const char* name, const char* value )
+{
+    assert_int_equal( value != NULL ? setenv( name, value, 1 ) : unsetenv( name ), 0 );
+}
+
+static void schedulers_say_which_shard_it_is( void** state )
+{
+    (void)state;
+    run_ok( "sweep suite.yaml --list --shard 2/3" );
+    char* second = strdup( result.out );
+    assert_true( line_count( second ) > 50 && line_count( second ) < 160 );
+    say( "SLURM_ARRAY_TASK_ID", "14" );
+    say( "SLURM_ARRAY_TASK_MIN", "12" );
+    say( "SLURM_ARRAY_TASK_STEP", "2" );
+    say( "SLURM_ARRAY_TASK_COUNT", "3" );
+    run_ok( "sweep suite.yaml --list" );
+    assert_string_equal( result.out, second );
+    say( "SLURM_ARRAY_TASK_ID", "2" );
+    run_ok( "sweep suite.yaml --list --shards 3" ); // as one task of an array that is submitted again
+    assert_string_equal( result.out, second );
+    say( "SLURM_ARRAY_TASK_ID", "x" );
+    assert_refused( "sweep suite.yaml --list", "SLURM_ARRAY_TASK_ID: got 'x', expected a whole number" );
+    say( "SLURM_ARRAY_TASK_ID", NULL );
+    say( "GTEST_SHARD_INDEX", "1" );
+    assert_refused( "sweep suite.yaml --list", "GTEST_TOTAL_SHARDS" );
+    say( "GTEST_TOTAL_SHARDS", "3" );
+    run_ok( "sweep suite.yaml --list" );
+    assert_string_equal( result.out, second );
+    say( "GTEST_SHARD_INDEX", "3" );
+    assert_refused( "sweep suite.yaml --list", "GTEST_SHARD_INDEX: got shard 4 of 3, expected 1 to 3" );
+    say( "GTEST_SHARD_INDEX", NULL );
+    say( "PBS_ARRAY_INDEX", "2" );
+    assert_refused( "sweep suite.yaml --list", "say it with --shards" );
+    run_ok( "sweep suite.yaml --list --shards 3" );
+    assert_string_equal( result.out, second );
+    say( "PBS_ARRAY_INDEX", "0" );
+    assert_refused( "sweep suite.yaml --list --shards 3", "PBS_ARRAY_INDEX: got shard 0 of 3" );
+    say( "PBS_ARRAY_INDEX", NULL );
+    write_text( "job.ad", "ClusterId = 5\nProcId = 1\nTotalSubmitProcs = 3\n" );
+    say( "_CONDOR_JOB_AD", "job.ad" );
+    run_ok( "sweep suite.yaml --list" );
+    assert_string_equal( result.out, second );
+    write_text( "job.ad", "ClusterId = 5\n" );
+    assert_refused( "sweep suite.yaml --list", "has no ProcId" );
+    run_ok( "sweep suite.yaml --list --shard 2/3" ); // what is said on the command line counts
+    assert_string_equal( result.out, second );
+    say( "_CONDOR_JOB_AD", NULL );
+    free( second );
+}
+
+static void wrong_shards_are_refused( void** state )
+{
+    (void)state;
+    static const char* const wrong[][2] = {
+        { "0/4", "got shard 0 of 4" }, { "5/4", "got shard 5 of 4" }, { "4", "expected a share such as 2/8" },
+        { "a/4", "a share such as" },  { "1/", "a share such as" },   { "1/0", "got 0 shards" },
+        { "-1/4", "a share such as" }, { "1/99999", "1 to 9999" },    { "1/4x", "a share such as" },
+    };
+    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
+    {
+        char command[100];
+        snprintf( command, sizeof command, "sweep suite.yaml -o wrong --shard %s", wrong[i][0] );
+        assert_refused( command, wrong[i][1] );
+    }
+    assert_refused( "sweep suite.yaml -o wrong --shards 4", "say it with --shard" );
+    assert_refused( "sweep suite.yaml -o wrong --shards 4 --shard 1/3", "--shards: got 4, and --shard says 3" );
+    assert_refused( "sweep missing.yaml -o wrong", "missing.yaml" );
+    assert_refused( "sweep sheet.yaml -o wrong", "sheet.yaml" );
+    assert_usage( "sweep suite.yaml", "expected a folder" );
+    assert_usage( "sweep -o wrong", "suite" );
+    assert_usage( "sweep suite.yaml -o wrong --workers 2", "--exclusive" );
+    assert_refused( "sweep suite.yaml -o missing/folder", "missing/folder" );
+    assert_false( exists( "wrong" ) );
+}
+
+// ---- what is not merged ----
+
+static void a_merge_refuses_what_is_not_one_sweep( void** state )
+{
+    (void)state;
+    sweep( "good", 3 );
+    static const struct
+    {
+        const char *part, *from, *to, *named;
+    } wrong[] = {
+        { "bad/part-0002-of-0003.jsonl", "\"version\":\"0", "\"version\":\"9",
+          "of another version of Wisp than part 1" },
+        { "bad/part-0002-of-0003.jsonl", "\"key\":\"", "\"key\":\"0000000000000000\",\"x\":\"",
+          "of another suite than part 1" },
+        { "bad/part-0002-of-0003.jsonl", "\"shard\":2", "\"shard\":1", "is not the part that its name says" },
+        { "bad/part-0002-of-0003.jsonl", "\"item\":", "\"idem\":", "jsonl:2: expected a record" },
+        { "bad/part-0002-of-0003.jsonl", "\"items\":313", "\"items\":3130000", "jsonl:1: expected the header" },
+        { "bad/part-0002-of-0003.jsonl", "{\"item\":", "{\"item\":9999", "expected a record" },
+        { "bad/part-0002-of-0003.jsonl", "{", "[", "jsonl:1: expected the header" },
+    };
+    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
+    {
+        copy_folder( "good", "bad" );
+        change( wrong[i].part, wrong[i].from, wrong[i].to );
+        assert_refused( "merge bad", wrong[i].named );
+    }
+    copy_folder( "good", "bad" );
+    assert_int_equal( remove( "bad/part-0003-of-0003.jsonl" ), 0 );
+    assert_refused( "merge bad", "shard 3 of 3 is not there" );
+    assert_int_equal( remove( "bad/part-0001-of-0003.jsonl" ), 0 );
+    assert_refused( "merge bad", "shard 1 of 3 is not there, nor are 1 others" );
+    copy_folder( "good", "bad" );
+    run_ok( "sweep suite.yaml -o bad --shard 1/2" );
+    assert_refused( "merge bad", "has parts of 2 shards and of 3" );
+    assert_int_equal( mkdir( "empty", 0777 ), 0 );
+    assert_refused( "merge empty", "has no part of a sweep" );
+    assert_refused( "merge nowhere", "nowhere" );
+    assert_usage( "merge", "folder" );
+}
+
+// Remove the line that begins at a place.
+static void remove_line( const char* path, int number )
+{
+    char* text = read_whole( path );
+    char* begin = text;
+    for ( int i = 0; i < number; ++i )
+    {
+        begin = strchr( begin, '\n' ) + 1;
+    }
+    const char* end = strchr( begin, '\n' ) + 1;
+    FILE* file = fopen( path, "w" );
+    fprintf( file, "%.*s%s", (int)( begin - text ), text, end );
+    fclose( file );
+}
+
+// The number of an item that two parts have, and its line in one of them.
+static int find_run_twice( const char* one, const char* other, int* line )
+{
+    char* a = read_whole( one );
+    const char* b = read_whole( other );
+    *line = 0;
+    for ( char* at = strtok( a, "\n" ); at != NULL; at = strtok( NULL, "\n" ), ++*line )
+    {
+        int item;
+        char begin[40];
+        if ( sscanf( at, "{\"item\":%d,", &item ) == 1 )
+        {
+            snprintf( begin, sizeof begin, "{\"item\":%d,", item );
+            if ( strstr( b, begin ) != NULL )
+            {
+                return item;
+            }
+        }
+    }
+    fail_msg( "%s and %s have no item together", one, other );
+    return -1;
+}
+
+static void items_that_are_missing_or_have_two_hashes_are_refused( void** state )
+{
+    (void)state;
+    sweep( "pair", 2 );
+    int line;
+    const int item = find_run_twice( "pair/part-0001-of-0002.jsonl", "pair/part-0002-of-0002.jsonl", &line );
+    run_ok( "merge pair" );
+    assert_true( strstr( result.err, "run by two shards, with the same bits" ) != NULL );
+    copy_folder( "pair", "bad" );
+    remove_line( "bad/part-0001-of-0002.jsonl", line );
+    assert_refused( "merge bad", "that two shards run are in one part alone" );
+    copy_folder( "pair", "bad" );
+    remove_line( "bad/part-0001-of-0002.jsonl", line == 1 ? 2 : 1 );
+    assert_refused( "merge bad", "is in no part" );
+    copy_folder( "pair", "bad" );
+    char from[64], named[64];
+    const char* text = read_whole( "bad/part-0001-of-0002.jsonl" );
+    snprintf( from, sizeof from, "{\"item\":%d,", item );
+    const char* hash = strstr( strstr( text, from ), "\"hash\":\"" );
+    snprintf( from, sizeof from, "%.24s", hash );
+    snprintf( named, sizeof named, "item %d (", item + 1 );
+    change( "bad/part-0001-of-0002.jsonl", from, "\"hash\":\"0123456789abcdef" );
+    assert_refused( "merge bad", named );
+    assert_true( strstr( result.err, "have different bits, 0123456789abcdef and " ) != NULL );
+    // the other shard of an item that only one runs
+    copy_folder( "pair", "bad" );
+    text = read_whole( "bad/part-0001-of-0002.jsonl" );
+    const char* stray = strchr( text, '\n' ) + 1;
+    stray = line == 1 ? strchr( stray, '\n' ) + 1 : stray;
+    FILE* file = fopen( "bad/part-0002-of-0002.jsonl", "a" );
+    fprintf( file, "%.*s\n", (int)( strchr( stray, '\n' ) - stray ), stray );
+    fclose( file );
+    assert_refused( "merge bad", "is not of shard 2, which has it" );
+}
+
+static void a_suite_that_changes_between_shards_is_refused( void** state )
+{
+    (void)state;
+    run_ok( "sweep suite.yaml -o changed --shard 1/2" );
+    write_text( "sheet.yaml",
+                "wisp: 1\n"
+                "steps: 3\n"
+                "surfaces: [ { name: sheet, generate: { shape: plane, columns: 3, rows: 3 }, cloth: {} } ]\n" );
+    assert_refused( "sweep suite.yaml -o changed --shard 1/2 --resume",
+                    "is of another suite; choose another folder" );
+    run_ok( "sweep suite.yaml -o changed --shard 2/2" );
+    assert_refused( "merge changed", "is of another suite than part 1" );
+    write_text( "sheet.yaml", sheet );
+}
+
+// ---- times, checks, failures ----
+
+static void times_come_from_exclusive_runs_and_processors_are_not_mixed( void** state )
+{
+    (void)state;
+    write_text( "few.yaml", "wisp_suite: 1\n"
+                            "scenes: [ { file: sheet.yaml, along: { substeps: [1, 2, 3, 4, 5, 6] } } ]\n" );
+    run_ok( "sweep few.yaml -o untimed" );
+    run_ok( "merge untimed" );
+    assert_null( strstr( result.out, "1 worker" ) );
+    assert_refused( "sweep few.yaml -o untimed --resume --exclusive", "is of a run without --exclusive" );
+    for ( int i = 1; i <= 2; ++i )
+    {
+        char command[100];
+        snprintf( command, sizeof command, "sweep few.yaml -o timed --shard %d/2 --exclusive --workers 2", i );
+        run_ok( command );
+    }
+    run_ok( "merge timed" );
+    assert_non_null( strstr( result.out, "1 worker" ) );
+    assert_null( strstr( result.out, "processor 2" ) );
+    change( "timed/part-0002-of-0002.jsonl", "\"cpu\":\"", "\"cpu\":\"another " );
+    run_ok( "merge timed" );
+    assert_non_null( strstr( result.out, "processor 2: " ) );
+    assert_non_null( strstr( result.out, ": another " ) );
+    run_ok( "merge timed -f json" );
+    assert_null( strstr( result.out, "\"ms_median\": 0" ) ); // rows have no times then
+}
+
+static void checks_and_failures_are_in_the_status( void** state )
+{
+    (void)state;
+    write_text( "checks.yaml", "wisp_suite: 1\n"
+                               "checks: [finite, { speed: 1e-6 }]\n"
+                               "scenes:\n"
+                               "  - { file: sheet.yaml, name: falls }\n"
+                               "  - { file: sheet.yaml, name: known }\n"
+                               "known: { known: speed }\n" );
+    run( "sweep checks.yaml -o checks" );
+    assert_int_equal( result.status, 1 );
+    assert_non_null( strstr( result.err, "2 of 2 items, 1 not as expected" ) );
+    run( "merge checks" );
+    assert_int_equal( result.status, 1 );
+    assert_non_null( strstr( result.out, "speed, unexpected" ) );
+    assert_non_null( strstr( result.out, "FAILED" ) );
+    run( "sweep checks.yaml -o checks --resume" );
+    assert_int_equal( result.status, 1 );
+}
+
+int main( int argc, char** argv )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( any_number_of_shards_gives_the_same_bytes ),
+        cmocka_unit_test( errors_are_those_of_the_benchmark ),
+        cmocka_unit_test( what_is_killed_loses_only_the_item_that_ran ),
+        cmocka_unit_test( a_full_disk_keeps_what_fitted ),
+        cmocka_unit_test( two_processes_do_not_write_one_part ),
+        cmocka_unit_test( schedulers_say_which_shard_it_is ),
+        cmocka_unit_test( wrong_shards_are_refused ),
+        cmocka_unit_test( a_merge_refuses_what_is_not_one_sweep ),
+        cmocka_unit_test( items_that_are_missing_or_have_two_hashes_are_refused ),
+        cmocka_unit_test( a_suite_that_changes_between_shards_is_refused ),
+        cmocka_unit_test( times_come_from_exclusive_runs_and_processors_are_not_mixed ),
+        cmocka_unit_test( checks_and_failures_are_in_the_status ),
+    };
+    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 1;
+}
