@@ -114,8 +114,8 @@ static wisp_status time_steps( scene_world* world, int steps, double* ms, uint64
     return status;
 }
 
-// Time the steps of a row. @param hash receives that of all points after all steps
-static wisp_status time_row( const suite_row* row, int workers, sweep_time* out, uint64_t* hash, wisp_error* error )
+// Time the steps of a row into the next place of the record. @param hash receives that of all points after all steps
+static wisp_status time_row( const suite_row* row, int workers, sweep_record* out, uint64_t* hash, wisp_error* error )
 {
     const scene_world_options options = { .workers = workers, .is_quiet = true };
     wisp_scene scene;
@@ -133,9 +133,11 @@ static wisp_status time_row( const suite_row* row, int workers, sweep_time* out,
     if ( status == WISP_OK )
     {
         status = time_steps( &world, steps, ms, hash, error );
-        scene_world_destroy( &world );
         const stats_summary summary = stats_summarise( ms, steps );
-        *out = ( sweep_time ){ workers, steps, summary.median, summary.p10, summary.p90 };
+        out->times[out->time_count] = ( sweep_time ){ workers, steps, summary.median, summary.p10, summary.p90 };
+        out->vertices = scene_world_vertices( &world );
+        out->substeps = scene.substeps;
+        scene_world_destroy( &world );
     }
     free( ms );
     wisp_scene_release( &scene );
@@ -149,7 +151,7 @@ static wisp_status time_item( const suite_row* row, int workers, sweep_record* o
     for ( int i = 0; i < ( workers > 1 ? 2 : 1 ) && status == WISP_OK; ++i )
     {
         uint64_t hash = 0;
-        status = time_row( row, counts[i], out->times + out->time_count, &hash, error );
+        status = time_row( row, counts[i], out, &hash, error );
         if ( status == WISP_OK && hash != out->hash )
         {
             return wisp_fail( error, WISP_CONFLICT, "a timed run with %d worker%s has other bits", counts[i],

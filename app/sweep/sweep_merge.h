@@ -28,5 +28,12 @@ typedef struct sweep_merge
 wisp_status sweep_merge_read( const char* folder, sweep_merge* out, wisp_error* error );
 void sweep_merge_release( sweep_merge* merge );
 
+/// The processor of a part, with its instruction set: times of different ones are not compared.
+void sweep_processor( const sweep_header* header, char out[160] );
+
+/// Fit what a step costs to the vertices and substeps of the items of each scene, and add a table of how well that predicts items that took no
+/// part in the fit. Scenes with too few sizes are left out.
+void sweep_add_models( const sweep_merge* merge, results* out );
+
 /// Make tables, charts and rows. What differs from what a suite expects, or could not be run, is a failure of the results.
 void sweep_report( const sweep_merge* merge, results* out );

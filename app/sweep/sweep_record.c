@@ -137,6 +137,8 @@ char* sweep_record_write( const sweep_record* r )
     }
     if ( r->time_count > 0 )
     {
+        json_object_set_new( object, "vertices", json_integer( r->vertices ) );
+        json_object_set_new( object, "substeps", json_integer( r->substeps ) );
         json_object_set_new( object, "ms", times_of( r ) );
     }
     char* line = json_dumps( object, JSON_COMPACT | JSON_REAL_PRECISION( 17 ) );
@@ -144,8 +146,9 @@ char* sweep_record_write( const sweep_record* r )
     return line;
 }
 
-static bool read_times( const json_t* list, sweep_record* out )
+static bool read_times( const json_t* object, sweep_record* out )
 {
+    const json_t* list = json_object_get( object, "ms" );
     const size_t count = json_array_size( list );
     for ( size_t i = 0; i < count && i < SWEEP_MAX_TIMES; ++i )
     {
@@ -158,6 +161,8 @@ static bool read_times( const json_t* list, sweep_record* out )
             .p90 = sweep_number_of( json_object_get( one, "p90" ) ),
         };
     }
+    out->vertices = (int)json_integer_value( json_object_get( object, "vertices" ) );
+    out->substeps = (int)json_integer_value( json_object_get( object, "substeps" ) );
     return count <= SWEEP_MAX_TIMES;
 }
 
@@ -202,7 +207,7 @@ bool sweep_record_read( const char* line, size_t size, sweep_record* out )
                           json_is_integer( steps ) && count >= 0 && count <= 1000000000;
     const bool good = is_whole && sweep_hash_of( json_object_get( object, "key" ), &out->key ) &&
                       sweep_hash_of( json_object_get( object, "hash" ), &out->hash ) && read_texts( object, out ) &&
-                      read_times( json_object_get( object, "ms" ), out );
+                      read_times( object, out );
     if ( good )
     {
         out->item = (int)number;

@@ -34,6 +34,7 @@ typedef struct sweep_record
     char failure[300]; ///< why it could not be run; empty: it was
     sweep_time times[SWEEP_MAX_TIMES];
     int time_count;
+    int vertices, substeps; ///< where there are times
 } sweep_record;
 
 /// @return the line without its end, for free(); null without memory

@@ -121,7 +121,7 @@ static bool is_named( const sweep_record* r, const char* name )
 // ---- times ----
 
 // Times are of a processor with its instruction set; those of different ones are never in one column.
-static void processor_of( const sweep_header* h, char out[160] )
+void sweep_processor( const sweep_header* h, char out[160] )
 {
     snprintf( out, 160, "%s, %s", h->cpu, h->isa );
 }
@@ -129,7 +129,7 @@ static void processor_of( const sweep_header* h, char out[160] )
 static int find_processor( const report* r, const sweep_merged* item )
 {
     char name[160];
-    processor_of( &r->merge->parts[item->timed_part].header, name );
+    sweep_processor( &r->merge->parts[item->timed_part].header, name );
     int i = 0;
     while ( i < r->processor_count && strcmp( r->processors[i], name ) != 0 )
     {
@@ -146,7 +146,7 @@ static void list_processors( report* r )
         if ( item->timed != NULL && find_processor( r, item ) == r->processor_count &&
              r->processor_count < MAX_PROCESSORS )
         {
-            processor_of( &r->merge->parts[item->timed_part].header, r->processors[r->processor_count++] );
+            sweep_processor( &r->merge->parts[item->timed_part].header, r->processors[r->processor_count++] );
         }
     }
 }
@@ -379,6 +379,11 @@ static void add_row( const report* r, const sweep_merged* item )
             results_put( &row->error, COLUMNS[c].name, value );
         }
     }
+    if ( item->timed != NULL )
+    {
+        results_put( &row->size, "vertices", item->timed->vertices );
+        results_put( &row->size, "substeps", item->timed->substeps );
+    }
     // times of several processors are not comparable, so rows have none then
     if ( item->timed != NULL && r->processor_count == 1 )
     {
@@ -469,5 +474,6 @@ void sweep_report( const sweep_merge* merge, results* out )
         add_row( &r, merge->items + i );
     }
     add_orders( &r );
+    sweep_add_models( merge, out );
     add_notes( &r );
 }
