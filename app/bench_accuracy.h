@@ -8,6 +8,8 @@
 int bench_accuracy( int argc, char** argv );
 /// `wisp sweep`. @return exit status
 int bench_sweep( int argc, char** argv );
+/// `wisp validate`. @return exit status
+int bench_validate( int argc, char** argv );
 /// `wisp merge`. @return exit status
 int bench_merge( int argc, char** argv );
 

@@ -291,6 +291,7 @@ int main( int argc, char** argv )
         int ( *run )( int argc, char** argv );
     } others[] = {
         { "wisp accuracy", bench_accuracy },
+        { "wisp validate", bench_validate },
         { "wisp sweep", bench_sweep },
         { "wisp merge", bench_merge },
     };

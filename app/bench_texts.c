@@ -86,6 +86,36 @@ const command_text accuracy_text = {
     .values = OPTION_FILES( ".yaml .yml .json" ),
 };
 
+static const option_row validate_rows[] = {
+    OPTION_TITLE( "Measurement:" ),
+    { "list", BENCH_KEY_LIST, NULL, "Print the cases", OPTION_ANY },
+    { "quick", BENCH_KEY_QUICK, NULL, "Fewer settings and samples", OPTION_ANY },
+    { "seconds", BENCH_KEY_SECONDS, "S", "Approximate time limit per case, default 20", OPTION_ANY },
+    { "workers", BENCH_KEY_WORKERS, "N", "Workers of the parallel variant, 1 to 64, default 2", OPTION_ANY },
+    OPTION_TITLE( "Output:" ),
+    OPTION_RESULTS_FORMAT( BENCH_KEY_FORMAT ),
+    { "output", BENCH_KEY_OUTPUT, "FILE", "Write the results to FILE; default: standard output",
+      OPTION_FILES( "*" ) },
+    { "report", BENCH_KEY_REPORT, "FILE", "Also write an HTML page with charts", OPTION_FILES( ".html" ) },
+};
+
+const command_text validate_text = {
+    .name = "validate",
+    .operands = "[CASE...]",
+    .noun = "CASE",
+    .summary = "measure errors against theory, beside time",
+    .about = "Measure errors against theory beside the time of a step, by every solver that can do a case: with\n"
+             "which settings they converge, and to what. Without a CASE all cases run.",
+    .notes = "Each case says what it tests, what it leaves out, its formula and its source. Errors are shown,\n"
+             "whatever they are: docs/validation.md tells which are large, and why.",
+    .examples = "wisp validate --report validation.html\n"
+                "wisp validate cantilever column --quick",
+    .unmet = "two runs of one setting have other bits",
+    .rows = validate_rows,
+    .row_count = WISP_COUNT( validate_rows ),
+    .values = OPTION_ANY,
+};
+
 static const option_row sweep_rows[] = {
     OPTION_TITLE( "What is run:" ),
     { "output", BENCH_KEY_OUTPUT, "FOLDER", "Folder of the parts, made if it is not there; required",

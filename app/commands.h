@@ -37,7 +37,7 @@ command_fn command_help;
 command_fn command_completion;
 
 extern const command_text run_text, plan_text, bench_text, info_text, render_text, view_text, tune_text, torture_text,
-    gate_text, accuracy_text, sweep_text, merge_text, compare_text, help_text, completion_text;
+    gate_text, accuracy_text, validate_text, sweep_text, merge_text, compare_text, help_text, completion_text;
 
 /// The program itself.
 extern const command_text program_text;

@@ -160,6 +160,7 @@ typedef struct table_plan
     int column_count;
     bool has_verdicts;
     int time_columns; // of each processor: 0, 1, or 2
+    char workers[24]; // of the second one
 } table_plan;
 
 static table_plan plan_table( const report* r, const char* name )
@@ -187,6 +188,10 @@ static table_plan plan_table( const report* r, const char* name )
             plan.has_verdicts = plan.has_verdicts || item->record->verdict[0] || item->record->failure[0];
             const int times = item->timed != NULL ? item->timed->time_count : 0;
             plan.time_columns = times > plan.time_columns ? times : plan.time_columns;
+            if ( times > 1 )
+            {
+                snprintf( plan.workers, sizeof plan.workers, "%d workers", item->timed->times[1].workers );
+            }
         }
     }
     return plan;
@@ -224,7 +229,7 @@ static void add_table( const report* r, const char* name )
         for ( int t = 0; t < plan.time_columns; ++t )
         {
             snprintf( header[count], sizeof header[count], r->processor_count > 1 ? "ms, %s, processor %d" : "ms, %s",
-                      t == 0 ? "1 worker" : "workers", p + 1 );
+                      t == 0 ? "1 worker" : plan.workers, p + 1 );
             cells[count] = header[count];
             ++count;
         }

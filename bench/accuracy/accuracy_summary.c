@@ -248,13 +248,16 @@ void accuracy_add_headline( const accuracy_report* report, results* out )
         accuracy_best_within( report->error, report->min_ms, INFINITY, report->on_front, scene->setting_count );
     if ( fastest >= 0 && best >= 0 && out->headline_count < RESULTS_MAX_HEADLINES )
     {
-        results_add_headline( out,
-                              "Accuracy `%s`: from %.3g %s in %.3g ms (%s) to %.3g %s in %.3g ms (%s); the reference "
-                              "is uncertain by %.2g %s",
+        char doubt[64] = "";
+        if ( scene->uncertainty > 0.0 )
+        {
+            snprintf( doubt, sizeof doubt, "; the reference is uncertain by %.2g %s", scene->uncertainty,
+                      scene->error_unit );
+        }
+        results_add_headline( out, "Accuracy `%s`: from %.3g %s in %.3g ms (%s) to %.3g %s in %.3g ms (%s)%s",
                               report->entry->name, report->error[fastest], scene->error_unit, report->min_ms[fastest],
                               scene->settings[fastest].name, report->error[best], scene->error_unit,
-                              report->min_ms[best], scene->settings[best].name, scene->uncertainty,
-                              scene->error_unit );
+                              report->min_ms[best], scene->settings[best].name, doubt );
     }
 }
 

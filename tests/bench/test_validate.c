@@ -1,0 +1,114 @@
+// The theory of `wisp validate`, and what its bodies make of it.
+#include "unit.h"
+
+#include "elastica.h"
+#include "oracle/slender_theory.h"
+#include "validate/validate.h"
+#include "validate/validate_bodies.h"
+
+#include <math.h>
+
+static void critical_loads_are_those_of_the_literature( void** state )
+{
+    (void)state;
+    // Greenhill: 9/4 of the square of the first zero of the Bessel function J_(-1/3), 1.866350859
+    assert_true( fabs( slender_column_load() - 2.25 * 1.866350859 * 1.866350859 ) < 1e-6 );
+    // Timoshenko and Gere, Theory of Elastic Stability, section 6.3: 12.85
+    assert_true( fabs( slender_blade_load() - 12.85 ) < 0.01 );
+}
+
+// Tips at rest, by each solver, in lengths from theory. 16 cells leave 0.35 % at G = 10.
+static void every_solver_bends_a_cantilever_to_the_elastica( void** state )
+{
+    (void)state;
+    const double load = 10.0;
+    double exact[2][2];
+    elastica_lay( load, 2, exact );
+    for ( int solver = 0; solver < VALIDATE_SOLVER_COUNT; ++solver )
+    {
+        const validate_def def = {
+            .solver = (validate_solver)solver,
+            .cells = 16,
+            .substeps = 16,
+            .workers = 1,
+            .count = 1,
+            .loads = &load,
+            .gravity = { 0.0f, -9.81f, 0.0f },
+            .damping = 20.0,
+        };
+        validate_bodies bodies;
+        accuracy_run out = { .ms = NULL };
+        wisp_vec3 tip;
+        assert_int_equal( validate_create( &def, &bodies, NULL ), WISP_OK );
+        for ( int i = 0; i < 200; ++i )
+        {
+            assert_int_equal( validate_step( &bodies, &out, NULL ), WISP_OK );
+        }
+        assert_int_equal( validate_tip( &bodies, 0, &tip, NULL ), WISP_OK );
+        const double x = (double)tip.x / VALIDATE_LENGTH - exact[1][0],
+                     y = (double)tip.y / VALIDATE_LENGTH - exact[1][1];
+        assert_true( hypot( x, y ) < 0.006 );
+        validate_release( &bodies );
+        free( out.ms );
+    }
+}
+
+// Three percent below the critical load a column swings back, three percent above it goes on.
+static void a_column_stands_below_its_load_and_falls_above( void** state )
+{
+    (void)state;
+    const double loads[] = { 0.97 * slender_column_load(), 1.03 * slender_column_load() };
+    const validate_def def = {
+        .solver = VALIDATE_ROD,
+        .cells = 16,
+        .substeps = 8,
+        .workers = 1,
+        .count = 2,
+        .loads = loads,
+        .gravity = { -9.81f, 0.0f, 0.0f },
+        .damping = 5.0,
+        .lateral = 0.005,
+    };
+    validate_bodies bodies;
+    accuracy_run out = { .ms = NULL };
+    assert_int_equal( validate_create( &def, &bodies, NULL ), WISP_OK );
+    for ( int i = 0; i < 400; ++i )
+    {
+        assert_int_equal( validate_step( &bodies, &out, NULL ), WISP_OK );
+    }
+    wisp_vec3 tips[2];
+    assert_int_equal( validate_tip( &bodies, 0, tips, NULL ), WISP_OK );
+    assert_int_equal( validate_tip( &bodies, 1, tips + 1, NULL ), WISP_OK );
+    assert_true( fabs( (double)tips[0].y ) < validate_start( &def ) );
+    assert_true( fabs( (double)tips[1].y ) > 2.0 * validate_start( &def ) );
+    validate_release( &bodies );
+    free( out.ms );
+}
+
+static void each_case_says_what_it_tests_and_where_its_answer_is_from( void** state )
+{
+    (void)state;
+    int count;
+    const validate_case* cases = validate_cases( &count );
+    assert_true( count >= 6 && count <= 64 );
+    for ( int i = 0; i < count; ++i )
+    {
+        const char* const texts[] = { cases[i].name,     cases[i].title,   cases[i].tests,
+                                      cases[i].left_out, cases[i].formula, cases[i].source };
+        for ( int k = 0; k < WISP_COUNT( texts ); ++k )
+        {
+            assert_true( texts[k] != NULL && texts[k][0] != '\0' );
+        }
+    }
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( critical_loads_are_those_of_the_literature ),
+        cmocka_unit_test( every_solver_bends_a_cantilever_to_the_elastica ),
+        cmocka_unit_test( a_column_stands_below_its_load_and_falls_above ),
+        cmocka_unit_test( each_case_says_what_it_tests_and_where_its_answer_is_from ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
