@@ -197,7 +197,7 @@ static table_plan plan_table( const report* r, const char* name )
     return plan;
 }
 
-static void put_number( const report* r, const column* c, double value, char out[48] )
+static void put_number( const report* r, const column* c, double value, char out[64] )
 {
     if ( isnan( value ) )
     {
@@ -205,19 +205,19 @@ static void put_number( const report* r, const column* c, double value, char out
         return;
     }
     const bool is_below = c->is_error && value < 1e3 * r->header->doubt;
-    snprintf( out, 48, is_below ? "below" : isinf( value ) ? "not finite" : "%.4g", value );
+    snprintf( out, 64, is_below ? "below" : isinf( value ) ? "not finite" : "%.4g", value );
 }
 
-static void put_verdict( const sweep_record* record, char out[48] )
+static void put_verdict( const sweep_record* record, char out[64] )
 {
-    snprintf( out, 48, "%s%s", record->failure[0] ? "could not be run" : record->verdict,
+    snprintf( out, 64, "%s%s", record->failure[0] ? "could not be run" : record->verdict,
               record->verdict[0] && !record->is_known ? ", unexpected" : "" );
 }
 
 static void add_table( const report* r, const char* name )
 {
     const table_plan plan = plan_table( r, name );
-    char header[MAX_COLUMNS + 2 + 2 * MAX_PROCESSORS][48];
+    char header[MAX_COLUMNS + 2 + 2 * MAX_PROCESSORS][64];
     const char* cells[MAX_COLUMNS + 2 + 2 * MAX_PROCESSORS] = { "setting" };
     int count = 1;
     for ( int c = 0; c < plan.column_count; ++c )
