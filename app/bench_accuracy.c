@@ -1,5 +1,5 @@
 // `wisp accuracy`: what accuracy costs in a scene of the user's.
-#include "bench_accuracy.h"
+#include "bench_commands.h"
 
 #include "bench_texts.h"
 
@@ -18,8 +18,8 @@
 typedef struct accuracy_arguments
 {
     bench_options options;
-    results_format format;
-    const char *scene, *output, *report, *suite;
+    bench_files files;
+    const char *scene, *suite;
     double length;
 } accuracy_arguments;
 
@@ -40,37 +40,20 @@ static bool take( options_state* o, int key, const char* argument )
         case BENCH_KEY_QUICK:
             a->options.quick = true;
             return true;
-        case BENCH_KEY_FORMAT:
-            a->format = (results_format)option_word( o, argument );
-            return true;
-        case BENCH_KEY_OUTPUT:
-            a->output = argument;
-            return true;
-        case BENCH_KEY_REPORT:
-            a->report = argument;
-            return true;
         case BENCH_KEY_SUITE:
             a->suite = argument;
             return true;
         case OPTIONS_END:
             option_input( o, key, argument, &a->scene );
-            if ( bench_writes_twice( a->report, a->output ) )
-            {
-                options_fail( o, "--report and --output both write to '%s'", a->report );
-            }
+            bench_take_file( o, key, argument, &a->files );
             if ( a->suite && io_is_standard( a->scene ) )
             {
                 options_fail( o, "--suite: expected a scene in a file, which the suite names" );
             }
             return true;
         default:
-            return option_input( o, key, argument, &a->scene );
+            return bench_take_file( o, key, argument, &a->files ) || option_input( o, key, argument, &a->scene );
     }
-}
-
-static void show_progress( void* user, double fraction, const char* what )
-{
-    progress_show( user, fraction, what );
 }
 
 static wisp_status write_text( const char* text, const char* path, wisp_error* error )
@@ -89,29 +72,13 @@ static wisp_status run_suite( accuracy_arguments* a, const char* text, results* 
 {
     wisp_suite suite;
     progress bar = progress_begin();
-    a->options.progress = show_progress;
+    a->options.progress = bench_show_progress;
     a->options.progress_user = &bar;
     wisp_status status = suite_parse( text, strlen( text ), a->scene, &suite, error );
     status = status == WISP_OK ? suite_bench_rows( &suite, &a->options, out, error ) : status;
     progress_end( &bar );
     suite_release( &suite );
     return bench_keep_interrupted( out, status );
-}
-
-static wisp_status write_results( const accuracy_arguments* a, const results* out, wisp_error* error )
-{
-    const report_run run = { .what = io_input_name( a->scene ), .how = "wisp accuracy" };
-    wisp_error later = { 0 };
-    const wisp_status reported = a->report ? report_write_file( out, &run, a->report, error ) : WISP_OK;
-    const wisp_status written = results_write_file( out, a->format, a->output, reported == WISP_OK ? error : &later );
-    return reported == WISP_OK ? written : reported;
-}
-
-static wisp_status check_files( const accuracy_arguments* a, wisp_error* error )
-{
-    wisp_status status = command_check_writable( a->output, error );
-    status = status == WISP_OK ? command_check_writable( a->report, error ) : status;
-    return status == WISP_OK ? command_check_writable( a->suite, error ) : status;
 }
 
 int bench_accuracy( int argc, char** argv )
@@ -132,7 +99,7 @@ int bench_accuracy( int argc, char** argv )
     const suite_of_scene_def def = { a.scene, file, a.length, 2.0 * a.options.seconds };
     char* text = NULL;
     wisp_status status = bench_describe_machine( &out.machine, &error );
-    status = status == WISP_OK ? check_files( &a, &error ) : status;
+    status = status == WISP_OK ? bench_check_files( &a.files, &error ) : status;
     status = status == WISP_OK ? suite_of_scene( &def, &text, &error ) : status;
     if ( status == WISP_OK && a.suite )
     {
@@ -141,7 +108,8 @@ int bench_accuracy( int argc, char** argv )
     else if ( status == WISP_OK )
     {
         status = run_suite( &a, text, &out, &error );
-        status = status == WISP_OK ? write_results( &a, &out, &error ) : status;
+        const report_run page = { .what = io_input_name( a.scene ), .how = "wisp accuracy" };
+        status = status == WISP_OK ? bench_write_files( &a.files, &page, &out, &error ) : status;
     }
     const bool failed = out.failed;
     results_free( &out );

@@ -1,5 +1,5 @@
 // The program wisp-bench, which `wisp bench` runs: its options, the cases in turn, the written files.
-#include "bench_accuracy.h"
+#include "bench_commands.h"
 #include "bench_texts.h"
 
 #include "accuracy/accuracy.h"
@@ -20,9 +20,7 @@
 typedef struct bench_arguments
 {
     bench_options options;
-    results_format format;
-    const char* output;
-    const char* report;
+    bench_files files;
     bench_case chosen[CASES_MAX]; ///< cases, and suites, which have no function
     int chosen_count;
     bool only_list;
@@ -97,12 +95,6 @@ static void check_option( const options_state* o, const bench_arguments* argumen
     }
 }
 
-// Without a file the results go to standard output.
-bool bench_writes_twice( const char* report, const char* output )
-{
-    return report != NULL && strcmp( report, output ? output : "-" ) == 0;
-}
-
 static bool has_suite( const bench_arguments* arguments )
 {
     bool has = false;
@@ -130,15 +122,6 @@ static bool take( options_state* o, int key, const char* argument )
         case BENCH_KEY_WORKERS:
             arguments->options.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
             return true;
-        case BENCH_KEY_FORMAT:
-            arguments->format = (results_format)option_word( o, argument );
-            return true;
-        case BENCH_KEY_OUTPUT:
-            arguments->output = argument;
-            return true;
-        case BENCH_KEY_REPORT:
-            arguments->report = argument;
-            return true;
         case BENCH_KEY_PICTURES:
             arguments->options.pictures = option_file( o, argument );
             return true;
@@ -165,13 +148,9 @@ static bool take( options_state* o, int key, const char* argument )
                 check_option( o, arguments, "--pictures", " figures boundary contact ",
                               "cases 'figures', 'boundary' and 'contact'" );
             }
-            if ( bench_writes_twice( arguments->report, arguments->output ) )
-            {
-                options_fail( o, "--report and --output both write to '%s'", arguments->report );
-            }
-            return true;
+            return bench_take_file( o, key, argument, &arguments->files );
         default:
-            return false;
+            return bench_take_file( o, key, argument, &arguments->files );
     }
 }
 
@@ -192,11 +171,6 @@ static int list_cases( void )
         printf( "%-16s %s\n", scenes[i].name, scenes[i].title );
     }
     return STATUS_GOOD;
-}
-
-static void show_progress( void* user, double fraction, const char* what )
-{
-    progress_show( user, fraction, what );
 }
 
 // What was measured before the signal is written as usual.
@@ -221,7 +195,7 @@ static wisp_status run_cases( bench_arguments* arguments, results* out, wisp_err
     count = arguments->chosen_count > 0 ? arguments->chosen_count : count;
 
     progress bar = progress_begin();
-    arguments->options.progress = show_progress;
+    arguments->options.progress = bench_show_progress;
     arguments->options.progress_user = &bar;
     wisp_status status = WISP_OK;
     for ( int i = 0; i < count && status == WISP_OK; ++i )
@@ -247,25 +221,15 @@ static void name_cases( const bench_arguments* arguments, char* out, size_t size
     }
 }
 
-static wisp_status write_report( const bench_arguments* arguments, const results* out, wisp_error* error )
+static wisp_status write_results( const bench_arguments* arguments, const results* out, wisp_error* error )
 {
     const bench_options* options = &arguments->options;
     char what[1000], how[200];
     name_cases( arguments, what, sizeof( what ) );
     snprintf( how, sizeof( how ), "%sabout %g s per case, up to %d worker%s", options->quick ? "quick, " : "",
               bench_seconds( options ), options->workers, options->workers == 1 ? "" : "s" );
-    const report_run run = { .what = what, .how = how };
-    return report_write_file( out, &run, arguments->report, error );
-}
-
-// The report first, since a reader of standard output may leave early; the results also if it fails.
-static wisp_status write_results( const bench_arguments* arguments, const results* out, wisp_error* error )
-{
-    wisp_error later = { 0 };
-    const wisp_status reported = arguments->report ? write_report( arguments, out, error ) : WISP_OK;
-    const wisp_status written =
-        results_write_file( out, arguments->format, arguments->output, reported == WISP_OK ? error : &later );
-    return reported == WISP_OK ? written : reported;
+    const report_run page = { .what = what, .how = how };
+    return bench_write_files( &arguments->files, &page, out, error );
 }
 
 // The instruction set of the engine's kernels on this machine, from an empty world.
@@ -317,8 +281,7 @@ int main( int argc, char** argv )
     results_put_options( &out, argc, argv );
     wisp_error error = { 0 };
     wisp_status status = bench_describe_machine( &out.machine, &error );
-    status = status == WISP_OK ? command_check_writable( arguments.output, &error ) : status;
-    status = status == WISP_OK ? command_check_writable( arguments.report, &error ) : status;
+    status = status == WISP_OK ? bench_check_files( &arguments.files, &error ) : status;
     if ( status == WISP_OK && arguments.options.pictures != NULL )
     {
         status = io_folder_make( arguments.options.pictures, &error );

@@ -1,5 +1,5 @@
 // `wisp merge`: make one result of the parts of a sweep.
-#include "bench_accuracy.h"
+#include "bench_commands.h"
 #include "bench_texts.h"
 
 #include "io_file.h"
@@ -10,34 +10,15 @@
 
 typedef struct merge_arguments
 {
-    const char *folder, *output, *report;
-    results_format format;
+    const char* folder;
+    bench_files files;
 } merge_arguments;
 
 static bool take( options_state* o, int key, const char* argument )
 {
     merge_arguments* a = o->input;
-    switch ( key )
-    {
-        case BENCH_KEY_FORMAT:
-            a->format = (results_format)option_word( o, argument );
-            return true;
-        case BENCH_KEY_OUTPUT:
-            a->output = argument;
-            return true;
-        case BENCH_KEY_REPORT:
-            a->report = argument;
-            return true;
-        case OPTIONS_END:
-            option_input( o, key, argument, &a->folder );
-            if ( bench_writes_twice( a->report, a->output ) )
-            {
-                options_fail( o, "--report and --output both write to '%s'", a->report );
-            }
-            return true;
-        default:
-            return option_input( o, key, argument, &a->folder );
-    }
+    const bool is_file = bench_take_file( o, key, argument, &a->files );
+    return key == OPTIONS_END || is_file == false ? option_input( o, key, argument, &a->folder ) : true;
 }
 
 // The machine of all parts, or that there are several.
@@ -73,16 +54,6 @@ static void describe_machines( const sweep_merge* merge, results* out )
     }
 }
 
-static wisp_status write_results( const merge_arguments* a, const sweep_merge* merge, const results* out,
-                                  wisp_error* error )
-{
-    const report_run run = { .what = merge->parts[0].header.suite, .how = "wisp sweep" };
-    wisp_error later = { 0 };
-    const wisp_status reported = a->report != NULL ? report_write_file( out, &run, a->report, error ) : WISP_OK;
-    const wisp_status written = results_write_file( out, a->format, a->output, reported == WISP_OK ? error : &later );
-    return reported == WISP_OK ? written : reported;
-}
-
 int bench_merge( int argc, char** argv )
 {
     merge_arguments a = { .folder = NULL };
@@ -91,8 +62,7 @@ int bench_merge( int argc, char** argv )
     sweep_merge merge;
     wisp_error error = { 0 };
     wisp_status status = sweep_merge_read( a.folder, &merge, &error );
-    status = status == WISP_OK ? command_check_writable( a.output, &error ) : status;
-    status = status == WISP_OK ? command_check_writable( a.report, &error ) : status;
+    status = status == WISP_OK ? bench_check_files( &a.files, &error ) : status;
     if ( status == WISP_OK )
     {
         describe_machines( &merge, &out );
@@ -102,7 +72,8 @@ int bench_merge( int argc, char** argv )
             fprintf( stderr, "%d item%s run by two shards, with the same bits\n", merge.run_twice,
                      merge.run_twice == 1 ? " was" : "s were" );
         }
-        status = write_results( &a, &merge, &out, &error );
+        const report_run page = { .what = merge.parts[0].header.suite, .how = "wisp sweep" };
+        status = bench_write_files( &a.files, &page, &out, &error );
     }
     const bool failed = out.failed;
     results_free( &out );

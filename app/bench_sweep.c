@@ -1,5 +1,5 @@
 // `wisp sweep`: run the rows of a suite, or a share of them, and keep what they give in a part file.
-#include "bench_accuracy.h"
+#include "bench_commands.h"
 #include "bench_texts.h"
 
 #include "interruption.h"

@@ -1,5 +1,5 @@
 // `wisp validate`: what theory and measurements say of it, by every solver that can do it.
-#include "bench_accuracy.h"
+#include "bench_commands.h"
 #include "bench_texts.h"
 
 #include "interruption.h"
@@ -15,8 +15,7 @@ enum
 typedef struct validate_arguments
 {
     bench_options options;
-    results_format format;
-    const char *output, *report;
+    bench_files files;
     uint64_t chosen;
     bool only_list;
 } validate_arguments;
@@ -50,29 +49,14 @@ static bool take( options_state* o, int key, const char* argument )
         case BENCH_KEY_WORKERS:
             a->options.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
             return true;
-        case BENCH_KEY_FORMAT:
-            a->format = (results_format)option_word( o, argument );
-            return true;
-        case BENCH_KEY_OUTPUT:
-            a->output = argument;
-            return true;
-        case BENCH_KEY_REPORT:
-            a->report = argument;
-            return true;
         case OPTIONS_OPERAND:
         {
             const int count = list_names( names );
             a->chosen |= 1ull << option_word_of( o, argument, names, count );
             return true;
         }
-        case OPTIONS_END:
-            if ( bench_writes_twice( a->report, a->output ) )
-            {
-                options_fail( o, "--report and --output both write to '%s'", a->report );
-            }
-            return true;
         default:
-            return false;
+            return bench_take_file( o, key, argument, &a->files );
     }
 }
 
@@ -87,28 +71,14 @@ static int list_cases( void )
     return STATUS_GOOD;
 }
 
-static void show_progress( void* user, double fraction, const char* what )
-{
-    progress_show( user, fraction, what );
-}
-
 static wisp_status run( validate_arguments* a, results* out, wisp_error* error )
 {
     progress bar = progress_begin();
-    a->options.progress = show_progress;
+    a->options.progress = bench_show_progress;
     a->options.progress_user = &bar;
     const wisp_status status = validate_run( a->chosen, &a->options, out, error );
     progress_end( &bar );
     return bench_keep_interrupted( out, status );
-}
-
-static wisp_status write_results( const validate_arguments* a, const results* out, wisp_error* error )
-{
-    const report_run page = { .what = "validation", .how = "wisp validate" };
-    wisp_error later = { 0 };
-    const wisp_status reported = a->report != NULL ? report_write_file( out, &page, a->report, error ) : WISP_OK;
-    const wisp_status written = results_write_file( out, a->format, a->output, reported == WISP_OK ? error : &later );
-    return reported == WISP_OK ? written : reported;
 }
 
 int bench_validate( int argc, char** argv )
@@ -124,10 +94,10 @@ int bench_validate( int argc, char** argv )
     results_put_options( &out, argc, argv );
     wisp_error error = { 0 };
     wisp_status status = bench_describe_machine( &out.machine, &error );
-    status = status == WISP_OK ? command_check_writable( a.output, &error ) : status;
-    status = status == WISP_OK ? command_check_writable( a.report, &error ) : status;
+    status = status == WISP_OK ? bench_check_files( &a.files, &error ) : status;
     status = status == WISP_OK ? run( &a, &out, &error ) : status;
-    status = status == WISP_OK ? write_results( &a, &out, &error ) : status;
+    const report_run page = { .what = "validation", .how = "wisp validate" };
+    status = status == WISP_OK ? bench_write_files( &a.files, &page, &out, &error ) : status;
     const bool failed = out.failed;
     results_free( &out );
     return status != WISP_OK ? command_fail( &error ) : interruption_status( failed ? STATUS_UNMET : STATUS_GOOD );

@@ -84,18 +84,6 @@ bool sweep_runs( const sweep_shard* shard, uint64_t key )
 
 // ---- times ----
 
-static void request_points( wisp_scene* scene )
-{
-    for ( int i = 0; i < scene->strands_count; ++i )
-    {
-        scene->strands[i].request_points = true;
-    }
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        scene->surfaces[i].request_points = true;
-    }
-}
-
 // @param ms [steps] buffer
 static wisp_status time_steps( scene_world* world, int steps, double* ms, uint64_t* hash, wisp_error* error )
 {
@@ -125,7 +113,7 @@ static wisp_status time_row( const suite_row* row, int workers, sweep_record* ou
     {
         return status;
     }
-    request_points( &scene );
+    scene_request_points( &scene );
     const int steps = row->steps > 0 ? row->steps : scene.steps;
     double* ms = calloc( (size_t)steps + 1, sizeof *ms );
     status = ms != NULL ? scene_world_create( &scene, &options, &world, error )

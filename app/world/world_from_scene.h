@@ -133,7 +133,9 @@ int scene_groom_source( const wisp_scene* scene, int strands );
 /// @param out to be released; empty on failure
 wisp_status scene_surface_mesh( const wisp_scene* scene, int surface, wisp_mesh* out, wisp_error* error );
 
-/// Have a scene compute the points of all bodies and the statistics that each can have. Statistics change no bit.
+/// Have a scene compute the points of all bodies.
+void scene_request_points( wisp_scene* scene );
+/// The same, and the statistics that each can have. Statistics change no bit.
 void scene_request_statistics( wisp_scene* scene );
 /// Have a scene count intersections after every step. Surfaces without contact have theirs counted too, and meet nothing; implicit
 /// cloth without contact is left out. No bit changes.

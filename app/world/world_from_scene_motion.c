@@ -170,19 +170,31 @@ wisp_status scene_motion_set( scene_world* world, wisp_error* error )
     return status;
 }
 
-void scene_request_statistics( wisp_scene* scene )
+void scene_request_points( wisp_scene* scene )
 {
     for ( int i = 0; i < scene->strands_count; ++i )
     {
+        scene->strands[i].request_points = true;
+    }
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        scene->surfaces[i].request_points = true;
+    }
+}
+
+void scene_request_statistics( wisp_scene* scene )
+{
+    scene_request_points( scene );
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
         wisp_scene_strands* s = &scene->strands[i];
-        s->request_points = true;
         s->request_motion_stats = s->has_dynamics;
         s->request_contacts = s->has_collision;
     }
     for ( int i = 0; i < scene->surface_count; ++i )
     {
         wisp_scene_surface* s = &scene->surfaces[i];
-        s->request_points = s->request_motion_stats = true;
+        s->request_motion_stats = true;
         s->request_contacts = s->has_collision;
         s->request_stats = s->request_stats || s->has_implicit;
     }

@@ -89,18 +89,6 @@ static wisp_status time_steps( const study* own, int row, scene_world* world, in
     return status;
 }
 
-static void request_points( wisp_scene* scene )
-{
-    for ( int i = 0; i < scene->strands_count; ++i )
-    {
-        scene->strands[i].request_points = true;
-    }
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        scene->surfaces[i].request_points = true;
-    }
-}
-
 static wisp_status time_row( const study* own, int row, int workers, accuracy_run* out, wisp_error* error )
 {
     const suite_row* r = own->suite->rows + row;
@@ -112,7 +100,7 @@ static wisp_status time_row( const study* own, int row, int workers, accuracy_ru
     {
         return status;
     }
-    request_points( &scene );
+    scene_request_points( &scene );
     status = scene_world_create( &scene, &options, &world, error );
     if ( status == WISP_OK )
     {

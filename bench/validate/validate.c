@@ -87,12 +87,12 @@ const validate_case* validate_cases( int* count )
 
 static void describe( const validate_case* c, results* out )
 {
-    static const char* const header[] = { "", "" };
+    const char* const header[] = { "case", c->title };
     const char* const lines[][2] = {
         { "tests", c->tests }, { "leaves out", c->left_out }, { "theory", c->formula }, { "source", c->source }
     };
     char title[160];
-    snprintf( title, sizeof title, "%s: %s", c->name, c->title );
+    snprintf( title, sizeof title, "Case `%s`", c->name );
     const int table = results_add_table( out, title, WISP_COUNT( header ), header );
     for ( int i = 0; i < WISP_COUNT( lines ); ++i )
     {
