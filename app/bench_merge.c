@@ -37,20 +37,29 @@ static void describe_machines( const sweep_merge* merge, results* out )
     };
     snprintf( m->cpu, sizeof m->cpu, "%s", first->cpu );
     snprintf( m->os, sizeof m->os, "%s", first->os );
-    snprintf( m->host, sizeof m->host, "%s", first->host );
+    snprintf( m->host, sizeof m->host, "unknown" );
     snprintf( m->isa, sizeof m->isa, "%s", first->isa );
+    bool is_one = true, is_build = true;
     for ( int i = 1; i < merge->part_count; ++i )
     {
         const sweep_header* h = &merge->parts[i].header;
-        if ( strcmp( h->cpu, first->cpu ) != 0 || strcmp( h->isa, first->isa ) != 0 )
-        {
-            snprintf( m->cpu, sizeof m->cpu, "several processors" );
-            snprintf( m->isa, sizeof m->isa, "several" );
-        }
-        if ( strcmp( h->os, first->os ) != 0 )
-        {
-            snprintf( m->os, sizeof m->os, "several systems" );
-        }
+        is_one = is_one && strcmp( h->cpu, first->cpu ) == 0 && strcmp( h->isa, first->isa ) == 0 &&
+                 strcmp( h->os, first->os ) == 0 && h->cores == first->cores &&
+                 h->memory_bytes == first->memory_bytes;
+        is_build = is_build && strcmp( h->compiler, first->compiler ) == 0 && strcmp( h->flags, first->flags ) == 0 &&
+                   strcmp( h->build_type, first->build_type ) == 0;
+    }
+    if ( is_one == false )
+    {
+        snprintf( m->cpu, sizeof m->cpu, "several machines" );
+        snprintf( m->isa, sizeof m->isa, "several" );
+        snprintf( m->os, sizeof m->os, "several" );
+        m->cores = 0;
+        m->memory_bytes = 0.0;
+    }
+    if ( is_build == false )
+    {
+        m->compiler = m->flags = m->build_type = "several";
     }
 }
 

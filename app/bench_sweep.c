@@ -110,6 +110,7 @@ static void describe( const sweep_arguments* a, const wisp_suite* suite, const s
     out->shard = shard->index;
     out->shards = shard->count;
     out->is_exclusive = a->is_exclusive;
+    out->workers = a->is_exclusive ? a->workers : 0;
     out->doubt = reference->doubt.distance;
     out->parts_at = reference->parts_at;
 }
@@ -194,6 +195,12 @@ static wisp_status run_shard( const sweep_arguments* a, const wisp_suite* suite,
     }
     t->items = count_items( suite, shard );
     t->found = found.count;
+    if ( status == WISP_OK && writer.is_done && t->found < t->items )
+    {
+        status = wisp_fail( error, WISP_BAD_INPUT,
+                            "%s: lacks %d of the %d items of its shard; remove it to run them again",
+                            io_short_name( writer.done ), t->items - t->found, t->items );
+    }
     if ( status == WISP_OK )
     {
         const sweep_settings settings = { suite, &reference, &twins, a->is_exclusive ? a->workers : 0 };
@@ -220,6 +227,11 @@ int bench_sweep( int argc, char** argv )
     tally t = { 0 };
     wisp_status status = find_shard( &a, &shard, &error );
     status = status == WISP_OK ? suite_read( a.suite, &suite, &error ) : status;
+    if ( status == WISP_OK && suite.compares_overlap )
+    {
+        status = wisp_fail( &error, WISP_BAD_INPUT, "%s: errors by overlap are measured by `wisp bench` alone",
+                            io_short_name( a.suite ) );
+    }
     if ( status == WISP_OK && a.only_list )
     {
         list_items( &suite, &shard );

@@ -4,6 +4,7 @@
 #include "results_json.h"
 #include "wisp/wisp.h"
 
+#include <math.h>
 #include <string.h>
 
 enum
@@ -75,6 +76,7 @@ char* sweep_header_write( const sweep_header* header )
     json_object_set_new( object, "shard", json_integer( h.shard + 1 ) );
     json_object_set_new( object, "shards", json_integer( h.shards ) );
     json_object_set_new( object, "exclusive", json_boolean( h.is_exclusive ) );
+    json_object_set_new( object, "workers", json_integer( h.workers ) );
     json_object_set_new( object, "doubt", sweep_number( h.doubt ) );
     json_object_set_new( object, "parts_at", sweep_number( h.parts_at ) );
     json_object_set_new( object, "cores", json_integer( h.cores ) );
@@ -84,42 +86,48 @@ char* sweep_header_write( const sweep_header* header )
     return line;
 }
 
-// @return -1: it is no whole number in the range
-static int whole( const json_t* value, int least, int most )
-{
-    const json_int_t number = json_integer_value( value );
-    return json_is_integer( value ) && number >= least && number <= most ? (int)number : -1;
-}
-
 bool sweep_header_read( const char* line, size_t size, sweep_header* out )
 {
     *out = ( sweep_header ){ 0 };
     json_t* object = json_loadb( line, size, JSON_REJECT_DUPLICATES, NULL );
     text_field texts[TEXTS];
     list_texts( out, texts );
-    bool good = whole( json_object_get( object, "wisp_sweep" ), VERSION, VERSION ) == VERSION;
+    bool good = sweep_whole_of( json_object_get( object, "wisp_sweep" ), VERSION, VERSION ) == VERSION;
     for ( int i = 0; i < TEXTS && good; ++i )
     {
         good = sweep_text_of( json_object_get( object, texts[i].name ), texts[i].text, texts[i].size );
     }
-    out->items = whole( json_object_get( object, "items" ), 1, SUITE_MAX_ROWS );
-    out->shards = whole( json_object_get( object, "shards" ), 1, SWEEP_MAX_SHARDS );
-    out->shard = whole( json_object_get( object, "shard" ), 1, out->shards ) - 1;
-    out->cores = whole( json_object_get( object, "cores" ), 0, 1 << 20 );
+    out->items = sweep_whole_of( json_object_get( object, "items" ), 1, SUITE_MAX_ROWS );
+    out->shards = sweep_whole_of( json_object_get( object, "shards" ), 1, SWEEP_MAX_SHARDS );
+    out->shard = sweep_whole_of( json_object_get( object, "shard" ), 1, out->shards ) - 1;
+    out->workers = sweep_whole_of( json_object_get( object, "workers" ), 0, 1 << 20 );
+    out->workers = sweep_whole_of( json_object_get( object, "workers" ), 0, 1 << 20 );
+    out->cores = sweep_whole_of( json_object_get( object, "cores" ), 0, 1 << 20 );
     out->is_exclusive = json_is_true( json_object_get( object, "exclusive" ) );
     out->doubt = sweep_number_of( json_object_get( object, "doubt" ) );
     out->parts_at = sweep_number_of( json_object_get( object, "parts_at" ) );
     out->memory_bytes = sweep_number_of( json_object_get( object, "memory_bytes" ) );
-    good = good && out->items > 0 && out->shards > 0 && out->shard >= 0 && out->cores >= 0 &&
+    good = good && out->items > 0 && out->shards > 0 && out->shard >= 0 && out->cores >= 0 && out->workers >= 0 &&
            sweep_hash_of( json_object_get( object, "key" ), &out->key );
     json_decref( object );
     return good;
 }
 
+static bool is_same_number( double a, double b )
+{
+    return a == b || ( isnan( a ) && isnan( b ) );
+}
+
 const char* sweep_difference( const sweep_header* a, const sweep_header* b )
 {
-    return a->key != b->key || a->items != b->items                                       ? "another suite"
-           : strcmp( a->version, b->version ) != 0 || strcmp( a->commit, b->commit ) != 0 ? "another version of Wisp"
-           : a->shards != b->shards                                                       ? "another number of shards"
-                                                                                          : NULL;
+    const bool is_suite = a->key == b->key && a->items == b->items;
+    const bool is_version = strcmp( a->version, b->version ) == 0 && strcmp( a->commit, b->commit ) == 0;
+    const bool is_reference = strcmp( a->reference, b->reference ) == 0 && is_same_number( a->doubt, b->doubt ) &&
+                              is_same_number( a->parts_at, b->parts_at );
+    return !is_suite                                                        ? "another suite"
+           : !is_version                                                    ? "another version of Wisp"
+           : a->shards != b->shards                                         ? "another number of shards"
+           : !is_reference                                                  ? "another reference"
+           : a->is_exclusive && b->is_exclusive && a->workers != b->workers ? "another number of workers"
+                                                                            : NULL;
 }

@@ -55,7 +55,8 @@ uint64_t sweep_key( const suite_row* row )
 uint64_t sweep_suite_key( const wisp_suite* suite )
 {
     const suite_row* references[] = { &suite->reference, &suite->check, &suite->coarsest };
-    const double numbers[] = { suite->extrapolate, suite->stored_doubt, suite->compares_start };
+    const double numbers[] = { suite->extrapolate, suite->stored_doubt, suite->compares_start,
+                               suite->compares_overlap };
     uint64_t hash = add_text( SUITE_HASH_BEGIN, suite->stored != NULL ? io_file_name( suite->stored ) : "" );
     for ( int i = 0; i < suite->row_count; ++i )
     {
@@ -152,6 +153,20 @@ static wisp_status time_item( const suite_row* row, int workers, sweep_record* o
 
 // ---- an item ----
 
+// A text that was cut may end within a character of UTF-8.
+static void cut_character( char* text )
+{
+    size_t end = strlen( text );
+    while ( end > 0 && ( (unsigned char)text[end - 1] & 0xC0 ) == 0x80 )
+    {
+        --end;
+    }
+    if ( end > 0 && strlen( text ) >= 296 && (unsigned char)text[end - 1] >= 0xC0 )
+    {
+        text[end - 1] = '\0';
+    }
+}
+
 static wisp_status judge( const sweep_settings* s, const suite_row* row, sweep_record* out, wisp_error* error )
 {
     suite_outcome outcome;
@@ -212,6 +227,7 @@ wisp_status sweep_run_item( const sweep_settings* s, int item, sweep_record* out
     {
         snprintf( out->failure, sizeof out->failure, "%.299s",
                   inner.message[0] ? inner.message : wisp_status_name( status ) );
+        cut_character( out->failure );
     }
     return WISP_OK;
 }

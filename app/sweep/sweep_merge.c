@@ -5,6 +5,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -76,7 +77,7 @@ static wisp_status check_listing( const char* folder, const listing* all, wisp_e
         return WISP_OK;
     }
     char others[40] = "";
-    snprintf( others, sizeof others, more > 0 ? ", nor are %d others" : "", more );
+    snprintf( others, sizeof others, more > 0 ? "; %d more are missing or not done" : "", more );
     return wisp_fail(
         error, WISP_BAD_INPUT, "%s: shard %d of %d %s%s", io_short_name( folder ), first + 1, all->shards,
         all->states[first] == 1 ? "is not done; `wisp sweep --resume` goes on with it" : "is not there", others );
@@ -103,10 +104,19 @@ static const char* name_of( const sweep_record* r, char out[SUITE_MAX_LABEL] )
     return out;
 }
 
-// Whether two runs of an item are one: a machine may lack the memory for what another one runs.
+// How much a record says: 0, it was not run, as on a machine that lacks the memory; 1, it was; 2, it was, and something was wrong.
+static int weight_of( const sweep_record* r )
+{
+    return r->failure[0] == '\0' ? 1 : r->hash != 0 ? 2 : 0;
+}
+
+// Whether two runs of an item are one.
 static bool agrees( const sweep_record* a, const sweep_record* b )
 {
-    return a->key == b->key && ( a->failure[0] != '\0' || b->failure[0] != '\0' || a->hash == b->hash );
+    const double e = a->values[SUITE_ERROR], f = b->values[SUITE_ERROR];
+    const bool is_same = a->hash == b->hash && a->steps == b->steps && strcmp( a->verdict, b->verdict ) == 0 &&
+                         ( e == f || ( isnan( e ) && isnan( f ) ) );
+    return a->key == b->key && ( is_same || weight_of( a ) == 0 || weight_of( b ) == 0 );
 }
 
 static wisp_status add_item( sweep_merge* merge, int part, const sweep_record* record, wisp_error* error )
@@ -119,10 +129,11 @@ static wisp_status add_item( sweep_merge* merge, int part, const sweep_record* r
         return wisp_fail( error, WISP_BAD_INPUT, "item %d (%s): is not of shard %d, which has it", record->item + 1,
                           name_of( record, name ), part + 1 );
     }
-    if ( item->record != NULL && item->part == part )
+    if ( item->record != NULL && !agrees( item->record, record ) && item->record->hash == record->hash )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "item %d (%s): is twice in part %d", record->item + 1,
-                          name_of( record, name ), part + 1 );
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "item %d (%s): shards %d and %d have the same bits and different errors, steps or verdicts",
+                          record->item + 1, name_of( record, name ), item->part + 1, part + 1 );
     }
     if ( item->record != NULL && !agrees( item->record, record ) )
     {
@@ -133,9 +144,8 @@ static wisp_status add_item( sweep_merge* merge, int part, const sweep_record* r
             record->item + 1, name_of( record, name ), item->part + 1, part + 1,
             (unsigned long long)item->record->hash, (unsigned long long)record->hash );
     }
-    merge->run_twice += item->record != NULL ? 1 : 0;
-    // the first that was run
-    if ( item->record == NULL || ( item->record->failure[0] != '\0' && record->failure[0] == '\0' ) )
+    merge->run_twice += item->record != NULL && item->part != part ? 1 : 0;
+    if ( item->record == NULL || weight_of( item->record ) < weight_of( record ) )
     {
         item->record = record;
         item->part = part;

@@ -48,7 +48,7 @@ static bool solve( double a[TERMS][TERMS + 1], double out[TERMS] )
             a[k][j] = a[pivot][j];
             a[pivot][j] = kept;
         }
-        if ( fabs( a[k][k] ) < 1e-9 )
+        if ( !( fabs( a[k][k] ) >= 1e-9 ) )
         {
             return false;
         }

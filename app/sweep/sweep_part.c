@@ -205,10 +205,17 @@ static wisp_status open_running( sweep_writer* w, wisp_error* error )
     {
         return fail_by_errno( w->running, "cannot be opened", errno, error );
     }
-    // a file system without locks has none
-    return flock( w->file, LOCK_EX | LOCK_NB ) == 0 || errno != EWOULDBLOCK
-               ? WISP_OK
-               : wisp_fail( error, WISP_CONFLICT, "%s: another process writes it", io_short_name( w->running ) );
+    if ( flock( w->file, LOCK_EX | LOCK_NB ) == 0 )
+    {
+        return WISP_OK;
+    }
+    if ( errno == EWOULDBLOCK )
+    {
+        return wisp_fail( error, WISP_CONFLICT, "%s: another process writes it", io_short_name( w->running ) );
+    }
+    fprintf( stderr, "wisp: %s: cannot be locked (%s), so no two processes may run this shard\n",
+             io_short_name( w->running ), strerror( errno ) );
+    return WISP_OK;
 }
 
 wisp_status sweep_writer_open( const char* folder, const sweep_header* header, bool resume, sweep_writer* out,

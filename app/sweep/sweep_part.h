@@ -14,6 +14,7 @@ typedef struct sweep_header
     int items;    ///< of the suite
     int shard, shards;
     bool is_exclusive; ///< nothing else ran on the machine, so it has times
+    int workers;       ///< of its times besides one; 0: it has none
     char reference[200];
     double doubt, parts_at; ///< m; s: of the reference. NaN without one; infinity: never
     char version[32], commit[64], compiler[128], flags[300], build_type[32];

@@ -27,6 +27,12 @@ double sweep_number_of( const json_t* value )
                                      : NAN;
 }
 
+int sweep_whole_of( const json_t* value, int least, int most )
+{
+    const json_int_t number = json_integer_value( value );
+    return json_is_integer( value ) && number >= least && number <= most ? (int)number : -1;
+}
+
 json_t* sweep_hash( uint64_t hash )
 {
     char text[24];
@@ -154,16 +160,25 @@ static bool read_times( const json_t* object, sweep_record* out )
     {
         const json_t* one = json_array_get( list, i );
         out->times[out->time_count++] = ( sweep_time ){
-            .workers = (int)json_integer_value( json_object_get( one, "workers" ) ),
-            .steps = (int)json_integer_value( json_object_get( one, "steps" ) ),
+            .workers = sweep_whole_of( json_object_get( one, "workers" ), 1, 1 << 20 ),
+            .steps = sweep_whole_of( json_object_get( one, "steps" ), 0, 1000000000 ),
             .median = sweep_number_of( json_object_get( one, "median" ) ),
             .p10 = sweep_number_of( json_object_get( one, "p10" ) ),
             .p90 = sweep_number_of( json_object_get( one, "p90" ) ),
         };
     }
-    out->vertices = (int)json_integer_value( json_object_get( object, "vertices" ) );
-    out->substeps = (int)json_integer_value( json_object_get( object, "substeps" ) );
-    return count <= SWEEP_MAX_TIMES;
+    bool good = count <= SWEEP_MAX_TIMES;
+    for ( int i = 0; i < out->time_count; ++i )
+    {
+        good = good && out->times[i].workers > 0 && out->times[i].steps >= 0;
+    }
+    if ( count > 0 )
+    {
+        out->vertices = sweep_whole_of( json_object_get( object, "vertices" ), 0, 1 << 30 );
+        out->substeps = sweep_whole_of( json_object_get( object, "substeps" ), 1, 1 << 30 );
+        good = good && out->vertices >= 0 && out->substeps > 0;
+    }
+    return good;
 }
 
 static bool read_texts( const json_t* object, sweep_record* out )
@@ -201,17 +216,14 @@ bool sweep_record_read( const char* line, size_t size, sweep_record* out )
 {
     *out = ( sweep_record ){ 0 };
     json_t* object = json_loadb( line, size, JSON_REJECT_DUPLICATES, NULL );
-    const json_t *item = json_object_get( object, "item" ), *steps = json_object_get( object, "steps" );
-    const json_int_t number = json_integer_value( item ), count = json_integer_value( steps );
-    const bool is_whole = json_is_integer( item ) && number >= 0 && number < SUITE_MAX_ROWS &&
-                          json_is_integer( steps ) && count >= 0 && count <= 1000000000;
-    const bool good = is_whole && sweep_hash_of( json_object_get( object, "key" ), &out->key ) &&
+    out->item = sweep_whole_of( json_object_get( object, "item" ), 0, SUITE_MAX_ROWS - 1 );
+    out->steps = sweep_whole_of( json_object_get( object, "steps" ), 0, 1000000000 );
+    const bool good = out->item >= 0 && out->steps >= 0 &&
+                      sweep_hash_of( json_object_get( object, "key" ), &out->key ) &&
                       sweep_hash_of( json_object_get( object, "hash" ), &out->hash ) && read_texts( object, out ) &&
                       read_times( object, out );
     if ( good )
     {
-        out->item = (int)number;
-        out->steps = (int)count;
         read_values( object, out );
     }
     json_decref( object );

@@ -46,6 +46,8 @@ bool sweep_record_read( const char* line, size_t size, sweep_record* out );
 json_t* sweep_number( double value );
 /// @return NaN: it is none
 double sweep_number_of( const json_t* value );
+/// @return -1: it is no whole number in the range
+int sweep_whole_of( const json_t* value, int least, int most );
 /// A hash of JSON, sixteen hexadecimal digits. @return false: it is none
 bool sweep_hash_of( const json_t* value, uint64_t* out );
 json_t* sweep_hash( uint64_t hash );

@@ -110,7 +110,7 @@ typedef struct report
     const sweep_header* header;
     results* out;
     char processors[MAX_PROCESSORS][160]; // that have times: model and instruction set
-    int processor_count;
+    int processor_count, left_out;
 } report;
 
 static bool is_named( const sweep_record* r, const char* name )
@@ -143,10 +143,14 @@ static void list_processors( report* r )
     for ( int i = 0; i < r->header->items; ++i )
     {
         const sweep_merged* item = r->merge->items + i;
-        if ( item->timed != NULL && find_processor( r, item ) == r->processor_count &&
-             r->processor_count < MAX_PROCESSORS )
+        const bool is_new = item->timed != NULL && find_processor( r, item ) == r->processor_count;
+        if ( is_new && r->processor_count < MAX_PROCESSORS )
         {
             sweep_processor( &r->merge->parts[item->timed_part].header, r->processors[r->processor_count++] );
+        }
+        else
+        {
+            r->left_out += is_new ? 1 : 0;
         }
     }
 }
@@ -445,6 +449,11 @@ static void add_notes( const report* r )
     if ( isfinite( h->parts_at ) )
     {
         results_add_note( r->out, "motion is chaotic from %.3g s on, and is not compared after that", h->parts_at );
+    }
+    if ( r->left_out > 0 )
+    {
+        results_add_note( r->out, "times of %d items are left out: they are of more than %d processors", r->left_out,
+                          MAX_PROCESSORS );
     }
     for ( int p = 0; p < r->processor_count; ++p )
     {

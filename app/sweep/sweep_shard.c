@@ -72,11 +72,15 @@ static wisp_status read_slurm( int count, sweep_shard* out, wisp_error* error )
     return read_variable( "SLURM_ARRAY_TASK_COUNT", -1, &out->count, error );
 }
 
-static wisp_status read_gtest( sweep_shard* out, wisp_error* error )
+static wisp_status read_gtest( int count, sweep_shard* out, wisp_error* error )
 {
     out->source = "GTEST_SHARD_INDEX";
-    const wisp_status status = read_variable( "GTEST_SHARD_INDEX", -1, &out->index, error );
-    return status == WISP_OK ? read_variable( "GTEST_TOTAL_SHARDS", -1, &out->count, error ) : status;
+    wisp_status status = read_variable( "GTEST_SHARD_INDEX", -1, &out->index, error );
+    status = status == WISP_OK ? read_variable( "GTEST_TOTAL_SHARDS", -1, &out->count, error ) : status;
+    return status != WISP_OK || count == 0 || count == out->count
+               ? status
+               : wisp_fail( error, WISP_BAD_INPUT, "--shards: got %d, and GTEST_TOTAL_SHARDS says %d", count,
+                            out->count );
 }
 
 static wisp_status read_pbs( int count, sweep_shard* out, wisp_error* error )
@@ -99,7 +103,9 @@ static int number_of_job( const char* text, const char* name )
         line += line[0] == '\n' ? 1 : 0;
         if ( strncmp( line, name, length ) == 0 && strncmp( line + length, " = ", 3 ) == 0 )
         {
-            return atoi( line + length + 3 );
+            char number[16];
+            snprintf( number, sizeof number, "%.*s", (int)strcspn( line + length + 3, "\r\n" ), line + length + 3 );
+            return whole( number );
         }
     }
     return -1;
@@ -145,7 +151,7 @@ wisp_status sweep_shard_from_environment( int count, sweep_shard* out, wisp_erro
     }
     else if ( getenv( "GTEST_SHARD_INDEX" ) != NULL )
     {
-        status = read_gtest( out, error );
+        status = read_gtest( count, out, error );
     }
     else if ( getenv( "PBS_ARRAY_INDEX" ) != NULL )
     {

@@ -58,7 +58,7 @@ static wisp_status measure_curve( validate_bodies* bodies, accuracy_run* out, wi
     wisp_status status = WISP_OK;
     for ( int i = 0; i < CURVE_LOADS && status == WISP_OK; ++i )
     {
-        wisp_vec3 tip;
+        wisp_vec3 tip = { 0.0f, 0.0f, 0.0f };
         double exact[2][2];
         status = validate_tip( bodies, i, &tip, error );
         elastica_lay( CURVE[i], 2, exact );
@@ -75,7 +75,7 @@ static wisp_status run_curve( void* context, int setting, int workers, bool is_o
                               wisp_error* error )
 {
     const way* w = ( (const slender*)context )->ways + setting;
-    // about critical for the second softest; 3 s are many times its period
+    // about critical for the second softest; 4 s are many times its period
     const validate_def def = {
         .solver = w->solver,
         .cells = w->cells,
@@ -105,13 +105,15 @@ static wisp_status measure_ladder( validate_bodies* bodies, const double* loads,
     wisp_status status = WISP_OK;
     for ( int i = 0; i < LADDER && status == WISP_OK; ++i )
     {
-        wisp_vec3 tip;
+        wisp_vec3 tip = { 0.0f, 0.0f, 0.0f };
         status = validate_tip( bodies, i, &tip, error );
-        if ( isnan( found ) && fabs( (double)tip.y ) > validate_start( &bodies->def ) )
+        if ( status == WISP_OK && isnan( found ) && fabs( (double)tip.y ) > validate_start( &bodies->def ) )
         {
-            found = loads[i] - RUNG * critical; // between it and the one before
+            // between it and the one before; nothing is before the first
+            found = i > 0 ? loads[i] - RUNG * critical : 0.0;
         }
     }
+    found = found > 0.0 ? found : NAN;
     out->measures[0] = found;
     out->measures[1] = critical;
     // beyond the ladder the error is at least its half

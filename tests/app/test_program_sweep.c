@@ -341,7 +341,7 @@ static void a_merge_refuses_what_is_not_one_sweep( void** state )
     assert_int_equal( remove( "bad/part-0003-of-0003.jsonl" ), 0 );
     assert_refused( "merge bad", "shard 3 of 3 is not there" );
     assert_int_equal( remove( "bad/part-0001-of-0003.jsonl" ), 0 );
-    assert_refused( "merge bad", "shard 1 of 3 is not there, nor are 1 others" );
+    assert_refused( "merge bad", "shard 1 of 3 is not there; 1 more are missing or not done" );
     copy_folder( "good", "bad" );
     run_ok( "sweep suite.yaml -o bad --shard 1/2" );
     assert_refused( "merge bad", "has parts of 2 shards and of 3" );
@@ -413,6 +413,21 @@ static void items_that_are_missing_or_have_two_hashes_are_refused( void** state 
     change( "bad/part-0001-of-0002.jsonl", from, "\"hash\":\"0123456789abcdef" );
     assert_refused( "merge bad", named );
     assert_true( strstr( result.err, "have different bits, 0123456789abcdef and " ) != NULL );
+    // what was wrong in one of two runs is wrong, and what could not be run in one of them is not
+    copy_folder( "pair", "bad" );
+    snprintf( from, sizeof from, "{\"item\":%d,", item );
+    snprintf( named, sizeof named, "{\"failure\":\"other bits\",\"item\":%d,", item );
+    change( "bad/part-0002-of-0002.jsonl", from, named );
+    run( "merge bad" );
+    assert_int_equal( result.status, 1 );
+    assert_non_null( strstr( result.out, "other bits" ) );
+    copy_folder( "pair", "bad" );
+    change( "bad/part-0002-of-0002.jsonl", "\"doubt\":", "\"doubt\":1" );
+    assert_refused( "merge bad", "is of another reference than part 1" );
+    // a part that lost a line is not done
+    copy_folder( "pair", "bad" );
+    remove_line( "bad/part-0001-of-0002.jsonl", line );
+    assert_refused( "sweep suite.yaml -o bad --shard 1/2 --resume", "lacks 1 of the " );
     // the other shard of an item that only one runs
     copy_folder( "pair", "bad" );
     text = read_whole( "bad/part-0001-of-0002.jsonl" );

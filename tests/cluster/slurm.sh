@@ -123,7 +123,13 @@ again=$(task_on n3)
 [ -n "$killed" ] && [ -n "$again" ] || fail "the sweep was over before a node could be killed"
 # as if it had lost its power: first those that would tell
 step=$(job_on n2)
-pkill -9 -f "slurmstepd: \[$step\." || fail "nothing runs on n2"
+stepd=""
+for pid in $(pgrep -f "slurmstepd: \[$step\."); do
+    # not that of another Slurm on this machine
+    if tr '\0' '\n' < "/proc/$pid/environ" | grep -q "$here"; then stepd=$pid; fi
+done
+[ -n "$stepd" ] || fail "nothing runs on n2"
+kill -9 "$stepd"
 pkill -9 -f "slurmd -f $SLURM_CONF -N n2"
 part=$(printf '%s/parts/part-%04d-of-%04d.running' "$here" "$killed" $shards)
 fuser -k -KILL "$part" > /dev/null 2>&1 || true
@@ -142,7 +148,9 @@ for _ in $(seq 240); do
 done
 [ -z "$(squeue --noheader --jobs="$job" 2>/dev/null)" ] || fail "tasks are left: $(squeue --noheader --jobs="$job")"
 say "nodes at the end: $(sinfo --noheader --format='%N %T' | paste -sd, -)"
-grep -h "from before" "$here"/task-*.log | sed 's/^/slurm: /' || fail "no task went on with what was there"
+for task in "$killed" "$again"; do
+    grep -h "from before" "$here/task-$task.log" || fail "task $task did not go on with what was there"
+done
 
 "$wisp" merge "$here/parts" -f json -o "$here/parts.json" --report "$here/parts.html"
 items=$(grep -c '"case"' "$here/parts.json")
