@@ -276,8 +276,7 @@ static const scene_field COLLISION_FIELDS[] = {
       .unit = SPEEDS, .help = "Speed at which a vertex that starts inside is moved out.",
       .initial = "ten mean edges per second" },
     { "features", SCENE_CHOICE, .at = COLLISION( features ), .choices = FEATURES,
-      .help =
-          "What keeps the thickness from bodies. A plane needs no more than vertices." },
+      .help = "What keeps the thickness from bodies. A plane needs no more than vertices." },
     { "mask", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers,
       .help = "Numbers of the collider layers that stop it.", .form = "list of layers, 0 .. 31",
       .initial = "all layers" },

@@ -77,7 +77,10 @@ static wisp_status check_listing( const char* folder, const listing* all, wisp_e
         return WISP_OK;
     }
     char others[40] = "";
-    snprintf( others, sizeof others, more > 0 ? "; %d more are missing or not done" : "", more );
+    if ( more > 0 )
+    {
+        snprintf( others, sizeof others, "; %d more are missing or not done", more );
+    }
     return wisp_fail(
         error, WISP_BAD_INPUT, "%s: shard %d of %d %s%s", io_short_name( folder ), first + 1, all->shards,
         all->states[first] == 1 ? "is not done; `wisp sweep --resume` goes on with it" : "is not there", others );

@@ -312,7 +312,10 @@ static void add_orders( const report* r )
         snprintf( from, sizeof from, "%s = %.6g", a->along, a->along_value );
         snprintf( to, sizeof to, "%.6g", b->along_value );
         snprintf( observed, sizeof observed, "%.2f", order );
-        snprintf( promised, sizeof promised, isnan( a->order ) ? "" : "%.3g", a->order );
+        if ( !isnan( a->order ) )
+        {
+            snprintf( promised, sizeof promised, "%.3g", a->order );
+        }
         const char* const cells[] = { a->series, from, to, observed, promised };
         results_add_cells( r->out, table, cells );
     }
@@ -344,8 +347,10 @@ static void add_chart( const report* r, const char* name, bool by_time )
             if ( c != NULL )
             {
                 c->x_log = c->y_log = true;
-                snprintf( c->caption, sizeof c->caption, by_time && r->processor_count > 1 ? "on %.150s" : "",
-                          r->processors[0] );
+                if ( by_time && r->processor_count > 1 )
+                {
+                    snprintf( c->caption, sizeof c->caption, "on %.150s", r->processors[0] );
+                }
             }
         }
         if ( strcmp( record->series, last ) != 0 )
