@@ -76,7 +76,7 @@ static wisp_status check_listing( const char* folder, const listing* all, wisp_e
     {
         return WISP_OK;
     }
-    char others[40] = "";
+    char others[64] = "";
     if ( more > 0 )
     {
         snprintf( others, sizeof others, "; %d more are missing or not done", more );
