@@ -31,15 +31,6 @@ static bool take( options_state* o, int key, const char* argument )
         case BENCH_KEY_LENGTH:
             a->length = option_positive( o, argument, 1e6 );
             return true;
-        case BENCH_KEY_SECONDS:
-            a->options.seconds = option_positive( o, argument, 1e6 );
-            return true;
-        case BENCH_KEY_WORKERS:
-            a->options.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
-            return true;
-        case BENCH_KEY_QUICK:
-            a->options.quick = true;
-            return true;
         case BENCH_KEY_SUITE:
             a->suite = argument;
             return true;
@@ -52,7 +43,8 @@ static bool take( options_state* o, int key, const char* argument )
             }
             return true;
         default:
-            return bench_take_file( o, key, argument, &a->files ) || option_input( o, key, argument, &a->scene );
+            return bench_take_measurement( o, key, argument, &a->options ) ||
+                   bench_take_file( o, key, argument, &a->files ) || option_input( o, key, argument, &a->scene );
     }
 }
 

@@ -1,6 +1,7 @@
 /// Shared by the commands of the program wisp-bench: `wisp bench`, `accuracy`, `sweep` and `merge`.
 #pragma once
 
+#include "bench_options.h"
 #include "options.h"
 #include "report.h"
 #include "results.h"
@@ -25,6 +26,8 @@ typedef struct bench_files
 /// Take --format, --output and --report, and at the end refuse one file for both.
 /// @return false: the key is none of them
 bool bench_take_file( options_state* o, int key, const char* argument, bench_files* files );
+/// Take --quick, --seconds and --workers. @return false: the key is none of them
+bool bench_take_measurement( const options_state* o, int key, const char* argument, bench_options* options );
 /// Check that the files can be written.
 wisp_status bench_check_files( const bench_files* files, wisp_error* error );
 /// Write the results, and the page if there is to be one.

@@ -1,4 +1,4 @@
-// What the commands of wisp-bench write: results, and a page.
+// Options that the commands of wisp-bench share, and what they write: results, and a page.
 #include "bench_commands.h"
 #include "bench_texts.h"
 
@@ -25,6 +25,24 @@ bool bench_take_file( options_state* o, int key, const char* argument, bench_fil
             {
                 options_fail( o, "--report and --output both write to '%s'", files->report );
             }
+            return true;
+        default:
+            return false;
+    }
+}
+
+bool bench_take_measurement( const options_state* o, int key, const char* argument, bench_options* options )
+{
+    switch ( key )
+    {
+        case BENCH_KEY_QUICK:
+            options->quick = true;
+            return true;
+        case BENCH_KEY_SECONDS:
+            options->seconds = option_positive( o, argument, 1e6 );
+            return true;
+        case BENCH_KEY_WORKERS:
+            options->workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
             return true;
         default:
             return false;

@@ -113,15 +113,6 @@ static bool take( options_state* o, int key, const char* argument )
         case BENCH_KEY_LIST:
             arguments->only_list = true;
             return true;
-        case BENCH_KEY_QUICK:
-            arguments->options.quick = true;
-            return true;
-        case BENCH_KEY_SECONDS:
-            arguments->options.seconds = option_positive( o, argument, 1e6 );
-            return true;
-        case BENCH_KEY_WORKERS:
-            arguments->options.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
-            return true;
         case BENCH_KEY_PICTURES:
             arguments->options.pictures = option_file( o, argument );
             return true;
@@ -150,7 +141,8 @@ static bool take( options_state* o, int key, const char* argument )
             }
             return bench_take_file( o, key, argument, &arguments->files );
         default:
-            return bench_take_file( o, key, argument, &arguments->files );
+            return bench_take_measurement( o, key, argument, &arguments->options ) ||
+                   bench_take_file( o, key, argument, &arguments->files );
     }
 }
 

@@ -9,16 +9,30 @@ static const char* const case_names[] = {
 };
 #undef BENCH_CASE
 
+// Rows that several commands have.
+#define WORKERS_ROW                                                                                                  \
+    {                                                                                                                \
+        "workers", BENCH_KEY_WORKERS, "N", "Workers of the parallel variant, 1 to 64, default 2", OPTION_ANY         \
+    }
+#define OUTPUT_ROWS                                                                                                  \
+    OPTION_RESULTS_FORMAT( BENCH_KEY_FORMAT ),                                                                       \
+    {                                                                                                                \
+        "output", BENCH_KEY_OUTPUT, "FILE", "Write the results to FILE; default: standard output",                   \
+            OPTION_FILES( "*" )                                                                                      \
+    }
+#define REPORT_ROW                                                                                                   \
+    {                                                                                                                \
+        "report", BENCH_KEY_REPORT, "FILE", "Also write an HTML page with charts", OPTION_FILES( ".html" )           \
+    }
+
 static const option_row bench_rows[] = {
     OPTION_TITLE( "Measurement:" ),
     { "list", BENCH_KEY_LIST, NULL, "Print the cases and what each measures", OPTION_ANY },
     { "quick", BENCH_KEY_QUICK, NULL, "Fewer samples and no large sizes: 20 s per case, not 90", OPTION_ANY },
     { "seconds", BENCH_KEY_SECONDS, "S", "Approximate time limit per case", OPTION_ANY },
-    { "workers", BENCH_KEY_WORKERS, "N", "Workers of the parallel variant, 1 to 64, default 2", OPTION_ANY },
+    WORKERS_ROW,
     OPTION_TITLE( "Output:" ),
-    OPTION_RESULTS_FORMAT( BENCH_KEY_FORMAT ),
-    { "output", BENCH_KEY_OUTPUT, "FILE", "Write the results to FILE; default: standard output",
-      OPTION_FILES( "*" ) },
+    OUTPUT_ROWS,
     { "report", BENCH_KEY_REPORT, "FILE", "Also write an HTML page with charts and pictures",
       OPTION_FILES( ".html" ) },
     OPTION_TITLE( "Options of single cases:" ),
@@ -53,13 +67,11 @@ static const option_row accuracy_rows[] = {
       OPTION_ANY },
     { "seconds", BENCH_KEY_SECONDS, "S", "Approximate time limit, without that of the converged run; default 30",
       OPTION_ANY },
-    { "workers", BENCH_KEY_WORKERS, "N", "Workers of the parallel variant, 1 to 64, default 2", OPTION_ANY },
+    WORKERS_ROW,
     { "quick", BENCH_KEY_QUICK, NULL, "Fewer settings and samples", OPTION_ANY },
     OPTION_TITLE( "Output:" ),
-    OPTION_RESULTS_FORMAT( BENCH_KEY_FORMAT ),
-    { "output", BENCH_KEY_OUTPUT, "FILE", "Write the results to FILE; default: standard output",
-      OPTION_FILES( "*" ) },
-    { "report", BENCH_KEY_REPORT, "FILE", "Also write an HTML page with charts", OPTION_FILES( ".html" ) },
+    OUTPUT_ROWS,
+    REPORT_ROW,
     { "suite", BENCH_KEY_SUITE, "FILE",
       "Only write the suite that this would run, to be changed, run by 'wisp bench' and gated",
       OPTION_FILES( ".yaml" ) },
@@ -91,12 +103,10 @@ static const option_row validate_rows[] = {
     { "list", BENCH_KEY_LIST, NULL, "Print the cases", OPTION_ANY },
     { "quick", BENCH_KEY_QUICK, NULL, "Fewer settings and samples", OPTION_ANY },
     { "seconds", BENCH_KEY_SECONDS, "S", "Approximate time limit per case, default 20", OPTION_ANY },
-    { "workers", BENCH_KEY_WORKERS, "N", "Workers of the parallel variant, 1 to 64, default 2", OPTION_ANY },
+    WORKERS_ROW,
     OPTION_TITLE( "Output:" ),
-    OPTION_RESULTS_FORMAT( BENCH_KEY_FORMAT ),
-    { "output", BENCH_KEY_OUTPUT, "FILE", "Write the results to FILE; default: standard output",
-      OPTION_FILES( "*" ) },
-    { "report", BENCH_KEY_REPORT, "FILE", "Also write an HTML page with charts", OPTION_FILES( ".html" ) },
+    OUTPUT_ROWS,
+    REPORT_ROW,
 };
 
 const command_text validate_text = {
@@ -153,10 +163,8 @@ const command_text sweep_text = {
 };
 
 static const option_row merge_rows[] = {
-    OPTION_RESULTS_FORMAT( BENCH_KEY_FORMAT ),
-    { "output", BENCH_KEY_OUTPUT, "FILE", "Write the results to FILE; default: standard output",
-      OPTION_FILES( "*" ) },
-    { "report", BENCH_KEY_REPORT, "FILE", "Also write an HTML page with charts", OPTION_FILES( ".html" ) },
+    OUTPUT_ROWS,
+    REPORT_ROW,
 };
 
 const command_text merge_text = {

@@ -197,6 +197,15 @@ static wisp_status run_steps( scene_world* world, int steps, const double* alloc
     return status;
 }
 
+wisp_status suite_time_step( scene_world* world, double* ms, wisp_error* error )
+{
+    const double begin = wisp_clock_seconds();
+    wisp_status status = interruption_check( error );
+    status = status == WISP_OK ? scene_world_step( world, error ) : status;
+    *ms = 1e3 * ( wisp_clock_seconds() - begin );
+    return status;
+}
+
 wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_observer* observer,
                            suite_measurement* out, wisp_error* error )
 {

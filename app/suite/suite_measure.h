@@ -62,6 +62,10 @@ typedef struct suite_observer
 wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_observer* observer,
                            suite_measurement* out, wisp_error* error );
 
+/// Make a step, and time it. @param ms receives its time
+/// @return WISP_CONFLICT a signal has come; or as scene_world_step()
+wisp_status suite_time_step( scene_world* world, double* ms, wisp_error* error );
+
 /// The statistics of a body's motion, of which suites sum energy and look for the largest strain. An animation alone moves a driven
 /// surface: its strain and its energy are no result.
 /// @return false for a body that has none

@@ -93,10 +93,7 @@ static wisp_status time_steps( scene_world* world, int steps, double* ms, uint64
     *hash = SUITE_HASH_BEGIN;
     for ( int step = 0; step < steps && status == WISP_OK; ++step )
     {
-        const double begin = wisp_clock_seconds();
-        status = interruption_check( error );
-        status = status == WISP_OK ? scene_world_step( world, error ) : status;
-        ms[step] = 1e3 * ( wisp_clock_seconds() - begin );
+        status = suite_time_step( world, ms + step, error );
         *hash = status == WISP_OK ? suite_hash_points( world, points, *hash ) : 0;
     }
     free( points );

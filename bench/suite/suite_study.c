@@ -1,7 +1,6 @@
 #include "suite_study.h"
 
 #include "accuracy/scene_tools.h"
-#include "interruption.h"
 #include "suite_reference.h"
 #include "suite_sampler.h"
 
@@ -70,11 +69,9 @@ static wisp_status time_steps( const study* own, int row, scene_world* world, in
     out->hash = SUITE_HASH_BEGIN;
     for ( int step = 0; step < steps && status == WISP_OK; ++step )
     {
-        const double begin = wisp_clock_seconds();
-        status = interruption_check( error );
-        status = status == WISP_OK ? scene_world_step( world, error ) : status;
-        const double ms = 1e3 * ( wisp_clock_seconds() - begin ) * scale;
-        status = status == WISP_OK ? accuracy_keep_ms( out, ms ) : status;
+        double ms;
+        status = suite_time_step( world, &ms, error );
+        status = status == WISP_OK ? accuracy_keep_ms( out, scale * ms ) : status;
         status =
             status == WISP_OK ? profile_samples_add( &out->profile, wisp_world_profile( world->world ) ) : status;
         out->hash = status == WISP_OK ? suite_hash_points( world, points, out->hash ) : 0;

@@ -2,10 +2,6 @@
 
 #include "validate_slender.h"
 
-#include "accuracy/accuracy_parts.h"
-
-#include <math.h>
-
 accuracy_scene_fn accuracy_closed_forms, accuracy_strands_chain, accuracy_balloon_inflate;
 
 static const double CASE_SECONDS = 20.0, CASE_SECONDS_QUICK = 3.0;

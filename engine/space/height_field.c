@@ -15,8 +15,7 @@ const char* height_field_fault( const wisp_height_field* f )
     return f->spacing > 0.0f && f->spacing <= FLT_MAX ? NULL : "spacing";
 }
 
-// Of cells beyond the border too, within the range of int.
-static double3 sample_at( const wisp_height_field* f, int i, int k )
+double3 height_field_sample( const wisp_height_field* f, int i, int k )
 {
     const int ci = i < 0 ? 0 : ( i >= f->count_x ? f->count_x - 1 : i );
     const int ck = k < 0 ? 0 : ( k >= f->count_z ? f->count_z - 1 : k );
@@ -29,9 +28,9 @@ static double3 sample_at( const wisp_height_field* f, int i, int k )
 // The two triangles of a cell, which face upwards.
 static void corners_of( const wisp_height_field* f, int i, int k, int half, double3 corner[3] )
 {
-    corner[0] = sample_at( f, i, k );
-    corner[1] = half == 0 ? sample_at( f, i, k + 1 ) : sample_at( f, i + 1, k + 1 );
-    corner[2] = half == 0 ? sample_at( f, i + 1, k + 1 ) : sample_at( f, i + 1, k );
+    corner[0] = height_field_sample( f, i, k );
+    corner[1] = half == 0 ? height_field_sample( f, i, k + 1 ) : height_field_sample( f, i + 1, k + 1 );
+    corner[2] = half == 0 ? height_field_sample( f, i + 1, k + 1 ) : height_field_sample( f, i + 1, k );
 }
 
 static double3 normal_of( const double3 c[3] )

@@ -1,11 +1,9 @@
 // Edges and corners of height fields that stick out, as those of meshes do (mesh_features.c). Each edge belongs to its corner with the lower
 // row and column: one along x, one along z, and the diagonal of the cell.
-#include "double3.h"
+#include "mesh_features.h"
+#include "solid.h"
 
 #include "wisp/module/collision_mesh.h"
-
-// Sine of the angle between the normals of two faces up to which they count as one plane.
-static const double PLANE = 0.01;
 
 enum
 {
@@ -25,17 +23,6 @@ typedef struct sample
 static const sample ENDS[3] = { { 1, 0 }, { 0, 1 }, { 1, 1 } };
 static const sample BEYOND[3][2] = { { { 1, 1 }, { 0, -1 } }, { { -1, 0 }, { 1, 1 } }, { { 0, 1 }, { 1, 0 } } };
 
-// Beyond the border the heights of the border go on.
-static double3 place( const wisp_height_field* f, int i, int k )
-{
-    const int ci = i < 0 ? 0 : ( i >= f->count_x ? f->count_x - 1 : i );
-    const int ck = k < 0 ? 0 : ( k >= f->count_z ? f->count_z - 1 : k );
-    const double s = (double)f->spacing;
-    return ( double3 ){ ( i - 0.5 * ( f->count_x - 1 ) ) * s,
-                        (double)f->heights[(size_t)ck * (size_t)f->count_x + (size_t)ci],
-                        ( k - 0.5 * ( f->count_z - 1 ) ) * s };
-}
-
 static double3 upward( double3 a, double3 b, double3 c )
 {
     const double3 n = double3_unit_or_zero( double3_cross( double3_sub( b, a ), double3_sub( c, a ) ) );
@@ -45,15 +32,17 @@ static double3 upward( double3 a, double3 b, double3 c )
 // @param normals [2] receives those of the faces beside an edge @return whether it is a ridge
 static bool is_ridge( const wisp_height_field* f, int i, int k, int kind, double3 normals[2] )
 {
-    const double3 a = place( f, i, k ), b = place( f, i + ENDS[kind].i, k + ENDS[kind].k );
+    const double3 a = height_field_sample( f, i, k ),
+                  b = height_field_sample( f, i + ENDS[kind].i, k + ENDS[kind].k );
     double3 beyond[2];
     for ( int side = 0; side < 2; ++side )
     {
-        beyond[side] = place( f, i + BEYOND[kind][side].i, k + BEYOND[kind][side].k );
+        beyond[side] = height_field_sample( f, i + BEYOND[kind][side].i, k + BEYOND[kind][side].k );
         normals[side] = upward( a, b, beyond[side] );
     }
     const double3 n = double3_cross( normals[0], normals[1] );
-    return double3_dot( n, n ) > PLANE * PLANE && double3_dot( normals[0], double3_sub( beyond[1], a ) ) < 0.0;
+    return double3_dot( n, n ) > MESH_FEATURES_PLANE * MESH_FEATURES_PLANE &&
+           double3_dot( normals[0], double3_sub( beyond[1], a ) ) < 0.0;
 }
 
 // Whether one of the six edges of a corner is a ridge.
@@ -105,7 +94,8 @@ int wisp_height_field_find_features( const wisp_height_field* f, const float low
                 const sample end = corners ? ( sample ){ 0, 0 } : ENDS[kind];
                 double3 normals[2];
                 if ( i + end.i < f->count_x && k + end.k < f->count_z && found < capacity &&
-                     overlaps( place( f, i, k ), place( f, i + end.i, k + end.k ), lower, upper ) &&
+                     overlaps( height_field_sample( f, i, k ), height_field_sample( f, i + end.i, k + end.k ), lower,
+                               upper ) &&
                      ( corners ? is_peak( f, i, k, normals ) : is_ridge( f, i, k, kind, normals ) ) )
                 {
                     out[found++] = ( k * f->count_x + i ) * PER_SAMPLE + kind;
@@ -121,7 +111,8 @@ wisp_mesh_feature wisp_height_field_feature( const wisp_height_field* f, int32_t
     const int number = feature / PER_SAMPLE, kind = feature % PER_SAMPLE, i = number % f->count_x,
               k = number / f->count_x;
     const sample end = kind == CORNER ? ( sample ){ 0, 0 } : ENDS[kind];
-    const wisp_vec3 a = double3_narrow( place( f, i, k ) ), b = double3_narrow( place( f, i + end.i, k + end.k ) );
+    const wisp_vec3 a = double3_narrow( height_field_sample( f, i, k ) ),
+                    b = double3_narrow( height_field_sample( f, i + end.i, k + end.k ) );
     return ( wisp_mesh_feature ){ { a, b }, { a, b } };
 }
 

@@ -8,9 +8,6 @@
 
 #include <string.h>
 
-// Sine of the angle between the normals of two faces up to which they count as one plane.
-static const double PLANE = 0.01;
-
 static int32_t point_of( const mesh_surface* s, int32_t half_edge, int next )
 {
     return s->triangles[half_edge / 3 * 3 + ( half_edge % 3 + next ) % 3];
@@ -87,7 +84,7 @@ static bool is_ridge( const edge_faces* f, double side )
     const bool is_any = f->count != 2 || f->is_opposite == false ||
                         double3_dot( f->normals[0], f->normals[0] ) == 0.0 ||
                         double3_dot( f->normals[1], f->normals[1] ) == 0.0;
-    const bool is_plane = double3_dot( n, n ) <= PLANE * PLANE && cosine > 0.0;
+    const bool is_plane = double3_dot( n, n ) <= MESH_FEATURES_PLANE * MESH_FEATURES_PLANE && cosine > 0.0;
     return is_any || ( !is_plane && side * double3_dot( f->normals[0], f->beyond ) < 0.0 );
 }
 

@@ -3,6 +3,9 @@
 
 #include "mesh_bvh.h"
 
+/// Sine of the angle between the normals of two faces up to which they count as one plane.
+#define MESH_FEATURES_PLANE 0.01
+
 typedef struct mesh_features
 {
     mesh_bvh boxes; ///< of a mesh whose search has none; else zero

@@ -12,6 +12,8 @@ double convex_enter( const wisp_convex* convex, double3 from, double3 step, doub
 
 void height_field_closest( const wisp_height_field* field, double3 p, wisp_surface_point* s );
 double height_field_enter( const wisp_height_field* field, double3 from, double3 step, double3* normal );
+/// The place of a sample, m. Beyond the border, within the range of int, the heights of the border go on.
+double3 height_field_sample( const wisp_height_field* field, int i, int k );
 /// @return null, or what is wrong
 const char* height_field_fault( const wisp_height_field* field );
 

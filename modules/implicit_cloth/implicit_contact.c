@@ -186,7 +186,8 @@ static int merge( touch* touches, int count )
         return count;
     }
     const wisp_vec3 t = cross( touches[0].normal, touches[1].normal );
-    const bool is_one = dot( t, t ) < 1e-6f, alike = is_one == false || touches[0].held == touches[1].held;
+    const bool is_one = dot( t, t ) < IMPLICIT_SAME_NORMALS,
+               alike = is_one == false || touches[0].held == touches[1].held;
     const bool second = alike ? touches[1].gap < touches[0].gap : touches[1].held;
     if ( second )
     {

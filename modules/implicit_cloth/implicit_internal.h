@@ -105,6 +105,9 @@ typedef struct implicit_contact_input
     bool speculative;
 } implicit_contact_input;
 
+/// Squared sine of the angle between two normals of a row below which they count as one.
+#define IMPLICIT_SAME_NORMALS 1e-6f
+
 /// What contact gives to bodies in a substep: the columns of particle.contact_impulses. Null: nobody asks.
 typedef struct implicit_given
 {

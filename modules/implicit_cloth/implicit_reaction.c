@@ -3,9 +3,6 @@
 // impact takes momentum too (implicit_settle_row).
 #include "implicit_internal.h"
 
-// Two normals that hardly differ count as one, as in implicit_contact.c.
-static const float SAME_NORMALS = 1e-6f;
-
 wisp_vec3 implicit_momentum( const implicit_contact_input* f, int slot, const float* v, const float* v_before )
 {
     const float weight = f->position[(size_t)slot * 4 + 3], mass = weight > 0.0f ? 1.0f / weight : 0.0f;
@@ -22,7 +19,7 @@ static wisp_vec3 share_of_second( const implicit_contact_input* f, int slot, flo
 {
     const float *n = f->plane + (size_t)slot * 4 * WISP_MAX_PARTICLE_CONTACTS, *m = n + 4;
     const float x = n[1] * m[2] - n[2] * m[1], y = n[2] * m[0] - n[0] * m[2], z = n[0] * m[1] - n[1] * m[0];
-    const float pressed = x * x + y * y + z * z < SAME_NORMALS ? 0.0f : scale * f->contact[slot].pressed[1];
+    const float pressed = x * x + y * y + z * z < IMPLICIT_SAME_NORMALS ? 0.0f : scale * f->contact[slot].pressed[1];
     return ( wisp_vec3 ){ pressed * m[0], pressed * m[1], pressed * m[2] };
 }
 

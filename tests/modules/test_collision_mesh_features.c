@@ -1,30 +1,9 @@
 // Edges and triangles of surfaces against meshes and surfaces as colliders: needles, blades, box edges, moving surfaces, and the
 // distances by which they are found.
-#include "collision_fixture.h"
+#include "collision_sheet_fixture.h"
 #include "feature_contacts.h"
-#include "oracle/mesh_gap_oracle.h"
-#include "wisp/module/random.h"
-
-static const float DT = 1.0f / 60.0f;
-static const float CELL = 0.02f;
-static const float THICKNESS = 0.005f;
-static const float GRAVITY = 9.8f;
-
-enum
-{
-    SIDE = 21, // vertices
-    MOST_POINTS = 600,
-    MOST_CORNERS = 121, // of a collider
-};
 
 // ---- distances ----
-
-static wisp_vec3 random_point( uint32_t number )
-{
-    const wisp_random_key key = wisp_random_make_key( 7, 0, 0 );
-    return ( wisp_vec3 ){ wisp_random_unit_float( key, number, 0, 0 ), wisp_random_unit_float( key, number, 1, 0 ),
-                          wisp_random_unit_float( key, number, 2, 0 ) };
-}
 
 static void closest_points_are_those_of_the_oracle( void** state )
 {
@@ -63,15 +42,6 @@ static void closest_points_are_those_of_the_oracle( void** state )
 }
 
 // ---- meshes ----
-
-static test_mesh new_mesh( const wisp_vec3* points, int point_count, const int32_t* triangles, int triangle_count )
-{
-    test_mesh m = { calloc( (size_t)point_count, sizeof( wisp_vec3 ) ),
-                    calloc( 3 * (size_t)triangle_count, sizeof( int32_t ) ), point_count, triangle_count };
-    memcpy( m.points, points, (size_t)point_count * sizeof( wisp_vec3 ) );
-    memcpy( m.triangles, triangles, 3 * (size_t)triangle_count * sizeof( int32_t ) );
-    return m;
-}
 
 // A bar along y from -length to 0, with three sides, that ends in a tip or in an edge across.
 static test_mesh spike( float radius, float length )
@@ -233,251 +203,7 @@ static void a_closed_mesh_is_met_from_outside_alone( void** state )
     test_mesh_free( &m );
 }
 
-// ---- height fields ----
-
-// The triangles of a field, which face upwards.
-static test_mesh mesh_of_field( const wisp_height_field* f )
-{
-    const int nx = f->count_x, nz = f->count_z;
-    wisp_vec3 points[MOST_POINTS];
-    int32_t triangles[2 * MOST_POINTS][3];
-    int count = 0;
-    for ( int v = 0; v < nx * nz; ++v )
-    {
-        points[v] = ( wisp_vec3 ){ f->spacing * ( (float)( v % nx ) - 0.5f * (float)( nx - 1 ) ), f->heights[v],
-                                   f->spacing * ( (float)( v / nx ) - 0.5f * (float)( nz - 1 ) ) };
-        if ( v % nx + 1 < nx && v / nx + 1 < nz )
-        {
-            memcpy( triangles[count++], ( int32_t[] ){ v, v + nx, v + nx + 1 }, sizeof triangles[0] );
-            memcpy( triangles[count++], ( int32_t[] ){ v, v + nx + 1, v + 1 }, sizeof triangles[0] );
-        }
-    }
-    return new_mesh( points, nx * nz, &triangles[0][0], count );
-}
-
-static bool is_same_place( const wisp_mesh_feature* a, const wisp_mesh_feature* b )
-{
-    const float near = 1e-5f;
-    return ( collision_length( collision_sub( a->from[0], b->from[0] ) ) < near &&
-             collision_length( collision_sub( a->from[1], b->from[1] ) ) < near ) ||
-           ( collision_length( collision_sub( a->from[0], b->from[1] ) ) < near &&
-             collision_length( collision_sub( a->from[1], b->from[0] ) ) < near );
-}
-
-// Within a box, the edges of a field that stick out are those that stick out of the mesh of its triangles, with the same normals.
-static void a_height_field_has_the_edges_and_corners_of_its_triangles( void** state )
-{
-    (void)state;
-    float heights[9 * 7];
-    for ( uint32_t v = 0; v < 63; ++v )
-    {
-        heights[v] = v % 5 == 0 ? 0.05f : 0.2f * random_point( v ).x;
-    }
-    const wisp_height_field field = { heights, 9, 7, 0.1f };
-    test_mesh m = mesh_of_field( &field );
-    const wisp_collision_mesh_def def = { .points = m.points,
-                                          .triangles = m.triangles,
-                                          .point_count = m.vertex_count,
-                                          .triangle_count = m.triangle_count,
-                                          .search = WISP_MESH_SEARCH_TREE };
-    wisp_collision_mesh* mesh = NULL;
-    assert_int_equal( wisp_collision_mesh_create( &def, NULL, &mesh, NULL ), WISP_OK );
-    assert_int_equal( wisp_collision_mesh_prepare_features( mesh, NULL ), WISP_OK );
-    const float lower[3] = { -0.25f, 0.06f, -0.15f }, upper[3] = { 0.2f, 0.15f, 0.18f };
-    for ( int corners = 0; corners < 2; ++corners )
-    {
-        int32_t own[400], others[400];
-        const int count = wisp_height_field_find_features( &field, lower, upper, corners == 1, own, 400 );
-        const int other_count = wisp_collision_mesh_find_features( mesh, lower, upper, corners == 1, others, 400 );
-        int matched = 0, expected = 0;
-        for ( int k = 0; k < other_count; ++k )
-        {
-            const wisp_mesh_feature g = wisp_collision_mesh_feature( mesh, others[k], corners == 1, 0.0f, 1.0f );
-            const wisp_mesh_sides sides = wisp_collision_mesh_sides( mesh, others[k], corners == 1, 1.0f );
-            // the mesh looks at boxes of triangles, and keeps corners with a valley alone
-            const bool is_near =
-                fminf( g.from[0].x, g.from[1].x ) <= upper[0] && fmaxf( g.from[0].x, g.from[1].x ) >= lower[0] &&
-                fminf( g.from[0].y, g.from[1].y ) <= upper[1] && fmaxf( g.from[0].y, g.from[1].y ) >= lower[1] &&
-                fminf( g.from[0].z, g.from[1].z ) <= upper[2] && fmaxf( g.from[0].z, g.from[1].z ) >= lower[2];
-            expected += is_near && sides.in_front && corners == 0 ? 1 : 0;
-            for ( int i = 0; i < count; ++i )
-            {
-                const wisp_mesh_feature f = wisp_height_field_feature( &field, own[i] );
-                const wisp_mesh_sides mine = wisp_height_field_sides( &field, own[i] );
-                if ( is_same_place( &f, &g ) )
-                {
-                    matched += 1;
-                    assert_true( is_near && sides.in_front && mine.in_front && mine.behind == false );
-                    // corners are weighted by angles there, and not here
-                    assert_true( collision_dot( mine.normal, sides.normal ) > ( corners == 1 ? 0.8f : 0.999999f ) );
-                }
-            }
-        }
-        assert_int_equal( matched, count );
-        assert_true( count > 5 && ( corners == 1 || count == expected ) );
-        assert_int_equal( wisp_height_field_find_features( &field, lower, upper, corners == 1, own, 3 ), 3 );
-    }
-    wisp_collision_mesh_release( mesh );
-    test_mesh_free( &m );
-}
-
 // ---- a sheet and a mesh ----
-
-typedef struct setting
-{
-    wisp_collision_features features;
-    bool is_held, double_sided, follows, by_voxels;
-    const wisp_height_field* field; // that the collider is, in place of a mesh; null: it is one
-    float gravity;
-    int workers;
-    wisp_quat rotation;
-} setting;
-
-typedef struct sheet
-{
-    hosted* h;
-    wisp_entity surface, body, skin;
-    test_mesh mesh, collider;
-    setting with;
-    wisp_vec3 place; // of the collider
-} sheet;
-
-// In a direction and at a place that no edge of the sheet has.
-static const wisp_quat TURNED = { 0.0f, 0.18f, 0.0f, 0.98367f };
-
-static wisp_vec3 place_of( const sheet* s, wisp_vec3 p )
-{
-    return wisp_transform_to_world( wisp_transform_make( s->with.rotation, s->place ), p );
-}
-
-static void move_to( sheet* s, float height )
-{
-    s->place.y = height;
-    if ( s->with.follows == false )
-    {
-        const wisp_transform pose = wisp_transform_make( s->with.rotation, s->place );
-        assert_int_equal( wisp_move_collider( s->h->world, s->body, pose ), WISP_OK );
-        return;
-    }
-    wisp_vec3 targets[8];
-    int32_t all[8];
-    for ( int v = 0; v < s->collider.vertex_count; ++v )
-    {
-        all[v] = v;
-        targets[v] = place_of( s, s->collider.points[v] );
-    }
-    assert_int_equal( wisp_move_pins( s->h->world, s->skin, all, targets, s->collider.vertex_count ), WISP_OK );
-}
-
-static void add_skin( sheet* s )
-{
-    test_mesh placed =
-        new_mesh( s->collider.points, s->collider.vertex_count, s->collider.triangles, s->collider.triangle_count );
-    int32_t all[8];
-    for ( int v = 0; v < placed.vertex_count; ++v )
-    {
-        all[v] = v;
-        placed.points[v] = place_of( s, placed.points[v] );
-    }
-    wisp_fabric_def fabric = test_fabric_def( &placed );
-    wisp_surface_def def = support_weightless_surface_def();
-    def.pins = all;
-    def.pin_count = placed.vertex_count;
-    s->skin = test_surface_of( s->h->world, &fabric, def );
-    test_mesh_free( &placed );
-}
-
-// A sheet of cells of 2 cm in the plane y = 0, held at its border or free, and a mesh whose highest point is at a height.
-static sheet new_sheet( test_mesh collider, float height, setting with )
-{
-    sheet s = { .h = new_colliding( 10, 1, with.workers > 0 ? with.workers : 1 ),
-                .collider = collider,
-                .with = with };
-    const float half = 0.5f * CELL * (float)( SIDE - 1 );
-    s.place = ( wisp_vec3 ){ half + 0.003f, height, half + 0.0045f };
-    wisp_collider_def def = mesh_body( &collider );
-    if ( with.follows )
-    {
-        add_skin( &s );
-        def = wisp_default_collider_def();
-        def.kind = WISP_COLLIDER_SURFACE;
-        def.surface = s.skin;
-    }
-    else
-    {
-        def.pose = wisp_transform_make( with.rotation, s.place );
-        def.search = with.by_voxels ? WISP_MESH_SEARCH_VOXELS : WISP_MESH_SEARCH_TREE;
-    }
-    if ( with.field != NULL )
-    {
-        def = wisp_default_collider_def();
-        def.kind = WISP_COLLIDER_HEIGHT_FIELD;
-        def.heights = with.field->heights;
-        def.height_count_x = with.field->count_x;
-        def.height_count_z = with.field->count_z;
-        def.spacing = with.field->spacing;
-        def.pose = wisp_transform_make( with.rotation, s.place );
-    }
-    def.double_sided = with.double_sided;
-    s.body = add_collider( s.h->world, &def );
-    s.mesh = test_plane( SIDE, CELL );
-    wisp_collision_def collision = wisp_default_collision_def();
-    collision.thickness = THICKNESS;
-    collision.features = with.features;
-    s.surface = add_colliding( s.h->world, &s.mesh, &collision );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( s.h->world, s.surface, &cloth ), WISP_OK );
-    give_gravity( s.h->world, s.surface, with.gravity );
-    for ( int32_t v = 0; with.is_held && v < s.mesh.vertex_count; ++v )
-    {
-        const int i = v % SIDE, k = v / SIDE;
-        if ( i == 0 || k == 0 || i == SIDE - 1 || k == SIDE - 1 )
-        {
-            assert_int_equal( wisp_pin( s.h->world, s.surface, &v, 1 ), WISP_OK );
-        }
-    }
-    return s;
-}
-
-static void free_sheet( sheet* s )
-{
-    test_mesh_free( &s->mesh );
-    test_mesh_free( &s->collider );
-    free_colliding( s->h );
-}
-
-// m; -1 if the sheet and the mesh cross.
-static double gap_of( const sheet* s )
-{
-    static double3 points[MOST_POINTS];
-    double3 corners[MOST_CORNERS];
-    assert_true( s->mesh.vertex_count <= MOST_POINTS && s->collider.vertex_count <= MOST_CORNERS );
-    for ( int v = 0; v < s->mesh.vertex_count; ++v )
-    {
-        points[v] = double3_widen( point_of( s->h->world, s->surface, v ) );
-    }
-    for ( int v = 0; v < s->collider.vertex_count; ++v )
-    {
-        corners[v] = double3_widen( place_of( s, s->collider.points[v] ) );
-    }
-    const mesh_gap_oracle_mesh a = { points, s->mesh.triangles, s->mesh.triangle_count },
-                               b = { corners, s->collider.triangles, s->collider.triangle_count };
-    return mesh_gap_oracle_find( &a, &b );
-}
-
-// Move a collider up by a rise at a speed, and on for some steps. @return the least gap on the way
-static double rise( sheet* s, float from, float by, float speed, int more )
-{
-    double least = INFINITY;
-    const int steps = (int)ceilf( by / ( speed * DT ) );
-    for ( int n = 1; n <= steps + more; ++n )
-    {
-        move_to( s, from + fminf( by, speed * DT * (float)n ) );
-        run_for( s->h->world, DT, 1 );
-        least = n % 5 == 0 || n <= steps ? fmin( least, gap_of( s ) ) : least;
-    }
-    return least;
-}
 
 static double spike_gap( setting with, float speed, float by )
 {
@@ -510,31 +236,6 @@ static void a_spike_that_moves_does_not_pass_at_any_speed( void** state )
         const double gap = spike_gap( with, speeds[k], k == 0 ? 0.06f : k == 1 ? 0.2f : 0.34f );
 
         assert_true( gap > 0.5 * (double)THICKNESS );
-    }
-}
-
-// A ground with one sample that is 4 cm higher than the others, and with a ridge of such samples.
-static void no_peak_and_no_ridge_of_a_height_field_shows_through_a_sheet( void** state )
-{
-    (void)state;
-    for ( int k = 0; k < 4; ++k )
-    {
-        float heights[11 * 11];
-        for ( int v = 0; v < 121; ++v )
-        {
-            const bool is_top = k < 2 ? v == 60 : v / 11 == 5 && v % 11 > 1 && v % 11 < 9;
-            heights[v] = is_top ? 0.0f : -0.04f;
-        }
-        const wisp_height_field field = { heights, 11, 11, 0.012f };
-        const setting with = { .features = k % 2 == 0 ? WISP_COLLISION_ALL : WISP_COLLISION_VERTICES,
-                               .is_held = true,
-                               .field = &field,
-                               .gravity = 10.0f * GRAVITY,
-                               .rotation = TURNED };
-        sheet s = new_sheet( mesh_of_field( &field ), -0.02f, with );
-        const double gap = rise( &s, -0.02f, 0.035f, 0.06f, 10 );
-        free_sheet( &s );
-        assert_true( k % 2 == 0 ? gap > 0.7 * (double)THICKNESS : gap < 0.0 );
     }
 }
 
@@ -702,8 +403,6 @@ int main( void )
         cmocka_unit_test( each_edge_of_a_box_is_found_once_and_no_diagonal_of_its_faces ),
         cmocka_unit_test( the_two_nearest_ridges_are_met_and_no_valley ),
         cmocka_unit_test( a_closed_mesh_is_met_from_outside_alone ),
-        cmocka_unit_test( a_height_field_has_the_edges_and_corners_of_its_triangles ),
-        cmocka_unit_test( no_peak_and_no_ridge_of_a_height_field_shows_through_a_sheet ),
         cmocka_unit_test( a_spike_of_a_millimetre_does_not_pass_a_held_sheet_under_load ),
         cmocka_unit_test( a_spike_that_moves_does_not_pass_at_any_speed ),
         cmocka_unit_test( a_bar_of_a_millimetre_does_not_pass_at_any_speed ),
