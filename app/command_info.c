@@ -294,6 +294,11 @@ static void print_surface( const wisp_scene* scene, const wisp_scene_surface* en
     {
         printf( "    %s\n", entry->has_cloth ? "cloth" : "balloon" );
     }
+    if ( entry->has_membrane )
+    {
+        printf( "    membrane, shear modulus %g Pa, %g m thick%s\n", (double)entry->membrane.shear_modulus,
+                (double)entry->membrane.thickness, entry->membrane.tension_field ? ", tension field" : "" );
+    }
     if ( entry->has_implicit )
     {
         printf( "    implicit cloth%s\n", entry->has_quad_links ? ", quad links" : "" );

@@ -15,6 +15,7 @@
 #include "guide_hair/guide_hair.h"
 #include "implicit_cloth/implicit_cloth.h"
 #include "motion_constraints/motion_constraints.h"
+#include "membrane/membrane.h"
 #include "tearing/tearing.h"
 #include "seams/seams.h"
 #include "strand_appearance/strand_appearance.h"
@@ -309,6 +310,8 @@ extern "C"
         wisp_scene_path target_path;                    ///< how far the targets are from where the vertices start
         bool has_target_pivot;
         wisp_vec3 target_pivot; ///< m, what target_path turns about; without it: the centre of the vertices
+        bool has_membrane;      ///< its own skin, and that of the balloon
+        wisp_membrane_def membrane;
         bool has_tearing;
         wisp_tearing_def tearing; ///< without factors
         int max_new_vertices;     ///< spare vertices of the mesh; -1: a quarter of its vertices, at least 64

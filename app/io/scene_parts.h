@@ -14,7 +14,7 @@ extern const scene_block SCENE_EVENT_BLOCK;                         // over scen
 extern const scene_block SCENE_OUTPUT_BLOCK;                        // over wisp_scene_output
 extern const scene_block SCENE_SURFACE_BLOCK;                       // over wisp_scene_surface
 extern const scene_block SCENE_BOUNDARY_BLOCK, SCENE_CONTACT_BLOCK; // over wisp_scene_surface
-extern const scene_block SCENE_MOTION_CONSTRAINTS_BLOCK, SCENE_TEARING_BLOCK, SCENE_FRAME_BLOCK,
+extern const scene_block SCENE_MOTION_CONSTRAINTS_BLOCK, SCENE_TEARING_BLOCK, SCENE_MEMBRANE_BLOCK, SCENE_FRAME_BLOCK,
     SCENE_SURFACE_SLEEP_BLOCK, SCENE_SURFACE_DETAIL_BLOCK; // over wisp_scene_surface
 extern const scene_block SCENE_SURFACE_COLLIDER_BLOCK;     // likewise
 extern const scene_block SCENE_ANIMATION_BLOCK;            // likewise

@@ -63,6 +63,20 @@ static const scene_field TEARING_FIELDS[] = {
 };
 const scene_block SCENE_TEARING_BLOCK = BLOCK( TEARING_FIELDS );
 
+// ---- membranes ----
+
+#define MEMBRANE( member ) offsetof( wisp_scene_surface, membrane.member )
+
+static const scene_field MEMBRANE_FIELDS[] = {
+    { "shear_modulus", SCENE_NUMBER, .at = MEMBRANE( shear_modulus ), .range = RANGE( 1e-3, 1e12 ), .unit = PRESSURES,
+      .help = "Shear modulus of the material, a third of Young's modulus; latex by default." },
+    { "thickness", SCENE_NUMBER, .at = MEMBRANE( thickness ), .range = RANGE( 1e-9, 1 ), .unit = METRES,
+      .help = "Thickness at rest." },
+    { "tension_field", SCENE_SWITCH, .at = MEMBRANE( tension_field ),
+      .help = "Triangles hold no compression, as if they had wrinkles finer than the mesh." },
+};
+const scene_block SCENE_MEMBRANE_BLOCK = BLOCK( MEMBRANE_FIELDS );
+
 // ---- surfaces as colliders ----
 
 #define COLLIDER( member ) offsetof( wisp_scene_surface, collider.member )
@@ -158,6 +172,43 @@ static wisp_status check_tearing( scene_reader* r, const scene_node* node, const
     return WISP_OK;
 }
 
+// What says how links stretch says nothing of a membrane.
+static wisp_status check_membrane( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+{
+    static const char* const of_links[][2] = {
+        { "balloon", "solver" },
+        { "balloon", "edge_stiffness" },
+        { "balloon", "bend_link_stiffness" },
+        { "balloon", "stretch_stiffness" },
+        { "balloon", "bend_stiffness" },
+        { "cloth", "warp_compliance" },
+        { "cloth", "weft_compliance" },
+        { "cloth", "shear_compliance" },
+        { "cloth", "stretch_stiffness" },
+        { "cloth", "shear_stiffness" },
+        { "cloth", "warp" },
+        { "cloth", "coarse_substeps" },
+    };
+    for ( int i = 0; i < WISP_COUNT( of_links ); ++i )
+    {
+        const scene_node* block = scene_child( r, node, of_links[i][0] );
+        const scene_node* key = block ? scene_child( r, block, of_links[i][1] ) : NULL;
+        if ( key )
+        {
+            return scene_refuse_node( r, key, "'%s' is of links, and a membrane has none", of_links[i][1] );
+        }
+    }
+    const scene_node* mine = scene_child( r, node, "membrane" );
+    if ( s->has_implicit || s->has_tearing )
+    {
+        return scene_refuse_node( r, mine, "'membrane' is not possible with '%s'",
+                                  s->has_implicit ? "implicit" : "tearing" );
+    }
+    return s->has_cloth && s->cloth.bending == WISP_CLOTH_BENDING_LINKS
+               ? scene_refuse_node( r, mine, "'membrane' needs cloth.bending dihedral, isometric or none, got links" )
+               : WISP_OK;
+}
+
 // Without a limit they do nothing, whatever else is said.
 static wisp_status check_motion_constraints( scene_reader* r, const scene_node* node )
 {
@@ -188,6 +239,7 @@ wisp_status scene_check_held( scene_reader* r, const scene_node* node, const wis
         return scene_refuse_node( r, scene_child( r, node, "frame" ), "'frame' is not possible with 'implicit'" );
     }
     wisp_status status = check_tearing( r, node, s );
+    status = status || !s->has_membrane ? status : check_membrane( r, node, s );
     status = status ? status : check_path( r, node, "motion_constraints", &s->target_path );
     status = status ? status : check_motion_constraints( r, node );
     return status ? status : check_path( r, node, "frame", &s->frame_path );

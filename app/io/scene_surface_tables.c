@@ -369,6 +369,8 @@ static const scene_field SURFACE_FIELDS[] = {
     { "motion_constraints", SCENE_BLOCK, .at = AT( has_motion_constraints ), .block = &SCENE_MOTION_CONSTRAINTS_BLOCK,
       .help =
           "Keeps vertices near targets, which start where the vertices start, and out of a backstop behind them." },
+    { "membrane", SCENE_BLOCK, .at = AT( has_membrane ), .block = &SCENE_MEMBRANE_BLOCK,
+      .help = "Triangles of rubber instead of links, also as the skin of a `balloon`; bending and air by `cloth`." },
     { "tearing", SCENE_BLOCK, .at = AT( has_tearing ), .block = &SCENE_TEARING_BLOCK,
       .help =
           "Splits the cloth where it is pulled too hard; needs `cloth` by xpbd without coarse sheets or tethers." },

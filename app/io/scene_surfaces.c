@@ -168,6 +168,7 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
         .implicit = wisp_default_implicit_cloth_def(),
         .solve_order = wisp_default_fabric_def().solve_order,
         .animation = { .blend = 0.3f },
+        .membrane = wisp_default_membrane_def(),
         .tearing = wisp_default_tearing_def(),
         .max_new_vertices = -1,
         .motion_constraints = wisp_default_motion_constraints_def(),

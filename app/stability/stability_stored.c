@@ -250,6 +250,10 @@ double stability_stored_energy( const stability_reader* r, const scene_world* wo
     {
         return stored_in_strands( r, h );
     }
+    if ( r->surface->has_membrane )
+    {
+        return NAN; // what a projection adds to its energy has no closed form
+    }
     double sum = energy_of_links( r, world, h ) + energy_of_tethers( r, world, h ) + energy_of_levels( r, world, h );
     sum += r->surface->has_implicit ? energy_of_springs( r, world, is_start ) : 0.0;
     return sum + ( r->surface->has_balloon ? energy_of_gas( r, h ) : 0.0 );

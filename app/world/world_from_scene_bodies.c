@@ -55,7 +55,8 @@ static scene_body surface_body( const scene_world* world, body_place place )
                            .triangles = source->triangles,
                            .triangle_count = source->triangle_count,
                            .tears = entry->has_tearing,
-                           .is_led = !entry->has_cloth && !entry->has_balloon && !entry->has_implicit };
+                           .is_led = !entry->has_cloth && !entry->has_balloon && !entry->has_implicit &&
+                                     !entry->has_membrane };
 }
 
 scene_body scene_world_body( const scene_world* world, int body )

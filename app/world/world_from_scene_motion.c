@@ -217,7 +217,8 @@ void scene_request_intersections( wisp_scene* scene )
 
 bool scene_is_driven( const wisp_scene_surface* surface )
 {
-    return surface->has_animation && !( surface->has_cloth || surface->has_balloon || surface->has_implicit );
+    return surface->has_animation &&
+           !( surface->has_cloth || surface->has_balloon || surface->has_implicit || surface->has_membrane );
 }
 
 bool scene_has_contact( const wisp_scene* scene )

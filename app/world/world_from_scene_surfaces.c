@@ -151,7 +151,7 @@ static unsigned char needs_of( const wisp_scene_surface* entry )
     const bool cloth = entry->has_cloth;
     const wisp_cloth_bending bending = entry->cloth.bending;
     unsigned char required = 0;
-    if ( entry->has_balloon || ( cloth && bending == WISP_CLOTH_BENDING_LINKS ) )
+    if ( ( entry->has_balloon && !entry->has_membrane ) || ( cloth && bending == WISP_CLOTH_BENDING_LINKS ) )
     {
         required |= NEEDS_BEND_LINKS;
     }
@@ -337,7 +337,11 @@ static wisp_status dress( scene_world* world, int surface, const wisp_balloon_de
     const wisp_scene_surface* entry = &world->scene->surfaces[surface];
     wisp_entity entity = world->surfaces[surface].entity;
     wisp_status status = WISP_OK;
-    if ( entry->has_cloth )
+    if ( entry->has_membrane )
+    {
+        status = wisp_set_membrane( world->world, entity, &entry->membrane );
+    }
+    if ( status == WISP_OK && entry->has_cloth )
     {
         status = wisp_set_cloth( world->world, entity, &entry->cloth );
     }

@@ -1,6 +1,7 @@
 // The cases of `wisp validate`, and where their answers are from.
 #include "validate.h"
 
+#include "validate_rubber.h"
 #include "validate_slender.h"
 
 accuracy_scene_fn accuracy_closed_forms, accuracy_strands_chain, accuracy_balloon_inflate;
@@ -71,6 +72,18 @@ static const validate_case cases[] = {
         .left_out = "skins with a strain energy, such as rubber",
         .formula = "p = sum(k l^2) (s - 1) / (3 V0 s^2), exact for the mesh",
         .source = "the balance of a spring mesh that is scaled by s",
+    },
+    {
+        .name = "rubber",
+        .title = "spheres with a neo-Hookean skin: pressure over the limit point",
+        .make = validate_rubber,
+        .tests = "a skin with a strain energy from 1.1 to 3 times its size: the pressure rises to a limit point and "
+                 "falls again, as that of "
+                 "a party balloon",
+        .left_out = "the second rise of the pressure of real rubber, whose chains have a finite length; shapes that "
+                    "lose their symmetry",
+        .formula = "p = 2 G t / R (1 / s - 1 / s^7), largest at s = 7^(1/6) = 1.383",
+        .source = "Treloar 1943; Green and Shield 1950",
     },
 };
 

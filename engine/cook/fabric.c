@@ -277,7 +277,7 @@ static bool schedule_hinges( const wisp_fabric_def* def, cook_fabric* cooked )
         .last_slots = f->attachment_count,
     };
     return fabric_schedule_build( &constraints, &cooked->keep, &f->hinge_order ) &&
-           fabric_schedule_hinges( &f->hinge_order, &constraints, &cooked->keep, &f->hinge_slot_x4 );
+           fabric_schedule_corners( &f->hinge_order, &constraints, &cooked->keep, &f->hinge_slot_x4 );
 }
 
 static bool cook_rings( const fabric_mesh* mesh, cook_fabric* cooked, fabric_pool* scratch )

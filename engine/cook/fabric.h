@@ -113,9 +113,9 @@ int fabric_choose_tile_size( int vertex_count );
 
 // ---- fabric_schedule.c ----
 
-/// List slots of hinges in schedule order: [schedule->slot_count / 8][4][8]; padding is the dummy of the tile.
-bool fabric_schedule_hinges( const wisp_schedule* schedule, const fabric_constraints* constraints, fabric_pool* keep,
-                             const int32_t** out );
+/// List slots of constraints in schedule order: [schedule->slot_count / 8][arity][8]; padding is the dummy of the tile.
+bool fabric_schedule_corners( const wisp_schedule* schedule, const fabric_constraints* constraints, fabric_pool* keep,
+                              const int32_t** out );
 
 // ---- fabric_save.c and fabric_check.c ----
 

@@ -48,7 +48,7 @@ typedef struct fabric_parts
 typedef struct fabric_constraints
 {
     const int32_t* slots; ///< [count][arity], each a vertex below vertex_count; one may occur twice in a row of slots
-    int count, arity;     ///< arity 2 or 4
+    int count, arity;     ///< arity 2 to 4
     int vertex_count;
     /// Slots per tile; a constraint belongs to the tile of its smallest slot. 0: no tiles; then each colour is one
     /// tile without shared vertices, so it may be split between any two groups.

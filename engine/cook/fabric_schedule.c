@@ -248,20 +248,21 @@ bool fabric_schedule_links( const wisp_schedule* schedule, const fabric_constrai
     return true;
 }
 
-bool fabric_schedule_hinges( const wisp_schedule* schedule, const fabric_constraints* constraints, fabric_pool* keep,
-                             const int32_t** out )
+bool fabric_schedule_corners( const wisp_schedule* schedule, const fabric_constraints* constraints, fabric_pool* keep,
+                              const int32_t** out )
 {
-    int32_t* slot_x4 = fabric_pool_push( keep, 4 * (size_t)schedule->slot_count, sizeof( int32_t ) );
+    const size_t arity = (size_t)constraints->arity;
+    int32_t* slot_x4 = fabric_pool_push( keep, arity * (size_t)schedule->slot_count, sizeof( int32_t ) );
     for ( int tile = 0; tile < schedule->tile_count && slot_x4 != NULL; ++tile )
     {
         int32_t pad = dummy4( schedule, constraints, tile );
         for ( int32_t i = schedule->tile_begin[tile]; i < schedule->tile_begin[tile + 1]; ++i )
         {
             int32_t c = schedule->constraint[i];
-            int32_t* lane = slot_x4 + 4 * (size_t)( i - i % WISP_FABRIC_LANES ) + i % WISP_FABRIC_LANES;
-            for ( int k = 0; k < 4; ++k )
+            int32_t* lane = slot_x4 + arity * (size_t)( i - i % WISP_FABRIC_LANES ) + i % WISP_FABRIC_LANES;
+            for ( size_t k = 0; k < arity; ++k )
             {
-                lane[k * WISP_FABRIC_LANES] = c >= 0 ? 4 * constraints->slots[4 * (size_t)c + (size_t)k] : pad;
+                lane[k * WISP_FABRIC_LANES] = c >= 0 ? 4 * constraints->slots[arity * (size_t)c + k] : pad;
             }
         }
     }

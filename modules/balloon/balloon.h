@@ -64,8 +64,9 @@ typedef enum wisp_balloon_outlet_constant
 /// Skin, gas, air and outlet of a balloon. Fill from wisp_default_balloon_def(). Copied.
 typedef struct wisp_balloon_def
 {
-    uint32_t size;             ///< bytes; set by wisp_default_balloon_def()
-    wisp_solver solver;        ///< of the skin, default xpbd
+    uint32_t size; ///< bytes; set by wisp_default_balloon_def()
+    wisp_solver
+        solver; ///< of the skin, default xpbd. The skin is links, or a membrane that was set before (membrane.h)
     float edge_stiffness;      ///< N/m, > 0, default 2000: of the edges (xpbd), and of the virial pressure
     float bend_link_stiffness; ///< N/m, > 0, default 20: the same for bend links
     float stretch_stiffness;   ///< pbd, in [0, 1], default 0.9

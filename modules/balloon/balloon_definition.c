@@ -170,6 +170,7 @@ typedef struct requested_component
 static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d, const balloon_state* s )
 {
     const bool pbd = d->solver == WISP_SOLVER_PBD, jet = d->outlet_count > 0;
+    const bool linked = wisp_world_has( world, surface, WISP_SURFACE_ELASTIC ) == false;
     const bool open = wisp_world_fabric( world, surface )->open_edge_count > 0;
     const requested_component all[] = {
         { s->gas, true },
@@ -184,8 +185,8 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_bal
         { s->outlet, jet },
         { s->kick, jet && d->spin == WISP_BALLOON_SPIN_VELOCITY },
         { s->turn, jet && d->spin == WISP_BALLOON_SPIN_POSITION },
-        { WISP_LINK_STIFFNESS, pbd },
-        { WISP_LINK_COMPLIANCE, pbd == false },
+        { WISP_LINK_STIFFNESS, pbd && linked },
+        { WISP_LINK_COMPLIANCE, pbd == false && linked },
     };
     // attach rows first, because only that can fail, and detach them again on failure
     bool given[WISP_COUNT( all )];
@@ -214,7 +215,7 @@ static void fill_links( wisp_world* world, wisp_entity surface, const wisp_ballo
     const wisp_fabric* f = wisp_world_fabric( world, surface );
     const bool pbd = d->solver == WISP_SOLVER_PBD;
     float* column = wisp_world_column( world, surface, pbd ? WISP_LINK_STIFFNESS : WISP_LINK_COMPLIANCE, 0 );
-    for ( int slot = 0; slot < f->link_order.slot_count; ++slot )
+    for ( int slot = 0; slot < f->link_order.slot_count && column != NULL; ++slot )
     {
         int link = f->link_order.constraint[slot];
         bool edge = link < f->edge_count;

@@ -136,8 +136,8 @@ static void sum_tensions( void* context, int begin, int end, int worker )
     }
 }
 
-// 3 (P - P_atm) V = sum T l at equilibrium; a slack skin holds no pressure.
-static double virial_pressure( wisp_frame* frame, const wisp_span* span, const balloon_state* state, double volume )
+// J, of all links
+static double sum_links( wisp_frame* frame, const wisp_span* span, const balloon_state* state )
 {
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
@@ -165,7 +165,14 @@ static double virial_pressure( wisp_frame* frame, const wisp_span* span, const b
     {
         sum += loop.sums[block];
     }
-    return fmax( 0.0, sum / ( 3.0 * volume ) );
+    return sum;
+}
+
+// 3 (P - P_atm) V = sum T l at equilibrium, or that of a membrane; a slack skin holds no pressure.
+static double virial_pressure( wisp_frame* frame, const wisp_span* span, const balloon_state* state, double volume )
+{
+    const double* of_membrane = wisp_frame_column( frame, span->entity, WISP_SURFACE_VIRIAL, 0 );
+    return fmax( 0.0, ( of_membrane != NULL ? *of_membrane : sum_links( frame, span, state ) ) / ( 3.0 * volume ) );
 }
 
 void balloon_read_pressure( wisp_frame* frame, const wisp_span* span, void* user )

@@ -82,7 +82,7 @@ void cloth_fill_links( wisp_world* world, wisp_entity surface, const wisp_cloth_
     const wisp_fabric* f = wisp_world_fabric( world, surface );
     wisp_component component = def->solver == WISP_SOLVER_PBD ? WISP_LINK_STIFFNESS : WISP_LINK_COMPLIANCE;
     float* column = wisp_world_column( world, surface, component, 0 );
-    for ( int slot = 0; slot < f->link_order.slot_count; ++slot )
+    for ( int slot = 0; slot < f->link_order.slot_count && column != NULL; ++slot )
     {
         column[slot] = link_value( f, def, slot );
     }

@@ -206,6 +206,17 @@ static wisp_status check_vectors( wisp_world* world, const wisp_cloth_def* d )
     return WISP_OK;
 }
 
+// A membrane has no links, and so no sheets of links either.
+static wisp_status check_membrane( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d )
+{
+    const char* links = d->bending == WISP_CLOTH_BENDING_LINKS ? "bending by links" : "coarse sheets";
+    return wisp_world_has( world, surface, WISP_SURFACE_ELASTIC ) &&
+                   ( d->bending == WISP_CLOTH_BENDING_LINKS || d->coarse_substeps > 0 )
+               ? wisp_world_fail( world, WISP_CONFLICT, "cloth: entity %u is a membrane, which has no %s",
+                                  surface.index, links )
+               : WISP_OK;
+}
+
 static wisp_status check_solver( wisp_world* world, const wisp_cloth_def* d )
 {
     return d->coarse_substeps > 0 && d->solver == WISP_SOLVER_PBD
@@ -260,18 +271,20 @@ enum
 
 // List the components of the definition for which the fabric has rows. A mesh too small for a coarse sheet has none,
 // and one without interior edges no hinges.
-static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, const cloth_state* state,
-                             requested_component all[COMPONENT_COUNT] )
+static void list_components( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d,
+                             const cloth_state* state, requested_component all[COMPONENT_COUNT] )
 {
+    const wisp_fabric* f = wisp_world_fabric( world, surface );
     const bool pbd = d->solver == WISP_SOLVER_PBD, hinged = f->hinge_order.slot_count > 0;
     const bool dihedral = hinged && d->bending == WISP_CLOTH_BENDING_DIHEDRAL;
     const bool isometric = hinged && d->bending == WISP_CLOTH_BENDING_ISOMETRIC;
     const bool carried = d->coarse_substeps > 0 && f->level_count > 0;
+    const bool linked = wisp_world_has( world, surface, WISP_SURFACE_ELASTIC ) == false;
     const requested_component list[COMPONENT_COUNT] = {
         { state->air, d->drag_coefficient > 0.0f || d->lift_coefficient > 0.0f },
         { state->damping, d->internal_damping > 0.0f },
-        { WISP_LINK_STIFFNESS, pbd },
-        { WISP_LINK_COMPLIANCE, pbd == false },
+        { WISP_LINK_STIFFNESS, pbd && linked },
+        { WISP_LINK_COMPLIANCE, pbd == false && linked },
         { WISP_LINK_FOLDS, d->bending == WISP_CLOTH_BENDING_LINKS && f->link_count > f->edge_count },
         { WISP_HINGE_FOLDS, dihedral || isometric },
         { WISP_HINGE_REST, dihedral },
@@ -293,7 +306,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_clo
 {
     requested_component all[COMPONENT_COUNT];
     bool came[COMPONENT_COUNT] = { false };
-    list_components( wisp_world_fabric( world, surface ), d, state, all );
+    list_components( world, surface, d, state, all );
     wisp_status status = WISP_OK;
     for ( int i = 0; i < COMPONENT_COUNT && status == WISP_OK; ++i )
     {
@@ -385,11 +398,13 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
     status = status == WISP_OK ? check_ranges( world, def ) : status;
     if ( status == WISP_OK && values.coarse_substeps < 0 )
     {
-        const bool has_sheets = wisp_world_fabric( world, surface )->level_count > 0;
+        const bool has_sheets = wisp_world_fabric( world, surface )->level_count > 0 &&
+                                wisp_world_has( world, surface, WISP_SURFACE_ELASTIC ) == false;
         values.coarse_substeps = has_sheets && def->solver == WISP_SOLVER_XPBD ? 1 : 0;
     }
     status = status == WISP_OK ? check_vectors( world, def ) : status;
     status = status == WISP_OK ? check_solver( world, def ) : status;
+    status = status == WISP_OK ? check_membrane( world, surface, def ) : status;
     status = status == WISP_OK ? check_fabric( world, wisp_world_fabric( world, surface ), def ) : status;
     const bool bends =
         status == WISP_OK && wisp_world_fabric( world, surface )->hinge_order.slot_count > 0 &&

@@ -225,14 +225,15 @@ static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_de
 static wisp_status check_alone( wisp_world* world, wisp_entity surface, const implicit_state* state )
 {
     const wisp_component others[] = { WISP_LINK_STIFFNESS,  WISP_LINK_COMPLIANCE, WISP_HINGE_STIFFNESS,
-                                      WISP_SURFACE_TETHERS, WISP_SURFACE_LEVELS,  WISP_LINK_LIMIT };
+                                      WISP_SURFACE_TETHERS, WISP_SURFACE_LEVELS,  WISP_LINK_LIMIT,
+                                      WISP_SURFACE_ELASTIC };
     for ( int i = 0; i < WISP_COUNT( others ); ++i )
     {
         if ( wisp_world_has( world, surface, others[i] ) )
         {
             return wisp_world_fail(
                 world, WISP_CONFLICT,
-                "implicit cloth: entity %u already has constraints: it is a cloth, a balloon, or has "
+                "implicit cloth: entity %u already has constraints: it is a cloth, a balloon, a membrane, or has "
                 "strain limits",
                 surface.index );
         }

@@ -406,7 +406,7 @@ static void all_modules_are_listed_once( void** state )
     (void)state;
     int count;
     const wisp_module* const* modules = wisp_all_modules( &count );
-    assert_int_equal( count, 15 );
+    assert_int_equal( count, 16 );
     assert_ptr_equal( wisp_all_modules( NULL ), modules );
     for ( int i = 0; i < count; ++i )
     {

@@ -10,6 +10,7 @@
 #include "frozen_hair.h"
 #include "guide_hair.h"
 #include "implicit_cloth.h"
+#include "membrane.h"
 #include "seams.h"
 #include "strand_appearance.h"
 #include "tearing.h"
@@ -95,6 +96,7 @@ static int close_fixture( void** state )
     X( wisp_attach_pins( W, E, corners, 1, E ) )                                                                     \
     X( wisp_detach_pins( W, E, corners, 1 ) )                                                                        \
     X( wisp_read_seam_pairs( W, E, NULL, 0 ) )                                                                       \
+    X( wisp_set_membrane( W, E, NULL ) )                                                                             \
     X( wisp_set_tearing( W, E, NULL ) )                                                                              \
     X( wisp_read_tearing_stats( W, E, &( wisp_tearing_stats ){ 0 } ) )                                               \
     X( wisp_read_triangles( W, E, &triangles[0][0], WISP_COUNT( triangles ) ) )                                      \

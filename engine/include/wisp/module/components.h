@@ -72,7 +72,9 @@
     X( MAP_COLLISION_FRICTION, "map.collision_friction", WISP_TABLE_PARTICLE )                                       \
     X( MAP_CONTACT_THICKNESS, "map.contact_thickness", WISP_TABLE_PARTICLE )                                         \
     X( MAP_CONTACT_FRICTION, "map.contact_friction", WISP_TABLE_PARTICLE )                                           \
-    X( PARTICLE_CONTACT_IMPULSES, "particle.contact_impulses", WISP_TABLE_PARTICLE )
+    X( PARTICLE_CONTACT_IMPULSES, "particle.contact_impulses", WISP_TABLE_PARTICLE )                                 \
+    X( SURFACE_ELASTIC, "surface.elastic", WISP_TABLE_ENTITY )                                                       \
+    X( SURFACE_VIRIAL, "surface.virial", WISP_TABLE_ENTITY )
 
 #define WISP_STRAND_REST_COLUMNS( X ) X( float, rest, 48 )         /* m, [3][16] a row, as the user gave it */
 #define WISP_STRAND_POSITION_COLUMNS( X ) X( float, position, 48 ) /* m, [3][16] a row */
@@ -168,6 +170,11 @@
     X( float, lag, 4 )      /* m/s^2, of the mean velocity of that substep behind the one at its end, likewise */    \
     X( float, mean, 4 )     /* m/s, within a substep: of the sheet in the substep of the surface */                  \
     X( float, before, 4 )   /* m/s, mean velocity of the surface in its last substep */
+/// Triangles have a strain energy (elastic_triangles.h), and there are no links that stretch.
+#define WISP_SURFACE_ELASTIC_COLUMNS( X )                                                                            \
+    X( float, stiffness, 1 )                                         /* N/m, shear modulus times thickness */        \
+    X( int32_t, tension_field, 1 )                                   /* 1: triangles hold no compression */
+#define WISP_SURFACE_VIRIAL_COLUMNS( X ) X( double, virial, 1 )      /* J, sum of x . dE/dx when the substep begins */
 #define WISP_SURFACE_POINTS_COLUMNS( X ) X( wisp_vec3, points, 1 )   /* m, the user's order */
 #define WISP_SURFACE_NORMALS_COLUMNS( X ) X( wisp_vec3, normals, 1 ) /* unit, area weighted; 0 where they cancel */
 #define WISP_POINT_STRAIN_COLUMNS( X ) X( float, strain, 1 ) /* largest |l/l0 - 1| of the edges at the vertex */

@@ -229,6 +229,10 @@ typedef struct wisp_kernels
     // hinges [begin, end), multiples of 8; those of a group share no particle
     void ( *plate_measure_angles )( const wisp_plate_angle_args* args, int begin, int end );
     void ( *plate_add_moments )( const wisp_plate_angle_args* args, int begin, int end );
+    // triangles [begin, end), multiples of 8; those of a group share no particle
+    void ( *elastic_triangle_project )( const wisp_elastic_triangle_args* args, int begin, int end );
+    /// @return J, the sum of F : dE/dF: three times pressure times volume of a closed surface at rest
+    double ( *elastic_triangle_virial )( const wisp_elastic_triangle_args* args, int begin, int end );
     // slices of eight rows
     void ( *plate_predict )( const wisp_plate_move_args* args, int begin, int end );
     void ( *plate_impulse )( const wisp_plate_args* args, int begin, int end ); ///< b = - r Q x

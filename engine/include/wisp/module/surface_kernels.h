@@ -110,6 +110,24 @@ typedef struct wisp_plate_move_args
     float scale;               ///< of moves
 } wisp_plate_move_args;
 
+/// Arguments of triangles of a thin neo-Hookean solid that keeps its volume, by groups of eight triangles that share no particle. With the
+/// deformation gradient F = (f1 f2) of a triangle, its principal stretches s1, s2 and G the shear modulus times the thickness, the
+/// energy is E = A G / 2 (s1^2 + s2^2 + 1 / (s1 s2)^2 - 3) (Treloar 1943). Cooked by elastic_triangles.h.
+typedef struct wisp_elastic_triangle_args
+{
+    float* position;        ///< [slot][4] m; inverse mass, 1/kg
+    const int32_t* slot_x4; ///< [group][3][8] corners, slots times 4
+    /// [group][4][8] 1/m, m^2: b11, b12, b22 and the area A at rest, f1 = b11 e1, f2 = b12 e1 + b22 e2 with the edges e1, e2 from
+    /// the first corner. 0: a triangle that is too thin, or none
+    const float* shape;
+    /// [group][3][8] kg m^2: with F = R U, dE/dU of this substep times the square of its length, as xx, yy, xy; null: starts at 0, for
+    /// a single iteration
+    float* stress;
+    float stiffness;    ///< N/m: G
+    float dt2;          ///< s^2
+    bool tension_field; ///< true: a triangle wrinkles instead of holding compression (Pipkin 1986)
+} wisp_elastic_triangle_args;
+
 /// Arguments of kernels over ordered one-rings: area vectors, volume and normals at vertices (docs/methods.md,
 /// volume and its gradient).
 typedef struct wisp_ring_args

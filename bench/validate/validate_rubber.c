@@ -1,0 +1,251 @@
+// Spheres of a neo-Hookean skin, filled to several sizes in one world. The pressure that a skin holds at rest is compared with the closed
+// form at the size that it has, and that size with the one for its gas. More gas is in every next one, and yet the pressure falls again
+// behind the limit point.
+#include "validate_rubber.h"
+
+#include "accuracy/closed_forms.h"
+#include "accuracy/scene_tools.h"
+#include "balloon_bench.h"
+#include "bench_world.h"
+#include "oracle/membrane_oracle.h"
+
+#include "balloon/balloon.h"
+#include "membrane/membrane.h"
+#include "wisp/fabric.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum
+{
+    SIZES = 9,
+    LEVELS = 4,
+    MAX_SETTINGS = 16,
+};
+
+static const double STRETCHES[SIZES] = { 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 2.0, 2.5, 3.0 };
+static const double RADIUS = 0.05, MODULUS = 4e5, THICKNESS = 2e-4; // m, Pa, m: latex
+static const double ATMOSPHERE = 101325.0;                          // Pa
+static const double SECONDS = 1.0 / 60.0;
+
+enum
+{
+    FILLING = 60, // steps
+    RESTING = 60,
+};
+
+typedef struct way
+{
+    int level, substeps;
+    bool by_substeps;
+} way;
+
+typedef struct rubber
+{
+    way ways[MAX_SETTINGS];
+} rubber;
+
+typedef struct spheres
+{
+    wisp_world* world;
+    wisp_mesh mesh;
+    wisp_fabric* fabric;
+    wisp_entity sphere[SIZES];
+} spheres;
+
+static double stiffness( void )
+{
+    return MODULUS * THICKNESS;
+}
+
+// Gas for a stretch, in volumes at atmospheric pressure of the sphere at rest.
+static double gas_for( double s )
+{
+    return s * s * s * ( 1.0 + membrane_oracle_sphere_pressure( stiffness(), RADIUS, s ) / ATMOSPHERE );
+}
+
+static wisp_status add_sphere( spheres* own, int i )
+{
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.fabric = own->fabric;
+    surface.points = own->mesh.points;
+    surface.area_density = 0.2f;
+    surface.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    wisp_membrane_def membrane = wisp_default_membrane_def();
+    membrane.shear_modulus = (float)MODULUS;
+    membrane.thickness = (float)THICKNESS;
+    wisp_balloon_def balloon = wisp_default_balloon_def();
+    balloon.buoyancy = false;
+    balloon.drag_coefficient = 0.0f;
+    wisp_status status = wisp_add_surface( own->world, &surface, own->sphere + i );
+    status = status == WISP_OK ? wisp_set_damping( own->world, own->sphere[i], 20.0f ) : status;
+    status = status == WISP_OK ? wisp_set_membrane( own->world, own->sphere[i], &membrane ) : status;
+    status = status == WISP_OK ? wisp_set_balloon( own->world, own->sphere[i], &balloon ) : status;
+    status = status == WISP_OK ? wisp_request( own->world, own->sphere[i], WISP_SURFACE_POINTS ) : status;
+    return status == WISP_OK ? wisp_request_balloon_stats( own->world, own->sphere[i], true ) : status;
+}
+
+static wisp_status make_spheres( const way* w, int workers, spheres* own, wisp_error* error )
+{
+    static const wisp_module* const modules[] = { &wisp_membrane_module, &wisp_balloon_module };
+    const bench_world_def world = { modules, WISP_COUNT( modules ), workers, w->substeps, 1 };
+    wisp_status status = balloon_mesh_sphere( w->level, (float)RADIUS, &own->mesh, error );
+    if ( status == WISP_OK )
+    {
+        wisp_fabric_def fabric = wisp_default_fabric_def();
+        fabric.points = own->mesh.points;
+        fabric.triangles = own->mesh.triangles;
+        fabric.vertex_count = own->mesh.vertex_count;
+        fabric.triangle_count = own->mesh.triangle_count;
+        fabric.bend_links = false;
+        status = wisp_fabric_cook( &fabric, NULL, &own->fabric, error );
+    }
+    status = status == WISP_OK ? bench_world_create( &world, &own->world, error ) : status;
+    for ( int i = 0; i < SIZES && status == WISP_OK; ++i )
+    {
+        status = add_sphere( own, i );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( own->world, status, error );
+    }
+    return status;
+}
+
+static void leave( spheres* own )
+{
+    wisp_world_destroy( own->world );
+    wisp_fabric_release( own->fabric );
+    wisp_mesh_release( &own->mesh );
+}
+
+// They are filled evenly, and then come to rest.
+static wisp_status fill( spheres* own, accuracy_run* out, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int step = 1; step <= FILLING + RESTING && status == WISP_OK; ++step )
+    {
+        for ( int i = 0; i < SIZES && step <= FILLING && status == WISP_OK; ++i )
+        {
+            const double gas = 1.0 + ( gas_for( STRETCHES[i] ) - 1.0 ) * step / FILLING;
+            status = wisp_set_balloon_gas_ratio( own->world, own->sphere[i], (float)gas );
+        }
+        const double begin = wisp_clock_seconds();
+        status = status == WISP_OK ? wisp_world_step( own->world, (float)SECONDS ) : status;
+        status = status == WISP_OK ? accuracy_keep_ms( out, 1e3 * ( wisp_clock_seconds() - begin ) )
+                                   : bench_world_fail( own->world, status, error );
+        if ( out->halted_at == 0 && wisp_world_counter( own->world, WISP_COUNT_HALTED ) > 0 )
+        {
+            out->halted_at = step;
+        }
+    }
+    return status;
+}
+
+// The top of the parabola through the largest value and its neighbours.
+static void find_top( const double x[SIZES], const double y[SIZES], double* top_x, double* top_y )
+{
+    int k = 1;
+    for ( int i = 1; i + 1 < SIZES; ++i )
+    {
+        k = y[i] > y[k] ? i : k;
+    }
+    const double a = ( y[k - 1] - y[k] ) / ( x[k - 1] - x[k] ), b = ( y[k + 1] - y[k] ) / ( x[k + 1] - x[k] );
+    const double curve = ( b - a ) / ( x[k + 1] - x[k - 1] ), slope = a - curve * ( x[k - 1] - x[k] );
+    *top_x = x[k] - slope / ( 2.0 * curve );
+    *top_y = y[k] - slope * slope / ( 4.0 * curve );
+}
+
+// Measures: the limit point and its pressure, theory of both, and the largest difference of a size from that for its gas.
+static wisp_status measure( spheres* own, accuracy_run* out, wisp_error* error )
+{
+    double stretch[SIZES], pressure[SIZES], sum = 0.0, largest = 0.0;
+    for ( int i = 0; i < SIZES; ++i )
+    {
+        wisp_balloon_stats seen;
+        const wisp_status status = wisp_read_balloon_stats( own->world, own->sphere[i], &seen );
+        if ( status != WISP_OK )
+        {
+            return bench_world_fail( own->world, status, error );
+        }
+        stretch[i] = cbrt( seen.volume / seen.rest_volume );
+        pressure[i] = seen.pressure;
+        const double wrong = pressure[i] / membrane_oracle_sphere_pressure( stiffness(), RADIUS, stretch[i] ) - 1.0;
+        sum += wrong * wrong;
+        largest = fmax( largest, fabs( stretch[i] / STRETCHES[i] - 1.0 ) );
+    }
+    out->error = 100.0 * sqrt( sum / SIZES );
+    find_top( stretch, pressure, out->measures, out->measures + 1 );
+    out->measures[2] = membrane_oracle_limit_point();
+    out->measures[3] = membrane_oracle_sphere_pressure( stiffness(), RADIUS, membrane_oracle_limit_point() );
+    out->measures[4] = 100.0 * largest;
+    return WISP_OK;
+}
+
+static wisp_status finish( spheres* own, const way* w, accuracy_run* out, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    out->hash = 0;
+    for ( int i = 0; i < SIZES && status == WISP_OK; ++i )
+    {
+        uint64_t hash = 0;
+        status = bench_world_hash( own->world, own->sphere[i], WISP_SURFACE_POINTS, &hash, error );
+        out->hash = ( out->hash ^ hash ) * 0x100000001b3u;
+    }
+    out->work = ( accuracy_work ){ .vertices = (double)SIZES * own->mesh.vertex_count,
+                                   .substeps = w->substeps,
+                                   .bytes = (double)wisp_world_memory( own->world ) };
+    return status;
+}
+
+static wisp_status run( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
+                        wisp_error* error )
+{
+    const way* w = ( (const rubber*)context )->ways + setting;
+    spheres own = { .world = NULL };
+    wisp_status status = make_spheres( w, workers, &own, error );
+    out->halted_at = 0;
+    status = status == WISP_OK ? fill( &own, out, error ) : status;
+    status = status == WISP_OK && is_observed ? measure( &own, out, error ) : status;
+    status = status == WISP_OK ? finish( &own, w, out, error ) : status;
+    leave( &own );
+    return status;
+}
+
+static void put( accuracy_scene* out, way w )
+{
+    ( (rubber*)out->context )->ways[out->setting_count] = w;
+    accuracy_setting* s =
+        accuracy_put_setting( out, "membrane, %d triangles, %d substeps", 20 << 2 * w.level, w.substeps );
+    accuracy_join_series( s, w.by_substeps ? "membrane by substeps" : "membrane by edges",
+                          w.by_substeps ? "substep, s" : "edge / R",
+                          w.by_substeps ? SECONDS / w.substeps : closed_sphere_edge( w.level ), 2.0 );
+}
+
+wisp_status validate_rubber( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+{
+    (void)seconds;
+    *out = ( accuracy_scene ){
+        .reference = "p = 2 G / R (1 / s - 1 / s^7), at the stretch s of the volume; nine balloons at rest",
+        .error_name = "distance of the pressure",
+        .error_unit = "%",
+        .measure_names = { "limit point, s", "its pressure, Pa", "theory, s", "theory, Pa", "size for its gas, %" },
+        .measure_count = 5,
+        .context = calloc( 1, sizeof( rubber ) ),
+        .destroy = free,
+        .run = run,
+    };
+    const wisp_status status = out->context != NULL ? accuracy_reserve_settings( out, MAX_SETTINGS, error )
+                                                    : wisp_fail( error, WISP_NO_MEMORY, "no memory for a case" );
+    if ( status != WISP_OK )
+    {
+        return accuracy_abandon( out, status );
+    }
+    static const int substeps[] = { 5, 10, 20, 40, 160 };
+    for ( int level = 0; level < ( options->quick ? LEVELS - 1 : LEVELS ); ++level )
+    {
+        put( out, ( way ){ level, 80, false } );
+    }
+    for ( int i = 0; i < WISP_COUNT( substeps ); ++i )
+    {
+        put( out, ( way ){ 2, substeps[i], true } );
+    }
+    return WISP_OK;
+}

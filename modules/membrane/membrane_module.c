@@ -1,0 +1,307 @@
+// Membranes: the triangles of each surface, the pass that projects them, and the calls of the host. Equations: the kernels of
+// membranes in wisp/module/surface_kernels.h and docs/methods.md.
+#include "membrane.h"
+
+#include "wisp/module/components.h"
+#include "wisp/module/elastic_triangles.h"
+#include "wisp/module/module.h"
+
+#include <string.h>
+
+typedef struct membrane_surface
+{
+    wisp_entity entity;
+    wisp_elastic_triangles* mesh;
+} membrane_surface;
+
+typedef struct membrane_state
+{
+    membrane_surface* surfaces; // [count]
+    int count, capacity;
+    bool has_iterations;
+} membrane_state;
+
+enum
+{
+    VIRIAL_GRAIN = 4096, // triangles a block: the unit of the sum
+};
+
+void wisp_init_membrane_def( wisp_membrane_def* def, size_t size )
+{
+    const wisp_membrane_def values = {
+        .shear_modulus = 4e5f,
+        .thickness = 2e-4f,
+    };
+    wisp_def_init( def, size, &values, sizeof( values ) );
+}
+
+// ---- state ----
+
+static membrane_surface* find_surface( const membrane_state* state, wisp_entity entity )
+{
+    for ( int i = 0; i < state->count; ++i )
+    {
+        if ( wisp_entity_equal( state->surfaces[i].entity, entity ) )
+        {
+            return state->surfaces + i;
+        }
+    }
+    return NULL;
+}
+
+static void remove_surface( membrane_state* state, wisp_entity entity, const wisp_allocator* allocator )
+{
+    membrane_surface* s = find_surface( state, entity );
+    if ( s != NULL )
+    {
+        wisp_elastic_triangles_release( s->mesh, allocator );
+        *s = state->surfaces[--state->count];
+    }
+}
+
+static wisp_status add_surface( wisp_world* world, membrane_state* state, wisp_entity entity )
+{
+    const wisp_fabric* fabric = wisp_world_fabric( world, entity );
+    membrane_surface s = { .entity = entity };
+    if ( find_surface( state, entity ) != NULL )
+    {
+        return WISP_OK;
+    }
+    if ( wisp_world_reserve( world, (void**)&state->surfaces, &state->capacity, state->count,
+                             sizeof( *state->surfaces ) ) == false ||
+         wisp_elastic_triangles_create( fabric, state->has_iterations, wisp_world_allocator( world ), &s.mesh ) !=
+             WISP_OK )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "membrane: out of memory for %d triangles",
+                                fabric->triangle_count );
+    }
+    state->surfaces[state->count++] = s;
+    return WISP_OK;
+}
+
+static void release_state( void* memory, const wisp_allocator* allocator )
+{
+    membrane_state* state = memory;
+    while ( state->count > 0 )
+    {
+        remove_surface( state, state->surfaces[0].entity, allocator );
+    }
+    if ( state->surfaces != NULL )
+    {
+        allocator->release( allocator->user, state->surfaces, (size_t)state->capacity * sizeof( *state->surfaces ) );
+    }
+}
+
+static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
+{
+    remove_surface( memory, entity, wisp_world_allocator( world ) );
+}
+
+// Without memory for the new triangles the surface is no membrane any more.
+static wisp_status triangles_changed( void* memory, wisp_world* world, wisp_entity surface,
+                                      const wisp_fabric* before )
+{
+    (void)before;
+    membrane_state* state = memory;
+    if ( find_surface( state, surface ) == NULL )
+    {
+        return WISP_OK;
+    }
+    remove_surface( state, surface, wisp_world_allocator( world ) );
+    const wisp_status status = add_surface( world, state, surface );
+    if ( status != WISP_OK )
+    {
+        (void)wisp_world_detach( world, surface, WISP_SURFACE_ELASTIC );
+    }
+    return status;
+}
+
+static size_t count_memory( const void* memory, size_t* outside )
+{
+    (void)outside;
+    const membrane_state* state = memory;
+    size_t bytes = (size_t)state->capacity * sizeof( *state->surfaces );
+    for ( int i = 0; i < state->count; ++i )
+    {
+        bytes += wisp_elastic_triangles_bytes( state->surfaces[i].mesh );
+    }
+    return bytes;
+}
+
+// ---- passes ----
+
+typedef struct projection
+{
+    wisp_elastic_triangle_args args;
+    const wisp_kernels* kernels;
+    bool is_first; // iteration: the stress starts at 0
+} projection;
+
+static wisp_elastic_triangle_args find_args( wisp_frame* frame, const wisp_span* span,
+                                             const wisp_elastic_triangles* mesh )
+{
+    wisp_elastic_triangle_args args = wisp_elastic_triangles_args( mesh );
+    const float dt = wisp_frame_dt( frame, span->entity );
+    args.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    args.stiffness = *(float*)wisp_frame_column( frame, span->entity, WISP_SURFACE_ELASTIC, 0 );
+    args.tension_field = *(int32_t*)wisp_frame_column( frame, span->entity, WISP_SURFACE_ELASTIC, 1 ) != 0;
+    args.dt2 = dt * dt;
+    return args;
+}
+
+static void project_triangles( const void* context, int begin, int end )
+{
+    const projection* p = context;
+    if ( p->is_first && p->args.stress != NULL )
+    {
+        memset( p->args.stress + 3 * (size_t)begin, 0, 3 * (size_t)( end - begin ) * sizeof( float ) );
+    }
+    p->kernels->elastic_triangle_project( &p->args, begin, end );
+}
+
+static void project( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const wisp_elastic_triangles* mesh = find_surface( user, span->entity )->mesh;
+    const projection p = { find_args( frame, span, mesh ), wisp_frame_kernels( frame ), span->iteration == 0 };
+    wisp_run_schedule( wisp_frame_parallel( frame, span ), wisp_elastic_triangles_order( mesh ), project_triangles,
+                       &p );
+}
+
+typedef struct virial_loop
+{
+    wisp_elastic_triangle_args args;
+    const wisp_kernels* kernels;
+    double* sums; // [block]
+    int slot_count;
+} virial_loop;
+
+static void sum_blocks( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const virial_loop* loop = context;
+    for ( int block = begin; block < end; ++block )
+    {
+        const int first = block * VIRIAL_GRAIN, last = first + VIRIAL_GRAIN;
+        loop->sums[block] = loop->kernels->elastic_triangle_virial(
+            &loop->args, first, last < loop->slot_count ? last : loop->slot_count );
+    }
+}
+
+// Block by block in their order, so that bits do not depend on the workers.
+static void measure( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const wisp_elastic_triangles* mesh = find_surface( user, span->entity )->mesh;
+    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    const int slots = wisp_elastic_triangles_order( mesh )->slot_count;
+    const int blocks = ( slots + VIRIAL_GRAIN - 1 ) / VIRIAL_GRAIN;
+    double* virial = wisp_frame_column( frame, span->entity, WISP_SURFACE_VIRIAL, 0 );
+    virial_loop loop = {
+        .args = find_args( frame, span, mesh ),
+        .kernels = wisp_frame_kernels( frame ),
+        .sums = wisp_parallel_scratch( parallel, span->worker, (size_t)blocks * sizeof( double ) ),
+        .slot_count = slots,
+    };
+    *virial = 0.0;
+    if ( loop.sums == NULL )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the tensions of %d triangles", slots );
+        return;
+    }
+    wisp_parallel_for( parallel, blocks, 1, sum_blocks, &loop );
+    for ( int block = 0; block < blocks; ++block )
+    {
+        *virial += loop.sums[block];
+    }
+}
+
+static wisp_status declare( wisp_registry* r )
+{
+    membrane_state* state = wisp_declare_state( r, sizeof( membrane_state ) );
+    if ( state == NULL )
+    {
+        return WISP_NO_MEMORY;
+    }
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
+                                                  .removed = entity_removed,
+                                                  .triangles_changed = triangles_changed,
+                                                  .memory = count_memory } );
+    state->has_iterations = wisp_registry_iterations( r ) > 1;
+    for ( wisp_component map = WISP_MAP_STRETCH_COMPLIANCE; map <= WISP_MAP_STRETCH_STIFFNESS; ++map )
+    {
+        wisp_declare_map( r, map, WISP_SURFACE_ELASTIC, "a membrane has no links, and one thickness" );
+    }
+    const wisp_pass passes[] = {
+        {
+            .name = "membrane.measure",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { WISP_SURFACE_ELASTIC },
+            .reads = { WISP_SURFACE_ELASTIC, WISP_PARTICLE_POSITION },
+            .writes = { WISP_SURFACE_VIRIAL },
+            .run = measure,
+        },
+        {
+            .name = "membrane.project",
+            .stage = WISP_STAGE_PROJECT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .required = { WISP_SURFACE_ELASTIC },
+            .reads = { WISP_SURFACE_ELASTIC, WISP_PARTICLE_POSITION },
+            .writes = { WISP_PARTICLE_POSITION },
+            .run = project,
+            .detail = WISP_PASS_FINE,
+        },
+    };
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), state );
+}
+
+const wisp_module wisp_membrane_module = { .name = "membrane", .declare = declare };
+
+// ---- the call of the host ----
+
+static wisp_status check( wisp_world* world, wisp_entity surface, const wisp_membrane_def* d )
+{
+    const wisp_number_range ranges[] = {
+        { "shear_modulus", d->shear_modulus, 1e-3f, 1e12f },
+        { "thickness", d->thickness, 1e-9f, 1.0f },
+    };
+    WISP_TRY( wisp_world_check_ranges( world, "membrane", ranges, WISP_COUNT( ranges ) ) );
+    if ( wisp_world_has( world, surface, WISP_PARTICLE_EXTERNAL_SOLVER ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "membrane: entity %u already has another solver",
+                                surface.index );
+    }
+    if ( wisp_world_has( world, surface, WISP_LINK_STIFFNESS ) ||
+         wisp_world_has( world, surface, WISP_LINK_COMPLIANCE ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT,
+                                "membrane: entity %u already has links: set the membrane before cloth or balloon",
+                                surface.index );
+    }
+    return WISP_OK;
+}
+
+wisp_status wisp_set_membrane( wisp_world* world, wisp_entity surface, const wisp_membrane_def* given )
+{
+    wisp_membrane_def def = wisp_default_membrane_def();
+    WISP_TRY( given != NULL ? wisp_world_begin_def( world, "wisp_default_membrane_def", &def, given )
+                            : wisp_world_begin( world ) );
+    WISP_TRY( wisp_world_check_entity( world, surface ) );
+    void* state;
+    WISP_TRY( wisp_world_surface_state( world, "membrane", surface, &state ) );
+    if ( given == NULL )
+    {
+        remove_surface( state, surface, wisp_world_allocator( world ) );
+        return wisp_world_detach( world, surface, WISP_SURFACE_ELASTIC );
+    }
+    WISP_TRY( check( world, surface, &def ) );
+    WISP_TRY( add_surface( world, state, surface ) );
+    const wisp_status status = wisp_world_attach( world, surface, WISP_SURFACE_ELASTIC );
+    if ( status != WISP_OK )
+    {
+        remove_surface( state, surface, wisp_world_allocator( world ) );
+        return status;
+    }
+    *(float*)wisp_world_column( world, surface, WISP_SURFACE_ELASTIC, 0 ) = def.shear_modulus * def.thickness;
+    *(int32_t*)wisp_world_column( world, surface, WISP_SURFACE_ELASTIC, 1 ) = def.tension_field ? 1 : 0;
+    return WISP_OK;
+}
