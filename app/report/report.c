@@ -86,7 +86,7 @@ static void put_verdict( const results* all, FILE* stream )
     {
         fprintf( stream,
                  "<p class=\"verdict\" id=\"summary\"><strong>Nothing failed.</strong> %d measurement%s, %d table%s: "
-                 "every hash and every error that was checked is as it must be.</p>\n",
+                 "every hash, and every error that has a limit, is as it must be.</p>\n",
                  all->row_count, all->row_count == 1 ? "" : "s", all->table_count, all->table_count == 1 ? "" : "s" );
         return;
     }

@@ -1,5 +1,7 @@
 #include "validate.h"
 
+#include "validate_overview.h"
+
 static const double CASE_SECONDS = 20.0, CASE_SECONDS_QUICK = 3.0;
 
 static void describe( const validate_case* c, results* out )
@@ -21,6 +23,7 @@ wisp_status validate_run( uint64_t chosen, const bench_options* options, results
 {
     int count;
     const validate_case* cases = validate_cases( &count );
+    const int overview = validate_begin_overview( out );
     wisp_status status = WISP_OK;
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
@@ -32,8 +35,10 @@ wisp_status validate_run( uint64_t chosen, const bench_options* options, results
         const double seconds = options->seconds > 0.0 ? options->seconds
                                : options->quick       ? CASE_SECONDS_QUICK
                                                       : CASE_SECONDS;
+        const int first_row = out->row_count;
         describe( cases + i, out );
         status = accuracy_bench_run( &entry, 1, seconds, options, out, error );
+        validate_add_to_overview( overview, cases[i].name, first_row, out );
     }
     return status;
 }
