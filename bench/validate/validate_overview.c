@@ -19,7 +19,7 @@ typedef struct line
 
 static void find_solver( const results_row* row, char* text, size_t size )
 {
-    snprintf( text, size, "%.*s", (int)fmin( strcspn( row->variant, "," ), (double)size - 1.0 ), row->variant );
+    snprintf( text, size, "%.*s", (int)strcspn( row->variant, "," ), row->variant );
 }
 
 // The error is the first value of a row that has all of them; one that is not finite is not there.
