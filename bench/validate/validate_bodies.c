@@ -1,7 +1,5 @@
 #include "validate_bodies.h"
 
-#include "bench_world.h"
-
 #include "cloth/cloth.h"
 #include "implicit_cloth/implicit_cloth.h"
 #include "strands/strands.h"
@@ -15,7 +13,6 @@ const char* const validate_solver_names[VALIDATE_SOLVER_COUNT] = { "rod", "dihed
 
 // Of a rod kg/m, of a strip kg/m^2. What is shown has no unit, so they only keep numbers ordinary.
 static const double LINE_DENSITY = 0.01, AREA_DENSITY = 0.15;
-static const float SECONDS = 1.0f / 60.0f;
 
 enum
 {
@@ -62,9 +59,10 @@ static wisp_status add_rod( validate_bodies* b, int body )
         dynamics.edgewise_rigidity = 1000.0f * dynamics.bend_rigidity;
         dynamics.flat_normal = ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f };
     }
-    wisp_status status = wisp_add_strands( b->world, &strands, b->bodies + body );
-    status = status == WISP_OK ? wisp_set_strand_dynamics( b->world, b->bodies[body], &dynamics ) : status;
-    return status == WISP_OK ? wisp_request( b->world, b->bodies[body], WISP_STRAND_POINTS ) : status;
+    wisp_entity rod;
+    wisp_status status = wisp_add_strands( b->world.world, &strands, &rod );
+    status = status == WISP_OK ? wisp_set_strand_dynamics( b->world.world, rod, &dynamics ) : status;
+    return status == WISP_OK ? validate_world_add( &b->world, rod, WISP_STRAND_POINTS, def->cells + 1 ) : status;
 }
 
 // ---- strips ----
@@ -97,7 +95,7 @@ static wisp_status cook_strip( const validate_def* def, wisp_fabric** out, wisp_
     return wisp_fabric_cook( &fabric, NULL, out, error );
 }
 
-static wisp_status set_material( validate_bodies* b, int body )
+static wisp_status set_material( validate_bodies* b, wisp_entity strip, int body )
 {
     const validate_def* def = &b->def;
     const float rigidity =
@@ -111,12 +109,12 @@ static wisp_status set_material( validate_bodies* b, int body )
         cloth.stretch_stiffness = 2000.0f;
         cloth.integrator = WISP_INTEGRATOR_BDF2;
         cloth.damping_form = WISP_IMPLICIT_DAMPING_AXIAL;
-        return wisp_set_implicit_cloth( b->world, b->bodies[body], &cloth );
+        return wisp_set_implicit_cloth( b->world.world, strip, &cloth );
     }
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.bending = def->solver == VALIDATE_DIHEDRAL ? WISP_CLOTH_BENDING_DIHEDRAL : WISP_CLOTH_BENDING_ISOMETRIC;
     cloth.bend_rigidity = rigidity;
-    return wisp_set_cloth( b->world, b->bodies[body], &cloth );
+    return wisp_set_cloth( b->world.world, strip, &cloth );
 }
 
 static wisp_status add_strip( validate_bodies* b, wisp_fabric* fabric, int body )
@@ -138,10 +136,11 @@ static wisp_status add_strip( validate_bodies* b, wisp_fabric* fabric, int body 
     surface.pins = pins;
     surface.pin_count = WISP_COUNT( pins );
     surface.gravity = b->def.gravity;
-    wisp_status status = wisp_add_surface( b->world, &surface, b->bodies + body );
-    status = status == WISP_OK ? wisp_set_damping( b->world, b->bodies[body], (float)b->def.damping ) : status;
-    status = status == WISP_OK ? set_material( b, body ) : status;
-    return status == WISP_OK ? wisp_request( b->world, b->bodies[body], WISP_SURFACE_POINTS ) : status;
+    wisp_entity strip;
+    wisp_status status = wisp_add_surface( b->world.world, &surface, &strip );
+    status = status == WISP_OK ? wisp_set_damping( b->world.world, strip, (float)b->def.damping ) : status;
+    status = status == WISP_OK ? set_material( b, strip, body ) : status;
+    return status == WISP_OK ? validate_world_add( &b->world, strip, WISP_SURFACE_POINTS, 2 * columns ) : status;
 }
 
 // ---- all of them ----
@@ -155,12 +154,12 @@ wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp
     const bench_world_def world = { modules, WISP_COUNT( modules ), def->workers, def->substeps,
                                     is_cloth ? STRIP_ITERATIONS : 1 };
     wisp_fabric* fabric = NULL;
-    wisp_status status = bench_world_create( &world, &out->world, error );
+    wisp_status status = validate_world_create( &world, &out->world, error );
     status = status == WISP_OK && def->solver != VALIDATE_ROD ? cook_strip( def, &fabric, error ) : status;
     for ( int i = 0; i < def->count && status == WISP_OK; ++i )
     {
         status = def->solver == VALIDATE_ROD ? add_rod( out, i ) : add_strip( out, fabric, i );
-        status = status == WISP_OK ? WISP_OK : bench_world_fail( out->world, status, error );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( out->world.world, status, error );
     }
     wisp_fabric_release( fabric );
     return status;
@@ -168,34 +167,20 @@ wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp
 
 void validate_release( validate_bodies* b )
 {
-    wisp_world_destroy( b->world );
-    b->world = NULL;
+    validate_world_release( &b->world );
 }
 
-wisp_status validate_step( validate_bodies* b, accuracy_run* out, wisp_error* error )
+wisp_status validate_step( validate_bodies* b, int steps, accuracy_run* out, wisp_error* error )
 {
-    const double begin = wisp_clock_seconds();
-    const wisp_status status = wisp_world_step( b->world, SECONDS );
-    const double ms = 1e3 * ( wisp_clock_seconds() - begin );
-    b->steps += 1;
-    if ( b->halted_at == 0 && wisp_world_counter( b->world, WISP_COUNT_HALTED ) > 0 )
-    {
-        b->halted_at = b->steps;
-    }
-    return status == WISP_OK ? accuracy_keep_ms( out, ms ) : bench_world_fail( b->world, status, error );
-}
-
-static wisp_component points_of( const validate_bodies* b )
-{
-    return b->def.solver == VALIDATE_ROD ? WISP_STRAND_POINTS : WISP_SURFACE_POINTS;
+    return validate_world_step( &b->world, steps, out, error );
 }
 
 wisp_status validate_tip( validate_bodies* b, int body, wisp_vec3* out, wisp_error* error )
 {
     const bool is_rod = b->def.solver == VALIDATE_ROD;
-    const int count = is_rod ? b->def.cells + 1 : 2 * ( b->def.cells + 2 );
+    const int count = b->world.bodies[body].vertex_count;
     const wisp_vec3* points = NULL;
-    const wisp_status status = bench_world_points( b->world, b->bodies[body], points_of( b ), count, &points, error );
+    const wisp_status status = validate_world_points( &b->world, body, &points, error );
     if ( status == WISP_OK )
     {
         const wisp_vec3 p = points[count - 1], q = is_rod ? p : points[count / 2 - 1];
@@ -206,18 +191,5 @@ wisp_status validate_tip( validate_bodies* b, int body, wisp_vec3* out, wisp_err
 
 wisp_status validate_finish( validate_bodies* b, accuracy_run* out, wisp_error* error )
 {
-    const int vertices = b->def.solver == VALIDATE_ROD ? b->def.cells + 1 : 2 * ( b->def.cells + 2 );
-    wisp_status status = WISP_OK;
-    out->hash = 0;
-    for ( int i = 0; i < b->def.count && status == WISP_OK; ++i )
-    {
-        uint64_t hash = 0;
-        status = bench_world_hash( b->world, b->bodies[i], points_of( b ), &hash, error );
-        out->hash = ( out->hash ^ hash ) * 0x100000001b3u;
-    }
-    out->halted_at = b->halted_at;
-    out->work = ( accuracy_work ){ .vertices = (double)b->def.count * vertices,
-                                   .substeps = b->def.substeps,
-                                   .bytes = (double)wisp_world_memory( b->world ) };
-    return status;
+    return validate_world_finish( &b->world, out, error );
 }

@@ -1,9 +1,7 @@
 /// Slender bodies in one world, alike but for their bending: rods of strands and strips of cloth, clamped at the origin along +x.
 #pragma once
 
-#include "accuracy/accuracy.h"
-
-#include "wisp/wisp.h"
+#include "validate_world.h"
 
 /// What computes the bending.
 typedef enum validate_solver
@@ -19,7 +17,6 @@ extern const char* const validate_solver_names[VALIDATE_SOLVER_COUNT];
 
 enum
 {
-    VALIDATE_MAX_BODIES = 64,
     VALIDATE_MAX_CELLS = 64,
 };
 
@@ -42,9 +39,7 @@ typedef struct validate_def
 typedef struct validate_bodies
 {
     validate_def def;
-    wisp_world* world;
-    wisp_entity bodies[VALIDATE_MAX_BODIES];
-    int steps, halted_at;
+    validate_world world;
 } validate_bodies;
 
 /// @param out to be released, also after a failure
@@ -52,8 +47,8 @@ wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp
 void validate_release( validate_bodies* bodies );
 /// How far aside the free ends start, m.
 double validate_start( const validate_def* def );
-/// A step of 1/60 s, whose time is kept.
-wisp_status validate_step( validate_bodies* bodies, accuracy_run* out, wisp_error* error );
+/// Make steps of 1/60 s, whose times are kept.
+wisp_status validate_step( validate_bodies* bodies, int steps, accuracy_run* out, wisp_error* error );
 /// The free end of a body, m, in the middle of its width.
 wisp_status validate_tip( validate_bodies* bodies, int body, wisp_vec3* out, wisp_error* error );
 /// Hash the points of all bodies, and keep what a step is made of.

@@ -1,34 +1,25 @@
 // Slender bodies under their own weight: the master curve of a cantilever, and the loads at which a column and a blade give way.
 #include "validate_slender.h"
 
-#include "accuracy/scene_tools.h"
 #include "elastica.h"
 #include "oracle/slender_theory.h"
 #include "validate_bodies.h"
+#include "validate_settings.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum
 {
-    MAX_SETTINGS = 64,
     CURVE_LOADS = 4,
     LADDER = 31, // loads from 0.7 times the critical one to 1.3
 };
 
 static const double CURVE[CURVE_LOADS] = { 1.0, 10.0, 100.0, 1000.0 };
-static const double SECONDS = 1.0 / 60.0;
 static const double RUNG = 0.01; // half of the distance between two loads, in critical ones
-
-typedef struct way
-{
-    validate_solver solver;
-    int cells, substeps;
-} way;
 
 typedef struct slender
 {
-    way ways[MAX_SETTINGS];
+    validate_settings settings;
     double critical; // of a ladder
     bool is_blade;
 } slender;
@@ -39,14 +30,9 @@ static double frequency_of( double load )
     return 3.516 * sqrt( VALIDATE_GRAVITY / ( load * VALIDATE_LENGTH ) );
 }
 
-static wisp_status step_for( validate_bodies* bodies, double seconds, accuracy_run* out, wisp_error* error )
+static int steps_for( double seconds )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < (int)ceil( seconds / SECONDS ) && status == WISP_OK; ++i )
-    {
-        status = validate_step( bodies, out, error );
-    }
-    return status;
+    return (int)ceil( seconds / (double)VALIDATE_STEP );
 }
 
 // ---- the cantilever ----
@@ -74,10 +60,10 @@ static wisp_status measure_curve( validate_bodies* bodies, accuracy_run* out, wi
 static wisp_status run_curve( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                               wisp_error* error )
 {
-    const way* w = ( (const slender*)context )->ways + setting;
+    const validate_setting* w = ( (const slender*)context )->settings.list + setting;
     // about critical for the second softest; 4 s are many times its period
     const validate_def def = {
-        .solver = w->solver,
+        .solver = (validate_solver)w->solver,
         .cells = w->cells,
         .substeps = w->substeps,
         .workers = workers,
@@ -88,7 +74,7 @@ static wisp_status run_curve( void* context, int setting, int workers, bool is_o
     };
     validate_bodies bodies;
     wisp_status status = validate_create( &def, &bodies, error );
-    status = status == WISP_OK ? step_for( &bodies, 4.0, out, error ) : status;
+    status = status == WISP_OK ? validate_step( &bodies, steps_for( 4.0 ), out, error ) : status;
     status = status == WISP_OK && is_observed ? measure_curve( &bodies, out, error ) : status;
     status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
     validate_release( &bodies );
@@ -125,7 +111,7 @@ static wisp_status run_ladder( void* context, int setting, int workers, bool is_
                                wisp_error* error )
 {
     const slender* own = context;
-    const way* w = own->ways + setting;
+    const validate_setting* w = own->settings.list + setting;
     const double g = VALIDATE_GRAVITY;
     double loads[LADDER];
     for ( int i = 0; i < LADDER; ++i )
@@ -134,7 +120,7 @@ static wisp_status run_ladder( void* context, int setting, int workers, bool is_
     }
     const double slow = frequency_of( own->critical );
     validate_def def = {
-        .solver = w->solver,
+        .solver = (validate_solver)w->solver,
         .cells = w->cells,
         .substeps = w->substeps,
         .workers = workers,
@@ -147,7 +133,7 @@ static wisp_status run_ladder( void* context, int setting, int workers, bool is_
     };
     validate_bodies bodies;
     wisp_status status = validate_create( &def, &bodies, error );
-    status = status == WISP_OK ? step_for( &bodies, 40.0 / slow, out, error ) : status;
+    status = status == WISP_OK ? validate_step( &bodies, steps_for( 40.0 / slow ), out, error ) : status;
     status = status == WISP_OK && is_observed ? measure_ladder( &bodies, loads, own->critical, out, error ) : status;
     status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
     validate_release( &bodies );
@@ -157,46 +143,15 @@ static wisp_status run_ladder( void* context, int setting, int workers, bool is_
 // ---- settings ----
 
 // Series in cells and in substeps for each solver. Bending of a mesh converges at second order.
-static void put_settings( accuracy_scene* out, const validate_solver* solvers, int solver_count, int substeps )
+static void put_settings( accuracy_scene* out, const validate_solver* solvers, int solver_count )
 {
-    static const int cells[] = { 4, 8, 16, 32 };
-    slender* own = out->context;
+    static const int cells[] = { 4, 8, 16, 32 }, substeps[] = { 16, 8, 4 };
     for ( int s = 0; s < solver_count; ++s )
     {
         const char* name = validate_solver_names[solvers[s]];
-        char series[64];
-        snprintf( series, sizeof series, "%s by cells", name );
-        for ( int i = 0; i < WISP_COUNT( cells ); ++i )
-        {
-            own->ways[out->setting_count] = ( way ){ solvers[s], cells[i], substeps };
-            accuracy_join_series( accuracy_put_setting( out, "%s, %d cells, %d substeps", name, cells[i], substeps ),
-                                  series, "cell / L", 1.0 / cells[i], NAN );
-        }
-        snprintf( series, sizeof series, "%s by substeps", name );
-        for ( int k = 1; k <= 4; k *= 2 )
-        {
-            const int fewer = substeps / ( 2 * k );
-            own->ways[out->setting_count] = ( way ){ solvers[s], 16, fewer };
-            accuracy_join_series( accuracy_put_setting( out, "%s, 16 cells, %d substeps", name, fewer ), series,
-                                  "substep, s", SECONDS / fewer, NAN );
-        }
+        validate_put_cells( out, (int)solvers[s], name, "cell / L", cells, WISP_COUNT( cells ), 32 );
+        validate_put_substeps( out, (int)solvers[s], name, 16, substeps, WISP_COUNT( substeps ) );
     }
-}
-
-static wisp_status make( const slender* like, accuracy_scene scene, accuracy_scene* out, wisp_error* error )
-{
-    slender* own = malloc( sizeof *own );
-    *out = scene;
-    out->context = own;
-    out->destroy = free;
-    const wisp_status status = own != NULL ? accuracy_reserve_settings( out, MAX_SETTINGS, error )
-                                           : wisp_fail( error, WISP_NO_MEMORY, "no memory for a case" );
-    if ( status != WISP_OK )
-    {
-        return accuracy_abandon( out, status );
-    }
-    *own = *like;
-    return WISP_OK;
 }
 
 wisp_status validate_cantilever( const bench_options* options, double seconds, accuracy_scene* out,
@@ -215,10 +170,10 @@ wisp_status validate_cantilever( const bench_options* options, double seconds, a
         .measure_count = CURVE_LOADS,
         .run = run_curve,
     };
-    const wisp_status status = make( &like, scene, out, error );
+    const wisp_status status = validate_make( &like, sizeof like, scene, out, error );
     if ( status == WISP_OK )
     {
-        put_settings( out, solvers, WISP_COUNT( solvers ), 32 );
+        put_settings( out, solvers, WISP_COUNT( solvers ) );
     }
     return status;
 }
@@ -238,10 +193,10 @@ static wisp_status make_ladder( double critical, bool is_blade, const char* refe
         .run = run_ladder,
     };
     snprintf( scene.reference, sizeof scene.reference, "%s", reference );
-    const wisp_status status = make( &like, scene, out, error );
+    const wisp_status status = validate_make( &like, sizeof like, scene, out, error );
     if ( status == WISP_OK )
     {
-        put_settings( out, solvers, is_blade ? 1 : WISP_COUNT( solvers ), 32 );
+        put_settings( out, solvers, is_blade ? 1 : WISP_COUNT( solvers ) );
     }
     return status;
 }

@@ -1,0 +1,40 @@
+/// A world of several bodies that a case steps, times and measures together.
+#pragma once
+
+#include "accuracy/accuracy.h"
+#include "bench_world.h"
+
+#include "wisp/wisp.h"
+
+enum
+{
+    VALIDATE_MAX_BODIES = 64,
+};
+
+#define VALIDATE_STEP ( 1.0f / 60.0f ) // s
+
+typedef struct validate_body
+{
+    wisp_entity entity;
+    wisp_component points;
+    int vertex_count;
+} validate_body;
+
+typedef struct validate_world
+{
+    wisp_world* world;
+    validate_body bodies[VALIDATE_MAX_BODIES];
+    int count, substeps, steps, halted_at;
+} validate_world;
+
+/// @param out to be released, also after a failure
+wisp_status validate_world_create( const bench_world_def* def, validate_world* out, wisp_error* error );
+void validate_world_release( validate_world* world );
+/// Count an entity of the world among its bodies, and request its points.
+wisp_status validate_world_add( validate_world* world, wisp_entity entity, wisp_component points, int vertex_count );
+/// Make steps of 1/60 s, whose times are kept.
+wisp_status validate_world_step( validate_world* world, int steps, accuracy_run* out, wisp_error* error );
+/// Read the points of a body, m, in the user's order, valid until the next step.
+wisp_status validate_world_points( validate_world* world, int body, const wisp_vec3** out, wisp_error* error );
+/// Hash the points of all bodies, and keep what a step is made of.
+wisp_status validate_world_finish( validate_world* world, accuracy_run* out, wisp_error* error );
