@@ -1,5 +1,7 @@
 #include "validate_world.h"
 
+#include "interruption.h"
+
 wisp_status validate_world_create( const bench_world_def* def, validate_world* out, wisp_error* error )
 {
     *out = ( validate_world ){ .substeps = def->substeps };
@@ -37,7 +39,8 @@ wisp_status validate_world_step( validate_world* w, int steps, accuracy_run* out
     wisp_status status = WISP_OK;
     for ( int i = 0; i < steps && status == WISP_OK; ++i )
     {
-        status = step( w, out, error );
+        status = interruption_check( error );
+        status = status == WISP_OK ? step( w, out, error ) : status;
     }
     return status;
 }
@@ -46,6 +49,12 @@ wisp_status validate_world_points( validate_world* w, int body, const wisp_vec3*
 {
     const validate_body* b = w->bodies + body;
     return bench_world_points( w->world, b->entity, b->points, b->vertex_count, out, error );
+}
+
+wisp_status validate_world_motion( validate_world* w, int body, wisp_motion_stats* out, wisp_error* error )
+{
+    const wisp_status status = wisp_read_motion_stats( w->world, w->bodies[body].entity, out );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( w->world, status, error );
 }
 
 wisp_status validate_world_finish( validate_world* w, accuracy_run* out, wisp_error* error )

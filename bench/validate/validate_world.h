@@ -36,5 +36,7 @@ wisp_status validate_world_add( validate_world* world, wisp_entity entity, wisp_
 wisp_status validate_world_step( validate_world* world, int steps, accuracy_run* out, wisp_error* error );
 /// Read the points of a body, m, in the user's order, valid until the next step.
 wisp_status validate_world_points( validate_world* world, int body, const wisp_vec3** out, wisp_error* error );
+/// Read the motion of a body whose WISP_MOTION_STATS were requested.
+wisp_status validate_world_motion( validate_world* world, int body, wisp_motion_stats* out, wisp_error* error );
 /// Hash the points of all bodies, and keep what a step is made of.
 wisp_status validate_world_finish( validate_world* world, accuracy_run* out, wisp_error* error );
