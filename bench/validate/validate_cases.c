@@ -78,26 +78,23 @@ static const validate_case cases[] = {
         .name = "drape",
         .title = "Cusick's test: named fabrics drape over a disc",
         .make = validate_drape,
-        .tests =
-            "a plate at large rotation that falls into folds: circles of 30 cm of four fabrics, held between discs "
-            "of "
-            "18 cm, with the bending rigidity B and the weight measured by others, against the drape coefficient "
-            "measured by them. Each fabric is draped on two meshes, whose spread is shown. It is at rest where the "
-            "change per second is small. The last measure is how far the worst fabric is outside of what Cusick's "
-            "regression allows for its bending length at any shear",
+        .tests = "a plate at large rotation that falls into folds: circles of 30 cm of four fabrics, held between "
+                 "discs of 18 cm, with the bending rigidity B and the weight measured by others, against the drape "
+                 "coefficient measured by them. Each fabric is draped on two meshes, whose spread is shown. It is at "
+                 "rest where the change per second is small. The last measure is how far the worst fabric is outside "
+                 "of what Cusick's regression allows for its bending length at any shear",
         .left_out =
-            "the friction of yarns (2HB), which alone holds cotton broad nearly level; stretch and shear of each "
+            "the friction of yarns (2HB): cotton broad, bent and let go, keeps a radius of 19 mm by it; stretch and "
+            "shear of each "
             "fabric (all membranes are isotropic, 100 N/m); warp and weft, which bend differently; contact of folds; "
             "the size of specimen and disc in the source, which was not at hand; strands, which are no sheets",
         .formula =
             "DC = (shadow - disc) / (cloth - disc). The band is the measured coefficient +- 5 points, the scatter "
-            "that "
-            "is assumed for a test whose folds differ from trial to trial. Cusick: DC = 35.6 c - 3.61 c^2 - 2.59 A + "
-            "0.0461 A^2 + 17.0 %, c = (B / w)^(1/3) in cm, A from 0 to 28.1 degrees, where it is least",
-        .source =
-            "Matsudaira, Masuda, Wada and Yokura 2015, J. Textile Eng. 61(6), tables 1 and 2, as others transcribed "
-            "them: faille 28.3 %, wool 49.8 %, polyester tropical 50.7 %, cotton 82.9 %; Cusick 1965; Peirce 1930 "
-            "for c",
+            "that is assumed for a test whose folds differ from trial to trial. Cusick: DC = 35.6 c - 3.61 c^2 - "
+            "2.59 A + 0.0461 A^2 + 17.0 %, c = (B / w)^(1/3) in cm, A from 0 to 28.1 degrees, where it is least",
+        .source = "Matsudaira, Masuda, Wada and Yokura 2015, J. Textile Eng. 61(6), tables 1 and 2, as others "
+                  "transcribed them: faille 28.3 %, wool 49.8 %, polyester tropical 50.7 %, cotton 82.9 %; Cusick "
+                  "1965; Peirce 1930 for c",
     },
     {
         .name = "catenary",
@@ -105,9 +102,8 @@ static const validate_case cases[] = {
         .make = validate_catenary,
         .tests = "shape at rest of a body of length L without bending between supports 0.8 L apart: every vertex "
                  "against the point of the curve at its arc length",
-        .left_out =
-            "bending; stretch: strands and xpbd have none, implicit cloth cannot do without and has 2000 N/m; pbd, "
-            "which with full stiffness is xpbd with no compliance, to the bit",
+        .left_out = "bending; stretch: strands and xpbd have none, implicit cloth cannot do without and has 2000 "
+                    "N/m; pbd, which with full stiffness solves the same constraints as xpbd",
         .formula = "y = a cosh(x / a), 2 a sinh(0.4 L / a) = L",
         .source = "Leibniz, Huygens and Johann Bernoulli 1691",
     },
@@ -116,11 +112,9 @@ static const validate_case cases[] = {
         .title = "sheets and strands on inclined planes with friction",
         .make = validate_incline,
         .tests = "Coulomb's friction, mu = 0.2 and 0.5: speed after 0.5 s at 20 and 40 degrees, where they slide; "
-                 "creep at "
-                 "11 and 26 degrees, just below atan(mu) = 11.3 and 26.6, where they must not",
-        .left_out = "pbd, which with full stiffness is xpbd to the bit; balloons, which roll; guide hair and frozen "
-                    "hair, which have no dynamics of contact; "
-                    "different static and kinetic friction",
+                 "creep at 11 and 26 degrees, just below atan(mu) = 11.3 and 26.6, where they must not",
+        .left_out = "pbd, which with full stiffness solves the same constraints as xpbd; balloons, which roll; guide "
+                    "hair and frozen hair, which have no dynamics of contact; different static and kinetic friction",
         .formula = "a = g (sin alpha - mu cos alpha), 0 if negative",
         .source = "Coulomb 1785",
     },
@@ -130,9 +124,9 @@ static const validate_case cases[] = {
         .make = validate_terminal,
         .tests = "the law of drag: speed from rest after one time constant w / a, and after eight, when it is the "
                  "terminal speed w",
-        .left_out = "implicit cloth, which has no air; pbd, which with full stiffness is xpbd to the bit; guide hair "
-                    "and frozen hair, which follow others; lift; flutter; the "
-                    "air that a body carries along",
+        .left_out =
+            "implicit cloth, which has no air; pbd, which with full stiffness solves the same constraints as xpbd; "
+            "guide hair and frozen hair, which follow others; lift; flutter; the air that a body carries along",
         .formula = "v = w tanh(a t / w), w = sqrt(2 F / (rho C A)), with F the weight of the body, or its lift less "
                    "its weight",
         .source = "Newton 1687, book II",

@@ -168,19 +168,20 @@ static void bodies_reach_their_terminal_speed( void** state )
     assert_true( run_setting( validate_terminal, "balloon, 8 cells, 20 substeps" ).error < 1.5 );
 }
 
-// Longer bending lengths drape less, as measured; at rest, and nearly the same on another mesh.
+// The measured coefficients rise with the bending length. At rest, another mesh stays within the band of a measurement.
 static void stiffer_fabrics_drape_less( void** state )
 {
     (void)state;
-    const accuracy_run run = run_setting( validate_drape, "isometric, 4 cells, 16 substeps" );
+    const accuracy_run run = run_setting( validate_drape, "isometric, 6 cells, 16 substeps" );
     for ( int f = 0; f < DRAPE_FABRICS; ++f )
     {
         assert_true( run.measures[f] > ( f > 0 ? run.measures[f - 1] : 0.0 ) && run.measures[f] < 100.0 );
     }
-    assert_true( run.measures[DRAPE_FABRICS] < 6.0 );     // spread of two meshes, points
-    assert_true( run.measures[DRAPE_FABRICS + 1] < 1.0 ); // change, points per second
-    // without the friction in its yarns the cotton drapes too far; the other three are near their bands
-    assert_true( run.error > 0.0 && run.error < 12.0 );
+    assert_true( run.measures[DRAPE_FABRICS] < DRAPE_SCATTER ); // spread of two meshes, points
+    assert_true( run.measures[DRAPE_FABRICS + 1] < 0.5 );       // change, points per second
+    assert_true( run.measures[DRAPE_FABRICS + 2] <= 0.0 );      // outside of Cusick's regression, points
+    // the cotton, without the friction in its yarns, is 13 points outside of its band: 6.5 over four fabrics
+    assert_true( run.error > 0.0 && run.error < 8.0 );
 }
 
 static void fabrics_have_the_units_of_their_source( void** state )
