@@ -264,16 +264,12 @@ wisp_status validate_jet( const bench_options* options, double seconds, accuracy
         .error_unit = "%",
         .measure_names = { "speed m/s", "theory m/s", "time of half the gas, error %", "gas left %" },
         .measure_count = 4,
-        .context = calloc( MAX_SETTINGS, sizeof( way ) ),
         .run = run,
-        .destroy = free,
     };
-    const wisp_status status = out->context != NULL ? accuracy_reserve_settings( out, MAX_SETTINGS, error )
-                                                    : wisp_fail( error, WISP_NO_MEMORY, "no memory for a case" );
-    if ( status != WISP_OK )
+    const wisp_status status = accuracy_begin_scene( out, MAX_SETTINGS * sizeof( way ), MAX_SETTINGS, error );
+    if ( status == WISP_OK )
     {
-        return accuracy_abandon( out, status );
+        put_settings( out );
     }
-    put_settings( out );
-    return WISP_OK;
+    return status;
 }

@@ -5,13 +5,11 @@
 #include "validate_helium.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum
 {
     MAX_SETTINGS = 48,
     LADDER = 31,
-    USUAL_LEVEL = 2, // 162 vertices
     USUAL_SUBSTEPS = 20,
     STEPS = 60,
 };
@@ -177,6 +175,22 @@ static void put_substeps( accuracy_scene* out, validate_helium_way way )
     }
 }
 
+static void put_settings( accuracy_scene* out )
+{
+    validate_helium_way way = {
+        .substeps = USUAL_SUBSTEPS, .fill = FILL, .skin = WISP_SOLVER_XPBD, .volume = WISP_SOLVER_XPBD
+    };
+    put_levels( out, way );
+    put_substeps( out, way );
+    way.fill = SLACK_FILL;
+    put_levels( out, way );
+    way.fill = FILL;
+    way.volume = WISP_SOLVER_PBD;
+    put_levels( out, way );
+    way.skin = WISP_SOLVER_PBD;
+    put_levels( out, way );
+}
+
 wisp_status validate_lift_off( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
 {
     (void)options;
@@ -192,27 +206,13 @@ wisp_status validate_lift_off( const bench_options* options, double seconds, acc
         .error_unit = "%",
         .measure_names = { "load g", "theory g", "against the sphere %" },
         .measure_count = 3,
-        .context = calloc( MAX_SETTINGS, sizeof( validate_helium_way ) ),
         .run = run,
-        .destroy = free,
     };
-    const wisp_status status = out->context != NULL ? accuracy_reserve_settings( out, MAX_SETTINGS, error )
-                                                    : wisp_fail( error, WISP_NO_MEMORY, "no memory for a case" );
-    if ( status != WISP_OK )
+    const wisp_status status =
+        accuracy_begin_scene( out, MAX_SETTINGS * sizeof( validate_helium_way ), MAX_SETTINGS, error );
+    if ( status == WISP_OK )
     {
-        return accuracy_abandon( out, status );
+        put_settings( out );
     }
-    validate_helium_way way = {
-        .substeps = USUAL_SUBSTEPS, .fill = FILL, .skin = WISP_SOLVER_XPBD, .volume = WISP_SOLVER_XPBD
-    };
-    put_levels( out, way );
-    put_substeps( out, way );
-    way.fill = SLACK_FILL;
-    put_levels( out, way );
-    way.fill = FILL;
-    way.volume = WISP_SOLVER_PBD;
-    put_levels( out, way );
-    way.skin = WISP_SOLVER_PBD;
-    put_levels( out, way );
-    return WISP_OK;
+    return status;
 }

@@ -9,7 +9,6 @@
 #include "wisp/module/random.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum
 {
@@ -270,16 +269,12 @@ wisp_status validate_mylar( const bench_options* options, double seconds, accura
         .measure_names = { "radius error %", "thickness error %", "volume error %", "radius / a", "thickness / a",
                            "volume / a^3" },
         .measure_count = 6,
-        .context = calloc( MAX_SETTINGS, sizeof( way ) ),
         .run = run,
-        .destroy = free,
     };
-    const wisp_status status = out->context != NULL ? accuracy_reserve_settings( out, MAX_SETTINGS, error )
-                                                    : wisp_fail( error, WISP_NO_MEMORY, "no memory for a case" );
-    if ( status != WISP_OK )
+    const wisp_status status = accuracy_begin_scene( out, MAX_SETTINGS * sizeof( way ), MAX_SETTINGS, error );
+    if ( status == WISP_OK )
     {
-        return accuracy_abandon( out, status );
+        put_settings( out );
     }
-    put_settings( out );
-    return WISP_OK;
+    return status;
 }

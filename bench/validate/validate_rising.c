@@ -6,7 +6,6 @@
 #include "validate_helium.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum
 {
@@ -113,30 +112,8 @@ static void put_substeps( accuracy_scene* out, validate_helium_way way )
     }
 }
 
-wisp_status validate_rising_balloon( const bench_options* options, double seconds, accuracy_scene* out,
-                                     wisp_error* error )
+static void put_settings( accuracy_scene* out )
 {
-    (void)options;
-    (void)seconds;
-    *out = ( accuracy_scene ){
-        .reference = "1/2 rho C pi R^2 v^2 = lift - weight, for a smooth sphere",
-        .note = "C is the coefficient of the scene, 0.5, times the integral of the law over a sphere: 1, 2 or 4/3. "
-                "Each law "
-                "has a theory of its own: compare settings of one law.",
-        .error_name = "speed against theory",
-        .error_unit = "%",
-        .measure_names = { "speed m/s", "theory m/s", "C of the sphere", "m/s with C = 0.47", "Reynolds" },
-        .measure_count = 5,
-        .context = calloc( MAX_SETTINGS, sizeof( validate_helium_way ) ),
-        .run = run,
-        .destroy = free,
-    };
-    const wisp_status status = out->context != NULL ? accuracy_reserve_settings( out, MAX_SETTINGS, error )
-                                                    : wisp_fail( error, WISP_NO_MEMORY, "no memory for a case" );
-    if ( status != WISP_OK )
-    {
-        return accuracy_abandon( out, status );
-    }
     static const wisp_balloon_drag tested[] = { WISP_BALLOON_DRAG_MAX, WISP_BALLOON_DRAG_ABS,
                                                 WISP_BALLOON_DRAG_NORMAL };
     validate_helium_way way = {
@@ -153,5 +130,29 @@ wisp_status validate_rising_balloon( const bench_options* options, double second
     put_substeps( out, way );
     way.skin = WISP_SOLVER_PBD;
     put_substeps( out, way );
-    return WISP_OK;
+}
+
+wisp_status validate_rising_balloon( const bench_options* options, double seconds, accuracy_scene* out,
+                                     wisp_error* error )
+{
+    (void)options;
+    (void)seconds;
+    *out = ( accuracy_scene ){
+        .reference = "1/2 rho C pi R^2 v^2 = lift - weight, for a smooth sphere",
+        .note = "C is the coefficient of the scene, 0.5, times the integral of the law over a sphere: 1, 2 or 4/3. "
+                "Each law "
+                "has a theory of its own: compare settings of one law.",
+        .error_name = "speed against theory",
+        .error_unit = "%",
+        .measure_names = { "speed m/s", "theory m/s", "C of the sphere", "m/s with C = 0.47", "Reynolds" },
+        .measure_count = 5,
+        .run = run,
+    };
+    const wisp_status status =
+        accuracy_begin_scene( out, MAX_SETTINGS * sizeof( validate_helium_way ), MAX_SETTINGS, error );
+    if ( status == WISP_OK )
+    {
+        put_settings( out );
+    }
+    return status;
 }

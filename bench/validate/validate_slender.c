@@ -7,7 +7,6 @@
 #include "validate_bodies.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum
 {
@@ -185,18 +184,13 @@ static void put_settings( accuracy_scene* out, const validate_solver* solvers, i
 
 static wisp_status make( const slender* like, accuracy_scene scene, accuracy_scene* out, wisp_error* error )
 {
-    slender* own = malloc( sizeof *own );
     *out = scene;
-    out->context = own;
-    out->destroy = free;
-    const wisp_status status = own != NULL ? accuracy_reserve_settings( out, MAX_SETTINGS, error )
-                                           : wisp_fail( error, WISP_NO_MEMORY, "no memory for a case" );
-    if ( status != WISP_OK )
+    const wisp_status status = accuracy_begin_scene( out, sizeof *like, MAX_SETTINGS, error );
+    if ( status == WISP_OK )
     {
-        return accuracy_abandon( out, status );
+        *(slender*)out->context = *like;
     }
-    *own = *like;
-    return WISP_OK;
+    return status;
 }
 
 wisp_status validate_cantilever( const bench_options* options, double seconds, accuracy_scene* out,
