@@ -25,7 +25,7 @@ enum
 #define SOFTNESS 1e-3     // p a / k
 #define DAMPING 5.0f      // 1/s
 #define REST_HEIGHT 1e-3  // of a pole over the rim, in a: the rest shape needs a volume
-#define START_HEIGHT 0.3  // the same at the start
+#define START_HEIGHT 0.1  // the same at the start. A high lens has longer meridians than the foil and collapses first
 #define SHAKE 1e-3        // largest displacement of a vertex at the start, in a: a symmetric foil would not buckle
 #define GAS_VOLUMES 10.0  // of the gas at the pressure of the atmosphere, in those of the Mylar balloon
 
