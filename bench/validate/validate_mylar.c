@@ -264,7 +264,8 @@ wisp_status validate_mylar( const bench_options* options, double seconds, accura
         .reference = "the Mylar balloon: radius 0.7627 a, thickness 0.9139 a, volume 1.2185 a^3; after 3 s",
         .note =
             "the error is the root mean square of those of radius, thickness and volume. The gas has ten times the "
-            "volume of the balloon, so its pressure hardly changes.",
+            "volume of the balloon, so its pressure hardly changes. Springs that resist compression lock before the "
+            "foil is full, and where depends on the start.",
         .error_name = "error of the three sizes",
         .error_unit = "%",
         .measure_names = { "radius error %", "thickness error %", "volume error %", "radius / a", "thickness / a",

@@ -140,8 +140,7 @@ wisp_status validate_rising_balloon( const bench_options* options, double second
     *out = ( accuracy_scene ){
         .reference = "1/2 rho C pi R^2 v^2 = lift - weight, for a smooth sphere",
         .note = "C is the coefficient of the scene, 0.5, times the integral of the law over a sphere: 1, 2 or 4/3. "
-                "Each law "
-                "has a theory of its own: compare settings of one law.",
+                "Each law has a theory of its own: compare settings of one law.",
         .error_name = "speed against theory",
         .error_unit = "%",
         .measure_names = { "speed m/s", "theory m/s", "C of the sphere", "m/s with C = 0.47", "Reynolds" },
