@@ -1,6 +1,7 @@
 // The cases of `wisp validate`, and where their answers are from.
 #include "validate.h"
 
+#include "validate_balloons.h"
 #include "validate_drape.h"
 #include "validate_motion.h"
 #include "validate_slender.h"
@@ -130,6 +131,55 @@ static const validate_case cases[] = {
         .formula = "v = w tanh(a t / w), w = sqrt(2 F / (rho C A)), with F the weight of the body, or its lift less "
                    "its weight",
         .source = "Newton 1687, book II",
+    },
+    {
+        .name = "mylar",
+        .title = "two discs of foil, joined at the rim and filled",
+        .make = validate_mylar,
+        .tests = "the shape of a skin that wrinkles but does not stretch: radius, thickness and volume, by skins of "
+                 "springs and of a strain limit, on meshes with straight spokes and without",
+        .left_out =
+            "implicit cloth and cloth with bending, which cannot be balloons; the number of wrinkles; stiffness "
+            "and pressure of real foil: p a / k = 0.001 of springs, and checks with ten times more and less",
+        .formula = "z' = -x^2 / sqrt(r^4 - x^4), the meridian as long as the radius a of the disc: r = 0.7627 a, "
+                   "thickness 1.1981 r, V = 1.2185 a^3",
+        .source = "Paulsen 1994; Mladenov and Oprea 2003",
+    },
+    {
+        .name = "jet",
+        .title = "a balloon empties through an outlet: the speed it gets",
+        .make = validate_jet,
+        .tests =
+            "thrust = mass flow x outlet speed, with the pressure of a skin that shrinks; readings of the pressure, "
+            "solvers of skin and gas, the area of the outlet, which must not matter",
+        .left_out = "the mass of the gas, which the law does not have (with it the balloon is a rocket: Tsiolkovsky "
+                    "1903); friction in the outlet; air and weight; spin, since the outlet is on the axis",
+        .formula =
+            "v_e = sqrt(2 p / rho), dV_0/dt = -A v_e, m dv/dt = rho A v_e^2: v = rho / m times the integral of "
+            "v_e over V_0",
+        .source = "Torricelli 1643, Bernoulli 1738; p of a spring mesh in balance, as in `balloon`",
+    },
+    {
+        .name = "lift_off",
+        .title = "helium balloons lift what the air they displace weighs",
+        .make = validate_lift_off,
+        .tests = "buoyancy of a skin under pressure: 31 balloons in one world with loads from 0.94 to 1.06 of the "
+                 "balance; what they lift is between the heaviest that rises and the next",
+        .left_out = "a load that hangs from a line: it is spread over the skin; air that gets thinner with height",
+        .formula = "m = rho_air V - rho_He V_0, V of the skin in balance with p V = P_atm V_0",
+        .source = "Archimedes; Boyle 1662; p of a spring mesh in balance, as in `balloon`",
+    },
+    {
+        .name = "rising_balloon",
+        .title = "helium balloons rise at the speed at which drag holds their lift",
+        .make = validate_rising_balloon,
+        .tests = "the laws of drag on a sphere, each by its own integral, with lift; by mesh and substeps",
+        .left_out =
+            "the coefficient: C = 0.5 by default, and 0.47 was measured of spheres at Reynolds numbers of 1e3 to "
+            "1e5, so they rise 3 % slower than real ones; the law `signed`, which has no drag on a closed body; "
+            "added mass, wobble and wake",
+        .formula = "v = sqrt(2 (lift - weight) / (rho C f pi R^2)), f = 1 (max), 2 (abs), 4/3 (normal)",
+        .source = "Newton 1687; measured spheres: Hoerner 1965",
     },
 };
 
