@@ -10,16 +10,12 @@ wisp_status validate_make( const void* like, size_t size, accuracy_scene scene, 
                            wisp_error* error )
 {
     *out = scene;
-    out->context = malloc( size );
-    out->destroy = free;
-    const wisp_status status = out->context != NULL ? accuracy_reserve_settings( out, VALIDATE_MAX_SETTINGS, error )
-                                                    : wisp_fail( error, WISP_NO_MEMORY, "no memory for a case" );
-    if ( status != WISP_OK )
+    const wisp_status status = accuracy_begin_scene( out, size, VALIDATE_MAX_SETTINGS, error );
+    if ( status == WISP_OK )
     {
-        return accuracy_abandon( out, status );
+        memcpy( out->context, like, size );
     }
-    memcpy( out->context, like, size );
-    return WISP_OK;
+    return status;
 }
 
 static accuracy_setting* put( accuracy_scene* out, validate_setting setting, const char* name )
