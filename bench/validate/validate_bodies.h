@@ -3,6 +3,7 @@
 
 #include "accuracy/accuracy.h"
 
+#include "strands/strands.h"
 #include "wisp/wisp.h"
 
 /// What computes the bending.
@@ -20,7 +21,7 @@ extern const char* const validate_solver_names[VALIDATE_SOLVER_COUNT];
 enum
 {
     VALIDATE_MAX_BODIES = 64,
-    VALIDATE_MAX_CELLS = 64,
+    VALIDATE_MAX_CELLS = 128,
 };
 
 #define VALIDATE_LENGTH 0.1   // m
@@ -30,8 +31,10 @@ typedef struct validate_def
 {
     validate_solver solver;
     int cells, substeps, workers;
+    int iterations;      ///< of a substep; 0: those that the solver needs for a strip
     int count;           ///< of bodies
     const double* loads; ///< [count] G = rho g L^3 / EI
+    double tip;          ///< mass at the free end, in that of the body
     wisp_vec3 gravity;   ///< m/s^2
     double damping;      ///< 1/s
     double lateral;      ///< in lengths: how far the free end starts aside, along y. The clamp is straight
@@ -44,16 +47,26 @@ typedef struct validate_bodies
     validate_def def;
     wisp_world* world;
     wisp_entity bodies[VALIDATE_MAX_BODIES];
+    int sizes[VALIDATE_MAX_BODIES]; // vertices
     int steps, halted_at;
 } validate_bodies;
 
+/// An empty world for bodies of another kind, which are added by their cases. @param out to be released, also after a failure
+wisp_status validate_open( const validate_def* def, validate_bodies* out, wisp_error* error );
+/// Add strands as a body, `strand_count` of them with cells + 1 vertices each.
+wisp_status validate_add_strands( validate_bodies* bodies, int body, int strand_count, const wisp_vec3* points,
+                                  const wisp_strand_dynamics_def* dynamics, wisp_error* error );
 /// @param out to be released, also after a failure
 wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp_error* error );
 void validate_release( validate_bodies* bodies );
+/// The slowest frequency of a cantilever without weight, with a mass at its tip, rad/s, by Rayleigh's quotient of its static shape.
+double validate_frequency( double load, double tip );
 /// How far aside the free ends start, m.
 double validate_start( const validate_def* def );
 /// A step of 1/60 s, whose time is kept.
 wisp_status validate_step( validate_bodies* bodies, accuracy_run* out, wisp_error* error );
+/// Points of a body, valid until the next step.
+wisp_status validate_points( validate_bodies* bodies, int body, const wisp_vec3** out, wisp_error* error );
 /// The free end of a body, m, in the middle of its width.
 wisp_status validate_tip( validate_bodies* bodies, int body, wisp_vec3* out, wisp_error* error );
 /// Hash the points of all bodies, and keep what a step is made of.

@@ -1,6 +1,7 @@
 // The cases of `wisp validate`, and where their answers are from.
 #include "validate.h"
 
+#include "validate_rods.h"
 #include "validate_slender.h"
 
 accuracy_scene_fn accuracy_closed_forms, accuracy_strands_chain, accuracy_balloon_inflate;
@@ -42,6 +43,46 @@ static const validate_case cases[] = {
         .formula =
             "phi'' + k^2 (1 - s)^4 / 4 phi = 0, phi(0) = 0, phi'(1) = 0, k = rho g L^3 / sqrt(EI GJ): k = 12.85",
         .source = "Michell 1899, Prandtl 1899",
+    },
+    {
+        .name = "tip_load",
+        .title = "clamped rods and strips bend under a weight at the free end",
+        .make = validate_tip_load,
+        .tests =
+            "bending at large rotation by a force at the end, P L^2 / EI = 0.5, 1, 3 and 10: a vertex, or the end of "
+            "a strip, that is ten times as heavy as the rest of the body",
+        .left_out = "forces that turn with the body; widths of more than one cell",
+        .formula =
+            "theta'' = -(P (1 - s) / 10 + P) cos theta, theta(0) = 0, theta'(1) = 0: the weight of the body is "
+            "in it",
+        .source = "elastica with an end load: Bisshopp and Drucker 1945; with a weight along it: Bickley 1934",
+    },
+    {
+        .name = "ring",
+        .title = "twisted rings leave their plane",
+        .make = validate_ring,
+        .tests = "x",
+        .left_out = "x",
+        .formula = "x",
+        .source = "x",
+    },
+    {
+        .name = "twisted",
+        .title = "rods under tension give way to twist",
+        .make = validate_twisted,
+        .tests = "x",
+        .left_out = "x",
+        .formula = "x",
+        .source = "x",
+    },
+    {
+        .name = "writhe",
+        .title = "rods that gave way to twist, in one place",
+        .make = validate_writhe,
+        .tests = "x",
+        .left_out = "x",
+        .formula = "x",
+        .source = "x",
     },
     {
         .name = "chain",

@@ -1,0 +1,48 @@
+/// Shared by cases: settings in series, and ladders of loads.
+#pragma once
+
+#include "accuracy/accuracy.h"
+
+enum
+{
+    VALIDATE_MAX_SETTINGS = 64,
+    VALIDATE_LADDER = 31, ///< loads, from 0.7 times the critical one to 1.3
+};
+
+#define VALIDATE_RUNG 0.01              // half of the distance between two loads, in critical ones
+#define VALIDATE_SECONDS ( 1.0 / 60.0 ) // of a step
+
+/// A setting.
+typedef struct validate_way
+{
+    int method, cells, substeps; ///< method: a number of the case
+} validate_way;
+
+/// Settings of methods: each in a series by cells, and in one by substeps.
+typedef struct validate_grid
+{
+    const char* const* names; ///< of methods, by their numbers
+    const int* methods;       ///< [method_count]
+    int method_count;
+    const int* cells; ///< [cell_count], each with all substeps
+    int cell_count;
+    int middle;   ///< cells of the series by substeps
+    int substeps; ///< halved again and again
+    int halvings;
+} validate_grid;
+
+/// Put the settings of a grid into a scene with room for them. @param ways [VALIDATE_MAX_SETTINGS] by setting
+void validate_put_settings( const validate_grid* grid, validate_way* ways, accuracy_scene* out );
+
+/// Make a scene with a context of its own and room for settings.
+/// @param like [size] bytes that the context starts as
+wisp_status validate_make( const accuracy_scene* scene, const void* like, size_t size, accuracy_scene* out,
+                           wisp_error* error );
+
+/// A load of a ladder, in critical ones.
+double validate_rung( int i );
+/// The load at which bodies give way, between the first that does and the one before, in critical ones.
+/// @param has_lost [VALIDATE_LADDER] @return NaN: none gives way, or the first one does
+double validate_lost_at( const bool* has_lost );
+/// Its distance from 1, in percent. Beyond the ladder it is at least the ladder's half.
+double validate_ladder_error( double lost_at );
