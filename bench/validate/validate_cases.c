@@ -1,6 +1,7 @@
 // The cases of `wisp validate`, and where their answers are from.
 #include "validate.h"
 
+#include "validate_chains.h"
 #include "validate_rods.h"
 #include "validate_slender.h"
 
@@ -92,6 +93,15 @@ static const validate_case cases[] = {
         .left_out = "large swings",
         .formula = "w_k = sqrt(n g x_k / L) of n masses, x_k the roots of the Laguerre polynomial L_n",
         .source = "exact for a chain of n links; Bernoulli 1738 for the continuous one",
+    },
+    {
+        .name = "folded_chain",
+        .title = "a folded chain is let go at one end",
+        .make = validate_folded_chain,
+        .tests = "x",
+        .left_out = "x",
+        .formula = "x",
+        .source = "x",
     },
     {
         .name = "forms",

@@ -169,7 +169,7 @@ bool chain_fall_of_masses( int links, const double ( *points )[2], double depth,
                 *( c.x[links][1] > goal ? &part : &below ) = middle;
             }
             out->time = h * ( i + below );
-            out->speed = hypot( c.v[links][0], c.v[links][1] );
+            out->speed = -c.v[links][1];
             out->energy_error = energy_of( &c ) - start;
             out->length_error = length_error_of( &c );
             return true;

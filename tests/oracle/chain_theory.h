@@ -7,7 +7,7 @@
 typedef struct chain_fall
 {
     double time;         ///< of sqrt( L / g )
-    double speed;        ///< of sqrt( g L )
+    double speed;        ///< downwards, of sqrt( g L )
     double energy_error; ///< of the chain against its start, over its weight times its length
     double length_error; ///< largest |l / l0 - 1| of the links
 } chain_fall;
