@@ -89,8 +89,9 @@ static const validate_case cases[] = {
         .tests = "large bending and twist in space: three rods, shortened by a tenth of their length and turned by 5 "
                  "to 6.5 turns, give way in one place, where they make angles of 60 to 72 degrees with the line of "
                  "their ends. Compared are the angle and the tension",
-        .left_out = "plectonemes: at 93 degrees there is no balance without contact, a loop forms and touches "
-                    "itself. Theory is that of an infinite rod; here its ends are within 0.1 % of straight",
+        .left_out =
+            "plectonemes: at 93 degrees there is no balance without contact, a loop forms and touches "
+            "itself. Theory is that of an infinite rod, which is less than a degree from straight where these end",
         .formula = "sin(angle / 2) = q = sqrt(1 - t^2), t = M / 2 sqrt(EI F): shortening 4 q sqrt(EI / F), rotation "
                    "M L / GJ + 4 acos t",
         .source = "Coyne 1990; van der Heijden and Thompson 2000",
