@@ -119,6 +119,20 @@ static void a_rod_that_writhes_is_a_top_of_kirchhoff( void** state )
     }
 }
 
+// With D = L / 10 and EI = GJ: 43.2 rad, and less to both sides.
+static void the_limit_of_a_writhe_is_its_largest_rotation( void** state )
+{
+    (void)state;
+    const double limit = rod_writhe_limit( 0.1, 1.0 ).rotation;
+    double most = 0.0;
+    for ( double angle = 0.2; angle < 3.0; angle += 0.001 )
+    {
+        most = fmax( most, rod_writhe_of( angle, 0.1, 1.0 ).rotation );
+    }
+    assert_near( limit, most, 1e-4, "largest rotation, rad" );
+    assert_true( limit >= most );
+}
+
 // One link that falls from the level: t = sqrt( 2 ) times the integral of 1 / sqrt( 1 - u^4 ) to sqrt( depth ), the arc of the lemniscate, and
 // all energy is motion.
 static void a_chain_of_one_link_is_a_pendulum( void** state )
@@ -239,11 +253,18 @@ static void a_rod_under_tension_gives_way_near_the_moment_of_greenhill( void** s
     assert_error( "twisted", "rod, 16 cells, 64 substeps", 2.1 );
 }
 
-// Near the largest twist that has a balance, angles are sensitive: 4 % with 96 cells, 2 % with 128.
+// Near the largest rotation that has a balance, angles are sensitive: 4 % with 96 cells, 2 % with 128.
 static void a_rod_writhes_to_the_angle_of_theory( void** state )
 {
     (void)state;
-    assert_error( "writhe", "rod, 96 cells, 128 substeps", 5.0 );
+    assert_error( "writhe", "rod, 96 cells, 16 substeps", 5.0 );
+}
+
+// Second order in cells: 11 % with 48, 7 % with 64, known to 1 %.
+static void a_rod_forms_a_loop_near_the_rotation_of_theory( void** state )
+{
+    (void)state;
+    assert_error( "loop", "rod, 64 cells, 16 substeps", 8.1 );
 }
 
 // Euler loses energy in the whip, in proportion to its substeps; BDF2 keeps it.
@@ -262,6 +283,7 @@ int main( void )
         cmocka_unit_test( a_twisted_rod_is_straight_up_to_the_moment_of_greenhill ),
         cmocka_unit_test( a_ring_stays_flat_up_to_the_twist_of_michell ),
         cmocka_unit_test( a_rod_that_writhes_is_a_top_of_kirchhoff ),
+        cmocka_unit_test( the_limit_of_a_writhe_is_its_largest_rotation ),
         cmocka_unit_test( a_chain_of_one_link_is_a_pendulum ),
         cmocka_unit_test( a_chain_of_masses_keeps_its_energy_and_its_lengths ),
         cmocka_unit_test( a_folded_chain_falls_faster_than_a_stone ),
@@ -269,6 +291,7 @@ int main( void )
         cmocka_unit_test( a_ring_leaves_its_plane_near_the_twist_of_michell ),
         cmocka_unit_test( a_rod_under_tension_gives_way_near_the_moment_of_greenhill ),
         cmocka_unit_test( a_rod_writhes_to_the_angle_of_theory ),
+        cmocka_unit_test( a_rod_forms_a_loop_near_the_rotation_of_theory ),
         cmocka_unit_test( a_folded_chain_is_as_fast_as_its_masses ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -23,3 +23,8 @@ rod_writhe rod_writhe_of( double angle, double shortening, double ratio )
         .rotation = moment / ratio + 2.0 * angle,
     };
 }
+
+rod_writhe rod_writhe_limit( double shortening, double ratio )
+{
+    return rod_writhe_of( acos( -0.5 * shortening * ratio ), shortening, ratio );
+}

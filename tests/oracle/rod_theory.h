@@ -24,3 +24,5 @@ typedef struct rod_writhe
 
 /// @param angle rad, the largest one, 2 acos( t ): 0 .. pi @param shortening D / L @param ratio GJ / EI
 rod_writhe rod_writhe_of( double angle, double shortening, double ratio );
+/// The one with the largest rotation: beyond it there is no balance without contact, and a loop forms. cos( angle ) = -D GJ / 2 L EI.
+rod_writhe rod_writhe_limit( double shortening, double ratio );
