@@ -112,7 +112,7 @@ static wisp_status run_ring( void* context, int setting, int workers, bool is_ob
 static const double TENSION[TENSIONS] = { 0.0, 20.0 };         // F L^2 / EI
 static const double TIP_MASS = 0.2, ROD_MASS = 0.0128;         // kg
 static const double TWIST_SECONDS = 1.0, DECIDE_SECONDS = 4.0; // a tip sways once in a second
-static const double SIDE_WEIGHT = 2e-4, SIDE_LIMIT = 0.005;    // N of the tip, while it is turned; m
+static const double SIDE_WEIGHT = 2e-4, SIDE_LIMIT = 0.002;    // N of the tip, while it is turned; m
 
 static double own_weight( double tension )
 {
