@@ -1,4 +1,5 @@
-/// Slender bodies in one world, alike but for their bending: rods of strands and strips of cloth, clamped at the origin along +x.
+/// Slender bodies in one world, alike but for their bending: rods of strands and strips of cloth, clamped at the
+/// origin along +x.
 #pragma once
 
 #include "accuracy/accuracy.h"
@@ -51,7 +52,8 @@ typedef struct validate_bodies
     int steps, halted_at;
 } validate_bodies;
 
-/// An empty world for bodies of another kind, which are added by their cases. @param out to be released, also after a failure
+/// An empty world for bodies of another kind, which are added by their cases. @param out to be released, also after
+/// a failure
 wisp_status validate_open( const validate_def* def, validate_bodies* out, wisp_error* error );
 /// Add strands as a body, `strand_count` of them with cells + 1 vertices each.
 wisp_status validate_add_strands( validate_bodies* bodies, int body, int strand_count, const wisp_vec3* points,
@@ -59,7 +61,8 @@ wisp_status validate_add_strands( validate_bodies* bodies, int body, int strand_
 /// @param out to be released, also after a failure
 wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp_error* error );
 void validate_release( validate_bodies* bodies );
-/// The slowest frequency of a cantilever without weight, with a mass at its tip, rad/s, by Rayleigh's quotient of its static shape.
+/// The slowest frequency of a cantilever without weight, with a mass at its tip, rad/s, by Rayleigh's quotient of
+/// its static shape.
 double validate_frequency( double load, double tip );
 /// How far aside the free ends start, m.
 double validate_start( const validate_def* def );

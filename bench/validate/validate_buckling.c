@@ -66,8 +66,8 @@ static wisp_status add_rings( validate_bodies* b, wisp_error* error )
     return status;
 }
 
-// A ring that is lost folds over to an eight and passes through itself, after which it may be flat again: what counts is whether it ever was
-// three times as thick as at first.
+// A ring that is lost folds over to an eight and passes through itself, after which it may be flat again: what
+// counts is whether it ever was three times as thick as at first.
 static wisp_status watch_rings( validate_bodies* b, bool* has_lost, wisp_error* error )
 {
     wisp_status status = WISP_OK;
@@ -84,8 +84,7 @@ static wisp_status watch_rings( validate_bodies* b, bool* has_lost, wisp_error* 
 static wisp_status run_ring( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                              wisp_error* error )
 {
-    const validate_def def =
-        validate_rod_def( ( (const validate_rods*)context )->ways + setting, VALIDATE_LADDER, workers );
+    const validate_def def = validate_rod_def( validate_way_of( context, setting ), VALIDATE_LADDER, workers );
     bool has_lost[VALIDATE_LADDER] = { false };
     validate_bodies bodies;
     wisp_status status = validate_open( &def, &bodies, error );
@@ -97,10 +96,7 @@ static wisp_status run_ring( void* context, int setting, int workers, bool is_ob
     }
     if ( status == WISP_OK && is_observed )
     {
-        const double lost_at = validate_lost_at( has_lost );
-        out->measures[0] = lost_at * rod_ring_twist( 1.0 );
-        out->measures[1] = rod_ring_twist( 1.0 );
-        out->error = validate_ladder_error( lost_at );
+        out->error = validate_measure_ladder( has_lost, rod_ring_twist( 1.0 ), out->measures );
     }
     status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
     validate_release( &bodies );
@@ -168,8 +164,8 @@ static wisp_status twist( validate_bodies* b, accuracy_run* out, wisp_error* err
     return status;
 }
 
-// A rod that whips may lose its twist and be straight again: what counts is whether it ever was as far aside, which those that come back never are,
-// even with the weight.
+// A rod that whips may lose its twist and be straight again: what counts is whether it ever was as far aside, which
+// those that come back never are, even with the weight.
 static wisp_status watch_tensioned( validate_bodies* b, bool has_lost[TENSIONS][VALIDATE_LADDER], wisp_error* error )
 {
     const int vertices = b->def.cells + 1;
@@ -191,17 +187,16 @@ static void measure_tensioned( const bool has_lost[TENSIONS][VALIDATE_LADDER], a
     out->error = 0.0;
     for ( int i = 0; i < TENSIONS; ++i )
     {
-        const double lost_at = validate_lost_at( has_lost[i] );
-        out->measures[2 * i] = lost_at * critical_moment( TENSION[i] );
-        out->measures[2 * i + 1] = critical_moment( TENSION[i] );
-        out->error = fmax( out->error, validate_ladder_error( lost_at ) );
+        const double error =
+            validate_measure_ladder( has_lost[i], critical_moment( TENSION[i] ), out->measures + 2 * i );
+        out->error = fmax( out->error, error );
     }
 }
 
 static wisp_status run_twisted( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                                 wisp_error* error )
 {
-    const validate_way* way = ( (const validate_rods*)context )->ways + setting;
+    const validate_way* way = validate_way_of( context, setting );
     const validate_def def = validate_rod_def( way, TENSIONS, workers );
     bool has_lost[TENSIONS][VALIDATE_LADDER] = { { false } };
     validate_bodies bodies;

@@ -24,14 +24,10 @@ typedef enum chain_method
     FOLLOW,
 } chain_method;
 
-typedef struct chains
-{
-    validate_way ways[VALIDATE_MAX_SETTINGS];
-} chains;
-
 static const char* const names[] = { "direct", "direct bdf2", "links", "follow" };
 
-// A chain of 1 m, 1 kg, falls slowly, so that a step of 1/60 s is short beside the time of the last part: what is shown has no unit.
+// A chain of 1 m, 1 kg, falls slowly, so that a step of 1/60 s is short beside the time of the last part: what is
+// shown has no unit.
 static const double GRAVITY = 0.015625, TIME = 8.0, SPEED = 0.125; // m/s^2; sqrt( L / g ), s; sqrt( g L ), m/s
 static const double DEPTH = 0.9;
 
@@ -63,7 +59,7 @@ static wisp_status read_energy_error( validate_bodies* b, double* out, wisp_erro
 {
     const int links = b->def.cells;
     double start[VALIDATE_MAX_CELLS + 1][2], before = 0.0;
-    wisp_motion_stats stats;
+    wisp_motion_stats stats = { .mass = 0.0 };
     chain_fold( links, start );
     for ( int i = 1; i <= links; ++i )
     {
@@ -140,7 +136,7 @@ static void measure( const validate_bodies* b, const chain_fall* fall, accuracy_
 static wisp_status run( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                         wisp_error* error )
 {
-    const validate_way* way = ( (const chains*)context )->ways + setting;
+    const validate_way* way = validate_way_of( context, setting );
     const validate_def def = {
         .solver = VALIDATE_ROD,
         .cells = way->cells,
@@ -196,11 +192,5 @@ wisp_status validate_folded_chain( const bench_options* options, double seconds,
         .uncertainty = 0.15, // %, what the parabola leaves: 0.60 in steps of four times the length
         .run = run,
     };
-    const chains like = { .ways = { { 0 } } };
-    const wisp_status status = validate_make( &scene, &like, sizeof like, out, error );
-    if ( status == WISP_OK )
-    {
-        validate_put_settings( &grid, ( (chains*)out->context )->ways, out );
-    }
-    return status;
+    return validate_make_grid( &scene, &grid, out, error );
 }

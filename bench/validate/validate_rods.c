@@ -72,11 +72,5 @@ wisp_status validate_make_rods( const accuracy_scene* scene, const int* cells, i
         .substeps = substeps,
         .halvings = 3,
     };
-    const validate_rods like = { .ways = { { 0 } } };
-    const wisp_status status = validate_make( scene, &like, sizeof like, out, error );
-    if ( status == WISP_OK )
-    {
-        validate_put_settings( &grid, ( (validate_rods*)out->context )->ways, out );
-    }
-    return status;
+    return validate_make_grid( scene, &grid, out, error );
 }

@@ -1,4 +1,5 @@
-/// Rods that are bent and twisted in space: set-ups of their cases. A length is 1 m, EI = GJ = 1 N m^2, and what is shown has no unit.
+/// Rods that are bent and twisted in space: set-ups of their cases. A length is 1 m, EI = GJ = 1 N m^2 if a case
+/// does not change it, and what is shown has no unit.
 #pragma once
 
 #include "validate_bodies.h"
@@ -11,12 +12,6 @@ enum
     VALIDATE_ROD_BDF2,
     VALIDATE_ROD_METHODS,
 };
-
-/// The context of a case.
-typedef struct validate_rods
-{
-    validate_way ways[VALIDATE_MAX_SETTINGS];
-} validate_rods;
 
 /// Straight without load, 1 kg/m, no gravity.
 wisp_strand_dynamics_def validate_rod_dynamics( int method );

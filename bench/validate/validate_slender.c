@@ -99,10 +99,7 @@ static wisp_status measure_ladder( validate_bodies* bodies, double critical, acc
     }
     if ( status == WISP_OK )
     {
-        const double lost_at = validate_lost_at( has_lost );
-        out->measures[0] = lost_at * critical;
-        out->measures[1] = critical;
-        out->error = validate_ladder_error( lost_at );
+        out->error = validate_measure_ladder( has_lost, critical, out->measures );
     }
     return status;
 }

@@ -52,6 +52,23 @@ wisp_status validate_make( const accuracy_scene* scene, const void* like, size_t
     return WISP_OK;
 }
 
+wisp_status validate_make_grid( const accuracy_scene* scene, const validate_grid* grid, accuracy_scene* out,
+                                wisp_error* error )
+{
+    const validate_way none[VALIDATE_MAX_SETTINGS] = { { 0 } };
+    const wisp_status status = validate_make( scene, none, sizeof none, out, error );
+    if ( status == WISP_OK )
+    {
+        validate_put_settings( grid, out->context, out );
+    }
+    return status;
+}
+
+const validate_way* validate_way_of( const void* context, int setting )
+{
+    return (const validate_way*)context + setting;
+}
+
 // ---- ladders ----
 
 double validate_rung( int i )
@@ -59,17 +76,16 @@ double validate_rung( int i )
     return 0.7 + 2.0 * VALIDATE_RUNG * i;
 }
 
-double validate_lost_at( const bool* has_lost )
+double validate_measure_ladder( const bool* has_lost, double critical, double measures[2] )
 {
     int first = 0;
     while ( first < VALIDATE_LADDER && !has_lost[first] )
     {
         ++first;
     }
-    return first > 0 && first < VALIDATE_LADDER ? validate_rung( first ) - VALIDATE_RUNG : NAN;
-}
-
-double validate_ladder_error( double lost_at )
-{
-    return 100.0 * ( isnan( lost_at ) ? 0.3 : fabs( lost_at - 1.0 ) );
+    const bool is_beyond = first == 0 || first == VALIDATE_LADDER;
+    const double lost_at = is_beyond ? NAN : validate_rung( first ) - VALIDATE_RUNG;
+    measures[0] = lost_at * critical;
+    measures[1] = critical;
+    return 100.0 * ( is_beyond ? 0.3 : fabs( lost_at - 1.0 ) );
 }

@@ -39,10 +39,16 @@ void validate_put_settings( const validate_grid* grid, validate_way* ways, accur
 wisp_status validate_make( const accuracy_scene* scene, const void* like, size_t size, accuracy_scene* out,
                            wisp_error* error );
 
+/// Make a case whose context is its settings alone.
+wisp_status validate_make_grid( const accuracy_scene* scene, const validate_grid* grid, accuracy_scene* out,
+                                wisp_error* error );
+/// A setting of such a case.
+const validate_way* validate_way_of( const void* context, int setting );
+
 /// A load of a ladder, in critical ones.
 double validate_rung( int i );
-/// The load at which bodies give way, between the first that does and the one before, in critical ones.
-/// @param has_lost [VALIDATE_LADDER] @return NaN: none gives way, or the first one does
-double validate_lost_at( const bool* has_lost );
-/// Its distance from 1, in percent. Beyond the ladder it is at least the ladder's half.
-double validate_ladder_error( double lost_at );
+/// Measure the load at which bodies give way: between the first that does and the one before. NaN: none gives way,
+/// or the first one does.
+/// @param has_lost [VALIDATE_LADDER] by rung @param measures that load, and the critical one
+/// @return their distance, in percent of the critical one. Beyond the ladder it is at least the ladder's half
+double validate_measure_ladder( const bool* has_lost, double critical, double measures[2] );

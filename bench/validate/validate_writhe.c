@@ -122,7 +122,7 @@ static wisp_status measure_writhes( validate_bodies* b, accuracy_run* out, wisp_
 static wisp_status run_writhe( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                                wisp_error* error )
 {
-    const validate_way* way = ( (const validate_rods*)context )->ways + setting;
+    const validate_way* way = validate_way_of( context, setting );
     const validate_def def = validate_rod_def( way, 1, workers );
     double rotations[WRITHES];
     for ( int i = 0; i < WRITHES; ++i )
@@ -144,7 +144,7 @@ static wisp_status run_writhe( void* context, int setting, int workers, bool is_
 static wisp_status run_loop( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                              wisp_error* error )
 {
-    const validate_way* way = ( (const validate_rods*)context )->ways + setting;
+    const validate_way* way = validate_way_of( context, setting );
     const validate_def def = validate_rod_def( way, 1, workers );
     const double limit = rod_writhe_limit( SHORTENING, 1.0 ).rotation;
     bool has_looped[VALIDATE_LADDER] = { false };
@@ -161,10 +161,7 @@ static wisp_status run_loop( void* context, int setting, int workers, bool is_ob
                  : status;
     if ( status == WISP_OK && is_observed )
     {
-        const double lost_at = validate_lost_at( has_looped );
-        out->measures[0] = lost_at * limit;
-        out->measures[1] = limit;
-        out->error = validate_ladder_error( lost_at );
+        out->error = validate_measure_ladder( has_looped, limit, out->measures );
     }
     status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
     validate_release( &bodies );

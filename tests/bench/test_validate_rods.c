@@ -1,4 +1,5 @@
-// The theory of rods and chains of `wisp validate` against the literature and against itself, and a result of each of their cases.
+// The theory of rods and chains of `wisp validate` against the literature and against itself, and a result of each
+// of their cases.
 #include "unit.h"
 
 #include "elastica.h"
@@ -21,8 +22,8 @@ static void assert_near( double measured, double reference, double tolerance, co
 
 // ---- theory ----
 
-// Mattiasson 1981, Int. J. Numerical Methods in Engineering 17, table I, by elliptic integrals: how far the end of a cantilever moves back and
-// down, in lengths.
+// Mattiasson 1981, Int. J. Numerical Methods in Engineering 17, by elliptic integrals: how far the end of a
+// cantilever moves back and down, in lengths.
 static void a_cantilever_with_an_end_load_bends_as_in_the_table_of_mattiasson( void** state )
 {
     (void)state;
@@ -87,9 +88,9 @@ static void a_ring_stays_flat_up_to_the_twist_of_michell( void** state )
     assert_near( rod_ring_twist( 1.5 ) / ( 2.0 * PI ), 1.1547005, 1e-6, "turns" );
 }
 
-// The top of Kirchhoff (Love 1927, section 262): with the moment and the tension that the closed form gives, the angle falls from its largest
-// value by theta'^2 = 4 F sin^2( theta / 2 ) - M^2 tan^2( theta / 2 ). Its shortening and what its ends turn beyond M / GJ are integrals of
-// 1 - cos( theta ) and of M tan^2( theta / 2 ).
+// The top of Kirchhoff (Love 1927): with the moment and the tension that the closed form gives, the
+// angle falls from its largest value by theta'^2 = 4 F sin^2( theta / 2 ) - M^2 tan^2( theta / 2 ). Its shortening
+// and what its ends turn beyond M / GJ are integrals of 1 - cos( theta ) and of M tan^2( theta / 2 ).
 static void a_rod_that_writhes_is_a_top_of_kirchhoff( void** state )
 {
     (void)state;
@@ -101,7 +102,8 @@ static void a_rod_that_writhes_is_a_top_of_kirchhoff( void** state )
         assert_near( rod.moment * rod.moment / ( 4.0 * rod.tension ), half * half, 1e-12,
                      "theta' at the largest angle" );
 
-        // theta'' = 2 F sin( theta ) / 2 - ... is the derivative of the equation; from the middle outwards, by the middle of each piece
+        // its derivative, theta'' = F sin( theta ) - M^2 / 2 tan( theta / 2 ) / cos^2( theta / 2 ), from the middle of
+        // the rod outwards
         const double h = 2e-5 / sqrt( rod.tension );
         double theta = angles[i], rate = 0.0, shorter = 0.0, turned = 0.0;
         for ( int k = 0; k < 4000000 && theta > 1e-6 && rate <= 0.0; ++k )
@@ -133,8 +135,8 @@ static void the_limit_of_a_writhe_is_its_largest_rotation( void** state )
     assert_true( limit >= most );
 }
 
-// One link that falls from the level: t = sqrt( 2 ) times the integral of 1 / sqrt( 1 - u^4 ) to sqrt( depth ), the arc of the lemniscate, and
-// all energy is motion.
+// One link that falls from the level: t = sqrt( 2 ) times the integral of 1 / sqrt( 1 - u^4 ) to sqrt( depth ), the
+// arc of the lemniscate, and all energy is motion.
 static void a_chain_of_one_link_is_a_pendulum( void** state )
 {
     (void)state;
@@ -167,7 +169,8 @@ static void a_chain_of_masses_keeps_its_energy_and_its_lengths( void** state )
     assert_near( fine.length_error, 0.0, 1e-7, "length" );
 }
 
-// Calkin and March 1989, American Journal of Physics 57: 0.847 of the time of free fall. Chains of more and narrower links come nearer.
+// Calkin and March 1989, American Journal of Physics 57: 0.847 of the time of free fall. Chains of more and narrower
+// links come nearer.
 static void a_folded_chain_falls_faster_than_a_stone( void** state )
 {
     (void)state;

@@ -52,8 +52,8 @@ static void solve( int n, double* diagonal, const double* off, double* x )
     }
 }
 
-// Accelerations. With e_k = x_{k+1} - x_k the second derivative of |e_k|^2 / 2 is e_k . a_k + |e'_k|^2 = 0, and link k pulls its ends
-// together by p_k e_k.
+// Accelerations. With e_k = x_{k+1} - x_k the second derivative of |e_k|^2 / 2 is e_k . a_k + |e'_k|^2 = 0, and link
+// k pulls its ends together by p_k e_k.
 static void accelerate( const chain* c, double ( *a )[2] )
 {
     double e[MAX_LINKS][2], diagonal[MAX_LINKS], off[MAX_LINKS] = { 0.0 }, pull[MAX_LINKS];
@@ -182,7 +182,8 @@ bool chain_fall_of_masses( int links, const double ( *points )[2], double depth,
 
 chain_fall chain_fall_continuous( double depth )
 {
-    // dt = dx / v. With x = 1 - cos( p ) the integrand is sqrt( cos( p ) ), which has no pole where the chain starts; by Simpson's rule.
+    // dt = dx / v. With x = 1 - cos( p ) the integrand is sqrt( cos( p ) ), which has no pole where the chain
+    // starts; by Simpson's rule.
     const double end = acos( 1.0 - depth ), h = end / PIECES;
     double sum = 0.0;
     for ( int i = 0; i <= PIECES; ++i )
