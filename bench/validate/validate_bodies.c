@@ -2,8 +2,8 @@
 
 #include "cloth/cloth.h"
 #include "implicit_cloth/implicit_cloth.h"
-#include "strands/strands.h"
 #include "wisp/fabric.h"
+#include "wisp/maps.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -31,24 +31,49 @@ double validate_start( const validate_def* def )
     return (double)aside( def, def->cells );
 }
 
+double validate_frequency( double load )
+{
+    return 3.516 * sqrt( VALIDATE_GRAVITY / ( load * VALIDATE_LENGTH ) );
+}
+
 // ---- rods ----
 
-static wisp_status add_rod( validate_bodies* b, int body )
+wisp_status validate_add_strands( validate_bodies* b, int strand_count, const wisp_vec3* points,
+                                  const wisp_strand_dynamics_def* dynamics, wisp_error* error )
 {
-    const validate_def* def = &b->def;
-    wisp_vec3 points[VALIDATE_MAX_CELLS + 1];
-    const int32_t offsets[2] = { 0, def->cells + 1 };
-    for ( int i = 0; i <= def->cells; ++i )
+    int32_t offsets[VALIDATE_MAX_BODIES + 1];
+    for ( int i = 0; i <= strand_count; ++i )
     {
-        points[i] = ( wisp_vec3 ){ (float)( VALIDATE_LENGTH * i / def->cells ), aside( def, i ), 0.0f };
+        offsets[i] = i * ( b->def.cells + 1 );
     }
     wisp_strands_def strands = wisp_default_strands_def();
     strands.points = points;
     strands.offsets = offsets;
-    strands.strand_count = 1;
+    strands.strand_count = strand_count;
+    wisp_entity rod;
+    wisp_status status = wisp_add_strands( b->world.world, &strands, &rod );
+    status = status == WISP_OK ? wisp_set_strand_dynamics( b->world.world, rod, dynamics ) : status;
+    status =
+        status == WISP_OK ? validate_world_add( &b->world, rod, WISP_STRAND_POINTS, offsets[strand_count] ) : status;
+    return status == WISP_OK ? WISP_OK : bench_world_fail( b->world.world, status, error );
+}
+
+static wisp_status add_rod( validate_bodies* b, int body, wisp_error* error )
+{
+    const validate_def* def = &b->def;
+    const double cell = VALIDATE_LENGTH / def->cells;
+    wisp_vec3 points[VALIDATE_MAX_CELLS + 1];
+    float masses[VALIDATE_MAX_CELLS + 1];
+    for ( int i = 0; i <= def->cells; ++i )
+    {
+        points[i] = ( wisp_vec3 ){ (float)( cell * i ), aside( def, i ), 0.0f };
+        masses[i] = (float)( LINE_DENSITY * cell );
+    }
+    masses[def->cells] = (float)( LINE_DENSITY * ( 0.5 * cell + def->tip * VALIDATE_LENGTH ) );
     wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
     dynamics.rest = WISP_STRAND_REST_STRAIGHT;
     dynamics.line_density = (float)LINE_DENSITY;
+    dynamics.vertex_masses = def->tip > 0.0 ? masses : NULL;
     dynamics.bend_rigidity =
         (float)( LINE_DENSITY * VALIDATE_GRAVITY * pow( VALIDATE_LENGTH, 3.0 ) / def->loads[body] );
     dynamics.twist_rigidity = dynamics.bend_rigidity;
@@ -59,10 +84,7 @@ static wisp_status add_rod( validate_bodies* b, int body )
         dynamics.edgewise_rigidity = 1000.0f * dynamics.bend_rigidity;
         dynamics.flat_normal = ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f };
     }
-    wisp_entity rod;
-    wisp_status status = wisp_add_strands( b->world.world, &strands, &rod );
-    status = status == WISP_OK ? wisp_set_strand_dynamics( b->world.world, rod, &dynamics ) : status;
-    return status == WISP_OK ? validate_world_add( &b->world, rod, WISP_STRAND_POINTS, def->cells + 1 ) : status;
+    return validate_add_strands( b, 1, points, &dynamics, error );
 }
 
 // ---- strips ----
@@ -117,7 +139,24 @@ static wisp_status set_material( validate_bodies* b, wisp_entity strip, int body
     return wisp_set_cloth( b->world.world, strip, &cloth );
 }
 
-static wisp_status add_strip( validate_bodies* b, wisp_fabric* fabric, int body )
+// A mass at the free end, in equal parts of both corners, one of which is of one triangle and the other of two.
+static wisp_status load_tip( validate_bodies* b, wisp_entity strip )
+{
+    const int columns = b->def.cells + 2;
+    const double cell = VALIDATE_LENGTH / b->def.cells, triangle = cell * cell / 2.0;
+    // squares with an even number have a falling diagonal, whose end is at the second row
+    const int more = b->def.cells % 2 == 0 ? 2 * columns - 1 : columns - 1;
+    float factors[2 * ( VALIDATE_MAX_CELLS + 2 )];
+    for ( int i = 0; i < 2 * columns; ++i )
+    {
+        const double own = ( i == more ? 2.0 : 1.0 ) * triangle / 3.0;
+        const double added = i % columns == columns - 1 ? 0.5 * b->def.tip * cell * VALIDATE_LENGTH : 0.0;
+        factors[i] = (float)( 1.0 + added / own );
+    }
+    return wisp_set_map( b->world.world, strip, WISP_MAP_AREA_DENSITY, factors, 2 * columns );
+}
+
+static wisp_status add_strip( validate_bodies* b, wisp_fabric* fabric, int body, wisp_error* error )
 {
     const int columns = b->def.cells + 2;
     const int32_t pins[] = { 0, 1, columns, columns + 1 };
@@ -140,26 +179,33 @@ static wisp_status add_strip( validate_bodies* b, wisp_fabric* fabric, int body 
     wisp_status status = wisp_add_surface( b->world.world, &surface, &strip );
     status = status == WISP_OK ? wisp_set_damping( b->world.world, strip, (float)b->def.damping ) : status;
     status = status == WISP_OK ? set_material( b, strip, body ) : status;
-    return status == WISP_OK ? validate_world_add( &b->world, strip, WISP_SURFACE_POINTS, 2 * columns ) : status;
+    status = status == WISP_OK && b->def.tip > 0.0 ? load_tip( b, strip ) : status;
+    status = status == WISP_OK ? validate_world_add( &b->world, strip, WISP_SURFACE_POINTS, 2 * columns ) : status;
+    return status == WISP_OK ? WISP_OK : bench_world_fail( b->world.world, status, error );
 }
 
 // ---- all of them ----
 
-wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp_error* error )
+wisp_status validate_open( const validate_def* def, validate_bodies* out, wisp_error* error )
 {
     static const wisp_module* const modules[] = { &wisp_strands_module, &wisp_cloth_module,
                                                   &wisp_implicit_cloth_module };
     *out = ( validate_bodies ){ .def = *def };
     const bool is_cloth = def->solver == VALIDATE_DIHEDRAL || def->solver == VALIDATE_ISOMETRIC;
+    const int needed = is_cloth ? STRIP_ITERATIONS : 1;
     const bench_world_def world = { modules, WISP_COUNT( modules ), def->workers, def->substeps,
-                                    is_cloth ? STRIP_ITERATIONS : 1 };
+                                    def->iterations > 0 ? def->iterations : needed };
+    return validate_world_create( &world, &out->world, error );
+}
+
+wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp_error* error )
+{
     wisp_fabric* fabric = NULL;
-    wisp_status status = validate_world_create( &world, &out->world, error );
+    wisp_status status = validate_open( def, out, error );
     status = status == WISP_OK && def->solver != VALIDATE_ROD ? cook_strip( def, &fabric, error ) : status;
     for ( int i = 0; i < def->count && status == WISP_OK; ++i )
     {
-        status = def->solver == VALIDATE_ROD ? add_rod( out, i ) : add_strip( out, fabric, i );
-        status = status == WISP_OK ? WISP_OK : bench_world_fail( out->world.world, status, error );
+        status = def->solver == VALIDATE_ROD ? add_rod( out, i, error ) : add_strip( out, fabric, i, error );
     }
     wisp_fabric_release( fabric );
     return status;
@@ -173,6 +219,11 @@ void validate_release( validate_bodies* b )
 wisp_status validate_step( validate_bodies* b, int steps, accuracy_run* out, wisp_error* error )
 {
     return validate_world_step( &b->world, steps, out, error );
+}
+
+wisp_status validate_step_for( validate_bodies* b, double seconds, accuracy_run* out, wisp_error* error )
+{
+    return validate_step( b, validate_steps( seconds ), out, error );
 }
 
 wisp_status validate_tip( validate_bodies* b, int body, wisp_vec3* out, wisp_error* error )

@@ -1,7 +1,10 @@
-/// Slender bodies in one world, alike but for their bending: rods of strands and strips of cloth, clamped at the origin along +x.
+/// Slender bodies in one world, alike but for their bending: rods of strands and strips of cloth, clamped at the
+/// origin along +x.
 #pragma once
 
 #include "validate_world.h"
+
+#include "strands/strands.h"
 
 /// What computes the bending.
 typedef enum validate_solver
@@ -17,7 +20,7 @@ extern const char* const validate_solver_names[VALIDATE_SOLVER_COUNT];
 
 enum
 {
-    VALIDATE_MAX_CELLS = 64,
+    VALIDATE_MAX_CELLS = 128,
 };
 
 #define VALIDATE_LENGTH 0.1   // m
@@ -27,8 +30,10 @@ typedef struct validate_def
 {
     validate_solver solver;
     int cells, substeps, workers;
+    int iterations;      ///< of a substep; 0: those that the solver needs for a strip
     int count;           ///< of bodies
     const double* loads; ///< [count] G = rho g L^3 / EI
+    double tip;          ///< mass at the free end, in that of the body
     wisp_vec3 gravity;   ///< m/s^2
     double damping;      ///< 1/s
     double lateral;      ///< in lengths: how far the free end starts aside, along y. The clamp is straight
@@ -42,13 +47,23 @@ typedef struct validate_bodies
     validate_world world;
 } validate_bodies;
 
+/// An empty world for bodies of another kind, which are added by their cases.
+/// @param out to be released, also after a failure
+wisp_status validate_open( const validate_def* def, validate_bodies* out, wisp_error* error );
+/// Add strands as a body, `strand_count` of them with cells + 1 vertices each.
+wisp_status validate_add_strands( validate_bodies* bodies, int strand_count, const wisp_vec3* points,
+                                  const wisp_strand_dynamics_def* dynamics, wisp_error* error );
 /// @param out to be released, also after a failure
 wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp_error* error );
 void validate_release( validate_bodies* bodies );
+/// The slowest frequency of a cantilever without weight, rad/s (Euler and Bernoulli): 3.516 sqrt( EI / m L^4 ).
+double validate_frequency( double load );
 /// How far aside the free ends start, m.
 double validate_start( const validate_def* def );
 /// Make steps of 1/60 s, whose times are kept.
 wisp_status validate_step( validate_bodies* bodies, int steps, accuracy_run* out, wisp_error* error );
+/// Make steps for a time. @see validate_steps
+wisp_status validate_step_for( validate_bodies* bodies, double seconds, accuracy_run* out, wisp_error* error );
 /// The free end of a body, m, in the middle of its width.
 wisp_status validate_tip( validate_bodies* bodies, int body, wisp_vec3* out, wisp_error* error );
 /// Hash the points of all bodies, and keep what a step is made of.

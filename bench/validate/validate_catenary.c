@@ -83,7 +83,7 @@ static wisp_status hang( const validate_setting* setting, bool is_observed, vali
 static wisp_status run( void* context, int index, int workers, bool is_observed, accuracy_run* out,
                         wisp_error* error )
 {
-    const validate_setting* setting = ( (const validate_settings*)context )->list + index;
+    const validate_setting* setting = validate_setting_of( context, index );
     validate_world world;
     wisp_status status =
         sheet_world_create( (sheet_solver)setting->solver, setting->substeps, workers, false, &world, error );
@@ -100,8 +100,17 @@ wisp_status validate_catenary( const bench_options* options, double seconds, acc
     (void)options;
     (void)seconds;
     static const int solvers[] = { SHEET_STRANDS, SHEET_XPBD, SHEET_IMPLICIT };
-    static const int cells[] = { 8, 16, 32, 64 }, substeps[] = { 16, 8, 4 };
-    const validate_settings like = { .list = { { 0 } } };
+    static const int cells[] = { 8, 16, 32, 64 };
+    const validate_grid grid = {
+        .names = sheet_solver_names,
+        .solvers = solvers,
+        .solver_count = WISP_COUNT( solvers ),
+        .cells = cells,
+        .cell_count = WISP_COUNT( cells ),
+        .substeps = 32,
+        .halvings = 3,
+        .middle = 32,
+    };
     const accuracy_scene scene = {
         .reference = "the catenary; root mean square over vertices, after 4 s",
         .error_name = "distance from the catenary",
@@ -110,12 +119,5 @@ wisp_status validate_catenary( const bench_options* options, double seconds, acc
         .measure_count = 4,
         .run = run,
     };
-    const wisp_status status = validate_make( &like, sizeof like, scene, out, error );
-    for ( int s = 0; s < WISP_COUNT( solvers ) && status == WISP_OK; ++s )
-    {
-        const char* name = sheet_solver_names[solvers[s]];
-        validate_put_cells( out, solvers[s], name, "cell / L", cells, WISP_COUNT( cells ), 32 );
-        validate_put_substeps( out, solvers[s], name, 32, substeps, WISP_COUNT( substeps ) );
-    }
-    return status;
+    return validate_make_grid( &grid, scene, out, error );
 }

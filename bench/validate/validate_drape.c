@@ -166,7 +166,7 @@ static wisp_status drape( drape_run* run, int cells, bool is_observed, accuracy_
 static wisp_status run_drape( void* context, int index, int workers, bool is_observed, accuracy_run* out,
                               wisp_error* error )
 {
-    const validate_setting* setting = ( (const validate_settings*)context )->list + index;
+    const validate_setting* setting = validate_setting_of( context, index );
     drape_run run = { .solver = (sheet_solver)setting->solver };
     wisp_status status = sheet_world_create( run.solver, setting->substeps, workers, false, &run.world, error );
     status = status == WISP_OK ? drape( &run, setting->cells, is_observed, out, error ) : status;

@@ -93,7 +93,7 @@ static wisp_status measure_slides( validate_world* world, accuracy_run* out, wis
 static wisp_status run_incline( void* context, int index, int workers, bool is_observed, accuracy_run* out,
                                 wisp_error* error )
 {
-    const validate_setting* setting = ( (const validate_settings*)context )->list + index;
+    const validate_setting* setting = validate_setting_of( context, index );
     validate_world world;
     wisp_status status =
         sheet_world_create( (sheet_solver)setting->solver, setting->substeps, workers, true, &world, error );
@@ -210,7 +210,7 @@ static wisp_status fly_to( validate_world* world, sheet_solver solver, double co
 static wisp_status run_terminal( void* context, int index, int workers, bool is_observed, accuracy_run* out,
                                  wisp_error* error )
 {
-    const validate_setting* setting = ( (const validate_settings*)context )->list + index;
+    const validate_setting* setting = validate_setting_of( context, index );
     const sheet_solver solver = (sheet_solver)setting->solver;
     double early = NAN, late = NAN;
     validate_world world;

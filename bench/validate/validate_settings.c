@@ -18,6 +18,23 @@ wisp_status validate_make( const void* like, size_t size, accuracy_scene scene, 
     return status;
 }
 
+wisp_status validate_make_grid( const validate_grid* grid, accuracy_scene scene, accuracy_scene* out,
+                                wisp_error* error )
+{
+    const validate_settings like = { .list = { { 0 } } };
+    const wisp_status status = validate_make( &like, sizeof like, scene, out, error );
+    if ( status == WISP_OK )
+    {
+        validate_put_grid( out, grid );
+    }
+    return status;
+}
+
+const validate_setting* validate_setting_of( const void* context, int setting )
+{
+    return ( (const validate_settings*)context )->list + setting;
+}
+
 static accuracy_setting* put( accuracy_scene* out, validate_setting setting, const char* name )
 {
     validate_settings* settings = out->context;
@@ -47,5 +64,22 @@ void validate_put_substeps( accuracy_scene* out, int solver, const char* name, i
     {
         accuracy_join_series( put( out, ( validate_setting ){ solver, cells, substeps[i] }, name ), series,
                               "substep, s", (double)VALIDATE_STEP / substeps[i], NAN );
+    }
+}
+
+void validate_put_grid( accuracy_scene* out, const validate_grid* grid )
+{
+    int fewer[8];
+    WISP_ASSERT( grid->halvings <= WISP_COUNT( fewer ) );
+    for ( int i = 0; i < grid->halvings; ++i )
+    {
+        fewer[i] = grid->substeps >> ( i + 1 );
+    }
+    for ( int i = 0; i < grid->solver_count; ++i )
+    {
+        const int solver = grid->solvers[i];
+        const char* name = grid->names[solver];
+        validate_put_cells( out, solver, name, "cell / L", grid->cells, grid->cell_count, grid->substeps );
+        validate_put_substeps( out, solver, name, grid->middle, fewer, grid->halvings );
     }
 }

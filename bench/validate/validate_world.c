@@ -2,6 +2,13 @@
 
 #include "interruption.h"
 
+#include <math.h>
+
+int validate_steps( double seconds )
+{
+    return (int)ceil( seconds / (double)VALIDATE_STEP );
+}
+
 wisp_status validate_world_create( const bench_world_def* def, validate_world* out, wisp_error* error )
 {
     *out = ( validate_world ){ .substeps = def->substeps };
@@ -49,6 +56,12 @@ wisp_status validate_world_points( validate_world* w, int body, const wisp_vec3*
 {
     const validate_body* b = w->bodies + body;
     return bench_world_points( w->world, b->entity, b->points, b->vertex_count, out, error );
+}
+
+wisp_status validate_world_watch( validate_world* w, int body, wisp_error* error )
+{
+    const wisp_status status = wisp_request( w->world, w->bodies[body].entity, WISP_MOTION_STATS );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( w->world, status, error );
 }
 
 wisp_status validate_world_motion( validate_world* w, int body, wisp_motion_stats* out, wisp_error* error )

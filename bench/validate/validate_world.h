@@ -27,6 +27,8 @@ typedef struct validate_world
     int count, substeps, steps, halted_at;
 } validate_world;
 
+/// Steps of 1/60 s that a time takes, the last of which may end after it.
+int validate_steps( double seconds );
 /// @param out to be released, also after a failure
 wisp_status validate_world_create( const bench_world_def* def, validate_world* out, wisp_error* error );
 void validate_world_release( validate_world* world );
@@ -36,7 +38,9 @@ wisp_status validate_world_add( validate_world* world, wisp_entity entity, wisp_
 wisp_status validate_world_step( validate_world* world, int steps, accuracy_run* out, wisp_error* error );
 /// Read the points of a body, m, in the user's order, valid until the next step.
 wisp_status validate_world_points( validate_world* world, int body, const wisp_vec3** out, wisp_error* error );
-/// Read the motion of a body whose WISP_MOTION_STATS were requested.
+/// Request the motion of a body.
+wisp_status validate_world_watch( validate_world* world, int body, wisp_error* error );
+/// Read the motion of a body for which it was requested.
 wisp_status validate_world_motion( validate_world* world, int body, wisp_motion_stats* out, wisp_error* error );
 /// Hash the points of all bodies, and keep what a step is made of.
 wisp_status validate_world_finish( validate_world* world, accuracy_run* out, wisp_error* error );
