@@ -33,22 +33,6 @@ typedef struct slender
     bool is_blade;
 } slender;
 
-// The slowest frequency of a cantilever without weight, rad/s (Euler and Bernoulli): 3.516 sqrt( EI / m L^4 ).
-static double frequency_of( double load )
-{
-    return 3.516 * sqrt( VALIDATE_GRAVITY / ( load * VALIDATE_LENGTH ) );
-}
-
-static wisp_status step_for( validate_bodies* bodies, double seconds, accuracy_run* out, wisp_error* error )
-{
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < (int)ceil( seconds / SECONDS ) && status == WISP_OK; ++i )
-    {
-        status = validate_step( bodies, out, error );
-    }
-    return status;
-}
-
 // ---- the cantilever ----
 
 // Distances of the tips from theory, in lengths. The last measure is the aspect ratio H / W of the heaviest.
@@ -84,11 +68,11 @@ static wisp_status run_curve( void* context, int setting, int workers, bool is_o
         .count = CURVE_LOADS,
         .loads = CURVE,
         .gravity = { 0.0f, (float)-VALIDATE_GRAVITY, 0.0f },
-        .damping = 2.0 * frequency_of( 100.0 ),
+        .damping = 2.0 * validate_frequency( 100.0 ),
     };
     validate_bodies bodies;
     wisp_status status = validate_create( &def, &bodies, error );
-    status = status == WISP_OK ? step_for( &bodies, 4.0, out, error ) : status;
+    status = status == WISP_OK ? validate_step_for( &bodies, 4.0, out, error ) : status;
     status = status == WISP_OK && is_observed ? measure_curve( &bodies, out, error ) : status;
     status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
     validate_release( &bodies );
@@ -132,7 +116,7 @@ static wisp_status run_ladder( void* context, int setting, int workers, bool is_
     {
         loads[i] = own->critical * ( 0.7 + 2.0 * RUNG * i );
     }
-    const double slow = frequency_of( own->critical );
+    const double slow = validate_frequency( own->critical );
     validate_def def = {
         .solver = w->solver,
         .cells = w->cells,
@@ -147,7 +131,7 @@ static wisp_status run_ladder( void* context, int setting, int workers, bool is_
     };
     validate_bodies bodies;
     wisp_status status = validate_create( &def, &bodies, error );
-    status = status == WISP_OK ? step_for( &bodies, 40.0 / slow, out, error ) : status;
+    status = status == WISP_OK ? validate_step_for( &bodies, 40.0 / slow, out, error ) : status;
     status = status == WISP_OK && is_observed ? measure_ladder( &bodies, loads, own->critical, out, error ) : status;
     status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
     validate_release( &bodies );

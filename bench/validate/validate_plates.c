@@ -1,0 +1,266 @@
+// Plates that buckle under their own weight: the load at which a sheet on edge turns aside, and that at which an upright one gives way.
+#include "validate_plates.h"
+
+#include "accuracy/scene_tools.h"
+#include "oracle/plate_theory.h"
+#include "validate_bodies.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum
+{
+    MAX_SETTINGS = 48,
+    MAX_WIDTHS = 4,
+    RUNGS = 7, // loads, of a sheet each
+};
+
+static const double SECONDS = 1.0 / 60.0;
+static const double LOWEST = 0.6, HIGHEST = 1.8; // loads of the first and the last sheet, in parts of theory
+// The turn of growth into decay is interpolated between two sheets. Growth is nearly linear in 1 / load, as the sheets are overdamped.
+static const double UNCERTAINTY = 0.5; // %
+
+// Bending of the solvers has Poisson's ratio 0. In its plane a sheet of links has 1/3 on the mesh with diagonals in turn; what
+// another one changes is below 0.2 % (see the test of the theory).
+static const double POISSON_BENDING = 0.0, POISSON_PLANE = 1.0 / 3.0;
+
+typedef struct way
+{
+    validate_solver solver;
+    validate_mesh mesh;
+    int cells, substeps;
+} way;
+
+typedef struct plates
+{
+    way ways[MAX_SETTINGS];
+    bool is_sideways;
+    int width_count;
+    double widths[MAX_WIDTHS], theory[MAX_WIDTHS];
+} plates;
+
+// ---- a critical load ----
+
+// How far aside the sheets are at two times, from which their growth follows.
+typedef struct ladder
+{
+    double loads[RUNGS], half[RUNGS], end[RUNGS];
+} ladder;
+
+static wisp_status read_aside( validate_bodies* bodies, double* out, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < RUNGS && status == WISP_OK; ++i )
+    {
+        status = validate_aside( bodies, i, out + i, error );
+    }
+    return status;
+}
+
+// The weight comes at once and shakes the sheets in their plane, so strong damping comes first.
+static wisp_status swing( validate_bodies* bodies, double slow, accuracy_run* out, ladder* l, wisp_error* error )
+{
+    wisp_status status = validate_damp( bodies, 20.0 * slow, error );
+    status = status == WISP_OK ? validate_step_for( bodies, 1.0 / slow, out, error ) : status;
+    status = status == WISP_OK ? validate_damp( bodies, 2.0 * slow, error ) : status;
+    status = status == WISP_OK ? validate_step_for( bodies, 3.0 / slow, out, error ) : status;
+    status = status == WISP_OK ? read_aside( bodies, l->half, error ) : status;
+    status = status == WISP_OK ? validate_step_for( bodies, 3.0 / slow, out, error ) : status;
+    return status == WISP_OK ? read_aside( bodies, l->end, error ) : status;
+}
+
+// The load between the first sheet that goes on and the one before. @param start how far aside the free ends started, m
+// @return NaN: the first sheet went on, or none
+static double find_load( const ladder* l, double start )
+{
+    int first = 0;
+    // What has come back may still swing a little, and what has fallen over may be on its way back.
+    while ( first < RUNGS &&
+            !( l->end[first] > 4.0 * start || ( l->end[first] > 0.01 * start && l->end[first] > l->half[first] ) ) )
+    {
+        ++first;
+    }
+    if ( first == 0 || first == RUNGS )
+    {
+        return NAN;
+    }
+    const double before = log( l->end[first - 1] / l->half[first - 1] ),
+                 after = log( l->end[first] / l->half[first] );
+    const double part = before < 0.0 && after > 0.0 ? before / ( before - after ) : 0.5;
+    return 1.0 / ( ( 1.0 - part ) / l->loads[first - 1] + part / l->loads[first] );
+}
+
+// A world of sheets under rising loads. @param found in parts of theory; NaN: not between the first and the last
+static wisp_status measure( const plates* own, const way* w, int width, int workers, accuracy_run* out, double* found,
+                            wisp_error* error )
+{
+    const float g = (float)VALIDATE_GRAVITY;
+    const double theory = own->theory[width], slow = validate_frequency( theory );
+    ladder l;
+    for ( int i = 0; i < RUNGS; ++i )
+    {
+        l.loads[i] = theory * LOWEST * pow( HIGHEST / LOWEST, (double)i / ( RUNGS - 1 ) );
+    }
+    const validate_def def = {
+        .solver = w->solver,
+        .mesh = w->mesh,
+        .cells = w->cells,
+        .substeps = w->substeps,
+        .workers = workers,
+        .count = RUNGS,
+        .loads = l.loads,
+        .width = own->widths[width],
+        .thickness = own->widths[width] / 25.0,
+        .gravity = own->is_sideways ? ( wisp_vec3 ){ 0.0f, 0.0f, -g } : ( wisp_vec3 ){ -g, 0.0f, 0.0f },
+        .lateral = 0.0005, // less than the thickness: deflections stay those of the linear theory
+    };
+    const uint64_t hash = out->hash;
+    const int halted_at = out->halted_at;
+    validate_bodies bodies;
+    wisp_status status = validate_create( &def, &bodies, error );
+    status = status == WISP_OK ? swing( &bodies, slow, out, &l, error ) : status;
+    status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
+    validate_release( &bodies );
+    *found = status == WISP_OK ? find_load( &l, validate_start( &def ) ) / theory : (double)NAN;
+    out->hash = ( hash ^ out->hash ) * 0x100000001b3u;
+    out->halted_at = halted_at > 0 ? halted_at : out->halted_at;
+    return status;
+}
+
+static wisp_status run( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
+                        wisp_error* error )
+{
+    const plates* own = context;
+    double sum = 0.0;
+    wisp_status status = WISP_OK;
+    out->hash = 0;
+    for ( int i = 0; i < own->width_count && status == WISP_OK; ++i )
+    {
+        double found = NAN;
+        status = measure( own, own->ways + setting, i, workers, out, &found, error );
+        out->measures[i] = is_observed ? found * own->theory[i] : NAN;
+        // outside the ladder the error is at least that of its first load
+        sum += pow( isnan( found ) ? 1.0 - LOWEST : found - 1.0, 2.0 );
+    }
+    out->error = is_observed ? 100.0 * sqrt( sum / own->width_count ) : NAN;
+    return status;
+}
+
+// ---- settings ----
+
+static const char* const mesh_names[VALIDATE_MESH_COUNT] = { "", ", one way", ", irregular" };
+
+static accuracy_setting* put( accuracy_scene* out, way w )
+{
+    plates* own = out->context;
+    own->ways[out->setting_count] = w;
+    return accuracy_put_setting( out, "%s%s, %d cells, %d substeps", validate_solver_names[w.solver],
+                                 mesh_names[w.mesh], w.cells, w.substeps );
+}
+
+// The error in cells is of a low order at the corners of the clamp, so no order is expected.
+static void put_cells( accuracy_scene* out, validate_solver solver, validate_mesh mesh, const int* cells, int count,
+                       int substeps )
+{
+    char series[64];
+    snprintf( series, sizeof series, "%s%s by cells", validate_solver_names[solver], mesh_names[mesh] );
+    for ( int i = 0; i < count; ++i )
+    {
+        accuracy_join_series( put( out, ( way ){ solver, mesh, cells[i], substeps } ), series, "cell / L",
+                              1.0 / cells[i], NAN );
+    }
+}
+
+// For each solver series in substeps, in cells, and in cells of the other meshes.
+static void put_settings( accuracy_scene* out )
+{
+    static const validate_solver solvers[] = { VALIDATE_DIHEDRAL, VALIDATE_ISOMETRIC, VALIDATE_IMPLICIT };
+    static const int cells[] = { 5, 10, 20 };
+    for ( int s = 0; s < WISP_COUNT( solvers ); ++s )
+    {
+        const int substeps = solvers[s] == VALIDATE_IMPLICIT ? 8 : 32;
+        char series[64];
+        snprintf( series, sizeof series, "%s by substeps", validate_solver_names[solvers[s]] );
+        for ( int fewer = substeps / 2; fewer >= substeps / 8; fewer /= 2 )
+        {
+            accuracy_join_series( put( out, ( way ){ solvers[s], VALIDATE_MESH_IN_TURN, cells[1], fewer } ), series,
+                                  "substep, s", SECONDS / fewer, NAN );
+        }
+        put_cells( out, solvers[s], VALIDATE_MESH_IN_TURN, cells, WISP_COUNT( cells ), substeps );
+        put_cells( out, solvers[s], VALIDATE_MESH_ONE_WAY, cells, 2, substeps );
+        put_cells( out, solvers[s], VALIDATE_MESH_IRREGULAR, cells, 2, substeps );
+    }
+}
+
+static wisp_status make( bool is_sideways, const double* widths, accuracy_scene scene, accuracy_scene* out,
+                         wisp_error* error )
+{
+    plates* own = calloc( 1, sizeof *own );
+    *out = scene;
+    out->context = own;
+    out->destroy = free;
+    wisp_status status = own != NULL ? accuracy_reserve_settings( out, MAX_SETTINGS, error )
+                                     : wisp_fail( error, WISP_NO_MEMORY, "no memory for a case" );
+    const plate_theory_membrane membrane = plate_theory_isotropic( POISSON_PLANE );
+    for ( int i = 0; i < scene.measure_count && status == WISP_OK; ++i )
+    {
+        own->widths[i] = widths[i];
+        own->theory[i] = plate_theory_load( widths[i], POISSON_BENDING, membrane, is_sideways );
+        status = isnan( own->theory[i] ) ? wisp_fail( error, WISP_NO_MEMORY, "no memory for a theory" ) : WISP_OK;
+    }
+    if ( status != WISP_OK )
+    {
+        return accuracy_abandon( out, status );
+    }
+    int at =
+        snprintf( out->reference, sizeof out->reference,
+                  "plate of Kirchhoff by the method of Ritz, root mean square over the widths; in their order G =" );
+    for ( int i = 0; i < scene.measure_count; ++i )
+    {
+        at += snprintf( out->reference + at, sizeof out->reference - (size_t)at, " %.2f", own->theory[i] );
+    }
+    own->is_sideways = is_sideways;
+    own->width_count = scene.measure_count;
+    put_settings( out );
+    return WISP_OK;
+}
+
+static const char* const NOTE = "A step is of seven sheets of one width, and its time is the median over the steps "
+                                "of all widths. A critical load "
+                                "outside 0.6 to 1.8 times theory is not measured (-) and counts as an error of 40 %.";
+
+wisp_status validate_lateral_buckling( const bench_options* options, double seconds, accuracy_scene* out,
+                                       wisp_error* error )
+{
+    (void)options;
+    (void)seconds;
+    static const double widths[] = { 0.05, 0.25, 0.5, 1.0 };
+    const accuracy_scene scene = {
+        .error_name = "distance of the critical load",
+        .error_unit = "%",
+        .measure_names = { "measured G, W = L / 20", "W = L / 4", "W = L / 2", "W = L" },
+        .measure_count = WISP_COUNT( widths ),
+        .uncertainty = UNCERTAINTY,
+        .note = NOTE,
+        .run = run,
+    };
+    return make( true, widths, scene, out, error );
+}
+
+wisp_status validate_plate_column( const bench_options* options, double seconds, accuracy_scene* out,
+                                   wisp_error* error )
+{
+    (void)options;
+    (void)seconds;
+    static const double widths[] = { 0.25, 1.0, 2.0 };
+    const accuracy_scene scene = {
+        .error_name = "distance of the critical load",
+        .error_unit = "%",
+        .measure_names = { "measured G, W = L / 4", "W = L", "W = 2 L" },
+        .measure_count = WISP_COUNT( widths ),
+        .uncertainty = UNCERTAINTY,
+        .note = NOTE,
+        .run = run,
+    };
+    return make( false, widths, scene, out, error );
+}
