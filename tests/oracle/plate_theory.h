@@ -3,7 +3,7 @@
 ///
 /// The energy of its deflection w is that of Kirchhoff, 1/2 D of the integral of (w_xx + w_yy)^2 - 2 (1 - nu) (w_xx w_yy - w_xy^2), and the
 /// work of the forces N in its plane, 1/2 of the integral of N_xx w_x^2 + 2 N_xy w_x w_y + N_yy w_y^2 (Bryan 1891; Timoshenko and
-/// Gere 1961, section 8.2). A plate buckles where their sum stops being positive. Loads found by Ritz fall towards the exact one.
+/// Gere 1961, chapter 9). A plate buckles where their sum stops being positive. Loads found by Ritz fall towards the exact one.
 #pragma once
 
 #include <stdbool.h>
