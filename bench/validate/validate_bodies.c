@@ -91,7 +91,6 @@ static wisp_status add_rods( validate_bodies* b, wisp_error* error )
 typedef struct grid
 {
     int columns, rows; // of vertices, along x and across it
-    double cell, row;  // their distances, in lengths
     wisp_vec3* points; // [columns * rows] flat, m
 } grid;
 
@@ -101,18 +100,11 @@ static int vertex_count_of( const validate_def* def )
     return def->solver == VALIDATE_ROD ? def->cells + 1 : ( def->cells + 2 ) * ( across + 1 );
 }
 
-static void free_grid( grid* g )
-{
-    free( g->points );
-    g->points = NULL;
-}
-
 static wisp_status lay_grid( const validate_def* def, grid* out, wisp_error* error )
 {
     const int columns = def->cells + 2, rows = vertex_count_of( def ) / columns;
-    const double cell = 1.0 / def->cells, width = def->width > 0.0 ? def->width : cell;
-    *out = ( grid ){ columns, rows, cell, width / ( rows - 1 ),
-                     malloc( (size_t)( columns * rows ) * sizeof( wisp_vec3 ) ) };
+    const double cell = 1.0 / def->cells, width = def->width > 0.0 ? def->width : cell, row = width / ( rows - 1 );
+    *out = ( grid ){ columns, rows, malloc( (size_t)( columns * rows ) * sizeof( wisp_vec3 ) ) };
     const wisp_random_key key = wisp_random_make_key( 1, 0, 0 );
     for ( int v = 0; v < columns * rows && out->points != NULL; ++v )
     {
@@ -122,7 +114,7 @@ static wisp_status lay_grid( const validate_def* def, grid* out, wisp_error* err
         const double shift_x = is_moved ? 0.5 * wisp_random_unit( key, (uint32_t)v, 0, 0 ) - 0.25 : 0.0,
                      shift_z = is_moved ? 0.5 * wisp_random_unit( key, (uint32_t)v, 1, 0 ) - 0.25 : 0.0;
         out->points[v] = ( wisp_vec3 ){ (float)( VALIDATE_LENGTH * cell * ( i - 1 + shift_x ) ), 0.0f,
-                                        (float)( VALIDATE_LENGTH * ( out->row * ( j + shift_z ) - 0.5 * width ) ) };
+                                        (float)( VALIDATE_LENGTH * ( row * ( j + shift_z ) - 0.5 * width ) ) };
     }
     return out->points != NULL ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for a sheet" );
 }
@@ -232,7 +224,7 @@ static wisp_status add_sheets( validate_bodies* b, wisp_error* error )
         status = add_sheet( b, &g, fabric, i, error );
     }
     wisp_fabric_release( fabric );
-    free_grid( &g );
+    free( g.points );
     return status;
 }
 
@@ -334,14 +326,13 @@ wisp_status validate_aside( validate_bodies* b, int body, double* out, wisp_erro
 wisp_status validate_finish( validate_bodies* b, accuracy_run* out, wisp_error* error )
 {
     wisp_status status = WISP_OK;
-    out->hash = 0;
     for ( int i = 0; i < b->def.count && status == WISP_OK; ++i )
     {
         uint64_t hash = 0;
         status = bench_world_hash( b->world, b->bodies[i], points_of( b ), &hash, error );
         out->hash = ( out->hash ^ hash ) * 0x100000001b3u;
     }
-    out->halted_at = b->halted_at;
+    out->halted_at = out->halted_at > 0 ? out->halted_at : b->halted_at;
     out->work = ( accuracy_work ){ .vertices = (double)b->def.count * vertex_count_of( &b->def ),
                                    .substeps = b->def.substeps,
                                    .bytes = (double)wisp_world_memory( b->world ) };

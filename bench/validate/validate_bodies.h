@@ -78,5 +78,5 @@ wisp_status validate_step_for( validate_bodies* bodies, double seconds, accuracy
 wisp_status validate_tip( validate_bodies* bodies, int body, wisp_vec3* out, wisp_error* error );
 /// How far a body is aside, along y: the root mean square over its points, m.
 wisp_status validate_aside( validate_bodies* bodies, int body, double* out, wisp_error* error );
-/// Hash the points of all bodies, and keep what a step is made of.
+/// Hash the points of all bodies into that of the run, which may have had other worlds before, and keep what a step is made of.
 wisp_status validate_finish( validate_bodies* bodies, accuracy_run* out, wisp_error* error );
