@@ -123,7 +123,7 @@ static void an_upright_plate_is_the_column_of_greenhill( void** state )
 static void elasticity_in_the_plane_hardly_matters( void** state )
 {
     (void)state;
-    static const double widths[] = { 0.05, 0.25, 0.5, 1.0 };
+    static const double widths[] = { 0.05, 1.0 };
     const plate_theory_membrane squares = { 1.25, 0.25, 0.25 };
     for ( int i = 0; i < WISP_COUNT( widths ); ++i )
     {
