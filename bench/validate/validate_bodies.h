@@ -1,4 +1,4 @@
-/// Slender bodies in one world, alike but for their bending: rods of strands and strips of cloth, clamped at the
+/// Bodies in one world, alike but for their bending: rods of strands, and strips and sheets of cloth, clamped at the
 /// origin along +x.
 #pragma once
 
@@ -18,6 +18,15 @@ typedef enum validate_solver
 
 extern const char* const validate_solver_names[VALIDATE_SOLVER_COUNT];
 
+/// How the cells of a sheet are cut into triangles.
+typedef enum validate_mesh
+{
+    VALIDATE_MESH_IN_TURN,   ///< diagonals in turn
+    VALIDATE_MESH_ONE_WAY,   ///< all diagonals one way
+    VALIDATE_MESH_IRREGULAR, ///< diagonals in turn, and inner vertices moved at random by up to a quarter of a cell
+    VALIDATE_MESH_COUNT,
+} validate_mesh;
+
 enum
 {
     VALIDATE_MAX_CELLS = 128,
@@ -33,10 +42,15 @@ typedef struct validate_def
     int iterations;      ///< of a substep; 0: those that the solver needs for a strip
     int count;           ///< of bodies
     const double* loads; ///< [count] G = rho g L^3 / EI
-    double tip;          ///< mass at the free end, in that of the body
+    double tip;          ///< mass at the free end of a rod or a strip, in that of the body
     wisp_vec3 gravity;   ///< m/s^2
     double damping;      ///< 1/s
-    double lateral;      ///< in lengths: how far the free end starts aside, along y. The clamp is straight
+    validate_mesh mesh;  ///< of strips and sheets
+    double width;        ///< of a sheet across x, along z, in lengths; 0: a strip of one square cell
+    /// In lengths, > 0: a sheet stretches like a plate of this thickness that has its rigidity, so that its forces in the
+    /// plane are those of a material. 0: as stiff as its solver allows
+    double thickness;
+    double lateral; ///< in lengths: how far the free end starts aside, along y. The clamp is straight
     bool
         is_blade; ///< stiff in its plane: rods have a flat section across y, and GJ = EI; strips are on edge along z anyhow
 } validate_def;
@@ -58,13 +72,19 @@ wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp
 void validate_release( validate_bodies* bodies );
 /// The slowest frequency of a cantilever without weight, rad/s (Euler and Bernoulli): 3.516 sqrt( EI / m L^4 ).
 double validate_frequency( double load );
+/// A point of the middle line at the start, m. @param x in lengths
+wisp_vec3 validate_start_of( const validate_def* def, double x );
 /// How far aside the free ends start, m.
 double validate_start( const validate_def* def );
 /// Make steps of 1/60 s, whose times are kept.
 wisp_status validate_step( validate_bodies* bodies, int steps, accuracy_run* out, wisp_error* error );
 /// Make steps for a time. @see validate_steps
 wisp_status validate_step_for( validate_bodies* bodies, double seconds, accuracy_run* out, wisp_error* error );
+/// Change the damping of all sheets, 1/s.
+wisp_status validate_damp( validate_bodies* bodies, double damping, wisp_error* error );
 /// The free end of a body, m, in the middle of its width.
 wisp_status validate_tip( validate_bodies* bodies, int body, wisp_vec3* out, wisp_error* error );
-/// Hash the points of all bodies, and keep what a step is made of.
+/// How far a body is aside, along y: the root mean square over its points, m.
+wisp_status validate_aside( validate_bodies* bodies, int body, double* out, wisp_error* error );
+/// @see validate_world_finish
 wisp_status validate_finish( validate_bodies* bodies, accuracy_run* out, wisp_error* error );

@@ -74,7 +74,6 @@ wisp_status validate_world_finish( validate_world* w, accuracy_run* out, wisp_er
 {
     double vertices = 0.0;
     wisp_status status = WISP_OK;
-    out->hash = 0;
     for ( int i = 0; i < w->count && status == WISP_OK; ++i )
     {
         uint64_t hash = 0;
@@ -82,7 +81,7 @@ wisp_status validate_world_finish( validate_world* w, accuracy_run* out, wisp_er
         out->hash = ( out->hash ^ hash ) * 0x100000001b3u;
         vertices += w->bodies[i].vertex_count;
     }
-    out->halted_at = w->halted_at;
+    out->halted_at = out->halted_at > 0 ? out->halted_at : w->halted_at;
     out->work = ( accuracy_work ){ .vertices = vertices,
                                    .substeps = w->substeps,
                                    .bytes = (double)wisp_world_memory( w->world ) };

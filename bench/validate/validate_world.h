@@ -42,5 +42,6 @@ wisp_status validate_world_points( validate_world* world, int body, const wisp_v
 wisp_status validate_world_watch( validate_world* world, int body, wisp_error* error );
 /// Read the motion of a body for which it was requested.
 wisp_status validate_world_motion( validate_world* world, int body, wisp_motion_stats* out, wisp_error* error );
-/// Hash the points of all bodies, and keep what a step is made of.
+/// Hash the points of all bodies into that of the run, which may have had other worlds before, and keep what a step is
+/// made of.
 wisp_status validate_world_finish( validate_world* world, accuracy_run* out, wisp_error* error );
