@@ -3,6 +3,7 @@
 #include "bench_world.h"
 
 #include "cloth/cloth.h"
+#include "collision/collision.h"
 #include "implicit_cloth/implicit_cloth.h"
 #include "strands/strands.h"
 #include "wisp/fabric.h"
@@ -34,6 +35,18 @@ double validate_start( const validate_def* def )
     return (double)aside( def, def->cells );
 }
 
+// A point of the centre line, m. Points before the clamp and beside a shape are straight.
+static wisp_vec3 start_of( const validate_def* def, int body, int cell )
+{
+    const double length = VALIDATE_LENGTH;
+    if ( def->shapes != NULL && cell >= 0 )
+    {
+        const validate_point p = def->shapes[body * ( def->cells + 1 ) + cell];
+        return ( wisp_vec3 ){ (float)( length * p.x ), (float)( length * p.y ), 0.0f };
+    }
+    return ( wisp_vec3 ){ (float)( length * cell / def->cells ), aside( def, cell ), 0.0f };
+}
+
 // ---- rods ----
 
 static wisp_status add_rod( validate_bodies* b, int body )
@@ -43,18 +56,18 @@ static wisp_status add_rod( validate_bodies* b, int body )
     const int32_t offsets[2] = { 0, def->cells + 1 };
     for ( int i = 0; i <= def->cells; ++i )
     {
-        points[i] = ( wisp_vec3 ){ (float)( VALIDATE_LENGTH * i / def->cells ), aside( def, i ), 0.0f };
+        points[i] = start_of( def, body, i );
     }
     wisp_strands_def strands = wisp_default_strands_def();
     strands.points = points;
     strands.offsets = offsets;
     strands.strand_count = 1;
     wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    dynamics.rest = WISP_STRAND_REST_STRAIGHT;
+    dynamics.rest = def->is_curled ? WISP_STRAND_REST_SHAPE : WISP_STRAND_REST_STRAIGHT;
     dynamics.line_density = (float)LINE_DENSITY;
     dynamics.bend_rigidity =
         (float)( LINE_DENSITY * VALIDATE_GRAVITY * pow( VALIDATE_LENGTH, 3.0 ) / def->loads[body] );
-    dynamics.twist_rigidity = dynamics.bend_rigidity;
+    dynamics.twist_rigidity = (float)( def->twist_ratio > 0.0 ? def->twist_ratio : 1.0 ) * dynamics.bend_rigidity;
     dynamics.damping = (float)def->damping;
     dynamics.gravity = def->gravity;
     if ( def->is_blade )
@@ -127,9 +140,8 @@ static wisp_status add_strip( validate_bodies* b, wisp_fabric* fabric, int body 
     const float a = (float)( VALIDATE_LENGTH / b->def.cells );
     for ( int i = 0; i < 2 * columns; ++i )
     {
-        const int column = i % columns;
-        points[i] = ( wisp_vec3 ){ a * (float)( column - 1 ), aside( &b->def, column - 1 ),
-                                   i < columns ? -0.5f * a : 0.5f * a };
+        points[i] = start_of( &b->def, body, i % columns - 1 );
+        points[i].z = i < columns ? -0.5f * a : 0.5f * a;
     }
     wisp_surface_def surface = wisp_default_surface_def();
     surface.fabric = fabric;
@@ -144,15 +156,83 @@ static wisp_status add_strip( validate_bodies* b, wisp_fabric* fabric, int body 
     return status == WISP_OK ? wisp_request( b->world, b->bodies[body], WISP_SURFACE_POINTS ) : status;
 }
 
+// ---- floors ----
+
+// How far bodies stay off their floors: less than the last cell rises from it.
+static double gap_of( const validate_def* def )
+{
+    return 0.125 * VALIDATE_LENGTH / def->cells;
+}
+
+static wisp_status set_collision( validate_bodies* b, int body, double mu )
+{
+    wisp_collision_def collision = wisp_default_collision_def();
+    collision.thickness = (float)gap_of( &b->def );
+    collision.friction_scale = (float)mu;
+    collision.mask = b->masks[body];
+    return wisp_set_collision( b->world, b->bodies[body], &collision );
+}
+
+// A plane behind x, with a friction of 1 that is scaled for each body, and a layer of its own.
+static wisp_status add_floor( validate_bodies* b, double x, uint32_t layer )
+{
+    wisp_collider_def def = wisp_default_collider_def();
+    def.kind = WISP_COLLIDER_PLANE;
+    def.static_friction = def.kinetic_friction = 1.0f;
+    def.layers = layer;
+    def.pose.translation.x = (float)( VALIDATE_LENGTH * x + gap_of( &b->def ) );
+    def.pose.rotation = ( wisp_quat ){ 0.0f, 0.0f, sqrtf( 0.5f ), sqrtf( 0.5f ) }; // up is -x
+    wisp_entity floor;
+    return wisp_add_collider( b->world, &def, &floor );
+}
+
+static wisp_status add_floors( validate_bodies* b )
+{
+    const double* floors = b->def.floors;
+    uint32_t layer = 1;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < b->def.count && status == WISP_OK; ++i )
+    {
+        const bool is_new = i == 0 || floors[i] != floors[i - 1];
+        layer = is_new && i > 0 ? layer << 1 : layer;
+        b->masks[i] = layer;
+        status = is_new ? add_floor( b, floors[i], layer ) : WISP_OK;
+        status = status == WISP_OK ? set_collision( b, i, b->def.friction ) : status;
+    }
+    return status;
+}
+
+wisp_status validate_set_friction( validate_bodies* b, const double* mu, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < b->def.count && status == WISP_OK; ++i )
+    {
+        status = set_collision( b, i, mu[i] );
+    }
+    return status == WISP_OK ? WISP_OK : bench_world_fail( b->world, status, error );
+}
+
+wisp_status validate_turn_gravity( validate_bodies* b, wisp_vec3 gravity, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < b->def.count && status == WISP_OK; ++i )
+    {
+        status = wisp_set_strand_gravity( b->world, b->bodies[i], gravity );
+    }
+    return status == WISP_OK ? WISP_OK : bench_world_fail( b->world, status, error );
+}
+
 // ---- all of them ----
 
 wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp_error* error )
 {
     static const wisp_module* const modules[] = { &wisp_strands_module, &wisp_cloth_module,
-                                                  &wisp_implicit_cloth_module };
+                                                  &wisp_implicit_cloth_module, &wisp_collision_module };
     *out = ( validate_bodies ){ .def = *def };
     const bool is_cloth = def->solver == VALIDATE_DIHEDRAL || def->solver == VALIDATE_ISOMETRIC;
-    const bench_world_def world = { modules, WISP_COUNT( modules ), def->workers, def->substeps,
+    // without floors there is no collision either, as in a world of a user who has none
+    const int module_count = WISP_COUNT( modules ) - ( def->floors != NULL ? 0 : 1 );
+    const bench_world_def world = { modules, module_count, def->workers, def->substeps,
                                     is_cloth ? STRIP_ITERATIONS : 1 };
     wisp_fabric* fabric = NULL;
     wisp_status status = bench_world_create( &world, &out->world, error );
@@ -160,6 +240,11 @@ wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp
     for ( int i = 0; i < def->count && status == WISP_OK; ++i )
     {
         status = def->solver == VALIDATE_ROD ? add_rod( out, i ) : add_strip( out, fabric, i );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( out->world, status, error );
+    }
+    if ( status == WISP_OK && def->floors != NULL )
+    {
+        status = add_floors( out );
         status = status == WISP_OK ? WISP_OK : bench_world_fail( out->world, status, error );
     }
     wisp_fabric_release( fabric );

@@ -4,50 +4,25 @@
 #include "accuracy/scene_tools.h"
 #include "elastica.h"
 #include "oracle/slender_theory.h"
-#include "validate_bodies.h"
+#include "validate_ways.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 enum
 {
-    MAX_SETTINGS = 64,
     CURVE_LOADS = 4,
-    LADDER = 31, // loads from 0.7 times the critical one to 1.3
+    LADDER = 31,
 };
 
 static const double CURVE[CURVE_LOADS] = { 1.0, 10.0, 100.0, 1000.0 };
-static const double SECONDS = 1.0 / 60.0;
-static const double RUNG = 0.01; // half of the distance between two loads, in critical ones
-
-typedef struct way
-{
-    validate_solver solver;
-    int cells, substeps;
-} way;
 
 typedef struct slender
 {
-    way ways[MAX_SETTINGS];
+    validate_way ways[VALIDATE_MAX_WAYS];
     double critical; // of a ladder
     bool is_blade;
 } slender;
-
-// The slowest frequency of a cantilever without weight, rad/s (Euler and Bernoulli): 3.516 sqrt( EI / m L^4 ).
-static double frequency_of( double load )
-{
-    return 3.516 * sqrt( VALIDATE_GRAVITY / ( load * VALIDATE_LENGTH ) );
-}
-
-static wisp_status step_for( validate_bodies* bodies, double seconds, accuracy_run* out, wisp_error* error )
-{
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < (int)ceil( seconds / SECONDS ) && status == WISP_OK; ++i )
-    {
-        status = validate_step( bodies, out, error );
-    }
-    return status;
-}
 
 // ---- the cantilever ----
 
@@ -74,7 +49,7 @@ static wisp_status measure_curve( validate_bodies* bodies, accuracy_run* out, wi
 static wisp_status run_curve( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                               wisp_error* error )
 {
-    const way* w = ( (const slender*)context )->ways + setting;
+    const validate_way* w = ( (const slender*)context )->ways + setting;
     // about critical for the second softest; 4 s are many times its period
     const validate_def def = {
         .solver = w->solver,
@@ -84,11 +59,11 @@ static wisp_status run_curve( void* context, int setting, int workers, bool is_o
         .count = CURVE_LOADS,
         .loads = CURVE,
         .gravity = { 0.0f, (float)-VALIDATE_GRAVITY, 0.0f },
-        .damping = 2.0 * frequency_of( 100.0 ),
+        .damping = 2.0 * validate_frequency( 100.0 ),
     };
     validate_bodies bodies;
     wisp_status status = validate_create( &def, &bodies, error );
-    status = status == WISP_OK ? step_for( &bodies, 4.0, out, error ) : status;
+    status = status == WISP_OK ? validate_step_for( &bodies, 4.0, out, error ) : status;
     status = status == WISP_OK && is_observed ? measure_curve( &bodies, out, error ) : status;
     status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
     validate_release( &bodies );
@@ -101,23 +76,17 @@ static wisp_status run_curve( void* context, int setting, int workers, bool is_o
 static wisp_status measure_ladder( validate_bodies* bodies, const double* loads, double critical, accuracy_run* out,
                                    wisp_error* error )
 {
-    double found = NAN;
+    bool is_over[LADDER] = { false };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < LADDER && status == WISP_OK; ++i )
     {
         wisp_vec3 tip = { 0.0f, 0.0f, 0.0f };
         status = validate_tip( bodies, i, &tip, error );
-        if ( status == WISP_OK && isnan( found ) && fabs( (double)tip.y ) > validate_start( &bodies->def ) )
-        {
-            // between it and the one before; nothing is before the first
-            found = i > 0 ? loads[i] - RUNG * critical : 0.0;
-        }
+        is_over[i] = fabs( (double)tip.y ) > validate_start( &bodies->def );
     }
-    found = found > 0.0 ? found : NAN;
-    out->measures[0] = found;
+    out->measures[0] = validate_ladder_found( is_over, loads, LADDER );
     out->measures[1] = critical;
-    // beyond the ladder the error is at least its half
-    out->error = 100.0 * ( isnan( found ) ? 0.3 : fabs( found / critical - 1.0 ) );
+    out->error = 100.0 * validate_ladder_error( out->measures[0], critical );
     return status;
 }
 
@@ -125,14 +94,11 @@ static wisp_status run_ladder( void* context, int setting, int workers, bool is_
                                wisp_error* error )
 {
     const slender* own = context;
-    const way* w = own->ways + setting;
+    const validate_way* w = own->ways + setting;
     const double g = VALIDATE_GRAVITY;
     double loads[LADDER];
-    for ( int i = 0; i < LADDER; ++i )
-    {
-        loads[i] = own->critical * ( 0.7 + 2.0 * RUNG * i );
-    }
-    const double slow = frequency_of( own->critical );
+    validate_ladder( own->critical, LADDER, loads );
+    const double slow = validate_frequency( own->critical );
     validate_def def = {
         .solver = w->solver,
         .cells = w->cells,
@@ -147,7 +113,7 @@ static wisp_status run_ladder( void* context, int setting, int workers, bool is_
     };
     validate_bodies bodies;
     wisp_status status = validate_create( &def, &bodies, error );
-    status = status == WISP_OK ? step_for( &bodies, 40.0 / slow, out, error ) : status;
+    status = status == WISP_OK ? validate_step_for( &bodies, 40.0 / slow, out, error ) : status;
     status = status == WISP_OK && is_observed ? measure_ladder( &bodies, loads, own->critical, out, error ) : status;
     status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
     validate_release( &bodies );
@@ -156,31 +122,13 @@ static wisp_status run_ladder( void* context, int setting, int workers, bool is_
 
 // ---- settings ----
 
-// Series in cells and in substeps for each solver. Bending of a mesh converges at second order.
-static void put_settings( accuracy_scene* out, const validate_solver* solvers, int solver_count, int substeps )
+// Bending of a mesh converges at second order.
+static void put_settings( accuracy_scene* out, const validate_solver* solvers, int solver_count )
 {
     static const int cells[] = { 4, 8, 16, 32 };
     slender* own = out->context;
-    for ( int s = 0; s < solver_count; ++s )
-    {
-        const char* name = validate_solver_names[solvers[s]];
-        char series[64];
-        snprintf( series, sizeof series, "%s by cells", name );
-        for ( int i = 0; i < WISP_COUNT( cells ); ++i )
-        {
-            own->ways[out->setting_count] = ( way ){ solvers[s], cells[i], substeps };
-            accuracy_join_series( accuracy_put_setting( out, "%s, %d cells, %d substeps", name, cells[i], substeps ),
-                                  series, "cell / L", 1.0 / cells[i], NAN );
-        }
-        snprintf( series, sizeof series, "%s by substeps", name );
-        for ( int k = 1; k <= 4; k *= 2 )
-        {
-            const int fewer = substeps / ( 2 * k );
-            own->ways[out->setting_count] = ( way ){ solvers[s], 16, fewer };
-            accuracy_join_series( accuracy_put_setting( out, "%s, 16 cells, %d substeps", name, fewer ), series,
-                                  "substep, s", SECONDS / fewer, NAN );
-        }
-    }
+    validate_put_settings( out, &( validate_series ){ solvers, solver_count, cells, WISP_COUNT( cells ), 32, 16 },
+                           own->ways );
 }
 
 static wisp_status make( const slender* like, accuracy_scene scene, accuracy_scene* out, wisp_error* error )
@@ -189,7 +137,7 @@ static wisp_status make( const slender* like, accuracy_scene scene, accuracy_sce
     *out = scene;
     out->context = own;
     out->destroy = free;
-    const wisp_status status = own != NULL ? accuracy_reserve_settings( out, MAX_SETTINGS, error )
+    const wisp_status status = own != NULL ? accuracy_reserve_settings( out, VALIDATE_MAX_WAYS, error )
                                            : wisp_fail( error, WISP_NO_MEMORY, "no memory for a case" );
     if ( status != WISP_OK )
     {
@@ -218,7 +166,7 @@ wisp_status validate_cantilever( const bench_options* options, double seconds, a
     const wisp_status status = make( &like, scene, out, error );
     if ( status == WISP_OK )
     {
-        put_settings( out, solvers, WISP_COUNT( solvers ), 32 );
+        put_settings( out, solvers, WISP_COUNT( solvers ) );
     }
     return status;
 }
@@ -234,14 +182,14 @@ static wisp_status make_ladder( double critical, bool is_blade, const char* refe
         .error_unit = "%",
         .measure_names = { "measured G", "theory G" },
         .measure_count = 2,
-        .uncertainty = 100.0 * RUNG,
+        .uncertainty = 100.0 * validate_ladder_doubt( LADDER ),
         .run = run_ladder,
     };
     snprintf( scene.reference, sizeof scene.reference, "%s", reference );
     const wisp_status status = make( &like, scene, out, error );
     if ( status == WISP_OK )
     {
-        put_settings( out, solvers, is_blade ? 1 : WISP_COUNT( solvers ), 32 );
+        put_settings( out, solvers, is_blade ? 1 : WISP_COUNT( solvers ) );
     }
     return status;
 }

@@ -1,0 +1,185 @@
+// Bowed rods and strips between a clamp and a rough floor: they are held until they are at rest, and then given less friction.
+//
+// The clamp is at the origin and points at the floor, along x. Bodies bow to +y, so their tips push to -y.
+#include "validate_slip.h"
+
+#include "accuracy/scene_tools.h"
+#include "oracle/slip_theory.h"
+#include "validate_ways.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum
+{
+    HEIGHTS = 2,
+    RUNGS = 16,
+    LADDERS = HEIGHTS * RUNGS,
+};
+
+static const double HEIGHTS_OF[HEIGHTS] = { 0.9, 0.75 };
+static const double LOAD = 10.0; // there is no weight: it only says how stiff they are
+static const double HOLD = 10.0; // mu, of tips that are to stay
+static const double FAR = 0.02;  // lengths, that a tip has moved which slips
+static const double HOLD_SECONDS = 0.5, SLIP_SECONDS = 0.75;
+
+typedef struct slips
+{
+    validate_way ways[VALIDATE_MAX_WAYS];
+    double ratios[HEIGHTS]; // critical mu
+} slips;
+
+static wisp_status stand( double height, double aside, slip_shape* out, wisp_error* error )
+{
+    return slip_stand( height, aside, out )
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "no elastica %g lengths high", height );
+}
+
+// Cells in the directions that the elastica has in their middles end somewhat off its tip, so the elastica aims beside it by as much.
+wisp_status validate_slip_lay( double height, int cells, validate_point* shape, wisp_error* error )
+{
+    const double cell = 1.0 / cells, rest = 1.0 - cell;
+    double aim[2] = { ( height - cell ) / rest, 0.0 };
+    wisp_status status = WISP_OK;
+    shape[0] = ( validate_point ){ 0.0, 0.0 };
+    shape[1] = ( validate_point ){ cell, 0.0 };
+    for ( int i = 0; i < 8 && status == WISP_OK; ++i )
+    {
+        slip_shape elastica;
+        status = stand( aim[0], aim[1], &elastica, error );
+        for ( int k = 1; k < cells; ++k )
+        {
+            const double angle = slip_angle( &elastica, ( k - 0.5 ) / ( cells - 1 ) );
+            shape[k + 1].x = shape[k].x + cell * cos( angle );
+            shape[k + 1].y = shape[k].y + cell * sin( angle );
+        }
+        aim[0] += ( height - shape[cells].x ) / rest;
+        aim[1] -= shape[cells].y / rest;
+    }
+    return status;
+}
+
+// ---- a run ----
+
+static wisp_status read_asides( validate_bodies* bodies, double* out, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < bodies->def.count && status == WISP_OK; ++i )
+    {
+        wisp_vec3 tip = { 0.0f, 0.0f, 0.0f };
+        status = validate_tip( bodies, i, &tip, error );
+        out[i] = (double)tip.y / VALIDATE_LENGTH;
+    }
+    return status;
+}
+
+// What slips a little goes on, for the farther the tip is, the more friction would hold it.
+static void measure( const slips* own, const double* mu, const double* start, const double* end, accuracy_run* out )
+{
+    double sum = 0.0;
+    for ( int k = 0; k < HEIGHTS; ++k )
+    {
+        bool sticks[RUNGS];
+        for ( int i = 0; i < RUNGS; ++i )
+        {
+            sticks[i] = fabs( end[k * RUNGS + i] - start[k * RUNGS + i] ) < FAR;
+        }
+        const double found = validate_ladder_found( sticks, mu + k * RUNGS, RUNGS );
+        const double error = validate_ladder_error( found, own->ratios[k] );
+        out->measures[2 * k] = found;
+        out->measures[2 * k + 1] = own->ratios[k];
+        sum += error * error;
+    }
+    out->error = 100.0 * sqrt( sum / HEIGHTS );
+}
+
+static wisp_status hold_and_let_go( validate_bodies* bodies, const double* mu, double* start, double* end,
+                                    accuracy_run* out, wisp_error* error )
+{
+    wisp_status status = validate_step_for( bodies, HOLD_SECONDS, out, error );
+    status = status == WISP_OK ? read_asides( bodies, start, error ) : status;
+    status = status == WISP_OK ? validate_set_friction( bodies, mu, error ) : status;
+    status = status == WISP_OK ? validate_step_for( bodies, SLIP_SECONDS, out, error ) : status;
+    return status == WISP_OK ? read_asides( bodies, end, error ) : status;
+}
+
+static wisp_status run_ladders( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
+                                wisp_error* error )
+{
+    const slips* own = context;
+    const validate_way* w = own->ways + setting;
+    validate_point shapes[LADDERS * ( VALIDATE_SLIP_MAX_CELLS + 1 )];
+    double mu[LADDERS], loads[LADDERS], floors[LADDERS], start[LADDERS], end[LADDERS];
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < LADDERS && status == WISP_OK; ++i )
+    {
+        loads[i] = LOAD;
+        floors[i] = HEIGHTS_OF[i / RUNGS];
+        status = validate_slip_lay( floors[i], w->cells, shapes + i * ( w->cells + 1 ), error );
+    }
+    for ( int k = 0; k < HEIGHTS; ++k )
+    {
+        validate_ladder( own->ratios[k], RUNGS, mu + k * RUNGS );
+    }
+    const validate_def def = {
+        .solver = w->solver,
+        .cells = w->cells,
+        .substeps = w->substeps,
+        .workers = workers,
+        .count = LADDERS,
+        .loads = loads,
+        .damping = 4.0 * validate_frequency( LOAD ), // about critical between a clamp and a hinge
+        .shapes = shapes,
+        .floors = floors,
+        .friction = HOLD,
+    };
+    validate_bodies bodies = { .world = NULL };
+    status = status == WISP_OK ? validate_create( &def, &bodies, error ) : status;
+    status = status == WISP_OK ? hold_and_let_go( &bodies, mu, start, end, out, error ) : status;
+    if ( status == WISP_OK && is_observed )
+    {
+        measure( own, mu, start, end, out );
+    }
+    status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
+    validate_release( &bodies );
+    return status;
+}
+
+wisp_status validate_stick_slip( const bench_options* options, double seconds, accuracy_scene* out,
+                                 wisp_error* error )
+{
+    (void)options;
+    (void)seconds;
+    static const validate_solver solvers[] = { VALIDATE_ROD, VALIDATE_DIHEDRAL, VALIDATE_ISOMETRIC,
+                                               VALIDATE_IMPLICIT };
+    static const int cells[] = { 8, 16, VALIDATE_SLIP_MAX_CELLS };
+    slips* own = malloc( sizeof *own );
+    *out = ( accuracy_scene ){
+        .reference = "the elastica between a clamp and a hinge; root mean square over two heights of the clamp",
+        .uncertainty = 100.0 * validate_ladder_doubt( RUNGS ),
+        .error_name = "distance of the critical friction",
+        .error_unit = "%",
+        .measure_names = { "height 0.9, measured mu", "theory mu, 0.9", "height 0.75, measured mu",
+                           "theory mu, 0.75" },
+        .measure_count = 2 * HEIGHTS,
+        .context = own,
+        .destroy = free,
+        .run = run_ladders,
+    };
+    wisp_status status = own != NULL ? accuracy_reserve_settings( out, VALIDATE_MAX_WAYS, error )
+                                     : wisp_fail( error, WISP_NO_MEMORY, "no memory for a case" );
+    for ( int k = 0; k < HEIGHTS && status == WISP_OK; ++k )
+    {
+        slip_shape shape;
+        status = stand( HEIGHTS_OF[k], 0.0, &shape, error );
+        own->ratios[k] = shape.ratio;
+    }
+    if ( status != WISP_OK )
+    {
+        return accuracy_abandon( out, status );
+    }
+    const validate_series series = { solvers, WISP_COUNT( solvers ), cells, WISP_COUNT( cells ), 32, 16 };
+    validate_put_settings( out, &series, own->ways );
+    return WISP_OK;
+}
