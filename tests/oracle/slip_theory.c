@@ -5,7 +5,7 @@
 enum
 {
     NEWTON = 60,
-    STAGES = 64, // on the way from the first height
+    STAGES = 16, // on the way from the first height
 };
 
 static const double FIRST_HEIGHT = 0.985;

@@ -12,7 +12,7 @@
 
 enum
 {
-    SLIP_PIECES = 512,
+    SLIP_PIECES = 256,
 };
 
 typedef struct slip_shape
