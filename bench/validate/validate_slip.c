@@ -19,7 +19,7 @@ enum
 static const double HEIGHT = 0.75; // of the clamp, in lengths
 static const double LOAD = 10.0;   // there is no weight: it only says how stiff they are
 static const double HOLD = 10.0;   // mu, of tips that are to stay
-static const double FAR = 0.002;   // lengths, that a tip moves which slips; one that sticks moves by at most 0.0003
+static const double FAR = 0.005;   // lengths, that a tip moves which slips; before one sticks it moves by up to 0.004
 static const double HOLD_SECONDS = 0.3, SLIP_SECONDS = 0.5;
 
 typedef struct slips
