@@ -88,7 +88,9 @@ static const validate_case cases[] = {
             "their free ends, from a clamp that is 0.75 of their length high; the least friction with which one "
             "sticks "
             "is the measured one",
-        .left_out = "weight; what happens after the slip; contact of more than the end",
+        .left_out = "weight; the way there: bodies start bowed and are held, the clamp is not lowered; other heights "
+                    "and inclined clamps; "
+                    "what happens after the slip; contact of more than the end",
         .formula =
             "theta'' = F_x sin theta - F_y cos theta, theta(0) = 0, theta'(1) = 0, the end under the clamp: sticks "
             "if |F_y| <= mu |F_x|, which is mu = 0.2807",
