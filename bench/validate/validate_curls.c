@@ -98,7 +98,7 @@ static wisp_status run_tips( void* context, int setting, int workers, bool is_ob
     const validate_def def = hang( own->ways + setting, workers, TIPS, TIP_CURLS, TIP_WEIGHTS, shapes );
     validate_bodies bodies;
     wisp_status status = validate_create( &def, &bodies, error );
-    status = status == WISP_OK ? validate_step_for( &bodies, 4.0, out, error ) : status;
+    status = status == WISP_OK ? validate_step_for( &bodies, 3.0, out, error ) : status;
     status = status == WISP_OK && is_observed ? measure_tips( own, &bodies, out, error ) : status;
     status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
     validate_release( &bodies );
@@ -238,7 +238,7 @@ wisp_status validate_curl( const bench_options* options, double seconds, accurac
     (void)options;
     (void)seconds;
     const accuracy_scene scene = {
-        .reference = "the planar heavy elastica with a natural curvature; root mean square over four rods, after 4 s",
+        .reference = "the planar heavy elastica with a natural curvature; root mean square over four rods, after 3 s",
         .error_name = "distance of the tip from theory",
         .error_unit = "% of L",
         .measure_names = { "curl 2, G = 10, %", "curl 2, G = 100, %", "curl 5, G = 10, %", "curl 9, G = 10, %" },
