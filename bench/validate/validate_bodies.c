@@ -1,8 +1,10 @@
 #include "validate_bodies.h"
 
+#include "validate_floors.h"
 #include "validate_strips.h"
 
 #include "cloth/cloth.h"
+#include "collision/collision.h"
 #include "implicit_cloth/implicit_cloth.h"
 
 #include <math.h>
@@ -31,9 +33,16 @@ double validate_start( const validate_def* def )
     return (double)(float)aside( def, 1.0 );
 }
 
-wisp_vec3 validate_start_of( const validate_def* def, double x )
+// Points before the clamp and beside a shape are straight.
+wisp_vec3 validate_start_of( const validate_def* def, int body, int cell, double x )
 {
-    return ( wisp_vec3 ){ (float)( VALIDATE_LENGTH * x ), (float)aside( def, x ), 0.0f };
+    const double length = VALIDATE_LENGTH;
+    if ( def->shapes != NULL && cell >= 0 )
+    {
+        const validate_point p = def->shapes[body * ( def->cells + 1 ) + cell];
+        return ( wisp_vec3 ){ (float)( length * p.x ), (float)( length * p.y ), 0.0f };
+    }
+    return ( wisp_vec3 ){ (float)( length * x ), (float)aside( def, x ), 0.0f };
 }
 
 double validate_frequency( double load )
@@ -71,17 +80,17 @@ static wisp_status add_rod( validate_bodies* b, int body, wisp_error* error )
     float masses[VALIDATE_MAX_CELLS + 1];
     for ( int i = 0; i <= def->cells; ++i )
     {
-        points[i] = validate_start_of( def, (double)i / def->cells );
+        points[i] = validate_start_of( def, body, i, (double)i / def->cells );
         masses[i] = (float)( LINE_DENSITY * cell );
     }
     masses[def->cells] = (float)( LINE_DENSITY * ( 0.5 * cell + def->tip * VALIDATE_LENGTH ) );
     wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    dynamics.rest = WISP_STRAND_REST_STRAIGHT;
+    dynamics.rest = def->is_curled ? WISP_STRAND_REST_SHAPE : WISP_STRAND_REST_STRAIGHT;
     dynamics.line_density = (float)LINE_DENSITY;
     dynamics.vertex_masses = def->tip > 0.0 ? masses : NULL;
     dynamics.bend_rigidity =
         (float)( LINE_DENSITY * VALIDATE_GRAVITY * pow( VALIDATE_LENGTH, 3.0 ) / def->loads[body] );
-    dynamics.twist_rigidity = dynamics.bend_rigidity;
+    dynamics.twist_rigidity = (float)( def->twist_ratio > 0.0 ? def->twist_ratio : 1.0 ) * dynamics.bend_rigidity;
     dynamics.damping = (float)def->damping;
     dynamics.gravity = def->gravity;
     if ( def->is_blade )
@@ -107,23 +116,25 @@ static wisp_status add_rods( validate_bodies* b, wisp_error* error )
 wisp_status validate_open( const validate_def* def, validate_bodies* out, wisp_error* error )
 {
     static const wisp_module* const modules[] = { &wisp_strands_module, &wisp_cloth_module,
-                                                  &wisp_implicit_cloth_module };
+                                                  &wisp_implicit_cloth_module, &wisp_collision_module };
     *out = ( validate_bodies ){ .def = *def };
     const bool is_cloth = def->solver == VALIDATE_DIHEDRAL || def->solver == VALIDATE_ISOMETRIC;
     const int needed = is_cloth ? STRIP_ITERATIONS : 1;
-    const bench_world_def world = { modules, WISP_COUNT( modules ), def->workers, def->substeps,
+    // without floors there is no collision either, as in a world of a user who has none
+    const int module_count = WISP_COUNT( modules ) - ( def->floors != NULL ? 0 : 1 );
+    const bench_world_def world = { modules, module_count, def->workers, def->substeps,
                                     def->iterations > 0 ? def->iterations : needed };
     return validate_world_create( &world, &out->world, error );
 }
 
 wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp_error* error )
 {
-    const wisp_status status = validate_open( def, out, error );
-    if ( status != WISP_OK )
+    wisp_status status = validate_open( def, out, error );
+    if ( status == WISP_OK )
     {
-        return status;
+        status = def->solver == VALIDATE_ROD ? add_rods( out, error ) : validate_add_sheets( out, error );
     }
-    return def->solver == VALIDATE_ROD ? add_rods( out, error ) : validate_add_sheets( out, error );
+    return status == WISP_OK && def->floors != NULL ? validate_add_floors( out, error ) : status;
 }
 
 void validate_release( validate_bodies* b )
@@ -134,6 +145,16 @@ void validate_release( validate_bodies* b )
 wisp_status validate_step( validate_bodies* b, int steps, accuracy_run* out, wisp_error* error )
 {
     return validate_world_step( &b->world, steps, out, error );
+}
+
+wisp_status validate_turn_gravity( validate_bodies* b, wisp_vec3 gravity, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < b->def.count && status == WISP_OK; ++i )
+    {
+        status = wisp_set_strand_gravity( b->world.world, b->world.bodies[i].entity, gravity );
+    }
+    return status == WISP_OK ? WISP_OK : bench_world_fail( b->world.world, status, error );
 }
 
 wisp_status validate_step_for( validate_bodies* b, double seconds, accuracy_run* out, wisp_error* error )
@@ -160,7 +181,8 @@ wisp_status validate_tip( validate_bodies* b, int body, wisp_vec3* out, wisp_err
     const wisp_status status = validate_world_points( &b->world, body, &points, error );
     if ( status == WISP_OK )
     {
-        const wisp_vec3 p = points[count - 1], q = is_rod ? p : points[count / 2 - 1];
+        // the last vertices of the last row and of the first
+        const wisp_vec3 p = points[count - 1], q = is_rod ? p : points[b->def.cells + 1];
         *out = ( wisp_vec3 ){ 0.5f * ( p.x + q.x ), 0.5f * ( p.y + q.y ), 0.5f * ( p.z + q.z ) };
     }
     return status;

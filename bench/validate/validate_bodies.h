@@ -32,6 +32,12 @@ enum
     VALIDATE_MAX_CELLS = 128,
 };
 
+/// In lengths of a body.
+typedef struct validate_point
+{
+    double x, y;
+} validate_point;
+
 #define VALIDATE_LENGTH 0.1   // m
 #define VALIDATE_GRAVITY 9.81 // m/s^2
 
@@ -53,12 +59,22 @@ typedef struct validate_def
     double lateral; ///< in lengths: how far the free end starts aside, along y. The clamp is straight
     bool
         is_blade; ///< stiff in its plane: rods have a flat section across y, and GJ = EI; strips are on edge along z anyhow
+    /// [count][cells + 1] where rods and strips start. Rods are clamped in the direction of their first cell. Null:
+    /// straight
+    const validate_point* shapes;
+    bool is_curled;     ///< rods have their shape without load too; else they are straight without load
+    double twist_ratio; ///< GJ / EI of rods; 0: 1
+    /// [count] x in lengths of a floor that faces the clamp; those with the same one in turn share it, of at most 32. Null:
+    /// none
+    const double* floors;
+    double friction; ///< mu of the floors at the start
 } validate_def;
 
 typedef struct validate_bodies
 {
     validate_def def;
     validate_world world;
+    uint32_t masks[VALIDATE_MAX_BODIES]; // of the floors
 } validate_bodies;
 
 /// An empty world for bodies of another kind, which are added by their cases.
@@ -72,10 +88,14 @@ wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp
 void validate_release( validate_bodies* bodies );
 /// The slowest frequency of a cantilever without weight, rad/s (Euler and Bernoulli): 3.516 sqrt( EI / m L^4 ).
 double validate_frequency( double load );
-/// A point of the middle line at the start, m. @param x in lengths
-wisp_vec3 validate_start_of( const validate_def* def, double x );
+/// A point of the middle line at the start, m. @param cell whose end it is @param x in lengths, without a load
+wisp_vec3 validate_start_of( const validate_def* def, int body, int cell, double x );
 /// How far aside the free ends start, m.
 double validate_start( const validate_def* def );
+/// Change the direction of gravity. For rods. @param gravity m/s^2
+wisp_status validate_turn_gravity( validate_bodies* bodies, wisp_vec3 gravity, wisp_error* error );
+/// Change the friction of each body with its floor. @param mu [count]
+wisp_status validate_set_friction( validate_bodies* bodies, const double* mu, wisp_error* error );
 /// Make steps of 1/60 s, whose times are kept.
 wisp_status validate_step( validate_bodies* bodies, int steps, accuracy_run* out, wisp_error* error );
 /// Make steps for a time. @see validate_steps

@@ -4,10 +4,12 @@
 #include "validate_balloons.h"
 #include "validate_buckling.h"
 #include "validate_chains.h"
+#include "validate_curls.h"
 #include "validate_drape.h"
 #include "validate_motion.h"
 #include "validate_plates.h"
 #include "validate_slender.h"
+#include "validate_slip.h"
 #include "validate_writhe.h"
 
 accuracy_scene_fn accuracy_closed_forms, accuracy_strands_chain, accuracy_balloon_inflate;
@@ -94,6 +96,57 @@ static const validate_case cases[] = {
             "Poisson's ratio of bending other than that of the solvers, 0, with which width makes no difference",
         .formula = "as in `lateral_buckling`, with the weight along the plate; G = 7.837 at any width",
         .source = "Kirchhoff 1850, Bryan 1891; for nu = 0 Greenhill 1881",
+    },
+    {
+        .name = "curl",
+        .title = "suspended curls hang in their plane",
+        .make = validate_curl,
+        .tests =
+            "bending of rods with a natural curvature, from a curl that nearly keeps its shape to one that is nearly "
+            "straightened; curl is the natural curvature times the length",
+        .left_out =
+            "solvers without a natural curvature in SI units: cloth strips are flat at rest, links and guide hair "
+            "hold curls by weights that are no EI; contact of a curl with itself",
+        .formula = "theta'' = G (1 - s) sin theta, theta(0) = 0, theta'(1) = curl, with theta from down and "
+                   "G = rho g L^3 / EI",
+        .source = "Miller, Lazarus, Audoly and Reis 2014; as a validation: Romero et al. 2021",
+    },
+    {
+        .name = "bend_twist",
+        .title = "suspended curls leave their plane under their own weight",
+        .make = validate_bend_twist,
+        .tests = "bending coupled with twist in rods with a natural curvature: 13 rods from 0.7 to 1.3 of the "
+                 "critical weight, "
+                 "for each of two curls, hang in their plane and are pushed out of it; the first that goes on "
+                 "instead of "
+                 "coming back is the measured weight",
+        .left_out =
+            "shapes beyond the critical weight; the second weight, at which a curl of about one turn is planar "
+            "again; contact of a curl with itself; solvers without twist",
+        .formula =
+            "the first G at which the second variation, integral of (beta' + theta' phi)^2 + GJ/EI (phi' - theta' "
+            "beta)^2 - 2 M phi beta' - M theta' (phi^2 + beta^2) + G (1 - s) cos theta beta^2 with "
+            "M = theta' - curl, is 0 about the planar equilibrium: 14.54 and 24.30 for GJ = 2/3 EI",
+        .source =
+            "Kirchhoff rods: Love 1927; the curls: Miller, Lazarus, Audoly and Reis 2014; as a validation: Romero "
+            "et al. 2021",
+    },
+    {
+        .name = "stick_slip",
+        .title = "bowed rods and strips stick to a rough floor, or slip",
+        .make = validate_stick_slip,
+        .tests =
+            "friction and bending together: 13 bodies with 0.7 to 1.3 of the critical friction press a floor with "
+            "their free ends, from a clamp that is 0.75 of their length high; the least friction with which one "
+            "sticks "
+            "is the measured one",
+        .left_out = "weight; the way there: bodies start bowed and are held, the clamp is not lowered; other heights "
+                    "and inclined clamps; "
+                    "what happens after the slip; contact of more than the end",
+        .formula =
+            "theta'' = F_x sin theta - F_y cos theta, theta(0) = 0, theta'(1) = 0, the end under the clamp: sticks "
+            "if |F_y| <= mu |F_x|, which is mu = 0.2807",
+        .source = "Sano, Yamaguchi and Wada 2017; as a validation: Romero et al. 2021",
     },
     {
         .name = "ring",

@@ -131,7 +131,7 @@ static wisp_status add_sheet( validate_bodies* b, const grid* g, wisp_fabric* fa
     }
     for ( int i = 0; i < count; ++i )
     {
-        points[i] = validate_start_of( &b->def, (double)g->points[i].x / VALIDATE_LENGTH );
+        points[i] = validate_start_of( &b->def, body, i % g->columns - 1, (double)g->points[i].x / VALIDATE_LENGTH );
         points[i].z = g->points[i].z;
     }
     for ( int j = 0; j < g->rows; ++j )
@@ -161,7 +161,7 @@ wisp_status validate_add_sheets( validate_bodies* b, wisp_error* error )
     grid g;
     wisp_fabric* fabric = NULL;
     WISP_ASSERT( rows_of( &b->def ) <= VALIDATE_MAX_CELLS + 1 );
-    WISP_ASSERT( b->def.tip <= 0.0 || rows_of( &b->def ) == 2 );
+    WISP_ASSERT( ( b->def.tip <= 0.0 && b->def.shapes == NULL ) || rows_of( &b->def ) == 2 );
     wisp_status status = lay_grid( &b->def, &g, error );
     status = status == WISP_OK ? cook_sheet( &b->def, &g, &fabric, error ) : status;
     for ( int i = 0; i < b->def.count && status == WISP_OK; ++i )
