@@ -8,8 +8,6 @@
 #include "implicit_cloth/implicit_cloth.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 const char* const validate_solver_names[VALIDATE_SOLVER_COUNT] = { "rod", "dihedral", "isometric", "implicit" };
 

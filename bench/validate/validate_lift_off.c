@@ -3,6 +3,7 @@
 
 #include "accuracy/closed_forms.h"
 #include "validate_helium.h"
+#include "validate_world.h"
 
 #include <math.h>
 
@@ -19,77 +20,44 @@ enum
 #define DAMPING 10.0f             // 1/s
 static const double RUNG = 0.002; // half of the distance between two loads, in that of the mesh: from 0.94 to 1.06
 
-// Balloons of one world, each with its load in its skin.
-typedef struct ladder
-{
-    wisp_world* world;
-    wisp_entity balloons[LADDER];
-    int steps, halted_at;
-} ladder;
-
 // ---- a ladder ----
 
-static wisp_status add_balloon( ladder* own, const validate_helium_body* body, const balloon_setting* setting,
-                                double mass, int rung )
+static wisp_status add_balloon( validate_world* w, const validate_helium_body* body, const balloon_setting* setting,
+                                double mass )
 {
-    wisp_entity* entity = own->balloons + rung;
+    wisp_entity balloon;
     wisp_surface_def def = wisp_default_surface_def();
     def.fabric = body->fabric;
     def.points = body->points;
     def.area_density = (float)( mass / body->area );
     def.gravity = setting->gravity;
-    wisp_status status = wisp_add_surface( own->world, &def, entity );
-    status = status == WISP_OK ? wisp_set_damping( own->world, *entity, DAMPING ) : status;
-    status = status == WISP_OK ? wisp_set_balloon( own->world, *entity, &setting->def ) : status;
-    status = status == WISP_OK ? wisp_request( own->world, *entity, WISP_SURFACE_POINTS ) : status;
-    return status == WISP_OK ? wisp_request( own->world, *entity, WISP_MOTION_STATS ) : status;
+    wisp_status status = wisp_add_surface( w->world, &def, &balloon );
+    status = status == WISP_OK ? wisp_set_damping( w->world, balloon, DAMPING ) : status;
+    status = status == WISP_OK ? wisp_set_balloon( w->world, balloon, &setting->def ) : status;
+    return status == WISP_OK ? validate_world_add( w, balloon, WISP_SURFACE_POINTS, body->mesh.vertex_count )
+                             : status;
 }
 
-static wisp_status create( const validate_helium_body* body, const balloon_setting* setting, ladder* out,
+// Balloons in one world, each with its load in its skin.
+static wisp_status create( const validate_helium_body* body, const balloon_setting* setting, validate_world* out,
                            wisp_error* error )
 {
     const wisp_module* const modules[] = { &wisp_balloon_module };
     const bench_world_def def = { modules, 1, setting->workers, setting->substeps, setting->iterations };
-    wisp_status status = bench_world_create( &def, &out->world, error );
+    wisp_status status = validate_world_create( &def, out, error );
     for ( int i = 0; i < LADDER && status == WISP_OK; ++i )
     {
         const double mass = body->lift * ( 1.0 + 2.0 * RUNG * ( i - LADDER / 2 ) );
-        status = add_balloon( out, body, setting, mass, i );
+        status = add_balloon( out, body, setting, mass );
         status = status == WISP_OK ? WISP_OK : bench_world_fail( out->world, status, error );
+        status = status == WISP_OK ? validate_world_watch( out, i, error ) : status;
     }
-    return status;
-}
-
-static wisp_status step( void* context, wisp_error* error )
-{
-    ladder* own = context;
-    wisp_status status = WISP_OK;
-    const bool was_well = own->halted_at == 0;
-    status = bench_world_step( own->world, own->balloons[0], ACCURACY_FRAME, &own->steps, &own->halted_at, error );
-    if ( was_well && wisp_world_counter( own->world, WISP_COUNT_HALTED ) > 0 )
-    {
-        own->halted_at = own->steps;
-    }
-    return status;
-}
-
-static wisp_status finish( ladder* own, accuracy_run* out, wisp_error* error )
-{
-    wisp_status status = WISP_OK;
-    out->hash = 0;
-    for ( int i = 0; i < LADDER && status == WISP_OK; ++i )
-    {
-        uint64_t hash = 0;
-        status = bench_world_hash( own->world, own->balloons[i], WISP_SURFACE_POINTS, &hash, error );
-        out->hash = ( out->hash ^ hash ) * 0x100000001b3u;
-    }
-    out->halted_at = own->halted_at;
     return status;
 }
 
 // Damping takes the start away, so a balloon moves the way the force on it points. What it lifts is between the heaviest load that rises
 // and the next one.
-static wisp_status measure( ladder* own, const validate_helium_sphere* sphere, const validate_helium_body* body,
+static wisp_status measure( validate_world* w, const validate_helium_sphere* sphere, const validate_helium_body* body,
                             accuracy_run* out, wisp_error* error )
 {
     double masses[LADDER];
@@ -98,8 +66,7 @@ static wisp_status measure( ladder* own, const validate_helium_sphere* sphere, c
     for ( int i = 0; i < LADDER && status == WISP_OK; ++i )
     {
         wisp_motion_stats seen = { 0 };
-        status = wisp_read_motion_stats( own->world, own->balloons[i], &seen );
-        status = status == WISP_OK ? WISP_OK : bench_world_fail( own->world, status, error );
+        status = validate_world_motion( w, i, &seen, error );
         masses[i] = seen.mass;
         sinks = sinks == LADDER && seen.momentum[1] <= 0.0 ? i : sinks;
     }
@@ -125,17 +92,14 @@ static wisp_status run( void* context, int setting, int workers, bool is_observe
     balloon.def.drag_coefficient = 0.0f;
     const validate_helium_sphere sphere = validate_helium_theory( &balloon );
     validate_helium_body body;
-    ladder own = { .world = NULL };
+    validate_world world = { .world = NULL };
     wisp_status status = validate_helium_make( way, &body, error );
-    status = status == WISP_OK ? create( &body, &balloon, &own, error ) : status;
-    for ( int i = 0; i < STEPS && status == WISP_OK; ++i )
-    {
-        status = accuracy_time_step( step, &own, out, error );
-    }
-    status = status == WISP_OK ? finish( &own, out, error ) : status;
-    status = status == WISP_OK && is_observed && out->halted_at == 0 ? measure( &own, &sphere, &body, out, error )
+    status = status == WISP_OK ? create( &body, &balloon, &world, error ) : status;
+    status = status == WISP_OK ? validate_world_step( &world, STEPS, out, error ) : status;
+    status = status == WISP_OK ? validate_world_finish( &world, out, error ) : status;
+    status = status == WISP_OK && is_observed && out->halted_at == 0 ? measure( &world, &sphere, &body, out, error )
                                                                      : status;
-    wisp_world_destroy( own.world );
+    validate_world_release( &world );
     validate_helium_free( &body );
     return status;
 }

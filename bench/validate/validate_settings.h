@@ -13,7 +13,7 @@ typedef struct validate_setting
     int solver, cells, substeps; ///< solver: a number of the case
 } validate_setting;
 
-/// The settings of a scene, in its order. The context of every case begins with them.
+/// The settings of a scene, in its order. The context of every case that is made here begins with them.
 typedef struct validate_settings
 {
     validate_setting list[VALIDATE_MAX_SETTINGS];

@@ -1,21 +1,15 @@
 #include "validate_sheets.h"
 
 #include "surface_implementation.h"
+#include "validate_material.h"
 
 #include "balloon/balloon.h"
-#include "cloth/cloth.h"
 #include "collision/collision.h"
-#include "implicit_cloth/implicit_cloth.h"
 #include "strands/strands.h"
 #include "wisp/fabric.h"
 
-#include <math.h>
-
 const char* const sheet_solver_names[SHEET_SOLVER_COUNT] = { "strands",   "xpbd",     "dihedral",
                                                              "isometric", "implicit", "balloon" };
-
-// Membrane of implicit cloth that has to be inextensible, N/m.
-static const float STIFF = 2000.0f;
 
 // Volumes of gas in a balloon: the air dents one that is slack.
 static const float TAUT = 1.05f;
@@ -55,32 +49,16 @@ wisp_status sheet_world_create( sheet_solver solver, int substeps, int workers, 
 
 static wisp_status set_implicit( wisp_world* world, wisp_entity surface, const sheet_def* def )
 {
-    wisp_implicit_cloth_def cloth = wisp_default_implicit_cloth_def();
-    cloth.stiffness_model = WISP_IMPLICIT_STIFFNESS_MATERIAL;
-    cloth.weights = WISP_IMPLICIT_WEIGHTS_PAIR;
-    cloth.damping_form = WISP_IMPLICIT_DAMPING_AXIAL;
-    cloth.integrator = WISP_INTEGRATOR_BDF2;
-    cloth.bend_rigidity = (float)def->rigidity;
-    cloth.stretch_stiffness = def->stiffness > 0.0 ? (float)def->stiffness : STIFF;
+    const wisp_implicit_cloth_def cloth = validate_implicit_material( def->rigidity, def->stiffness );
     return wisp_set_implicit_cloth( world, surface, &cloth );
 }
 
 static wisp_status set_cloth( wisp_world* world, wisp_entity surface, const sheet_def* def )
 {
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.bending = def->solver == SHEET_DIHEDRAL    ? WISP_CLOTH_BENDING_DIHEDRAL
-                    : def->solver == SHEET_ISOMETRIC ? WISP_CLOTH_BENDING_ISOMETRIC
-                                                     : WISP_CLOTH_BENDING_NONE;
-    if ( def->rigidity > 0.0 )
-    {
-        cloth.bend_rigidity = (float)def->rigidity;
-    }
-    if ( def->stiffness > 0.0 )
-    {
-        // equilateral triangles of links of stiffness k have 2 / sqrt( 3 ) k
-        cloth.warp_compliance = cloth.weft_compliance = (float)( 2.0 / sqrt( 3.0 ) / def->stiffness );
-        cloth.shear_compliance = 2.0f * cloth.warp_compliance;
-    }
+    wisp_cloth_def cloth = validate_cloth_material( def->solver == SHEET_DIHEDRAL    ? WISP_CLOTH_BENDING_DIHEDRAL
+                                                    : def->solver == SHEET_ISOMETRIC ? WISP_CLOTH_BENDING_ISOMETRIC
+                                                                                     : WISP_CLOTH_BENDING_NONE,
+                                                    def->rigidity, def->stiffness );
     cloth.air_density = SHEET_AIR;
     cloth.drag_coefficient = (float)def->drag;
     return wisp_set_cloth( world, surface, &cloth );

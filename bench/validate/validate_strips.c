@@ -1,7 +1,7 @@
 #include "validate_strips.h"
 
-#include "cloth/cloth.h"
-#include "implicit_cloth/implicit_cloth.h"
+#include "validate_material.h"
+
 #include "wisp/fabric.h"
 #include "wisp/maps.h"
 #include "wisp/module/random.h"
@@ -78,27 +78,16 @@ static wisp_status set_material( validate_bodies* b, wisp_entity sheet, int body
     const float rigidity =
         (float)( AREA_DENSITY * VALIDATE_GRAVITY * pow( VALIDATE_LENGTH, 3.0 ) / def->loads[body] );
     // 12 D / h^2 of a plate of the thickness h
-    const float membrane = def->thickness > 0.0
-                               ? (float)( 12.0 * (double)rigidity / pow( def->thickness * VALIDATE_LENGTH, 2.0 ) )
-                               : 0.0f;
+    const double membrane =
+        def->thickness > 0.0 ? 12.0 * (double)rigidity / pow( def->thickness * VALIDATE_LENGTH, 2.0 ) : 0.0;
     if ( def->solver == VALIDATE_IMPLICIT )
     {
-        wisp_implicit_cloth_def cloth = wisp_default_implicit_cloth_def();
-        cloth.stiffness_model = WISP_IMPLICIT_STIFFNESS_MATERIAL;
-        cloth.weights = WISP_IMPLICIT_WEIGHTS_PAIR;
-        cloth.bend_rigidity = rigidity;
-        cloth.stretch_stiffness = membrane > 0.0f ? membrane : 2000.0f;
-        cloth.integrator = WISP_INTEGRATOR_BDF2;
-        cloth.damping_form = WISP_IMPLICIT_DAMPING_AXIAL;
+        const wisp_implicit_cloth_def cloth = validate_implicit_material( (double)rigidity, membrane );
         return wisp_set_implicit_cloth( b->world.world, sheet, &cloth );
     }
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.bending = def->solver == VALIDATE_DIHEDRAL ? WISP_CLOTH_BENDING_DIHEDRAL : WISP_CLOTH_BENDING_ISOMETRIC;
-    cloth.bend_rigidity = rigidity;
-    // of equilateral triangles; a mesh of squares has 4/3 instead of 2 / sqrt( 3 )
-    cloth.warp_compliance = membrane > 0.0f ? 2.0f / ( sqrtf( 3.0f ) * membrane ) : 0.0f;
-    cloth.weft_compliance = cloth.warp_compliance;
-    cloth.shear_compliance = 2.0f * cloth.warp_compliance;
+    const wisp_cloth_def cloth = validate_cloth_material(
+        def->solver == VALIDATE_DIHEDRAL ? WISP_CLOTH_BENDING_DIHEDRAL : WISP_CLOTH_BENDING_ISOMETRIC,
+        (double)rigidity, membrane );
     return wisp_set_cloth( b->world.world, sheet, &cloth );
 }
 
