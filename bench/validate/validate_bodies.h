@@ -88,7 +88,8 @@ wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp
 void validate_release( validate_bodies* bodies );
 /// The slowest frequency of a cantilever without weight, rad/s (Euler and Bernoulli): 3.516 sqrt( EI / m L^4 ).
 double validate_frequency( double load );
-/// A point of the middle line at the start, m. @param cell whose end it is @param x in lengths, without a load
+/// A point of the middle line at the start, m. @param cell whose end it is, of bodies with
+/// shapes @param x in lengths, of straight ones
 wisp_vec3 validate_start_of( const validate_def* def, int body, int cell, double x );
 /// How far aside the free ends start, m.
 double validate_start( const validate_def* def );

@@ -1,5 +1,5 @@
 // The theory of sheets in `wisp validate`, the specimens of the drape test, and a quick result of the engine for each case.
-#include "unit.h"
+#include "accuracy_fixture.h"
 
 #include "accuracy/scene_tools.h"
 #include "elastica.h"
@@ -9,8 +9,6 @@
 #include "validate/validate_motion.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const double PI = 3.14159265358979323846;
 
@@ -118,61 +116,38 @@ static void a_specimen_covers_its_ring_once_and_its_shadow_counts_layers_once( v
 
 // ---- the engine ----
 
-static accuracy_run run_setting( accuracy_scene_fn* make, const char* name )
-{
-    const bench_options options = { 0 };
-    accuracy_scene scene;
-    assert_int_equal( make( &options, 1.0, &scene, NULL ), WISP_OK );
-    accuracy_run run = { .error = NAN };
-    bool is_found = false;
-    for ( int i = 0; i < scene.setting_count && !is_found; ++i )
-    {
-        if ( strcmp( scene.settings[i].name, name ) == 0 )
-        {
-            assert_int_equal( scene.run( scene.context, i, 1, true, &run, NULL ), WISP_OK );
-            is_found = true;
-        }
-    }
-    assert_true( is_found );
-    assert_int_equal( run.halted_at, 0 );
-    free( run.ms );
-    scene.destroy( scene.context );
-    free( scene.settings );
-    return run;
-}
-
 // The chain of 16 links is 0.042 % from the curve; implicit cloth stretches by 0.04 % besides.
 static void every_solver_hangs_in_the_catenary( void** state )
 {
     (void)state;
-    assert_true( run_setting( validate_catenary, "strands, 16 cells, 32 substeps" ).error < 0.05 );
-    assert_true( run_setting( validate_catenary, "xpbd, 16 cells, 32 substeps" ).error < 0.05 );
-    assert_true( run_setting( validate_catenary, "implicit, 16 cells, 32 substeps" ).error < 0.08 );
+    assert_true( observe_one( validate_catenary, false, "strands, 16 cells, 32 substeps" ).error < 0.05 );
+    assert_true( observe_one( validate_catenary, false, "xpbd, 16 cells, 32 substeps" ).error < 0.05 );
+    assert_true( observe_one( validate_catenary, false, "implicit, 16 cells, 32 substeps" ).error < 0.08 );
 }
 
 // Implicit cloth starts to slide a substep late: 0.6 % of 0.5 s at five substeps.
 static void every_solver_slides_and_sticks( void** state )
 {
     (void)state;
-    assert_true( run_setting( validate_incline, "strands, 4 cells, 5 substeps" ).error < 0.01 );
-    assert_true( run_setting( validate_incline, "xpbd, 4 cells, 5 substeps" ).error < 0.01 );
-    assert_true( run_setting( validate_incline, "implicit, 4 cells, 5 substeps" ).error < 0.8 );
+    assert_true( observe_one( validate_incline, false, "strands, 4 cells, 5 substeps" ).error < 0.01 );
+    assert_true( observe_one( validate_incline, false, "xpbd, 4 cells, 5 substeps" ).error < 0.01 );
+    assert_true( observe_one( validate_incline, false, "implicit, 4 cells, 5 substeps" ).error < 0.8 );
 }
 
 // Speeds are of first order in the substep: 0.3 % at 1/1200 s.
 static void bodies_reach_their_terminal_speed( void** state )
 {
     (void)state;
-    assert_true( run_setting( validate_terminal, "strands, 8 cells, 20 substeps" ).error < 0.35 );
-    assert_true( run_setting( validate_terminal, "xpbd, 8 cells, 20 substeps" ).error < 0.35 );
-    assert_true( run_setting( validate_terminal, "balloon, 8 cells, 20 substeps" ).error < 1.5 );
+    assert_true( observe_one( validate_terminal, false, "strands, 8 cells, 20 substeps" ).error < 0.35 );
+    assert_true( observe_one( validate_terminal, false, "xpbd, 8 cells, 20 substeps" ).error < 0.35 );
+    assert_true( observe_one( validate_terminal, false, "balloon, 8 cells, 20 substeps" ).error < 1.5 );
 }
 
 // The measured coefficients rise with the bending length. At rest, another mesh stays within the band of a measurement.
 static void stiffer_fabrics_drape_less( void** state )
 {
     (void)state;
-    const accuracy_run run = run_setting( validate_drape, "isometric, 6 cells, 16 substeps" );
+    const accuracy_run run = observe_one( validate_drape, false, "isometric, 6 cells, 16 substeps" );
     for ( int f = 0; f < DRAPE_FABRICS; ++f )
     {
         assert_true( run.measures[f] > ( f > 0 ? run.measures[f - 1] : 0.0 ) && run.measures[f] < 100.0 );

@@ -1,13 +1,11 @@
 // The theory of plates that buckle against the literature, and what sheets make of it.
-#include "unit.h"
+#include "accuracy_fixture.h"
 
-#include "accuracy/accuracy.h"
 #include "oracle/plate_theory.h"
 #include "oracle/slender_theory.h"
 #include "validate/validate_plates.h"
 
 #include <math.h>
-#include <string.h>
 
 static const double PI = 3.14159265358979323846;
 
@@ -153,34 +151,14 @@ static void loads_have_settled( void** state )
 
 // ---- sheets ----
 
-// Run one setting of a quick case. @return its critical load for the width of a measure
-static double measured( accuracy_scene_fn* make, const char* setting, int measure )
-{
-    const bench_options options = { .quick = true };
-    accuracy_scene scene = { .setting_count = 0 };
-    accuracy_run out = { .ms = NULL };
-    int number = 0;
-    assert_int_equal( make( &options, 1.0, &scene, NULL ), WISP_OK );
-    while ( number < scene.setting_count && strcmp( scene.settings[number].name, setting ) != 0 )
-    {
-        ++number;
-    }
-    assert_true( number < scene.setting_count && measure < scene.measure_count );
-    assert_int_equal( scene.run( scene.context, number, 1, true, &out, NULL ), WISP_OK );
-    assert_int_equal( out.halted_at, 0 );
-    scene.destroy( scene.context );
-    free( scene.settings );
-    free( out.ms );
-    return out.measures[measure];
-}
-
 // Ten cells leave 3.2 % at W = L / 4.
 static void a_sheet_on_edge_turns_aside_at_its_load( void** state )
 {
     (void)state;
     const double load = plate_theory_load( 0.25, 0.0, plate_theory_isotropic( 1.0 / 3.0 ), true );
-    assert_true( difference( measured( validate_lateral_buckling, "implicit, 10 cells, 2 substeps", 1 ), load ) <
-                 0.04 );
+    assert_true(
+        difference( observe_one( validate_lateral_buckling, true, "implicit, 10 cells, 2 substeps" ).measures[1],
+                    load ) < 0.04 );
 }
 
 // Ten cells leave 0.4 %, which is the uncertainty of the measurement.
@@ -191,7 +169,8 @@ static void an_upright_sheet_gives_way_at_its_load( void** state )
                                      "isometric, irregular, 10 cells, 32 substeps" };
     for ( int i = 0; i < WISP_COUNT( settings ); ++i )
     {
-        assert_true( difference( measured( validate_plate_column, settings[i], 1 ), slender_column_load() ) < 0.01 );
+        assert_true( difference( observe_one( validate_plate_column, true, settings[i] ).measures[1],
+                                 slender_column_load() ) < 0.01 );
     }
 }
 

@@ -1,11 +1,14 @@
 // The theory of rods and chains of `wisp validate` against the literature and against itself, and a result of each
 // of their cases.
-#include "unit.h"
+#include "accuracy_fixture.h"
 
 #include "elastica.h"
 #include "oracle/chain_theory.h"
 #include "oracle/rod_theory.h"
-#include "validate/validate.h"
+#include "validate/validate_buckling.h"
+#include "validate/validate_chains.h"
+#include "validate/validate_slender.h"
+#include "validate/validate_writhe.h"
 
 #include <math.h>
 
@@ -192,44 +195,12 @@ static void a_folded_chain_falls_faster_than_a_stone( void** state )
 
 // ---- cases ----
 
-// The error of one setting of a case.
-static double error_of( const char* name, const char* setting )
+static void assert_error( accuracy_scene_fn* make, const char* setting, double most )
 {
-    int count;
-    const validate_case* cases = validate_cases( &count );
-    const bench_options options = bench_default_options();
-    double error = NAN;
-    for ( int i = 0; i < count; ++i )
-    {
-        if ( strcmp( cases[i].name, name ) != 0 )
-        {
-            continue;
-        }
-        accuracy_scene scene;
-        assert_int_equal( cases[i].make( &options, 1.0, &scene, NULL ), WISP_OK );
-        for ( int k = 0; k < scene.setting_count; ++k )
-        {
-            accuracy_run run = { .error = NAN };
-            if ( strcmp( scene.settings[k].name, setting ) == 0 )
-            {
-                assert_int_equal( scene.run( scene.context, k, 1, true, &run, NULL ), WISP_OK );
-                assert_int_equal( run.halted_at, 0 );
-                error = run.error;
-                free( run.ms );
-            }
-        }
-        scene.destroy( scene.context );
-        free( scene.settings );
-    }
-    return error;
-}
-
-static void assert_error( const char* name, const char* setting, double most )
-{
-    const double error = error_of( name, setting );
+    const double error = observe_one( make, true, setting ).error;
     if ( !( error <= most ) )
     {
-        fail_msg( "%s, %s: an error of %.4g, expected at most %.4g", name, setting, error, most );
+        fail_msg( "%s: an error of %.4g, expected at most %.4g", setting, error, most );
     }
 }
 
@@ -237,46 +208,46 @@ static void assert_error( const char* name, const char* setting, double most )
 static void every_solver_bends_under_an_end_load( void** state )
 {
     (void)state;
-    assert_error( "tip_load", "rod, 16 cells, 32 substeps", 0.25 );
-    assert_error( "tip_load", "dihedral, 16 cells, 32 substeps", 0.8 );
-    assert_error( "tip_load", "isometric, 16 cells, 32 substeps", 0.8 );
-    assert_error( "tip_load", "implicit, 16 cells, 4 substeps", 0.25 );
+    assert_error( validate_tip_load, "rod, 16 cells, 32 substeps", 0.25 );
+    assert_error( validate_tip_load, "dihedral, 16 cells, 32 substeps", 0.8 );
+    assert_error( validate_tip_load, "isometric, 16 cells, 32 substeps", 0.8 );
+    assert_error( validate_tip_load, "implicit, 16 cells, 4 substeps", 0.25 );
 }
 
 // Second order in cells: 11 % with 12, 3 % with 24, known to 1 %.
 static void a_ring_leaves_its_plane_near_the_twist_of_michell( void** state )
 {
     (void)state;
-    assert_error( "ring", "rod, 24 cells, 32 substeps", 4.1 );
+    assert_error( validate_ring, "rod, 24 cells, 32 substeps", 4.1 );
 }
 
 static void a_rod_under_tension_gives_way_near_the_moment_of_greenhill( void** state )
 {
     (void)state;
-    assert_error( "twisted", "rod, 16 cells, 64 substeps", 2.1 );
+    assert_error( validate_twisted, "rod, 16 cells, 64 substeps", 2.1 );
 }
 
 // Near the largest rotation that has a balance, angles are sensitive: 4 % with 96 cells, 2 % with 128.
 static void a_rod_writhes_to_the_angle_of_theory( void** state )
 {
     (void)state;
-    assert_error( "writhe", "rod, 96 cells, 16 substeps", 5.0 );
+    assert_error( validate_writhe, "rod, 96 cells, 16 substeps", 5.0 );
 }
 
 // Second order in cells: 11 % with 48, 7 % with 64, known to 1 %.
 static void a_rod_forms_a_loop_near_the_rotation_of_theory( void** state )
 {
     (void)state;
-    assert_error( "loop", "rod, 64 cells, 16 substeps", 8.1 );
+    assert_error( validate_loop, "rod, 64 cells, 16 substeps", 8.1 );
 }
 
 // Euler loses energy in the whip, in proportion to its substeps; BDF2 keeps it.
 static void a_folded_chain_is_as_fast_as_its_masses( void** state )
 {
     (void)state;
-    assert_error( "folded_chain", "direct, 33 cells, 32 substeps", 2.5 );
-    assert_error( "folded_chain", "direct bdf2, 33 cells, 4 substeps", 0.3 );
-    assert_error( "folded_chain", "direct bdf2, 65 cells, 32 substeps", 0.2 );
+    assert_error( validate_folded_chain, "direct, 33 cells, 32 substeps", 2.5 );
+    assert_error( validate_folded_chain, "direct bdf2, 33 cells, 4 substeps", 0.3 );
+    assert_error( validate_folded_chain, "direct bdf2, 65 cells, 32 substeps", 0.2 );
 }
 
 int main( void )
