@@ -6,6 +6,7 @@
 #include "wisp/module/module.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static const float FOUR_PI = 12.5663706f;
 
@@ -109,6 +110,18 @@ double balloon_volume( const wisp_mesh* mesh, const wisp_vec3* points )
                (double)a.z * ( bx * cy - by * cx );
     }
     return sum / 6.0;
+}
+
+wisp_vec3* balloon_scaled_points( const wisp_mesh* mesh, double scale )
+{
+    wisp_vec3* points = malloc( (size_t)mesh->vertex_count * sizeof( *points ) );
+    for ( int i = 0; i < mesh->vertex_count && points != NULL; ++i )
+    {
+        const wisp_vec3 p = mesh->points[i];
+        points[i] = ( wisp_vec3 ){ (float)( scale * (double)p.x ), (float)( scale * (double)p.y ),
+                                   (float)( scale * (double)p.z ) };
+    }
+    return points;
 }
 
 // ---- settings ----

@@ -56,3 +56,5 @@ wisp_status balloon_implementation_read( surface_implementation* implementation,
 
 /// Volume of a closed mesh, m^3.
 double balloon_volume( const wisp_mesh* mesh, const wisp_vec3* points );
+/// The vertices of a mesh, scaled from the origin. @return [vertex_count], for free(); null: no memory
+wisp_vec3* balloon_scaled_points( const wisp_mesh* mesh, double scale );

@@ -28,6 +28,15 @@ wisp_status surface_cook( const wisp_mesh* mesh, wisp_fabric_def def, wisp_fabri
     return wisp_fabric_cook( &def, NULL, out, error );
 }
 
+wisp_status surface_plane( int columns, int rows, double spacing, wisp_mesh* out, wisp_error* error )
+{
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_REGULAR );
+    generator.columns = columns;
+    generator.rows = rows;
+    generator.spacing = (float)spacing;
+    return wisp_mesh_generate( &generator, out, error );
+}
+
 // ---- a world ----
 
 static wisp_status add_surface( const surface_generator* generator, surface_implementation* implementation )

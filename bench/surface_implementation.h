@@ -33,6 +33,9 @@ surface_generator surface_default_generator( const wisp_module* module, wisp_fab
 /// Cook a mesh. @param def what to cook; points and triangles are filled in here
 wisp_status surface_cook( const wisp_mesh* mesh, wisp_fabric_def def, wisp_fabric** out, wisp_error* error );
 
+/// A regular plane of columns x rows vertices about the origin. @param spacing m
+wisp_status surface_plane( int columns, int rows, double spacing, wisp_mesh* out, wisp_error* error );
+
 typedef struct surface_implementation
 {
     wisp_world* world;

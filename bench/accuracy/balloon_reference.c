@@ -48,11 +48,17 @@ static double find_scale( const elastic_skin* skin, double gas_ratio )
     return lower;
 }
 
-balloon_equilibrium balloon_equilibrium_of( const wisp_fabric* fabric, const wisp_balloon_def* def, bool is_linear )
+balloon_equilibrium balloon_equilibrium_at( const wisp_fabric* fabric, const wisp_balloon_def* def, double gas_ratio,
+                                            bool is_linear )
 {
     const elastic_skin skin = skin_of( fabric, def, is_linear );
-    const double s = find_scale( &skin, (double)def->gas_ratio );
+    const double s = find_scale( &skin, gas_ratio );
     return ( balloon_equilibrium ){ s, balloon_oracle_true_scaled_pressure( skin.sum, skin.volume, s ), skin.volume };
+}
+
+balloon_equilibrium balloon_equilibrium_of( const wisp_fabric* fabric, const wisp_balloon_def* def, bool is_linear )
+{
+    return balloon_equilibrium_at( fabric, def, (double)def->gas_ratio, is_linear );
 }
 
 double balloon_fill_after( const wisp_fabric* fabric, const wisp_balloon_def* def, double seconds )

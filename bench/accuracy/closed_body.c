@@ -3,15 +3,6 @@
 
 #include "collision/collision.h"
 
-wisp_status closed_make_plane( int columns, int rows, double spacing, closed_body* out, wisp_error* error )
-{
-    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_REGULAR );
-    generator.columns = columns;
-    generator.rows = rows;
-    generator.spacing = (float)spacing;
-    return wisp_mesh_generate( &generator, &out->mesh, error );
-}
-
 surface_generator closed_generator( const closed_run* run )
 {
     surface_generator generator = surface_default_generator( &wisp_cloth_module, NULL );

@@ -49,8 +49,8 @@ typedef struct closed_body
     surface_implementation implementation;
 } closed_body;
 
-/// A plane of the recipe's rows and columns about the origin.
-wisp_status closed_make_plane( int columns, int rows, double spacing, closed_body* out, wisp_error* error );
+/// Lay a strip of length 1 m and one row of cells in two straight halves between supports that are `span` m apart, along x.
+void closed_lay_halves( const wisp_mesh* mesh, int cells, double span, wisp_vec3* out );
 /// The recipe of a run whose parameter is substeps. The fabric is filled in when it enters.
 surface_generator closed_generator( const closed_run* run );
 /// Cook the mesh and add it to a world as a cloth. Call closed_leave() even after a failure.

@@ -4,6 +4,7 @@
 #include "balloon_reference.h"
 
 #include "oracle/balloon_oracle.h"
+#include "oracle/balloon_theory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -35,19 +36,16 @@ static wisp_status make_sphere( int level, double radius, sphere_run* out, wisp_
 // The sphere s times as large, with the numbers of all its vertices.
 static wisp_status stretch_sphere( sphere_run* sphere, double s, wisp_error* error )
 {
-    const size_t count = (size_t)sphere->mesh.vertex_count;
-    sphere->points = malloc( count * sizeof( wisp_vec3 ) );
-    sphere->pins = malloc( count * sizeof( int32_t ) );
+    const int count = sphere->mesh.vertex_count;
+    sphere->points = balloon_scaled_points( &sphere->mesh, s );
+    sphere->pins = malloc( (size_t)count * sizeof( int32_t ) );
     if ( !sphere->points || !sphere->pins )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for a stretched sphere" );
     }
-    for ( size_t i = 0; i < count; ++i )
+    for ( int i = 0; i < count; ++i )
     {
-        const wisp_vec3 p = sphere->mesh.points[i];
-        sphere->points[i] =
-            ( wisp_vec3 ){ (float)( s * (double)p.x ), (float)( s * (double)p.y ), (float)( s * (double)p.z ) };
-        sphere->pins[i] = (int32_t)i;
+        sphere->pins[i] = i;
     }
     return WISP_OK;
 }
@@ -99,8 +97,7 @@ wisp_status closed_lift( closed_run* run, wisp_error* error )
     return status;
 }
 
-// p = 2 sigma / R, sigma = sqrt(3) k e / ( 1 + e ), held in place so that only the pressure is tested. Links across
-// edges are sqrt(3) times as long as edges and count three times. The limit of fine meshes is off by about 1 %,
+// p = 2 sigma / R, held in place so that only the pressure is tested. The limit of fine meshes is off by about 1 %,
 // because the triangles of an icosphere are never all equilateral.
 wisp_status closed_sphere( closed_run* run, wisp_error* error )
 {
@@ -113,10 +110,11 @@ wisp_status closed_sphere( closed_run* run, wisp_error* error )
     setting.pins = sphere.pins;
     setting.pin_count = sphere.mesh.vertex_count;
     status = status == WISP_OK ? fly_sphere( run, setting, 2, &sphere, &seen, error ) : status;
-    const double stiffness = (double)setting.def.edge_stiffness + 3.0 * (double)setting.def.bend_link_stiffness;
-    const double tension = sqrt( 3.0 ) * stiffness * e / ( 1.0 + e );
+    const balloon_theory_sphere theory = { .radius = (double)BALLOON_RADIUS,
+                                           .edge_stiffness = (double)setting.def.edge_stiffness,
+                                           .bend_link_stiffness = (double)setting.def.bend_link_stiffness };
     run->measured = seen.pressure;
-    run->reference = 2.0 * tension / ( (double)BALLOON_RADIUS * ( 1.0 + e ) );
+    run->reference = balloon_theory_sphere_pressure( &theory, 1.0 + e );
     leave( &sphere );
     return status;
 }

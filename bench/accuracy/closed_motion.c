@@ -50,7 +50,7 @@ wisp_status closed_fall( closed_run* run, wisp_error* error )
     const double t = run->first;
     closed_body body = { .fabric = NULL };
     wisp_motion_stats seen = { 0 };
-    wisp_status status = closed_make_plane( SIDE, SIDE, SPACING, &body, error );
+    wisp_status status = surface_plane( SIDE, SIDE, SPACING, &body.mesh, error );
     status = status == WISP_OK ? closed_enter( run, closed_generator( run ), &cloth, &body, error ) : status;
     status = status == WISP_OK ? throw_body( &body, thrown, ( wisp_vec3 ){ 0, 0, 0 }, error ) : status;
     status = status == WISP_OK ? closed_advance( run, &body, frames_of( t ), &seen, error ) : status;
@@ -74,7 +74,7 @@ wisp_status closed_spin( closed_run* run, wisp_error* error )
     const wisp_vec3 thrown = { 0.5f, 0.0f, 0.0f }, turned = { 0.0f, 6.0f, 0.0f };
     closed_body body = { .fabric = NULL };
     wisp_motion_stats seen = { 0 };
-    wisp_status status = closed_make_plane( SIDE, SIDE, SPACING, &body, error );
+    wisp_status status = surface_plane( SIDE, SIDE, SPACING, &body.mesh, error );
     surface_generator generator = closed_generator( run );
     generator.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
     status = status == WISP_OK ? closed_enter( run, generator, &cloth, &body, error ) : status;
@@ -105,7 +105,7 @@ wisp_status closed_plate( closed_run* run, wisp_error* error )
     cloth.drag_coefficient = 1.28f;
     closed_body body = { .fabric = NULL };
     wisp_motion_stats seen = { 0 };
-    wisp_status status = closed_make_plane( SIDE, SIDE, SPACING, &body, error );
+    wisp_status status = surface_plane( SIDE, SIDE, SPACING, &body.mesh, error );
     status = status == WISP_OK ? closed_enter( run, closed_generator( run ), &cloth, &body, error ) : status;
     status = status == WISP_OK ? closed_advance( run, &body, frames_of( run->first ), &seen, error ) : status;
     if ( status == WISP_OK && run->is_observed )
@@ -147,7 +147,7 @@ wisp_status closed_slide( closed_run* run, wisp_error* error )
     const double path = 0.5 * SLIDE_SECONDS * SLIDE_SECONDS;
     closed_body body = { .fabric = NULL };
     wisp_motion_stats seen = { 0 };
-    wisp_status status = closed_make_plane( SIDE / 2, SIDE / 2, SPACING, &body, error );
+    wisp_status status = surface_plane( SIDE / 2, SIDE / 2, SPACING, &body.mesh, error );
     for ( int i = 0; i < body.mesh.vertex_count; ++i )
     {
         body.mesh.points[i].y = THICKNESS;

@@ -39,7 +39,7 @@ wisp_status closed_bar( closed_run* run, wisp_error* error )
     generator.damping = (float)( 2.0 * 1.5707963267948966 / cells * sqrt( BAR_STIFFNESS / BAR_MASS ) );
     closed_body body = { .fabric = NULL };
     const wisp_vec3* points = NULL;
-    wisp_status status = closed_make_plane( 2, cells + 1, BAR_SPACING, &body, error );
+    wisp_status status = surface_plane( 2, cells + 1, BAR_SPACING, &body.mesh, error );
     status = status == WISP_OK ? closed_enter( run, generator, &cloth, &body, error ) : status;
     status = status == WISP_OK ? closed_advance( run, &body, 40, NULL, error ) : status;
     status = status == WISP_OK ? surface_implementation_points( &body.implementation, &points, error ) : status;
@@ -87,14 +87,14 @@ static double chain_sag( int n, double span )
     return sag;
 }
 
-// Two straight halves: half of the strip over half of the span, a right triangle.
-static void lay_strip( const wisp_mesh* mesh, int cells, wisp_vec3* out )
+// Half of the strip over half of the span, a right triangle.
+void closed_lay_halves( const wisp_mesh* mesh, int cells, double span, wisp_vec3* out )
 {
-    const double depth = sqrt( 0.25 - 0.25 * CATENARY_SPAN * CATENARY_SPAN );
+    const double depth = sqrt( 0.25 - 0.25 * span * span );
     for ( int v = 0; v < mesh->vertex_count; ++v )
     {
         const double t = (double)( v % ( cells + 1 ) ) / cells;
-        out[v] = ( wisp_vec3 ){ (float)( CATENARY_SPAN * ( t - 0.5 ) ), (float)( -2.0 * depth * fmin( t, 1.0 - t ) ),
+        out[v] = ( wisp_vec3 ){ (float)( span * ( t - 0.5 ) ), (float)( -2.0 * depth * fmin( t, 1.0 - t ) ),
                                 mesh->points[v].z };
     }
 }
@@ -107,7 +107,7 @@ wisp_status closed_catenary( closed_run* run, wisp_error* error )
     cloth.bending = WISP_CLOTH_BENDING_NONE;
     closed_body body = { .fabric = NULL };
     const wisp_vec3* points = NULL;
-    wisp_status status = closed_make_plane( cells + 1, 2, 1.0 / cells, &body, error );
+    wisp_status status = surface_plane( cells + 1, 2, 1.0 / cells, &body.mesh, error );
     wisp_vec3* start = malloc( 2 * (size_t)( cells + 1 ) * sizeof( wisp_vec3 ) );
     if ( status == WISP_OK && !start )
     {
@@ -115,7 +115,7 @@ wisp_status closed_catenary( closed_run* run, wisp_error* error )
     }
     if ( status == WISP_OK )
     {
-        lay_strip( &body.mesh, cells, start );
+        closed_lay_halves( &body.mesh, cells, CATENARY_SPAN, start );
         surface_generator generator = closed_generator( run );
         generator.points = start;
         generator.pins = pins;
@@ -156,7 +156,7 @@ static wisp_status make_strip( int cells, closed_body* out, wisp_error* error )
 {
     const int columns = cells + 2;
     const double a = closed_strip_cell( cells );
-    wisp_status status = closed_make_plane( columns, 2, a, out, error );
+    wisp_status status = surface_plane( columns, 2, a, &out->mesh, error );
     for ( int i = 0; i < columns && status == WISP_OK; ++i )
     {
         wisp_vec3* points = out->mesh.points;

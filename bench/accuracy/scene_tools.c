@@ -11,6 +11,15 @@ wisp_status accuracy_reserve_settings( accuracy_scene* scene, int count, wisp_er
     return scene->settings ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for %d settings", count );
 }
 
+wisp_status accuracy_begin_scene( accuracy_scene* scene, size_t context_size, int setting_count, wisp_error* error )
+{
+    scene->context = calloc( 1, context_size );
+    scene->destroy = free;
+    const wisp_status status = scene->context != NULL ? accuracy_reserve_settings( scene, setting_count, error )
+                                                      : wisp_fail( error, WISP_NO_MEMORY, "no memory for a scene" );
+    return status == WISP_OK ? WISP_OK : accuracy_abandon( scene, status );
+}
+
 accuracy_setting* accuracy_put_setting( accuracy_scene* scene, const char* name, ... )
 {
     accuracy_setting* setting = &scene->settings[scene->setting_count++];

@@ -5,6 +5,8 @@
 
 /// Reserve memory for settings; their count stays 0.
 wisp_status accuracy_reserve_settings( accuracy_scene* scene, int count, wisp_error* error );
+/// Give a scene a context of zeros, which is freed with it, and room for settings. After a failure the scene is empty.
+wisp_status accuracy_begin_scene( accuracy_scene* scene, size_t context_size, int setting_count, wisp_error* error );
 /// Add the next setting, outside any series. There must be room. @param name printf format
 accuracy_setting* accuracy_put_setting( accuracy_scene* scene, const char* name, ... )
     __attribute__( ( format( printf, 2, 3 ) ) );

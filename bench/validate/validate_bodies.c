@@ -1,60 +1,94 @@
 #include "validate_bodies.h"
 
-#include "bench_world.h"
+#include "validate_floors.h"
+#include "validate_strips.h"
 
 #include "cloth/cloth.h"
+#include "collision/collision.h"
 #include "implicit_cloth/implicit_cloth.h"
-#include "strands/strands.h"
-#include "wisp/fabric.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 const char* const validate_solver_names[VALIDATE_SOLVER_COUNT] = { "rod", "dihedral", "isometric", "implicit" };
 
-// Of a rod kg/m, of a strip kg/m^2. What is shown has no unit, so they only keep numbers ordinary.
-static const double LINE_DENSITY = 0.01, AREA_DENSITY = 0.15;
-static const float SECONDS = 1.0f / 60.0f;
+// kg/m. What is shown has no unit, so it only keeps numbers ordinary.
+static const double LINE_DENSITY = 0.01;
 
 enum
 {
     STRIP_ITERATIONS = 8, // of cloth: links along a clamped strip converge slowly
 };
 
-// Where the free part of a body starts aside: the first two cells are straight, so that the clamp is.
-static float aside( const validate_def* def, int cell )
+// Where the free part of a body starts aside, x in lengths: the first two cells are straight, so that the clamp is.
+static double aside( const validate_def* def, double x )
 {
-    const double s = (double)cell / def->cells - 2.0 / def->cells;
-    return s > 0.0 ? (float)( def->lateral * VALIDATE_LENGTH * s * s ) : 0.0f;
+    const double s = x - 2.0 / def->cells;
+    return s > 0.0 ? def->lateral * VALIDATE_LENGTH * s * s : 0.0;
 }
 
 double validate_start( const validate_def* def )
 {
-    return (double)aside( def, def->cells );
+    return (double)(float)aside( def, 1.0 );
+}
+
+// Points before the clamp and beside a shape are straight.
+wisp_vec3 validate_start_of( const validate_def* def, int body, int cell, double x )
+{
+    const double length = VALIDATE_LENGTH;
+    if ( def->shapes != NULL && cell >= 0 )
+    {
+        const validate_point p = def->shapes[body * ( def->cells + 1 ) + cell];
+        return ( wisp_vec3 ){ (float)( length * p.x ), (float)( length * p.y ), 0.0f };
+    }
+    return ( wisp_vec3 ){ (float)( length * x ), (float)aside( def, x ), 0.0f };
+}
+
+double validate_frequency( double load )
+{
+    return 3.516 * sqrt( VALIDATE_GRAVITY / ( load * VALIDATE_LENGTH ) );
 }
 
 // ---- rods ----
 
-static wisp_status add_rod( validate_bodies* b, int body )
+wisp_status validate_add_strands( validate_bodies* b, int strand_count, const wisp_vec3* points,
+                                  const wisp_strand_dynamics_def* dynamics, wisp_error* error )
 {
-    const validate_def* def = &b->def;
-    wisp_vec3 points[VALIDATE_MAX_CELLS + 1];
-    const int32_t offsets[2] = { 0, def->cells + 1 };
-    for ( int i = 0; i <= def->cells; ++i )
+    int32_t offsets[VALIDATE_MAX_BODIES + 1];
+    for ( int i = 0; i <= strand_count; ++i )
     {
-        points[i] = ( wisp_vec3 ){ (float)( VALIDATE_LENGTH * i / def->cells ), aside( def, i ), 0.0f };
+        offsets[i] = i * ( b->def.cells + 1 );
     }
     wisp_strands_def strands = wisp_default_strands_def();
     strands.points = points;
     strands.offsets = offsets;
-    strands.strand_count = 1;
+    strands.strand_count = strand_count;
+    wisp_entity rod;
+    wisp_status status = wisp_add_strands( b->world.world, &strands, &rod );
+    status = status == WISP_OK ? wisp_set_strand_dynamics( b->world.world, rod, dynamics ) : status;
+    status =
+        status == WISP_OK ? validate_world_add( &b->world, rod, WISP_STRAND_POINTS, offsets[strand_count] ) : status;
+    return status == WISP_OK ? WISP_OK : bench_world_fail( b->world.world, status, error );
+}
+
+static wisp_status add_rod( validate_bodies* b, int body, wisp_error* error )
+{
+    const validate_def* def = &b->def;
+    const double cell = VALIDATE_LENGTH / def->cells;
+    wisp_vec3 points[VALIDATE_MAX_CELLS + 1];
+    float masses[VALIDATE_MAX_CELLS + 1];
+    for ( int i = 0; i <= def->cells; ++i )
+    {
+        points[i] = validate_start_of( def, body, i, (double)i / def->cells );
+        masses[i] = (float)( LINE_DENSITY * cell );
+    }
+    masses[def->cells] = (float)( LINE_DENSITY * ( 0.5 * cell + def->tip * VALIDATE_LENGTH ) );
     wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    dynamics.rest = WISP_STRAND_REST_STRAIGHT;
+    dynamics.rest = def->is_curled ? WISP_STRAND_REST_SHAPE : WISP_STRAND_REST_STRAIGHT;
     dynamics.line_density = (float)LINE_DENSITY;
+    dynamics.vertex_masses = def->tip > 0.0 ? masses : NULL;
     dynamics.bend_rigidity =
         (float)( LINE_DENSITY * VALIDATE_GRAVITY * pow( VALIDATE_LENGTH, 3.0 ) / def->loads[body] );
-    dynamics.twist_rigidity = dynamics.bend_rigidity;
+    dynamics.twist_rigidity = (float)( def->twist_ratio > 0.0 ? def->twist_ratio : 1.0 ) * dynamics.bend_rigidity;
     dynamics.damping = (float)def->damping;
     dynamics.gravity = def->gravity;
     if ( def->is_blade )
@@ -62,162 +96,111 @@ static wisp_status add_rod( validate_bodies* b, int body )
         dynamics.edgewise_rigidity = 1000.0f * dynamics.bend_rigidity;
         dynamics.flat_normal = ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f };
     }
-    wisp_status status = wisp_add_strands( b->world, &strands, b->bodies + body );
-    status = status == WISP_OK ? wisp_set_strand_dynamics( b->world, b->bodies[body], &dynamics ) : status;
-    return status == WISP_OK ? wisp_request( b->world, b->bodies[body], WISP_STRAND_POINTS ) : status;
+    return validate_add_strands( b, 1, points, &dynamics, error );
 }
 
-// ---- strips ----
-
-// A row of square cells with diagonals in turn. The first cell is pinned, and the strip begins where it ends.
-static wisp_status cook_strip( const validate_def* def, wisp_fabric** out, wisp_error* error )
+static wisp_status add_rods( validate_bodies* b, wisp_error* error )
 {
-    const int columns = def->cells + 2;
-    const float a = (float)( VALIDATE_LENGTH / def->cells );
-    wisp_vec3 points[2 * ( VALIDATE_MAX_CELLS + 2 )];
-    int32_t triangles[6 * ( VALIDATE_MAX_CELLS + 1 )];
-    for ( int i = 0; i < columns; ++i )
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < b->def.count && status == WISP_OK; ++i )
     {
-        points[i] = ( wisp_vec3 ){ a * (float)( i - 1 ), 0.0f, -0.5f * a };
-        points[columns + i] = ( wisp_vec3 ){ a * (float)( i - 1 ), 0.0f, 0.5f * a };
+        status = add_rod( b, i, error );
     }
-    for ( int i = 0; i + 1 < columns; ++i )
-    {
-        const int p = i, q = i + 1, r = columns + i, s = r + 1;
-        const int32_t falling[] = { p, r, s, p, s, q }, rising[] = { p, r, q, q, r, s };
-        memcpy( triangles + 6 * i, i % 2 == 0 ? falling : rising, sizeof falling );
-    }
-    wisp_fabric_def fabric = wisp_default_fabric_def();
-    fabric.points = points;
-    fabric.vertex_count = 2 * columns;
-    fabric.triangles = triangles;
-    fabric.triangle_count = 2 * ( columns - 1 );
-    fabric.hinges = true;
-    fabric.bend_links = def->solver == VALIDATE_IMPLICIT;
-    return wisp_fabric_cook( &fabric, NULL, out, error );
-}
-
-static wisp_status set_material( validate_bodies* b, int body )
-{
-    const validate_def* def = &b->def;
-    const float rigidity =
-        (float)( AREA_DENSITY * VALIDATE_GRAVITY * pow( VALIDATE_LENGTH, 3.0 ) / def->loads[body] );
-    if ( def->solver == VALIDATE_IMPLICIT )
-    {
-        wisp_implicit_cloth_def cloth = wisp_default_implicit_cloth_def();
-        cloth.stiffness_model = WISP_IMPLICIT_STIFFNESS_MATERIAL;
-        cloth.weights = WISP_IMPLICIT_WEIGHTS_PAIR;
-        cloth.bend_rigidity = rigidity;
-        cloth.stretch_stiffness = 2000.0f;
-        cloth.integrator = WISP_INTEGRATOR_BDF2;
-        cloth.damping_form = WISP_IMPLICIT_DAMPING_AXIAL;
-        return wisp_set_implicit_cloth( b->world, b->bodies[body], &cloth );
-    }
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.bending = def->solver == VALIDATE_DIHEDRAL ? WISP_CLOTH_BENDING_DIHEDRAL : WISP_CLOTH_BENDING_ISOMETRIC;
-    cloth.bend_rigidity = rigidity;
-    return wisp_set_cloth( b->world, b->bodies[body], &cloth );
-}
-
-static wisp_status add_strip( validate_bodies* b, wisp_fabric* fabric, int body )
-{
-    const int columns = b->def.cells + 2;
-    const int32_t pins[] = { 0, 1, columns, columns + 1 };
-    wisp_vec3 points[2 * ( VALIDATE_MAX_CELLS + 2 )];
-    const float a = (float)( VALIDATE_LENGTH / b->def.cells );
-    for ( int i = 0; i < 2 * columns; ++i )
-    {
-        const int column = i % columns;
-        points[i] = ( wisp_vec3 ){ a * (float)( column - 1 ), aside( &b->def, column - 1 ),
-                                   i < columns ? -0.5f * a : 0.5f * a };
-    }
-    wisp_surface_def surface = wisp_default_surface_def();
-    surface.fabric = fabric;
-    surface.points = points;
-    surface.area_density = (float)AREA_DENSITY;
-    surface.pins = pins;
-    surface.pin_count = WISP_COUNT( pins );
-    surface.gravity = b->def.gravity;
-    wisp_status status = wisp_add_surface( b->world, &surface, b->bodies + body );
-    status = status == WISP_OK ? wisp_set_damping( b->world, b->bodies[body], (float)b->def.damping ) : status;
-    status = status == WISP_OK ? set_material( b, body ) : status;
-    return status == WISP_OK ? wisp_request( b->world, b->bodies[body], WISP_SURFACE_POINTS ) : status;
+    return status;
 }
 
 // ---- all of them ----
 
-wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp_error* error )
+wisp_status validate_open( const validate_def* def, validate_bodies* out, wisp_error* error )
 {
     static const wisp_module* const modules[] = { &wisp_strands_module, &wisp_cloth_module,
-                                                  &wisp_implicit_cloth_module };
+                                                  &wisp_implicit_cloth_module, &wisp_collision_module };
     *out = ( validate_bodies ){ .def = *def };
     const bool is_cloth = def->solver == VALIDATE_DIHEDRAL || def->solver == VALIDATE_ISOMETRIC;
-    const bench_world_def world = { modules, WISP_COUNT( modules ), def->workers, def->substeps,
-                                    is_cloth ? STRIP_ITERATIONS : 1 };
-    wisp_fabric* fabric = NULL;
-    wisp_status status = bench_world_create( &world, &out->world, error );
-    status = status == WISP_OK && def->solver != VALIDATE_ROD ? cook_strip( def, &fabric, error ) : status;
-    for ( int i = 0; i < def->count && status == WISP_OK; ++i )
+    const int needed = is_cloth ? STRIP_ITERATIONS : 1;
+    // without floors there is no collision either, as in a world of a user who has none
+    const int module_count = WISP_COUNT( modules ) - ( def->floors != NULL ? 0 : 1 );
+    const bench_world_def world = { modules, module_count, def->workers, def->substeps,
+                                    def->iterations > 0 ? def->iterations : needed };
+    return validate_world_create( &world, &out->world, error );
+}
+
+wisp_status validate_create( const validate_def* def, validate_bodies* out, wisp_error* error )
+{
+    wisp_status status = validate_open( def, out, error );
+    if ( status == WISP_OK )
     {
-        status = def->solver == VALIDATE_ROD ? add_rod( out, i ) : add_strip( out, fabric, i );
-        status = status == WISP_OK ? WISP_OK : bench_world_fail( out->world, status, error );
+        status = def->solver == VALIDATE_ROD ? add_rods( out, error ) : validate_add_sheets( out, error );
     }
-    wisp_fabric_release( fabric );
-    return status;
+    return status == WISP_OK && def->floors != NULL ? validate_add_floors( out, error ) : status;
 }
 
 void validate_release( validate_bodies* b )
 {
-    wisp_world_destroy( b->world );
-    b->world = NULL;
+    validate_world_release( &b->world );
 }
 
-wisp_status validate_step( validate_bodies* b, accuracy_run* out, wisp_error* error )
+wisp_status validate_step( validate_bodies* b, int steps, accuracy_run* out, wisp_error* error )
 {
-    const double begin = wisp_clock_seconds();
-    const wisp_status status = wisp_world_step( b->world, SECONDS );
-    const double ms = 1e3 * ( wisp_clock_seconds() - begin );
-    b->steps += 1;
-    if ( b->halted_at == 0 && wisp_world_counter( b->world, WISP_COUNT_HALTED ) > 0 )
+    return validate_world_step( &b->world, steps, out, error );
+}
+
+wisp_status validate_turn_gravity( validate_bodies* b, wisp_vec3 gravity, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < b->def.count && status == WISP_OK; ++i )
     {
-        b->halted_at = b->steps;
+        status = wisp_set_strand_gravity( b->world.world, b->world.bodies[i].entity, gravity );
     }
-    return status == WISP_OK ? accuracy_keep_ms( out, ms ) : bench_world_fail( b->world, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( b->world.world, status, error );
 }
 
-static wisp_component points_of( const validate_bodies* b )
+wisp_status validate_step_for( validate_bodies* b, double seconds, accuracy_run* out, wisp_error* error )
 {
-    return b->def.solver == VALIDATE_ROD ? WISP_STRAND_POINTS : WISP_SURFACE_POINTS;
+    return validate_step( b, validate_steps( seconds ), out, error );
+}
+
+wisp_status validate_damp( validate_bodies* b, double damping, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < b->def.count && status == WISP_OK; ++i )
+    {
+        status = wisp_set_damping( b->world.world, b->world.bodies[i].entity, (float)damping );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( b->world.world, status, error );
+    }
+    return status;
 }
 
 wisp_status validate_tip( validate_bodies* b, int body, wisp_vec3* out, wisp_error* error )
 {
     const bool is_rod = b->def.solver == VALIDATE_ROD;
-    const int count = is_rod ? b->def.cells + 1 : 2 * ( b->def.cells + 2 );
+    const int count = b->world.bodies[body].vertex_count;
     const wisp_vec3* points = NULL;
-    const wisp_status status = bench_world_points( b->world, b->bodies[body], points_of( b ), count, &points, error );
+    const wisp_status status = validate_world_points( &b->world, body, &points, error );
     if ( status == WISP_OK )
     {
-        const wisp_vec3 p = points[count - 1], q = is_rod ? p : points[count / 2 - 1];
+        // the last vertices of the last row and of the first
+        const wisp_vec3 p = points[count - 1], q = is_rod ? p : points[b->def.cells + 1];
         *out = ( wisp_vec3 ){ 0.5f * ( p.x + q.x ), 0.5f * ( p.y + q.y ), 0.5f * ( p.z + q.z ) };
     }
     return status;
 }
 
+wisp_status validate_aside( validate_bodies* b, int body, double* out, wisp_error* error )
+{
+    const int count = b->world.bodies[body].vertex_count;
+    const wisp_vec3* points = NULL;
+    const wisp_status status = validate_world_points( &b->world, body, &points, error );
+    double sum = 0.0;
+    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    {
+        sum += (double)points[i].y * (double)points[i].y;
+    }
+    *out = sqrt( sum / count );
+    return status;
+}
+
 wisp_status validate_finish( validate_bodies* b, accuracy_run* out, wisp_error* error )
 {
-    const int vertices = b->def.solver == VALIDATE_ROD ? b->def.cells + 1 : 2 * ( b->def.cells + 2 );
-    wisp_status status = WISP_OK;
-    out->hash = 0;
-    for ( int i = 0; i < b->def.count && status == WISP_OK; ++i )
-    {
-        uint64_t hash = 0;
-        status = bench_world_hash( b->world, b->bodies[i], points_of( b ), &hash, error );
-        out->hash = ( out->hash ^ hash ) * 0x100000001b3u;
-    }
-    out->halted_at = b->halted_at;
-    out->work = ( accuracy_work ){ .vertices = (double)b->def.count * vertices,
-                                   .substeps = b->def.substeps,
-                                   .bytes = (double)wisp_world_memory( b->world ) };
-    return status;
+    return validate_world_finish( &b->world, out, error );
 }

@@ -1,8 +1,17 @@
 // The cases of `wisp validate`, and where their answers are from.
 #include "validate.h"
 
+#include "validate_balloons.h"
+#include "validate_buckling.h"
+#include "validate_chains.h"
+#include "validate_curls.h"
+#include "validate_drape.h"
+#include "validate_motion.h"
+#include "validate_plates.h"
 #include "validate_rubber.h"
 #include "validate_slender.h"
+#include "validate_slip.h"
+#include "validate_writhe.h"
 
 accuracy_scene_fn accuracy_closed_forms, accuracy_strands_chain, accuracy_balloon_inflate;
 
@@ -19,6 +28,19 @@ static const validate_case cases[] = {
         .source = "heavy elastica: Bickley 1934; the curve as a validation: Romero, Ly, Rasheed, Charrondiere, "
                   "Lazarus, Neukirch and Bertails-Descoubes "
                   "2021",
+    },
+    {
+        .name = "tip_load",
+        .title = "clamped rods and strips bend under a weight at the free end",
+        .make = validate_tip_load,
+        .tests =
+            "bending at large rotation by a force at the end, P L^2 / EI = 0.5, 1, 3 and 10: a vertex, or the end of "
+            "a strip, that is ten times as heavy as the rest of the body",
+        .left_out = "forces that turn with the body; widths of more than one cell",
+        .formula =
+            "theta'' = -(P (1 - s) / 10 + P) cos theta, theta(0) = 0, theta'(1) = 0: the weight of the body is "
+            "in it",
+        .source = "elastica with an end load: Bisshopp and Drucker 1945; with a weight along it: Bickley 1934",
     },
     {
         .name = "column",
@@ -45,6 +67,141 @@ static const validate_case cases[] = {
         .source = "Michell 1899, Prandtl 1899",
     },
     {
+        .name = "lateral_buckling",
+        .title = "level plates on edge turn aside under their own weight",
+        .make = validate_lateral_buckling,
+        .tests = "bending of a plate coupled with its twist, from narrow to square, on three kinds of mesh; the "
+                 "third test of Romero "
+                 "et al. 2021. Seven sheets from 0.6 to 1.8 of the critical load start a little aside, and the "
+                 "measured load is where "
+                 "growth turns into decay",
+        .left_out = "Poisson's ratio of bending other than that of the solvers, 0; what happens after a plate has "
+                    "turned; stretch, "
+                    "as sheets stretch like plates 25 times as wide as thick, which raises loads by 0.1 to 0.3 %",
+        .formula =
+            "the energy D / 2 int (w_xx + w_yy)^2 - 2 (1 - nu) (w_xx w_yy - w_xy^2) + 1/2 int N : grad w grad w of "
+            "all w with "
+            "w = w_x = 0 at the clamp stops being positive, with N the plane stress under the weight, nu = 0 and "
+            "G = rho g L^3 / D",
+        .source =
+            "Kirchhoff 1850, Bryan 1891; the method of Ritz 1909; a narrow plate is the blade of Michell and Prandtl "
+            "(1899), G = 12.85 sqrt( 2 (1 - nu) (1 - nu^2) )",
+    },
+    {
+        .name = "plate_column",
+        .title = "upright plates give way under their own weight",
+        .make = validate_plate_column,
+        .tests = "stability of a sheet of many cells across, narrow and wide, on three kinds of mesh, measured as in "
+                 "`lateral_buckling`",
+        .left_out =
+            "Poisson's ratio of bending other than that of the solvers, 0, with which width makes no difference",
+        .formula = "as in `lateral_buckling`, with the weight along the plate; G = 7.837 at any width",
+        .source = "Kirchhoff 1850, Bryan 1891; for nu = 0 Greenhill 1881",
+    },
+    {
+        .name = "curl",
+        .title = "suspended curls hang in their plane",
+        .make = validate_curl,
+        .tests =
+            "bending of rods with a natural curvature, from a curl that nearly keeps its shape to one that is nearly "
+            "straightened; curl is the natural curvature times the length",
+        .left_out =
+            "solvers without a natural curvature in SI units: cloth strips are flat at rest, links and guide hair "
+            "hold curls by weights that are no EI; contact of a curl with itself",
+        .formula = "theta'' = G (1 - s) sin theta, theta(0) = 0, theta'(1) = curl, with theta from down and "
+                   "G = rho g L^3 / EI",
+        .source = "Miller, Lazarus, Audoly and Reis 2014; as a validation: Romero et al. 2021",
+    },
+    {
+        .name = "bend_twist",
+        .title = "suspended curls leave their plane under their own weight",
+        .make = validate_bend_twist,
+        .tests = "bending coupled with twist in rods with a natural curvature: 13 rods from 0.7 to 1.3 of the "
+                 "critical weight, "
+                 "for each of two curls, hang in their plane and are pushed out of it; the first that goes on "
+                 "instead of "
+                 "coming back is the measured weight",
+        .left_out =
+            "shapes beyond the critical weight; the second weight, at which a curl of about one turn is planar "
+            "again; contact of a curl with itself; solvers without twist",
+        .formula =
+            "the first G at which the second variation, integral of (beta' + theta' phi)^2 + GJ/EI (phi' - theta' "
+            "beta)^2 - 2 M phi beta' - M theta' (phi^2 + beta^2) + G (1 - s) cos theta beta^2 with "
+            "M = theta' - curl, is 0 about the planar equilibrium: 14.54 and 24.30 for GJ = 2/3 EI",
+        .source =
+            "Kirchhoff rods: Love 1927; the curls: Miller, Lazarus, Audoly and Reis 2014; as a validation: Romero "
+            "et al. 2021",
+    },
+    {
+        .name = "stick_slip",
+        .title = "bowed rods and strips stick to a rough floor, or slip",
+        .make = validate_stick_slip,
+        .tests =
+            "friction and bending together: 13 bodies with 0.7 to 1.3 of the critical friction press a floor with "
+            "their free ends, from a clamp that is 0.75 of their length high; the least friction with which one "
+            "sticks "
+            "is the measured one",
+        .left_out = "weight; the way there: bodies start bowed and are held, the clamp is not lowered; other heights "
+                    "and inclined clamps; "
+                    "what happens after the slip; contact of more than the end",
+        .formula =
+            "theta'' = F_x sin theta - F_y cos theta, theta(0) = 0, theta'(1) = 0, the end under the clamp: sticks "
+            "if |F_y| <= mu |F_x|, which is mu = 0.2807",
+        .source = "Sano, Yamaguchi and Wada 2017; as a validation: Romero et al. 2021",
+    },
+    {
+        .name = "ring",
+        .title = "twisted rings leave their plane",
+        .make = validate_ring,
+        .tests = "twist that turns into bending: 31 closed rods, straight without load and twisted by 0.7 to 1.3 of "
+                 "the critical twist before they were joined, start a little out of their plane. The least twist at "
+                 "which one becomes three times as thick within a second is the measured one",
+        .left_out = "what a ring becomes: it folds over to an eight and passes through itself, since closed strands "
+                    "do not touch themselves here",
+        .formula = "2 pi sqrt(3) EI / GJ = 10.88 rad, for GJ = EI",
+        .source = "Michell 1889; Zajac 1962; Goriely 2006",
+    },
+    {
+        .name = "twisted",
+        .title = "rods under tension give way to twist",
+        .make = validate_twisted,
+        .tests = "twist and tension against bending: 31 straight rods at each of two tensions, whose ends keep their "
+                 "directions while one of them moves freely, are twisted by 0.7 to 1.3 of the critical moment. A "
+                 "small weight aside acts while they are turned. The least moment at which a rod then leaves its "
+                 "line is the measured one",
+        .left_out = "rods whose ends may turn; dynamics of twist, which is in balance in each substep",
+        .formula = "M^2 / 4 EI = F + pi^2 EI / L^2, with half of the weight of the rod, 3 % of F, added to F",
+        .source = "Greenhill 1883",
+    },
+    {
+        .name = "writhe",
+        .title = "rods that gave way to twist, in one place",
+        .make = validate_writhe,
+        .tests = "large bending and twist in space: three rods, shortened by a tenth of their length and turned by "
+                 "5.8 to 6.5 turns, give way in one place, where they make angles of 60 to 72 degrees with the line "
+                 "of their ends. Compared are the angle and the tension",
+        .left_out =
+            "plectonemes: at 93 degrees there is no balance without contact, a loop forms and touches "
+            "itself. Theory is that of an infinite rod, which is less than a degree from straight where these end",
+        .formula = "sin(angle / 2) = q = sqrt(1 - t^2), t = M / 2 sqrt(EI F): shortening 4 q sqrt(EI / F), rotation "
+                   "M L / GJ + 4 acos t",
+        .source = "Coyne 1990; van der Heijden and Thompson 2000",
+    },
+    {
+        .name = "loop",
+        .title = "rods that are twisted on form a loop",
+        .make = validate_loop,
+        .tests = "where the shapes of `writhe` end: 31 rods, shortened by a tenth of their length, are turned by 0.7 "
+                 "to 1.3 of the largest rotation that has a balance. The least rotation that leads beyond 95 "
+                 "degrees, which no balance has, is the measured one",
+        .left_out =
+            "the plectoneme that follows, which needs a rod that touches itself: here it passes through itself",
+        .formula = "R = 8 (L / D) (EI / GJ) t sqrt(1 - t^2) + 4 acos t is largest where cos(2 acos t) = -D GJ / 2 L "
+                   "EI: 43.2 "
+                   "rad",
+        .source = "the fold of the solution of Coyne 1990; van der Heijden and Thompson 2000",
+    },
+    {
         .name = "chain",
         .title = "hanging chains swing in their two slowest modes",
         .make = accuracy_strands_chain,
@@ -52,6 +209,75 @@ static const validate_case cases[] = {
         .left_out = "large swings",
         .formula = "w_k = sqrt(n g x_k / L) of n masses, x_k the roots of the Laguerre polynomial L_n",
         .source = "exact for a chain of n links; Bernoulli 1738 for the continuous one",
+    },
+    {
+        .name = "folded_chain",
+        .title = "a folded chain is let go at one end",
+        .make = validate_folded_chain,
+        .tests = "a whip: a chain hangs folded, one link wide, both ends at one height. One is let go and falls "
+                 "faster than a stone, since the energy of ever more links that stop goes to the ever fewer that "
+                 "move. Compared is its speed when it has fallen 0.9 of the length",
+        .left_out = "the last tenth, in which the end turns over; strips of cloth, whose diagonals are other links",
+        .formula = "Lagrange's equations of as many masses on rigid links, by Runge and Kutta; beside them v^2 = g x "
+                   "(2 L - x) / (L - x) of a continuous chain without width",
+        .source = "Calkin and March 1989, who also measured it: 0.85 of the time of free fall",
+    },
+    {
+        .name = "catenary",
+        .title = "strips and strands hang between two supports",
+        .make = validate_catenary,
+        .tests = "shape at rest of a body of length L without bending between supports 0.8 L apart: every vertex "
+                 "against the point of the curve at its arc length",
+        .left_out = "bending; stretch: strands and xpbd have none, implicit cloth cannot do without and has 2000 "
+                    "N/m; pbd, which with full stiffness solves the same constraints as xpbd",
+        .formula = "y = a cosh(x / a), 2 a sinh(0.4 L / a) = L",
+        .source = "Leibniz, Huygens and Johann Bernoulli 1691",
+    },
+    {
+        .name = "drape",
+        .title = "Cusick's test: named fabrics drape over a disc",
+        .make = validate_drape,
+        .tests = "a plate at large rotation that falls into folds: circles of 30 cm of four fabrics, held between "
+                 "discs of 18 cm, with the bending rigidity B and the weight measured by others, against the drape "
+                 "coefficient measured by them. Each fabric is draped on two meshes, whose spread is shown. It is at "
+                 "rest where the change per second is small. The last measure is how far the worst fabric is outside "
+                 "of what Cusick's regression allows for its bending length at any shear",
+        .left_out =
+            "the friction of yarns (2HB): cotton broad, bent and let go, keeps a radius of 19 mm by it; stretch and "
+            "shear of each "
+            "fabric (all membranes are isotropic, 100 N/m); warp and weft, which bend differently; contact of folds; "
+            "the size of specimen and disc in the source, which was not at hand; strands, which are no sheets",
+        .formula =
+            "DC = (shadow - disc) / (cloth - disc). The band is the measured coefficient +- 5 points, the scatter "
+            "that is assumed for a test whose folds differ from trial to trial. Cusick: DC = 35.6 c - 3.61 c^2 - "
+            "2.59 A + 0.0461 A^2 + 17.0 %, c = (B / w)^(1/3) in cm, A from 0 to 28.1 degrees, where it is least",
+        .source = "Matsudaira, Masuda, Wada and Yokura 2015, J. Textile Eng. 61(6), tables 1 and 2, as others "
+                  "transcribed them: faille 28.3 %, wool 49.8 %, polyester tropical 50.7 %, cotton 82.9 %; Cusick "
+                  "1965; Peirce 1930 for c",
+    },
+    {
+        .name = "incline",
+        .title = "sheets and strands on inclined planes with friction",
+        .make = validate_incline,
+        .tests = "Coulomb's friction, mu = 0.2 and 0.5: speed after 0.5 s at 20 and 40 degrees, where they slide; "
+                 "creep at 11 and 26 degrees, just below atan(mu) = 11.3 and 26.6, where they must not",
+        .left_out = "pbd, which with full stiffness solves the same constraints as xpbd; balloons, which roll; guide "
+                    "hair and frozen hair, which have no dynamics of contact; different static and kinetic friction",
+        .formula = "a = g (sin alpha - mu cos alpha), 0 if negative",
+        .source = "Coulomb 1785",
+    },
+    {
+        .name = "terminal_velocity",
+        .title = "sheets and strands fall, and a balloon rises, through air",
+        .make = validate_terminal,
+        .tests = "the law of drag: speed from rest after one time constant w / a, and after eight, when it is the "
+                 "terminal speed w",
+        .left_out =
+            "implicit cloth, which has no air; pbd, which with full stiffness solves the same constraints as xpbd; "
+            "guide hair and frozen hair, which follow others; lift; flutter; the air that a body carries along",
+        .formula = "v = w tanh(a t / w), w = sqrt(2 F / (rho C A)), with F the weight of the body, or its lift less "
+                   "its weight",
+        .source = "Newton 1687, book II",
     },
     {
         .name = "forms",
@@ -84,6 +310,55 @@ static const validate_case cases[] = {
                     "lose their symmetry",
         .formula = "p = 2 G t / R (1 / s - 1 / s^7), largest at s = 7^(1/6) = 1.383",
         .source = "Treloar 1943; Green and Shield 1950",
+    },
+    {
+        .name = "mylar",
+        .title = "two discs of foil, joined at the rim and filled",
+        .make = validate_mylar,
+        .tests = "the shape of a skin that wrinkles but does not stretch: radius, thickness and volume, by skins of "
+                 "springs and of a strain limit, on meshes with straight spokes and without",
+        .left_out =
+            "implicit cloth and cloth with bending, which cannot be balloons; the number of wrinkles; stiffness "
+            "and pressure of real foil: p a / k = 0.001 of springs, and checks with ten times more and less",
+        .formula = "z' = -x^2 / sqrt(r^4 - x^4), the meridian as long as the radius a of the disc: r = 0.7627 a, "
+                   "thickness 1.1981 r, V = 1.2185 a^3",
+        .source = "Paulsen 1994; Mladenov and Oprea 2003",
+    },
+    {
+        .name = "jet",
+        .title = "a balloon empties through an outlet: the speed it gets",
+        .make = validate_jet,
+        .tests =
+            "thrust = mass flow x outlet speed, with the pressure of a skin that shrinks; readings of the pressure, "
+            "solvers of skin and gas, the area of the outlet, which must not matter",
+        .left_out = "the mass of the gas, which the law does not have (with it the balloon is a rocket: Tsiolkovsky "
+                    "1903); friction in the outlet; air and weight; spin, since the outlet is on the axis",
+        .formula =
+            "v_e = sqrt(2 p / rho), dV_0/dt = -A v_e, m dv/dt = rho A v_e^2: v = rho / m times the integral of "
+            "v_e over V_0",
+        .source = "Torricelli 1643, Bernoulli 1738; p of a spring mesh in balance, as in `balloon`",
+    },
+    {
+        .name = "lift_off",
+        .title = "helium balloons lift what the air they displace weighs",
+        .make = validate_lift_off,
+        .tests = "buoyancy of a skin under pressure: 31 balloons in one world with loads from 0.94 to 1.06 of the "
+                 "balance; what they lift is between the heaviest that rises and the next",
+        .left_out = "a load that hangs from a line: it is spread over the skin; air that gets thinner with height",
+        .formula = "m = rho_air V - rho_He V_0, V of the skin in balance with p V = P_atm V_0",
+        .source = "Archimedes; Boyle 1662; p of a spring mesh in balance, as in `balloon`",
+    },
+    {
+        .name = "rising_balloon",
+        .title = "helium balloons rise at the speed at which drag holds their lift",
+        .make = validate_rising_balloon,
+        .tests = "the laws of drag on a sphere, each by its own integral, with lift; by mesh and substeps",
+        .left_out =
+            "the coefficient: C = 0.5 by default, and 0.47 was measured of spheres at Reynolds numbers of 1e3 to "
+            "1e5, so they rise 3 % slower than real ones; the law `signed`, which has no drag on a closed body; "
+            "added mass, wobble and wake",
+        .formula = "v = sqrt(2 (lift - weight) / (rho C f pi R^2)), f = 1 (max), 2 (abs), 4/3 (normal)",
+        .source = "Newton 1687; measured spheres: Hoerner 1965",
     },
 };
 

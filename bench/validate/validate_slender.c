@@ -1,57 +1,42 @@
 // Slender bodies under their own weight: the master curve of a cantilever, and the loads at which a column and a blade give way.
 #include "validate_slender.h"
 
-#include "accuracy/scene_tools.h"
 #include "elastica.h"
 #include "oracle/slender_theory.h"
 #include "validate_bodies.h"
+#include "validate_ladder.h"
+#include "validate_settings.h"
 
 #include <math.h>
-#include <stdlib.h>
+#include <string.h>
 
 enum
 {
-    MAX_SETTINGS = 64,
     CURVE_LOADS = 4,
-    LADDER = 31, // loads from 0.7 times the critical one to 1.3
 };
 
 static const double CURVE[CURVE_LOADS] = { 1.0, 10.0, 100.0, 1000.0 };
-static const double SECONDS = 1.0 / 60.0;
-static const double RUNG = 0.01; // half of the distance between two loads, in critical ones
-
-typedef struct way
-{
-    validate_solver solver;
-    int cells, substeps;
-} way;
+// P L^2 / EI of weights at the tip, in the weight of the body.
+static const double TIP_CURVE[CURVE_LOADS] = { 0.5, 1.0, 3.0, 10.0 }, TIP = 10.0;
 
 typedef struct slender
 {
-    way ways[MAX_SETTINGS];
-    double critical; // of a ladder
+    validate_settings settings;
+    double loads[CURVE_LOADS], tip, seconds; // of a curve
+    double critical;                         // of a ladder
     bool is_blade;
 } slender;
 
-// The slowest frequency of a cantilever without weight, rad/s (Euler and Bernoulli): 3.516 sqrt( EI / m L^4 ).
-static double frequency_of( double load )
+// The slowest frequency with a mass at the tip, by Rayleigh's quotient of its static shape: 3 EI / L^3 over that mass and
+// the part of the rod's own that a rod without one has.
+static double frequency_with_tip( double load, double tip )
 {
-    return 3.516 * sqrt( VALIDATE_GRAVITY / ( load * VALIDATE_LENGTH ) );
-}
-
-static wisp_status step_for( validate_bodies* bodies, double seconds, accuracy_run* out, wisp_error* error )
-{
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < (int)ceil( seconds / SECONDS ) && status == WISP_OK; ++i )
-    {
-        status = validate_step( bodies, out, error );
-    }
-    return status;
+    return validate_frequency( load ) / sqrt( 1.0 + 3.516 * 3.516 / 3.0 * tip );
 }
 
 // ---- the cantilever ----
 
-// Distances of the tips from theory, in lengths. The last measure is the aspect ratio H / W of the heaviest.
+// Distances of the tips from theory, in lengths.
 static wisp_status measure_curve( validate_bodies* bodies, accuracy_run* out, wisp_error* error )
 {
     double sum = 0.0;
@@ -61,7 +46,7 @@ static wisp_status measure_curve( validate_bodies* bodies, accuracy_run* out, wi
         wisp_vec3 tip = { 0.0f, 0.0f, 0.0f };
         double exact[2][2];
         status = validate_tip( bodies, i, &tip, error );
-        elastica_lay( CURVE[i], 2, exact );
+        elastica_lay_loaded( bodies->def.loads[i], bodies->def.loads[i] * bodies->def.tip, 2, exact );
         const double x = (double)tip.x / VALIDATE_LENGTH - exact[1][0],
                      y = (double)tip.y / VALIDATE_LENGTH - exact[1][1];
         out->measures[i] = 100.0 * hypot( x, y );
@@ -74,21 +59,23 @@ static wisp_status measure_curve( validate_bodies* bodies, accuracy_run* out, wi
 static wisp_status run_curve( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                               wisp_error* error )
 {
-    const way* w = ( (const slender*)context )->ways + setting;
-    // about critical for the second softest; 4 s are many times its period
+    const slender* own = context;
+    const validate_setting* w = validate_setting_of( context, setting );
+    // about critical for the second softest; the time is many times its period
     const validate_def def = {
-        .solver = w->solver,
+        .solver = (validate_solver)w->solver,
         .cells = w->cells,
         .substeps = w->substeps,
         .workers = workers,
         .count = CURVE_LOADS,
-        .loads = CURVE,
+        .loads = own->loads,
+        .tip = own->tip,
         .gravity = { 0.0f, (float)-VALIDATE_GRAVITY, 0.0f },
-        .damping = 2.0 * frequency_of( 100.0 ),
+        .damping = 2.0 * frequency_with_tip( own->loads[2], own->tip ),
     };
     validate_bodies bodies;
     wisp_status status = validate_create( &def, &bodies, error );
-    status = status == WISP_OK ? step_for( &bodies, 4.0, out, error ) : status;
+    status = status == WISP_OK ? validate_step_for( &bodies, own->seconds, out, error ) : status;
     status = status == WISP_OK && is_observed ? measure_curve( &bodies, out, error ) : status;
     status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
     validate_release( &bodies );
@@ -98,26 +85,20 @@ static wisp_status run_curve( void* context, int setting, int workers, bool is_o
 // ---- ladders of loads ----
 
 // The free ends are a little aside. Below the critical load they swing back, above it they go on.
-static wisp_status measure_ladder( validate_bodies* bodies, const double* loads, double critical, accuracy_run* out,
-                                   wisp_error* error )
+static wisp_status measure_ladder( validate_bodies* bodies, double critical, accuracy_run* out, wisp_error* error )
 {
-    double found = NAN;
+    bool has_lost[VALIDATE_LADDER] = { false };
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < LADDER && status == WISP_OK; ++i )
+    for ( int i = 0; i < VALIDATE_LADDER && status == WISP_OK; ++i )
     {
         wisp_vec3 tip = { 0.0f, 0.0f, 0.0f };
         status = validate_tip( bodies, i, &tip, error );
-        if ( status == WISP_OK && isnan( found ) && fabs( (double)tip.y ) > validate_start( &bodies->def ) )
-        {
-            // between it and the one before; nothing is before the first
-            found = i > 0 ? loads[i] - RUNG * critical : 0.0;
-        }
+        has_lost[i] = fabs( (double)tip.y ) > validate_start( &bodies->def );
     }
-    found = found > 0.0 ? found : NAN;
-    out->measures[0] = found;
-    out->measures[1] = critical;
-    // beyond the ladder the error is at least its half
-    out->error = 100.0 * ( isnan( found ) ? 0.3 : fabs( found / critical - 1.0 ) );
+    if ( status == WISP_OK )
+    {
+        out->error = validate_measure_ladder( has_lost, VALIDATE_LADDER, critical, out->measures );
+    }
     return status;
 }
 
@@ -125,20 +106,20 @@ static wisp_status run_ladder( void* context, int setting, int workers, bool is_
                                wisp_error* error )
 {
     const slender* own = context;
-    const way* w = own->ways + setting;
+    const validate_setting* w = validate_setting_of( context, setting );
     const double g = VALIDATE_GRAVITY;
-    double loads[LADDER];
-    for ( int i = 0; i < LADDER; ++i )
+    double loads[VALIDATE_LADDER];
+    for ( int i = 0; i < VALIDATE_LADDER; ++i )
     {
-        loads[i] = own->critical * ( 0.7 + 2.0 * RUNG * i );
+        loads[i] = own->critical * validate_rung( i, VALIDATE_LADDER );
     }
-    const double slow = frequency_of( own->critical );
+    const double slow = validate_frequency( own->critical );
     validate_def def = {
-        .solver = w->solver,
+        .solver = (validate_solver)w->solver,
         .cells = w->cells,
         .substeps = w->substeps,
         .workers = workers,
-        .count = LADDER,
+        .count = VALIDATE_LADDER,
         .loads = loads,
         .gravity = own->is_blade ? ( wisp_vec3 ){ 0.0f, 0.0f, (float)-g } : ( wisp_vec3 ){ (float)-g, 0.0f, 0.0f },
         .damping = 0.5 * slow,
@@ -147,8 +128,8 @@ static wisp_status run_ladder( void* context, int setting, int workers, bool is_
     };
     validate_bodies bodies;
     wisp_status status = validate_create( &def, &bodies, error );
-    status = status == WISP_OK ? step_for( &bodies, 40.0 / slow, out, error ) : status;
-    status = status == WISP_OK && is_observed ? measure_ladder( &bodies, loads, own->critical, out, error ) : status;
+    status = status == WISP_OK ? validate_step_for( &bodies, 40.0 / slow, out, error ) : status;
+    status = status == WISP_OK && is_observed ? measure_ladder( &bodies, own->critical, out, error ) : status;
     status = status == WISP_OK ? validate_finish( &bodies, out, error ) : status;
     validate_release( &bodies );
     return status;
@@ -156,47 +137,27 @@ static wisp_status run_ladder( void* context, int setting, int workers, bool is_
 
 // ---- settings ----
 
-// Series in cells and in substeps for each solver. Bending of a mesh converges at second order.
-static void put_settings( accuracy_scene* out, const validate_solver* solvers, int solver_count, int substeps )
-{
-    static const int cells[] = { 4, 8, 16, 32 };
-    slender* own = out->context;
-    for ( int s = 0; s < solver_count; ++s )
-    {
-        const char* name = validate_solver_names[solvers[s]];
-        char series[64];
-        snprintf( series, sizeof series, "%s by cells", name );
-        for ( int i = 0; i < WISP_COUNT( cells ); ++i )
-        {
-            own->ways[out->setting_count] = ( way ){ solvers[s], cells[i], substeps };
-            accuracy_join_series( accuracy_put_setting( out, "%s, %d cells, %d substeps", name, cells[i], substeps ),
-                                  series, "cell / L", 1.0 / cells[i], NAN );
-        }
-        snprintf( series, sizeof series, "%s by substeps", name );
-        for ( int k = 1; k <= 4; k *= 2 )
-        {
-            const int fewer = substeps / ( 2 * k );
-            own->ways[out->setting_count] = ( way ){ solvers[s], 16, fewer };
-            accuracy_join_series( accuracy_put_setting( out, "%s, 16 cells, %d substeps", name, fewer ), series,
-                                  "substep, s", SECONDS / fewer, NAN );
-        }
-    }
-}
-
+// Bending of a mesh converges at second order.
 static wisp_status make( const slender* like, accuracy_scene scene, accuracy_scene* out, wisp_error* error )
 {
-    slender* own = malloc( sizeof *own );
-    *out = scene;
-    out->context = own;
-    out->destroy = free;
-    const wisp_status status = own != NULL ? accuracy_reserve_settings( out, MAX_SETTINGS, error )
-                                           : wisp_fail( error, WISP_NO_MEMORY, "no memory for a case" );
-    if ( status != WISP_OK )
+    static const int solvers[] = { VALIDATE_ROD, VALIDATE_DIHEDRAL, VALIDATE_ISOMETRIC, VALIDATE_IMPLICIT };
+    static const int cells[] = { 4, 8, 16, 32 };
+    const validate_grid grid = {
+        .names = validate_solver_names,
+        .solvers = solvers,
+        .solver_count = like->is_blade ? 1 : WISP_COUNT( solvers ),
+        .cells = cells,
+        .cell_count = WISP_COUNT( cells ),
+        .substeps = 32,
+        .halvings = 3,
+        .middle = 16,
+    };
+    const wisp_status status = validate_make( like, sizeof *like, scene, out, error );
+    if ( status == WISP_OK )
     {
-        return accuracy_abandon( out, status );
+        validate_put_grid( out, &grid );
     }
-    *own = *like;
-    return WISP_OK;
+    return status;
 }
 
 wisp_status validate_cantilever( const bench_options* options, double seconds, accuracy_scene* out,
@@ -204,9 +165,8 @@ wisp_status validate_cantilever( const bench_options* options, double seconds, a
 {
     (void)options;
     (void)seconds;
-    static const validate_solver solvers[] = { VALIDATE_ROD, VALIDATE_DIHEDRAL, VALIDATE_ISOMETRIC,
-                                               VALIDATE_IMPLICIT };
-    const slender like = { .critical = NAN };
+    slender like = { .seconds = 4.0, .critical = NAN };
+    memcpy( like.loads, CURVE, sizeof CURVE );
     const accuracy_scene scene = {
         .reference = "the heavy elastica; root mean square over four loads, after 4 s",
         .error_name = "distance of the tip from theory",
@@ -215,35 +175,44 @@ wisp_status validate_cantilever( const bench_options* options, double seconds, a
         .measure_count = CURVE_LOADS,
         .run = run_curve,
     };
-    const wisp_status status = make( &like, scene, out, error );
-    if ( status == WISP_OK )
+    return make( &like, scene, out, error );
+}
+
+wisp_status validate_tip_load( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+{
+    (void)options;
+    (void)seconds;
+    slender like = { .tip = TIP, .seconds = 2.0, .critical = NAN };
+    for ( int i = 0; i < CURVE_LOADS; ++i )
     {
-        put_settings( out, solvers, WISP_COUNT( solvers ), 32 );
+        like.loads[i] = TIP_CURVE[i] / TIP;
     }
-    return status;
+    const accuracy_scene scene = {
+        .reference =
+            "the elastica with a weight at its end, and its own; root mean square over four loads, after 2 s",
+        .error_name = "distance of the tip from theory",
+        .error_unit = "% of L",
+        .measure_names = { "P = 0.5, %", "P = 1, %", "P = 3, %", "P = 10, %" },
+        .measure_count = CURVE_LOADS,
+        .run = run_curve,
+    };
+    return make( &like, scene, out, error );
 }
 
 static wisp_status make_ladder( double critical, bool is_blade, const char* reference, accuracy_scene* out,
                                 wisp_error* error )
 {
-    static const validate_solver solvers[] = { VALIDATE_ROD, VALIDATE_DIHEDRAL, VALIDATE_ISOMETRIC,
-                                               VALIDATE_IMPLICIT };
     const slender like = { .critical = critical, .is_blade = is_blade };
     accuracy_scene scene = {
         .error_name = "distance of the critical load",
         .error_unit = "%",
         .measure_names = { "measured G", "theory G" },
         .measure_count = 2,
-        .uncertainty = 100.0 * RUNG,
+        .uncertainty = validate_ladder_doubt( VALIDATE_LADDER ),
         .run = run_ladder,
     };
     snprintf( scene.reference, sizeof scene.reference, "%s", reference );
-    const wisp_status status = make( &like, scene, out, error );
-    if ( status == WISP_OK )
-    {
-        put_settings( out, solvers, is_blade ? 1 : WISP_COUNT( solvers ), 32 );
-    }
-    return status;
+    return make( &like, scene, out, error );
 }
 
 wisp_status validate_column( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )

@@ -53,6 +53,19 @@ static inline accuracy_run observe( const accuracy_scene* scene, const char* nam
     return run_setting( scene, setting_of( scene, name ), 1, true );
 }
 
+/// Observe one setting of a scene that is made for it.
+static inline accuracy_run observe_one( accuracy_scene_fn* make, bool is_quick, const char* name )
+{
+    bench_options options = quick_options;
+    wisp_error error = { 0 };
+    accuracy_scene scene;
+    options.quick = is_quick;
+    assert_ok( make( &options, 7.0, &scene, &error ), error );
+    const accuracy_run run = observe( &scene, name );
+    free_scene( &scene );
+    return run;
+}
+
 /// The same bits for every number of workers, sampled or not.
 static inline void expect_one_hash( const accuracy_scene* scene, const char* name )
 {

@@ -1,0 +1,256 @@
+// Sheets that slide down inclines, and bodies that fall or rise through air.
+#include "validate_motion.h"
+
+#include "balloon_scene.h"
+#include "oracle/sheet_theory.h"
+#include "surface_implementation.h"
+#include "validate_settings.h"
+#include "validate_sheets.h"
+
+#include "balloon/balloon.h"
+
+#include <math.h>
+
+static const double PI = 3.14159265358979323846;
+
+// The spacing of a sheet 6 cm wide.
+static double spacing_of( int cells )
+{
+    return 0.06 / cells;
+}
+
+static double speed_along( const wisp_motion_stats* motion, int axis )
+{
+    return motion->momentum[axis] / motion->mass;
+}
+
+// ---- inclines ----
+
+enum
+{
+    INCLINES = 4,
+    SLIDE_STEPS = 30, // 0.5 s
+};
+
+static const struct
+{
+    double degrees, friction;
+} inclines[INCLINES] = { { 20.0, 0.2 }, { 40.0, 0.5 }, { 11.0, 0.2 }, { 26.0, 0.5 } };
+
+// The ground stays level, and the gravity of each sheet is turned instead. Sheets start in contact.
+static wisp_status lay_down( const validate_setting* setting, bool is_observed, validate_world* world,
+                             wisp_error* error )
+{
+    wisp_mesh mesh = { .points = NULL };
+    wisp_status status =
+        surface_plane( setting->cells + 1, setting->cells + 1, spacing_of( setting->cells ), &mesh, error );
+    for ( int i = 0; i < mesh.vertex_count; ++i )
+    {
+        mesh.points[i].y = SHEET_MARGIN;
+    }
+    for ( int i = 0; i < INCLINES && status == WISP_OK; ++i )
+    {
+        const double angle = inclines[i].degrees * PI / 180.0;
+        const sheet_def def = {
+            .solver = (sheet_solver)setting->solver,
+            .mesh = &mesh,
+            .row = setting->cells + 1,
+            .density = SHEET_DENSITY,
+            .gravity = { (float)( SHEET_GRAVITY * sin( angle ) ), (float)( -SHEET_GRAVITY * cos( angle ) ), 0.0f },
+            .friction = inclines[i].friction,
+        };
+        status = sheet_add( world, &def, is_observed, error );
+    }
+    wisp_mesh_release( &mesh );
+    return status;
+}
+
+// In % of the speed without friction, so that a sheet that sticks has an error too.
+static wisp_status measure_slides( validate_world* world, accuracy_run* out, wisp_error* error )
+{
+    const double time = SLIDE_STEPS * (double)VALIDATE_STEP;
+    double sum = 0.0;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < INCLINES && status == WISP_OK; ++i )
+    {
+        const double angle = inclines[i].degrees * PI / 180.0;
+        const double exact = time * sheet_slide( SHEET_GRAVITY, angle, inclines[i].friction );
+        wisp_motion_stats motion = { 0 };
+        status = validate_world_motion( world, i, &motion, error );
+        if ( status == WISP_OK )
+        {
+            const double speed = speed_along( &motion, 0 );
+            const double wrong = ( speed - exact ) / ( time * sheet_slide( SHEET_GRAVITY, angle, 0.0 ) );
+            // of those that slide the error in %, of those that stick how far they crept
+            out->measures[i] = exact > 0.0 ? 100.0 * wrong : 1e3 * motion.centre[0];
+            sum += wrong * wrong;
+        }
+    }
+    out->error = 100.0 * sqrt( sum / INCLINES );
+    return status;
+}
+
+static wisp_status run_incline( void* context, int index, int workers, bool is_observed, accuracy_run* out,
+                                wisp_error* error )
+{
+    const validate_setting* setting = validate_setting_of( context, index );
+    validate_world world;
+    wisp_status status =
+        sheet_world_create( (sheet_solver)setting->solver, setting->substeps, workers, true, &world, error );
+    status = status == WISP_OK ? lay_down( setting, is_observed, &world, error ) : status;
+    status = status == WISP_OK ? validate_world_step( &world, SLIDE_STEPS, out, error ) : status;
+    status = status == WISP_OK && is_observed ? measure_slides( &world, out, error ) : status;
+    status = status == WISP_OK ? validate_world_finish( &world, out, error ) : status;
+    validate_world_release( &world );
+    return status;
+}
+
+wisp_status validate_incline( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+{
+    (void)options;
+    (void)seconds;
+    static const int solvers[] = { SHEET_STRANDS, SHEET_XPBD, SHEET_IMPLICIT };
+    static const int cells[] = { 2, 4, 8 }, substeps[] = { 1, 2, 5, 20 };
+    const validate_settings like = { .list = { { 0 } } };
+    const accuracy_scene scene = {
+        .reference = "Coulomb's law; root mean square over four inclines, after 0.5 s",
+        .error_name = "error of speed",
+        .error_unit = "% of no friction",
+        .measure_names = { "20 deg, mu 0.2: error, %", "40 deg, mu 0.5: error, %", "11 deg, mu 0.2: creep, mm",
+                           "26 deg, mu 0.5: creep, mm" },
+        .measure_count = INCLINES,
+        .run = run_incline,
+    };
+    const wisp_status status = validate_make( &like, sizeof like, scene, out, error );
+    for ( int s = 0; s < WISP_COUNT( solvers ) && status == WISP_OK; ++s )
+    {
+        const char* name = sheet_solver_names[solvers[s]];
+        validate_put_substeps( out, solvers[s], name, 4, substeps, WISP_COUNT( substeps ) );
+        validate_put_cells( out, solvers[s], name, "cell / width", cells, WISP_COUNT( cells ), 10 );
+    }
+    return status;
+}
+
+// ---- air ----
+
+static const double PLATE_DRAG = 1.28, BALL_DRAG = 0.5;
+
+// What theory knows of a body: terminal speed, and acceleration without air.
+typedef struct flight
+{
+    double terminal, acceleration;
+} flight;
+
+// Plates and strands by their area; a balloon by its volume, m^3, as a sphere. Its gas has weight but, as the engine documents, no
+// inertia.
+static flight flight_of( sheet_solver solver, double volume )
+{
+    const double g = SHEET_GRAVITY;
+    if ( solver != SHEET_BALLOON )
+    {
+        const flight falls = { sheet_terminal_speed( SHEET_DENSITY * g, (double)SHEET_AIR, PLATE_DRAG, 1.0 ), g };
+        return falls;
+    }
+    const wisp_balloon_def def = wisp_default_balloon_def();
+    const double gas = 8.31446262 * (double)def.temperature;
+    const double air = (double)def.atmospheric_pressure * (double)def.air_molar_mass / gas;
+    const double helium = (double)def.atmospheric_pressure * (double)def.gas_molar_mass / gas;
+    const double rest = (double)BALLOON_RADIUS, skin = (double)BALLOON_AREA_DENSITY * 4.0 * PI * rest * rest;
+    const double r = cbrt( volume / ( 4.0 / 3.0 * PI ) ), lift = g * ( ( air - helium ) * volume - skin );
+    const flight rises = { sheet_terminal_speed( lift, air, BALL_DRAG, PI * r * r ), lift / skin };
+    return rises;
+}
+
+static wisp_status let_go( const validate_setting* setting, bool is_observed, validate_world* world,
+                           wisp_error* error )
+{
+    const bool is_ball = setting->solver == SHEET_BALLOON;
+    wisp_mesh mesh = { .points = NULL };
+    wisp_status status =
+        is_ball ? balloon_mesh_sphere( (int)lrint( log2( setting->cells ) ), BALLOON_RADIUS, &mesh, error )
+                : surface_plane( setting->cells + 1, setting->cells + 1, spacing_of( setting->cells ), &mesh, error );
+    if ( status == WISP_OK )
+    {
+        const sheet_def def = {
+            .solver = (sheet_solver)setting->solver,
+            .mesh = &mesh,
+            .row = setting->cells + 1,
+            .density = is_ball ? (double)BALLOON_AREA_DENSITY : SHEET_DENSITY,
+            .gravity = { 0.0f, (float)-SHEET_GRAVITY, 0.0f },
+            .friction = -1.0,
+            .drag = is_ball ? BALL_DRAG : PLATE_DRAG,
+        };
+        status = sheet_add( world, &def, is_observed, error );
+    }
+    wisp_mesh_release( &mesh );
+    return status;
+}
+
+// Step to a time, in time constants, and compare the speed with theory, in % of the terminal speed.
+static wisp_status fly_to( validate_world* world, sheet_solver solver, double constants, bool is_observed,
+                           double* wrong, accuracy_run* out, wisp_error* error )
+{
+    const flight planned = flight_of( solver, 4.0 / 3.0 * PI * pow( (double)BALLOON_RADIUS, 3.0 ) );
+    const int steps = (int)lrint( constants * planned.terminal / planned.acceleration / (double)VALIDATE_STEP );
+    wisp_status status = validate_world_step( world, steps - world->steps, out, error );
+    if ( status == WISP_OK && is_observed )
+    {
+        wisp_motion_stats motion = { 0 };
+        status = validate_world_motion( world, 0, &motion, error );
+        const flight exact = flight_of( solver, motion.volume );
+        const double speed = fabs( speed_along( &motion, 1 ) );
+        const double time = steps * (double)VALIDATE_STEP;
+        *wrong = 100.0 * ( speed - sheet_fall_speed( exact.terminal, exact.acceleration, time ) ) / exact.terminal;
+        out->measures[2] = speed;
+        out->measures[3] = exact.terminal;
+    }
+    return status;
+}
+
+static wisp_status run_terminal( void* context, int index, int workers, bool is_observed, accuracy_run* out,
+                                 wisp_error* error )
+{
+    const validate_setting* setting = validate_setting_of( context, index );
+    const sheet_solver solver = (sheet_solver)setting->solver;
+    double early = NAN, late = NAN;
+    validate_world world;
+    wisp_status status = sheet_world_create( solver, setting->substeps, workers, false, &world, error );
+    status = status == WISP_OK ? let_go( setting, is_observed, &world, error ) : status;
+    status = status == WISP_OK ? fly_to( &world, solver, 1.0, is_observed, &early, out, error ) : status;
+    status = status == WISP_OK ? fly_to( &world, solver, 8.0, is_observed, &late, out, error ) : status;
+    status = status == WISP_OK ? validate_world_finish( &world, out, error ) : status;
+    validate_world_release( &world );
+    out->error = fmax( fabs( early ), fabs( late ) );
+    out->measures[0] = early;
+    out->measures[1] = late;
+    return status;
+}
+
+wisp_status validate_terminal( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+{
+    (void)options;
+    (void)seconds;
+    static const int solvers[] = { SHEET_STRANDS, SHEET_XPBD, SHEET_BALLOON };
+    static const int cells[] = { 2, 4, 8, 16 }, substeps[] = { 1, 2, 5, 20, 80 };
+    const validate_settings like = { .list = { { 0 } } };
+    const accuracy_scene scene = {
+        .reference = "v = w tanh(a t / w); the larger error of two times, one and eight w / a",
+        .error_name = "error of speed",
+        .error_unit = "% of w",
+        .measure_names = { "after w / a, %", "after 8 w / a, %", "speed then, m/s", "theory w, m/s" },
+        .measure_count = 4,
+        .run = run_terminal,
+    };
+    const wisp_status status = validate_make( &like, sizeof like, scene, out, error );
+    for ( int s = 0; s < WISP_COUNT( solvers ) && status == WISP_OK; ++s )
+    {
+        validate_put_substeps( out, solvers[s], sheet_solver_names[solvers[s]], 8, substeps, WISP_COUNT( substeps ) );
+    }
+    // a plate is flat on any mesh, but a ball is round on a fine one
+    if ( status == WISP_OK )
+    {
+        validate_put_cells( out, SHEET_BALLOON, sheet_solver_names[SHEET_BALLOON], "cell / edge of an icosahedron",
+                            cells, WISP_COUNT( cells ), 40 );
+    }
+    return status;
+}
