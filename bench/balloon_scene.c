@@ -160,6 +160,7 @@ wisp_status balloon_implementation_create( wisp_fabric* fabric, const balloon_se
                                            surface_implementation* out, wisp_error* error )
 {
     surface_generator generator = surface_default_generator( &wisp_balloon_module, fabric );
+    generator.second = setting->membrane != NULL ? &wisp_membrane_module : NULL;
     generator.points = setting->points;
     generator.pins = setting->pins;
     generator.pin_count = setting->pin_count;
@@ -175,7 +176,8 @@ wisp_status balloon_implementation_create( wisp_fabric* fabric, const balloon_se
     {
         return status;
     }
-    status = wisp_set_balloon( out->world, out->entity, &setting->def );
+    status = setting->membrane != NULL ? wisp_set_membrane( out->world, out->entity, setting->membrane ) : status;
+    status = status == WISP_OK ? wisp_set_balloon( out->world, out->entity, &setting->def ) : status;
     if ( status == WISP_OK )
     {
         status = wisp_request_balloon_stats( out->world, out->entity, true );

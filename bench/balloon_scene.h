@@ -4,6 +4,7 @@
 #include "surface_scenario.h"
 
 #include "balloon/balloon.h"
+#include "membrane/membrane.h"
 
 #define BALLOON_RADIUS 0.15f
 #define BALLOON_AREA_DENSITY 0.02f
@@ -30,10 +31,11 @@ double balloon_distance( wisp_vec3 a, wisp_vec3 b );
 typedef struct balloon_setting
 {
     wisp_balloon_def def;
-    const wisp_vec3* points; ///< [vertex_count] where the vertices start; null: the rest shape
-    float area_density;      ///< kg/m^2
-    wisp_vec3 gravity;       ///< m/s^2
-    float damping;           ///< 1/s
+    const wisp_membrane_def* membrane; ///< the skin instead of links; null: links
+    const wisp_vec3* points;           ///< [vertex_count] where the vertices start; null: the rest shape
+    float area_density;                ///< kg/m^2
+    wisp_vec3 gravity;                 ///< m/s^2
+    float damping;                     ///< 1/s
     wisp_solve_order solve_order;
     const int32_t* pins;
     int pin_count;

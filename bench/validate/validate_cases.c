@@ -316,7 +316,8 @@ static const validate_case cases[] = {
         .title = "two discs of foil, joined at the rim and filled",
         .make = validate_mylar,
         .tests = "the shape of a skin that wrinkles but does not stretch: radius, thickness and volume, by skins of "
-                 "springs and of a strain limit, on meshes with straight spokes and without",
+                 "springs, of a strain limit and of membranes with a tension field, on meshes with straight spokes "
+                 "and without",
         .left_out =
             "implicit cloth and cloth with bending, which cannot be balloons; the number of wrinkles; stiffness "
             "and pressure of real foil: p a / k = 0.001 of springs, and checks with ten times more and less",

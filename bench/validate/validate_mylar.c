@@ -38,11 +38,12 @@ typedef enum skin
     SKIN_LINKS,      // springs, which resist compression too: the mesh crumples
     SKIN_BEND_LINKS, // the same, and springs across the edges, a hundredth as stiff
     SKIN_RIGID,      // links of position-based dynamics with stiffness 1
+    SKIN_FIELD,      // a membrane that wrinkles within its triangles; k is 3 G
     SKIN_COUNT,
 } skin;
 
 static const char* const skin_names[SKIN_COUNT] = { "strain limit", "xpbd links", "xpbd links and bend links",
-                                                    "pbd links" };
+                                                    "pbd links", "membrane with tension field" };
 static const char* const mesh_names[VALIDATE_FOIL_COUNT] = { "even mesh", "spokes" };
 
 typedef struct way
@@ -85,6 +86,14 @@ static balloon_setting setting_of( const way* w, double rest_volume, int workers
     setting.workers = workers;
     setting.seconds = ACCURACY_FRAME;
     return setting;
+}
+
+static wisp_membrane_def membrane_of( const way* w )
+{
+    wisp_membrane_def def = wisp_default_membrane_def();
+    def.shear_modulus = (float)( w->pressure * RADIUS / w->softness / 3.0 ) / def.thickness;
+    def.tension_field = true;
+    return def;
 }
 
 // Half of the width between two upright planes that touch the foil, the mean of all directions: a rim has wrinkles, and its vertices need
@@ -144,6 +153,8 @@ static wisp_status run_foil( const way* w, const wisp_mesh* rest, const wisp_mes
     def.bend_links = w->skin == SKIN_BEND_LINKS;
     balloon_setting setting = setting_of( w, balloon_volume( rest, rest->points ), workers );
     setting.points = start->points;
+    const wisp_membrane_def membrane = membrane_of( w );
+    setting.membrane = w->skin == SKIN_FIELD ? &membrane : NULL;
     wisp_fabric* fabric = NULL;
     surface_implementation foil = { 0 };
     wisp_status status = surface_cook( rest, def, &fabric, error );
@@ -248,6 +259,8 @@ static void put_settings( accuracy_scene* out )
                       PRESSURE },
              "substeps", "substep, s", (double)ACCURACY_FRAME / substeps[i] );
     }
+    put_rings( out, SKIN_FIELD, VALIDATE_FOIL_SPOKES, rings, 4 );
+    put_rings( out, SKIN_FIELD, VALIDATE_FOIL_EVEN, rings, 4 );
     put_rings( out, SKIN_LIMIT, VALIDATE_FOIL_EVEN, rings, 4 );
     put_rings( out, SKIN_LINKS, VALIDATE_FOIL_SPOKES, rings, 5 );
     put_rings( out, SKIN_LINKS, VALIDATE_FOIL_EVEN, rings, 5 );
