@@ -58,7 +58,7 @@ static int list_cases( void )
     const validate_case* cases = validate_cases( &count );
     for ( int i = 0; i < count; ++i )
     {
-        printf( "%-12s %s\n", cases[i].name, cases[i].title );
+        printf( "%-18s %s\n", cases[i].name, cases[i].title );
     }
     return STATUS_GOOD;
 }
