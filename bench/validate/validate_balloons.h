@@ -1,8 +1,9 @@
-/// Cases of balloons: the shape of a foil, the impulse of a jet, lift, and the speed of ascent.
+/// Cases of balloons: the pressure of rubber, the shape of a foil, the impulse of a jet, lift, and the speed of ascent.
 #pragma once
 
 #include "accuracy/accuracy.h"
 
+accuracy_scene_fn validate_rubber;         ///< the pressure of neo-Hookean spheres, over their limit point
 accuracy_scene_fn validate_mylar;          ///< two discs that are filled, against the Mylar balloon
 accuracy_scene_fn validate_jet;            ///< the speed that a jet gives, against the integral of Bernoulli's law
 accuracy_scene_fn validate_lift_off;       ///< the load that helium lifts

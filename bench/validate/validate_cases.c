@@ -8,7 +8,6 @@
 #include "validate_drape.h"
 #include "validate_motion.h"
 #include "validate_plates.h"
-#include "validate_rubber.h"
 #include "validate_slender.h"
 #include "validate_slip.h"
 #include "validate_writhe.h"

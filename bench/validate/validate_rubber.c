@@ -1,20 +1,15 @@
 // Spheres of a neo-Hookean skin, filled to several sizes in one world. The pressure that a skin holds at rest is compared with the closed
 // form at the size that it has, and that size with the one for its gas. More gas is in every next one, and yet the pressure falls again
 // behind the limit point.
-#include "validate_rubber.h"
+#include "validate_balloons.h"
 
 #include "accuracy/closed_forms.h"
 #include "accuracy/scene_tools.h"
-#include "balloon_bench.h"
-#include "bench_world.h"
+#include "balloon_scene.h"
 #include "oracle/membrane_oracle.h"
-
-#include "balloon/balloon.h"
-#include "membrane/membrane.h"
-#include "wisp/fabric.h"
+#include "validate_world.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum
 {
@@ -26,7 +21,6 @@ enum
 static const double STRETCHES[SIZES] = { 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 2.0, 2.5, 3.0 };
 static const double RADIUS = 0.05, MODULUS = 4e5, THICKNESS = 2e-4; // m, Pa, m: latex
 static const double ATMOSPHERE = 101325.0;                          // Pa
-static const double SECONDS = 1.0 / 60.0;
 
 enum
 {
@@ -40,17 +34,11 @@ typedef struct way
     bool by_substeps;
 } way;
 
-typedef struct rubber
-{
-    way ways[MAX_SETTINGS];
-} rubber;
-
 typedef struct spheres
 {
-    wisp_world* world;
+    validate_world world;
     wisp_mesh mesh;
     wisp_fabric* fabric;
-    wisp_entity sphere[SIZES];
 } spheres;
 
 static double stiffness( void )
@@ -64,8 +52,9 @@ static double gas_for( double s )
     return s * s * s * ( 1.0 + membrane_oracle_sphere_pressure( stiffness(), RADIUS, s ) / ATMOSPHERE );
 }
 
-static wisp_status add_sphere( spheres* own, int i )
+static wisp_status add_sphere( spheres* own, wisp_error* error )
 {
+    wisp_world* world = own->world.world;
     wisp_surface_def surface = wisp_default_surface_def();
     surface.fabric = own->fabric;
     surface.points = own->mesh.points;
@@ -77,66 +66,63 @@ static wisp_status add_sphere( spheres* own, int i )
     wisp_balloon_def balloon = wisp_default_balloon_def();
     balloon.buoyancy = false;
     balloon.drag_coefficient = 0.0f;
-    wisp_status status = wisp_add_surface( own->world, &surface, own->sphere + i );
-    status = status == WISP_OK ? wisp_set_damping( own->world, own->sphere[i], 20.0f ) : status;
-    status = status == WISP_OK ? wisp_set_membrane( own->world, own->sphere[i], &membrane ) : status;
-    status = status == WISP_OK ? wisp_set_balloon( own->world, own->sphere[i], &balloon ) : status;
-    status = status == WISP_OK ? wisp_request( own->world, own->sphere[i], WISP_SURFACE_POINTS ) : status;
-    return status == WISP_OK ? wisp_request_balloon_stats( own->world, own->sphere[i], true ) : status;
+    wisp_entity sphere;
+    wisp_status status = wisp_add_surface( world, &surface, &sphere );
+    status = status == WISP_OK ? wisp_set_damping( world, sphere, 20.0f ) : status;
+    status = status == WISP_OK ? wisp_set_membrane( world, sphere, &membrane ) : status;
+    status = status == WISP_OK ? wisp_set_balloon( world, sphere, &balloon ) : status;
+    status = status == WISP_OK ? wisp_request_balloon_stats( world, sphere, true ) : status;
+    status = status == WISP_OK
+                 ? validate_world_add( &own->world, sphere, WISP_SURFACE_POINTS, own->mesh.vertex_count )
+                 : status;
+    return status == WISP_OK ? WISP_OK : bench_world_fail( world, status, error );
 }
 
 static wisp_status make_spheres( const way* w, int workers, spheres* own, wisp_error* error )
 {
     static const wisp_module* const modules[] = { &wisp_membrane_module, &wisp_balloon_module };
     const bench_world_def world = { modules, WISP_COUNT( modules ), workers, w->substeps, 1 };
+    wisp_fabric_def fabric = wisp_default_fabric_def();
+    fabric.bend_links = false;
     wisp_status status = balloon_mesh_sphere( w->level, (float)RADIUS, &own->mesh, error );
-    if ( status == WISP_OK )
-    {
-        wisp_fabric_def fabric = wisp_default_fabric_def();
-        fabric.points = own->mesh.points;
-        fabric.triangles = own->mesh.triangles;
-        fabric.vertex_count = own->mesh.vertex_count;
-        fabric.triangle_count = own->mesh.triangle_count;
-        fabric.bend_links = false;
-        status = wisp_fabric_cook( &fabric, NULL, &own->fabric, error );
-    }
-    status = status == WISP_OK ? bench_world_create( &world, &own->world, error ) : status;
+    status = status == WISP_OK ? surface_cook( &own->mesh, fabric, &own->fabric, error ) : status;
+    status = status == WISP_OK ? validate_world_create( &world, &own->world, error ) : status;
     for ( int i = 0; i < SIZES && status == WISP_OK; ++i )
     {
-        status = add_sphere( own, i );
-        status = status == WISP_OK ? WISP_OK : bench_world_fail( own->world, status, error );
+        status = add_sphere( own, error );
     }
     return status;
 }
 
 static void leave( spheres* own )
 {
-    wisp_world_destroy( own->world );
+    validate_world_release( &own->world );
     wisp_fabric_release( own->fabric );
     wisp_mesh_release( &own->mesh );
+}
+
+static wisp_status set_gas( spheres* own, double part, wisp_error* error )
+{
+    wisp_world* world = own->world.world;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < SIZES && status == WISP_OK; ++i )
+    {
+        const double gas = 1.0 + ( gas_for( STRETCHES[i] ) - 1.0 ) * part;
+        status = wisp_set_balloon_gas_ratio( world, own->world.bodies[i].entity, (float)gas );
+    }
+    return status == WISP_OK ? WISP_OK : bench_world_fail( world, status, error );
 }
 
 // They are filled evenly, and then come to rest.
 static wisp_status fill( spheres* own, accuracy_run* out, wisp_error* error )
 {
     wisp_status status = WISP_OK;
-    for ( int step = 1; step <= FILLING + RESTING && status == WISP_OK; ++step )
+    for ( int step = 1; step <= FILLING && status == WISP_OK; ++step )
     {
-        for ( int i = 0; i < SIZES && step <= FILLING && status == WISP_OK; ++i )
-        {
-            const double gas = 1.0 + ( gas_for( STRETCHES[i] ) - 1.0 ) * step / FILLING;
-            status = wisp_set_balloon_gas_ratio( own->world, own->sphere[i], (float)gas );
-        }
-        const double begin = wisp_clock_seconds();
-        status = status == WISP_OK ? wisp_world_step( own->world, (float)SECONDS ) : status;
-        status = status == WISP_OK ? accuracy_keep_ms( out, 1e3 * ( wisp_clock_seconds() - begin ) )
-                                   : bench_world_fail( own->world, status, error );
-        if ( out->halted_at == 0 && wisp_world_counter( own->world, WISP_COUNT_HALTED ) > 0 )
-        {
-            out->halted_at = step;
-        }
+        status = set_gas( own, (double)step / FILLING, error );
+        status = status == WISP_OK ? validate_world_step( &own->world, 1, out, error ) : status;
     }
-    return status;
+    return status == WISP_OK ? validate_world_step( &own->world, RESTING, out, error ) : status;
 }
 
 // The top of the parabola through the largest value and its neighbours.
@@ -160,10 +146,10 @@ static wisp_status measure( spheres* own, accuracy_run* out, wisp_error* error )
     for ( int i = 0; i < SIZES; ++i )
     {
         wisp_balloon_stats seen;
-        const wisp_status status = wisp_read_balloon_stats( own->world, own->sphere[i], &seen );
+        const wisp_status status = wisp_read_balloon_stats( own->world.world, own->world.bodies[i].entity, &seen );
         if ( status != WISP_OK )
         {
-            return bench_world_fail( own->world, status, error );
+            return bench_world_fail( own->world.world, status, error );
         }
         stretch[i] = cbrt( seen.volume / seen.rest_volume );
         pressure[i] = seen.pressure;
@@ -179,44 +165,27 @@ static wisp_status measure( spheres* own, accuracy_run* out, wisp_error* error )
     return WISP_OK;
 }
 
-static wisp_status finish( spheres* own, const way* w, accuracy_run* out, wisp_error* error )
-{
-    wisp_status status = WISP_OK;
-    out->hash = 0;
-    for ( int i = 0; i < SIZES && status == WISP_OK; ++i )
-    {
-        uint64_t hash = 0;
-        status = bench_world_hash( own->world, own->sphere[i], WISP_SURFACE_POINTS, &hash, error );
-        out->hash = ( out->hash ^ hash ) * 0x100000001b3u;
-    }
-    out->work = ( accuracy_work ){ .vertices = (double)SIZES * own->mesh.vertex_count,
-                                   .substeps = w->substeps,
-                                   .bytes = (double)wisp_world_memory( own->world ) };
-    return status;
-}
-
 static wisp_status run( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                         wisp_error* error )
 {
-    const way* w = ( (const rubber*)context )->ways + setting;
-    spheres own = { .world = NULL };
+    const way* w = (const way*)context + setting;
+    spheres own = { .fabric = NULL };
     wisp_status status = make_spheres( w, workers, &own, error );
-    out->halted_at = 0;
     status = status == WISP_OK ? fill( &own, out, error ) : status;
-    status = status == WISP_OK && is_observed ? measure( &own, out, error ) : status;
-    status = status == WISP_OK ? finish( &own, w, out, error ) : status;
+    status = status == WISP_OK ? validate_world_finish( &own.world, out, error ) : status;
+    status = status == WISP_OK && is_observed && out->halted_at == 0 ? measure( &own, out, error ) : status;
     leave( &own );
     return status;
 }
 
 static void put( accuracy_scene* out, way w )
 {
-    ( (rubber*)out->context )->ways[out->setting_count] = w;
+    ( (way*)out->context )[out->setting_count] = w;
     accuracy_setting* s =
         accuracy_put_setting( out, "membrane, %d triangles, %d substeps", 20 << 2 * w.level, w.substeps );
     accuracy_join_series( s, w.by_substeps ? "membrane by substeps" : "membrane by edges",
                           w.by_substeps ? "substep, s" : "edge / R",
-                          w.by_substeps ? SECONDS / w.substeps : closed_sphere_edge( w.level ), 2.0 );
+                          w.by_substeps ? (double)VALIDATE_STEP / w.substeps : closed_sphere_edge( w.level ), 2.0 );
 }
 
 wisp_status validate_rubber( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
@@ -228,15 +197,12 @@ wisp_status validate_rubber( const bench_options* options, double seconds, accur
         .error_unit = "%",
         .measure_names = { "limit point, s", "its pressure, Pa", "theory, s", "theory, Pa", "size for its gas, %" },
         .measure_count = 5,
-        .context = calloc( 1, sizeof( rubber ) ),
-        .destroy = free,
         .run = run,
     };
-    const wisp_status status = out->context != NULL ? accuracy_reserve_settings( out, MAX_SETTINGS, error )
-                                                    : wisp_fail( error, WISP_NO_MEMORY, "no memory for a case" );
+    const wisp_status status = accuracy_begin_scene( out, MAX_SETTINGS * sizeof( way ), MAX_SETTINGS, error );
     if ( status != WISP_OK )
     {
-        return accuracy_abandon( out, status );
+        return status;
     }
     static const int substeps[] = { 5, 10, 20, 40, 160 };
     for ( int level = 0; level < ( options->quick ? LEVELS - 1 : LEVELS ); ++level )
