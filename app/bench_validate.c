@@ -63,12 +63,12 @@ static int list_cases( void )
     return STATUS_GOOD;
 }
 
-static wisp_status run( validate_arguments* a, results* out, wisp_error* error )
+static wisp_status run( validate_arguments* a, results* out, char* summary, size_t size, wisp_error* error )
 {
     progress bar = progress_begin();
     a->options.progress = bench_show_progress;
     a->options.progress_user = &bar;
-    const wisp_status status = validate_run( a->chosen, &a->options, out, error );
+    const wisp_status status = validate_run( a->chosen, &a->options, out, summary, size, error );
     progress_end( &bar );
     return bench_keep_interrupted( out, status );
 }
@@ -87,8 +87,9 @@ int bench_validate( int argc, char** argv )
     wisp_error error = { 0 };
     wisp_status status = bench_describe_machine( &out.machine, &error );
     status = status == WISP_OK ? bench_check_files( &a.files, &error ) : status;
-    status = status == WISP_OK ? run( &a, &out, &error ) : status;
-    const report_run page = { .what = "validation", .how = "wisp validate" };
+    char summary[600] = "";
+    status = status == WISP_OK ? run( &a, &out, summary, sizeof summary, &error ) : status;
+    const report_run page = { .what = "validation", .how = "wisp validate", .errors = summary };
     status = status == WISP_OK ? bench_write_files( &a.files, &page, &out, &error ) : status;
     const bool failed = out.failed;
     results_free( &out );

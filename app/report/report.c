@@ -79,15 +79,27 @@ static void put_info( const machine_info* machine, FILE* stream )
     fputs( "</dl>\n", stream );
 }
 
-static void put_verdict( const results* all, FILE* stream )
+static void put_good_verdict( const results* all, const report_run* run, FILE* stream )
+{
+    fprintf( stream, "<p class=\"verdict\" id=\"summary\"><strong>%s.</strong> %d measurement%s, %d table%s",
+             run->errors != NULL ? "Every hash is as it must be" : "Nothing failed", all->row_count,
+             all->row_count == 1 ? "" : "s", all->table_count, all->table_count == 1 ? "" : "s" );
+    if ( run->errors != NULL )
+    {
+        fputs( ". ", stream );
+        report_put_prose( run->errors, stream );
+        fputs( "</p>\n", stream );
+        return;
+    }
+    fputs( ": every hash, and every error that has a limit, is as it must be.</p>\n", stream );
+}
+
+static void put_verdict( const results* all, const report_run* run, FILE* stream )
 {
     int failures = count_notes( all, true );
     if ( !all->failed && failures == 0 )
     {
-        fprintf( stream,
-                 "<p class=\"verdict\" id=\"summary\"><strong>Nothing failed.</strong> %d measurement%s, %d table%s: "
-                 "every hash, and every error that has a limit, is as it must be.</p>\n",
-                 all->row_count, all->row_count == 1 ? "" : "s", all->table_count, all->table_count == 1 ? "" : "s" );
+        put_good_verdict( all, run, stream );
         return;
     }
     fprintf( stream, "<div class=\"verdict failed\" id=\"summary\"><p><strong>%d failure%s.</strong> ", failures,
@@ -134,7 +146,7 @@ static void put_head( const results* all, const report_run* run, FILE* stream )
     fputs( "</h1>\n<p class=\"how\">", stream );
     report_put_text( run->how, stream );
     fputs( "</p>\n", stream );
-    put_verdict( all, stream );
+    put_verdict( all, run, stream );
     put_conclusions( all, stream );
     put_info( &all->machine, stream );
     fputs( "</header>\n", stream );

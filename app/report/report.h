@@ -8,6 +8,8 @@ typedef struct report_run
 {
     const char* what; ///< the command: the title
     const char* how;  ///< the line below it; empty: none
+    /// What errors say, where nothing fails by them: a sentence of the verdict. Null: errors that have limits are judged
+    const char* errors;
 } report_run;
 
 /// @return WISP_IO_ERROR the stream failed; WISP_NO_MEMORY while the results were gathered

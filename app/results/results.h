@@ -91,7 +91,7 @@ typedef struct results_picture
 /// Zero-initialised means empty. Running out of memory is kept and reported once, by results_write().
 typedef struct results
 {
-    char headlines[RESULTS_MAX_HEADLINES][200]; ///< the result of each case in a line
+    char headlines[RESULTS_MAX_HEADLINES][600]; ///< the result of each case in a line
     int headline_count;
     machine_info machine;
     char options[400]; ///< of the command that measured, as words of a command line; empty: not said

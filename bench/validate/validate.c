@@ -19,7 +19,8 @@ static void describe( const validate_case* c, results* out )
     }
 }
 
-wisp_status validate_run( uint64_t chosen, const bench_options* options, results* out, wisp_error* error )
+wisp_status validate_run( uint64_t chosen, const bench_options* options, results* out, char* summary, size_t size,
+                          wisp_error* error )
 {
     int count;
     const validate_case* cases = validate_cases( &count );
@@ -40,5 +41,6 @@ wisp_status validate_run( uint64_t chosen, const bench_options* options, results
         status = accuracy_bench_run( &entry, 1, seconds, options, out, error );
         validate_add_to_overview( overview, cases[i].name, first_row, out );
     }
+    validate_end_overview( overview, out, summary, size );
     return status;
 }

@@ -16,4 +16,6 @@ const validate_case* validate_cases( int* count );
 
 /// Run cases, and add their tables, charts and descriptions.
 /// @param chosen a bit for each of validate_cases(); 0: all
-wisp_status validate_run( uint64_t chosen, const bench_options* options, results* out, wisp_error* error );
+/// @param summary [size] receives a sentence: which solvers come near theory
+wisp_status validate_run( uint64_t chosen, const bench_options* options, results* out, char* summary, size_t size,
+                          wisp_error* error );

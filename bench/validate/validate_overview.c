@@ -1,12 +1,16 @@
 #include "validate_overview.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum
 {
     MAX_SOLVERS = 32, // of a case
 };
+
+// In the unit of a case, mostly %.
+static const double NEAR = 5.0;
 
 // A solver is the part of a setting before its first comma. Its settings differ in mesh, substeps, or how they are measured.
 typedef struct line
@@ -124,4 +128,35 @@ void validate_add_to_overview( int table, const char* name, int first_row, resul
     {
         put_line( table, name, lines + i, out );
     }
+}
+
+// Columns of the overview.
+enum
+{
+    CASE = 0,
+    SOLVER = 1,
+    LEAST = 2,
+};
+
+void validate_end_overview( int table, results* out, char* summary, size_t size )
+{
+    char far[480] = "";
+    int near_count = 0, count = 0;
+    for ( int row = 1; table >= 0 && row < out->tables[table].row_count; ++row )
+    {
+        const results_table* t = out->tables + table;
+        const char* least = results_cell( t, row, LEAST );
+        const bool is_near = least[0] != '-' && atof( least ) <= NEAR;
+        const size_t length = strlen( far );
+        count += 1;
+        near_count += is_near ? 1 : 0;
+        if ( is_near == false )
+        {
+            snprintf( far + length, sizeof far - length, "%s`%s` by %s (%s)", length > 0 ? ", " : "; not ",
+                      results_cell( t, row, CASE ), results_cell( t, row, SOLVER ), least );
+        }
+    }
+    snprintf( summary, size, "%d of %d pairs of case and solver have a setting within %g %% or points of the answer%s.", near_count,
+              count, NEAR, far );
+    results_add_headline( out, "%s", summary );
 }

@@ -8,3 +8,5 @@ int validate_begin_overview( results* out );
 /// Add the lines of a case.
 /// @param first_row of the case in the results; all later ones are of it
 void validate_add_to_overview( int table, const char* name, int first_row, results* out );
+/// Say in a sentence how many of its lines come near theory, and which do not. Also a headline.
+void validate_end_overview( int table, results* out, char* summary, size_t size );

@@ -67,10 +67,22 @@ static void an_empty_page_is_whole_too( void** state )
 {
     (void)state;
     results all = { .failed = false }; // without a machine: every text of it is null or empty
-    char* page = page_of( &all, &( report_run ){ "", "" } );
+    char* page = page_of( &all, &( report_run ){ .what = "", .how = "" } );
     assert_well_formed( page );
     assert_non_null( strstr( page, "Nothing failed." ) );
     assert_null( strstr( page, "<h2>" ) );
+    free( page );
+    results_free( &all );
+}
+
+static void a_page_of_errors_without_limits_does_not_say_that_nothing_failed( void** state )
+{
+    (void)state;
+    results all = { .failed = false };
+    char* page = page_of( &all, &( report_run ){ .what = "", .how = "", .errors = "2 of 3 come near `theory`." } );
+    assert_well_formed( page );
+    assert_null( strstr( page, "Nothing failed." ) );
+    assert_non_null( strstr( page, "2 of 3 come near <code>theory</code>." ) );
     free( page );
     results_free( &all );
 }
@@ -104,7 +116,7 @@ static void hostile_names_add_no_tag_and_no_attribute( void** state )
     for ( int i = 0; i < WISP_COUNT( hostile ); ++i )
     {
         fill( &all, hostile[i] );
-        page = page_of( &all, &( report_run ){ hostile[i], hostile[i] } );
+        page = page_of( &all, &( report_run ){ hostile[i], hostile[i], hostile[i] } );
         assert_well_formed( page );
         assert_stands_alone( page );
         char* bones = skeleton_of( strstr( page, "<figure" ) );
@@ -343,6 +355,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_page_of_everything_is_whole_and_stands_alone ),
         cmocka_unit_test( an_empty_page_is_whole_too ),
+        cmocka_unit_test( a_page_of_errors_without_limits_does_not_say_that_nothing_failed ),
         cmocka_unit_test( hostile_names_add_no_tag_and_no_attribute ),
         cmocka_unit_test( text_is_escaped_and_what_is_no_text_is_replaced ),
         cmocka_unit_test( failures_stand_on_top_and_nowhere_else ),

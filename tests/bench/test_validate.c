@@ -5,6 +5,7 @@
 #include "oracle/slender_theory.h"
 #include "validate/validate.h"
 #include "validate/validate_bodies.h"
+#include "validate/validate_overview.h"
 
 #include <math.h>
 
@@ -79,6 +80,47 @@ static void a_column_stands_below_its_load_and_falls_above( void** state )
     free( out.ms );
 }
 
+static void put_row( results* all, const char* variant, double error, double other, double ms )
+{
+    results_row* row = results_add_row( all, "accuracy.x", variant );
+    assert_non_null( row );
+    row->ms_median = ms;
+    if ( isfinite( error ) )
+    {
+        results_put( &row->error, "error", error );
+    }
+    results_put( &row->error, "other", other );
+}
+
+// Of a solver with several settings the least error counts, and one without an error is no error of 0.
+static void an_overview_has_the_least_and_the_largest_error_of_each_solver( void** state )
+{
+    (void)state;
+    results all = { .failed = false };
+    char summary[400];
+    const int table = validate_begin_overview( &all );
+    put_row( &all, "rod, 4 cells", 9.0, 0.1, 1.0 );
+    put_row( &all, "rod, 8 cells", 2.0, 0.1, 3.0 );
+    put_row( &all, "rod, 16 cells", NAN, 0.1, 5.0 );
+    put_row( &all, "cloth, 4 cells", 50.0, 0.1, 7.0 );
+    put_row( &all, "hair, 4 cells", NAN, 0.1, 7.0 );
+    validate_add_to_overview( table, "x", 0, &all );
+    validate_end_overview( table, &all, summary, sizeof summary );
+    const char* const expected[3][6] = {
+        { "x", "rod", "2", "9; 1 of 3 without", "3", "rod, 8 cells" },
+        { "x", "cloth", "50", "50", "7", "cloth, 4 cells" },
+        { "x", "hair", "-", "-; 1 of 1 without", "-", "-" },
+    };
+    assert_int_equal( all.tables[table].row_count, 4 );
+    for ( int i = 0; i < 18; ++i )
+    {
+        assert_string_equal( results_cell( all.tables + table, 1 + i / 6, i % 6 ), expected[i / 6][i % 6] );
+    }
+    assert_non_null( strstr( summary, "1 of 3 pairs" ) );
+    assert_non_null( strstr( summary, "not `x` by cloth (50), `x` by hair (-)." ) );
+    results_free( &all );
+}
+
 static void each_case_says_what_it_tests_and_where_its_answer_is_from( void** state )
 {
     (void)state;
@@ -102,6 +144,7 @@ int main( void )
         cmocka_unit_test( critical_loads_are_those_of_the_literature ),
         cmocka_unit_test( every_solver_bends_a_cantilever_to_the_elastica ),
         cmocka_unit_test( a_column_stands_below_its_load_and_falls_above ),
+        cmocka_unit_test( an_overview_has_the_least_and_the_largest_error_of_each_solver ),
         cmocka_unit_test( each_case_says_what_it_tests_and_where_its_answer_is_from ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
