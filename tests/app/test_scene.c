@@ -339,7 +339,7 @@ static void a_scene_with_keys_of_every_block_is_read( void** state )
     assert_int_equal( scene.strands_count, 1 );
     assert_int_equal( scene.strands[0].bend_count, 4 );
     assert_int_equal( scene.command_count, 2 );
-    assert_int_equal( scene.surface_count, 3 );
+    assert_int_equal( scene.surface_count, 4 );
     assert_int_equal( scene.collider_count, 4 );
     assert_int_equal( scene.seam_count, 2 );
     assert_int_equal( scene.event_count, 4 );
