@@ -234,6 +234,7 @@ static void bits_do_not_depend_on_workers( void** state )
         cloth.drag_coefficient = 1.0f;
         cloth.wind = ( wisp_vec3 ){ 3.0f, 0.0f, 1.0f };
         assert_status( h->world, wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+        assert_false( wisp_world_has( h->world, e, WISP_LINK_COMPLIANCE ) );
         run_steps( h->world, 10, FRAME );
         assert_status( h->world, wisp_world_hash_column( h->world, e, WISP_SURFACE_POINTS, &hashes[n] ), WISP_OK );
         test_mesh_free( &mesh );

@@ -36,8 +36,7 @@ static bool check_scene( int seed, int number )
     text_node* tree = torture_generate( &generator, number );
     const torture_subject subject = { tree, "test" };
     const stability_check known = known_judge( seed, number );
-    const double seconds = known == STABILITY_TIME ? 3.0 : 120.0; // it takes minutes
-    const stability_verdict verdict = torture_judge_scene( &subject, torture_twins_for( number ), seconds );
+    const stability_verdict verdict = torture_judge_scene( &subject, torture_twins_for( number ), 120.0 );
     if ( verdict.check != known )
     {
         print_error( "seed %d, scene %d: %s%s%s; expected %s\n", seed, number,
