@@ -145,7 +145,8 @@ static const wisp_vec3* rest_of( const scene_world* world, int body )
     }
     const int surface = body - scene->strands_count;
     const wisp_scene_surface* entry = scene->surfaces + surface;
-    return entry->has_cloth || entry->has_implicit ? world->surfaces[surface].mesh.points : NULL;
+    const bool keeps_lengths = ( entry->has_cloth && !entry->has_membrane ) || entry->has_implicit;
+    return keeps_lengths ? world->surfaces[surface].mesh.points : NULL;
 }
 
 // Return the mean stretch from what the scene computes, its points or its statistics; 0 if it computes neither.

@@ -56,7 +56,8 @@ bool tune_field_is_in( const wisp_scene* scene, int which, int entry )
     switch ( tune_fields[which].place )
     {
         case OF_XPBD_CLOTH:
-            return scene->surfaces[entry].has_cloth && scene->surfaces[entry].cloth.solver == WISP_SOLVER_XPBD;
+            return scene->surfaces[entry].has_cloth && !scene->surfaces[entry].has_membrane &&
+                   scene->surfaces[entry].cloth.solver == WISP_SOLVER_XPBD;
         case OF_PINNED_CLOTH:
             return may_have_tethers( scene, &scene->surfaces[entry] );
         case OF_IMPLICIT:

@@ -187,7 +187,6 @@ static wisp_status check_membrane( scene_reader* r, const scene_node* node, cons
         { "cloth", "stretch_stiffness" },
         { "cloth", "shear_stiffness" },
         { "cloth", "warp" },
-        { "cloth", "coarse_substeps" },
     };
     for ( int i = 0; i < WISP_COUNT( of_links ); ++i )
     {
@@ -199,6 +198,11 @@ static wisp_status check_membrane( scene_reader* r, const scene_node* node, cons
         }
     }
     const scene_node* mine = scene_child( r, node, "membrane" );
+    if ( s->has_cloth && s->cloth.coarse_substeps > 0 )
+    {
+        return scene_refuse_node( r, mine,
+                                  "'membrane' is not possible with coarse sheets: set cloth.coarse_substeps to 0" );
+    }
     if ( s->has_implicit || s->has_tearing )
     {
         return scene_refuse_node( r, mine, "'membrane' is not possible with '%s'",

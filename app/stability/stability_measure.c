@@ -243,7 +243,7 @@ static double least_reach( const stability_reader* r )
 static bool has_links( const stability_reader* r )
 {
     return r->strands ? r->hair->dynamics.stretch == WISP_STRAND_STRETCH_LINKS
-                      : r->surface->has_cloth || r->surface->has_balloon;
+                      : ( r->surface->has_cloth || r->surface->has_balloon ) && !r->surface->has_membrane;
 }
 
 // A sweep removes the addition of a substep only where a link is stretched by (wi + wj) h^2 of its load, a linear

@@ -18,7 +18,7 @@ static double surface_softness( const wisp_scene_surface* s, const stability_bod
     {
         return softness_of( 1.0 / (double)s->implicit.stretch_stiffness, 1.0, 0.0, h, force, body->edge );
     }
-    if ( s->has_cloth )
+    if ( s->has_cloth && !s->has_membrane )
     {
         const bool is_pbd = s->cloth.solver == WISP_SOLVER_PBD;
         const double c = fmax( (double)s->cloth.warp_compliance,
@@ -26,7 +26,7 @@ static double surface_softness( const wisp_scene_surface* s, const stability_bod
         const double k = is_pbd ? fmin( (double)s->cloth.stretch_stiffness, (double)s->cloth.shear_stiffness ) : 1.0;
         return softness_of( is_pbd ? 0.0 : c, k, inverse_mass, h, force, body->edge );
     }
-    return INFINITY; // a skin that gas stretches, or vertices without links
+    return INFINITY; // a skin that gas stretches, rubber, or vertices without links
 }
 
 static double strands_softness( const wisp_scene_strands* s, const stability_body* body, double inverse_mass,

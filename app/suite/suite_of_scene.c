@@ -173,7 +173,8 @@ static bool may_have( const text_node* body, const method* m )
     const bool is_pinned =
         text_find( body, "pins" ) || text_find( body, "pin_box" ) || text_find( body, "pin_nearest" );
     return block && ( is_pinned || !m->needs_pins ) &&
-           !( m->needs_xpbd && strcmp( text_at( block, "solver" ), "pbd" ) == 0 );
+           !( m->needs_xpbd &&
+              ( strcmp( text_at( block, "solver" ), "pbd" ) == 0 || text_find( body, "membrane" ) != NULL ) );
 }
 
 // Write the fields that a method changes of all bodies. @return whether the scene is not already solved this way

@@ -141,7 +141,7 @@ enum
 void validate_end_overview( int table, results* out, char* summary, size_t size )
 {
     char far[480] = "";
-    int near_count = 0, count = 0;
+    int near_count = 0, count = 0, unnamed = 0;
     for ( int row = 1; table >= 0 && row < out->tables[table].row_count; ++row )
     {
         const results_table* t = out->tables + table;
@@ -150,13 +150,18 @@ void validate_end_overview( int table, results* out, char* summary, size_t size 
         const size_t length = strlen( far );
         count += 1;
         near_count += is_near ? 1 : 0;
-        if ( is_near == false )
+        if ( is_near == false && sizeof far - length < 120 )
+        {
+            unnamed += 1;
+        }
+        else if ( is_near == false )
         {
             snprintf( far + length, sizeof far - length, "%s`%s` by %s (%s)", length > 0 ? ", " : "; not ",
                       results_cell( t, row, CASE ), results_cell( t, row, SOLVER ), least );
         }
     }
-    snprintf( summary, size, "%d of %d pairs of case and solver have a setting within %g %% or points of the answer%s.", near_count,
-              count, NEAR, far );
+    results_append_count( far, sizeof far, unnamed, "more" );
+    snprintf( summary, size, "%d of %d lines of the overview have a setting within %g %% or points of the answer%s.",
+              near_count, count, NEAR, far );
     results_add_headline( out, "%s", summary );
 }

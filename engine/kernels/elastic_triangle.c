@@ -76,7 +76,9 @@ LANE_INLINE lane8 largest_mobility( const triangle* t )
                                     lane8_mul_add( lane8_mul( t->weight[1], t->b12 ), t->b12,
                                                    lane8_mul( lane8_mul( t->weight[2], t->b22 ), t->b22 ) ) );
     const lane8 mean = lane8_mul( half, lane8_add( xx, yy ) ), apart = lane8_mul( half, lane8_sub( xx, yy ) );
-    return lane8_add( mean, lane8_sqrt( lane8_mul_add( apart, apart, lane8_mul( xy, xy ) ) ) );
+    const lane8 exact = lane8_add( mean, lane8_sqrt( lane8_mul_add( apart, apart, lane8_mul( xy, xy ) ) ) );
+    // the squares of a tiny triangle would overflow; the sum of both eigenvalues is a bound
+    return lane8_select( lane8_lt( mean, lane8_set1( 1e18f ) ), exact, lane8_add( xx, yy ) );
 }
 
 LANE_INLINE principal find_principal( symmetric m )

@@ -35,7 +35,7 @@ WISP_DEFINITION( membrane_def );
 /// colours, each by implicit Euler of its own energy, so a membrane of any stiffness is stable with substeps of any length. With few of
 /// them it is softer than its modulus, as links are (docs/methods.md). Balloon and cloth that are set later have no links: what they say
 /// of stretch counts nothing.
-/// @param def null: the surface is a membrane no more, and holds nothing until a cloth or a balloon is set
+/// @param def null: the surface is a membrane no more, and nothing holds it or its gas until a cloth or a balloon is set (again)
 /// @return WISP_CONFLICT the module is not registered, the entity is not a surface, or it has links already (a cloth, a balloon) or
 ///         another solver; WISP_BAD_INPUT a value is out of range; WISP_NO_MEMORY
 WISP_API wisp_status wisp_set_membrane( wisp_world* world, wisp_entity surface, const wisp_membrane_def* def );

@@ -345,6 +345,7 @@ static const bad_scene BAD_SCENES[] = {
     { "events_detach_unattached.yaml", ":8:5: events: 'detach_pins' changes nothing: its pins of 'a' are not attached before step 1" },
     { "frame_and_implicit.yaml", ":7:12: surfaces[0]: 'frame' is not possible with 'implicit'" },
     { "membrane_links.yaml", ":5:15: surfaces[0]: 'membrane' needs cloth.bending dihedral, isometric or none, got links" },
+    { "membrane_coarse.yaml", ":5:15: surfaces[0]: 'membrane' is not possible with coarse sheets: set cloth.coarse_substeps to 0" },
     { "membrane_compliance.yaml", ":6:46: surfaces[0]: 'warp_compliance' is of links, and a membrane has none" },
     { "membrane_edge_stiffness.yaml", ":6:32: surfaces[0]: 'edge_stiffness' is of links, and a membrane has none" },
     { "membrane_implicit.yaml", ":5:15: surfaces[0]: 'membrane' is not possible with 'implicit'" },

@@ -116,7 +116,7 @@ static void an_overview_has_the_least_and_the_largest_error_of_each_solver( void
     {
         assert_string_equal( results_cell( all.tables + table, 1 + i / 6, i % 6 ), expected[i / 6][i % 6] );
     }
-    assert_non_null( strstr( summary, "1 of 3 pairs" ) );
+    assert_non_null( strstr( summary, "1 of 3 lines" ) );
     assert_non_null( strstr( summary, "not `x` by cloth (50), `x` by hair (-)." ) );
     results_free( &all );
 }

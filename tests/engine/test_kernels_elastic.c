@@ -310,6 +310,13 @@ static void degenerate_triangles_stay_finite( void** state )
     {
         m->shape[0][i][4] = 0.0f;
     }
+    // a sliver of a millimetre: b^2 is 1e13 1/m^2, and the square of its mobility overflows
+    const float sliver[4] = { 1e3f, -1.5e6f, 3e6f, 1.5e-10f };
+    for ( int i = 0; i < 4; ++i )
+    {
+        m->shape[0][i][5] = sliver[i];
+        corner_of( m, 5, i % 3 )[3] = 1e7f;
+    }
     for ( int field = 0; field < 2; ++field )
     {
         const wisp_elastic_triangle_args args = args_of( m, 1e3f, field == 1 );
