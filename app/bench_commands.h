@@ -1,4 +1,4 @@
-/// Shared by the commands of the program wisp-bench: `wisp bench`, `accuracy`, `sweep` and `merge`.
+/// Shared by the commands of the program wisp-bench.
 #pragma once
 
 #include "bench_options.h"
@@ -15,6 +15,10 @@ int bench_sweep( int argc, char** argv );
 int bench_validate( int argc, char** argv );
 /// `wisp merge`. @return exit status
 int bench_merge( int argc, char** argv );
+/// `wisp gate`. @return exit status
+int bench_gate( int argc, char** argv );
+/// `wisp torture`. @return exit status
+int bench_torture( int argc, char** argv );
 
 /// What a command writes.
 typedef struct bench_files

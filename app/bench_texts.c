@@ -183,3 +183,108 @@ const command_text merge_text = {
     .row_count = WISP_COUNT( merge_rows ),
     .values = OPTION_FILES( "/" ),
 };
+
+static const char* const action_words[] = { "record", "check", "accept", "step", "self-test" };
+
+static const option_row gate_rows[] = {
+    OPTION_TITLE( "Files:" ),
+    { "base", 'b', "FILE", "The base file, default SUITE-base.json beside the suite", OPTION_FILES( ".json" ) },
+    { "output", 'o', "FILE", "record: the base file, as --base", OPTION_FILES( ".json" ) },
+    OPTION_TITLE( "Measuring:" ),
+    { "no-instructions", GATE_KEY_NO_INSTRUCTIONS, NULL, "Do not count instructions, for which valgrind is needed",
+      OPTION_ANY },
+    { "cycles", GATE_KEY_CYCLES, NULL,
+      "record, accept: estimate cycles too, with a model of caches; three times as slow", OPTION_ANY },
+    { "isa", GATE_KEY_ISA, "SET", "Kernels: baseline, avx2 or avx512; default: the best, whose bits are the same",
+      OPTION_WORDS( option_isa_words ) },
+    { "row", GATE_KEY_ROW, "N", "step, self-test: number of the row, counted from 0", OPTION_ANY },
+    { "turns", GATE_KEY_TURNS, NULL, NULL, OPTION_ANY },
+    { "slow", GATE_KEY_SLOW, "N", NULL, OPTION_ANY },
+    { "pass", GATE_KEY_PASS, "NAME", "self-test: the pass to slow down; default: the one that takes most time",
+      OPTION_ANY },
+    { "trials", GATE_KEY_TRIALS, "N", "self-test: gates of each slow-down, default 10", OPTION_ANY },
+    { "paired", GATE_KEY_PAIRED, "WISP", "check: compare times with another program, instead of a base file",
+      OPTION_FILES( "*" ) },
+    { "patience", GATE_KEY_PATIENCE, "S", "check --paired: longest time of one run of a row, default 120 s",
+      OPTION_ANY },
+    OPTION_TITLE( "Verdict:" ),
+    { "reason", 'r', "TEXT", "accept: why the new values are right; it is kept in the base file", OPTION_ANY },
+    { "strict", GATE_KEY_STRICT, NULL, "check: rows that only the suite or only the base has fail, too", OPTION_ANY },
+    OPTION_TITLE( "Output:" ),
+    { "format",
+      'f',
+      "FORMAT",
+      "text (default), markdown, csv or json",
+      { results_format_names, RESULTS_GBENCH, NULL } },
+    { "junit", GATE_KEY_JUNIT, "FILE", "Write JUnit's XML too, a test case for each row", OPTION_FILES( ".xml" ) },
+    { "html", GATE_KEY_HTML, "FILE", "Write one HTML page too, with charts of before and after",
+      OPTION_FILES( ".html" ) },
+    { "badge", GATE_KEY_BADGE, "FILE", "Write an SVG picture of the verdict too, for a README",
+      OPTION_FILES( ".svg" ) },
+    { "github", GATE_KEY_GITHUB, NULL, "Print annotations for GitHub before the report", OPTION_ANY },
+};
+
+const command_text gate_text = {
+    .name = "gate",
+    .operands = "ACTION SUITE",
+    .noun = "action",
+    .summary = "measure the scenes of a suite, and fail if one became worse",
+    .about = "Measure the scenes of a suite and fail if one became worse.",
+    .notes = "Actions:\n"
+             "  record SUITE     measure all rows and write the base file\n"
+             "  check SUITE      measure all rows and compare them with the base file\n"
+             "  accept SUITE     the same as record, with a reason, which the base file keeps\n"
+             "  self-test SUITE  compare times of this program with itself, slowed down: what is found?\n"
+             "  step SUITE       only run the steps of one row, for profilers\n"
+             "\n"
+             "What is compared is the same in every run: bits of all points, instructions, bytes,\n"
+             "allocations, stretch, energy, penetration, intersections, resets. docs/gate.md has the format\n"
+             "of suites and of budgets.",
+    .examples = "wisp gate record suite.yaml -o base.json\n"
+                "wisp gate check suite.yaml --base base.json --junit gate.xml\n"
+                "wisp gate check suite.yaml --paired ../old/build/app/wisp",
+    .unmet = "a row is worse than its budget allows",
+    .rows = gate_rows,
+    .row_count = WISP_COUNT( gate_rows ),
+    .values = { action_words, WISP_COUNT( action_words ), ".yaml" },
+};
+
+static const option_row torture_rows[] = {
+    OPTION_TITLE( "Search:" ),
+    { "minutes", TORTURE_KEY_MINUTES, "M", "Search for M minutes, default 1", OPTION_ANY },
+    { "scenes", TORTURE_KEY_SCENES, "N", "Try N scenes", OPTION_ANY },
+    { "seed", TORTURE_KEY_SEED, "S", "Seed of the scenes, default 1", OPTION_ANY },
+    { "first", TORTURE_KEY_FIRST, "I", "Begin with scene I of the seed, default 0", OPTION_ANY },
+    { "mesh", TORTURE_KEY_MESH, "FILE", "Make surfaces and colliders of this mesh too; can be repeated",
+      OPTION_FILES( "*" ) },
+    { "jobs", TORTURE_KEY_JOBS, "N", "Judge N scenes at the same time, 1 to 64; default: one per core", OPTION_ANY },
+    { "limit", TORTURE_KEY_LIMIT, "SECONDS", "Wall time of a scene, default 20", OPTION_ANY },
+    { "close", TORTURE_KEY_CLOSE, NULL, "Judge by the close limits of suites with checks, too", OPTION_ANY },
+    { "print", TORTURE_KEY_PRINT, NULL, "Print the first scene and run nothing", OPTION_ANY },
+    OPTION_TITLE( "Output:" ),
+    { "out", TORTURE_KEY_OUT, "FOLDER", "Write scenes that break to FOLDER, default " TORTURE_FOLDER,
+      OPTION_FILES( "/" ) },
+    { "keep", TORTURE_KEY_KEEP, "N", "Write the first N scenes of each kind, default 3", OPTION_ANY },
+    OPTION_RESULTS_FORMAT( TORTURE_KEY_FORMAT ),
+};
+
+const command_text torture_text = {
+    .name = "torture",
+    .operands = "[SCENE...]",
+    .noun = "scene",
+    .summary = "search for scenes that break the engine, or judge scenes",
+    .about = "Search for scenes that break the engine, or judge scenes.",
+    .notes = "Random scenes over all that a scene can say are run, each in a process of its own, and\n"
+             "judged: crash, time, status, finite, halted, energy, strain, penetration,\n"
+             "intersections, rest, bits, snapshot, scale, shift. docs/outputs.md explains each.\n"
+             "A scene that breaks is made smaller while it breaks the same way, and written with a\n"
+             "sentence that says what breaks. Scene number i of a seed is always the same.\n"
+             "\n"
+             "With SCENE no scenes are made: those given are judged.",
+    .examples = "wisp torture --minutes 10 --seed 7\n"
+                "wisp torture torture/energy_7_123.yaml",
+    .unmet = "a scene breaks",
+    .rows = torture_rows,
+    .row_count = WISP_COUNT( torture_rows ),
+    .values = OPTION_FILES( ".yaml .yml .json" ),
+};

@@ -1,4 +1,4 @@
-/// Options of the commands of the program wisp-bench, `wisp bench`, `accuracy`, `sweep` and `merge`.
+/// Options of the commands of the program wisp-bench.
 #pragma once
 
 #include "commands.h"
@@ -22,3 +22,43 @@ enum
     BENCH_KEY_RESUME,
     BENCH_KEY_EXCLUSIVE,
 };
+
+// Options of `wisp gate`.
+enum
+{
+    GATE_KEY_NO_INSTRUCTIONS = 0x100,
+    GATE_KEY_CYCLES,
+    GATE_KEY_JUNIT,
+    GATE_KEY_HTML,
+    GATE_KEY_BADGE,
+    GATE_KEY_GITHUB,
+    GATE_KEY_STRICT,
+    GATE_KEY_ROW,
+    GATE_KEY_ISA,
+    GATE_KEY_PAIRED,
+    GATE_KEY_TURNS,
+    GATE_KEY_SLOW,
+    GATE_KEY_PASS,
+    GATE_KEY_TRIALS,
+    GATE_KEY_PATIENCE,
+};
+
+// Options of `wisp torture`.
+enum
+{
+    TORTURE_KEY_MINUTES = 'm',
+    TORTURE_KEY_SCENES = 'n',
+    TORTURE_KEY_SEED = 's',
+    TORTURE_KEY_OUT = 'o',
+    TORTURE_KEY_FORMAT = 'f',
+    TORTURE_KEY_MESH = 256,
+    TORTURE_KEY_FIRST,
+    TORTURE_KEY_KEEP,
+    TORTURE_KEY_LIMIT,
+    TORTURE_KEY_PRINT,
+    TORTURE_KEY_JOBS,
+    TORTURE_KEY_CLOSE,
+};
+
+/// Where `wisp torture` writes what breaks, unless it is told.
+#define TORTURE_FOLDER "./torture"

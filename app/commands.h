@@ -30,8 +30,6 @@ command_fn command_info;
 command_fn command_render;
 command_fn command_view;
 command_fn command_tune;
-command_fn command_torture;
-command_fn command_gate;
 command_fn command_compare;
 command_fn command_help;
 command_fn command_completion;

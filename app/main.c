@@ -16,8 +16,8 @@ static const program_command commands[] = {
     { &plan_text, command_plan },      { &tune_text, command_tune },
     { &bench_text, command_bench },    { &accuracy_text, command_bench },
     { &validate_text, command_bench }, { &sweep_text, command_bench },
-    { &merge_text, command_bench },    { &torture_text, command_torture },
-    { &gate_text, command_gate },      { &compare_text, command_compare },
+    { &merge_text, command_bench },    { &torture_text, command_bench },
+    { &gate_text, command_bench },     { &compare_text, command_compare },
     { &help_text, command_help },      { &completion_text, command_completion },
 };
 

@@ -1,4 +1,5 @@
-#include "commands.h"
+#include "bench_commands.h"
+#include "bench_texts.h"
 
 #include "interruption.h"
 #include "torture_search.h"
@@ -11,7 +12,6 @@
 #define FILES_MAX 4096
 #define MESHES_MAX 64
 #define MINUTES_MAX 1e6
-#define DEFAULT_FOLDER "./torture"
 
 typedef struct torture_options
 {
@@ -25,61 +25,6 @@ typedef struct torture_options
 } torture_options;
 
 // ---- the command line ----
-
-enum
-{
-    KEY_MINUTES = 'm',
-    KEY_SCENES = 'n',
-    KEY_SEED = 's',
-    KEY_OUT = 'o',
-    KEY_FORMAT = 'f',
-    KEY_MESH = 256,
-    KEY_FIRST,
-    KEY_KEEP,
-    KEY_LIMIT,
-    KEY_PRINT,
-    KEY_JOBS,
-    KEY_CLOSE,
-};
-
-static const option_row rows[] = {
-    OPTION_TITLE( "Search:" ),
-    { "minutes", KEY_MINUTES, "M", "Search for M minutes, default 1", OPTION_ANY },
-    { "scenes", KEY_SCENES, "N", "Try N scenes", OPTION_ANY },
-    { "seed", KEY_SEED, "S", "Seed of the scenes, default 1", OPTION_ANY },
-    { "first", KEY_FIRST, "I", "Begin with scene I of the seed, default 0", OPTION_ANY },
-    { "mesh", KEY_MESH, "FILE", "Make surfaces and colliders of this mesh too; can be repeated",
-      OPTION_FILES( "*" ) },
-    { "jobs", KEY_JOBS, "N", "Judge N scenes at the same time, 1 to 64; default: one per core", OPTION_ANY },
-    { "limit", KEY_LIMIT, "SECONDS", "Wall time of a scene, default 20", OPTION_ANY },
-    { "close", KEY_CLOSE, NULL, "Judge by the close limits of suites with checks, too", OPTION_ANY },
-    { "print", KEY_PRINT, NULL, "Print the first scene and run nothing", OPTION_ANY },
-    OPTION_TITLE( "Output:" ),
-    { "out", KEY_OUT, "FOLDER", "Write scenes that break to FOLDER, default " DEFAULT_FOLDER, OPTION_FILES( "/" ) },
-    { "keep", KEY_KEEP, "N", "Write the first N scenes of each kind, default 3", OPTION_ANY },
-    OPTION_RESULTS_FORMAT( KEY_FORMAT ),
-};
-
-const command_text torture_text = {
-    .name = "torture",
-    .operands = "[SCENE...]",
-    .noun = "scene",
-    .summary = "search for scenes that break the engine, or judge scenes",
-    .about = "Search for scenes that break the engine, or judge scenes.",
-    .notes = "Random scenes over all that a scene can say are run, each in a process of its own, and\n"
-             "judged: crash, time, status, finite, halted, energy, strain, penetration,\n"
-             "intersections, rest, bits, snapshot, scale, shift. docs/outputs.md explains each.\n"
-             "A scene that breaks is made smaller while it breaks the same way, and written with a\n"
-             "sentence that says what breaks. Scene number i of a seed is always the same.\n"
-             "\n"
-             "With SCENE no scenes are made: those given are judged.",
-    .examples = "wisp torture --minutes 10 --seed 7\n"
-                "wisp torture torture/energy_7_123.yaml",
-    .unmet = "a scene breaks",
-    .rows = rows,
-    .row_count = WISP_COUNT( rows ),
-    .values = OPTION_FILES( ".yaml .yml .json" ),
-};
 
 // A path of a mesh must not depend on the folder of the scenes that name it.
 static void add_mesh( const options_state* o, torture_options* options, const char* path )
@@ -111,40 +56,40 @@ static bool take( options_state* o, int key, const char* argument )
     torture_search* search = &options->search;
     switch ( key )
     {
-        case KEY_MINUTES:
+        case TORTURE_KEY_MINUTES:
             options->minutes = option_positive( o, argument, MINUTES_MAX );
             return true;
-        case KEY_SCENES:
+        case TORTURE_KEY_SCENES:
             search->max_scenes = option_whole( o, argument, 1, 1000000000 );
             return true;
-        case KEY_SEED:
+        case TORTURE_KEY_SEED:
             search->generator.seed = (uint64_t)option_whole( o, argument, 0, 2000000000 );
             return true;
-        case KEY_FIRST:
+        case TORTURE_KEY_FIRST:
             search->first = option_whole( o, argument, 0, 1000000000 );
             return true;
-        case KEY_MESH:
+        case TORTURE_KEY_MESH:
             add_mesh( o, options, argument );
             return true;
-        case KEY_LIMIT:
+        case TORTURE_KEY_LIMIT:
             search->scene_seconds = option_positive( o, argument, 1e6 );
             return true;
-        case KEY_JOBS:
+        case TORTURE_KEY_JOBS:
             search->jobs = option_whole( o, argument, 1, 64 );
             return true;
-        case KEY_CLOSE:
+        case TORTURE_KEY_CLOSE:
             search->close = TORTURE_CLOSE;
             return true;
-        case KEY_PRINT:
+        case TORTURE_KEY_PRINT:
             options->prints = true;
             return true;
-        case KEY_OUT:
+        case TORTURE_KEY_OUT:
             search->folder = option_file( o, argument );
             return true;
-        case KEY_KEEP:
+        case TORTURE_KEY_KEEP:
             search->keep = option_whole( o, argument, 0, 1000000 );
             return true;
-        case KEY_FORMAT:
+        case TORTURE_KEY_FORMAT:
             options->format = (results_format)option_word( o, argument );
             return true;
         case OPTIONS_OPERAND:
@@ -171,14 +116,14 @@ static int print_scene( const torture_search* search )
     return STATUS_GOOD;
 }
 
-int command_torture( int argc, char** argv )
+int bench_torture( int argc, char** argv )
 {
     static torture_options options; // too large for a stack
     options = ( torture_options ){
         .search = { .generator = { .seed = 1 },
                     .jobs = core_count(),
                     .scene_seconds = 20.0,
-                    .folder = DEFAULT_FOLDER,
+                    .folder = TORTURE_FOLDER,
                     .keep = 3 },
     };
     options.search.generator.meshes = options.meshes;

@@ -1,4 +1,5 @@
-#include "commands.h"
+#include "bench_commands.h"
+#include "bench_texts.h"
 
 #include "gate_page.h"
 #include "gate_paired.h"
@@ -13,87 +14,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum
-{
-    KEY_NO_INSTRUCTIONS = 0x100,
-    KEY_CYCLES,
-    KEY_JUNIT,
-    KEY_HTML,
-    KEY_BADGE,
-    KEY_GITHUB,
-    KEY_STRICT,
-    KEY_ROW,
-    KEY_ISA,
-    KEY_PAIRED,
-    KEY_TURNS,
-    KEY_SLOW,
-    KEY_PASS,
-    KEY_TRIALS,
-    KEY_PATIENCE,
-};
-
-static const char* const action_words[] = { "record", "check", "accept", "step", "self-test" };
-
-static const option_row rows[] = {
-    OPTION_TITLE( "Files:" ),
-    { "base", 'b', "FILE", "The base file, default SUITE-base.json beside the suite", OPTION_FILES( ".json" ) },
-    { "output", 'o', "FILE", "record: the base file, as --base", OPTION_FILES( ".json" ) },
-    OPTION_TITLE( "Measuring:" ),
-    { "no-instructions", KEY_NO_INSTRUCTIONS, NULL, "Do not count instructions, for which valgrind is needed",
-      OPTION_ANY },
-    { "cycles", KEY_CYCLES, NULL, "record, accept: estimate cycles too, with a model of caches; three times as slow",
-      OPTION_ANY },
-    { "isa", KEY_ISA, "SET", "Kernels: baseline, avx2 or avx512; default: the best, whose bits are the same",
-      OPTION_WORDS( option_isa_words ) },
-    { "row", KEY_ROW, "N", "step, self-test: number of the row, counted from 0", OPTION_ANY },
-    { "turns", KEY_TURNS, NULL, NULL, OPTION_ANY },
-    { "slow", KEY_SLOW, "N", NULL, OPTION_ANY },
-    { "pass", KEY_PASS, "NAME", "self-test: the pass to slow down; default: the one that takes most time",
-      OPTION_ANY },
-    { "trials", KEY_TRIALS, "N", "self-test: gates of each slow-down, default 10", OPTION_ANY },
-    { "paired", KEY_PAIRED, "WISP", "check: compare times with another program, instead of a base file",
-      OPTION_FILES( "*" ) },
-    { "patience", KEY_PATIENCE, "S", "check --paired: longest time of one run of a row, default 120 s", OPTION_ANY },
-    OPTION_TITLE( "Verdict:" ),
-    { "reason", 'r', "TEXT", "accept: why the new values are right; it is kept in the base file", OPTION_ANY },
-    { "strict", KEY_STRICT, NULL, "check: rows that only the suite or only the base has fail, too", OPTION_ANY },
-    OPTION_TITLE( "Output:" ),
-    { "format",
-      'f',
-      "FORMAT",
-      "text (default), markdown, csv or json",
-      { results_format_names, RESULTS_GBENCH, NULL } },
-    { "junit", KEY_JUNIT, "FILE", "Write JUnit's XML too, a test case for each row", OPTION_FILES( ".xml" ) },
-    { "html", KEY_HTML, "FILE", "Write one HTML page too, with charts of before and after", OPTION_FILES( ".html" ) },
-    { "badge", KEY_BADGE, "FILE", "Write an SVG picture of the verdict too, for a README", OPTION_FILES( ".svg" ) },
-    { "github", KEY_GITHUB, NULL, "Print annotations for GitHub before the report", OPTION_ANY },
-};
-
-const command_text gate_text = {
-    .name = "gate",
-    .operands = "ACTION SUITE",
-    .noun = "action",
-    .summary = "measure the scenes of a suite, and fail if one became worse",
-    .about = "Measure the scenes of a suite and fail if one became worse.",
-    .notes = "Actions:\n"
-             "  record SUITE     measure all rows and write the base file\n"
-             "  check SUITE      measure all rows and compare them with the base file\n"
-             "  accept SUITE     the same as record, with a reason, which the base file keeps\n"
-             "  self-test SUITE  compare times of this program with itself, slowed down: what is found?\n"
-             "  step SUITE       only run the steps of one row, for profilers\n"
-             "\n"
-             "What is compared is the same in every run: bits of all points, instructions, bytes,\n"
-             "allocations, stretch, energy, penetration, intersections, resets. docs/gate.md has the format\n"
-             "of suites and of budgets.",
-    .examples = "wisp gate record suite.yaml -o base.json\n"
-                "wisp gate check suite.yaml --base base.json --junit gate.xml\n"
-                "wisp gate check suite.yaml --paired ../old/build/app/wisp",
-    .unmet = "a row is worse than its budget allows",
-    .rows = rows,
-    .row_count = WISP_COUNT( rows ),
-    .values = { action_words, WISP_COUNT( action_words ), ".yaml" },
-};
 
 typedef enum gate_action
 {
@@ -133,50 +53,50 @@ static bool take( options_state* p, int key, const char* argument )
         case 'f':
             o->format = (results_format)option_word( p, argument );
             return true;
-        case KEY_NO_INSTRUCTIONS:
+        case GATE_KEY_NO_INSTRUCTIONS:
             o->no_instructions = true;
             return true;
-        case KEY_CYCLES:
+        case GATE_KEY_CYCLES:
             o->has_cycles = true;
             return true;
-        case KEY_ISA:
+        case GATE_KEY_ISA:
             o->isa = option_isa_words[option_word( p, argument )];
             return true;
-        case KEY_ROW:
+        case GATE_KEY_ROW:
             o->row = option_whole( p, argument, 0, SUITE_MAX_ROWS );
             return true;
-        case KEY_PAIRED:
+        case GATE_KEY_PAIRED:
             o->paired = argument;
             return true;
-        case KEY_SLOW:
+        case GATE_KEY_SLOW:
             o->slow.loops = option_whole( p, argument, 0, INT_MAX );
             return true;
-        case KEY_TRIALS:
+        case GATE_KEY_TRIALS:
             o->trials = option_whole( p, argument, 1, 100000 );
             return true;
-        case KEY_TURNS:
+        case GATE_KEY_TURNS:
             o->takes_turns = true;
             return true;
-        case KEY_PASS:
+        case GATE_KEY_PASS:
             o->pass = argument;
             snprintf( o->slow.pass, sizeof o->slow.pass, "%s", argument );
             return true;
-        case KEY_PATIENCE:
+        case GATE_KEY_PATIENCE:
             o->patience = option_positive( p, argument, 1e6 );
             return true;
-        case KEY_STRICT:
+        case GATE_KEY_STRICT:
             o->is_strict = true;
             return true;
-        case KEY_JUNIT:
+        case GATE_KEY_JUNIT:
             o->junit = option_file( p, argument );
             return true;
-        case KEY_HTML:
+        case GATE_KEY_HTML:
             o->html = option_file( p, argument );
             return true;
-        case KEY_BADGE:
+        case GATE_KEY_BADGE:
             o->badge = option_file( p, argument );
             return true;
-        case KEY_GITHUB:
+        case GATE_KEY_GITHUB:
             o->prints_annotations = true;
             return true;
         case OPTIONS_OPERAND:
@@ -513,7 +433,7 @@ static int run_action( wisp_suite* suite, gate_options* o, wisp_error* error )
     return status == WISP_OK ? STATUS_GOOD : command_fail( error );
 }
 
-int command_gate( int argc, char** argv )
+int bench_gate( int argc, char** argv )
 {
     gate_options options = { .argc = argc, .argv = argv, .patience = 120.0 };
     options_parse( &gate_text, take, &options, argc, argv );
