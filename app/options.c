@@ -2,6 +2,7 @@
 #include "options.h"
 
 #include "commands.h"
+#include "machine.h"
 #include "nearest.h"
 
 #include <ctype.h>
@@ -176,7 +177,7 @@ static _Noreturn void print_and_exit( const command_text* command, int key )
             options_print_usage( command, stdout );
             break;
         default:
-            printf( "wisp %s\n", WISP_VERSION_STRING );
+            printf( "wisp %s\nkernels: %s\n", WISP_VERSION_STRING, machine_kernels() );
             break;
     }
     exit( fflush( stdout ) == 0 && !ferror( stdout ) ? STATUS_GOOD : STATUS_FAILED );

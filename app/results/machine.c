@@ -79,6 +79,11 @@ double machine_cpu_seconds( void )
                                                                 : NAN;
 }
 
+const char* machine_kernels( void )
+{
+    return WISP_BUILD_KERNELS;
+}
+
 machine_info machine_describe( const char* isa )
 {
     machine_info info = {

@@ -20,6 +20,9 @@ typedef struct machine_info
     const char* build_type; ///< meson's
 } machine_info;
 
+/// The instruction sets whose kernels this build has, such as "baseline avx2 avx512".
+const char* machine_kernels( void );
+
 /// Read the facts from the running system. Missing ones are "unknown" or 0.
 /// @param isa instruction set in use, as wisp_world_isa() names it
 machine_info machine_describe( const char* isa );

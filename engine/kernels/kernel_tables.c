@@ -3,17 +3,26 @@
 #include <stdlib.h>
 #include <string.h>
 
+// A build for this machine alone (-Dkernels=native) leaves sets out.
 extern const wisp_kernels kernels_baseline;
-#if defined( __x86_64__ )
+#if defined( __x86_64__ ) && !defined( WISP_WITHOUT_AVX2 )
 extern const wisp_kernels kernels_avx2;
+#define AVX2 &kernels_avx2
+#else
+#define AVX2 NULL
+#endif
+#if defined( __x86_64__ ) && !defined( WISP_WITHOUT_AVX512 )
 extern const wisp_kernels kernels_avx512;
+#define AVX512 &kernels_avx512
+#else
+#define AVX512 NULL
 #endif
 
 typedef struct isa
 {
     const char* name;
-    const wisp_kernels* kernels;
-    bool usable;
+    const wisp_kernels* kernels; ///< null: this build has none
+    bool is_supported;           ///< by this processor
 } isa;
 
 const wisp_kernels* kernels_select( const char* cap, wisp_error* error )
@@ -25,8 +34,8 @@ const wisp_kernels* kernels_select( const char* cap, wisp_error* error )
                   __builtin_cpu_supports( "avx512bw" ) && __builtin_cpu_supports( "avx512dq" );
     const isa known[] = {
         { "baseline", &kernels_baseline, true },
-        { "avx2", &kernels_avx2, __builtin_cpu_supports( "avx2" ) },
-        { "avx512", &kernels_avx512, avx512 },
+        { "avx2", AVX2, __builtin_cpu_supports( "avx2" ) },
+        { "avx512", AVX512, avx512 },
     };
 #else
     const isa known[] = { { "baseline", &kernels_baseline, true },
@@ -36,8 +45,15 @@ const wisp_kernels* kernels_select( const char* cap, wisp_error* error )
     const wisp_kernels* best = NULL;
     for ( int i = 0; i < WISP_COUNT( known ); ++i )
     {
-        best = known[i].usable ? known[i].kernels : best;
-        if ( cap != NULL && strcmp( cap, known[i].name ) == 0 )
+        const bool is_cap = cap != NULL && strcmp( cap, known[i].name ) == 0;
+        if ( is_cap && known[i].is_supported && known[i].kernels == NULL )
+        {
+            wisp_fail( error, WISP_BAD_INPUT, "%s: got '%s', which this build leaves out; -Dkernels=all has it",
+                       source, cap );
+            return NULL;
+        }
+        best = known[i].is_supported && known[i].kernels != NULL ? known[i].kernels : best;
+        if ( is_cap )
         {
             return best;
         }
