@@ -2,16 +2,15 @@
 // their limits.
 #include "accuracy_fixture.h"
 
-accuracy_scene_fn accuracy_balloon_inflate, accuracy_balloon_flight, accuracy_balloon_meshes;
+accuracy_scene_fn accuracy_balloon_inflate, accuracy_balloon_flight;
 
-static accuracy_scene inflate, flight, meshes;
+static accuracy_scene inflate, flight;
 
 static int make_scenes( void** state )
 {
     (void)state;
     expect_made( accuracy_balloon_inflate, &inflate );
     expect_made( accuracy_balloon_flight, &flight );
-    expect_made( accuracy_balloon_meshes, &meshes );
     return 0;
 }
 
@@ -20,7 +19,6 @@ static int drop_scenes( void** state )
     (void)state;
     free_scene( &inflate );
     free_scene( &flight );
-    free_scene( &meshes );
     return 0;
 }
 
@@ -39,7 +37,6 @@ static void every_setting_of_a_balloon_has_a_name_of_its_own( void** state )
     (void)state;
     expect_names_differ( &inflate );
     expect_names_differ( &flight );
-    expect_names_differ( &meshes );
 }
 
 // ---- inflation ----
@@ -135,24 +132,6 @@ static void momentum_is_what_the_forces_have_given( void** state )
     assert_true( fine < 0.5 * coarse );
 }
 
-// A polyhedron in a body: half the edge reduces the missing volume to a quarter. Paths have no such order.
-static void the_volume_of_a_mesh_comes_at_second_order_to_that_of_a_fine_one( void** state )
-{
-    (void)state;
-    enum
-    {
-        VOLUME = 3,
-    };
-    const accuracy_run coarse = observe( &meshes, "42 vertices, 10 x 1" );
-    const accuracy_run middle = observe( &meshes, "162 vertices, 10 x 1" );
-    const accuracy_run fine = observe( &meshes, "642 vertices, 10 x 1" );
-    // against a mesh whose own error is a quarter of that of the last one: 63 / 15 and 15 / 3
-    assert_true( fabs( coarse.measures[VOLUME] / middle.measures[VOLUME] - 4.2 ) < 0.5 );
-    assert_true( fabs( middle.measures[VOLUME] / fine.measures[VOLUME] - 5.0 ) < 0.5 );
-    assert_true( coarse.error > 5.0 * middle.error );
-    assert_true( fine.error < 10.0 );
-}
-
 static void a_balloon_has_one_hash_whoever_computes_it( void** state )
 {
     (void)state;
@@ -161,7 +140,6 @@ static void a_balloon_has_one_hash_whoever_computes_it( void** state )
     expect_one_hash( &inflate, "pbd skin, pbd volume, virial, 10 x 10" );
     expect_one_hash( &flight, "kick, max drag, 10 x 1" );
     expect_one_hash( &flight, "spin printed, max drag, 10 x 1" );
-    expect_one_hash( &meshes, "642 vertices, 10 x 1" );
 }
 
 int main( void )
@@ -174,7 +152,6 @@ int main( void )
         cmocka_unit_test( the_forms_of_the_source_do_not_converge_with_substeps ),
         cmocka_unit_test( a_flight_comes_nearer_to_double_precision_with_substeps ),
         cmocka_unit_test( momentum_is_what_the_forces_have_given ),
-        cmocka_unit_test( the_volume_of_a_mesh_comes_at_second_order_to_that_of_a_fine_one ),
         cmocka_unit_test( a_balloon_has_one_hash_whoever_computes_it ),
     };
     return cmocka_run_group_tests( tests, make_scenes, drop_scenes );
