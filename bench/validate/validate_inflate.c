@@ -1,10 +1,11 @@
-// A sphere filled with gas, against the closed form of its mesh (balloon_reference.h). The gas has the constraint's
+// A sphere filled with gas, against the closed form of its mesh (validate_equilibrium.h). The gas has the constraint's
 // compliance V_0 / P_atm, so that p V = n R T, a separate measure, does not hide the convergence of the solver.
-#include "accuracy_surface.h"
-#include "balloon_readings.h"
+#include "validate_balloons.h"
 
+#include "accuracy/accuracy_surface.h"
 #include "balloon_bench.h"
-#include "balloon_reference.h"
+#include "balloon_readings.h"
+#include "validate_equilibrium.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -250,8 +251,7 @@ static void destroy( void* context )
     free( scene );
 }
 
-wisp_status accuracy_balloon_inflate( const bench_options* options, double seconds, accuracy_scene* out,
-                                      wisp_error* error )
+wisp_status validate_inflate( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
 {
     *out = ( accuracy_scene ){
         .reference = "closed form of the mesh: p = sum(k l^2)(s - 1)/(3 V_rest s^2) = P_atm (V_0 - V)/V_0",

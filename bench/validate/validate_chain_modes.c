@@ -1,6 +1,8 @@
 // Chains that hang and swing with small amplitude: their two slowest modes against closed forms, by substeps, sweeps
 // and vertices.
-#include "scene_tools.h"
+#include "validate_chains.h"
+
+#include "accuracy/scene_tools.h"
 #include "strands_scene.h"
 
 #include <math.h>
@@ -327,8 +329,7 @@ static void put_vertices( accuracy_scene* scene )
     }
 }
 
-wisp_status accuracy_strands_chain( const bench_options* options, double seconds, accuracy_scene* out,
-                                    wisp_error* error )
+wisp_status validate_chain( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
 {
     (void)options;
     chains* all = calloc( 1, sizeof( chains ) );

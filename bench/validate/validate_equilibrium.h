@@ -21,7 +21,3 @@ balloon_equilibrium balloon_equilibrium_of( const wisp_fabric* fabric, const wis
 /// The same with another amount of gas, in double precision. @param gas_ratio V_0 / V_rest, > 1
 balloon_equilibrium balloon_equilibrium_at( const wisp_fabric* fabric, const wisp_balloon_def* def, double gas_ratio,
                                             bool is_linear );
-
-/// V_0 / V_rest after a time of flow through an outlet by Bernoulli: v = sqrt( 2 p / rho ), dV_0 / dt = -A v, with
-/// the pressure of the equilibrium at every moment. Integrated by the classical Runge-Kutta method of fourth order.
-double balloon_fill_after( const wisp_fabric* fabric, const wisp_balloon_def* def, double seconds );

@@ -1,4 +1,4 @@
-#include "balloon_reference.h"
+#include "validate_equilibrium.h"
 
 #include "balloon_readings.h"
 
@@ -59,31 +59,4 @@ balloon_equilibrium balloon_equilibrium_at( const wisp_fabric* fabric, const wis
 balloon_equilibrium balloon_equilibrium_of( const wisp_fabric* fabric, const wisp_balloon_def* def, bool is_linear )
 {
     return balloon_equilibrium_at( fabric, def, (double)def->gas_ratio, is_linear );
-}
-
-double balloon_fill_after( const wisp_fabric* fabric, const wisp_balloon_def* def, double seconds )
-{
-    enum
-    {
-        PRIMITIVES = 200,
-    };
-    const elastic_skin skin = skin_of( fabric, def, true );
-    const double density =
-        balloon_oracle_density( skin.atmosphere, (double)def->gas_molar_mass, (double)def->temperature );
-    const double h = seconds / PRIMITIVES;
-    double gas_ratio = (double)def->gas_ratio;
-    for ( int i = 0; i < PRIMITIVES; ++i )
-    {
-        static const double at[] = { 0.0, 0.5, 0.5, 1.0 }, weight[] = { 1.0, 2.0, 2.0, 1.0 };
-        double rate = 0.0, sum = 0.0;
-        for ( int k = 0; k < 4; ++k )
-        {
-            const double there = fmax( 1.0, gas_ratio + at[k] * h * rate ), s = find_scale( &skin, there );
-            const double pressure = balloon_oracle_true_scaled_pressure( skin.sum, skin.volume, s );
-            rate = -(double)def->outlet_area * balloon_oracle_outlet_speed( pressure, density ) / skin.volume;
-            sum += weight[k] * rate / 6.0;
-        }
-        gas_ratio = fmax( 1.0, gas_ratio + h * sum );
-    }
-    return gas_ratio;
 }
