@@ -1,7 +1,7 @@
 /// Balloons for measurements: spheres of any fineness and a scanned figure, with the outlet and gas of an experiment.
 #pragma once
 
-#include "surface_scenario.h"
+#include "surface_implementation.h"
 
 #include "balloon/balloon.h"
 #include "membrane/membrane.h"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "balloon_scene.h"
+#include "results.h"
 
 /// What the experiments share.
 typedef struct figures_case

@@ -10,13 +10,9 @@
 // The oracle tests all pairs: 10 000 vertices take it seconds, a million would take it days.
 #define ORACLE_VERTICES_MAX 10000
 #define ORACLE_VERTICES_QUICK 6000
-// All variants are compared at one event of the command, whatever the events of their timed steps.
+// All worker counts are compared at one event of the command, whatever the events of their timed steps.
 #define COMPARED_EVENT 7
 #define SAMPLES_MAX 400
-// Cost of a round with all warm-ups, in steps of scalar C.
-#define ROUND_OF_PLAIN 2.0
-// The engine alone has enough samples after this time.
-#define ONCE_SECONDS 1.0
 
 typedef struct paper_size
 {
@@ -34,32 +30,17 @@ static const paper_size sizes[PAPER_SIZES] = {
 typedef struct paper_comparison
 {
     paper_scene scene;
-    plain_frozen_hair plain;
-    bool has_plain;
-    paper_world worlds[PAPER_VARIANTS_MAX]; ///< by variant; 0 is scalar C and has none
+    paper_world worlds[PAPER_VARIANTS_MAX]; ///< by worker count
     bench_variant variants[PAPER_VARIANTS_MAX];
     double* oracle; ///< [vertices][3] or null
 } paper_comparison;
-
-// Name of a variant as tables and rows have it.
-static const char* paper_variant_name( int variant )
-{
-    return variant == 0 ? "plain" : "wisp";
-}
 
 // ---- implementations ----
 
 static wisp_status enter( const paper_table* table, int strands, paper_comparison* comparison, wisp_error* error )
 {
     wisp_status status = paper_scene_make( strands, &comparison->scene, error );
-    if ( status == WISP_OK )
-    {
-        status = paper_plain_create( &comparison->scene, &comparison->plain, error );
-        comparison->has_plain = status == WISP_OK;
-        comparison->variants[0] =
-            ( bench_variant ){ .name = "plain", .step = paper_plain_step, .context = &comparison->plain };
-    }
-    for ( int v = 1; v < table->variant_count && status == WISP_OK; ++v )
+    for ( int v = 0; v < table->variant_count && status == WISP_OK; ++v )
     {
         status = paper_world_create( &comparison->scene, table->workers[v], &comparison->worlds[v], error );
         comparison->variants[v] = ( bench_variant ){
@@ -72,13 +53,9 @@ static wisp_status enter( const paper_table* table, int strands, paper_compariso
 static void leave( const paper_table* table, paper_comparison* comparison )
 {
     bench_free_samples( comparison->variants, table->variant_count );
-    for ( int v = 1; v < table->variant_count; ++v )
+    for ( int v = 0; v < table->variant_count; ++v )
     {
         paper_world_destroy( &comparison->worlds[v] );
-    }
-    if ( comparison->has_plain )
-    {
-        plain_frozen_hair_destroy( &comparison->plain );
     }
     paper_scene_free( &comparison->scene );
     free( comparison->oracle );
@@ -91,12 +68,7 @@ static double largest_distance( const paper_comparison* comparison, const wisp_v
     double largest = 0.0;
     for ( int i = 0; i < comparison->scene.groom.vertex_count; ++i )
     {
-        wisp_vec3 q = comparison->plain.position[i];
-        double reference[3] = { (double)q.x, (double)q.y, (double)q.z };
-        if ( comparison->oracle )
-        {
-            memcpy( reference, comparison->oracle + 3 * (size_t)i, sizeof( reference ) );
-        }
+        const double* reference = comparison->oracle + 3 * (size_t)i;
         double dx = (double)points[i].x - reference[0];
         double dy = (double)points[i].y - reference[1];
         double dz = (double)points[i].z - reference[2];
@@ -115,26 +87,17 @@ static wisp_status run_oracle( paper_comparison* comparison, wisp_error* error )
                               : wisp_fail( error, WISP_NO_MEMORY, "no memory for the oracle's points" );
 }
 
-// All variants run the same event. Scalar C comes first because it may be the reference of the others.
+// All worker counts run the same event.
 static wisp_status judge( const paper_table* table, paper_comparison* comparison, paper_line* line, results* out,
                           wisp_error* error )
 {
     line->tolerance = PAPER_TOLERATED_ROUNDINGS * (double)FLT_EPSILON * comparison->scene.extent;
-    line->by_oracle = line->vertices <= table->oracle_vertices_max;
-    wisp_status status = line->by_oracle ? run_oracle( comparison, error ) : WISP_OK;
+    wisp_status status = line->vertices <= table->oracle_vertices_max ? run_oracle( comparison, error ) : WISP_OK;
     if ( status != WISP_OK )
     {
         return status;
     }
-    double start = wisp_clock_seconds();
-    status = paper_plain_replay( &comparison->plain, COMPARED_EVENT, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    comparison->variants[0].warm_ms = 1e3 * ( wisp_clock_seconds() - start );
-    line->error[0] = line->by_oracle ? largest_distance( comparison, comparison->plain.position ) : NAN;
-    for ( int v = 1; v < table->variant_count; ++v )
+    for ( int v = 0; v < table->variant_count; ++v )
     {
         const wisp_vec3* points;
         uint64_t hash;
@@ -143,29 +106,28 @@ static wisp_status judge( const paper_table* table, paper_comparison* comparison
         {
             return status;
         }
-        line->error[v] = largest_distance( comparison, points );
-        line->hash = v == 1 ? hash : line->hash;
+        line->error[v] = comparison->oracle ? largest_distance( comparison, points ) : NAN;
+        line->hash = v == 0 ? hash : line->hash;
         if ( hash != line->hash )
         {
             results_add_failure( out, "%d strands: %d workers give hash %016llx, %d worker gives %016llx.",
-                                 line->strands, table->workers[v], (unsigned long long)hash, table->workers[1],
+                                 line->strands, table->workers[v], (unsigned long long)hash, table->workers[0],
                                  (unsigned long long)line->hash );
         }
     }
     return WISP_OK;
 }
 
-static void check_errors( const paper_table* table, const paper_line* line, results* out )
+static void check_errors( const paper_table* table, const paper_comparison* comparison, const paper_line* line,
+                          results* out )
 {
     for ( int v = 0; v < table->variant_count; ++v )
     {
-        bool is_reference = v == 0 && !line->by_oracle;
-        if ( !is_reference && !( line->error[v] <= line->tolerance ) )
+        if ( comparison->oracle && !( line->error[v] <= line->tolerance ) )
         {
-            results_add_failure( out,
-                                 "%d strands: %s with %d workers is %.3g m from %s, more than the tolerated %.3g m.",
-                                 line->strands, paper_variant_name( v ), table->workers[v], line->error[v],
-                                 line->by_oracle ? "the double oracle" : "scalar C", line->tolerance );
+            results_add_failure(
+                out, "%d strands: %d workers are %.3g m from the double oracle, more than the tolerated %.3g m.",
+                line->strands, table->workers[v], line->error[v], line->tolerance );
         }
     }
 }
@@ -174,7 +136,7 @@ static void check_errors( const paper_table* table, const paper_line* line, resu
 static wisp_status check_repeat( const paper_table* table, paper_comparison* comparison, const paper_line* line,
                                  results* out, wisp_error* error )
 {
-    for ( int v = 1; v < table->variant_count; ++v )
+    for ( int v = 0; v < table->variant_count; ++v )
     {
         const wisp_vec3* points;
         uint64_t hash;
@@ -197,34 +159,16 @@ static wisp_status check_repeat( const paper_table* table, paper_comparison* com
 
 // ---- times ----
 
-// If not even one more round of scalar C fits, the run that gave the reference is its sample: a first run, whose page
-// faults are below a hundredth of it at this size.
 static wisp_status time_comparison( const paper_table* table, paper_comparison* comparison, paper_line* line,
                                     bool quick, double seconds, wisp_error* error )
 {
-    double plain_ms = comparison->variants[0].warm_ms;
-    line->plain_once = quick && 1e-3 * plain_ms * ROUND_OF_PLAIN > seconds;
-    int first = line->plain_once ? 1 : 0;
-    const bench_effort effort = {
-        .seconds = line->plain_once ? fmin( seconds, ONCE_SECONDS ) : seconds,
-        .rounds_min = quick ? 1 : 3,
-        .samples_max = SAMPLES_MAX,
-    };
-    wisp_status status =
-        bench_interleave( comparison->variants + first, table->variant_count - first, &effort, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    for ( int v = first; v < table->variant_count; ++v )
+    const bench_effort effort = { .seconds = seconds, .rounds_min = quick ? 1 : 3, .samples_max = SAMPLES_MAX };
+    wisp_status status = bench_interleave( comparison->variants, table->variant_count, &effort, error );
+    for ( int v = 0; v < table->variant_count && status == WISP_OK; ++v )
     {
         line->ms[v] = bench_summarise( &comparison->variants[v] );
     }
-    if ( line->plain_once )
-    {
-        line->ms[0] = stats_summarise( &plain_ms, 1 );
-    }
-    return WISP_OK;
+    return status;
 }
 
 static void find_fractions( profile_samples* profile, double step_ms, double fraction[3] )
@@ -268,7 +212,7 @@ static wisp_status describe( const paper_table* table, paper_comparison* compari
 static void add_row( const paper_table* table, const paper_comparison* comparison, const paper_line* line, int v,
                      results* out )
 {
-    results_row* row = results_add_row( out, "paper", paper_variant_name( v ) );
+    results_row* row = results_add_row( out, "paper", "wisp" );
     if ( !row )
     {
         return;
@@ -280,23 +224,20 @@ static void add_row( const paper_table* table, const paper_comparison* compariso
     results_put_times( row, &line->ms[v] );
     if ( isfinite( line->error[v] ) )
     {
-        snprintf( row->error_reference, sizeof( row->error_reference ), "%s", line->by_oracle ? "oracle" : "plain" );
+        snprintf( row->error_reference, sizeof( row->error_reference ), "oracle" );
         results_put( &row->error, "max_m", line->error[v] );
         results_put( &row->error, "max_in_clump_radii", line->error[v] / table->clump_radius );
         results_put( &row->error, "tolerance_m", line->tolerance );
     }
-    if ( v > 0 )
+    profile_samples profile = comparison->worlds[v].profile;
+    for ( int i = 0; i < profile.pass_count; ++i )
     {
-        profile_samples profile = comparison->worlds[v].profile;
-        for ( int i = 0; i < profile.pass_count; ++i )
-        {
-            results_put( &row->stages, profile.passes[i].name, 1e3 * profile_samples_median( &profile, i ) );
-        }
-        results_put( &row->size, "bytes_a_vertex",
-                     (double)wisp_world_memory( comparison->worlds[v].world ) / line->vertices );
-        row->hash = line->hash;
-        row->has_hash = true;
+        results_put( &row->stages, profile.passes[i].name, 1e3 * profile_samples_median( &profile, i ) );
     }
+    results_put( &row->size, "bytes_a_vertex",
+                 (double)wisp_world_memory( comparison->worlds[v].world ) / line->vertices );
+    row->hash = line->hash;
+    row->has_hash = true;
 }
 
 static void add_rows( const paper_table* table, const paper_comparison* comparison, const paper_line* line,
@@ -329,7 +270,7 @@ static wisp_status run_comparison( const paper_table* table, paper_comparison* c
     status = judge( table, comparison, line, out, error );
     if ( status == WISP_OK )
     {
-        check_errors( table, line, out );
+        check_errors( table, comparison, line, out );
         double left = fmax( fraction * ( deadline - wisp_clock_seconds() ), 0.0 );
         status = time_comparison( table, comparison, line, quick, left, error );
     }
@@ -361,8 +302,8 @@ static double fraction_of_rest( int size, bool quick )
 
 static paper_table empty_table( const bench_options* options )
 {
-    paper_table table = { .variant_count = options->workers > 1 ? 3 : 2,
-                          .workers = { 1, 1, options->workers },
+    paper_table table = { .variant_count = options->workers > 1 ? 2 : 1,
+                          .workers = { 1, options->workers },
                           .oracle_vertices_max = options->quick ? ORACLE_VERTICES_QUICK : ORACLE_VERTICES_MAX };
     for ( int i = 0; i < PAPER_SIZES; ++i )
     {

@@ -130,54 +130,12 @@ void paper_world_destroy( paper_world* implementation )
     *implementation = ( paper_world ){ 0 };
 }
 
-// ---- scalar C ----
+// ---- the oracle ----
 
 static float or_default( float value, float fallback )
 {
     return value < 0.0f ? fallback : value;
 }
-
-wisp_status paper_plain_create( const paper_scene* scene, plain_frozen_hair* out, wisp_error* error )
-{
-    const wisp_frozen_hair_def* def = &scene->def;
-    plain_frozen_hair_options options = plain_frozen_hair_default_options();
-    options.theta_max = def->max_bend_angle;
-    options.cursor = def->cursor;
-    options.cursor_radius = def->reach;
-    options.clump_radius = def->clump_radius;
-    options.clump_iterations = def->clump_iterations;
-    options.clump_step = or_default( def->clump_step_length, 0.1f * def->clump_radius );
-    options.min_distance = or_default( def->min_distance, 0.02f * def->clump_radius );
-    options.lambda_min = def->min_lambda;
-    options.dimension = 2;
-    options.seed = def->seed;
-
-    // Stiffness and intensity are left to its defaults, which are the engine's.
-    const wisp_groom* groom = &scene->groom;
-    if ( !plain_frozen_hair_create( out, groom->strand_count, groom->offsets, &groom->points[0].x, NULL, NULL, NULL,
-                                    &options ) )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the scalar C version of %d strands",
-                          groom->strand_count );
-    }
-    return WISP_OK;
-}
-
-wisp_status paper_plain_replay( plain_frozen_hair* hair, uint64_t event, wisp_error* error )
-{
-    hair->options.event = event;
-    return plain_frozen_hair_run( hair )
-               ? WISP_OK
-               : wisp_fail( error, WISP_BAD_INPUT, "the scalar C version refused the scene of the benchmark" );
-}
-
-wisp_status paper_plain_step( void* context, wisp_error* error )
-{
-    plain_frozen_hair* hair = context;
-    return paper_plain_replay( hair, hair->options.event + 1, error );
-}
-
-// ---- the oracle ----
 
 static frozen_oracle_options oracle_options( const wisp_frozen_hair_def* def, uint64_t event )
 {

@@ -1,8 +1,7 @@
-/// The scene of Table 1, and its implementations: scalar C and the engine, with the double oracle as the reference.
+/// The scene of Table 1 on the engine, with the double oracle as the reference.
 #pragma once
 
 #include "bench_world.h"
-#include "plain/frozen_hair_plain.h"
 #include "profile_samples.h"
 
 #include "frozen_hair/frozen_hair.h"
@@ -37,11 +36,6 @@ wisp_status paper_world_after( void* context );
 wisp_status paper_world_replay( paper_world* world, uint64_t event, const wisp_vec3** points, uint64_t* hash,
                                 wisp_error* error );
 void paper_world_destroy( paper_world* world );
-
-wisp_status paper_plain_create( const paper_scene* scene, plain_frozen_hair* out, wisp_error* error );
-/// One command with the next event.
-wisp_status paper_plain_step( void* context, wisp_error* error );
-wisp_status paper_plain_replay( plain_frozen_hair* hair, uint64_t event, wisp_error* error );
 
 /// The scene in double precision, by brute force. @param out [vertex_count][3]
 wisp_status paper_oracle_run( const paper_scene* scene, uint64_t event, double* out, wisp_error* error );

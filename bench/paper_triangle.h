@@ -26,11 +26,6 @@ typedef struct triangle_plan
     int drop_count;
     int touch_step;   ///< growth is counted from this step on, when the smallest cloth hits the ball ...
     int growth_steps; ///< ... for this many, which every row of growth has
-    struct
-    {
-        int vertices, steps;
-    } hangs[TRIANGLE_ROWS_MAX]; ///< against scalar C
-    int hang_count;
     int workers[TRIANGLE_WORKERS_MAX], worker_count;
     const bench_options* options; ///< for progress
 } triangle_plan;
@@ -54,19 +49,6 @@ typedef struct triangle_line
     uint64_t hash;
 } triangle_line;
 
-/// A hanging cloth compared with scalar C, one worker each.
-typedef struct triangle_hang
-{
-    int vertices, links, steps;
-    stats_summary plain_ms, ms;
-    double plain_mean_ms, mean_ms;
-    double plain_iterations, iterations; ///< per step
-    int64_t plain_unsolved;              ///< steps of scalar C that did not end at their tolerance
-    uint64_t unsolved, indefinite;
-    double max_distance, distance_rms; ///< m, between both at the end
-    uint64_t hash;
-} triangle_hang;
-
 /// All tables of a plan.
 wisp_status paper_triangle_run( const triangle_plan* plan, results* out, wisp_error* error );
 /// The plan of the case.
@@ -74,9 +56,6 @@ wisp_status paper_triangle_cloth( const bench_options* options, results* out, wi
 
 /// Run the falling cloths. @param lines [drop_count]
 wisp_status triangle_drop_all( const triangle_plan* plan, triangle_line* lines, results* out, wisp_error* error );
-/// Run the hanging cloths against scalar C. @param hangs [hang_count]
-wisp_status triangle_hang_all( const triangle_plan* plan, triangle_hang* hangs, results* out, wisp_error* error );
 
 /// Tables, rows and messages.
-void triangle_report( const triangle_plan* plan, const triangle_line* lines, const triangle_hang* hangs,
-                      results* out );
+void triangle_report( const triangle_plan* plan, const triangle_line* lines, results* out );

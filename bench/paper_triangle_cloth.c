@@ -30,8 +30,6 @@ triangle_plan triangle_default_plan( const bench_options* options )
         .drop_count = is_full ? 8 : 6,
         .touch_step = 18,
         .growth_steps = few - 18,
-        .hangs = { { TRIANGLE_VERTICES, 50 }, { 10000, is_full ? 50 : 8 } },
-        .hang_count = 2,
         .workers = { 1, options->workers },
         .worker_count = options->workers > 1 ? 2 : 1,
         .options = options,
@@ -360,7 +358,7 @@ wisp_status triangle_drop_all( const triangle_plan* plan, triangle_line* lines, 
     wisp_status status = WISP_OK;
     for ( int i = 0; i < plan->drop_count && status == WISP_OK; ++i )
     {
-        bench_progress( plan->options, 0.8 * i / plan->drop_count, "triangle cloth on a ball" );
+        bench_progress( plan->options, (double)i / plan->drop_count, "triangle cloth on a ball" );
         lines[i] = ( triangle_line ){ .drop = &plan->drops[i] };
         status = drop_one( plan, &lines[i], out, error );
     }
@@ -370,12 +368,10 @@ wisp_status triangle_drop_all( const triangle_plan* plan, triangle_line* lines, 
 wisp_status paper_triangle_run( const triangle_plan* plan, results* out, wisp_error* error )
 {
     triangle_line lines[TRIANGLE_ROWS_MAX] = { { .drop = NULL } };
-    triangle_hang hangs[TRIANGLE_ROWS_MAX] = { { .vertices = 0 } };
-    wisp_status status = triangle_drop_all( plan, lines, out, error );
-    status = status == WISP_OK ? triangle_hang_all( plan, hangs, out, error ) : status;
+    const wisp_status status = triangle_drop_all( plan, lines, out, error );
     if ( status == WISP_OK )
     {
-        triangle_report( plan, lines, hangs, out );
+        triangle_report( plan, lines, out );
     }
     return status;
 }

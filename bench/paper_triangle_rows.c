@@ -1,7 +1,6 @@
-// The tables of the triangle cloth: Table 1 of Noh and Jung, triangles against quads, growth with the mesh, scalar C.
+// The tables of the triangle cloth: Table 1 of Noh and Jung, triangles against quads, growth with the mesh.
 #include "paper_triangle.h"
 
-#include "cloth_bench.h"
 #include "rows_chart.h"
 
 #include <math.h>
@@ -222,53 +221,6 @@ static void add_growth( const triangle_plan* plan, const triangle_line* lines, r
     }
 }
 
-// ---- scalar C ----
-
-static void add_hangs( const triangle_plan* plan, const triangle_hang* hangs, results* out )
-{
-    static const char* const names[] = { "vertices",
-                                         "links",
-                                         "steps",
-                                         "scalar C ms mean",
-                                         "median",
-                                         "1 worker ms",
-                                         "median",
-                                         "speedup over scalar C",
-                                         "iterations scalar C / Wisp",
-                                         "unsolved scalar C / Wisp",
-                                         "apart at most m",
-                                         "rms m",
-                                         "hash" };
-    cells header = { .count = 0 };
-    for ( int i = 0; i < WISP_COUNT( names ); ++i )
-    {
-        cells_put( &header, "%s", names[i] );
-    }
-    const int table = cells_begin_table(
-        &header, "Triangle cloth against scalar C: hangs by two corners, k_s 200, 1 worker, the same tolerance",
-        out );
-    for ( int i = 0; i < plan->hang_count; ++i )
-    {
-        const triangle_hang* h = &hangs[i];
-        cells row = { .count = 0 };
-        cells_put( &row, "%d", h->vertices );
-        cells_put( &row, "%d", h->links );
-        cells_put( &row, "%d", h->steps );
-        cells_put_number( &row, h->plain_mean_ms, 3 );
-        cells_put_number( &row, h->plain_ms.median, 3 );
-        cells_put_number( &row, h->mean_ms, 3 );
-        cells_put_number( &row, h->ms.median, 3 );
-        cells_put_number( &row, h->plain_mean_ms / h->mean_ms, 2 );
-        cells_put_pair( &row, h->plain_iterations, 1, h->iterations, 1 );
-        cells_put( &row, "%lld / %llu", (long long)h->plain_unsolved,
-                   (unsigned long long)( h->unsolved + h->indefinite ) );
-        cells_put( &row, "%.1e", h->max_distance );
-        cells_put( &row, "%.1e", h->distance_rms );
-        cells_put_hash( &row, h->hash );
-        cells_end_row( &row, table, out );
-    }
-}
-
 // ---- the messages ----
 
 static void claim_iterations( const triangle_plan* plan, const triangle_line* line, results* out )
@@ -302,9 +254,6 @@ static void add_reading( const triangle_plan* plan, const triangle_line* lines, 
              "worker. Iterations come from a separate run with statistics, whose hash must be the same." );
     results_add_note( out, "ns per vertex and iteration: the whole solver pass with assembly; the median over steps "
                            "with at least a quarter of the most iterations." );
-    results_add_note(
-        out, "Scalar C assembles a float matrix of 3 x 3 blocks; links, forces, preconditioner, first guess and "
-             "tolerance are the same. Two solves to 1e-4 differ by as much, and differences grow in folding cloth." );
     for ( int i = 0; i < plan->drop_count; ++i )
     {
         if ( lines[i].unsolved + lines[i].indefinite > 0 )
@@ -336,8 +285,7 @@ static void add_chart( results* out )
                     out );
 }
 
-void triangle_report( const triangle_plan* plan, const triangle_line* lines, const triangle_hang* hangs,
-                      results* out )
+void triangle_report( const triangle_plan* plan, const triangle_line* lines, results* out )
 {
     const int table = begin_table( plan, out );
     for ( int i = 0; i < plan->drop_count; ++i )
@@ -353,7 +301,6 @@ void triangle_report( const triangle_plan* plan, const triangle_line* lines, con
     {
         claim_iterations( plan, &lines[i], out );
     }
-    add_hangs( plan, hangs, out );
     add_chart( out );
     add_reading( plan, lines, out );
 }

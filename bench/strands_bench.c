@@ -22,11 +22,9 @@ strands_plan strands_default_plan( const bench_options* options )
         .scenario_strands = 2000,
         .few_settings_strands = is_full ? 10000 : 2000,
         .few_settings = is_full ? 3 : 1,
-        .plain_strands = is_full ? 50000 : 10000,
         .comparison_seconds = ( is_full ? 0.5 : 0.1 ) * bench_seconds( options ),
         .suite_count = is_full ? SUITES : SUITES - 1,
         .suite_seconds = 0.25 * bench_seconds( options ),
-        .settle_seconds = 8.0,
         .workers = { 1, options->workers },
         .worker_count = options->workers > 1 ? 2 : 1,
         .options = options,
@@ -87,9 +85,7 @@ wisp_status strands_bench_run( const strands_plan* plan, results* out, wisp_erro
         const char* what;
         double fraction; // of the case that is done when it begins
     } tables[] = {
-        { strands_comparison, "strands against scalar C", 0.0 },
-        { strands_closed_forms, "strands against closed forms", 0.6 },
-        { strands_independence, "strands at other rates", 0.65 },
+        { strands_comparison, "strands by size", 0.0 },
         { strands_suites, "suites of strands", 0.7 },
     };
     wisp_status status = WISP_OK;

@@ -16,11 +16,9 @@ typedef struct strands_plan
     int scenario_strands;     ///< more strands than these stop at STRANDS_REFERENCE_STEPS
     int few_settings_strands; ///< more strands than these race with the first few settings only
     int few_settings;
-    int plain_strands;         ///< more strands than these race without scalar C
     double comparison_seconds; ///< of all sizes together
     int suite_count;           ///< of the suites, the largest one last
     double suite_seconds;      ///< of all suites
-    double settle_seconds;     ///< simulated, until a hanging strand is taken to be at rest
     int workers[STRANDS_WORKERS_MAX], worker_count;
     const bench_options* options; ///< for progress
 } strands_plan;
@@ -38,12 +36,8 @@ wisp_status strands_bench_run( const strands_plan* plan, results* out, wisp_erro
 
 // ---- the tables ----
 
-/// Solvers by size against scalar C, beside other engines; then the kernels alone.
+/// Solvers by size, beside other engines; then the kernels alone.
 wisp_status strands_comparison( const strands_plan* plan, results* out, wisp_error* error );
-/// Closed forms: error beside time.
-wisp_status strands_closed_forms( const strands_plan* plan, results* out, wisp_error* error );
-/// What the rate of steps and the number of vertices do to a hanging hair.
-wisp_status strands_independence( const strands_plan* plan, results* out, wisp_error* error );
 /// The suites in data/suites/strands: stretch and energy of falling chains, guides and ghosts against full simulation (extension, not in
 /// Park and Kim 2024).
 wisp_status strands_suites( const strands_plan* plan, results* out, wisp_error* error );

@@ -1,18 +1,14 @@
-// Strands in turns with scalar C: the same scene, in one run.
+// Ways to solve strands in turns: the same scene, in one run.
 #include "strands_comparison.h"
 
 #include "bench_timing.h"
-
-#include "plain/strands_plain.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #define IMPLEMENTATIONS_MAX ( STRANDS_SETTINGS_MAX * STRANDS_WORKERS_MAX )
-#define VARIANTS_MAX ( STRANDS_PLAIN_COUNT + IMPLEMENTATIONS_MAX )
 #define SAMPLES_MAX 200
 #define OBSERVATION_STEPS 5
-#define PLAIN_SUBSTEPS 10
 
 // ---- the reference ----
 
@@ -86,49 +82,15 @@ static double error_to( const reference* t, wisp_strand_bend bend, const wisp_ve
 typedef struct comparison
 {
     strands_shape shape;
-    plain_strands plain[STRANDS_PLAIN_COUNT];
     strands_implementation implementations[IMPLEMENTATIONS_MAX]; // [setting][worker]
-    bench_variant variants[VARIANTS_MAX];
+    bench_variant variants[IMPLEMENTATIONS_MAX];
     int variant_count;
 } comparison;
-
-static wisp_status step_plain( void* context, wisp_error* error )
-{
-    (void)error;
-    plain_strands_step( context, STRANDS_STEP );
-    return WISP_OK;
-}
-
-static wisp_status make_plain( const strands_shape* shape, int which, plain_strands* out, wisp_error* error )
-{
-    const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
-    if ( !plain_strands_create( out, shape->points, shape->strand_count, shape->vertices, def.line_density ) )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the scalar C version of %d strands",
-                          shape->strand_count );
-    }
-    out->bend_compliance = STRANDS_BEND_COMPLIANCE;
-    out->stretch = which == STRANDS_PLAIN_SWEEP ? PLAIN_STRAND_SWEEP : PLAIN_STRAND_TRIDIAGONAL;
-    out->substeps = PLAIN_SUBSTEPS;
-    return WISP_OK;
-}
-
-static void add_variant( comparison* r, const char* name, bench_variant variant )
-{
-    r->variants[r->variant_count] = variant;
-    r->variants[r->variant_count].name = name;
-    ++r->variant_count;
-}
 
 static wisp_status enter( const strands_plan* plan, const strands_comparison_size* size, comparison* r,
                           wisp_error* error )
 {
     wisp_status status = strands_shape_make_horizontal( size->strands, &r->shape, error );
-    for ( int i = 0; i < size->plain_count && status == WISP_OK; ++i )
-    {
-        status = make_plain( &r->shape, i, &r->plain[i], error );
-        add_variant( r, strands_plain_names[i], ( bench_variant ){ .step = step_plain, .context = &r->plain[i] } );
-    }
     for ( int i = 0; i < size->setting_count * plan->worker_count && status == WISP_OK; ++i )
     {
         const strands_setting* setting = &strands_comparison_settings[i / plan->worker_count];
@@ -137,10 +99,10 @@ static wisp_status enter( const strands_plan* plan, const strands_comparison_siz
         generator.substeps = setting->substeps;
         generator.workers = plan->workers[i % plan->worker_count];
         status = strands_implementation_create( &generator, &r->implementations[i], error );
-        add_variant( r, setting->name,
-                     ( bench_variant ){ .step = strands_implementation_step,
-                                        .after = strands_implementation_keep_profile,
-                                        .context = &r->implementations[i] } );
+        r->variants[r->variant_count++] = ( bench_variant ){ .name = setting->name,
+                                                             .step = strands_implementation_step,
+                                                             .after = strands_implementation_keep_profile,
+                                                             .context = &r->implementations[i] };
     }
     return status;
 }
@@ -151,10 +113,6 @@ static void leave( comparison* r )
     for ( int i = 0; i < IMPLEMENTATIONS_MAX; ++i )
     {
         strands_implementation_destroy( &r->implementations[i] );
-    }
-    for ( int i = 0; i < STRANDS_PLAIN_COUNT; ++i )
-    {
-        plain_strands_destroy( &r->plain[i] );
     }
     strands_shape_free( &r->shape );
 }
@@ -216,33 +174,6 @@ static wisp_status judge( const strands_plan* plan, const reference* t, comparis
     return status;
 }
 
-// Scalar C is too slow to be followed at every size: the strands of the reference stand for all.
-static wisp_status judge_plain( const strands_plan* plan, const reference* t, strands_line* lines, wisp_error* error )
-{
-    strands_shape shape = { 0 };
-    wisp_status status = strands_shape_make_horizontal( t->vertex_count / STRANDS_VERTICES, &shape, error );
-    for ( int i = 0; i < STRANDS_PLAIN_COUNT && status == WISP_OK; ++i )
-    {
-        plain_strands plain = { 0 };
-        status = make_plain( &shape, i, &plain, error );
-        for ( int step = 1; step <= plan->scenario_steps && status == WISP_OK; ++step )
-        {
-            plain_strands_step( &plain, STRANDS_STEP );
-            if ( step % OBSERVATION_STEPS == 0 )
-            {
-                observe( &shape, plain.position, plan->scenario_steps / OBSERVATION_STEPS, &lines[i] );
-            }
-            if ( step == STRANDS_REFERENCE_STEPS )
-            {
-                lines[i].error = error_to( t, WISP_STRAND_BEND_LINKS, plain.position, t->vertex_count );
-            }
-        }
-        plain_strands_destroy( &plain );
-    }
-    strands_shape_free( &shape );
-    return status;
-}
-
 // ---- times ----
 
 static void keep_kernels( const strands_plan* plan, comparison* r, int setting, strands_kernel_times* out )
@@ -262,13 +193,9 @@ static void keep_kernels( const strands_plan* plan, comparison* r, int setting, 
 
 static void conclude( const strands_plan* plan, comparison* r, strands_comparison_size* size, results* out )
 {
-    for ( int i = 0; i < size->plain_count; ++i )
-    {
-        size->plain[i].ms[0] = bench_summarise( &r->variants[i] );
-    }
     for ( int i = 0; i < size->setting_count * plan->worker_count; ++i )
     {
-        bench_variant* variant = &r->variants[size->plain_count + i];
+        bench_variant* variant = &r->variants[i];
         strands_line* line = &size->ours[i / plan->worker_count];
         line->ms[i % plan->worker_count] = bench_summarise( variant );
         line->laid = wisp_world_counter( r->implementations[i].world, WISP_COUNT_STRAND_RESET );
@@ -310,10 +237,8 @@ wisp_status strands_comparison( const strands_plan* plan, results* out, wisp_err
 {
     strands_comparison_size* sizes = calloc( STRANDS_SIZES_MAX, sizeof( strands_comparison_size ) );
     reference t = { 0 };
-    strands_line plain[STRANDS_PLAIN_COUNT] = { { .stretch_max = 0.0 } };
     wisp_status status = sizes ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for the race" );
     status = status == WISP_OK ? find_reference( STRANDS_REFERENCE_STRANDS, &t, error ) : status;
-    status = status == WISP_OK ? judge_plain( plan, &t, plain, error ) : status;
     double deadline = wisp_clock_seconds() + plan->comparison_seconds;
     for ( int i = 0; i < plan->size_count && status == WISP_OK; ++i )
     {
@@ -321,13 +246,7 @@ wisp_status strands_comparison( const strands_plan* plan, results* out, wisp_err
         size->strands = plan->sizes[i];
         size->setting_count =
             size->strands <= plan->few_settings_strands ? strands_comparison_setting_count : plan->few_settings;
-        size->plain_count = size->strands <= plan->plain_strands ? STRANDS_PLAIN_COUNT : 0;
-        for ( int p = 0; p < STRANDS_PLAIN_COUNT; ++p )
-        {
-            size->plain[p] = plain[p];
-            size->plain[p].ms[0].median = NAN;
-        }
-        bench_progress( plan->options, 0.1 * i, "strands against scalar C" );
+        bench_progress( plan->options, 0.1 * i, "strands by size" );
         double left = fmax( deadline - wisp_clock_seconds(), 0.0 ) / ( plan->size_count - i );
         status = run_size( plan, &t, left, size, out, error );
     }

@@ -11,8 +11,8 @@ typedef struct strands_line
     stats_summary ms[STRANDS_WORKERS_MAX];
     double stretch_max, stretch_mean; ///< averages over the observations
     double error;                     ///< share of a strand's length, root mean square over vertices
-    uint64_t hash;                    ///< ours only
-    uint64_t laid;                    ///< strands laid out from the root so far
+    uint64_t hash;
+    uint64_t laid; ///< strands laid out from the root so far
     int halted_at;
 } strands_line;
 
@@ -31,8 +31,6 @@ typedef struct strands_comparison_size
 {
     int strands;
     int setting_count;
-    int plain_count; ///< 0: too slow to wait for
-    strands_line plain[STRANDS_PLAIN_COUNT];
     strands_line ours[STRANDS_SETTINGS_MAX];
     strands_kernel_times kernels[STRANDS_SETTINGS_MAX];
 } strands_comparison_size;

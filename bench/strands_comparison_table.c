@@ -1,4 +1,4 @@
-// The tables of the race of strands: ours and scalar C beside other engines, and the kernels alone.
+// The tables of the race of strands: ours beside other engines, and the kernels alone.
 #include "rows_chart.h"
 #include "strands_comparison.h"
 
@@ -64,7 +64,6 @@ static int begin_table( const strands_plan* plan, results* out )
         cells_put( &row, "%d %s ns per vertex and substep", plan->workers[w],
                    bench_workers_word( plan->workers[w] ) );
     }
-    cells_put( &row, "speedup over scalar C" );
     cells_put( &row, "stretch %%, max / mean" );
     cells_put( &row, "error %%" );
     cells_put( &row, "strand resets" );
@@ -77,15 +76,14 @@ static int begin_table( const strands_plan* plan, results* out )
                               out );
 }
 
-static void put_times( const strands_plan* plan, int strands, int substeps, const strands_line* line, int count,
-                       cells* row )
+static void put_times( const strands_plan* plan, int strands, int substeps, const strands_line* line, cells* row )
 {
     for ( int w = 0; w < plan->worker_count; ++w )
     {
         const stats_summary* ms = &line->ms[w];
-        if ( line->halted_at > 0 || w >= count )
+        if ( line->halted_at > 0 )
         {
-            cells_put( row, line->halted_at > 0 ? "halted at step %d" : "-", line->halted_at );
+            cells_put( row, "halted at step %d", line->halted_at );
             cells_put( row, "-" );
             cells_put( row, "-" );
             continue;
@@ -110,29 +108,6 @@ static void put_peers( const peer_times* peer, cells* row )
     cells_put_number( row, peer ? peer->bullet : NAN, 1 );
 }
 
-static void add_plain_line( const strands_plan* plan, const strands_comparison_size* size, int which, int table,
-                            results* out )
-{
-    cells row = { .count = 0 };
-    cells_put( &row, "%d", size->strands );
-    cells_put( &row, "%s", strands_plain_names[which] );
-    cells_put( &row, "%d", 10 );
-    put_times( plan, size->strands, 10, &size->plain[which], 1, &row );
-    cells_put( &row, "1.0" );
-    put_errors( &size->plain[which], &row );
-    cells_put( &row, "-" );
-    cells_put( &row, "-" );
-    put_peers( NULL, &row );
-    cells_end_row( &row, table, out );
-}
-
-// Links race with the sweeps of scalar C, the others with its tridiagonal system.
-static const strands_line* rival( const strands_comparison_size* size, int setting )
-{
-    bool sweeps = strands_comparison_settings[setting].stretch == WISP_STRAND_STRETCH_LINKS;
-    return &size->plain[sweeps ? STRANDS_PLAIN_SWEEP : STRANDS_PLAIN_TRIDIAGONAL];
-}
-
 static void add_line( const strands_plan* plan, const strands_comparison_size* size, int s, int table, results* out )
 {
     const strands_setting* setting = &strands_comparison_settings[s];
@@ -141,11 +116,7 @@ static void add_line( const strands_plan* plan, const strands_comparison_size* s
     cells_put( &row, "%d", size->strands );
     cells_put( &row, "%s", setting->name );
     cells_put( &row, "%d", setting->substeps );
-    put_times( plan, size->strands, setting->substeps, line, plan->worker_count, &row );
-    double theirs = ns( size->strands, 10, rival( size, s )->ms[0].median );
-    double mine = ns( size->strands, setting->substeps, line->ms[0].median );
-    bool is_same_bend = setting->bend == WISP_STRAND_BEND_LINKS;
-    cells_put_number( &row, is_same_bend ? theirs / mine : NAN, 1 );
+    put_times( plan, size->strands, setting->substeps, line, &row );
     put_errors( line, &row );
     cells_put( &row, "%llu", (unsigned long long)line->laid );
     cells_put_hash( &row, line->hash );
@@ -173,15 +144,11 @@ static void put_row( int strands, const char* variant, int substeps, const stran
     results_put( &row->error, "stretch_mean", line->stretch_mean );
     results_put( &row->error, "rms_share_of_length", line->error );
     row->hash = line->hash;
-    row->has_hash = line->hash != 0;
+    row->has_hash = true;
 }
 
 static void put_rows( const strands_plan* plan, const strands_comparison_size* size, results* out )
 {
-    for ( int i = 0; i < size->plain_count; ++i )
-    {
-        put_row( size->strands, strands_plain_names[i], 10, &size->plain[i], 0, 1, out );
-    }
     for ( int s = 0; s < size->setting_count; ++s )
     {
         for ( int w = 0; w < plan->worker_count; ++w )
@@ -322,8 +289,6 @@ static void add_notes( const strands_plan* plan, results* out )
                       "at %d steps of 1/60 s (later the motion is chaotic): root mean square distance of the first "
                       "%d strands in %% of their length.",
                       STRANDS_REFERENCE_SUBSTEPS, STRANDS_REFERENCE_STEPS, STRANDS_REFERENCE_STRANDS );
-    results_add_note(
-        out, "Strands: scalar C is measured on these strands once. It has no rods, so rods have no such speedup." );
 }
 
 // ---- charts ----
@@ -362,10 +327,6 @@ void strands_comparison_write( const strands_plan* plan, const strands_compariso
     int table = begin_table( plan, out );
     for ( int i = 0; i < count; ++i )
     {
-        for ( int p = 0; p < sizes[i].plain_count; ++p )
-        {
-            add_plain_line( plan, &sizes[i], p, table, out );
-        }
         for ( int s = 0; s < sizes[i].setting_count; ++s )
         {
             add_line( plan, &sizes[i], s, table, out );

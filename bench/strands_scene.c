@@ -51,18 +51,6 @@ wisp_status strands_shape_make_horizontal( int strand_count, strands_shape* out,
     return status;
 }
 
-wisp_status strands_shape_make_straight( int vertices, wisp_vec3 direction, double length, strands_shape* out,
-                                         wisp_error* error )
-{
-    wisp_status status = strands_shape_create( 1, vertices, out, error );
-    for ( int v = 0; v < vertices && status == WISP_OK; ++v )
-    {
-        float along = (float)( length * v / ( vertices - 1 ) );
-        out->points[v] = ( wisp_vec3 ){ along * direction.x, along * direction.y, along * direction.z };
-    }
-    return status;
-}
-
 // ---- worlds ----
 
 strands_generator strands_default_generator( const strands_shape* shape )
@@ -93,10 +81,6 @@ static wisp_status add_strands( strands_implementation* implementation )
     if ( status == WISP_OK )
     {
         status = wisp_request( implementation->world, implementation->entity, WISP_STRAND_POINTS );
-    }
-    if ( status == WISP_OK && implementation->generator.has_motion_stats )
-    {
-        status = wisp_request( implementation->world, implementation->entity, WISP_MOTION_STATS );
     }
     return status;
 }

@@ -30,10 +30,6 @@ int strands_shape_size( const strands_shape* shape );
 /// The scene of the race: every strand straight and horizontal, each in a direction of its own, so that no two lanes do the
 /// same. A strand does not depend on how many there are.
 wisp_status strands_shape_make_horizontal( int strand_count, strands_shape* out, wisp_error* error );
-/// One straight strand from the origin. @param direction unit @param length m
-wisp_status strands_shape_make_straight( int vertices, wisp_vec3 direction, double length, strands_shape* out,
-                                         wisp_error* error );
-
 // ---- worlds ----
 
 typedef struct strands_generator
@@ -41,9 +37,8 @@ typedef struct strands_generator
     const strands_shape* shape; ///< the caller's, who keeps it until the implementation is gone
     wisp_strand_dynamics_def dynamics;
     int substeps, workers;
-    int iterations;        ///< of what is not solved directly: sweeps a substep
-    float seconds;         ///< a step
-    bool has_motion_stats; ///< energies are wanted too
+    int iterations; ///< of what is not solved directly: sweeps a substep
+    float seconds;  ///< a step
 } strands_generator;
 
 /// Steps of 1/60 s, one worker, ten substeps of one iteration, the engine's defaults.

@@ -10,7 +10,6 @@ const strands_setting strands_comparison_settings[] = {
     { "direct, rod", WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_BEND_ROD, 2, 4 },
 };
 const int strands_comparison_setting_count = WISP_COUNT( strands_comparison_settings );
-const char* const strands_plain_names[STRANDS_PLAIN_COUNT] = { "plain C, sweeps", "plain C, tridiagonal" };
 
 wisp_strand_dynamics_def strands_setting_dynamics( const strands_setting* setting )
 {

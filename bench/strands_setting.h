@@ -19,15 +19,7 @@ wisp_strand_dynamics_def strands_setting_dynamics( const strands_setting* settin
 /// other engines does; being a compliance it stays the same material at other substeps.
 #define STRANDS_BEND_COMPLIANCE 68.0f
 
-// ---- the comparison with scalar C ----
-
-enum
-{
-    STRANDS_PLAIN_SWEEP,
-    STRANDS_PLAIN_TRIDIAGONAL,
-    STRANDS_PLAIN_COUNT,
-};
+// ---- the comparison ----
 
 extern const strands_setting strands_comparison_settings[];
 extern const int strands_comparison_setting_count;
-extern const char* const strands_plain_names[STRANDS_PLAIN_COUNT];

@@ -4,7 +4,6 @@
 #include "wisp/module/module.h"
 
 #include <math.h>
-#include <string.h>
 
 surface_generator surface_default_generator( const wisp_module* module, wisp_fabric* fabric )
 {
@@ -127,19 +126,6 @@ void surface_implementation_velocities( surface_implementation* implementation, 
         const float* row = v + 4 * (size_t)implementation->fabric->vertex_slot[i];
         out[i] = ( wisp_vec3 ){ row[0], row[1], row[2] };
     }
-}
-
-double surface_implementation_pass_ms( surface_implementation* implementation, const char* beginning )
-{
-    double sum = 0.0;
-    for ( int i = 0; i < implementation->profile.pass_count; ++i )
-    {
-        if ( strncmp( implementation->profile.passes[i].name, beginning, strlen( beginning ) ) == 0 )
-        {
-            sum += 1e3 * profile_samples_median( &implementation->profile, i );
-        }
-    }
-    return sum;
 }
 
 static double edge_length( const float* a, const float* b )

@@ -63,8 +63,6 @@ wisp_status surface_implementation_points( surface_implementation* implementatio
                                            wisp_error* error );
 /// Velocities in the user's order. @param out [vertex_count]
 void surface_implementation_velocities( surface_implementation* implementation, wisp_vec3* out );
-/// Median milliseconds a step of all passes whose names begin so.
-double surface_implementation_pass_ms( surface_implementation* implementation, const char* beginning );
 
 typedef struct surface_observation
 {

@@ -7,8 +7,9 @@
 
 enum
 {
+    LEVEL = 1, // 42 vertices
     FILL_STEPS = 60,
-    FIRST_LEVEL = 1, // all finer meshes contain its vertices
+    FILL_SUBSTEPS = 640,
 };
 
 #define FILL_DAMPING 45.0f
@@ -36,27 +37,13 @@ double flight_distance( const flight_path* a, const flight_path* b )
 
 // ---- bodies ----
 
-// Finer meshes keep the vertices of coarser ones, so that the outlet stays where it is.
-static int nearest_vertex( const wisp_mesh* mesh, wisp_vec3 place )
-{
-    int best = 0;
-    float least = INFINITY;
-    for ( int i = 0; i < mesh->vertex_count; ++i )
-    {
-        const float x = mesh->points[i].x - place.x, y = mesh->points[i].y - place.y, z = mesh->points[i].z - place.z;
-        const float distance = x * x + y * y + z * z;
-        best = distance < least ? i : best;
-        least = fminf( least, distance );
-    }
-    return best;
-}
-
-wisp_status flight_fill_body( flight_body* body, int substeps, wisp_error* error )
+// Fill it in short substeps and let it come to rest.
+static wisp_status fill( flight_body* body, wisp_error* error )
 {
     balloon_setting setting = balloon_setting_in_vacuum();
     setting.def.gas_ratio = FLIGHT_FILL;
     setting.damping = FILL_DAMPING;
-    setting.substeps = substeps;
+    setting.substeps = FILL_SUBSTEPS;
     setting.iterations = 1;
     setting.seconds = ACCURACY_FRAME;
     surface_implementation implementation = { 0 };
@@ -75,41 +62,23 @@ wisp_status flight_fill_body( flight_body* body, int substeps, wisp_error* error
     return status;
 }
 
-static wisp_status make_pear( int level, wisp_mesh* out, wisp_error* error )
-{
-    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PEAR );
-    generator.radius = BALLOON_RADIUS;
-    generator.level = level;
-    return wisp_mesh_generate( &generator, out, error );
-}
-
-// Next to the centre, at a vertex of the coarsest mesh.
-static wisp_status find_outlet( flight_body* body, wisp_error* error )
-{
-    wisp_mesh coarse = { 0 };
-    wisp_status status = make_pear( FIRST_LEVEL, &coarse, error );
-    if ( status == WISP_OK )
-    {
-        const int vertex = balloon_mesh_extreme( &coarse, ( wisp_vec3 ){ 1.0f, 0.5f, 0.2f } );
-        body->outlet = nearest_vertex( &body->mesh, coarse.points[vertex] );
-    }
-    wisp_mesh_release( &coarse );
-    return status;
-}
-
-wisp_status flight_make_body( int level, flight_body* out, wisp_error* error )
+wisp_status flight_make_body( flight_body* out, wisp_error* error )
 {
     const balloon_setting setting = balloon_default_setting();
     *out = ( flight_body ){ .fabric = NULL };
-    wisp_status status = make_pear( level, &out->mesh, error );
-    status = status == WISP_OK ? find_outlet( out, error ) : status;
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PEAR );
+    generator.radius = BALLOON_RADIUS;
+    generator.level = LEVEL;
+    wisp_status status = wisp_mesh_generate( &generator, &out->mesh, error );
     status = status == WISP_OK ? balloon_cook( &out->mesh, &setting, &out->fabric, error ) : status;
     if ( status != WISP_OK )
     {
         return status;
     }
+    // next to the centre, so that the jet turns the body
+    out->outlet = balloon_mesh_extreme( &out->mesh, ( wisp_vec3 ){ 1.0f, 0.5f, 0.2f } );
     out->full = malloc( (size_t)out->mesh.vertex_count * sizeof( wisp_vec3 ) );
-    return out->full ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for a full balloon" );
+    return out->full ? fill( out, error ) : wisp_fail( error, WISP_NO_MEMORY, "no memory for a full balloon" );
 }
 
 void flight_free_body( flight_body* body )
@@ -198,68 +167,7 @@ wisp_status flight_fly( const flight_body* body, balloon_setting setting, int wo
     return status;
 }
 
-// ---- the reference ----
-
-static accuracy_reference reference_of( const char* scene, const flight_body* body, int number_count )
-{
-    const balloon_setting setting = flight_setting( 1, 1 );
-    accuracy_reference reference = { .number_count = number_count };
-    snprintf( reference.scene, sizeof( reference.scene ), "%s", scene );
-    accuracy_reference_put( &reference, "vertices", body->mesh.vertex_count );
-    accuracy_reference_put( &reference, "outlet at vertex", body->outlet );
-    accuracy_reference_put( &reference, "outlet, m2", (double)setting.def.outlet_area );
-    accuracy_reference_put( &reference, "area density, kg/m2", (double)setting.area_density );
-    accuracy_reference_put( &reference, "fill", (double)setting.def.gas_ratio );
-    accuracy_reference_put( &reference, "stiffness of edges, N/m", (double)setting.def.edge_stiffness );
-    accuracy_reference_put( &reference, "stiffness across edges, N/m", (double)setting.def.bend_link_stiffness );
-    accuracy_reference_put( &reference, "atmosphere, Pa", (double)setting.def.atmospheric_pressure );
-    accuracy_reference_put( &reference, "drag", (double)setting.def.drag_coefficient );
-    accuracy_reference_put( &reference, "gravity, m/s2", -(double)setting.gravity.y );
-    accuracy_reference_put( &reference, "steps a second", 1.0 / (double)ACCURACY_FRAME );
-    accuracy_reference_put( &reference, "steps", FLIGHT_STEPS );
-    accuracy_reference_put_start( &reference, body->mesh.points, body->mesh.vertex_count );
-    return reference;
-}
-
-accuracy_reference flight_reference( const flight_body* body )
-{
-    return reference_of( "balloon_flight", body, FLIGHT_NUMBERS + 3 * body->mesh.vertex_count );
-}
-
-const int flight_paces[FLIGHT_PACES] = { 10, 40 };
-
-accuracy_reference flight_meshes_reference( const flight_body* finest )
-{
-    accuracy_reference reference = reference_of( "balloon_meshes", finest, FLIGHT_PACES * FLIGHT_NUMBERS );
-    accuracy_reference_put( &reference, "substeps that fill it", FLIGHT_MESHES_FILL );
-    for ( int pace = 0; pace < FLIGHT_PACES; ++pace )
-    {
-        char name[40];
-        snprintf( name, sizeof( name ), "substeps of flight %d", pace + 1 );
-        accuracy_reference_put( &reference, name, flight_paces[pace] );
-    }
-    return reference;
-}
-
-void flight_put_path( const flight_path* path, double* numbers )
-{
-    memcpy( numbers, path->centre[1], 3 * FLIGHT_STEPS * sizeof( double ) );
-    numbers += 3 * FLIGHT_STEPS;
-    numbers[0] = path->speed;
-    numbers[1] = path->spin;
-    numbers[2] = path->volume;
-}
-
-flight_path flight_take_path( const double* numbers )
-{
-    flight_path path = { .impulse = NAN, .impulse_missing = NAN };
-    memcpy( path.centre[1], numbers, 3 * FLIGHT_STEPS * sizeof( double ) );
-    numbers += 3 * FLIGHT_STEPS;
-    path.speed = numbers[0];
-    path.spin = numbers[1];
-    path.volume = numbers[2];
-    return path;
-}
+// ---- the distance to the reference ----
 
 void flight_judge( const flight_path* path, const flight_path* reference, accuracy_run* out )
 {

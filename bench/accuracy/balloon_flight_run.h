@@ -1,9 +1,8 @@
-/// A balloon without symmetry that is released, for the scenes `balloon_flight` and `balloon_meshes`: the body, a
-/// flight, and the distance between two flights.
+/// A balloon without symmetry that is released, for the scene `balloon_flight`: the body, a flight of the engine, one of
+/// the oracle, and the distance between two flights.
 #pragma once
 
 #include "accuracy_surface.h"
-#include "accuracy_reference.h"
 
 #include "balloon_scene.h"
 
@@ -27,14 +26,12 @@ typedef struct flight_body
     wisp_mesh mesh;
     wisp_fabric* fabric;
     wisp_vec3* full; ///< [vertex_count] start of the flights: at rest and filled
-    int outlet;      ///< vertex, at the same position on every mesh
+    int outlet;      ///< vertex
 } flight_body;
 
-/// Make an empty balloon and allocate `full`. @param level of the pear's icosphere
+/// Make a balloon, fill it and let it come to rest.
 /// @param out to be given to flight_free_body() even after a failure
-wisp_status flight_make_body( int level, flight_body* out, wisp_error* error );
-/// Fill it and let it come to rest; `full` receives the positions.
-wisp_status flight_fill_body( flight_body* body, int substeps, wisp_error* error );
+wisp_status flight_make_body( flight_body* out, wisp_error* error );
 void flight_free_body( flight_body* body );
 
 /// Settings of a flight: in air, with an open outlet next to the centre.
@@ -44,30 +41,8 @@ balloon_setting flight_setting( int substeps, int iterations );
 wisp_status flight_fly( const flight_body* body, balloon_setting setting, int workers, accuracy_run* out,
                         flight_path* path, wisp_error* error );
 
-// ---- the reference ----
-
-enum
-{
-    FLIGHT_LEVEL = 1,           // 42 vertices: of the scene `balloon_flight`
-    FLIGHT_FILL_SUBSTEPS = 640, // substeps of its filling
-    FLIGHT_MESHES_LEVEL = 4,    // 2562 vertices: the reference of `balloon_meshes`
-    FLIGHT_MESHES_FILL = 10,    // substeps of the filling of all of those
-    FLIGHT_PACES = 2,           // of `balloon_meshes`
-    FLIGHT_NUMBERS = 3 * FLIGHT_STEPS + 3,
-};
-
-/// Substeps of a flight of `balloon_meshes`.
-extern const int flight_paces[FLIGHT_PACES];
-
-// Scene, facts and size of a reference. A flight is FLIGHT_NUMBERS: [steps][3] m, the centre after every step; then
-// final speed, spin and volume.
-
-/// For `balloon_flight`: a flight, followed by [vertices][3] m, the start of the flights.
-accuracy_reference flight_reference( const flight_body* body );
-/// For `balloon_meshes`: one flight per number of substeps. @param finest the body of FLIGHT_MESHES_LEVEL
-accuracy_reference flight_meshes_reference( const flight_body* finest );
-void flight_put_path( const flight_path* path, double* numbers );
-flight_path flight_take_path( const double* numbers );
+/// The same flight in double precision, by the oracle, with one iteration of each substep.
+wisp_status flight_fly_oracle( const flight_body* body, int substeps, flight_path* path, wisp_error* error );
 
 /// Put the distance to the reference, in mm, and the measures below into a sampled run.
 void flight_judge( const flight_path* path, const flight_path* reference, accuracy_run* out );

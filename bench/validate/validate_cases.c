@@ -12,8 +12,6 @@
 #include "validate_slip.h"
 #include "validate_writhe.h"
 
-accuracy_scene_fn accuracy_closed_forms, accuracy_strands_chain, accuracy_balloon_inflate;
-
 static const validate_case cases[] = {
     {
         .name = "cantilever",
@@ -203,7 +201,7 @@ static const validate_case cases[] = {
     {
         .name = "chain",
         .title = "hanging chains swing in their two slowest modes",
-        .make = accuracy_strands_chain,
+        .make = validate_chain,
         .tests = "periods and lost amplitude of strands without bending",
         .left_out = "large swings",
         .formula = "w_k = sqrt(n g x_k / L) of n masses, x_k the roots of the Laguerre polynomial L_n",
@@ -279,20 +277,9 @@ static const validate_case cases[] = {
         .source = "Newton 1687, book II",
     },
     {
-        .name = "forms",
-        .title = "free fall, air, inclines, hanging at rest, gas",
-        .make = accuracy_closed_forms,
-        .tests = "each law alone: fall, angular momentum, terminal velocity, Coulomb's incline, an elastic bar, a "
-                 "catenary, the lift of helium, the law of Laplace, "
-                 "an outlet",
-        .left_out = "what laws do to each other",
-        .formula = "in the names of the series",
-        .source = "statics and mechanics of textbooks",
-    },
-    {
         .name = "balloon",
         .title = "a sphere filled with gas: pressure and size",
-        .make = accuracy_balloon_inflate,
+        .make = validate_inflate,
         .tests = "gas law and skin in balance, over the peak of the pressure",
         .left_out = "skins with a strain energy, such as rubber",
         .formula = "p = sum(k l^2) (s - 1) / (3 V0 s^2), exact for the mesh",

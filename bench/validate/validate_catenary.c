@@ -1,8 +1,8 @@
 // A strip of one row of cells, or a strand, hung between two supports: its rest is the catenary.
 #include "validate_motion.h"
 
-#include "accuracy/closed_forms.h"
 #include "oracle/sheet_theory.h"
+#include "surface_implementation.h"
 #include "validate_settings.h"
 #include "validate_sheets.h"
 
@@ -52,6 +52,18 @@ static wisp_status measure( validate_world* world, int cells, accuracy_run* out,
     return status;
 }
 
+// Half of the strip over half of the span, a right triangle.
+static void lay_halves( const wisp_mesh* mesh, int cells, wisp_vec3* out )
+{
+    const double depth = sqrt( 0.25 - 0.25 * SPAN * SPAN );
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        const double t = (double)( v % ( cells + 1 ) ) / cells;
+        out[v] = ( wisp_vec3 ){ (float)( SPAN * ( t - 0.5 ) ), (float)( -2.0 * depth * fmin( t, 1.0 - t ) ),
+                                mesh->points[v].z };
+    }
+}
+
 static wisp_status hang( const validate_setting* setting, bool is_observed, validate_world* world, wisp_error* error )
 {
     const int cells = setting->cells;
@@ -61,7 +73,7 @@ static wisp_status hang( const validate_setting* setting, bool is_observed, vali
     wisp_status status = surface_plane( cells + 1, 2, 1.0 / cells, &mesh, error );
     if ( status == WISP_OK )
     {
-        closed_lay_halves( &mesh, cells, SPAN, start );
+        lay_halves( &mesh, cells, start );
         const sheet_def def = {
             .solver = (sheet_solver)setting->solver,
             .mesh = &mesh,

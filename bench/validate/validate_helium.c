@@ -1,6 +1,6 @@
 #include "validate_helium.h"
 
-#include "accuracy/balloon_reference.h"
+#include "validate_equilibrium.h"
 #include "oracle/balloon_oracle.h"
 #include "oracle/balloon_theory.h"
 

@@ -2,8 +2,7 @@
 #include "validate_balloons.h"
 
 #include "accuracy/accuracy_surface.h"
-#include "accuracy/balloon_reference.h"
-#include "accuracy/closed_forms.h"
+#include "validate_equilibrium.h"
 #include "oracle/balloon_oracle.h"
 #include "oracle/balloon_theory.h"
 
@@ -235,7 +234,7 @@ static void put_settings( accuracy_scene* out )
         way w = usual_way();
         w.level = level;
         w.substeps = FINE_SUBSTEPS;
-        put( out, w, "mesh", "edge / R", closed_sphere_edge( level ) );
+        put( out, w, "mesh", "edge / R", validate_sphere_edge( level ) );
     }
     static const double outlets[] = { 2.0, 0.5, 0.25 };
     for ( int i = 0; i < WISP_COUNT( outlets ); ++i )

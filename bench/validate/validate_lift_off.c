@@ -1,7 +1,6 @@
 // Balloons of helium with loads from a little below what they lift to a little above: which of them rise.
 #include "validate_balloons.h"
 
-#include "accuracy/closed_forms.h"
 #include "validate_helium.h"
 #include "validate_world.h"
 
@@ -123,7 +122,7 @@ static void put_levels( accuracy_scene* out, validate_helium_way way )
     for ( int level = 0; level <= 3; ++level )
     {
         way.level = level;
-        put( out, way, "mesh", "edge / R", closed_sphere_edge( level ) );
+        put( out, way, "mesh", "edge / R", validate_sphere_edge( level ) );
     }
 }
 

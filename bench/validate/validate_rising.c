@@ -1,7 +1,6 @@
 // A balloon of helium rises until the drag of the air holds its lift: the speed of ascent.
 #include "validate_balloons.h"
 
-#include "accuracy/closed_forms.h"
 #include "oracle/balloon_theory.h"
 #include "validate_helium.h"
 
@@ -97,7 +96,7 @@ static void put_levels( accuracy_scene* out, validate_helium_way way )
     for ( int level = 1; level <= 4; ++level )
     {
         way.level = level;
-        put( out, way, "mesh", "edge / R", closed_sphere_edge( level ) );
+        put( out, way, "mesh", "edge / R", validate_sphere_edge( level ) );
     }
 }
 

@@ -3,7 +3,6 @@
 // behind the limit point.
 #include "validate_balloons.h"
 
-#include "accuracy/closed_forms.h"
 #include "accuracy/scene_tools.h"
 #include "balloon_scene.h"
 #include "oracle/membrane_oracle.h"
@@ -185,7 +184,7 @@ static void put( accuracy_scene* out, way w )
         accuracy_put_setting( out, "membrane, %d triangles, %d substeps", 20 << 2 * w.level, w.substeps );
     accuracy_join_series( s, w.by_substeps ? "membrane by substeps" : "membrane by edges",
                           w.by_substeps ? "substep, s" : "edge / R",
-                          w.by_substeps ? (double)VALIDATE_STEP / w.substeps : closed_sphere_edge( w.level ), 2.0 );
+                          w.by_substeps ? (double)VALIDATE_STEP / w.substeps : validate_sphere_edge( w.level ), 2.0 );
 }
 
 wisp_status validate_rubber( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )

@@ -4,7 +4,7 @@
 
 #include <jansson.h>
 
-// A cheap scene with a stored reference.
+// A cheap scene.
 #define RUN "bench accuracy --seconds 2 --scene balloon_flight --format json "
 
 // The only keys of a row that depend on the date, and on the number of runs within the time.

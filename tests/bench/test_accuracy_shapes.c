@@ -1,23 +1,5 @@
-// Scenes of frozen hair and of particles in contact of the case `accuracy`, and the closed form of the heavy elastica.
+// Scenes of frozen hair and of particles in contact of the case `accuracy`.
 #include "accuracy_scenes.h"
-#include "elastica.h"
-
-static void the_elastica_has_the_numbers_of_the_closed_form( void** state )
-{
-    (void)state;
-    // G, drop and reach of the length, by another integration in double
-    static const double known[][3] = { { 1.0, 0.12347140, 0.99124640 },
-                                       { 10.0, 0.70019972, 0.65635376 },
-                                       { 100.0, 0.93752394, 0.15922338 } };
-    for ( int i = 0; i < 3; ++i )
-    {
-        double points[5][2];
-        elastica_lay( known[i][0], 5, points );
-        assert_true( fabs( -points[4][1] - known[i][1] ) < 1e-6 );
-        assert_true( fabs( points[4][0] - known[i][2] ) < 1e-6 );
-        assert_true( points[0][0] == 0.0 && points[0][1] == 0.0 );
-    }
-}
 
 static void fewer_neighbours_are_another_shape( void** state )
 {
@@ -68,7 +50,6 @@ static void what_is_kept_apart_overlaps_less_the_closer_it_is_watched( void** st
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_elastica_has_the_numbers_of_the_closed_form ),
         cmocka_unit_test( fewer_neighbours_are_another_shape ),
         cmocka_unit_test( shorter_steps_of_clumping_come_nearer ),
         cmocka_unit_test( what_is_kept_apart_overlaps_less_the_closer_it_is_watched ),

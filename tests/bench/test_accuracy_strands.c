@@ -1,8 +1,6 @@
-// Scenes of strands of the case `accuracy`: errors fall with their parameter as expected, closed forms are met,
-// strands at rest stay there, and hashes depend on nothing but the setting.
+// Scenes of strands of the case `accuracy`: errors fall with their parameter as expected, strands at rest stay there,
+// and hashes depend on nothing but the setting.
 #include "accuracy_scenes.h"
-
-accuracy_scene_fn accuracy_strands_chain, accuracy_strands_elastica;
 
 static void strands_that_fall_come_nearer_at_first_order( void** state )
 {
@@ -40,47 +38,6 @@ static void lengths_cost_sweeps_and_not_direct_solves( void** state )
     // A falling strand cannot have more energy than it started with.
     assert_true( measure_of( &scene, &direct, "energy gained, mJ" ) < 0.0 );
     close_suite( &suite, &scene );
-}
-
-static void a_hanging_chain_swings_in_its_periods( void** state )
-{
-    (void)state;
-    accuracy_scene scene;
-    open_scene( accuracy_strands_chain, &scene );
-    assert_well_formed( &scene );
-    const accuracy_run fine = run_setting( &scene, "direct, 10 links, 10 substeps", 1, true );
-    assert_true( fine.error < 0.02 );
-    assert_true( measure_of( &scene, &fine, "second period %" ) < 0.02 );
-
-    // The period of implicit steps is of second order in them, and the chain's in its links.
-    const double by_substeps =
-        order_between( &scene, "direct, 10 links, 1 substeps", "direct, 10 links, 4 substeps", 4.0 );
-    const double by_links =
-        order_between( &scene, "vertices, 8 links, 40 substeps", "vertices, 32 links, 40 substeps", 4.0 );
-    assert_true( fabs( by_substeps - 2.0 ) < 0.2 );
-    assert_true( fabs( by_links - 2.0 ) < 0.2 );
-    assert_same_hash( &scene, "direct, 10 links, 2 substeps" );
-    close_scene( &scene );
-}
-
-static void a_heavy_rod_hangs_as_the_elastica( void** state )
-{
-    (void)state;
-    accuracy_scene scene;
-    open_scene( accuracy_strands_elastica, &scene );
-    assert_well_formed( &scene );
-    const accuracy_run rest = run_setting( &scene, "32 vertices, 10 substeps", 1, true );
-    assert_true( measure_of( &scene, &rest, "G = 1 %" ) < 0.02 );
-    assert_true( measure_of( &scene, &rest, "G = 10 %" ) < 0.1 );
-    assert_true( measure_of( &scene, &rest, "G = 100 %" ) < 0.4 );
-    const double order =
-        order_between( &scene, "16 vertices, 10 substeps", "64 vertices, 10 substeps", 63.0 / 15.0 ); // segments
-    assert_true( fabs( order - 2.0 ) < 0.2 );
-
-    // At rest except for rounding: one of 1.5e-8 m in a substep of 1.7 ms is 9 um/s, and there are several.
-    assert_true( measure_of( &scene, &rest, "jitter um/s" ) < 200.0 );
-    assert_same_hash( &scene, "4 vertices, 10 substeps" );
-    close_scene( &scene );
 }
 
 static void hair_that_is_balanced_stays_where_it_is( void** state )
@@ -149,8 +106,6 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( strands_that_fall_come_nearer_at_first_order ),
         cmocka_unit_test( lengths_cost_sweeps_and_not_direct_solves ),
-        cmocka_unit_test( a_hanging_chain_swings_in_its_periods ),
-        cmocka_unit_test( a_heavy_rod_hangs_as_the_elastica ),
         cmocka_unit_test( hair_that_is_balanced_stays_where_it_is ),
         cmocka_unit_test( balanced_curls_stay_at_any_number_of_substeps ),
         cmocka_unit_test( fewer_guides_miss_more ),

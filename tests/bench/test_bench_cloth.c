@@ -1,61 +1,18 @@
-// The cases of cloth, balloon and figures at very small sizes: their tables and rows, equal results of both sides of
-// a comparison, and failures of the run after an error.
+// The cases of cloth, balloon and figures at very small sizes: their tables and rows, and failures of the run after an
+// error.
 #include "bench_tables.h"
 
 #include "accuracy/accuracy.h"
 #include "balloon_bench.h"
 #include "program_data.h"
-#include "cloth_bench.h"
 #include "figures_bench.h"
 #include "figures_drape.h"
 #include "suite.h"
 #include "suite/suite_folder.h"
-#include "oracle/constraint_oracle.h"
-#include "wisp/module/module.h"
 
 static const bench_options quick = { .quick = true, .workers = 2 };
 
-static cloth_plan small_plan( void )
-{
-    cloth_plan plan = cloth_default_plan( &quick );
-    plan.comparison_sizes[0] = 8;
-    plan.comparison_sizes[1] = 12;
-    plan.comparison_count = 2;
-    plan.scenario = ( scenario_plan ){ .warm_steps = 6, .measured_steps = 10, .turn_steps = 3 };
-    plan.comparison_seconds = 0.0;
-    return plan;
-}
-
-// ---- the case of cloth ----
-
-static void the_comparison_has_a_line_a_size_with_an_error_and_a_hash( void** state )
-{
-    (void)state;
-    cloth_plan plan = small_plan();
-    results all = { 0 };
-    wisp_error error = { 0 };
-    assert_ok( cloth_comparison( &plan, &all, &error ), error );
-    assert_false( all.failed );
-    const results_table* table = find_table( &all, "Cloth against scalar C" );
-    assert_int_equal( table->row_count, 1 + 2 );
-    assert_string_equal( cell( table, 2, 0 ), "12" );
-    assert_int_equal( strlen( cell( table, 1, table->column_count - 1 ) ), 16 );
-
-    // scalar step, scalar pass and two worker counts per size
-    assert_int_equal( all.row_count, 2 * 4 );
-    for ( int r = 0; r < all.row_count; ++r )
-    {
-        const results_row* row = &all.rows[r];
-        assert_true( row->ms_median > 0.0 );
-        bool is_ours = strcmp( row->variant, "wisp" ) == 0;
-        assert_int_equal( row->has_hash, is_ours );
-        assert_int_equal( row->error.count > 0, is_ours );
-    }
-    assert_true( has_note( &all, "Claim: " ) );
-    results_free( &all );
-}
-
-// ---- its suites ----
+// ---- the suites of cloth ----
 
 static int count_suite_rows( const char* path )
 {
@@ -90,80 +47,7 @@ static void a_folder_without_suites_is_an_error( void** state )
     results_free( &all );
 }
 
-// ---- its reference ----
-
-static void the_reference_projects_as_the_oracle_does( void** state )
-{
-    (void)state;
-    cloth_scene scene;
-    wisp_fabric* fabric;
-    cloth_reference reference;
-    wisp_error error = { 0 };
-    assert_ok( cloth_scene_make( 6, true, &scene, &error ), error );
-    assert_ok( cloth_cook( &scene, &fabric, &error ), error );
-    assert_ok( cloth_reference_create( &scene, fabric, &reference, &error ), error );
-    assert_int_equal( reference.link_count, fabric->link_count );
-    double3* p = checked_calloc( (size_t)reference.slot_count, sizeof( double3 ) );
-    double h = (double)CLOTH_STEP;
-    for ( int i = 0; i < reference.slot_count; ++i )
-    {
-        const double* q = reference.position[i];
-        double fall = reference.inverse_mass[i] > 0.0 ? h * h * (double)CLOTH_GRAVITY : 0.0;
-        p[i] = double3_make( q[0], q[1] - fall, q[2] );
-    }
-    for ( int i = 0; i < reference.link_count; ++i )
-    {
-        int a = reference.links[i][0], b = reference.links[i][1];
-        double3 da, db;
-        constraint_oracle_distance_step( p[a], p[b], reference.inverse_mass[a], reference.inverse_mass[b],
-                                         reference.rest[i], &da, &db );
-        p[a] = double3_add( p[a], double3_scale( reference.stiffness[i], da ) );
-        p[b] = double3_add( p[b], double3_scale( reference.stiffness[i], db ) );
-    }
-    cloth_reference_step( &reference, 1 );
-    for ( int i = 0; i < reference.slot_count; ++i )
-    {
-        const double* q = reference.position[i];
-        // the same arithmetic in another association
-        assert_true( double3_distance( p[i], double3_make( q[0], q[1], q[2] ) ) < 1e-14 );
-    }
-    free( p );
-    cloth_reference_destroy( &reference );
-    wisp_fabric_release( fabric );
-    cloth_scene_free( &scene );
-}
-
 // ---- failures ----
-
-static void a_hash_of_its_own_fails_the_run( void** state )
-{
-    (void)state;
-    surface_implementation implementations[2] = { { .generator = { .workers = 1 } },
-                                                  { .generator = { .workers = 2 } } };
-    results all = { 0 };
-    const uint64_t same[2] = { 7, 7 }, apart[2] = { 7, 8 };
-    scenario_check_hashes( implementations, 2, same, "a row", &all );
-    assert_false( all.failed );
-    scenario_check_hashes( implementations, 2, apart, "a row", &all );
-    assert_true( all.failed );
-    assert_true( has_note( &all, "FAILED: a row: 2 workers give hash 0000000000000008" ) );
-    results_free( &all );
-}
-
-static void an_error_above_its_tolerance_or_without_a_number_fails_the_run( void** state )
-{
-    (void)state;
-    const double wrong[] = { 2e-6, NAN, INFINITY };
-    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
-    {
-        results all = { 0 };
-        cloth_check_error( 1e-6, 1e-6, "a row", &all );
-        assert_false( all.failed );
-        cloth_check_error( wrong[i], 1e-6, "a row", &all );
-        assert_true( all.failed );
-        results_free( &all );
-    }
-}
 
 static void a_claim_that_is_not_met_is_a_message_and_no_failure( void** state )
 {
@@ -173,31 +57,6 @@ static void a_claim_that_is_not_met_is_a_message_and_no_failure( void** state )
     assert_false( all.failed );
     assert_true( has_note( &all, "claim not met on this machine" ) );
     results_free( &all );
-}
-
-static void a_cloth_that_leaves_its_bounds_is_shown_as_halted( void** state )
-{
-    (void)state;
-    cloth_scene scene;
-    wisp_fabric* fabric;
-    surface_implementation implementation;
-    scenario_stats stats;
-    wisp_error error = { 0 };
-    const cloth_setting setting = { 1, 1 };
-    const scenario_plan plan = { .warm_steps = 3, .measured_steps = 6, .turn_steps = 3 };
-    assert_ok( cloth_scene_make( 6, false, &scene, &error ), error );
-    assert_ok( cloth_cook( &scene, &fabric, &error ), error );
-    assert_ok( cloth_implementation_create( &scene, fabric, &setting, 1, &implementation, &error ), error );
-    assert_ok( surface_implementation_step( &implementation, &error ), error );
-    float* position = wisp_world_column( implementation.world, implementation.entity, WISP_PARTICLE_POSITION, 0 );
-    position[4 * fabric->vertex_slot[17]] = NAN;
-    assert_ok( scenario_run( &implementation, 1, &plan, NULL, NULL, &stats, &error ), error );
-    assert_int_equal( stats.halted_at, implementation.halted_at );
-    assert_int_equal( stats.halted_at, 2 );
-    assert_true( isnan( stats.ms[0].median ) && isnan( stats.stretch_max ) && isnan( stats.path ) );
-    surface_implementation_destroy( &implementation );
-    wisp_fabric_release( fabric );
-    cloth_scene_free( &scene );
 }
 
 // ---- the other two cases ----
@@ -320,14 +179,9 @@ static void a_figure_that_is_not_met_fails_the_run( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_comparison_has_a_line_a_size_with_an_error_and_a_hash ),
         cmocka_unit_test( suites_of_the_case_are_read ),
         cmocka_unit_test( a_folder_without_suites_is_an_error ),
-        cmocka_unit_test( the_reference_projects_as_the_oracle_does ),
-        cmocka_unit_test( a_hash_of_its_own_fails_the_run ),
-        cmocka_unit_test( an_error_above_its_tolerance_or_without_a_number_fails_the_run ),
         cmocka_unit_test( a_claim_that_is_not_met_is_a_message_and_no_failure ),
-        cmocka_unit_test( a_cloth_that_leaves_its_bounds_is_shown_as_halted ),
         cmocka_unit_test( the_balloon_shows_volume_pressure_and_memory_beside_time ),
         cmocka_unit_test( a_balloon_whose_time_is_not_linear_in_its_vertices_fails ),
         cmocka_unit_test( the_virial_pressure_is_near_that_of_even_scaling ),

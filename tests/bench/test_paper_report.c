@@ -10,7 +10,7 @@ static paper_table made_table( double power, double ms_per_thousand )
 {
     static const int strands[PAPER_SIZES] = { 100, 300, 500, 2000, 10000, 50000 };
     paper_table table = {
-        .variant_count = 3, .workers = { 1, 1, 2 }, .clump_radius = 0.0042, .size_count = PAPER_SIZES
+        .variant_count = 2, .workers = { 1, 2 }, .clump_radius = 0.0042, .size_count = PAPER_SIZES
     };
     for ( int i = 0; i < PAPER_SIZES; ++i )
     {
@@ -19,7 +19,7 @@ static paper_table made_table( double power, double ms_per_thousand )
         line->vertices = 20 * strands[i];
         line->source_ms = 0.91 + 2.74e-3 * line->vertices;
         line->neighbours = 12.0;
-        for ( int v = 0; v < 3; ++v )
+        for ( int v = 0; v < 2; ++v )
         {
             line->ms[v].count = 5;
             line->ms[v].median = ms_per_thousand * pow( 1e-3 * line->vertices, power );

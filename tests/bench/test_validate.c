@@ -1,7 +1,7 @@
 // The theory of `wisp validate`, and what its bodies make of it.
 #include "unit.h"
 
-#include "elastica.h"
+#include "validate/elastica.h"
 #include "oracle/slender_theory.h"
 #include "validate/validate.h"
 #include "validate/validate_bodies.h"
@@ -16,6 +16,23 @@ static void critical_loads_are_those_of_the_literature( void** state )
     assert_true( fabs( slender_column_load() - 2.25 * 1.866350859 * 1.866350859 ) < 1e-6 );
     // Timoshenko and Gere, Theory of Elastic Stability, section 6.3: 12.85
     assert_true( fabs( slender_blade_load() - 12.85 ) < 0.01 );
+}
+
+static void the_elastica_has_the_numbers_of_the_closed_form( void** state )
+{
+    (void)state;
+    // G, drop and reach of the length, by another integration in double
+    static const double known[][3] = { { 1.0, 0.12347140, 0.99124640 },
+                                       { 10.0, 0.70019972, 0.65635376 },
+                                       { 100.0, 0.93752394, 0.15922338 } };
+    for ( int i = 0; i < 3; ++i )
+    {
+        double points[5][2];
+        elastica_lay( known[i][0], 5, points );
+        assert_true( fabs( -points[4][1] - known[i][1] ) < 1e-6 );
+        assert_true( fabs( points[4][0] - known[i][2] ) < 1e-6 );
+        assert_true( points[0][0] == 0.0 && points[0][1] == 0.0 );
+    }
 }
 
 // Tips at rest, by each solver, in lengths from theory. 16 cells leave 0.35 % at G = 10.
@@ -141,6 +158,7 @@ static void each_case_says_what_it_tests_and_where_its_answer_is_from( void** st
 int main( void )
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test( the_elastica_has_the_numbers_of_the_closed_form ),
         cmocka_unit_test( critical_loads_are_those_of_the_literature ),
         cmocka_unit_test( every_solver_bends_a_cantilever_to_the_elastica ),
         cmocka_unit_test( a_column_stands_below_its_load_and_falls_above ),

@@ -1,7 +1,7 @@
 // The theory of suspended curls and of bowed rods on a rough floor, and what rods and strips of the engine make of it.
 #include "unit.h"
 
-#include "elastica.h"
+#include "validate/elastica.h"
 #include "oracle/curl_theory.h"
 #include "oracle/slip_theory.h"
 #include "validate/validate_slip.h"

@@ -2,7 +2,7 @@
 #include "accuracy_fixture.h"
 
 #include "accuracy/scene_tools.h"
-#include "elastica.h"
+#include "validate/elastica.h"
 #include "oracle/sheet_theory.h"
 #include "validate/validate_disc.h"
 #include "validate/validate_drape.h"

@@ -2,7 +2,7 @@
 // of their cases.
 #include "accuracy_fixture.h"
 
-#include "elastica.h"
+#include "validate/elastica.h"
 #include "oracle/chain_theory.h"
 #include "oracle/rod_theory.h"
 #include "validate/validate_buckling.h"
@@ -241,6 +241,36 @@ static void a_rod_forms_a_loop_near_the_rotation_of_theory( void** state )
     assert_error( validate_loop, "rod, 64 cells, 16 substeps", 8.1 );
 }
 
+static double order_between( const accuracy_scene* scene, const char* coarse, const char* fine, double ratio )
+{
+    return log( observe( scene, coarse ).error / observe( scene, fine ).error ) / log( ratio );
+}
+
+static void a_hanging_chain_swings_in_its_periods( void** state )
+{
+    (void)state;
+    enum
+    {
+        SECOND_PERIOD,
+    };
+    accuracy_scene scene;
+    expect_made( validate_chain, &scene );
+    expect_names_differ( &scene );
+    const accuracy_run fine = observe( &scene, "direct, 10 links, 10 substeps" );
+    assert_true( fine.error < 0.02 );
+    assert_true( fine.measures[SECOND_PERIOD] < 0.02 );
+
+    // The period of implicit steps is of second order in them, and the chain's in its links.
+    const double by_substeps =
+        order_between( &scene, "direct, 10 links, 1 substeps", "direct, 10 links, 4 substeps", 4.0 );
+    const double by_links =
+        order_between( &scene, "vertices, 8 links, 40 substeps", "vertices, 32 links, 40 substeps", 4.0 );
+    assert_near( by_substeps, 2.0, 0.2, "order in substeps" );
+    assert_near( by_links, 2.0, 0.2, "order in links" );
+    expect_one_hash( &scene, "direct, 10 links, 2 substeps" );
+    free_scene( &scene );
+}
+
 // Euler loses energy in the whip, in proportion to its substeps; BDF2 keeps it.
 static void a_folded_chain_is_as_fast_as_its_masses( void** state )
 {
@@ -266,6 +296,7 @@ int main( void )
         cmocka_unit_test( a_rod_under_tension_gives_way_near_the_moment_of_greenhill ),
         cmocka_unit_test( a_rod_writhes_to_the_angle_of_theory ),
         cmocka_unit_test( a_rod_forms_a_loop_near_the_rotation_of_theory ),
+        cmocka_unit_test( a_hanging_chain_swings_in_its_periods ),
         cmocka_unit_test( a_folded_chain_is_as_fast_as_its_masses ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

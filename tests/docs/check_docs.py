@@ -36,7 +36,7 @@ REWRITTEN = [
     (r"^wisp run data/scenes/character\.yaml", r"\g<0> --steps 2"), # minutes of a figure; the first steps are like the others
     (r"(character\.yaml) --frames \S+", r"\1 --frames 0:1 --size 80x60 --samples 1"),
     (r"(character\.yaml) --steps \d+", r"\1 --steps 1"),
-    (r"^wisp validate( cantilever rubber)?", r"wisp validate forms --quick --seconds 0.1"), # minutes of all cases
+    (r"^wisp validate( cantilever rubber)?", r"wisp validate chain --quick --seconds 0.1"), # minutes of all cases
     (r"^wisp sweep data/suites/scaling/scaling\.yaml", "wisp sweep suite.yaml"), # half a minute of sizes
     (r"^wisp view ", f"mkdir -p page && printf '%s' '{PAGE}' >page/viewer.html && WISP_DATA=page wisp view "), # the page needs a compiler of its own
     (r"^(\./dev python|meson setup .*-Dpython=enabled|meson install -C build$|meson install --tags python).*", "true"), # builds of their own: ./dev python

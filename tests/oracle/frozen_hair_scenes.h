@@ -1,5 +1,5 @@
-/// Small grooms for the tests of frozen hair. Every coordinate is exactly a float, so that the oracle, the scalar C
-/// version and the engine receive the same numbers.
+/// Small grooms for the tests of frozen hair. Every coordinate is exactly a float, so that the oracle and
+/// the engine receive the same numbers.
 #pragma once
 
 #include "frozen_hair_oracle.h"
