@@ -1,5 +1,5 @@
 /// Shared by the tests of the engine's frozen hair: grooms, worlds and runs that must succeed, and the oracle with
-/// exactly the engine's floats. frozen_hair_fixture.h serves the tests of the oracle itself.
+/// exactly the engine's floats.
 #pragma once
 
 #include "unit.h"

@@ -45,17 +45,14 @@ static test_mesh strip_mesh( bool irregular, int32_t pins[2 * ROWS] )
         const double across = j > 0 && j < WIDE ? out * (double)test_random_float( v, 2, -1.0f, 1.0f ) : 0.0;
         m.points[v] = ( wisp_vec3 ){ (float)( cell * ( i - 1 + along ) ), 0.0f, (float)( cell * ( j + across ) ) };
     }
-    for ( int v = 0; v < COLUMNS * WIDE; ++v )
+    for ( int n = 0; n < ( COLUMNS - 1 ) * WIDE; ++n )
     {
-        const int32_t a = v, b = v + 1, c = v + COLUMNS, d = c + 1;
+        const int32_t a = n / ( COLUMNS - 1 ) * COLUMNS + n % ( COLUMNS - 1 ), b = a + 1, c = a + COLUMNS, d = c + 1;
         const double falling = vec_distance( m.points[a], m.points[d] ),
                      rising = vec_distance( m.points[b], m.points[c] );
         const int32_t one[6] = { a, c, d, a, d, b }, other[6] = { a, c, b, b, c, d };
-        if ( v % COLUMNS < COLUMNS - 1 )
-        {
-            memcpy( m.triangles + 3 * (size_t)m.triangle_count, falling < rising ? one : other, sizeof( one ) );
-            m.triangle_count += 2;
-        }
+        memcpy( m.triangles + 3 * (size_t)m.triangle_count, falling < rising ? one : other, sizeof( one ) );
+        m.triangle_count += 2;
     }
     for ( int j = 0; j < ROWS; ++j )
     {

@@ -22,16 +22,13 @@ static test_mesh square_of( double spacing, float off )
         const double z = v / SIDE + (double)test_random_float( v, 8, -off, off );
         m.points[v] = ( wisp_vec3 ){ (float)( spacing * x ), 0.0f, (float)( spacing * z ) };
     }
-    for ( int v = 0; v < COUNT - SIDE; ++v )
+    for ( int cell = 0; cell < ( SIDE - 1 ) * ( SIDE - 1 ); ++cell )
     {
-        const int a = v, b = v + 1, c = v + SIDE, d = c + 1;
+        const int a = cell / ( SIDE - 1 ) * SIDE + cell % ( SIDE - 1 ), b = a + 1, c = a + SIDE, d = c + 1;
         const bool falls = vec_distance( m.points[a], m.points[d] ) < vec_distance( m.points[b], m.points[c] );
         const int32_t one[6] = { a, c, d, a, d, b }, other[6] = { a, c, b, b, c, d };
-        if ( v % SIDE < SIDE - 1 )
-        {
-            memcpy( m.triangles + 3 * (size_t)m.triangle_count, falls ? one : other, sizeof( one ) );
-            m.triangle_count += 2;
-        }
+        memcpy( m.triangles + 3 * (size_t)m.triangle_count, falls ? one : other, sizeof( one ) );
+        m.triangle_count += 2;
     }
     return m;
 }
