@@ -28,7 +28,6 @@ enum
     KEY_PAIRED,
     KEY_TURNS,
     KEY_SLOW,
-    KEY_PASS,
     KEY_TRIALS,
     KEY_PATIENCE,
 };
@@ -49,8 +48,6 @@ static const option_row rows[] = {
     { "row", KEY_ROW, "N", "step, self-test: number of the row, counted from 0", OPTION_ANY },
     { "turns", KEY_TURNS, NULL, NULL, OPTION_ANY },
     { "slow", KEY_SLOW, "N", NULL, OPTION_ANY },
-    { "pass", KEY_PASS, "NAME", "self-test: the pass to slow down; default: the one that takes most time",
-      OPTION_ANY },
     { "trials", KEY_TRIALS, "N", "self-test: gates of each slow-down, default 10", OPTION_ANY },
     { "paired", KEY_PAIRED, "WISP", "check: compare times with another program, instead of a base file",
       OPTION_FILES( "*" ) },
@@ -108,10 +105,10 @@ typedef struct gate_options
 {
     bool has_action;
     gate_action action;
-    const char *suite, *base, *isa, *reason, *junit, *html, *badge, *paired, *pass;
+    const char *suite, *base, *isa, *reason, *junit, *html, *badge, *paired;
     bool no_instructions, has_cycles, is_strict, prints_annotations, takes_turns;
     int row, trials;
-    gate_slow slow; // step: what is slowed down
+    gate_slow slow; // step: by how much it is slowed down
     double patience;
     results_format format;
     int argc;
@@ -156,10 +153,6 @@ static bool take( options_state* p, int key, const char* argument )
             return true;
         case KEY_TURNS:
             o->takes_turns = true;
-            return true;
-        case KEY_PASS:
-            o->pass = argument;
-            snprintf( o->slow.pass, sizeof o->slow.pass, "%s", argument );
             return true;
         case KEY_PATIENCE:
             o->patience = option_positive( p, argument, 1e6 );
@@ -441,7 +434,7 @@ static int test_itself( const wisp_suite* suite, const gate_options* o, wisp_err
     results_put_options( &out, o->argc, o->argv );
     progress bar = progress_begin();
     const gate_turns turns = { .suite = o->suite, .isa = out.machine.isa, .row = o->row, .patience = o->patience };
-    const gate_self_test_options options = { o->pass, o->trials > 0 ? o->trials : 10, !o->no_instructions };
+    const gate_self_test_options options = { o->trials > 0 ? o->trials : 10, !o->no_instructions };
     wisp_status status = gate_self_test( suite, &turns, &options, &bar, &out, error );
     progress_end( &bar );
     if ( status != WISP_OK && interruption_came() )
@@ -456,7 +449,13 @@ static int test_itself( const wisp_suite* suite, const gate_options* o, wisp_err
 
 static wisp_status slow_down( void* user, const scene_world* world, wisp_error* error )
 {
-    return world->next_step == 0 ? gate_slow_apply( user, world->world, error ) : WISP_OK;
+    (void)error;
+    gate_slow* slow = user;
+    if ( world->next_step > 0 && slow->loops > 0 )
+    {
+        gate_slow_waste( slow );
+    }
+    return WISP_OK;
 }
 
 static int step_row( const wisp_suite* suite, gate_options* o, wisp_error* error )
