@@ -28,10 +28,10 @@ typedef struct gate_options
 {
     bool has_action;
     gate_action action;
-    const char *suite, *base, *isa, *reason, *junit, *html, *badge, *paired, *pass;
+    const char *suite, *base, *isa, *reason, *junit, *html, *badge, *paired;
     bool no_instructions, has_cycles, is_strict, prints_annotations, takes_turns;
     int row, trials;
-    gate_slow slow; // step: what is slowed down
+    gate_slow slow; // step: by how much it is slowed down
     double patience;
     results_format format;
     int argc;
@@ -76,10 +76,6 @@ static bool take( options_state* p, int key, const char* argument )
             return true;
         case GATE_KEY_TURNS:
             o->takes_turns = true;
-            return true;
-        case GATE_KEY_PASS:
-            o->pass = argument;
-            snprintf( o->slow.pass, sizeof o->slow.pass, "%s", argument );
             return true;
         case GATE_KEY_PATIENCE:
             o->patience = option_positive( p, argument, 1e6 );
@@ -361,7 +357,7 @@ static int test_itself( const wisp_suite* suite, const gate_options* o, wisp_err
     results_put_options( &out, o->argc, o->argv );
     progress bar = progress_begin();
     const gate_turns turns = { .suite = o->suite, .isa = out.machine.isa, .row = o->row, .patience = o->patience };
-    const gate_self_test_options options = { o->pass, o->trials > 0 ? o->trials : 10, !o->no_instructions };
+    const gate_self_test_options options = { o->trials > 0 ? o->trials : 10, !o->no_instructions };
     wisp_status status = gate_self_test( suite, &turns, &options, &bar, &out, error );
     progress_end( &bar );
     if ( status != WISP_OK && interruption_came() )
@@ -376,7 +372,13 @@ static int test_itself( const wisp_suite* suite, const gate_options* o, wisp_err
 
 static wisp_status slow_down( void* user, const scene_world* world, wisp_error* error )
 {
-    return world->next_step == 0 ? gate_slow_apply( user, world->world, error ) : WISP_OK;
+    (void)error;
+    gate_slow* slow = user;
+    if ( world->next_step > 0 && slow->loops > 0 )
+    {
+        gate_slow_waste( slow );
+    }
+    return WISP_OK;
 }
 
 static int step_row( const wisp_suite* suite, gate_options* o, wisp_error* error )

@@ -200,8 +200,6 @@ static const option_row gate_rows[] = {
     { "row", GATE_KEY_ROW, "N", "step, self-test: number of the row, counted from 0", OPTION_ANY },
     { "turns", GATE_KEY_TURNS, NULL, NULL, OPTION_ANY },
     { "slow", GATE_KEY_SLOW, "N", NULL, OPTION_ANY },
-    { "pass", GATE_KEY_PASS, "NAME", "self-test: the pass to slow down; default: the one that takes most time",
-      OPTION_ANY },
     { "trials", GATE_KEY_TRIALS, "N", "self-test: gates of each slow-down, default 10", OPTION_ANY },
     { "paired", GATE_KEY_PAIRED, "WISP", "check: compare times with another program, instead of a base file",
       OPTION_FILES( "*" ) },

@@ -9,7 +9,7 @@
 #include "collision/collision.h"
 #include "wisp/fabric.h"
 #include "wisp/module/components.h"
-#include "wisp/shapes.h"
+#include "wisp/module/shapes.h"
 
 #include <math.h>
 #include <stdio.h>

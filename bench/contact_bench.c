@@ -6,24 +6,13 @@
 #include <math.h>
 #include <string.h>
 
-// Below this time in seconds all sizes and runs are smaller.
-#define BRIEF_SECONDS 40.0
 // From this time in seconds on, the cloth folds on a fine mesh, too.
 #define FINE_SECONDS 240.0
 
 contact_plan contact_default_plan( const bench_options* options )
 {
-    const double seconds = bench_seconds( options );
-    const bool full = seconds >= 600.0, brief = seconds < BRIEF_SECONDS;
     return ( contact_plan ){
-        .sheet_sides = { 32, brief ? 48 : 100, 316 },
-        .sphere_levels = { 3, brief ? 4 : 5, 6 },
-        .size_count = brief ? 2 : 3,
-        .max_brute = brief ? 6e6 : 6e7,
-        .query_seconds = full    ? 60.0
-                         : brief ? 0.2 * seconds
-                                 : 0.3 * seconds,
-        .suite_seconds = 0.6 * seconds,
+        .suite_seconds = 0.6 * bench_seconds( options ),
         .picture_side = 64,
         .picture_level = 4,
         .picture_steps = 300,
@@ -44,7 +33,6 @@ typedef struct promise
 
 static const promise promises[] = {
     { "suite.cost", "exact, margin=", "max_intersections", 0.0 },
-    { "suite.cost", "exact, margin 2, tree", "max_intersections", 0.0 },
     { "suite.motion", "ball", "max_intersections", 0.0 },
     { "suite.motion", "a quarter", "max_intersections", 0.0 },
     { "suite.motion", "half", "max_intersections", 0.0 },
@@ -74,18 +62,6 @@ static void check_promise( const promise* p, const results_row* row, results* ou
     }
 }
 
-static const results_row* find_row( const char* suite, const char* variant, int first_row, const results* out )
-{
-    for ( int i = first_row; i < out->row_count; ++i )
-    {
-        if ( strcmp( out->rows[i].name, suite ) == 0 && strcmp( out->rows[i].variant, variant ) == 0 )
-        {
-            return &out->rows[i];
-        }
-    }
-    return NULL;
-}
-
 void contact_check_suites( int first_row, results* out )
 {
     for ( int i = first_row; i < out->row_count; ++i )
@@ -94,12 +70,6 @@ void contact_check_suites( int first_row, results* out )
         {
             check_promise( &promises[k], &out->rows[i], out );
         }
-    }
-    const results_row* grid = find_row( "suite.cost", "exact, margin=2", first_row, out );
-    const results_row* tree = find_row( "suite.cost", "exact, margin 2, tree", first_row, out );
-    if ( grid == NULL || tree == NULL || grid->hash != tree->hash )
-    {
-        results_add_failure( out, "The cloth folds differently when its pairs are found by the tree." );
     }
 }
 
@@ -156,7 +126,7 @@ wisp_status contact_suites( const contact_plan* plan, results* out, wisp_error* 
 
 wisp_status contact_bench_run( const contact_plan* plan, results* out, wisp_error* error )
 {
-    static contact_fn* const tables[] = { contact_queries, contact_suites, contact_pictures };
+    static contact_fn* const tables[] = { contact_suites, contact_pictures };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( tables ) && status == WISP_OK; ++i )
     {
@@ -175,13 +145,6 @@ wisp_status contact_bench( const bench_options* options, results* out, wisp_erro
     {
         results_add_note( out, "Contact: the fine cloth, data/suites/contact/fine.yaml, needs --seconds %g.",
                           FINE_SECONDS );
-    }
-    if ( status == WISP_OK && bench_seconds( options ) < BRIEF_SECONDS )
-    {
-        results_add_note( out,
-                          "Contact: short of time, sheets of %d and %d per side and spheres two levels coarser are "
-                          "searched, without the largest.",
-                          plan.sheet_sides[0], plan.sheet_sides[1] );
     }
     return status;
 }

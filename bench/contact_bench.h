@@ -1,11 +1,10 @@
-/// The case `contact`: what finding pairs costs, what accuracy costs, and how balloons press on each other
+/// The case `contact`: what accuracy costs, and how balloons press on each other
 /// (extensions, not in the papers).
 #pragma once
 
 #include "bench_options.h"
 #include "cells.h"
 
-#define CONTACT_SIZES_MAX 4
 #define CONTACT_TEAMS_MAX 2
 
 /// Worker counts that are timed.
@@ -17,17 +16,13 @@ typedef struct contact_teams
 /// Sizes and steps. contact_default_plan() has those of the case; tests have smaller ones.
 typedef struct contact_plan
 {
-    int sheet_sides[CONTACT_SIZES_MAX], sphere_levels[CONTACT_SIZES_MAX], size_count; ///< of what is searched, rising
-    double max_brute;     ///< boxes compared by brute force at the most; beyond it, only a sample asks
-    double query_seconds; ///< about how long times of queries are taken
-    double suite_seconds; ///< about how long those of the suites are
+    double suite_seconds;                           ///< about how long times of the suites are taken
     int picture_side, picture_level, picture_steps; ///< of what pictures show
     int picture_pixels;
     contact_teams teams;
     const bench_options* options; ///< for progress and pictures
 } contact_plan;
 
-/// Below 40 seconds of what is searched the largest size is left out, the next one is smaller, and brute force stops earlier.
 contact_plan contact_default_plan( const bench_options* options );
 
 /// All tables of a plan.
@@ -35,7 +30,6 @@ wisp_status contact_bench_run( const contact_plan* plan, results* out, wisp_erro
 
 typedef wisp_status contact_fn( const contact_plan* plan, results* out, wisp_error* error );
 
-contact_fn contact_queries;  ///< grid, tree and brute force on the same boxes
 contact_fn contact_suites;   ///< those of data/suites/contact: the cost of accuracy and of motion, pressed balloons
 contact_fn contact_pictures; ///< of their scenes, if there is a folder for it
 

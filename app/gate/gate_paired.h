@@ -44,12 +44,11 @@ void gate_report_pairs( const wisp_suite* suite, const gate_pair_check* checks, 
 
 typedef struct gate_self_test_options
 {
-    const char* pass;         ///< that is slowed down; null: the one that takes most time
     int trials;               ///< gates of each slow-down
     bool counts_instructions; ///< too, with valgrind
 } gate_self_test_options;
 
-/// Compare this program with itself, one of its passes slowed down so that steps take 0, 2, 3 and 5 % longer, and report how often
+/// Compare this program with itself, slowed down so that steps take 0, 2, 3 and 5 % longer, and report how often
 /// that was found.
 wisp_status gate_self_test( const wisp_suite* suite, const gate_turns* turns, const gate_self_test_options* options,
                             progress* bar, results* out, wisp_error* error );

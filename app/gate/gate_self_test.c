@@ -13,16 +13,15 @@ static void bound_rate( int found, int trials, double* lower, double* upper )
     *upper = fmin( 1.0, ( centre + half ) / ( 1.0 + z * z / n ) );
 }
 
-// The pass that processes will slow down, and how much work of each of its calls doubles the time; or why there is none.
-static wisp_status find_pass( const suite_row* row, const gate_turns* turns, const char* pass, gate_slow* out,
-                              wisp_error* error )
+// How much work after each step doubles the time.
+static wisp_status find_twice( const suite_row* row, const gate_turns* turns, gate_slow* out, wisp_error* error )
 {
     wisp_scene scene;
     wisp_status status = suite_scene( row, &scene, error );
     if ( status == WISP_OK )
     {
         const int steps = row->steps > 0 ? row->steps : scene.steps;
-        status = gate_slow_find( &scene, steps, turns->isa, pass, out, error );
+        status = gate_slow_find( &scene, steps, turns->isa, out, error );
         wisp_scene_release( &scene );
     }
     return status;
@@ -31,11 +30,10 @@ static wisp_status find_pass( const suite_row* row, const gate_turns* turns, con
 static wisp_status count_instructions( const gate_turns* turns, const gate_program* program, double* out,
                                        wisp_error* error )
 {
-    char slow[32], pass[96];
+    char slow[32];
     suite_measurement m = { 0 };
     snprintf( slow, sizeof slow, "--slow=%ld", program->loops );
-    snprintf( pass, sizeof pass, "--pass=%s", program->pass ? program->pass : "" );
-    const suite_count_options options = { .step = { program->pass ? slow : NULL, program->pass ? pass : NULL } };
+    const suite_count_options options = { .step = program->loops > 0 ? slow : NULL };
     const wisp_status status = suite_count_instructions( turns->suite, turns->row, &options, &m, error );
     *out = m.values[SUITE_INSTRUCTIONS];
     return status;
@@ -95,12 +93,10 @@ wisp_status gate_self_test( const wisp_suite* suite, const gate_turns* turns, co
     gate_slow twice = { 0 };
     double plain = 0.0;
     wisp_status status = gate_own_path( own, sizeof own, error );
-    status = status == WISP_OK ? find_pass( suite->rows + turns->row, turns, options->pass, &twice, error ) : status;
+    status = status == WISP_OK ? find_twice( suite->rows + turns->row, turns, &twice, error ) : status;
     for ( int k = 0; k < WISP_COUNT( slow ) && status == WISP_OK; ++k )
     {
-        const gate_program programs[] = {
-            { .path = own }, { own, k > 0 ? twice.pass : NULL, lround( slow[k] * (double)twice.loops ) }
-        };
+        const gate_program programs[] = { { .path = own }, { own, lround( slow[k] * (double)twice.loops ) } };
         self_test t = { .slow = slow[k], .more = NAN, .trials = options->trials };
         if ( options->counts_instructions )
         {
@@ -119,8 +115,8 @@ wisp_status gate_self_test( const wisp_suite* suite, const gate_turns* turns, co
     }
     if ( status == WISP_OK )
     {
-        results_add_note( out, "gate %s: row %s, %s is slowed down; what gates of time find at 0 %% is a false alarm",
-                          suite->name, suite->rows[turns->row].name, twice.pass );
+        results_add_note( out, "gate %s: row %s is slowed down; what gates of time find at 0 %% is a false alarm",
+                          suite->name, suite->rows[turns->row].name );
     }
     return status;
 }

@@ -29,8 +29,7 @@ typedef struct row_run
 static wisp_status begin_run( row_run* run, wisp_error* error )
 {
     const scene_world_options options = { .workers = 1, .isa = run->isa, .is_quiet = true };
-    const wisp_status status = scene_world_create( run->scene, &options, &run->world, error );
-    return status == WISP_OK ? gate_slow_apply( run->slow, run->world.world, error ) : status;
+    return scene_world_create( run->scene, &options, &run->world, error );
 }
 
 // Up to `most` steps, none beyond the last one of the run, and the answer.
@@ -42,6 +41,7 @@ static wisp_status take_turn( row_run* run, int most, wisp_error* error )
     for ( ; made < most && run->step < run->steps && status == WISP_OK; ++made, ++run->step )
     {
         status = scene_world_step( &run->world, error );
+        gate_slow_waste( run->slow );
     }
     const double seconds = gate_seconds_used() - begin;
     if ( status == WISP_OK )
@@ -80,18 +80,15 @@ wisp_status gate_answer_turns( const suite_row* row, gate_slow* slow, const char
 
 static _Noreturn void be_child( const gate_program* program, const gate_turns* turns, int in, int out )
 {
-    char row[32], slow[32], set[32], pass[96];
+    char row[32], slow[32], set[32];
     snprintf( row, sizeof row, "--row=%d", turns->row );
     snprintf( set, sizeof set, "--isa=%s", turns->isa );
     snprintf( slow, sizeof slow, "--slow=%ld", program->loops );
-    snprintf( pass, sizeof pass, "--pass=%s", program->pass ? program->pass : "" );
-    char* arguments[12] = { (char*)(uintptr_t)program->path, "gate", "step", "--turns", row, set,
-                            (char*)(uintptr_t)turns->suite };
-    int count = 7;
-    if ( program->pass != NULL ) // other programs need not know it
+    char* arguments[9] = { (char*)(uintptr_t)program->path, "gate", "step", "--turns", row, set,
+                           (char*)(uintptr_t)turns->suite };
+    if ( program->loops > 0 ) // other programs need not know it
     {
-        arguments[count++] = slow;
-        arguments[count] = pass;
+        arguments[7] = slow;
     }
     interruption_leave_to_parent();
     setpgid( 0, 0 ); // so that what it starts ends with it

@@ -10,8 +10,7 @@
 typedef struct gate_program
 {
     const char* path;
-    const char* pass; ///< that is slowed down, or a fusion; null: none is
-    long loops;       ///< of work that each call of it wastes
+    long loops; ///< of work that is wasted after each step
 } gate_program;
 
 /// A process of it that runs one row.
@@ -48,5 +47,5 @@ wisp_status gate_process_turn( gate_process* process, const gate_turns* turns, i
 void gate_process_end( gate_process* process );
 
 /// Be such a process: each line of standard input is a number of steps, of which time and number are printed. Ends with the input.
-/// @param slow what is slowed down
+/// @param slow by how much it is slowed down
 wisp_status gate_answer_turns( const suite_row* row, gate_slow* slow, const char* isa, wisp_error* error );

@@ -146,12 +146,6 @@ static const scene_choice PRIMITIVES[] = {
                    "what is thinner than their spacing passes" },
     { NULL, NULL }
 };
-static const scene_choice SEARCHES[] = { { "auto", "the fastest" },
-                                         { "grid", "uniform grids" },
-                                         { "tree", "a tree, needs Embree" },
-                                         { "brute", "every pair, to compare with" },
-                                         { NULL, NULL } };
-
 static const scene_choice WORDS[] = {
     { "stats", "numbers of contacts, candidates and searches, and the sum of impulses" },
     { "intersections", "edges that pass through triangles at the end of a step; costs a search per step" },
@@ -184,8 +178,6 @@ static wisp_status read_requests( scene_reader* r, const scene_node* node, void*
 
 static const scene_field WORLD_FIELDS[] = {
     { "primitives", SCENE_CHOICE, .at = CONTACT( primitives ), .choices = PRIMITIVES, .help = "What is kept apart." },
-    { "search", SCENE_CHOICE, .at = CONTACT( search ), .choices = SEARCHES,
-      .help = "How pairs are found; it changes the time and not the result." },
     { "particle_spacing", SCENE_NUMBER, .at = CONTACT( particle_spacing ), .range = SIZE, .unit = METRES,
       .help = "Spacing of particles, with `primitives: particles`, of surfaces without `boundary`.",
       .initial = "the smallest thickness of the participants" },

@@ -18,8 +18,8 @@ enum
     MAX_PATH = 4096,
 };
 
-// Run `wisp gate step` under callgrind, which counts inside of wisp_world_step(). Its environment is empty, because the C library
-// and the place of the stack depend on it.
+// Run `wisp gate step` under callgrind, which counts inside of wisp_world_step(), and what the self-test wastes. Its environment
+// is empty, because the C library and the place of the stack depend on it.
 static _Noreturn void be_child( const char* program, const char* suite, int number,
                                 const suite_count_options* options, const char* out )
 {
@@ -29,6 +29,7 @@ static _Noreturn void be_child( const char* program, const char* suite, int numb
     char* const arguments[] = { "valgrind",
                                 "--tool=callgrind",
                                 "--toggle-collect=wisp_world_step",
+                                "--toggle-collect=gate_slow_waste",
                                 "--dump-instr=yes", // tells passes by the addresses of their functions
                                 "--compress-pos=no",
                                 "--compress-strings=no",
@@ -44,8 +45,7 @@ static _Noreturn void be_child( const char* program, const char* suite, int numb
                                 row,
                                 "--isa=avx2",
                                 (char*)(uintptr_t)suite,
-                                (char*)(uintptr_t)options->step[0],
-                                (char*)(uintptr_t)options->step[1],
+                                (char*)(uintptr_t)options->step,
                                 NULL };
     char* const environment[] = { "PATH=/usr/local/bin:/usr/bin:/bin", "LC_ALL=C", NULL };
     interruption_leave_to_parent();

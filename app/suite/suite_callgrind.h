@@ -5,8 +5,8 @@
 
 typedef struct suite_count_options
 {
-    bool has_cycles;     ///< simulate caches too, which takes three times as long
-    const char* step[2]; ///< options of `gate step` that the row is run with; null: none
+    bool has_cycles;  ///< simulate caches too, which takes three times as long
+    const char* step; ///< option of `gate step` that the row is run with; null: none
 } suite_count_options;
 
 /// @param suite path, which the process reads again @param number of the row

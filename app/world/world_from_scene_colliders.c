@@ -1,7 +1,7 @@
 // Colliders of a scene: bodies for the world, and meshes that pictures and recordings can show of them.
 #include "world_from_scene_parts.h"
 
-#include "wisp/module/convex.h"
+#include "wisp/module/shapes.h"
 
 #include <math.h>
 #include <stdlib.h>

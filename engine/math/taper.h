@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-#include "wisp/shapes.h"
+#include "wisp/module/shapes.h"
 
 typedef struct taper
 {

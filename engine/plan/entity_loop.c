@@ -334,7 +334,7 @@ static void run_group( void* context, int index, int worker )
     {
         add_member( &loop, group->first + i );
     }
-    if ( group->count > 1 && frame->registry->around_count == 0 )
+    if ( group->count > 1 )
     {
         choose_joined( &loop, frame->registry->batches + group->batch );
     }

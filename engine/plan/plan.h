@@ -23,7 +23,6 @@ enum
     PLAN_MAX_BATCHES = 4,
     PLAN_MAX_STATES = 32,
     PLAN_MAX_WORKSPACES = 16,
-    PLAN_MAX_AROUNDS = 8,
     // An entity with fewer rows of sixteen lanes runs on one worker, in parallel with others.
     PLAN_WIDE_ENTITY_ROWS = 256,
 };
@@ -70,16 +69,6 @@ typedef struct plan_batch
     void* user;
 } plan_batch;
 
-/// A function around a pass or a fusion, and what it surrounds.
-typedef struct plan_around
-{
-    wisp_pass_fn* run;        // null: it surrounds a fusion
-    wisp_fused_fn* run_fused; // null: it surrounds a pass
-    void* user;               // of either
-    wisp_around_fn* around;
-    void* around_user;
-} plan_around;
-
 enum
 {
     PLAN_MAX_MAPS = 64,
@@ -110,8 +99,6 @@ struct wisp_registry
     int state_count;
     plan_workspace workspaces[PLAN_MAX_WORKSPACES];
     int workspace_count;
-    plan_around arounds[PLAN_MAX_AROUNDS];
-    int around_count;
     plan_map maps[PLAN_MAX_MAPS];
     int map_count;
     const char* module; // module whose declare() is running
@@ -154,10 +141,6 @@ void plan_registry_detail_changed( const wisp_registry* r, wisp_world* world, wi
 /// @param outside bytes that are not of the world's allocator are added to it
 /// @return bytes of the world's allocator, states and workspaces included
 size_t plan_registry_memory( const wisp_registry* r, int state, size_t* held, size_t* outside );
-
-/// Have a function run around a pass or a fusion.
-/// @return false if none of that name is without one, or if there are PLAN_MAX_AROUNDS already
-bool plan_surround( wisp_registry* r, const char* name, wisp_around_fn* around, void* user );
 
 /// Where a node runs: loops are sections, and a section without nodes does not exist.
 typedef enum plan_section

@@ -1,4 +1,4 @@
-// Overlapping pairs of boxes, for any search. Blocks of queries append their lists to a pool; the lists are then
+// Overlapping pairs of boxes. Blocks of queries append their lists to a pool; the lists are then
 // joined in the order of the queries.
 #include "box_search.h"
 
@@ -45,16 +45,14 @@ typedef struct pair_search
     const wisp_parallel* parallel;
     const wisp_aabb* queries;
     int query_count;
-    wisp_pair_search search;
     box_grid grid;
-    const struct wisp_aabb_tree* tree;
     const int32_t* order; // of the queries; null: as given
     int order_count;
     pair_pool pool;
     size_t* place;  // [query] start of its list in the pool
     int32_t* begin; // [query + 1] while searching: length of the previous query's list
     int32_t* item;
-    _Atomic uint64_t tested, overlapping;
+    _Atomic uint64_t tested;
     _Atomic bool starved;
 } pair_search;
 
@@ -123,20 +121,6 @@ static void sort_list( const pair_search* s, int32_t* items, int count, int32_t*
 
 // ---- queries ----
 
-static void find_by_brute_force( const wisp_aabb_args* args, box_question* q )
-{
-    wisp_aabb_group* g = &q->group;
-    wisp_aabb query;
-    memcpy( &query, g->box[0], sizeof( query ) );
-    for ( int i = g->above[0] + 1; i < args->box_count; ++i )
-    {
-        bool is_hit = box_is_valid( args->boxes + i ) && wisp_aabb_overlaps( &query, args->boxes + i );
-        g->found[0][g->found_count[0]] = i;
-        g->found_count[0] += is_hit ? 1 : 0;
-        ++q->tested;
-    }
-}
-
 typedef struct pool_chunk
 {
     size_t at, end;
@@ -174,7 +158,6 @@ typedef struct search_block
     int32_t* scratch; // for sorting
     pool_chunk chunk;
     box_question question;
-    uint64_t overlapping;
     int waiting_count;
     found_list waiting[MAX_WAITING + WISP_SLICE];
 } search_block;
@@ -182,7 +165,6 @@ typedef struct search_block
 static void filter_list( search_block* b, found_list* list )
 {
     const wisp_aabb_args* args = b->search->args;
-    b->overlapping += (uint64_t)list->count;
     if ( args->filter != NULL && list->count > 0 )
     {
         list->count = args->filter( args->filter_context, list->query, list->items, list->count );
@@ -223,20 +205,9 @@ static bool query_together( search_block* b, const int32_t* queries, int count )
         q->group.above[l] = is_self ? queries[l] : -1;
         q->group.found_count[l] = 0;
     }
-    switch ( s->search )
+    if ( !box_grid_find( &s->grid, q ) )
     {
-        case WISP_PAIR_SEARCH_TREE:
-            box_tree_find( s->tree, q );
-            break;
-        case WISP_PAIR_SEARCH_BRUTE:
-            find_by_brute_force( s->args, q );
-            break;
-        default:
-            if ( !box_grid_find( &s->grid, q ) )
-            {
-                return false;
-            }
-            break;
+        return false;
     }
     for ( int l = 0; l < count; ++l )
     {
@@ -309,7 +280,6 @@ static void search_queries( void* context, int begin, int end, int worker )
     }
     keep_lists( &b );
     atomic_fetch_add_explicit( &s->tested, b.question.tested, memory_order_relaxed );
-    atomic_fetch_add_explicit( &s->overlapping, b.overlapping, memory_order_relaxed );
 }
 
 // ---- joining lists ----
@@ -350,7 +320,6 @@ static wisp_status search_once( pair_search* s, wisp_buffer* pool )
     s->pool.capacity = pool->size / sizeof( int32_t );
     atomic_store( &s->pool.used, 0 );
     atomic_store( &s->tested, 0 );
-    atomic_store( &s->overlapping, 0 );
     // boxes without a query have no list
     memset( s->begin, 0, ( (size_t)s->query_count + 1 ) * sizeof( int32_t ) );
     for ( int i = 0; i < s->query_count; ++i )
@@ -418,15 +387,6 @@ static wisp_status search_until_it_fits( pair_search* s, wisp_aabb_pairs* pairs,
 
 // ---- complete search ----
 
-wisp_pair_search wisp_aabb_pairs_choose( const wisp_aabb_args* args )
-{
-    if ( args->search != WISP_PAIR_SEARCH_AUTO && args->search != WISP_PAIR_SEARCH_TREE )
-    {
-        return args->search;
-    }
-    return args->search == WISP_PAIR_SEARCH_TREE && box_tree_exists() ? WISP_PAIR_SEARCH_TREE : WISP_PAIR_SEARCH_GRID;
-}
-
 static bool make_grid( pair_search* s, wisp_aabb_pairs* pairs, const wisp_allocator* allocator )
 {
     wisp_buffer* made = pairs->buffers + BUFFER_COOKIE;
@@ -457,17 +417,11 @@ static wisp_status prepare( pair_search* s, wisp_aabb_pairs* pairs, wisp_error* 
     s->begin = pairs->buffers[BUFFER_BEGIN].data;
     s->place = pairs->buffers[BUFFER_PLACE].data;
     s->order_count = s->query_count;
-    if ( s->search == WISP_PAIR_SEARCH_TREE )
-    {
-        wisp_status status = s->args->reuse ? WISP_OK : box_tree_update( &pairs->tree, allocator, s->args, error );
-        s->tree = pairs->tree;
-        return status;
-    }
-    if ( s->search == WISP_PAIR_SEARCH_GRID && make_grid( s, pairs, allocator ) == false )
+    if ( make_grid( s, pairs, allocator ) == false )
     {
         return fail_memory( s->args, error );
     }
-    if ( s->search == WISP_PAIR_SEARCH_GRID && s->args->queries == NULL )
+    if ( s->args->queries == NULL )
     {
         // queries that are the boxes themselves run in slot order, since their neighbours are then in cache
         s->order = s->grid.stream.item;
@@ -483,7 +437,6 @@ static void forget( wisp_aabb_pairs* pairs )
     pairs->begin = NULL;
     pairs->item = NULL;
     pairs->tested = 0;
-    pairs->build_seconds = pairs->query_seconds = 0.0;
 }
 
 wisp_status wisp_aabb_pairs_find( wisp_aabb_pairs* pairs, const wisp_parallel* parallel, const wisp_aabb_args* args,
@@ -495,13 +448,9 @@ wisp_status wisp_aabb_pairs_find( wisp_aabb_pairs* pairs, const wisp_parallel* p
         .parallel = parallel,
         .queries = args->queries != NULL ? args->queries : args->boxes,
         .query_count = args->queries != NULL ? args->query_count : args->box_count,
-        .search = wisp_aabb_pairs_choose( args ),
     };
     forget( pairs );
-    pairs->search = s.search;
-    double begin = wisp_clock_seconds();
     wisp_status status = prepare( &s, pairs, error );
-    double middle = wisp_clock_seconds();
     status = status == WISP_OK ? search_until_it_fits( &s, pairs, error ) : status;
     if ( status != WISP_OK )
     {
@@ -511,14 +460,6 @@ wisp_status wisp_aabb_pairs_find( wisp_aabb_pairs* pairs, const wisp_parallel* p
     pairs->begin = s.begin;
     pairs->item = s.item;
     pairs->tested = atomic_load( &s.tested );
-    if ( s.search == WISP_PAIR_SEARCH_TREE )
-    {
-        // all boxes count for the decay of the tree, whatever counts as a pair
-        box_tree_note( pairs->tree, pairs->tested, atomic_load( &s.overlapping ) + (uint64_t)s.query_count );
-    }
-    box_tree_counts( pairs->tree, &pairs->build_count, &pairs->refit_count );
-    pairs->build_seconds = middle - begin;
-    pairs->query_seconds = wisp_clock_seconds() - middle;
     return WISP_OK;
 }
 
@@ -528,11 +469,10 @@ void wisp_aabb_pairs_release( wisp_aabb_pairs* pairs, const wisp_allocator* allo
     {
         wisp_buffer_release( pairs->buffers + i, allocator );
     }
-    box_tree_release( pairs->tree, allocator );
     *pairs = ( wisp_aabb_pairs ){ 0 };
 }
 
-size_t wisp_aabb_pairs_bytes( const wisp_aabb_pairs* pairs, size_t* outside )
+size_t wisp_aabb_pairs_bytes( const wisp_aabb_pairs* pairs )
 {
-    return wisp_buffer_bytes( pairs->buffers, WISP_COUNT( pairs->buffers ) ) + box_tree_bytes( pairs->tree, outside );
+    return wisp_buffer_bytes( pairs->buffers, WISP_COUNT( pairs->buffers ) );
 }

@@ -3,17 +3,6 @@
 // way, and rounding is monotonic, so no box is missed and no margin is needed. A level holds sizes of two octaves,
 // or a few boxes of any size. Its cells are as wide as its largest box, or a quarter of that along the axis with
 // most cells.
-//
-// Times in ms, one worker of a shared AMD EPYC (Zen 3), boxes in a cube queried against each other:
-//
-//   boxes    sizes                  pairs       grid: build, query   tree: refit, query
-//   1 000    equal                  450         0.018, 0.075         0.046, 0.20
-//   1 000    spread by 100          61 000      0.026, 0.75          0.064, 6.6
-//   10 000   equal                  4 700       0.19, 0.92           0.53, 3.4
-//   10 000   spread by 100          1.0 million 0.26, 19             0.69, 370
-//   100 000  equal                  49 000      4.5, 24              12, 92
-//   100 000  spread by 100          12 million  4.1, 450             10, 3 500
-//   10 000   five heaps, far apart  1 000       0.23, 7.5            0.50, 7.7
 #include "box_search.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-/// Common interface of box searches. A search reports boxes that overlap a query in any order. Lists are sorted
-/// afterwards, so pairs depend neither on the search nor on the number of workers.
+/// The grid of boxes. It reports boxes that overlap a query in any order. Lists are sorted afterwards, so pairs do not depend on
+/// the number of workers.
 #pragma once
 
 #include "wisp/module/aabb_pairs.h"
@@ -31,8 +31,6 @@ typedef struct box_question
     wisp_aabb_group group;
     uint64_t tested; ///< number of boxes compared
 } box_question;
-
-// ---- grid ----
 
 enum
 {
@@ -76,21 +74,3 @@ wisp_status box_grid_build( box_grid* grid, wisp_buffer* buffers, const wisp_par
 /// Run several queries.
 /// @return false without a result if too many boxes would be compared at once: run them one by one
 bool box_grid_find( const box_grid* grid, box_question* question );
-
-// ---- tree ----
-
-/// Update the tree to the boxes by a refit or a rebuild.
-/// @return WISP_CONFLICT in a library without Embree
-wisp_status box_tree_update( struct wisp_aabb_tree** tree, const wisp_allocator* allocator,
-                             const wisp_aabb_args* args, wisp_error* error );
-/// Run one query. Thread-safe.
-void box_tree_find( const struct wisp_aabb_tree* tree, box_question* question );
-/// Return the cost of queries since the last update, which shows decay of the tree.
-void box_tree_note( struct wisp_aabb_tree* tree, uint64_t tested, uint64_t answers );
-void box_tree_counts( const struct wisp_aabb_tree* tree, int* build_count, int* refit_count );
-/// @param outside bytes of Embree are added @return bytes of the allocator. Null is allowed
-size_t box_tree_bytes( const struct wisp_aabb_tree* tree, size_t* outside );
-/// Null is allowed.
-void box_tree_release( struct wisp_aabb_tree* tree, const wisp_allocator* allocator );
-/// Test whether this library was built with Embree.
-bool box_tree_exists( void );

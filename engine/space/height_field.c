@@ -6,13 +6,9 @@
 
 static const double NEVER = 2.0;
 
-const char* height_field_fault( const wisp_height_field* f )
+bool height_field_is_solid( const wisp_height_field* f )
 {
-    if ( f->heights == NULL || f->count_x < 2 || f->count_z < 2 )
-    {
-        return "heights";
-    }
-    return f->spacing > 0.0f && f->spacing <= FLT_MAX ? NULL : "spacing";
+    return f->heights != NULL && f->count_x >= 2 && f->count_z >= 2 && f->spacing > 0.0f && f->spacing <= FLT_MAX;
 }
 
 double3 height_field_sample( const wisp_height_field* f, int i, int k )

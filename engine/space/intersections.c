@@ -30,10 +30,10 @@ typedef struct intersection_search
     int32_t* kept;           // [block] number of results
 } intersection_search;
 
-size_t wisp_intersections_bytes( const wisp_intersections* intersections, size_t* outside )
+size_t wisp_intersections_bytes( const wisp_intersections* intersections )
 {
     return wisp_buffer_bytes( intersections->buffers, WISP_COUNT( intersections->buffers ) ) +
-           wisp_aabb_pairs_bytes( &intersections->pairs, outside );
+           wisp_aabb_pairs_bytes( &intersections->pairs );
 }
 
 void wisp_intersections_release( wisp_intersections* intersections, const wisp_allocator* allocator )
@@ -116,7 +116,6 @@ static wisp_status find_candidates( wisp_intersections* intersections, const wis
         .query_count = args->edge_count,
         .boxes = s->triangle_boxes,
         .box_count = args->triangle_count,
-        .search = args->search,
     };
     return wisp_aabb_pairs_find( &intersections->pairs, parallel, &boxes, error );
 }

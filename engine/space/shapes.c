@@ -1,4 +1,4 @@
-#include "wisp/shapes.h"
+#include "wisp/module/shapes.h"
 
 #include "solid.h"
 #include "taper.h"
@@ -19,57 +19,31 @@ static bool is_size( float size )
     return size >= 0.0f && size <= FLT_MAX;
 }
 
-// Returns the name of the first invalid size, or null.
-static const char* size_fault( const wisp_shape* shape )
+static bool is_solid( const wisp_shape* shape )
 {
     if ( shape == NULL )
     {
-        return "shape";
+        return false;
     }
     const wisp_vec3 h = shape->half_extent;
     switch ( shape->kind )
     {
         case WISP_SHAPE_PLANE:
-            return NULL;
+            return true;
         case WISP_SHAPE_SPHERE:
-            return is_size( shape->radius ) ? NULL : "radius";
+            return is_size( shape->radius );
         case WISP_SHAPE_CAPSULE:
-            return !is_size( shape->radius ) ? "radius" : ( is_size( shape->half_length ) ? NULL : "half length" );
+            return is_size( shape->radius ) && is_size( shape->half_length );
         case WISP_SHAPE_BOX:
-            return is_size( h.x ) && is_size( h.y ) && is_size( h.z ) ? NULL : "half extent";
+            return is_size( h.x ) && is_size( h.y ) && is_size( h.z );
         case WISP_SHAPE_TAPERED_CAPSULE:
-            return !is_size( shape->top_radius ) ? "top radius"
-                                                 : ( !is_size( shape->bottom_radius )
-                                                         ? "bottom radius"
-                                                         : ( is_size( shape->half_length ) ? NULL : "half length" ) );
+            return is_size( shape->top_radius ) && is_size( shape->bottom_radius ) && is_size( shape->half_length );
         case WISP_SHAPE_CONVEX:
-            return shape->convex != NULL ? NULL : "hull";
+            return shape->convex != NULL;
         case WISP_SHAPE_HEIGHT_FIELD:
-            return height_field_fault( &shape->height_field );
+            return height_field_is_solid( &shape->height_field );
     }
-    return "kind";
-}
-
-wisp_status wisp_shape_check( const wisp_shape* shape, wisp_error* error )
-{
-    static const char* const names[] = { "plane",       "sphere",          "capsule",
-                                         "box",         "tapered capsule", "convex polyhedron",
-                                         "height field" };
-    const char* fault = size_fault( shape );
-    if ( fault == NULL )
-    {
-        return WISP_OK;
-    }
-    if ( shape == NULL )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "shape: got null" );
-    }
-    if ( (unsigned)shape->kind >= (unsigned)WISP_COUNT( names ) )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "collider: got shape %d, which does not exist", (int)shape->kind );
-    }
-    return wisp_fail( error, WISP_BAD_INPUT, "the %s of a %s: expected a finite number of at least 0", fault,
-                      names[shape->kind] );
+    return false;
 }
 
 // ---- closest points ----
@@ -174,7 +148,7 @@ bool wisp_shape_closest( const wisp_shape* shape, wisp_vec3 p, wisp_surface_poin
     {
         return false;
     }
-    if ( !is_finite( p ) || size_fault( shape ) != NULL )
+    if ( !is_finite( p ) || !is_solid( shape ) )
     {
         *surface = ( wisp_surface_point ){ .normal = { 0.0f, 1.0f, 0.0f }, .distance = INFINITY };
         return false;

@@ -3,7 +3,7 @@
 
 #include "double3.h"
 
-#include "wisp/module/convex.h"
+#include "wisp/module/shapes.h"
 
 void convex_closest( const wisp_convex* convex, double3 p, wisp_surface_point* s );
 /// @param normal of the face, output
@@ -14,8 +14,7 @@ void height_field_closest( const wisp_height_field* field, double3 p, wisp_surfa
 double height_field_enter( const wisp_height_field* field, double3 from, double3 step, double3* normal );
 /// The place of a sample, m. Beyond the border, within the range of int, the heights of the border go on.
 double3 height_field_sample( const wisp_height_field* field, int i, int k );
-/// @return null, or what is wrong
-const char* height_field_fault( const wisp_height_field* field );
+bool height_field_is_solid( const wisp_height_field* field );
 
 /// Closest point of a triangle to p (Ericson 2005, 5.1.5).
 double3 closest_on_triangle( double3 p, double3 a, double3 b, double3 c );

@@ -312,10 +312,8 @@ size_t wisp_skin_bytes( const wisp_skin* skin )
 
 // ---- points ----
 
-void wisp_skin_points_range( const wisp_skin* skin, const wisp_skin_pose* pose, int begin, int end, wisp_vec3* out )
+static void skin_all( const wisp_skin* skin, const wisp_skin_pose* pose, wisp_vec3* out )
 {
-    WISP_ASSERT( pose->bone_count == skin->bone_count );
-    WISP_ASSERT( begin >= 0 && end <= skin->group_count );
     const wisp_kernels* kernels = ( (const owned_skin*)skin )->kernels;
     wisp_skin_args args = { .xyz = skin->xyz,
                             .point = skin->point,
@@ -325,8 +323,7 @@ void wisp_skin_points_range( const wisp_skin* skin, const wisp_skin_pose* pose, 
                             .out = out };
     for ( int k = 0; k < MOST; ++k )
     {
-        const int first = begin > skin->influence_begin[k] ? begin : skin->influence_begin[k];
-        const int last = end < skin->influence_begin[k + 1] ? end : skin->influence_begin[k + 1];
+        const int first = skin->influence_begin[k], last = skin->influence_begin[k + 1];
         args.influence_count = k + 1;
         if ( first < last && pose->method == WISP_SKIN_DUAL_QUATERNION )
         {
@@ -345,7 +342,7 @@ wisp_status wisp_skin_points( const wisp_skin* skin, wisp_skin_pose* pose, wisp_
     const wisp_status status = wisp_skin_pose_set( pose, skin, method, bones, NULL, error );
     if ( status == WISP_OK )
     {
-        wisp_skin_points_range( skin, pose, 0, skin->group_count, out );
+        skin_all( skin, pose, out );
     }
     return status;
 }

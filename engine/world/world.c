@@ -387,16 +387,6 @@ const char* wisp_world_isa( const wisp_world* world )
     return world != NULL ? world->frame.kernels->isa : "none";
 }
 
-wisp_status wisp_world_surround( wisp_world* world, const char* name, wisp_around_fn* around, void* user )
-{
-    return plan_surround( &world->registry, name, around, user )
-               ? WISP_OK
-               : wisp_world_fail( world, WISP_CONFLICT,
-                                  "'%s': expected a registered pass or fusion that has no function around it, and "
-                                  "fewer than %d that have one",
-                                  name, (int)PLAN_MAX_AROUNDS );
-}
-
 wisp_status wisp_read_substeps( wisp_world* world, wisp_entity entity, int* out )
 {
     WISP_TRY( wisp_world_begin( world ) );

@@ -209,10 +209,3 @@ wisp_detail wisp_detail_of( const wisp_world* world, wisp_entity entity )
     const passes_detail* d = e != NULL ? state_of( world, e ) : NULL;
     return d != NULL ? (wisp_detail)d->level : WISP_DETAIL_FULL;
 }
-
-bool wisp_is_detail_blending( const wisp_world* world, wisp_entity entity )
-{
-    const store_entity* e = world != NULL ? store_find( &world->store, entity ) : NULL;
-    const passes_detail* d = e != NULL ? state_of( world, e ) : NULL;
-    return d != NULL && ( d->elapsed < d->blend_steps || d->active != d->level );
-}

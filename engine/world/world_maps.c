@@ -174,15 +174,7 @@ void wisp_world_apply_maps( wisp_world* world, wisp_entity surface )
 
 // ---- checks ----
 
-static wisp_status check_count( wisp_world* world, wisp_component map, int got, int expected, const char* of )
-{
-    return got == expected ? WISP_OK
-                           : wisp_world_fail( world, WISP_BAD_INPUT, "%s: got %d factors, but the surface has %d %s",
-                                              wisp_world_component_name( world, map ), got, expected, of );
-}
-
-static wisp_status check_factors( wisp_world* world, wisp_component map, const float* factors, int count,
-                                  const char* of )
+static wisp_status check_factors( wisp_world* world, wisp_component map, const float* factors, int count )
 {
     // Searches reach as far as the constant thickness. Between surfaces none is 0: at distance 0 they have passed each other.
     const bool is_thickness = map == WISP_MAP_COLLISION_THICKNESS || map == WISP_MAP_CONTACT_THICKNESS;
@@ -192,8 +184,8 @@ static wisp_status check_factors( wisp_world* world, wisp_component map, const f
     {
         if ( !( factors[i] >= least && factors[i] <= most ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "%s: %s %d: got the factor %g, expected %g to %g",
-                                    wisp_world_component_name( world, map ), of, i, (double)factors[i], (double)least,
+            return wisp_world_fail( world, WISP_BAD_INPUT, "%s: vertex %d: got the factor %g, expected %g to %g",
+                                    wisp_world_component_name( world, map ), i, (double)factors[i], (double)least,
                                     (double)most );
         }
     }
@@ -360,7 +352,7 @@ static wisp_status remove_map( wisp_world* world, wisp_entity surface, wisp_comp
     return WISP_OK;
 }
 
-static void fill_by_vertices( wisp_world* world, const store_entity* e, wisp_component map, const float* factors )
+static void fill( wisp_world* world, const store_entity* e, wisp_component map, const float* factors )
 {
     const wisp_fabric* f = e->fabric;
     float* row = column_of( world, e, map );
@@ -386,42 +378,7 @@ static void fill_by_vertices( wisp_world* world, const store_entity* e, wisp_com
     }
 }
 
-static void fill_by_edges( wisp_world* world, const store_entity* e, wisp_component map, const float* factors )
-{
-    const wisp_fabric* f = e->fabric;
-    float* row = column_of( world, e, map );
-    for ( int t = 0; t < f->triangle_count && map == WISP_MAP_BEND_RIGIDITY; ++t )
-    {
-        const int32_t* corner = f->triangles + 3 * (size_t)t;
-        row[t] = ( factors[wisp_fabric_find_edge( f, corner[0], corner[1] )] +
-                   factors[wisp_fabric_find_edge( f, corner[1], corner[2] )] +
-                   factors[wisp_fabric_find_edge( f, corner[2], corner[0] )] ) /
-                 3.0f;
-    }
-    if ( map != WISP_MAP_BEND_RIGIDITY )
-    {
-        memcpy( row, factors, (size_t)f->edge_count * sizeof( float ) );
-    }
-}
-
-static wisp_status set_map( wisp_world* world, wisp_entity surface, wisp_component map, const float* factors,
-                            bool by_edges )
-{
-    WISP_TRY( attach_map( world, surface, map ) );
-    const store_entity* e = store_find( &world->store, surface );
-    if ( by_edges )
-    {
-        fill_by_edges( world, e, map, factors );
-    }
-    else
-    {
-        fill_by_vertices( world, e, map, factors );
-    }
-    update( world, surface, map );
-    return WISP_OK;
-}
-
-// ---- public functions ----
+// ---- public function ----
 
 wisp_status wisp_set_map( wisp_world* world, wisp_entity surface, wisp_component map, const float* factors,
                           int count )
@@ -432,28 +389,15 @@ wisp_status wisp_set_map( wisp_world* world, wisp_entity surface, wisp_component
     {
         return remove_map( world, surface, map );
     }
-    WISP_TRY( check_count( world, map, count, e->fabric->vertex_count, "vertices" ) );
-    WISP_TRY( check_factors( world, map, factors, count, "vertex" ) );
-    WISP_TRY( check_use( world, e, surface, map ) );
-    return set_map( world, surface, map, factors, false );
-}
-
-wisp_status wisp_set_edge_map( wisp_world* world, wisp_entity surface, wisp_component map, const float* factors,
-                               int count )
-{
-    store_entity* e;
-    WISP_TRY( begin_map( world, surface, map, &e ) );
-    if ( is_of_edges( map ) == false )
+    if ( count != e->fabric->vertex_count )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "%s: is a map of vertices, got one of edges",
-                                wisp_world_component_name( world, map ) );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "%s: got %d factors, but the surface has %d vertices",
+                                wisp_world_component_name( world, map ), count, e->fabric->vertex_count );
     }
-    if ( factors == NULL )
-    {
-        return remove_map( world, surface, map );
-    }
-    WISP_TRY( check_count( world, map, count, e->fabric->edge_count, "edges" ) );
-    WISP_TRY( check_factors( world, map, factors, count, "edge" ) );
+    WISP_TRY( check_factors( world, map, factors, count ) );
     WISP_TRY( check_use( world, e, surface, map ) );
-    return set_map( world, surface, map, factors, true );
+    WISP_TRY( attach_map( world, surface, map ) );
+    fill( world, store_find( &world->store, surface ), map, factors );
+    update( world, surface, map );
+    return WISP_OK;
 }

@@ -29,7 +29,4 @@ WISP_API wisp_status wisp_attach_pins( wisp_world* world, wisp_entity surface, c
 /// @return WISP_BAD_INPUT a vertex is out of range; WISP_CONFLICT the module is not registered; WISP_STALE_ID
 WISP_API wisp_status wisp_detach_pins( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count );
 
-/// @return how many pins of a surface are attached; 0 also if it was removed
-WISP_API int wisp_count_attached_pins( wisp_world* world, wisp_entity surface );
-
 WISP_END_C

@@ -359,18 +359,6 @@ wisp_status wisp_detach_pins( wisp_world* world, wisp_entity surface, const int3
     return WISP_OK;
 }
 
-int wisp_count_attached_pins( wisp_world* world, wisp_entity surface )
-{
-    attachments_state* state = world != NULL ? wisp_world_module_state( world, "attachments" ) : NULL;
-    const attachments_place* place = state != NULL ? wisp_world_column( world, surface, state->place, 0 ) : NULL;
-    int count = 0;
-    for ( int slot = 0; place != NULL && slot < wisp_world_fabric( world, surface )->slot_count; ++slot )
-    {
-        count += place[slot].to.index != 0 ? 1 : 0;
-    }
-    return count;
-}
-
 void attachments_forget( attachments_state* state, wisp_world* world, wisp_entity to )
 {
     for ( int i = 0; i < state->count; ++i )

@@ -5,7 +5,7 @@
 
 #include "wisp/module/components.h"
 #include "wisp/module/collision_mesh.h"
-#include "wisp/module/convex.h"
+#include "wisp/module/shapes.h"
 #include "wisp/module/module.h"
 
 /// Impulse on a body, N s, and torque impulse about the origin of the world, N m s.

@@ -3,7 +3,7 @@
 
 #include "collision_vectors.h"
 
-#include "wisp/shapes.h"
+#include "wisp/module/shapes.h"
 
 /// The point of a primitive with the smallest signed distance.
 typedef struct collision_deepest

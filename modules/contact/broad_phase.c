@@ -3,7 +3,7 @@
 // particles.
 //
 // The box of a cluster holds it as long as it keeps to its predicted motion within its margin, in a frame that moves
-// with the mean of all points. Pairs are the overlaps of such boxes, found by a grid or a tree (wisp/aabb_pairs.h).
+// with the mean of all points. Pairs are the overlaps of such boxes, found by grids (wisp/module/aabb_pairs.h).
 // With too many overlaps the margins are halved until the list fits; displacements must then stay within them
 // (displacement_limit.c). A cloth that folds is searched about twice per step; a thousand clusters cost 0.3 ms.
 #include "broad_phase.h"
@@ -75,7 +75,6 @@ static wisp_status find_cluster_pairs( const contact_work* work, wisp_error* err
     const wisp_aabb_args args = {
         .boxes = b->boxes,
         .box_count = count,
-        .search = work->settings->search,
         .kernels = wisp_frame_kernels( work->frame ),
         .limit = (size_t)count * MAX_PER_CLUSTER,
         .filter = keep_allowed,

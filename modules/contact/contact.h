@@ -9,7 +9,6 @@
 ///     wisp_set_contact( world, jacket, &contact );           // both also keep off themselves
 #pragma once
 
-#include "wisp/variants.h"
 #include "wisp/wisp.h"
 
 WISP_BEGIN_C
@@ -35,7 +34,6 @@ typedef struct wisp_contact_settings
 {
     uint32_t size;                      ///< bytes; set by wisp_default_contact_settings()
     wisp_contact_primitives primitives; ///< default triangles
-    wisp_pair_search search;            ///< default auto; changes the time and not the result
     float
         particle_spacing; ///< m, > 0, with particles, of surfaces without a layer; default 0: the smallest thickness of
                           ///< the participants

@@ -84,6 +84,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
 
 static size_t count_memory( const void* memory, size_t* outside )
 {
+    (void)outside;
     const contact_state* s = memory;
     const wisp_buffer single[] = { s->broad_phase.box_buffer,    s->intersections.buffer,
                                    s->samples.candidate_buffer,  s->constraints.row_buffer,
@@ -92,9 +93,8 @@ static size_t count_memory( const void* memory, size_t* outside )
                                    s->untangling.buffer };
     size_t bytes = (size_t)s->participant_capacity * sizeof( contact_participant ) +
                    wisp_buffer_bytes( single, WISP_COUNT( single ) ) + wisp_samples_bytes( &s->samples.sampler ) +
-                   wisp_aabb_pairs_bytes( &s->broad_phase.overlaps, outside ) +
-                   wisp_aabb_pairs_bytes( &s->samples.overlaps, outside ) +
-                   wisp_intersections_bytes( &s->intersections.intersections, outside );
+                   wisp_aabb_pairs_bytes( &s->broad_phase.overlaps ) + wisp_aabb_pairs_bytes( &s->samples.overlaps ) +
+                   wisp_intersections_bytes( &s->intersections.intersections );
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
         bytes += s->primitives.near[kind].buffer.size;
@@ -285,11 +285,9 @@ wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_set
         { "particle_spacing", settings->particle_spacing, 0.0f, 1e6f },
     };
     status = status == WISP_OK ? wisp_world_check_ranges( world, "contact", ranges, WISP_COUNT( ranges ) ) : status;
-    if ( status == WISP_OK && ( (unsigned)settings->primitives >= WISP_CONTACT_PRIMITIVES_COUNT ||
-                                (unsigned)settings->search >= WISP_PAIR_SEARCH_COUNT ) )
+    if ( status == WISP_OK && (unsigned)settings->primitives >= WISP_CONTACT_PRIMITIVES_COUNT )
     {
-        status = wisp_world_fail( world, WISP_BAD_INPUT, "contact: unknown features %d or search %d",
-                                  (int)settings->primitives, (int)settings->search );
+        status = wisp_world_fail( world, WISP_BAD_INPUT, "contact: unknown features %d", (int)settings->primitives );
     }
     status = status == WISP_OK ? contact_mark_participants( world, state, settings->primitives ) : status;
     if ( status == WISP_OK )

@@ -26,7 +26,6 @@ wisp_status contact_find_intersections( const contact_work* work, const float* x
         .edge_count = s->edge_count,
         .triangles = s->triangles,
         .triangle_count = s->triangle_count,
-        .search = work->settings->search,
     };
     return wisp_intersections_find( &s->intersections->intersections, work->parallel, &args, error );
 }

@@ -78,7 +78,6 @@ wisp_status contact_find_sample_pairs( const contact_work* work, wisp_error* err
     const wisp_aabb_args args = {
         .boxes = s->samples->boxes,
         .box_count = s->samples->count,
-        .search = work->settings->search,
         .kernels = wisp_frame_kernels( work->frame ),
         .limit = (size_t)s->samples->count * MAX_PER_SAMPLE,
         .filter = keep_pairs,

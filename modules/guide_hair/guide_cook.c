@@ -277,28 +277,6 @@ static bool cook_ghosts( guide_follower* f, const guide_groups* g, const double*
 
 // ---- entry point ----
 
-static void report_on( guide_follower* f, const guide_groups* g, guide_memory* scratch )
-{
-    const int targets = g->targets->topology->strand_count;
-    uint8_t* has_ghosts = guide_take( scratch, (size_t)targets, 1 );
-    f->report.ghost_count = g->ghosts->topology->strand_count;
-    f->report.target_count = targets;
-    for ( int n = 0; n < g->group_count && has_ghosts != NULL; ++n )
-    {
-        const guide_group* group = g->groups + n;
-        has_ghosts[group->target] = has_ghosts[group->target] || group->size > 0;
-        f->report.largest_group = group->size > f->report.largest_group ? group->size : f->report.largest_group;
-        for ( int i = 1; i < group->node_count && group->size > 1; ++i )
-        {
-            f->report.collapsed_nodes += g->nodes[group->first_node + i].is_spread ? 0 : 1;
-        }
-    }
-    for ( int a = 0; a < targets && has_ghosts != NULL; ++a )
-    {
-        f->report.empty_targets += has_ghosts[a] ? 0 : 1;
-    }
-}
-
 static wisp_status check_counts( wisp_world* world, const guide_groups* g )
 {
     for ( int n = 0; n < g->ghosts->topology->strand_count * g->links && g->def->resample == false; ++n )
@@ -368,8 +346,7 @@ static wisp_status cook( wisp_world* world, guide_follower* f, const guide_group
     {
         return no_memory;
     }
-    report_on( f, &groups, scratch );
-    return scratch->failed ? no_memory : WISP_OK;
+    return WISP_OK;
 }
 
 void guide_follower_release( guide_follower* follower )

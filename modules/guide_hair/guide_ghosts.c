@@ -242,31 +242,3 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
     }
     return wisp_world_has( world, ghosts, s->detail ) ? guide_prepare_detail( s, world, ghosts ) : WISP_OK;
 }
-
-// ---- reports ----
-
-wisp_status wisp_read_ghosts_stats( wisp_world* world, wisp_entity ghosts, wisp_ghosts_stats* out )
-{
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    *out = ( wisp_ghosts_stats ){ 0 };
-    WISP_TRY( wisp_world_check_entity( world, ghosts ) );
-    const guide_follower* follower;
-    const wisp_status status = guide_find_ghosts( world, ghosts, &follower );
-    *out = status == WISP_OK ? follower->report : ( wisp_ghosts_stats ){ 0 };
-    return status;
-}
-
-wisp_status wisp_read_ghost_targets( wisp_world* world, wisp_entity ghosts, int32_t* targets )
-{
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, ghosts ) );
-    WISP_TRY( wisp_world_check_pointer( world, "targets", targets ) );
-    const guide_follower* follower;
-    const wisp_status status = guide_find_ghosts( world, ghosts, &follower );
-    for ( int g = 0; status == WISP_OK && g < follower->report.ghost_count; ++g )
-    {
-        targets[g] = follower->target[g];
-    }
-    return status;
-}

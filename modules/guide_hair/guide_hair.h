@@ -65,7 +65,7 @@ WISP_DEFINITION( ghosts_def );
 /// @return WISP_BAD_INPUT a value is out of range, or node counts differ without `resample` (the message names ghost and
 ///         target); WISP_CONFLICT the module is not registered, there are no targets, an entity has no strands, the ghosts
 ///         have dynamics or are targets, or the targets are ghosts; WISP_STALE_ID; WISP_NO_MEMORY
-/// @note Targets without a ghost are still simulated; the statistics count them. If the targets are removed, the ghosts stay
+/// @note Targets without a ghost are still simulated. If the targets are removed, the ghosts stay
 ///       where they are.
 WISP_API wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* def );
 
@@ -75,21 +75,6 @@ WISP_API wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, con
 /// @param points [vertex_count] m, the user's order; unchanged on failure
 /// @return WISP_BAD_INPUT the fraction is not in [0, 1]; WISP_CONFLICT the entity has no targets, or `between` is false
 WISP_API wisp_status wisp_ghosts_between( wisp_world* world, wisp_entity ghosts, float fraction, wisp_vec3* points );
-
-/// Statistics of ghosts. Always available.
-typedef struct wisp_ghosts_stats
-{
-    int ghost_count, target_count;
-    int empty_targets;   ///< targets without a ghost
-    int largest_group;   ///< ghosts of one target
-    int collapsed_nodes; ///< vertices, roots excepted, where all ghosts of a group coincide, so that they cannot spread
-} wisp_ghosts_stats;
-
-WISP_API wisp_status wisp_read_ghosts_stats( wisp_world* world, wisp_entity ghosts, wisp_ghosts_stats* out );
-
-/// Read the target of every ghost.
-/// @param targets [ghost_count] strand of the targets, the nearest of several; -1 for a ghost without vertices
-WISP_API wisp_status wisp_read_ghost_targets( wisp_world* world, wisp_entity ghosts, int32_t* targets );
 
 /// Kind of curve through the vertices of strands.
 typedef enum wisp_curve_kind

@@ -155,7 +155,6 @@ typedef struct guide_follower
     int32_t* target;       // [strand] the first target of every ghost
     guide_members members; // with feedback only
     guide_sources sources; // drawn between steps only
-    wisp_ghosts_stats report;
 } guide_follower;
 
 /// Cook ghosts. @param out receives a follower of its own memory, null on failure

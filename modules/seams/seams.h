@@ -37,15 +37,6 @@ typedef struct wisp_seam_def
 
 WISP_DEFINITION( seam_def );
 
-/// A pair of a seam, at the end of the last step.
-typedef struct wisp_seam_pair
-{
-    int32_t vertices[2]; ///< of `a` and `b`, the user's order
-    float opening;       ///< m, between them
-    float force;         ///< N, that pulls at them, of the last substep; negative: it pushes; 0 once broken
-    int32_t broken;      ///< 1: the pair has given way
-} wisp_seam_pair;
-
 /// Sew two surfaces together by XPBD (Macklin, Mueller, Chentanez 2016, eq. 17-18): C = |x_a - x_b| - distance. In a substep seams come
 /// after the constraints of the cloth and before collision and contact, which have the last word: give a seam of surfaces in
 /// contact the thickness of the contact as its distance. Surfaces that are sewn have the same substeps, those of the one with the most.
@@ -62,9 +53,5 @@ WISP_API wisp_status wisp_add_seam( wisp_world* world, const wisp_seam_def* def,
 WISP_API int wisp_count_seam_pairs( wisp_world* world, wisp_entity seam );
 /// @return how many pairs of a seam have broken; 0 if it or a surface of it was removed
 WISP_API int wisp_count_broken_seam_pairs( wisp_world* world, wisp_entity seam );
-/// Read the pairs of a seam, in the order in which they were given or found.
-/// @param out [count] receives the first pairs
-/// @return WISP_BAD_INPUT `count` is not 0 .. wisp_count_seam_pairs(); WISP_CONFLICT the entity is not a seam; WISP_STALE_ID
-WISP_API wisp_status wisp_read_seam_pairs( wisp_world* world, wisp_entity seam, wisp_seam_pair* out, int count );
 
 WISP_END_C

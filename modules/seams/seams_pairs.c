@@ -9,7 +9,7 @@
 
 static size_t block_size( int pair_count )
 {
-    return 3 * (size_t)pair_count * sizeof( int32_t );
+    return 2 * (size_t)pair_count * sizeof( int32_t );
 }
 
 void seams_release_pairs( const wisp_allocator* allocator, seam* s )
@@ -17,7 +17,7 @@ void seams_release_pairs( const wisp_allocator* allocator, seam* s )
     if ( s->ends_x4 != NULL )
     {
         allocator->release( allocator->user, s->ends_x4, block_size( s->pair_count ) );
-        s->ends_x4 = s->row_of = NULL;
+        s->ends_x4 = NULL;
     }
 }
 
@@ -155,7 +155,6 @@ static void order_pairs( seam* s, const int32_t* given_x4, const uint8_t* colour
     for ( int p = 0; p < s->pair_count; ++p )
     {
         const int row = next[colours[p]]++;
-        s->row_of[p] = row;
         s->ends_x4[2 * row] = given_x4[2 * p];
         s->ends_x4[2 * row + 1] = given_x4[2 * p + 1];
     }
@@ -215,7 +214,6 @@ static wisp_status cook( wisp_world* world, const wisp_seam_def* def, const wisp
     {
         int32_t* given_x4 = (int32_t*)( masks + slots );
         uint8_t* colours = (uint8_t*)( given_x4 + 2 * (size_t)out->pair_count );
-        out->row_of = out->ends_x4 + 2 * (size_t)out->pair_count;
         memset( masks, 0, slots * sizeof( uint64_t ) );
         for ( int i = 0; i < 2 * out->pair_count; ++i )
         {

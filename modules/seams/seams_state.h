@@ -35,7 +35,6 @@ typedef struct seam
     int colour_count;
     int colour_begin[SEAM_COLOURS + 1]; // first row of a colour
     int32_t* ends_x4;                   // [pair_count][2] slots times 4
-    int32_t* row_of;                    // [pair_count] row of a pair as given; in the same block of memory
 } seam;
 
 typedef struct seams_state

@@ -44,8 +44,6 @@ const bad_scene BAD_SCENES_CONTACT[] = {
     { "contact_mask_whole.yaml", ":6:22: surfaces[0].contact.mask: got '3', expected a list of layers" },
     { "contact_primitives_unknown.yaml",
       ":2:24: contact.primitives: got 'points', expected one of triangles, particles" },
-    { "contact_search_near.yaml",
-      ":2:20: contact.search: got 'trees', expected one of auto, grid, tree, brute; did you mean 'tree'?" },
     { "contact_self_of_strands.yaml",
       ":7:16: strands[0].contact: unknown key 'self', expected one of thickness, friction, max_push_out_speed, layers, mask, enabled, between_strands" },
     { "contact_spacing_of_triangles.yaml", ":2:30: contact: 'particle_spacing' needs 'primitives: particles'" },

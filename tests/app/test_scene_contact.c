@@ -54,7 +54,7 @@ static void contact_of_a_scene_has_the_defaults_of_its_module( void** state )
     {
         wisp_scene scene = parsed( texts[i] );
         assert_int_equal( scene.has_contact, i );
-        assert_true( scene.contact.primitives == def.primitives && scene.contact.search == def.search );
+        assert_true( scene.contact.primitives == def.primitives );
         assert_true( scene.contact.particle_spacing == def.particle_spacing && scene.contact.margin == def.margin );
         assert_true( scene.contact.displacement_limit == def.displacement_limit );
         assert_int_equal( scene.contact.size, def.size );
@@ -112,10 +112,9 @@ static void every_key_of_a_participant_reaches_its_place( void** state )
 static void every_key_of_the_contact_of_a_scene_reaches_its_place( void** state )
 {
     (void)state;
-    wisp_scene scene = with_settings( "{ primitives: particles, search: brute, particle_spacing: 0.004, margin: 0.5, "
+    wisp_scene scene = with_settings( "{ primitives: particles, particle_spacing: 0.004, margin: 0.5, "
                                       "compute: [intersections] }" );
     assert_int_equal( scene.contact.primitives, WISP_CONTACT_PARTICLES );
-    assert_int_equal( scene.contact.search, WISP_PAIR_SEARCH_BRUTE );
     assert_true( scene.contact.particle_spacing == 0.004f && scene.contact.margin == 0.5f );
     assert_true( scene.request_intersections && !scene.request_contact_stats );
     wisp_scene_release( &scene );
@@ -132,12 +131,10 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
     static const char* const policies[] = { "even", "exact" };
     static const char* const roundings[] = { "down", "nearest", "up" };
     static const char* const primitives[] = { "triangles", "particles" };
-    static const char* const searches[] = { "auto", "grid", "tree", "brute" };
     // One word for each enumerator, in its order.
     assert_int_equal( WISP_COUNT( policies ), WISP_SPACING_COUNT );
     assert_int_equal( WISP_COUNT( roundings ), WISP_ROUND_COUNT );
     assert_int_equal( WISP_COUNT( primitives ), WISP_CONTACT_PRIMITIVES_COUNT );
-    assert_int_equal( WISP_COUNT( searches ), WISP_PAIR_SEARCH_COUNT );
     char mapping[64];
     for ( int i = 0; i < WISP_ROUND_COUNT; ++i )
     {
@@ -147,12 +144,11 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
         assert_int_equal( scene.surfaces[0].boundary.rounding, i );
         wisp_scene_release( &scene );
     }
-    for ( int i = 0; i < WISP_PAIR_SEARCH_COUNT; ++i )
+    for ( int i = 0; i < WISP_CONTACT_PRIMITIVES_COUNT; ++i )
     {
-        snprintf( mapping, sizeof mapping, "{ primitives: %s, search: %s }", primitives[i % 2], searches[i] );
+        snprintf( mapping, sizeof mapping, "{ primitives: %s }", primitives[i] );
         wisp_scene scene = with_settings( mapping );
-        assert_int_equal( scene.contact.primitives, i % 2 );
-        assert_int_equal( scene.contact.search, i );
+        assert_int_equal( scene.contact.primitives, i );
         wisp_scene_release( &scene );
     }
 }

@@ -502,9 +502,7 @@ static void levels_of_detail_are_set_and_changed_by_events( void** state )
     step( &f, 4 );
     assert_int_equal( wisp_detail_of( world, sheet ), WISP_DETAIL_COARSE );
     assert_int_equal( scene_world_substeps( &f.world, 2 ), 4 );
-    assert_false( wisp_is_detail_blending( world, sheet ) );
     assert_int_equal( wisp_detail_of( world, guides ), WISP_DETAIL_NOTHING );
-    assert_true( wisp_is_detail_blending( world, guides ) );
     release( &f );
 }
 

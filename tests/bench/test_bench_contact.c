@@ -1,12 +1,10 @@
-// The case `contact` at very small sizes: all searches find the same, tables are complete, and the measures of
+// The case `contact` at very small sizes: tables are complete, and the measures of
 // overlap and of intersections detect them.
 #include "bench_tables.h"
 
 #include "accuracy/accuracy.h"
 #include "program_data.h"
 #include "contact_bench.h"
-#include "contact_probe.h"
-#include "contact_query_input.h"
 #include "suite_overlap.h"
 
 #include <unistd.h>
@@ -16,11 +14,6 @@ static const bench_options quick = { .quick = true, .workers = 2 };
 static contact_plan small_plan( void )
 {
     return ( contact_plan ){
-        .sheet_sides = { 12, 24 },
-        .sphere_levels = { 1, 3 },
-        .size_count = 2,
-        .max_brute = 1e5, // the smaller size runs all queries, the larger one a sample
-        .query_seconds = 0.0,
         .teams = { { 1, 2 }, 2 },
         .options = &quick,
     };
@@ -38,36 +31,6 @@ static void no_check_of_the_case_fails( void** state )
     const results* all = *state;
     expect_good( all );
     assert_fits_terminal( all );
-    assert_column( find_table( all, "Contact, queries" ), "same", "yes" );
-}
-
-static void every_search_has_a_line_for_every_kind_and_size( void** state )
-{
-    const results_table* table = find_table( *state, "Contact, queries" );
-    int brute = 0, automatic = 0;
-    for ( int r = 1; r < table->row_count; ++r )
-    {
-        const char* search = named_cell( table, r, "search" );
-        brute += strcmp( search, "brute force" ) == 0 ? 1 : 0;
-        automatic += strstr( search, "(auto)" ) != NULL ? 1 : 0;
-        assert_true( number( table, r, "pairs" ) > 0.0 );
-    }
-    const int contests = QUERY_INPUT_SOURCES * 2 * QUERY_INPUT_KINDS;
-    assert_int_equal( automatic, contests );
-    assert_int_equal( table->row_count - 1, 2 * contests + brute );
-    // 144 particles and 397 edges of the sheet, 84 and 240 of the spheres, whose triangles are 242 and 160
-    assert_int_equal( brute, 6 );
-}
-
-static void a_tree_is_refitted_and_a_grid_is_not( void** state )
-{
-    const results_table* table = find_table( *state, "Contact, queries" );
-    for ( int r = 1; r < table->row_count; ++r )
-    {
-        const bool is_tree = strncmp( named_cell( table, r, "search" ), "tree", 4 ) == 0;
-        const bool has_refit = strcmp( named_cell( table, r, "refit ms, 1 w" ), "-" ) != 0;
-        assert_true( has_refit == is_tree );
-    }
 }
 
 static void what_is_not_kept_apart_crosses_and_what_is_does_not( void** state )
@@ -83,12 +46,6 @@ static const char* hash_of( const results* all, const char* suite, const char* r
 {
     const results_table* table = find_table( all, suite );
     return named_cell( table, row_of( table, row ), "hash" );
-}
-
-static void the_tree_folds_the_cloth_as_the_grid_does( void** state )
-{
-    assert_string_equal( hash_of( *state, "Suite `cost`: the", "exact, margin 2, tree" ),
-                         hash_of( *state, "Suite `cost`: the", "exact, margin=2" ) );
 }
 
 static void a_larger_margin_has_more_pairs( void** state )
@@ -132,22 +89,18 @@ static void every_row_has_the_spread_of_its_times( void** state )
 
 // ---- what contact promises ----
 
-static results_row* put_row( results* all, const char* name, const char* variant, const char* value, double number )
+static void put_row( results* all, const char* name, const char* variant, const char* value, double number )
 {
     results_row* row = results_add_row( all, name, variant );
     assert_non_null( row );
     row->workers = 1;
-    row->has_hash = true;
     results_put( &row->error, value, number );
-    return row;
 }
 
-static bool is_refused( const char* name, const char* variant, const char* value, double number, uint64_t hash )
+static bool is_refused( const char* name, const char* variant, const char* value, double number )
 {
     results all = { 0 };
-    (void)put_row( &all, "suite.cost", "exact, margin=2", "max_intersections", 0.0 );
-    put_row( &all, "suite.cost", "exact, margin 2, tree", "max_intersections", 0.0 )->hash = hash;
-    (void)put_row( &all, name, variant, value, number );
+    put_row( &all, name, variant, value, number );
     contact_check_suites( 0, &all );
     const bool is_failed = all.failed;
     results_free( &all );
@@ -157,27 +110,15 @@ static bool is_refused( const char* name, const char* variant, const char* value
 static void a_row_that_breaks_a_promise_is_a_failure( void** state )
 {
     (void)state;
-    assert_false( is_refused( "suite.cost", "none", "max_intersections", 9.0, 0 ) );
-    assert_true( is_refused( "suite.cost", "none", "max_intersections", 0.0, 1 ) ); // the tree has other bits
-    assert_true( is_refused( "suite.cost", "exact, margin=4", "max_intersections", 1.0, 0 ) );
-    assert_false( is_refused( "suite.cost", "exact, margin 2, no limit", "max_intersections", 1.0, 0 ) );
-    assert_true( is_refused( "suite.motion", "its pace, 0.54 m/s", "max_intersections", 1.0, 0 ) );
-    assert_false( is_refused( "suite.motion", "no contact, 0.54 m/s", "max_intersections", 1.0, 0 ) );
-    assert_true( is_refused( "suite.pair", "exact, margin=2", "max_overlap_mm", 1.6, 0 ) );
-    assert_false( is_refused( "suite.pair", "particles", "max_overlap_mm", 1.6, 0 ) );
-    assert_true( is_refused( "suite.stack", "none", "halted_at_step", 7.0, 0 ) );
-    assert_true( is_refused( "suite.stack", "exact, margin=2", "net_impulse_N_s", 1e-6, 0 ) );
-}
-
-static void the_sizes_of_the_case_grow_with_its_time( void** state )
-{
-    (void)state;
-    bench_options options = { .seconds = 18.0, .workers = 1 };
-    const contact_plan brief = contact_default_plan( &options );
-    options.seconds = 85.0;
-    const contact_plan usual = contact_default_plan( &options );
-    assert_true( brief.size_count < usual.size_count && brief.suite_seconds < usual.suite_seconds );
-    assert_int_equal( usual.teams.count, 1 );
+    assert_false( is_refused( "suite.cost", "none", "max_intersections", 9.0 ) );
+    assert_true( is_refused( "suite.cost", "exact, margin=4", "max_intersections", 1.0 ) );
+    assert_false( is_refused( "suite.cost", "exact, margin 2, no limit", "max_intersections", 1.0 ) );
+    assert_true( is_refused( "suite.motion", "its pace, 0.54 m/s", "max_intersections", 1.0 ) );
+    assert_false( is_refused( "suite.motion", "no contact, 0.54 m/s", "max_intersections", 1.0 ) );
+    assert_true( is_refused( "suite.pair", "exact, margin=2", "max_overlap_mm", 1.6 ) );
+    assert_false( is_refused( "suite.pair", "particles", "max_overlap_mm", 1.6 ) );
+    assert_true( is_refused( "suite.stack", "none", "halted_at_step", 7.0 ) );
+    assert_true( is_refused( "suite.stack", "exact, margin=2", "net_impulse_N_s", 1e-6 ) );
 }
 
 // ---- measures ----
@@ -222,28 +163,6 @@ static void overlap_is_how_deep_a_vertex_is_in_the_other_balloon( void** state )
     assert_true( near.wall_radius < 0.3 * RADIUS && near.wall_unevenness < 0.1 * RADIUS );
     const suite_overlap apart = overlap_at( 2.0 * RADIUS + 2.0 * THICKNESS );
     assert_true( apart.depth == 0.0 && apart.missed == 0.0 && isnan( apart.wall_radius ) );
-}
-
-static wisp_status fail_on_purpose( void* context, const wisp_parallel* parallel, const wisp_kernels* kernels,
-                                    wisp_error* error )
-{
-    assert_non_null( parallel );
-    assert_non_null( kernels );
-    *(int*)context += 1;
-    return wisp_fail( error, WISP_CONFLICT, "on purpose" );
-}
-
-static void a_probe_calls_once_and_hands_a_failure_on( void** state )
-{
-    (void)state;
-    contact_probe probe;
-    wisp_error error = { 0 };
-    int calls = 0;
-    assert_int_equal( contact_probe_open( 2, &probe, &error ), WISP_OK );
-    assert_int_equal( contact_probe_run( &probe, fail_on_purpose, &calls, &error ), WISP_CONFLICT );
-    assert_int_equal( calls, 1 );
-    assert_non_null( strstr( error.message, "on purpose" ) );
-    contact_probe_close( &probe );
 }
 
 static void pictures_are_written_and_linked( void** state )
@@ -295,9 +214,6 @@ static void run_suite( const char* name, results* all )
 static int make_results( void** state )
 {
     static results all;
-    const contact_plan plan = small_plan();
-    wisp_error error = { 0 };
-    assert_ok( contact_queries( &plan, &all, &error ), error );
     run_suite( "cost", &all );
     run_suite( "motion", &all );
     run_suite( "pair", &all );
@@ -310,18 +226,13 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( no_check_of_the_case_fails ),
-        cmocka_unit_test( every_search_has_a_line_for_every_kind_and_size ),
-        cmocka_unit_test( a_tree_is_refitted_and_a_grid_is_not ),
         cmocka_unit_test( what_is_not_kept_apart_crosses_and_what_is_does_not ),
-        cmocka_unit_test( the_tree_folds_the_cloth_as_the_grid_does ),
         cmocka_unit_test( a_larger_margin_has_more_pairs ),
         cmocka_unit_test( a_ball_at_its_pace_folds_the_cloth_as_in_the_other_suite ),
         cmocka_unit_test( balloons_overlap_only_where_nothing_keeps_them_apart ),
         cmocka_unit_test( every_row_has_the_spread_of_its_times ),
         cmocka_unit_test( a_row_that_breaks_a_promise_is_a_failure ),
-        cmocka_unit_test( the_sizes_of_the_case_grow_with_its_time ),
         cmocka_unit_test( overlap_is_how_deep_a_vertex_is_in_the_other_balloon ),
-        cmocka_unit_test( a_probe_calls_once_and_hands_a_failure_on ),
         cmocka_unit_test( pictures_are_written_and_linked ),
     };
     return cmocka_run_group_tests_name( "bench contact", tests, make_results, free_results );

@@ -30,6 +30,7 @@
 #include "wisp/module/primitives.h"
 #include "wisp/module/random.h"
 #include "wisp/module/sampling.h"
+#include "wisp/module/shapes.h"
 #include "wisp/module/skin_kernels.h"
 #include "wisp/module/detail.h"
 #include "wisp/module/sleep.h"

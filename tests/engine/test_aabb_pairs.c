@@ -1,4 +1,4 @@
-// Pairs of boxes: for every search, number of workers and instruction set, the pairs are those of a double loop, in
+// Pairs of boxes: for every number of workers and instruction set, the pairs are those of a double loop, in
 // its order.
 #include "support.h"
 
@@ -225,10 +225,7 @@ static int list_tables( const wisp_kernels* tables[4] )
 
 // ---- the tests ----
 
-static const wisp_pair_search SEARCHES[] = { WISP_PAIR_SEARCH_AUTO, WISP_PAIR_SEARCH_GRID, WISP_PAIR_SEARCH_TREE,
-                                             WISP_PAIR_SEARCH_BRUTE };
-
-// One finder for all, so that buffers and trees of one scene are reused for the next.
+// One finder for all, so that buffers of one scene are reused for the next.
 static void check_everything( finder* f, const wisp_aabb* queries, int query_count, const wisp_aabb* boxes,
                               int count )
 {
@@ -236,21 +233,16 @@ static void check_everything( finder* f, const wisp_aabb* queries, int query_cou
     const int table_count = list_tables( tables );
     wisp_aabb_args args = { .queries = queries, .query_count = query_count, .boxes = boxes, .box_count = count };
     right_pairs right = find_right_pairs( &args );
-    for ( int s = 0; s < WISP_COUNT( SEARCHES ); ++s )
+    for ( int t = 0; t < table_count; ++t )
     {
-        for ( int t = 0; t < table_count; ++t )
-        {
-            args.search = SEARCHES[s];
-            args.kernels = tables[t];
-            assert_int_equal( find( f, &args ), WISP_OK );
-            assert_right( &f->pairs, &args, &right );
-            assert_int_equal( f->pairs.search, wisp_aabb_pairs_choose( &args ) );
-        }
+        args.kernels = tables[t];
+        assert_int_equal( find( f, &args ), WISP_OK );
+        assert_right( &f->pairs, &args, &right );
     }
     free_right_pairs( &right );
 }
 
-static void every_search_finds_the_pairs_of_a_double_loop( void** state )
+static void grids_find_the_pairs_of_a_double_loop( void** state )
 {
     (void)state;
     const int counts[] = { 0, 1, 2, 7, 8, 9, 17, 100, MAX_BOXES };
@@ -331,14 +323,13 @@ static void a_filter_keeps_what_it_requests_in_order( void** state )
     {
         make_boxes( boxes, (box_shape)shape, MAX_BOXES, 0 );
         make_boxes( queries, (box_shape)shape, MAX_BOXES, 10 );
-        for ( int s = 0; s < 2 * WISP_COUNT( SEARCHES ); ++s )
+        for ( int s = 0; s < 2; ++s )
         {
             const wisp_aabb_args args = {
-                .queries = s % 2 == 0 ? NULL : queries,
-                .query_count = s % 2 == 0 ? 0 : MAX_BOXES,
+                .queries = s == 0 ? NULL : queries,
+                .query_count = s == 0 ? 0 : MAX_BOXES,
                 .boxes = boxes,
                 .box_count = MAX_BOXES,
-                .search = SEARCHES[s / 2],
                 .kernels = kernels_select( NULL, NULL ),
                 .filter = keep_thirds,
                 .filter_context = &offset,
@@ -356,31 +347,23 @@ static void other_queries_reuse_the_grid( void** state )
 {
     (void)state;
     static wisp_aabb boxes[MAX_BOXES], queries[MAX_BOXES], moved[MAX_BOXES];
-    for ( int s = 0; s < WISP_COUNT( SEARCHES ); ++s )
+    finder* f = finder_open( 2 );
+    for ( int shape = 0; shape < BOXES_SHAPE_COUNT; ++shape )
     {
-        finder* f = finder_open( 2 );
-        for ( int shape = 0; shape < BOXES_SHAPE_COUNT; ++shape )
-        {
-            make_boxes( boxes, (box_shape)shape, MAX_BOXES, 0 );
-            make_boxes( queries, (box_shape)shape, MAX_BOXES, 10 );
-            make_boxes( moved, (box_shape)shape, MAX_BOXES, 20 );
-            wisp_aabb_args args = {
-                .boxes = boxes, .box_count = MAX_BOXES, .search = SEARCHES[s], .kernels = kernels_select( NULL, NULL )
-            };
-            find_right( f, &args );
-            const int builds = f->pairs.build_count, refits = f->pairs.refit_count;
-            args.reuse = true;
-            args.queries = queries;
-            args.query_count = MAX_BOXES / 5;
-            find_right( f, &args );
-            args.queries = moved;
-            args.query_count = MAX_BOXES;
-            find_right( f, &args );
-            assert_int_equal( f->pairs.build_count, builds );
-            assert_int_equal( f->pairs.refit_count, refits );
-        }
-        finder_close( f );
+        make_boxes( boxes, (box_shape)shape, MAX_BOXES, 0 );
+        make_boxes( queries, (box_shape)shape, MAX_BOXES, 10 );
+        make_boxes( moved, (box_shape)shape, MAX_BOXES, 20 );
+        wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES, .kernels = kernels_select( NULL, NULL ) };
+        find_right( f, &args );
+        args.reuse = true;
+        args.queries = queries;
+        args.query_count = MAX_BOXES / 5;
+        find_right( f, &args );
+        args.queries = moved;
+        args.query_count = MAX_BOXES;
+        find_right( f, &args );
     }
+    finder_close( f );
 }
 
 static void the_number_of_workers_does_not_show( void** state )
@@ -395,21 +378,17 @@ static void the_number_of_workers_does_not_show( void** state )
             continue; // six million pairs each way; a lattice ends at 729
         }
         make_boxes( boxes, (box_shape)shape, count, 20 );
-        wisp_aabb_args args = { .boxes = boxes, .box_count = count, .kernels = kernels_select( NULL, NULL ) };
+        const wisp_aabb_args args = { .boxes = boxes, .box_count = count, .kernels = kernels_select( NULL, NULL ) };
         right_pairs right = find_right_pairs( &args );
-        for ( int search = 1; search < 3; ++search )
+        uint64_t tested = 0;
+        for ( int w = 0; w < WISP_COUNT( workers ); ++w )
         {
-            uint64_t tested = 0;
-            for ( int w = 0; w < WISP_COUNT( workers ); ++w )
-            {
-                finder* f = finder_open( workers[w] );
-                args.search = SEARCHES[search];
-                assert_int_equal( find( f, &args ), WISP_OK );
-                assert_right( &f->pairs, &args, &right );
-                tested = w == 0 ? f->pairs.tested : tested;
-                assert_int_equal( f->pairs.tested, tested );
-                finder_close( f );
-            }
+            finder* f = finder_open( workers[w] );
+            assert_int_equal( find( f, &args ), WISP_OK );
+            assert_right( &f->pairs, &args, &right );
+            tested = w == 0 ? f->pairs.tested : tested;
+            assert_int_equal( f->pairs.tested, tested );
+            finder_close( f );
         }
         free_right_pairs( &right );
     }
@@ -426,8 +405,7 @@ static void a_grid_compares_far_fewer_boxes_than_there_are( void** state )
     {
         finder* f = finder_open( 1 );
         make_boxes( boxes, shapes[i], (int)count, 30 );
-        find_right( f,
-                    &( wisp_aabb_args ){ .boxes = boxes, .box_count = (int)count, .search = WISP_PAIR_SEARCH_GRID } );
+        find_right( f, &( wisp_aabb_args ){ .boxes = boxes, .box_count = (int)count } );
         // in both directions, with a margin around each box: the largest boxes alone leave an eighth of all
         assert_true( f->pairs.tested < count * count / 8 + 12 * f->pairs.pair_count );
         finder_close( f );
@@ -438,22 +416,17 @@ static void nothing_is_allocated_once_warm( void** state )
 {
     (void)state;
     static wisp_aabb boxes[MAX_BOXES];
-    for ( int s = 0; s < WISP_COUNT( SEARCHES ); ++s )
-    {
-        finder* f = finder_open( 2 );
-        make_boxes( boxes, BOXES_UNEVEN, MAX_BOXES, 0 );
-        wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES, .search = SEARCHES[s] };
-        find_right( f, &args );
-        find_right( f, &args );
-        int64_t queried = atomic_load( &f->host.queried );
-        size_t outside = 0, outside_later = 0;
-        size_t bytes = wisp_aabb_pairs_bytes( &f->pairs, &outside );
-        find_right( f, &args );
-        assert_int_equal( atomic_load( &f->host.queried ), queried );
-        assert_int_equal( wisp_aabb_pairs_bytes( &f->pairs, &outside_later ), bytes );
-        assert_int_equal( outside_later, outside );
-        finder_close( f );
-    }
+    finder* f = finder_open( 2 );
+    make_boxes( boxes, BOXES_UNEVEN, MAX_BOXES, 0 );
+    const wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES };
+    find_right( f, &args );
+    find_right( f, &args );
+    const int64_t queried = atomic_load( &f->host.queried );
+    const size_t bytes = wisp_aabb_pairs_bytes( &f->pairs );
+    find_right( f, &args );
+    assert_int_equal( atomic_load( &f->host.queried ), queried );
+    assert_int_equal( wisp_aabb_pairs_bytes( &f->pairs ), bytes );
+    finder_close( f );
 }
 
 static void more_pairs_than_the_limit_are_refused_before_memory_is_taken( void** state )
@@ -462,26 +435,23 @@ static void more_pairs_than_the_limit_are_refused_before_memory_is_taken( void**
     static wisp_aabb boxes[MAX_BOXES];
     make_boxes( boxes, BOXES_COINCIDENT, MAX_BOXES, 0 );
     const size_t all = (size_t)MAX_BOXES * ( MAX_BOXES - 1 ) / 2;
-    for ( int s = 0; s < WISP_COUNT( SEARCHES ); ++s )
+    finder* f = finder_open( 2 );
+    wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES, .limit = all - 1 };
+    assert_int_equal( find( f, &args ), WISP_BAD_INPUT );
+    char numbers[2][32];
+    snprintf( numbers[0], sizeof( numbers[0] ), "%zu", all );
+    snprintf( numbers[1], sizeof( numbers[1] ), "%zu", all - 1 );
+    assert_non_null( strstr( f->error.message, numbers[0] ) );
+    assert_non_null( strstr( f->error.message, numbers[1] ) );
+    assert_int_equal( f->pairs.pair_count, 0 );
+    assert_int_equal( f->pairs.query_count, 0 );
+    for ( int i = 0; i < WISP_COUNT( f->pairs.buffers ); ++i )
     {
-        finder* f = finder_open( 2 );
-        wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES, .search = SEARCHES[s], .limit = all - 1 };
-        assert_int_equal( find( f, &args ), WISP_BAD_INPUT );
-        char numbers[2][32];
-        snprintf( numbers[0], sizeof( numbers[0] ), "%zu", all );
-        snprintf( numbers[1], sizeof( numbers[1] ), "%zu", all - 1 );
-        assert_non_null( strstr( f->error.message, numbers[0] ) );
-        assert_non_null( strstr( f->error.message, numbers[1] ) );
-        assert_int_equal( f->pairs.pair_count, 0 );
-        assert_int_equal( f->pairs.query_count, 0 );
-        for ( int i = 0; i < WISP_COUNT( f->pairs.buffers ); ++i )
-        {
-            assert_true( f->pairs.buffers[i].size < all );
-        }
-        args.limit = all;
-        find_right( f, &args );
-        finder_close( f );
+        assert_true( f->pairs.buffers[i].size < all );
     }
+    args.limit = all;
+    find_right( f, &args );
+    finder_close( f );
 }
 
 static void without_memory_it_says_so_and_works_again_with_it( void** state )
@@ -489,112 +459,26 @@ static void without_memory_it_says_so_and_works_again_with_it( void** state )
     (void)state;
     static wisp_aabb boxes[MAX_BOXES];
     make_boxes( boxes, BOXES_UNEVEN, MAX_BOXES, 0 );
-    for ( int s = 0; s < WISP_COUNT( SEARCHES ); ++s )
+    const wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES };
+    bool was_refused = true;
+    for ( int64_t refused = 1; was_refused; ++refused )
     {
-        wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES, .search = SEARCHES[s] };
-        bool was_refused = true;
-        for ( int64_t refused = 1; was_refused; ++refused )
-        {
-            finder* f = finder_open( 1 );
-            f->host.refuse = atomic_load( &f->host.queried ) + refused;
-            f->host.refuse_rest = true;
-            wisp_status status = find( f, &args );
-            was_refused = status != WISP_OK;
-            assert_true( status == WISP_OK || status == WISP_NO_MEMORY );
-            f->host.refuse = 0;
-            find_right( f, &args );
-            finder_close( f );
-        }
-    }
-}
-
-// ---- the tree ----
-
-static void move_boxes( wisp_aabb* boxes, int count, int step )
-{
-    for ( int i = 0; i < count; ++i )
-    {
-        float by = any( i, 40 + step, -0.03f, 0.03f );
-        boxes[i].lower[step % 3] += by;
-        boxes[i].upper[step % 3] += by;
-    }
-}
-
-static void a_tree_follows_boxes_that_move( void** state )
-{
-    (void)state;
-    static wisp_aabb boxes[MAX_BOXES];
-    make_boxes( boxes, BOXES_RANDOM, MAX_BOXES, 0 );
-    wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES, .search = WISP_PAIR_SEARCH_TREE };
-    finder* f = finder_open( 2 );
-    for ( int step = 0; step < 12; ++step )
-    {
+        finder* f = finder_open( 1 );
+        f->host.refuse = atomic_load( &f->host.queried ) + refused;
+        f->host.refuse_rest = true;
+        wisp_status status = find( f, &args );
+        was_refused = status != WISP_OK;
+        assert_true( status == WISP_OK || status == WISP_NO_MEMORY );
+        f->host.refuse = 0;
         find_right( f, &args );
-        move_boxes( boxes, MAX_BOXES, step );
+        finder_close( f );
     }
-    if ( box_tree_exists() )
-    {
-        assert_int_equal( f->pairs.build_count + f->pairs.refit_count, 12 );
-        assert_true( f->pairs.refit_count > 6 );
-    }
-    finder_close( f );
-}
-
-static void a_tree_that_has_decayed_is_built_again( void** state )
-{
-    (void)state;
-    static wisp_aabb boxes[MAX_BOXES];
-    finder* f = finder_open( 1 );
-    wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES, .search = WISP_PAIR_SEARCH_TREE };
-    make_boxes( boxes, BOXES_RANDOM, MAX_BOXES, 0 );
-    find_right( f, &args );
-    // every box at another position: near ones in the tree are near no more
-    make_boxes( boxes, BOXES_RANDOM, MAX_BOXES, 50 );
-    find_right( f, &args );
-    find_right( f, &args );
-    if ( box_tree_exists() )
-    {
-        assert_int_equal( f->pairs.build_count, 2 );
-        assert_int_equal( f->pairs.refit_count, 1 );
-    }
-    finder_close( f );
-}
-
-static void a_tree_is_built_again_when_other_boxes_are_right( void** state )
-{
-    (void)state;
-    static wisp_aabb boxes[MAX_BOXES];
-    finder* f = finder_open( 1 );
-    wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES, .search = WISP_PAIR_SEARCH_TREE };
-    for ( int round = 0; round < 6; ++round )
-    {
-        const box_shape shapes[] = { BOXES_RANDOM, BOXES_WRONG, BOXES_NONE_RIGHT };
-        make_boxes( boxes, shapes[round % 3], MAX_BOXES, 0 );
-        find_right( f, &args );
-    }
-    if ( box_tree_exists() )
-    {
-        // an empty build
-        assert_int_equal( f->pairs.build_count, 4 );
-        assert_int_equal( f->pairs.refit_count, 0 );
-    }
-    finder_close( f );
-}
-
-static void without_embree_a_grid_answers_for_the_tree( void** state )
-{
-    (void)state;
-    wisp_aabb_args args = { .search = WISP_PAIR_SEARCH_TREE };
-    assert_int_equal( wisp_aabb_pairs_choose( &args ),
-                      box_tree_exists() ? WISP_PAIR_SEARCH_TREE : WISP_PAIR_SEARCH_GRID );
-    args.search = WISP_PAIR_SEARCH_BRUTE;
-    assert_int_equal( wisp_aabb_pairs_choose( &args ), WISP_PAIR_SEARCH_BRUTE );
 }
 
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_search_finds_the_pairs_of_a_double_loop ),
+        cmocka_unit_test( grids_find_the_pairs_of_a_double_loop ),
         cmocka_unit_test( a_filter_keeps_what_it_requests_in_order ),
         cmocka_unit_test( other_queries_reuse_the_grid ),
         cmocka_unit_test( the_number_of_workers_does_not_show ),
@@ -602,10 +486,6 @@ int main( void )
         cmocka_unit_test( nothing_is_allocated_once_warm ),
         cmocka_unit_test( more_pairs_than_the_limit_are_refused_before_memory_is_taken ),
         cmocka_unit_test( without_memory_it_says_so_and_works_again_with_it ),
-        cmocka_unit_test( a_tree_follows_boxes_that_move ),
-        cmocka_unit_test( a_tree_that_has_decayed_is_built_again ),
-        cmocka_unit_test( a_tree_is_built_again_when_other_boxes_are_right ),
-        cmocka_unit_test( without_embree_a_grid_answers_for_the_tree ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -126,27 +126,6 @@ static void spans_of_hinges_are_squared_distances( void** state )
     free_cases( cases );
 }
 
-static void a_lean_fabric_is_saved_whole( void** state )
-{
-    (void)state;
-    test_mesh mesh = test_mesh_plane( 20, 10 );
-    wisp_fabric_def def = test_fabric_def( &mesh );
-    wisp_fabric* whole = test_fabric_cook( &def );
-    def.lean = true;
-    wisp_fabric* lean = test_fabric_cook( &def );
-    const size_t size = wisp_fabric_saved_size( lean );
-    assert_int_equal( size, wisp_fabric_saved_size( whole ) );
-    unsigned char *a = checked_malloc( size ), *b = checked_malloc( size );
-    assert_int_equal( wisp_fabric_save( lean, a, size, NULL ), WISP_OK );
-    assert_int_equal( wisp_fabric_save( whole, b, size, NULL ), WISP_OK );
-    assert_memory_equal( a, b, size );
-    free( a );
-    free( b );
-    wisp_fabric_release( lean );
-    wisp_fabric_release( whole );
-    test_mesh_free( &mesh );
-}
-
 static void shuffled_meshes_hold_as_well( void** state )
 {
     (void)state;
@@ -650,7 +629,6 @@ int main( void )
         cmocka_unit_test( every_mesh_becomes_the_fabric_that_brute_force_expects ),
         cmocka_unit_test( a_lean_fabric_makes_the_same_arrays_when_they_are_needed ),
         cmocka_unit_test( spans_of_hinges_are_squared_distances ),
-        cmocka_unit_test( a_lean_fabric_is_saved_whole ),
         cmocka_unit_test( shuffled_meshes_hold_as_well ),
         cmocka_unit_test( a_plane_has_the_edges_that_counting_gives ),
         cmocka_unit_test( a_sphere_has_no_border_and_eulers_number_two ),

@@ -286,10 +286,10 @@ static void run_search( void* context )
     s->status = wisp_intersections_find( &s->found, jobs_everyone( s->pool ), &s->args, &s->error );
 }
 
-static wisp_status search( searcher* s, const contact_mesh* items, wisp_pair_search how )
+static wisp_status search( searcher* s, const contact_mesh* items )
 {
-    s->args = ( wisp_intersection_args ){ items->xyzw,      items->edges,          items->edge_count,
-                                          items->triangles, items->triangle_count, how };
+    s->args = ( wisp_intersection_args ){ items->xyzw, items->edges, items->edge_count, items->triangles,
+                                          items->triangle_count };
     s->error = ( wisp_error ){ 0 };
     jobs_enter( s->pool, run_search, s );
     return s->status;
@@ -313,7 +313,7 @@ static void assert_found( const searcher* s, const wisp_intersection* expected, 
 
 // ---- what is found ----
 
-static void every_search_finds_what_brute_force_finds_whoever_works( void** state )
+static void the_search_finds_what_brute_force_finds_whoever_works( void** state )
 {
     (void)state;
     searcher* searchers[9] = { NULL };
@@ -328,11 +328,8 @@ static void every_search_finds_what_brute_force_finds_whoever_works( void** stat
         wisp_intersection* expected = contact_mesh_brute( &s, &count );
         for ( int workers = 1; workers <= 8; ++workers )
         {
-            for ( int how = 0; how < WISP_PAIR_SEARCH_COUNT; ++how )
-            {
-                search( searchers[workers], &s, (wisp_pair_search)how );
-                assert_found( searchers[workers], expected, count );
-            }
+            search( searchers[workers], &s );
+            assert_found( searchers[workers], expected, count );
         }
         free( expected );
         contact_mesh_free( &s );
@@ -347,7 +344,7 @@ static int count_of( shape what )
 {
     contact_mesh s = contact_mesh_make( what );
     searcher* r = searcher_open( 2 );
-    assert_int_equal( search( r, &s, WISP_PAIR_SEARCH_AUTO ), WISP_OK );
+    assert_int_equal( search( r, &s ), WISP_OK );
     const int count = r->found.count;
     searcher_close( r );
     contact_mesh_free( &s );
@@ -382,7 +379,7 @@ static void a_closed_ring_crosses_a_closed_surface_an_even_number_of_times( void
     (void)state;
     contact_mesh s = contact_mesh_make( PIERCED );
     searcher* r = searcher_open( 2 );
-    assert_int_equal( search( r, &s, WISP_PAIR_SEARCH_AUTO ), WISP_OK );
+    assert_int_equal( search( r, &s ), WISP_OK );
     int* of_ring = checked_calloc( (size_t)s.edge_count, sizeof( int ) );
     for ( int i = 0; i < r->found.count; ++i )
     {
@@ -412,12 +409,9 @@ static void what_shares_a_point_does_not_count( void** state )
         .xyzw = xyzw[0], .edges = edges, .edge_count = 3, .triangles = triangles, .triangle_count = 1
     };
     searcher* r = searcher_open( 1 );
-    for ( int how = 0; how < WISP_PAIR_SEARCH_COUNT; ++how )
-    {
-        // the third edge begins on the corner under another number: it touches without crossing
-        search( r, &s, (wisp_pair_search)how );
-        assert_found( r, ( wisp_intersection[] ){ { 0, 0 } }, 1 );
-    }
+    // the third edge begins on the corner under another number: it touches without crossing
+    search( r, &s );
+    assert_found( r, ( wisp_intersection[] ){ { 0, 0 } }, 1 );
     searcher_close( r );
 }
 
@@ -448,11 +442,8 @@ static void what_is_not_finite_crosses_nothing_and_hides_nothing( void** state )
     }
     assert_true( kept > 20 && kept < count );
     searcher* r = searcher_open( 3 );
-    for ( int how = 0; how < WISP_PAIR_SEARCH_COUNT; ++how )
-    {
-        search( r, &s, (wisp_pair_search)how );
-        assert_found( r, expected, kept );
-    }
+    search( r, &s );
+    assert_found( r, expected, kept );
     searcher_close( r );
     free( expected );
     contact_mesh_free( &s );
@@ -464,15 +455,12 @@ static void nothing_crosses_nothing( void** state )
     contact_mesh s = contact_mesh_make( HEAP );
     searcher* r = searcher_open( 2 );
     const int edge_count = s.edge_count, triangle_count = s.triangle_count;
-    for ( int how = 0; how < WISP_PAIR_SEARCH_COUNT; ++how )
+    for ( int empty = 1; empty < 4; ++empty )
     {
-        for ( int empty = 1; empty < 4; ++empty )
-        {
-            s.edge_count = ( empty & 1 ) != 0 ? 0 : edge_count;
-            s.triangle_count = ( empty & 2 ) != 0 ? 0 : triangle_count;
-            search( r, &s, (wisp_pair_search)how );
-            assert_found( r, NULL, 0 );
-        }
+        s.edge_count = ( empty & 1 ) != 0 ? 0 : edge_count;
+        s.triangle_count = ( empty & 2 ) != 0 ? 0 : triangle_count;
+        search( r, &s );
+        assert_found( r, NULL, 0 );
     }
     searcher_close( r );
     contact_mesh_free( &s );
@@ -485,14 +473,11 @@ static void nothing_is_allocated_once_warm( void** state )
     (void)state;
     contact_mesh s = contact_mesh_make( PIERCED );
     searcher* r = searcher_open( 2 );
-    for ( int how = WISP_PAIR_SEARCH_GRID; how < WISP_PAIR_SEARCH_COUNT; ++how )
-    {
-        search( r, &s, (wisp_pair_search)how );
-        search( r, &s, (wisp_pair_search)how );
-        const int64_t queried = atomic_load( &r->host.queried );
-        assert_int_equal( search( r, &s, (wisp_pair_search)how ), WISP_OK );
-        assert_int_equal( atomic_load( &r->host.queried ), queried );
-    }
+    search( r, &s );
+    search( r, &s );
+    const int64_t queried = atomic_load( &r->host.queried );
+    assert_int_equal( search( r, &s ), WISP_OK );
+    assert_int_equal( atomic_load( &r->host.queried ), queried );
     searcher_close( r );
     contact_mesh_free( &s );
 }
@@ -508,9 +493,9 @@ static void without_memory_the_last_intersections_stay( void** state )
     for ( bool was_refused = true; was_refused; )
     {
         searcher* r = searcher_open( 2 );
-        search( r, &few, WISP_PAIR_SEARCH_GRID );
+        search( r, &few );
         test_host_refuse( &r->host, ++n, false );
-        search( r, &many, WISP_PAIR_SEARCH_GRID );
+        search( r, &many );
         was_refused = test_host_has_refused( &r->host );
         test_host_refuse( &r->host, 0, false );
         if ( r->status != WISP_OK )
@@ -519,7 +504,7 @@ static void without_memory_the_last_intersections_stay( void** state )
             assert_int_equal( r->status, WISP_NO_MEMORY );
             assert_one_message( r->error.message );
             assert_list( r, of_few, few_count );
-            search( r, &many, WISP_PAIR_SEARCH_GRID );
+            search( r, &many );
             ++failed;
         }
         assert_found( r, of_many, many_count );
@@ -535,7 +520,7 @@ static void without_memory_the_last_intersections_stay( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_search_finds_what_brute_force_finds_whoever_works ),
+        cmocka_unit_test( the_search_finds_what_brute_force_finds_whoever_works ),
         cmocka_unit_test( links_of_a_chain_and_balls_in_balls_do_not_cross ),
         cmocka_unit_test( each_needle_through_a_plate_crosses_once ),
         cmocka_unit_test( thick_tori_and_a_sheet_through_itself_cross ),

@@ -2,7 +2,7 @@
 // the formulas in doubles, for sizes of zero, points at centres and far away; half spaces are those of scalar code.
 #include "kernels_fixture.h"
 
-#include "wisp/shapes.h"
+#include "wisp/module/shapes.h"
 
 enum
 {

@@ -168,39 +168,6 @@ static void every_table_gives_the_same_bits( void** state )
     wisp_skin_release( skin );
 }
 
-static void ranges_write_their_points_and_no_others( void** state )
-{
-    (void)state;
-    bound_body b;
-    make_body( &b );
-    wisp_skin* skin = skin_of( &b );
-    for ( int method = 0; method < WISP_SKIN_METHOD_COUNT; ++method )
-    {
-        wisp_skin_pose pose = { 0 };
-        wisp_vec3 expected[POINTS], found[POINTS];
-        assert_int_equal( wisp_skin_points( skin, &pose, (wisp_skin_method)method, b.now, expected, NULL ), WISP_OK );
-        int written[POINTS] = { 0 };
-        for ( int begin = 0; begin < skin->group_count; begin += 3 )
-        {
-            const int end = begin + 3 < skin->group_count ? begin + 3 : skin->group_count;
-            memset( found, 0xff, sizeof( found ) );
-            wisp_skin_points_range( skin, &pose, begin, end, found );
-            for ( int v = 0; v < POINTS; ++v )
-            {
-                const bool is_written = found[v].x == found[v].x;
-                written[v] += is_written ? 1 : 0;
-                assert_true( !is_written || memcmp( &found[v], &expected[v], sizeof( found[v] ) ) == 0 );
-            }
-        }
-        for ( int v = 0; v < POINTS; ++v )
-        {
-            assert_int_equal( written[v], 1 );
-        }
-        wisp_skin_pose_release( &pose, NULL );
-    }
-    wisp_skin_release( skin );
-}
-
 static void one_motion_of_all_bones_is_that_of_the_points( void** state )
 {
     (void)state;
@@ -470,7 +437,6 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( points_are_those_of_the_oracle ),
         cmocka_unit_test( every_table_gives_the_same_bits ),
-        cmocka_unit_test( ranges_write_their_points_and_no_others ),
         cmocka_unit_test( one_motion_of_all_bones_is_that_of_the_points ),
         cmocka_unit_test( a_point_of_one_bone_follows_it ),
         cmocka_unit_test( a_twist_collapses_linear_blend_and_keeps_the_radius_of_dual_quaternions ),

@@ -186,46 +186,6 @@ static void without_a_pass_that_the_join_needs_and_with_more_iterations_passes_r
     }
 }
 
-// What ran around passes: calls, and whether each ran what it surrounds.
-typedef struct around_count
-{
-    int calls, runs;
-} around_count;
-
-static void count_around( void* user, void ( *run )( void* call ), void* call )
-{
-    around_count* count = user;
-    const int before = atomic_load( &fake.run_count );
-    run( call );
-    count->calls += 1;
-    count->runs += atomic_load( &fake.run_count ) - before;
-}
-
-static void a_function_runs_around_a_pass_and_another_one_around_a_fusion( void** state )
-{
-    (void)state;
-    around_count read = { 0 }, joined = { 0 };
-    wisp_world* world = open_joined( 1 );
-    const wisp_entity e = add_with( world, "AP" );
-    request( world, e, "C" );
-    assert_int_equal( wisp_world_surround( world, "read", count_around, &read ), WISP_OK );
-    assert_int_equal( wisp_world_surround( world, "fake.together", count_around, &joined ), WISP_OK );
-    assert_int_equal( wisp_world_surround( world, "read", count_around, &read ), WISP_CONFLICT );
-    assert_int_equal( wisp_world_surround( world, "fake.apart", count_around, &read ), WISP_CONFLICT );
-    assert_non_null( strstr( wisp_world_message( world ), "'fake.apart'" ) );
-    step( world );
-    const tally t = tally_of_entity( e );
-    for ( int s = 0; s < SUBSTEPS; ++s )
-    {
-        assert_int_equal( t.together[s] + t.apart[s], 3 );
-    }
-    assert_int_equal( read.calls, 1 ); // one substep of the block is timed pass by pass
-    assert_int_equal( read.runs, 1 );
-    assert_true( joined.calls >= 1 && joined.calls <= 2 ); // before and behind that one
-    assert_int_equal( joined.runs, joined.calls );
-    wisp_world_destroy( world );
-}
-
 static void the_plan_tells_what_runs_together( void** state )
 {
     (void)state;
@@ -288,7 +248,6 @@ int main( void )
         cmocka_unit_test( one_block_in_eight_is_timed ),
         cmocka_unit_test( an_entity_with_a_pass_that_the_join_does_not_know_runs_apart_and_its_neighbour_does_not ),
         cmocka_unit_test( without_a_pass_that_the_join_needs_and_with_more_iterations_passes_run_apart ),
-        cmocka_unit_test( a_function_runs_around_a_pass_and_another_one_around_a_fusion ),
         cmocka_unit_test( the_plan_tells_what_runs_together ),
         cmocka_unit_test( a_join_of_nothing_or_of_unknown_passes_is_refused ),
     };

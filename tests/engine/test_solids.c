@@ -1,7 +1,7 @@
 // Convex polyhedra and height fields: against boxes, planes, brute force over all triangles, and dense sampling.
 #include "support.h"
 
-#include "wisp/module/convex.h"
+#include "wisp/module/shapes.h"
 
 enum
 {
@@ -381,10 +381,6 @@ static void what_is_no_solid_is_refused( void** state )
         assert_one_message( error.message );
         assert_non_null( strstr( error.message, rows[i].word ) );
     }
-    const wisp_shape none = { .kind = WISP_SHAPE_CONVEX }, empty = { .kind = WISP_SHAPE_HEIGHT_FIELD };
-    wisp_error error = { 0 };
-    assert_int_equal( wisp_shape_check( &none, &error ), WISP_BAD_INPUT );
-    assert_int_equal( wisp_shape_check( &empty, &error ), WISP_BAD_INPUT );
 }
 
 static void far_away_is_answered( void** state )

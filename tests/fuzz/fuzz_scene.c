@@ -56,7 +56,6 @@ static void demand_settings( const wisp_scene* scene )
 {
     const wisp_contact_settings* c = &scene->contact;
     demand( c->primitives >= 0 && c->primitives < WISP_CONTACT_PRIMITIVES_COUNT );
-    demand( c->search >= 0 && c->search < WISP_PAIR_SEARCH_COUNT );
     demand( c->margin > 0.0f && isfinite( c->margin ) );
     demand( c->particle_spacing == 0.0f ||
             ( c->primitives == WISP_CONTACT_PARTICLES && isfinite( c->particle_spacing ) ) );

@@ -20,7 +20,7 @@ static const engine_room engine_rooms[] = {
     { "kernels", 3, " base.h random.h jobs.h fabric.h kernels.h shapes.h skin.h springs.h variants.h " },
     { "space", 3,
       " base.h random.h jobs.h kernels.h space.h collision_mesh.h shapes.h samples.h sampling.h aabb_pairs.h "
-      "convex.h intersections.h "
+      "intersections.h "
       "variants.h " },
     { "store", 3, NULL },
     { "cook", 3, NULL },

@@ -3,6 +3,7 @@
 
 #include "effects_fixture.h"
 
+#include "detail.h"
 #include "wisp/detail.h"
 
 static const float FRAME = 1.0f / 60.0f; // s
@@ -49,6 +50,13 @@ static inline void set_level( wisp_world* world, wisp_entity e, wisp_detail leve
     wisp_detail_def def = wisp_default_detail_def();
     def.level = level;
     assert_status( world, wisp_set_detail( world, e, &def ), WISP_OK );
+}
+
+/// A change of the level is under way.
+static inline bool is_blending( wisp_world* world, wisp_entity e )
+{
+    const passes_detail* d = wisp_world_column( world, e, wisp_world_find_component( world, "detail.state" ), 0 );
+    return d != NULL && ( d->elapsed < d->blend_steps || d->active != d->level );
 }
 
 static inline int items_of( const wisp_world* world, const char* pass )

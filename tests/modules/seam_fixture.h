@@ -3,7 +3,10 @@
 
 #include "cloth_fixture.h"
 
-#include "seams.h"
+#include "seams_state.h"
+
+#include <math.h>
+#include <stdlib.h>
 
 static inline hosted* open_sewing( int substeps, int iterations, int workers )
 {
@@ -46,11 +49,63 @@ static inline void step_for( wisp_world* world, int count )
     }
 }
 
-static inline wisp_seam_pair pair_of( wisp_world* world, wisp_entity seam, int number )
+/// A pair of a seam, at the end of the last step.
+typedef struct sewn_pair
 {
-    wisp_seam_pair pairs[256];
-    assert_true( number < 256 );
-    assert_status( world, wisp_read_seam_pairs( world, seam, pairs, number + 1 ), WISP_OK );
+    int32_t vertices[2]; ///< of `a` and `b`, the user's order
+    int row;
+    double opening; ///< m
+    double force;   ///< N, of the last substep; negative: it pushes
+    bool broken;
+} sewn_pair;
+
+static inline int compare_pairs( const void* left, const void* right )
+{
+    const sewn_pair *a = left, *b = right;
+    const int first = a->vertices[0] - b->vertices[0], second = a->vertices[1] - b->vertices[1];
+    return first != 0 ? first : second != 0 ? second : a->row - b->row;
+}
+
+static inline sewn_pair read_pair( wisp_world* world, const seams_state* state, const seam* s, int row )
+{
+    const wisp_entity surfaces[2] = { s->a, s->b };
+    const seam_settings* settings = wisp_world_column( world, s->entity, state->settings, 0 );
+    const float* rest = wisp_world_column( world, s->entity, state->pairs, 0 );
+    const float* impulse = wisp_world_column( world, s->entity, state->pairs, 1 );
+    const int32_t* broken = wisp_world_column( world, s->entity, state->pairs, 2 );
+    sewn_pair pair = { .row = row, .broken = broken[row] != 0 };
+    const float* x[2];
+    float d[3];
+    for ( int k = 0; k < 2; ++k )
+    {
+        const int32_t x4 = s->ends_x4[2 * row + k];
+        pair.vertices[k] = wisp_world_fabric( world, surfaces[k] )->slot_vertex[x4 / 4];
+        x[k] = (const float*)wisp_world_column( world, surfaces[k], WISP_PARTICLE_POSITION, 0 ) + x4;
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        d[k] = x[0][k] - x[1][k];
+    }
+    pair.opening = sqrt( (double)( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] ) );
+    pair.force = (double)seams_pull( impulse + 3 * (size_t)row, d, rest[row], settings->inverse_dt2 );
+    return pair;
+}
+
+/// The pair with this number in the order of its vertices; those of the same vertices are in the order in which they were given.
+static inline sewn_pair pair_of( wisp_world* world, wisp_entity entity, int number )
+{
+    const seams_state* state = wisp_world_module_state( world, "seams" );
+    sewn_pair pairs[256];
+    const int count = wisp_count_seam_pairs( world, entity );
+    assert_true( number < count && count <= 256 );
+    for ( int i = 0; i < state->count; ++i )
+    {
+        for ( int row = 0; row < count && wisp_entity_equal( state->seams[i].entity, entity ); ++row )
+        {
+            pairs[row] = read_pair( world, state, state->seams + i, row );
+        }
+    }
+    qsort( pairs, (size_t)count, sizeof( *pairs ), compare_pairs );
     return pairs[number];
 }
 

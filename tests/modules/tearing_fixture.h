@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cloth_fixture.h"
+#include "engine/fabric_fixture.h"
 
 #include "tearing.h"
 #include "wisp/maps.h"
@@ -162,20 +163,14 @@ static inline mass_sums sum_masses( wisp_world* world, wisp_entity e )
     return sums;
 }
 
-/// The fabric of a surface is one that could have been saved: complete lists, no conflicts in its schedules.
+/// The fabric of a surface has complete lists of its triangles and no conflicts in its schedules.
 static inline void assert_sound_fabric( wisp_world* world, wisp_entity e )
 {
     const wisp_fabric* f = wisp_world_fabric( world, e );
-    const size_t size = wisp_fabric_saved_size( f );
-    void* bytes = malloc( size );
-    wisp_fabric* loaded = NULL;
-    wisp_error error = { 0 };
-    assert_non_null( bytes );
-    assert_int_equal( wisp_fabric_save( f, bytes, size, &error ), WISP_OK );
-    if ( wisp_fabric_load( bytes, size, NULL, &loaded, &error ) != WISP_OK )
-    {
-        fail_msg( "unsound fabric: %s", error.message );
-    }
-    wisp_fabric_release( loaded );
-    free( bytes );
+    assert_int_equal( wisp_fabric_need( f, WISP_FABRIC_EDGES | WISP_FABRIC_RINGS ), WISP_OK );
+    assert_edges_are_those_of_the_triangles( f );
+    assert_hinges_are_two_triangles( f );
+    assert_lanes_hold_their_constraints( f, f->link_count > f->edge_count );
+    assert_rings_are_those_of_the_triangles( f );
+    assert_fabric_is_safe( f );
 }

@@ -3,7 +3,7 @@
 #include "surface_fixture.h"
 
 #include "deepest_point.h"
-#include "wisp/module/convex.h"
+#include "wisp/module/shapes.h"
 
 static uint32_t seed;
 

@@ -2,7 +2,7 @@
 // every table against the first, bit for bit.
 #include "kernels_fixture.h"
 
-#include "wisp/shapes.h"
+#include "wisp/module/shapes.h"
 
 enum
 {

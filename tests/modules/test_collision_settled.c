@@ -1,6 +1,7 @@
 // Groups of particles that no body can reach in a step are left out of its substeps. That never changes anything: worlds
 // with and without it have the same bits after every step, whatever moves and how fast.
 #include "collision_fixture.h"
+#include "engine/pass_hook.h"
 
 #include "collision_state.h"
 #include "wisp/module/components.h"
@@ -68,6 +69,7 @@ typedef struct stage
     wisp_entity cloth, bodies[BODIES];
     wisp_vec3 places[BODIES];
     int body_count, settled; // particles, over all substeps
+    pass_hook hook;
 } stage;
 
 // ---- worlds ----
@@ -95,10 +97,9 @@ static void add_bodies( stage* s, float lower )
 }
 
 // Counts settled particles, which have a negative radius.
-static void count_settled( void* user, void ( *run )( void* call ), void* call )
+static void count_settled( void* user )
 {
     stage* s = user;
-    run( call );
     const float* found = wisp_world_column( s->h->world, s->cloth, WISP_PARTICLE_HALF_SPACES, 1 );
     for ( int i = 0; i < SIDE * SIDE; ++i )
     {
@@ -123,7 +124,8 @@ static stage* new_stage( const drop* d, bool searches_all )
     state->searches_all = searches_all;
     if ( d->workers == 1 )
     {
-        assert_int_equal( wisp_world_surround( s->h->world, "collision.find", count_settled, s ), WISP_OK );
+        s->hook = ( pass_hook ){ .after = count_settled, .user = s };
+        pass_hook_set( s->h->world, "collision.find", &s->hook );
     }
     float* velocity = wisp_world_column( s->h->world, s->cloth, WISP_PARTICLE_VELOCITY, 0 );
     for ( int i = 0; i < SIDE * SIDE; ++i )

@@ -3,7 +3,7 @@
 #include "collision_fixture.h"
 #include "strands.h"
 
-#include "wisp/module/convex.h"
+#include "wisp/module/shapes.h"
 
 static const float DT = 1.0f / 60.0f;
 

@@ -372,8 +372,6 @@ static void wrong_maps_are_refused( void** state )
     {
         expect_refusal( h.world, wisp_set_map( h.world, e, map, factors, COUNT ), WISP_CONFLICT,
                         "has no such constant" );
-        expect_refusal( h.world, wisp_set_edge_map( h.world, e, map, factors, COUNT ), WISP_BAD_INPUT,
-                        "is a map of vertices" );
     }
     collide( h.world, e, H, WISP_COLLISION_VERTICES );
     give_contact( h.world, e, H, 0.3f );

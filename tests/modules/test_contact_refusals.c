@@ -83,9 +83,6 @@ static void every_number_of_the_settings_has_its_range( void** state )
     wisp_contact_settings def = good;
     def.primitives = WISP_CONTACT_PRIMITIVES_COUNT;
     expect_refusal( h->world, wisp_set_contact_settings( h->world, &def ), WISP_BAD_INPUT, "features" );
-    def = good;
-    def.search = WISP_PAIR_SEARCH_COUNT;
-    expect_refusal( h->world, wisp_set_contact_settings( h->world, &def ), WISP_BAD_INPUT, "search" );
     assert_true( wisp_world_hash( h->world ) == before );
     run_steps( h->world, 2, 0.01f );
 }

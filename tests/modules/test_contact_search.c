@@ -1,10 +1,8 @@
-// The search method and its margin change the time and not one bit; and boundary particles as contact primitives:
+// The margin of the search changes the time and not one bit; and boundary particles as contact primitives:
 // their contact, and what passes between them.
 #include "contact_fixture.h"
 
 #include "oracle/contact_oracle.h"
-
-static const wisp_pair_search SEARCHES[] = { WISP_PAIR_SEARCH_AUTO, WISP_PAIR_SEARCH_GRID, WISP_PAIR_SEARCH_TREE };
 
 typedef struct scene_counts
 {
@@ -29,14 +27,12 @@ static void add_heap( wisp_world* world )
 }
 
 // @return the hash of all state
-static uint64_t run_scene( wisp_pair_search search, wisp_contact_primitives primitives, float margin,
-                           scene_counts* counts )
+static uint64_t run_scene( wisp_contact_primitives primitives, float margin, scene_counts* counts )
 {
     hosted h;
     *counts = ( scene_counts ){ 0 };
     open_contact( &h, 8, 1, 1 );
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.search = search;
     settings.primitives = primitives;
     settings.margin = margin;
     settings.particle_spacing = 0.02f;
@@ -55,24 +51,6 @@ static uint64_t run_scene( wisp_pair_search search, wisp_contact_primitives prim
     return hash;
 }
 
-static void what_searches_does_not_change_a_bit( void** state )
-{
-    (void)state;
-    for ( int primitives = 0; primitives < WISP_CONTACT_PRIMITIVES_COUNT; ++primitives )
-    {
-        scene_counts first_counts, counts;
-        const uint64_t first =
-            run_scene( WISP_PAIR_SEARCH_BRUTE, (wisp_contact_primitives)primitives, 2.0f, &first_counts );
-        assert_true( first_counts.candidates > 100 );
-        for ( int i = 0; i < WISP_COUNT( SEARCHES ); ++i )
-        {
-            assert_true( run_scene( SEARCHES[i], (wisp_contact_primitives)primitives, 2.0f, &counts ) == first );
-            assert_int_equal( counts.candidates, first_counts.candidates );
-            assert_int_equal( counts.searches, first_counts.searches );
-        }
-    }
-}
-
 static void how_far_pairs_are_looked_for_does_not_change_a_bit( void** state )
 {
     (void)state;
@@ -83,8 +61,7 @@ static void how_far_pairs_are_looked_for_does_not_change_a_bit( void** state )
         scene_counts counts[WISP_COUNT( MARGINS )];
         for ( int i = 0; i < WISP_COUNT( MARGINS ); ++i )
         {
-            const uint64_t hash =
-                run_scene( WISP_PAIR_SEARCH_AUTO, (wisp_contact_primitives)primitives, MARGINS[i], counts + i );
+            const uint64_t hash = run_scene( (wisp_contact_primitives)primitives, MARGINS[i], counts + i );
             first = i == 0 ? hash : first;
             assert_true( hash == first );
         }
@@ -483,7 +460,6 @@ static void fast_particles_have_few_candidates( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( what_searches_does_not_change_a_bit ),
         cmocka_unit_test( how_far_pairs_are_looked_for_does_not_change_a_bit ),
         cmocka_unit_test( what_is_remembered_does_not_change_a_bit ),
         cmocka_unit_test( a_pair_that_is_new_in_a_list_has_nothing_of_the_next ),

@@ -48,11 +48,11 @@ static void check_ramp( wisp_world* world, wisp_entity e, wisp_detail level, int
     set_level( world, e, level );
     for ( int i = 1; i <= 15; ++i )
     {
-        assert_true( wisp_is_detail_blending( world, e ) );
+        assert_true( is_blending( world, e ) );
         run_steps( world, 1, FRAME );
         assert_int_equal( substeps_of( world, e ), from + ( to - from ) * i / 15 );
     }
-    assert_false( wisp_is_detail_blending( world, e ) );
+    assert_false( is_blending( world, e ) );
 }
 
 static void substeps_change_step_by_step( void** state )
@@ -391,7 +391,7 @@ static void a_snapshot_holds_the_level_and_its_change( void** state )
     assert_status( h.world, wisp_world_restore( h.world, saved.bytes, saved.size ), WISP_OK );
     free( saved.bytes );
     assert_int_equal( wisp_detail_of( h.world, e ), WISP_DETAIL_FULL );
-    assert_true( wisp_is_detail_blending( h.world, e ) );
+    assert_true( is_blending( h.world, e ) );
     assert_int_equal( substeps_of( h.world, e ), 3 + 7 * 5 / 15 );
     close_world( &h );
 }
@@ -456,9 +456,9 @@ static void a_change_that_is_set_again_with_fewer_steps_ends_earlier( void** sta
     run_steps( h.world, 5, FRAME );
     set_level( h.world, e, WISP_DETAIL_FEWER_SUBSTEPS );
     run_steps( h.world, 10, FRAME );
-    assert_true( wisp_is_detail_blending( h.world, e ) );
+    assert_true( is_blending( h.world, e ) );
     set_level_at_once( h.world, e, WISP_DETAIL_FEWER_SUBSTEPS );
-    assert_false( wisp_is_detail_blending( h.world, e ) );
+    assert_false( is_blending( h.world, e ) );
     const saved_world saved = save_world( h.world );
     assert_status( h.world, wisp_world_restore( h.world, saved.bytes, saved.size ), WISP_OK );
     free( saved.bytes );
@@ -522,7 +522,6 @@ static void what_has_no_detail_is_refused( void** state )
     assert_true( wisp_world_hash( h.world ) == before );
     assert_int_equal( wisp_detail_of( NULL, e ), WISP_DETAIL_FULL );
     assert_int_equal( wisp_detail_of( h.world, ( wisp_entity ){ 99, 1 } ), WISP_DETAIL_FULL );
-    assert_false( wisp_is_detail_blending( NULL, e ) );
     set_level( h.world, e, WISP_DETAIL_NOTHING );
     assert_int_equal( wisp_detail_of( h.world, e ), WISP_DETAIL_NOTHING );
     close_world( &h );

@@ -271,7 +271,7 @@ static void what_comes_to_rest_relative_to_pins_has_their_velocity( void** state
         }
         run_steps( h.world, 1, FRAME );
     }
-    assert_true( wisp_is_detail_blending( h.world, e ) );
+    assert_true( is_blending( h.world, e ) );
     for ( int v = 4 * SIDE; v < SIDE * SIDE; ++v )
     {
         assert_float_equal( velocity_of( h.world, e, v )[0], 3.0f, 0.5f );

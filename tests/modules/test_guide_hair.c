@@ -3,6 +3,8 @@
 // relative 1e-6; a float is exact to 6e-8 m there.
 #include "guide_hair_fixture.h"
 
+#include "guide_internal.h"
+
 static const double tolerance = 1e-6; // m
 
 // ---- against the oracle ----
@@ -184,7 +186,8 @@ static void ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest( 
     def.targets = guide_add( world, targets, 24, 3 );
     const wisp_entity entity = guide_add( world, ghosts, 60, 5 );
     guide_ok( world, wisp_set_ghosts( world, entity, &def ) );
-    guide_ok( world, wisp_read_ghost_targets( world, entity, found ) );
+    const guide_follower* follower;
+    guide_ok( world, guide_find_ghosts( world, entity, &follower ) );
     int ties = 0;
     for ( int g = 0; g < 60; ++g )
     {
@@ -196,7 +199,7 @@ static void ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest( 
                        ? a
                        : best;
         }
-        assert_int_equal( found[g], best );
+        assert_int_equal( follower->target[g], best );
         ties += best == 7 ? 1 : 0;
     }
     assert_true( ties > 0 );

@@ -240,33 +240,7 @@ static void two_herds_may_follow_the_same_targets_each_in_its_way( void** state 
     wisp_world_destroy( f.world );
 }
 
-// ---- reports and refusals ----
-
-static void the_report_counts_empty_targets_groups_and_nodes_that_coincide( void** state )
-{
-    (void)state;
-    flock f = guide_flock( NULL, 3, 4, NODES );
-    double3 ghosts[5 * NODES];
-    for ( int n = 0; n < 5 * NODES; ++n )
-    {
-        // four at the second target, one at the first; from node 6 on the four coincide
-        const int g = n / NODES, i = n % NODES, a = g < 4 ? 1 : 0;
-        const double apart = i < 6 ? 0.001 * g : 0.0;
-        ghosts[n] = double3_add( f.s.target[a * NODES + i], double3_make( 0.0, 0.0, apart ) );
-    }
-    const wisp_entity entity = guide_add( f.world, ghosts, 5, NODES );
-    wisp_ghosts_def def = wisp_default_ghosts_def();
-    def.targets = f.targets;
-    guide_ok( f.world, wisp_set_ghosts( f.world, entity, &def ) );
-    wisp_ghosts_stats report;
-    guide_ok( f.world, wisp_read_ghosts_stats( f.world, entity, &report ) );
-    assert_int_equal( report.ghost_count, 5 );
-    assert_int_equal( report.target_count, 3 );
-    assert_int_equal( report.empty_targets, 1 );
-    assert_int_equal( report.largest_group, 4 );
-    assert_int_equal( report.collapsed_nodes, 4 );
-    wisp_world_destroy( f.world );
-}
+// ---- refusals ----
 
 static void refuse( flock* f, wisp_ghosts_def def, wisp_status status, const char* word )
 {
@@ -338,10 +312,6 @@ static void who_cannot_follow_or_be_followed_is_refused( void** state )
     const wisp_entity more = guide_add( f.world, f.ghost, 12, NODES );
     assert_int_equal( wisp_set_ghosts( f.world, more, &def ), WISP_CONFLICT );
     assert_non_null( strstr( wisp_world_message( f.world ), "are ghosts themselves" ) );
-    int32_t unused[12];
-    wisp_ghosts_stats report;
-    assert_int_equal( wisp_read_ghosts_stats( f.world, more, &report ), WISP_CONFLICT );
-    assert_int_equal( wisp_read_ghost_targets( f.world, more, unused ), WISP_CONFLICT );
     wisp_world_destroy( f.world );
 }
 
@@ -495,7 +465,6 @@ int main( void )
         cmocka_unit_test( any_one_request_may_be_refused_and_the_call_made_again ),
         cmocka_unit_test( when_targets_go_their_ghosts_stay_and_when_ghosts_go_nothing_runs_for_them ),
         cmocka_unit_test( two_herds_may_follow_the_same_targets_each_in_its_way ),
-        cmocka_unit_test( the_report_counts_empty_targets_groups_and_nodes_that_coincide ),
         cmocka_unit_test( unequal_node_counts_are_refused_by_name_unless_resampled ),
         cmocka_unit_test( values_out_of_range_are_refused_by_name ),
         cmocka_unit_test( who_cannot_follow_or_be_followed_is_refused ),

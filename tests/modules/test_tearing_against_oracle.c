@@ -1,5 +1,6 @@
 // Which edge tears, at which end and where, against the oracle: irregular sheets are pulled apart, one split a step.
 #include "tearing_fixture.h"
+#include "engine/pass_hook.h"
 
 #include "oracle/tearing_oracle.h"
 
@@ -29,13 +30,13 @@ typedef struct sheet
     pulled_edge edges[3 * TRIANGLES];
     int edge_count;
     double inverse_dt2;
+    pass_hook hook;
 } sheet;
 
 // Read the multipliers behind the pass, before the step ends with a split.
-static void read_forces( void* user, void ( *run )( void* call ), void* call )
+static void read_forces( void* user )
 {
     sheet* s = user;
-    run( call );
     const wisp_fabric* f = wisp_world_fabric( s->world, s->e );
     const float* lambda = wisp_world_column( s->world, s->e, WISP_LINK_LAMBDA, 0 );
     s->edge_count = 0;
@@ -77,7 +78,8 @@ static sheet* open_sheet( int seed )
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.warp_compliance = cloth.weft_compliance = 1e-3f, cloth.shear_compliance = 2e-3f;
     s->e = add_cloth( s->world, &fabric, surface, &cloth, EARTH );
-    assert_status( s->world, wisp_world_surround( s->world, "tearing.measure", read_forces, s ), WISP_OK );
+    s->hook = ( pass_hook ){ .after = read_forces, .user = s };
+    pass_hook_set( s->world, "tearing.measure", &s->hook );
     test_mesh_free( &mesh );
     return s;
 }

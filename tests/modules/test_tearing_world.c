@@ -41,15 +41,14 @@ typedef struct sheet
 
 static void set_maps( wisp_world* world, wisp_entity e )
 {
-    const int edges = wisp_world_fabric( world, e )->edge_count;
-    float* factors = checked_malloc( (size_t)( edges + SIDE * SIDE + SPARES ) * sizeof( float ) );
-    for ( int i = 0; i < edges || i < SIDE * SIDE + SPARES; ++i )
+    float factors[SIDE * SIDE + SPARES];
+    for ( int i = 0; i < WISP_COUNT( factors ); ++i )
     {
         factors[i] = test_random_float( 9, i, 0.5f, 1.5f );
     }
-    assert_status( world, wisp_set_edge_map( world, e, WISP_MAP_STRETCH_COMPLIANCE, factors, edges ), WISP_OK );
-    assert_status( world, wisp_set_map( world, e, WISP_MAP_AREA_DENSITY, factors, SIDE * SIDE + SPARES ), WISP_OK );
-    free( factors );
+    assert_status( world, wisp_set_map( world, e, WISP_MAP_STRETCH_COMPLIANCE, factors, WISP_COUNT( factors ) ),
+                   WISP_OK );
+    assert_status( world, wisp_set_map( world, e, WISP_MAP_AREA_DENSITY, factors, WISP_COUNT( factors ) ), WISP_OK );
 }
 
 static wisp_cloth_def cloth_of( const sheet_case* c )

@@ -4,7 +4,7 @@
 
 #include "double3.h"
 
-#include "wisp/shapes.h"
+#include "wisp/module/shapes.h"
 
 /// A body in its own frame. A convex polyhedron is given by the triangles of its hull.
 typedef struct deepest_oracle_body

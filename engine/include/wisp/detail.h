@@ -57,7 +57,5 @@ WISP_API wisp_status wisp_set_detail( wisp_world* world, wisp_entity entity, con
 
 /// @return the level that was set; WISP_DETAIL_FULL if none was, or the entity was removed
 WISP_API wisp_detail wisp_detail_of( const wisp_world* world, wisp_entity entity );
-/// @return true while a change is blended: the entity costs more than its level says
-WISP_API bool wisp_is_detail_blending( const wisp_world* world, wisp_entity entity );
 
 WISP_END_C

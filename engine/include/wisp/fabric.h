@@ -193,16 +193,6 @@ WISP_API wisp_status wisp_fabric_need( const wisp_fabric* fabric, unsigned array
 /// @return its number; that of another edge if the two are no neighbours
 WISP_API int wisp_fabric_find_edge( const wisp_fabric* fabric, int32_t a, int32_t b );
 
-/// Makes all arrays of a lean fabric. @return bytes that wisp_fabric_save() writes; 0 without memory for them
-WISP_API size_t wisp_fabric_saved_size( const wisp_fabric* fabric );
-/// Write a fabric, for wisp_fabric_load().
-/// @param size of `out` @param error may be null
-/// @return WISP_BAD_INPUT `out` has fewer bytes than wisp_fabric_saved_size(); WISP_NO_MEMORY
-WISP_API wisp_status wisp_fabric_save( const wisp_fabric* fabric, void* out, size_t size, wisp_error* error );
-/// Read a saved fabric. The bytes are untrusted: every index is checked.
-/// @return WISP_BAD_INPUT the bytes are not a fabric of this version (the message names the defect); WISP_NO_MEMORY
-WISP_API wisp_status wisp_fabric_load( const void* bytes, size_t size, const wisp_allocator* allocator,
-                                       wisp_fabric** out, wisp_error* error );
 /// @return bytes in memory
 WISP_API size_t wisp_fabric_bytes( const wisp_fabric* fabric );
 

@@ -1,4 +1,4 @@
-/// Maps: parameters of a surface that differ from vertex to vertex or from edge to edge.
+/// Maps: parameters of a surface that differ from vertex to vertex.
 ///
 /// A map is a list of factors. Each multiplies the constant that the surface or its effect was given, so a change of the
 /// constant keeps the pattern, and a map of ones changes no bit of what is computed, but for drag, lift and internal
@@ -35,7 +35,7 @@
 
 WISP_BEGIN_C
 
-/// Set or replace a map by the vertices of a surface. An edge has the mean of its ends, a triangle that of its corners, a link
+/// Set or replace a map of a surface. An edge has the mean of its ends, a triangle that of its corners, a link
 /// of a coarse sheet that of the edges along it, by their lengths.
 /// @param map WISP_MAP_...
 /// @param factors [count] in the user's order, 0 to 1e6 unless the table says otherwise; null removes the map. Copied
@@ -44,15 +44,5 @@ WISP_BEGIN_C
 ///         the entity is no surface, or nothing that it has has this constant; WISP_NO_MEMORY. Nothing changes then
 WISP_API wisp_status wisp_set_map( wisp_world* world, wisp_entity surface, wisp_component map, const float* factors,
                                    int count );
-
-/// Set or replace a map of stretching or bending by edges. Edge e of a fabric joins the user's vertices
-/// fabric->slot_vertex[fabric->edges[2 * e]] and fabric->slot_vertex[fabric->edges[2 * e + 1]]; a lean fabric has its edges after
-/// wisp_fabric_need( fabric, WISP_FABRIC_EDGES ). For bending, a factor belongs to the hinge of the edge; those of open
-/// edges count for WISP_MAP_BEND_RIGIDITY only, whose triangles have the mean of their edges.
-/// @param factors [count] 0 to 1e6
-/// @param count the number of edges of the fabric
-/// @return as wisp_set_map(); also WISP_BAD_INPUT the map is one of vertices only
-WISP_API wisp_status wisp_set_edge_map( wisp_world* world, wisp_entity surface, wisp_component map,
-                                        const float* factors, int count );
 
 WISP_END_C

@@ -13,7 +13,7 @@
 ///     wisp_skin_pose_release( &pose, NULL );
 ///     wisp_skin_release( skin );
 ///
-/// Results are the same bits on every instruction set and for any division into ranges.
+/// Results are the same bits on every instruction set.
 #pragma once
 
 #include "wisp/shapes.h"
@@ -140,13 +140,6 @@ WISP_API wisp_status wisp_skin_pose_set( wisp_skin_pose* pose, const wisp_skin* 
                                          const wisp_affine* bones, const wisp_allocator* allocator,
                                          wisp_error* error );
 WISP_API void wisp_skin_pose_release( wisp_skin_pose* pose, const wisp_allocator* allocator );
-
-/// Compute the points of groups [begin, end), within 0 .. skin->group_count. Thread-safe for disjoint ranges: each point belongs to
-/// one group.
-/// @param pose set for this skin
-/// @param out [point_count] m, in the user's order; other points are not written
-WISP_API void wisp_skin_points_range( const wisp_skin* skin, const wisp_skin_pose* pose, int begin, int end,
-                                      wisp_vec3* out );
 
 /// Prepare bones and compute all points on the calling thread.
 /// @param pose keeps its memory between calls, of the C library

@@ -5,16 +5,6 @@
 
 WISP_BEGIN_C
 
-/// How pairs of boxes that overlap are found. The choice changes the time and not the result.
-typedef enum wisp_pair_search
-{
-    WISP_PAIR_SEARCH_AUTO = 0,  ///< the search that was measured to be fastest for the number of boxes
-    WISP_PAIR_SEARCH_GRID = 1,  ///< uniform grids, one for boxes of about each size
-    WISP_PAIR_SEARCH_TREE = 2,  ///< a bounding volume tree; needs Embree, without it the grid is used
-    WISP_PAIR_SEARCH_BRUTE = 3, ///< all queries against all boxes, for comparison
-    WISP_PAIR_SEARCH_COUNT = 4,
-} wisp_pair_search;
-
 /// Search structure of a triangle mesh. All of them give the same results to the last bit.
 typedef enum wisp_mesh_search
 {

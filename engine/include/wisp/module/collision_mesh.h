@@ -15,7 +15,7 @@
 #pragma once
 
 #include "wisp/module/jobs.h"
-#include "wisp/shapes.h"
+#include "wisp/module/shapes.h"
 #include "wisp/variants.h"
 
 WISP_BEGIN_C

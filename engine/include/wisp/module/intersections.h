@@ -29,7 +29,6 @@ typedef struct wisp_intersection_args
     int edge_count;
     const int32_t* triangles; ///< [triangle_count][3] points
     int triangle_count;
-    wisp_pair_search search;
 } wisp_intersection_args;
 
 /// Zero-initialised is empty.
@@ -45,8 +44,7 @@ typedef struct wisp_intersections
 WISP_API wisp_status wisp_intersections_find( wisp_intersections* intersections, const wisp_parallel* parallel,
                                               const wisp_intersection_args* args, wisp_error* error );
 WISP_API void wisp_intersections_release( wisp_intersections* intersections, const wisp_allocator* allocator );
-/// @param outside bytes that Embree holds of it are added
 /// @return bytes that it holds of its allocator
-WISP_API size_t wisp_intersections_bytes( const wisp_intersections* intersections, size_t* outside );
+WISP_API size_t wisp_intersections_bytes( const wisp_intersections* intersections );
 
 WISP_END_C

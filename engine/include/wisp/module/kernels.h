@@ -11,7 +11,7 @@
 #include "wisp/module/strand_kernels.h"
 #include "wisp/module/surface_kernels.h"
 #include "wisp/module/particle_batch.h"
-#include "wisp/shapes.h"
+#include "wisp/module/shapes.h"
 #include "wisp/variants.h"
 
 WISP_BEGIN_C

@@ -153,10 +153,10 @@ typedef struct wisp_fusion
 WISP_API wisp_status wisp_declare_fusion( wisp_registry* registry, const wisp_fusion* join );
 
 /// Passes that can run for several entities of one fabric side by side, in less time, and bit for bit what they give entity by
-/// entity. Small entities that share nothing with others in the substep loop run so, in steps of one iteration per substep, while
-/// no function is around a pass. All substeps run in one go if entities have no other passes. Otherwise one pass can run side by
-/// side in each substep, between passes that run entity by entity. Callbacks are called on any worker, for several groups at a
-/// time, and may touch only the entities that they are given.
+/// entity. Small entities that share nothing with others in the substep loop run so, in steps of one iteration per substep. All
+/// substeps run in one go if entities have no other passes. Otherwise one pass can run side by side in each substep, between
+/// passes that run entity by entity. Callbacks are called on any worker, for several groups at a time, and may touch only the
+/// entities that they are given.
 typedef struct wisp_batch
 {
     const char* name;                     ///< "module.noun"; a static string
@@ -307,17 +307,6 @@ WISP_API void wisp_run_schedule( const wisp_parallel* parallel, const wisp_sched
 WISP_API void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char* format, ... ) WISP_PRINTF( 3, 4 );
 /// Add to a counter of the world. Thread-safe; sums are order-free.
 WISP_API void wisp_frame_count( wisp_frame* frame, wisp_counter counter, uint64_t amount );
-
-// ---- around passes ----
-
-/// Runs around a pass: calls `run( call )` exactly once, between work of its own. Any worker calls it, for each span of items.
-typedef void wisp_around_fn( void* user, void ( *run )( void* call ), void* call );
-/// Have a function run around a pass, to trace it or, in tests, to slow it down. A pass without one costs what it did before.
-/// A fusion has a name of its own; it runs its passes without what is around them.
-/// @param name of a pass or of a fusion, "module.verb"
-/// @param user is passed on, and must live as long as the world
-/// @return WISP_CONFLICT there is no such pass, it has a function around it already, or eight others have
-WISP_API wisp_status wisp_world_surround( wisp_world* world, const char* name, wisp_around_fn* around, void* user );
 
 // ---- between steps, for a module's public functions ----
 

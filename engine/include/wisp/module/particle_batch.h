@@ -1,7 +1,7 @@
 /// Particles of a block: arguments of the kernels for rigid motion, gathering and culling.
 #pragma once
 
-#include "wisp/shapes.h"
+#include "wisp/module/shapes.h"
 
 WISP_BEGIN_C
 

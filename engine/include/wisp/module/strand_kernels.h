@@ -2,7 +2,7 @@
 #pragma once
 
 #include "wisp/module/random.h"
-#include "wisp/shapes.h"
+#include "wisp/module/shapes.h"
 #include "wisp/variants.h"
 
 WISP_BEGIN_C
