@@ -26,7 +26,7 @@ const command_text info_text = {
     .noun = "file",
     .summary = "describe a file and report what is wrong with it",
     .about = "Describe a file, and report what is wrong with it.",
-    .notes = "Known are grooms (.hair, .tfx), meshes (.obj, .ply, .glb, .gltf), scenes (.yaml, .yml,\n"
+    .notes = "Known are grooms (.hair), meshes (.obj, .ply, .glb, .gltf), scenes (.yaml, .yml,\n"
              ".json), recordings (.wisp, .pc2) and results (.json).\n"
              "\n"
              "A mesh is checked for open and non-manifold edges, inconsistent winding, inverted\n"
@@ -36,7 +36,7 @@ const command_text info_text = {
                 "wisp info data/scenes/flag.yaml",
     .rows = rows,
     .row_count = WISP_COUNT( rows ),
-    .values = OPTION_FILES( ".yaml .yml .json .wisp .pc2 .obj .ply .glb .gltf .hair .tfx" ),
+    .values = OPTION_FILES( ".yaml .yml .json .wisp .pc2 .obj .ply .glb .gltf .hair" ),
 };
 
 static bool take( options_state* o, int key, const char* argument )
@@ -470,7 +470,7 @@ static wisp_status info_file( const char* path, wisp_error* error )
             break;
     }
     return wisp_fail( error, WISP_BAD_INPUT,
-                      "%s: unknown kind of file, expected a groom (.hair, .tfx), a mesh (.obj, .ply, .glb, .gltf), a "
+                      "%s: unknown kind of file, expected a groom (.hair), a mesh (.obj, .ply, .glb, .gltf), a "
                       "scene (.yaml, .yml, "
                       ".json), a recording (.wisp, .pc2) or results (.json)",
                       io_input_name( path ) );

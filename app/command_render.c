@@ -80,7 +80,7 @@ const command_text render_text = {
     .summary = "draw pictures of a scene, recording, mesh or groom",
     .about = "Draw pictures of a scene, recording, mesh or groom by ray tracing.",
     .notes = "Inputs are scenes (.yaml, .yml, .json), recordings (.wisp, .pc2), meshes (.obj,\n"
-             ".ply, .glb, .gltf) and grooms (.hair, .tfx). A scene is simulated as far as needed.\n"
+             ".ply, .glb, .gltf) and grooms (.hair). A scene is simulated as far as needed.\n"
              "Frame 0 is the start, frame N follows step N; by default the last frame is drawn.\n"
              "The default camera shows all bodies in all frames. Several pictures are written as\n"
              "FILE_0001.png and so on, or as one contact sheet.",
@@ -90,7 +90,7 @@ const command_text render_text = {
                 "wisp render data/bunny.obj --turntable 36 -o bunny.png",
     .rows = rows,
     .row_count = WISP_COUNT( rows ),
-    .values = OPTION_FILES( ".yaml .yml .json .wisp .pc2 .obj .ply .glb .gltf .hair .tfx" ),
+    .values = OPTION_FILES( ".yaml .yml .json .wisp .pc2 .obj .ply .glb .gltf .hair" ),
 };
 
 static void choose_frames( const options_state* o, picture_options* options, picture_choice choice )

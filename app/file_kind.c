@@ -21,9 +21,8 @@ static file_kind kind_of( const char* path, const char* head, size_t size )
         const char* extension;
         file_kind kind;
     } names[] = {
-        { ".hair", FILE_GROOM },     { ".tfx", FILE_GROOM },       { ".obj", FILE_MESH },
-        { ".ply", FILE_MESH },       { ".yaml", FILE_SCENE },      { ".yml", FILE_SCENE },
-        { ".wisp", FILE_RECORDING }, { ".pc2", FILE_POINT_CACHE }, { ".json", FILE_SCENE },
+        { ".hair", FILE_GROOM }, { ".obj", FILE_MESH },       { ".ply", FILE_MESH },        { ".yaml", FILE_SCENE },
+        { ".yml", FILE_SCENE },  { ".wisp", FILE_RECORDING }, { ".pc2", FILE_POINT_CACHE }, { ".json", FILE_SCENE },
     };
     if ( begins_with( head, size, "HAIR", 4 ) )
     {

@@ -8,7 +8,7 @@
 typedef enum file_kind
 {
     FILE_UNKNOWN,
-    FILE_GROOM,       ///< .hair, .tfx
+    FILE_GROOM,       ///< .hair
     FILE_MESH,        ///< .obj, .ply; .glb, .gltf, maybe with # and the name of a mesh behind
     FILE_SCENE,       ///< .yaml, .yml, .json
     FILE_RECORDING,   ///< .wisp

@@ -155,7 +155,7 @@ static wisp_status open_kind( picture_source* source, file_kind kind, const pict
     return wisp_fail(
         error, WISP_BAD_INPUT,
         "%s: unknown kind of file, expected a scene (.yaml, .yml, .json), a recording (.wisp, .pc2), a mesh (.obj, "
-        ".ply, .glb, .gltf) or a groom (.hair, .tfx)",
+        ".ply, .glb, .gltf) or a groom (.hair)",
         def->path );
 }
 

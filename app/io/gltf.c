@@ -137,6 +137,87 @@ static wisp_status check_binary( const unsigned char* bytes, size_t size, const 
     return check_json( (const char*)bytes + GLB_HEADER + GLB_CHUNK, json, name, error );
 }
 
+// ---- parts of a file -------------------------------------------------------------------------------------------
+
+enum
+{
+    SIGNED_BYTE = 5120,
+    UNSIGNED_BYTE,
+    SIGNED_SHORT,
+    UNSIGNED_SHORT,
+    UNSIGNED_INT = 5125,
+    SINGLE,
+};
+
+size_t gltf_component_size( int type )
+{
+    return type == SIGNED_BYTE || type == UNSIGNED_BYTE     ? 1
+           : type == SIGNED_SHORT || type == UNSIGNED_SHORT ? 2
+           : type == UNSIGNED_INT || type == SINGLE         ? 4
+                                                            : 0;
+}
+
+double gltf_component( const unsigned char* at, int type, bool is_normalized )
+{
+    switch ( type )
+    {
+        case SIGNED_BYTE:
+            return is_normalized ? fmax( (int8_t)*at / 127.0, -1.0 ) : (int8_t)*at;
+        case UNSIGNED_BYTE:
+            return is_normalized ? *at / 255.0 : *at;
+        case SIGNED_SHORT:
+            return is_normalized ? fmax( (int16_t)io_get_u16( at ) / 32767.0, -1.0 ) : (int16_t)io_get_u16( at );
+        case UNSIGNED_SHORT:
+            return is_normalized ? io_get_u16( at ) / 65535.0 : io_get_u16( at );
+        case UNSIGNED_INT:
+            return io_get_u32( at );
+        default:
+            return (double)io_get_float( at );
+    }
+}
+
+bool gltf_normalize( double q[4] )
+{
+    const double length = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
+    for ( int k = 0; k < 4 && length > 1e-6; ++k )
+    {
+        q[k] /= length;
+    }
+    return length > 1e-6;
+}
+
+bool gltf_is_harmless( const char* extension )
+{
+    static const char* const starts[] = { "KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_mesh_quantization",
+                                          "EXT_texture_" };
+    bool is_harmless = false;
+    for ( int i = 0; i < WISP_COUNT( starts ); ++i )
+    {
+        is_harmless = is_harmless || strncmp( extension, starts[i], strlen( starts[i] ) ) == 0;
+    }
+    return is_harmless;
+}
+
+bool gltf_is_image( const char* path )
+{
+    return io_has_extension( path, ".png" ) || io_has_extension( path, ".jpg" ) || io_has_extension( path, ".jpeg" );
+}
+
+wisp_status gltf_read_beside( const char* folder, const char* path, unsigned char** bytes, size_t* size,
+                              wisp_error* error )
+{
+    const size_t length = folder != NULL ? strlen( folder ) : 0;
+    const bool is_inside = folder != NULL && strncmp( path, folder, length ) == 0;
+    const char* file = is_inside ? path + length : path;
+    file += is_inside && file[0] == '/';
+    if ( folder == NULL || file[0] == '\0' || file[0] == '/' || strstr( file, ".." ) != NULL ||
+         strchr( file, ':' ) != NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "the buffer '%.64s' is not in the folder of the file", file );
+    }
+    return io_file_read( path, WISP_MESH_FILE_CAP, bytes, size, error );
+}
+
 // ---- relations -------------------------------------------------------------------------------------------------
 
 // A node's turn comes when its parent has had its own; who never has one hangs in a circle.

@@ -14,6 +14,25 @@ extern "C"
     wisp_status gltf_parse( const void* bytes, size_t size, bool is_binary, const char* folder, const char* name,
                             gltf_model* out, wisp_error* error );
 
+    /// Bytes of a component type of accessors; 0: it is not read.
+    size_t gltf_component_size( int type );
+
+    /// A component of such a type. @param is_normalized integers become -1 .. 1 or 0 .. 1
+    double gltf_component( const unsigned char* at, int type, bool is_normalized );
+
+    /// Scale a rotation to length 1. @return false: it is zero
+    bool gltf_normalize( double q[4] );
+
+    /// Whether a required extension changes nothing that is read.
+    bool gltf_is_harmless( const char* extension );
+
+    /// Whether a path is that of an image.
+    bool gltf_is_image( const char* path );
+
+    /// Read a buffer in a folder or below. @return WISP_BAD_INPUT it is elsewhere, or too long; WISP_IO_ERROR
+    wisp_status gltf_read_beside( const char* folder, const char* path, unsigned char** bytes, size_t* size,
+                                  wisp_error* error );
+
     /// gltf_merge.c: merge vertices of exactly equal position, joints and weights; the first stays.
     wisp_status gltf_merge_seams( gltf_mesh* mesh, const char* name, wisp_error* error );
 

@@ -2,7 +2,6 @@
 ///
 ///     format  read  write  what it is
 ///     .hair   yes   yes    the HAIR files of Cem Yuksel's hair models
-///     .tfx    yes   no     guide strands of AMD TressFX 4 and 5
 ///     .usda   no    yes    USD BasisCurves as text
 ///     .obj    no    yes    vertices, and lines of two vertices each
 ///
@@ -56,12 +55,6 @@ extern "C"
     /// @param name of the file in messages
     WISP_API wisp_status wisp_groom_read_hair( const void* bytes, size_t size, const char* name, wisp_groom* out,
                                                wisp_error* error );
-
-    /// Read the bytes of a .tfx file, version 4 or 5. Thickness (per strand) and colour (per vertex) are kept where
-    /// present; inverse masses, alpha and texture coordinates are not. Bytes outside all sections are allowed:
-    /// sections are found by offset, and exporters align them.
-    WISP_API wisp_status wisp_groom_read_tfx( const void* bytes, size_t size, const char* name, wisp_groom* out,
-                                              wisp_error* error );
 
     /// Make a groom of arrays, checked by wisp_groom_check(). It has two dimensions if every z is 0.
     /// @param points [offsets[strand_count]] m @param offsets [strand_count + 1]

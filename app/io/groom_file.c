@@ -13,12 +13,8 @@ static wisp_status read_bytes( const char* path, const unsigned char* bytes, siz
     {
         return wisp_groom_read_hair( bytes, size, path, out, error );
     }
-    if ( io_has_extension( path, ".tfx" ) )
-    {
-        return wisp_groom_read_tfx( bytes, size, path, out, error );
-    }
     return wisp_fail( error, WISP_BAD_INPUT,
-                      "%s: not a groom, expected a file that starts with \"HAIR\" or ends in .hair or .tfx",
+                      "%s: not a groom, expected a file that starts with \"HAIR\" or ends in .hair",
                       io_short_name( path ) );
 }
 

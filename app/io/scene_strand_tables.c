@@ -182,7 +182,7 @@ static const scene_field STRANDS_FIELDS[] = {
       .help = "Unique among strands, surfaces, colliders and seams.",
       .form = "1 to 64 of the characters A-Z a-z 0-9 _ -" },
     { "file", SCENE_CUSTOM, .at = AT( file ), .read = scene_read_file,
-      .help = "Groom to read (`.hair`, `.tfx`), relative to the folder of the scene.", .form = "path",
+      .help = "Groom to read (`.hair`), relative to the folder of the scene.", .form = "path",
       .initial = "none" },
     { "generate", SCENE_CUSTOM, .read = scene_read_generate, .help = "Generates the strands instead of reading them.",
       .form = "block" },

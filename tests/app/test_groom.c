@@ -107,41 +107,6 @@ static void default_segments_apply_and_missing_arrays_stay_null( void** state )
     wisp_groom_release( &groom );
 }
 
-static void a_hand_made_tfx_file_gives_positions_thickness_and_colour( void** state )
-{
-    (void)state;
-    byte_row row = { .size = 0 };
-    put_float( &row, 4.0f );
-    put_u32( &row, 2 );
-    put_u32( &row, 2 );
-    put_u32( &row, 240 ); // positions come last: sections are found by offset, not by order
-    put_u32( &row, 0 );
-    put_u32( &row, 0 );
-    put_u32( &row, 160 );
-    put_u32( &row, 176 );
-    row.size = 160;
-    put_floats( &row, 2, 0.5f, 0.25f );
-    row.size = 176;
-    put_floats( &row, 16, 0.0f, 0.0625f );
-    put_floats( &row, 16, 1.0f, 1.0f );
-    row.size += 6; // bytes outside any section
-
-    wisp_groom groom;
-    wisp_status status = wisp_groom_read_tfx( row.bytes, row.size, "row.tfx", &groom, NULL );
-
-    assert_int_equal( status, WISP_OK );
-    assert_int_equal( groom.dimension, 3 );
-    assert_memory_equal( groom.offsets, ( ( int[] ){ 0, 2, 4 } ), 3 * sizeof( int ) );
-    // every fourth number is an inverse mass, and is skipped
-    assert_memory_equal( groom.points, ( ( float[] ){ 1, 2, 3, 5, 6, 7, 9, 10, 11, 13, 14, 15 } ),
-                         12 * sizeof( float ) );
-    assert_memory_equal( groom.thickness, ( ( float[] ){ 0.5f, 0.5f, 0.75f, 0.75f } ), 4 * sizeof( float ) );
-    assert_float_equal( groom.colour[3].x, 0.75f, 0.0f );
-    assert_float_equal( groom.colour[3].z, 0.875f, 0.0f );
-    assert_null( groom.transparency );
-    wisp_groom_release( &groom );
-}
-
 static void a_message_keeps_its_reason_when_the_name_is_very_long( void** state )
 {
     (void)state;
@@ -484,7 +449,6 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_hand_made_hair_file_gives_its_strands_and_arrays ),
         cmocka_unit_test( default_segments_apply_and_missing_arrays_stay_null ),
-        cmocka_unit_test( a_hand_made_tfx_file_gives_positions_thickness_and_colour ),
         cmocka_unit_test( a_message_keeps_its_reason_when_the_name_is_very_long ),
         cmocka_unit_test( a_hair_file_comes_back_bit_for_bit ),
         cmocka_unit_test( the_header_of_a_hair_file_is_what_other_readers_expect ),

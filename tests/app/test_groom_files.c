@@ -33,9 +33,9 @@ static void a_file_that_starts_with_HAIR_is_a_hair_file_whatever_it_is_called( v
     wisp_groom again;
     size_t size = 0;
     char* bytes = fixture_written( wisp_groom_write_hair, &groom, &size );
-    write_bytes( path_in( state, "a.tfx" ), bytes, size );
+    write_bytes( path_in( state, "a.bin" ), bytes, size );
     free( bytes );
-    assert_int_equal( wisp_groom_read( path_in( state, "a.tfx" ), &again, NULL ), WISP_OK );
+    assert_int_equal( wisp_groom_read( path_in( state, "a.bin" ), &again, NULL ), WISP_OK );
     assert_same_groom( &groom, &again );
     wisp_groom_release( &again );
 }

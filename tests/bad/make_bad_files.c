@@ -36,6 +36,6 @@ int main( int argc, char** argv )
         fprintf( stderr, "usage: %s FOLDER\n", argv[0] );
         return 64;
     }
-    return write_all( argv[1], "groom", bad_groom_lists, 2 ) |
+    return write_all( argv[1], "groom", &bad_groom_list, 1 ) |
            write_all( argv[1], "recording", bad_recording_lists, 3 );
 }

@@ -1,5 +1,5 @@
 // Wavefront OBJ. The first pass checks and counts lines of vertices and faces, so that memory is bounded by the file.
-// Then tinyobjloader reads those lines and no others, and every number from it is checked against the counts.
+// The second pass reads their numbers.
 #include "mesh_internal.h"
 
 #include <math.h>
@@ -16,27 +16,24 @@ typedef enum line_kind
     LINE_FACE,
 } line_kind;
 
-// The state of the checked text while the library reads it.
 typedef struct obj_reading
 {
-    mesh_word rest; // lines not yet read by the library
+    mesh_word text;
     const char* name;
     wisp_error* error;
-    wisp_status status; // the reason for stopping
     wisp_mesh* mesh;
     mesh_fan fan;
-    int vertex_count; // announced by the first pass; mesh->vertex_count counts what arrived
+    int vertex_count; // counted by the first pass; mesh->vertex_count counts what the second has read
     int face_count, faces_seen;
-    int line;               // of the library's current line, from 1
-    int coloured_count;     // vertices with a colour, announced by the first pass
-    wisp_vec3 colour;       // of the library's current line, white if it has none
+    int line;               // the current one of the second pass, from 1
+    int coloured_count;     // vertices with a colour, counted by the first pass
     float* uvs;             // [uv_count][2] of the `vt` lines
-    int uv_count, uvs_seen; // in all, and before the library's current line
+    int uv_count, uvs_seen; // in all, and before the current line
     bool* is_seam;          // [vertex_count] has several coordinates
     bool* has_uv;           // [vertex_count]
 } obj_reading;
 
-// Cuts off the text after a #, which the library would read as an index.
+// Cuts off the text after a #.
 static line_kind kind_of( mesh_word* whole )
 {
     const char* comment = whole->length > 0 ? memchr( whole->text, '#', whole->length ) : NULL;
@@ -155,7 +152,7 @@ static wisp_status check_face_line( mesh_word line, int number, const char* name
     return WISP_OK;
 }
 
-// A zero byte would end a line for the library but not here.
+// A zero byte is in no text.
 static wisp_status check_is_text( const char* bytes, size_t size, const char* name, wisp_error* error )
 {
     if ( size == 0 )
@@ -189,7 +186,7 @@ static wisp_status check_counts( int vertices, int faces, const char* name, wisp
 // Counts fit an int: a line has at least one byte and a file no more than WISP_MESH_FILE_CAP of them.
 static wisp_status check_lines( obj_reading* reading, wisp_error* error )
 {
-    mesh_word rest = reading->rest, line;
+    mesh_word rest = reading->text, line;
     int number = 0;
     wisp_status status = WISP_OK;
     while ( status == WISP_OK && mesh_next_line( &rest, &line ) )
@@ -221,24 +218,10 @@ static wisp_status check_lines( obj_reading* reading, wisp_error* error )
 
 // ---- the second pass -------------------------------------------------------------------------------------------
 
-// The last three of six or seven numbers, white of fewer.
-static wisp_vec3 colour_of( mesh_word line )
-{
-    double values[7] = { 0.0 };
-    int count = 0;
-    mesh_next_word( &line );
-    for ( mesh_word word = mesh_next_word( &line ); word.length > 0 && count < 7; word = mesh_next_word( &line ) )
-    {
-        values[count++] = mesh_word_value( word );
-    }
-    const double* c = values + count - 3;
-    return count > 4 ? ( wisp_vec3 ){ (float)c[0], (float)c[1], (float)c[2] } : ( wisp_vec3 ){ 1.0f, 1.0f, 1.0f };
-}
-
 // All `vt` lines, before the others: a face may come before what it names.
 static wisp_status read_uvs( obj_reading* reading )
 {
-    mesh_word rest = reading->rest, line;
+    mesh_word rest = reading->text, line;
     int number = 0, found = 0;
     while ( mesh_next_line( &rest, &line ) && found < reading->uv_count )
     {
@@ -264,44 +247,24 @@ static wisp_status read_uvs( obj_reading* reading )
     return WISP_OK;
 }
 
-static bool feed_line( void* user, const char** text, size_t* length )
+// Three numbers, or four of which the last is a weight that is not used; then maybe a colour.
+static wisp_status read_vertex( obj_reading* reading, mesh_word line )
 {
-    obj_reading* reading = user;
-    mesh_word line;
-    while ( mesh_next_line( &reading->rest, &line ) )
+    float values[7] = { 0.0f };
+    int count = 0;
+    for ( mesh_word word = mesh_next_word( &line ); word.length > 0; word = mesh_next_word( &line ) )
     {
-        ++reading->line;
-        const line_kind kind = kind_of( &line );
-        reading->uvs_seen += kind == LINE_UV;
-        if ( kind == LINE_VERTEX || kind == LINE_FACE )
-        {
-            reading->colour = kind == LINE_VERTEX ? colour_of( line ) : reading->colour;
-            *text = line.text;
-            *length = line.length;
-            return true;
-        }
+        values[count++] = (float)mesh_word_value( word );
     }
-    return false;
-}
-
-static bool take_vertex( void* user, wisp_vec3 point )
-{
-    obj_reading* reading = user;
     wisp_mesh* mesh = reading->mesh;
-    if ( mesh->vertex_count >= reading->vertex_count )
-    {
-        reading->status = wisp_fail( reading->error, WISP_BAD_INPUT,
-                                     "%s: the OBJ library found more vertices than the %d of the file", reading->name,
-                                     reading->vertex_count );
-        return false;
-    }
-    reading->status = mesh_check_vertex( point, mesh->vertex_count, reading->name, reading->error );
+    const int v = mesh->vertex_count++;
+    const float* c = values + count - 3;
+    mesh->points[v] = ( wisp_vec3 ){ values[0], values[1], values[2] };
     if ( mesh->colours != NULL )
     {
-        mesh->colours[mesh->vertex_count] = reading->colour;
+        mesh->colours[v] = count > 4 ? ( wisp_vec3 ){ c[0], c[1], c[2] } : ( wisp_vec3 ){ 1.0f, 1.0f, 1.0f };
     }
-    mesh->points[mesh->vertex_count++] = point;
-    return reading->status == WISP_OK;
+    return mesh_check_vertex( mesh->points[v], v, reading->name, reading->error );
 }
 
 // The first coordinates of a vertex stay. An index without a line gives none.
@@ -323,38 +286,34 @@ static void take_uv( obj_reading* reading, int32_t vertex, int number )
     reading->is_seam[vertex] = reading->is_seam[vertex] || kept[0] != given[0] || kept[1] != given[1];
 }
 
-static bool take_corner( void* user, int number, int uv, bool last )
+static wisp_status read_corner( obj_reading* reading, mesh_word corner )
 {
-    obj_reading* reading = user;
-    int known = reading->mesh->vertex_count;
-    int64_t vertex = number > 0 ? (int64_t)number - 1 : (int64_t)known + number;
-    if ( number == 0 || vertex < 0 || vertex >= reading->vertex_count )
+    const int known = reading->mesh->vertex_count;
+    int32_t number = 0, uv = 0;
+    mesh_word_is_integer( cut_at_slash( &corner ), &number );
+    mesh_word_is_integer( cut_at_slash( &corner ), &uv );
+    const int64_t vertex = number > 0 ? (int64_t)number - 1 : (int64_t)known + number;
+    if ( vertex < 0 || vertex >= reading->vertex_count )
     {
-        reading->status = wisp_fail(
-            reading->error, WISP_BAD_INPUT, "%s: line %d: face %d: got vertex %d, the file has %d", reading->name,
-            reading->line, reading->faces_seen, number, number < 0 ? known : reading->vertex_count );
-        return false;
+        return wisp_fail( reading->error, WISP_BAD_INPUT, "%s: line %d: face %d: got vertex %d, the file has %d",
+                          reading->name, reading->line, reading->faces_seen, number,
+                          number < 0 ? known : reading->vertex_count );
     }
     take_uv( reading, (int32_t)vertex, uv );
-    reading->status = mesh_fan_corner( &reading->fan, (int32_t)vertex, reading->error );
-    if ( last )
-    {
-        reading->fan.corner_count = 0;
-        ++reading->faces_seen;
-    }
-    return reading->status == WISP_OK;
+    return mesh_fan_corner( &reading->fan, (int32_t)vertex, reading->error );
 }
 
-static wisp_status check_arrived( const obj_reading* reading )
+static wisp_status read_face( obj_reading* reading, mesh_word line )
 {
-    if ( reading->mesh->vertex_count != reading->vertex_count || reading->faces_seen != reading->face_count )
+    wisp_status status = WISP_OK;
+    for ( mesh_word word = mesh_next_word( &line ); status == WISP_OK && word.length > 0;
+          word = mesh_next_word( &line ) )
     {
-        return wisp_fail( reading->error, WISP_BAD_INPUT,
-                          "%s: the OBJ library found %d vertices and %d faces where the file has %d and %d",
-                          reading->name, reading->mesh->vertex_count, reading->faces_seen, reading->vertex_count,
-                          reading->face_count );
+        status = read_corner( reading, word );
     }
-    return WISP_OK;
+    reading->fan.corner_count = 0;
+    ++reading->faces_seen;
+    return status;
 }
 
 // Coordinates of no vertex are none; the others are counted.
@@ -398,18 +357,31 @@ static wisp_status allocate( obj_reading* reading )
 
 static wisp_status read_lines( obj_reading* reading )
 {
+    mesh_word rest = reading->text, line;
+    wisp_status status = read_uvs( reading );
+    while ( status == WISP_OK && mesh_next_line( &rest, &line ) )
+    {
+        ++reading->line;
+        const line_kind kind = kind_of( &line );
+        mesh_next_word( &line );
+        reading->uvs_seen += kind == LINE_UV;
+        status = kind == LINE_VERTEX ? read_vertex( reading, line )
+                 : kind == LINE_FACE ? read_face( reading, line )
+                                     : WISP_OK;
+    }
+    finish_uvs( reading );
+    return status;
+}
+
+static wisp_status read_numbers( obj_reading* reading )
+{
     wisp_status status = allocate( reading );
     io_numbers numbers;
     status = status == WISP_OK ? io_numbers_begin( &numbers, reading->error ) : status;
     if ( status == WISP_OK )
     {
-        status = read_uvs( reading );
-        mesh_obj_feed feed = { reading, feed_line, take_vertex, take_corner };
-        status = status == WISP_OK ? mesh_obj_parse( &feed, reading->name, reading->error ) : status;
+        status = read_lines( reading );
         io_numbers_end( &numbers );
-        status = status == WISP_OK ? reading->status : status;
-        status = status == WISP_OK ? check_arrived( reading ) : status;
-        finish_uvs( reading );
     }
     free( reading->uvs );
     free( reading->has_uv );
@@ -421,7 +393,7 @@ wisp_status wisp_mesh_read_obj( const void* bytes, size_t size, const char* name
 {
     *out = ( wisp_mesh ){ 0 };
     name = io_short_name( name );
-    obj_reading reading = { .rest = { bytes, size }, .name = name, .error = error, .mesh = out };
+    obj_reading reading = { .text = { bytes, size }, .name = name, .error = error, .mesh = out };
     reading.fan = ( mesh_fan ){ .mesh = out, .name = name };
     wisp_status status = check_is_text( bytes, size, name, error );
     if ( status == WISP_OK && size > WISP_MESH_FILE_CAP )
@@ -434,7 +406,7 @@ wisp_status wisp_mesh_read_obj( const void* bytes, size_t size, const char* name
     }
     if ( status == WISP_OK )
     {
-        status = read_lines( &reading );
+        status = read_numbers( &reading );
     }
     if ( status == WISP_OK )
     {
