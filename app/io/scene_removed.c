@@ -15,7 +15,7 @@ static const struct
 } REMOVED[] = {
     // strands
     { "dynamics", "leader_correction", NULL, "leave it out: it belonged to `stretch: follow`" },
-    { "dynamics", "stretch", "follow", "use `stretch: links`, which costs as much, or `direct`, which is exact" },
+    { "dynamics", "stretch", "follow", "use `links` with `solver: xpbd`, or `direct`" },
     // implicit cloth
     { "implicit", "damping_form", NULL, "leave it out: links damp all relative velocity of their ends" },
     { "implicit", "jacobian", NULL, "leave it out: the negative term of bending is always dropped" },
