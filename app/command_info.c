@@ -207,7 +207,7 @@ static void print_contact( const wisp_contact_def* contact, const char* self )
 
 static void print_motion( const wisp_scene* scene, const wisp_scene_strands* entry )
 {
-    static const char* const stretches[] = { "direct", "links", "follow" };
+    static const char* const stretches[] = { "direct", "links" };
     static const char* const bends[] = { "rod", "links", "none" };
     if ( entry->has_dynamics )
     {

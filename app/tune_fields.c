@@ -2,8 +2,8 @@
 // does not change the material. For strands this excludes (measured with `wisp bench accuracy --scene
 // strands_swing`):
 //
-// - `stretch`: following the leader converges to another motion, 38 mm away at any number of substeps. Links with a
-//   compliance are another strand, and without one they reach the error of the direct solve in no less time.
+// - `stretch`: links with a compliance are another strand, and without one they reach the error of the direct solve in
+//   no less time.
 // - `stretch_tolerance`: decides which strands are reset; a smaller one resets more of them, which is no nearer to the reference.
 // - the grid's cell and friction: a smaller cell is friction with fewer neighbours.
 // - counts of strands and vertices, and ghosts: the compared points must be as many as those of the reference.

@@ -6,7 +6,6 @@ const strands_setting strands_comparison_settings[] = {
     { "direct, rod", WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_BEND_ROD, 2, 10 },
     { "links, bend links", WISP_STRAND_STRETCH_LINKS, WISP_STRAND_BEND_LINKS, 2, 10 },
     { "direct one pass, bend links", WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_BEND_LINKS, 1, 10 },
-    { "follow, bend links", WISP_STRAND_STRETCH_FOLLOW, WISP_STRAND_BEND_LINKS, 2, 10 },
     { "direct, rod", WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_BEND_ROD, 2, 4 },
 };
 const int strands_comparison_setting_count = WISP_COUNT( strands_comparison_settings );

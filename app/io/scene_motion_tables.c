@@ -16,8 +16,6 @@
 
 static const scene_choice STRETCHES[] = { { "direct", "the whole strand at once by a direct solve, exact" },
                                           { "links", "one pass over links per iteration, cheap" },
-                                          { "follow",
-                                            "each vertex follows the one before it: exact lengths, wrong momentum" },
                                           { NULL, NULL } };
 static const scene_choice BENDS[] = { { "rod", "an elastic rod in SI units" },
                                       { "bend_links", "links between vertices two apart" },
@@ -49,8 +47,6 @@ static const scene_field DYNAMICS_FIELDS[] = {
       .help = "Largest relative error of a length after the direct solve; strands beyond it are reset to their rest "
               "lengths and counted." },
     { "integrator", SCENE_CHOICE, .at = MOVES( integrator ), .choices = INTEGRATORS, .help = "Time integration." },
-    { "leader_correction", SCENE_NUMBER, .at = MOVES( leader_correction ), .range = UNIT_RANGE,
-      .help = "Part of its momentum that a vertex gets back from the one that follows it, with `stretch: follow`." },
     { "bending", SCENE_CHOICE, .at = MOVES( bending ), .choices = BENDS, .help = "How strands resist bending." },
     { "bend_rigidity", SCENE_NUMBER, .at = MOVES( bend_rigidity ), .range = RANGE( 0, 1e12 ), .unit = ROD_RIGIDITIES,
       .help = "Bending rigidity EI of a rod." },

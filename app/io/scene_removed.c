@@ -15,7 +15,7 @@ static const struct
 } REMOVED[] = {
     // strands
     { "dynamics", "leader_correction", NULL, "leave it out: it belonged to `stretch: follow`" },
-    { "dynamics", "stretch", "follow", "use `stretch: links`, which costs as much, or `direct`, which is exact" },
+    { "dynamics", "stretch", "follow", "use `links` with `solver: xpbd`, or `direct`" },
     // contact
     { "contact", "search", NULL, "leave it out: pairs are found by grids, the fastest of the searches" },
     // implicit cloth

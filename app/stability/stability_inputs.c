@@ -438,10 +438,6 @@ static void describe_body( const scene_world* world, int body, stability_body* b
                                     length_of( surface->angular_velocity ) > 0.0f );
     b->is_uneven = ( is_strands ? hair->mass_ratio : surface->mass_ratio ) != 1.0f;
     b->twin = INFINITY;
-    if ( is_strands && hair->dynamics.stretch == WISP_STRAND_STRETCH_FOLLOW )
-    {
-        b->kept = b->gravity * b->substep / ( 1.0 - fmin( (double)hair->dynamics.leader_correction, 0.99 ) );
-    }
     wisp_motion_stats m;
     b->mass = b->moves && scene_world_motion_stats( world, body, &m, NULL ) == WISP_OK ? m.mass : 0.0;
     measure( world, body, b );

@@ -233,13 +233,10 @@ static int row_at( const stability_trace* trace, double time )
 
 static double speed_between( const stability_trace* trace, int body, int from, int to )
 {
-    // a follower at rest keeps a velocity, which moves nothing
-    const bool keeps = trace->bodies[body].kept > 0.0;
     double speed = 0.0;
     for ( int row = from; row <= to; ++row )
     {
-        const stability_sample* s = stability_sample_of( trace, row, body );
-        speed = fmax( speed, keeps ? s->travel : s->speed );
+        speed = fmax( speed, stability_sample_of( trace, row, body )->speed );
     }
     return speed;
 }

@@ -130,8 +130,7 @@ static double sum_of( const stability_trace* trace, int row, bool is_bent )
     return sum;
 }
 
-// A hundredth of what gravity can give and of what is stored, and what a fall within a substep cannot tell. A follower
-// that hangs at rest keeps a velocity, which moves nothing and is no motion.
+// A hundredth of what gravity can give and of what is stored, and what a fall within a substep cannot tell.
 static double energy_limit( const stability_trace* trace )
 {
     const double PART = 0.01;
@@ -141,9 +140,7 @@ static double energy_limit( const stability_trace* trace )
         const stability_body* b = &trace->bodies[body];
         const stability_sample* s = stability_sample_of( trace, 0, body );
         const double fall = b->gravity * b->shortest * b->shortest;
-        limit += b->moves ? b->mass * b->gravity * ( PART * b->extent + fall ) + PART * ( s->stored + s->bent ) +
-                                0.5 * b->mass * b->kept * b->kept
-                          : 0.0;
+        limit += b->moves ? b->mass * b->gravity * ( PART * b->extent + fall ) + PART * ( s->stored + s->bent ) : 0.0;
     }
     return limit;
 }

@@ -218,14 +218,12 @@ static double cable_strain( const stability_reader* r, const stability_body* bod
     return is_cable ? cbrt( 1.0 / 24.0 ) * pow( free_mass( r ) * body->gravity * compliance / rest, 2.0 / 3.0 ) : 0.0;
 }
 
-// Lengths that hold whatever the load: those of the direct solve, of followers, of a skin that gas stretches.
+// Lengths that hold whatever the load: those of the direct solve, of a skin that gas stretches.
 static double least_reach( const stability_reader* r )
 {
     if ( r->strands && r->hair->dynamics.stretch != WISP_STRAND_STRETCH_LINKS )
     {
-        return r->hair->dynamics.stretch == WISP_STRAND_STRETCH_FOLLOW
-                   ? 1e-3
-                   : fmax( (double)r->hair->dynamics.stretch_tolerance, 1e-4 );
+        return fmax( (double)r->hair->dynamics.stretch_tolerance, 1e-4 );
     }
     if ( r->surface && r->surface->has_balloon )
     {

@@ -43,7 +43,6 @@ typedef struct stability_body
     double extent;   ///< m, the longest edge of the box around its rest shape
     double twin;     ///< strain that the scene reaches if it starts at rest, twice; infinite: it does
     double burden;   ///< N, the weight of what may lie on it, and the wind
-    double kept;     ///< m/s, the velocity of a follower at rest, which moves nothing
     bool has_contact; ///< with others
     bool is_uneven;   ///< masses grow along it
     bool starts_away; ///< from its rest shape, or with a velocity

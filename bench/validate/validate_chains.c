@@ -20,10 +20,9 @@ typedef enum chain_method
     DIRECT,
     DIRECT_BDF2,
     LINKS,
-    FOLLOW,
 } chain_method;
 
-static const char* const names[] = { "direct", "direct bdf2", "links", "follow" };
+static const char* const names[] = { "direct", "direct bdf2", "links" };
 
 // A chain of 1 m, 1 kg, falls slowly, so that a step of 1/60 s is short beside the time of the last part: what is
 // shown has no unit.
@@ -44,9 +43,7 @@ static wisp_status add_chain( validate_bodies* b, chain_method method, wisp_erro
     }
     wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
     dynamics.bending = WISP_STRAND_BEND_NONE;
-    dynamics.stretch = method == LINKS    ? WISP_STRAND_STRETCH_LINKS
-                       : method == FOLLOW ? WISP_STRAND_STRETCH_FOLLOW
-                                          : WISP_STRAND_STRETCH_DIRECT;
+    dynamics.stretch = method == LINKS ? WISP_STRAND_STRETCH_LINKS : WISP_STRAND_STRETCH_DIRECT;
     dynamics.integrator = method == DIRECT_BDF2 ? WISP_INTEGRATOR_BDF2 : WISP_INTEGRATOR_EULER;
     dynamics.line_density = 1.0f;
     dynamics.gravity = ( wisp_vec3 ){ 0.0f, (float)-GRAVITY, 0.0f };
@@ -165,7 +162,7 @@ wisp_status validate_folded_chain( const bench_options* options, double seconds,
 {
     (void)options;
     (void)seconds;
-    static const int methods[] = { DIRECT, DIRECT_BDF2, LINKS, FOLLOW }, cells[] = { 9, 17, 33, 65 };
+    static const int methods[] = { DIRECT, DIRECT_BDF2, LINKS }, cells[] = { 9, 17, 33, 65 };
     const validate_grid grid = {
         .names = names,
         .solvers = methods,

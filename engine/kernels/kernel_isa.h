@@ -108,7 +108,6 @@ void KERNEL( strand_air )( const wisp_strand_air_args* args, int begin, int end 
 int KERNEL( strand_stretch )( const wisp_strand_stretch_args* args, int begin, int end );
 void KERNEL( strand_link )( const wisp_strand_link_args* args, int begin, int end );
 int KERNEL( strand_count_stretched )( const wisp_strand_link_args* args, float fraction, int begin, int end );
-void KERNEL( strand_follow )( const wisp_strand_follow_args* args, int begin, int end );
 void KERNEL( strand_rod )( const wisp_strand_rod_args* args, int begin, int end );
 void KERNEL( strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,
                                      wisp_strand_bounds* reach );

@@ -93,7 +93,6 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .strand_stretch = KERNEL( strand_stretch ),
     .strand_link = KERNEL( strand_link ),
     .strand_count_stretched = KERNEL( strand_count_stretched ),
-    .strand_follow = KERNEL( strand_follow ),
     .strand_rod = KERNEL( strand_rod ),
     .strand_contact_begin = KERNEL( strand_contact_begin ),
     .strand_contact = KERNEL( strand_contact ),

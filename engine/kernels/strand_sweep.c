@@ -1,5 +1,5 @@
-// Low-cost length constraints along strands: a sweep of distances from the root, and follow the leader. Sixteen
-// strands at a time; nothing is gathered and no two lanes share a particle.
+// Low-cost length constraints along strands: a sweep of distances from the root. Sixteen strands at a time; nothing is
+// gathered and no two lanes share a particle.
 #include "strand_chains.h"
 #include "strand_history.h"
 
@@ -254,41 +254,4 @@ int KERNEL( strand_count_stretched )( const wisp_strand_link_args* args, float f
         }
     }
     return count;
-}
-
-// Follows the leader. The follower's correction d is added to the leader's previous position, so the leader's
-// velocity changes by -fraction d / dt.
-static void follow_group( const wisp_strand_follow_args* args, lane16 fraction, int first, int last )
-{
-    const lane16 zero = lane16_zero(), least = lane16_set1( MIN_SQUARE );
-    lane16v leader = lane16v_load( args->position + (size_t)first * STRIDE );
-    lane16m leader_is_free = lane16_lt( zero, lane16_load( args->inverse_mass + (size_t)first * WISP_LANES ) );
-    for ( int row = first; row + 1 < last; ++row )
-    {
-        const size_t at = (size_t)row * STRIDE, next = at + STRIDE;
-        const lane16v p = lane16v_load( args->position + next ), along = lane16v_sub( p, leader );
-        const lane16 squared = lane16v_dot( along, along );
-        const lane16m is_free =
-            lane16_lt( zero, lane16_load( args->inverse_mass + (size_t)( row + 1 ) * WISP_LANES ) );
-        const lane16m moves = lane16m_and( is_free, lane16_lt( least, squared ) );
-        const lane16 scale =
-            lane16_div( lane16_load( args->length + (size_t)row * WISP_LANES ), lane16_sqrt( squared ) );
-        const lane16v put = lane16v_select( moves, lane16v_mul_add( leader, scale, along ), p );
-        const lane16v correction = lane16v_scale( lane16v_sub( put, p ), fraction );
-        const lane16v previous = lane16v_load( args->previous + at );
-        lane16v_store( args->previous + at,
-                       lane16v_select( leader_is_free, lane16v_add( previous, correction ), previous ) );
-        lane16v_store( args->position + next, put );
-        leader = put;
-        leader_is_free = is_free;
-    }
-}
-
-void KERNEL( strand_follow )( const wisp_strand_follow_args* args, int begin, int end )
-{
-    const wisp_strand_follow_args mine = *args;
-    for ( int g = begin; g < end; ++g )
-    {
-        follow_group( &mine, lane16_set1( mine.leader_correction ), mine.group_row[g], mine.group_row[g + 1] );
-    }
 }

@@ -34,7 +34,7 @@
 // whirls for ever.
 //
 // T_i, b_i and kb_i are angles, so they take unit directions, also of segments that are not at their length: links
-// and followers leave segments several times too long, and the product of two such lengths has no bound.
+// leave segments several times too long, and the product of two such lengths has no bound.
 //
 // An elliptic section bends across its flat side with EI and edgewise with EI' >= EI. Its x axis is across the flat side,
 // and m_i is that of the middle frame (after Bergou et al. 2008, section 4.2, with diagonal B). With C_i = t_i - t_{i-1}

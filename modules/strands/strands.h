@@ -20,9 +20,7 @@ typedef enum wisp_strand_stretch
 {
     WISP_STRAND_STRETCH_DIRECT = 0, ///< the whole strand at once: one tridiagonal system per Newton pass, exact
     WISP_STRAND_STRETCH_LINKS = 1, ///< one sweep of distance constraints per iteration, pbd or xpbd: cheap and common
-    WISP_STRAND_STRETCH_FOLLOW =
-        2, ///< follow the leader, from the root: exact lengths, wrong momentum (Mueller et al. 2012)
-    WISP_STRAND_STRETCH_COUNT = 3,
+    WISP_STRAND_STRETCH_COUNT = 2,
 } wisp_strand_stretch;
 
 /// How strands resist bending.
@@ -60,7 +58,6 @@ typedef struct wisp_strand_dynamics_def
     /// first one, one in which it is pushed, reset or turned too fast, the one after that, the one after a jump of its
     /// root or another length of substep. All but the first are counted (WISP_COUNT_FIRST_ORDER).
     wisp_integrator integrator;
-    float leader_correction; ///< follow: fraction of the momentum given back to the leader, 0 .. 1, default 0.9
 
     wisp_strand_bend bending; ///< default rod
     float bend_rigidity;      ///< rod: EI, N m^2, 0 .. 1e12, default 8e-9 (a hair of 80 um)

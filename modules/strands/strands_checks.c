@@ -15,7 +15,6 @@ static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_d
         { "stretch_passes", (float)d->stretch_passes, 1.0f, 16.0f },
         { "stretch_tolerance", d->stretch_tolerance, 1e-6f, 1.0f },
         { "integrator", (float)d->integrator, 0.0f, (float)( WISP_INTEGRATOR_COUNT - 1 ) },
-        { "leader_correction", d->leader_correction, 0.0f, 1.0f },
         { "bending", (float)d->bending, 0.0f, (float)( WISP_STRAND_BEND_COUNT - 1 ) },
         { "bend_rigidity", d->bend_rigidity, 0.0f, 1e12f },
         { "twist_rigidity", d->twist_rigidity, 0.0f, 1e12f },
@@ -55,8 +54,7 @@ static wisp_status check_integrator( wisp_world* world, const wisp_strand_dynami
     if ( d->integrator == WISP_INTEGRATOR_BDF2 && d->stretch != WISP_STRAND_STRETCH_DIRECT )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "strands: got integrator bdf2 with stretch %s, expected direct",
-                                d->stretch == WISP_STRAND_STRETCH_LINKS ? "links" : "follow" );
+                                "strands: got integrator bdf2 with stretch links, expected direct" );
     }
     return WISP_OK;
 }

@@ -16,7 +16,6 @@ void wisp_init_strand_dynamics_def( wisp_strand_dynamics_def* def, size_t size )
         .stretch = WISP_STRAND_STRETCH_DIRECT,
         .stretch_passes = 8,
         .stretch_tolerance = 1e-2f,
-        .leader_correction = 0.9f,
         .bending = WISP_STRAND_BEND_ROD,
         .bend_rigidity = 8e-9f,
         .twist_rigidity = 6e-9f,
@@ -68,7 +67,7 @@ typedef struct requested_component
 
 enum
 {
-    COMPONENT_COUNT = 26,
+    COMPONENT_COUNT = 25,
 };
 
 // Return whether vertices behind a root may be pinned: by a pin, or because a strand has no length.
@@ -113,7 +112,6 @@ static void list_components( const strands_state* s, const wisp_strand_dynamics_
         { s->tension, direct || rod },
         { s->links, links },
         { s->stretch_link, links },
-        { s->follow, d->stretch == WISP_STRAND_STRETCH_FOLLOW },
         { s->bend_links, bend_links },
         { s->bend_link, bend_links },
         { s->history, bdf2 },
@@ -185,7 +183,6 @@ static void fill_materials( wisp_world* world, wisp_entity strands, const strand
     strands_direct* direct = wisp_world_column( world, strands, s->direct, 0 );
     strands_link* links = wisp_world_column( world, strands, s->links, 0 );
     strands_link* bend_links = wisp_world_column( world, strands, s->bend_links, 0 );
-    float* fraction = wisp_world_column( world, strands, s->follow, 0 );
     strands_section* section = wisp_world_column( world, strands, s->section, 0 );
     strands_closed* closed = wisp_world_column( world, strands, s->closed, 0 );
     const int32_t xpbd = d->solver == WISP_SOLVER_XPBD ? 1 : 0;
@@ -217,10 +214,6 @@ static void fill_materials( wisp_world* world, wisp_entity strands, const strand
     if ( bend_links != NULL )
     {
         *bend_links = ( strands_link ){ xpbd, d->bend_stiffness, d->bend_compliance };
-    }
-    if ( fraction != NULL )
-    {
-        *fraction = d->leader_correction;
     }
 }
 

@@ -311,16 +311,6 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
             .run = strands_link_rows,
         },
         {
-            .name = "strands.follow",
-            .stage = WISP_STAGE_PROJECT,
-            .domain = WISP_DOMAIN_STRAND_GROUP,
-            .required = { s->follow },
-            .reads = { s->follow, WISP_STRAND_INVERSE_MASS, WISP_STRAND_LENGTH, WISP_STRAND_PREVIOUS,
-                       WISP_STRAND_POSITION },
-            .writes = { WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION },
-            .run = strands_follow,
-        },
-        {
             .name = "strands.stretch",
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_STRAND_GROUP,

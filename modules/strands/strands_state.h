@@ -87,7 +87,6 @@ typedef struct strands_grid
 #define STRANDS_LOW( X ) X( float, low, 48 )     /* m, what does not fit the digits of the position */
 #define STRANDS_DIRECT( X ) X( strands_direct, direct, 1 )
 #define STRANDS_LINKS( X ) X( strands_link, link, 1 )
-#define STRANDS_FOLLOW( X ) X( float, fraction, 1 )
 #define STRANDS_BEND_LINKS( X ) X( strands_link, link, 1 )
 #define STRANDS_TENSION( X ) X( float, tension, 16 ) /* N, of the segment to the next row */
 #define STRANDS_STRETCH_LINK( X )                                                                                    \
@@ -156,7 +155,6 @@ typedef struct strands_grid
     X( low, "strands.low", WISP_TABLE_STRAND_ROW, STRANDS_LOW )                                                      \
     X( direct, "strands.direct", WISP_TABLE_ENTITY, STRANDS_DIRECT )                                                 \
     X( links, "strands.links", WISP_TABLE_ENTITY, STRANDS_LINKS )                                                    \
-    X( follow, "strands.follow", WISP_TABLE_ENTITY, STRANDS_FOLLOW )                                                 \
     X( bend_links, "strands.bend_links", WISP_TABLE_ENTITY, STRANDS_BEND_LINKS )                                     \
     X( tension, "strands.tension", WISP_TABLE_STRAND_ROW, STRANDS_TENSION )                                          \
     X( stretch_link, "strands.stretch_link", WISP_TABLE_STRAND_ROW, STRANDS_STRETCH_LINK )                           \

@@ -8,8 +8,7 @@
 //   v <- v + (p - p*) / dt                        strands.velocity
 //
 // Rods and lengths correct v and let p follow, and a vertex is at p + low (strand_place.h). So neither motion nor
-// forces are made of rounded positions, and p - p* holds only what contacts and followers of a leader did. Without
-// those the last pass adds 0.
+// forces are made of rounded positions, and p - p* holds only what contacts did. Without those the last pass adds 0.
 //
 // Bending is solved before lengths, so tension must be applied first or the order costs accuracy: p* += dt^2 w (T_s
 // t_s - T_{s-1} t_{s-1}). A straight rod takes the tension of the substep before, within the bound of rod_factors.c.
@@ -487,21 +486,6 @@ void strands_bend_link( wisp_frame* frame, const wisp_span* span, void* user )
 {
     wisp_strand_link_args args = strands_bend_link_args( frame, span, user );
     (void)project_links( frame, span, user, &args );
-}
-
-void strands_follow( wisp_frame* frame, const wisp_span* span, void* user )
-{
-    const strands_state* state = user;
-    const float* fraction = column_of( frame, span, state->follow, 0 );
-    const wisp_strand_follow_args args = {
-        .group_row = rows_of( frame, span ),
-        .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
-        .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
-        .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
-        .length = column_of( frame, span, WISP_STRAND_LENGTH, 0 ),
-        .leader_correction = *fraction,
-    };
-    wisp_frame_kernels( frame )->strand_follow( &args, span->begin, span->end );
 }
 
 // Return where to store tensions. They are read after the last substep; after others only by rods.

@@ -5,7 +5,7 @@
 
 wisp_pass_fn strands_extrapolate, strands_damp, strands_damp_anchored, strands_drag, strands_predict, strands_bend;
 wisp_pass_fn strands_bend_curved;
-wisp_pass_fn strands_bend_link, strands_link_rows, strands_follow, strands_stretch, strands_read_velocity;
+wisp_pass_fn strands_bend_link, strands_link_rows, strands_stretch, strands_read_velocity;
 
 /// Size of a worker's memory of where rows between passes are.
 size_t strands_lent_rows_size( void );

@@ -72,8 +72,7 @@ static const char EVERY_KEY[] =
     "  - name: hair\n"
     "    generate: { dimension: 2, strands: 2, vertices: 3 }\n"
     "    transform: { scale: 2, translate: [1, 2, 3], rotate: { axis: [0, 0, 1], degrees: 180 } }\n"
-    "    dynamics: { stretch: follow, stretch_passes: 5, stretch_tolerance: 0.25, integrator: bdf2, "
-    "leader_correction: 0.5, bending: "
+    "    dynamics: { stretch: links, stretch_passes: 5, stretch_tolerance: 0.25, integrator: bdf2, bending: "
     "bend_links, "
     "bend_rigidity: 1, twist_rigidity: 2, bend_damping: 3, rest: straight, clamped: false, solver: pbd, "
     "stretch_compliance: 4, bend_compliance: 5, stretch_stiffness: 0.25, bend_stiffness: 0.75, line_density: 6, "
@@ -98,14 +97,14 @@ static const char EVERY_KEY[] =
 
 static void assert_dynamics( const wisp_strand_dynamics_def* d )
 {
-    assert_int_equal( d->stretch, WISP_STRAND_STRETCH_FOLLOW );
+    assert_int_equal( d->stretch, WISP_STRAND_STRETCH_LINKS );
     assert_int_equal( d->bending, WISP_STRAND_BEND_LINKS );
     assert_int_equal( d->rest, WISP_STRAND_REST_STRAIGHT );
     assert_int_equal( d->solver, WISP_SOLVER_PBD );
     assert_int_equal( d->stretch_passes, 5 );
     assert_int_equal( d->integrator, WISP_INTEGRATOR_BDF2 );
     assert_false( d->clamped );
-    assert_true( d->stretch_tolerance == 0.25f && d->leader_correction == 0.5f && d->bend_rigidity == 1.0f );
+    assert_true( d->stretch_tolerance == 0.25f && d->bend_rigidity == 1.0f );
     assert_true( d->twist_rigidity == 2.0f && d->bend_damping == 3.0f && d->stretch_compliance == 4.0f );
     assert_true( d->bend_compliance == 5.0f && d->stretch_stiffness == 0.25f && d->bend_stiffness == 0.75f );
     assert_true( d->line_density == 6.0f && d->damping == 7.0f && d->air_density == 8.0f &&

@@ -46,12 +46,6 @@ static void a_substep( const wisp_kernels* k, strands_state* s, int kind )
         k->strand_link( &pbd, 0, STRAND_GROUPS );
         k->strand_link( &xpbd, 0, STRAND_GROUPS );
     }
-    if ( kind == 3 )
-    {
-        const wisp_strand_follow_args follow = { s->group_row, s->position[0][0], s->previous[0][0],
-                                                 s->weight[0], s->length[0],      0.9f };
-        k->strand_follow( &follow, 0, STRAND_GROUPS );
-    }
     const wisp_strand_stretch_args stretch = stretch_args( s, DT, 2 );
     k->strand_stretch( &stretch, 0, STRAND_GROUPS );
     k->strand_velocity( &motion, 0, STRAND_GROUPS );
@@ -163,17 +157,6 @@ static void segments_have_their_rest_length_after_the_direct_solve( void** state
     assert_int_equal( widest_table()->strand_stretch( &args, 0, STRAND_GROUPS ), 0 );
     // lengths of 5 mm at 0.3 m from the origin: rounding of a position is 6e-6 of a length
     assert_true( largest_error( &s ) < 2e-5 );
-}
-
-static void follow_the_leader_is_exact_and_leaves_leaders_alone( void** state )
-{
-    (void)state;
-    static strands_state s;
-    make_strands( &s );
-    const wisp_strand_follow_args args = { s.group_row, s.position[0][0], s.previous[0][0],
-                                           s.weight[0], s.length[0],      0.9f };
-    widest_table()->strand_follow( &args, 0, STRAND_GROUPS );
-    assert_true( largest_error( &s ) < 1e-5 );
 }
 
 static void what_is_no_vertex_stays_with_the_tip_and_pins_stay_where_they_are( void** state )
@@ -433,7 +416,6 @@ int main( void )
         cmocka_unit_test( every_instruction_set_moves_strands_to_the_same_bits ),
         cmocka_unit_test( ranges_of_groups_may_be_cut_anywhere ),
         cmocka_unit_test( segments_have_their_rest_length_after_the_direct_solve ),
-        cmocka_unit_test( follow_the_leader_is_exact_and_leaves_leaders_alone ),
         cmocka_unit_test( what_is_no_vertex_stays_with_the_tip_and_pins_stay_where_they_are ),
         cmocka_unit_test( strands_without_a_direction_are_laid_out_from_the_root ),
         cmocka_unit_test( what_is_laid_out_is_no_faster_than_it_was_predicted_to_be ),

@@ -482,10 +482,6 @@ static inline void sweep( match* m, int n, int iteration )
         strand_oracle_link( strand, strand->length, strand->stretch_lambda, 1,
                             rule_of( m, n, m->def.stretch_stiffness, m->def.stretch_compliance ) );
     }
-    else if ( m->def.stretch == WISP_STRAND_STRETCH_FOLLOW )
-    {
-        strand_oracle_follow( strand, (double)m->def.leader_correction );
-    }
 }
 
 static inline bool is_exact( const strand_oracle* strand )

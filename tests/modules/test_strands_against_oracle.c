@@ -106,19 +106,6 @@ static void links_go_with_the_oracle( void** state )
     run_duels( duels, WISP_COUNT( duels ) );
 }
 
-static void followers_go_with_the_oracle( void** state )
-{
-    (void)state;
-    const duel duels[] = {
-        { "follow", WISP_STRAND_STRETCH_FOLLOW, CHAIN },
-        { "follow, carried, pinned, air", WISP_STRAND_STRETCH_FOLLOW, CHAIN, .carried = true, .pinned = true,
-          .drag = 1.0f },
-        { "follow, bend links", WISP_STRAND_STRETCH_FOLLOW, LINKS, .bend_compliance = 200.0f,
-          .solver = WISP_SOLVER_XPBD },
-    };
-    run_duels( duels, WISP_COUNT( duels ) );
-}
-
 // ---- rods ----
 
 #define STRAIGHT                                                                                                     \
@@ -192,8 +179,6 @@ static void curled_rods_go_with_the_oracle( void** state )
           .damping = 20.0f },
         { "balanced, bend damping", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 1e-9f,
           .bend_damping = 5e-4f },
-        { "shape, follow", WISP_STRAND_STRETCH_FOLLOW, .bend = WISP_STRAND_BEND_ROD, .dt = FAST, .rigidity = 2e-9f,
-          .rest = WISP_STRAND_REST_SHAPE },
     };
     run_duels( duels, WISP_COUNT( duels ) );
 }
@@ -283,7 +268,6 @@ static void a_hundredth_of_gravity_or_stiffness_shows( void** state )
     const duel duels[] = {
         { "direct", WISP_STRAND_STRETCH_DIRECT, CHAIN },
         { "links, xpbd", WISP_STRAND_STRETCH_LINKS, LINKS, .solver = WISP_SOLVER_XPBD, .bend_compliance = 200.0f },
-        { "follow", WISP_STRAND_STRETCH_FOLLOW, CHAIN },
         { "straight", STRAIGHT },
         { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f },
         { "balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f },
@@ -314,7 +298,6 @@ int main( void )
         cmocka_unit_test( direct_lengths_go_with_the_oracle ),
         cmocka_unit_test( direct_lengths_of_second_order_go_with_the_oracle ),
         cmocka_unit_test( links_go_with_the_oracle ),
-        cmocka_unit_test( followers_go_with_the_oracle ),
         cmocka_unit_test( straight_rods_go_with_the_oracle ),
         cmocka_unit_test( elliptic_rods_go_with_the_oracle ),
         cmocka_unit_test( rods_with_held_tips_go_with_the_oracle ),

@@ -85,8 +85,6 @@ static const golden_case cases[] = {
     { "shape-curls", ROD, .rest = WISP_STRAND_REST_SHAPE, .iterations = 1, .curve = helix_down },
     { "links-xpbd-iterated", .stretch = WISP_STRAND_STRETCH_LINKS, BEND_LINKS, .solver = WISP_SOLVER_XPBD,
       .iterations = 2, .curve = fringe },
-    { "follow", .stretch = WISP_STRAND_STRETCH_FOLLOW, .bend = WISP_STRAND_BEND_NONE, .iterations = 1,
-      .carried = true, .curve = fringe },
     { "grid-air-damping", ROD, .rest = WISP_STRAND_REST_STRAIGHT, .iterations = 1, .blown = true, .mixed = true,
       .curve = fringe },
     { "carried-over-a-ball", ROD, .rest = WISP_STRAND_REST_SAG_FREE, .iterations = 1, .carried = true, .ball = true,

@@ -41,8 +41,6 @@ static const way WAYS[] = {
       curl_down, WISP_INTEGRATOR_BDF2 },
     { "links", WISP_STRAND_STRETCH_LINKS, WISP_STRAND_BEND_LINKS, WISP_STRAND_REST_SHAPE, curl_down,
       WISP_INTEGRATOR_EULER },
-    { "follow", WISP_STRAND_STRETCH_FOLLOW, WISP_STRAND_BEND_NONE, WISP_STRAND_REST_SHAPE, curl_down,
-      WISP_INTEGRATOR_EULER },
 };
 
 static const int SUBSTEPS[] = { 1, 4, 10 };
@@ -282,7 +280,7 @@ static double strain_of( const cell* c, const wisp_vec3* points, int strand )
     return worst;
 }
 
-// The direct solve resets strands beyond the definition's tolerance, and follow the leader is exact. One sweep of
+// The direct solve resets strands beyond the definition's tolerance. One sweep of
 // links leaves an error due to the accelerations of a substep: at most a dt^2 for every link that hangs on the first,
 // a of gravity and twice the centripetal acceleration of a strand at that speed.
 static double tolerated_strain( const cell* c )
@@ -353,20 +351,15 @@ static double curl_energy( const cell* c )
 static double tolerated_rise( const cell* c, double mass )
 {
     const double weight = mass * GRAVITY * c->size, dt = c->seconds / c->substeps;
-    // a follower that hangs at rest keeps a velocity of g dt / (1 - share), which moves nothing: wrong momentum
-    const double v = GRAVITY * dt / ( 1.0 - (double)c->def.leader_correction );
-    const double follower = c->way->stretch == WISP_STRAND_STRETCH_FOLLOW ? 0.5 * mass * v * v : 0.0;
     const double curl = c->way->rest == WISP_STRAND_REST_SAG_FREE ? curl_energy( c ) : 0.0;
-    return weight * ( 0.2 + GRAVITY * dt * dt / c->size ) + follower + curl;
+    return weight * ( 0.2 + GRAVITY * dt * dt / c->size ) + curl;
 }
 
 static double tolerated_speed( const cell* c )
 {
     const double dt = c->seconds / c->substeps;
-    const double fraction = c->way->stretch == WISP_STRAND_STRETCH_FOLLOW ? (double)c->def.leader_correction : 0.0;
-    // a follower keeps a velocity of g dt / (1 - share), and links that of one substep of falling, because one sweep
-    // leaves an error
-    const double kept = c->way->stretch == WISP_STRAND_STRETCH_DIRECT ? 0.0 : GRAVITY * dt / ( 1.0 - fraction );
+    // links keep the velocity of one substep of falling, because one sweep leaves an error
+    const double kept = c->way->stretch == WISP_STRAND_STRETCH_DIRECT ? 0.0 : GRAVITY * dt;
     // a head that spins makes strands faster than itself, as does Euler from 160 substeps on (11 m/s, spin); fewer damp it
     const double order = c->way->integrator == WISP_INTEGRATOR_BDF2 ? 2.5 : 1.0;
     const double whip = order * ( c->hard->whip > 0.0f ? (double)c->hard->whip : 1.0 );

@@ -119,15 +119,13 @@ static double stretch_with_tip( wisp_strand_stretch stretch, wisp_solver solver,
 static void a_heavy_tip_stretches_no_hair_by_a_twentieth_without_being_counted( void** state )
 {
     (void)state;
-    for ( int k = 0; k < 4 * 5; ++k )
+    for ( int k = 0; k < 3 * 5; ++k )
     {
-        const wisp_strand_stretch stretch =
-            k % 4 < 2 ? WISP_STRAND_STRETCH_LINKS
-                      : (wisp_strand_stretch)( k % 4 == 2 ? WISP_STRAND_STRETCH_DIRECT : WISP_STRAND_STRETCH_FOLLOW );
-        const float ratio = powf( 10.0f, (float)( k / 4 ) );
+        const wisp_strand_stretch stretch = k % 3 < 2 ? WISP_STRAND_STRETCH_LINKS : WISP_STRAND_STRETCH_DIRECT;
+        const float ratio = powf( 10.0f, (float)( k / 3 ) );
         uint64_t counted = 0;
         const double worst =
-            stretch_with_tip( stretch, k % 4 == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD, ratio, &counted );
+            stretch_with_tip( stretch, k % 3 == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD, ratio, &counted );
         print_message( "stretch %d, mass ratio %g: %.2f %% longer, %d counted\n", (int)stretch, (double)ratio,
                        100.0 * worst, (int)counted );
         // what is rounded is neither one nor the other

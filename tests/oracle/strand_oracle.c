@@ -323,25 +323,6 @@ void strand_oracle_link( strand_oracle* strand, const double* rest, double* lamb
     }
 }
 
-void strand_oracle_follow( strand_oracle* strand, double fraction )
-{
-    for ( int s = 0; s + 1 < strand->count; ++s )
-    {
-        const double3 e = segment_of( strand, s ), p = strand->position[s + 1];
-        const double length = double3_length( e );
-        if ( strand->weight[s + 1] <= 0.0 || length < min_length )
-        {
-            continue;
-        }
-        strand->position[s + 1] = double3_add_scaled( strand->position[s], strand->length[s] / length, e );
-        if ( strand->weight[s] > 0.0 )
-        {
-            const double3 correction = double3_sub( strand->position[s + 1], p );
-            strand->previous[s] = double3_add_scaled( strand->previous[s], fraction, correction );
-        }
-    }
-}
-
 // ---- a substep ----
 
 strand_oracle_settings strand_oracle_default_settings( double dt )
@@ -353,7 +334,6 @@ strand_oracle_settings strand_oracle_default_settings( double dt )
         .iterations = 1,
         .along = { .stiffness = 1.0 },
         .bend = { .stiffness = 0.2 },
-        .fraction = 0.9,
         .bending = STRAND_ORACLE_BENDING_NONE,
         .gravity = { 0.0, -9.81, 0.0 },
         .dt = dt,
@@ -400,10 +380,6 @@ static bool solve_step( strand_oracle* strand, const strand_oracle_settings* set
     if ( settings->lengths == STRAND_ORACLE_LENGTHS_DIRECT )
     {
         laid = strand_oracle_stretch( strand, settings->measure, settings->passes, settings->tolerance, rod, dt );
-    }
-    else if ( settings->lengths == STRAND_ORACLE_LENGTHS_FOLLOW )
-    {
-        strand_oracle_follow( strand, settings->fraction );
     }
     strand_oracle_velocity( strand, dt );
     return laid;

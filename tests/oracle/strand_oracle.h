@@ -154,10 +154,6 @@ typedef struct strand_oracle_link_rule
 void strand_oracle_link( strand_oracle* strand, const double* rest, double* lambda, int stride,
                          strand_oracle_link_rule rule );
 
-/// Place each vertex at rest length from the one before; a held vertex, or one closer than 1e-15 m, stays. The
-/// previous position of a leader moves by `share` of the correction of its follower.
-void strand_oracle_follow( strand_oracle* strand, double fraction );
-
 /// Solve a dense system by elimination with row pivoting. @param matrix [n][n] by rows, destroyed
 /// @param right [n][columns], replaced by the solution
 void strand_oracle_solve( int n, double* matrix, int columns, double* right );
@@ -223,7 +219,6 @@ typedef enum strand_oracle_lengths
 {
     STRAND_ORACLE_LENGTHS_DIRECT,
     STRAND_ORACLE_LENGTHS_LINKS,
-    STRAND_ORACLE_LENGTHS_FOLLOW,
     STRAND_ORACLE_LENGTHS_COUNT,
 } strand_oracle_lengths;
 
@@ -242,7 +237,6 @@ typedef struct strand_oracle_settings
     double tolerance;                    ///< of |l/l_0 - 1|
     int iterations;                      ///< of links; each is a sweep of bends, then one of distances
     strand_oracle_link_rule along, bend; ///< above 0 in inverse_dt2: xpbd
-    double fraction;                     ///< follow
     strand_oracle_bending bending;
     double bend_damping; ///< s
     bool looks_back;     ///< the rod is evaluated at p* - dt^2 gravity

@@ -120,7 +120,6 @@ static void every_kind_is_drawn( void** state )
                                          "vertex_masses:",
                                          "coarse_substeps:",
                                          "primitives: particles",
-                                         "stretch: follow",
                                          "stretch: links",
                                          "bending: dihedral",
                                          "bending: isometric",

@@ -372,7 +372,6 @@ typedef struct wisp_kernels
     void ( *strand_link )( const wisp_strand_link_args* args, int begin, int end );
     /// @return number of strands that links leave longer than at rest by more than this fraction
     int ( *strand_count_stretched )( const wisp_strand_link_args* args, float fraction, int begin, int end );
-    void ( *strand_follow )( const wisp_strand_follow_args* args, int begin, int end );
     void ( *strand_rod )( const wisp_strand_rod_args* args, int begin, int end );
     /// Begin an iteration, before the first body: set depths, clear sums, and compute the bounds of the group.
     void ( *strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,

@@ -194,19 +194,6 @@ typedef struct wisp_strand_link_args
     wisp_strand_history history;
 } wisp_strand_link_args;
 
-/// Arguments of follow the leader (Mueller, Kim and Chentanez 2012): each vertex is moved to rest length from the
-/// previous vertex, which stays. Moving `previous` of the leader returns its part of the momentum when velocities
-/// are computed.
-typedef struct wisp_strand_follow_args
-{
-    const int32_t* group_row;  ///< [group_count + 1] first row of each group
-    float* position;           ///< [row][3][16] m
-    float* previous;           ///< [row][3][16] m, at the start of the substep
-    const float* inverse_mass; ///< [row][16] 1/kg
-    const float* length;       ///< [row][16] m, of the segment to the next row
-    float leader_correction;   ///< s of the paper, in [0, 1]
-} wisp_strand_follow_args;
-
 /// Arguments of bending and twist of elastic rods, implicit in the positions. The bending energy of vertex i is
 ///   1/2 EI/L_i |C_i|^2,   C_i = (p_{i+1} - p_i)/l_i - (p_i - p_{i-1})/l_{i-1} - k_i.
 /// It is quadratic while the frames that hold the rest vectors k_i are fixed. Then (M + dt^2 K) x = -dt^2 dE/dp is
