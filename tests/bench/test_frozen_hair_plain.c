@@ -248,15 +248,14 @@ typedef struct hair_kind
     int dimension;
 } hair_kind;
 
-static hair_kind hair_kinds[] = {
+static const hair_kind hair_kinds[] = {
     { FROZEN_SCENE_STRAIGHT, 2 }, { FROZEN_SCENE_STRAIGHT, 3 }, { FROZEN_SCENE_WAVY, 2 },
     { FROZEN_SCENE_WAVY, 3 },     { FROZEN_SCENE_CURLY, 2 },    { FROZEN_SCENE_CURLY, 3 },
 };
 
 // All 32 settings of blend, gap, gap reference and guard.
-static void plain_equals_the_oracle( void** state )
+static void demand_the_oracle( const hair_kind* kind )
 {
-    const hair_kind* kind = *state;
     const int dimension = kind->dimension;
     frozen_scene scene = create_scene( kind->shape, dimension );
     agreement total = { 0.0, 0.0, INFINITY };
@@ -280,6 +279,42 @@ static void plain_equals_the_oracle( void** state )
     // a tolerance beyond 5 % of the effect of clumping would prove nothing
     assert_true( total.tolerance < 0.05 * total.moved );
     frozen_scene_destroy( &scene );
+}
+
+static void plain_equals_the_oracle_on_straight_hair_in_the_plane( void** state )
+{
+    (void)state;
+    demand_the_oracle( &hair_kinds[0] );
+}
+
+static void plain_equals_the_oracle_on_straight_hair_in_space( void** state )
+{
+    (void)state;
+    demand_the_oracle( &hair_kinds[1] );
+}
+
+static void plain_equals_the_oracle_on_wavy_hair_in_the_plane( void** state )
+{
+    (void)state;
+    demand_the_oracle( &hair_kinds[2] );
+}
+
+static void plain_equals_the_oracle_on_wavy_hair_in_space( void** state )
+{
+    (void)state;
+    demand_the_oracle( &hair_kinds[3] );
+}
+
+static void plain_equals_the_oracle_on_curly_hair_in_the_plane( void** state )
+{
+    (void)state;
+    demand_the_oracle( &hair_kinds[4] );
+}
+
+static void plain_equals_the_oracle_on_curly_hair_in_space( void** state )
+{
+    (void)state;
+    demand_the_oracle( &hair_kinds[5] );
 }
 
 static void stages_that_are_off_hand_their_input_on( void** state )
@@ -422,13 +457,12 @@ static void empty_hair_is_a_no_op_and_wrong_input_is_refused( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        { "plain_equals_the_oracle_on_straight_hair_in_the_plane", plain_equals_the_oracle, NULL, NULL,
-          &hair_kinds[0] },
-        { "plain_equals_the_oracle_on_straight_hair_in_space", plain_equals_the_oracle, NULL, NULL, &hair_kinds[1] },
-        { "plain_equals_the_oracle_on_wavy_hair_in_the_plane", plain_equals_the_oracle, NULL, NULL, &hair_kinds[2] },
-        { "plain_equals_the_oracle_on_wavy_hair_in_space", plain_equals_the_oracle, NULL, NULL, &hair_kinds[3] },
-        { "plain_equals_the_oracle_on_curly_hair_in_the_plane", plain_equals_the_oracle, NULL, NULL, &hair_kinds[4] },
-        { "plain_equals_the_oracle_on_curly_hair_in_space", plain_equals_the_oracle, NULL, NULL, &hair_kinds[5] },
+        cmocka_unit_test( plain_equals_the_oracle_on_straight_hair_in_the_plane ),
+        cmocka_unit_test( plain_equals_the_oracle_on_straight_hair_in_space ),
+        cmocka_unit_test( plain_equals_the_oracle_on_wavy_hair_in_the_plane ),
+        cmocka_unit_test( plain_equals_the_oracle_on_wavy_hair_in_space ),
+        cmocka_unit_test( plain_equals_the_oracle_on_curly_hair_in_the_plane ),
+        cmocka_unit_test( plain_equals_the_oracle_on_curly_hair_in_space ),
         cmocka_unit_test( stages_that_are_off_hand_their_input_on ),
         cmocka_unit_test( the_neighbour_figure_is_that_of_brute_force ),
         cmocka_unit_test( a_repeated_run_gives_the_same_bits_and_a_new_event_does_not ),
