@@ -75,6 +75,14 @@ void unit_set_obstacle( unit_obstacle_fn* find );
         unit_set_obstacle( find );                                                                                   \
     }
 
+/// End the case here. `./dev test` lists the reasons, a string each.
+#define SKIP( why )                                                                                                  \
+    do                                                                                                               \
+    {                                                                                                                \
+        print_message( "skipped: %s\n", why );                                                                       \
+        skip();                                                                                                      \
+    } while ( 0 )
+
 #define TEST_BEFORE_MAIN( name ) __attribute__( ( constructor ) ) static void register_##name( void )
 
 // ---- checked allocation ----
