@@ -10,7 +10,7 @@
 typedef void demand_refusal_fn( const char* path, const char* name, wisp_error* error );
 
 /// Defined by the file that includes this one.
-static const char* bad_folder; // set by main()
+static const char* const bad_folder;
 
 static inline void path_in_bad_folder( char* path, size_t size, const char* name )
 {

@@ -4,6 +4,8 @@
 #include "../bad/bad_grooms.h"
 #include "groom.h"
 
+static const char* const bad_folder = WISP_SOURCE_ROOT "/tests/bad/groom";
+
 static void demand_refusal( const char* path, const char* name, wisp_error* error )
 {
     wisp_groom groom;
@@ -64,9 +66,8 @@ static void every_shorter_beginning_of_a_good_file_is_refused( void** state )
     }
 }
 
-int main( int argc, char** argv )
+int main( void )
 {
-    bad_folder = argc > 1 ? argv[1] : WISP_SOURCE_ROOT "/tests/bad/groom";
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( every_file_of_the_folder_is_refused_with_a_message_that_names_it ),
         cmocka_unit_test( every_refusal_gives_the_reason_the_file_was_made_for ),

@@ -6,6 +6,8 @@
 
 #include "../bad/bad_recordings.h"
 
+static const char* const bad_folder = WISP_SOURCE_ROOT "/tests/bad/recording";
+
 // The first rejection: of the file, or of a frame.
 static wisp_status read_recording( const char* path, wisp_error* error )
 {
@@ -120,9 +122,8 @@ static void the_recorder_writes_the_good_file_byte_for_byte( void** state )
     free( found );
 }
 
-int main( int argc, char** argv )
+int main( void )
 {
-    bad_folder = argc > 1 ? argv[1] : WISP_SOURCE_ROOT "/tests/bad/recording";
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( every_file_of_the_folder_is_refused_with_a_message_that_names_it ),
         cmocka_unit_test( every_refusal_gives_the_reason_the_file_was_made_for ),

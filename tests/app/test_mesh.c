@@ -97,7 +97,7 @@ static void a_locale_with_a_decimal_comma_changes_nothing( void** state )
     }
     if ( !found )
     {
-        skip();
+        SKIP( "no locale with a decimal comma is installed" );
     }
     const char* ply =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"

@@ -57,8 +57,7 @@ static void instructions_grow_linearly_with_the_vertices( void** state )
     if ( result.status != 0 )
     {
         assert_contains( result.err, "valgrind" );
-        print_message( "           SKIPPED: valgrind is not here to count instructions\n" );
-        skip();
+        SKIP( "valgrind is not here" );
     }
     json_t* base = json_load_file( "base.json", 0, NULL );
     const json_t* rows = json_object_get( base, "rows" );

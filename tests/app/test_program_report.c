@@ -74,7 +74,7 @@ static void a_disk_that_fills_up_is_a_failed_run( void** state )
     (void)state;
     if ( access( "/dev/full", W_OK ) != 0 )
     {
-        skip();
+        SKIP( "there is no /dev/full" );
     }
     run( "bench collision --quick --seconds 0.01 --workers 1 --report /dev/full" );
     assert_int_equal( result.status, 2 );

@@ -198,7 +198,7 @@ static void a_killed_run_leaves_no_half_of_a_file( void** state )
     const int nameless = open( ".", O_TMPFILE | O_WRONLY, 0600 );
     if ( nameless < 0 )
     {
-        skip(); // such a file system needs a name from the start
+        SKIP( "this file system has no files without a name" );
     }
     close( nameless );
     const started s = start( "run endless.yaml --record killed.usda" );
@@ -325,7 +325,7 @@ static void a_gate_that_counts_instructions_stops_valgrind( void** state )
     (void)state;
     if ( system( "valgrind --version >/dev/null 2>&1" ) != 0 )
     {
-        skip();
+        SKIP( "valgrind is not here" );
     }
     write_text( "base.json", "as it was" );
     write_text( "short.yaml",

@@ -227,7 +227,7 @@ static void a_file_that_may_only_be_read_is_refused_before_any_run( void** state
     assert_int_equal( chmod( "kept.yaml", 0400 ), 0 );
     if ( access( "kept.yaml", W_OK ) == 0 )
     {
-        skip(); // root may write everywhere
+        SKIP( "root may write everywhere" );
     }
     assert_refused( "tune unmade.yaml --error 1 -o kept.yaml", "kept.yaml: cannot be written" );
 }

@@ -329,7 +329,7 @@ static void a_full_disk_is_a_message_in_every_format( void** state )
     struct stat info;
     if ( stat( "/dev/full", &info ) != 0 || !S_ISCHR( info.st_mode ) )
     {
-        skip();
+        SKIP( "there is no /dev/full" );
     }
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {

@@ -71,7 +71,7 @@ static void numbers_have_points_in_a_locale_with_commas( void** state )
     }
     if ( !found )
     {
-        skip();
+        SKIP( "no locale with a decimal comma is installed" );
     }
     wisp_track* track = open_track( path_in( state, "a.csv" ) );
     wisp_status status = add_line( track, 0, NULL );
@@ -133,7 +133,7 @@ static void a_full_disk_is_a_message( void** state )
     struct stat info;
     if ( stat( "/dev/full", &info ) != 0 || !S_ISCHR( info.st_mode ) )
     {
-        skip();
+        SKIP( "there is no /dev/full" );
     }
     assert_int_equal( symlink( "/dev/full", path_in( state, "full.csv" ) ), 0 );
     wisp_track* track = open_track( path_in( state, "full.csv" ) );

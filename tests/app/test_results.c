@@ -372,7 +372,7 @@ static void a_full_disk_is_an_error_in_every_format( void** state )
     (void)state;
     if ( access( "/dev/full", W_OK ) != 0 )
     {
-        skip();
+        SKIP( "there is no /dev/full" );
     }
     results all;
     fill( &all );

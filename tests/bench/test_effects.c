@@ -13,6 +13,21 @@ static const effect_size small = { .side = 6, .level = 1, .strands = 16 };
 
 static effects known; // read once, before the tests
 
+static int read_effects( void** state )
+{
+    (void)state;
+    wisp_error error = { WISP_OK, "" };
+    assert_ok( effects_read( &known, &error ), error );
+    return 0;
+}
+
+static int release_effects( void** state )
+{
+    (void)state;
+    effects_release( &known );
+    return 0;
+}
+
 static effect_world* open_world( const int* chosen, int count, bool is_on, bool only_used, int steps )
 {
     const effect_world_def def = {
@@ -378,13 +393,5 @@ int main( void )
         cmocka_unit_test( every_effect_that_moves_something_moves_it ),
         cmocka_unit_test( the_case_has_a_line_for_each_effect_and_no_failure ),
     };
-    wisp_error error = { WISP_OK, "" };
-    if ( effects_read( &known, &error ) != WISP_OK )
-    {
-        fprintf( stderr, "%s\n", error.message );
-        return 1;
-    }
-    const int failed = cmocka_run_group_tests( tests, NULL, NULL );
-    effects_release( &known );
-    return failed;
+    return cmocka_run_group_tests( tests, read_effects, release_effects );
 }

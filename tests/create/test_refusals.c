@@ -88,6 +88,8 @@ static int close_fixture( void** state )
     return 0;
 }
 
+#define REFUSAL( name ) cmocka_unit_test_setup_teardown( name, open_fixture, close_fixture )
+
 // Every call on an entity, with good arguments otherwise. W is the world, E the entity.
 #define ENTITY_CALLS( X )                                                                                            \
     X( wisp_pin( W, E, corners, 1 ) )                                                                                \
@@ -475,7 +477,6 @@ static void a_call_that_fails_prints_nothing_unless_the_host_asked( void** state
 
 int main( void )
 {
-#define REFUSAL( name ) cmocka_unit_test_setup_teardown( name, open_fixture, close_fixture )
     const struct CMUnitTest tests[] = {
         REFUSAL( a_world_that_is_null_is_a_status ),
         REFUSAL( an_entity_that_was_removed_is_a_status ),

@@ -41,9 +41,8 @@ static float scalar_cosine( float x )
 
 // ---- what only eight lanes have
 
-static void quads_are_loaded_by_index_and_transposed( void** state )
+TEST( quads_are_loaded_by_index_and_transposed )
 {
-    (void)state;
     _Alignas( 16 ) float xyzw[4 * 40];
     memcpy( xyzw, ordinary, sizeof xyzw );
     for ( int round = 0; round < 40; ++round )
@@ -74,9 +73,8 @@ static void quads_are_loaded_by_index_and_transposed( void** state )
     }
 }
 
-static void rows_and_lanes_change_places( void** state )
+TEST( rows_and_lanes_change_places )
 {
-    (void)state;
     lane8i rows[8];
     for ( int l = 0; l < 8; ++l )
     {
@@ -94,9 +92,8 @@ static void rows_and_lanes_change_places( void** state )
     }
 }
 
-static void quads_are_stored_in_lane_order( void** state )
+TEST( quads_are_stored_in_lane_order )
 {
-    (void)state;
     _Alignas( 16 ) float xyzw[4 * 10];
     for ( int k = 0; k < 40; ++k )
     {
@@ -111,9 +108,8 @@ static void quads_are_stored_in_lane_order( void** state )
     }
 }
 
-static void contiguous_quads_are_loaded_in_lane_order( void** state )
+TEST( contiguous_quads_are_loaded_in_lane_order )
 {
-    (void)state;
     _Alignas( 16 ) float xyzw[4 * 8];
     memcpy( xyzw, ordinary, sizeof xyzw );
     lane8 q[4];
@@ -130,9 +126,8 @@ static void contiguous_quads_are_loaded_in_lane_order( void** state )
 }
 
 // Where quads of lane l are in rows: row l % 4, from number 4 (l / 4).
-static void rows_of_quads_are_loaded_and_stored_by_index( void** state )
+TEST( rows_of_quads_are_loaded_and_stored_by_index )
 {
-    (void)state;
     _Alignas( 16 ) float from[4 * 40], to[4 * 40];
     memcpy( from, ordinary, sizeof from );
     for ( int round = 0; round < 40; ++round )
@@ -181,9 +176,8 @@ static void rows_of_quads_are_loaded_and_stored_by_index( void** state )
     }
 }
 
-static void rows_of_quads_become_lanes_and_back( void** state )
+TEST( rows_of_quads_become_lanes_and_back )
 {
-    (void)state;
     lane8 q[4], spread[4];
     float rows[4][8], got[8];
     memcpy( rows, ordinary, sizeof rows );
@@ -230,9 +224,8 @@ static void rows_of_quads_become_lanes_and_back( void** state )
     }
 }
 
-static void compressing_keeps_the_order_of_the_chosen_lanes( void** state )
+TEST( compressing_keeps_the_order_of_the_chosen_lanes )
 {
-    (void)state;
     const int32_t values[8] = { 100, -101, 102, 103, INT32_MIN, 105, INT32_MAX, 107 };
     for ( uint32_t bits = 0; bits < 256; ++bits )
     {
@@ -253,9 +246,8 @@ static void compressing_keeps_the_order_of_the_chosen_lanes( void** state )
     }
 }
 
-static void floats_are_compressed_as_integers_are( void** state )
+TEST( floats_are_compressed_as_integers_are )
 {
-    (void)state;
     const float values[8] = { -0.0f, 1.5f, INFINITY, -3.0f, 1e-40f, 5.0f, -INFINITY, 7.0f };
     for ( uint32_t bits = 0; bits < 256; ++bits )
     {
@@ -274,9 +266,8 @@ static void floats_are_compressed_as_integers_are( void** state )
     }
 }
 
-static void lanes_are_summed_as_doubles( void** state )
+TEST( lanes_are_summed_as_doubles )
 {
-    (void)state;
     const float values[8] = { 1e8f, 1.0f, -1e8f, 0.25f, 3.0f, 1e-3f, -2.0f, 7.0f };
     double sum = 0.0;
     for ( int l = 0; l < 8; ++l )
@@ -286,9 +277,8 @@ static void lanes_are_summed_as_doubles( void** state )
     assert_true( lane8_sum_doubles( lane8_loadu( values ) ) == sum );
 }
 
-static void sixteen_lanes_are_two_eights( void** state )
+TEST( sixteen_lanes_are_two_eights )
 {
-    (void)state;
     float numbers[16], got[16];
     int32_t integers[16], got_integers[16];
     for ( int l = 0; l < 16; ++l )
@@ -302,38 +292,6 @@ static void sixteen_lanes_are_two_eights( void** state )
     assert_memory_equal( got_integers, integers, sizeof( got_integers ) );
 }
 
-#define LANE_TESTS( P )                                                                                              \
-    cmocka_unit_test( P##_arithmetic_is_the_scalar_arithmetic ),                                                     \
-        cmocka_unit_test( P##_minimum_and_maximum_answer_the_second_operand_unless_the_first_wins ),                 \
-        cmocka_unit_test( P##_comparisons_are_the_scalar_comparisons ),                                              \
-        cmocka_unit_test( P##_conversions_are_the_scalar_conversions ),                                              \
-        cmocka_unit_test( P##_integers_wrap_as_unsigned_scalars_do ),                                                \
-        cmocka_unit_test( P##_shifts_fill_with_zeros ),                                                              \
-        cmocka_unit_test( P##_loads_and_stores_touch_their_own_lanes_only ),                                         \
-        cmocka_unit_test( P##_masks_are_sets_of_lanes ),                                                             \
-        cmocka_unit_test( P##_sum_folds_the_upper_half_onto_the_lower ),                                             \
-        cmocka_unit_test( P##_random_numbers_are_the_scalar_ones ),                                                  \
-        cmocka_unit_test( P##_trigonometry_is_the_scalar_one ), cmocka_unit_test( P##v_vectors_are_the_scalar_ones )
+TEST_OBSTACLE( missing_backend )
 
-int main( void )
-{
-    if ( begin_backend() == false )
-    {
-        return SKIPPED;
-    }
-    const struct CMUnitTest tests[] = {
-        LANE_TESTS( lane8 ),
-        LANE_TESTS( lane16 ),
-        cmocka_unit_test( quads_are_loaded_by_index_and_transposed ),
-        cmocka_unit_test( rows_and_lanes_change_places ),
-        cmocka_unit_test( quads_are_stored_in_lane_order ),
-        cmocka_unit_test( contiguous_quads_are_loaded_in_lane_order ),
-        cmocka_unit_test( rows_of_quads_are_loaded_and_stored_by_index ),
-        cmocka_unit_test( rows_of_quads_become_lanes_and_back ),
-        cmocka_unit_test( floats_are_compressed_as_integers_are ),
-        cmocka_unit_test( lanes_are_summed_as_doubles ),
-        cmocka_unit_test( sixteen_lanes_are_two_eights ),
-        cmocka_unit_test( compressing_keeps_the_order_of_the_chosen_lanes ),
-    };
-    return cmocka_run_group_tests( tests, fill_operands, NULL );
-}
+TEST_GROUP( fill_operands, NULL )

@@ -27,91 +27,84 @@
 #define EACH_MASK( lanes, expected )                                                                                 \
     EACH_INT( P( i_select )( lanes, P( i_set1 )( 1 ), P( i_set1 )( 0 ) ), ( expected ) ? 1 : 0 )
 
-static void P( _arithmetic_is_the_scalar_arithmetic )( void** state )
+TEST( P( _arithmetic_is_the_scalar_arithmetic ) )
 {
-    (void)state;
-    EACH_FLOAT( P( _add )( A, B ), a + b, assert_same_value )
-    EACH_FLOAT( P( _sub )( A, B ), a - b, assert_same_value )
-    EACH_FLOAT( P( _mul )( A, B ), a * b, assert_same_value )
-    EACH_FLOAT( P( _div )( A, B ), a / b, assert_same_value )
-    EACH_FLOAT( P( _sqrt )( A ), sqrtf( a ), assert_same_value )
-    EACH_FLOAT( P( _floor )( A ), floorf( a ), assert_same_value )
-    EACH_FLOAT( P( _mul_add )( A, B, C ), two_roundings( a, b, c ), assert_same_value )
-    EACH_FLOAT( P( _neg )( A ), float_of( bits_of( a ) ^ 0x80000000u ), assert_same_bits )
-    EACH_FLOAT( P( _abs )( A ), float_of( bits_of( a ) & 0x7fffffffu ), assert_same_bits )
-    EACH_FLOAT( P( _set1 )( 0.1f ), 0.1f, assert_same_bits )
-    EACH_FLOAT( P( _zero )(), 0.0f, assert_same_bits )
+    EACH_FLOAT( P( _add )( A, B ), a + b, assert_same_value );
+    EACH_FLOAT( P( _sub )( A, B ), a - b, assert_same_value );
+    EACH_FLOAT( P( _mul )( A, B ), a * b, assert_same_value );
+    EACH_FLOAT( P( _div )( A, B ), a / b, assert_same_value );
+    EACH_FLOAT( P( _sqrt )( A ), sqrtf( a ), assert_same_value );
+    EACH_FLOAT( P( _floor )( A ), floorf( a ), assert_same_value );
+    EACH_FLOAT( P( _mul_add )( A, B, C ), two_roundings( a, b, c ), assert_same_value );
+    EACH_FLOAT( P( _neg )( A ), float_of( bits_of( a ) ^ 0x80000000u ), assert_same_bits );
+    EACH_FLOAT( P( _abs )( A ), float_of( bits_of( a ) & 0x7fffffffu ), assert_same_bits );
+    EACH_FLOAT( P( _set1 )( 0.1f ), 0.1f, assert_same_bits );
+    EACH_FLOAT( P( _zero )(), 0.0f, assert_same_bits );
 }
 
-static void P( _minimum_and_maximum_answer_the_second_operand_unless_the_first_wins )( void** state )
+TEST( P( _minimum_and_maximum_answer_the_second_operand_unless_the_first_wins ) )
 {
-    (void)state;
-    EACH_FLOAT( P( _min )( A, B ), a < b ? a : b, assert_same_bits )
-    EACH_FLOAT( P( _max )( A, B ), a > b ? a : b, assert_same_bits )
+    EACH_FLOAT( P( _min )( A, B ), a < b ? a : b, assert_same_bits );
+    EACH_FLOAT( P( _max )( A, B ), a > b ? a : b, assert_same_bits );
 }
 
-static void P( _comparisons_are_the_scalar_comparisons )( void** state )
+TEST( P( _comparisons_are_the_scalar_comparisons ) )
 {
-    (void)state;
-    EACH_MASK( P( _lt )( A, B ), a < b )
-    EACH_MASK( P( _le )( A, B ), a <= b )
-    EACH_MASK( P( _gt )( A, B ), a > b )
-    EACH_MASK( P( _ge )( A, B ), a >= b )
-    EACH_MASK( P( _eq )( A, B ), a == b )
-    EACH_MASK( P( _eq )( A, A ), a == a )
-    EACH_FLOAT( P( _select )( P( _lt )( C, B ), A, B ), c < b ? a : b, assert_same_bits )
+    EACH_MASK( P( _lt )( A, B ), a < b );
+    EACH_MASK( P( _le )( A, B ), a <= b );
+    EACH_MASK( P( _gt )( A, B ), a > b );
+    EACH_MASK( P( _ge )( A, B ), a >= b );
+    EACH_MASK( P( _eq )( A, B ), a == b );
+    EACH_MASK( P( _eq )( A, A ), a == a );
+    EACH_FLOAT( P( _select )( P( _lt )( C, B ), A, B ), c < b ? a : b, assert_same_bits );
 }
 
-static void P( _conversions_are_the_scalar_conversions )( void** state )
+TEST( P( _conversions_are_the_scalar_conversions ) )
 {
-    (void)state;
-    EACH_INT( P( _truncate )( A ), truncated( a ) )
-    EACH_INT( P( _cast_int )( A ), (int32_t)bits_of( a ) )
-    EACH_FLOAT( P( _from_int )( P( _cast_int )( A ) ), (float)(int32_t)bits_of( a ), assert_same_bits )
+    EACH_INT( P( _truncate )( A ), truncated( a ) );
+    EACH_INT( P( _cast_int )( A ), (int32_t)bits_of( a ) );
+    EACH_FLOAT( P( _from_int )( P( _cast_int )( A ) ), (float)(int32_t)bits_of( a ), assert_same_bits );
     EACH_FLOAT( P( _cast_float )( P( i_add )( P( _cast_int )( A ), P( i_set1 )( 1 ) ) ),
                 float_of( bits_of( a ) + 1u ), assert_same_bits )
 }
 
 #define I( X ) P( _cast_int )( X )
 
-static void P( _integers_wrap_as_unsigned_scalars_do )( void** state )
+TEST( P( _integers_wrap_as_unsigned_scalars_do ) )
 {
-    (void)state;
-    EACH_INT( P( i_add )( I( A ), I( B ) ), (int32_t)( bits_of( a ) + bits_of( b ) ) )
-    EACH_INT( P( i_sub )( I( A ), I( B ) ), (int32_t)( bits_of( a ) - bits_of( b ) ) )
-    EACH_INT( P( i_mul )( I( A ), I( B ) ), (int32_t)( bits_of( a ) * bits_of( b ) ) )
-    EACH_INT( P( i_and )( I( A ), I( B ) ), (int32_t)( bits_of( a ) & bits_of( b ) ) )
-    EACH_INT( P( i_or )( I( A ), I( B ) ), (int32_t)( bits_of( a ) | bits_of( b ) ) )
-    EACH_INT( P( i_xor )( I( A ), I( B ) ), (int32_t)( bits_of( a ) ^ bits_of( b ) ) )
-    EACH_INT( P( i_set1 )( -123456789 ), -123456789 )
-    EACH_INT( P( i_iota )(), l )
-    EACH_MASK( P( i_eq )( I( A ), I( B ) ), bits_of( a ) == bits_of( b ) )
-    EACH_MASK( P( i_eq )( I( A ), I( A ) ), true )
-    EACH_MASK( P( i_lt )( I( A ), I( B ) ), (int32_t)bits_of( a ) < (int32_t)bits_of( b ) )
-    EACH_INT( P( i_select )( P( _lt )( A, B ), I( B ), I( C ) ), (int32_t)bits_of( a < b ? b : c ) )
+    EACH_INT( P( i_add )( I( A ), I( B ) ), (int32_t)( bits_of( a ) + bits_of( b ) ) );
+    EACH_INT( P( i_sub )( I( A ), I( B ) ), (int32_t)( bits_of( a ) - bits_of( b ) ) );
+    EACH_INT( P( i_mul )( I( A ), I( B ) ), (int32_t)( bits_of( a ) * bits_of( b ) ) );
+    EACH_INT( P( i_and )( I( A ), I( B ) ), (int32_t)( bits_of( a ) & bits_of( b ) ) );
+    EACH_INT( P( i_or )( I( A ), I( B ) ), (int32_t)( bits_of( a ) | bits_of( b ) ) );
+    EACH_INT( P( i_xor )( I( A ), I( B ) ), (int32_t)( bits_of( a ) ^ bits_of( b ) ) );
+    EACH_INT( P( i_set1 )( -123456789 ), -123456789 );
+    EACH_INT( P( i_iota )(), l );
+    EACH_MASK( P( i_eq )( I( A ), I( B ) ), bits_of( a ) == bits_of( b ) );
+    EACH_MASK( P( i_eq )( I( A ), I( A ) ), true );
+    EACH_MASK( P( i_lt )( I( A ), I( B ) ), (int32_t)bits_of( a ) < (int32_t)bits_of( b ) );
+    EACH_INT( P( i_select )( P( _lt )( A, B ), I( B ), I( C ) ), (int32_t)bits_of( a < b ? b : c ) );
 }
 
 #define SHIFTED( count )                                                                                             \
     EACH_INT( P( i_shift_left )( I( A ), count ), (int32_t)( bits_of( a ) << count ) )                               \
-    EACH_INT( P( i_shift_right )( I( A ), count ), (int32_t)( bits_of( a ) >> count ) )
+    EACH_INT( P( i_shift_right )( I( A ), count ), (int32_t)( bits_of( a ) >> count ) );
 
-static void P( _shifts_fill_with_zeros )( void** state )
+TEST( P( _shifts_fill_with_zeros ) )
 {
-    (void)state;
-    SHIFTED( 0 )
-    SHIFTED( 1 )
-    SHIFTED( 8 )
-    SHIFTED( 16 )
-    SHIFTED( 30 )
-    SHIFTED( 31 )
+    SHIFTED( 0 );
+    SHIFTED( 1 );
+    SHIFTED( 8 );
+    SHIFTED( 16 );
+    SHIFTED( 30 );
+    SHIFTED( 31 );
 }
 
 #undef SHIFTED
 #undef I
 
-static void P( _loads_and_stores_touch_their_own_lanes_only )( void** state )
+TEST( P( _loads_and_stores_touch_their_own_lanes_only ) )
 {
-    (void)state;
     _Alignas( 64 ) float from[3 * LANE_COUNT], to[3 * LANE_COUNT];
     _Alignas( 64 ) int32_t from_int[3 * LANE_COUNT], to_int[3 * LANE_COUNT];
     for ( int k = 0; k < 3 * LANE_COUNT; ++k )
@@ -146,9 +139,8 @@ static P( m ) P( _mask_of )( uint32_t bits )
     return P( i_eq )( P( i_loadu )( ones ), P( i_set1 )( 1 ) );
 }
 
-static void P( _masks_are_sets_of_lanes )( void** state )
+TEST( P( _masks_are_sets_of_lanes ) )
 {
-    (void)state;
     const uint32_t full = ( 1u << LANE_COUNT ) - 1u;
     for ( uint32_t a = 0; a <= full; a += LANE_COUNT == 8 ? 1 : 61 )
     {
@@ -174,9 +166,8 @@ static void P( _masks_are_sets_of_lanes )( void** state )
     }
 }
 
-static void P( _sum_folds_the_upper_half_onto_the_lower )( void** state )
+TEST( P( _sum_folds_the_upper_half_onto_the_lower ) )
 {
-    (void)state;
     for ( int k = 0; k < ORDINARY_COUNT; k += LANE_COUNT )
     {
         float part[LANE_COUNT];
@@ -193,9 +184,8 @@ static void P( _sum_folds_the_upper_half_onto_the_lower )( void** state )
     }
 }
 
-static void P( _random_numbers_are_the_scalar_ones )( void** state )
+TEST( P( _random_numbers_are_the_scalar_ones ) )
 {
-    (void)state;
     wisp_random_key key = wisp_random_make_key( 7, 8, 9 );
 #define DRAWN wisp_random_unit_float( key, bits_of( a ), bits_of( b ), bits_of( c ) )
     EACH_FLOAT( P( _random_unit )( key, P( _cast_int )( A ), P( _cast_int )( B ), P( _cast_int )( C ) ), DRAWN,
@@ -206,9 +196,8 @@ static void P( _random_numbers_are_the_scalar_ones )( void** state )
 }
 
 // Over the operands, which include all special numbers, and over usual angles.
-static void P( _trigonometry_is_the_scalar_one )( void** state )
+TEST( P( _trigonometry_is_the_scalar_one ) )
 {
-    (void)state;
     LANE_P sine, cosine;
     for ( int k = 0; k < ORDINARY_COUNT; k += LANE_COUNT )
     {
@@ -223,9 +212,9 @@ static void P( _trigonometry_is_the_scalar_one )( void** state )
         }
     }
 
-    EACH_FLOAT( ( P( _sincos )( A, &sine, &cosine ), sine ), scalar_sine( a ), assert_same_value )
-    EACH_FLOAT( ( P( _sincos )( A, &sine, &cosine ), cosine ), scalar_cosine( a ), assert_same_value )
-    EACH_FLOAT( P( _atan2 )( A, B ), trig_atan2( a, b ), assert_same_value )
+    EACH_FLOAT( ( P( _sincos )( A, &sine, &cosine ), sine ), scalar_sine( a ), assert_same_value );
+    EACH_FLOAT( ( P( _sincos )( A, &sine, &cosine ), cosine ), scalar_cosine( a ), assert_same_value );
+    EACH_FLOAT( P( _atan2 )( A, B ), trig_atan2( a, b ), assert_same_value );
 }
 
 static P( v ) P( v_directions )( int first )
@@ -266,9 +255,8 @@ static void P( v_check )( P( v ) actual, const wisp_vec3* expected, int k, int l
     }                                                                                                                \
     P( v_check )( lanes, rows, k, __LINE__ );
 
-static void P( v_vectors_are_the_scalar_ones )( void** state )
+TEST( P( v_vectors_are_the_scalar_ones ) )
 {
-    (void)state;
     for ( int k = 0; k < DIRECTION_COUNT; k += LANE_COUNT )
     {
         wisp_vec3 rows[LANE_COUNT];

@@ -201,9 +201,9 @@ static void what_has_no_direction_gets_the_fallback( void** state )
 
 int main( void )
 {
-    if ( begin_backend() == false )
+    if ( missing_backend() != NULL )
     {
-        return SKIPPED;
+        return 77;
     }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( sine_and_cosine_keep_their_bound ),

@@ -544,7 +544,7 @@ static void two_threads_get_the_answers_of_one( void** state )
 
 int main( void )
 {
-    if ( test_trees_are_absent() )
+    if ( test_trees_are_absent() != NULL )
     {
         return 77;
     }

@@ -109,7 +109,7 @@ static void denormal_numbers_keep_their_meaning_for_the_host( void** state )
 
 int main( void )
 {
-    if ( test_trees_are_absent() )
+    if ( test_trees_are_absent() != NULL )
     {
         return 77;
     }

@@ -68,7 +68,7 @@ if command -v zsh >/dev/null; then
         fail "zsh: the script is not found by compinit"
     echo "zsh takes the script"
 else
-    echo "zsh is not installed: its script is not tested"
+    echo "skipped: zsh is not installed, so its script is not tested"
 fi
 
 "$wisp" completion fish >wisp.fish
@@ -77,7 +77,7 @@ if command -v fish >/dev/null; then
     [ "$got" = "render json --turntable zsh " ] || fail "fish completes to '$got'"
     echo "fish completes commands, options and words"
 else
-    echo "fish is not installed: its script is not tested"
+    echo "skipped: fish is not installed, so its script is not tested"
 fi
 
 # ---- manual pages ----
@@ -93,4 +93,4 @@ for command in "" $commands; do
         [ -z "$said" ] || fail "the page of '$command': $said"
     fi
 done
-command -v mandoc >/dev/null && echo "mandoc has nothing to say about the manual pages" || echo "mandoc is not installed: pages are not checked"
+command -v mandoc >/dev/null && echo "mandoc has nothing to say about the manual pages" || echo "skipped: mandoc is not installed, so pages are not checked"

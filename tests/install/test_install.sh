@@ -111,6 +111,7 @@ for header in "$include"/*.h "$include"/module/*.h; do
     headers=$((headers + 1))
 done
 echo "$headers headers compile by themselves"
+command -v g++ >/dev/null || echo "skipped: g++ is not installed, so headers are not compiled as C++"
 
 # ---- programs ----
 

@@ -2,7 +2,7 @@
 /// loop of the host, after a snapshot and in another world, without allocation once warm, and the same as the golden
 /// file.
 ///
-/// A test file describes its cases by a `determinism` and passes that to determinism_main().
+/// A test file describes its cases by `subject`.
 #pragma once
 
 #include "golden_file.h"
@@ -57,6 +57,9 @@ typedef struct determinism
     void ( *close )( determinism_run* r );
 } determinism;
 
+/// Defined by the file that includes this one.
+static const determinism subject;
+
 static inline void determinism_place( wisp_world_def* def, const place_to_run* place, int* calls )
 {
     def->workers = place->workers;
@@ -101,9 +104,9 @@ static void assert_traces( const determinism* d, int number, const place_to_run*
 }
 
 // An instruction set that this processor lacks falls back to the next, which compares equal trivially.
-static void workers_instruction_sets_and_hosts_do_not_change_a_bit( void** state )
+TEST( workers_instruction_sets_and_hosts_do_not_change_a_bit )
 {
-    const determinism* d = *state;
+    const determinism* d = &subject;
     const int workers[] = { 1, 2, 3, 5, 8 };
     const char* const isas[] = { "baseline", "avx2", "avx512" };
     for ( int n = 0; n < d->case_count; ++n )
@@ -132,16 +135,16 @@ static golden_hash run_numbered( int number, const void* context )
     return ( golden_hash ){ d->describe( number ).name, run_case( d, number, &PLAIN, NULL ).motion };
 }
 
-static void motion_is_that_of_the_golden_file( void** state )
+TEST( motion_is_that_of_the_golden_file )
 {
-    const determinism* d = *state;
+    const determinism* d = &subject;
     golden_check( d->golden_file, d->case_count, run_numbered, d );
 }
 
 // A hash that left something out would let everything pass.
-static void cases_and_a_nudge_have_other_hashes( void** state )
+TEST( cases_and_a_nudge_have_other_hashes )
 {
-    const determinism* d = *state;
+    const determinism* d = &subject;
     uint64_t hashes[32];
     assert_true( d->case_count <= WISP_COUNT( hashes ) );
     for ( int n = 0; n < d->case_count; ++n )
@@ -170,9 +173,9 @@ static void run_there_and_back( const determinism* d, determinism_run* r, int st
     free( saved.bytes );
 }
 
-static void a_step_that_is_warm_asks_for_no_memory( void** state )
+TEST( a_step_that_is_warm_asks_for_no_memory )
 {
-    const determinism* d = *state;
+    const determinism* d = &subject;
     for ( int n = 0; n < d->case_count; ++n )
     {
         const determinism_case c = d->describe( n );
@@ -194,9 +197,9 @@ static void a_step_that_is_warm_asks_for_no_memory( void** state )
 }
 
 // Restore into the original world, and into a new one.
-static void a_snapshot_goes_on_to_the_same_bits( void** state )
+TEST( a_snapshot_goes_on_to_the_same_bits )
 {
-    const determinism* d = *state;
+    const determinism* d = &subject;
     for ( int n = 0; n < d->case_count; ++n )
     {
         const int steps = d->describe( n ).steps, half = steps / 2 + 1;
@@ -222,18 +225,4 @@ static void a_snapshot_goes_on_to_the_same_bits( void** state )
         }
         free( saved.bytes );
     }
-}
-
-/// @return what main() returns
-static int determinism_main( const determinism* d )
-{
-    void* subject = (void*)(uintptr_t)d;
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_prestate( motion_is_that_of_the_golden_file, subject ),
-        cmocka_unit_test_prestate( cases_and_a_nudge_have_other_hashes, subject ),
-        cmocka_unit_test_prestate( workers_instruction_sets_and_hosts_do_not_change_a_bit, subject ),
-        cmocka_unit_test_prestate( a_step_that_is_warm_asks_for_no_memory, subject ),
-        cmocka_unit_test_prestate( a_snapshot_goes_on_to_the_same_bits, subject ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -111,9 +111,8 @@ static determinism_case describe( int number )
 }
 
 // Statistics are read only and have no effect.
-static void asking_for_stats_does_not_change_a_bit( void** state )
+TEST( asking_for_stats_does_not_change_a_bit )
 {
-    (void)state;
     for ( int n = 0; n < 4; ++n )
     {
         uint64_t hashes[2];
@@ -130,29 +129,35 @@ static void asking_for_stats_does_not_change_a_bit( void** state )
     }
 }
 
-int main( void )
+static const determinism subject = { WISP_SOURCE_ROOT "/data/golden/balloon.hash",
+                                     WISP_COUNT( CASES ),
+                                     true,
+                                     describe,
+                                     open_case,
+                                     run_case_steps,
+                                     traces_of,
+                                     check_case,
+                                     nudge,
+                                     close_case };
+
+static int make_meshes( void** state )
 {
-    const determinism d = { WISP_SOURCE_ROOT "/data/golden/balloon.hash",
-                            WISP_COUNT( CASES ),
-                            true,
-                            describe,
-                            open_case,
-                            run_case_steps,
-                            traces_of,
-                            check_case,
-                            nudge,
-                            close_case };
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( asking_for_stats_does_not_change_a_bit ),
-    };
+    (void)state;
     for ( int level = 2; level < WISP_COUNT( meshes ); ++level )
     {
         meshes[level] = balloon_pear( level );
     }
-    const int failures = determinism_main( &d ) + cmocka_run_group_tests( tests, NULL, NULL );
+    return 0;
+}
+
+static int free_meshes( void** state )
+{
+    (void)state;
     for ( int level = 2; level < WISP_COUNT( meshes ); ++level )
     {
         balloon_mesh_destroy( meshes + level );
     }
-    return failures;
+    return 0;
 }
+
+TEST_GROUP( make_meshes, free_meshes )

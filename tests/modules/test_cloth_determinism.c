@@ -124,9 +124,8 @@ static determinism_case describe( int number )
 }
 
 // Twenty small cloths of all kinds share waves; each has the same bits as in a world of its own.
-static void many_small_cloths_are_what_each_is_alone( void** state )
+TEST( many_small_cloths_are_what_each_is_alone )
 {
-    (void)state;
     enum
     {
         CLOTHS = 20,
@@ -159,20 +158,13 @@ static void many_small_cloths_are_what_each_is_alone( void** state )
     }
 }
 
-int main( void )
-{
-    const determinism d = { WISP_SOURCE_ROOT "/data/golden/cloth.hash",
-                            WISP_COUNT( cases ),
-                            true,
-                            describe,
-                            open_case,
-                            run_case_steps,
-                            traces_of,
-                            check_case,
-                            nudge,
-                            close_case };
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( many_small_cloths_are_what_each_is_alone ),
-    };
-    return determinism_main( &d ) + cmocka_run_group_tests( tests, NULL, NULL );
-}
+static const determinism subject = { WISP_SOURCE_ROOT "/data/golden/cloth.hash",
+                                     WISP_COUNT( cases ),
+                                     true,
+                                     describe,
+                                     open_case,
+                                     run_case_steps,
+                                     traces_of,
+                                     check_case,
+                                     nudge,
+                                     close_case };

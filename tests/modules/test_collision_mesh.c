@@ -7,7 +7,7 @@ static const float DT = 1.0f / 60.0f;
 #define NEEDS_EMBREE()                                                                                               \
     if ( has_meshes() == false )                                                                                     \
     {                                                                                                                \
-        skip();                                                                                                      \
+        SKIP( "the library is built without Embree" );                                                               \
     }
 
 // A ball of radius 0.3 in closed form or as 8 4^level triangles.

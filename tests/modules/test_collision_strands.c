@@ -217,7 +217,7 @@ static void strands_lie_on_a_mesh_as_on_the_closed_form( void** state )
     }
     if ( has_embree == false )
     {
-        skip();
+        SKIP( "the library is built without Embree" );
     }
     // faces lie up to 0.1 (1 - cos( 90 / 32 degrees )), 1.2e-4 m, inside the ball, and strands roll off along their
     // edges
@@ -384,7 +384,7 @@ static void what_starts_inside_a_mesh_leaves_without_being_thrown( void** state 
     (void)state;
     if ( leaves_calmly( WISP_COLLIDER_MESH ) == false )
     {
-        skip();
+        SKIP( "the library is built without Embree" );
     }
 }
 

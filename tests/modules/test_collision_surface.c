@@ -83,7 +83,7 @@ static void a_surface_that_moves_rigidly_is_the_mesh_that_does( void** state )
     (void)state;
     if ( has_meshes() == false )
     {
-        skip();
+        SKIP( "the library is built without Embree" );
     }
     wisp_motion_stats result[2];
     for ( int as_surface = 0; as_surface < 2; ++as_surface )

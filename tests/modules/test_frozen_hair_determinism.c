@@ -284,7 +284,7 @@ static void a_hosts_own_loop_does_not_change_a_bit( void** state )
     (void)state;
     if ( !has_threads() )
     {
-        skip();
+        SKIP( "no second thread can be made here" );
     }
     const char* isas[3];
     const int isa_count = list_isas( isas );

@@ -290,17 +290,13 @@ static determinism_case describe( int number )
                                  .rehearsal = mixed ? STEPS : 0 };
 }
 
-int main( void )
-{
-    const determinism d = { WISP_SOURCE_ROOT "/data/golden/strands.hash",
-                            WISP_COUNT( cases ),
-                            true,
-                            describe,
-                            open_case,
-                            run_case_steps,
-                            traces_of,
-                            check_case,
-                            nudge,
-                            close_case };
-    return determinism_main( &d );
-}
+static const determinism subject = { WISP_SOURCE_ROOT "/data/golden/strands.hash",
+                                     WISP_COUNT( cases ),
+                                     true,
+                                     describe,
+                                     open_case,
+                                     run_case_steps,
+                                     traces_of,
+                                     check_case,
+                                     nudge,
+                                     close_case };
