@@ -182,33 +182,12 @@ extern "C"
 
     // ---- reading .pc2 ------------------------------------------------------------------------------------------
 
-    /// A point cache: the vertices of one mesh, without its triangles.
-    typedef struct wisp_pc2 wisp_pc2;
-
-    typedef struct wisp_pc2_info
-    {
-        int point_count;   ///< >= 1
-        int frame_count;   ///< >= 0, called samples in the format
-        float start_frame; ///< frame of the host's time line of the first sample
-        float sample_rate; ///< > 0, frames of the host's time line between two samples
-    } wisp_pc2_info;
-
-    /// Open a point cache. The file must be exactly as long as its header states: it has no checksum, so only its
-    /// length can show a defect.
+    /// Open a point cache: a recording of one body, the vertices of a mesh without its triangles, in which frame n is at n s.
+    /// The file must be exactly as long as its header states: it has no checksum, so only its length can show a defect.
     /// @return as wisp_recording_open()
-    WISP_API wisp_status wisp_pc2_open( const char* path, wisp_pc2** out, wisp_error* error );
-    WISP_API wisp_status wisp_pc2_open_memory( const void* bytes, size_t size, const char* name, wisp_pc2** out,
+    WISP_API wisp_status wisp_pc2_open( const char* path, wisp_recording** out, wisp_error* error );
+    WISP_API wisp_status wisp_pc2_open_memory( const void* bytes, size_t size, const char* name, wisp_recording** out,
                                                wisp_error* error );
-    WISP_API void wisp_pc2_close( wisp_pc2* cache );
-    WISP_API wisp_pc2_info wisp_pc2_describe( const wisp_pc2* cache );
-
-    /// @param points [point_count] to be filled
-    /// @return WISP_BAD_INPUT no such frame, or a point that is not finite: the message names frame, point and byte,
-    ///         and nothing is filled; WISP_IO_ERROR; WISP_NO_MEMORY
-    WISP_API wisp_status wisp_pc2_frame( wisp_pc2* cache, int index, wisp_vec3* points, wisp_error* error );
-
-    /// As wisp_recording_print().
-    WISP_API wisp_status wisp_pc2_print( FILE* out, wisp_pc2* cache, const char* name, wisp_error* error );
 
     // ---- tracks ------------------------------------------------------------------------------------------------
 

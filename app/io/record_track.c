@@ -3,10 +3,10 @@
 
 #include <errno.h>
 #include <math.h>
-#include <stdlib.h>
 
 struct wisp_track
 {
+    record_memory memory;
     io_output output;
     char* path;
     wisp_track_point* points;
@@ -15,25 +15,22 @@ struct wisp_track
 
 static wisp_status check_points( const char* path, const wisp_track_def* def, wisp_error* error )
 {
-    const char* name = io_short_name( path );
     wisp_status status = record_check_bodies( def->bodies, def->body_count, path, error );
     if ( status == WISP_OK && def->point_count < 1 )
     {
-        status =
-            wisp_fail( error, WISP_BAD_INPUT, "%s: got %d vertices, expected at least 1", name, def->point_count );
+        status = record_wrong( error, path, "got %d vertices, expected at least 1", def->point_count );
     }
     for ( int i = 0; status == WISP_OK && i < def->point_count; ++i )
     {
-        wisp_track_point point = def->points[i];
-        if ( point.body < 0 || point.body >= def->body_count )
+        const int body = def->points[i].body, vertex = def->points[i].vertex;
+        if ( body < 0 || body >= def->body_count )
         {
-            status = wisp_fail( error, WISP_BAD_INPUT, "%s: track %d names body %d of %d", name, i, point.body,
-                                def->body_count );
+            status = record_wrong( error, path, "track %d names body %d of %d", i, body, def->body_count );
         }
-        else if ( point.vertex < 0 || point.vertex >= def->bodies[point.body].vertex_count )
+        else if ( vertex < 0 || vertex >= def->bodies[body].vertex_count )
         {
-            status = wisp_fail( error, WISP_BAD_INPUT, "%s: track %d names vertex %d of body %s, which has %d", name,
-                                i, point.vertex, def->bodies[point.body].name, def->bodies[point.body].vertex_count );
+            status = record_wrong( error, path, "track %d names vertex %d of body %s, which has %d", i, vertex,
+                                   def->bodies[body].name, def->bodies[body].vertex_count );
         }
     }
     return status;
@@ -42,22 +39,18 @@ static wisp_status check_points( const char* path, const wisp_track_def* def, wi
 static void write_names( FILE* out, const wisp_track_def* def )
 {
     fputs( "time", out );
-    for ( int i = 0; i < def->point_count; ++i )
+    for ( int i = 0; i < 3 * def->point_count; ++i )
     {
-        const char* name = def->bodies[def->points[i].body].name;
-        for ( int k = 0; k < 3; ++k )
-        {
-            fprintf( out, ",%s.%d.%c", name, def->points[i].vertex, "xyz"[k] );
-        }
+        const wisp_track_point point = def->points[i / 3];
+        fprintf( out, ",%s.%d.%c", def->bodies[point.body].name, point.vertex, "xyz"[i % 3] );
     }
     fputs( "\n", out );
 }
 
-static void release_track( wisp_track* track )
+static void release( wisp_track* track )
 {
-    free( track->path );
-    free( track->points );
-    free( track );
+    record_memory memory = track->memory; // the track is in it
+    record_release( &memory );
 }
 
 wisp_status wisp_track_open( const char* path, const wisp_track_def* def, wisp_track** out, wisp_error* error )
@@ -68,23 +61,22 @@ wisp_status wisp_track_open( const char* path, const wisp_track_def* def, wisp_t
     {
         return status;
     }
-    wisp_track* track = calloc( 1, sizeof *track );
-    if ( track == NULL )
+    record_memory memory = { 0 };
+    wisp_track* track = record_get( &memory, sizeof *track );
+    char* own_path = record_copy( &memory, path, strlen( path ) + 1 );
+    wisp_track_point* points = record_copy( &memory, def->points, (size_t)def->point_count * sizeof *points );
+    if ( memory.is_short )
     {
+        record_release( &memory );
         return record_no_memory( path, error );
     }
-    size_t count = (size_t)def->point_count;
-    track->path = strdup( path );
-    track->points = malloc( count * sizeof *track->points );
-    track->point_count = def->point_count;
-    status = track->path != NULL && track->points != NULL ? io_output_open( path, &track->output, error )
-                                                          : record_no_memory( path, error );
+    *track = ( wisp_track ){ .path = own_path, .points = points, .point_count = def->point_count, .memory = memory };
+    status = io_output_open( path, &track->output, error );
     if ( status != WISP_OK )
     {
-        release_track( track );
+        release( track );
         return status;
     }
-    memcpy( track->points, def->points, count * sizeof *track->points );
     write_names( track->output.stream, def );
     *out = track;
     return WISP_OK;
@@ -95,15 +87,15 @@ static wisp_status check_frame( const wisp_track* track, double time, const wisp
 {
     if ( !isfinite( time ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: the time is not finite", io_short_name( track->path ) );
+        return record_wrong( error, track->path, "the time is not finite" );
     }
     for ( int i = 0; i < track->point_count; ++i )
     {
-        wisp_track_point point = track->points[i];
-        if ( record_find_not_finite( &points[point.body][point.vertex], 1 ) >= 0 )
+        const wisp_track_point point = track->points[i];
+        if ( record_find_not_finite( &points[point.body][point.vertex].x, 3 ) >= 0 )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "%s: track %d at %.9g s: vertex %d of body %d is not finite",
-                              io_short_name( track->path ), i, time, point.vertex, point.body );
+            return record_wrong( error, track->path, "track %d at %.9g s: vertex %d of body %d is not finite", i,
+                                 time, point.vertex, point.body );
         }
     }
     return WISP_OK;
@@ -111,13 +103,9 @@ static wisp_status check_frame( const wisp_track* track, double time, const wisp
 
 wisp_status wisp_track_frame( wisp_track* track, double time, const wisp_vec3* const* points, wisp_error* error )
 {
-    wisp_status status = check_frame( track, time, points, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
     io_numbers numbers;
-    status = io_numbers_begin( &numbers, error );
+    wisp_status status = check_frame( track, time, points, error );
+    status = status == WISP_OK ? io_numbers_begin( &numbers, error ) : status;
     if ( status != WISP_OK )
     {
         return status;
@@ -128,21 +116,20 @@ wisp_status wisp_track_frame( wisp_track* track, double time, const wisp_vec3* c
     fprintf( out, "%.17g", time );
     for ( int i = 0; i < track->point_count; ++i )
     {
-        wisp_vec3 p = points[track->points[i].body][track->points[i].vertex];
+        const wisp_vec3 p = points[track->points[i].body][track->points[i].vertex];
         fprintf( out, ",%.9g,%.9g,%.9g", (double)p.x, (double)p.y, (double)p.z );
     }
-    int last = fputs( "\n", out );
+    const int last = fputs( "\n", out );
     io_numbers_end( &numbers );
     return last >= 0 && !ferror( out ) ? WISP_OK : record_refused( track->path, "write", error );
 }
 
 wisp_status wisp_track_close( wisp_track* track, wisp_error* error )
 {
-    if ( track == NULL )
+    const wisp_status status = track != NULL ? io_output_commit( &track->output, error ) : WISP_OK;
+    if ( track != NULL )
     {
-        return WISP_OK;
+        release( track );
     }
-    wisp_status status = io_output_commit( &track->output, error );
-    release_track( track );
     return status;
 }

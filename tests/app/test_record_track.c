@@ -244,15 +244,15 @@ static void info_names_the_first_ten_damaged_frames_and_counts_the_rest( void** 
 static void info_tells_what_is_in_a_point_cache( void** state )
 {
     record_plain( path_in( state, "sail.pc2" ), 2 );
-    wisp_pc2* cache = NULL;
+    wisp_recording* cache = NULL;
     assert_int_equal( wisp_pc2_open( path_in( state, "sail.pc2" ), &cache, NULL ), WISP_OK );
     char* text = NULL;
     size_t length = 0;
     FILE* stream = open_memstream( &text, &length );
     assert_non_null( stream );
-    assert_int_equal( wisp_pc2_print( stream, cache, "sail.pc2", NULL ), WISP_OK );
+    assert_int_equal( wisp_recording_print( stream, cache, "sail.pc2", NULL ), WISP_OK );
     fclose( stream );
-    wisp_pc2_close( cache );
+    wisp_recording_close( cache );
     assert_string_equal( text, "sail.pc2: point cache of 2 frames\n"
                                "  frames               from 0, every 1\n"
                                "  points               3, x 0 .. 1, y 0 .. 3, z -0.5 .. 0 m\n"
