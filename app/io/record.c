@@ -152,7 +152,7 @@ const char* record_path_beside( wisp_recorder* recorder, const char* format, ...
     memcpy( recorder->beside, recorder->path, stem );
     va_list arguments;
     va_start( arguments, format );
-    vsnprintf( recorder->beside + stem, strlen( recorder->path ) + WISP_RECORD_MAX_NAME + 32, format, arguments );
+    vsnprintf( recorder->beside + stem, recorder->beside_size - stem, format, arguments );
     va_end( arguments );
     return recorder->beside;
 }
@@ -199,7 +199,8 @@ static void copy( wisp_recorder* recorder, const char* path, const wisp_recorder
     recorder->dt = def->dt;
     recorder->frames_expected = def->frame_count;
     recorder->path = record_copy( memory, path, strlen( path ) + 1 );
-    recorder->beside = record_get( memory, 2 * strlen( path ) + WISP_RECORD_MAX_NAME + 32 );
+    recorder->beside_size = 2 * strlen( path ) + WISP_RECORD_MAX_NAME + 32;
+    recorder->beside = record_get( memory, recorder->beside_size );
     recorder->outputs = record_get( memory, count * sizeof *recorder->outputs );
     recorder->inputs = record_get( memory, count * sizeof *recorder->inputs );
     recorder->bodies = record_copy_bodies( memory, def->bodies, def->body_count );

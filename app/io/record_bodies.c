@@ -109,38 +109,39 @@ static bool is_value_name( const char* text )
     return is_name( text ) && strchr( text, '-' ) == NULL && !( text[0] >= '0' && text[0] <= '9' );
 }
 
-static bool is_fraction( wisp_vec3 c )
+// @param vertex -1: the colour of all
+static wisp_status check_colour( const checked* c, int vertex, wisp_vec3 rgb )
 {
-    return c.x >= 0.0f && c.x <= 1.0f && c.y >= 0.0f && c.y <= 1.0f && c.z >= 0.0f && c.z <= 1.0f;
+    if ( rgb.x >= 0.0f && rgb.x <= 1.0f && rgb.y >= 0.0f && rgb.y <= 1.0f && rgb.z >= 0.0f && rgb.z <= 1.0f )
+    {
+        return WISP_OK;
+    }
+    char where[32] = "";
+    if ( vertex >= 0 )
+    {
+        snprintf( where, sizeof where, ", vertex %d", vertex );
+    }
+    return wrong( c, "%s: got a colour of (%g, %g, %g), expected 0 to 1", where, (double)rgb.x, (double)rgb.y,
+                  (double)rgb.z );
 }
 
 // Readers have no colours and widths, and a count of vertices that nothing confirms.
 static wisp_status check_appearance( const checked* c )
 {
     const wisp_record_body* body = c->body;
-    const wisp_vec3 base = body->base_colour;
-    if ( !is_fraction( base ) )
+    wisp_status status = check_colour( c, -1, body->base_colour );
+    for ( int v = 0; body->colours != NULL && v < body->vertex_count && status == WISP_OK; ++v )
     {
-        return wrong( c, ": got a colour of (%g, %g, %g), expected 0 to 1", (double)base.x, (double)base.y,
-                      (double)base.z );
+        status = check_colour( c, v, body->colours[v] );
     }
-    for ( int v = 0; body->colours != NULL && v < body->vertex_count; ++v )
-    {
-        const wisp_vec3 rgb = body->colours[v];
-        if ( !is_fraction( rgb ) )
-        {
-            return wrong( c, ", vertex %d: got a colour of (%g, %g, %g), expected 0 to 1", v, (double)rgb.x,
-                          (double)rgb.y, (double)rgb.z );
-        }
-    }
-    for ( int v = 0; body->widths != NULL && v < body->vertex_count; ++v )
+    for ( int v = 0; body->widths != NULL && v < body->vertex_count && status == WISP_OK; ++v )
     {
         if ( !isfinite( body->widths[v] ) || body->widths[v] < 0.0f )
         {
-            return wrong( c, ", vertex %d: got a width of %g m, expected at least 0", v, (double)body->widths[v] );
+            status = wrong( c, ", vertex %d: got a width of %g m, expected at least 0", v, (double)body->widths[v] );
         }
     }
-    return WISP_OK;
+    return status;
 }
 
 static wisp_status check_values( const checked* c )
@@ -249,6 +250,14 @@ void record_set_triangles( const wisp_record_body* body, const int32_t* triangle
     if ( record_triangle_bytes( body ) > 0 )
     {
         memcpy( (void*)(uintptr_t)body->triangles, triangles, (size_t)record_triangle_bytes( body ) );
+    }
+}
+
+void record_keep_triangles( const wisp_record_body* body, int32_t* out )
+{
+    if ( record_triangle_bytes( body ) > 0 )
+    {
+        memcpy( out, body->triangles, (size_t)record_triangle_bytes( body ) );
     }
 }
 

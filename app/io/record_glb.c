@@ -16,8 +16,9 @@
 
 enum
 {
-    HEADER_BYTES = 12,
-    CHUNK_BYTES = 8,
+    MAGIC = 0x46546c67, // glTF
+    JSON_CHUNK = 0x4e4f534a,
+    BINARY_CHUNK = 0x004e4942,
     JSON_BYTES = 4000,       // of a body, generously
     JSON_TARGET_BYTES = 600, // of a body in a frame
 
@@ -34,6 +35,7 @@ typedef struct glb_file
     wisp_vec3* vectors;  // [most_vertices] of another frame
     int32_t* last;       // [most_triangles] of the last frame
     int most_frames;     // that the file can hold
+    bool is_animated;    // a body has targets
     FILE* json;
     bool is_first; // item of a list: no comma before it
     int accessor_count, view_count;
@@ -42,77 +44,57 @@ typedef struct glb_file
 
 // ---- layout ----------------------------------------------------------------------------------------------------
 
-static bool has_normals( const wisp_record_body* body )
+// A body in a file of so many frames.
+typedef struct glb_shape
 {
-    return body->triangle_count > 0;
-}
+    const wisp_record_body* body;
+    uint64_t index_count; // corners of triangles or ends of segments; 0: the vertices are drawn as points
+    uint64_t block_bytes; //
+    int base, part_count; // blocks before the targets, and of each target: points and, of triangles, normals
+    int target_count;     //
+    int block_count;      // of all
+} glb_shape;
 
-static uint64_t block_bytes( const wisp_record_body* body )
+static glb_shape shape_of( const wisp_recorder* recorder, int b, int frame_count )
 {
-    return RECORD_POINT_SIZE * (uint64_t)body->vertex_count;
-}
-
-// Blocks before the targets, and of each target.
-static int count_base( const wisp_record_body* body )
-{
-    return 1 + has_normals( body ) + ( body->colours != NULL );
-}
-
-static int count_per_target( const wisp_record_body* body )
-{
-    return 1 + has_normals( body );
-}
-
-static int count_targets( const wisp_record_body* body, int frame_count )
-{
-    return body->is_static || frame_count < 2 ? 0 : frame_count - 1;
-}
-
-// Corners of triangles or ends of segments; 0: the vertices are drawn as points.
-static uint64_t count_indices( const wisp_record_body* body )
-{
-    uint64_t count = 3 * (uint64_t)body->triangle_count;
+    const wisp_record_body* body = &recorder->bodies[b];
+    glb_shape shape = {
+        .body = body,
+        .index_count = 3 * (uint64_t)body->triangle_count,
+        .block_bytes = RECORD_POINT_SIZE * (uint64_t)body->vertex_count,
+        .part_count = body->triangle_count > 0 ? 2 : 1,
+        .target_count = body->is_static || frame_count < 2 ? 0 : frame_count - 1,
+    };
     for ( int s = 0; body->offsets != NULL && s < body->strand_count; ++s )
     {
         const int vertices = body->offsets[s + 1] - body->offsets[s];
-        count += vertices > 1 ? 2 * ( (uint64_t)vertices - 1 ) : 0;
+        shape.index_count += vertices > 1 ? 2 * ( (uint64_t)vertices - 1 ) : 0;
     }
-    return count;
-}
-
-static bool is_animated( const wisp_recorder* recorder )
-{
-    bool moves = false;
-    for ( int b = 0; b < recorder->body_count; ++b )
-    {
-        moves = moves || count_targets( &recorder->bodies[b], recorder->frame_count ) > 0;
-    }
-    return moves;
+    shape.base = shape.part_count + ( body->colours != NULL );
+    shape.block_count = shape.base + shape.target_count * shape.part_count;
+    return shape;
 }
 
 // ---- opening ---------------------------------------------------------------------------------------------------
 
-// The most frames that the file can hold, from the bytes of all but the targets, of a target of all bodies, and of n times
-// and n - 1 weights for each, if the file had n frames.
+// The most frames that the file can hold: all that is there once, a target of all bodies for each frame after the first, and,
+// if something moves, n times with n - 1 weights each.
 static int count_most_frames( const wisp_recorder* recorder )
 {
-    uint64_t base = 0, target = 0;
-    bool moves = false;
+    uint64_t once = 0, target = 0;
     for ( int b = 0; b < recorder->body_count; ++b )
     {
-        const wisp_record_body* body = &recorder->bodies[b];
-        base += JSON_BYTES + 4 * count_indices( body ) + (uint64_t)count_base( body ) * block_bytes( body );
-        target += body->is_static ? 0 : JSON_TARGET_BYTES + (uint64_t)count_per_target( body ) * block_bytes( body );
-        moves = moves || !body->is_static;
+        const glb_shape shape = shape_of( recorder, b, 2 );
+        once += JSON_BYTES + 4 * shape.index_count + (uint64_t)shape.base * shape.block_bytes;
+        target += shape.target_count > 0 ? JSON_TARGET_BYTES + (uint64_t)shape.part_count * shape.block_bytes : 0;
     }
-    for ( uint64_t n = 1; n <= WISP_RECORD_GLB_MAX_FRAMES; ++n )
+    uint64_t n = 1;
+    while ( n <= WISP_RECORD_GLB_MAX_FRAMES &&
+            once + ( n - 1 ) * target + ( target > 0 && n > 1 ? 4 * n * n : 0 ) <= WISP_RECORD_GLB_MAX_BYTES )
     {
-        if ( base + ( n - 1 ) * target + ( moves && n > 1 ? 4 * n * n : 0 ) > WISP_RECORD_GLB_MAX_BYTES )
-        {
-            return (int)n - 1;
-        }
+        ++n;
     }
-    return WISP_RECORD_GLB_MAX_FRAMES;
+    return (int)n - 1;
 }
 
 static wisp_status check_length( const wisp_recorder* recorder, int most, wisp_error* error )
@@ -161,14 +143,14 @@ static wisp_status check_points( const wisp_recorder* recorder, const record_fra
 {
     for ( int b = 0; b < recorder->body_count; ++b )
     {
-        for ( int v = 0; v < recorder->bodies[b].vertex_count; ++v )
+        const float* numbers = &frame->points[b]->x;
+        for ( size_t i = 0; i < 3 * (size_t)recorder->bodies[b].vertex_count; ++i )
         {
-            const wisp_vec3 p = frame->points[b][v];
-            if ( fmaxf( fabsf( p.x ), fmaxf( fabsf( p.y ), fabsf( p.z ) ) ) > 0.5f * FLT_MAX )
+            if ( fabsf( numbers[i] ) > 0.5f * FLT_MAX )
             {
                 return record_wrong( error, recorder->path,
-                                     "frame %d: body %s, vertex %d is too far from the origin for a .glb file",
-                                     recorder->frame_count, recorder->bodies[b].name, v );
+                                     "frame %d: body %s, vertex %zu is too far from the origin for a .glb file",
+                                     recorder->frame_count, recorder->bodies[b].name, i / 3 );
             }
         }
     }
@@ -202,14 +184,13 @@ static wisp_status glb_frame( wisp_recorder* recorder, const record_frame* frame
 // The points of a frame, or its unit normals, at the vertices of the last frame.
 static void load( wisp_recorder* recorder, int b, int frame, bool are_normals, wisp_vec3* out )
 {
-    const glb_file* file = recorder->file;
     const wisp_record_body* body = &recorder->bodies[b];
     const wisp_vec3* vectors = record_wait_load( recorder, frame, b );
     vectors = are_normals ? record_normals( recorder, b, vectors ) : vectors;
     memcpy( out, vectors, (size_t)body->vertex_count * sizeof *out );
     if ( body->triangles_change )
     {
-        record_carry_corners( body, body->triangles, file->last, out );
+        record_carry_corners( body, body->triangles, ( (const glb_file*)recorder->file )->last, out );
     }
     for ( int v = 0; v < body->vertex_count && are_normals; ++v )
     {
@@ -220,31 +201,29 @@ static void load( wisp_recorder* recorder, int b, int frame, bool are_normals, w
 }
 
 // Load what all blocks of a body need: the triangles of the last frame, and the first frame.
-static void load_body( wisp_recorder* recorder, int b )
+static glb_shape begin_body( wisp_recorder* recorder, int b )
 {
     const glb_file* file = recorder->file;
-    const wisp_record_body* body = &recorder->bodies[b];
+    const glb_shape shape = shape_of( recorder, b, recorder->frame_count );
     record_wait_load( recorder, recorder->frame_count - 1, b );
-    memcpy( file->last, body->triangles, (size_t)record_triangle_bytes( body ) );
-    load( recorder, b, 0, false, file->first[0] );
-    if ( has_normals( body ) )
+    record_keep_triangles( shape.body, file->last );
+    for ( int part = 0; part < shape.part_count; ++part )
     {
-        load( recorder, b, 0, true, file->first[1] );
+        load( recorder, b, 0, part == 1, file->first[part] );
     }
+    return shape;
 }
 
-static const wisp_vec3* load_block( wisp_recorder* recorder, int b, int block )
+static const wisp_vec3* load_block( wisp_recorder* recorder, int b, const glb_shape* shape, int block )
 {
     const glb_file* file = recorder->file;
-    const wisp_record_body* body = &recorder->bodies[b];
-    const int base = count_base( body ), per_target = count_per_target( body );
-    if ( block < base )
+    if ( block < shape->base )
     {
-        return block < per_target ? file->first[block] : body->colours;
+        return block < shape->part_count ? file->first[block] : shape->body->colours;
     }
-    const int part = ( block - base ) % per_target;
-    load( recorder, b, 1 + ( block - base ) / per_target, part == 1, file->vectors );
-    for ( int v = 0; v < body->vertex_count; ++v )
+    const int part = ( block - shape->base ) % shape->part_count;
+    load( recorder, b, 1 + ( block - shape->base ) / shape->part_count, part == 1, file->vectors );
+    for ( int v = 0; v < shape->body->vertex_count; ++v )
     {
         const wisp_vec3 from = file->first[part][v], to = file->vectors[v];
         file->vectors[v] = ( wisp_vec3 ){ to.x - from.x, to.y - from.y, to.z - from.z };
@@ -252,17 +231,11 @@ static const wisp_vec3* load_block( wisp_recorder* recorder, int b, int block )
     return file->vectors;
 }
 
-static int count_blocks( const wisp_recorder* recorder, int b )
-{
-    const wisp_record_body* body = &recorder->bodies[b];
-    return count_base( body ) + count_targets( body, recorder->frame_count ) * count_per_target( body );
-}
-
 // ---- JSON part -------------------------------------------------------------------------------------------------
 
-static void begin_list( glb_file* file, const char* name )
+static void begin_list( glb_file* file, const char* before )
 {
-    fprintf( file->json, "\"%s\":[", name );
+    fputs( before, file->json );
     file->is_first = true;
 }
 
@@ -277,36 +250,40 @@ static FILE* next( glb_file* file )
 static void write_nodes( const wisp_recorder* recorder )
 {
     glb_file* file = recorder->file;
-    begin_list( file, "nodes" );
+    begin_list( file, ",\"scene\":0,\"scenes\":[{\"nodes\":[" );
     for ( int b = 0; b < recorder->body_count; ++b )
     {
         fprintf( next( file ), "%d", b );
     }
-    fputs( "]}],", file->json );
-    begin_list( file, "nodes" );
+    begin_list( file, "]}],\"nodes\":[" );
     for ( int b = 0; b < recorder->body_count; ++b )
     {
         fprintf( next( file ), "{\"name\":\"%s\",\"mesh\":%d}", recorder->bodies[b].name, b );
     }
 }
 
-// Modelling programs show the names of targets.
-static void write_targets( glb_file* file, const wisp_record_body* body, int count, int accessor )
+// Points and normals, of the first frame or of a target.
+static void write_parts( const glb_file* file, const glb_shape* shape, int accessor )
 {
-    fputs( ",", file->json );
-    begin_list( file, "targets" );
-    for ( int t = 0; t < count; ++t )
+    fprintf( file->json, "{\"POSITION\":%d", accessor );
+    if ( shape->part_count > 1 )
     {
-        fprintf( next( file ), "{\"POSITION\":%d", accessor++ );
-        if ( has_normals( body ) )
-        {
-            fprintf( file->json, ",\"NORMAL\":%d", accessor++ );
-        }
+        fprintf( file->json, ",\"NORMAL\":%d", accessor + 1 );
+    }
+}
+
+// Modelling programs show the names of targets.
+static void write_targets( glb_file* file, const glb_shape* shape, int accessor )
+{
+    begin_list( file, ",\"targets\":[" );
+    for ( int t = 0; t < shape->target_count; ++t, accessor += shape->part_count )
+    {
+        next( file );
+        write_parts( file, shape, accessor );
         fputs( "}", file->json );
     }
-    fputs( "]}],\"extras\":{", file->json );
-    begin_list( file, "targetNames" );
-    for ( int t = 0; t < count; ++t )
+    begin_list( file, "]}],\"extras\":{\"targetNames\":[" );
+    for ( int t = 0; t < shape->target_count; ++t )
     {
         fprintf( next( file ), "\"frame_%04d\"", t + 2 );
     }
@@ -317,33 +294,31 @@ static void write_targets( glb_file* file, const wisp_record_body* body, int cou
 static void write_meshes( const wisp_recorder* recorder )
 {
     glb_file* file = recorder->file;
-    FILE* out = file->json;
     int accessor = 0;
-    begin_list( file, "meshes" );
+    fputs( "],\"meshes\":[", file->json );
     for ( int b = 0; b < recorder->body_count; ++b )
     {
-        const wisp_record_body* body = &recorder->bodies[b];
-        const bool has_indices = count_indices( body ) > 0;
-        const int mode = !has_indices ? POINTS : body->offsets != NULL ? LINES : TRIANGLES;
-        const int targets = count_targets( body, recorder->frame_count ), block = accessor + has_indices;
-        fprintf( out, "%s{\"name\":\"%s\",\"primitives\":[{\"mode\":%d,\"material\":%d", b > 0 ? "," : "", body->name,
-                 mode, b );
+        const glb_shape shape = shape_of( recorder, b, recorder->frame_count );
+        const bool has_indices = shape.index_count > 0;
+        const int mode = !has_indices ? POINTS : shape.body->offsets != NULL ? LINES : TRIANGLES;
+        fprintf( file->json, "%s{\"name\":\"%s\",\"primitives\":[{\"mode\":%d,\"material\":%d", b > 0 ? "," : "",
+                 shape.body->name, mode, b );
         if ( has_indices )
         {
-            fprintf( out, ",\"indices\":%d", accessor );
+            fprintf( file->json, ",\"indices\":%d", accessor++ );
         }
-        fprintf( out, ",\"attributes\":{\"POSITION\":%d", block );
-        if ( has_normals( body ) )
+        fputs( ",\"attributes\":", file->json );
+        write_parts( file, &shape, accessor );
+        if ( shape.body->colours != NULL )
         {
-            fprintf( out, ",\"NORMAL\":%d", block + 1 );
+            fprintf( file->json, ",\"COLOR_0\":%d", accessor + shape.part_count );
         }
-        if ( body->colours != NULL )
+        fputs( shape.target_count > 0 ? "}" : "}}]}", file->json );
+        if ( shape.target_count > 0 )
         {
-            fprintf( out, ",\"COLOR_0\":%d", block + 1 + has_normals( body ) );
+            write_targets( file, &shape, accessor + shape.base );
         }
-        fputs( "}", out );
-        targets > 0 ? write_targets( file, body, targets, block + count_base( body ) ) : (void)fputs( "}]}", out );
-        accessor = block + count_blocks( recorder, b );
+        accessor += shape.block_count;
     }
 }
 
@@ -351,7 +326,7 @@ static void write_meshes( const wisp_recorder* recorder )
 static void write_materials( const wisp_recorder* recorder )
 {
     glb_file* file = recorder->file;
-    begin_list( file, "materials" );
+    begin_list( file, "],\"materials\":[" );
     for ( int b = 0; b < recorder->body_count; ++b )
     {
         const wisp_record_body* body = &recorder->bodies[b];
@@ -363,7 +338,7 @@ static void write_materials( const wisp_recorder* recorder )
     }
 }
 
-// @param at bytes from the start of the view @param bounds null: none
+// Of the view that comes next. @param at bytes from its start @param bounds null: none
 static void write_accessor( glb_file* file, uint64_t at, int component, uint64_t count, const char* type,
                             const record_bounds* bounds )
 {
@@ -384,23 +359,21 @@ static void write_accessor( glb_file* file, uint64_t at, int component, uint64_t
 static void write_body_accessors( wisp_recorder* recorder, int b )
 {
     glb_file* file = recorder->file;
-    const wisp_record_body* body = &recorder->bodies[b];
-    const int base = count_base( body ), per_target = count_per_target( body );
-    if ( count_indices( body ) > 0 )
+    const glb_shape shape = begin_body( recorder, b );
+    if ( shape.index_count > 0 )
     {
-        write_accessor( file, 0, UNSIGNED_INT, count_indices( body ), "SCALAR", NULL );
+        write_accessor( file, 0, UNSIGNED_INT, shape.index_count, "SCALAR", NULL );
         ++file->view_count;
     }
-    load_body( recorder, b );
-    for ( int i = 0; i < count_blocks( recorder, b ); ++i )
+    for ( int i = 0; i < shape.block_count; ++i )
     {
-        const bool is_position = i < base ? i == 0 : ( i - base ) % per_target == 0;
+        const bool is_position = i < shape.base ? i == 0 : ( i - shape.base ) % shape.part_count == 0;
         record_bounds bounds = { .filled = false };
         if ( is_position )
         {
-            record_extend_bounds( &bounds, load_block( recorder, b, i ), body->vertex_count );
+            record_extend_bounds( &bounds, load_block( recorder, b, &shape, i ), shape.body->vertex_count );
         }
-        write_accessor( file, (uint64_t)i * block_bytes( body ), FLOAT, (uint64_t)body->vertex_count, "VEC3",
+        write_accessor( file, (uint64_t)i * shape.block_bytes, FLOAT, (uint64_t)shape.body->vertex_count, "VEC3",
                         is_position ? &bounds : NULL );
     }
     ++file->view_count;
@@ -410,12 +383,12 @@ static void write_body_accessors( wisp_recorder* recorder, int b )
 static void write_accessors( wisp_recorder* recorder )
 {
     glb_file* file = recorder->file;
-    begin_list( file, "accessors" );
+    begin_list( file, "],\"accessors\":[" );
     for ( int b = 0; b < recorder->body_count; ++b )
     {
         write_body_accessors( recorder, b );
     }
-    if ( is_animated( recorder ) )
+    if ( file->is_animated )
     {
         const uint64_t count = (uint64_t)recorder->frame_count;
         fprintf( next( file ),
@@ -438,21 +411,22 @@ static void write_view( glb_file* file, uint64_t size, const char* more )
 static void write_views( const wisp_recorder* recorder )
 {
     glb_file* file = recorder->file;
-    begin_list( file, "bufferViews" );
+    begin_list( file, "],\"bufferViews\":[" );
     for ( int b = 0; b < recorder->body_count; ++b )
     {
-        const wisp_record_body* body = &recorder->bodies[b];
-        if ( count_indices( body ) > 0 )
+        const glb_shape shape = shape_of( recorder, b, recorder->frame_count );
+        if ( shape.index_count > 0 )
         {
-            write_view( file, 4 * count_indices( body ), ",\"target\":34963" ); // indices
+            write_view( file, 4 * shape.index_count, ",\"target\":34963" ); // indices
         }
-        write_view( file, (uint64_t)count_blocks( recorder, b ) * block_bytes( body ),
+        write_view( file, (uint64_t)shape.block_count * shape.block_bytes,
                     ",\"byteStride\":12,\"target\":34962" ); // vertices
     }
-    if ( is_animated( recorder ) )
+    if ( file->is_animated )
     {
         write_view( file, 4 * (uint64_t)recorder->frame_count * (uint64_t)recorder->frame_count, "" );
     }
+    fprintf( file->json, "],\"buffers\":[{\"byteLength\":%llu}]", (unsigned long long)file->size );
 }
 
 // All bodies that move have the same weights.
@@ -461,9 +435,9 @@ static void write_animation( const wisp_recorder* recorder )
     glb_file* file = recorder->file;
     fprintf( file->json,
              ",\"animations\":[{\"name\":\"recording\",\"samplers\":[{\"input\":%d,\"output\":%d,"
-             "\"interpolation\":\"LINEAR\"}],",
+             "\"interpolation\":\"LINEAR\"}]",
              file->accessor_count - 2, file->accessor_count - 1 );
-    begin_list( file, "channels" );
+    begin_list( file, ",\"channels\":[" );
     for ( int b = 0; b < recorder->body_count; ++b )
     {
         if ( !recorder->bodies[b].is_static )
@@ -480,19 +454,13 @@ static void write_json( wisp_recorder* recorder )
     fputs( "{\"asset\":{\"version\":\"2.0\",\"generator\":\"Wisp " WISP_VERSION_STRING "\"}", file->json );
     if ( recorder->frame_count > 0 )
     {
-        fputs( ",\"scene\":0,\"scenes\":[{", file->json );
         write_nodes( recorder );
-        fputs( "],", file->json );
         write_meshes( recorder );
-        fputs( "],", file->json );
         write_materials( recorder );
-        fputs( "],", file->json );
         write_accessors( recorder );
-        fputs( "],", file->json );
         write_views( recorder );
-        fprintf( file->json, "],\"buffers\":[{\"byteLength\":%llu}]", (unsigned long long)file->size );
     }
-    if ( is_animated( recorder ) )
+    if ( file->is_animated )
     {
         write_animation( recorder );
     }
@@ -503,11 +471,7 @@ static void write_json( wisp_recorder* recorder )
 
 static void put_indices( FILE* out, const wisp_record_body* body )
 {
-    if ( body->offsets == NULL )
-    {
-        record_put_words( out, body->triangles, 3 * (size_t)body->triangle_count );
-        return;
-    }
+    record_put_words( out, body->triangles, 3 * (size_t)body->triangle_count );
     for ( int s = 0; s < body->strand_count; ++s )
     {
         for ( int v = body->offsets[s]; v + 1 < body->offsets[s + 1]; ++v )
@@ -523,33 +487,29 @@ static void put_animation( const wisp_recorder* recorder, FILE* out )
     const int count = recorder->frame_count;
     for ( int f = 0; f < count; ++f )
     {
-        const float time = (float)record_wait_time( recorder, f );
-        record_put_words( out, &time, 1 );
+        record_put_words( out, &( const float ){ (float)record_wait_time( recorder, f ) }, 1 );
     }
-    for ( int f = 0; f < count; ++f )
+    for ( int i = 0; i < count * ( count - 1 ); ++i )
     {
-        for ( int t = 0; t + 1 < count; ++t )
-        {
-            const float weight = t + 1 == f ? 1.0f : 0.0f;
-            record_put_words( out, &weight, 1 );
-        }
+        const bool is_own = i % ( count - 1 ) + 1 == i / ( count - 1 );
+        record_put_words( out, &( const float ){ is_own ? 1.0f : 0.0f }, 1 );
     }
 }
 
 static void put_binary( wisp_recorder* recorder, FILE* out )
 {
+    const glb_file* file = recorder->file;
     for ( int b = 0; b < recorder->body_count; ++b )
     {
-        const wisp_record_body* body = &recorder->bodies[b];
-        load_body( recorder, b );
-        record_set_triangles( body, ( (const glb_file*)recorder->file )->last );
-        put_indices( out, body );
-        for ( int i = 0; i < count_blocks( recorder, b ); ++i )
+        const glb_shape shape = begin_body( recorder, b );
+        record_set_triangles( shape.body, file->last );
+        put_indices( out, shape.body );
+        for ( int i = 0; i < shape.block_count; ++i )
         {
-            record_put_words( out, load_block( recorder, b, i ), 3 * (size_t)body->vertex_count );
+            record_put_words( out, load_block( recorder, b, &shape, i ), 3 * (size_t)shape.body->vertex_count );
         }
     }
-    if ( is_animated( recorder ) )
+    if ( file->is_animated )
     {
         put_animation( recorder, out );
     }
@@ -557,25 +517,15 @@ static void put_binary( wisp_recorder* recorder, FILE* out )
 
 // ---- whole file ------------------------------------------------------------------------------------------------
 
-static void put_chunk_header( FILE* out, uint64_t size, const char* kind )
-{
-    unsigned char bytes[CHUNK_BYTES];
-    io_put_u32( bytes, (uint32_t)size );
-    memcpy( bytes + 4, kind, 4 );
-    fwrite( bytes, 1, sizeof bytes, out );
-}
-
 // The JSON part is filled up with blanks to whole words.
 static void put_json( FILE* out, const char* text, size_t size, uint64_t binary )
 {
-    const uint64_t padded = ( (uint64_t)size + 3 ) / 4 * 4;
-    unsigned char header[HEADER_BYTES] = { 'g', 'l', 'T', 'F' };
-    io_put_u32( header + 4, 2 );
-    io_put_u32( header + 8, (uint32_t)( HEADER_BYTES + CHUNK_BYTES + padded + binary ) );
-    fwrite( header, 1, sizeof header, out );
-    put_chunk_header( out, padded, "JSON" );
+    const size_t padded = ( size + 3 ) / 4 * 4;
+    const uint64_t whole = 20 + padded + ( binary > 0 ? 8 + binary : 0 );
+    const uint32_t header[5] = { MAGIC, 2, (uint32_t)whole, (uint32_t)padded, JSON_CHUNK };
+    record_put_words( out, header, 5 );
     fwrite( text, 1, size, out );
-    fwrite( "   ", 1, (size_t)( padded - size ), out );
+    fwrite( "   ", 1, padded - size, out );
 }
 
 static wisp_status glb_end( wisp_recorder* recorder, wisp_error* error )
@@ -584,6 +534,10 @@ static wisp_status glb_end( wisp_recorder* recorder, wisp_error* error )
     FILE* out = recorder->outputs[0].stream;
     char* text = NULL;
     size_t size = 0;
+    for ( int b = 0; b < recorder->body_count; ++b )
+    {
+        file->is_animated = file->is_animated || shape_of( recorder, b, recorder->frame_count ).target_count > 0;
+    }
     file->json = open_memstream( &text, &size );
     bool is_written = file->json != NULL;
     if ( is_written )
@@ -594,12 +548,12 @@ static wisp_status glb_end( wisp_recorder* recorder, wisp_error* error )
     }
     if ( is_written )
     {
-        put_json( out, text, size, file->size > 0 ? CHUNK_BYTES + file->size : 0 );
+        put_json( out, text, size, file->size );
     }
     free( text );
-    if ( is_written && recorder->frame_count > 0 )
+    if ( is_written && file->size > 0 )
     {
-        put_chunk_header( out, file->size, "BIN\0" );
+        record_put_words( out, ( const uint32_t[] ){ (uint32_t)file->size, BINARY_CHUNK }, 2 );
         put_binary( recorder, out );
     }
     return is_written ? WISP_OK : record_no_memory( recorder->path, error );

@@ -51,6 +51,8 @@ wisp_record_body* record_copy_bodies( record_memory* memory, const wisp_record_b
 uint64_t record_triangle_bytes( const wisp_record_body* body );
 /// Replace triangles that change. @param triangles [triangle_count][3]
 void record_set_triangles( const wisp_record_body* body, const int32_t* triangles );
+/// Copy triangles if they change. @param out [triangle_count][3]
+void record_keep_triangles( const wisp_record_body* body, int32_t* out );
 
 /// The first number that is not finite, or -1; three numbers a point.
 int64_t record_find_not_finite( const float* numbers, size_t count );
@@ -103,7 +105,8 @@ struct wisp_recorder
     int most_vertices;     ///< of a body
     size_t most_triangles; ///< bytes of triangles that change, of a body
     char* path;
-    char* beside; ///< room for a path beside it
+    char* beside; ///< [beside_size] room for a path beside it
+    size_t beside_size;
     double dt;
     double last_time; ///< of the previous frame, if there is one
     int frame_count;
@@ -138,7 +141,7 @@ extern const record_format record_format_wisp, record_format_pc2, record_format_
     record_format_usda, record_format_glb;
 
 /// A path without its extension, and what comes after it instead: drape.pc2, "_%s.pc2" -> drape_cloth.pc2. Its length is at
-/// most that of the path and of a body's name, and 32. @return valid until the next call
+/// most that of the path, its extension and a body's name, and 32. @return valid until the next call
 const char* record_path_beside( wisp_recorder* recorder, const char* format, ... ) WISP_PRINTF( 2, 3 );
 /// Extension of the recorder's path with its dot, or "".
 const char* record_extension( const wisp_recorder* recorder );

@@ -216,7 +216,7 @@ static void write_velocities( const usda_prim* prim, int frame )
     const bool is_last = frame + 1 >= prim->recorder->frame_count || ( body->triangles_change && frame > 0 );
     const int after = is_last ? frame : frame + 1;
     memcpy( file->before, load( prim, before ), (size_t)body->vertex_count * sizeof *file->before );
-    memcpy( file->triangles, body->triangles, (size_t)record_triangle_bytes( body ) );
+    record_keep_triangles( body, file->triangles );
     const wisp_vec3* points = load( prim, after );
     if ( body->triangles_change )
     {

@@ -13,63 +13,62 @@ typedef struct record_waiting
 {
     FILE* file;
     double* times; // [capacity] s
-    int capacity;
+    size_t capacity;
     uint64_t frame_bytes;
     unsigned char* body; // [of the largest] in a frame
     wisp_error error;    // the first failure of reading
 } record_waiting;
 
-static uint64_t point_bytes( const wisp_record_body* body )
+// Bytes of the points, of a value, and of the whole body in a frame.
+static size_t point_bytes( const wisp_record_body* body )
 {
-    return body->is_static ? 0 : sizeof( wisp_vec3 ) * (uint64_t)body->vertex_count;
+    return body->is_static ? 0 : sizeof( wisp_vec3 ) * (size_t)body->vertex_count;
 }
 
-static uint64_t value_bytes( const wisp_record_body* body )
+static size_t value_bytes( const wisp_record_body* body )
 {
-    return sizeof( float ) * (uint64_t)body->vertex_count;
+    return sizeof( float ) * (size_t)body->vertex_count;
 }
 
-static uint64_t body_bytes( const wisp_record_body* body )
+static size_t body_bytes( const wisp_record_body* body )
 {
-    return point_bytes( body ) + (uint64_t)body->value_count * value_bytes( body ) + record_triangle_bytes( body );
+    return point_bytes( body ) + (size_t)body->value_count * value_bytes( body ) +
+           (size_t)record_triangle_bytes( body );
 }
 
 static wisp_status open_file( const wisp_recorder* recorder, wisp_error* error )
 {
-    // A path beside the recording without its name is a folder, or empty.
     const char* path = recorder->path;
-    char* name = recorder->beside;
-    strcpy( stpncpy( name, path, (size_t)( io_file_name( path ) - path ) ), ".wisp-XXXXXX" );
-    const int descriptor = mkstemp( name );
+    snprintf( recorder->beside, recorder->beside_size, "%.*s.wisp-XXXXXX", (int)( io_file_name( path ) - path ),
+              path );
+    const int descriptor = mkstemp( recorder->beside );
+    FILE* file = descriptor >= 0 ? fdopen( descriptor, "w+b" ) : NULL;
+    const wisp_status status =
+        file != NULL ? WISP_OK : record_refused( path, "create a file for frames beside it", error );
     if ( descriptor >= 0 )
     {
-        unlink( name );
-        recorder->waiting->file = fdopen( descriptor, "w+b" );
+        unlink( recorder->beside );
     }
-    wisp_status status = WISP_OK;
-    if ( recorder->waiting->file == NULL )
-    {
-        status = record_refused( path, "create a file for frames beside it", error );
-    }
-    if ( recorder->waiting->file == NULL && descriptor >= 0 )
+    if ( descriptor >= 0 && file == NULL )
     {
         close( descriptor );
     }
+    recorder->waiting->file = file;
     return status;
 }
 
 wisp_status record_wait_open( wisp_recorder* recorder, wisp_error* error )
 {
-    uint64_t largest = 0;
     record_waiting* waiting = recorder->waiting = record_get( &recorder->memory, sizeof *waiting );
+    size_t largest = 0;
     for ( int b = 0; waiting != NULL && b < recorder->body_count; ++b )
     {
-        const uint64_t bytes = body_bytes( &recorder->bodies[b] );
+        const size_t bytes = body_bytes( &recorder->bodies[b] );
         recorder->inputs[b].waits_at = waiting->frame_bytes;
         waiting->frame_bytes += bytes;
         largest = bytes > largest ? bytes : largest;
     }
-    if ( waiting == NULL || ( waiting->body = record_get( &recorder->memory, (size_t)largest ) ) == NULL )
+    if ( waiting == NULL || ( waiting->body = record_get( &recorder->memory, largest ) ) == NULL )
     {
         return record_no_memory( recorder->path, error );
     }
@@ -77,37 +76,41 @@ wisp_status record_wait_open( wisp_recorder* recorder, wisp_error* error )
     return status == WISP_OK ? io_output_open( recorder->path, &recorder->outputs[0], error ) : status;
 }
 
-static bool add_time( record_waiting* waiting, int frame, double time )
+static bool add_time( wisp_recorder* recorder, double time )
 {
-    if ( frame == waiting->capacity )
+    record_waiting* waiting = recorder->waiting;
+    const size_t count = (size_t)recorder->frame_count;
+    if ( count == waiting->capacity )
     {
-        size_t capacity = waiting->capacity > 0 ? 2 * (size_t)waiting->capacity : 256;
-        double* larger = capacity <= INT32_MAX ? realloc( waiting->times, capacity * sizeof *larger ) : NULL;
+        double* larger = record_get( &recorder->memory, ( 2 * count + 256 ) * sizeof *larger );
         if ( larger == NULL )
         {
             return false;
         }
-        waiting->times = larger;
-        waiting->capacity = (int)capacity;
+        waiting->times = count > 0 ? memcpy( larger, waiting->times, count * sizeof *larger ) : larger;
+        waiting->capacity = 2 * count + 256;
     }
-    waiting->times[frame] = time;
+    waiting->times[count] = time;
     return true;
 }
 
 static void write_body( FILE* out, const wisp_record_body* body, const wisp_vec3* points )
 {
-    fwrite( points, 1, (size_t)point_bytes( body ), out );
+    fwrite( points, 1, point_bytes( body ), out );
     for ( int i = 0; i < body->value_count; ++i )
     {
-        fwrite( body->values[i].numbers, 1, (size_t)value_bytes( body ), out );
+        fwrite( body->values[i].numbers, 1, value_bytes( body ), out );
     }
-    fwrite( body->triangles, 1, (size_t)record_triangle_bytes( body ), out );
+    if ( body->triangles_change )
+    {
+        fwrite( body->triangles, 1, (size_t)record_triangle_bytes( body ), out );
+    }
 }
 
 wisp_status record_wait_add( wisp_recorder* recorder, const record_frame* frame, wisp_error* error )
 {
     FILE* out = recorder->waiting->file;
-    if ( !add_time( recorder->waiting, recorder->frame_count, frame->time ) )
+    if ( !add_time( recorder, frame->time ) )
     {
         return record_no_memory( recorder->path, error );
     }
@@ -129,11 +132,11 @@ const wisp_vec3* record_wait_load( wisp_recorder* recorder, int frame, int b )
 {
     record_waiting* waiting = recorder->waiting;
     const wisp_record_body* body = &recorder->bodies[b];
-    const uint64_t at = (uint64_t)frame * waiting->frame_bytes + recorder->inputs[b].waits_at;
-    const size_t size = (size_t)body_bytes( body );
+    const off_t at = (off_t)( (uint64_t)frame * waiting->frame_bytes + recorder->inputs[b].waits_at );
+    const size_t size = body_bytes( body );
     errno = 0;
     const bool is_read =
-        fseeko( waiting->file, (off_t)at, SEEK_SET ) == 0 && fread( waiting->body, 1, size, waiting->file ) == size;
+        fseeko( waiting->file, at, SEEK_SET ) == 0 && fread( waiting->body, 1, size, waiting->file ) == size;
     unsigned char* part = waiting->body + point_bytes( body );
     for ( int i = 0; i < body->value_count; ++i, part += value_bytes( body ) )
     {
@@ -153,16 +156,12 @@ const wisp_vec3* record_wait_load( wisp_recorder* recorder, int frame, int b )
 wisp_status record_wait_close( wisp_recorder* recorder, wisp_error* error )
 {
     record_waiting* waiting = recorder->waiting;
-    if ( waiting == NULL )
-    {
-        return WISP_OK;
-    }
-    if ( waiting->file != NULL )
+    recorder->waiting = NULL;
+    if ( waiting != NULL && waiting->file != NULL )
     {
         fclose( waiting->file );
     }
-    free( waiting->times );
-    recorder->waiting = NULL;
-    return waiting->error.status != WISP_OK ? wisp_fail( error, waiting->error.status, "%s", waiting->error.message )
-                                            : WISP_OK;
+    return waiting != NULL && waiting->error.status != WISP_OK
+               ? wisp_fail( error, waiting->error.status, "%s", waiting->error.message )
+               : WISP_OK;
 }
