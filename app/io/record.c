@@ -90,13 +90,13 @@ wisp_status record_refused( const char* path, const char* what, wisp_error* erro
 
 // In the order of wisp_record_format, which starts with the name's choice.
 static const record_format* const formats[] = {
-    &record_format_wisp, &record_format_pc2,  &record_format_pvd,
-    &record_format_obj,  &record_format_usda, &record_format_glb,
+    &record_format_wisp, &record_format_pc2, &record_format_pvd,    &record_format_obj,
+    &record_format_usda, &record_format_glb, &record_format_tracks,
 };
 
 static const record_format* format_of( const char* path )
 {
-    for ( int i = 0; i < WISP_COUNT( formats ); ++i )
+    for ( int i = 0; formats[i] != &record_format_tracks; ++i )
     {
         if ( io_has_extension( path, formats[i]->extension ) )
         {
@@ -198,6 +198,8 @@ static void copy( wisp_recorder* recorder, const char* path, const wisp_recorder
     recorder->body_count = def->body_count;
     recorder->dt = def->dt;
     recorder->frames_expected = def->frame_count;
+    recorder->track_count = def->track_count > 0 ? def->track_count : 0;
+    recorder->tracks = record_copy( memory, def->tracks, (size_t)recorder->track_count * sizeof *recorder->tracks );
     recorder->path = record_copy( memory, path, strlen( path ) + 1 );
     recorder->beside_size = 2 * strlen( path ) + WISP_RECORD_MAX_NAME + 32;
     recorder->beside = record_get( memory, recorder->beside_size );

@@ -110,9 +110,11 @@ struct wisp_recorder
     double dt;
     double last_time; ///< of the previous frame, if there is one
     int frame_count;
-    int frames_expected; ///< 0: unknown
-    bool lost;           ///< a write failed that cannot be undone
-    void* file;          ///< the format's own
+    int frames_expected;      ///< 0: unknown
+    wisp_track_point* tracks; ///< [track_count]
+    int track_count;
+    bool lost;  ///< a write failed that cannot be undone
+    void* file; ///< the format's own
 
     int descriptor;     ///< of .wisp, else -1
     io_output* outputs; ///< [body_count] files that appear when the recorder is closed
@@ -138,7 +140,7 @@ struct record_format
 };
 
 extern const record_format record_format_wisp, record_format_pc2, record_format_pvd, record_format_obj,
-    record_format_usda, record_format_glb;
+    record_format_usda, record_format_glb, record_format_tracks;
 
 /// A path without its extension, and what comes after it instead: drape.pc2, "_%s.pc2" -> drape_cloth.pc2. Its length is at
 /// most that of the path, its extension and a body's name, and 32. @return valid until the next call

@@ -208,20 +208,8 @@ static void write_escaped( FILE* out, const char* text )
 {
     for ( ; *text != 0; ++text )
     {
-        switch ( *text )
-        {
-            case '&':
-                fputs( "&amp;", out );
-                break;
-            case '<':
-                fputs( "&lt;", out );
-                break;
-            case '"':
-                fputs( "&quot;", out );
-                break;
-            default:
-                fputc( *text, out );
-        }
+        const char* name = *text == '&' ? "&amp;" : *text == '<' ? "&lt;" : *text == '"' ? "&quot;" : NULL;
+        name != NULL ? fputs( name, out ) : fputc( *text, out );
     }
 }
 

@@ -297,67 +297,59 @@ static wisp_status find_header( wisp_recording* recording, wisp_error* error )
                                     (unsigned long long)header );
 }
 
-static wisp_status need( const header_cursor* cursor, uint64_t size, int body )
+// @return the next bytes; null: the header ends before
+static const unsigned char* take( header_cursor* cursor, uint64_t size, int body )
 {
-    return size <= cursor->end - cursor->at ? WISP_OK
-                                            : record_wrong_byte( cursor->source, cursor->at, cursor->error,
-                                                                 "the list of bodies ends inside body %d", body );
-}
-
-// The name of a body and its numbers, which the header has.
-static wisp_status read_arrays( const header_cursor* cursor, record_memory* memory, int b, size_t name_size,
-                                size_t count, const char** name_out, const int32_t** numbers_out )
-{
-    char* name = record_get( memory, name_size + 1 );
-    int32_t* numbers = count > 0 ? record_get( memory, count * sizeof *numbers ) : NULL;
-    if ( memory->is_short )
+    const size_t at = cursor->at;
+    if ( size > cursor->end - at )
     {
-        return record_no_memory( cursor->source->name, cursor->error );
+        record_wrong_byte( cursor->source, at, cursor->error, "the list of bodies ends inside body %d", body );
+        return NULL;
     }
-    memcpy( name, cursor->bytes + cursor->at, name_size );
-    if ( strlen( name ) != name_size )
-    {
-        return record_wrong_byte( cursor->source, cursor->at, cursor->error, "a zero is inside the name of body %d",
-                                  b );
-    }
-    // Indices beyond the signed range become negative and are refused as such.
-    io_get_words( numbers, cursor->bytes + cursor->at + padded( name_size ), count );
-    *name_out = name;
-    *numbers_out = numbers;
-    return WISP_OK;
+    cursor->at += (size_t)size;
+    return cursor->bytes + at;
 }
 
 static wisp_status read_body( header_cursor* cursor, record_memory* memory, int b, wisp_record_body* body )
 {
-    wisp_status status = need( cursor, BODY_SIZE, b );
-    if ( status != WISP_OK )
+    const unsigned char* head = take( cursor, BODY_SIZE, b );
+    if ( head == NULL )
     {
-        return status;
+        return WISP_BAD_INPUT;
     }
-    const unsigned char* head = cursor->bytes + cursor->at;
-    const uint32_t kind = io_get_u32( head ), name_size = io_get_u32( head + 4 );
+    const uint32_t kind = io_get_u32( head ), letters = io_get_u32( head + 4 );
     const uint32_t vertices = io_get_u32( head + 8 ), elements = io_get_u32( head + 12 );
-    if ( kind > CHANGING_MESH || name_size > WISP_RECORD_MAX_NAME || vertices >= INT_MAX || elements >= INT_MAX )
+    if ( kind > CHANGING_MESH || letters > WISP_RECORD_MAX_NAME || vertices >= INT_MAX || elements >= INT_MAX )
     {
         return record_wrong_byte(
-            cursor->source, cursor->at, cursor->error,
-            "body %d cannot be of kind %u with a name of %u letters, %u vertices and %u elements", b, kind, name_size,
+            cursor->source, cursor->at - BODY_SIZE, cursor->error,
+            "body %d cannot be of kind %u with a name of %u letters, %u vertices and %u elements", b, kind, letters,
             vertices, elements );
     }
-    const bool strands = kind == STRANDS;
-    const uint64_t count = strands ? (uint64_t)elements + 1 : 3 * (uint64_t)elements;
-    cursor->at += BODY_SIZE;
+    const uint64_t count = kind == STRANDS ? (uint64_t)elements + 1 : 3 * (uint64_t)elements;
+    const size_t at = cursor->at;
+    const unsigned char* bytes = take( cursor, padded( letters ) + 4 * count, b );
+    if ( bytes == NULL )
+    {
+        return WISP_BAD_INPUT;
+    }
+    char* name = record_get( memory, letters + 1 );
+    int32_t* numbers = count > 0 ? record_get( memory, (size_t)count * sizeof *numbers ) : NULL;
+    if ( memory->is_short )
+    {
+        return record_no_memory( cursor->source->name, cursor->error );
+    }
+    memcpy( name, bytes, letters );
+    // Indices beyond the signed range become negative and are refused as such.
+    io_get_words( numbers, bytes + padded( letters ), (size_t)count );
+    body->name = name;
     body->vertex_count = (int)vertices;
     body->triangles_change = kind == CHANGING_MESH;
-    *( strands ? &body->strand_count : &body->triangle_count ) = (int)elements;
-    status = need( cursor, padded( name_size ) + 4 * count, b );
-    if ( status == WISP_OK )
-    {
-        status = read_arrays( cursor, memory, b, name_size, (size_t)count, &body->name,
-                              strands ? &body->offsets : &body->triangles );
-    }
-    cursor->at += padded( name_size ) + 4 * (size_t)count;
-    return status;
+    *( kind == STRANDS ? &body->offsets : &body->triangles ) = numbers;
+    *( kind == STRANDS ? &body->strand_count : &body->triangle_count ) = (int)elements;
+    return strlen( name ) == letters
+               ? WISP_OK
+               : record_wrong_byte( cursor->source, at, cursor->error, "a zero is inside the name of body %d", b );
 }
 
 static wisp_status read_bodies( wisp_recording* recording, header_cursor* cursor )
