@@ -136,27 +136,16 @@ static wisp_status info_mesh( const char* path, wisp_error* error )
 
 // ---- recordings ----
 
-static wisp_status info_recording( const char* path, wisp_error* error )
+static wisp_status info_recording( const char* path, bool is_cache, wisp_error* error )
 {
     wisp_recording* recording = NULL;
-    wisp_status status = wisp_recording_open( path, &recording, error );
+    wisp_status status =
+        is_cache ? wisp_pc2_open( path, &recording, error ) : wisp_recording_open( path, &recording, error );
     if ( status == WISP_OK )
     {
         status = wisp_recording_print( stdout, recording, io_input_name( path ), error );
     }
     wisp_recording_close( recording );
-    return status;
-}
-
-static wisp_status info_cache( const char* path, wisp_error* error )
-{
-    wisp_pc2* cache = NULL;
-    wisp_status status = wisp_pc2_open( path, &cache, error );
-    if ( status == WISP_OK )
-    {
-        status = wisp_pc2_print( stdout, cache, io_input_name( path ), error );
-    }
-    wisp_pc2_close( cache );
     return status;
 }
 
@@ -461,9 +450,9 @@ static wisp_status info_file( const char* path, wisp_error* error )
         case FILE_SCENE:
             return info_scene( path, error );
         case FILE_RECORDING:
-            return info_recording( path, error );
+            return info_recording( path, false, error );
         case FILE_POINT_CACHE:
-            return info_cache( path, error );
+            return info_recording( path, true, error );
         case FILE_RESULTS:
             return info_results( path, stdout, error );
         case FILE_UNKNOWN:

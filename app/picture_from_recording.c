@@ -10,9 +10,8 @@
 
 typedef struct playback
 {
-    wisp_recording* recording; ///< or
-    wisp_pc2* cache;
-    wisp_mesh mesh;        ///< triangles of the cache
+    wisp_recording* recording;
+    wisp_mesh mesh;        ///< triangles of a point cache
     wisp_vec3** others[2]; ///< [body_count] of another frame each: the first for strain, neighbours for speed
     int32_t** first;       ///< [body_count] triangles of the first frame where they change, else null
     int body_count;        ///< of `others`
@@ -22,12 +21,7 @@ static wisp_status read_frame( picture_source* source, int frame, wisp_vec3** po
                                wisp_error* error )
 {
     playback* p = source->state;
-    if ( p->recording )
-    {
-        return wisp_recording_frame( p->recording, frame, points, seconds, NULL, error );
-    }
-    *seconds = frame;
-    return points ? wisp_pc2_frame( p->cache, frame, points[0], error ) : WISP_OK;
+    return wisp_recording_frame( p->recording, frame, points, seconds, NULL, error );
 }
 
 static wisp_status time_of( picture_source* source, int frame, double* seconds, wisp_error* error )
@@ -167,7 +161,6 @@ static void close_playback( picture_source* source )
     }
     free( p->first );
     wisp_recording_close( p->recording );
-    wisp_pc2_close( p->cache );
     wisp_mesh_release( &p->mesh );
 }
 
@@ -217,7 +210,7 @@ static wisp_status keep_first_triangles( picture_source* source, wisp_error* err
 {
     const playback* p = source->state;
     bool made = true;
-    for ( int i = 0; i < source->body_count && p->recording != NULL; ++i )
+    for ( int i = 0; i < source->body_count; ++i )
     {
         const wisp_record_body* body = wisp_recording_body( p->recording, i );
         const size_t bytes = 3 * (size_t)body->triangle_count * sizeof *body->triangles;
@@ -349,16 +342,16 @@ wisp_status picture_open_cache( picture_source* source, const picture_source_def
     playback* p = source->state;
     if ( status == WISP_OK )
     {
-        status = wisp_pc2_open( def->path, &p->cache, error );
+        status = wisp_pc2_open( def->path, &p->recording, error );
     }
     if ( status != WISP_OK )
     {
         return status;
     }
-    wisp_pc2_info info = wisp_pc2_describe( p->cache );
-    source->frame_count = info.frame_count;
-    status =
-        info.frame_count > 0 ? read_triangles( source, def, info.point_count, error ) : refuse_empty( source, error );
+    source->frame_count = wisp_recording_describe( p->recording ).frame_count;
+    status = source->frame_count > 0
+                 ? read_triangles( source, def, wisp_recording_body( p->recording, 0 )->vertex_count, error )
+                 : refuse_empty( source, error );
     if ( status == WISP_OK )
     {
         status = picture_make_bodies( source, 1, error );

@@ -15,7 +15,7 @@ struct run_recorder
     run_between* between;    ///< null: one frame per step
     double last_time;        ///< s, of the last frame that is a step
     wisp_recorder* recorder; ///< or null
-    wisp_track* track;       ///< or null
+    wisp_recorder* track;    ///< or null
 
     run_bodies bodies;
 
@@ -35,15 +35,14 @@ static wisp_status no_memory( const run_recorder* r, wisp_error* error )
 
 // ---- writing ----
 
-static wisp_status open_recorder( run_recorder* r, const run_recorder_def* def, wisp_error* error )
+static wisp_recorder_def def_of( const run_recorder* r, const run_recorder_def* def )
 {
-    const wisp_recorder_def recorder = {
+    return ( wisp_recorder_def ){
         .bodies = r->bodies.list,
         .body_count = r->bodies.count,
         .dt = def->every * (double)r->world->scene->dt / r->frames_per_step,
         .frame_count = def->steps / def->every * r->frames_per_step + 1,
     };
-    return wisp_recorder_open( def->record, WISP_RECORD_BY_NAME, &recorder, &r->recorder, error );
 }
 
 static int find_body( const run_recorder* r, const run_track* track )
@@ -100,13 +99,11 @@ static wisp_status open_track( run_recorder* r, const run_recorder_def* def, wis
 {
     wisp_track_point points[RUN_TRACKS_MAX];
     wisp_status status = find_tracks( r, def, points, error );
-    const wisp_track_def track = {
-        .bodies = r->bodies.list,
-        .body_count = r->bodies.count,
-        .points = points,
-        .point_count = def->track_count,
-    };
-    return status == WISP_OK ? wisp_track_open( def->track_file, &track, &r->track, error ) : status;
+    wisp_recorder_def recorder = def_of( r, def );
+    recorder.tracks = points;
+    recorder.track_count = def->track_count;
+    return status == WISP_OK ? wisp_recorder_open( def->track_file, WISP_RECORD_TRACKS, &recorder, &r->track, error )
+                             : status;
 }
 
 // ---- comparison ----
@@ -263,7 +260,8 @@ static wisp_status open_all( run_recorder* r, const run_recorder_def* def, wisp_
     }
     if ( status == WISP_OK && def->record )
     {
-        status = open_recorder( r, def, error );
+        const wisp_recorder_def recorder = def_of( r, def );
+        status = wisp_recorder_open( def->record, WISP_RECORD_BY_NAME, &recorder, &r->recorder, error );
     }
     return status;
 }
@@ -307,7 +305,7 @@ static wisp_status write_points( run_recorder* r, double time, uint64_t hash, co
     }
     if ( status == WISP_OK && r->track )
     {
-        status = wisp_track_frame( r->track, time, points, error );
+        status = wisp_recorder_frame( r->track, time, hash, points, error );
     }
     r->written += status == WISP_OK;
     return status;
@@ -374,7 +372,7 @@ wisp_status run_recorder_close( run_recorder* r, wisp_error* error )
     }
     wisp_status status = wisp_recorder_close( r->recorder, error );
     wisp_error later = { 0 };
-    wisp_status track = wisp_track_close( r->track, status == WISP_OK ? error : &later );
+    wisp_status track = wisp_recorder_close( r->track, status == WISP_OK ? error : &later );
     wisp_recording_close( r->proof );
     run_bodies_free_points( &r->bodies, r->proof_points );
     run_between_close( r->between );

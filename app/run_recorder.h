@@ -40,7 +40,7 @@ wisp_status run_recorder_open( const run_recorder_def* def, scene_world* world, 
 
 /// Record the present state: write a frame and compare one, if this step has one. Null is allowed.
 /// @return WISP_CONFLICT a frame differs from the recording (the message names frame, body and vertex); results of
-///        wisp_recorder_frame() and wisp_track_frame()
+///        wisp_recorder_frame()
 wisp_status run_recorder_step( run_recorder* recorder, wisp_error* error );
 
 /// Frames written, frames that were equal, and frames of the compared recording that the run did not reach.

@@ -80,3 +80,23 @@ static inline void io_put_double( unsigned char* bytes, double value )
     memcpy( &bits, &value, sizeof bits );
     io_put_u64( bytes, bits );
 }
+
+/// Numbers of 4 bytes each, integers or floats.
+static inline void io_put_words( unsigned char* bytes, const void* words, size_t count )
+{
+    for ( size_t i = 0; i < count; ++i )
+    {
+        uint32_t word;
+        memcpy( &word, (const unsigned char*)words + 4 * i, sizeof word );
+        io_put_u32( bytes + 4 * i, word );
+    }
+}
+
+static inline void io_get_words( void* words, const unsigned char* bytes, size_t count )
+{
+    for ( size_t i = 0; i < count; ++i )
+    {
+        const uint32_t word = io_get_u32( bytes + 4 * i );
+        memcpy( (unsigned char*)words + 4 * i, &word, sizeof word );
+    }
+}

@@ -1,21 +1,102 @@
-// The recorder: bodies and frames are checked here, so that formats only write.
+// The recorder: bodies and frames are checked here, so that formats only write. And what all files of recordings use.
+#define _XOPEN_SOURCE 700
+
 #include "record_internal.h"
 
+#include <errno.h>
 #include <limits.h>
 #include <math.h>
+#include <stdarg.h>
+#include <stddef.h>
 #include <stdlib.h>
+#include <unistd.h>
+
+enum
+{
+    MESSAGE_MAX = 512,
+};
+
+// ---- memory ----------------------------------------------------------------------------------------------------
+
+typedef struct record_block
+{
+    struct record_block* before;
+    max_align_t bytes[];
+} record_block;
+
+void* record_get( record_memory* memory, size_t size )
+{
+    record_block* block = calloc( 1, sizeof *block + size );
+    if ( block == NULL )
+    {
+        memory->is_short = true;
+        return NULL;
+    }
+    block->before = memory->last;
+    memory->last = block;
+    return block->bytes;
+}
+
+void* record_copy( record_memory* memory, const void* from, size_t size )
+{
+    void* copy = from != NULL ? record_get( memory, size ) : NULL;
+    return copy != NULL ? memcpy( copy, from, size ) : NULL;
+}
+
+void record_release( record_memory* memory )
+{
+    while ( memory->last != NULL )
+    {
+        record_block* block = memory->last;
+        memory->last = block->before;
+        free( block );
+    }
+}
+
+// ---- messages --------------------------------------------------------------------------------------------------
+
+wisp_status record_wrong( wisp_error* error, const char* name, const char* format, ... )
+{
+    char message[MESSAGE_MAX];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( message, sizeof message, format, arguments );
+    va_end( arguments );
+    return wisp_fail( error, WISP_BAD_INPUT, "%s: %s", io_short_name( name ), message );
+}
+
+wisp_status record_wrong_byte( const record_source* source, uint64_t at, wisp_error* error, const char* format, ... )
+{
+    char message[MESSAGE_MAX];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( message, sizeof message, format, arguments );
+    va_end( arguments );
+    return record_wrong( error, source->name, "byte %llu: %s", (unsigned long long)at, message );
+}
+
+wisp_status record_no_memory( const char* name, wisp_error* error )
+{
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the recording", io_short_name( name ) );
+}
+
+wisp_status record_refused( const char* path, const char* what, wisp_error* error )
+{
+    return wisp_fail( error, WISP_IO_ERROR, "%s: cannot %s: %s", io_short_name( path ), what,
+                      errno != 0 ? strerror( errno ) : "an earlier write failed" );
+}
 
 // ---- formats ---------------------------------------------------------------------------------------------------
 
 // In the order of wisp_record_format, which starts with the name's choice.
 static const record_format* const formats[] = {
-    &record_format_wisp, &record_format_pc2,  &record_format_pvd,
-    &record_format_obj,  &record_format_usda, &record_format_glb,
+    &record_format_wisp, &record_format_pc2, &record_format_pvd,    &record_format_obj,
+    &record_format_usda, &record_format_glb, &record_format_tracks,
 };
 
 static const record_format* format_of( const char* path )
 {
-    for ( int i = 0; i < WISP_COUNT( formats ); ++i )
+    for ( int i = 0; formats[i] != &record_format_tracks; ++i )
     {
         if ( io_has_extension( path, formats[i]->extension ) )
         {
@@ -34,73 +115,115 @@ bool wisp_record_has_values( const char* path )
 static wisp_status find_format( const char* path, wisp_record_format requested, const record_format** format,
                                 wisp_error* error )
 {
-    int number = (int)requested;
+    const int number = (int)requested;
     if ( number < 0 || number > WISP_COUNT( formats ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: got recording format %d, which does not exist",
-                          io_short_name( path ), number );
+        return record_wrong( error, path, "got recording format %d, which does not exist", number );
     }
     *format = number > 0 ? formats[number - 1] : format_of( path );
-    return *format != NULL ? WISP_OK
-                           : wisp_fail( error, WISP_BAD_INPUT,
-                                        "%s: expected a file that ends in .wisp, .pc2, .pvd, .obj, .usda or .glb",
-                                        io_short_name( path ) );
+    return *format != NULL
+               ? WISP_OK
+               : record_wrong( error, path, "expected a file that ends in .wisp, .pc2, .pvd, .obj, .usda or .glb" );
 }
 
-// ---- the recorder ----------------------------------------------------------------------------------------------
+// ---- paths -----------------------------------------------------------------------------------------------------
 
-static void release_recorder( wisp_recorder* recorder )
+const char* record_extension( const wisp_recorder* recorder )
 {
-    for ( int b = 0; recorder->fixed != NULL && b < recorder->bodies.count; ++b )
-    {
-        free( recorder->fixed[b] );
-    }
-    free( recorder->fixed );
-    free( recorder->normal_sums );
-    free( recorder->normals );
-    record_release_bodies( &recorder->bodies );
-    free( recorder->path );
-    free( recorder );
+    const char* name = io_file_name( recorder->path );
+    const char* dot = strrchr( name, '.' );
+    return dot == NULL || dot == name ? name + strlen( name ) : dot;
 }
 
-// Room for where static bodies stand, and for the normals of any mesh.
-static bool make_room( wisp_recorder* recorder )
+void record_put_words( FILE* out, const void* words, size_t count )
 {
-    size_t largest = 1;
-    recorder->fixed = calloc( (size_t)recorder->bodies.count, sizeof *recorder->fixed );
-    bool made = recorder->fixed != NULL;
-    for ( int b = 0; made && b < recorder->bodies.count; ++b )
+    const unsigned char* from = words;
+    for ( size_t i = 0; i < count; ++i )
     {
-        const wisp_record_body* body = &recorder->bodies.list[b];
-        size_t count = (size_t)body->vertex_count;
-        largest = body->offsets == NULL && count > largest ? count : largest;
-        recorder->fixed[b] = body->is_static ? malloc( count * sizeof **recorder->fixed ) : NULL;
-        made = !body->is_static || recorder->fixed[b] != NULL;
+        unsigned char bytes[4];
+        io_put_words( bytes, from + 4 * i, 1 );
+        fwrite( bytes, 1, sizeof bytes, out );
     }
-    if ( !made || !recorder->format->has_normals )
-    {
-        return made;
-    }
-    recorder->normal_sums = malloc( 3 * largest * sizeof *recorder->normal_sums );
-    recorder->normals = malloc( largest * sizeof *recorder->normals );
-    return recorder->normal_sums != NULL && recorder->normals != NULL;
 }
 
-static wisp_status start( wisp_recorder* recorder, const char* path, const wisp_recorder_def* def, wisp_error* error )
+const char* record_path_beside( wisp_recorder* recorder, const char* format, ... )
 {
+    const size_t stem = (size_t)( record_extension( recorder ) - recorder->path );
+    memcpy( recorder->beside, recorder->path, stem );
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( recorder->beside + stem, recorder->beside_size - stem, format, arguments );
+    va_end( arguments );
+    return recorder->beside;
+}
+
+// ---- opening ---------------------------------------------------------------------------------------------------
+
+// Runs a function of the format with decimal points.
+static wisp_status run( wisp_status ( *function )( wisp_recorder*, wisp_error* ), wisp_recorder* recorder,
+                        wisp_error* error )
+{
+    io_numbers numbers;
+    wisp_status status = function != NULL ? io_numbers_begin( &numbers, error ) : WISP_OK;
+    if ( status == WISP_OK && function != NULL )
+    {
+        status = function( recorder, error );
+        io_numbers_end( &numbers );
+    }
+    return status;
+}
+
+static void release( wisp_recorder* recorder )
+{
+    for ( int i = 0; recorder->outputs != NULL && i < recorder->body_count; ++i )
+    {
+        if ( recorder->outputs[i].stream != NULL )
+        {
+            io_output_discard( &recorder->outputs[i] );
+        }
+    }
+    if ( recorder->descriptor >= 0 )
+    {
+        close( recorder->descriptor );
+    }
+    record_wait_close( recorder, NULL );
+    record_memory memory = recorder->memory; // the recorder is in it
+    record_release( &memory );
+}
+
+static void copy( wisp_recorder* recorder, const char* path, const wisp_recorder_def* def )
+{
+    record_memory* memory = &recorder->memory;
+    const size_t count = (size_t)def->body_count;
+    recorder->body_count = def->body_count;
     recorder->dt = def->dt;
     recorder->frames_expected = def->frame_count;
-    recorder->path = strdup( path );
-    if ( recorder->path == NULL )
+    recorder->track_count = def->track_count > 0 ? def->track_count : 0;
+    recorder->tracks = record_copy( memory, def->tracks, (size_t)recorder->track_count * sizeof *recorder->tracks );
+    recorder->path = record_copy( memory, path, strlen( path ) + 1 );
+    recorder->beside_size = 2 * strlen( path ) + WISP_RECORD_MAX_NAME + 32;
+    recorder->beside = record_get( memory, recorder->beside_size );
+    recorder->outputs = record_get( memory, count * sizeof *recorder->outputs );
+    recorder->inputs = record_get( memory, count * sizeof *recorder->inputs );
+    recorder->bodies = record_copy_bodies( memory, def->bodies, def->body_count );
+    recorder->file = record_get( memory, recorder->format->file_size + count * recorder->format->body_size );
+    for ( int b = 0; !memory->is_short && b < def->body_count; ++b )
     {
-        return record_no_memory( path, error );
+        const wisp_record_body* body = &recorder->bodies[b];
+        const size_t triangles = (size_t)record_triangle_bytes( body );
+        recorder->inputs[b].triangles = def->bodies[b].triangles;
+        recorder->inputs[b].fixed =
+            body->is_static ? record_get( memory, (size_t)body->vertex_count * sizeof( wisp_vec3 ) ) : NULL;
+        recorder->most_vertices =
+            body->vertex_count > recorder->most_vertices ? body->vertex_count : recorder->most_vertices;
+        recorder->most_triangles = triangles > recorder->most_triangles ? triangles : recorder->most_triangles;
     }
-    wisp_status status = record_copy_bodies( def->bodies, def->body_count, path, &recorder->bodies, error );
-    if ( status == WISP_OK && !make_room( recorder ) )
+    if ( recorder->format->has_normals )
     {
-        status = record_no_memory( path, error );
+        const size_t most = (size_t)recorder->most_vertices;
+        recorder->normal_sums = record_get( memory, 3 * most * sizeof *recorder->normal_sums );
+        recorder->normals = record_get( memory, most * sizeof *recorder->normals );
     }
-    return status == WISP_OK ? recorder->format->open( recorder, error ) : status;
 }
 
 wisp_status wisp_recorder_open( const char* path, wisp_record_format format, const wisp_recorder_def* def,
@@ -115,125 +238,109 @@ wisp_status wisp_recorder_open( const char* path, wisp_record_format format, con
     }
     if ( !isfinite( def->dt ) || def->dt <= 0.0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: got %g seconds between two frames, expected more than 0",
-                          io_short_name( path ), def->dt );
+        return record_wrong( error, path, "got %g seconds between two frames, expected more than 0", def->dt );
     }
     status = record_check_bodies( def->bodies, def->body_count, path, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    wisp_recorder* recorder = calloc( 1, sizeof *recorder );
+    record_memory memory = { 0 };
+    wisp_recorder* recorder = record_get( &memory, sizeof *recorder );
     if ( recorder == NULL )
     {
         return record_no_memory( path, error );
     }
-    recorder->format = found;
-    status = start( recorder, path, def, error );
+    *recorder = ( wisp_recorder ){ .format = found, .memory = memory, .descriptor = -1 };
+    copy( recorder, path, def );
+    status = recorder->memory.is_short ? record_no_memory( path, error ) : run( found->begin, recorder, error );
     if ( status != WISP_OK )
     {
-        release_recorder( recorder );
+        release( recorder );
         return status;
     }
     *out = recorder;
     return WISP_OK;
 }
 
-static wisp_status check_values( const wisp_recorder* recorder, const wisp_record_body* body, wisp_error* error )
-{
-    for ( int i = 0; i < body->value_count; ++i )
-    {
-        for ( int v = 0; v < body->vertex_count; ++v )
-        {
-            if ( !isfinite( body->values[i].numbers[v] ) )
-            {
-                return wisp_fail( error, WISP_BAD_INPUT, "%s: frame %d: body %s, vertex %d: %s is not finite",
-                                  io_short_name( recorder->path ), recorder->frame_count, body->name, v,
-                                  body->values[i].name );
-            }
-        }
-    }
-    return WISP_OK;
-}
+// ---- frames ----------------------------------------------------------------------------------------------------
 
 static wisp_status check_body( const wisp_recorder* recorder, int b, const wisp_vec3* points, wisp_error* error )
 {
-    const wisp_record_body* body = &recorder->bodies.list[b];
-    int64_t found = record_find_not_finite( points, body->vertex_count );
+    const wisp_record_body* body = &recorder->bodies[b];
+    const size_t count = (size_t)body->vertex_count;
+    const int64_t found = record_find_not_finite( &points->x, 3 * count );
     if ( found >= 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: frame %d: body %s, vertex %d: %c is not finite",
-                          io_short_name( recorder->path ), recorder->frame_count, body->name, (int)( found / 3 ),
-                          "xyz"[found % 3] );
+        return record_wrong( error, recorder->path, "frame %d: body %s, vertex %d: %c is not finite",
+                             recorder->frame_count, body->name, (int)( found / 3 ), "xyz"[found % 3] );
     }
     if ( body->is_static && recorder->frame_count > 0 &&
-         memcmp( points, recorder->fixed[b], (size_t)body->vertex_count * sizeof *points ) != 0 )
+         memcmp( points, recorder->inputs[b].fixed, count * sizeof *points ) != 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: frame %d: body %s has moved, but it was opened as static",
-                          io_short_name( recorder->path ), recorder->frame_count, body->name );
+        return record_wrong( error, recorder->path, "frame %d: body %s has moved, but it was opened as static",
+                             recorder->frame_count, body->name );
     }
-    if ( body->triangles_change )
+    record_set_triangles( body, recorder->inputs[b].triangles );
+    wisp_status status = body->triangles_change ? record_check_mesh( body, recorder->path, error ) : WISP_OK;
+    for ( int i = 0; recorder->format->has_values && i < body->value_count && status == WISP_OK; ++i )
     {
-        record_set_triangles( body, recorder->bodies.sources[b] );
-        const wisp_status status = record_check_mesh( body, io_short_name( recorder->path ), error );
-        if ( status != WISP_OK )
+        const int64_t vertex = record_find_not_finite( body->values[i].numbers, count );
+        if ( vertex >= 0 )
         {
-            return status;
+            status = record_wrong( error, recorder->path, "frame %d: body %s, vertex %d: %s is not finite",
+                                   recorder->frame_count, body->name, (int)vertex, body->values[i].name );
         }
-    }
-    return recorder->format->has_values ? check_values( recorder, body, error ) : WISP_OK;
-}
-
-static wisp_status check_frame( const wisp_recorder* recorder, double time, const wisp_vec3* const* points,
-                                wisp_error* error )
-{
-    const char* name = io_short_name( recorder->path );
-    if ( recorder->frame_count == INT_MAX )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: expected at most %d frames", name, INT_MAX );
-    }
-    if ( !isfinite( time ) || ( recorder->frame_count > 0 && time <= recorder->last_time ) )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: frame %d: got time %.9g s, expected more than %.9g s, that of the frame before", name,
-                          recorder->frame_count, time, recorder->last_time );
-    }
-    wisp_status status = WISP_OK;
-    for ( int b = 0; b < recorder->bodies.count && status == WISP_OK; ++b )
-    {
-        status = check_body( recorder, b, points[b], error );
     }
     return status;
 }
 
-// Before the format writes, because it takes them from here.
-static void keep_static_points( wisp_recorder* recorder, const wisp_vec3* const* points )
-{
-    for ( int b = 0; recorder->frame_count == 0 && b < recorder->bodies.count; ++b )
-    {
-        const wisp_record_body* body = &recorder->bodies.list[b];
-        if ( body->is_static )
-        {
-            memcpy( recorder->fixed[b], points[b], (size_t)body->vertex_count * sizeof **points );
-        }
-    }
-}
-
-wisp_status wisp_recorder_frame( wisp_recorder* recorder, double time, uint64_t hash, const wisp_vec3* const* points,
-                                 wisp_error* error )
+static wisp_status check_frame( const wisp_recorder* recorder, double time, const wisp_vec3* const* points,
+                                wisp_error* error )
 {
     if ( recorder->lost )
     {
         return wisp_fail( error, WISP_IO_ERROR, "%s: an earlier frame could not be written",
                           io_short_name( recorder->path ) );
     }
-    wisp_status status = check_frame( recorder, time, points, error );
-    if ( status == WISP_OK )
+    if ( recorder->frame_count == INT_MAX )
     {
-        record_frame frame = { time, hash, points };
-        keep_static_points( recorder, points );
-        status = recorder->format->frame( recorder, &frame, error );
+        return record_wrong( error, recorder->path, "expected at most %d frames", INT_MAX );
     }
+    if ( !isfinite( time ) || ( recorder->frame_count > 0 && time <= recorder->last_time ) )
+    {
+        return record_wrong( error, recorder->path,
+                             "frame %d: got time %.9g s, expected more than %.9g s, that of the frame before",
+                             recorder->frame_count, time, recorder->last_time );
+    }
+    wisp_status status = WISP_OK;
+    for ( int b = 0; b < recorder->body_count && status == WISP_OK; ++b )
+    {
+        status = check_body( recorder, b, points[b], error );
+    }
+    return status;
+}
+
+wisp_status wisp_recorder_frame( wisp_recorder* recorder, double time, uint64_t hash, const wisp_vec3* const* points,
+                                 wisp_error* error )
+{
+    io_numbers numbers;
+    wisp_status status = check_frame( recorder, time, points, error );
+    status = status == WISP_OK ? io_numbers_begin( &numbers, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    for ( int b = 0; b < recorder->body_count && recorder->frame_count == 0; ++b )
+    {
+        if ( recorder->bodies[b].is_static )
+        {
+            memcpy( recorder->inputs[b].fixed, points[b],
+                    (size_t)recorder->bodies[b].vertex_count * sizeof **points );
+        }
+    }
+    status = recorder->format->frame( recorder, &( record_frame ){ time, hash, points }, error );
+    io_numbers_end( &numbers );
     if ( status == WISP_OK )
     {
         recorder->last_time = time;
@@ -242,18 +349,30 @@ wisp_status wisp_recorder_frame( wisp_recorder* recorder, double time, uint64_t 
     return status;
 }
 
+// ---- closing ---------------------------------------------------------------------------------------------------
+
 wisp_status wisp_recorder_close( wisp_recorder* recorder, wisp_error* error )
 {
     if ( recorder == NULL )
     {
         return WISP_OK;
     }
-    wisp_status status = recorder->format->close( recorder, error );
+    wisp_status status = recorder->lost ? WISP_OK : run( recorder->format->end, recorder, error );
+    status = status == WISP_OK ? record_wait_close( recorder, error ) : status;
+    for ( int i = 0; i < recorder->body_count && status == WISP_OK && !recorder->lost; ++i )
+    {
+        status = recorder->outputs[i].stream != NULL ? io_output_commit( &recorder->outputs[i], error ) : WISP_OK;
+    }
+    if ( recorder->descriptor >= 0 && close( recorder->descriptor ) != 0 && status == WISP_OK )
+    {
+        status = record_refused( recorder->path, "write", error );
+    }
+    recorder->descriptor = -1;
     if ( recorder->lost )
     {
         status = wisp_fail( error, WISP_IO_ERROR, "%s: the recording is not complete: a frame could not be written",
                             io_short_name( recorder->path ) );
     }
-    release_recorder( recorder );
+    release( recorder );
     return status;
 }

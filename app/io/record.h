@@ -77,7 +77,15 @@ extern "C"
         WISP_RECORD_OBJ,
         WISP_RECORD_USDA,
         WISP_RECORD_GLB,
+        WISP_RECORD_TRACKS, ///< not by name: it holds only `tracks`
     } wisp_record_format;
+
+    /// A vertex to follow.
+    typedef struct wisp_track_point
+    {
+        int body;
+        int vertex;
+    } wisp_track_point;
 
     /// The bodies of a recording. Copied; need not outlive the call.
     typedef struct wisp_recorder_def
@@ -86,6 +94,8 @@ extern "C"
         int body_count;  ///< 1 to WISP_RECORD_MAX_BODIES
         double dt;       ///< s, > 0, between two frames; .usda counts its time codes in it
         int frame_count; ///< expected; .glb refuses more than it can hold before the first one. 0: unknown
+        const wisp_track_point* tracks; ///< [track_count] of WISP_RECORD_TRACKS
+        int track_count;
     } wisp_recorder_def;
 
     typedef struct wisp_recorder wisp_recorder;
@@ -95,6 +105,8 @@ extern "C"
     /// - .pc2: `path` when the recorder is closed. Several bodies are one file each: `drape_<body>.pc2`.
     /// - .pvd: `path` when the recorder is closed, a file `drape/<body>_0001.vtp` per body and frame at once.
     /// - .obj: `drape_0001.obj` per frame at once, for `drape.obj`. Frames count from 1.
+    /// - tracks: `path` when the recorder is closed: a line of names, `time,cloth.0.x,...`, then a line per frame, with enough
+    ///   digits to restore every bit.
     /// - .usda, .glb: `path` when the recorder is closed; until then the frames are in a file without a name next to it.
     /// An existing file is replaced in one step. Numbered files of a longer recording under the same name remain
     /// beyond the last frame.
@@ -114,7 +126,7 @@ extern "C"
     /// @return WISP_BAD_INPUT the time, a number that is not finite, a static body that has moved, or a frame more than
     ///        the format can hold: nothing is written and the recording continues.
     ///        WISP_IO_ERROR: .wisp, .pvd and .obj keep the frames before, and the call may be repeated;
-    ///        .pc2, .usda and .glb are lost, and wisp_recorder_close() reports it again.
+    ///        .pc2, .usda, .glb and tracks are lost, and wisp_recorder_close() reports it again.
     WISP_API wisp_status wisp_recorder_frame( wisp_recorder* recorder, double time, uint64_t hash,
                                               const wisp_vec3* const* points, wisp_error* error );
 
@@ -182,69 +194,12 @@ extern "C"
 
     // ---- reading .pc2 ------------------------------------------------------------------------------------------
 
-    /// A point cache: the vertices of one mesh, without its triangles.
-    typedef struct wisp_pc2 wisp_pc2;
-
-    typedef struct wisp_pc2_info
-    {
-        int point_count;   ///< >= 1
-        int frame_count;   ///< >= 0, called samples in the format
-        float start_frame; ///< frame of the host's time line of the first sample
-        float sample_rate; ///< > 0, frames of the host's time line between two samples
-    } wisp_pc2_info;
-
-    /// Open a point cache. The file must be exactly as long as its header states: it has no checksum, so only its
-    /// length can show a defect.
+    /// Open a point cache: a recording of one body, the vertices of a mesh without its triangles, in which frame n is at n s.
+    /// The file must be exactly as long as its header states: it has no checksum, so only its length can show a defect.
     /// @return as wisp_recording_open()
-    WISP_API wisp_status wisp_pc2_open( const char* path, wisp_pc2** out, wisp_error* error );
-    WISP_API wisp_status wisp_pc2_open_memory( const void* bytes, size_t size, const char* name, wisp_pc2** out,
+    WISP_API wisp_status wisp_pc2_open( const char* path, wisp_recording** out, wisp_error* error );
+    WISP_API wisp_status wisp_pc2_open_memory( const void* bytes, size_t size, const char* name, wisp_recording** out,
                                                wisp_error* error );
-    WISP_API void wisp_pc2_close( wisp_pc2* cache );
-    WISP_API wisp_pc2_info wisp_pc2_describe( const wisp_pc2* cache );
-
-    /// @param points [point_count] to be filled
-    /// @return WISP_BAD_INPUT no such frame, or a point that is not finite: the message names frame, point and byte,
-    ///         and nothing is filled; WISP_IO_ERROR; WISP_NO_MEMORY
-    WISP_API wisp_status wisp_pc2_frame( wisp_pc2* cache, int index, wisp_vec3* points, wisp_error* error );
-
-    /// As wisp_recording_print().
-    WISP_API wisp_status wisp_pc2_print( FILE* out, wisp_pc2* cache, const char* name, wisp_error* error );
-
-    // ---- tracks ------------------------------------------------------------------------------------------------
-
-    /// A vertex to follow.
-    typedef struct wisp_track_point
-    {
-        int body;
-        int vertex;
-    } wisp_track_point;
-
-    typedef struct wisp_track_def
-    {
-        const wisp_record_body* bodies; ///< names and vertex counts are used
-        int body_count;                 ///< 1 to WISP_RECORD_MAX_BODIES
-        const wisp_track_point* points;
-        int point_count; ///< >= 1
-    } wisp_track_def;
-
-    typedef struct wisp_track wisp_track;
-
-    /// Write the positions of a few vertices, as a table of comma-separated values: a line of names,
-    /// `time,cloth.0.x,...`, then one line per frame. Numbers have enough digits to restore every bit. The table
-    /// replaces an old one when it is closed.
-    /// @param def copied as far as needed; need not outlive the call
-    /// @return WISP_BAD_INPUT a point that does not exist, identified by its index in the list; WISP_IO_ERROR;
-    ///         WISP_NO_MEMORY
-    WISP_API wisp_status wisp_track_open( const char* path, const wisp_track_def* def, wisp_track** out,
-                                          wisp_error* error );
-
-    /// @param points [body_count][vertex_count], m; bodies without a tracked vertex may be null
-    /// @return WISP_BAD_INPUT a number is not finite: no line is written; WISP_IO_ERROR the table is lost
-    WISP_API wisp_status wisp_track_frame( wisp_track* track, double time, const wisp_vec3* const* points,
-                                           wisp_error* error );
-
-    /// Finish the table and free the track, after any failure too. Null is allowed.
-    WISP_API wisp_status wisp_track_close( wisp_track* track, wisp_error* error );
 
 #ifdef __cplusplus
 }

@@ -2,8 +2,6 @@
 // its own, although the format allows a whole strand in one: Blender reads only the first segment of a longer line.
 #include "record_internal.h"
 
-#include <stdlib.h>
-
 // The vertices of all bodies are numbered together, from 1.
 static void write_elements( FILE* out, const wisp_record_body* body, int first )
 {
@@ -21,63 +19,34 @@ static void write_elements( FILE* out, const wisp_record_body* body, int first )
     }
 }
 
-static void write_frame( FILE* out, const wisp_recorder* recorder, const record_frame* frame )
+// Every frame is a file that is finished on its own.
+static wisp_status obj_frame( wisp_recorder* recorder, const record_frame* frame, wisp_error* error )
 {
-    fprintf( out, "# Wisp %s: frame %d at %.17g s, metres\n", WISP_VERSION_STRING, recorder->frame_count + 1,
-             frame->time );
-    int first = 1;
-    for ( int b = 0; b < recorder->bodies.count; ++b )
+    const int number = recorder->frame_count + 1;
+    const char* path = record_path_beside( recorder, "_%04d%s", number, record_extension( recorder ) );
+    io_output output;
+    const wisp_status status = io_output_open( path, &output, error );
+    if ( status != WISP_OK )
     {
-        const wisp_record_body* body = &recorder->bodies.list[b];
+        return status;
+    }
+    FILE* out = output.stream;
+    fprintf( out, "# Wisp %s: frame %d at %.17g s, metres\n", WISP_VERSION_STRING, number, frame->time );
+    int first = 1;
+    for ( int b = 0; b < recorder->body_count; ++b )
+    {
+        const wisp_record_body* body = &recorder->bodies[b];
         fprintf( out, "o %s\n", body->name );
         for ( int v = 0; v < body->vertex_count; ++v )
         {
-            wisp_vec3 p = frame->points[b][v];
+            const wisp_vec3 p = frame->points[b][v];
             // Nine digits restore every float bit for bit.
             fprintf( out, "v %.9g %.9g %.9g\n", (double)p.x, (double)p.y, (double)p.z );
         }
         write_elements( out, body, first );
         first += body->vertex_count;
     }
+    return io_output_commit( &output, error );
 }
 
-static wisp_status obj_frame( wisp_recorder* recorder, const record_frame* frame, wisp_error* error )
-{
-    char insert[32];
-    snprintf( insert, sizeof insert, "_%04d", recorder->frame_count + 1 );
-    char* path = record_path_with( recorder->path, insert );
-    if ( path == NULL )
-    {
-        return record_no_memory( recorder->path, error );
-    }
-    io_output output;
-    wisp_status status = io_output_open( path, &output, error );
-    free( path );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    io_numbers numbers;
-    status = io_numbers_begin( &numbers, error );
-    if ( status == WISP_OK )
-    {
-        write_frame( output.stream, recorder, frame );
-        io_numbers_end( &numbers );
-    }
-    return io_output_end( &output, status, error );
-}
-
-// Every frame is a file that was finished on its own.
-static wisp_status obj_open( wisp_recorder* recorder, wisp_error* error )
-{
-    (void)recorder, (void)error;
-    return WISP_OK;
-}
-
-static wisp_status obj_close( wisp_recorder* recorder, wisp_error* error )
-{
-    (void)recorder, (void)error;
-    return WISP_OK;
-}
-
-const record_format record_format_obj = { ".obj", false, false, obj_open, obj_frame, obj_close };
+const record_format record_format_obj = { ".obj", .frame = obj_frame };

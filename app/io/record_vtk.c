@@ -1,29 +1,28 @@
 // ParaView: a .vtp file per body and frame, and a .pvd file that lists them with their times. Arrays are base64
 // inside the XML: exact like raw bytes, and still XML for every other reader. The array's length in bytes and its
 // numbers are one base64 stream, as in VTK's own writer.
-
 #include "base64.h"
 #include "record_internal.h"
 
 #include <math.h>
-#include <stdlib.h>
+
+// Triangles or lines of a body.
+typedef struct vtk_cells
+{
+    const int32_t* vertices; // [vertex_count] of all cells
+    int32_t* ends;           // [count] of each cell in `vertices`
+    int vertex_count, count;
+} vtk_cells;
 
 // ---- arrays ----------------------------------------------------------------------------------------------------
 
-static void put_number( io_base64* stream, int value )
+static io_base64 begin_array( FILE* out, const char* type, const char* name, const char* components, size_t bytes )
 {
-    unsigned char bytes[4];
-    io_put_u32( bytes, (uint32_t)value );
-    io_base64_put( stream, bytes, sizeof bytes );
-}
-
-static io_base64 begin_array( FILE* out, const char* attributes, uint64_t byte_count )
-{
-    fprintf( out, "        <DataArray %s format=\"binary\">", attributes );
+    fprintf( out, "        <DataArray type=\"%s\" Name=\"%s\"%s format=\"binary\">", type, name, components );
     io_base64 stream = { .out = out };
-    unsigned char bytes[8];
-    io_put_u64( bytes, byte_count );
-    io_base64_put( &stream, bytes, sizeof bytes );
+    unsigned char size[8];
+    io_put_u64( size, bytes );
+    io_base64_put( &stream, size, sizeof size );
     return stream;
 }
 
@@ -33,37 +32,36 @@ static void end_array( io_base64* stream )
     fputs( "</DataArray>\n", stream->out );
 }
 
-// ---- .vtp ------------------------------------------------------------------------------------------------------
-
-static const char connectivity[] = "type=\"Int32\" Name=\"connectivity\"";
-static const char ends[] = "type=\"Int32\" Name=\"offsets\"";
-
-static void write_vectors( FILE* out, const char* name, const wisp_vec3* vectors, int count )
+// Numbers of 4 bytes each.
+static void write_words( FILE* out, const char* type, const char* name, const char* components, const void* words,
+                         size_t count )
 {
-    char attributes[100];
-    snprintf( attributes, sizeof attributes, "type=\"Float32\" Name=\"%s\" NumberOfComponents=\"3\"", name );
-    io_base64 stream = begin_array( out, attributes, RECORD_POINT_SIZE * (uint64_t)count );
-    for ( int v = 0; v < count; ++v )
+    io_base64 stream = begin_array( out, type, name, components, 4 * count );
+    for ( size_t i = 0; i < count; ++i )
     {
-        unsigned char bytes[RECORD_POINT_SIZE];
-        io_put_vec3( bytes, vectors[v] );
+        unsigned char bytes[4];
+        io_put_words( bytes, (const unsigned char*)words + 4 * i, 1 );
         io_base64_put( &stream, bytes, sizeof bytes );
     }
     end_array( &stream );
 }
 
-static void write_numbers( FILE* out, const char* name, const float* numbers, int count )
+static void write_floats( FILE* out, const char* name, const float* numbers, int count )
 {
-    char attributes[60 + WISP_RECORD_MAX_NAME];
-    snprintf( attributes, sizeof attributes, "type=\"Float32\" Name=\"%s\"", name );
-    io_base64 stream = begin_array( out, attributes, 4 * (uint64_t)count );
-    for ( int v = 0; v < count; ++v )
-    {
-        unsigned char bytes[4];
-        io_put_float( bytes, numbers[v] );
-        io_base64_put( &stream, bytes, sizeof bytes );
-    }
-    end_array( &stream );
+    write_words( out, "Float32", name, "", numbers, (size_t)count );
+}
+
+static void write_vectors( FILE* out, const char* name, const wisp_vec3* vectors, int count )
+{
+    write_words( out, "Float32", name, " NumberOfComponents=\"3\"", vectors, 3 * (size_t)count );
+}
+
+static void write_cells( FILE* out, const char* kind, const vtk_cells* cells )
+{
+    fprintf( out, "      <%s>\n", kind );
+    write_words( out, "Int32", "connectivity", "", cells->vertices, (size_t)cells->vertex_count );
+    write_words( out, "Int32", "offsets", "", cells->ends, (size_t)cells->count );
+    fprintf( out, "      </%s>\n", kind );
 }
 
 // VTK takes bytes for colours as they are, and shows them without a conversion: they have the transfer function of sRGB.
@@ -75,8 +73,7 @@ static unsigned char to_byte( float linear )
 
 static void write_colours( FILE* out, const wisp_vec3* colours, int count )
 {
-    io_base64 stream =
-        begin_array( out, "type=\"UInt8\" Name=\"RGB\" NumberOfComponents=\"3\"", 3 * (uint64_t)count );
+    io_base64 stream = begin_array( out, "UInt8", "RGB", " NumberOfComponents=\"3\"", 3 * (size_t)count );
     for ( int v = 0; v < count; ++v )
     {
         const unsigned char bytes[3] = { to_byte( colours[v].x ), to_byte( colours[v].y ), to_byte( colours[v].z ) };
@@ -85,16 +82,13 @@ static void write_colours( FILE* out, const wisp_vec3* colours, int count )
     end_array( &stream );
 }
 
-// What ParaView colours by at first: a value, else the width.
-static const char* scalars_of( const wisp_record_body* body )
-{
-    return body->value_count > 0 ? body->values[0].name : body->widths != NULL ? "width" : NULL;
-}
+// ---- .vtp ------------------------------------------------------------------------------------------------------
 
 /// @param normals null: none
 static void write_point_data( FILE* out, const wisp_record_body* body, const wisp_vec3* normals )
 {
-    const char* scalars = scalars_of( body );
+    // What ParaView colours by at first: a value, else the width.
+    const char* scalars = body->value_count > 0 ? body->values[0].name : body->widths != NULL ? "width" : NULL;
     fputs( "      <PointData", out );
     if ( scalars != NULL )
     {
@@ -107,91 +101,17 @@ static void write_point_data( FILE* out, const wisp_record_body* body, const wis
     }
     for ( int i = 0; i < body->value_count; ++i )
     {
-        write_numbers( out, body->values[i].name, body->values[i].numbers, body->vertex_count );
+        write_floats( out, body->values[i].name, body->values[i].numbers, body->vertex_count );
     }
     if ( body->widths != NULL )
     {
-        write_numbers( out, "width", body->widths, body->vertex_count );
+        write_floats( out, "width", body->widths, body->vertex_count );
     }
     if ( body->colours != NULL )
     {
         write_colours( out, body->colours, body->vertex_count );
     }
     fputs( "      </PointData>\n", out );
-}
-
-static void write_points( FILE* out, const wisp_vec3* points, int count )
-{
-    fputs( "      <Points>\n", out );
-    write_vectors( out, "Points", points, count );
-    fputs( "      </Points>\n", out );
-}
-
-static void write_triangles( FILE* out, const wisp_record_body* body )
-{
-    size_t corners = 3 * (size_t)body->triangle_count;
-    fputs( "      <Polys>\n", out );
-    io_base64 stream = begin_array( out, connectivity, 4 * (uint64_t)corners );
-    for ( size_t i = 0; i < corners; ++i )
-    {
-        put_number( &stream, body->triangles[i] );
-    }
-    end_array( &stream );
-    stream = begin_array( out, ends, 4 * (uint64_t)body->triangle_count );
-    for ( int t = 0; t < body->triangle_count; ++t )
-    {
-        put_number( &stream, 3 * ( t + 1 ) );
-    }
-    end_array( &stream );
-    fputs( "      </Polys>\n", out );
-}
-
-// A polyline needs two vertices; the vertex of a shorter strand stays a point without a line.
-static bool is_line( const wisp_record_body* body, int s )
-{
-    return body->offsets[s + 1] - body->offsets[s] >= 2;
-}
-
-typedef struct line_counts
-{
-    int lines, vertices;
-} line_counts;
-
-static line_counts count_lines( const wisp_record_body* body )
-{
-    line_counts counts = { 0, 0 };
-    for ( int s = 0; s < body->strand_count; ++s )
-    {
-        bool line = is_line( body, s );
-        counts.lines += line;
-        counts.vertices += line ? body->offsets[s + 1] - body->offsets[s] : 0;
-    }
-    return counts;
-}
-
-static void write_lines( FILE* out, const wisp_record_body* body, line_counts counts )
-{
-    fputs( "      <Lines>\n", out );
-    io_base64 stream = begin_array( out, connectivity, 4 * (uint64_t)counts.vertices );
-    for ( int s = 0; s < body->strand_count; ++s )
-    {
-        for ( int v = body->offsets[s]; is_line( body, s ) && v < body->offsets[s + 1]; ++v )
-        {
-            put_number( &stream, v );
-        }
-    }
-    end_array( &stream );
-    stream = begin_array( out, ends, 4 * (uint64_t)counts.lines );
-    for ( int s = 0, end = 0; s < body->strand_count; ++s )
-    {
-        if ( is_line( body, s ) )
-        {
-            end += body->offsets[s + 1] - body->offsets[s];
-            put_number( &stream, end );
-        }
-    }
-    end_array( &stream );
-    fputs( "      </Lines>\n", out );
 }
 
 // The first file of a static body without values serves all frames, and has no time.
@@ -202,9 +122,9 @@ static bool is_for_all_frames( const wisp_record_body* body )
 
 static void write_vtp( FILE* out, const wisp_recorder* recorder, int b, const record_frame* frame )
 {
-    const wisp_record_body* body = &recorder->bodies.list[b];
+    const wisp_record_body* body = &recorder->bodies[b];
+    const vtk_cells* cells = (const vtk_cells*)recorder->file + b;
     const wisp_vec3* points = frame->points[b];
-    line_counts counts = count_lines( body );
     fputs( "<?xml version=\"1.0\"?>\n"
            "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
            "  <PolyData>\n",
@@ -221,103 +141,90 @@ static void write_vtp( FILE* out, const wisp_recorder* recorder, int b, const re
     fprintf( out,
              "    <Piece NumberOfPoints=\"%d\" NumberOfVerts=\"0\" NumberOfLines=\"%d\" NumberOfStrips=\"0\" "
              "NumberOfPolys=\"%d\">\n",
-             body->vertex_count, counts.lines, body->triangle_count );
+             body->vertex_count, body->offsets != NULL ? cells->count : 0, body->triangle_count );
     write_point_data( out, body, body->triangle_count > 0 ? record_normals( recorder, b, points ) : NULL );
-    write_points( out, points, body->vertex_count );
-    if ( body->offsets != NULL )
-    {
-        write_lines( out, body, counts );
-    }
-    else
-    {
-        write_triangles( out, body );
-    }
+    fputs( "      <Points>\n", out );
+    write_vectors( out, "Points", points, body->vertex_count );
+    fputs( "      </Points>\n", out );
+    write_cells( out, body->offsets != NULL ? "Lines" : "Polys", cells );
     fputs( "    </Piece>\n  </PolyData>\n</VTKFile>\n", out );
 }
 
 // ---- .pvd ------------------------------------------------------------------------------------------------------
 
-typedef struct pvd_file
+// A polyline needs two vertices; the vertex of a shorter strand stays a point without a line.
+static void list_cells( wisp_recorder* recorder, const wisp_record_body* body, vtk_cells* cells )
 {
-    io_output list; // the .pvd
-    char* folder;   // of the .vtp files
-} pvd_file;
+    const bool strands = body->offsets != NULL;
+    const int most = strands ? body->strand_count : body->triangle_count;
+    int32_t* vertices =
+        strands ? record_get( &recorder->memory, (size_t)body->vertex_count * sizeof *vertices ) : NULL;
+    cells->ends = record_get( &recorder->memory, (size_t)most * sizeof *cells->ends );
+    cells->vertices = strands ? vertices : body->triangles;
+    for ( int i = 0; i < most && !recorder->memory.is_short; ++i )
+    {
+        const int size = strands ? body->offsets[i + 1] - body->offsets[i] : 3;
+        for ( int v = 0; v < size && size >= 2 && strands; ++v )
+        {
+            vertices[cells->vertex_count + v] = body->offsets[i] + v;
+        }
+        if ( size >= 2 )
+        {
+            cells->vertex_count += size;
+            cells->ends[cells->count++] = cells->vertex_count;
+        }
+    }
+}
+
+static wisp_status pvd_begin( wisp_recorder* recorder, wisp_error* error )
+{
+    if ( record_extension( recorder )[0] == 0 )
+    {
+        return record_wrong( error, recorder->path,
+                             "expected a name with an extension; without it, it is the folder of the frames" );
+    }
+    for ( int b = 0; b < recorder->body_count; ++b )
+    {
+        list_cells( recorder, &recorder->bodies[b], (vtk_cells*)recorder->file + b );
+    }
+    if ( recorder->memory.is_short )
+    {
+        return record_no_memory( recorder->path, error );
+    }
+    io_output* list = &recorder->outputs[0];
+    wisp_status status = io_output_open( recorder->path, list, error );
+    status = status == WISP_OK ? io_folder_make( record_path_beside( recorder, "%s", "" ), error ) : status;
+    if ( status == WISP_OK )
+    {
+        fputs( "<?xml version=\"1.0\"?>\n"
+               "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+               "  <Collection>\n",
+               list->stream );
+    }
+    return status;
+}
 
 static void write_escaped( FILE* out, const char* text )
 {
     for ( ; *text != 0; ++text )
     {
-        switch ( *text )
-        {
-            case '&':
-                fputs( "&amp;", out );
-                break;
-            case '<':
-                fputs( "&lt;", out );
-                break;
-            case '"':
-                fputs( "&quot;", out );
-                break;
-            default:
-                fputc( *text, out );
-        }
+        const char* name = *text == '&' ? "&amp;" : *text == '<' ? "&lt;" : *text == '"' ? "&quot;" : NULL;
+        name != NULL ? fputs( name, out ) : fputc( *text, out );
     }
 }
 
-static wisp_status pvd_start( const wisp_recorder* recorder, pvd_file* file, wisp_error* error )
+// Number of the file that has a body in this frame.
+static int file_number( const wisp_recorder* recorder, int b )
 {
-    wisp_status status = io_output_open( recorder->path, &file->list, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = io_folder_make( file->folder, error );
-    if ( status != WISP_OK )
-    {
-        io_output_discard( &file->list );
-        return status;
-    }
-    fputs( "<?xml version=\"1.0\"?>\n"
-           "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-           "  <Collection>\n",
-           file->list.stream );
-    return WISP_OK;
+    return is_for_all_frames( &recorder->bodies[b] ) ? 1 : recorder->frame_count + 1;
 }
 
-static wisp_status pvd_open( wisp_recorder* recorder, wisp_error* error )
-{
-    size_t stem = record_stem_length( recorder->path );
-    if ( recorder->path[stem] == 0 )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: expected a name with an extension; without it, it is the folder of the frames",
-                          io_short_name( recorder->path ) );
-    }
-    pvd_file* file = calloc( 1, sizeof *file );
-    wisp_status status = WISP_NO_MEMORY;
-    if ( file == NULL || ( file->folder = strndup( recorder->path, stem ) ) == NULL )
-    {
-        status = record_no_memory( recorder->path, error );
-    }
-    else
-    {
-        status = pvd_start( recorder, file, error );
-    }
-    if ( status != WISP_OK )
-    {
-        free( file != NULL ? file->folder : NULL );
-        free( file );
-        return status;
-    }
-    recorder->file = file;
-    return WISP_OK;
-}
-
-static wisp_status write_body( const char* path, const wisp_recorder* recorder, int b, const record_frame* frame,
-                               wisp_error* error )
+static wisp_status write_body( wisp_recorder* recorder, int b, const record_frame* frame, wisp_error* error )
 {
     io_output output;
-    wisp_status status = io_output_open( path, &output, error );
+    const char* path =
+        record_path_beside( recorder, "/%s_%04d.vtp", recorder->bodies[b].name, file_number( recorder, b ) );
+    const wisp_status status = io_output_open( path, &output, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -326,72 +233,42 @@ static wisp_status write_body( const char* path, const wisp_recorder* recorder, 
     return io_output_commit( &output, error );
 }
 
-static bool is_written( const wisp_recorder* recorder, const wisp_record_body* body )
-{
-    return recorder->frame_count == 0 || !is_for_all_frames( body );
-}
-
-static wisp_status write_bodies( const wisp_recorder* recorder, const record_frame* frame, wisp_error* error )
-{
-    const pvd_file* file = recorder->file;
-    size_t room = strlen( file->folder ) + WISP_RECORD_MAX_NAME + 32;
-    char* path = malloc( room );
-    wisp_status status = path != NULL ? WISP_OK : record_no_memory( recorder->path, error );
-    for ( int b = 0; status == WISP_OK && b < recorder->bodies.count; ++b )
-    {
-        const wisp_record_body* body = &recorder->bodies.list[b];
-        if ( is_written( recorder, body ) )
-        {
-            snprintf( path, room, "%s/%s_%04d.vtp", file->folder, body->name, recorder->frame_count + 1 );
-            status = write_body( path, recorder, b, frame, error );
-        }
-    }
-    free( path );
-    return status;
-}
-
-// Paths in the list are relative to it, so that both can move together.
-static void list_bodies( const wisp_recorder* recorder, const record_frame* frame )
-{
-    const pvd_file* file = recorder->file;
-    const char* slash = strrchr( file->folder, '/' );
-    for ( int b = 0; b < recorder->bodies.count; ++b )
-    {
-        const wisp_record_body* body = &recorder->bodies.list[b];
-        const char* name = body->name;
-        FILE* out = file->list.stream;
-        fprintf( out, "    <DataSet timestep=\"%.17g\" group=\"\" part=\"%d\" name=\"%s\" file=\"", frame->time, b,
-                 name );
-        write_escaped( out, slash == NULL ? file->folder : slash + 1 );
-        fprintf( out, "/%s_%04d.vtp\"/>\n", name, is_written( recorder, body ) ? recorder->frame_count + 1 : 1 );
-    }
-}
-
 static wisp_status pvd_frame( wisp_recorder* recorder, const record_frame* frame, wisp_error* error )
 {
-    io_numbers numbers;
-    wisp_status status = io_numbers_begin( &numbers, error );
-    if ( status != WISP_OK )
+    wisp_status status = WISP_OK;
+    for ( int b = 0; b < recorder->body_count && status == WISP_OK; ++b )
     {
-        return status;
+        if ( file_number( recorder, b ) == recorder->frame_count + 1 )
+        {
+            status = write_body( recorder, b, frame, error );
+        }
     }
-    status = write_bodies( recorder, frame, error );
-    if ( status == WISP_OK )
+    // Paths in the list are relative to it, so that both can move together.
+    FILE* out = recorder->outputs[0].stream;
+    for ( int b = 0; b < recorder->body_count && status == WISP_OK; ++b )
     {
-        list_bodies( recorder, frame );
+        const char* name = recorder->bodies[b].name;
+        fprintf( out, "    <DataSet timestep=\"%.17g\" group=\"\" part=\"%d\" name=\"%s\" file=\"", frame->time, b,
+                 name );
+        write_escaped( out, io_file_name( record_path_beside( recorder, "%s", "" ) ) );
+        fprintf( out, "/%s_%04d.vtp\"/>\n", name, file_number( recorder, b ) );
     }
-    io_numbers_end( &numbers );
     return status;
 }
 
-static wisp_status pvd_close( wisp_recorder* recorder, wisp_error* error )
+static wisp_status pvd_end( wisp_recorder* recorder, wisp_error* error )
 {
-    pvd_file* file = recorder->file;
-    fputs( "  </Collection>\n</VTKFile>\n", file->list.stream );
-    wisp_status status = io_output_commit( &file->list, error );
-    free( file->folder );
-    free( file );
-    return status;
+    (void)error;
+    fputs( "  </Collection>\n</VTKFile>\n", recorder->outputs[0].stream );
+    return WISP_OK;
 }
 
-const record_format record_format_pvd = { ".pvd", true, true, pvd_open, pvd_frame, pvd_close };
+const record_format record_format_pvd = {
+    ".pvd",
+    .has_values = true,
+    .has_normals = true,
+    .begin = pvd_begin,
+    .frame = pvd_frame,
+    .end = pvd_end,
+    .body_size = sizeof( vtk_cells ),
+};

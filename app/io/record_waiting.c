@@ -9,176 +9,159 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-struct record_waiting
+typedef struct record_waiting
 {
     FILE* file;
-    double* times;     // [frame_count] s
-    int capacity;      // of times
-    uint64_t* offsets; // [body_count] bytes from the start of a frame to the body
+    double* times; // [capacity] s
+    size_t capacity;
     uint64_t frame_bytes;
-};
+    unsigned char* body; // [of the largest] in a frame
+    wisp_error error;    // the first failure of reading
+} record_waiting;
 
-static wisp_status open_file( const char* path, FILE** out, wisp_error* error )
+// Bytes of the points, of a value, and of the whole body in a frame.
+static size_t point_bytes( const wisp_record_body* body )
 {
-    static const char hidden[] = ".wisp-XXXXXX";
-    const char* slash = strrchr( path, '/' );
-    size_t folder = slash == NULL ? 0 : (size_t)( slash - path ) + 1;
-    char* name = malloc( folder + sizeof hidden );
-    if ( name == NULL )
-    {
-        return record_no_memory( path, error );
-    }
-    memcpy( name, path, folder );
-    memcpy( name + folder, hidden, sizeof hidden );
-    int descriptor = mkstemp( name );
+    return body->is_static ? 0 : sizeof( wisp_vec3 ) * (size_t)body->vertex_count;
+}
+
+static size_t value_bytes( const wisp_record_body* body )
+{
+    return sizeof( float ) * (size_t)body->vertex_count;
+}
+
+static size_t body_bytes( const wisp_record_body* body )
+{
+    return point_bytes( body ) + (size_t)body->value_count * value_bytes( body ) +
+           (size_t)record_triangle_bytes( body );
+}
+
+static wisp_status open_file( const wisp_recorder* recorder, wisp_error* error )
+{
+    const char* path = recorder->path;
+    snprintf( recorder->beside, recorder->beside_size, "%.*s.wisp-XXXXXX", (int)( io_file_name( path ) - path ),
+              path );
+    const int descriptor = mkstemp( recorder->beside );
+    FILE* file = descriptor >= 0 ? fdopen( descriptor, "w+b" ) : NULL;
+    const wisp_status status =
+        file != NULL ? WISP_OK : record_refused( path, "create a file for frames beside it", error );
     if ( descriptor >= 0 )
     {
-        unlink( name );
-        *out = fdopen( descriptor, "w+b" );
+        unlink( recorder->beside );
     }
-    wisp_status status = *out != NULL ? WISP_OK : record_refused( path, "create a file for frames beside it", error );
-    if ( *out == NULL && descriptor >= 0 )
+    if ( descriptor >= 0 && file == NULL )
     {
         close( descriptor );
     }
-    free( name );
+    recorder->waiting->file = file;
     return status;
 }
 
-static uint64_t point_bytes( const wisp_record_body* body )
+wisp_status record_wait_open( wisp_recorder* recorder, wisp_error* error )
 {
-    return body->is_static ? 0 : sizeof( wisp_vec3 ) * (uint64_t)body->vertex_count;
-}
-
-static uint64_t value_bytes( const wisp_record_body* body )
-{
-    return sizeof( float ) * (uint64_t)body->vertex_count;
-}
-
-wisp_status record_waiting_open( const wisp_recorder* recorder, record_waiting** out, wisp_error* error )
-{
-    *out = NULL;
-    record_waiting* waiting = calloc( 1, sizeof *waiting );
-    if ( waiting == NULL ||
-         ( waiting->offsets = calloc( (size_t)recorder->bodies.count, sizeof *waiting->offsets ) ) == NULL )
+    record_waiting* waiting = recorder->waiting = record_get( &recorder->memory, sizeof *waiting );
+    size_t largest = 0;
+    for ( int b = 0; waiting != NULL && b < recorder->body_count; ++b )
     {
-        free( waiting );
+        const size_t bytes = body_bytes( &recorder->bodies[b] );
+        recorder->inputs[b].waits_at = waiting->frame_bytes;
+        waiting->frame_bytes += bytes;
+        largest = bytes > largest ? bytes : largest;
+    }
+    if ( waiting == NULL || ( waiting->body = record_get( &recorder->memory, largest ) ) == NULL )
+    {
         return record_no_memory( recorder->path, error );
     }
-    for ( int b = 0; b < recorder->bodies.count; ++b )
-    {
-        const wisp_record_body* body = &recorder->bodies.list[b];
-        waiting->offsets[b] = waiting->frame_bytes;
-        waiting->frame_bytes +=
-            point_bytes( body ) + (uint64_t)body->value_count * value_bytes( body ) + record_triangle_bytes( body );
-    }
-    wisp_status status = open_file( recorder->path, &waiting->file, error );
-    if ( status != WISP_OK )
-    {
-        record_waiting_close( waiting );
-        return status;
-    }
-    *out = waiting;
-    return WISP_OK;
+    const wisp_status status = open_file( recorder, error );
+    return status == WISP_OK ? io_output_open( recorder->path, &recorder->outputs[0], error ) : status;
 }
 
-static bool add_time( record_waiting* waiting, int frame, double time )
+static bool add_time( wisp_recorder* recorder, double time )
 {
-    if ( frame == waiting->capacity )
+    record_waiting* waiting = recorder->waiting;
+    const size_t count = (size_t)recorder->frame_count;
+    if ( count == waiting->capacity )
     {
-        size_t capacity = waiting->capacity > 0 ? 2 * (size_t)waiting->capacity : 256;
-        double* larger = capacity <= INT32_MAX ? realloc( waiting->times, capacity * sizeof *larger ) : NULL;
+        double* larger = record_get( &recorder->memory, ( 2 * count + 256 ) * sizeof *larger );
         if ( larger == NULL )
         {
             return false;
         }
-        waiting->times = larger;
-        waiting->capacity = (int)capacity;
+        waiting->times = count > 0 ? memcpy( larger, waiting->times, count * sizeof *larger ) : larger;
+        waiting->capacity = 2 * count + 256;
     }
-    waiting->times[frame] = time;
+    waiting->times[count] = time;
     return true;
 }
 
-static bool write_body( record_waiting* waiting, const wisp_record_body* body, const wisp_vec3* points )
+static void write_body( FILE* out, const wisp_record_body* body, const wisp_vec3* points )
 {
-    const size_t count = (size_t)body->vertex_count;
-    bool written = body->is_static || fwrite( points, sizeof *points, count, waiting->file ) == count;
-    for ( int i = 0; written && i < body->value_count; ++i )
+    fwrite( points, 1, point_bytes( body ), out );
+    for ( int i = 0; i < body->value_count; ++i )
     {
-        written = fwrite( body->values[i].numbers, sizeof( float ), count, waiting->file ) == count;
+        fwrite( body->values[i].numbers, 1, value_bytes( body ), out );
     }
-    const size_t triangle_bytes = (size_t)record_triangle_bytes( body );
-    return written && fwrite( body->triangles, 1, triangle_bytes, waiting->file ) == triangle_bytes;
+    if ( body->triangles_change )
+    {
+        fwrite( body->triangles, 1, (size_t)record_triangle_bytes( body ), out );
+    }
 }
 
-wisp_status record_waiting_add( wisp_recorder* recorder, record_waiting* waiting, const record_frame* frame,
-                                wisp_error* error )
+wisp_status record_wait_add( wisp_recorder* recorder, const record_frame* frame, wisp_error* error )
 {
-    if ( !add_time( waiting, recorder->frame_count, frame->time ) )
+    FILE* out = recorder->waiting->file;
+    if ( !add_time( recorder, frame->time ) )
     {
         return record_no_memory( recorder->path, error );
     }
     errno = 0;
-    for ( int b = 0; b < recorder->bodies.count; ++b )
+    for ( int b = 0; b < recorder->body_count && !ferror( out ); ++b )
     {
-        if ( !write_body( waiting, &recorder->bodies.list[b], frame->points[b] ) )
-        {
-            recorder->lost = true;
-            return record_refused( recorder->path, "write", error );
-        }
+        write_body( out, &recorder->bodies[b], frame->points[b] );
     }
-    return WISP_OK;
+    recorder->lost = ferror( out ) != 0;
+    return recorder->lost ? record_refused( recorder->path, "write", error ) : WISP_OK;
 }
 
-double record_waiting_time( const record_waiting* waiting, int frame )
+double record_wait_time( const wisp_recorder* recorder, int frame )
 {
-    return waiting->times[frame];
+    return recorder->waiting->times[frame];
 }
 
-static wisp_status read_at( const wisp_recorder* recorder, const record_waiting* waiting, uint64_t at, void* out,
-                            uint64_t size, wisp_error* error )
+const wisp_vec3* record_wait_load( wisp_recorder* recorder, int frame, int b )
 {
+    record_waiting* waiting = recorder->waiting;
+    const wisp_record_body* body = &recorder->bodies[b];
+    const off_t at = (off_t)( (uint64_t)frame * waiting->frame_bytes + recorder->inputs[b].waits_at );
+    const size_t size = body_bytes( body );
     errno = 0;
-    if ( fseeko( waiting->file, (off_t)at, SEEK_SET ) != 0 || fread( out, 1, (size_t)size, waiting->file ) != size )
+    const bool is_read =
+        fseeko( waiting->file, at, SEEK_SET ) == 0 && fread( waiting->body, 1, size, waiting->file ) == size;
+    unsigned char* part = waiting->body + point_bytes( body );
+    for ( int i = 0; i < body->value_count; ++i, part += value_bytes( body ) )
     {
-        return record_refused( recorder->path, "read the frames that waited beside it", error );
+        ( (wisp_record_value*)(uintptr_t)body->values )[i].numbers = (const float*)part;
     }
-    return WISP_OK;
-}
-
-wisp_status record_waiting_points( const wisp_recorder* recorder, const record_waiting* waiting, int frame, int b,
-                                   wisp_vec3* out, wisp_error* error )
-{
-    const wisp_record_body* body = &recorder->bodies.list[b];
-    const uint64_t at = (uint64_t)frame * waiting->frame_bytes + waiting->offsets[b];
-    const wisp_status status = read_at( recorder, waiting, at, out, point_bytes( body ), error );
-    const uint64_t triangles_at = at + point_bytes( body ) + (uint64_t)body->value_count * value_bytes( body );
-    return status == WISP_OK && body->triangles_change
-               ? read_at( recorder, waiting, triangles_at, (void*)(uintptr_t)body->triangles,
-                          record_triangle_bytes( body ), error )
-               : status;
-}
-
-wisp_status record_waiting_numbers( const wisp_recorder* recorder, const record_waiting* waiting, int frame, int b,
-                                    int value, float* out, wisp_error* error )
-{
-    const wisp_record_body* body = &recorder->bodies.list[b];
-    const uint64_t at = (uint64_t)frame * waiting->frame_bytes + waiting->offsets[b] + point_bytes( body ) +
-                        (uint64_t)value * value_bytes( body );
-    return read_at( recorder, waiting, at, out, value_bytes( body ), error );
-}
-
-void record_waiting_close( record_waiting* waiting )
-{
-    if ( waiting == NULL )
+    if ( is_read )
     {
-        return;
+        record_set_triangles( body, (const int32_t*)part );
     }
-    if ( waiting->file != NULL )
+    else if ( waiting->error.status == WISP_OK )
+    {
+        record_refused( recorder->path, "read the frames that waited beside it", &waiting->error );
+    }
+    return body->is_static ? recorder->inputs[b].fixed : (const wisp_vec3*)waiting->body;
+}
+
+wisp_status record_wait_close( wisp_recorder* recorder, wisp_error* error )
+{
+    record_waiting* waiting = recorder->waiting;
+    recorder->waiting = NULL;
+    if ( waiting != NULL && waiting->file != NULL )
     {
         fclose( waiting->file );
     }
-    free( waiting->times );
-    free( waiting->offsets );
-    free( waiting );
+    return waiting != NULL && waiting->error.status != WISP_OK
+               ? wisp_fail( error, waiting->error.status, "%s", waiting->error.message )
+               : WISP_OK;
 }

@@ -39,24 +39,26 @@ static void several_bodies_are_a_point_cache_each_and_come_back( void** state )
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.pc2" ), &def, 2 );
     assert_int_equal( count_files( state ), 2 );
-    wisp_pc2* cache = NULL;
+    wisp_recording* cache = NULL;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_pc2_open( path_in( state, "a_hair-2.pc2" ), &cache, &error ), error );
-    wisp_pc2_info info = wisp_pc2_describe( cache );
-    assert_int_equal( info.point_count, HAIR_VERTICES );
-    assert_int_equal( info.frame_count, 2 );
+    assert_int_equal( wisp_recording_body( cache, 0 )->vertex_count, HAIR_VERTICES );
+    assert_int_equal( wisp_recording_describe( cache ).frame_count, 2 );
     for ( int f = 1; f >= 0; --f )
     {
         wisp_vec3 points[HAIR_VERTICES];
+        wisp_vec3* all[] = { points };
+        double time = -1.0;
         fixture_frame expected = fixture_points( f );
-        assert_ok( wisp_pc2_frame( cache, f, points, &error ), error );
+        assert_ok( wisp_recording_frame( cache, f, all, &time, NULL, &error ), error );
+        assert_true( time == f );
         assert_memory_equal( points, expected.hair, sizeof points );
     }
-    assert_int_equal( wisp_pc2_frame( cache, 2, NULL, &error ), WISP_BAD_INPUT );
+    assert_int_equal( wisp_recording_frame( cache, 2, NULL, NULL, NULL, &error ), WISP_BAD_INPUT );
     assert_one_message( &error, WISP_BAD_INPUT, "a_hair-2.pc2: got frame 2, the cache has 2" );
-    wisp_pc2_close( cache );
+    wisp_recording_close( cache );
     assert_ok( wisp_pc2_open( path_in( state, "a_cloth.pc2" ), &cache, &error ), error );
-    wisp_pc2_close( cache );
+    wisp_recording_close( cache );
 }
 
 // ---- .pvd and .vtp ---------------------------------------------------------------------------------------------
@@ -261,10 +263,10 @@ static void a_recording_without_frames_is_still_a_file( void** state )
     text = read_bytes( path_in( state, "a.pvd" ), &size );
     assert_xml( text );
     free( text );
-    wisp_pc2* cache = NULL;
+    wisp_recording* cache = NULL;
     assert_int_equal( wisp_pc2_open( path_in( state, "a_cloth.pc2" ), &cache, NULL ), WISP_OK );
-    assert_int_equal( wisp_pc2_describe( cache ).frame_count, 0 );
-    wisp_pc2_close( cache );
+    assert_int_equal( wisp_recording_describe( cache ).frame_count, 0 );
+    wisp_recording_close( cache );
 }
 
 static void names_that_usd_cannot_tell_apart_are_refused( void** state )

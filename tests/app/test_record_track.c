@@ -8,20 +8,21 @@
 
 static const wisp_track_point followed[] = { { 1, 4 }, { 0, 1 } };
 
-static wisp_track* open_track( const char* path )
+static wisp_recorder_def track_def( const wisp_track_point* points, int count )
 {
-    wisp_track_def def = { fixture_bodies, FIXTURE_BODIES, followed, 2 };
-    wisp_error error = { .status = WISP_OK };
-    wisp_track* track = NULL;
-    assert_ok( wisp_track_open( path, &def, &track, &error ), error );
-    return track;
+    wisp_recorder_def def = fixture_def();
+    def.tracks = points;
+    def.track_count = count;
+    return def;
 }
 
-static wisp_status add_line( wisp_track* track, int f, wisp_error* error )
+static wisp_recorder* open_track( const char* path )
 {
-    fixture_frame frame = fixture_points( f );
-    const wisp_vec3* points[] = { frame.cloth, frame.hair };
-    return wisp_track_frame( track, fixture_time( f ), points, error );
+    const wisp_recorder_def def = track_def( followed, 2 );
+    wisp_error error = { .status = WISP_OK };
+    wisp_recorder* track = NULL;
+    assert_ok( wisp_recorder_open( path, WISP_RECORD_TRACKS, &def, &track, &error ), error );
+    return track;
 }
 
 static char* next_number( char* at, float expected )
@@ -34,12 +35,12 @@ static char* next_number( char* at, float expected )
 
 static void tracks_are_a_table_whose_numbers_come_back_bit_for_bit( void** state )
 {
-    wisp_track* track = open_track( path_in( state, "a.csv" ) );
+    wisp_recorder* track = open_track( path_in( state, "a.csv" ) );
     for ( int f = 0; f < 3; ++f )
     {
-        assert_int_equal( add_line( track, f, NULL ), WISP_OK );
+        assert_int_equal( fixture_add_frame( track, f, NULL ), WISP_OK );
     }
-    assert_int_equal( wisp_track_close( track, NULL ), WISP_OK );
+    assert_int_equal( wisp_recorder_close( track, NULL ), WISP_OK );
     size_t size = 0;
     char* text = read_bytes( path_in( state, "a.csv" ), &size );
     static const char names[] = "time,hair-2.4.x,hair-2.4.y,hair-2.4.z,cloth.1.x,cloth.1.y,cloth.1.z\n";
@@ -73,9 +74,9 @@ static void numbers_have_points_in_a_locale_with_commas( void** state )
     {
         SKIP( "no locale with a decimal comma is installed" );
     }
-    wisp_track* track = open_track( path_in( state, "a.csv" ) );
-    wisp_status status = add_line( track, 0, NULL );
-    wisp_track_close( track, NULL );
+    wisp_recorder* track = open_track( path_in( state, "a.csv" ) );
+    wisp_status status = fixture_add_frame( track, 0, NULL );
+    wisp_recorder_close( track, NULL );
     setlocale( LC_NUMERIC, "C" );
     assert_int_equal( status, WISP_OK );
     size_t size = 0;
@@ -86,37 +87,52 @@ static void numbers_have_points_in_a_locale_with_commas( void** state )
 
 static void a_vertex_that_does_not_exist_is_refused_by_its_place( void** state )
 {
-    wisp_track_point points[] = { { 0, 0 }, { 1, 5 } };
-    wisp_track_def def = { fixture_bodies, FIXTURE_BODIES, points, 2 };
-    wisp_track* track = NULL;
-    wisp_error error = { .status = WISP_OK };
+    static const struct
+    {
+        wisp_track_point point;
+        int count;
+        const char* words;
+    } cases[] = {
+        { { 1, 5 }, 2, "a.csv: track 1 names vertex 5 of body hair-2, which has 5" },
+        { { 1, -1 }, 2, "a.csv: track 1 names vertex -1 of body hair-2, which has 5" },
+        { { 2, 0 }, 2, "a.csv: track 1 names body 2 of 2" },
+        { { 1, 0 }, 0, "a.csv: got 0 vertices, expected at least 1" },
+    };
+    for ( int i = 0; i < WISP_COUNT( cases ); ++i )
+    {
+        const wisp_track_point points[] = { { 0, 0 }, cases[i].point };
+        const wisp_recorder_def def = track_def( points, cases[i].count );
+        wisp_recorder* track = NULL;
+        wisp_error error = { .status = WISP_OK };
+        char* path = path_in( state, "a.csv" );
+        assert_int_equal( wisp_recorder_open( path, WISP_RECORD_TRACKS, &def, &track, &error ), WISP_BAD_INPUT );
+        assert_one_message( &error, WISP_BAD_INPUT, cases[i].words );
+        assert_null( track );
+    }
+    assert_int_equal( count_files( state ), 0 );
+}
+
+static void a_table_of_tracks_is_never_chosen_by_its_name( void** state )
+{
+    const wisp_recorder_def def = track_def( followed, 2 );
+    wisp_recorder* track = NULL;
     char* path = path_in( state, "a.csv" );
-    assert_int_equal( wisp_track_open( path, &def, &track, &error ), WISP_BAD_INPUT );
-    assert_one_message( &error, WISP_BAD_INPUT, "a.csv: track 1 names vertex 5 of body hair-2, which has 5" );
-    points[1] = ( wisp_track_point ){ 2, 0 };
-    assert_int_equal( wisp_track_open( path, &def, &track, &error ), WISP_BAD_INPUT );
-    assert_one_message( &error, WISP_BAD_INPUT, "a.csv: track 1 names body 2 of 2" );
-    def.point_count = 0;
-    assert_int_equal( wisp_track_open( path, &def, &track, &error ), WISP_BAD_INPUT );
-    assert_one_message( &error, WISP_BAD_INPUT, "a.csv: got 0 vertices, expected at least 1" );
-    assert_null( track );
+    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &track, NULL ), WISP_BAD_INPUT );
     assert_int_equal( count_files( state ), 0 );
 }
 
 static void a_number_that_is_not_finite_writes_no_line( void** state )
 {
-    wisp_track* track = open_track( path_in( state, "a.csv" ) );
+    wisp_recorder* track = open_track( path_in( state, "a.csv" ) );
     fixture_frame frame = fixture_points( 0 );
     frame.cloth[1].y = INFINITY;
-    frame.cloth[0].x = NAN; // a vertex without a track
     const wisp_vec3* points[] = { frame.cloth, frame.hair };
     wisp_error error = { .status = WISP_OK };
-    assert_int_equal( wisp_track_frame( track, 0.0, points, &error ), WISP_BAD_INPUT );
-    assert_one_message( &error, WISP_BAD_INPUT, "a.csv: track 1 at 0 s: vertex 1 of body 0 is not finite" );
-    assert_int_equal( wisp_track_frame( track, NAN, points, NULL ), WISP_BAD_INPUT );
+    assert_int_equal( wisp_recorder_frame( track, 0.0, 0, points, &error ), WISP_BAD_INPUT );
+    assert_one_message( &error, WISP_BAD_INPUT, "a.csv: frame 0: body cloth, vertex 1: y is not finite" );
     frame.cloth[1].y = 0.0f;
-    assert_int_equal( wisp_track_frame( track, 0.0, points, NULL ), WISP_OK );
-    assert_int_equal( wisp_track_close( track, NULL ), WISP_OK );
+    assert_int_equal( wisp_recorder_frame( track, 0.0, 0, points, NULL ), WISP_OK );
+    assert_int_equal( wisp_recorder_close( track, NULL ), WISP_OK );
     size_t size = 0;
     char* text = read_bytes( path_in( state, "a.csv" ), &size );
     int lines = 0;
@@ -136,16 +152,16 @@ static void a_full_disk_is_a_message( void** state )
         SKIP( "there is no /dev/full" );
     }
     assert_int_equal( symlink( "/dev/full", path_in( state, "full.csv" ) ), 0 );
-    wisp_track* track = open_track( path_in( state, "full.csv" ) );
+    wisp_recorder* track = open_track( path_in( state, "full.csv" ) );
     wisp_error error = { .status = WISP_OK };
     wisp_status status = WISP_OK;
     for ( int f = 0; f < 2000 && status == WISP_OK; ++f )
     {
-        status = add_line( track, f, &error );
+        status = fixture_add_frame( track, f, &error );
     }
     assert_int_equal( status, WISP_IO_ERROR );
     assert_one_message( &error, WISP_IO_ERROR, "full.csv: cannot write: " );
-    assert_int_equal( wisp_track_close( track, &error ), WISP_IO_ERROR );
+    assert_int_equal( wisp_recorder_close( track, &error ), WISP_IO_ERROR );
 }
 
 // ---- wisp info -------------------------------------------------------------------------------------------------
@@ -244,15 +260,15 @@ static void info_names_the_first_ten_damaged_frames_and_counts_the_rest( void** 
 static void info_tells_what_is_in_a_point_cache( void** state )
 {
     record_plain( path_in( state, "sail.pc2" ), 2 );
-    wisp_pc2* cache = NULL;
+    wisp_recording* cache = NULL;
     assert_int_equal( wisp_pc2_open( path_in( state, "sail.pc2" ), &cache, NULL ), WISP_OK );
     char* text = NULL;
     size_t length = 0;
     FILE* stream = open_memstream( &text, &length );
     assert_non_null( stream );
-    assert_int_equal( wisp_pc2_print( stream, cache, "sail.pc2", NULL ), WISP_OK );
+    assert_int_equal( wisp_recording_print( stream, cache, "sail.pc2", NULL ), WISP_OK );
     fclose( stream );
-    wisp_pc2_close( cache );
+    wisp_recording_close( cache );
     assert_string_equal( text, "sail.pc2: point cache of 2 frames\n"
                                "  frames               from 0, every 1\n"
                                "  points               3, x 0 .. 1, y 0 .. 3, z -0.5 .. 0 m\n"
@@ -266,6 +282,7 @@ int main( void )
         TEST_IN_FOLDER( tracks_are_a_table_whose_numbers_come_back_bit_for_bit ),
         TEST_IN_FOLDER( numbers_have_points_in_a_locale_with_commas ),
         TEST_IN_FOLDER( a_vertex_that_does_not_exist_is_refused_by_its_place ),
+        TEST_IN_FOLDER( a_table_of_tracks_is_never_chosen_by_its_name ),
         TEST_IN_FOLDER( a_number_that_is_not_finite_writes_no_line ),
         TEST_IN_FOLDER( a_full_disk_is_a_message ),
         TEST_IN_FOLDER( info_tells_what_is_in_a_recording ),

@@ -243,20 +243,17 @@ static int frames_in( void** state, const char* name )
     size_t size = 0;
     int count = 0;
     char* text = read_bytes( path_in( state, name ), &size );
-    if ( strcmp( name, "a.wisp" ) == 0 )
+    const bool is_own = strcmp( name, "a.wisp" ) == 0;
+    if ( is_own || strcmp( name, "a_cloth.pc2" ) == 0 )
     {
         wisp_recording* recording = NULL;
-        assert_int_equal( wisp_recording_open( path_in( state, name ), &recording, NULL ), WISP_OK );
+        const char* path = path_in( state, name );
+        assert_int_equal( is_own ? wisp_recording_open( path, &recording, NULL )
+                                 : wisp_pc2_open( path, &recording, NULL ),
+                          WISP_OK );
         assert_true( wisp_recording_describe( recording ).complete );
         count = wisp_recording_describe( recording ).frame_count;
         wisp_recording_close( recording );
-    }
-    else if ( strcmp( name, "a_cloth.pc2" ) == 0 )
-    {
-        wisp_pc2* cache = NULL;
-        assert_int_equal( wisp_pc2_open( path_in( state, name ), &cache, NULL ), WISP_OK );
-        count = wisp_pc2_describe( cache ).frame_count;
-        wisp_pc2_close( cache );
     }
     else if ( strcmp( name, "a.pvd" ) == 0 )
     {

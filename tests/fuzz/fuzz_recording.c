@@ -28,11 +28,12 @@ static void demand_body( const wisp_record_body* body )
 }
 
 // All bytes are accounted for: header, whole frames, and either a reported tail or the mark of the end.
-static void demand_sizes( const wisp_recording_info* info, size_t size )
+// @param mark bytes of the mark of the end
+static void demand_sizes( const wisp_recording_info* info, size_t size, size_t mark )
 {
     uint64_t end = info->first_byte + (uint64_t)info->frame_count * info->frame_bytes;
     demand( info->frame_count >= 0 && info->body_count >= 1 && info->dt > 0.0 );
-    demand( info->complete ? info->tail_bytes == 0 && end + 24 == size : end + info->tail_bytes == size );
+    demand( info->complete ? info->tail_bytes == 0 && end + mark == size : end + info->tail_bytes == size );
 }
 
 // Accepted frames are finite; rejected ones leave no trace in the points.
@@ -73,10 +74,10 @@ static void print_recording( wisp_recording* recording, bool good )
     free( text );
 }
 
-static void use_recording( wisp_recording* recording, size_t size )
+static void use_recording( wisp_recording* recording, size_t size, size_t mark )
 {
     wisp_recording_info info = wisp_recording_describe( recording );
-    demand_sizes( &info, size );
+    demand_sizes( &info, size, mark );
     wisp_vec3** points = calloc( (size_t)info.body_count, sizeof *points );
     demand( points != NULL );
     for ( int b = 0; b < info.body_count; ++b )
@@ -105,7 +106,7 @@ static void run_wisp( const uint8_t* data, size_t size )
         demand_refusal( status, &error );
         return;
     }
-    use_recording( recording, size );
+    use_recording( recording, size, 24 );
     wisp_recording_close( recording );
 }
 
@@ -122,38 +123,9 @@ static void run_sealed( const uint8_t* data, size_t size )
     free( copy );
 }
 
-static void use_cache( wisp_pc2* cache, size_t size )
-{
-    wisp_pc2_info info = wisp_pc2_describe( cache );
-    demand( 32 + 12 * (uint64_t)info.point_count * (uint64_t)info.frame_count == size );
-    wisp_vec3* points = info.frame_count > 0 ? malloc( (size_t)info.point_count * sizeof *points ) : NULL;
-    for ( int f = 0; f < info.frame_count; ++f )
-    {
-        wisp_error error = { .status = WISP_OK };
-        wisp_status status = wisp_pc2_frame( cache, f, points, &error );
-        if ( status == WISP_OK )
-        {
-            demand_finite( points, info.point_count );
-        }
-        else
-        {
-            demand_refusal( status, &error );
-        }
-    }
-    free( points );
-    char* text = NULL;
-    size_t length = 0;
-    FILE* stream = open_memstream( &text, &length );
-    demand( stream != NULL );
-    wisp_pc2_print( stream, cache, "fuzz.pc2", NULL );
-    fclose( stream );
-    demand( length > 0 );
-    free( text );
-}
-
 static void run_pc2( const uint8_t* data, size_t size )
 {
-    wisp_pc2* cache = NULL;
+    wisp_recording* cache = NULL;
     wisp_error error = { .status = WISP_OK };
     wisp_status status = wisp_pc2_open_memory( data, size, "fuzz.pc2", &cache, &error );
     demand( ( cache == NULL ) == ( status != WISP_OK ) );
@@ -162,8 +134,8 @@ static void run_pc2( const uint8_t* data, size_t size )
         demand_refusal( status, &error );
         return;
     }
-    use_cache( cache, size );
-    wisp_pc2_close( cache );
+    use_recording( cache, size, 0 );
+    wisp_recording_close( cache );
 }
 
 int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )

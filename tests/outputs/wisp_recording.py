@@ -1,4 +1,4 @@
-"""A .wisp recording, read from the description of the format in app/io/record_internal.h."""
+"""A .wisp recording, read from the description of the format in app/io/record_wisp.c."""
 import array
 import struct
 import sys

@@ -1,0 +1,306 @@
+// Readers of recordings: the bytes of a file or of memory, and frames of both formats. Files are read piece by piece: a
+// recording may be larger than memory. They are not mapped, because truncating a mapped file during a read kills the
+// process.
+#define _XOPEN_SOURCE 700
+
+#include "record_internal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+// ---- bytes -----------------------------------------------------------------------------------------------------
+
+static wisp_status examine( const char* path, record_source* source, wisp_error* error )
+{
+    struct stat info;
+    if ( fstat( source->descriptor, &info ) != 0 )
+    {
+        return record_refused( path, "examine", error );
+    }
+    if ( !S_ISREG( info.st_mode ) )
+    {
+        return record_wrong( error, path, "got %s, expected a file",
+                             S_ISDIR( info.st_mode ) ? "a folder" : "a device or a pipe" );
+    }
+    source->size = (uint64_t)info.st_size;
+    source->name = strdup( io_short_name( path ) );
+    return source->name != NULL ? WISP_OK : record_no_memory( path, error );
+}
+
+static wisp_status source_open( const char* path, record_source* source, wisp_error* error )
+{
+    *source = ( record_source ){ .descriptor = -1 };
+    // Without O_NONBLOCK a pipe without a writer would block the caller before it can be rejected.
+    source->descriptor = io_file_open( path, O_NONBLOCK, IO_STANDARD_INPUT_MAX );
+    return source->descriptor >= 0 ? examine( path, source, error ) : record_refused( path, "open", error );
+}
+
+static wisp_status source_open_memory( const void* bytes, size_t size, const char* name, record_source* source,
+                                       wisp_error* error )
+{
+    // Null marks a file, so empty memory needs an address too.
+    static const unsigned char nothing[1];
+    *source = ( record_source ){
+        .bytes = size > 0 ? bytes : nothing,
+        .size = size,
+        .descriptor = -1,
+        .name = strdup( io_short_name( name ) ),
+    };
+    return source->name != NULL ? WISP_OK : record_no_memory( name, error );
+}
+
+static void source_close( record_source* source )
+{
+    if ( source->descriptor >= 0 )
+    {
+        close( source->descriptor );
+    }
+    free( source->buffer );
+    free( source->name );
+}
+
+static wisp_status make_room( record_source* source, size_t size, wisp_error* error )
+{
+    if ( size <= source->buffer_size )
+    {
+        return WISP_OK;
+    }
+    unsigned char* larger = realloc( source->buffer, size );
+    if ( larger == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %zu bytes", source->name, size );
+    }
+    source->buffer = larger;
+    source->buffer_size = size;
+    return WISP_OK;
+}
+
+wisp_status record_source_read( record_source* source, uint64_t at, size_t size, const unsigned char** view,
+                                wisp_error* error )
+{
+    if ( source->bytes != NULL )
+    {
+        *view = source->bytes + at;
+        return WISP_OK;
+    }
+    wisp_status status = make_room( source, size, error );
+    for ( size_t done = 0; status == WISP_OK && done < size; )
+    {
+        ssize_t got = pread( source->descriptor, source->buffer + done, size - done, (off_t)( at + done ) );
+        if ( got > 0 )
+        {
+            done += (size_t)got;
+        }
+        else if ( got == 0 )
+        {
+            status = wisp_fail( error, WISP_IO_ERROR, "%s: byte %llu: the file became shorter while it was read",
+                                source->name, (unsigned long long)( at + done ) );
+        }
+        else if ( errno != EINTR )
+        {
+            status = record_refused( source->name, "read", error );
+        }
+    }
+    *view = source->buffer;
+    return status;
+}
+
+wisp_status record_read_start( record_source* source, const record_start* start, const unsigned char** bytes,
+                               wisp_error* error )
+{
+    const size_t size = source->size < start->size ? (size_t)source->size : start->size;
+    const wisp_status status = record_source_read( source, 0, size, bytes, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( size == 0 )
+    {
+        return record_wrong( error, source->name, "the file is empty" );
+    }
+    if ( memcmp( *bytes, start->magic, size < start->magic_size ? size : start->magic_size ) != 0 )
+    {
+        return record_wrong_byte( source, 0, error, "expected %s", start->what );
+    }
+    if ( size < start->size )
+    {
+        return record_wrong_byte( source, size, error, "the file ends inside the header of %zu bytes", start->size );
+    }
+    // Both formats have the version after the magic, and only one of it.
+    const uint32_t version = io_get_u32( *bytes + start->magic_size );
+    return version == 1
+               ? WISP_OK
+               : record_wrong_byte( source, start->magic_size, error, "got version %u, expected version 1", version );
+}
+
+// ---- opening ---------------------------------------------------------------------------------------------------
+
+// Ends a source that could not be opened, too.
+static wisp_status open_source( record_source* source, bool is_cache, wisp_status status, wisp_recording** out,
+                                wisp_error* error )
+{
+    record_memory memory = { 0 };
+    wisp_recording* recording = status == WISP_OK ? record_get( &memory, sizeof *recording ) : NULL;
+    *out = recording;
+    if ( recording == NULL )
+    {
+        status = status == WISP_OK ? record_no_memory( source->name, error ) : status;
+        source_close( source );
+        return status;
+    }
+    *recording = ( wisp_recording ){ .source = *source, .memory = memory, .is_cache = is_cache };
+    status = is_cache ? record_read_cache( recording, error ) : record_read_own( recording, error );
+    if ( status != WISP_OK )
+    {
+        wisp_recording_close( recording );
+        *out = NULL;
+    }
+    return status;
+}
+
+static wisp_status open_path( const char* path, bool is_cache, wisp_recording** out, wisp_error* error )
+{
+    record_source source;
+    return open_source( &source, is_cache, source_open( path, &source, error ), out, error );
+}
+
+static wisp_status open_memory( const void* bytes, size_t size, const char* name, bool is_cache, wisp_recording** out,
+                                wisp_error* error )
+{
+    record_source source;
+    return open_source( &source, is_cache, source_open_memory( bytes, size, name, &source, error ), out, error );
+}
+
+wisp_status wisp_recording_open( const char* path, wisp_recording** out, wisp_error* error )
+{
+    return open_path( path, false, out, error );
+}
+
+wisp_status wisp_recording_open_memory( const void* bytes, size_t size, const char* name, wisp_recording** out,
+                                        wisp_error* error )
+{
+    return open_memory( bytes, size, name, false, out, error );
+}
+
+wisp_status wisp_pc2_open( const char* path, wisp_recording** out, wisp_error* error )
+{
+    return open_path( path, true, out, error );
+}
+
+wisp_status wisp_pc2_open_memory( const void* bytes, size_t size, const char* name, wisp_recording** out,
+                                  wisp_error* error )
+{
+    return open_memory( bytes, size, name, true, out, error );
+}
+
+void wisp_recording_close( wisp_recording* recording )
+{
+    if ( recording != NULL )
+    {
+        source_close( &recording->source );
+        record_memory memory = recording->memory; // the recording is in it
+        record_release( &memory );
+    }
+}
+
+wisp_recording_info wisp_recording_describe( const wisp_recording* recording )
+{
+    return recording->info;
+}
+
+const wisp_record_body* wisp_recording_body( const wisp_recording* recording, int body )
+{
+    return &recording->bodies[body];
+}
+
+// ---- frames ----------------------------------------------------------------------------------------------------
+
+uint64_t record_frame_byte( const wisp_recording* recording, int index )
+{
+    return recording->info.first_byte + (uint64_t)index * recording->info.frame_bytes;
+}
+
+// @param at the byte in the frame where the point starts
+static wisp_status refuse_point( const wisp_recording* recording, int index, const char* body, size_t vertex,
+                                 size_t at, wisp_error* error )
+{
+    const uint64_t byte = record_frame_byte( recording, index );
+    return recording->is_cache ? record_wrong_byte( &recording->source, byte + at, error,
+                                                    "frame %d, point %zu is not finite", index, vertex )
+                               : record_wrong( error, recording->source.name,
+                                               "frame %d at byte %llu: body %s, vertex %zu is not finite", index,
+                                               (unsigned long long)byte, body, vertex );
+}
+
+static wisp_status check_points( const wisp_recording* recording, int index, const unsigned char* bytes,
+                                 wisp_error* error )
+{
+    size_t at = recording->points_at;
+    for ( int b = 0; b < recording->info.body_count; ++b )
+    {
+        const wisp_record_body* body = &recording->bodies[b];
+        for ( size_t i = 0; i < 3 * (size_t)body->vertex_count; ++i, at += 4 )
+        {
+            if ( !isfinite( io_get_float( bytes + at ) ) )
+            {
+                return refuse_point( recording, index, body->name, i / 3, at - 4 * ( i % 3 ), error );
+            }
+        }
+        for ( size_t i = 0; i < (size_t)record_triangle_bytes( body ) / 4; ++i, at += 4 )
+        {
+            const uint32_t vertex = io_get_u32( bytes + at );
+            if ( vertex >= (uint32_t)body->vertex_count )
+            {
+                return record_wrong( error, recording->source.name,
+                                     "frame %d at byte %llu: body %s, triangle %zu: got vertex %u, expected 0 .. %d",
+                                     index, (unsigned long long)record_frame_byte( recording, index ), body->name,
+                                     i / 3, vertex, body->vertex_count - 1 );
+            }
+        }
+    }
+    return WISP_OK;
+}
+
+wisp_status wisp_recording_frame( wisp_recording* recording, int index, wisp_vec3* const* points, double* time,
+                                  uint64_t* hash, wisp_error* error )
+{
+    const wisp_recording_info* info = &recording->info;
+    if ( index < 0 || index >= info->frame_count )
+    {
+        return record_wrong( error, recording->source.name, "got frame %d, the %s has %d", index,
+                             recording->is_cache ? "cache" : "recording", info->frame_count );
+    }
+    const unsigned char* bytes = NULL;
+    double own_time = index;
+    uint64_t own_hash = 0;
+    wisp_status status = record_source_read( &recording->source, record_frame_byte( recording, index ),
+                                             (size_t)info->frame_bytes, &bytes, error );
+    if ( status == WISP_OK && !recording->is_cache )
+    {
+        status = record_check_own( recording, index, bytes, &own_time, &own_hash, error );
+    }
+    status = status == WISP_OK ? check_points( recording, index, bytes, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const unsigned char* at = bytes + recording->points_at;
+    for ( int b = 0; points != NULL && b < info->body_count; ++b )
+    {
+        const wisp_record_body* body = &recording->bodies[b];
+        const size_t numbers = 3 * (size_t)body->vertex_count, corners = (size_t)record_triangle_bytes( body ) / 4;
+        if ( points[b] != NULL )
+        {
+            io_get_words( points[b], at, numbers );
+            io_get_words( (void*)(uintptr_t)body->triangles, at + 4 * numbers, corners );
+        }
+        at += 4 * ( numbers + corners );
+    }
+    *( time != NULL ? time : &own_time ) = own_time;
+    *( hash != NULL ? hash : &own_hash ) = own_hash;
+    return WISP_OK;
+}
