@@ -1,7 +1,7 @@
 #include "scene_schema.h"
 #include "nearest.h"
 #include "scene_parts.h"
-#include "scene_renamed.h"
+#include "scene_removed.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -209,15 +209,15 @@ static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node
     {
         known[i] = block->fields[i].key;
     }
-    const char* now = scene_find_renamed_key( r->path, key, known, count );
-    const char* near = now ? NULL : nearest_word( key, known, count );
+    const char* use = scene_find_removed( r->path, key, false );
+    const char* near = use ? NULL : nearest_word( key, known, count );
     const int near_count = count > LISTED_KEYS ? nearest_words( key, known, count, nearest, NEAR_KEYS ) : 0;
     char message[480];
     list_keys( count > LISTED_KEYS ? nearest : known, count > LISTED_KEYS ? near_count : count, list, sizeof list );
     path_of_keys( r->path, path, sizeof path );
-    if ( now )
+    if ( use )
     {
-        snprintf( message, sizeof message, "`%s` is called `%s` now", key, now );
+        snprintf( message, sizeof message, "'%s' is gone; %s", key, use );
     }
     else if ( near )
     {

@@ -1,6 +1,6 @@
 #include "scene_schema.h"
 #include "nearest.h"
-#include "scene_renamed.h"
+#include "scene_removed.h"
 
 #include <errno.h>
 #include <math.h>
@@ -289,10 +289,10 @@ wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const sc
             return WISP_OK;
         }
     }
-    const char* now = scene_find_renamed_word( r->path, text, words, count );
-    if ( now )
+    const char* use = scene_find_removed( r->path, text, true );
+    if ( use )
     {
-        return scene_refuse_node( r, node, "`%s` is called `%s` now", text, now );
+        return scene_refuse_node( r, node, "'%s' is gone; %s", text, use );
     }
     const char* near = nearest_word( text, words, count );
     return scene_refuse_node( r, node, "got '%s', expected %s%s%s%s", scene_shorten( text ).text, list,

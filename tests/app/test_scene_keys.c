@@ -1,12 +1,11 @@
-// The reference of all keys: it equals docs/scenes.md, describes every key completely, and old names lead to new ones
-// that are in it.
+// The reference of all keys: it equals docs/scenes.md, describes every key completely, and what is gone has an answer.
 #define _XOPEN_SOURCE 700
 
 #include "files.h"
 
 #include "scene.h"
 #include "scene_keys.h"
-#include "scene_renamed.h"
+#include "scene_removed.h"
 
 static const char DOCUMENT[] = WISP_SOURCE_ROOT "/docs/scenes.md";
 
@@ -138,92 +137,21 @@ static void a_default_is_that_of_the_module( void** state )
     free( text );
 }
 
-// ---- old names ----
+// ---- what is gone ----
 
-// The beginning of a line of the reference, where its section's last key is `where`, or anywhere.
-static bool is_there( const char* text, const char* where, const char* line )
-{
-    bool counts = !where;
-    for ( const char* at = text; at; at = strchr( at, '\n' ), at = at ? at + 1 : NULL )
-    {
-        if ( strncmp( at, "### ", 4 ) == 0 && where )
-        {
-            const size_t length = strcspn( at, "\n" ), size = strlen( where );
-            const char* end = at + length;
-            end -= end[-1] == '`';
-            end -= end[-1] == ']' ? 2 : 0;
-            counts = (size_t)( end - at ) > size && memcmp( end - size, where, size ) == 0;
-        }
-        if ( counts && strncmp( at, line, strlen( line ) ) == 0 )
-        {
-            return true;
-        }
-    }
-    return false;
-}
-
-static void every_old_key_leads_to_a_key_that_is_read( void** state )
+static void what_is_gone_is_found_in_its_own_block( void** state )
 {
     (void)state;
-    int count = 0;
-    char* text = keys_of( NULL, &count );
-    for ( int i = 0; i < SCENE_RENAMED_KEY_COUNT; ++i )
-    {
-        const scene_renamed* row = &SCENE_RENAMED_KEYS[i];
-        char now[80], old[80];
-        snprintf( now, sizeof now, "- `%s`", row->now );
-        snprintf( old, sizeof old, "- `%s`", row->old );
-        if ( !is_there( text, row->where, now ) || ( row->where && is_there( text, row->where, old ) ) )
-        {
-            fail_msg( "%s -> %s", row->old, row->now );
-        }
-    }
-    free( text );
-}
-
-// Whether a key of that name, in any section, has the word.
-static bool has_word( const char* text, const char* key, const char* word )
-{
-    char key_line[80], word_line[80];
-    snprintf( key_line, sizeof key_line, "\n- `%s`", key );
-    snprintf( word_line, sizeof word_line, "\n  - `%s`", word );
-    const char* at = strstr( text, key_line );
-    bool found = false;
-    while ( at && !found )
-    {
-        const char *place = strstr( at, word_line ), *next = strstr( at + 1, "\n- `" );
-        found = place && ( !next || place < next );
-        at = strstr( at + 1, key_line );
-    }
-    return found;
-}
-
-static void every_old_word_leads_to_a_word_that_is_read( void** state )
-{
-    (void)state;
-    int count = 0;
-    char* text = keys_of( NULL, &count );
-    for ( int i = 0; i < SCENE_RENAMED_WORD_COUNT; ++i )
-    {
-        const scene_renamed* row = &SCENE_RENAMED_WORDS[i];
-        if ( !has_word( text, row->where, row->now ) )
-        {
-            fail_msg( "%s: %s -> %s", row->where, row->old, row->now );
-        }
-    }
-    free( text );
-}
-
-static void an_old_name_counts_only_where_the_new_one_is_known( void** state )
-{
-    (void)state;
-    static const char* const known[] = { "internal_damping", "wind" };
-    const char* now = scene_find_renamed_key( "surfaces[3].cloth", "damping", known, 2 );
-    assert_non_null( now );
-    assert_string_equal( now, "internal_damping" );
-    assert_null( scene_find_renamed_key( "surfaces[3].cloth", "damping", known + 1, 1 ) );
-    assert_null( scene_find_renamed_key( "surfaces[3].cloths", "damping", known, 2 ) );
-    assert_null( scene_find_renamed_key( "surfaces[3].cloth", "dampings", known, 2 ) );
+    const char* use = scene_find_removed( "strands[3].dynamics", "leader_correction", false );
+    assert_non_null( use );
+    assert_null( scene_find_removed( "strands[3].frozen_hair", "leader_correction", false ) );
+    assert_null( scene_find_removed( "strands[3].dynamics.leader_correction", "leader_correction", true ) );
+    assert_non_null( scene_find_removed( "strands[3].dynamics.stretch", "follow", true ) );
+    assert_non_null( scene_find_removed( "strands[3].dynamics.stretch[2]", "follow", true ) );
+    assert_null( scene_find_removed( "strands[3].dynamics.stretch", "fellow", true ) );
+    assert_null( scene_find_removed( "strands[3].dynamics.bending", "follow", true ) );
+    assert_null( scene_find_removed( "stretch", "follow", true ) );
+    assert_null( scene_find_removed( "", "leader_correction", false ) );
 }
 
 int main( void )
@@ -235,9 +163,7 @@ int main( void )
         cmocka_unit_test( a_block_is_written_with_the_blocks_in_it ),
         cmocka_unit_test( an_unknown_block_writes_nothing ),
         cmocka_unit_test( a_default_is_that_of_the_module ),
-        cmocka_unit_test( every_old_key_leads_to_a_key_that_is_read ),
-        cmocka_unit_test( every_old_word_leads_to_a_word_that_is_read ),
-        cmocka_unit_test( an_old_name_counts_only_where_the_new_one_is_known ),
+        cmocka_unit_test( what_is_gone_is_found_in_its_own_block ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }
