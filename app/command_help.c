@@ -73,18 +73,16 @@ int command_help( int argc, char** argv )
 
 // ---- completion ----
 
-static const char* const shell_words[] = { "bash", "zsh", "fish" };
+static const char* const shell_words[] = { "bash" };
 
 const command_text completion_text = {
     .name = "completion",
     .operands = "SHELL",
     .noun = "shell",
-    .summary = "print the completions of a shell: bash, zsh or fish",
-    .about = "Print a script that makes a shell complete commands, options, their words and files.",
-    .notes = "Packages install these scripts. For one user:\n"
-             "  bash    wisp completion bash > ~/.local/share/bash-completion/completions/wisp\n"
-             "  zsh     wisp completion zsh > a folder of $fpath/_wisp\n"
-             "  fish    wisp completion fish > ~/.config/fish/completions/wisp.fish",
+    .summary = "print the completions of bash",
+    .about = "Print a script that makes bash complete commands, options, their words and files.",
+    .notes = "Packages install this script. For one user:\n"
+             "  wisp completion bash > ~/.local/share/bash-completion/completions/wisp",
     .examples = "source <(wisp completion bash)",
     .values = OPTION_WORDS( shell_words ),
 };
@@ -102,17 +100,15 @@ static bool take_completion( options_state* o, int key, const char* argument )
     }
     if ( key == OPTIONS_END && *shell < 0 )
     {
-        options_fail( o, "expected a shell: bash, zsh or fish" );
+        options_fail( o, "expected a shell: bash" );
     }
     return true;
 }
 
 int command_completion( int argc, char** argv )
 {
-    typedef void print_fn( const command_text* program, FILE* out );
-    static print_fn* const prints[] = { options_print_bash, options_print_zsh, options_print_fish };
     int shell = -1;
     options_parse( &completion_text, take_completion, &shell, argc, argv );
-    prints[shell]( &program_text, stdout );
+    options_print_bash( &program_text, stdout );
     return flush();
 }

@@ -129,5 +129,3 @@ void options_print_usage( const command_text* command, FILE* out );
 void options_print_manual( const command_text* command, FILE* out );
 /// Scripts that make a shell complete the words of a command line. @param program with its commands
 void options_print_bash( const command_text* program, FILE* out );
-void options_print_zsh( const command_text* program, FILE* out );
-void options_print_fish( const command_text* program, FILE* out );

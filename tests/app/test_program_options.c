@@ -59,7 +59,7 @@ static void usage_errors_are_one_line_that_suggests_the_nearest( void** state )
         { "run flag.yaml -qx", "wisp run: got option '-q', which does not exist; 'wisp run --help' lists all\n" },
         { "--verbose", "wisp: got option '--verbose', which does not exist; 'wisp --help' lists all\n" },
         { "help rnu", "wisp: got command 'rnu'; did you mean 'run'?\n" },
-        { "completion csh", "wisp completion: shell: got 'csh'; did you mean 'zsh'?\n" },
+        { "completion csh", "wisp completion: shell: got 'csh', expected bash\n" },
         { "gate check a.yaml b.yaml", "wisp gate: got a second suite 'b.yaml', expected one\n" },
     };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
@@ -117,7 +117,7 @@ static int each_option( const char* help, void ( *found )( const char* name ) )
     return count;
 }
 
-static char manual[OUTPUT_MAX], bash[OUTPUT_MAX], zsh[OUTPUT_MAX], fish[OUTPUT_MAX], verb[32];
+static char manual[OUTPUT_MAX], bash[OUTPUT_MAX], verb[32];
 
 static void assert_is_everywhere( const char* name )
 {
@@ -129,11 +129,8 @@ static void assert_is_everywhere( const char* name )
     }
     snprintf( word, sizeof word, "\\fB\\-\\-%s\\fR", escaped );
     assert_non_null( strstr( manual, word ) );
-    snprintf( word, sizeof word, "'__fish_seen_subcommand_from %s' -l %s ", verb, name );
-    assert_non_null( strstr( fish, word ) );
     snprintf( word, sizeof word, "--%s", name );
     assert_non_null( strstr( bash, word ) );
-    assert_non_null( strstr( zsh, word ) );
 }
 
 static void every_option_in_help_is_in_the_manual_and_in_completions( void** state )
@@ -143,10 +140,6 @@ static void every_option_in_help_is_in_the_manual_and_in_completions( void** sta
                                          "torture", "accuracy", "gate", "compare", "help", "completion" };
     run_ok( "completion bash" );
     strcpy( bash, result.out );
-    run_ok( "completion zsh" );
-    strcpy( zsh, result.out );
-    run_ok( "completion fish" );
-    strcpy( fish, result.out );
     int count = 0;
     for ( int i = 0; i < WISP_COUNT( verbs ); ++i )
     {

@@ -1,6 +1,5 @@
 #!/bin/bash
-# What the program writes for shells and for man: bash completes some words, fish too, zsh takes the script, and the
-# manual pages are clean. A shell that is not installed is named and left out.
+# What the program writes for bash and for man: bash completes some words, and the manual pages are clean.
 #
 #     test_completions.sh PROGRAM
 set -euo pipefail
@@ -52,33 +51,11 @@ completes "" run --steps ""
 completes "--steps" run --st
 completes "record" gate r
 completes "run render" help r
-completes "zsh" completion z
+completes "bash" completion b
 completes "strands stability" bench st
 completes "--turntable" render flag.wisp --tu
 cd ..
 echo "bash completes commands, options, words and files"
-
-# ---- zsh and fish ----
-
-"$wisp" completion zsh >_wisp
-if command -v zsh >/dev/null; then
-    zsh -f -n _wisp || fail "zsh: the script has an error"
-    # shellcheck disable=SC2016 # for zsh
-    zsh -f -c 'fpath=(. $fpath); autoload -U compinit; compinit -u -D; [[ $_comps[wisp] == _wisp ]]; autoload +X _wisp' ||
-        fail "zsh: the script is not found by compinit"
-    echo "zsh takes the script"
-else
-    echo "skipped: zsh is not installed, so its script is not tested"
-fi
-
-"$wisp" completion fish >wisp.fish
-if command -v fish >/dev/null; then
-    got=$(HOME=$folder fish --no-config -c 'source wisp.fish; complete -C "wisp re" | string split -f1 \t; complete -C "wisp run --format j" | string split -f1 \t; complete -C "wisp render --tur" | string split -f1 \t; complete -C "wisp completion z" | string split -f1 \t; true' | tr '\n' ' ')
-    [ "$got" = "render json --turntable zsh " ] || fail "fish completes to '$got'"
-    echo "fish completes commands, options and words"
-else
-    echo "skipped: fish is not installed, so its script is not tested"
-fi
 
 # ---- manual pages ----
 

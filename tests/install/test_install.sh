@@ -73,8 +73,6 @@ if [ "$(find "$root" -name wisp.1)" ]; then
         diff "$page" <("$wisp" help --man "$command") || fail "the manual page of wisp $command is not that of the program"
     done
     diff "$share/bash-completion/completions/wisp.bash" <("$wisp" completion bash) || fail "the completions of bash"
-    diff "$share/zsh/site-functions/_wisp" <("$wisp" completion zsh) || fail "the completions of zsh"
-    diff "$share/fish/vendor_completions.d/wisp.fish" <("$wisp" completion fish) || fail "the completions of fish"
     echo "manual pages and completions are those of the program"
 fi
 [ -s "$share/doc/wisp/LICENSE" ] || fail "no licence is installed"

@@ -1,27 +1,25 @@
 /**
  * Makes the gallery: every scene of data/scenes and every figure of the papers, with what is shown and what it cost.
  *
- *     node web/site/build_gallery.mjs TREE WISP OUTPUT [--quick]
+ *     node web/gallery/build_gallery.mjs TREE WISP OUTPUT [--quick]
  *
- * Writes OUTPUT/index.html and its pictures. A scene's caption is the comment that begins its file; `pictures` in site.json has the
+ * Writes OUTPUT/index.html and its pictures. A scene's caption is the comment that begins its file; `pictures` in gallery.json has the
  * options of its pictures, and `figures` the cases of `wisp bench` that draw. --quick draws fewer and smaller pictures.
  */
 import { execFileSync, spawnSync } from "node:child_process";
 import { copyFile, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
 import { basename, dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
-import { head } from "./frame.mjs";
-import { escape } from "./escape.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const words = process.argv.slice(2).filter((word) => word !== "--quick");
 const isQuick = process.argv.includes("--quick");
 if (words.length !== 3) {
-    console.error("usage: node web/site/build_gallery.mjs TREE WISP OUTPUT [--quick]");
+    console.error("usage: node web/gallery/build_gallery.mjs TREE WISP OUTPUT [--quick]");
     process.exit(64);
 }
 const [tree, wisp, output] = words.map((path) => resolve(path));
-const settings = JSON.parse(await readFile(join(here, "site.json"), "utf8"));
+const settings = JSON.parse(await readFile(join(here, "gallery.json"), "utf8"));
 const look = isQuick ? ["--size", "320x200", "--samples", "4"] : ["--samples", "32"];
 
 /** The program says what is wrong itself. */
@@ -39,6 +37,10 @@ function commentOf(text) {
     const end = lines.findIndex((line) => !line.startsWith("#"));
     return lines.slice(0, end).map((line) => line.replace(/^#\s?/, "")).join(" ");
 }
+
+/** Text as it stands in HTML, also within quotes. */
+const escape = (text) =>
+    text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;").replaceAll('"', "&quot;");
 
 const grouped = (number) => String(number).replace(/\B(?=(\d{3})+$)/g, "\u202f");
 
@@ -90,13 +92,18 @@ await rm(output, { recursive: true, force: true });
 await mkdir(output, { recursive: true });
 const sections = [{ title: "Scenes", figures: await sceneFigures() }];
 for (const one of settings.figures) sections.push(...(await paperFigures(one)));
-for (const name of ["base.css", "pages.css", "icon.svg"]) await copyFile(join(here, name), join(output, name));
+for (const name of ["gallery.css", "icon.svg"]) await copyFile(join(here, name), join(output, name));
 await writeFile(join(output, "index.html"), `<!DOCTYPE html>
 <html lang="en">
 <head>
-${head("index.html", "Wisp in pictures", ["base.css", "pages.css"], "Every scene and every figure of the papers")}
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="description" content="Every scene and every figure of the papers">
+<title>Wisp in pictures</title>
+<link rel="icon" href="icon.svg">
+<link rel="stylesheet" href="gallery.css">
 </head>
-<body class="wide"><main class="gallery"><h1>Wisp in pictures</h1>
+<body><main><h1>Wisp in pictures</h1>
 ${sections.filter(({ figures }) => figures.length > 0).map(section).join("\n")}
 </main></body>
 </html>
