@@ -28,7 +28,7 @@ typedef struct gate_options
 {
     bool has_action;
     gate_action action;
-    const char *suite, *base, *isa, *reason, *junit, *html, *badge, *paired;
+    const char *suite, *base, *isa, *reason, *junit, *html, *paired;
     bool no_instructions, has_cycles, is_strict, prints_annotations, takes_turns;
     int row, trials;
     gate_slow slow; // step: by how much it is slowed down
@@ -88,9 +88,6 @@ static bool take( options_state* p, int key, const char* argument )
             return true;
         case GATE_KEY_HTML:
             o->html = option_file( p, argument );
-            return true;
-        case GATE_KEY_BADGE:
-            o->badge = option_file( p, argument );
             return true;
         case GATE_KEY_GITHUB:
             o->prints_annotations = true;
@@ -277,7 +274,6 @@ static wisp_status report( const wisp_suite* suite, int all, const gate_options*
     }
     wisp_status status = results_write_file( &out, o->format, NULL, error );
     status = status == WISP_OK && o->junit ? gate_write_junit( suite, checks, o->junit, error ) : status;
-    status = status == WISP_OK && o->badge ? gate_write_badge( suite, checks, o->badge, error ) : status;
     status = status == WISP_OK && o->html ? gate_write_page( suite, checks, &out, o->html, error ) : status;
     results_free( &out );
     free( checks );

@@ -16,7 +16,7 @@
 typedef struct sweep_arguments
 {
     const char *suite, *folder, *shard;
-    int shards, workers;
+    int workers;
     bool resumes, is_exclusive, only_list;
 } sweep_arguments;
 
@@ -30,9 +30,6 @@ static bool take( options_state* o, int key, const char* argument )
             return true;
         case BENCH_KEY_SHARD:
             a->shard = argument;
-            return true;
-        case BENCH_KEY_SHARDS:
-            a->shards = option_whole( o, argument, 1, SWEEP_MAX_SHARDS );
             return true;
         case BENCH_KEY_RESUME:
             a->resumes = true;
@@ -60,18 +57,6 @@ static bool take( options_state* o, int key, const char* argument )
         default:
             return option_input( o, key, argument, &a->suite );
     }
-}
-
-static wisp_status find_shard( const sweep_arguments* a, sweep_shard* out, wisp_error* error )
-{
-    if ( a->shard == NULL )
-    {
-        return sweep_shard_from_environment( a->shards, out, error );
-    }
-    const wisp_status status = sweep_shard_parse( a->shard, out, error );
-    return status != WISP_OK || a->shards == 0 || a->shards == out->count
-               ? status
-               : wisp_fail( error, WISP_BAD_INPUT, "--shards: got %d, and --shard says %d", a->shards, out->count );
 }
 
 static int count_items( const wisp_suite* suite, const sweep_shard* shard )
@@ -162,12 +147,11 @@ static wisp_status run_items( const sweep_settings* settings, const sweep_shard*
     return status;
 }
 
-static void say( const sweep_arguments* a, const sweep_shard* shard, const tally* t, bool is_whole )
+static void say( const sweep_shard* shard, const tally* t, bool is_whole )
 {
     char line[300];
-    const char* by = shard->source != NULL && a->shard == NULL ? shard->source : "";
-    snprintf( line, sizeof line, "shard %d of %d%s%s%s: %d of %d item%s", shard->index + 1, shard->count,
-              by[0] ? " (" : "", by, by[0] ? ")" : "", t->found + t->run, t->items, t->items == 1 ? "" : "s" );
+    snprintf( line, sizeof line, "shard %d of %d: %d of %d item%s", shard->index + 1, shard->count, t->found + t->run,
+              t->items, t->items == 1 ? "" : "s" );
     results_append_count( line, sizeof line, t->found, "from before" );
     results_append_count( line, sizeof line, t->failed, "could not be run" );
     results_append_count( line, sizeof line, t->unexpected, "not as expected" );
@@ -207,7 +191,7 @@ static wisp_status run_shard( const sweep_arguments* a, const wisp_suite* suite,
         status = run_items( &settings, shard, &found, &writer, t, error );
         const bool is_whole = status == WISP_OK;
         status = is_whole && writer.is_done == false ? sweep_writer_finish( &writer, error ) : status;
-        say( a, shard, t, is_whole );
+        say( shard, t, is_whole );
     }
     sweep_writer_close( &writer );
     sweep_part_release( &found );
@@ -223,9 +207,9 @@ int bench_sweep( int argc, char** argv )
     interruption_begin();
     wisp_error error = { 0 };
     wisp_suite suite = { .rows = NULL };
-    sweep_shard shard;
+    sweep_shard shard = { 0, 1 };
     tally t = { 0 };
-    wisp_status status = find_shard( &a, &shard, &error );
+    wisp_status status = a.shard ? sweep_shard_parse( a.shard, &shard, &error ) : WISP_OK;
     status = status == WISP_OK ? suite_read( a.suite, &suite, &error ) : status;
     if ( status == WISP_OK && suite.compares_overlap )
     {

@@ -130,10 +130,7 @@ static const option_row sweep_rows[] = {
     OPTION_TITLE( "What is run:" ),
     { "output", BENCH_KEY_OUTPUT, "FOLDER", "Folder of the parts, made if it is not there; required",
       OPTION_FILES( "/" ) },
-    { "shard", BENCH_KEY_SHARD, "I/N",
-      "The share I of N, from 1/N to N/N; default: what the scheduler says, else all", OPTION_ANY },
-    { "shards", BENCH_KEY_SHARDS, "N", "N shares, where the scheduler says only which one this is, from 1 on",
-      OPTION_ANY },
+    { "shard", BENCH_KEY_SHARD, "K/N", "The share K of N, from 1/N to N/N; default: all", OPTION_ANY },
     { "resume", BENCH_KEY_RESUME, NULL, "Go on with a part that was begun, and accept one that is done", OPTION_ANY },
     { "list", BENCH_KEY_LIST, NULL, "Print the numbers, hashes and names of the items, and run none", OPTION_ANY },
     OPTION_TITLE( "Times:" ),
@@ -150,12 +147,10 @@ const command_text sweep_text = {
              "part file. 'wisp merge' makes one result of all parts. docs/scaling.md shows how clusters run it.",
     .notes = "Rows go to shares by the hash of their settings; one in a hundred is run by two of them, and must\n"
              "have the same bits. A part has a line for each row that was run, so a process that is killed\n"
-             "loses the row that it ran; --resume goes on. Without --shard the share is that of a Slurm array\n"
-             "(SLURM_ARRAY_TASK_ID), of GTEST_SHARD_INDEX, of a PBS array (PBS_ARRAY_INDEX, with --shards), or of\n"
-             "a job of HTCondor.",
+             "loses the row that it ran; --resume goes on.",
     .examples = "wisp sweep suite.yaml -o results\n"
                 "wisp sweep suite.yaml -o results --shard 2/8 --resume\n"
-                "sbatch --array=1-8 --requeue --wrap 'wisp sweep suite.yaml -o results --resume'",
+                "sbatch --array=1-8 --wrap 'wisp sweep s.yaml -o out --resume --shard $SLURM_ARRAY_TASK_ID/8'",
     .unmet = "a row could not be run, or breaks a check that it should not",
     .rows = sweep_rows,
     .row_count = WISP_COUNT( sweep_rows ),
@@ -213,12 +208,10 @@ static const option_row gate_rows[] = {
       'f',
       "FORMAT",
       "text (default), markdown, csv or json",
-      { results_format_names, RESULTS_GBENCH, NULL } },
+      { results_format_names, RESULTS_GITHUB, NULL } },
     { "junit", GATE_KEY_JUNIT, "FILE", "Write JUnit's XML too, a test case for each row", OPTION_FILES( ".xml" ) },
     { "html", GATE_KEY_HTML, "FILE", "Write one HTML page too, with charts of before and after",
       OPTION_FILES( ".html" ) },
-    { "badge", GATE_KEY_BADGE, "FILE", "Write an SVG picture of the verdict too, for a README",
-      OPTION_FILES( ".svg" ) },
     { "github", GATE_KEY_GITHUB, NULL, "Print annotations for GitHub before the report", OPTION_ANY },
 };
 

@@ -21,7 +21,7 @@ static const option_row rows[] = {
       'f',
       "FORMAT",
       "text (default), markdown, csv or json",
-      { results_format_names, RESULTS_GBENCH, NULL } },
+      { results_format_names, RESULTS_GITHUB, NULL } },
 };
 
 const command_text compare_text = {

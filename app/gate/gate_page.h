@@ -1,4 +1,4 @@
-/// One HTML page of a check, with charts of before and after, and a badge.
+/// One HTML page of a check, with charts of before and after.
 #pragma once
 
 #include "gate_check.h"
@@ -8,7 +8,3 @@
 /// @return WISP_IO_ERROR; WISP_NO_MEMORY
 wisp_status gate_write_page( const wisp_suite* suite, const gate_row_check* checks, results* report, const char* path,
                              wisp_error* error );
-
-/// An SVG picture of the verdict, for a README. @return WISP_IO_ERROR
-wisp_status gate_write_badge( const wisp_suite* suite, const gate_row_check* checks, const char* path,
-                              wisp_error* error );

@@ -163,10 +163,7 @@ typedef enum results_format
     RESULTS_MARKDOWN,
     RESULTS_CSV,
     RESULTS_JSON,
-    RESULTS_GBENCH,    ///< google-benchmark's JSON, for its compare.py and for services that read it
-    RESULTS_BENCHER,   ///< Bencher's metric format
-    RESULTS_GITHUB,    ///< the custom format of github-action-benchmark, smaller is better
-    RESULTS_HYPERFINE, ///< hyperfine's export, for its scripts
+    RESULTS_GITHUB, ///< the custom format of github-action-benchmark, smaller is better
     RESULTS_FORMAT_COUNT,
 } results_format;
 

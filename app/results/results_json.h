@@ -10,19 +10,8 @@
 /// Our own schema: {"wisp_results":2, "date":.., "options":.., "machine":{..}, "build":{..}, "rows":[..], "notes":[..]}.
 wisp_status results_write_json( const results* all, FILE* stream, wisp_error* error );
 
-/// google-benchmark's schema: {"context":{..}, "benchmarks":[..]}, an entry for each sample of a row and one for each statistic.
-wisp_status results_write_gbench( const results* all, FILE* stream, wisp_error* error );
-
-/// Bencher's metric format: {"case/variant": {"latency": {"value": ns, "lower_value", "upper_value"}, ..}}.
-wisp_status results_write_bencher( const results* all, FILE* stream, wisp_error* error );
-
 /// What github-action-benchmark reads with the tool customSmallerIsBetter: [{"name", "unit", "value", "range", "extra"}].
 wisp_status results_write_github( const results* all, FILE* stream, wisp_error* error );
-
-/// What hyperfine exports: {"results": [{"command", "mean", "stddev", "median", "min", "max", "times", ..}]}, in seconds.
-wisp_status results_write_hyperfine( const results* all, FILE* stream, wisp_error* error );
-
-// ---- what both files of writers use ----
 
 /// null for NaN and infinity, which JSON does not have.
 json_t* results_json_number( double value );

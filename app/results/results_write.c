@@ -9,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char* const results_format_names[RESULTS_FORMAT_COUNT] = { "text",   "markdown", "csv",    "json",
-                                                                 "gbench", "bencher",  "github", "hyperfine" };
+const char* const results_format_names[RESULTS_FORMAT_COUNT] = { "text", "markdown", "csv", "json", "github" };
 
 // ---- tables for people ----
 
@@ -275,17 +274,8 @@ wisp_status results_write( const results* all, results_format format, FILE* stre
         case RESULTS_JSON:
             status = results_write_json( all, stream, error );
             break;
-        case RESULTS_GBENCH:
-            status = results_write_gbench( all, stream, error );
-            break;
-        case RESULTS_BENCHER:
-            status = results_write_bencher( all, stream, error );
-            break;
         case RESULTS_GITHUB:
             status = results_write_github( all, stream, error );
-            break;
-        case RESULTS_HYPERFINE:
-            status = results_write_hyperfine( all, stream, error );
             break;
         case RESULTS_TEXT:
         case RESULTS_FORMAT_COUNT:

@@ -320,7 +320,7 @@ static void every_format_can_be_queried_for( void** state )
     static const char* const starts[][2] = {
         { "run good.yaml --format text", "scene " },      { "run good.yaml --format markdown", "|  |  |" },
         { "run good.yaml --format csv", "case,variant" }, { "run good.yaml --format json", "{" },
-        { "run good.yaml --format gbench", "{" },
+        { "run good.yaml --format github", "[" },
     };
     for ( int i = 0; i < WISP_COUNT( starts ); ++i )
     {

@@ -35,12 +35,6 @@ enum
 static int enter_folder( void** state )
 {
     static const text_file files[] = { { "sheet.yaml", sheet }, { "suite.yaml", suite } };
-    static const char* const others[] = { "SLURM_ARRAY_TASK_ID", "GTEST_SHARD_INDEX", "PBS_ARRAY_INDEX",
-                                          "_CONDOR_JOB_AD" };
-    for ( int i = 0; i < WISP_COUNT( others ); ++i )
-    {
-        unsetenv( others[i] );
-    }
     setenv( "WISP_CACHE", "cache", 1 );
     return enter_folder_with( state, files, WISP_COUNT( files ) );
 }
@@ -235,56 +229,6 @@ static void two_processes_do_not_write_one_part( void** state )
 }
 
 // ---- whose share ----
-
-static void say( const char* name, const char* value )
-{
-    assert_int_equal( value != NULL ? setenv( name, value, 1 ) : unsetenv( name ), 0 );
-}
-
-static void schedulers_say_which_shard_it_is( void** state )
-{
-    (void)state;
-    run_ok( "sweep suite.yaml --list --shard 2/3" );
-    char* second = strdup( result.out );
-    assert_true( line_count( second ) > 50 && line_count( second ) < 160 );
-    say( "SLURM_ARRAY_TASK_ID", "14" );
-    say( "SLURM_ARRAY_TASK_MIN", "12" );
-    say( "SLURM_ARRAY_TASK_STEP", "2" );
-    say( "SLURM_ARRAY_TASK_COUNT", "3" );
-    run_ok( "sweep suite.yaml --list" );
-    assert_string_equal( result.out, second );
-    say( "SLURM_ARRAY_TASK_ID", "2" );
-    run_ok( "sweep suite.yaml --list --shards 3" ); // as one task of an array that is submitted again
-    assert_string_equal( result.out, second );
-    say( "SLURM_ARRAY_TASK_ID", "x" );
-    assert_refused( "sweep suite.yaml --list", "SLURM_ARRAY_TASK_ID: got 'x', expected a whole number" );
-    say( "SLURM_ARRAY_TASK_ID", NULL );
-    say( "GTEST_SHARD_INDEX", "1" );
-    assert_refused( "sweep suite.yaml --list", "GTEST_TOTAL_SHARDS" );
-    say( "GTEST_TOTAL_SHARDS", "3" );
-    run_ok( "sweep suite.yaml --list" );
-    assert_string_equal( result.out, second );
-    say( "GTEST_SHARD_INDEX", "3" );
-    assert_refused( "sweep suite.yaml --list", "GTEST_SHARD_INDEX: got shard 4 of 3, expected 1 to 3" );
-    say( "GTEST_SHARD_INDEX", NULL );
-    say( "PBS_ARRAY_INDEX", "2" );
-    assert_refused( "sweep suite.yaml --list", "say it with --shards" );
-    run_ok( "sweep suite.yaml --list --shards 3" );
-    assert_string_equal( result.out, second );
-    say( "PBS_ARRAY_INDEX", "0" );
-    assert_refused( "sweep suite.yaml --list --shards 3", "PBS_ARRAY_INDEX: got shard 0 of 3" );
-    say( "PBS_ARRAY_INDEX", NULL );
-    write_text( "job.ad", "ClusterId = 5\nProcId = 1\nTotalSubmitProcs = 3\n" );
-    say( "_CONDOR_JOB_AD", "job.ad" );
-    run_ok( "sweep suite.yaml --list" );
-    assert_string_equal( result.out, second );
-    write_text( "job.ad", "ClusterId = 5\n" );
-    assert_refused( "sweep suite.yaml --list", "has no ProcId" );
-    run_ok( "sweep suite.yaml --list --shard 2/3" ); // what is said on the command line counts
-    assert_string_equal( result.out, second );
-    say( "_CONDOR_JOB_AD", NULL );
-    free( second );
-}
 
 static void wrong_shards_are_refused( void** state )
 {
@@ -510,7 +454,6 @@ int main( int argc, char** argv )
         cmocka_unit_test( what_is_killed_loses_only_the_item_that_ran ),
         cmocka_unit_test( a_full_disk_keeps_what_fitted ),
         cmocka_unit_test( two_processes_do_not_write_one_part ),
-        cmocka_unit_test( schedulers_say_which_shard_it_is ),
         cmocka_unit_test( wrong_shards_are_refused ),
         cmocka_unit_test( a_merge_refuses_what_is_not_one_sweep ),
         cmocka_unit_test( items_that_are_missing_or_have_two_hashes_are_refused ),
