@@ -288,7 +288,7 @@ static void a_search_that_has_only_begun_has_nothing_to_keep( void** state )
 static void a_benchmark_writes_what_it_has( void** state )
 {
     (void)state;
-    const started s = start( "bench cloth --quick --output bench.json --format json --report bench.html" );
+    const started s = start( "bench balloon --quick --output bench.json --format json --report bench.html" );
     pause_ms( 1500 );
     kill( s.pid, SIGINT );
     assert_int_equal( finish( &s ), 0 );
