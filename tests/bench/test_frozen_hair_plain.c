@@ -146,7 +146,7 @@ static double amplified( const frozen_scene* scene, frozen_oracle_options option
         {
             shifted[v] = shaken( deformed[v], amount, trial, v, options.dimension );
         }
-        assert_int_equal( frozen_oracle_run( &hair, &options, NULL, out, NULL ), WISP_OK );
+        assert_int_equal( frozen_oracle_run( &hair, &options, NULL, out ), WISP_OK );
         for ( int v = 0; v < scene->vertex_count; ++v )
         {
             largest = fmax( largest, double3_distance( out[v], expected[v] ) );
