@@ -63,7 +63,6 @@ static wisp_status count_neighbours( const wisp_mesh* mesh, double* fraction, wi
                 ( double3 ){ (double)mesh->points[i].x, (double)mesh->points[i].y, (double)mesh->points[i].z };
             masses[i] = 1.0;
         }
-        triangle_oracle oracle;
         const triangle_oracle_params params = triangle_oracle_default_params();
         const triangle_oracle_def def = {
             .count = mesh->vertex_count,
@@ -72,15 +71,12 @@ static wisp_status count_neighbours( const wisp_mesh* mesh, double* fraction, wi
             .triangles = mesh->triangles,
             .masses = masses,
         };
-        status = triangle_oracle_create( &def, &params, &oracle, error );
-        for ( size_t i = 0; i < count && status == WISP_OK; ++i )
+        triangle_oracle oracle = triangle_oracle_create( &def, &params );
+        for ( size_t i = 0; i < count; ++i )
         {
             fraction[i] = oracle.mass[i];
         }
-        if ( status == WISP_OK )
-        {
-            triangle_oracle_destroy( &oracle );
-        }
+        triangle_oracle_destroy( &oracle );
     }
     free( points );
     free( masses );

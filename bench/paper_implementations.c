@@ -186,7 +186,7 @@ wisp_status paper_oracle_run( const paper_scene* scene, uint64_t event, double* 
             .intensity = parameters + 2 * strands,
         };
         const frozen_oracle_options options = oracle_options( &scene->def, event );
-        status = frozen_oracle_run( &hair, &options, NULL, points, error );
+        status = frozen_oracle_run( &hair, &options, NULL, points );
         for ( size_t i = 0; i < vertices && status == WISP_OK; ++i )
         {
             out[3 * i + 0] = points[i].x;

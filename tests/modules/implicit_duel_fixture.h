@@ -141,11 +141,7 @@ static inline void start_oracle( match* m, const test_mesh* mesh, const wisp_imp
     };
     triangle_oracle_params params;
     match_params( def, &params );
-    wisp_error error = { WISP_OK, "" };
-    if ( triangle_oracle_create( &sheet, &params, &m->oracle, &error ) != WISP_OK )
-    {
-        fail_msg( "no oracle: %s", error.message );
-    }
+    m->oracle = triangle_oracle_create( &sheet, &params );
     for ( int v = 0; v < DUEL_VERTICES; ++v )
     {
         m->oracle.x[v] = double3_from( quad_of( m, v, WISP_PARTICLE_POSITION ) );

@@ -157,6 +157,10 @@ static void a_kick_adds_dt_tau_to_the_angular_momentum_and_nothing_to_the_moment
         // relative to the 6 g body at 0.1 m/s
         assert_close( double3_length( change ) / 6e-4, 0.0, 1e-12 );
     }
+    // Eq. 13
+    const double3 torque = balloon_oracle_torque( double3_make( 1.3, 0.0, 5.0 ), double3_make( 1.0, 0.5, 4.0 ),
+                                                  double3_make( 0.0, 0.0, 0.2 ) );
+    assert_close( double3_distance( torque, double3_make( -0.1, -0.06, 0.0 ) ), 0.0, 1e-16 );
     // the increment and its displacement are both proportional to dt: a kick strains by its fourth power
     assert_true( strain[0] > 1e-6 );
     assert_close( strain[0] / strain[1], 16.0, 0.1 );

@@ -90,6 +90,13 @@ static void barycentric_normals_are_exact_for_a_linear_field( void** state )
         }
         const double3 exact = boundary_oracle_inner_normal( corner, &axis, q, r, BOUNDARY_ORACLE_BARYCENTRIC );
         assert_close( double3_angle( exact, y ), 0.0, 1e-12 / double3_length( y ) );
+        // the printed weights are areas; a sliver loses digits
+        double by_area[3];
+        assert_true( boundary_oracle_weights_by_area( corner, y, by_area ) );
+        for ( int k = 0; k < 3; ++k )
+        {
+            assert_close( by_area[k], weight[k], 1e-12 / doubled_area( corner ) );
+        }
         const double3 scanned = boundary_oracle_inner_normal( corner, &axis, q, r, BOUNDARY_ORACLE_SCANLINE );
         worst = fmax( worst, double3_angle( scanned, y ) );
     }

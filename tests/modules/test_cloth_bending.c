@@ -91,8 +91,8 @@ static void rigidity_does_not_depend_on_the_mesh_or_its_resolution( void** state
         {
             const double equal = hang_out( &( beam ){ EQUILATERAL, KINDS[k], 10.0, cells, 0.1 } );
             const double right = hang_out( &( beam ){ RIGHT, KINDS[k], 10.0, cells, 0.1 } );
-            print_message( "           %2d cells: %.4f equilateral, %.4f right, %.4f\n", cells, equal,
-                           right, DROP_AT_10 );
+            print_message( "           %2d cells: %.4f equilateral, %.4f right, %.4f\n", cells, equal, right,
+                           DROP_AT_10 );
             assert_near( equal / DROP_AT_10, 1.0, 0.02 );
             // second order in the angle of a cell where the strip bends most
             assert_near( right / DROP_AT_10, 1.0, 0.2 / cells );

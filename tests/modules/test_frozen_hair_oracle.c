@@ -31,11 +31,7 @@ static frozen_scene new_scene_from( int strands, const int* counts, const double
 static double3* run( const frozen_scene* scene, const frozen_oracle_options* options )
 {
     double3* out = new_points( scene );
-    wisp_error error = { WISP_OK, "" };
-    if ( frozen_oracle_run( &scene->hair, options, NULL, out, &error ) != WISP_OK )
-    {
-        fail_msg( "the oracle refuses: %s", error.message );
-    }
+    assert_int_equal( frozen_oracle_run( &scene->hair, options, NULL, out ), WISP_OK );
     return out;
 }
 

@@ -399,7 +399,7 @@ static void ghosts_of_a_turned_head_stay_on_their_side_only_with_frames( void** 
         double3 start[8 * NODES];
         memcpy( start, hair.y, sizeof( start ) );
         guide_oracle_motion motion = { s.x, s.v, frame == GUIDE_ORACLE_FRAME_GIVEN ? given : heads };
-        assert_int_equal( guide_oracle_step( &hair, &motion, NULL ), WISP_OK );
+        guide_oracle_step( &hair, &motion );
         double farthest = 0.0;
         for ( int n = 0; n < 8 * NODES; ++n )
         {

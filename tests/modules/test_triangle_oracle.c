@@ -19,14 +19,6 @@ static double3 along_axis( int axis, double length )
     return double3_make( axis == 0 ? length : 0.0, axis == 1 ? length : 0.0, axis == 2 ? length : 0.0 );
 }
 
-static triangle_oracle make_cloth( const triangle_oracle_def* def, const triangle_oracle_params* params )
-{
-    triangle_oracle cloth;
-    wisp_error error = { 0 };
-    assert_ok( triangle_oracle_create( def, params, &cloth, &error ), error );
-    return cloth;
-}
-
 // Two vertices along x with one link between them.
 static triangle_oracle make_pair_of( const triangle_oracle_params* params, bool bends, double length, double mass )
 {
@@ -40,7 +32,7 @@ static triangle_oracle make_pair_of( const triangle_oracle_params* params, bool 
                                       .bend_pairs = bends ? ends : NULL,
                                       .stretch_pair_count = bends ? 0 : 1,
                                       .bend_pair_count = bends ? 1 : 0 };
-    return make_cloth( &def, params );
+    return triangle_oracle_create( &def, params );
 }
 
 static triangle_oracle_params still_params( void )
@@ -86,7 +78,7 @@ static triangle_oracle make_sheet( const triangle_oracle_params* params )
                                 .triangles = triangles,
                                 .masses = masses };
     triangle_oracle_lump( &def, 0.2, masses );
-    return make_cloth( &def, params );
+    return triangle_oracle_create( &def, params );
 }
 
 // Every vertex elsewhere, so that about half of the links are longer than at rest.
@@ -451,7 +443,7 @@ static void a_vertex_on_a_moving_floor_goes_with_it( void** state )
     const double3 places[2] = { { 0.3, 0.003, 0.1 }, { 0.0, -0.02, 0.0 } };
     const triangle_oracle_params params = triangle_oracle_default_params();
     const triangle_oracle_def def = { .count = 2, .points = places, .masses = masses };
-    triangle_oracle dust = make_cloth( &def, &params );
+    triangle_oracle dust = triangle_oracle_create( &def, &params );
     triangle_oracle_body floor = triangle_oracle_plane( zero, double3_make( 0.0, 1.0, 0.0 ) );
     const triangle_oracle_bodies bodies = { 1, &floor };
     floor.velocity = double3_make( 0.01, 0.04, -0.02 );

@@ -242,47 +242,6 @@ static void add_use( const balloon_mesh* mesh, half_edge half, balloon_mesh_edge
         edge->opposite[edge->uses] = mesh->triangles[3 * half.triangle + ( half.corner + 2 ) % 3];
     }
     edge->uses += 1;
-    edge->ascending += mesh->triangles[3 * half.triangle + half.corner] == half.lower ? 1 : 0;
-}
-
-static void count_faults( balloon_mesh_topology* topology )
-{
-    for ( int e = 0; e < topology->edge_count; ++e )
-    {
-        const balloon_mesh_edge* edge = topology->edges + e;
-        topology->border_count += edge->uses == 1 ? 1 : 0;
-        topology->crossed_count += edge->uses == 2 && edge->ascending != 1 ? 1 : 0;
-        topology->crowded_count += edge->uses > 2 ? 1 : 0;
-    }
-}
-
-// Shells by repeated sweeps: a triangle takes the lowest number of its neighbours across edges, until nothing
-// changes.
-static void number_shells( const balloon_mesh* mesh, balloon_mesh_topology* topology )
-{
-    int* component = topology->triangle_shell;
-    for ( int t = 0; t < mesh->triangle_count; ++t )
-    {
-        component[t] = t;
-    }
-    for ( bool changed = true; changed; )
-    {
-        changed = false;
-        for ( int e = 0; e < topology->edge_count; ++e )
-        {
-            int s = topology->edges[e].triangle[0], t = topology->edges[e].triangle[1];
-            if ( t >= 0 && component[s] != component[t] )
-            {
-                component[s] = component[t] = component[s] < component[t] ? component[s] : component[t];
-                changed = true;
-            }
-        }
-    }
-    // the lowest triangle of a shell has named it and comes first, so its name can be replaced by a running number
-    for ( int t = 0; t < mesh->triangle_count; ++t )
-    {
-        component[t] = component[t] == t ? topology->component_count++ : component[component[t]];
-    }
 }
 
 bool balloon_mesh_build_topology( const balloon_mesh* mesh, balloon_mesh_topology* topology )
@@ -290,9 +249,8 @@ bool balloon_mesh_build_topology( const balloon_mesh* mesh, balloon_mesh_topolog
     size_t count = 3 * (size_t)mesh->triangle_count;
     half_edge* halves = calloc( count + 1, sizeof( half_edge ) );
     balloon_mesh_topology made = { .edges = calloc( count + 1, sizeof( balloon_mesh_edge ) ),
-                                   .triangle_edge = calloc( count + 1, sizeof( int ) ),
-                                   .triangle_shell = calloc( count + 1, sizeof( int ) ) };
-    if ( halves == NULL || made.edges == NULL || made.triangle_edge == NULL || made.triangle_shell == NULL )
+                                   .triangle_edge = calloc( count + 1, sizeof( int ) ) };
+    if ( halves == NULL || made.edges == NULL || made.triangle_edge == NULL )
     {
         free( halves );
         balloon_mesh_destroy_topology( &made );
@@ -316,8 +274,10 @@ bool balloon_mesh_build_topology( const balloon_mesh* mesh, balloon_mesh_topolog
         made.triangle_edge[3 * half.triangle + half.corner] = made.edge_count - 1;
     }
     free( halves );
-    count_faults( &made );
-    number_shells( mesh, &made );
+    for ( int e = 0; e < made.edge_count; ++e )
+    {
+        made.border_count += made.edges[e].uses == 1 ? 1 : 0;
+    }
     *topology = made;
     return true;
 }
@@ -326,7 +286,6 @@ void balloon_mesh_destroy_topology( balloon_mesh_topology* topology )
 {
     free( topology->edges );
     free( topology->triangle_edge );
-    free( topology->triangle_shell );
     *topology = ( balloon_mesh_topology ){ 0 };
 }
 
@@ -353,108 +312,6 @@ int balloon_mesh_bend_pairs( const balloon_mesh_topology* topology, int* pairs )
         }
     }
     return count;
-}
-
-// Flood fill: turn[t] becomes 1 or -1 relative to the first triangle of its shell; 0 means not reached yet.
-static void fill_turns( const balloon_mesh_topology* topology, int first, int* turn )
-{
-    turn[first] = 1;
-    for ( bool changed = true; changed; )
-    {
-        changed = false;
-        for ( int e = 0; e < topology->edge_count; ++e )
-        {
-            const balloon_mesh_edge* edge = topology->edges + e;
-            int s = edge->triangle[0], t = edge->triangle[1], relation = edge->ascending == 1 ? 1 : -1;
-            if ( edge->uses == 2 && ( turn[s] == 0 ) != ( turn[t] == 0 ) )
-            {
-                *( turn[s] == 0 ? turn + s : turn + t ) = relation * ( turn[s] + turn[t] );
-                changed = true;
-            }
-        }
-    }
-}
-
-static bool turns_agree( const balloon_mesh_topology* topology, const int* turn )
-{
-    for ( int e = 0; e < topology->edge_count; ++e )
-    {
-        const balloon_mesh_edge* edge = topology->edges + e;
-        int relation = edge->ascending == 1 ? 1 : -1;
-        if ( edge->uses == 2 && turn[edge->triangle[0]] * turn[edge->triangle[1]] != relation )
-        {
-            return false;
-        }
-    }
-    return true;
-}
-
-static bool shell_is_closed( const balloon_mesh_topology* topology, int component )
-{
-    for ( int e = 0; e < topology->edge_count; ++e )
-    {
-        const balloon_mesh_edge* edge = topology->edges + e;
-        if ( edge->uses == 1 && topology->triangle_shell[edge->triangle[0]] == component )
-        {
-            return false;
-        }
-    }
-    return true;
-}
-
-// Turn a shell inside out when its volume, with the turns found so far, is negative.
-static void face_outwards( const balloon_mesh* mesh, const balloon_mesh_topology* topology, int component, int* turn )
-{
-    double sum = 0.0;
-    for ( int t = 0; t < mesh->triangle_count; ++t )
-    {
-        bool here = topology->triangle_shell[t] == component;
-        sum += here ? turn[t] * constraint_oracle_volume_sum( mesh->positions, mesh->triangles + 3 * t, 1 ) : 0.0;
-    }
-    for ( int t = 0; t < mesh->triangle_count; ++t )
-    {
-        turn[t] = topology->triangle_shell[t] == component && sum < 0.0 ? -turn[t] : turn[t];
-    }
-}
-
-bool balloon_mesh_orient( balloon_mesh* mesh, int* flipped )
-{
-    balloon_mesh_topology topology;
-    if ( !balloon_mesh_build_topology( mesh, &topology ) )
-    {
-        return false;
-    }
-    int* turn = calloc( (size_t)mesh->triangle_count + 1, sizeof( int ) );
-    for ( int t = 0; turn != NULL && t < mesh->triangle_count; ++t )
-    {
-        if ( turn[t] == 0 )
-        {
-            fill_turns( &topology, t, turn );
-        }
-    }
-    bool sound = turn != NULL && turns_agree( &topology, turn );
-    for ( int component = 0; sound && component < topology.component_count; ++component )
-    {
-        if ( shell_is_closed( &topology, component ) )
-        {
-            face_outwards( mesh, &topology, component, turn );
-        }
-    }
-    *flipped = 0;
-    for ( int t = 0; sound && t < mesh->triangle_count; ++t )
-    {
-        if ( turn[t] < 0 )
-        {
-            int* corner = mesh->triangles + 3 * t;
-            int kept = corner[1];
-            corner[1] = corner[2];
-            corner[2] = kept;
-            *flipped += 1;
-        }
-    }
-    free( turn );
-    balloon_mesh_destroy_topology( &topology );
-    return sound;
 }
 
 // next[v] is the vertex after v on the border, against the direction of the triangle at the border edge.

@@ -1,5 +1,5 @@
-/// Small meshes for the tests of cloth and balloons, made from scratch, and the topology of a mesh: its edges, its
-/// bend pairs and its defects. Triangles are counter-clockwise seen from outside.
+/// Small meshes for the tests of cloth and balloons, made from scratch, and the topology of a mesh: its edges and its
+/// bend pairs. Triangles are counter-clockwise seen from outside.
 #pragma once
 
 #include "double3.h"
@@ -45,22 +45,17 @@ typedef struct balloon_mesh_edge
 {
     int a, b;        ///< a < b
     int uses;        ///< triangles at the edge: 1 open edge, 2 interior, more than 2 non-manifold
-    int ascending;   ///< number of them that run from a to b; 1 of 2 when winding is consistent
     int triangle[2]; ///< the first two, in ascending order; -1 when there is none
     int opposite[2]; ///< their third vertices; -1 when there is none
 } balloon_mesh_edge;
 
-/// The edges of a mesh in ascending order of (a, b), and counts of defects.
+/// The edges of a mesh in ascending order of (a, b), and how many are open.
 typedef struct balloon_mesh_topology
 {
     int edge_count;
     balloon_mesh_edge* edges;
-    int* triangle_edge;  ///< [3 * triangle_count], the edge from corner k to k + 1
-    int* triangle_shell; ///< [triangle_count], number of its connected component
-    int component_count; ///< components connected through edges
-    int border_count;    ///< edges with one triangle: the mesh is open
-    int crossed_count;   ///< interior edges that both triangles run along in the same direction
-    int crowded_count;   ///< edges with more than two triangles
+    int* triangle_edge; ///< [3 * triangle_count], the edge from corner k to k + 1
+    int border_count;   ///< edges with one triangle: the mesh is open
 } balloon_mesh_topology;
 
 /// @return false when memory runs out; then nothing needs to be destroyed
@@ -78,12 +73,6 @@ int balloon_mesh_structural_pairs( const balloon_mesh_topology* topology, int* p
 /// @param pairs receives at most [2 * edge_count]
 /// @return number of pairs
 int balloon_mesh_bend_pairs( const balloon_mesh_topology* topology, int* pairs );
-
-/// Repair inconsistent winding by flood fill from the first triangle of each shell, then turn each closed shell whose
-/// volume is negative inside out.
-/// @param flipped receives the number of triangles that changed
-/// @return false when a shell has no consistent winding (one-sided), or when memory runs out
-bool balloon_mesh_orient( balloon_mesh* mesh, int* flipped );
 
 /// Close every hole with a fan of real triangles around a new vertex at the mean of its border (`allow_open`). New
 /// vertices and triangles follow the old ones.

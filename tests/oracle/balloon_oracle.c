@@ -487,11 +487,6 @@ double balloon_oracle_true_scaled_pressure( double sum_k_length_squared, double 
     return sum_k_length_squared * ( scale - 1.0 ) / ( 3.0 * rest_volume * scale * scale );
 }
 
-double balloon_oracle_true_lift_off_radius( double areal_density, double density_difference )
-{
-    return 3.0 * areal_density / density_difference;
-}
-
 double balloon_oracle_true_lift_off_radius_of_mass( double mass, double density_difference )
 {
     return cbrt( 3.0 * mass / ( 4.0 * pi * density_difference ) );

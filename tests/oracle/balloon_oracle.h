@@ -236,9 +236,6 @@ double balloon_oracle_true_sphere_pressure( double edge_stiffness, double rest_r
 /// The same, exact for a mesh whose every length is scaled by s: sum(k l^2) (s - 1) / (3 V_rest s^2), Pa.
 double balloon_oracle_true_scaled_pressure( double sum_k_length_squared, double rest_volume, double scale );
 
-/// Radius at which a sphere of given areal density floats: 3 sigma / (rho_air - rho_He), m.
-double balloon_oracle_true_lift_off_radius( double areal_density, double density_difference );
-
 /// Radius at which a sphere of given skin mass floats, m.
 double balloon_oracle_true_lift_off_radius_of_mass( double mass, double density_difference );
 
@@ -296,7 +293,7 @@ typedef struct balloon_oracle_def
     const double3* positions; ///< [vertex_count], the rest shape and the first shape, m
     const double* mass;       ///< [vertex_count], skin only, > 0, kg
     const bool* pinned;       ///< [vertex_count], or null
-    const int* triangles;     ///< [3 * triangle_count], one closed shell; its winding is reversed when V < 0
+    const int* triangles;     ///< [3 * triangle_count], one closed shell
     bool allow_open;          ///< the shell may have holes; fans close them for V
     const int* structural;    ///< [2 * structural_count], projected in this order
     const int* bend;          ///< [2 * bend_count], opposite vertices of interior edges, projected in this order
@@ -356,9 +353,9 @@ typedef struct balloon_oracle
     balloon_oracle_counters counters;
 } balloon_oracle;
 
-/// Check the definition and make a body at rest with V_0 = V_rest.
-/// @param error receives one message that names the vertex, edge or triangle; may be null
-/// @return WISP_OK, WISP_BAD_INPUT or WISP_NO_MEMORY; on failure nothing needs to be destroyed
+/// Make a body at rest with V_0 = V_rest.
+/// @param error receives a message; may be null
+/// @return WISP_BAD_INPUT: a border is no simple loop; WISP_NO_MEMORY; then nothing needs to be destroyed
 wisp_status balloon_oracle_create( const balloon_oracle_def* def, const balloon_oracle_options* options,
                                    balloon_oracle* out, wisp_error* error );
 

@@ -1,11 +1,7 @@
 // A balloon of the oracle, step by step.
 #include "balloon_oracle.h"
 
-#include "oracle_check.h"
-
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const double3 zero = { 0.0, 0.0, 0.0 };
 

@@ -10,8 +10,6 @@
 #include "constraint_oracle.h"
 #include "wisp/base.h"
 
-#include <stdio.h>
-
 // ---- switches ----
 
 /// How points are placed on an edge or a line.
@@ -205,8 +203,7 @@ typedef struct boundary_oracle_layer
     double requested;     ///< the estimate
 } boundary_oracle_layer;
 
-/// @return WISP_BAD_INPUT a value is out of range (the message names it); WISP_NO_MEMORY; then nothing needs to be
-///        destroyed
+/// @return WISP_NO_MEMORY: nothing needs to be destroyed
 wisp_status boundary_oracle_create( const balloon_mesh* mesh, const boundary_oracle_options* options,
                                     boundary_oracle_layer* out, wisp_error* error );
 void boundary_oracle_destroy( boundary_oracle_layer* layer );
@@ -218,10 +215,6 @@ bool boundary_oracle_update( boundary_oracle_layer* layer, const double3* x );
 
 /// Forget all counts: the next update samples every element again.
 void boundary_oracle_forget( boundary_oracle_layer* layer );
-
-/// Write debug output: a line "x y z nx ny nz" per reference particle, then one per boundary particle. @return lines
-/// written
-int boundary_oracle_write( const boundary_oracle_layer* layer, const double3* x, FILE* file );
 
 // ---- the balloon ----
 

@@ -14,31 +14,9 @@ boundary_oracle_options boundary_oracle_default_options( void )
 
 // ---- creation and memory ----
 
-static wisp_status check_options( const boundary_oracle_options* o, wisp_error* error )
-{
-    if ( !( o->spacing > 0.0 && isfinite( o->spacing ) ) )
-    {
-        return refuse( error, WISP_BAD_INPUT, "spacing is %g m, must be finite and above 0", o->spacing );
-    }
-    if ( !( o->hysteresis >= 0.0 && o->hysteresis <= 0.5 ) )
-    {
-        return refuse( error, WISP_BAD_INPUT, "hysteresis is %g, must be in [0, 0.5]", o->hysteresis );
-    }
-    if ( !( o->cap > 0.0 ) )
-    {
-        return refuse( error, WISP_BAD_INPUT, "the cap is %g points, must be above 0", o->cap );
-    }
-    return WISP_OK;
-}
-
 wisp_status boundary_oracle_create( const balloon_mesh* mesh, const boundary_oracle_options* options,
                                     boundary_oracle_layer* out, wisp_error* error )
 {
-    const wisp_status status = check_options( options, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
     boundary_oracle_layer made = { .options = *options,
                                    .vertex_count = mesh->vertex_count,
                                    .triangle_count = mesh->triangle_count };
@@ -449,16 +427,4 @@ bool boundary_oracle_update( boundary_oracle_layer* layer, const double3* x )
     }
     free( now );
     return room != NULL;
-}
-
-int boundary_oracle_write( const boundary_oracle_layer* layer, const double3* x, FILE* file )
-{
-    for ( int n = 0; n < layer->vertex_count + layer->point_count; ++n )
-    {
-        const int m = n - layer->vertex_count;
-        const double3 y = m < 0 ? x[n] : layer->points[m].y;
-        const double3 normal = m < 0 ? layer->vertex_normal[n] : layer->points[m].normal;
-        fprintf( file, "%.17g %.17g %.17g %.17g %.17g %.17g\n", y.x, y.y, y.z, normal.x, normal.y, normal.z );
-    }
-    return layer->vertex_count + layer->point_count;
 }

@@ -249,38 +249,6 @@ void constraint_oracle_project_compliant( const constraint_oracle_term* term, co
     move( term, vertices, w, delta, p );
 }
 
-double constraint_oracle_project_above( const constraint_oracle_term* term, const int* vertices, const double* w,
-                                        double stiffness, double3* p, constraint_oracle_skips* skips )
-{
-    bool acts = term->value > 0.0 || term->fault != CONSTRAINT_ORACLE_SOUND;
-    return acts ? constraint_oracle_project( term, vertices, w, stiffness, p, skips ) : 0.0;
-}
-
-void constraint_oracle_project_compliant_above( const constraint_oracle_term* term, const int* vertices,
-                                                const double* w, double alpha, double* lambda, double3* p,
-                                                constraint_oracle_skips* skips )
-{
-    // a slack constraint without corrections in this substep has nothing to undo
-    if ( term->fault == CONSTRAINT_ORACLE_SOUND && term->value <= 0.0 && *lambda >= 0.0 )
-    {
-        return;
-    }
-    double sum = weighted_gradient_square( term, vertices, w );
-    if ( !may_project( term->value, sum, gradient_square( term ), term->fault, skips ) )
-    {
-        return;
-    }
-    double requested = *lambda - ( term->value + alpha * *lambda ) / ( sum + alpha );
-    double next = fmin( 0.0, requested );
-    move( term, vertices, w, next - *lambda, p );
-    *lambda = next;
-}
-
-double constraint_oracle_stiffness_per_iteration( double stiffness, int iterations )
-{
-    return 1.0 - pow( 1.0 - stiffness, 1.0 / iterations );
-}
-
 // Volume of a closed mesh.
 
 double constraint_oracle_volume_sum( const double3* p, const int* triangles, int triangle_count )

@@ -105,19 +105,6 @@ double constraint_oracle_project( const constraint_oracle_term* term, const int*
 void constraint_oracle_project_compliant( const constraint_oracle_term* term, const int* vertices, const double* w,
                                           double alpha, double* lambda, double3* p, constraint_oracle_skips* skips );
 
-/// pbd of a constraint that acts only where C > 0, such as a tether that resists stretch and ignores slack.
-double constraint_oracle_project_above( const constraint_oracle_term* term, const int* vertices, const double* w,
-                                        double stiffness, double3* p, constraint_oracle_skips* skips );
-
-/// xpbd of a constraint that acts only where C > 0: the accumulated lambda never becomes positive, so a tether may
-/// undo its corrections of the substep and never pushes.
-void constraint_oracle_project_compliant_above( const constraint_oracle_term* term, const int* vertices,
-                                                const double* w, double alpha, double* lambda, double3* p,
-                                                constraint_oracle_skips* skips );
-
-/// k' = 1 - (1 - k)^(1/iterations): the pbd stiffness of each of several iterations that together act as k.
-double constraint_oracle_stiffness_per_iteration( double stiffness, int iterations );
-
 // Volume of a closed mesh. `triangles` holds 3 * triangle_count indices, counter-clockwise seen from outside.
 
 /// Eq. 7 as printed, without its target: S = sum (p1 x p2).p3 = 6 V, m^3. Loses digits far from the origin.

@@ -1,12 +1,8 @@
 #include "frozen_hair_oracle.h"
 
-#include "oracle_check.h"
-
 #include "wisp/module/random.h"
 
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const double pi = 3.14159265358979323846;
 
@@ -30,84 +26,6 @@ frozen_oracle_options frozen_oracle_default_options( void )
         .clump = true,
     };
     return options;
-}
-
-// Check the input.
-
-static wisp_status check_options( const frozen_oracle_options* o, wisp_error* error )
-{
-    const oracle_limit limits[] = {
-        { "theta_max", o->theta_max, 0.0, pi },    { "cursor radius", o->cursor_radius, 0.0, 1e6 },
-        { "clump step", o->clump_step, 0.0, 1e6 }, { "guard distance", o->min_distance, 0.0, 1e6 },
-        { "lambda_min", o->lambda_min, 0.0, 1.0 }, { "length floor", o->length_floor, 0.0, 1.0 },
-        { "epsilon", o->epsilon, 0.0, 1.0 },       { "clump iterations", o->clump_iterations, 0.0, 1000.0 },
-        { "dimension", o->dimension, 2.0, 3.0 },
-    };
-    const wisp_status status = oracle_check_limits( limits, WISP_COUNT( limits ), error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    if ( o->clump_iterations > 0 && !( o->clump_radius > 0.0 && o->clump_radius <= 1e6 ) )
-    {
-        return refuse( error, WISP_BAD_INPUT, "clump radius is %g, must be > 0", o->clump_radius );
-    }
-    if ( !( o->max_depth_change <= 1e6 ) )
-    {
-        return refuse( error, WISP_BAD_INPUT, "largest change of depth is %g, must be at most 1e6 m",
-                       o->max_depth_change );
-    }
-    if ( !is_coordinate( o->cursor ) )
-    {
-        return refuse( error, WISP_BAD_INPUT, "cursor is not finite or beyond 1e6 m" );
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_strand( const frozen_oracle_hair* hair, int s, wisp_error* error )
-{
-    if ( hair->offsets[s + 1] < hair->offsets[s] )
-    {
-        return refuse( error, WISP_BAD_INPUT, "strand %d ends before it begins", s );
-    }
-    if ( !is_within( hair->stretch_stiffness[s], 1e-3, 1e12 ) || !is_within( hair->bend_stiffness[s], 1e-3, 1e12 ) )
-    {
-        return refuse( error, WISP_BAD_INPUT, "strand %d has stiffness %g and %g, must be in [1e-3, 1e12]", s,
-                       hair->stretch_stiffness[s], hair->bend_stiffness[s] );
-    }
-    if ( !is_within( hair->intensity[s], 0.0, 1.0 ) )
-    {
-        return refuse( error, WISP_BAD_INPUT, "strand %d has intensity %g, must be in [0, 1]", s,
-                       hair->intensity[s] );
-    }
-    for ( int v = hair->offsets[s]; v < hair->offsets[s + 1]; ++v )
-    {
-        if ( !is_coordinate( hair->rest[v] ) || ( hair->previous != NULL && !is_coordinate( hair->previous[v] ) ) )
-        {
-            return refuse( error, WISP_BAD_INPUT, "strand %d, vertex %d is not finite or beyond 1e6 m", s,
-                           v - hair->offsets[s] );
-        }
-    }
-    return WISP_OK;
-}
-
-wisp_status frozen_oracle_check( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
-                                 wisp_error* error )
-{
-    if ( hair->strand_count < 0 || ( hair->strand_count > 0 && hair->offsets[0] != 0 ) )
-    {
-        return refuse( error, WISP_BAD_INPUT, "a strand set starts at vertex 0 and has no negative count" );
-    }
-    if ( options->base == FROZEN_ORACLE_BASE_PREVIOUS && hair->previous == NULL && hair->strand_count > 0 )
-    {
-        return refuse( error, WISP_BAD_INPUT, "base is the previous output, and there is none" );
-    }
-    wisp_status status = check_options( options, error );
-    for ( int s = 0; s < hair->strand_count && status == WISP_OK; ++s )
-    {
-        status = check_strand( hair, s, error );
-    }
-    return status;
 }
 
 // Random numbers: u = hash( seed, stream, event; strand, vertex, iteration ).

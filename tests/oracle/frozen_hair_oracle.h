@@ -98,12 +98,6 @@ typedef struct frozen_oracle_options
 /// The defaults that the method's specification states, for 3D input.
 frozen_oracle_options frozen_oracle_default_options( void );
 
-/// Check the strands and the parameters.
-/// @param error receives one message that names the strand, the vertex or the parameter; may be null
-/// @return WISP_OK or WISP_BAD_INPUT
-wisp_status frozen_oracle_check( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
-                                 wisp_error* error );
-
 // Random numbers: pure functions of seed, event and element.
 
 double frozen_oracle_eta( const frozen_oracle_options* options, int strand, int vertex ); ///< U(-1,1), length
@@ -268,7 +262,7 @@ wisp_status frozen_oracle_clump_step( const frozen_oracle_hair* hair, const froz
 wisp_status frozen_oracle_clump( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
                                  const double3* in, const int* order, double3* out );
 
-/// The pipeline of one user command: check, FreezeDeform, UserAlign, ClumpWithGaps. A stage that is off copies its
+/// The pipeline of one user command: FreezeDeform, UserAlign, ClumpWithGaps. A stage that is off copies its
 /// input.
 wisp_status frozen_oracle_run( const frozen_oracle_hair* hair, const frozen_oracle_options* options, const int* order,
-                               double3* out, wisp_error* error );
+                               double3* out );

@@ -225,12 +225,11 @@ wisp_status frozen_oracle_clump( const frozen_oracle_hair* hair, const frozen_or
 }
 
 wisp_status frozen_oracle_run( const frozen_oracle_hair* hair, const frozen_oracle_options* options, const int* order,
-                               double3* out, wisp_error* error )
+                               double3* out )
 {
-    wisp_status status = frozen_oracle_check( hair, options, error );
-    if ( status != WISP_OK || hair->strand_count == 0 )
+    if ( hair->strand_count == 0 )
     {
-        return status;
+        return WISP_OK;
     }
     size_t bytes = (size_t)hair->offsets[hair->strand_count] * sizeof( double3 );
     double3* p = malloc( bytes + 1 );
@@ -254,6 +253,7 @@ wisp_status frozen_oracle_run( const frozen_oracle_hair* hair, const frozen_orac
     }
 
     // ClumpWithGaps: p^(K)
+    wisp_status status = WISP_OK;
     if ( options->clump )
     {
         memcpy( p, out, bytes );

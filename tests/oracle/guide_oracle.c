@@ -27,24 +27,6 @@ double guide_oracle_strand_distance( const double3* detail, int detail_nodes, co
     return sum;
 }
 
-int guide_oracle_nearest_guide( const double3* detail, int detail_nodes, const double3* guides, int guide_count,
-                                int guide_nodes )
-{
-    int best = -1;
-    double least = HUGE_VAL;
-    for ( int a = 0; a < guide_count; ++a )
-    {
-        double d = guide_oracle_strand_distance( detail, detail_nodes, guides + (size_t)a * (size_t)guide_nodes,
-                                                 guide_nodes );
-        if ( d < least )
-        {
-            least = d;
-            best = a;
-        }
-    }
-    return best;
-}
-
 static bool is_among( const int* list, int count, int value )
 {
     for ( int n = 0; n < count; ++n )

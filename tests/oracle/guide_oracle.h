@@ -41,11 +41,6 @@ typedef enum guide_oracle_pairing
 /// Eq. 1: sum over the detail nodes of the squared distance to the nearest guide particle, m^2.
 double guide_oracle_strand_distance( const double3* detail, int detail_nodes, const double3* guide, int guide_nodes );
 
-/// Find the guide with the smallest strand distance; ties go to the lowest index.
-/// @return -1 when there is no guide
-int guide_oracle_nearest_guide( const double3* detail, int detail_nodes, const double3* guides, int guide_count,
-                                int guide_nodes );
-
 /// Several targets: the `link_count` guides with the smallest strand distances d_k, nearest first, ties by lowest
 /// index, and their weights (1/d_k) / sum_j (1/d_j). Eq. 1 sums squares already, so this is the normalised inverse
 /// squared distance of the rest strands. Guides at distance 0 divide the whole weight equally. One link has weight 1.
@@ -242,7 +237,6 @@ typedef struct guide_oracle_options
     guide_oracle_pairing pairing;
     int link_count;      ///< targets per ghost, default 1
     bool keep_offset;    ///< a ghost that is alone in its group keeps y - X of the rest shape, default on
-    bool strict;         ///< an empty target set is an error, default off: the ghosts are static
     double dt;           ///< s, default 1/60; only read with feedback
     double tau;          ///< s, default dt; the printed form has 1
     double elastic_gain; ///< factor of W, default 1; 0 switches W off
@@ -331,9 +325,8 @@ typedef struct guide_oracle_motion
                                            ///< frame = given: [target_count * node_count]; null: none
 } guide_oracle_motion;
 
-/// Check the definition and make ghosts at their base positions about the rest targets.
-/// @param error receives one message that names the ghost, the node or the parameter; may be null
-/// @return WISP_OK, WISP_BAD_INPUT or WISP_NO_MEMORY; on failure nothing needs to be destroyed
+/// Make ghosts at their base positions about the rest targets.
+/// @return WISP_NO_MEMORY: nothing needs to be destroyed
 wisp_status guide_oracle_create( const guide_oracle_def* def, const guide_oracle_options* options, guide_oracle* out,
                                  wisp_error* error );
 
@@ -343,5 +336,4 @@ void guide_oracle_destroy( guide_oracle* hair );
 /// spread and lengths leave them out. With feedback b is advanced by dt v, Eq. 5 is added and the mean of a group is
 /// returned to the mean of X + o. This removes what all members have in common; differences between members remain
 /// for good.
-/// @return WISP_BAD_INPUT: a parameter is out of range or a target node is not finite; the state is unchanged
-wisp_status guide_oracle_step( guide_oracle* hair, const guide_oracle_motion* motion, wisp_error* error );
+void guide_oracle_step( guide_oracle* hair, const guide_oracle_motion* motion );

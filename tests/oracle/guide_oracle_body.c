@@ -1,15 +1,12 @@
-// The ghosts of a head of hair: checks of the input, creation, and one step in the order of the specification.
+// The ghosts of a head of hair: creation, and one step in the order of the specification.
 #include "guide_oracle.h"
 
 #include "oracle_check.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const double3 zero = { 0.0, 0.0, 0.0 };
-
-// Checks of the input.
 
 guide_oracle_options guide_oracle_default_options( void )
 {
@@ -25,103 +22,6 @@ guide_oracle_options guide_oracle_default_options( void )
         .cap_offset = true,
         .spread_exact = true,
     };
-}
-
-static wisp_status check_options( const guide_oracle_options* o, wisp_error* error )
-{
-    // Vbar must be positive; 1e-12 is far below any visible spread
-    const oracle_limit limits[] = {
-        { "dt", o->dt, 1e-9, 1e3 },
-        { "tau", o->tau, 0.0, 1e3 },
-        { "elastic_gain", o->elastic_gain, 0.0, 1e6 },
-        { "tip_gain", o->tip_gain, 0.0, 1e6 },
-        { "centre_gain", o->centre_gain, 0.0, 1e6 },
-        { "spread", o->spread, 1e-12, 1e12 },
-    };
-    const wisp_status status = oracle_check_limits( limits, WISP_COUNT( limits ), error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    if ( o->feedback && ( o->frame != GUIDE_ORACLE_FRAME_OFF || o->link_count != 1 ) )
-    {
-        return refuse( error, WISP_BAD_INPUT,
-                       "feedback integrates positions, it needs frame = off and one target a ghost" );
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_nodes( const double3* nodes, int strand_count, int node_count, const char* what,
-                                wisp_error* error )
-{
-    for ( int n = 0; n < strand_count * node_count; ++n )
-    {
-        // NaN fails every comparison
-        if ( !( fabs( nodes[n].x ) <= 1e6 && fabs( nodes[n].y ) <= 1e6 && fabs( nodes[n].z ) <= 1e6 ) )
-        {
-            return refuse( error, WISP_BAD_INPUT, "node %d of %s %d is not finite or beyond 1e6 m", n % node_count,
-                           what, n / node_count );
-        }
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_counts( const guide_oracle_def* def, const guide_oracle_options* o, wisp_error* error )
-{
-    const int most = 1 << 12; // strands and nodes: keeps every product within an int
-    const int counts[4] = { def->target_count, def->ghost_count, def->target_nodes, def->ghost_nodes };
-    for ( int n = 0; n < 4; ++n )
-    {
-        if ( counts[n] < ( n < 2 ? 0 : 1 ) || counts[n] > most )
-        {
-            return refuse( error, WISP_BAD_INPUT, "there are %d %s, must be in [%d, %d]", counts[n],
-                           n == 0   ? "targets"
-                           : n == 1 ? "ghosts"
-                           : n == 2 ? "nodes a target"
-                                    : "nodes a ghost",
-                           n < 2 ? 0 : 1, most );
-        }
-    }
-    if ( o->link_count < 1 || ( o->link_count > 1 && o->link_count > def->target_count ) ||
-         ( o->link_count > 1 && def->assignment != NULL ) )
-    {
-        return refuse( error, WISP_BAD_INPUT,
-                       "link_count is %d, must be in [1, %d], and 1 when the caller assigns the ghosts",
-                       o->link_count, def->target_count > 1 ? def->target_count : 1 );
-    }
-    if ( def->target_count == 0 )
-    {
-        return o->strict ? refuse( error, WISP_BAD_INPUT, "there is no target, and the %d ghosts would never move",
-                                   def->ghost_count )
-                         : WISP_OK;
-    }
-    if ( def->ghost_nodes != def->target_nodes && o->pairing == GUIDE_ORACLE_PAIRING_NODE )
-    {
-        return refuse( error, WISP_BAD_INPUT,
-                       "ghosts have %d nodes and targets %d: only pairing = spline takes unequal counts",
-                       def->ghost_nodes, def->target_nodes );
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_def( const guide_oracle_def* def, const guide_oracle_options* options, wisp_error* error )
-{
-    wisp_status status = check_options( options, error );
-    status = status == WISP_OK ? check_counts( def, options, error ) : status;
-    status = status == WISP_OK ? check_nodes( def->targets, def->target_count, def->target_nodes, "target", error )
-                               : status;
-    status =
-        status == WISP_OK ? check_nodes( def->ghosts, def->ghost_count, def->ghost_nodes, "ghost", error ) : status;
-    for ( int g = 0; status == WISP_OK && def->target_count > 0 && def->assignment != NULL && g < def->ghost_count;
-          ++g )
-    {
-        if ( def->assignment[g] < 0 || def->assignment[g] >= def->target_count )
-        {
-            status = refuse( error, WISP_BAD_INPUT, "ghost %d is assigned to target %d, must be in [0, %d)", g,
-                             def->assignment[g], def->target_count );
-        }
-    }
-    return status;
 }
 
 // Creation.
@@ -359,11 +259,6 @@ static double3 base( const guide_oracle* hair, int g, int i )
 wisp_status guide_oracle_create( const guide_oracle_def* def, const guide_oracle_options* options, guide_oracle* out,
                                  wisp_error* error )
 {
-    wisp_status status = check_def( def, options, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
     guide_oracle hair = { .options = *options,
                           .target_count = def->target_count,
                           .target_nodes = def->target_nodes,
@@ -539,17 +434,11 @@ static void step_group_node( guide_oracle* hair, int a, int i )
     }
 }
 
-wisp_status guide_oracle_step( guide_oracle* hair, const guide_oracle_motion* motion, wisp_error* error )
+void guide_oracle_step( guide_oracle* hair, const guide_oracle_motion* motion )
 {
-    wisp_status status = check_options( &hair->options, error );
-    status = status == WISP_OK ? check_nodes( motion->x, hair->target_count, hair->target_nodes, "target", error )
-                               : status;
-    status = status == WISP_OK
-                 ? check_nodes( motion->v, hair->target_count, hair->target_nodes, "velocities of target", error )
-                 : status;
-    if ( status != WISP_OK || hair->target_count == 0 )
+    if ( hair->target_count == 0 )
     {
-        return status;
+        return;
     }
     pair_targets( hair, motion );
     place( hair );
@@ -563,5 +452,4 @@ wisp_status guide_oracle_step( guide_oracle* hair, const guide_oracle_motion* mo
         hair->counters.zero_segments +=
             guide_oracle_repair_lengths( hair->y + first, hair->node_count, hair->ghost_segment + first );
     }
-    return WISP_OK;
 }

@@ -1,7 +1,5 @@
 #include "skin_oracle.h"
 
-#include <string.h>
-
 typedef struct quat
 {
     double w, x, y, z;

@@ -66,15 +66,6 @@ void strand_oracle_weigh( strand_oracle* strand, double line_density, bool held 
     }
 }
 
-void strand_oracle_weigh_equal( strand_oracle* strand, double vertex_mass, bool held )
-{
-    for ( int i = 0; i < strand->count; ++i )
-    {
-        strand->mass[i] = vertex_mass;
-        strand->weight[i] = held && i == 0 ? 0.0 : 1.0 / vertex_mass;
-    }
-}
-
 void strand_oracle_pin( strand_oracle* strand, int vertex )
 {
     strand->weight[vertex] = 0.0;
@@ -433,23 +424,4 @@ void strand_oracle_predict_bdf2( strand_oracle* strand, const double3* start, co
         }
         strand->previous[i] = double3_add_scaled( strand->position[i], -he, strand->velocity[i] );
     }
-}
-
-bool strand_oracle_substep_bdf2( strand_oracle* strand, strand_oracle_past* past,
-                                 const strand_oracle_settings* settings, const double3* root )
-{
-    const double3 none = { 0.0, 0.0, 0.0 };
-    const double he = 2.0 / 3.0 * settings->dt;
-    double3 start[MAX_STRAND_ORACLE];
-    if ( past->exists == false )
-    {
-        past->exists = true;
-        memcpy( past->position, strand->position, sizeof( past->position ) );
-        memcpy( past->velocity, strand->velocity, sizeof( past->velocity ) );
-        return strand_oracle_substep( strand, settings, root );
-    }
-    strand_oracle_extrapolate( strand, past, start );
-    strand_oracle_damp( strand, 1.0 / ( 1.0 + settings->damping * he ), none, none, none );
-    strand_oracle_predict_bdf2( strand, start, root, settings->gravity, settings->dt );
-    return solve_step( strand, settings, he );
 }

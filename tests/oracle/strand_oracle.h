@@ -24,7 +24,6 @@ typedef struct strand_oracle_quaternion
     double x, y, z, w;
 } strand_oracle_quaternion;
 
-strand_oracle_quaternion strand_oracle_about( double3 unit_axis, double angle );
 /// First b, then a.
 strand_oracle_quaternion strand_oracle_product( strand_oracle_quaternion a, strand_oracle_quaternion b );
 double3 strand_oracle_turned( strand_oracle_quaternion q, double3 v );
@@ -74,8 +73,6 @@ bool strand_oracle_shape( strand_oracle* strand, const double3* points, int coun
 /// Give each vertex half the mass of each of its segments; the root is held if `held` is set. A strand of one vertex
 /// has the mass of a millimetre.
 void strand_oracle_weigh( strand_oracle* strand, double line_density, bool held );
-/// Give every vertex this mass.
-void strand_oracle_weigh_equal( strand_oracle* strand, double vertex_mass, bool held );
 /// Hold a vertex.
 void strand_oracle_pin( strand_oracle* strand, int vertex );
 /// Set EI / L_i and GJ / L_i with L_i = (l_{i-1} + l_i) / 2, L_0 = l_0 / 2; vertex 0 of a hinged root and a tip
@@ -187,13 +184,11 @@ void strand_oracle_rod_factor( strand_oracle* strand, double damping, double dt 
 ///        so that an equilibrium of the equations is one of the substep too; with p* it is one up to dt^2 only.
 void strand_oracle_rod( strand_oracle* strand, double damping, double dt, const double3* acceleration );
 
-/// Compute k_i, rest twist and tension for which the present shape is in balance under gravity. The stiffness must be
-/// set. Without twist stiffness T_i = 0 and segments do not turn about themselves, so twist is left out of the
-/// balance; a vertex without stiffness gets its present curvature. A held vertex beyond the root carries everything
-/// that hangs from it. A segment without length has tension 0.
-void strand_oracle_balance( strand_oracle* strand, double3 gravity );
-/// The same, for the fraction of gravity at which the rest shape turns against the load by at most max_turn (rad)
-/// between the tip and any vertex. @return the fraction
+/// Compute k_i, rest twist and tension for which the present shape is in balance under the fraction of gravity at which the
+/// rest shape turns against the load by at most max_turn (rad) between the tip and any vertex. The stiffness must be set.
+/// Without twist stiffness T_i = 0 and segments do not turn about themselves, so twist is left out of the balance; a vertex
+/// without stiffness gets its present curvature. A held vertex beyond the root carries everything that hangs from it. A
+/// segment without length has tension 0. @return the fraction
 double strand_oracle_balance_stably( strand_oracle* strand, double3 gravity, double max_turn );
 /// Take the present shape without twist as the rest shape.
 void strand_oracle_rest_shape( strand_oracle* strand );
@@ -251,7 +246,3 @@ strand_oracle_settings strand_oracle_default_settings( double dt );
 /// straight segments span.
 /// @return whether the strand was reset
 bool strand_oracle_substep( strand_oracle* strand, const strand_oracle_settings* settings, const double3* root );
-/// The same by BDF2: forces and lengths are those of an implicit step of 2 dt / 3, after which
-/// v = (3 p - 4 p_n + p_{n-1}) / (2 dt). Without a past by Euler.
-bool strand_oracle_substep_bdf2( strand_oracle* strand, strand_oracle_past* past,
-                                 const strand_oracle_settings* settings, const double3* root );

@@ -1,8 +1,6 @@
 // Closed strands: systems around the loop, written down entry by entry and solved dense.
 #include "strand_oracle_rod.h"
 
-#include <string.h>
-
 void strand_oracle_solve( int n, double* matrix, int columns, double* right )
 {
     for ( int k = 0; k < n; ++k )

@@ -1,12 +1,6 @@
 // Rotations and transported frames.
 #include "strand_oracle_rod.h"
 
-strand_oracle_quaternion strand_oracle_about( double3 unit_axis, double angle )
-{
-    const double3 v = double3_scale( sin( 0.5 * angle ), unit_axis );
-    return ( strand_oracle_quaternion ){ v.x, v.y, v.z, cos( 0.5 * angle ) };
-}
-
 strand_oracle_quaternion strand_oracle_product( strand_oracle_quaternion a, strand_oracle_quaternion b )
 {
     const double3 u = { a.x, a.y, a.z }, v = { b.x, b.y, b.z };

@@ -111,11 +111,6 @@ static double balance( strand_oracle* strand, double3 gravity )
     return h.largest_turn;
 }
 
-void strand_oracle_balance( strand_oracle* strand, double3 gravity )
-{
-    balance( strand, gravity );
-}
-
 double strand_oracle_balance_stably( strand_oracle* strand, double3 gravity, double max_turn )
 {
     const double turn = balance( strand, gravity );

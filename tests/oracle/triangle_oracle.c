@@ -281,16 +281,6 @@ double triangle_oracle_bend_energy( const triangle_oracle* cloth, const double3*
     return energy_of( cloth, x, true ) + cloth->params.bend_rigidity * plate_oracle_energy( &cloth->plate, x );
 }
 
-double triangle_oracle_kinetic_energy( const triangle_oracle* cloth )
-{
-    double sum = 0.0;
-    for ( int i = 0; i < cloth->count; ++i )
-    {
-        sum += 0.5 * cloth->mass[i] * double3_dot( cloth->v[i], cloth->v[i] );
-    }
-    return sum;
-}
-
 double3 triangle_oracle_momentum( const triangle_oracle* cloth )
 {
     double3 sum = zero;

@@ -150,7 +150,6 @@ typedef struct triangle_oracle_body
 
 /// Margin 5 mm, friction 0.3 and 0.2, unlimited recovery.
 triangle_oracle_body triangle_oracle_plane( double3 point, double3 unit_normal );
-triangle_oracle_body triangle_oracle_sphere( double3 centre, double radius );
 
 typedef struct triangle_oracle_bodies
 {
@@ -250,9 +249,7 @@ typedef struct triangle_oracle
 /// A third of its triangles each, and at least a millionth of the mean. @param density kg/m^2
 void triangle_oracle_lump( const triangle_oracle_def* def, double density, double* masses );
 
-/// @return WISP_BAD_INPUT a count, index, mass, length or parameter is out of range: the message names the first
-wisp_status triangle_oracle_create( const triangle_oracle_def* def, const triangle_oracle_params* params,
-                                    triangle_oracle* out, wisp_error* error );
+triangle_oracle triangle_oracle_create( const triangle_oracle_def* def, const triangle_oracle_params* params );
 void triangle_oracle_destroy( triangle_oracle* cloth );
 
 /// Hold a vertex where it is; move its `target` for elsewhere.
@@ -273,8 +270,6 @@ void triangle_oracle_printed( const triangle_oracle* cloth, const double3* x, co
 double triangle_oracle_energy_at( const triangle_oracle* cloth, int link, const double3* x );
 double triangle_oracle_stretch_energy( const triangle_oracle* cloth, const double3* x );
 double triangle_oracle_bend_energy( const triangle_oracle* cloth, const double3* x );
-/// With the masses of the rows, which is what the equations conserve.
-double triangle_oracle_kinetic_energy( const triangle_oracle* cloth );
 /// Sum of the rows' m v.
 double3 triangle_oracle_momentum( const triangle_oracle* cloth );
 

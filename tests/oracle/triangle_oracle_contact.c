@@ -19,14 +19,6 @@ triangle_oracle_body triangle_oracle_plane( double3 point, double3 unit_normal )
     };
 }
 
-triangle_oracle_body triangle_oracle_sphere( double3 centre, double radius )
-{
-    triangle_oracle_body body = triangle_oracle_plane( centre, zero );
-    body.shape = TRIANGLE_ORACLE_SPHERE;
-    body.radius = radius;
-    return body;
-}
-
 // A vertex at the centre of a sphere has no nearest way out, so it is not touched.
 static bool touches( const triangle_oracle_body* body, int name, int vertex, double3 x, triangle_oracle_touch* touch )
 {

@@ -1,13 +1,8 @@
-// Checks of the input, the links of a mesh, their weights, and the memory of a cloth: Noh and Jung, Eq. 1.
+// The links of a mesh, their weights, and the memory of a cloth: Noh and Jung, Eq. 1.
 #include "triangle_oracle.h"
 
-#include "oracle_check.h"
-
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-// ---- checks of the input ----
 
 triangle_oracle_params triangle_oracle_default_params( void )
 {
@@ -23,95 +18,6 @@ triangle_oracle_params triangle_oracle_default_params( void )
         .speculative = true,
         .release_hysteresis = 1e-4,
     };
-}
-
-static wisp_status check_params( const triangle_oracle_def* def, const triangle_oracle_params* p, wisp_error* error )
-{
-    const oracle_limit limits[] = {
-        { "stretch_stiffness", p->stretch_stiffness, 0.0, 1e12 },
-        { "bend_stiffness", p->bend_stiffness, 0.0, 1e12 },
-        { "bend_rigidity", p->bend_rigidity, 0.0, 1e12 },
-        { "compression_stiffness", p->compression_stiffness, 0.0, 1e12 },
-        { "damping", p->damping, 0.0, 1e12 },
-        { "drag", p->drag, 0.0, 1e12 },
-        { "newton_iterations", p->newton_iterations, 1.0, 1e6 },
-        { "tolerance", p->tolerance, 0.0, 1.0 },
-        { "max_iterations", p->max_iterations, 0.0, 1e9 },
-        { "release_hysteresis", p->release_hysteresis, 0.0, 1e12 },
-    };
-    const wisp_status status = oracle_check_limits( limits, WISP_COUNT( limits ), error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    if ( p->stiffness == TRIANGLE_ORACLE_STIFFNESS_MATERIAL &&
-         ( def->stretch_pairs != NULL || def->bend_pairs != NULL ) )
-    {
-        return refuse( error, WISP_BAD_INPUT,
-                       "a sheet's stiffness needs the mesh's own links, pairs by hand have no area" );
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_indices( const int* index, int count, int each, int vertices, const char* what,
-                                  wisp_error* error )
-{
-    for ( int n = 0; n < count * each; ++n )
-    {
-        const int first = n / each * each;
-        if ( index[n] < 0 || index[n] >= vertices )
-        {
-            return refuse( error, WISP_BAD_INPUT, "%s %d has vertex %d, there are %d", what, n / each, index[n],
-                           vertices );
-        }
-        for ( int m = first; m < n; ++m )
-        {
-            if ( index[m] == index[n] )
-            {
-                return refuse( error, WISP_BAD_INPUT, "%s %d has vertex %d twice", what, n / each, index[n] );
-            }
-        }
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_def( const triangle_oracle_def* def, wisp_error* error )
-{
-    const int most = 1 << 20; // keeps every count of links within an int
-    const int counts[4] = { def->count, def->triangle_count, def->stretch_pair_count, def->bend_pair_count };
-    for ( int n = 0; n < 4; ++n )
-    {
-        if ( counts[n] < ( n == 0 ? 1 : 0 ) || counts[n] > most )
-        {
-            const char* names[4] = { "vertices", "triangles", "stretch pairs", "bend pairs" };
-            return refuse( error, WISP_BAD_INPUT, "there are %d %s, must be in [%d, %d]", counts[n], names[n],
-                           n == 0 ? 1 : 0, most );
-        }
-    }
-    for ( int i = 0; i < def->count; ++i )
-    {
-        const double3 p = def->points[i];
-        if ( !isfinite( p.x ) || !isfinite( p.y ) || !isfinite( p.z ) )
-        {
-            return refuse( error, WISP_BAD_INPUT, "vertex %d is not finite", i );
-        }
-        if ( !( def->masses[i] > 0.0 ) || !isfinite( def->masses[i] ) )
-        {
-            return refuse( error, WISP_BAD_INPUT, "vertex %d has the mass %g, must be above 0", i, def->masses[i] );
-        }
-    }
-    const int* indices[3] = { def->triangles, def->stretch_pairs, def->bend_pairs };
-    const char* names[3] = { "triangle", "stretch pair", "bend pair" };
-    for ( int n = 0; n < 3; ++n )
-    {
-        const int count = indices[n] == NULL ? 0 : counts[n + 1];
-        const wisp_status status = check_indices( indices[n], count, n == 0 ? 3 : 2, def->count, names[n], error );
-        if ( status != WISP_OK )
-        {
-            return status;
-        }
-    }
-    return WISP_OK;
 }
 
 // ---- links ----
@@ -264,23 +170,17 @@ static triangle_oracle_link make_link( const triangle_oracle_params* p, pair of,
     };
 }
 
-static wisp_status add_links( triangle_oracle* cloth, const triangle_oracle_def* def, const pair* pairs, int count,
-                              bool bends, wisp_error* error )
+static void add_links( triangle_oracle* cloth, const triangle_oracle_def* def, const pair* pairs, int count,
+                       bool bends )
 {
     for ( int n = 0; n < count; ++n )
     {
         const double length = double3_distance( def->points[pairs[n].i], def->points[pairs[n].j] );
-        if ( !( length > 0.0 ) )
-        {
-            return refuse( error, WISP_BAD_INPUT, "the link of the vertices %d and %d has no length", pairs[n].i,
-                           pairs[n].j );
-        }
         cloth->link[cloth->link_count++] = make_link( &cloth->params, pairs[n], bends, length );
     }
-    return WISP_OK;
 }
 
-static wisp_status make_links( triangle_oracle* cloth, const triangle_oracle_def* def, wisp_error* error )
+static void make_links( triangle_oracle* cloth, const triangle_oracle_def* def )
 {
     const bool no_diagonals = def->bend_pairs != NULL || def->stretch_pairs != NULL;
     const int hand_count = def->bend_pairs == NULL ? 0 : def->bend_pair_count;
@@ -299,14 +199,10 @@ static wisp_status make_links( triangle_oracle* cloth, const triangle_oracle_def
     const size_t link_count = (size_t)( cloth->stretch_count + cloth->bend_count );
     cloth->link = calloc( link_count + 1, sizeof( triangle_oracle_link ) );
     cloth->term = calloc( link_count + 1, sizeof( triangle_oracle_term ) );
-    wisp_status status = add_links( cloth, def, edges, cloth->stretch_count, false, error );
-    if ( status == WISP_OK )
-    {
-        status = add_links( cloth, def, diagonals, cloth->bend_count, true, error );
-    }
+    add_links( cloth, def, edges, cloth->stretch_count, false );
+    add_links( cloth, def, diagonals, cloth->bend_count, true );
     free( edges );
     free( diagonals );
-    return status;
 }
 
 // ---- weights ----
@@ -404,26 +300,11 @@ static void take_memory( triangle_oracle* cloth )
     cloth->contact = calloc( n, sizeof( triangle_oracle_contact ) );
 }
 
-wisp_status triangle_oracle_create( const triangle_oracle_def* def, const triangle_oracle_params* params,
-                                    triangle_oracle* out, wisp_error* error )
+triangle_oracle triangle_oracle_create( const triangle_oracle_def* def, const triangle_oracle_params* params )
 {
-    wisp_status status = check_def( def, error );
-    if ( status == WISP_OK )
-    {
-        status = check_params( def, params, error );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
     triangle_oracle cloth = { .params = *params, .count = def->count };
     take_memory( &cloth );
-    status = make_links( &cloth, def, error );
-    if ( status != WISP_OK )
-    {
-        triangle_oracle_destroy( &cloth );
-        return status;
-    }
+    make_links( &cloth, def );
     count_neighbours( &cloth );
     weigh( &cloth, def->masses );
     if ( params->stiffness == TRIANGLE_ORACLE_STIFFNESS_MATERIAL )
@@ -435,8 +316,7 @@ wisp_status triangle_oracle_create( const triangle_oracle_def* def, const triang
         cloth.x[i] = cloth.target[i] = def->points[i];
         cloth.freedom[i].m[0][0] = cloth.freedom[i].m[1][1] = cloth.freedom[i].m[2][2] = 1.0;
     }
-    *out = cloth;
-    return WISP_OK;
+    return cloth;
 }
 
 void triangle_oracle_destroy( triangle_oracle* cloth )
