@@ -287,15 +287,16 @@ static void names_that_usd_cannot_tell_apart_are_refused( void** state )
 
 static void files_that_cannot_be_read_half_written_appear_when_they_are_finished( void** state )
 {
-    static const char* const names[] = { "a.usda", "a.pvd", "a.pc2", "a.glb" };
+    static const char* const names[] = { "a.usda", "a.pvd", "a.pc2", "a.glb", "a.csv" };
     wisp_recorder_def def = fixture_def();
     def.body_count = 1;
+    def.track_count = 1;
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
         char* path = path_in( state, names[i] );
         write_bytes( path, "precious", 8 );
         wisp_recorder* recorder = NULL;
-        assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, NULL ), WISP_OK );
+        assert_int_equal( fixture_open( path, &def, &recorder, NULL ), WISP_OK );
         assert_int_equal( fixture_add_frame( recorder, 0, NULL ), WISP_OK );
         size_t size = 0;
         char* text = read_bytes( path, &size );
@@ -313,8 +314,9 @@ static wisp_status record_until_it_fails( const char* path, wisp_error* error )
 {
     wisp_recorder_def def = fixture_def();
     def.body_count = 1;
+    def.track_count = 1;
     wisp_recorder* recorder = NULL;
-    wisp_status status = wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, error );
+    wisp_status status = fixture_open( path, &def, &recorder, error );
     for ( int f = 0; f < 200 && status == WISP_OK; ++f )
     {
         status = fixture_add_frame( recorder, f, error );
@@ -325,9 +327,8 @@ static wisp_status record_until_it_fails( const char* path, wisp_error* error )
 
 static void a_full_disk_is_a_message_in_every_format( void** state )
 {
-    static const char* const names[] = {
-        "full.wisp", "full.pc2", "full.pvd", "full.usda", "full.glb", "full_0001.obj"
-    };
+    static const char* const names[] = { "full.wisp", "full.pc2", "full.pvd",     "full.usda",
+                                         "full.glb",  "full.csv", "full_0001.obj" };
     struct stat info;
     if ( stat( "/dev/full", &info ) != 0 || !S_ISCHR( info.st_mode ) )
     {
@@ -349,7 +350,8 @@ static void a_full_disk_is_a_message_in_every_format( void** state )
 
 static void a_folder_that_is_not_there_is_a_message_in_every_format( void** state )
 {
-    static const char* const names[] = { "none/a.pc2", "none/a.pvd", "none/a.usda", "none/a.obj", "none/a.glb" };
+    static const char* const names[] = { "none/a.pc2", "none/a.pvd", "none/a.usda",
+                                         "none/a.obj", "none/a.glb", "none/a.csv" };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
         wisp_error error = { .status = WISP_OK };
