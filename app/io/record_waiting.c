@@ -59,7 +59,8 @@ static wisp_status open_file( const wisp_recorder* recorder, wisp_error* error )
 
 wisp_status record_wait_open( wisp_recorder* recorder, wisp_error* error )
 {
-    record_waiting* waiting = recorder->waiting = record_get( &recorder->memory, sizeof *waiting );
+    record_memory* memory = &recorder->memory;
+    record_waiting* waiting = recorder->waiting = record_get( memory, sizeof *waiting );
     size_t largest = 0;
     for ( int b = 0; waiting != NULL && b < recorder->body_count; ++b )
     {
@@ -68,10 +69,15 @@ wisp_status record_wait_open( wisp_recorder* recorder, wisp_error* error )
         waiting->frame_bytes += bytes;
         largest = bytes > largest ? bytes : largest;
     }
-    if ( waiting == NULL || ( waiting->body = record_get( &recorder->memory, largest ) ) == NULL )
+    // Triangles are no more bytes than their body.
+    recorder->kept_points = record_get( memory, (size_t)recorder->most_vertices * sizeof( wisp_vec3 ) );
+    recorder->kept_triangles = record_get( memory, largest );
+    unsigned char* body = record_get( memory, largest );
+    if ( memory->is_short )
     {
         return record_no_memory( recorder->path, error );
     }
+    waiting->body = body;
     const wisp_status status = open_file( recorder, error );
     return status == WISP_OK ? io_output_open( recorder->path, &recorder->outputs[0], error ) : status;
 }
