@@ -137,12 +137,12 @@ const char* record_extension( const wisp_recorder* recorder )
 
 void record_put_words( FILE* out, const void* words, size_t count )
 {
-    const unsigned char* from = words;
-    for ( size_t i = 0; i < count; ++i )
+    unsigned char bytes[4096];
+    for ( size_t done = 0, size; done < count; done += size )
     {
-        unsigned char bytes[4];
-        io_put_words( bytes, from + 4 * i, 1 );
-        fwrite( bytes, 1, sizeof bytes, out );
+        size = count - done < sizeof bytes / 4 ? count - done : sizeof bytes / 4;
+        io_put_words( bytes, (const unsigned char*)words + 4 * done, size );
+        fwrite( bytes, 4, size, out );
     }
 }
 
