@@ -137,12 +137,12 @@ const char* record_extension( const wisp_recorder* recorder )
 
 void record_put_words( FILE* out, const void* words, size_t count )
 {
-    const unsigned char* from = words;
-    for ( size_t i = 0; i < count; ++i )
+    unsigned char bytes[4096];
+    for ( size_t done = 0, size; done < count; done += size )
     {
-        unsigned char bytes[4];
-        io_put_words( bytes, from + 4 * i, 1 );
-        fwrite( bytes, 1, sizeof bytes, out );
+        size = count - done < sizeof bytes / 4 ? count - done : sizeof bytes / 4;
+        io_put_words( bytes, (const unsigned char*)words + 4 * done, size );
+        fwrite( bytes, 4, size, out );
     }
 }
 
@@ -206,17 +206,15 @@ static void copy( wisp_recorder* recorder, const char* path, const wisp_recorder
     recorder->outputs = record_get( memory, count * sizeof *recorder->outputs );
     recorder->inputs = record_get( memory, count * sizeof *recorder->inputs );
     recorder->bodies = record_copy_bodies( memory, def->bodies, def->body_count );
-    recorder->file = record_get( memory, recorder->format->file_size + count * recorder->format->body_size );
+    recorder->file = record_get( memory, recorder->format->file_size );
     for ( int b = 0; !memory->is_short && b < def->body_count; ++b )
     {
         const wisp_record_body* body = &recorder->bodies[b];
-        const size_t triangles = (size_t)record_triangle_bytes( body );
+        const size_t points = body->is_static ? (size_t)body->vertex_count * sizeof( wisp_vec3 ) : 0;
         recorder->inputs[b].triangles = def->bodies[b].triangles;
-        recorder->inputs[b].fixed =
-            body->is_static ? record_get( memory, (size_t)body->vertex_count * sizeof( wisp_vec3 ) ) : NULL;
+        recorder->inputs[b].fixed = record_get( memory, points );
         recorder->most_vertices =
             body->vertex_count > recorder->most_vertices ? body->vertex_count : recorder->most_vertices;
-        recorder->most_triangles = triangles > recorder->most_triangles ? triangles : recorder->most_triangles;
     }
     if ( recorder->format->has_normals )
     {

@@ -15,15 +15,17 @@ typedef struct checked
     wisp_error* error;
 } checked;
 
-WISP_PRINTF( 2, 3 )
-static wisp_status wrong( const checked* c, const char* format, ... )
+// @param vertex -1: none
+WISP_PRINTF( 3, 4 )
+static wisp_status wrong( const checked* c, int vertex, const char* format, ... )
 {
     char message[512];
     va_list arguments;
     va_start( arguments, format );
     vsnprintf( message, sizeof message, format, arguments );
     va_end( arguments );
-    return record_wrong( c->error, c->file, "body %s%s", c->body->name, message );
+    return vertex < 0 ? record_wrong( c->error, c->file, "body %s: %s", c->body->name, message )
+                      : record_wrong( c->error, c->file, "body %s, vertex %d: %s", c->body->name, vertex, message );
 }
 
 static bool is_letter( char c )
@@ -48,17 +50,17 @@ static wisp_status check_mesh( const checked* c )
     // Three corners a triangle must fit an int, because ParaView counts them.
     if ( body->triangle_count < 0 || body->triangle_count > INT_MAX / 3 )
     {
-        return wrong( c, ": got %d triangles, expected 0 .. %d", body->triangle_count, INT_MAX / 3 );
+        return wrong( c, -1, "got %d triangles, expected 0 .. %d", body->triangle_count, INT_MAX / 3 );
     }
     if ( body->triangle_count > 0 && body->triangles == NULL )
     {
-        return wrong( c, ": the list of its %d triangles is missing", body->triangle_count );
+        return wrong( c, -1, "the list of its %d triangles is missing", body->triangle_count );
     }
     for ( int i = 0; i < 3 * body->triangle_count; ++i )
     {
         if ( body->triangles[i] < 0 || body->triangles[i] >= body->vertex_count )
         {
-            return wrong( c, ": triangle %d: got vertex %d, expected 0 .. %d", i / 3, body->triangles[i],
+            return wrong( c, -1, "triangle %d: got vertex %d, expected 0 .. %d", i / 3, body->triangles[i],
                           body->vertex_count - 1 );
         }
     }
@@ -76,23 +78,23 @@ static wisp_status check_strands( const checked* c )
     const int32_t* offsets = body->offsets;
     if ( body->strand_count < 1 )
     {
-        return wrong( c, ": got %d strands, expected at least 1", body->strand_count );
+        return wrong( c, -1, "got %d strands, expected at least 1", body->strand_count );
     }
     if ( offsets[0] != 0 )
     {
-        return wrong( c, ": strand 0 starts at vertex %d, expected 0", offsets[0] );
+        return wrong( c, -1, "strand 0 starts at vertex %d, expected 0", offsets[0] );
     }
     for ( int s = 0; s < body->strand_count; ++s )
     {
         if ( offsets[s + 1] < offsets[s] || offsets[s + 1] > body->vertex_count )
         {
-            return wrong( c, ": strand %d runs from vertex %d to %d of %d", s, offsets[s], offsets[s + 1],
+            return wrong( c, -1, "strand %d runs from vertex %d to %d of %d", s, offsets[s], offsets[s + 1],
                           body->vertex_count );
         }
     }
     const int end = offsets[body->strand_count];
     return end == body->vertex_count ? WISP_OK
-                                     : wrong( c, ": the strands end at vertex %d of %d", end, body->vertex_count );
+                                     : wrong( c, -1, "the strands end at vertex %d of %d", end, body->vertex_count );
 }
 
 // Names that files use themselves, and USD's rule for names.
@@ -109,20 +111,12 @@ static bool is_value_name( const char* text )
     return is_name( text ) && strchr( text, '-' ) == NULL && !( text[0] >= '0' && text[0] <= '9' );
 }
 
-// @param vertex -1: the colour of all
 static wisp_status check_colour( const checked* c, int vertex, wisp_vec3 rgb )
 {
-    if ( rgb.x >= 0.0f && rgb.x <= 1.0f && rgb.y >= 0.0f && rgb.y <= 1.0f && rgb.z >= 0.0f && rgb.z <= 1.0f )
-    {
-        return WISP_OK;
-    }
-    char where[32] = "";
-    if ( vertex >= 0 )
-    {
-        snprintf( where, sizeof where, ", vertex %d", vertex );
-    }
-    return wrong( c, "%s: got a colour of (%g, %g, %g), expected 0 to 1", where, (double)rgb.x, (double)rgb.y,
-                  (double)rgb.z );
+    return rgb.x >= 0.0f && rgb.x <= 1.0f && rgb.y >= 0.0f && rgb.y <= 1.0f && rgb.z >= 0.0f && rgb.z <= 1.0f
+               ? WISP_OK
+               : wrong( c, vertex, "got a colour of (%g, %g, %g), expected 0 to 1", (double)rgb.x, (double)rgb.y,
+                        (double)rgb.z );
 }
 
 // Readers have no colours and widths, and a count of vertices that nothing confirms.
@@ -138,7 +132,7 @@ static wisp_status check_appearance( const checked* c )
     {
         if ( !isfinite( body->widths[v] ) || body->widths[v] < 0.0f )
         {
-            status = wrong( c, ", vertex %d: got a width of %g m, expected at least 0", v, (double)body->widths[v] );
+            status = wrong( c, v, "got a width of %g m, expected at least 0", (double)body->widths[v] );
         }
     }
     return status;
@@ -151,8 +145,8 @@ static wisp_status check_values( const checked* c )
     {
         if ( values[i].name == NULL || !is_value_name( values[i].name ) || values[i].numbers == NULL )
         {
-            return wrong( c,
-                          ": value %d has no numbers, or a name that files use or that has other characters than "
+            return wrong( c, -1,
+                          "value %d has no numbers, or a name that files use or that has other characters than "
                           "A-Z a-z 0-9 _",
                           i );
         }
@@ -160,7 +154,7 @@ static wisp_status check_values( const checked* c )
         {
             if ( strcmp( values[other].name, values[i].name ) == 0 )
             {
-                return wrong( c, ": two values are called %s", values[i].name );
+                return wrong( c, -1, "two values are called %s", values[i].name );
             }
         }
     }
@@ -185,7 +179,7 @@ static wisp_status check_body( const wisp_record_body* bodies, int b, const char
     }
     if ( body->vertex_count < 1 )
     {
-        return wrong( &c, ": got %d vertices, expected at least 1", body->vertex_count );
+        return wrong( &c, -1, "got %d vertices, expected at least 1", body->vertex_count );
     }
     wisp_status status = body->offsets != NULL ? check_strands( &c ) : check_mesh( &c );
     status = status == WISP_OK ? check_appearance( &c ) : status;

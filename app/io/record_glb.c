@@ -32,8 +32,6 @@ enum
 typedef struct glb_file
 {
     wisp_vec3* first[2]; // [most_vertices] points and unit normals of the body in the first frame
-    wisp_vec3* vectors;  // [most_vertices] of another frame
-    int32_t* last;       // [most_triangles] of the last frame
     int most_frames;     // that the file can hold
     bool is_animated;    // a body has targets
     FILE* json;
@@ -125,8 +123,6 @@ static wisp_status glb_begin( wisp_recorder* recorder, wisp_error* error )
     const size_t bytes = (size_t)recorder->most_vertices * sizeof( wisp_vec3 );
     file->first[0] = record_get( &recorder->memory, bytes );
     file->first[1] = record_get( &recorder->memory, bytes );
-    file->vectors = record_get( &recorder->memory, bytes );
-    file->last = record_get( &recorder->memory, recorder->most_triangles );
     if ( recorder->memory.is_short )
     {
         return record_no_memory( recorder->path, error );
@@ -190,7 +186,7 @@ static void load( wisp_recorder* recorder, int b, int frame, bool are_normals, w
     memcpy( out, vectors, (size_t)body->vertex_count * sizeof *out );
     if ( body->triangles_change )
     {
-        record_carry_corners( body, body->triangles, ( (const glb_file*)recorder->file )->last, out );
+        record_carry_corners( body, body->triangles, recorder->kept_triangles, out );
     }
     for ( int v = 0; v < body->vertex_count && are_normals; ++v )
     {
@@ -206,7 +202,7 @@ static glb_shape begin_body( wisp_recorder* recorder, int b )
     const glb_file* file = recorder->file;
     const glb_shape shape = shape_of( recorder, b, recorder->frame_count );
     record_wait_load( recorder, recorder->frame_count - 1, b );
-    record_keep_triangles( shape.body, file->last );
+    record_keep_triangles( shape.body, recorder->kept_triangles ); // of the last frame
     for ( int part = 0; part < shape.part_count; ++part )
     {
         load( recorder, b, 0, part == 1, file->first[part] );
@@ -217,18 +213,19 @@ static glb_shape begin_body( wisp_recorder* recorder, int b )
 static const wisp_vec3* load_block( wisp_recorder* recorder, int b, const glb_shape* shape, int block )
 {
     const glb_file* file = recorder->file;
+    wisp_vec3* vectors = recorder->kept_points;
     if ( block < shape->base )
     {
         return block < shape->part_count ? file->first[block] : shape->body->colours;
     }
     const int part = ( block - shape->base ) % shape->part_count;
-    load( recorder, b, 1 + ( block - shape->base ) / shape->part_count, part == 1, file->vectors );
+    load( recorder, b, 1 + ( block - shape->base ) / shape->part_count, part == 1, vectors );
     for ( int v = 0; v < shape->body->vertex_count; ++v )
     {
-        const wisp_vec3 from = file->first[part][v], to = file->vectors[v];
-        file->vectors[v] = ( wisp_vec3 ){ to.x - from.x, to.y - from.y, to.z - from.z };
+        const wisp_vec3 from = file->first[part][v], to = vectors[v];
+        vectors[v] = ( wisp_vec3 ){ to.x - from.x, to.y - from.y, to.z - from.z };
     }
-    return file->vectors;
+    return vectors;
 }
 
 // ---- JSON part -------------------------------------------------------------------------------------------------
@@ -502,7 +499,7 @@ static void put_binary( wisp_recorder* recorder, FILE* out )
     for ( int b = 0; b < recorder->body_count; ++b )
     {
         const glb_shape shape = begin_body( recorder, b );
-        record_set_triangles( shape.body, file->last );
+        record_set_triangles( shape.body, recorder->kept_triangles );
         put_indices( out, shape.body );
         for ( int i = 0; i < shape.block_count; ++i )
         {

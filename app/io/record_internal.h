@@ -102,8 +102,7 @@ struct wisp_recorder
     wisp_record_body* bodies; ///< [body_count]
     record_input* inputs;     ///< [body_count]
     int body_count;
-    int most_vertices;     ///< of a body
-    size_t most_triangles; ///< bytes of triangles that change, of a body
+    int most_vertices; ///< of a body
     char* path;
     char* beside; ///< [beside_size] room for a path beside it
     size_t beside_size;
@@ -119,6 +118,8 @@ struct wisp_recorder
     int descriptor;     ///< of .wisp, else -1
     io_output* outputs; ///< [body_count] files that appear when the recorder is closed
     struct record_waiting* waiting;
+    wisp_vec3* kept_points;  ///< [most_vertices] and
+    int32_t* kept_triangles; ///< of another frame that waits, for its format
 
     double* normal_sums; ///< [most_vertices][3]; null without normals
     wisp_vec3* normals;  ///< [most_vertices]
@@ -131,7 +132,6 @@ struct record_format
     bool has_values;  ///< holds the values of bodies
     bool has_normals; ///< calls record_normals()
     size_t file_size; ///< bytes of recorder->file, zeroed
-    size_t body_size; ///< of recorder->file for each body instead
     /// Check the bodies, then open files; null: nothing to do. The recorder closes them after a failure.
     wisp_status ( *begin )( wisp_recorder* recorder, wisp_error* error );
     wisp_status ( *frame )( wisp_recorder* recorder, const record_frame* frame, wisp_error* error );

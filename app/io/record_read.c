@@ -14,53 +14,19 @@
 
 // ---- bytes -----------------------------------------------------------------------------------------------------
 
-static wisp_status examine( const char* path, record_source* source, wisp_error* error )
+static wisp_status open_file( const char* path, record_source* source, wisp_error* error )
 {
-    struct stat info;
-    if ( fstat( source->descriptor, &info ) != 0 )
-    {
-        return record_refused( path, "examine", error );
-    }
-    if ( !S_ISREG( info.st_mode ) )
-    {
-        return record_wrong( error, path, "got %s, expected a file",
-                             S_ISDIR( info.st_mode ) ? "a folder" : "a device or a pipe" );
-    }
-    source->size = (uint64_t)info.st_size;
-    source->name = strdup( io_short_name( path ) );
-    return source->name != NULL ? WISP_OK : record_no_memory( path, error );
-}
-
-static wisp_status source_open( const char* path, record_source* source, wisp_error* error )
-{
-    *source = ( record_source ){ .descriptor = -1 };
     // Without O_NONBLOCK a pipe without a writer would block the caller before it can be rejected.
     source->descriptor = io_file_open( path, O_NONBLOCK, IO_STANDARD_INPUT_MAX );
-    return source->descriptor >= 0 ? examine( path, source, error ) : record_refused( path, "open", error );
-}
-
-static wisp_status source_open_memory( const void* bytes, size_t size, const char* name, record_source* source,
-                                       wisp_error* error )
-{
-    // Null marks a file, so empty memory needs an address too.
-    static const unsigned char nothing[1];
-    *source = ( record_source ){
-        .bytes = size > 0 ? bytes : nothing,
-        .size = size,
-        .descriptor = -1,
-        .name = strdup( io_short_name( name ) ),
-    };
-    return source->name != NULL ? WISP_OK : record_no_memory( name, error );
-}
-
-static void source_close( record_source* source )
-{
-    if ( source->descriptor >= 0 )
+    struct stat info;
+    if ( source->descriptor < 0 || fstat( source->descriptor, &info ) != 0 )
     {
-        close( source->descriptor );
+        return record_refused( path, source->descriptor < 0 ? "open" : "examine", error );
     }
-    free( source->buffer );
-    free( source->name );
+    source->size = (uint64_t)info.st_size;
+    return S_ISREG( info.st_mode ) ? WISP_OK
+                                   : record_wrong( error, path, "got %s, expected a file",
+                                                   S_ISDIR( info.st_mode ) ? "a folder" : "a device or a pipe" );
 }
 
 static wisp_status make_room( record_source* source, size_t size, wisp_error* error )
@@ -139,72 +105,76 @@ wisp_status record_read_start( record_source* source, const record_start* start,
 
 // ---- opening ---------------------------------------------------------------------------------------------------
 
-// Ends a source that could not be opened, too.
-static wisp_status open_source( record_source* source, bool is_cache, wisp_status status, wisp_recording** out,
-                                wisp_error* error )
+// @param bytes null: the file is read
+static wisp_status open_recording( const char* path, const unsigned char* bytes, size_t size, bool is_cache,
+                                   wisp_recording** out, wisp_error* error )
 {
     record_memory memory = { 0 };
-    wisp_recording* recording = status == WISP_OK ? record_get( &memory, sizeof *recording ) : NULL;
-    *out = recording;
-    if ( recording == NULL )
+    wisp_recording* recording = record_get( &memory, sizeof *recording );
+    char* name = record_copy( &memory, io_short_name( path ), strlen( io_short_name( path ) ) + 1 );
+    *out = NULL;
+    if ( memory.is_short )
     {
-        status = status == WISP_OK ? record_no_memory( source->name, error ) : status;
-        source_close( source );
-        return status;
+        record_release( &memory );
+        return record_no_memory( path, error );
     }
-    *recording = ( wisp_recording ){ .source = *source, .memory = memory, .is_cache = is_cache };
-    status = is_cache ? record_read_cache( recording, error ) : record_read_own( recording, error );
+    *recording = ( wisp_recording ){
+        .source = { .bytes = bytes, .size = size, .descriptor = -1, .name = name },
+        .memory = memory,
+        .is_cache = is_cache,
+    };
+    wisp_status status = bytes != NULL ? WISP_OK : open_file( path, &recording->source, error );
+    if ( status == WISP_OK )
+    {
+        status = is_cache ? record_read_cache( recording, error ) : record_read_own( recording, error );
+    }
     if ( status != WISP_OK )
     {
         wisp_recording_close( recording );
-        *out = NULL;
+        return status;
     }
-    return status;
-}
-
-static wisp_status open_path( const char* path, bool is_cache, wisp_recording** out, wisp_error* error )
-{
-    record_source source;
-    return open_source( &source, is_cache, source_open( path, &source, error ), out, error );
-}
-
-static wisp_status open_memory( const void* bytes, size_t size, const char* name, bool is_cache, wisp_recording** out,
-                                wisp_error* error )
-{
-    record_source source;
-    return open_source( &source, is_cache, source_open_memory( bytes, size, name, &source, error ), out, error );
+    *out = recording;
+    return WISP_OK;
 }
 
 wisp_status wisp_recording_open( const char* path, wisp_recording** out, wisp_error* error )
 {
-    return open_path( path, false, out, error );
-}
-
-wisp_status wisp_recording_open_memory( const void* bytes, size_t size, const char* name, wisp_recording** out,
-                                        wisp_error* error )
-{
-    return open_memory( bytes, size, name, false, out, error );
+    return open_recording( path, NULL, 0, false, out, error );
 }
 
 wisp_status wisp_pc2_open( const char* path, wisp_recording** out, wisp_error* error )
 {
-    return open_path( path, true, out, error );
+    return open_recording( path, NULL, 0, true, out, error );
+}
+
+// Null marks a file, so empty memory needs an address too.
+static const unsigned char nothing[1];
+
+wisp_status wisp_recording_open_memory( const void* bytes, size_t size, const char* name, wisp_recording** out,
+                                        wisp_error* error )
+{
+    return open_recording( name, size > 0 ? bytes : nothing, size, false, out, error );
 }
 
 wisp_status wisp_pc2_open_memory( const void* bytes, size_t size, const char* name, wisp_recording** out,
                                   wisp_error* error )
 {
-    return open_memory( bytes, size, name, true, out, error );
+    return open_recording( name, size > 0 ? bytes : nothing, size, true, out, error );
 }
 
 void wisp_recording_close( wisp_recording* recording )
 {
-    if ( recording != NULL )
+    if ( recording == NULL )
     {
-        source_close( &recording->source );
-        record_memory memory = recording->memory; // the recording is in it
-        record_release( &memory );
+        return;
     }
+    if ( recording->source.descriptor >= 0 )
+    {
+        close( recording->source.descriptor );
+    }
+    free( recording->source.buffer );
+    record_memory memory = recording->memory; // the recording is in it
+    record_release( &memory );
 }
 
 wisp_recording_info wisp_recording_describe( const wisp_recording* recording )

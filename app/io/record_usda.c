@@ -12,12 +12,6 @@ enum
 // m. Curves without widths are drawn a metre thick; this is a hair.
 static const float drawn_width = 1e-4f;
 
-typedef struct usda_file
-{
-    wisp_vec3* before;  // [most_vertices] points of another frame
-    int32_t* triangles; // [most_triangles] its triangles
-} usda_file;
-
 // A body as a prim that is being written.
 typedef struct usda_prim
 {
@@ -83,20 +77,9 @@ static wisp_status usda_begin( wisp_recorder* recorder, wisp_error* error )
     for ( int b = 0; b < recorder->body_count && status == WISP_OK; ++b )
     {
         status = check_name( recorder, b, error );
+        status = status == WISP_OK ? check_strands( recorder, &recorder->bodies[b], error ) : status;
     }
-    for ( int b = 0; b < recorder->body_count && status == WISP_OK; ++b )
-    {
-        status = check_strands( recorder, &recorder->bodies[b], error );
-    }
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    usda_file* file = recorder->file;
-    file->before = record_get( &recorder->memory, (size_t)recorder->most_vertices * sizeof *file->before );
-    file->triangles = record_get( &recorder->memory, recorder->most_triangles );
-    return recorder->memory.is_short ? record_no_memory( recorder->path, error )
-                                     : record_wait_open( recorder, error );
+    return status == WISP_OK ? record_wait_open( recorder, error ) : status;
 }
 
 // ---- frames ----------------------------------------------------------------------------------------------------
@@ -210,27 +193,28 @@ static void write_extent( const usda_prim* prim, int frame )
 // split between frames, from the frame before: a vertex comes from where its corners were.
 static void write_velocities( const usda_prim* prim, int frame )
 {
-    const usda_file* file = prim->recorder->file;
     const wisp_record_body* body = prim->body;
+    wisp_vec3* kept = prim->recorder->kept_points;
+    int32_t* triangles = prim->recorder->kept_triangles;
     const int before = frame > 0 ? frame - 1 : 0;
     const bool is_last = frame + 1 >= prim->recorder->frame_count || ( body->triangles_change && frame > 0 );
     const int after = is_last ? frame : frame + 1;
-    memcpy( file->before, load( prim, before ), (size_t)body->vertex_count * sizeof *file->before );
-    record_keep_triangles( body, file->triangles );
+    memcpy( kept, load( prim, before ), (size_t)body->vertex_count * sizeof *kept );
+    record_keep_triangles( body, triangles );
     const wisp_vec3* points = load( prim, after );
     if ( body->triangles_change )
     {
-        record_carry_corners( body, file->triangles, body->triangles, file->before );
+        record_carry_corners( body, triangles, body->triangles, kept );
     }
     const double time = record_wait_time( prim->recorder, after ) - record_wait_time( prim->recorder, before );
     for ( int v = 0; v < body->vertex_count; ++v )
     {
-        const wisp_vec3 a = file->before[v], b = points[v];
-        file->before[v] = ( wisp_vec3 ){ (float)( ( (double)b.x - (double)a.x ) / time ),
-                                         (float)( ( (double)b.y - (double)a.y ) / time ),
-                                         (float)( ( (double)b.z - (double)a.z ) / time ) };
+        const wisp_vec3 a = kept[v], b = points[v];
+        kept[v] = ( wisp_vec3 ){ (float)( ( (double)b.x - (double)a.x ) / time ),
+                                 (float)( ( (double)b.y - (double)a.y ) / time ),
+                                 (float)( ( (double)b.z - (double)a.z ) / time ) };
     }
-    write_vectors( prim->out, file->before, body->vertex_count );
+    write_vectors( prim->out, kept, body->vertex_count );
 }
 
 // ---- attributes ------------------------------------------------------------------------------------------------
@@ -400,11 +384,5 @@ static wisp_status usda_end( wisp_recorder* recorder, wisp_error* error )
 }
 
 const record_format record_format_usda = {
-    ".usda",
-    .has_values = true,
-    .has_normals = true,
-    .file_size = sizeof( usda_file ),
-    .begin = usda_begin,
-    .frame = usda_frame,
-    .end = usda_end,
+    ".usda", .has_values = true, .has_normals = true, .begin = usda_begin, .frame = usda_frame, .end = usda_end,
 };

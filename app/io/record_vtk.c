@@ -183,9 +183,11 @@ static wisp_status pvd_begin( wisp_recorder* recorder, wisp_error* error )
         return record_wrong( error, recorder->path,
                              "expected a name with an extension; without it, it is the folder of the frames" );
     }
-    for ( int b = 0; b < recorder->body_count; ++b )
+    vtk_cells* cells = record_get( &recorder->memory, (size_t)recorder->body_count * sizeof *cells );
+    recorder->file = cells;
+    for ( int b = 0; cells != NULL && b < recorder->body_count; ++b )
     {
-        list_cells( recorder, &recorder->bodies[b], (vtk_cells*)recorder->file + b );
+        list_cells( recorder, &recorder->bodies[b], &cells[b] );
     }
     if ( recorder->memory.is_short )
     {
@@ -264,11 +266,5 @@ static wisp_status pvd_end( wisp_recorder* recorder, wisp_error* error )
 }
 
 const record_format record_format_pvd = {
-    ".pvd",
-    .has_values = true,
-    .has_normals = true,
-    .begin = pvd_begin,
-    .frame = pvd_frame,
-    .end = pvd_end,
-    .body_size = sizeof( vtk_cells ),
+    ".pvd", .has_values = true, .has_normals = true, .begin = pvd_begin, .frame = pvd_frame, .end = pvd_end,
 };

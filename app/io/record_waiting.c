@@ -15,8 +15,8 @@ typedef struct record_waiting
     double* times; // [capacity] s
     size_t capacity;
     uint64_t frame_bytes;
-    unsigned char* body; // [of the largest] in a frame
-    wisp_error error;    // the first failure of reading
+    float* body;      // numbers of 4 bytes of the largest body in a frame: points, values, triangles
+    wisp_error error; // the first failure of reading
 } record_waiting;
 
 // Bytes of the points, of a value, and of the whole body in a frame.
@@ -59,7 +59,8 @@ static wisp_status open_file( const wisp_recorder* recorder, wisp_error* error )
 
 wisp_status record_wait_open( wisp_recorder* recorder, wisp_error* error )
 {
-    record_waiting* waiting = recorder->waiting = record_get( &recorder->memory, sizeof *waiting );
+    record_memory* memory = &recorder->memory;
+    record_waiting* waiting = recorder->waiting = record_get( memory, sizeof *waiting );
     size_t largest = 0;
     for ( int b = 0; waiting != NULL && b < recorder->body_count; ++b )
     {
@@ -68,10 +69,15 @@ wisp_status record_wait_open( wisp_recorder* recorder, wisp_error* error )
         waiting->frame_bytes += bytes;
         largest = bytes > largest ? bytes : largest;
     }
-    if ( waiting == NULL || ( waiting->body = record_get( &recorder->memory, largest ) ) == NULL )
+    // Triangles are no more bytes than their body.
+    recorder->kept_points = record_get( memory, (size_t)recorder->most_vertices * sizeof( wisp_vec3 ) );
+    recorder->kept_triangles = record_get( memory, largest );
+    float* body = record_get( memory, largest );
+    if ( memory->is_short )
     {
         return record_no_memory( recorder->path, error );
     }
+    waiting->body = body;
     const wisp_status status = open_file( recorder, error );
     return status == WISP_OK ? io_output_open( recorder->path, &recorder->outputs[0], error ) : status;
 }
@@ -137,10 +143,10 @@ const wisp_vec3* record_wait_load( wisp_recorder* recorder, int frame, int b )
     errno = 0;
     const bool is_read =
         fseeko( waiting->file, at, SEEK_SET ) == 0 && fread( waiting->body, 1, size, waiting->file ) == size;
-    unsigned char* part = waiting->body + point_bytes( body );
-    for ( int i = 0; i < body->value_count; ++i, part += value_bytes( body ) )
+    const float* part = waiting->body + point_bytes( body ) / 4;
+    for ( int i = 0; i < body->value_count; ++i, part += body->vertex_count )
     {
-        ( (wisp_record_value*)(uintptr_t)body->values )[i].numbers = (const float*)part;
+        ( (wisp_record_value*)(uintptr_t)body->values )[i].numbers = part;
     }
     if ( is_read )
     {

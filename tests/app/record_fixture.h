@@ -57,9 +57,23 @@ static inline uint64_t fixture_hash( int f )
     return 0x0123456789abcdefu * (uint64_t)( f + 1 );
 }
 
+/// Vertices to follow; the first one is in the first body.
+static const wisp_track_point fixture_tracks[] = { { 0, 1 }, { 1, 4 } };
+
 static inline wisp_recorder_def fixture_def( void )
 {
-    return ( wisp_recorder_def ){ .bodies = fixture_bodies, .body_count = FIXTURE_BODIES, .dt = 1.0 / 60.0 };
+    return ( wisp_recorder_def ){ .bodies = fixture_bodies,
+                                  .body_count = FIXTURE_BODIES,
+                                  .dt = 1.0 / 60.0,
+                                  .tracks = fixture_tracks,
+                                  .track_count = 2 };
+}
+
+static inline wisp_status fixture_open( const char* path, const wisp_recorder_def* def, wisp_recorder** recorder,
+                                        wisp_error* error )
+{
+    const bool is_table = strstr( path, ".csv" ) != NULL;
+    return wisp_recorder_open( path, is_table ? WISP_RECORD_TRACKS : WISP_RECORD_BY_NAME, def, recorder, error );
 }
 
 static inline wisp_status fixture_add_frame( wisp_recorder* recorder, int f, wisp_error* error )
@@ -74,7 +88,7 @@ static inline void fixture_record( const char* path, const wisp_recorder_def* de
 {
     wisp_error error = { .status = WISP_OK };
     wisp_recorder* recorder = NULL;
-    assert_ok( wisp_recorder_open( path, WISP_RECORD_BY_NAME, def, &recorder, &error ), error );
+    assert_ok( fixture_open( path, def, &recorder, &error ), error );
     for ( int f = 0; f < frame_count; ++f )
     {
         assert_ok( fixture_add_frame( recorder, f, &error ), error );

@@ -263,14 +263,15 @@ static int frames_in( void** state, const char* name )
     else if ( strcmp( name, "a.usda" ) == 0 )
     {
         assert_balanced( text );
-        count = atoi( strstr( text, "endTimeCode = " ) + 14 ) + 1;
+        count = strstr( text, "timeSamples" ) != NULL ? atoi( strstr( text, "endTimeCode = " ) + 14 ) + 1 : 0;
     }
     else
     {
         // three bodies have points, and two of them a target for each frame after the first
         assert_memory_equal( text, "glTF", 4 );
         assert_int_equal( get_u32( (unsigned char*)text + 8 ), size );
-        count = ( count_of( text + 20, "{\"POSITION\":" ) - 3 ) / 2 + 1;
+        count = count_of( text + 20, "{\"POSITION\":" );
+        count = count > 0 ? ( count - 3 ) / 2 + 1 : 0;
     }
     free( text );
     return count;
@@ -285,7 +286,7 @@ static void a_recording_may_end_before_the_frames_that_were_expected( void** sta
                                             { "a.glb", "a.glb" } };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
-        for ( int frames = 1; frames <= 3; ++frames )
+        for ( int frames = 0; frames <= 3; ++frames )
         {
             values_fixture x;
             wisp_error error = { .status = WISP_OK };
