@@ -16,6 +16,8 @@ static const struct
     // strands
     { "dynamics", "leader_correction", NULL, "leave it out: it belonged to `stretch: follow`" },
     { "dynamics", "stretch", "follow", "use `stretch: links`, which costs as much, or `direct`, which is exact" },
+    // meshes
+    { "generate", "shape", "figure", "use `file: figure.glb` of the folder data, which has its clips too" },
     // implicit cloth
     { "implicit", "damping_form", NULL, "leave it out: links damp all relative velocity of their ends" },
     { "implicit", "jacobian", NULL, "leave it out: the negative term of bending is always dropped" },
