@@ -127,7 +127,6 @@ extern "C"
         WISP_MESH_CAPSULE, ///< a cylinder along y between two half spheres
         WISP_MESH_TUBE,    ///< a cylinder along y without ends
         WISP_MESH_PEAR,    ///< closed, genus 0, a single mirror symmetry: an icosphere tapered, bent and flattened
-        WISP_MESH_FIGURE,  ///< a human-like figure on y = 0, see figure.h
         WISP_MESH_SHAPE_COUNT
     } wisp_mesh_shape;
 
@@ -152,8 +151,6 @@ extern "C"
         float length;       ///< m, > 0, of the cylinder of capsule and tube
         float width;        ///< m, > 0, of Delaunay rectangle and garment along x
         float depth;        ///< m, > 0, of the same along z, within a thousandth and a thousand times of the width
-        float height;       ///< m, of a figure
-        int triangle_count; ///< of a figure, within a twentieth
         uint64_t seed;      ///< of the shifts, and of the vertices inside Delaunay rectangle and garment
     } wisp_mesh_generator;
 
@@ -162,7 +159,7 @@ extern "C"
     WISP_API wisp_mesh_generator wisp_default_mesh_generator( wisp_mesh_shape shape );
 
     /// Generate a mesh around the origin. Planes are in y = 0 with normals along +y; closed shapes and the tube have
-    /// outward normals; a figure stands on y = 0. The same definition gives the same bits on every machine.
+    /// outward normals. The same definition gives the same bits on every machine.
     /// @return WISP_BAD_INPUT the message names the invalid value; WISP_NO_MEMORY
     WISP_API wisp_status wisp_mesh_generate( const wisp_mesh_generator* generator, wisp_mesh* out,
                                              wisp_error* error );

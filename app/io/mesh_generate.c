@@ -5,7 +5,6 @@
 
 #include <math.h>
 
-#include "figure.h"
 #include "wisp/generate.h"
 
 enum
@@ -40,8 +39,6 @@ wisp_mesh_generator wisp_default_mesh_generator( wisp_mesh_shape shape )
         .length = 1.0f,
         .width = is_garment ? 0.55f : 1.0f,
         .depth = is_garment ? 0.7f : 1.0f,
-        .height = wisp_default_figure_generator().height,
-        .triangle_count = wisp_default_figure_generator().triangle_count,
         .seed = 1,
     };
 }
@@ -73,11 +70,6 @@ static bool has_level( const wisp_mesh_generator* r )
     return r->shape == WISP_MESH_ICOSPHERE || r->shape == WISP_MESH_PEAR;
 }
 
-static bool is_figure( const wisp_mesh_generator* r )
-{
-    return r->shape == WISP_MESH_FIGURE;
-}
-
 static bool has_length( const wisp_mesh_generator* r )
 {
     return r->shape == WISP_MESH_CAPSULE || r->shape == WISP_MESH_TUBE;
@@ -85,7 +77,7 @@ static bool has_length( const wisp_mesh_generator* r )
 
 static wisp_status check_counts( const wisp_mesh_generator* r, wisp_error* error )
 {
-    bool plane = is_plane( r ), turned = !plane && !is_delaunay( r ) && !has_level( r ) && !is_figure( r );
+    bool plane = is_plane( r ), turned = !plane && !is_delaunay( r ) && !has_level( r );
     bool counted = is_delaunay( r ) || ( r->shape == WISP_MESH_PLANE_IRREGULAR && r->vertex_count != 0 );
     int min_vertices = r->shape == WISP_MESH_GARMENT ? MIN_GARMENT : 4;
     int min_rings = r->shape == WISP_MESH_TORUS ? 3 : r->shape == WISP_MESH_UV_SPHERE ? 2 : 1;
@@ -155,7 +147,7 @@ static wisp_status check_sizes( const wisp_mesh_generator* r, wisp_error* error 
     } values[] = {
         { "spacing", is_plane( r ), r->spacing, SMALLEST_SIZE, LARGEST_SIZE },
         { "jitter", r->shape == WISP_MESH_PLANE_IRREGULAR, r->jitter, 0.0f, MAX_JITTER },
-        { "radius", !is_plane( r ) && !delaunay && !is_figure( r ), r->radius, SMALLEST_SIZE, LARGEST_SIZE },
+        { "radius", !is_plane( r ) && !delaunay, r->radius, SMALLEST_SIZE, LARGEST_SIZE },
         { "tube radius", torus, r->tube_radius, SMALLEST_SIZE, 0.999f * r->radius },
         { "length", has_length( r ), r->length, SMALLEST_SIZE, LARGEST_SIZE },
         { "lower radius", r->shape == WISP_MESH_TUBE && r->lower_radius != 0.0f, r->lower_radius, SMALLEST_SIZE,
@@ -210,17 +202,6 @@ wisp_status mesh_generate_plane( const wisp_mesh_generator* r, wisp_mesh* out, w
     return status;
 }
 
-static wisp_status make_figure( const wisp_mesh_generator* r, wisp_mesh* out, wisp_error* error )
-{
-    const wisp_figure_generator generator = { .height = r->height, .triangle_count = r->triangle_count };
-    wisp_figure figure;
-    const wisp_status status = wisp_figure_generate( &generator, &figure, error );
-    *out = figure.mesh;
-    figure.mesh = ( wisp_mesh ){ 0 };
-    wisp_figure_release( &figure );
-    return status;
-}
-
 // ---- generation ------------------------------------------------------------------------------------------------
 
 wisp_status wisp_mesh_generate( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error )
@@ -254,10 +235,6 @@ wisp_status wisp_mesh_generate( const wisp_mesh_generator* generator, wisp_mesh*
     if ( is_plane( generator ) )
     {
         return mesh_generate_plane( generator, out, error );
-    }
-    if ( is_figure( generator ) )
-    {
-        return make_figure( generator, out, error );
     }
     return has_level( generator ) ? mesh_generate_icosphere( generator, out, error )
                                   : mesh_generate_turned( generator, out, error );

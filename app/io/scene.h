@@ -269,6 +269,7 @@ extern "C"
         const char* name;
         float time;  ///< s, when it begins
         float speed; ///< s/s
+        bool loop;   ///< it repeats until the next clip; false: its last pose stays
     } wisp_scene_clip;
 
     /// Clips that move a mesh with a skeleton.

@@ -20,18 +20,19 @@ static const scene_field CLIP_FIELDS[] = {
     { "clip", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = read_clip_name, .form = "name",
       .help = "Name of the clip in the file." },
     { "time", SCENE_NUMBER, .at = AT( time ), .range = TIME, .unit = SECONDS,
-      .help =
-          "When it begins; until then the figure goes from its pose at rest, or from the clip before, to its first "
-          "pose." },
+      .help = "When it begins; until then the mesh goes from its pose at rest, or from the clip before, to its first "
+              "pose." },
     { "speed", SCENE_NUMBER, .at = AT( speed ), .range = RANGE( 1e-3, 1e3 ),
       .help = "Seconds of the clip per second." },
+    { "loop", SCENE_SWITCH, .at = AT( loop ),
+      .help = "Whether it repeats until the next clip; else its last pose stays." },
 };
 #undef AT
 const scene_block SCENE_CLIP_BLOCK = BLOCK( CLIP_FIELDS );
 
 wisp_scene_clip scene_default_clip( void )
 {
-    return ( wisp_scene_clip ){ .speed = 1.0f };
+    return ( wisp_scene_clip ){ .speed = 1.0f, .loop = true };
 }
 
 static wisp_status read_clip( scene_reader* r, const scene_node* node, int index, void* context )
@@ -64,9 +65,7 @@ static const scene_choice SKINNINGS[] = { { "linear", "mean of where joints take
 #define AT( member ) offsetof( wisp_scene_surface, animation.member )
 static const scene_field ANIMATION_FIELDS[] = {
     { "file", SCENE_CUSTOM, .at = AT( file ), .read = scene_read_file, .form = "path",
-      .help = "File of the clips: glTF (`.glb`, `.gltf`), or keyframes in YAML as in `data/figures/motions.yaml`; or "
-              "a glTF "
-              "file with morph targets that the vertices follow.",
+      .help = "glTF file (`.glb`, `.gltf`) of the clips, or one with morph targets that the vertices follow.",
       .initial = "that of the mesh" },
     { "clips", SCENE_CUSTOM, .required = true, .read = read_clips, .form = "list of {clip, time, speed}",
       .help = "Clips, one after the other; one that loops repeats until the next." },
@@ -94,14 +93,14 @@ wisp_status scene_check_animation( scene_reader* r, const scene_node* node, cons
     {
         return scene_refuse_node( r, own, "got both 'attach_pins' and 'animation', expected one of them" );
     }
-    const bool is_figure = s->mesh.is_generated && s->mesh.generator.shape == WISP_MESH_FIGURE;
-    const bool is_followed =
-        a->file != NULL && gltf_is_path( a->file ); // vertices of a file may be those of the mesh
-    if ( s->mesh.is_generated && !is_figure && !is_followed )
+    if ( a->file != NULL && !gltf_is_path( a->file ) )
     {
-        return scene_refuse_node( r, own,
-                                  "the mesh has no skeleton, expected 'generate: { shape: figure }' or a glTF file" );
+        const scene_node* file = scene_child( r, own, "file" );
+        return scene_refuse_node( r, file, "got '%s', expected a glTF file (.glb, .gltf)",
+                                  scene_shorten( scene_text_of( r->tree, file ) ).text );
     }
-    return is_figure && a->file == NULL ? scene_refuse_node( r, own, "key 'file' is missing: a figure has no clips" )
-                                        : WISP_OK;
+    // vertices of a file may be those of the mesh
+    return s->mesh.is_generated && a->file == NULL
+               ? scene_refuse_node( r, own, "the mesh has no skeleton, expected a glTF file" )
+               : WISP_OK;
 }

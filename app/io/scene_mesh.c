@@ -1,5 +1,4 @@
 // Where a mesh comes from, what is done to it, and how it is turned and moved: for surfaces and for colliders.
-#include "figure.h"
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
@@ -26,7 +25,6 @@ static const scene_choice SHAPES[] = { { "plane", "a grid in y = 0, all diagonal
                                        { "capsule", "a cylinder along y with two caps" },
                                        { "tube", "a cylinder along y without caps" },
                                        { "pear", "a closed pear shape" },
-                                       { "figure", "a human-like figure on y = 0 that looks along z" },
                                        { NULL, NULL } };
 
 #define SHAPE_FIELD                                                                                                  \
@@ -126,14 +124,6 @@ static const scene_field CAPSULE_FIELDS[] = {
     SHAPE_FIELD, SEGMENTS_FIELD, RINGS_FIELD( 1, "Rings of each cap, from pole to cylinder." ),
     ALONG_FIELD, RADIUS_FIELD,   LENGTH_FIELD
 };
-static const scene_field FIGURE_FIELDS[] = {
-    SHAPE_FIELD,
-    { "height", SCENE_NUMBER, .at = AT( height ), .range = RANGE( 1e-3, 1e3 ), .unit = METRES,
-      .help = "Height of the figure." },
-    { "triangles", SCENE_WHOLE, .at = AT( triangle_count ),
-      .range = RANGE( WISP_FIGURE_MIN_TRIANGLES, WISP_FIGURE_MAX_TRIANGLES ),
-      .help = "Number of triangles, within a twentieth." },
-};
 static const scene_field TUBE_FIELDS[] = {
     SHAPE_FIELD,
     SEGMENTS_FIELD,
@@ -161,7 +151,6 @@ const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT] = {
     [WISP_MESH_CAPSULE] = BLOCK( CAPSULE_FIELDS ),
     [WISP_MESH_TUBE] = BLOCK( TUBE_FIELDS ),
     [WISP_MESH_PEAR] = BLOCK( LEVEL_FIELDS ),
-    [WISP_MESH_FIGURE] = BLOCK( FIGURE_FIELDS ),
 };
 
 // The shape decides on the table and on the defaults, and may stand anywhere in the mapping.
@@ -203,8 +192,6 @@ int64_t scene_generator_vertices( const wisp_mesh_generator* generator )
             return segments * ( 2 * rings + generator->length_segments - 1 ) + 2;
         case WISP_MESH_TUBE:
             return segments * ( (int64_t)generator->length_segments + 1 );
-        case WISP_MESH_FIGURE: // at most
-            return 2 + (int64_t)generator->triangle_count * 21 / 40;
         default:
             return columns * generator->rows;
     }
@@ -381,7 +368,8 @@ static wisp_quat turn_after( wisp_quat a, wisp_quat b )
                      a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
 }
 
-wisp_quat scene_quat_of_degrees( wisp_vec3 degrees )
+// About the fixed axes x, then y, then z.
+static wisp_quat quat_of_degrees( wisp_vec3 degrees )
 {
     wisp_quat x = turn_about( ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f }, degrees.x );
     wisp_quat y = turn_about( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, degrees.y );
@@ -406,7 +394,7 @@ wisp_status scene_read_rotation( scene_reader* r, const scene_node* node, void* 
     wisp_quat* out = at;
     if ( turn.is_list )
     {
-        *out = scene_quat_of_degrees( turn.degrees );
+        *out = quat_of_degrees( turn.degrees );
         return WISP_OK;
     }
     if ( !( fabsf( turn.axis.x ) + fabsf( turn.axis.y ) + fabsf( turn.axis.z ) >= 1e-6f ) )

@@ -75,9 +75,6 @@ wisp_scene_seam scene_default_seam( void );
 /// scene_mesh.c: a distance to weld needs the repair. @param node of a surface or a collider
 wisp_status scene_check_weld( scene_reader* reader, const scene_node* node, const wisp_scene_mesh* mesh );
 
-/// The rotation about the fixed axes x, then y, then z.
-wisp_quat scene_quat_of_degrees( wisp_vec3 degrees );
-
 /// A path of poses { time, position, rotation }. @param start the first pose's rotation unless it has its own
 wisp_status scene_read_positions( scene_reader* reader, const scene_node* node, wisp_quat start,
                                   wisp_scene_path* path );

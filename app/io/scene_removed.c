@@ -18,6 +18,8 @@ static const struct
     { "dynamics", "stretch", "follow", "use `links` with `solver: xpbd`, or `direct`" },
     // contact
     { "contact", "search", NULL, "leave it out: pairs are found by grids, the fastest of the searches" },
+    // meshes
+    { "generate", "shape", "figure", "use `file: figure.glb` of the folder data, which has its clips too" },
     // implicit cloth
     { "implicit", "damping_form", NULL, "leave it out: links damp all relative velocity of their ends" },
     { "implicit", "jacobian", NULL, "leave it out: the negative term of bending is always dropped" },

@@ -328,8 +328,7 @@ static const scene_field SURFACE_FIELDS[] = {
       .help = "Further pins, in groups that move, are attached and are released each by itself.",
       .form = "list of blocks", .initial = "none" },
     { "animation", SCENE_BLOCK, .at = AT( has_animation ), .block = &SCENE_ANIMATION_BLOCK,
-      .help = "Clips of keyframes that move the skeleton of the mesh, a figure or a glTF file. Pins and motion "
-              "targets go "
+      .help = "Clips of keyframes that move the skeleton of the mesh, a glTF file. Pins and motion targets go "
               "along; without `cloth`, `balloon` and `implicit` every vertex does." },
     { "velocity", SCENE_VECTOR, .at = AT( velocity ), .range = VELOCITY, .unit = SPEEDS,
       .help = "Velocity at the start." },

@@ -71,40 +71,6 @@ static bool are_finite( const float* values, int count )
     return finite;
 }
 
-wisp_status wisp_skeleton_check( const wisp_skeleton* skeleton, wisp_error* error )
-{
-    if ( skeleton->joint_count < 1 || skeleton->joint_count > WISP_SKELETON_MAX_JOINTS )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "skeleton: got %d joints, expected 1 to %d", skeleton->joint_count,
-                          WISP_SKELETON_MAX_JOINTS );
-    }
-    for ( int j = 0; j < skeleton->joint_count; ++j )
-    {
-        const wisp_joint* joint = &skeleton->joints[j];
-        const wisp_quat q = joint->rest.rotation;
-        if ( joint->parent < -1 || joint->parent >= j )
-        {
-            return wisp_fail( error, WISP_BAD_INPUT, "joint %d: got parent %d, expected -1 or a joint before it", j,
-                              joint->parent );
-        }
-        if ( !are_finite( &joint->rest.translation.x, 3 ) || !are_finite( &joint->rest.scale.x, 3 ) ||
-             !are_finite( joint->inverse_bind.m[0], 12 ) )
-        {
-            return wisp_fail( error, WISP_BAD_INPUT, "joint %d: got a transform that is not finite", j );
-        }
-        if ( !( fabsf( q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0f ) <= 1e-3f ) )
-        {
-            return wisp_fail( error, WISP_BAD_INPUT, "joint %d: got a rotation that is no unit quaternion", j );
-        }
-        if ( joint->name != NULL && wisp_skeleton_find( skeleton, joint->name ) != j )
-        {
-            return wisp_fail( error, WISP_BAD_INPUT, "joint %d: got the name '%.40s', which joint %d has", j,
-                              joint->name, wisp_skeleton_find( skeleton, joint->name ) );
-        }
-    }
-    return WISP_OK;
-}
-
 // Floats of a keyframe.
 static int stride_of( const wisp_animation_track* track )
 {
@@ -204,7 +170,7 @@ static void turn_near( float* q, const float* before )
     }
 }
 
-wisp_status wisp_animation_track_smooth( wisp_animation_track* track, bool loops, wisp_error* error )
+wisp_status wisp_animation_track_smooth( wisp_animation_track* track, wisp_error* error )
 {
     const int width = wisp_joint_property_width( track->property ), count = track->key_count, last = count - 1;
     float* values = calloc( (size_t)count * 3 * (size_t)width, sizeof *values );
@@ -216,30 +182,18 @@ wisp_status wisp_animation_track_smooth( wisp_animation_track* track, bool loops
     {
         turn_near( track->values + 4 * (size_t)k, track->values + 4 * (size_t)( k - 1 ) );
     }
-    const float period = track->times[last] - track->times[0];
     for ( int k = 0; k < count; ++k )
     {
-        // neighbours, over the seam of a loop; there a rotation may have come back as its negative
-        const bool is_end = k == 0 || k == last, has_slope = count > 2 && ( loops || !is_end );
-        const int from = is_end ? last - 1 : k - 1, to = is_end ? 1 : k + 1;
-        const float* value = track->values + (size_t)k * (size_t)width;
-        const float span = has_slope ? track->times[to] - track->times[from] + ( is_end ? period : 0.0f ) : 1.0f;
-        float a[4] = { 0.0f }, b[4] = { 0.0f };
-        for ( int i = 0; i < width && has_slope; ++i )
-        {
-            a[i] = track->values[from * width + i];
-            b[i] = track->values[to * width + i];
-        }
-        if ( width == 4 && has_slope )
-        {
-            turn_near( a, value );
-            turn_near( b, value );
-        }
+        const bool is_end = k == 0 || k == last;
+        const int from = is_end ? k : k - 1, to = is_end ? k : k + 1;
+        const float *value = track->values + k * width, *a = track->values + from * width,
+                    *b = track->values + to * width;
+        const float span = is_end ? 1.0f : track->times[to] - track->times[from];
         float* out = values + (size_t)k * 3 * (size_t)width;
         for ( int i = 0; i < width; ++i )
         {
             out[width + i] = value[i];
-            out[i] = out[2 * width + i] = has_slope ? ( b[i] - a[i] ) / span : 0.0f;
+            out[i] = out[2 * width + i] = ( b[i] - a[i] ) / span;
         }
     }
     free( track->values );

@@ -1,4 +1,4 @@
-/// Skeletons, skin weights and animations, as plain structs that any source can fill: a generated figure, a file.
+/// Skeletons, skin weights and animations, as plain structs that any file format can fill.
 ///
 /// The notions are those of glTF: joints with parents and local transforms at rest, inverse bind matrices, four joints and weights
 /// per vertex, and tracks of keyframes for translation, rotation and scale of single joints.
@@ -98,9 +98,6 @@ extern "C"
     /// @return the number of the joint with this name; -1 if there is none
     int wisp_skeleton_find( const wisp_skeleton* skeleton, const char* name );
 
-    /// Check what a file or a recipe filled: parents before children, unit rotations, finite numbers, unique names.
-    /// @return WISP_BAD_INPUT the message names the joint
-    wisp_status wisp_skeleton_check( const wisp_skeleton* skeleton, wisp_error* error );
     /// Check an animation of a skeleton: joints and properties exist, times ascend, numbers are finite, rotations are not zero, no
     /// property of a joint has two tracks.
     /// @return WISP_BAD_INPUT the message names the track and the keyframe; WISP_NO_MEMORY
@@ -108,11 +105,10 @@ extern "C"
                                       wisp_error* error );
 
     /// Give a track of values without tangents those of a smooth curve and make it cubic: the tangent at a keyframe is the slope
-    /// between its two neighbours (Catmull and Rom 1974, for uneven times); at the ends of a track that does not loop it is 0.
+    /// between its two neighbours (Catmull and Rom 1974, for uneven times); at the ends of the track it is 0.
     /// Rotations are first turned to the same half of the quaternions as the keyframe before.
-    /// @param loops the first and the last keyframe are the same pose
     /// @return WISP_NO_MEMORY, and the track is unchanged
-    wisp_status wisp_animation_track_smooth( wisp_animation_track* track, bool loops, wisp_error* error );
+    wisp_status wisp_animation_track_smooth( wisp_animation_track* track, wisp_error* error );
 
     /// A clip in a sequence.
     typedef struct wisp_clip

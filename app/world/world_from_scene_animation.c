@@ -125,8 +125,8 @@ static wisp_status load_morphs( const wisp_scene_animation* entry, const char* p
                : wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d vertices", vertex_count );
 }
 
-static wisp_status load( const wisp_scene* scene, int surface, const wisp_vec3* rest, int vertex_count,
-                         scene_animation* out, wisp_error* error )
+static wisp_status load( const wisp_scene* scene, int surface, int vertex_count, scene_animation* out,
+                         wisp_error* error )
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
     const wisp_scene_surface* source = &scene->surfaces[entry->instance_of >= 0 ? entry->instance_of : surface];
@@ -137,17 +137,8 @@ static wisp_status load( const wisp_scene* scene, int surface, const wisp_vec3* 
     {
         return load_morphs( &entry->animation, path, vertex_count, out, error );
     }
-    const float unscaled = 1.0f / source->mesh.scale;
-    wisp_vec3* points = malloc( (size_t)vertex_count * sizeof *points + 1 );
-    for ( int v = 0; v < vertex_count && points != NULL; ++v )
-    {
-        points[v] = ( wisp_vec3 ){ unscaled * rest[v].x, unscaled * rest[v].y, unscaled * rest[v].z };
-    }
     wisp_status status =
-        points != NULL ? wisp_rig_load( &source->mesh, points, vertex_count, &entry->animation,
-                                        (float)scene->steps * scene->dt, &out->rig, error )
-                       : wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d vertices", vertex_count );
-    free( points );
+        wisp_rig_load( &source->mesh, &entry->animation, (float)scene->steps * scene->dt, &out->rig, error );
     if ( status == WISP_OK && out->rig.skin->point_count != vertex_count )
     {
         status =
@@ -167,8 +158,7 @@ static wisp_status load( const wisp_scene* scene, int surface, const wisp_vec3* 
     return status;
 }
 
-wisp_status scene_animation_load( const wisp_scene* scene, int surface, const wisp_vec3* rest, scene_world_surface* s,
-                                  wisp_error* error )
+wisp_status scene_animation_load( const wisp_scene* scene, int surface, scene_world_surface* s, wisp_error* error )
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
     if ( !entry->has_animation )
@@ -178,9 +168,8 @@ wisp_status scene_animation_load( const wisp_scene* scene, int surface, const wi
     wisp_error cause = { 0 };
     const wisp_vec3* points = NULL;
     s->animation = calloc( 1, sizeof *s->animation );
-    wisp_status status = s->animation != NULL
-                             ? load( scene, surface, rest, s->mesh.vertex_count, s->animation, &cause )
-                             : wisp_fail( &cause, WISP_NO_MEMORY, "out of memory for an animation" );
+    wisp_status status = s->animation != NULL ? load( scene, surface, s->mesh.vertex_count, s->animation, &cause )
+                                              : wisp_fail( &cause, WISP_NO_MEMORY, "out of memory for an animation" );
     status = status == WISP_OK ? scene_animation_pose( scene, surface, s->animation, 0.0, &points, &cause ) : status;
     for ( int v = 0; v < s->mesh.vertex_count && status == WISP_OK; ++v )
     {

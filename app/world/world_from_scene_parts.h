@@ -81,9 +81,7 @@ wisp_status scene_colliders_add( scene_world* world, wisp_error* error );
 void scene_colliders_release( scene_world* world );
 
 /// Load the animation of a placed surface, if its entry has one, and move its mesh to the first pose.
-/// @param rest [vertex_count] m, the mesh in its own frame
-wisp_status scene_animation_load( const wisp_scene* scene, int surface, const wisp_vec3* rest,
-                                  scene_world_surface* out, wisp_error* error );
+wisp_status scene_animation_load( const wisp_scene* scene, int surface, scene_world_surface* out, wisp_error* error );
 /// Where the vertices are. @param time s @param points receives [vertex_count] m, valid until the next call
 wisp_status scene_animation_pose( const wisp_scene* scene, int surface, scene_animation* animation, double time,
                                   const wisp_vec3** points, wisp_error* error );

@@ -232,7 +232,7 @@ static wisp_status make_source( scene_world* world, int surface, unsigned char r
     if ( status == WISP_OK )
     {
         scene_start_place( &scene->surfaces[surface], s );
-        status = scene_animation_load( scene, surface, rest, s, error );
+        status = scene_animation_load( scene, surface, s, error );
     }
     free( rest );
     return status;
@@ -255,21 +255,17 @@ static wisp_status make_instance( scene_world* world, int surface, wisp_error* e
     {
         s->mesh.points[v] = fabric->rest[fabric->vertex_slot[v]];
     }
-    wisp_vec3* rest = NULL;
-    wisp_status status = copy_points( s->mesh.points, s->mesh.vertex_count, &rest, error );
     place( s->mesh.points, s->mesh.vertex_count, entry->pose );
     wisp_fabric_retain( source->fabric );
     s->fabric = source->fabric;
-    status = status == WISP_OK ? without_spares( scene_pins_find, world->scene, surface, &source->repairs, s, error )
-                               : status;
+    wisp_status status = without_spares( scene_pins_find, world->scene, surface, &source->repairs, s, error );
     status = status == WISP_OK ? without_spares( scene_start_load, world->scene, surface, &source->repairs, s, error )
                                : status;
     if ( status == WISP_OK )
     {
         scene_start_place( entry, s );
-        status = scene_animation_load( world->scene, surface, rest, s, error );
+        status = scene_animation_load( world->scene, surface, s, error );
     }
-    free( rest );
     return status == WISP_OK ? scene_tearing_prepare( world, surface, error ) : status;
 }
 

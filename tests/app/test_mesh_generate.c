@@ -313,7 +313,7 @@ static void a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value(
 {
     (void)state;
     wisp_mesh_generator plane = wisp_default_mesh_generator( WISP_MESH_PLANE_IRREGULAR ), r = plane;
-    r.shape = WISP_MESH_SHAPE_COUNT, demand_refusal( r, "shape: got 12" );
+    r.shape = WISP_MESH_SHAPE_COUNT, demand_refusal( r, "shape: got 11" );
     r = plane, r.columns = 1, demand_refusal( r, "columns: got 1" );
     r = plane, r.rows = -5, demand_refusal( r, "rows: got -5" );
     r = plane, r.columns = r.rows = 1 << 20, demand_refusal( r, "1048576 times 1048576 vertices" );

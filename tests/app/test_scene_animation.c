@@ -4,7 +4,6 @@
 
 #include "scene_world_fixture.h"
 
-#include "figure.h"
 #include "gltf_rig.h"
 #include "gltf_writer.h"
 #include "rig.h"
@@ -13,7 +12,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#define MOTIONS WISP_SOURCE_ROOT "/data/figures/motions.yaml"
+#define FIGURE WISP_SOURCE_ROOT "/data/figure.glb"
 
 static gltf_model strip( void )
 {
@@ -37,7 +36,6 @@ static void joints_of_a_file_are_where_its_poses_in_double_precision_have_them( 
     wisp_animation clip;
     wisp_error error = { .status = WISP_OK };
     assert_ok( gltf_rig( &model, 0, "strip.glb", &skeleton, &skin, &error ), error );
-    assert_ok( wisp_skeleton_check( &skeleton, &error ), error );
     assert_ok( gltf_rig_animation( &model, "bend", "strip.glb", &skeleton, &clip, &error ), error );
     clip.loops = false; // the pose of the file stays after its end
     double* work = malloc( gltf_pose_work( &model ) * sizeof *work );
@@ -102,36 +100,46 @@ static void nodes_with_a_matrix_are_split_or_refused( void** state )
 
 // ---- clips one after the other ----
 
-static wisp_figure figure;
+static wisp_mesh figure;    // at rest
+static wisp_skeleton bones; // of the figure
+static wisp_skin* figure_skin;
+
+static wisp_rig load( const char* clip_name )
+{
+    const wisp_scene_mesh mesh = { .file = FIGURE };
+    const wisp_scene_clip clip = { clip_name, 0.0f, 1.0f, true };
+    const wisp_scene_animation animation = { .clips = &clip, .clip_count = 1 };
+    wisp_rig rig;
+    wisp_error error = { .status = WISP_OK };
+    assert_ok( wisp_rig_load( &mesh, &animation, 10.0f, &rig, &error ), error );
+    return rig;
+}
 
 static wisp_animation read_clip( const char* name )
 {
-    const wisp_scene_mesh mesh = {
-        .is_generated = true, .generator = { .shape = WISP_MESH_FIGURE, .height = 1.75f, .triangle_count = 1500 }
-    };
-    const wisp_scene_clip clip = { name, 0.0f, 1.0f };
-    const wisp_scene_animation animation = { .file = MOTIONS, .clips = &clip, .clip_count = 1 };
-    wisp_rig rig;
-    wisp_error error = { .status = WISP_OK };
-    assert_ok( wisp_rig_load( &mesh, figure.mesh.points, figure.mesh.vertex_count, &animation, 10.0f, &rig, &error ),
-               error );
+    wisp_rig rig = load( name );
     wisp_animation out = rig.animation;
     rig.animation = ( wisp_animation ){ 0 };
     wisp_rig_release( &rig );
     return out;
 }
 
-static int make_figure( void** state )
+static int load_figure( void** state )
 {
     (void)state;
-    const wisp_figure_generator generator = { 1.75f, 1500 };
-    return wisp_figure_generate( &generator, &figure, NULL ) == WISP_OK ? 0 : -1;
+    wisp_rig rig = load( "walk" );
+    bones = rig.skeleton;
+    figure_skin = rig.skin;
+    wisp_animation_release( &rig.animation );
+    return gltf_mesh_read( FIGURE, &figure, NULL ) == WISP_OK ? 0 : -1;
 }
 
 static int release_figure( void** state )
 {
     (void)state;
-    wisp_figure_release( &figure );
+    wisp_skin_release( figure_skin );
+    wisp_skeleton_release( &bones );
+    wisp_mesh_release( &figure );
     return 0;
 }
 
@@ -139,9 +147,9 @@ static double pose_difference( const wisp_animation* a, float time_a, const wisp
 {
     wisp_affine x[64], y[64];
     double most = 0.0;
-    wisp_skeleton_pose( &figure.skeleton, a, time_a, x );
-    wisp_skeleton_pose( &figure.skeleton, b, time_b, y );
-    for ( int i = 0; i < 12 * figure.skeleton.joint_count; ++i )
+    wisp_skeleton_pose( &bones, a, time_a, x );
+    wisp_skeleton_pose( &bones, b, time_b, y );
+    for ( int i = 0; i < 12 * bones.joint_count; ++i )
     {
         most = fmax( most, fabs( (double)x[i / 12].m[i % 12 / 4][i % 4] - (double)y[i / 12].m[i % 12 / 4][i % 4] ) );
     }
@@ -153,7 +161,7 @@ static void one_clip_from_the_start_is_the_clip_itself( void** state )
     (void)state;
     wisp_animation walk = read_clip( "walk" ), joined;
     const wisp_clip clip = { &walk, 0.0f, 10.0f, 1.0f };
-    assert_int_equal( wisp_animation_join( &clip, 1, &figure.skeleton, &joined, NULL ), WISP_OK );
+    assert_int_equal( wisp_animation_join( &clip, 1, &bones, &joined, NULL ), WISP_OK );
     for ( int i = 0; i < 40; ++i )
     {
         assert_true( pose_difference( &walk, 0.13f * (float)i, &joined, 0.13f * (float)i ) == 0.0 );
@@ -168,8 +176,8 @@ static void clips_follow_each_other_from_rest_without_a_jump( void** state )
     wisp_animation walk = read_clip( "walk" ), jump = read_clip( "jump" ), joined;
     const wisp_clip clips[] = { { &walk, 0.5f, 3.5f, 1.0f }, { &jump, 4.0f, 5.0f, 2.0f } };
     wisp_error error = { .status = WISP_OK };
-    assert_ok( wisp_animation_join( clips, 2, &figure.skeleton, &joined, &error ), error );
-    assert_ok( wisp_animation_check( &joined, &figure.skeleton, &error ), error );
+    assert_ok( wisp_animation_join( clips, 2, &bones, &joined, &error ), error );
+    assert_ok( wisp_animation_check( &joined, &bones, &error ), error );
     assert_true( pose_difference( NULL, 0.0f, &joined, 0.0f ) < 1e-6 );
     for ( int k = 1; k < 16; ++k ) // keyframes of the first and the second round, 0.14 s apart
     {
@@ -188,13 +196,92 @@ static void clips_follow_each_other_from_rest_without_a_jump( void** state )
     wisp_animation_release( &joined );
 }
 
+// ---- the figure of the tree ----
+
+static double distance( wisp_vec3 a, wisp_vec3 b )
+{
+    return sqrt( pow( (double)a.x - (double)b.x, 2.0 ) + pow( (double)a.y - (double)b.y, 2.0 ) +
+                 pow( (double)a.z - (double)b.z, 2.0 ) );
+}
+
+static double longest_edge( const wisp_vec3* points )
+{
+    double most = 0.0;
+    for ( int c = 0; c < 3 * figure.triangle_count; ++c )
+    {
+        const int32_t a = figure.triangles[c], b = figure.triangles[c % 3 == 2 ? c - 2 : c + 1];
+        most = fmax( most, distance( points[a], points[b] ) );
+    }
+    return most;
+}
+
+static void the_figure_is_closed_and_at_rest_its_skin_is_the_mesh( void** state )
+{
+    (void)state;
+    wisp_mesh_diagnostics report;
+    wisp_error error = { .status = WISP_OK };
+    assert_ok( wisp_mesh_examine( &figure, &report, &error ), error );
+    assert_ok( wisp_mesh_require( &report,
+                                  WISP_MESH_CLOSED | WISP_MESH_ORIENTED | WISP_MESH_MANIFOLD | WISP_MESH_CLEAN,
+                                  "figure", &error ),
+               error );
+    wisp_vec3* points = calloc( (size_t)figure.vertex_count, sizeof *points );
+    wisp_affine joints[64];
+    wisp_skin_pose pose = { 0 };
+    wisp_skeleton_pose( &bones, NULL, 0.0f, joints );
+    for ( int method = 0; method < WISP_SKIN_METHOD_COUNT; ++method )
+    {
+        assert_ok( wisp_skin_points( figure_skin, &pose, (wisp_skin_method)method, joints, points, &error ), error );
+        for ( int v = 0; v < figure.vertex_count; ++v )
+        {
+            assert_true( distance( points[v], figure.points[v] ) < 1e-6 );
+        }
+    }
+    wisp_skin_pose_release( &pose, NULL );
+    free( points );
+}
+
+// A vertex that follows a wrong joint leaves its neighbours behind.
+static void the_figure_stays_whole_and_on_the_ground_in_all_clips( void** state )
+{
+    (void)state;
+    static const char* const names[] = { "walk", "turn", "jump" };
+    wisp_vec3* points = calloc( (size_t)figure.vertex_count, sizeof *points );
+    wisp_affine joints[64];
+    wisp_skin_pose pose = { 0 };
+    for ( int c = 0; c < WISP_COUNT( names ); ++c )
+    {
+        wisp_animation clip = read_clip( names[c] );
+        const bool jumps = c == 2;
+        double highest = -1.0;
+        for ( int i = 0; i < 2 * 20; ++i )
+        {
+            wisp_skeleton_pose( &bones, &clip, clip.duration * (float)( i / 2 ) / 20.0f, joints );
+            assert_int_equal(
+                wisp_skin_points( figure_skin, &pose, (wisp_skin_method)( i % 2 ), joints, points, NULL ), WISP_OK );
+            double lowest = 1e9;
+            for ( int v = 0; v < figure.vertex_count; ++v )
+            {
+                lowest = fmin( lowest, (double)points[v].y );
+            }
+            assert_true( lowest > -0.1 && ( jumps || lowest < 0.06 ) );
+            assert_true( longest_edge( points ) < 0.18 ); // at rest 0.05 m
+            highest = fmax( highest, lowest );
+        }
+        assert_true( !jumps || highest > 0.15 );
+        wisp_animation_release( &clip );
+    }
+    wisp_skin_pose_release( &pose, NULL );
+    free( points );
+}
+
 // ---- scenes ----
 
 #define BODY                                                                                                         \
     "wisp: 1\nsteps: 60\nsurfaces:\n"                                                                                \
-    "  - name: body\n    generate: { shape: figure, triangles: 1500 }\n"                                             \
+    "  - name: body\n    file: " FIGURE "\n"                                                                         \
     "    transform: { translate: [3, 0, 0] }\n"                                                                      \
-    "    animation: { file: " MOTIONS ", clips: [ { clip: walk, time: 0.25 } ] }\n"
+    "    animation: { clips: [ { clip: walk, time: 0.25 } ] }\n"
 
 static const wisp_vec3* points_of( fixture* f, int surface )
 {
@@ -211,32 +298,28 @@ static void vertices_are_where_the_clip_has_them( void** state )
     build( &f, BODY );
     wisp_animation walk = read_clip( "walk" ), joined;
     const wisp_clip clip = { &walk, 0.25f, 1.0f + walk.duration, 1.0f };
-    assert_int_equal( wisp_animation_join( &clip, 1, &figure.skeleton, &joined, NULL ), WISP_OK );
-    wisp_skin* skin;
-    assert_int_equal( wisp_skeleton_skin( &figure.skeleton, figure.mesh.points, &figure.weights, &skin, NULL ),
-                      WISP_OK );
-    wisp_vec3* expected = calloc( (size_t)figure.mesh.vertex_count, sizeof *expected );
+    assert_int_equal( wisp_animation_join( &clip, 1, &bones, &joined, NULL ), WISP_OK );
+    wisp_vec3* expected = calloc( (size_t)figure.vertex_count, sizeof *expected );
     wisp_skin_pose pose = { 0 };
     wisp_affine joints[64];
     double moved = 0.0;
     for ( int i = 1; i <= 60; ++i )
     {
         step( &f, 1 );
-        wisp_skeleton_pose( &figure.skeleton, &joined, (float)i / 60.0f, joints );
-        assert_int_equal( wisp_skin_points( skin, &pose, WISP_SKIN_LINEAR, joints, expected, NULL ), WISP_OK );
+        wisp_skeleton_pose( &bones, &joined, (float)i / 60.0f, joints );
+        assert_int_equal( wisp_skin_points( figure_skin, &pose, WISP_SKIN_LINEAR, joints, expected, NULL ), WISP_OK );
         const wisp_vec3* points = points_of( &f, 0 );
-        for ( int v = 0; v < figure.mesh.vertex_count; ++v )
+        for ( int v = 0; v < figure.vertex_count; ++v )
         {
             assert_true( fabsf( points[v].x - 3.0f - expected[v].x ) < 1e-4f );
             assert_true( fabsf( points[v].y - expected[v].y ) < 1e-4f &&
                          fabsf( points[v].z - expected[v].z ) < 1e-4f );
-            moved = fmax( moved, fabs( (double)expected[v].z - (double)figure.mesh.points[v].z ) );
+            moved = fmax( moved, fabs( (double)expected[v].z - (double)figure.points[v].z ) );
         }
     }
     assert_true( moved > 0.2 );
     free( expected );
     wisp_skin_pose_release( &pose, NULL );
-    wisp_skin_release( skin );
     wisp_animation_release( &walk );
     wisp_animation_release( &joined );
     release( &f );
@@ -249,7 +332,7 @@ static void targets_and_pins_of_cloth_go_along( void** state )
     fixture f;
     build( &f, BODY "    cloth: {}\n    gravity: [0, 0, 0]\n    motion_constraints: { max_distance: 0 }\n"
                     "  - name: other\n    instance_of: body\n    transform: { translate: [3, 0, 0] }\n"
-                    "    animation: { file: " MOTIONS ", clips: [ { clip: walk, time: 0.25 } ] }\n" );
+                    "    animation: { clips: [ { clip: walk, time: 0.25 } ] }\n" );
     assert_int_equal( f.world.surfaces[0].pin_count, 0 );
     assert_int_equal( f.world.surfaces[1].pin_count, f.world.surfaces[1].mesh.vertex_count );
     step( &f, 40 );
@@ -265,9 +348,10 @@ static void targets_and_pins_of_cloth_go_along( void** state )
 static void a_file_without_the_clip_is_refused_with_the_line_of_the_surface( void** state )
 {
     (void)state;
-    demand_refusal( "wisp: 1\nsurfaces:\n  - name: body\n    generate: { shape: figure, triangles: 1500 }\n"
-                    "    animation: { file: " MOTIONS ", clips: [ { clip: dance } ] }\n",
-                    "test.yaml:3:5: surface 'body': " MOTIONS ":4:3: there is no clip 'dance'" );
+    demand_refusal( "wisp: 1\nsurfaces:\n  - name: body\n    file: " FIGURE "\n"
+                    "    animation: { clips: [ { clip: dance } ] }\n",
+                    "test.yaml:3:5: surface 'body': " FIGURE
+                    ": there is no animation 'dance', expected one of: 'walk', 'turn', 'jump'" );
 }
 
 // ---- clothes ----
@@ -279,10 +363,9 @@ static const char SLEEVE[] =
     "substeps: %d\n"
     "surfaces:\n"
     "  - name: body\n"
-    "    generate: { shape: figure, triangles: 2000 }\n"
+    "    file: " FIGURE "\n"
     "    animation:\n"
-    "      file: " MOTIONS "\n"
-    "      clips: [{ clip: jump, time: 0.4 }]\n"
+    "      clips: [{ clip: jump, time: 0.4, loop: false }]\n"
     "    contact: { thickness: 0.005, self: false }\n"
     "  - name: sleeve\n"
     "    generate: { shape: tube, segments: 40, length_segments: 10, radius: 0.07, lower_radius: 0.085, "
@@ -328,10 +411,12 @@ int main( void )
         cmocka_unit_test( nodes_with_a_matrix_are_split_or_refused ),
         cmocka_unit_test( one_clip_from_the_start_is_the_clip_itself ),
         cmocka_unit_test( clips_follow_each_other_from_rest_without_a_jump ),
+        cmocka_unit_test( the_figure_is_closed_and_at_rest_its_skin_is_the_mesh ),
+        cmocka_unit_test( the_figure_stays_whole_and_on_the_ground_in_all_clips ),
         cmocka_unit_test( vertices_are_where_the_clip_has_them ),
         cmocka_unit_test( targets_and_pins_of_cloth_go_along ),
         cmocka_unit_test( a_file_without_the_clip_is_refused_with_the_line_of_the_surface ),
         cmocka_unit_test( a_sleeve_on_an_arm_that_falls_stays_free_of_intersections ),
     };
-    return cmocka_run_group_tests( tests, make_figure, release_figure );
+    return cmocka_run_group_tests( tests, load_figure, release_figure );
 }

@@ -13,8 +13,10 @@ export const { loadWisp, WispError } = await import(join(packageFolder, "wisp.mj
 /** The files of a scene in data/scenes. */
 export function sceneFiles(name) {
   const files = { [name]: readFileSync(join(root, "data/scenes", name), "utf8") };
-  if (files[name].includes("../bunny.obj")) {
-    files["../bunny.obj"] = readFileSync(join(root, "data/bunny.obj"));
+  for (const mesh of ["bunny.obj", "figure.glb"]) {
+    if (files[name].includes(`../${mesh}`)) {
+      files[`../${mesh}`] = readFileSync(join(root, "data", mesh));
+    }
   }
   return files;
 }
