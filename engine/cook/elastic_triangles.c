@@ -22,7 +22,7 @@ typedef struct rest_shape
     double b11, b12, b22, area; // 1/m, m^2; all 0: not usable
 } rest_shape;
 
-static double length( const double v[3] )
+static double edge_length( const double v[3] )
 {
     return sqrt( v[0] * v[0] + v[1] * v[1] + v[2] * v[2] );
 }
@@ -35,7 +35,8 @@ static rest_shape measure( const wisp_fabric* f, const int32_t* corner )
     const double g[3] = { (double)r.x - (double)p.x, (double)r.y - (double)p.y, (double)r.z - (double)p.z };
     const double third[3] = { g[0] - e[0], g[1] - e[1], g[2] - e[2] };
     const double n[3] = { e[1] * g[2] - e[2] * g[1], e[2] * g[0] - e[0] * g[2], e[0] * g[1] - e[1] * g[0] };
-    const double a = length( e ), twice = length( n ), longest = fmax( a, fmax( length( g ), length( third ) ) );
+    const double a = edge_length( e ), twice = edge_length( n ),
+                 longest = fmax( a, fmax( edge_length( g ), edge_length( third ) ) );
     if ( !( twice > THINNEST * longest * longest && a > 0.0 ) )
     {
         return ( rest_shape ){ 0.0, 0.0, 0.0, 0.0 };
@@ -61,7 +62,7 @@ static void fill_shapes( wisp_elastic_triangles* mesh, const wisp_fabric* f )
     }
 }
 
-static bool cook( wisp_elastic_triangles* mesh, const wisp_fabric* f, bool with_stress )
+static bool cook_elastic_triangles( wisp_elastic_triangles* mesh, const wisp_fabric* f, bool with_stress )
 {
     const fabric_constraints triangles = {
         .slots = f->triangles,
@@ -99,7 +100,7 @@ wisp_status wisp_elastic_triangles_create( const wisp_fabric* fabric, bool with_
         return WISP_NO_MEMORY;
     }
     mesh->pool = pool;
-    if ( cook( mesh, fabric, with_stress ) == false )
+    if ( cook_elastic_triangles( mesh, fabric, with_stress ) == false )
     {
         wisp_elastic_triangles_release( mesh, allocator );
         return WISP_NO_MEMORY;

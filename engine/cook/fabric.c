@@ -414,7 +414,7 @@ int wisp_fabric_find_edge( const wisp_fabric* f, int32_t a, int32_t b )
     return lower;
 }
 
-static bool cook( const wisp_fabric_def* def, const wisp_fabric* like, cook_fabric* cooked, fabric_pool* scratch )
+static bool cook_all( const wisp_fabric_def* def, const wisp_fabric* like, cook_fabric* cooked, fabric_pool* scratch )
 {
     wisp_fabric* f = &cooked->fabric;
     f->vertex_count = def->vertex_count;
@@ -448,7 +448,7 @@ wisp_status fabric_cook_checked( const wisp_fabric_def* def, const wisp_fabric* 
 {
     fabric_pool scratch = { .allocator = allocator };
     cook_fabric* cooked = fabric_create( allocator );
-    bool done = cooked != NULL && cook( def, like, cooked, &scratch );
+    bool done = cooked != NULL && cook_all( def, like, cooked, &scratch );
     fabric_pool_release( &scratch );
     if ( done == false )
     {

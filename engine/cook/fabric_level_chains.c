@@ -8,7 +8,7 @@
 
 enum
 {
-    HEAP_ARITY = 4,
+    PATH_HEAP_ARITY = 4,
 };
 
 // A vertex in the heap with its distance, which is compared more often than vertices are looked up.
@@ -53,28 +53,28 @@ static bool is_nearer( path_entry a, path_entry b )
     return a.distance < b.distance || ( a.distance <= b.distance && a.vertex < b.vertex );
 }
 
-static void put( path_search* s, int at, path_entry entry )
+static void put_path( path_search* s, int at, path_entry entry )
 {
     s->heap[at] = entry;
     s->node[entry.vertex].place = at;
 }
 
-static void rise( path_search* s, int at, path_entry entry )
+static void raise_path( path_search* s, int at, path_entry entry )
 {
-    for ( ; at > 0 && is_nearer( entry, s->heap[( at - 1 ) / HEAP_ARITY] ); at = ( at - 1 ) / HEAP_ARITY )
+    for ( ; at > 0 && is_nearer( entry, s->heap[( at - 1 ) / PATH_HEAP_ARITY] ); at = ( at - 1 ) / PATH_HEAP_ARITY )
     {
-        put( s, at, s->heap[( at - 1 ) / HEAP_ARITY] );
+        put_path( s, at, s->heap[( at - 1 ) / PATH_HEAP_ARITY] );
     }
-    put( s, at, entry );
+    put_path( s, at, entry );
 }
 
-static int32_t take_nearest( path_search* s )
+static int32_t take_nearest_path( path_search* s )
 {
     const path_entry nearest = s->heap[0], last = s->heap[--s->heap_count];
     int at = 0;
-    for ( int first = 1; first < s->heap_count; first = HEAP_ARITY * at + 1 )
+    for ( int first = 1; first < s->heap_count; first = PATH_HEAP_ARITY * at + 1 )
     {
-        const int end = first + HEAP_ARITY < s->heap_count ? first + HEAP_ARITY : s->heap_count;
+        const int end = first + PATH_HEAP_ARITY < s->heap_count ? first + PATH_HEAP_ARITY : s->heap_count;
         int best = first;
         for ( int child = first + 1; child < end; ++child )
         {
@@ -84,12 +84,12 @@ static int32_t take_nearest( path_search* s )
         {
             break;
         }
-        put( s, at, s->heap[best] );
+        put_path( s, at, s->heap[best] );
         at = best;
     }
     if ( s->heap_count > 0 )
     {
-        put( s, at, last );
+        put_path( s, at, last );
     }
     s->node[nearest.vertex].place = -1;
     return nearest.vertex;
@@ -103,13 +103,13 @@ static void reach( path_search* s, int32_t vertex, int32_t from, double distance
     {
         const int at = is_new ? s->heap_count++ : node->place;
         *node = ( path_node ){ distance, from, s->number, at };
-        rise( s, at, ( path_entry ){ distance, vertex } );
+        raise_path( s, at, ( path_entry ){ distance, vertex } );
     }
 }
 
 // Searches until all wanted vertices have their final path.
 // @param wanted [vertex_count] emptied
-static void search( path_search* s, int32_t source, bool* wanted, int wanted_count )
+static void search_paths( path_search* s, int32_t source, bool* wanted, int wanted_count )
 {
     const fabric_mesh* mesh = s->mesh;
     s->number += 1;
@@ -117,7 +117,7 @@ static void search( path_search* s, int32_t source, bool* wanted, int wanted_cou
     reach( s, source, -1, 0.0 );
     while ( s->heap_count > 0 && wanted_count > 0 )
     {
-        const int32_t vertex = take_nearest( s );
+        const int32_t vertex = take_nearest_path( s );
         const double distance = s->node[vertex].distance;
         wanted_count -= wanted[vertex] ? 1 : 0;
         wanted[vertex] = false;
@@ -177,7 +177,7 @@ static bool find_chains( const level_maker* m, const level_link* links, int begi
     {
         wanted[m->fine[links[i].b]] = true;
     }
-    search( s, m->fine[links[begin].a], wanted, end - begin );
+    search_paths( s, m->fine[links[begin].a], wanted, end - begin );
     for ( int i = begin; i < end; ++i )
     {
         const int32_t last = m->fine[links[i].b];

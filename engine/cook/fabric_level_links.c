@@ -178,8 +178,8 @@ static int choose_tile_size( int rows, int links )
     return tiles < FEWEST_TILES ? fabric_padded( rows ) : fabric_padded( ( rows + tiles - 1 ) / tiles );
 }
 
-static bool schedule_links( const level_maker* m, const level_link* links, int count, fabric_pool* scratch,
-                            fabric_pool* keep, wisp_fabric_level* out )
+static bool schedule_level_links( const level_maker* m, const level_link* links, int count, fabric_pool* scratch,
+                                  fabric_pool* keep, wisp_fabric_level* out )
 {
     int32_t* rows = fabric_pool_push( scratch, 2 * (size_t)count, sizeof( int32_t ) );
     float* rest = fabric_pool_push( scratch, (size_t)count, sizeof( float ) );
@@ -246,7 +246,8 @@ bool level_make_links( const level_maker* m, const level_link* links, int count,
                        wisp_fabric_level* out )
 {
     fabric_pool scratch = { .allocator = keep->allocator };
-    const bool done = list_rows( m, count, keep, out ) && schedule_links( m, links, count, &scratch, keep, out ) &&
+    const bool done = list_rows( m, count, keep, out ) &&
+                      schedule_level_links( m, links, count, &scratch, keep, out ) &&
                       level_make_chains( m, links, keep, out );
     fabric_pool_release( &scratch );
     return done;

@@ -13,12 +13,12 @@
 // Tolerance for coordinates that are negative only by rounding.
 #define EDGE_TOLERANCE 1e-4
 
-typedef struct parents
+typedef struct coarse_parents
 {
     int count;
     int32_t rank[3];
     double weight[3];
-} parents;
+} coarse_parents;
 
 static double square( double x )
 {
@@ -72,7 +72,7 @@ static bool is_better( double inside, double radius, double best_inside, double 
     return surrounds ? radius < best_radius * ( 1.0 - EDGE_TOLERANCE ) : inside > best_inside;
 }
 
-static bool find_triangle( const level_maker* m, const level_near* near, int count, parents* out )
+static bool find_triangle( const level_maker* m, const level_near* near, int count, coarse_parents* out )
 {
     double between[CANDIDATES][CANDIDATES];
     for ( int j = 0; j < count; ++j )
@@ -97,7 +97,8 @@ static bool find_triangle( const level_maker* m, const level_near* near, int cou
                 double w[3], radius;
                 if ( locate( side, away, w, &radius ) && is_better( least( w ), radius, best_inside, best_radius ) )
                 {
-                    *out = ( parents ){ 3, { near[i].rank, near[j].rank, near[k].rank }, { w[0], w[1], w[2] } };
+                    *out =
+                        ( coarse_parents ){ 3, { near[i].rank, near[j].rank, near[k].rank }, { w[0], w[1], w[2] } };
                     best_inside = least( w );
                     best_radius = radius;
                 }
@@ -108,19 +109,19 @@ static bool find_triangle( const level_maker* m, const level_near* near, int cou
 }
 
 // Sets the weights between the two nearest vertices where there is no triangle, as in a ribbon.
-static void find_pair( const level_near* near, int count, parents* out )
+static void find_pair( const level_near* near, int count, coarse_parents* out )
 {
     double both = count > 1 ? (double)near[0].distance + (double)near[1].distance : 0.0;
-    *out = ( parents ){ 1, { near[0].rank }, { 1.0 } };
+    *out = ( coarse_parents ){ 1, { near[0].rank }, { 1.0 } };
     if ( both > 0.0 )
     {
         double fraction = (double)near[0].distance / both;
-        *out = ( parents ){ 2, { near[0].rank, near[1].rank }, { 1.0 - fraction, fraction } };
+        *out = ( coarse_parents ){ 2, { near[0].rank, near[1].rank }, { 1.0 - fraction, fraction } };
     }
 }
 
 // Outside the hull, projects onto the nearest edge or vertex of the triangle.
-static void clamp_weights( parents* p )
+static void clamp_weights( coarse_parents* p )
 {
     double sum = 0.0;
     for ( int i = 0; i < p->count; ++i )
@@ -135,14 +136,14 @@ static void clamp_weights( parents* p )
 }
 
 // Finds what a vertex follows: itself if it is chosen, nothing if no coarse vertex is near.
-static parents find_parents( const level_maker* m, int32_t rank )
+static coarse_parents find_parents( const level_maker* m, int32_t rank )
 {
     const level_near* near = m->near + (size_t)rank * LEVEL_NEAR;
     const int count = m->near_count[rank] < CANDIDATES ? m->near_count[rank] : CANDIDATES;
-    parents p = { .count = 0 };
+    coarse_parents p = { .count = 0 };
     if ( m->chosen[rank] )
     {
-        return ( parents ){ 1, { rank }, { 1.0 } };
+        return ( coarse_parents ){ 1, { rank }, { 1.0 } };
     }
     if ( count > 0 )
     {
@@ -170,7 +171,7 @@ bool level_make_parents( const level_maker* m, fabric_pool* keep, wisp_fabric_le
     }
     for ( int32_t rank = 0; rank < m->fine_count; ++rank )
     {
-        const parents p = find_parents( m, rank );
+        const coarse_parents p = find_parents( m, rank );
         const int32_t row = m->finer != NULL ? rank : m->fine[rank];
         size_t at = (size_t)( row / WISP_FABRIC_LANES * WISP_FABRIC_PARENTS ) * WISP_FABRIC_LANES +
                     (size_t)( row % WISP_FABRIC_LANES );

@@ -40,7 +40,7 @@ typedef struct tether_maker
 
 // Numbers the components that have attachments; others have -1.
 // @param queue [vertex_count]
-static void label_components( tether_maker* m, int32_t* queue )
+static void label_tethered_parts( tether_maker* m, int32_t* queue )
 {
     const fabric_mesh* mesh = m->parts->mesh;
     memset( m->component, 0xff, (size_t)mesh->vertex_count * sizeof( int32_t ) );
@@ -308,7 +308,7 @@ static bool make_room( tether_maker* m, fabric_pool* scratch, double** away )
            m->component != NULL && m->component_end != NULL && *away != NULL;
 }
 
-static bool cook( tether_maker* m, fabric_pool* scratch, int32_t* tether_x4, float* rest )
+static bool cook_tethers( tether_maker* m, fabric_pool* scratch, int32_t* tether_x4, float* rest )
 {
     double* away;
     if ( make_room( m, scratch, &away ) == false )
@@ -320,7 +320,7 @@ static bool cook( tether_maker* m, fabric_pool* scratch, int32_t* tether_x4, flo
         m->spread[i] = ( tether ){ .slot = -1 };
     }
     find_margins( m );
-    label_components( m, m->march.reached ); // free until the first march
+    label_tethered_parts( m, m->march.reached ); // free until the first march
     gather_components( m );
     march_all( m, away );
     write_tethers( m, tether_x4, rest );
@@ -339,7 +339,7 @@ bool fabric_cook_tethers( const fabric_parts* parts, wisp_fabric* fabric )
     {
         fabric_pool scratch = { .allocator = parts->allocator };
         tether_maker maker = { .parts = parts, .fabric = fabric, .count = count };
-        done = cook( &maker, &scratch, tether_x4, rest );
+        done = cook_tethers( &maker, &scratch, tether_x4, rest );
         fabric_pool_release( &scratch );
     }
     if ( done )

@@ -62,8 +62,8 @@ static bool cook_turns( wisp_plate* plate, const wisp_fabric* f, fabric_pool* sc
     return plate_cook_rows( plate, f, set, scratch );
 }
 
-static bool cook( wisp_plate* plate, const wisp_fabric* f, const int32_t* slot_row, bool with_turns,
-                  fabric_pool* scratch )
+static bool cook_plate( wisp_plate* plate, const wisp_fabric* f, const int32_t* slot_row, bool with_turns,
+                        fabric_pool* scratch )
 {
     fabric_pool* keep = &plate->pool;
     int32_t* item_row = fabric_pool_push( keep, (size_t)f->vertex_count, sizeof( int32_t ) );
@@ -97,7 +97,7 @@ wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_ro
     }
     plate->pool = pool;
     plate->vertices.slice_count = row_count / 8;
-    const bool done = cook( plate, fabric, slot_row, with_turns, &scratch );
+    const bool done = cook_plate( plate, fabric, slot_row, with_turns, &scratch );
     fabric_pool_release( &scratch );
     if ( done == false )
     {

@@ -168,8 +168,8 @@ static void add_monomials( const plate_hinge* h, const vec2d at[PLATE_CORNERS], 
 }
 
 // J of a hinge next to this one, unfolded into its plane. @param from, to of the edge, so that the far triangle is to the right
-static void unfold( const hinge_list* list, int32_t hinge, int32_t from_slot, vec2d from, vec2d to, vec2d near,
-                    double out[MONOMIALS] )
+static void unfold_stencil( const hinge_list* list, int32_t hinge, int32_t from_slot, vec2d from, vec2d to,
+                            vec2d near, double out[MONOMIALS] )
 {
     const plate_hinge* h = list->hinges + hinge;
     const plate_shape* shape = list->shapes + hinge;
@@ -209,7 +209,8 @@ static void measure_quadratics( const hinge_list* list, int32_t hinge, double tu
     {
         if ( h->stencil[n + 1] >= 0 )
         {
-            unfold( list, h->stencil[n + 1], next[n].slot, next[n].from, next[n].to, next[n].near, jump[n + 1] );
+            unfold_stencil( list, h->stencil[n + 1], next[n].slot, next[n].from, next[n].to, next[n].near,
+                            jump[n + 1] );
         }
     }
     // the gradient at the middle of the edge is 0, that of the flat triangle leads from the edge to the corner

@@ -25,7 +25,7 @@ typedef struct rigid_motion
 
 // ---- rotation ----
 
-static void write_turn( const double q[4], double turn[9] )
+static void write_pin_turn( const double q[4], double turn[9] )
 {
     const double x = q[0], y = q[1], z = q[2], w = q[3];
     const double rows[9] = {
@@ -59,7 +59,7 @@ static void fit_turn( rigid_motion* m, const double moments[9] )
     double change = 1.0;
     for ( int i = 0; i < MAX_TURNS && change > 1e-24; ++i )
     {
-        write_turn( m->q, m->turn );
+        write_pin_turn( m->q, m->turn );
         double axis[3] = { 0.0, 0.0, 0.0 }, agreement = 1e-30;
         for ( int c = 0; c < 3; ++c )
         {
@@ -83,7 +83,7 @@ static void fit_turn( rigid_motion* m, const double moments[9] )
         }
         turn_further( m->q, axis );
     }
-    write_turn( m->q, m->turn );
+    write_pin_turn( m->q, m->turn );
 }
 
 // ---- motion of a step ----
@@ -109,7 +109,7 @@ static rigid_motion motion_of_frame( wisp_frame* frame, wisp_entity entity )
                               ( qw * pz + qz * pw ) + ( qx * py - qy * px ), qw * pw - qx * px - qy * py - qz * pz };
         memcpy( m.q, r, sizeof( r ) );
     }
-    write_turn( m.q, m.turn );
+    write_pin_turn( m.q, m.turn );
     return m;
 }
 

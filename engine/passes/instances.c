@@ -31,7 +31,7 @@ static wisp_component material_of( const void* user )
     return user != NULL ? WISP_LINK_STIFFNESS : WISP_LINK_COMPLIANCE;
 }
 
-static float* position_of( wisp_frame* frame, wisp_entity entity )
+static float* instance_positions( wisp_frame* frame, wisp_entity entity )
 {
     return wisp_frame_column( frame, entity, WISP_PARTICLE_POSITION, 0 );
 }
@@ -45,7 +45,7 @@ static bool has_folds( wisp_frame* frame, wisp_entity entity )
 
 static bool can_join( wisp_frame* frame, wisp_entity first, wisp_entity entity, void* user )
 {
-    const ptrdiff_t offset = position_of( frame, entity ) - position_of( frame, first );
+    const ptrdiff_t offset = instance_positions( frame, entity ) - instance_positions( frame, first );
     const float *material = wisp_frame_column( frame, entity, material_of( user ), 0 ),
                 *material_first = wisp_frame_column( frame, first, material_of( user ), 0 );
     const size_t bytes = (size_t)wisp_frame_fabric( frame, first )->link_order.slot_count * sizeof( float );
@@ -90,7 +90,7 @@ static bool take_memory( instances* all, const wisp_parallel* parallel, int work
 // Visits the pinned particles of a lane that have targets, and lists them if there is room already.
 static void list_pins_of_lane( instances* all, wisp_frame* frame, wisp_entity entity, int lane )
 {
-    const float *position = position_of( frame, entity ),
+    const float *position = instance_positions( frame, entity ),
                 *target = wisp_frame_column( frame, entity, WISP_PARTICLE_TARGET, 0 );
     for ( size_t slot = 0; target != NULL && slot < (size_t)all->args.slot_count; ++slot )
     {
@@ -134,7 +134,7 @@ static bool take_pins( instances* all, wisp_frame* frame, const wisp_entity* ent
 }
 
 // As carry_pins() of particles.
-static void carry_pins( instances* all, float fraction )
+static void move_instance_pins( instances* all, float fraction )
 {
     for ( int i = 0; i < all->pin_count; ++i )
     {
@@ -169,7 +169,7 @@ static void set_links( instances* all, wisp_frame* frame, wisp_entity first, con
 static wisp_entity place_lane( instances* all, wisp_frame* frame, const wisp_entity* entities, int lane )
 {
     const wisp_entity entity = entities[lane < all->count ? lane : 0];
-    all->args.offset[lane] = (int32_t)( position_of( frame, entity ) - all->args.position_column );
+    all->args.offset[lane] = (int32_t)( instance_positions( frame, entity ) - all->args.position_column );
     all->wait[lane] = all->looks_for_folds ? *(int32_t*)wisp_frame_column( frame, entity, WISP_LINK_FOLDS, 2 ) : 0;
     return entity;
 }
@@ -192,7 +192,7 @@ static void set_lane( instances* all, wisp_frame* frame, const wisp_entity* enti
 static void set_particles( instances* all, wisp_frame* frame, const wisp_entity* entities )
 {
     wisp_instances_args* args = &all->args;
-    args->position_column = position_of( frame, entities[0] );
+    args->position_column = instance_positions( frame, entities[0] );
     args->velocity_column = wisp_frame_column( frame, entities[0], WISP_PARTICLE_VELOCITY, 0 );
     args->previous_column = wisp_frame_column( frame, entities[0], WISP_PARTICLE_PREVIOUS, 0 );
     args->accelerates = wisp_frame_has( frame, entities[0], WISP_PARTICLE_GRAVITY );
@@ -222,7 +222,7 @@ static void run_substeps( instances* all, const wisp_frame* frame, wisp_entity f
     for ( int substep = 0; substep < wisp_frame_substeps( frame, first ); ++substep )
     {
         all->kernels->instances_advance( &all->args, substep > 0, true );
-        carry_pins( all, wisp_frame_progress_left( frame, first, substep ) );
+        move_instance_pins( all, wisp_frame_progress_left( frame, first, substep ) );
         const double moved = wisp_clock_seconds();
         const uint32_t searched = lanes_to_search( all );
         all->left |= all->kernels->instances_link( &all->args, searched != 0 ) & searched;
@@ -261,8 +261,8 @@ static void store( const instances* all, wisp_frame* frame, const wisp_entity* e
 
 // A surface that folds is left as it was, to run alone. So is one that loses its numbers, because which NaN comes out
 // of arithmetic on NaNs is left open.
-static uint32_t run( wisp_frame* frame, const wisp_entity* entities, int count, int worker, double* seconds,
-                     void* user )
+static uint32_t run_instances( wisp_frame* frame, const wisp_entity* entities, int count, int worker, double* seconds,
+                               void* user )
 {
     const uint32_t every = ( 1u << count ) - 1u;
     const wisp_span span = { .entity = entities[0], .worker = worker };
@@ -285,8 +285,8 @@ static uint32_t run( wisp_frame* frame, const wisp_entity* entities, int count, 
 // ---- links alone, in a substep ----
 
 // A surface that has folds, or gets some, is left to the pass for one surface, which projects them.
-static uint32_t run_links( wisp_frame* frame, const wisp_entity* entities, int count, const wisp_span* span,
-                           void* user )
+static uint32_t run_instance_links( wisp_frame* frame, const wisp_entity* entities, int count, const wisp_span* span,
+                                    void* user )
 {
     const uint32_t every = ( 1u << count ) - 1u;
     instances all = { .kernels = wisp_frame_kernels( frame ), .count = count };
@@ -298,7 +298,7 @@ static uint32_t run_links( wisp_frame* frame, const wisp_entity* entities, int c
     {
         return every;
     }
-    args->position_column = position_of( frame, entities[0] );
+    args->position_column = instance_positions( frame, entities[0] );
     for ( int lane = 0; lane < LANES; ++lane )
     {
         place_lane( &all, frame, entities, lane );
@@ -332,8 +332,8 @@ wisp_status passes_declare_instances( wisp_registry* registry )
         wisp_batch batch = batches[i];
         batch.lanes = LANES;
         batch.can_join = can_join;
-        batch.run = run;
-        batch.run_pass = run_links;
+        batch.run = run_instances;
+        batch.run_pass = run_instance_links;
         status = wisp_declare_batch( registry, &batch );
     }
     return status;

@@ -12,8 +12,8 @@
 
 enum
 {
-    GROUP_GRAIN = 64,  // groups of eight links per block
-    SLICE_GRAIN = 128, // slices of eight rows per block
+    GROUP_GRAIN = 64,        // groups of eight links per block
+    LEVEL_SLICE_GRAIN = 128, // slices of eight rows per block
 };
 
 levels_columns levels_columns_of( wisp_frame* frame, wisp_entity entity )
@@ -65,7 +65,7 @@ void levels_find_band( const levels_sheet* sheet )
     wisp_parallel_for( sheet->parallel, sheet->level->chain_group_count, GROUP_GRAIN, run_band, &loop );
 }
 
-static void run_links( const void* context, int begin, int end )
+static void run_level_links( const void* context, int begin, int end )
 {
     const levels_sheet* sheet = context;
     sheet->kernels->level_link( &sheet->links, begin, end );
@@ -77,7 +77,7 @@ void levels_project( levels_sheet* sheet, float dt, int passes )
     sheet->kernels->level_prepare( &sheet->links, 0, sheet->level->schedule.slot_count );
     for ( int pass = 0; pass < passes; ++pass )
     {
-        wisp_run_schedule( sheet->parallel, &sheet->level->schedule, run_links, sheet );
+        wisp_run_schedule( sheet->parallel, &sheet->level->schedule, run_level_links, sheet );
         levels_project_pins( sheet );
     }
 }
@@ -102,7 +102,7 @@ static void prolong( const levels_sheet* sheet, const float* value, const float*
 {
     const wisp_fabric_level* level = sheet->level;
     prolong_loop loop = { { target, position, value, level->parent_x4, level->weight }, sheet->kernels };
-    wisp_parallel_for( sheet->parallel, level->finer_row_count / 8, SLICE_GRAIN, run_prolong, &loop );
+    wisp_parallel_for( sheet->parallel, level->finer_row_count / 8, LEVEL_SLICE_GRAIN, run_prolong, &loop );
 }
 
 // ---- a substep ----
@@ -117,7 +117,7 @@ typedef struct levels_memory
     levels_pin* pins;               // of the level that moves
 } levels_memory;
 
-static bool take_memory( wisp_frame* frame, const wisp_span* span, levels_memory* out )
+static bool take_level_memory( wisp_frame* frame, const wisp_span* span, levels_memory* out )
 {
     const wisp_fabric* f = wisp_frame_fabric( frame, span->entity );
     const wisp_fabric_level* last = levels_coarsest( f );
@@ -195,7 +195,7 @@ static void set_masses( wisp_frame* frame, const wisp_span* span, const wisp_fab
 }
 
 // Turns where rows began into their displacement from there.
-static void measure( const wisp_fabric_level* level, const float* at, float* moved )
+static void measure_level( const wisp_fabric_level* level, const float* at, float* moved )
 {
     for ( int row = 0; row < level->row_count; ++row )
     {
@@ -254,7 +254,7 @@ static void follow_sheet( wisp_frame* frame, const wisp_span* span, const levels
         value[4 * row + 3] = 0.0f;
     }
     scale_loop loop = { previous, position, kept };
-    wisp_parallel_for( sheet->parallel, level->finer_row_count / 8, SLICE_GRAIN, run_scale, &loop );
+    wisp_parallel_for( sheet->parallel, level->finer_row_count / 8, LEVEL_SLICE_GRAIN, run_scale, &loop );
     prolong( sheet, value, position, position );
 }
 
@@ -301,7 +301,7 @@ static bool move_coarsest( wisp_frame* frame, const wisp_span* span, const level
     {
         mean[i] = ( at[i] - mean[i] ) / dt;
     }
-    measure( level, at, target );
+    measure_level( level, at, target );
     return true;
 }
 
@@ -317,14 +317,14 @@ static void move_sheet( wisp_frame* frame, const wisp_span* span, const levels_m
     prolong( coarser, m->moved + 4 * (size_t)coarser->level->first_row, at, at );
     levels_find_band( sheet );
     levels_project( sheet, wisp_frame_dt( frame, span->entity ), 1 );
-    measure( level, at, moved );
+    measure_level( level, at, moved );
 }
 
-static void carry( wisp_frame* frame, const wisp_span* span, void* user )
+static void run_levels( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     levels_memory m;
-    if ( take_memory( frame, span, &m ) == false )
+    if ( take_level_memory( frame, span, &m ) == false )
     {
         return;
     }
@@ -357,7 +357,7 @@ static void carry_velocity( wisp_frame* frame, const wisp_span* span, void* user
 {
     (void)user;
     levels_memory m;
-    if ( take_memory( frame, span, &m ) == false )
+    if ( take_level_memory( frame, span, &m ) == false )
     {
         return;
     }
@@ -414,7 +414,7 @@ wisp_status passes_declare_levels( wisp_registry* registry )
             .reads = { WISP_SURFACE_LEVELS, WISP_LEVEL_MASS, WISP_LEVEL_COMPLIANCE, WISP_LEVEL_MOTION,
                        WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_POSITION, WISP_SURFACE_LEVELS, WISP_LEVEL_MOTION },
-            .run = carry,
+            .run = run_levels,
         },
         {
             .name = "surface.levels_velocity",

@@ -32,7 +32,7 @@ static bool is_pinned( const levels_carrier* c, int row )
     return c->sheet.links.position[4 * row + 3] <= 0.0f;
 }
 
-static void predict( const levels_carrier* c, const sheet_step* s )
+static void predict_level( const levels_carrier* c, const sheet_step* s )
 {
     const float h = s->dt, he = s->solve_dt;
     for ( int row = 0; row < c->sheet.level->vertex_count; ++row )
@@ -132,7 +132,7 @@ bool levels_move_carrier( levels_carrier* c )
             .progress = 1.0f / (float)( count - j ),
             .reach = MAX_REMEMBERED * mean_rest,
         };
-        predict( c, &s );
+        predict_level( c, &s );
         if ( j == 0 )
         {
             levels_find_band( &c->sheet );

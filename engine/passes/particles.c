@@ -4,7 +4,7 @@
 
 #include "wisp/module/components.h"
 
-static float* position_of( wisp_frame* frame, const wisp_span* span )
+static float* particle_positions( wisp_frame* frame, const wisp_span* span )
 {
     return wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
 }
@@ -12,7 +12,7 @@ static float* position_of( wisp_frame* frame, const wisp_span* span )
 static wisp_particle_args particle_args( wisp_frame* frame, const wisp_span* span )
 {
     return ( wisp_particle_args ){
-        .position = position_of( frame, span ),
+        .position = particle_positions( frame, span ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
         .dt = wisp_frame_dt( frame, span->entity ),
@@ -24,7 +24,7 @@ static wisp_particle_args particle_args( wisp_frame* frame, const wisp_span* spa
 static void carry_pins( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
-    float* position = position_of( frame, span );
+    float* position = particle_positions( frame, span );
     const float* target = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TARGET, 0 );
     const wisp_span s = wisp_frame_particles( frame, span );
     const float fraction = wisp_frame_progress_left( frame, span->entity, span->substep );

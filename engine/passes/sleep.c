@@ -56,7 +56,7 @@ static void measure_rows( void* context, int begin, int end, int worker )
     }
 }
 
-static void measure( wisp_frame* frame, const wisp_span* span, void* user )
+static void measure_motion( wisp_frame* frame, const wisp_span* span, void* user )
 {
     enum
     {
@@ -104,7 +104,7 @@ wisp_status passes_declare_sleep( wisp_registry* registry, passes_sleep_componen
             .required = { out->state, out->particles },
             .reads = { out->state, out->particles, WISP_PARTICLE_POSITION },
             .writes = { out->moved, out->state, out->particles },
-            .run = measure,
+            .run = measure_motion,
         },
         {
             .name = "sleep.measure_strands",
@@ -113,7 +113,7 @@ wisp_status passes_declare_sleep( wisp_registry* registry, passes_sleep_componen
             .required = { out->state, out->strands },
             .reads = { out->state, out->strands, WISP_STRAND_POSITION },
             .writes = { out->moved, out->state, out->strands },
-            .run = measure,
+            .run = measure_motion,
         },
     };
     return out->moved != 0 ? wisp_declare_passes( registry, passes, WISP_COUNT( passes ), out ) : WISP_BAD_INPUT;

@@ -238,7 +238,7 @@ static void run_node( const loop_substep* loop, int n, const wisp_span* span )
 }
 
 // Run the nodes of a section. @return the node behind them
-static int run_section( const loop_substep* loop, int first, plan_section section, int iteration )
+static int run_entity_section( const loop_substep* loop, int first, plan_section section, int iteration )
 {
     const plan* p = loop->frame->plan;
     wisp_span span = loop->span;
@@ -256,17 +256,17 @@ static void run_substep( void* context, int substep, int worker )
     loop_substep* loop = context;
     loop->span.substep = substep;
     loop->span.worker = worker;
-    const int first = run_section( loop, 0, PLAN_SUBSTEP, 0 );
+    const int first = run_entity_section( loop, 0, PLAN_SUBSTEP, 0 );
     int behind = first;
     for ( int iteration = 0; iteration < loop->frame->iterations; ++iteration )
     {
-        behind = run_section( loop, first, PLAN_ITERATION, iteration );
+        behind = run_entity_section( loop, first, PLAN_ITERATION, iteration );
     }
-    run_section( loop, behind, PLAN_AFTER_ITERATION, loop->frame->iterations - 1 );
+    run_entity_section( loop, behind, PLAN_AFTER_ITERATION, loop->frame->iterations - 1 );
 }
 
 // @param index of what is timed in turns
-static void run_substeps( loop_substep* loop, int index, int worker )
+static void run_entity_substeps( loop_substep* loop, int index, int worker )
 {
     wisp_frame* frame = loop->frame;
     const int substeps = wisp_frame_substeps( frame, loop->members[0].entity );
@@ -283,7 +283,7 @@ static void run_alone( wisp_frame* frame, int index, int worker )
 {
     loop_substep loop = { .frame = frame };
     add_member( &loop, index );
-    run_substeps( &loop, index, worker );
+    run_entity_substeps( &loop, index, worker );
 }
 
 // Find the members that run side by side.
@@ -340,7 +340,7 @@ static void run_group( void* context, int index, int worker )
     }
     if ( loop.joined_count > 0 && group->has_others )
     {
-        run_substeps( &loop, index, worker );
+        run_entity_substeps( &loop, index, worker );
         return;
     }
     const uint32_t done = loop.joined_count > 0 ? run_batch( &loop, worker ) : 0;

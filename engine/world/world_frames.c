@@ -37,7 +37,7 @@ static wisp_status check_pose( wisp_world* world, wisp_transform pose )
 }
 
 // Check that an entity is a surface, or strands that move.
-static wisp_status check_entity( wisp_world* world, wisp_entity entity )
+static wisp_status check_framed_entity( wisp_world* world, wisp_entity entity )
 {
     store_entity* e;
     WISP_TRY( wisp_world_check_entity( world, entity ) );
@@ -68,7 +68,7 @@ wisp_status wisp_set_moving_frame( wisp_world* world, wisp_entity entity, const 
 {
     wisp_moving_frame_def def = wisp_default_moving_frame_def();
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_moving_frame_def", &def, given ) );
-    WISP_TRY( check_entity( world, entity ) );
+    WISP_TRY( check_framed_entity( world, entity ) );
     WISP_TRY( check_frame( world, entity, &def ) );
     if ( def.linear_inertia == 1.0f && def.angular_inertia == 1.0f )
     {
@@ -86,7 +86,7 @@ wisp_status wisp_set_moving_frame( wisp_world* world, wisp_entity entity, const 
 wisp_status wisp_move_frame( wisp_world* world, wisp_entity entity, wisp_transform pose )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( check_entity( world, entity ) );
+    WISP_TRY( check_framed_entity( world, entity ) );
     WISP_TRY( check_pose( world, pose ) );
     wisp_transform* poses = wisp_world_column( world, entity, WISP_PARTICLE_FRAME, 0 );
     if ( poses != NULL )
@@ -99,7 +99,7 @@ wisp_status wisp_move_frame( wisp_world* world, wisp_entity entity, wisp_transfo
 wisp_status wisp_set_max_speed( wisp_world* world, wisp_entity entity, float speed )
 {
     WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( check_entity( world, entity ) );
+    WISP_TRY( check_framed_entity( world, entity ) );
     if ( !( speed > 0.0f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "max_speed: got %g m/s, expected a number above 0",

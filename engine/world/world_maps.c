@@ -40,8 +40,8 @@ static float times( float constant, const float* map, int edge, bool is_stiffnes
     return is_stiffness ? fminf( product, 1.0f ) : fminf( product, INACTIVE );
 }
 
-static void multiply( int slots, const float* constant, const int32_t* edge, const float* map,
-                      const wisp_schedule* order, int first, int last, bool is_stiffness, float* column )
+static void multiply_by_map( int slots, const float* constant, const int32_t* edge, const float* map,
+                             const wisp_schedule* order, int first, int last, bool is_stiffness, float* column )
 {
     for ( int slot = 0; slot < slots; ++slot )
     {
@@ -76,8 +76,8 @@ static void apply_to_links( wisp_world* world, const store_entity* e )
     const float* bend = column_of( world, e, stiff ? WISP_MAP_BEND_STIFFNESS : WISP_MAP_BEND_COMPLIANCE );
     const int slots = f->link_order.slot_count;
     memcpy( column, constant, (size_t)slots * sizeof( float ) );
-    multiply( slots, constant, edge, stretch, &f->link_order, 0, f->edge_count, stiff, column );
-    multiply( slots, constant, edge, bend, &f->link_order, f->edge_count, f->link_count, stiff, column );
+    multiply_by_map( slots, constant, edge, stretch, &f->link_order, 0, f->edge_count, stiff, column );
+    multiply_by_map( slots, constant, edge, bend, &f->link_order, f->edge_count, f->link_count, stiff, column );
 }
 
 static void apply_to_hinges( wisp_world* world, const store_entity* e )
@@ -89,8 +89,8 @@ static void apply_to_hinges( wisp_world* world, const store_entity* e )
     {
         const int32_t* edge = store_column( &world->store, e, WISP_HINGE_CONSTANT, 1 );
         memcpy( column, constant, (size_t)f->hinge_order.slot_count * sizeof( float ) );
-        multiply( f->hinge_order.slot_count, constant, edge, column_of( world, e, WISP_MAP_BEND_STIFFNESS ),
-                  &f->hinge_order, 0, f->hinge_count, true, column );
+        multiply_by_map( f->hinge_order.slot_count, constant, edge, column_of( world, e, WISP_MAP_BEND_STIFFNESS ),
+                         &f->hinge_order, 0, f->hinge_count, true, column );
     }
 }
 
@@ -310,7 +310,7 @@ static wisp_status attach_map( wisp_world* world, wisp_entity surface, wisp_comp
 }
 
 // Free vertices get their masses, and what depends on them is found again.
-static void update_masses( wisp_world* world, wisp_entity surface, store_entity* e )
+static void update_mapped_masses( wisp_world* world, wisp_entity surface, store_entity* e )
 {
     float* position = column_of( world, e, WISP_PARTICLE_POSITION );
     for ( int slot = 0; slot < e->fabric->vertex_count; ++slot )
@@ -327,7 +327,7 @@ static void update( wisp_world* world, wisp_entity surface, wisp_component map )
     store_entity* e = store_find( &world->store, surface );
     if ( map == WISP_MAP_AREA_DENSITY )
     {
-        update_masses( world, surface, e );
+        update_mapped_masses( world, surface, e );
     }
     else if ( is_of_edges( map ) && store_mask_has( &e->components, WISP_LINK_CONSTANT ) )
     {

@@ -53,7 +53,7 @@ wisp_status world_declare_strands( wisp_registry* registry )
 
 // ---- strands ----
 
-static wisp_status check_points( wisp_world* world, const wisp_strands_def* def )
+static wisp_status check_strand_points( wisp_world* world, const wisp_strands_def* def )
 {
     for ( int s = 0; s < def->strand_count; ++s )
     {
@@ -107,11 +107,11 @@ static wisp_status check_strands( wisp_world* world, const wisp_strands_def* def
         return wisp_world_fail( world, WISP_BAD_INPUT, "points: got null, expected %d points",
                                 def->offsets[def->strand_count] );
     }
-    return check_points( world, def );
+    return check_strand_points( world, def );
 }
 
 // Rows, components and topology of a new entity; on failure nothing stays.
-static wisp_status add_entity( wisp_world* world, cook_strands* strands, wisp_entity* out )
+static wisp_status add_strands_entity( wisp_world* world, cook_strands* strands, wisp_entity* out )
 {
     const wisp_strand_topology* t = &strands->topology;
     int rows[WISP_TABLE_COUNT] = {
@@ -162,7 +162,7 @@ wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* given, 
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to cook %d strands", def->strand_count );
     }
-    status = add_entity( world, strands, out );
+    status = add_strands_entity( world, strands, out );
     if ( status != WISP_OK )
     {
         cook_strands_release( strands );
@@ -180,7 +180,7 @@ wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* given, 
 static wisp_status add_strands_instance( wisp_world* world, wisp_entity source, cook_strands* strands,
                                          wisp_entity* out )
 {
-    wisp_status status = add_entity( world, strands, out );
+    wisp_status status = add_strands_entity( world, strands, out );
     if ( status != WISP_OK )
     {
         return status;

@@ -54,7 +54,7 @@ static wisp_status check_vertices( wisp_world* world, const wisp_fabric* fabric,
     return WISP_OK;
 }
 
-static wisp_status check_places( wisp_world* world, const wisp_vec3* points, int count, const char* what )
+static wisp_status check_vertex_places( wisp_world* world, const wisp_vec3* points, int count, const char* what )
 {
     for ( int v = 0; points != NULL && v < count; ++v )
     {
@@ -78,7 +78,8 @@ static wisp_status check_surface( wisp_world* world, const wisp_surface_def* def
     wisp_status status = check_masses( world, def );
     status = status == WISP_OK ? check_gravity( world, def->gravity ) : status;
     status = status == WISP_OK ? check_vertices( world, def->fabric, def->pins, def->pin_count ) : status;
-    return status == WISP_OK ? check_places( world, def->points, def->fabric->vertex_count, "vertex" ) : status;
+    return status == WISP_OK ? check_vertex_places( world, def->points, def->fabric->vertex_count, "vertex" )
+                             : status;
 }
 
 // Inverse mass of a vertex that is not pinned, 1/kg; 0 if it has no mass.
@@ -111,7 +112,7 @@ static bool attach_all( store* s, wisp_entity entity, bool has_gravity )
     return has_gravity == false || store_attach( s, entity, WISP_PARTICLE_GRAVITY );
 }
 
-static wisp_status add_entity( wisp_world* world, const wisp_surface_def* def, wisp_entity* out )
+static wisp_status add_surface_entity( wisp_world* world, const wisp_surface_def* def, wisp_entity* out )
 {
     wisp_fabric* fabric = def->fabric;
     const bool has_gravity = v3_length( def->gravity ) > 0.0f;
@@ -194,7 +195,7 @@ wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* given, 
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_surface_def", &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     wisp_status status = check_surface( world, def );
-    status = status == WISP_OK ? add_entity( world, def, out ) : status;
+    status = status == WISP_OK ? add_surface_entity( world, def, out ) : status;
     if ( status != WISP_OK )
     {
         return status;
@@ -372,7 +373,7 @@ wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_
     store_entity* e;
     wisp_status status = world_find_surface( world, surface, &e );
     status = status == WISP_OK ? check_vertices( world, e->fabric, vertices, count ) : status;
-    status = status == WISP_OK ? check_places( world, targets, count, "target" ) : status;
+    status = status == WISP_OK ? check_vertex_places( world, targets, count, "target" ) : status;
     status = status == WISP_OK ? check_pinned( world, e, vertices, count ) : status;
     status = status == WISP_OK ? wisp_world_attach( world, surface, WISP_PARTICLE_TARGET ) : status;
     if ( status != WISP_OK )

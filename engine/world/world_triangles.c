@@ -16,7 +16,7 @@ typedef struct kept_rows
     size_t bytes;
 } kept_rows;
 
-static size_t row_bytes( const store_component* c )
+static size_t triangle_row_bytes( const store_component* c )
 {
     size_t bytes = 0;
     for ( int k = 0; k < c->def.column_count; ++k )
@@ -38,7 +38,7 @@ static bool keep_rows( const store* s, const store_entity* e, wisp_table table, 
     out->bytes = 0;
     for ( int c = 1; c < s->component_count; ++c )
     {
-        out->bytes += is_held( s, e, c, table ) ? rows * row_bytes( s->components + c ) : 0;
+        out->bytes += is_held( s, e, c, table ) ? rows * triangle_row_bytes( s->components + c ) : 0;
     }
     out->data = out->bytes > 0 ? base_allocate( s->allocator, out->bytes, BASE_BUFFER_ALIGNMENT ) : NULL;
     if ( out->data == NULL )
