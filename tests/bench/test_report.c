@@ -49,9 +49,8 @@ static void fill( results* all, const char* text )
 
 // ---- the page ----
 
-static void a_page_of_everything_is_whole_and_stands_alone( void** state )
+TEST( a_page_of_everything_is_whole_and_stands_alone )
 {
-    (void)state;
     results all;
     fill( &all, "quiet" );
     char* page = page_of( &all, &quiet_run );
@@ -63,9 +62,8 @@ static void a_page_of_everything_is_whole_and_stands_alone( void** state )
     results_free( &all );
 }
 
-static void an_empty_page_is_whole_too( void** state )
+TEST( an_empty_page_is_whole_too )
 {
-    (void)state;
     results all = { .failed = false }; // without a machine: every text of it is null or empty
     char* page = page_of( &all, &( report_run ){ .what = "", .how = "" } );
     assert_well_formed( page );
@@ -75,9 +73,8 @@ static void an_empty_page_is_whole_too( void** state )
     results_free( &all );
 }
 
-static void a_page_of_errors_without_limits_does_not_say_that_nothing_failed( void** state )
+TEST( a_page_of_errors_without_limits_does_not_say_that_nothing_failed )
 {
-    (void)state;
     results all = { .failed = false };
     char* page = page_of( &all, &( report_run ){ .what = "", .how = "", .errors = "2 of 3 come near `theory`." } );
     assert_well_formed( page );
@@ -104,9 +101,8 @@ static char* skeleton_of( const char* page )
     return bones;
 }
 
-static void hostile_names_add_no_tag_and_no_attribute( void** state )
+TEST( hostile_names_add_no_tag_and_no_attribute )
 {
-    (void)state;
     results all;
     fill( &all, "quiet" );
     char* page = page_of( &all, &quiet_run );
@@ -130,9 +126,8 @@ static void hostile_names_add_no_tag_and_no_attribute( void** state )
     free( quiet );
 }
 
-static void text_is_escaped_and_what_is_no_text_is_replaced( void** state )
+TEST( text_is_escaped_and_what_is_no_text_is_replaced )
 {
-    (void)state;
     static const char* const pairs[][2] = {
         { "a<b>&\"c'", "a&lt;b&gt;&amp;&quot;c&#39;" },
         { "caf\xc3\xa9 \xf0\x9f\x8e\x88\ttab", "caf\xc3\xa9 \xf0\x9f\x8e\x88\ttab" },
@@ -152,9 +147,8 @@ static void text_is_escaped_and_what_is_no_text_is_replaced( void** state )
     }
 }
 
-static void failures_stand_on_top_and_nowhere_else( void** state )
+TEST( failures_stand_on_top_and_nowhere_else )
 {
-    (void)state;
     results all = empty_results();
     results_add_table( &all, "numbers", 1, ( const char* const[] ){ "ms" } );
     results_add_note( &all, "A claim is met." );
@@ -169,9 +163,8 @@ static void failures_stand_on_top_and_nowhere_else( void** state )
     results_free( &all );
 }
 
-static void numbers_stand_right_and_hashes_in_a_face_of_their_own( void** state )
+TEST( numbers_stand_right_and_hashes_in_a_face_of_their_own )
 {
-    (void)state;
     results all = empty_results();
     int table = results_add_table( &all, "t", 3, ( const char* const[] ){ "who", "ms", "hash" } );
     results_add_cells( &all, table, ( const char* const[] ){ "wisp", "0.75", "0123456789abcdef" } );
@@ -185,9 +178,8 @@ static void numbers_stand_right_and_hashes_in_a_face_of_their_own( void** state 
     results_free( &all );
 }
 
-static void the_same_results_give_the_same_bytes( void** state )
+TEST( the_same_results_give_the_same_bytes )
 {
-    (void)state;
     results all;
     fill( &all, "quiet" );
     char* first = page_of( &all, &quiet_run );
@@ -199,9 +191,8 @@ static void the_same_results_give_the_same_bytes( void** state )
     results_free( &all );
 }
 
-static void a_decimal_comma_changes_no_byte( void** state )
+TEST( a_decimal_comma_changes_no_byte )
 {
-    (void)state;
     results all;
     fill( &all, "quiet" );
     all.charts[0].series[0].points[1].y = 1.2345;
@@ -243,9 +234,8 @@ static size_t make_picture( unsigned char* out, size_t size )
     return size;
 }
 
-static void a_picture_is_embedded_byte_by_byte( void** state )
+TEST( a_picture_is_embedded_byte_by_byte )
 {
-    (void)state;
     for ( size_t more = 0; more < 3; ++more ) // base64 has three kinds of ends
     {
         unsigned char picture[PICTURE_SIZE + 3], decoded[PICTURE_SIZE + 3];
@@ -283,9 +273,8 @@ static void assert_one_message( const char* path, const char* why )
     results_free( &all );
 }
 
-static void a_picture_that_cannot_be_read_is_one_message( void** state )
+TEST( a_picture_that_cannot_be_read_is_one_message )
 {
-    (void)state;
     unsigned char picture[PICTURE_SIZE];
     size_t size = make_picture( picture, PICTURE_SIZE );
     assert_one_message( "report_missing.png", "The picture report_missing.png cannot be shown: No such file" );
@@ -307,9 +296,8 @@ static void a_picture_that_cannot_be_read_is_one_message( void** state )
 
 // ---- files ----
 
-static void a_file_holds_what_a_stream_would( void** state )
+TEST( a_file_holds_what_a_stream_would )
 {
-    (void)state;
     results all;
     wisp_error error = { 0 };
     fill( &all, "quiet" );
@@ -328,9 +316,8 @@ static void a_file_holds_what_a_stream_would( void** state )
     results_free( &all );
 }
 
-static void a_file_that_cannot_be_written_is_an_error_that_names_it( void** state )
+TEST( a_file_that_cannot_be_written_is_an_error_that_names_it )
 {
-    (void)state;
     results all;
     wisp_error error = { 0 };
     fill( &all, "quiet" );
@@ -348,24 +335,4 @@ static void a_file_that_cannot_be_written_is_an_error_that_names_it( void** stat
     all.incomplete = true;
     assert_int_equal( report_write_file( &all, &quiet_run, "/dev/null", &error ), WISP_NO_MEMORY );
     results_free( &all );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_page_of_everything_is_whole_and_stands_alone ),
-        cmocka_unit_test( an_empty_page_is_whole_too ),
-        cmocka_unit_test( a_page_of_errors_without_limits_does_not_say_that_nothing_failed ),
-        cmocka_unit_test( hostile_names_add_no_tag_and_no_attribute ),
-        cmocka_unit_test( text_is_escaped_and_what_is_no_text_is_replaced ),
-        cmocka_unit_test( failures_stand_on_top_and_nowhere_else ),
-        cmocka_unit_test( numbers_stand_right_and_hashes_in_a_face_of_their_own ),
-        cmocka_unit_test( the_same_results_give_the_same_bytes ),
-        cmocka_unit_test( a_decimal_comma_changes_no_byte ),
-        cmocka_unit_test( a_picture_is_embedded_byte_by_byte ),
-        cmocka_unit_test( a_picture_that_cannot_be_read_is_one_message ),
-        cmocka_unit_test( a_file_holds_what_a_stream_would ),
-        cmocka_unit_test( a_file_that_cannot_be_written_is_an_error_that_names_it ),
-    };
-    return cmocka_run_group_tests_name( "report", tests, NULL, NULL );
 }

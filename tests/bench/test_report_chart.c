@@ -36,9 +36,8 @@ static char* page_of_points( const drawn_point* points, int count, bool x_log, b
 
 // ---- places ----
 
-static void points_of_linear_axes_stand_between_their_ticks( void** state )
+TEST( points_of_linear_axes_stand_between_their_ticks )
 {
-    (void)state;
     const drawn_point points[] = { { -4.0, 0.01 }, { 2.5, 0.0375 }, { 10.0, 0.05 } };
     char* page = page_of_points( points, 3, false, false );
     double left = tick_at( page, 'x', "0" ), right = tick_at( page, 'x', "10" );
@@ -53,9 +52,8 @@ static void points_of_linear_axes_stand_between_their_ticks( void** state )
     free( page );
 }
 
-static void points_of_logarithmic_axes_stand_between_their_ticks( void** state )
+TEST( points_of_logarithmic_axes_stand_between_their_ticks )
 {
-    (void)state;
     const drawn_point points[] = { { 100.0, 0.02 }, { 3000.0, 1.0 }, { 50000.0, 314.0 } };
     char* page = page_of_points( points, 3, true, true );
     double left = tick_at( page, 'x', "100" ), right = tick_at( page, 'x',
@@ -71,9 +69,8 @@ static void points_of_logarithmic_axes_stand_between_their_ticks( void** state )
     free( page );
 }
 
-static void a_line_goes_through_its_points( void** state )
+TEST( a_line_goes_through_its_points )
 {
-    (void)state;
     const drawn_point points[] = { { 1.0, 3.0 }, { 2.0, 5.0 }, { 3.0, 4.0 } };
     char* page = page_of_points( points, 3, false, false );
     const char* line = strstr( plot_of( page ), "<path class=\"line" );
@@ -92,9 +89,8 @@ static void a_line_goes_through_its_points( void** state )
     free( page );
 }
 
-static void what_has_no_place_is_left_out_counted_and_not_bridged( void** state )
+TEST( what_has_no_place_is_left_out_counted_and_not_bridged )
 {
-    (void)state;
     const drawn_point points[] = { { 1.0, 1.0 }, { 2.0, NAN }, { 3.0, 2.0 },
                                    { 4.0, 0.0 }, { 5.0, 3.0 }, { INFINITY, 1.0 } };
     char* page = page_of_points( points, 6, false, true );
@@ -118,9 +114,8 @@ static void what_has_no_place_is_left_out_counted_and_not_bridged( void** state 
     free( page );
 }
 
-static void charts_of_nothing_say_so( void** state )
+TEST( charts_of_nothing_say_so )
 {
-    (void)state;
     const drawn_point none[] = { { NAN, 1.0 }, { 1.0, -INFINITY } };
     for ( int count = 0; count <= 2; count += 2 )
     {
@@ -139,9 +134,8 @@ static void charts_of_nothing_say_so( void** state )
     results_free( &all );
 }
 
-static void one_point_of_any_size_stands_inside( void** state )
+TEST( one_point_of_any_size_stands_inside )
 {
-    (void)state;
     static const double values[] = { 0.0, 1.0, -1.0, 7.3, 1e-12, -3e-99, 1e99, 123456.789, 5e-324, 1e-100 };
     for ( int i = 0; i < WISP_COUNT( values ); ++i )
     {
@@ -180,9 +174,8 @@ static int label_count( const report_axis* axis )
     return count;
 }
 
-static void linear_ticks_are_round_few_and_hold_all_values( void** state )
+TEST( linear_ticks_are_round_few_and_hold_all_values )
 {
-    (void)state;
     static const double ends[][2] = { { 0.0, 1.0 },        { 0.3, 0.7 },      { -5.0, 17.0 },
                                       { 1e-9, 7e-9 },      { 990.0, 1000.0 }, { -3e7, -1e7 },
                                       { 0.1, 0.30000001 }, { -1e100, 1e100 }, { 1.0, 1.0000001 } };
@@ -203,9 +196,8 @@ static void linear_ticks_are_round_few_and_hold_all_values( void** state )
     }
 }
 
-static void logarithmic_ticks_are_few_rise_and_hold_all_values( void** state )
+TEST( logarithmic_ticks_are_few_rise_and_hold_all_values )
 {
-    (void)state;
     static const double ends[][2] = { { 1.0, 10.0 },      { 0.3, 0.7 },      { 2.1, 2.9 },
                                       { 1e-9, 7e-3 },     { 990.0, 1000.0 }, { 1e-100, 1e100 },
                                       { 100.0, 50000.0 }, { 1e-4, 1e6 },     { 0.001, 0.0010001 } };
@@ -223,9 +215,8 @@ static void logarithmic_ticks_are_few_rise_and_hold_all_values( void** state )
     }
 }
 
-static void ticks_are_written_exactly( void** state )
+TEST( ticks_are_written_exactly )
 {
-    (void)state;
     report_axis axis = report_axis_make( 0.0, 0.3, false );
     assert_string_equal( axis.ticks[1].label, "0.1" );
     assert_string_equal( axis.ticks[3].label, "0.3" );
@@ -249,9 +240,8 @@ static void ticks_are_written_exactly( void** state )
 
 // ---- what stands out ----
 
-static void marked_points_have_a_ring_around_them( void** state )
+TEST( marked_points_have_a_ring_around_them )
 {
-    (void)state;
     results all = empty_results();
     int chart = add_points( &all, ( const drawn_point[] ){ { 1.0, 1.0 }, { 2.0, 3.0 } }, 2 );
     all.charts[chart].series[0].points[1].is_marked = true;
@@ -264,9 +254,8 @@ static void marked_points_have_a_ring_around_them( void** state )
     results_free( &all );
 }
 
-static void a_tooltip_has_name_label_and_both_values_with_their_units( void** state )
+TEST( a_tooltip_has_name_label_and_both_values_with_their_units )
 {
-    (void)state;
     results all = empty_results();
     int chart = add_points( &all, ( const drawn_point[] ){ { 2000.0, 0.0123456 } }, 1 );
     snprintf( all.charts[chart].series[0].points[0].label, 64, "10 + tethers" );
@@ -277,9 +266,8 @@ static void a_tooltip_has_name_label_and_both_values_with_their_units( void** st
     results_free( &all );
 }
 
-static void names_beside_points_cover_neither_points_nor_names( void** state )
+TEST( names_beside_points_cover_neither_points_nor_names )
 {
-    (void)state;
     results all = empty_results();
     drawn_point points[40];
     for ( int i = 0; i < WISP_COUNT( points ); ++i )
@@ -318,9 +306,8 @@ static void names_beside_points_cover_neither_points_nor_names( void** state )
     results_free( &all );
 }
 
-static void sixteen_series_differ_in_colour_or_shape( void** state )
+TEST( sixteen_series_differ_in_colour_or_shape )
 {
-    (void)state;
     results all = empty_results();
     int chart = results_add_chart( &all, "many", "x", "y" );
     for ( int s = 0; s < 16; ++s )
@@ -386,9 +373,8 @@ static char* page_of_bars( const double* values, int count, bool y_log )
     return page;
 }
 
-static void bars_are_as_long_as_their_values( void** state )
+TEST( bars_are_as_long_as_their_values )
 {
-    (void)state;
     char* page = page_of_bars( ( const double[] ){ 2.0, 8.0, NAN, 0.5 }, 4, false );
     assert_near( bar_fraction( page, 0 ), 25.0, ROUNDED );
     assert_near( bar_fraction( page, 1 ), 25.0, ROUNDED ); // of the other series
@@ -405,34 +391,11 @@ static void bars_are_as_long_as_their_values( void** state )
     free( page );
 }
 
-static void logarithmic_bars_begin_a_decade_below_the_smallest( void** state )
+TEST( logarithmic_bars_begin_a_decade_below_the_smallest )
 {
-    (void)state;
     char* page = page_of_bars( ( const double[] ){ 1.0, 1000.0, 10.0 }, 3, true );
     assert_near( bar_fraction( page, 0 ), 25.0, ROUNDED );
     assert_near( bar_fraction( page, 2 ), 100.0, ROUNDED );
     assert_near( bar_fraction( page, 3 ), 50.0, ROUNDED );
     free( page );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( points_of_linear_axes_stand_between_their_ticks ),
-        cmocka_unit_test( points_of_logarithmic_axes_stand_between_their_ticks ),
-        cmocka_unit_test( a_line_goes_through_its_points ),
-        cmocka_unit_test( what_has_no_place_is_left_out_counted_and_not_bridged ),
-        cmocka_unit_test( charts_of_nothing_say_so ),
-        cmocka_unit_test( one_point_of_any_size_stands_inside ),
-        cmocka_unit_test( linear_ticks_are_round_few_and_hold_all_values ),
-        cmocka_unit_test( logarithmic_ticks_are_few_rise_and_hold_all_values ),
-        cmocka_unit_test( ticks_are_written_exactly ),
-        cmocka_unit_test( marked_points_have_a_ring_around_them ),
-        cmocka_unit_test( a_tooltip_has_name_label_and_both_values_with_their_units ),
-        cmocka_unit_test( names_beside_points_cover_neither_points_nor_names ),
-        cmocka_unit_test( sixteen_series_differ_in_colour_or_shape ),
-        cmocka_unit_test( bars_are_as_long_as_their_values ),
-        cmocka_unit_test( logarithmic_bars_begin_a_decade_below_the_smallest ),
-    };
-    return cmocka_run_group_tests_name( "report charts", tests, NULL, NULL );
 }
