@@ -75,4 +75,4 @@ static inline int remove_folder( void** state )
     return status;
 }
 
-#define TEST_IN_FOLDER( name ) cmocka_unit_test_setup_teardown( name, make_folder, remove_folder )
+#define TEST_IN_FOLDER( name ) TEST_WITH( name, make_folder, remove_folder )

@@ -19,27 +19,23 @@ static void demand_refusal( const char* path, const char* name, wisp_error* erro
     assert_null( groom.points );
 }
 
-static void every_file_of_the_folder_is_refused_with_a_message_that_names_it( void** state )
+TEST( every_file_of_the_folder_is_refused_with_a_message_that_names_it )
 {
-    (void)state;
     demand_refusal_of_folder( 35, demand_refusal );
 }
 
-static void every_refusal_gives_the_reason_the_file_was_made_for( void** state )
+TEST( every_refusal_gives_the_reason_the_file_was_made_for )
 {
-    (void)state;
     demand_words( &bad_groom_list, demand_refusal );
 }
 
-static void the_committed_files_are_those_that_the_generator_writes( void** state )
+TEST( the_committed_files_are_those_that_the_generator_writes )
 {
-    (void)state;
     demand_bytes( &bad_groom_list );
 }
 
-static void the_file_they_were_made_from_is_good( void** state )
+TEST( the_file_they_were_made_from_is_good )
 {
-    (void)state;
     unsigned char bytes[BAD_FILE_MAX];
     wisp_groom groom;
     bad_groom_good_hair( bytes );
@@ -50,9 +46,8 @@ static void the_file_they_were_made_from_is_good( void** state )
 
 // Truncated by any number of bytes it is always invalid; the block is exactly as long, so that a sanitizer detects a
 // read beyond it.
-static void every_shorter_beginning_of_a_good_file_is_refused( void** state )
+TEST( every_shorter_beginning_of_a_good_file_is_refused )
 {
-    (void)state;
     unsigned char good[BAD_FILE_MAX];
     bad_groom_good_hair( good );
     for ( size_t size = 0; size < HAIR_SIZE; ++size )
@@ -64,16 +59,4 @@ static void every_shorter_beginning_of_a_good_file_is_refused( void** state )
         free( bytes );
         assert_int_equal( status, WISP_BAD_INPUT );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_file_of_the_folder_is_refused_with_a_message_that_names_it ),
-        cmocka_unit_test( every_refusal_gives_the_reason_the_file_was_made_for ),
-        cmocka_unit_test( the_committed_files_are_those_that_the_generator_writes ),
-        cmocka_unit_test( the_file_they_were_made_from_is_good ),
-        cmocka_unit_test( every_shorter_beginning_of_a_good_file_is_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -54,9 +54,8 @@ static void demand_refusal( const bad_mesh* bad )
     assert_null( mesh.triangles );
 }
 
-static void every_bad_file_is_refused_for_the_reason_it_was_made_for( void** state )
+TEST( every_bad_file_is_refused_for_the_reason_it_was_made_for )
 {
-    (void)state;
     assert_true( WISP_COUNT( bad_meshes ) >= FEWEST_FILES );
     for ( int i = 0; i < WISP_COUNT( bad_meshes ); ++i )
     {
@@ -64,9 +63,8 @@ static void every_bad_file_is_refused_for_the_reason_it_was_made_for( void** sta
     }
 }
 
-static void the_files_that_are_cut_and_damaged_are_good( void** state )
+TEST( the_files_that_are_cut_and_damaged_are_good )
 {
-    (void)state;
     for ( int i = 0; i < WISP_COUNT( good_meshes ); ++i )
     {
         wisp_mesh mesh;
@@ -98,9 +96,8 @@ static void demand_answer( const char* name, const char* bytes, size_t size )
     wisp_mesh_release( &mesh );
 }
 
-static void every_shorter_beginning_of_a_good_file_gets_an_answer( void** state )
+TEST( every_shorter_beginning_of_a_good_file_gets_an_answer )
 {
-    (void)state;
     for ( int i = 0; i < WISP_COUNT( good_meshes ); ++i )
     {
         for ( size_t size = 0; size < good_meshes[i].size; ++size )
@@ -110,9 +107,8 @@ static void every_shorter_beginning_of_a_good_file_gets_an_answer( void** state 
     }
 }
 
-static void a_binary_file_that_misses_its_last_byte_is_refused( void** state )
+TEST( a_binary_file_that_misses_its_last_byte_is_refused )
 {
-    (void)state;
     for ( int i = 2; i < WISP_COUNT( good_meshes ); ++i )
     {
         wisp_mesh mesh;
@@ -121,9 +117,8 @@ static void a_binary_file_that_misses_its_last_byte_is_refused( void** state )
     }
 }
 
-static void every_byte_of_a_good_file_may_be_anything( void** state )
+TEST( every_byte_of_a_good_file_may_be_anything )
 {
-    (void)state;
     static const unsigned char telling[] = { 0x00, 0xff, 0x7f, 0x80, 0x01, '0',  '9', '-',
                                              '.',  'e',  '/',  '#',  '\n', '\r', ' ' };
     char damaged[1024];
@@ -143,9 +138,8 @@ static void every_byte_of_a_good_file_may_be_anything( void** state )
     }
 }
 
-static void a_face_of_more_corners_than_the_cap_is_refused( void** state )
+TEST( a_face_of_more_corners_than_the_cap_is_refused )
 {
-    (void)state;
     enum
     {
         CORNERS = WISP_MESH_CORNER_CAP + 1
@@ -164,17 +158,4 @@ static void a_face_of_more_corners_than_the_cap_is_refused( void** state )
     assert_int_equal( read_exactly( "wide.obj", text, 10 + 2 * ( CORNERS - 1 ), &mesh, &error ), WISP_OK );
     assert_int_equal( mesh.triangle_count, WISP_MESH_CORNER_CAP - 2 );
     wisp_mesh_release( &mesh );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_bad_file_is_refused_for_the_reason_it_was_made_for ),
-        cmocka_unit_test( the_files_that_are_cut_and_damaged_are_good ),
-        cmocka_unit_test( every_shorter_beginning_of_a_good_file_gets_an_answer ),
-        cmocka_unit_test( a_binary_file_that_misses_its_last_byte_is_refused ),
-        cmocka_unit_test( every_byte_of_a_good_file_may_be_anything ),
-        cmocka_unit_test( a_face_of_more_corners_than_the_cap_is_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

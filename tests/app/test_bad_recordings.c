@@ -32,33 +32,29 @@ static void demand_refusal( const char* path, const char* name, wisp_error* erro
     }
 }
 
-static void every_file_of_the_folder_is_refused_with_a_message_that_names_it( void** state )
+TEST( every_file_of_the_folder_is_refused_with_a_message_that_names_it )
 {
-    (void)state;
     demand_refusal_of_folder( 60, demand_refusal );
 }
 
-static void every_refusal_gives_the_reason_the_file_was_made_for( void** state )
+TEST( every_refusal_gives_the_reason_the_file_was_made_for )
 {
-    (void)state;
     for ( int l = 0; l < WISP_COUNT( bad_recording_lists ); ++l )
     {
         demand_words( bad_recording_lists + l, demand_refusal );
     }
 }
 
-static void the_committed_files_are_those_that_the_generator_writes( void** state )
+TEST( the_committed_files_are_those_that_the_generator_writes )
 {
-    (void)state;
     for ( int l = 0; l < WISP_COUNT( bad_recording_lists ); ++l )
     {
         demand_bytes( bad_recording_lists + l );
     }
 }
 
-static void the_files_they_were_made_from_are_good( void** state )
+TEST( the_files_they_were_made_from_are_good )
 {
-    (void)state;
     unsigned char bytes[BAD_FILE_MAX];
     wisp_error error = { .status = WISP_OK };
     wisp_recording* recording = NULL;
@@ -82,7 +78,7 @@ static void the_files_they_were_made_from_are_good( void** state )
 }
 
 // The valid file is built from the description of the format, so it also tests the writer.
-static void the_recorder_writes_the_good_file_byte_for_byte( void** state )
+TEST_IN_FOLDER( the_recorder_writes_the_good_file_byte_for_byte )
 {
     static const int32_t triangle[] = { 0, 1, 2 }, offsets[] = { 0, 2, 4 };
     static const wisp_record_body bodies[] = {
@@ -107,16 +103,4 @@ static void the_recorder_writes_the_good_file_byte_for_byte( void** state )
     assert_int_equal( size, WISP_SIZE );
     assert_memory_equal( found, good, WISP_SIZE );
     free( found );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_file_of_the_folder_is_refused_with_a_message_that_names_it ),
-        cmocka_unit_test( every_refusal_gives_the_reason_the_file_was_made_for ),
-        cmocka_unit_test( the_committed_files_are_those_that_the_generator_writes ),
-        cmocka_unit_test( the_files_they_were_made_from_are_good ),
-        TEST_IN_FOLDER( the_recorder_writes_the_good_file_byte_for_byte ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -505,9 +505,8 @@ static void path_in_folder( char* path, size_t room, const char* file )
     assert_true( length > 0 && (size_t)length < room );
 }
 
-static void every_bad_file_is_refused_with_its_place_its_key_and_what_is_wrong( void** state )
+TEST( every_bad_file_is_refused_with_its_place_its_key_and_what_is_wrong )
 {
-    (void)state;
     for ( int i = 0; i < scene_count(); ++i )
     {
         const bad_scene* bad = scene_at( i );
@@ -537,9 +536,8 @@ static void every_bad_file_is_refused_with_its_place_its_key_and_what_is_wrong( 
     }
 }
 
-static void every_file_of_the_folder_has_its_message( void** state )
+TEST( every_file_of_the_folder_has_its_message )
 {
-    (void)state;
     DIR* walk = opendir( FOLDER );
     assert_non_null( walk );
     int files = 0;
@@ -560,21 +558,10 @@ static void every_file_of_the_folder_has_its_message( void** state )
     assert_int_equal( files, scene_count() );
 }
 
-static void a_refusal_without_an_error_to_fill_still_has_its_status( void** state )
+TEST( a_refusal_without_an_error_to_fill_still_has_its_status )
 {
-    (void)state;
     char path[1024];
     path_in_folder( path, sizeof path, BAD_SCENES[0].file );
     wisp_scene scene;
     assert_int_equal( wisp_scene_read( path, &scene, NULL ), WISP_BAD_INPUT );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_bad_file_is_refused_with_its_place_its_key_and_what_is_wrong ),
-        cmocka_unit_test( every_file_of_the_folder_has_its_message ),
-        cmocka_unit_test( a_refusal_without_an_error_to_fill_still_has_its_status ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -75,9 +75,8 @@ static int32_t draw( uint64_t seed, int i, uint32_t axis, int32_t lower, int32_t
 
 // ---- results ---------------------------------------------------------------------------------------------------
 
-static void three_points_are_one_triangle( void** state )
+TEST( three_points_are_one_triangle )
 {
-    (void)state;
     begin();
     put( 0, 0 );
     put( 5, 1 );
@@ -86,9 +85,8 @@ static void three_points_are_one_triangle( void** state )
     assert_int_equal( assert_sound(), 0 );
 }
 
-static void random_points_in_a_square_have_empty_circles( void** state )
+TEST( random_points_in_a_square_have_empty_circles )
 {
-    (void)state;
     for ( uint64_t seed = 1; seed <= 4; ++seed )
     {
         begin();
@@ -101,9 +99,8 @@ static void random_points_in_a_square_have_empty_circles( void** state )
     }
 }
 
-static void a_grid_whose_cells_are_all_cocircular_is_cut_in_a_fixed_way( void** state )
+TEST( a_grid_whose_cells_are_all_cocircular_is_cut_in_a_fixed_way )
 {
-    (void)state;
     enum
     {
         SIDE = 24,
@@ -132,9 +129,8 @@ static void a_grid_whose_cells_are_all_cocircular_is_cut_in_a_fixed_way( void** 
     assert_memory_equal( first, set.triangles, sizeof first );
 }
 
-static void twelve_points_of_one_circle_and_its_middle_are_joined( void** state )
+TEST( twelve_points_of_one_circle_and_its_middle_are_joined )
 {
-    (void)state;
     static const int32_t x[] = { 5, 4, 3, 0, -3, -4, -5, -4, -3, 0, 3, 4 };
     static const int32_t y[] = { 0, 3, 4, 5, 4, 3, 0, -3, -4, -5, -4, -3 };
     for ( int with_middle = 0; with_middle < 2; ++with_middle )
@@ -153,9 +149,8 @@ static void twelve_points_of_one_circle_and_its_middle_are_joined( void** state 
     }
 }
 
-static void points_in_long_straight_rows_are_joined( void** state )
+TEST( points_in_long_straight_rows_are_joined )
 {
-    (void)state;
     begin();
     for ( int i = 0; i <= 300; ++i )
     {
@@ -174,9 +169,8 @@ static void points_in_long_straight_rows_are_joined( void** state )
     assert_int_equal( assert_sound(), 0 );
 }
 
-static void points_on_edges_and_at_the_rim_of_the_lattice_are_joined( void** state )
+TEST( points_on_edges_and_at_the_rim_of_the_lattice_are_joined )
 {
-    (void)state;
     begin();
     put_square( 0, LAST );
     // the middle of the first diagonal, points on edges that then exist, and some one float from a corner
@@ -211,9 +205,8 @@ static void put_star( uint64_t seed, int corners, double inner )
     end_outline();
 }
 
-static void stars_with_many_thin_points_keep_their_outline( void** state )
+TEST( stars_with_many_thin_points_keep_their_outline )
 {
-    (void)state;
     static const int corners[] = { 10, 40, 150, 400 };
     int hidden = 0;
     for ( int i = 0; i < WISP_COUNT( corners ); ++i )
@@ -231,9 +224,8 @@ static void stars_with_many_thin_points_keep_their_outline( void** state )
     assert_true( hidden > 1000 );
 }
 
-static void a_long_edge_is_cut_through_many_triangles( void** state )
+TEST( a_long_edge_is_cut_through_many_triangles )
 {
-    (void)state;
     // a slit from the left almost to the right side, through a crowd
     begin();
     put( 0, 0 );
@@ -275,9 +267,8 @@ static void put_crowd( uint64_t seed, int count )
     }
 }
 
-static void a_slit_is_kept_in_any_small_crowd( void** state )
+TEST( a_slit_is_kept_in_any_small_crowd )
 {
-    (void)state;
     for ( uint64_t seed = 0; seed < 2000; ++seed )
     {
         begin();
@@ -296,9 +287,8 @@ static void a_slit_is_kept_in_any_small_crowd( void** state )
     }
 }
 
-static void teeth_of_a_comb_are_not_joined_across_the_gaps( void** state )
+TEST( teeth_of_a_comb_are_not_joined_across_the_gaps )
 {
-    (void)state;
     // long and short teeth in turn, so that the circles of the long ones contain the tips of the short ones
     begin();
     put( 0, 0 );
@@ -321,9 +311,8 @@ static void demand_refusal( const char* words )
     assert_contains( error.message, words );
 }
 
-static void points_that_no_outline_makes_are_refused( void** state )
+TEST( points_that_no_outline_makes_are_refused )
 {
-    (void)state;
     begin();
     put_square( 10, 90 );
     set.outline_count = 2;
@@ -343,9 +332,8 @@ static void points_that_no_outline_makes_are_refused( void** state )
     demand_refusal( "the outline from point 1 to point 2 passes through point 4" );
 }
 
-static void an_outline_that_runs_clockwise_or_has_no_area_is_refused( void** state )
+TEST( an_outline_that_runs_clockwise_or_has_no_area_is_refused )
 {
-    (void)state;
     begin();
     put( 0, 0 );
     put( 0, 9 );
@@ -356,9 +344,8 @@ static void an_outline_that_runs_clockwise_or_has_no_area_is_refused( void** sta
     demand_refusal( "the outline of 3 points has no area" );
 }
 
-static void an_outline_that_crosses_or_touches_itself_is_refused( void** state )
+TEST( an_outline_that_crosses_or_touches_itself_is_refused )
 {
-    (void)state;
     begin();
     put( 0, 0 );
     put( 100, 0 );
@@ -384,9 +371,8 @@ static void an_outline_that_crosses_or_touches_itself_is_refused( void** state )
 
 // ---- the lattice -----------------------------------------------------------------------------------------------
 
-static void the_longer_side_becomes_the_whole_lattice( void** state )
+TEST( the_longer_side_becomes_the_whole_lattice )
 {
-    (void)state;
     const double coordinates[] = { -1.0, 7.0, 3.0, 8.0, 1.0, 7.5 };
     delaunay_point out[3];
     assert_int_equal( delaunay_snap( coordinates, 3, out, "set", NULL ), WISP_OK );
@@ -395,9 +381,8 @@ static void the_longer_side_becomes_the_whole_lattice( void** state )
     assert_true( out[1].y == DELAUNAY_SIDE / 4 && out[2].x == DELAUNAY_SIDE / 2 && out[2].y == DELAUNAY_SIDE / 8 );
 }
 
-static void points_that_no_lattice_fits_are_refused( void** state )
+TEST( points_that_no_lattice_fits_are_refused )
 {
-    (void)state;
     static const double bad[][4] = { { 0.0, NAN, 1.0, 1.0 },
                                      { 0.0, 0.0, HUGE_VAL, 1.0 },
                                      { 2.0, 3.0, 2.0, 3.0 },
@@ -415,9 +400,8 @@ static void points_that_no_lattice_fits_are_refused( void** state )
     }
 }
 
-static void hilberts_curve_goes_from_neighbour_to_neighbour( void** state )
+TEST( hilberts_curve_goes_from_neighbour_to_neighbour )
 {
-    (void)state;
     enum
     {
         SIDE = 64,
@@ -437,27 +421,4 @@ static void hilberts_curve_goes_from_neighbour_to_neighbour( void** state )
     {
         assert_int_equal( abs( at[i].x - at[i - 1].x ) + abs( at[i].y - at[i - 1].y ), STEP );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( three_points_are_one_triangle ),
-        cmocka_unit_test( random_points_in_a_square_have_empty_circles ),
-        cmocka_unit_test( a_grid_whose_cells_are_all_cocircular_is_cut_in_a_fixed_way ),
-        cmocka_unit_test( twelve_points_of_one_circle_and_its_middle_are_joined ),
-        cmocka_unit_test( points_in_long_straight_rows_are_joined ),
-        cmocka_unit_test( points_on_edges_and_at_the_rim_of_the_lattice_are_joined ),
-        cmocka_unit_test( stars_with_many_thin_points_keep_their_outline ),
-        cmocka_unit_test( a_long_edge_is_cut_through_many_triangles ),
-        cmocka_unit_test( a_slit_is_kept_in_any_small_crowd ),
-        cmocka_unit_test( teeth_of_a_comb_are_not_joined_across_the_gaps ),
-        cmocka_unit_test( points_that_no_outline_makes_are_refused ),
-        cmocka_unit_test( an_outline_that_runs_clockwise_or_has_no_area_is_refused ),
-        cmocka_unit_test( an_outline_that_crosses_or_touches_itself_is_refused ),
-        cmocka_unit_test( the_longer_side_becomes_the_whole_lattice ),
-        cmocka_unit_test( points_that_no_lattice_fits_are_refused ),
-        cmocka_unit_test( hilberts_curve_goes_from_neighbour_to_neighbour ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -27,9 +27,8 @@ static double distance( wisp_vec3 a, wisp_vec3 b )
 
 // ---- the mesh ----
 
-static void figures_of_any_size_are_closed_and_have_as_many_triangles_as_was_asked( void** state )
+TEST( figures_of_any_size_are_closed_and_have_as_many_triangles_as_was_asked )
 {
-    (void)state;
     static const int counts[] = { WISP_FIGURE_MIN_TRIANGLES, 3000, 8000 };
     for ( int i = 0; i < WISP_COUNT( counts ); ++i )
     {
@@ -56,9 +55,8 @@ static void figures_of_any_size_are_closed_and_have_as_many_triangles_as_was_ask
     }
 }
 
-static void the_same_figure_has_the_same_bits( void** state )
+TEST( the_same_figure_has_the_same_bits )
 {
-    (void)state;
     wisp_figure a = made( 1.75f, 3000 ), b = made( 1.75f, 3000 );
     assert_int_equal( a.mesh.vertex_count, b.mesh.vertex_count );
     assert_memory_equal( a.mesh.points, b.mesh.points, (size_t)a.mesh.vertex_count * sizeof( wisp_vec3 ) );
@@ -68,9 +66,8 @@ static void the_same_figure_has_the_same_bits( void** state )
     wisp_figure_release( &b );
 }
 
-static void figures_that_cannot_be_made_are_refused_by_the_name_of_their_value( void** state )
+TEST( figures_that_cannot_be_made_are_refused_by_the_name_of_their_value )
 {
-    (void)state;
     static const struct
     {
         wisp_figure_generator generator;
@@ -116,9 +113,8 @@ static double distance_from_bones( const wisp_skeleton* skeleton, int joint, wis
     return least;
 }
 
-static void vertices_follow_joints_whose_bones_are_near( void** state )
+TEST( vertices_follow_joints_whose_bones_are_near )
 {
-    (void)state;
     wisp_figure figure = made( 1.0f, 8000 );
     for ( int v = 0; v < figure.mesh.vertex_count; ++v )
     {
@@ -190,9 +186,8 @@ static void tear_down( posed* p )
     free( p->points );
 }
 
-static void at_rest_the_skin_is_the_mesh( void** state )
+TEST( at_rest_the_skin_is_the_mesh )
 {
-    (void)state;
     posed p;
     set_up( &p, NULL );
     for ( int method = 0; method < WISP_SKIN_METHOD_COUNT; ++method )
@@ -219,9 +214,8 @@ static double longest_edge( const posed* p )
 }
 
 // A vertex that follows a wrong joint leaves its neighbours behind.
-static void the_skin_stays_whole_and_on_the_ground_in_all_clips( void** state )
+TEST( the_skin_stays_whole_and_on_the_ground_in_all_clips )
 {
-    (void)state;
     static const char* const names[] = { "walk", "turn", "jump" };
     for ( int c = 0; c < WISP_COUNT( names ); ++c )
     {
@@ -249,9 +243,8 @@ static void the_skin_stays_whole_and_on_the_ground_in_all_clips( void** state )
     }
 }
 
-static void the_walk_ends_as_it_begins( void** state )
+TEST( the_walk_ends_as_it_begins )
 {
-    (void)state;
     posed p;
     set_up( &p, "walk" );
     wisp_affine begin[64];
@@ -270,9 +263,8 @@ static void the_walk_ends_as_it_begins( void** state )
 
 // ---- keyframes that are refused ----
 
-static void keyframes_are_refused_where_they_stand( void** state )
+TEST( keyframes_are_refused_where_they_stand )
 {
-    (void)state;
     static const struct
     {
         const char *text, *words;
@@ -301,19 +293,4 @@ static void keyframes_are_refused_where_they_stand( void** state )
         assert_null( clip.tracks );
     }
     wisp_figure_release( &figure );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( figures_of_any_size_are_closed_and_have_as_many_triangles_as_was_asked ),
-        cmocka_unit_test( the_same_figure_has_the_same_bits ),
-        cmocka_unit_test( figures_that_cannot_be_made_are_refused_by_the_name_of_their_value ),
-        cmocka_unit_test( vertices_follow_joints_whose_bones_are_near ),
-        cmocka_unit_test( at_rest_the_skin_is_the_mesh ),
-        cmocka_unit_test( the_skin_stays_whole_and_on_the_ground_in_all_clips ),
-        cmocka_unit_test( the_walk_ends_as_it_begins ),
-        cmocka_unit_test( keyframes_are_refused_where_they_stand ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -29,27 +29,24 @@ static gate_row_check check( double more, bool compares_counts )
     return out;
 }
 
-static void the_pass_that_grew_is_named( void** state )
+TEST( the_pass_that_grew_is_named )
 {
-    (void)state;
     const gate_row_check out = check( 50.0, true );
     assert_int_equal( out.state, GATE_WORSE );
     assert_non_null( strstr( out.message, "cloth.bending +10.00 %" ) );
     assert_null( strstr( out.message, "cloth.air" ) );
 }
 
-static void growth_within_the_budget_passes( void** state )
+TEST( growth_within_the_budget_passes )
 {
-    (void)state;
     assert_int_equal( check( 4.0, true ).state, GATE_SAME );
     assert_int_equal( check( -500.0, true ).state, GATE_SAME );
     assert_int_equal( check( 50.0, false ).state, GATE_SAME ); // of another compiler
 }
 
 // An error that is not finite is worse than any.
-static void errors_have_a_budget( void** state )
+TEST( errors_have_a_budget )
 {
-    (void)state;
     static const struct
     {
         double now;
@@ -69,14 +66,4 @@ static void errors_have_a_budget( void** state )
         gate_check_row( &row, &base, true, &now, &out );
         assert_int_equal( out.state, all[i].expected );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_pass_that_grew_is_named ),
-        cmocka_unit_test( growth_within_the_budget_passes ),
-        cmocka_unit_test( errors_have_a_budget ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

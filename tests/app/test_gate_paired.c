@@ -5,9 +5,8 @@
 
 #include <math.h>
 
-static void the_exact_test_counts_sign_patterns( void** state )
+TEST( the_exact_test_counts_sign_patterns )
 {
-    (void)state;
     const double all[] = { 1.0, 2.0, 3.0, 4.0 };
     assert_true( gate_sign_flip( all, 4 ) == 1.0 / 16.0 ); // only one pattern has as large a sum
     const double mixed[] = { 1.0, -1.0 };
@@ -17,9 +16,8 @@ static void the_exact_test_counts_sign_patterns( void** state )
 }
 
 // Under no difference a p of at most q comes up in at most q of all cases.
-static void the_exact_test_holds_its_level( void** state )
+TEST( the_exact_test_holds_its_level )
 {
-    (void)state;
     enum
     {
         TRIALS = 4000,
@@ -39,13 +37,4 @@ static void the_exact_test_holds_its_level( void** state )
         alarms += gate_sign_flip( values, COUNT ) <= 0.05 ? 1 : 0;
     }
     assert_true( alarms > TRIALS * 0.03 && alarms < TRIALS * 0.065 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_exact_test_counts_sign_patterns ),
-        cmocka_unit_test( the_exact_test_holds_its_level ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -37,9 +37,8 @@ static void assert_matrix( const double* got, const double expected[12] )
 
 // ---- meshes ----------------------------------------------------------------------------------------------------
 
-static void primitives_are_joined_and_split_vertices_merged_where_place_and_weights_agree( void** state )
+TEST( primitives_are_joined_and_split_vertices_merged_where_place_and_weights_agree )
 {
-    (void)state;
     gltf_model model = read_strip( 0 );
     const gltf_mesh* strip_mesh = &model.meshes[0];
     const int32_t triangles[] = { 0, 1, 2, 0, 2, 3, 1, 4, 5, 1, 5, 2 };
@@ -62,9 +61,8 @@ static void primitives_are_joined_and_split_vertices_merged_where_place_and_weig
     gltf_release( &model );
 }
 
-static void vertices_of_equal_place_and_other_weights_stay_apart( void** state )
+TEST( vertices_of_equal_place_and_other_weights_stay_apart )
 {
-    (void)state;
     char json[6000];
     gltf_strip_json( json, sizeof json, "" );
     gltf_bytes binary = gltf_strip_binary();
@@ -78,9 +76,8 @@ static void vertices_of_equal_place_and_other_weights_stay_apart( void** state )
     gltf_release( &model );
 }
 
-static void a_skinned_mesh_at_rest_is_placed_by_its_joints_and_not_by_its_node( void** state )
+TEST( a_skinned_mesh_at_rest_is_placed_by_its_joints_and_not_by_its_node )
 {
-    (void)state;
     gltf_model model = read_strip( 0 );
     wisp_mesh mesh;
     int node = -1;
@@ -95,9 +92,8 @@ static void a_skinned_mesh_at_rest_is_placed_by_its_joints_and_not_by_its_node( 
 
 // ---- poses -----------------------------------------------------------------------------------------------------
 
-static void poses_equal_those_computed_by_hand( void** state )
+TEST( poses_equal_those_computed_by_hand )
 {
-    (void)state;
     gltf_model model = read_strip( 0 );
     assert_int_equal( gltf_find_animation( &model, "bend" ), 0 );
     assert_int_equal( gltf_find_animation( &model, "none" ), -1 );
@@ -130,9 +126,8 @@ static void poses_equal_those_computed_by_hand( void** state )
     gltf_release( &model );
 }
 
-static void rotations_take_the_shorter_way( void** state )
+TEST( rotations_take_the_shorter_way )
 {
-    (void)state;
     char json[6000];
     gltf_strip_json( json, sizeof json, "" );
     gltf_bytes binary = gltf_strip_binary();
@@ -154,9 +149,8 @@ static void rotations_take_the_shorter_way( void** state )
 
 // ---- files -----------------------------------------------------------------------------------------------------
 
-static void a_mesh_of_a_file_is_taken_by_name( void** state )
+TEST( a_mesh_of_a_file_is_taken_by_name )
 {
-    (void)state;
     const gltf_bytes file = strip();
     FILE* out = fopen( "strip.glb", "wb" );
     assert_true( fwrite( file.data, 1, file.size, out ) == file.size && fclose( out ) == 0 );
@@ -175,9 +169,8 @@ static void a_mesh_of_a_file_is_taken_by_name( void** state )
     remove( "strip.glb" );
 }
 
-static void a_gltf_text_reads_the_buffer_beside_it_and_no_other( void** state )
+TEST( a_gltf_text_reads_the_buffer_beside_it_and_no_other )
 {
-    (void)state;
     const gltf_bytes binary = gltf_strip_binary();
     char json[6000];
     wisp_mesh mesh;
@@ -208,9 +201,8 @@ static void a_gltf_text_reads_the_buffer_beside_it_and_no_other( void** state )
     remove( "strip.bin" );
 }
 
-static void the_description_names_skins_joints_animations_and_merged_vertices( void** state )
+TEST( the_description_names_skins_joints_animations_and_merged_vertices )
 {
-    (void)state;
     gltf_model model = read_strip( 0 );
     char* text = NULL;
     size_t size = 0;
@@ -278,9 +270,8 @@ static const bad_gltf bad[] = {
           "nested at most 64" ),
 };
 
-static void bad_files_are_refused_by_element( void** state )
+TEST( bad_files_are_refused_by_element )
 {
-    (void)state;
     for ( int i = 0; i < WISP_COUNT( bad ); ++i )
     {
         char json[6000], edited[7000];
@@ -308,9 +299,8 @@ static void bad_files_are_refused_by_element( void** state )
     }
 }
 
-static void a_cut_file_is_refused_at_every_length( void** state )
+TEST( a_cut_file_is_refused_at_every_length )
 {
-    (void)state;
     const gltf_bytes file = strip();
     for ( size_t size = 0; size < file.size; size += 1 + size / 40 )
     {
@@ -336,19 +326,4 @@ static int remove_folder( void** state )
     return chdir( ".." ) == 0 ? rmdir( *state ) : -1;
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( primitives_are_joined_and_split_vertices_merged_where_place_and_weights_agree ),
-        cmocka_unit_test( vertices_of_equal_place_and_other_weights_stay_apart ),
-        cmocka_unit_test( a_skinned_mesh_at_rest_is_placed_by_its_joints_and_not_by_its_node ),
-        cmocka_unit_test( poses_equal_those_computed_by_hand ),
-        cmocka_unit_test( rotations_take_the_shorter_way ),
-        cmocka_unit_test( a_mesh_of_a_file_is_taken_by_name ),
-        cmocka_unit_test( a_gltf_text_reads_the_buffer_beside_it_and_no_other ),
-        cmocka_unit_test( the_description_names_skins_joints_animations_and_merged_vertices ),
-        cmocka_unit_test( bad_files_are_refused_by_element ),
-        cmocka_unit_test( a_cut_file_is_refused_at_every_length ),
-    };
-    return cmocka_run_group_tests( tests, make_folder, remove_folder );
-}
+TEST_GROUP( make_folder, remove_folder )

@@ -121,9 +121,8 @@ static wisp_mesh read_good( const char* path )
     return mesh;
 }
 
-static void every_frame_of_a_recording_is_read_back_by_name_and_by_time( void** state )
+TEST( every_frame_of_a_recording_is_read_back_by_name_and_by_time )
 {
-    (void)state;
     for ( int f = 0; f < FRAMES; ++f )
     {
         char path[100];
@@ -151,9 +150,8 @@ static void every_frame_of_a_recording_is_read_back_by_name_and_by_time( void** 
     wisp_mesh_release( &still );
 }
 
-static void the_description_lists_targets_and_their_frames( void** state )
+TEST( the_description_lists_targets_and_their_frames )
 {
-    (void)state;
     gltf_model model;
     wisp_error error = { 0 };
     char text[8000] = "";
@@ -171,9 +169,8 @@ static void the_description_lists_targets_and_their_frames( void** state )
 
 #define ZEROS "00000000000000000000000000000000"
 
-static void paths_that_ask_for_what_is_not_there_are_refused( void** state )
+TEST( paths_that_ask_for_what_is_not_there_are_refused )
 {
-    (void)state;
     static const char* const BAD[][2] = {
         { "morph_take.glb#sheet@frame_0001", "morph_take.glb: got 'frame_0001' behind @, expected a time in s or one "
                                              "of the 6 morph targets 'frame_0002' .. "
@@ -281,9 +278,8 @@ static void assert_place( wisp_vec3 p, double x, double y, double z )
     assert_true( fabs( (double)p.x - x ) < 1e-6 && fabs( (double)p.y - y ) < 1e-6 && fabs( (double)p.z - z ) < 1e-6 );
 }
 
-static void displacements_are_added_by_weights_and_placed_by_the_node( void** state )
+TEST( displacements_are_added_by_weights_and_placed_by_the_node )
 {
-    (void)state;
     gltf_model model;
     wisp_error error = { 0 };
     assert_ok( read_quad( NULL, NULL, &model, &error ), error );
@@ -313,9 +309,8 @@ static void displacements_are_added_by_weights_and_placed_by_the_node( void** st
     gltf_release( &model );
 }
 
-static void an_animation_moves_the_weights_of_its_node_alone( void** state )
+TEST( an_animation_moves_the_weights_of_its_node_alone )
 {
-    (void)state;
     gltf_model model;
     wisp_error error = { 0 };
     assert_ok( read_quad( "\"nodes\":[", "\"nodes\":[{\"name\":\"other\",\"mesh\":0},", &model, &error ), error );
@@ -332,9 +327,8 @@ static void an_animation_moves_the_weights_of_its_node_alone( void** state )
     gltf_release( &model );
 }
 
-static void a_frame_of_a_target_shows_it_alone( void** state )
+TEST( a_frame_of_a_target_shows_it_alone )
 {
-    (void)state;
     gltf_model model;
     wisp_error error = { 0 };
     // weights (1, 1) and (0, 0)
@@ -349,9 +343,8 @@ static void a_frame_of_a_target_shows_it_alone( void** state )
     gltf_release( &model );
 }
 
-static void weights_that_throw_vertices_out_of_all_numbers_are_refused( void** state )
+TEST( weights_that_throw_vertices_out_of_all_numbers_are_refused )
 {
-    (void)state;
     gltf_model model;
     wisp_mesh mesh;
     wisp_error error = { 0 };
@@ -363,9 +356,8 @@ static void weights_that_throw_vertices_out_of_all_numbers_are_refused( void** s
 }
 
 // A name may have an @.
-static void the_whole_name_of_a_mesh_goes_before_a_time( void** state )
+TEST( the_whole_name_of_a_mesh_goes_before_a_time )
 {
-    (void)state;
     char json[6000];
     const char *name = "\"name\":\"quad\",\"mesh\"", *found = strstr( QUAD, name );
     assert_non_null( found );
@@ -382,9 +374,8 @@ static void the_whole_name_of_a_mesh_goes_before_a_time( void** state )
 }
 
 // Vertices 0, 1 and 2 are at one place; 2 moves as 0 does, 1 does not.
-static void merged_vertices_take_their_displacements_along( void** state )
+TEST( merged_vertices_take_their_displacements_along )
 {
-    (void)state;
     static const wisp_vec3 points[] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
     static const int32_t triangles[] = { 0, 3, 4, 1, 3, 4, 2, 4, 3 }, merged[] = { 0, 2, 3, 1, 2, 3, 0, 3, 2 };
     static const float targets[] = { 1, 1, 1, 2, 2, 2, 1, 1, 1, 3, 3, 3, 4, 4, 4,
@@ -403,9 +394,8 @@ static void merged_vertices_take_their_displacements_along( void** state )
     wisp_mesh_release( &mesh.mesh );
 }
 
-static void bad_targets_are_refused_by_element( void** state )
+TEST( bad_targets_are_refused_by_element )
 {
-    (void)state;
     static const char* const BAD[][3] = {
         { "\"byteOffset\":48,\"componentType\":5126,\"count\":4",
           "\"byteOffset\":48,\"componentType\":5126,\"count\":3",
@@ -442,9 +432,8 @@ static void bad_targets_are_refused_by_element( void** state )
 }
 
 // A short file cannot ask for much memory by naming the same bytes again and again.
-static void targets_of_the_same_bytes_are_bounded( void** state )
+TEST( targets_of_the_same_bytes_are_bounded )
 {
-    (void)state;
     char many[3000] = "\"targets\":[{\"POSITION\":2}";
     for ( int i = 0; i < 60; ++i )
     {
@@ -456,20 +445,4 @@ static void targets_of_the_same_bytes_are_bounded( void** state )
     assert_contains( error.message, "its 62 morph targets are the same bytes again and again" );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_frame_of_a_recording_is_read_back_by_name_and_by_time ),
-        cmocka_unit_test( the_description_lists_targets_and_their_frames ),
-        cmocka_unit_test( paths_that_ask_for_what_is_not_there_are_refused ),
-        cmocka_unit_test( displacements_are_added_by_weights_and_placed_by_the_node ),
-        cmocka_unit_test( an_animation_moves_the_weights_of_its_node_alone ),
-        cmocka_unit_test( a_frame_of_a_target_shows_it_alone ),
-        cmocka_unit_test( weights_that_throw_vertices_out_of_all_numbers_are_refused ),
-        cmocka_unit_test( the_whole_name_of_a_mesh_goes_before_a_time ),
-        cmocka_unit_test( merged_vertices_take_their_displacements_along ),
-        cmocka_unit_test( bad_targets_are_refused_by_element ),
-        cmocka_unit_test( targets_of_the_same_bytes_are_bounded ),
-    };
-    return cmocka_run_group_tests( tests, write_take, remove_take );
-}
+TEST_GROUP( write_take, remove_take )

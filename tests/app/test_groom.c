@@ -61,9 +61,8 @@ static wisp_groom read_hair_row( const byte_row* row )
     return groom;
 }
 
-static void a_hand_made_hair_file_gives_its_strands_and_arrays( void** state )
+TEST( a_hand_made_hair_file_gives_its_strands_and_arrays )
 {
-    (void)state;
     byte_row row;
     put_hair_header( &row, 2, 3, 31, 77 );
     put_u16( &row, 1 );
@@ -86,9 +85,8 @@ static void a_hand_made_hair_file_gives_its_strands_and_arrays( void** state )
     wisp_groom_release( &groom );
 }
 
-static void default_segments_apply_and_missing_arrays_stay_null( void** state )
+TEST( default_segments_apply_and_missing_arrays_stay_null )
 {
-    (void)state;
     byte_row row;
     put_hair_header( &row, 2, 6, 2, 2 );
     for ( int v = 0; v < 6; ++v )
@@ -107,9 +105,8 @@ static void default_segments_apply_and_missing_arrays_stay_null( void** state )
     wisp_groom_release( &groom );
 }
 
-static void a_message_keeps_its_reason_when_the_name_is_very_long( void** state )
+TEST( a_message_keeps_its_reason_when_the_name_is_very_long )
 {
-    (void)state;
     char name[2000];
     memset( name, 'a', sizeof name - 1 );
     strcpy( name + sizeof name - 11, "/last.hair" );
@@ -121,9 +118,8 @@ static void a_message_keeps_its_reason_when_the_name_is_very_long( void** state 
 
 // ---- writing ---------------------------------------------------------------------------------------------------
 
-static void a_hair_file_comes_back_bit_for_bit( void** state )
+TEST( a_hair_file_comes_back_bit_for_bit )
 {
-    (void)state;
     wisp_groom groom = fixture_groom();
     for ( int columns = 0; columns < 8; ++columns )
     {
@@ -141,9 +137,8 @@ static void a_hair_file_comes_back_bit_for_bit( void** state )
     }
 }
 
-static void the_header_of_a_hair_file_is_what_other_readers_expect( void** state )
+TEST( the_header_of_a_hair_file_is_what_other_readers_expect )
 {
-    (void)state;
     wisp_groom groom = fixture_groom();
     size_t size = 0;
     char* bytes = fixture_written( wisp_groom_write_hair, &groom, &size );
@@ -168,9 +163,8 @@ static wisp_groom long_strand( int vertex_count )
     return groom;
 }
 
-static void a_strand_may_have_65536_vertices_in_a_hair_file_and_no_more( void** state )
+TEST( a_strand_may_have_65536_vertices_in_a_hair_file_and_no_more )
 {
-    (void)state;
     wisp_groom groom = long_strand( 65536 );
     size_t size = 0;
     char* bytes = fixture_written( wisp_groom_write_hair, &groom, &size );
@@ -189,9 +183,8 @@ static void a_strand_may_have_65536_vertices_in_a_hair_file_and_no_more( void** 
     wisp_groom_release( &groom );
 }
 
-static void strands_that_a_format_cannot_hold_are_refused_by_number( void** state )
+TEST( strands_that_a_format_cannot_hold_are_refused_by_number )
 {
-    (void)state;
     static int with_empty[] = { 0, 3, 3, 6 };
     wisp_groom groom = fixture_groom();
     wisp_error error = { .status = WISP_OK };
@@ -252,9 +245,8 @@ static void assert_interpolated( const char* usda, const char* declaration )
     assert_int_equal( strncmp( text, expected, strlen( expected ) ), 0 );
 }
 
-static void a_usda_file_holds_the_same_curves_widths_and_colours( void** state )
+TEST( a_usda_file_holds_the_same_curves_widths_and_colours )
 {
-    (void)state;
     wisp_groom groom = fixture_curves();
     char* text = fixture_written( wisp_groom_write_usda, &groom, NULL );
     assert_int_equal( strncmp( text, "#usda 1.0\n", 10 ), 0 );
@@ -276,9 +268,8 @@ static void a_usda_file_holds_the_same_curves_widths_and_colours( void** state )
     free( text );
 }
 
-static void the_extent_of_a_usda_file_holds_the_curves_with_their_widths( void** state )
+TEST( the_extent_of_a_usda_file_holds_the_curves_with_their_widths )
 {
-    (void)state;
     static int offsets[] = { 0, 2 };
     static wisp_vec3 points[] = { { 1.0f, 2.0f, 3.0f }, { -1.0f, 5.0f, 3.0f } };
     static float thickness[] = { 0.5f, 0.25f };
@@ -290,9 +281,8 @@ static void the_extent_of_a_usda_file_holds_the_curves_with_their_widths( void**
     free( text );
 }
 
-static void an_obj_file_holds_the_same_points_and_only_lines_of_two_vertices( void** state )
+TEST( an_obj_file_holds_the_same_points_and_only_lines_of_two_vertices )
 {
-    (void)state;
     static const int segments[][2] = { { 1, 2 }, { 2, 3 }, { 5, 6 } };
     wisp_groom groom = fixture_groom();
     char* text = fixture_written( wisp_groom_write_obj, &groom, NULL );
@@ -325,9 +315,8 @@ static void an_obj_file_holds_the_same_points_and_only_lines_of_two_vertices( vo
     free( text );
 }
 
-static void text_has_decimal_points_where_the_locale_has_commas( void** state )
+TEST( text_has_decimal_points_where_the_locale_has_commas )
 {
-    (void)state;
     static const char* const commas[] = { "de_DE.UTF-8", "fr_FR.UTF-8", "de_DE", "fr_FR", "ru_RU.UTF-8" };
     wisp_groom groom = fixture_curves();
     char* expected = fixture_written( wisp_groom_write_usda, &groom, NULL );
@@ -378,9 +367,8 @@ static wisp_groom* make_small( small_groom* small )
     return &small->groom;
 }
 
-static void a_check_accepts_the_limits_themselves( void** state )
+TEST( a_check_accepts_the_limits_themselves )
 {
-    (void)state;
     small_groom small;
     wisp_groom* groom = make_small( &small );
     small.points[0] = ( wisp_vec3 ){ WISP_GROOM_MAX_COORDINATE, -WISP_GROOM_MAX_COORDINATE, 0.0f };
@@ -389,9 +377,8 @@ static void a_check_accepts_the_limits_themselves( void** state )
     assert_int_equal( wisp_groom_check( groom, NULL ), WISP_OK );
 }
 
-static void a_check_names_the_first_wrong_number_by_strand_and_vertex( void** state )
+TEST( a_check_names_the_first_wrong_number_by_strand_and_vertex )
 {
-    (void)state;
     small_groom small;
     wisp_groom* groom = make_small( &small );
     small.points[3].y = NAN;
@@ -417,9 +404,8 @@ static void a_check_names_the_first_wrong_number_by_strand_and_vertex( void** st
     assert_check_says( groom, "strand 1, vertex 0: blue: got -0.5" );
 }
 
-static void a_check_refuses_offsets_that_do_not_partition_the_vertices( void** state )
+TEST( a_check_refuses_offsets_that_do_not_partition_the_vertices )
 {
-    (void)state;
     small_groom small;
     wisp_groom* groom = make_small( &small );
     small.offsets[0] = 1;
@@ -442,25 +428,4 @@ static void a_check_refuses_offsets_that_do_not_partition_the_vertices( void** s
     groom = make_small( &small );
     groom->dimension = 4;
     assert_check_says( groom, "4 dimensions" );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_hand_made_hair_file_gives_its_strands_and_arrays ),
-        cmocka_unit_test( default_segments_apply_and_missing_arrays_stay_null ),
-        cmocka_unit_test( a_message_keeps_its_reason_when_the_name_is_very_long ),
-        cmocka_unit_test( a_hair_file_comes_back_bit_for_bit ),
-        cmocka_unit_test( the_header_of_a_hair_file_is_what_other_readers_expect ),
-        cmocka_unit_test( a_strand_may_have_65536_vertices_in_a_hair_file_and_no_more ),
-        cmocka_unit_test( strands_that_a_format_cannot_hold_are_refused_by_number ),
-        cmocka_unit_test( a_usda_file_holds_the_same_curves_widths_and_colours ),
-        cmocka_unit_test( the_extent_of_a_usda_file_holds_the_curves_with_their_widths ),
-        cmocka_unit_test( an_obj_file_holds_the_same_points_and_only_lines_of_two_vertices ),
-        cmocka_unit_test( text_has_decimal_points_where_the_locale_has_commas ),
-        cmocka_unit_test( a_check_accepts_the_limits_themselves ),
-        cmocka_unit_test( a_check_names_the_first_wrong_number_by_strand_and_vertex ),
-        cmocka_unit_test( a_check_refuses_offsets_that_do_not_partition_the_vertices ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -16,7 +16,7 @@ static void assert_file_is( const char* path, const char* text )
 
 // ---- reading and writing files ---------------------------------------------------------------------------------
 
-static void a_hair_file_on_disk_comes_back_bit_for_bit( void** state )
+TEST_IN_FOLDER( a_hair_file_on_disk_comes_back_bit_for_bit )
 {
     wisp_groom groom = fixture_groom();
     wisp_groom again;
@@ -27,7 +27,7 @@ static void a_hair_file_on_disk_comes_back_bit_for_bit( void** state )
     assert_int_equal( count_files( state ), 1 );
 }
 
-static void a_file_that_starts_with_HAIR_is_a_hair_file_whatever_it_is_called( void** state )
+TEST_IN_FOLDER( a_file_that_starts_with_HAIR_is_a_hair_file_whatever_it_is_called )
 {
     wisp_groom groom = fixture_groom();
     wisp_groom again;
@@ -40,7 +40,7 @@ static void a_file_that_starts_with_HAIR_is_a_hair_file_whatever_it_is_called( v
     wisp_groom_release( &again );
 }
 
-static void a_large_groom_on_disk_comes_back_bit_for_bit( void** state )
+TEST_IN_FOLDER( a_large_groom_on_disk_comes_back_bit_for_bit )
 {
     // More than the reader's first block of 64 KiB, and the extension in every text format.
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_CURLY, 3 );
@@ -57,7 +57,7 @@ static void a_large_groom_on_disk_comes_back_bit_for_bit( void** state )
     assert_int_equal( count_files( state ), 3 );
 }
 
-static void a_path_that_cannot_be_read_is_an_error_that_names_it( void** state )
+TEST_IN_FOLDER( a_path_that_cannot_be_read_is_an_error_that_names_it )
 {
     wisp_groom groom;
     wisp_error error = { .status = WISP_OK };
@@ -68,7 +68,7 @@ static void a_path_that_cannot_be_read_is_an_error_that_names_it( void** state )
     wisp_groom_release( &groom );
 }
 
-static void an_unknown_extension_is_refused_before_anything_is_written( void** state )
+TEST_IN_FOLDER( an_unknown_extension_is_refused_before_anything_is_written )
 {
     wisp_groom groom = fixture_groom();
     wisp_error error = { .status = WISP_OK };
@@ -79,7 +79,7 @@ static void an_unknown_extension_is_refused_before_anything_is_written( void** s
     assert_int_equal( count_files( state ), 0 );
 }
 
-static void a_groom_that_cannot_be_written_leaves_the_old_file( void** state )
+TEST_IN_FOLDER( a_groom_that_cannot_be_written_leaves_the_old_file )
 {
     wisp_groom groom = fixture_curves();
     wisp_vec3 points[6];
@@ -100,7 +100,7 @@ static void a_groom_that_cannot_be_written_leaves_the_old_file( void** state )
     assert_int_equal( count_files( state ), 3 );
 }
 
-static void a_disk_without_room_leaves_the_old_file( void** state )
+TEST_IN_FOLDER( a_disk_without_room_leaves_the_old_file )
 {
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_WAVY, 3 );
     wisp_groom groom;
@@ -126,7 +126,7 @@ static void a_disk_without_room_leaves_the_old_file( void** state )
     wisp_groom_release( &groom );
 }
 
-static void a_device_is_written_in_place_and_survives_a_failed_write( void** state )
+TEST_IN_FOLDER( a_device_is_written_in_place_and_survives_a_failed_write )
 {
     char target[] = "/dev/full";
     struct stat info;
@@ -145,7 +145,7 @@ static void a_device_is_written_in_place_and_survives_a_failed_write( void** sta
     assert_int_equal( count_files( state ), 1 );
 }
 
-static void a_symbolic_link_and_the_permissions_of_its_file_survive_a_write( void** state )
+TEST_IN_FOLDER( a_symbolic_link_and_the_permissions_of_its_file_survive_a_write )
 {
     wisp_groom groom = fixture_groom();
     char file[512];
@@ -169,9 +169,8 @@ static void a_symbolic_link_and_the_permissions_of_its_file_survive_a_write( voi
 
 // ---- wisp info -------------------------------------------------------------------------------------------------
 
-static void info_prints_counts_bounds_and_lengths( void** state )
+TEST( info_prints_counts_bounds_and_lengths )
 {
-    (void)state;
     static int offsets[] = { 0, 3, 5 };
     static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 }, { 0, -2, 0 }, { 3, 0, 0 }, { 3, 0, 4 } };
     static float thickness[] = { 0.5f, 0.5f, 0.5f, 0.25f, 0.25f };
@@ -189,9 +188,8 @@ static void info_prints_counts_bounds_and_lengths( void** state )
     free( text );
 }
 
-static void info_names_what_is_wrong_by_element( void** state )
+TEST( info_names_what_is_wrong_by_element )
 {
-    (void)state;
     static int offsets[] = { 0, 2, 2, 3, 6, 8 };
     static wisp_vec3 points[] = {
         { 1, 0, 0 }, { 1, 1, 0 },                  // strand 0
@@ -210,9 +208,8 @@ static void info_names_what_is_wrong_by_element( void** state )
     free( text );
 }
 
-static void info_lists_the_first_ten_and_counts_the_rest( void** state )
+TEST( info_lists_the_first_ten_and_counts_the_rest )
 {
-    (void)state;
     int offsets[14];
     wisp_vec3 points[26];
     for ( int s = 0; s < 14; ++s )
@@ -234,9 +231,8 @@ static void info_lists_the_first_ten_and_counts_the_rest( void** state )
     free( text );
 }
 
-static void info_says_which_number_is_out_of_its_range( void** state )
+TEST( info_says_which_number_is_out_of_its_range )
 {
-    (void)state;
     static int offsets[] = { 0, 2 };
     static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 } };
     static float transparency[] = { 0.0f, 7.0f };
@@ -246,34 +242,12 @@ static void info_says_which_number_is_out_of_its_range( void** state )
     free( text );
 }
 
-static void info_of_a_malformed_groom_is_one_message( void** state )
+TEST( info_of_a_malformed_groom_is_one_message )
 {
-    (void)state;
     static int offsets[] = { 0, 9 };
     static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 } };
     wisp_groom groom = { 1, 2, 2, offsets, points, NULL, NULL, NULL };
     char* text = fixture_info( &groom, WISP_BAD_INPUT );
     assert_string_equal( text, "head.hair: strand 0 runs from vertex 0 to 9 of 2\n" );
     free( text );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        TEST_IN_FOLDER( a_hair_file_on_disk_comes_back_bit_for_bit ),
-        TEST_IN_FOLDER( a_file_that_starts_with_HAIR_is_a_hair_file_whatever_it_is_called ),
-        TEST_IN_FOLDER( a_large_groom_on_disk_comes_back_bit_for_bit ),
-        TEST_IN_FOLDER( a_path_that_cannot_be_read_is_an_error_that_names_it ),
-        TEST_IN_FOLDER( an_unknown_extension_is_refused_before_anything_is_written ),
-        TEST_IN_FOLDER( a_groom_that_cannot_be_written_leaves_the_old_file ),
-        TEST_IN_FOLDER( a_disk_without_room_leaves_the_old_file ),
-        TEST_IN_FOLDER( a_device_is_written_in_place_and_survives_a_failed_write ),
-        TEST_IN_FOLDER( a_symbolic_link_and_the_permissions_of_its_file_survive_a_write ),
-        cmocka_unit_test( info_prints_counts_bounds_and_lengths ),
-        cmocka_unit_test( info_names_what_is_wrong_by_element ),
-        cmocka_unit_test( info_lists_the_first_ten_and_counts_the_rest ),
-        cmocka_unit_test( info_says_which_number_is_out_of_its_range ),
-        cmocka_unit_test( info_of_a_malformed_groom_is_one_message ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

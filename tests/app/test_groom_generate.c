@@ -34,9 +34,8 @@ static double strand_length( const wisp_groom* groom, int s )
     return length;
 }
 
-static void every_default_generator_makes_a_groom_that_nothing_is_wrong_with( void** state )
+TEST( every_default_generator_makes_a_groom_that_nothing_is_wrong_with )
 {
-    (void)state;
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
         for ( int shape = WISP_GROOM_STRAIGHT; shape <= WISP_GROOM_CURLY; ++shape )
@@ -72,9 +71,8 @@ static uint64_t hash_points( const wisp_groom* groom )
     return hash;
 }
 
-static void every_generator_gives_the_bits_it_always_gave( void** state )
+TEST( every_generator_gives_the_bits_it_always_gave )
 {
-    (void)state;
     // Recorded once; a compiler, C library or processor with other hashes breaks reproducibility.
     static const uint64_t recorded[2][3] = {
         { 0xa2acb56289eafd09u, 0x37c565b1a8bc50e3u, 0xf463462c260eb727u },
@@ -96,9 +94,8 @@ static void every_generator_gives_the_bits_it_always_gave( void** state )
     }
 }
 
-static void another_seed_makes_another_groom( void** state )
+TEST( another_seed_makes_another_groom )
 {
-    (void)state;
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
         wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_WAVY, dimension );
@@ -111,9 +108,8 @@ static void another_seed_makes_another_groom( void** state )
     }
 }
 
-static void straight_flat_hair_has_one_x_a_strand_and_roots_on_a_line( void** state )
+TEST( straight_flat_hair_has_one_x_a_strand_and_roots_on_a_line )
 {
-    (void)state;
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 2 );
     generator.spacing = 0.25f; // a power of two, so that every root is exact
     generator.strand_count = 5;
@@ -133,9 +129,8 @@ static void straight_flat_hair_has_one_x_a_strand_and_roots_on_a_line( void** st
     wisp_groom_release( &groom );
 }
 
-static void rings_end_where_they_begin_and_have_equal_segments( void** state )
+TEST( rings_end_where_they_begin_and_have_equal_segments )
 {
-    (void)state;
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
         wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_RING, dimension );
@@ -153,9 +148,8 @@ static void rings_end_where_they_begin_and_have_equal_segments( void** state )
     }
 }
 
-static void lengths_stay_within_their_variation_and_use_it( void** state )
+TEST( lengths_stay_within_their_variation_and_use_it )
 {
-    (void)state;
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
         wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, dimension );
@@ -180,9 +174,8 @@ static void lengths_stay_within_their_variation_and_use_it( void** state )
     }
 }
 
-static void waves_swing_by_their_amplitude_and_come_back_after_their_length( void** state )
+TEST( waves_swing_by_their_amplitude_and_come_back_after_their_length )
 {
-    (void)state;
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_WAVY, 2 );
     generator.strand_count = 1;
     generator.vertices_per_strand = 401; // 100 per wave
@@ -207,9 +200,8 @@ static void waves_swing_by_their_amplitude_and_come_back_after_their_length( voi
     wisp_groom_release( &groom );
 }
 
-static void curls_wind_around_their_centre_line( void** state )
+TEST( curls_wind_around_their_centre_line )
 {
-    (void)state;
     // Viewed along a strand that hangs straight down, a helix is a circle of the amplitude.
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_CURLY, 3 );
     generator.strand_count = 1;
@@ -235,9 +227,8 @@ static void curls_wind_around_their_centre_line( void** state )
     wisp_groom_release( &groom );
 }
 
-static void curls_in_the_plane_run_back_up( void** state )
+TEST( curls_in_the_plane_run_back_up )
 {
-    (void)state;
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_CURLY, 2 );
     generator.vertices_per_strand = 200;
     wisp_groom groom = make( &generator );
@@ -250,9 +241,8 @@ static void curls_in_the_plane_run_back_up( void** state )
     wisp_groom_release( &groom );
 }
 
-static void roots_lie_on_the_upper_cap_and_no_strand_enters_the_scalp( void** state )
+TEST( roots_lie_on_the_upper_cap_and_no_strand_enters_the_scalp )
 {
-    (void)state;
     for ( int shape = WISP_GROOM_STRAIGHT; shape <= WISP_GROOM_CURLY; ++shape )
     {
         wisp_groom_generator generator = wisp_default_groom_generator( (wisp_groom_shape)shape, 3 );
@@ -274,9 +264,8 @@ static void roots_lie_on_the_upper_cap_and_no_strand_enters_the_scalp( void** st
     }
 }
 
-static void roots_are_spread_evenly_over_the_cap( void** state )
+TEST( roots_are_spread_evenly_over_the_cap )
 {
-    (void)state;
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 3 );
     generator.vertices_per_strand = 2;
     generator.scalp_radius = 1.0f;
@@ -299,9 +288,8 @@ static void roots_are_spread_evenly_over_the_cap( void** state )
     wisp_groom_release( &groom );
 }
 
-static void thickness_is_a_column_only_when_queried_for( void** state )
+TEST( thickness_is_a_column_only_when_queried_for )
 {
-    (void)state;
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 2 );
     wisp_groom groom = make( &generator );
     assert_non_null( groom.thickness );
@@ -322,9 +310,8 @@ static void assert_refused( const wisp_groom_generator* generator, const char* w
     assert_null( groom.points );
 }
 
-static void a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value( void** state )
+TEST( a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value )
 {
-    (void)state;
     const wisp_groom_generator good = wisp_default_groom_generator( WISP_GROOM_WAVY, 3 );
     wisp_groom_generator r = good;
     r.shape = (wisp_groom_shape)7;
@@ -355,34 +342,12 @@ static void a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value(
     assert_refused( &r, "strands reach 3.2e+06 m from the origin" );
 }
 
-static void values_that_a_generator_does_not_use_are_not_queried_for( void** state )
+TEST( values_that_a_generator_does_not_use_are_not_queried_for )
 {
-    (void)state;
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 2 );
     generator.wave_length = 0.0f;
     generator.wave_amplitude = NAN;
     generator.scalp_radius = 0.0f;
     wisp_groom groom = make( &generator );
     wisp_groom_release( &groom );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_default_generator_makes_a_groom_that_nothing_is_wrong_with ),
-        cmocka_unit_test( every_generator_gives_the_bits_it_always_gave ),
-        cmocka_unit_test( another_seed_makes_another_groom ),
-        cmocka_unit_test( straight_flat_hair_has_one_x_a_strand_and_roots_on_a_line ),
-        cmocka_unit_test( rings_end_where_they_begin_and_have_equal_segments ),
-        cmocka_unit_test( lengths_stay_within_their_variation_and_use_it ),
-        cmocka_unit_test( waves_swing_by_their_amplitude_and_come_back_after_their_length ),
-        cmocka_unit_test( curls_wind_around_their_centre_line ),
-        cmocka_unit_test( curls_in_the_plane_run_back_up ),
-        cmocka_unit_test( roots_lie_on_the_upper_cap_and_no_strand_enters_the_scalp ),
-        cmocka_unit_test( roots_are_spread_evenly_over_the_cap ),
-        cmocka_unit_test( thickness_is_a_column_only_when_queried_for ),
-        cmocka_unit_test( a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value ),
-        cmocka_unit_test( values_that_a_generator_does_not_use_are_not_queried_for ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

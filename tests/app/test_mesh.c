@@ -30,9 +30,8 @@ static void assert_triangles( const wisp_mesh* mesh, const int32_t* triangles, i
 
 // ---- OBJ -------------------------------------------------------------------------------------------------------
 
-static void vertices_and_faces_keep_the_order_of_the_obj_file( void** state )
+TEST( vertices_and_faces_keep_the_order_of_the_obj_file )
 {
-    (void)state;
     // the second vertex is unreferenced, the third repeats the first, and faces come between vertices
     wisp_mesh mesh = read_obj_text( "v 1 2 3\nv 9 9 9\nv 1 2 3\nf 4 1 3\nv 4 5 6\nf 1 3 4\n" );
     const wisp_vec3 points[] = { { 1, 2, 3 }, { 9, 9, 9 }, { 1, 2, 3 }, { 4, 5, 6 } };
@@ -43,18 +42,16 @@ static void vertices_and_faces_keep_the_order_of_the_obj_file( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void a_polygon_becomes_a_fan_around_its_first_corner( void** state )
+TEST( a_polygon_becomes_a_fan_around_its_first_corner )
 {
-    (void)state;
     wisp_mesh mesh = read_obj_text( "v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 1 0\nf 2 3 4 5 1\n" );
     const int32_t fan[] = { 1, 2, 3, 1, 3, 4, 1, 4, 0 };
     assert_triangles( &mesh, fan, 3 );
     wisp_mesh_release( &mesh );
 }
 
-static void every_way_to_write_a_corner_means_the_same_vertex( void** state )
+TEST( every_way_to_write_a_corner_means_the_same_vertex )
 {
-    (void)state;
     wisp_mesh mesh = read_obj_text( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n"
                                     "f 1 2 3\nf 1/1 2/1 3/1\nf 1//1 2//1 3//1\nf 1/1/1 2/1/1 3/1/1\nf +1 +2 +3\n"
                                     "f -3/-1/-1 -2/-1/-1 -1/-1/-1\nv 5 5 5\nf -4 -3 -2\n" );
@@ -63,18 +60,16 @@ static void every_way_to_write_a_corner_means_the_same_vertex( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void only_the_first_three_numbers_of_a_vertex_count( void** state )
+TEST( only_the_first_three_numbers_of_a_vertex_count )
 {
-    (void)state;
     wisp_mesh mesh = read_obj_text( "v 1 2 3 0.5\nv -1e-3 +.5 2.e1 1 0 0\nv 1 1 1 1 1 1 1\nf 1 2 3\n" );
     const wisp_vec3 points[] = { { 1, 2, 3 }, { -1e-3f, 0.5f, 20 }, { 1, 1, 1 } };
     assert_memory_equal( mesh.points, points, sizeof points );
     wisp_mesh_release( &mesh );
 }
 
-static void every_other_line_of_an_obj_file_is_passed_over( void** state )
+TEST( every_other_line_of_an_obj_file_is_passed_over )
 {
-    (void)state;
     // the exponent of the normal would overflow an int inside the library, which therefore never gets it
     wisp_mesh mesh =
         read_obj_text( "# free text, 100 % \xc3\xa9\xff\nmtllib none.mtl\no thing\ng a b\ng \n  v 0 0 0 # here\r\n"
@@ -86,9 +81,8 @@ static void every_other_line_of_an_obj_file_is_passed_over( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void a_locale_with_a_decimal_comma_changes_nothing( void** state )
+TEST( a_locale_with_a_decimal_comma_changes_nothing )
 {
-    (void)state;
     static const char* const names[] = { "de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "de_DE" };
     bool found = false;
     for ( int i = 0; i < WISP_COUNT( names ) && !found; ++i )
@@ -131,9 +125,8 @@ static void assert_tangled( wisp_mesh* mesh )
     wisp_mesh_release( mesh );
 }
 
-static void text_ply_passes_over_what_it_does_not_need( void** state )
+TEST( text_ply_passes_over_what_it_does_not_need )
 {
-    (void)state;
     const char* text = "ply\r\nformat ascii 1.0\r\n" TANGLED_HEADER "2 7 -7\n0\n"
                        "1 3 0 1 2 0\n\n9 4 3 2 1 0 2 0.5 1e3\n"
                        "1 0 .5 -2\r\n-1 1 3.5 1 300\n0 0 -4.0 0\n  127 2 1 2 8 1 \n42";
@@ -190,9 +183,8 @@ static void put_tangled_rows( byte_writer* w )
     put( w, 4, 42 );
 }
 
-static void binary_ply_passes_over_what_it_does_not_need_in_both_byte_orders( void** state )
+TEST( binary_ply_passes_over_what_it_does_not_need_in_both_byte_orders )
 {
-    (void)state;
     for ( int big = 0; big < 2; ++big )
     {
         byte_writer w = { .big = big != 0 };
@@ -217,9 +209,8 @@ static const wisp_vec3 odd_points[] = {
 };
 static const int32_t odd_triangles[] = { 3, 1, 0, 2, 3, 0, 1, 1, 2 };
 
-static void both_formats_bring_every_float_back_bit_for_bit( void** state )
+TEST( both_formats_bring_every_float_back_bit_for_bit )
 {
-    (void)state;
     static const char* const names[] = { "round-trip.obj", "round-trip.ply" };
     wisp_mesh mesh = fixture_mesh( odd_points, 4, odd_triangles, 3 );
     for ( int i = 0; i < 2; ++i )
@@ -234,9 +225,8 @@ static void both_formats_bring_every_float_back_bit_for_bit( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void a_sphere_survives_both_formats_one_after_the_other( void** state )
+TEST( a_sphere_survives_both_formats_one_after_the_other )
 {
-    (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_ICOSPHERE );
     wisp_mesh mesh = fixture_made( &generator ), once, twice;
     assert_int_equal( wisp_mesh_write_obj( "sphere.one", &mesh, NULL ), WISP_OK );
@@ -252,9 +242,8 @@ static void a_sphere_survives_both_formats_one_after_the_other( void** state )
     remove( "sphere.ply" );
 }
 
-static void a_name_without_a_known_extension_is_refused_both_ways( void** state )
+TEST( a_name_without_a_known_extension_is_refused_both_ways )
 {
-    (void)state;
     wisp_mesh mesh = fixture_tetrahedron(), out;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_read( "thing.stl", &out, &error ), WISP_BAD_INPUT );
@@ -266,9 +255,8 @@ static void a_name_without_a_known_extension_is_refused_both_ways( void** state 
     wisp_mesh_release( &mesh );
 }
 
-static void a_malformed_mesh_is_not_written_and_the_old_file_stays( void** state )
+TEST( a_malformed_mesh_is_not_written_and_the_old_file_stays )
 {
-    (void)state;
     wisp_mesh mesh = fixture_tetrahedron(), again;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_write( "old.ply", &mesh, NULL ), WISP_OK );
@@ -287,9 +275,8 @@ static void a_malformed_mesh_is_not_written_and_the_old_file_stays( void** state
     remove( "old.ply" );
 }
 
-static void the_bunny_is_one_closed_sound_shell( void** state )
+TEST( the_bunny_is_one_closed_sound_shell )
 {
-    (void)state;
     wisp_mesh mesh;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_mesh_read( WISP_SOURCE_ROOT "/data/bunny.obj", &mesh, &error ), error );
@@ -321,22 +308,4 @@ static int remove_folder( void** state )
     return chdir( ".." ) == 0 ? rmdir( *state ) : -1;
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( vertices_and_faces_keep_the_order_of_the_obj_file ),
-        cmocka_unit_test( a_polygon_becomes_a_fan_around_its_first_corner ),
-        cmocka_unit_test( every_way_to_write_a_corner_means_the_same_vertex ),
-        cmocka_unit_test( only_the_first_three_numbers_of_a_vertex_count ),
-        cmocka_unit_test( every_other_line_of_an_obj_file_is_passed_over ),
-        cmocka_unit_test( a_locale_with_a_decimal_comma_changes_nothing ),
-        cmocka_unit_test( text_ply_passes_over_what_it_does_not_need ),
-        cmocka_unit_test( binary_ply_passes_over_what_it_does_not_need_in_both_byte_orders ),
-        cmocka_unit_test( both_formats_bring_every_float_back_bit_for_bit ),
-        cmocka_unit_test( a_sphere_survives_both_formats_one_after_the_other ),
-        cmocka_unit_test( a_name_without_a_known_extension_is_refused_both_ways ),
-        cmocka_unit_test( a_malformed_mesh_is_not_written_and_the_old_file_stays ),
-        cmocka_unit_test( the_bunny_is_one_closed_sound_shell ),
-    };
-    return cmocka_run_group_tests( tests, make_folder, remove_folder );
-}
+TEST_GROUP( make_folder, remove_folder )

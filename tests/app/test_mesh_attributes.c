@@ -48,9 +48,8 @@ static void assert_attributes( const wisp_mesh* a, const wisp_mesh* b )
 
 // ---- OBJ -------------------------------------------------------------------------------------------------------
 
-static void colours_stand_behind_the_position_of_an_obj_vertex( void** state )
+TEST( colours_stand_behind_the_position_of_an_obj_vertex )
 {
-    (void)state;
     // without weight, with weight, and none: white
     wisp_mesh mesh = read_obj( "v 0 0 0 0.25 .5 1e-1\nv 1 0 0 1 0.75 0 0.125\nv 0 1 0\nf 1 2 3\n" );
     const wisp_vec3 colours[] = { { 0.25f, 0.5f, 0.1f }, { 0.75f, 0.0f, 0.125f }, { 1, 1, 1 } };
@@ -63,9 +62,8 @@ static void colours_stand_behind_the_position_of_an_obj_vertex( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void a_vertex_keeps_the_first_texture_coordinates_of_its_corners( void** state )
+TEST( a_vertex_keeps_the_first_texture_coordinates_of_its_corners )
 {
-    (void)state;
     // Faces come before their `vt` lines, count backwards from what came before, repeat an equal pair (no seam) and
     // name another (a seam); the fourth vertex has none.
     wisp_mesh mesh = read_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\nvt 0.5 0.25\nf 1/1 2/-1 3/3\nvt 0.5 0.25 7\n"
@@ -77,9 +75,8 @@ static void a_vertex_keeps_the_first_texture_coordinates_of_its_corners( void** 
     wisp_mesh_release( &mesh );
 }
 
-static void an_index_without_a_line_of_texture_coordinates_gives_none( void** state )
+TEST( an_index_without_a_line_of_texture_coordinates_gives_none )
 {
-    (void)state;
     wisp_mesh mesh = read_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2 3/9\n" );
     assert_null( mesh.uvs );
     assert_int_equal( mesh.uv_missing_count, 0 );
@@ -94,9 +91,8 @@ static void an_index_without_a_line_of_texture_coordinates_gives_none( void** st
     wisp_mesh_release( &mesh );
 }
 
-static void damaged_colours_and_texture_coordinates_are_refused_by_their_line( void** state )
+TEST( damaged_colours_and_texture_coordinates_are_refused_by_their_line )
 {
-    (void)state;
     refuse_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt nan 0\nf 1 2 3\n", "line 4: got \"nan\", expected a number" );
     refuse_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt\nf 1 2 3\n", "line 4: got texture coordinates of 0 numbers" );
     refuse_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0 0 0\nf 1 2 3\n", "line 4: got texture coordinates of 4 numbers" );
@@ -108,9 +104,8 @@ static void damaged_colours_and_texture_coordinates_are_refused_by_their_line( v
 
 #define PLY_FACE "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
 
-static void ply_colours_of_every_type_become_fractions( void** state )
+TEST( ply_colours_of_every_type_become_fractions )
 {
-    (void)state;
     static const struct
     {
         const char *type, *full;
@@ -134,9 +129,8 @@ static void ply_colours_of_every_type_become_fractions( void** state )
     }
 }
 
-static void ply_texture_coordinates_have_three_spellings_and_the_first_counts( void** state )
+TEST( ply_texture_coordinates_have_three_spellings_and_the_first_counts )
 {
-    (void)state;
     static const char* const names[][2] = { { "s", "t" }, { "u", "v" }, { "texture_u", "texture_v" } };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
@@ -154,9 +148,8 @@ static void ply_texture_coordinates_have_three_spellings_and_the_first_counts( v
     }
 }
 
-static void a_lone_channel_or_coordinate_of_ply_is_skipped( void** state )
+TEST( a_lone_channel_or_coordinate_of_ply_is_skipped )
 {
-    (void)state;
     const char* text =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "property float s\nproperty uchar red\nproperty uchar blue\n" PLY_FACE
@@ -166,9 +159,8 @@ static void a_lone_channel_or_coordinate_of_ply_is_skipped( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void a_ply_colour_that_is_nan_is_refused( void** state )
+TEST( a_ply_colour_that_is_nan_is_refused )
 {
-    (void)state;
     unsigned char bytes[400];
     const char* header =
         "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
@@ -200,9 +192,8 @@ static void round_trip( const wisp_mesh* mesh, const char* name )
     wisp_mesh_release( &again );
 }
 
-static void both_formats_restore_colours_and_coordinates_bit_for_bit( void** state )
+TEST( both_formats_restore_colours_and_coordinates_bit_for_bit )
 {
-    (void)state;
     wisp_mesh mesh =
         read_obj( "v 0 0 0 0.1 0.2 0.3\nv 1 0 0 -0.0 1.5 1e-9\nv 0 1 0 0 0 1\nvt 0.1 -0.7\nvt 3 0.3333333\n"
                   "f 1/1 2/2 3/1\n" );
@@ -217,9 +208,8 @@ static void both_formats_restore_colours_and_coordinates_bit_for_bit( void** sta
     remove( "attributes.ply" );
 }
 
-static void ply_colours_are_bytes_where_bytes_lose_nothing( void** state )
+TEST( ply_colours_are_bytes_where_bytes_lose_nothing )
 {
-    (void)state;
     const char* text =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "property uchar red\nproperty uchar green\nproperty uchar blue\n" PLY_FACE
@@ -241,9 +231,8 @@ static void ply_colours_are_bytes_where_bytes_lose_nothing( void** state )
     remove( "bytes.ply" );
 }
 
-static void values_that_are_not_finite_are_not_written( void** state )
+TEST( values_that_are_not_finite_are_not_written )
 {
-    (void)state;
     wisp_mesh mesh = read_obj( "v 0 0 0 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n" );
     wisp_error error = { .status = WISP_OK };
     mesh.uvs[3] = INFINITY;
@@ -258,9 +247,8 @@ static void values_that_are_not_finite_are_not_written( void** state )
 
 // ---- repaired and described ------------------------------------------------------------------------------------
 
-static void a_repair_that_removes_vertices_keeps_what_belongs_to_the_others( void** state )
+TEST( a_repair_that_removes_vertices_keeps_what_belongs_to_the_others )
 {
-    (void)state;
     wisp_mesh mesh = read_obj( "v 9 9 9 .9 .9 .9\nv 0 0 0 .1 .1 .1\nv 1 0 0 .2 .2 .2\nv 0 1 0 .3 .3 .3\n"
                                "vt 1 1\nvt 2 2\nvt 3 3\nf 2/1 3/2 4/3\n" );
     wisp_mesh_repairs repairs;
@@ -274,9 +262,8 @@ static void a_repair_that_removes_vertices_keeps_what_belongs_to_the_others( voi
     wisp_mesh_release( &mesh );
 }
 
-static void the_description_names_their_ranges_and_what_was_missing( void** state )
+TEST( the_description_names_their_ranges_and_what_was_missing )
 {
-    (void)state;
     wisp_mesh mesh =
         read_obj( "v 0 0 0 .25 0 1\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 .5\nvt 2 3\nf 1/1 2/1 3/2\nf 1/2 2/1 4\n" );
     char* text = NULL;
@@ -305,22 +292,4 @@ static int remove_folder( void** state )
     return chdir( ".." ) == 0 ? rmdir( *state ) : -1;
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( colours_stand_behind_the_position_of_an_obj_vertex ),
-        cmocka_unit_test( a_vertex_keeps_the_first_texture_coordinates_of_its_corners ),
-        cmocka_unit_test( an_index_without_a_line_of_texture_coordinates_gives_none ),
-        cmocka_unit_test( damaged_colours_and_texture_coordinates_are_refused_by_their_line ),
-        cmocka_unit_test( ply_colours_of_every_type_become_fractions ),
-        cmocka_unit_test( ply_texture_coordinates_have_three_spellings_and_the_first_counts ),
-        cmocka_unit_test( a_lone_channel_or_coordinate_of_ply_is_skipped ),
-        cmocka_unit_test( a_ply_colour_that_is_nan_is_refused ),
-        cmocka_unit_test( both_formats_restore_colours_and_coordinates_bit_for_bit ),
-        cmocka_unit_test( ply_colours_are_bytes_where_bytes_lose_nothing ),
-        cmocka_unit_test( values_that_are_not_finite_are_not_written ),
-        cmocka_unit_test( a_repair_that_removes_vertices_keeps_what_belongs_to_the_others ),
-        cmocka_unit_test( the_description_names_their_ranges_and_what_was_missing ),
-    };
-    return cmocka_run_group_tests( tests, make_folder, remove_folder );
-}
+TEST_GROUP( make_folder, remove_folder )

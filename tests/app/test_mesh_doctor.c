@@ -5,9 +5,8 @@
 
 // ---- defects ---------------------------------------------------------------------------------------------------
 
-static void a_sound_tetrahedron_has_its_stats_and_no_finding( void** state )
+TEST( a_sound_tetrahedron_has_its_stats_and_no_finding )
 {
-    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_int_equal( r.edge_count, 6 );
@@ -25,9 +24,8 @@ static void a_sound_tetrahedron_has_its_stats_and_no_finding( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void volume_and_area_do_not_depend_on_the_distance_from_the_origin( void** state )
+TEST( volume_and_area_do_not_depend_on_the_distance_from_the_origin )
 {
-    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     for ( int v = 0; v < 4; ++v )
     {
@@ -40,9 +38,8 @@ static void volume_and_area_do_not_depend_on_the_distance_from_the_origin( void*
     wisp_mesh_release( &mesh );
 }
 
-static void a_missing_triangle_leaves_three_border_edges_in_one_loop( void** state )
+TEST( a_missing_triangle_leaves_three_border_edges_in_one_loop )
 {
-    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     mesh.triangle_count = 3;
     wisp_mesh_diagnostics r = fixture_report( &mesh );
@@ -66,9 +63,8 @@ static void swap_corners( wisp_mesh* mesh, int t )
     c[2] = second;
 }
 
-static void a_turned_triangle_disagrees_along_its_three_edges( void** state )
+TEST( a_turned_triangle_disagrees_along_its_three_edges )
 {
-    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     swap_corners( &mesh, 1 );
     wisp_mesh_diagnostics r = fixture_report( &mesh );
@@ -78,9 +74,8 @@ static void a_turned_triangle_disagrees_along_its_three_edges( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void a_shell_turned_inside_out_is_named( void** state )
+TEST( a_shell_turned_inside_out_is_named )
 {
-    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     for ( int t = 0; t < 4; ++t )
     {
@@ -93,9 +88,8 @@ static void a_shell_turned_inside_out_is_named( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void an_edge_of_three_triangles_is_named( void** state )
+TEST( an_edge_of_three_triangles_is_named )
 {
-    (void)state;
     const int32_t triangles[] = { 0, 1, 2, 1, 0, 3, 0, 1, 4 };
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 0, 1, 0 }, { 1, 0, 0 }, { 0, 0, 1 }, { -1, 0, 0 } };
     wisp_mesh mesh = fixture_mesh( points, 5, triangles, 3 );
@@ -107,9 +101,8 @@ static void an_edge_of_three_triangles_is_named( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void two_tetrahedra_that_touch_in_a_vertex_are_two_shells_and_two_fans( void** state )
+TEST( two_tetrahedra_that_touch_in_a_vertex_are_two_shells_and_two_fans )
 {
-    (void)state;
     const int32_t triangles[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 3, 5, 4, 3, 4, 6, 3, 6, 5, 4, 5, 6 };
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 },
                                  { 2, 0, 1 }, { 0, 2, 1 }, { 0, 0, 3 } };
@@ -130,9 +123,8 @@ static void two_tetrahedra_that_touch_in_a_vertex_are_two_shells_and_two_fans( v
     wisp_mesh_release( &mesh );
 }
 
-static void duplicates_are_found_whatever_their_first_corner_and_winding( void** state )
+TEST( duplicates_are_found_whatever_their_first_corner_and_winding )
 {
-    (void)state;
     const int32_t triangles[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 3, 1, 0, 2, 0, 1 };
     wisp_mesh mesh = fixture_mesh( fixture_corners, 4, triangles, 6 );
     wisp_mesh_diagnostics r = fixture_report( &mesh );
@@ -142,9 +134,8 @@ static void duplicates_are_found_whatever_their_first_corner_and_winding( void**
     wisp_mesh_release( &mesh );
 }
 
-static void triangles_without_area_and_vertices_without_triangle_are_named( void** state )
+TEST( triangles_without_area_and_vertices_without_triangle_are_named )
 {
-    (void)state;
     // vertex 3 is in the middle of 0 and 1; 0.1 + 0.2 style rounding keeps vertex 6 a little off its line
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 2, 0, 0 },       { 0, 1, 0 },       { 1, 0, 0 },
                                  { 5, 5, 5 }, { 3, 0.3f, 0.9f }, { 1, 0.1f, 0.3f }, { 7, 0.7f, 2.1f } };
@@ -160,9 +151,8 @@ static void triangles_without_area_and_vertices_without_triangle_are_named( void
     wisp_mesh_release( &mesh );
 }
 
-static void a_report_lists_the_first_and_counts_the_rest( void** state )
+TEST( a_report_lists_the_first_and_counts_the_rest )
 {
-    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     wisp_vec3* more = realloc( mesh.points, 104 * sizeof *more );
     assert_non_null( more );
@@ -176,9 +166,8 @@ static void a_report_lists_the_first_and_counts_the_rest( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void a_malformed_mesh_is_refused_and_reports_nothing( void** state )
+TEST( a_malformed_mesh_is_refused_and_reports_nothing )
 {
-    (void)state;
     wisp_mesh mesh = fixture_tetrahedron(), empty = { 0 };
     wisp_mesh_repairs repairs;
     wisp_mesh_diagnostics r;
@@ -196,9 +185,8 @@ static void a_malformed_mesh_is_refused_and_reports_nothing( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void the_largest_floats_do_not_overflow_the_stats( void** state )
+TEST( the_largest_floats_do_not_overflow_the_stats )
 {
-    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     for ( int v = 0; v < 4; ++v )
     {
@@ -215,9 +203,8 @@ static void the_largest_floats_do_not_overflow_the_stats( void** state )
 // ---- hostile sizes ---------------------------------------------------------------------------------------------
 
 // All triangles around one edge: pairwise comparison of neighbours would take hours.
-static void a_hundred_thousand_triangles_around_one_edge_are_examined_and_repaired( void** state )
+TEST( a_hundred_thousand_triangles_around_one_edge_are_examined_and_repaired )
 {
-    (void)state;
     enum
     {
         COUNT = 100000
@@ -256,9 +243,8 @@ static wisp_mesh_repairs repaired( wisp_mesh* mesh, int what )
     return repairs;
 }
 
-static void a_sound_mesh_is_not_changed_by_any_repair( void** state )
+TEST( a_sound_mesh_is_not_changed_by_any_repair )
 {
-    (void)state;
     wisp_mesh mesh = fixture_tetrahedron(), before = fixture_tetrahedron();
     wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_REPAIR_ALL );
     assert_same_mesh( &mesh, &before );
@@ -270,9 +256,8 @@ static void a_sound_mesh_is_not_changed_by_any_repair( void** state )
     wisp_mesh_release( &before );
 }
 
-static void winding_is_repaired_outwards_whatever_was_turned( void** state )
+TEST( winding_is_repaired_outwards_whatever_was_turned )
 {
-    (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_TORUS );
     wisp_mesh sound = fixture_made( &generator ), mesh = fixture_made( &generator );
     for ( int seed = 1; seed < 4; ++seed )
@@ -294,9 +279,8 @@ static void winding_is_repaired_outwards_whatever_was_turned( void** state )
     wisp_mesh_release( &sound );
 }
 
-static void an_open_mesh_keeps_the_winding_of_most_of_its_triangles( void** state )
+TEST( an_open_mesh_keeps_the_winding_of_most_of_its_triangles )
 {
-    (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_ALTERNATING );
     wisp_mesh sound = fixture_made( &generator ), mesh = fixture_made( &generator );
     // the flood starts with triangle 0, which is one of the reversed ones
@@ -312,9 +296,8 @@ static void an_open_mesh_keeps_the_winding_of_most_of_its_triangles( void** stat
     wisp_mesh_release( &sound );
 }
 
-static void shells_that_share_an_edge_are_turned_outwards_one_by_one( void** state )
+TEST( shells_that_share_an_edge_are_turned_outwards_one_by_one )
 {
-    (void)state;
     // two tetrahedra on the edge 0-1, the second one reversed
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 0, -1, 0 }, { 0, 0, -1 } };
     const int32_t triangles[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 1, 4, 0, 5, 1, 0, 4, 5, 1, 5, 4 };
@@ -330,9 +313,8 @@ static void shells_that_share_an_edge_are_turned_outwards_one_by_one( void** sta
     wisp_mesh_release( &mesh );
 }
 
-static void a_moebius_strip_is_refused_by_an_edge_and_stays_as_it_was( void** state )
+TEST( a_moebius_strip_is_refused_by_an_edge_and_stays_as_it_was )
 {
-    (void)state;
     enum
     {
         PARTS = 5
@@ -372,9 +354,8 @@ static wisp_mesh ill_mesh( void )
     return fixture_mesh( points, 6, triangles, 6 );
 }
 
-static void what_is_not_queried_for_is_not_repaired( void** state )
+TEST( what_is_not_queried_for_is_not_repaired )
 {
-    (void)state;
     static const struct
     {
         int what, degenerates, duplicates, turned, unreferenced;
@@ -401,9 +382,8 @@ static void what_is_not_queried_for_is_not_repaired( void** state )
     }
 }
 
-static void everything_repaired_keeps_its_order_and_tells_where_vertices_went( void** state )
+TEST( everything_repaired_keeps_its_order_and_tells_where_vertices_went )
 {
-    (void)state;
     wisp_mesh mesh = ill_mesh();
     wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_REPAIR_ALL );
     const int32_t kept[] = { 1, 2, 3, 4 };
@@ -416,9 +396,8 @@ static void everything_repaired_keeps_its_order_and_tells_where_vertices_went( v
     wisp_mesh_release( &mesh );
 }
 
-static void a_mesh_of_nothing_but_faults_is_refused( void** state )
+TEST( a_mesh_of_nothing_but_faults_is_refused )
 {
-    (void)state;
     const int32_t triangles[] = { 0, 0, 1, 2, 2, 2 };
     wisp_mesh mesh = fixture_mesh( fixture_corners, 4, triangles, 2 );
     wisp_mesh_repairs repairs;
@@ -448,9 +427,8 @@ static void begin_printing( printed* p )
     assert_non_null( p->stream );
 }
 
-static void a_sound_mesh_is_described_in_few_lines( void** state )
+TEST( a_sound_mesh_is_described_in_few_lines )
 {
-    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     printed p;
     begin_printing( &p );
@@ -471,9 +449,8 @@ static void a_sound_mesh_is_described_in_few_lines( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void every_defect_is_printed_by_its_number( void** state )
+TEST( every_defect_is_printed_by_its_number )
 {
-    (void)state;
     wisp_mesh mesh = ill_mesh();
     mesh.triangle_count = 5;
     printed p;
@@ -490,9 +467,8 @@ static void every_defect_is_printed_by_its_number( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void a_mesh_that_cannot_be_examined_prints_one_message( void** state )
+TEST( a_mesh_that_cannot_be_examined_prints_one_message )
 {
-    (void)state;
     wisp_mesh empty = { 0 };
     printed p;
     begin_printing( &p );
@@ -502,9 +478,8 @@ static void a_mesh_that_cannot_be_examined_prints_one_message( void** state )
     free( p.text );
 }
 
-static void every_repair_is_said_out_loud( void** state )
+TEST( every_repair_is_said_out_loud )
 {
-    (void)state;
     wisp_mesh_repairs all = { .degenerates_dropped = 1,
                               .duplicates_dropped = 2,
                               .triangles_turned = 3,
@@ -531,9 +506,8 @@ static void every_repair_is_said_out_loud( void** state )
 
 // Four tents over one triangle, which face down. Each of its sides has four triangles, but no tent is closed, so each goes on facing the way
 // of its triangles.
-static void sheets_that_share_their_border_are_open( void** state )
+TEST( sheets_that_share_their_border_are_open )
 {
-    (void)state;
     wisp_vec3 points[7] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
     int32_t triangles[36];
     for ( int f = 0; f < 4; ++f )
@@ -549,37 +523,4 @@ static void sheets_that_share_their_border_are_open( void** state )
     assert_memory_equal( mesh.triangles, triangles, sizeof triangles );
     wisp_mesh_repairs_release( &repairs );
     wisp_mesh_release( &mesh );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_sound_tetrahedron_has_its_stats_and_no_finding ),
-        cmocka_unit_test( volume_and_area_do_not_depend_on_the_distance_from_the_origin ),
-        cmocka_unit_test( a_missing_triangle_leaves_three_border_edges_in_one_loop ),
-        cmocka_unit_test( a_turned_triangle_disagrees_along_its_three_edges ),
-        cmocka_unit_test( a_shell_turned_inside_out_is_named ),
-        cmocka_unit_test( an_edge_of_three_triangles_is_named ),
-        cmocka_unit_test( two_tetrahedra_that_touch_in_a_vertex_are_two_shells_and_two_fans ),
-        cmocka_unit_test( duplicates_are_found_whatever_their_first_corner_and_winding ),
-        cmocka_unit_test( triangles_without_area_and_vertices_without_triangle_are_named ),
-        cmocka_unit_test( a_report_lists_the_first_and_counts_the_rest ),
-        cmocka_unit_test( a_malformed_mesh_is_refused_and_reports_nothing ),
-        cmocka_unit_test( the_largest_floats_do_not_overflow_the_stats ),
-        cmocka_unit_test( a_hundred_thousand_triangles_around_one_edge_are_examined_and_repaired ),
-        cmocka_unit_test( a_sound_mesh_is_not_changed_by_any_repair ),
-        cmocka_unit_test( winding_is_repaired_outwards_whatever_was_turned ),
-        cmocka_unit_test( an_open_mesh_keeps_the_winding_of_most_of_its_triangles ),
-        cmocka_unit_test( shells_that_share_an_edge_are_turned_outwards_one_by_one ),
-        cmocka_unit_test( a_moebius_strip_is_refused_by_an_edge_and_stays_as_it_was ),
-        cmocka_unit_test( what_is_not_queried_for_is_not_repaired ),
-        cmocka_unit_test( everything_repaired_keeps_its_order_and_tells_where_vertices_went ),
-        cmocka_unit_test( a_mesh_of_nothing_but_faults_is_refused ),
-        cmocka_unit_test( a_sound_mesh_is_described_in_few_lines ),
-        cmocka_unit_test( every_defect_is_printed_by_its_number ),
-        cmocka_unit_test( a_mesh_that_cannot_be_examined_prints_one_message ),
-        cmocka_unit_test( every_repair_is_said_out_loud ),
-        cmocka_unit_test( sheets_that_share_their_border_are_open ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

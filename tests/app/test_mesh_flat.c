@@ -86,9 +86,8 @@ static uint64_t hash_of( const wisp_mesh* mesh )
 
 // ---- the square ------------------------------------------------------------------------------------------------
 
-static void a_square_of_958_vertices_is_delaunay_for_many_seeds( void** state )
+TEST( a_square_of_958_vertices_is_delaunay_for_many_seeds )
 {
-    (void)state;
     for ( uint64_t seed = 0; seed < 8; ++seed )
     {
         wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, seed );
@@ -103,9 +102,8 @@ static void a_square_of_958_vertices_is_delaunay_for_many_seeds( void** state )
     }
 }
 
-static void every_count_is_met_exactly( void** state )
+TEST( every_count_is_met_exactly )
 {
-    (void)state;
     for ( int count = 4; count < 300; ++count )
     {
         wisp_mesh_generator generator = generator_of( WISP_MESH_DELAUNAY, count, (uint64_t)count );
@@ -124,9 +122,8 @@ static void every_count_is_met_exactly( void** state )
     }
 }
 
-static void ten_thousand_and_a_hundred_thousand_vertices_are_delaunay_too( void** state )
+TEST( ten_thousand_and_a_hundred_thousand_vertices_are_delaunay_too )
 {
-    (void)state;
     static const int counts[] = { 10000, 100000 };
     for ( int i = 0; i < 2 * WISP_COUNT( counts ); ++i )
     {
@@ -137,9 +134,8 @@ static void ten_thousand_and_a_hundred_thousand_vertices_are_delaunay_too( void*
     }
 }
 
-static void the_longest_strips_are_made( void** state )
+TEST( the_longest_strips_are_made )
 {
-    (void)state;
     wisp_mesh_generator generator = generator_of( WISP_MESH_DELAUNAY, 20000, 1 );
     generator.width = 1e-3f;
     wisp_mesh mesh = fixture_made( &generator );
@@ -165,9 +161,8 @@ static double smallest_angle( const wisp_mesh* mesh )
     return least;
 }
 
-static void triangles_of_a_square_are_neither_thin_nor_of_very_different_size( void** state )
+TEST( triangles_of_a_square_are_neither_thin_nor_of_very_different_size )
 {
-    (void)state;
     for ( uint64_t seed = 0; seed < 20; ++seed )
     {
         wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, seed );
@@ -181,9 +176,8 @@ static void triangles_of_a_square_are_neither_thin_nor_of_very_different_size( v
     }
 }
 
-static void the_border_of_a_square_is_even_and_comes_first( void** state )
+TEST( the_border_of_a_square_is_even_and_comes_first )
 {
-    (void)state;
     wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, 1 );
     int border = fixture_report( &mesh ).open_edges.count;
     assert_true( border % 4 == 0 );
@@ -202,9 +196,8 @@ static void the_border_of_a_square_is_even_and_comes_first( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void a_seed_decides_the_inside_and_nothing_else_does( void** state )
+TEST( a_seed_decides_the_inside_and_nothing_else_does )
 {
-    (void)state;
     wisp_mesh first = made( WISP_MESH_DELAUNAY, PAPER_COUNT, 1 ), again = made( WISP_MESH_DELAUNAY, PAPER_COUNT, 1 );
     assert_same_mesh( &first, &again );
     // the same on every machine and with every compiler
@@ -223,9 +216,8 @@ static void a_seed_decides_the_inside_and_nothing_else_does( void** state )
 
 // ---- the garment -----------------------------------------------------------------------------------------------
 
-static void a_garment_has_vertices_of_valence_5_7_and_8_inside( void** state )
+TEST( a_garment_has_vertices_of_valence_5_7_and_8_inside )
 {
-    (void)state;
     for ( uint64_t seed = 1; seed <= 5; ++seed )
     {
         wisp_mesh mesh = made( WISP_MESH_GARMENT, PAPER_COUNT, seed );
@@ -251,9 +243,8 @@ static double border_edge( const wisp_mesh* mesh, int border, int v )
     return hypot( (double)b.x - (double)a.x, (double)b.z - (double)a.z );
 }
 
-static void the_curves_of_a_garment_are_denser_than_its_hem( void** state )
+TEST( the_curves_of_a_garment_are_denser_than_its_hem )
 {
-    (void)state;
     wisp_mesh mesh = made( WISP_MESH_GARMENT, PAPER_COUNT, 1 );
     assert_mesh_sound( &mesh, true );
     int border = fixture_report( &mesh ).open_edges.count;
@@ -274,9 +265,8 @@ static void the_curves_of_a_garment_are_denser_than_its_hem( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void a_written_garment_is_read_back_without_a_fault( void** state )
+TEST( a_written_garment_is_read_back_without_a_fault )
 {
-    (void)state;
     static const char path[] = "mesh_flat_garment.obj";
     wisp_mesh mesh = made( WISP_MESH_GARMENT, PAPER_COUNT, 3 ), read;
     assert_int_equal( wisp_mesh_write( path, &mesh, NULL ), WISP_OK );
@@ -293,9 +283,8 @@ static void a_written_garment_is_read_back_without_a_fault( void** state )
 static const wisp_mesh_corner L_SHAPE[] = { { 0, 0, 1 }, { 0, 3, 1 }, { 1, 3, 1 },
                                             { 1, 1, 8 }, { 4, 1, 1 }, { 4, 0, 1 } };
 
-static void an_outline_with_a_notch_is_filled_and_keeps_its_corners( void** state )
+TEST( an_outline_with_a_notch_is_filled_and_keeps_its_corners )
 {
-    (void)state;
     wisp_mesh mesh;
     assert_int_equal( wisp_mesh_generate_flat( L_SHAPE, WISP_COUNT( L_SHAPE ), 700, 1, &mesh, NULL ), WISP_OK );
     assert_int_equal( mesh.vertex_count, 700 );
@@ -313,9 +302,8 @@ static void an_outline_with_a_notch_is_filled_and_keeps_its_corners( void** stat
     wisp_mesh_release( &mesh );
 }
 
-static void a_border_may_take_all_vertices( void** state )
+TEST( a_border_may_take_all_vertices )
 {
-    (void)state;
     wisp_mesh_corner corners[WISP_COUNT( L_SHAPE )];
     memcpy( corners, L_SHAPE, sizeof corners );
     for ( int c = 0; c < WISP_COUNT( corners ); ++c )
@@ -346,9 +334,8 @@ static void demand_flat_refusal( const wisp_mesh_corner* corners, int corner_cou
     assert_null( mesh.triangles );
 }
 
-static void an_outline_that_cannot_be_filled_is_refused_by_its_corner( void** state )
+TEST( an_outline_that_cannot_be_filled_is_refused_by_its_corner )
 {
-    (void)state;
     const wisp_mesh_corner intersection[] = { { 0, 0, 1 },  { 2, 3, 1 }, { 1, 3, 1 },
                                               { 1, -1, 1 }, { 5, 2, 1 }, { 5, 0, 1 } };
     demand_flat_refusal( intersection, 6, 100, "the outline crosses itself: from point " );
@@ -382,9 +369,8 @@ static void demand_generator_refusal( wisp_mesh_generator generator, const char*
     assert_null( mesh.points );
 }
 
-static void a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value( void** state )
+TEST( a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value )
 {
-    (void)state;
     wisp_mesh_generator r = wisp_default_mesh_generator( WISP_MESH_DELAUNAY );
     r.vertex_count = 3, demand_generator_refusal( r, "vertex count: got 3, expected 4 .. 67108864" );
     r.vertex_count = 958, r.width = 0.0f, demand_generator_refusal( r, "width: got 0" );
@@ -392,25 +378,4 @@ static void a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value(
     r.width = 1.0f, r.depth = 0.9e-3f, demand_generator_refusal( r, "depth: got 0.0009, expected 0.001 .. 1000" );
     r = wisp_default_mesh_generator( WISP_MESH_GARMENT );
     r.vertex_count = 63, demand_generator_refusal( r, "vertex count: got 63, expected 64 .. 67108864" );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_square_of_958_vertices_is_delaunay_for_many_seeds ),
-        cmocka_unit_test( every_count_is_met_exactly ),
-        cmocka_unit_test( ten_thousand_and_a_hundred_thousand_vertices_are_delaunay_too ),
-        cmocka_unit_test( the_longest_strips_are_made ),
-        cmocka_unit_test( triangles_of_a_square_are_neither_thin_nor_of_very_different_size ),
-        cmocka_unit_test( the_border_of_a_square_is_even_and_comes_first ),
-        cmocka_unit_test( a_seed_decides_the_inside_and_nothing_else_does ),
-        cmocka_unit_test( a_garment_has_vertices_of_valence_5_7_and_8_inside ),
-        cmocka_unit_test( the_curves_of_a_garment_are_denser_than_its_hem ),
-        cmocka_unit_test( a_written_garment_is_read_back_without_a_fault ),
-        cmocka_unit_test( an_outline_with_a_notch_is_filled_and_keeps_its_corners ),
-        cmocka_unit_test( a_border_may_take_all_vertices ),
-        cmocka_unit_test( an_outline_that_cannot_be_filled_is_refused_by_its_corner ),
-        cmocka_unit_test( a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

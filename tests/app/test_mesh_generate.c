@@ -22,9 +22,8 @@ static wisp_mesh_diagnostics sound_report( const wisp_mesh_generator* generator,
     return report;
 }
 
-static void every_default_generator_makes_a_sound_mesh( void** state )
+TEST( every_default_generator_makes_a_sound_mesh )
 {
-    (void)state;
     for ( int shape = 0; shape < WISP_MESH_SHAPE_COUNT; ++shape )
     {
         wisp_mesh_generator generator = wisp_default_mesh_generator( (wisp_mesh_shape)shape );
@@ -37,9 +36,8 @@ static void every_default_generator_makes_a_sound_mesh( void** state )
     }
 }
 
-static void an_icosphere_has_the_vertices_of_its_level_all_on_the_sphere( void** state )
+TEST( an_icosphere_has_the_vertices_of_its_level_all_on_the_sphere )
 {
-    (void)state;
     static const int counts[] = { 12, 42, 162, 642, 2562, 10242, 40962, 163842 };
     for ( int level = 0; level < WISP_COUNT( counts ); ++level )
     {
@@ -60,9 +58,8 @@ static void an_icosphere_has_the_vertices_of_its_level_all_on_the_sphere( void**
     }
 }
 
-static void round_shapes_have_the_counts_of_their_segments( void** state )
+TEST( round_shapes_have_the_counts_of_their_segments )
 {
-    (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_UV_SPHERE );
     generator.segments = generator.rings = 30;
     wisp_mesh_diagnostics report = sound_report( &generator, SOUND | WISP_MESH_CLOSED );
@@ -90,9 +87,8 @@ static void round_shapes_have_the_counts_of_their_segments( void** state )
     assert_int_equal( report.open_edges.count, 10 );
 }
 
-static void the_smallest_round_shapes_are_sound_too( void** state )
+TEST( the_smallest_round_shapes_are_sound_too )
 {
-    (void)state;
     static const wisp_mesh_shape shapes[] = { WISP_MESH_UV_SPHERE, WISP_MESH_TORUS, WISP_MESH_CAPSULE,
                                               WISP_MESH_TUBE };
     static const int rings[] = { 2, 3, 1, 1 };
@@ -106,9 +102,8 @@ static void the_smallest_round_shapes_are_sound_too( void** state )
     }
 }
 
-static void fine_shapes_come_near_the_volumes_of_smooth_ones( void** state )
+TEST( fine_shapes_come_near_the_volumes_of_smooth_ones )
 {
-    (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_UV_SPHERE );
     generator.segments = 200, generator.rings = 100, generator.length_segments = 50;
     // with a = 2 pi / 200, chords around the axis lose a^2 / 6 of the volume and chords along a meridian a^2 / 4
@@ -124,9 +119,8 @@ static void fine_shapes_come_near_the_volumes_of_smooth_ones( void** state )
                  tolerance );
 }
 
-static void a_pear_has_its_centre_off_the_origin_and_all_three_extents_differ( void** state )
+TEST( a_pear_has_its_centre_off_the_origin_and_all_three_extents_differ )
 {
-    (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PEAR );
     wisp_mesh_diagnostics r = sound_report( &generator, SOUND | WISP_MESH_CLOSED );
     float x = r.highest.x - r.lowest.x, y = r.highest.y - r.lowest.y, z = r.highest.z - r.lowest.z;
@@ -136,9 +130,8 @@ static void a_pear_has_its_centre_off_the_origin_and_all_three_extents_differ( v
 
 // ---- planes ----------------------------------------------------------------------------------------------------
 
-static void a_regular_plane_is_numbered_row_by_row_and_looks_up( void** state )
+TEST( a_regular_plane_is_numbered_row_by_row_and_looks_up )
 {
-    (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_REGULAR );
     generator.columns = 3, generator.rows = 2, generator.spacing = 2.0f;
     wisp_mesh mesh = fixture_made( &generator );
@@ -151,9 +144,8 @@ static void a_regular_plane_is_numbered_row_by_row_and_looks_up( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void an_alternating_plane_turns_every_other_diagonal( void** state )
+TEST( an_alternating_plane_turns_every_other_diagonal )
 {
-    (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_ALTERNATING );
     generator.columns = generator.rows = 3;
     wisp_mesh mesh = fixture_made( &generator );
@@ -219,9 +211,8 @@ static void assert_irregular_is_sound( const wisp_mesh_generator* generator )
     wisp_mesh_release( &mesh );
 }
 
-static void an_irregular_plane_covers_its_rectangle_once_for_many_seeds_and_counts( void** state )
+TEST( an_irregular_plane_covers_its_rectangle_once_for_many_seeds_and_counts )
 {
-    (void)state;
     for ( int seed = 0; seed < 60; ++seed )
     {
         wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_IRREGULAR );
@@ -243,9 +234,8 @@ static void an_irregular_plane_covers_its_rectangle_once_for_many_seeds_and_coun
     assert_irregular_is_sound( &generator );
 }
 
-static void an_irregular_plane_of_958_vertices_is_delaunay_and_well_shaped( void** state )
+TEST( an_irregular_plane_of_958_vertices_is_delaunay_and_well_shaped )
 {
-    (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_IRREGULAR );
     generator.columns = generator.rows = 31;
     generator.vertex_count = 958;
@@ -268,9 +258,8 @@ static void an_irregular_plane_of_958_vertices_is_delaunay_and_well_shaped( void
     wisp_mesh_release( &mesh );
 }
 
-static void an_irregular_plane_keeps_a_straight_border( void** state )
+TEST( an_irregular_plane_keeps_a_straight_border )
 {
-    (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_IRREGULAR );
     wisp_mesh mesh = fixture_made( &generator );
     wisp_mesh_diagnostics report = fixture_report( &mesh );
@@ -283,9 +272,8 @@ static void an_irregular_plane_keeps_a_straight_border( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void a_seed_decides_an_irregular_plane_and_nothing_else_does( void** state )
+TEST( a_seed_decides_an_irregular_plane_and_nothing_else_does )
 {
-    (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_IRREGULAR );
     wisp_mesh first = fixture_made( &generator ), second = fixture_made( &generator );
     assert_same_mesh( &first, &second );
@@ -309,9 +297,8 @@ static void demand_refusal( wisp_mesh_generator generator, const char* words )
     assert_null( mesh.triangles );
 }
 
-static void a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value( void** state )
+TEST( a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value )
 {
-    (void)state;
     wisp_mesh_generator plane = wisp_default_mesh_generator( WISP_MESH_PLANE_IRREGULAR ), r = plane;
     r.shape = WISP_MESH_SHAPE_COUNT, demand_refusal( r, "shape: got 12" );
     r = plane, r.columns = 1, demand_refusal( r, "columns: got 1" );
@@ -331,24 +318,4 @@ static void a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value(
     r = wisp_default_mesh_generator( WISP_MESH_TUBE ), r.length = INFINITY, demand_refusal( r, "length: got inf" );
     r = wisp_default_mesh_generator( WISP_MESH_CAPSULE ), r.length_segments = 0;
     demand_refusal( r, "length segments: got 0" );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_default_generator_makes_a_sound_mesh ),
-        cmocka_unit_test( an_icosphere_has_the_vertices_of_its_level_all_on_the_sphere ),
-        cmocka_unit_test( round_shapes_have_the_counts_of_their_segments ),
-        cmocka_unit_test( the_smallest_round_shapes_are_sound_too ),
-        cmocka_unit_test( fine_shapes_come_near_the_volumes_of_smooth_ones ),
-        cmocka_unit_test( a_pear_has_its_centre_off_the_origin_and_all_three_extents_differ ),
-        cmocka_unit_test( a_regular_plane_is_numbered_row_by_row_and_looks_up ),
-        cmocka_unit_test( an_alternating_plane_turns_every_other_diagonal ),
-        cmocka_unit_test( an_irregular_plane_covers_its_rectangle_once_for_many_seeds_and_counts ),
-        cmocka_unit_test( an_irregular_plane_of_958_vertices_is_delaunay_and_well_shaped ),
-        cmocka_unit_test( an_irregular_plane_keeps_a_straight_border ),
-        cmocka_unit_test( a_seed_decides_an_irregular_plane_and_nothing_else_does ),
-        cmocka_unit_test( a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -53,9 +53,8 @@ static void write_good( const sheet* s )
 }
 
 // The test machine is little-endian, like the file.
-static void every_number_is_where_the_header_says( void** state )
+TEST( every_number_is_where_the_header_says )
 {
-    (void)state;
     sheet s;
     make_sheet( &s );
     write_good( &s );
@@ -95,9 +94,8 @@ static void every_number_is_where_the_header_says( void** state )
     remove( FILE_NAME );
 }
 
-static void it_is_read_back_as_a_mesh_with_vertices_of_no_triangle( void** state )
+TEST( it_is_read_back_as_a_mesh_with_vertices_of_no_triangle )
 {
-    (void)state;
     sheet s;
     make_sheet( &s );
     write_good( &s );
@@ -116,9 +114,8 @@ static void it_is_read_back_as_a_mesh_with_vertices_of_no_triangle( void** state
     remove( FILE_NAME );
 }
 
-static void a_layer_without_points_is_the_mesh_with_its_normals( void** state )
+TEST( a_layer_without_points_is_the_mesh_with_its_normals )
 {
-    (void)state;
     sheet s;
     make_sheet( &s );
     s.layer.point_count = 0;
@@ -140,9 +137,8 @@ static void assert_refused( const sheet* s, const char* words )
     assert_int_equal( access( FILE_NAME, F_OK ), -1 );
 }
 
-static void what_cannot_be_is_refused_and_leaves_no_file( void** state )
+TEST( what_cannot_be_is_refused_and_leaves_no_file )
 {
-    (void)state;
     remove( FILE_NAME );
     sheet s;
     make_sheet( &s );
@@ -172,24 +168,11 @@ static void what_cannot_be_is_refused_and_leaves_no_file( void** state )
     assert_refused( &s, "9" );
 }
 
-static void a_folder_that_is_not_there_is_an_error_of_the_system( void** state )
+TEST( a_folder_that_is_not_there_is_an_error_of_the_system )
 {
-    (void)state;
     sheet s;
     make_sheet( &s );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_write_layer( "no_such_folder/a.ply", &s.mesh, &s.layer, &error ), WISP_IO_ERROR );
     assert_non_null( strstr( error.message, "no_such_folder/a.ply" ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_number_is_where_the_header_says ),
-        cmocka_unit_test( it_is_read_back_as_a_mesh_with_vertices_of_no_triangle ),
-        cmocka_unit_test( a_layer_without_points_is_the_mesh_with_its_normals ),
-        cmocka_unit_test( what_cannot_be_is_refused_and_leaves_no_file ),
-        cmocka_unit_test( a_folder_that_is_not_there_is_an_error_of_the_system ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -93,9 +93,8 @@ static void assert_welded_as_by_the_oracle( const wisp_mesh* before, float dista
     wisp_mesh_release( &mesh );
 }
 
-static void near_vertices_become_the_lowest_that_stays( void** state )
+TEST( near_vertices_become_the_lowest_that_stays )
 {
-    (void)state;
     // From few that are near to crowds; stretched along an axis, so that most cells have neighbours along z.
     static const struct
     {
@@ -109,9 +108,8 @@ static void near_vertices_become_the_lowest_that_stays( void** state )
     }
 }
 
-static void a_chain_does_not_drift_together( void** state )
+TEST( a_chain_does_not_drift_together )
 {
-    (void)state;
     // Each is near the one before; every other one stays.
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 0.8f, 0, 0 }, { 1.6f, 0, 0 }, { 2.4f, 0, 0 }, { 0, 5, 0 } };
     const int32_t triangles[] = { 0, 2, 4, 1, 3, 4, 0, 1, 4 }, expected[] = { 0, 0, 1, 1, 2 };
@@ -126,9 +124,8 @@ static void a_chain_does_not_drift_together( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void what_is_as_far_as_the_distance_is_near( void** state )
+TEST( what_is_as_far_as_the_distance_is_near )
 {
-    (void)state;
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 0.5f, 0, 0 }, { 1, 0, 0 }, { 0, 5, 0 } };
     const int32_t triangles[] = { 0, 2, 3, 1, 2, 3 }, expected[] = { 0, 0, 1, 2 };
     wisp_mesh mesh = fixture_mesh( points, 4, triangles, 2 );
@@ -153,9 +150,8 @@ static wisp_mesh split_tetrahedron( float noise )
     return fixture_mesh( points, 12, triangles, 4 );
 }
 
-static void a_split_mesh_is_closed_again( void** state )
+TEST( a_split_mesh_is_closed_again )
 {
-    (void)state;
     wisp_mesh mesh = split_tetrahedron( 1e-6f );
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_false( r.closed );
@@ -181,9 +177,8 @@ static void a_split_mesh_is_closed_again( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void other_repairs_find_the_welded_mesh( void** state )
+TEST( other_repairs_find_the_welded_mesh )
 {
-    (void)state;
     // The same triangle twice with corners of its own, one that names a vertex twice from the start, a vertex of none.
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 0 },
                                  { 1, 0, 0 }, { 0, 1, 0 }, { 7, 7, 7 }, { 1, 1, 0 } };
@@ -203,9 +198,8 @@ static void other_repairs_find_the_welded_mesh( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void a_flipped_mesh_is_inside_out_and_flipping_twice_changes_nothing( void** state )
+TEST( a_flipped_mesh_is_inside_out_and_flipping_twice_changes_nothing )
 {
-    (void)state;
     wisp_mesh before = fixture_tetrahedron(), mesh = fixture_tetrahedron();
     wisp_mesh_repairs repairs;
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_FLIP, &repairs, NULL ), WISP_OK );
@@ -221,9 +215,8 @@ static void a_flipped_mesh_is_inside_out_and_flipping_twice_changes_nothing( voi
     wisp_mesh_release( &before );
 }
 
-static void attributes_are_those_of_the_vertex_that_stays( void** state )
+TEST( attributes_are_those_of_the_vertex_that_stays )
 {
-    (void)state;
     static const char text[] =
         "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 1 0 0 1 1 1\nv 1 1 0 0 0 0\nv 0 1 0 1 1 1\n"
         "vt 0 0\nvt 1 0\nvt 0 1\nvt 1 0.5\nf 1/1 2/2 3/3\nf 4/4 5/1 6/3\n";
@@ -240,9 +233,8 @@ static void attributes_are_those_of_the_vertex_that_stays( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void what_cannot_be_welded_is_refused( void** state )
+TEST( what_cannot_be_welded_is_refused )
 {
-    (void)state;
     static const struct
     {
         float distance;
@@ -268,9 +260,8 @@ static void what_cannot_be_welded_is_refused( void** state )
     }
 }
 
-static void the_largest_and_the_smallest_floats_are_welded( void** state )
+TEST( the_largest_and_the_smallest_floats_are_welded )
 {
-    (void)state;
     const wisp_vec3 points[] = { { -FLT_MAX, 0, 0 }, { FLT_MAX, 0, 0 }, { 0, FLT_MAX, 0 }, { 0, FLT_MAX, 0 } };
     const int32_t triangles[] = { 0, 1, 2, 1, 0, 3 };
     wisp_mesh mesh = fixture_mesh( points, 4, triangles, 2 );
@@ -284,20 +275,4 @@ static void the_largest_and_the_smallest_floats_are_welded( void** state )
     mesh = fixture_mesh( dot, 3, triangles, 1 );
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_WELD, &repairs, NULL ), WISP_BAD_INPUT );
     wisp_mesh_release( &mesh );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( near_vertices_become_the_lowest_that_stays ),
-        cmocka_unit_test( a_chain_does_not_drift_together ),
-        cmocka_unit_test( what_is_as_far_as_the_distance_is_near ),
-        cmocka_unit_test( a_split_mesh_is_closed_again ),
-        cmocka_unit_test( other_repairs_find_the_welded_mesh ),
-        cmocka_unit_test( a_flipped_mesh_is_inside_out_and_flipping_twice_changes_nothing ),
-        cmocka_unit_test( attributes_are_those_of_the_vertex_that_stays ),
-        cmocka_unit_test( what_cannot_be_welded_is_refused ),
-        cmocka_unit_test( the_largest_and_the_smallest_floats_are_welded ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

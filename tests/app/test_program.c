@@ -33,9 +33,8 @@ static int enter_folder( void** state )
 
 // ---- the command line ----
 
-static void the_version_is_told( void** state )
+TEST( the_version_is_told )
 {
-    (void)state;
     run_ok( "--version" );
     const char first[] = "wisp " WISP_VERSION_STRING "\nkernels: baseline";
     assert_memory_equal( result.out, first, strlen( first ) );
@@ -59,9 +58,8 @@ static void assert_lines_fit( const char* text )
     }
 }
 
-static void help_of_every_command_names_its_usage_and_the_exit_statuses( void** state )
+TEST( help_of_every_command_names_its_usage_and_the_exit_statuses )
 {
-    (void)state;
     static const char* const commands[][2] = {
         { "--help", "Usage: wisp [OPTION...] COMMAND" },
         { "run --help", "Usage: wisp run [OPTION...] SCENE" },
@@ -83,9 +81,8 @@ static void help_of_every_command_names_its_usage_and_the_exit_statuses( void** 
     }
 }
 
-static void every_command_has_a_usage( void** state )
+TEST( every_command_has_a_usage )
 {
-    (void)state;
     static const char* const commands[] = { "--usage",      "run --usage",    "plan --usage", "bench --usage",
                                             "info --usage", "render --usage", "tune --usage", "torture --usage" };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
@@ -95,9 +92,8 @@ static void every_command_has_a_usage( void** state )
     }
 }
 
-static void a_misspelt_command_is_answered_with_the_nearest( void** state )
+TEST( a_misspelt_command_is_answered_with_the_nearest )
 {
-    (void)state;
     assert_usage( "rnu good.yaml", "did you mean 'run'?" );
     assert_usage( "bnech", "did you mean 'bench'?" );
     assert_usage( "redner", "did you mean 'render'?" );
@@ -105,9 +101,8 @@ static void a_misspelt_command_is_answered_with_the_nearest( void** state )
     assert_int_equal( line_count( result.err ), 1 );
 }
 
-static void a_missing_or_second_argument_is_wrong_usage( void** state )
+TEST( a_missing_or_second_argument_is_wrong_usage )
 {
-    (void)state;
     assert_usage( "", "expected a command: run, " );
     assert_usage( "run", "expected a scene" );
     assert_usage( "plan", "expected a scene" );
@@ -116,9 +111,8 @@ static void a_missing_or_second_argument_is_wrong_usage( void** state )
     assert_usage( "info good.yaml good.yaml", "got a second file" );
 }
 
-static void an_unknown_option_is_wrong_usage( void** state )
+TEST( an_unknown_option_is_wrong_usage )
 {
-    (void)state;
     assert_usage( "--colour", "--colour" );
     assert_memory_equal( result.err, "wisp: ", 6 );
     assert_usage( "run good.yaml --fast", "--fast" );
@@ -127,9 +121,8 @@ static void an_unknown_option_is_wrong_usage( void** state )
     assert_usage( "info --deep good.yaml", "--deep" );
 }
 
-static void a_number_out_of_its_range_is_wrong_usage( void** state )
+TEST( a_number_out_of_its_range_is_wrong_usage )
 {
-    (void)state;
     assert_usage( "run good.yaml --steps 0", "--steps: got '0'" );
     assert_usage( "run good.yaml --steps -1", "--steps: got '-1'" );
     assert_usage( "run good.yaml --steps 1.5", "--steps: got '1.5'" );
@@ -140,9 +133,8 @@ static void a_number_out_of_its_range_is_wrong_usage( void** state )
     assert_usage( "bench --seconds nan", "--seconds: got 'nan'" );
 }
 
-static void a_misspelt_word_of_an_option_is_answered_with_the_nearest( void** state )
+TEST( a_misspelt_word_of_an_option_is_answered_with_the_nearest )
 {
-    (void)state;
     assert_usage( "run good.yaml --format jsn", "did you mean 'json'?" );
     assert_usage( "run good.yaml --isa avx22", "did you mean 'avx2'?" );
     assert_usage( "run good.yaml --isa quantum", "expected one of baseline, avx2, avx512" );
@@ -158,9 +150,8 @@ static void a_misspelt_word_of_an_option_is_answered_with_the_nearest( void** st
 
 // ---- files ----
 
-static void a_file_that_is_not_there_is_named_in_one_message( void** state )
+TEST( a_file_that_is_not_there_is_named_in_one_message )
 {
-    (void)state;
     assert_refused( "run absent.yaml", "absent.yaml" );
     assert_refused( "plan absent.yaml", "absent.yaml" );
     assert_refused( "info absent.hair", "absent.hair" );
@@ -169,9 +160,8 @@ static void a_file_that_is_not_there_is_named_in_one_message( void** state )
     assert_string_equal( result.out, "" );
 }
 
-static void a_misspelt_key_is_named_with_its_line_and_the_nearest_key( void** state )
+TEST( a_misspelt_key_is_named_with_its_line_and_the_nearest_key )
 {
-    (void)state;
     write_text( "bad.yaml", "wisp: 1\n"
                             "strands:\n"
                             "  - name: hair\n"
@@ -183,9 +173,8 @@ static void a_misspelt_key_is_named_with_its_line_and_the_nearest_key( void** st
     assert_string_equal( result.out, "" );
 }
 
-static void a_groom_that_a_scene_cannot_read_is_named_with_the_line_of_the_scene( void** state )
+TEST( a_groom_that_a_scene_cannot_read_is_named_with_the_line_of_the_scene )
 {
-    (void)state;
     write_text( "bad.yaml", "wisp: 1\n"
                             "strands:\n"
                             "  - name: hair\n"
@@ -196,9 +185,8 @@ static void a_groom_that_a_scene_cannot_read_is_named_with_the_line_of_the_scene
     assert_refused( "info bad.yaml", "bad.yaml:3:" );
 }
 
-static void a_list_of_numbers_must_have_one_for_each_strand_of_the_file( void** state )
+TEST( a_list_of_numbers_must_have_one_for_each_strand_of_the_file )
 {
-    (void)state;
     run_ok( "run good.yaml" );
     write_text( "bad.yaml", "wisp: 1\n"
                             "strands:\n"
@@ -211,9 +199,8 @@ static void a_list_of_numbers_must_have_one_for_each_strand_of_the_file( void** 
     assert_non_null( strstr( result.err, "intensity: got 3 numbers, expected one for each of 40 strands" ) );
 }
 
-static void results_that_cannot_be_written_fail_the_run( void** state )
+TEST( results_that_cannot_be_written_fail_the_run )
 {
-    (void)state;
     assert_refused( "run good.yaml --output absent/summary.csv", "absent/summary.csv" );
     if ( access( "/dev/full", W_OK ) == 0 )
     {
@@ -221,9 +208,8 @@ static void results_that_cannot_be_written_fail_the_run( void** state )
     }
 }
 
-static void what_cannot_be_written_is_told_before_the_first_step( void** state )
+TEST( what_cannot_be_written_is_told_before_the_first_step )
 {
-    (void)state;
     write_text( "lost.yaml", "wisp: 1\n"
                              "strands:\n"
                              "  - name: hair\n"
@@ -248,9 +234,8 @@ static json_t* run_for_json( const char* command )
     return root;
 }
 
-static void a_run_gives_the_same_hash_on_every_worker_count_and_instruction_set( void** state )
+TEST( a_run_gives_the_same_hash_on_every_worker_count_and_instruction_set )
 {
-    (void)state;
     static const char* const commands[] = {
         "run good.yaml --format json --workers 1",
         "run good.yaml --format json --workers 2",
@@ -275,9 +260,8 @@ static void a_run_gives_the_same_hash_on_every_worker_count_and_instruction_set(
     }
 }
 
-static void a_run_prints_passes_counters_and_hash( void** state )
+TEST( a_run_prints_passes_counters_and_hash )
 {
-    (void)state;
     run_ok( "run good.yaml --steps 2" );
     assert_string_equal( result.err, "" );
     // the search takes most of the time; passes below 1 % may be summed
@@ -299,9 +283,8 @@ static void a_run_prints_passes_counters_and_hash( void** state )
 }
 
 // A counter that is zero is not printed, and the first line is the result.
-static void a_run_begins_with_its_result_and_leaves_out_zero_counters( void** state )
+TEST( a_run_begins_with_its_result_and_leaves_out_zero_counters )
 {
-    (void)state;
     run_ok( "run good.yaml --steps 2" );
     assert_memory_equal( result.out, "scene ", 6 );
     char* machine = strstr( result.out, "\nmachine: " );
@@ -314,9 +297,8 @@ static void a_run_begins_with_its_result_and_leaves_out_zero_counters( void** st
     assert_true( hash && hash < strstr( result.out, "Time per step" ) );
 }
 
-static void every_format_can_be_queried_for( void** state )
+TEST( every_format_can_be_queried_for )
 {
-    (void)state;
     static const char* const starts[][2] = {
         { "run good.yaml --format text", "scene " },      { "run good.yaml --format markdown", "|  |  |" },
         { "run good.yaml --format csv", "case,variant" }, { "run good.yaml --format json", "{" },
@@ -329,17 +311,15 @@ static void every_format_can_be_queried_for( void** state )
     }
 }
 
-static void the_summary_goes_to_a_file_when_queried( void** state )
+TEST( the_summary_goes_to_a_file_when_queried )
 {
-    (void)state;
     run_ok( "run good.yaml --format csv --output summary.csv" );
     assert_string_equal( result.out, "" );
     assert_int_equal( access( "summary.csv", R_OK ), 0 );
 }
 
-static void info_prints_the_keys_of_a_block( void** state )
+TEST( info_prints_the_keys_of_a_block )
 {
-    (void)state;
     run_ok( "info --keys surfaces.cloth" );
     assert_non_null( strstr( result.out, "### `surfaces[].cloth`" ) );
     assert_non_null( strstr( result.out, "- `internal_damping` (number or [map](#maps), 1/s" ) );
@@ -349,9 +329,8 @@ static void info_prints_the_keys_of_a_block( void** state )
     assert_refused( "info --keys clot", "--keys: got 'clot', expected a block" );
 }
 
-static void a_run_writes_the_files_of_its_scene_with_width_and_colour( void** state )
+TEST( a_run_writes_the_files_of_its_scene_with_width_and_colour )
 {
-    (void)state;
     remove( "written.hair" );
     remove( "written.obj" );
     run_ok( "run good.yaml" );
@@ -364,9 +343,8 @@ static void a_run_writes_the_files_of_its_scene_with_width_and_colour( void** st
     assert_non_null( strstr( result.out, "a vertex" ) );
 }
 
-static void stretched_cloth_is_reported_and_statistics_are_printed( void** state )
+TEST( stretched_cloth_is_reported_and_statistics_are_printed )
 {
-    (void)state;
     static const char cloth[] = "surfaces:\n"
                                 "  - name: flag\n"
                                 "    generate: { shape: plane, columns: 33, rows: 33, spacing: 0.03 }\n"
@@ -389,9 +367,8 @@ static void stretched_cloth_is_reported_and_statistics_are_printed( void** state
     assert_non_null( strstr( result.out, "kinetic J" ) );
 }
 
-static void penetration_is_printed_and_a_vertex_below_a_surface_is_told( void** state )
+TEST( penetration_is_printed_and_a_vertex_below_a_surface_is_told )
 {
-    (void)state;
     static const char cloth[] = "wisp: 1\nsteps: 20\n"
                                 "surfaces:\n"
                                 "  - name: sheet\n"
@@ -418,9 +395,8 @@ static void penetration_is_printed_and_a_vertex_below_a_surface_is_told( void** 
 }
 
 // A sheet of 0.15 kg/m^2 and 0.16 m^2 that lies on the ground weighs 0.2352 N at 9.8 m/s^2.
-static void the_reaction_of_a_collider_is_the_weight_of_what_lies_on_it( void** state )
+TEST( the_reaction_of_a_collider_is_the_weight_of_what_lies_on_it )
 {
-    (void)state;
     write_text( "weight.yaml", "wisp: 1\nsteps: 60\ngravity: [0, -9.8, 0]\n"
                                "surfaces:\n"
                                "  - name: sheet\n"
@@ -444,9 +420,8 @@ static void the_reaction_of_a_collider_is_the_weight_of_what_lies_on_it( void** 
     assert_null( strstr( result.out, "Penetration" ) );
 }
 
-static void a_scene_without_requests_has_a_plan_without_passes( void** state )
+TEST( a_scene_without_requests_has_a_plan_without_passes )
 {
-    (void)state;
     write_text( "empty.yaml", "wisp: 1\n"
                               "strands:\n"
                               "  - name: hair\n"
@@ -462,9 +437,8 @@ static void a_scene_without_requests_has_a_plan_without_passes( void** state )
     assert_null( strstr( result.out, ": 0 passes" ) );
 }
 
-static void info_tells_scenes_results_and_grooms_apart( void** state )
+TEST( info_tells_scenes_results_and_grooms_apart )
 {
-    (void)state;
     run_ok( "info good.yaml" );
     assert_non_null( strstr( result.out, "hair (line 4): 40 strands, 800 vertices" ) );
     run_ok( "run good.yaml --format json --output result.json" );
@@ -473,9 +447,8 @@ static void info_tells_scenes_results_and_grooms_apart( void** state )
     run_ok( "info written.hair" );
 }
 
-static void info_refuses_what_it_does_not_know_or_cannot_trust( void** state )
+TEST( info_refuses_what_it_does_not_know_or_cannot_trust )
 {
-    (void)state;
     write_text( "other.txt", "a letter\n" );
     assert_refused( "info other.txt", "unknown kind of file, expected a groom" );
     write_text( "cut.hair", "HAIR" );
@@ -484,9 +457,8 @@ static void info_refuses_what_it_does_not_know_or_cannot_trust( void** state )
     assert_refused( "info result.json", "rows[0].case" );
 }
 
-static void bench_lists_its_cases( void** state )
+TEST( bench_lists_its_cases )
 {
-    (void)state;
     run_ok( "bench --list" );
     assert_memory_equal( result.out, "paper ", 6 );
 }
@@ -500,7 +472,7 @@ static void copy_program( const char* path )
     assert_int_equal( chmod( path, 0700 ), 0 );
 }
 
-static void bench_without_its_own_program_is_refused_and_other_verbs_work( void** state )
+TEST( bench_without_its_own_program_is_refused_and_other_verbs_work )
 {
     char complete[sizeof( program )];
     memcpy( complete, program, sizeof( program ) );
@@ -515,7 +487,7 @@ static void bench_without_its_own_program_is_refused_and_other_verbs_work( void*
     assert_int_equal( result.status, 0 );
 }
 
-static void bench_is_found_through_a_symbolic_link( void** state )
+TEST( bench_is_found_through_a_symbolic_link )
 {
     char complete[sizeof( program )];
     memcpy( complete, program, sizeof( program ) );
@@ -530,9 +502,8 @@ static void bench_is_found_through_a_symbolic_link( void** state )
 
 // ---- terminals ----
 
-static void progress_is_drawn_on_a_terminal_and_wiped_out_again( void** state )
+TEST( progress_is_drawn_on_a_terminal_and_wiped_out_again )
 {
-    (void)state;
     setenv( "TERM", "xterm", 1 );
     run_on_terminal( "run good.yaml" );
     assert_int_equal( result.status, 0 );
@@ -540,9 +511,8 @@ static void progress_is_drawn_on_a_terminal_and_wiped_out_again( void** state )
     assert_int_equal( result.err[strlen( result.err ) - 1], '\r' );
 }
 
-static void no_color_takes_the_colour_away_and_leaves_the_bar( void** state )
+TEST( no_color_takes_the_colour_away_and_leaves_the_bar )
 {
-    (void)state;
     setenv( "TERM", "xterm", 1 );
     setenv( "NO_COLOR", "1", 1 );
     run_on_terminal( "run good.yaml" );
@@ -555,9 +525,8 @@ static void no_color_takes_the_colour_away_and_leaves_the_bar( void** state )
     unsetenv( "NO_COLOR" );
 }
 
-static void a_dumb_terminal_and_a_file_see_no_bar( void** state )
+TEST( a_dumb_terminal_and_a_file_see_no_bar )
 {
-    (void)state;
     setenv( "TERM", "dumb", 1 );
     run_on_terminal( "run good.yaml" );
     assert_int_equal( result.status, 0 );
@@ -568,43 +537,5 @@ static void a_dumb_terminal_and_a_file_see_no_bar( void** state )
     assert_null( strchr( result.out, '\033' ) );
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_version_is_told ),
-        cmocka_unit_test( help_of_every_command_names_its_usage_and_the_exit_statuses ),
-        cmocka_unit_test( every_command_has_a_usage ),
-        cmocka_unit_test( a_misspelt_command_is_answered_with_the_nearest ),
-        cmocka_unit_test( a_missing_or_second_argument_is_wrong_usage ),
-        cmocka_unit_test( an_unknown_option_is_wrong_usage ),
-        cmocka_unit_test( a_number_out_of_its_range_is_wrong_usage ),
-        cmocka_unit_test( a_misspelt_word_of_an_option_is_answered_with_the_nearest ),
-        cmocka_unit_test( a_file_that_is_not_there_is_named_in_one_message ),
-        cmocka_unit_test( a_misspelt_key_is_named_with_its_line_and_the_nearest_key ),
-        cmocka_unit_test( a_groom_that_a_scene_cannot_read_is_named_with_the_line_of_the_scene ),
-        cmocka_unit_test( a_list_of_numbers_must_have_one_for_each_strand_of_the_file ),
-        cmocka_unit_test( results_that_cannot_be_written_fail_the_run ),
-        cmocka_unit_test( what_cannot_be_written_is_told_before_the_first_step ),
-        cmocka_unit_test( a_run_gives_the_same_hash_on_every_worker_count_and_instruction_set ),
-        cmocka_unit_test( a_run_prints_passes_counters_and_hash ),
-        cmocka_unit_test( a_run_begins_with_its_result_and_leaves_out_zero_counters ),
-        cmocka_unit_test( every_format_can_be_queried_for ),
-        cmocka_unit_test( the_summary_goes_to_a_file_when_queried ),
-        cmocka_unit_test( info_prints_the_keys_of_a_block ),
-        cmocka_unit_test( a_run_writes_the_files_of_its_scene_with_width_and_colour ),
-        cmocka_unit_test( stretched_cloth_is_reported_and_statistics_are_printed ),
-        cmocka_unit_test( penetration_is_printed_and_a_vertex_below_a_surface_is_told ),
-        cmocka_unit_test( the_reaction_of_a_collider_is_the_weight_of_what_lies_on_it ),
-        cmocka_unit_test( a_scene_without_requests_has_a_plan_without_passes ),
-        cmocka_unit_test( info_tells_scenes_results_and_grooms_apart ),
-        cmocka_unit_test( info_refuses_what_it_does_not_know_or_cannot_trust ),
-        cmocka_unit_test( bench_lists_its_cases ),
-        cmocka_unit_test( bench_without_its_own_program_is_refused_and_other_verbs_work ),
-        cmocka_unit_test( bench_is_found_through_a_symbolic_link ),
-        cmocka_unit_test( progress_is_drawn_on_a_terminal_and_wiped_out_again ),
-        cmocka_unit_test( no_color_takes_the_colour_away_and_leaves_the_bar ),
-        cmocka_unit_test( a_dumb_terminal_and_a_file_see_no_bar ),
-    };
-    return find_program( argc, argv ) ? cmocka_run_group_tests_name( "program", tests, enter_folder, leave_folder )
-                                      : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

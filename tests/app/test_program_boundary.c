@@ -68,9 +68,8 @@ static void run_well( const char* command )
 
 // ---- reports ----
 
-static void a_run_tells_how_many_points_there_are_and_how_much_was_resampled( void** state )
+TEST( a_run_tells_how_many_points_there_are_and_how_much_was_resampled )
 {
-    (void)state;
     run_well( "run ball.yaml" );
     const char* line = strstr( result.out, "ball: " );
     assert_non_null( line );
@@ -88,9 +87,8 @@ static void a_run_tells_how_many_points_there_are_and_how_much_was_resampled( vo
     assert_null( strstr( result.out, "contact" ) );
 }
 
-static void a_run_tells_of_contact_where_stats_are_requested( void** state )
+TEST( a_run_tells_of_contact_where_stats_are_requested )
 {
-    (void)state;
     run_well( "run two.yaml" );
     assert_non_null( strstr( result.out, "contact: 2 entities, " ) );
     assert_non_null( strstr( result.out, ", 0 intersections, " ) );
@@ -99,9 +97,8 @@ static void a_run_tells_of_contact_where_stats_are_requested( void** state )
     assert_null( strstr( result.out, "oundary" ) );
 }
 
-static void a_run_counts_intersections_and_moves_no_vertex_by_that( void** state )
+TEST( a_run_counts_intersections_and_moves_no_vertex_by_that )
 {
-    (void)state;
     run_well( "run two.yaml" ); // by the key of the scene
     assert_non_null( strstr( result.out, "intersections  none in 3 steps" ) );
     assert_null( strstr( result.out, "Intersections" ) );
@@ -134,9 +131,8 @@ static void a_run_counts_intersections_and_moves_no_vertex_by_that( void** state
     assert_non_null( strstr( result.out, "\"steps_with_intersections\": 3" ) );
 }
 
-static void machines_get_a_row_a_step( void** state )
+TEST( machines_get_a_row_a_step )
 {
-    (void)state;
     run_well( "run two.yaml --format json" );
     static const char* const words[] = { "\"step 1\"",
                                          "\"step 2\"",
@@ -160,9 +156,8 @@ static void machines_get_a_row_a_step( void** state )
     assert_non_null( strstr( result.out, "two.yaml/step 2" ) );
 }
 
-static void a_scene_is_described_with_its_layers_and_contacts( void** state )
+TEST( a_scene_is_described_with_its_layers_and_contacts )
 {
-    (void)state;
     run_well( "info two.yaml" );
     assert_non_null(
         strstr( result.out, "    contact and self contact: thickness a quarter of the mean edge, friction " ) );
@@ -172,9 +167,8 @@ static void a_scene_is_described_with_its_layers_and_contacts( void** state )
 
 // ---- files ----
 
-static void files_hold_the_vertices_and_behind_them_the_points( void** state )
+TEST( files_hold_the_vertices_and_behind_them_the_points )
 {
-    (void)state;
     run_well( "run ball.yaml --boundary layer.ply --every 2" );
     assert_non_null( strstr( result.out, "boundary points written: 2 files, the last is layer_0003.ply" ) );
     assert_true( exists( "layer_0002.ply" ) && exists( "layer_0003.ply" ) );
@@ -202,9 +196,8 @@ static void files_hold_the_vertices_and_behind_them_the_points( void** state )
 }
 
 // Rows of the vertices: place, normal, element.
-static void normals_of_a_file_are_unit_and_points_lie_on_elements( void** state )
+TEST( normals_of_a_file_are_unit_and_points_lie_on_elements )
 {
-    (void)state;
     enum
     {
         VERTICES = 162,
@@ -238,17 +231,15 @@ static void normals_of_a_file_are_unit_and_points_lie_on_elements( void** state 
     assert_int_equal( fclose( file ), 0 );
 }
 
-static void several_surfaces_are_a_file_each( void** state )
+TEST( several_surfaces_are_a_file_each )
 {
-    (void)state;
     run_well( "run two.yaml --boundary both.ply" );
     assert_non_null( strstr( result.out, "6 files" ) );
     assert_true( exists( "both_left_0002.ply" ) && exists( "both_right_0004.ply" ) );
 }
 
-static void files_do_not_depend_on_the_number_of_workers( void** state )
+TEST( files_do_not_depend_on_the_number_of_workers )
 {
-    (void)state;
     run_well( "run ball.yaml --boundary one.ply --workers 1" );
     run_well( "run ball.yaml --boundary three.ply --workers 3" );
     size_t size, other;
@@ -260,17 +251,15 @@ static void files_do_not_depend_on_the_number_of_workers( void** state )
     free( three );
 }
 
-static void points_that_cannot_be_written_are_refused( void** state )
+TEST( points_that_cannot_be_written_are_refused )
 {
-    (void)state;
     assert_refused( "run plain.yaml --boundary a.ply", "plain.yaml has no surface with the key 'boundary'" );
     assert_refused( "run ball.yaml --boundary no_folder/a.ply", "no_folder/a_0002.ply" );
     assert_usage( "run ball.yaml --boundary a.obj", "got 'a.obj', expected a file name that ends in .ply" );
 }
 
-static void a_place_where_bench_can_have_no_folder_is_refused_before_anything_is_measured( void** state )
+TEST( a_place_where_bench_can_have_no_folder_is_refused_before_anything_is_measured )
 {
-    (void)state;
     assert_refused( "bench boundary --quick --pictures ball.yaml", "ball.yaml: cannot make a folder" );
     assert_refused( "bench contact --quick --pictures absent/pictures", "absent/pictures: cannot make a folder" );
 }
@@ -294,9 +283,8 @@ static int count_differing( const char* a, const char* b )
 
 #define SMALL " --size 120x90 --samples 1"
 
-static void points_are_drawn_unless_nobody_requests_them( void** state )
+TEST( points_are_drawn_unless_nobody_requests_them )
 {
-    (void)state;
     run_well( "render ball.yaml -o drawn.png" SMALL );
     run_well( "render ball.yaml --boundary normal -o normal.png" SMALL );
     run_well( "render ball.yaml --boundary none -o none.png" SMALL );
@@ -312,9 +300,8 @@ static void points_are_drawn_unless_nobody_requests_them( void** state )
     assert_true( count_differing( "lines.png", "bare.png" ) > 300 );
 }
 
-static void the_start_shows_its_points( void** state )
+TEST( the_start_shows_its_points )
 {
-    (void)state;
     run_well( "render ball.yaml --frame 0 -o start.png" SMALL );
     run_well( "render ball.yaml --frame 0 --boundary none -o empty.png" SMALL );
     assert_true( count_differing( "start.png", "empty.png" ) > 100 );
@@ -323,9 +310,8 @@ static void the_start_shows_its_points( void** state )
     assert_true( exists( "film_0003.png" ) );
 }
 
-static void points_of_what_has_none_are_refused( void** state )
+TEST( points_of_what_has_none_are_refused )
 {
-    (void)state;
     run_well( "render plain.yaml -o plain.png" SMALL );
     run_well( "render plain.yaml --boundary none -o plain.png" SMALL );
     assert_refused( "render plain.yaml --boundary class -o a.png", "plain.yaml: has no boundary points" );
@@ -333,25 +319,5 @@ static void points_of_what_has_none_are_refused( void** state )
     assert_usage( "render ball.yaml --boundary clas -o a.png", "did you mean 'class'?" );
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_run_tells_how_many_points_there_are_and_how_much_was_resampled ),
-        cmocka_unit_test( a_run_tells_of_contact_where_stats_are_requested ),
-        cmocka_unit_test( a_run_counts_intersections_and_moves_no_vertex_by_that ),
-        cmocka_unit_test( machines_get_a_row_a_step ),
-        cmocka_unit_test( a_scene_is_described_with_its_layers_and_contacts ),
-        cmocka_unit_test( files_hold_the_vertices_and_behind_them_the_points ),
-        cmocka_unit_test( normals_of_a_file_are_unit_and_points_lie_on_elements ),
-        cmocka_unit_test( several_surfaces_are_a_file_each ),
-        cmocka_unit_test( files_do_not_depend_on_the_number_of_workers ),
-        cmocka_unit_test( points_that_cannot_be_written_are_refused ),
-        cmocka_unit_test( a_place_where_bench_can_have_no_folder_is_refused_before_anything_is_measured ),
-        cmocka_unit_test( points_are_drawn_unless_nobody_requests_them ),
-        cmocka_unit_test( the_start_shows_its_points ),
-        cmocka_unit_test( points_of_what_has_none_are_refused ),
-    };
-    return find_program( argc, argv )
-               ? cmocka_run_group_tests_name( "program boundary", tests, enter_folder, leave_folder )
-               : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

@@ -58,26 +58,23 @@ static int enter_folder( void** state )
     return enter_folder_with( state, files, WISP_COUNT( files ) );
 }
 
-static void rows_that_hold_are_status_0( void** state )
+TEST( rows_that_hold_are_status_0 )
 {
-    (void)state;
     run_ok( "bench holds.yaml" );
     assert_contains( result.out, "2 cells: 1 hold" );
     assert_contains( result.out, "refused, as expected" );
 }
 
-static void a_row_that_breaks_is_status_1_and_a_sentence( void** state )
+TEST( a_row_that_breaks_is_status_1_and_a_sentence )
 {
-    (void)state;
     run( "bench breaks.yaml" );
     assert_int_equal( result.status, 1 );
     assert_contains( result.out, "FAILED: stability, heavy: breaks energy: energy is " );
     assert_contains( result.out, "2 cells: 1 hold" );
 }
 
-static void what_is_known_to_break_passes_until_it_holds( void** state )
+TEST( what_is_known_to_break_passes_until_it_holds )
 {
-    (void)state;
     run_ok( "bench known.yaml" );
     assert_contains( result.out, "1 break as known" );
     run( "bench mended.yaml" );
@@ -85,9 +82,8 @@ static void what_is_known_to_break_passes_until_it_holds( void** state )
     assert_contains( result.out, "sheet: holds now; remove it from what is known to break" );
 }
 
-static void a_sweep_has_each_value_alone_and_pairs_and_leaves_out_what_is_not_due( void** state )
+TEST( a_sweep_has_each_value_alone_and_pairs_and_leaves_out_what_is_not_due )
 {
-    (void)state;
     run_ok( "bench sweeps.yaml" );
     assert_contains( result.out, "sheet: short, small" );
     assert_contains( result.out, "sweeps: 5 cells: 5 hold" ); // base, short, small, two pairs
@@ -97,17 +93,15 @@ static void a_sweep_has_each_value_alone_and_pairs_and_leaves_out_what_is_not_du
     assert_contains( result.out, "sweeps: 1 cells: 1 hold" );
 }
 
-static void rows_that_must_agree_and_differ_fail( void** state )
+TEST( rows_that_must_agree_and_differ_fail )
 {
-    (void)state;
     run( "bench differs.yaml" );
     assert_int_equal( result.status, 1 );
     assert_contains( result.out, "sheet: rows differ by " );
 }
 
-static void a_check_without_a_limit_says_so_and_takes_that_of_the_user( void** state )
+TEST( a_check_without_a_limit_says_so_and_takes_that_of_the_user )
 {
-    (void)state;
     run( "bench windy.yaml" );
     assert_int_equal( result.status, 1 );
     assert_contains( result.out, "strain rest" );
@@ -116,9 +110,8 @@ static void a_check_without_a_limit_says_so_and_takes_that_of_the_user( void** s
     assert_contains( result.out, "and 0.01 % are allowed" );
 }
 
-static void wrong_words_name_their_place( void** state )
+TEST( wrong_words_name_their_place )
 {
-    (void)state;
     static const struct
     {
         const char *text, *message;
@@ -150,16 +143,5 @@ static void wrong_words_name_their_place( void** state )
     }
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( rows_that_hold_are_status_0 ),
-        cmocka_unit_test( a_row_that_breaks_is_status_1_and_a_sentence ),
-        cmocka_unit_test( what_is_known_to_break_passes_until_it_holds ),
-        cmocka_unit_test( a_sweep_has_each_value_alone_and_pairs_and_leaves_out_what_is_not_due ),
-        cmocka_unit_test( rows_that_must_agree_and_differ_fail ),
-        cmocka_unit_test( a_check_without_a_limit_says_so_and_takes_that_of_the_user ),
-        cmocka_unit_test( wrong_words_name_their_place ),
-    };
-    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

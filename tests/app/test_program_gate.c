@@ -36,9 +36,8 @@ static int fresh( void** state )
     return 0;
 }
 
-static void what_did_not_change_passes( void** state )
+TEST_WITH( what_did_not_change_passes, fresh, NULL )
 {
-    (void)state;
     run_ok( "gate record suite.yaml --no-instructions -o base.json" );
     assert_contains( result.out, "recorded: 5 rows in base.json" );
     run_ok( "gate check suite.yaml --no-instructions --base base.json --junit gate.xml --strict" );
@@ -52,9 +51,8 @@ static void what_did_not_change_passes( void** state )
 }
 
 // A base beside the suite is the default.
-static void other_bits_without_a_worse_value_are_moved_and_pass( void** state )
+TEST_WITH( other_bits_without_a_worse_value_are_moved_and_pass, fresh, NULL )
 {
-    (void)state;
     run_ok( "gate record suite.yaml --no-instructions" );
     write_text( "cloth.yaml", CLOTH( "1.01", "9" ) );
     run_ok( "gate check suite.yaml --no-instructions" );
@@ -62,9 +60,8 @@ static void other_bits_without_a_worse_value_are_moved_and_pass( void** state )
                      "pass: 5 rows, 1 the same, 4 moved\n" ); // the damping of `short` is its own
 }
 
-static void a_worse_value_is_status_1_with_a_sentence( void** state )
+TEST_WITH( a_worse_value_is_status_1_with_a_sentence, fresh, NULL )
 {
-    (void)state;
     run_ok( "gate record suite.yaml --no-instructions" );
     write_text( "cloth.yaml", CLOTH( "1", "17" ) );
     run( "gate check suite.yaml --no-instructions --github --junit gate.xml --html gate.html" );
@@ -90,9 +87,8 @@ static void a_worse_value_is_status_1_with_a_sentence( void** state )
     json_decref( base );
 }
 
-static void budgets_decide( void** state )
+TEST_WITH( budgets_decide, fresh, NULL )
 {
-    (void)state;
     run_ok( "gate record suite.yaml --no-instructions" );
     write_text( "cloth.yaml", CLOTH( "1", "10" ) );
     run( "gate check suite.yaml --no-instructions" );
@@ -103,9 +99,8 @@ static void budgets_decide( void** state )
     run_ok( "gate check suite.yaml --no-instructions" );
 }
 
-static void rows_that_only_one_side_has_are_told( void** state )
+TEST_WITH( rows_that_only_one_side_has_are_told, fresh, NULL )
 {
-    (void)state;
     run_ok( "gate record suite.yaml --no-instructions" );
     write_text( "suite.yaml", "wisp_suite: 1\nscenes: [{ file: cloth.yaml, vary: { substeps: [4, 6] } }]\n" );
     run_ok( "gate check suite.yaml --no-instructions" );
@@ -116,9 +111,8 @@ static void rows_that_only_one_side_has_are_told( void** state )
 }
 
 // With a reference a row that is farther from it than before is worse.
-static void errors_are_compared( void** state )
+TEST_WITH( errors_are_compared, fresh, NULL )
 {
-    (void)state;
     static const char with[] =
         "reference: { set: { substeps: 40 }, check: { substeps: 20 } }\nwisp_suite: 1\nscenes: [{ file: cloth.yaml, "
         "set: { substeps: %d }, steps: 10 }]\nbudgets: { stretch: 100, energy: 100, bytes: 100 }\n";
@@ -144,9 +138,8 @@ static void errors_are_compared( void** state )
 }
 
 // Where valgrind is installed: the same counts in every run, and one percent more is too much.
-static void instructions_repeat( void** state )
+TEST_WITH( instructions_repeat, fresh, NULL )
 {
-    (void)state;
     write_text( "suite.yaml", "wisp_suite: 1\nscenes: [{ file: cloth.yaml, steps: 2 }]\n" );
     run( "gate record suite.yaml" );
     if ( result.status != 0 )
@@ -171,9 +164,8 @@ static void instructions_repeat( void** state )
 }
 
 // A base that has cycles is compared with cycles, without being asked.
-static void cycles_repeat( void** state )
+TEST_WITH( cycles_repeat, fresh, NULL )
 {
-    (void)state;
     write_text( "suite.yaml", "wisp_suite: 1\nscenes: [{ file: cloth.yaml, steps: 2 }]\n" );
     run( "gate record suite.yaml --cycles" );
     if ( result.status != 0 )
@@ -194,9 +186,8 @@ static void cycles_repeat( void** state )
     assert_contains( result.out, "cycles is " );
 }
 
-static void iterations_of_linear_solves_are_compared( void** state )
+TEST_WITH( iterations_of_linear_solves_are_compared, fresh, NULL )
 {
-    (void)state;
     write_text( "implicit.yaml",
                 "wisp: 1\nsteps: 4\nsurfaces:\n  - name: a\n    generate: { shape: plane, columns: 9, "
                 "rows: 9 }\n    pins: [0]\n    implicit: {}\n" );
@@ -222,9 +213,8 @@ typedef struct bad_suite
     const char *text, *named;
 } bad_suite;
 
-static void bad_suites_are_refused_in_a_sentence( void** state )
+TEST_WITH( bad_suites_are_refused_in_a_sentence, fresh, NULL )
 {
-    (void)state;
     static const bad_suite all[] = {
         { "", "suite.yaml" },
         { "scenes: []\n", "wisp_suite: 1" },
@@ -253,9 +243,8 @@ static void bad_suites_are_refused_in_a_sentence( void** state )
     }
 }
 
-static void bad_bases_are_refused_and_stay( void** state )
+TEST_WITH( bad_bases_are_refused_and_stay, fresh, NULL )
 {
-    (void)state;
     assert_refused( "gate check suite.yaml", "suite-base.json" );
     run_ok( "gate record suite.yaml --no-instructions" );
     size_t size;
@@ -279,9 +268,8 @@ static void bad_bases_are_refused_and_stay( void** state )
 }
 
 // A program that says it needs half as long; a half is far beyond the noise of any machine. Speed itself is not tested.
-static void times_are_compared_with_another_program( void** state )
+TEST_WITH( times_are_compared_with_another_program, fresh, NULL )
 {
-    (void)state;
     char script[5000];
     snprintf( script, sizeof script,
               "#!/bin/sh\n'%s' \"$@\" | while read name version ns steps; do echo $name $version $((ns / 2)) $steps; "
@@ -306,9 +294,8 @@ static void write_program( const char* name, const char* script )
     assert_int_equal( chmod( name, 0755 ), 0 );
 }
 
-static void programs_that_hang_or_make_other_steps_are_refused( void** state )
+TEST_WITH( programs_that_hang_or_make_other_steps_are_refused, fresh, NULL )
 {
-    (void)state;
     write_text( "suite.yaml", "wisp_suite: 1\nscenes: [{ file: cloth.yaml, steps: 2 }]\n" );
     write_program( "hangs", "#!/bin/sh\nsleep 600\n" );
     assert_refused( "gate check suite.yaml --paired ./hangs --patience 0.2", "./hangs: gave no time of row 0" );
@@ -319,9 +306,8 @@ static void programs_that_hang_or_make_other_steps_are_refused( void** state )
     assert_usage( "gate check suite.yaml --paired ./skips --patience -1", "--patience" );
 }
 
-static void wrong_usage_is_64( void** state )
+TEST_WITH( wrong_usage_is_64, fresh, NULL )
 {
-    (void)state;
     assert_usage( "gate", "expected an action" );
     assert_usage( "gate check", "expected an action and a suite" );
     assert_usage( "gate chek suite.yaml", "did you mean 'check'?" );
@@ -329,23 +315,5 @@ static void wrong_usage_is_64( void** state )
     assert_refused( "gate step suite.yaml --row 5", "got row 5, the suite has 5" );
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup( what_did_not_change_passes, fresh ),
-        cmocka_unit_test_setup( other_bits_without_a_worse_value_are_moved_and_pass, fresh ),
-        cmocka_unit_test_setup( a_worse_value_is_status_1_with_a_sentence, fresh ),
-        cmocka_unit_test_setup( budgets_decide, fresh ),
-        cmocka_unit_test_setup( errors_are_compared, fresh ),
-        cmocka_unit_test_setup( rows_that_only_one_side_has_are_told, fresh ),
-        cmocka_unit_test_setup( instructions_repeat, fresh ),
-        cmocka_unit_test_setup( cycles_repeat, fresh ),
-        cmocka_unit_test_setup( iterations_of_linear_solves_are_compared, fresh ),
-        cmocka_unit_test_setup( bad_suites_are_refused_in_a_sentence, fresh ),
-        cmocka_unit_test_setup( bad_bases_are_refused_and_stay, fresh ),
-        cmocka_unit_test_setup( times_are_compared_with_another_program, fresh ),
-        cmocka_unit_test_setup( programs_that_hang_or_make_other_steps_are_refused, fresh ),
-        cmocka_unit_test_setup( wrong_usage_is_64, fresh ),
-    };
-    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

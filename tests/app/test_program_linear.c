@@ -49,9 +49,8 @@ static void check_line( const char* what, const double* instructions )
     assert_true( line.slope > 10.0 );
 }
 
-static void instructions_grow_linearly_with_the_vertices( void** state )
+TEST( instructions_grow_linearly_with_the_vertices )
 {
-    (void)state;
     static const char* const names[PASSES] = { "frozen_hair.freeze", "frozen_hair.align", "frozen_hair.clump" };
     run( "gate record suite.yaml -o base.json" );
     if ( result.status != 0 )
@@ -80,10 +79,5 @@ static void instructions_grow_linearly_with_the_vertices( void** state )
     }
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( instructions_grow_linearly_with_the_vertices ),
-    };
-    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

@@ -18,9 +18,8 @@ static int enter_folder( void** state )
 
 // ---- options ----
 
-static void long_options_can_be_abbreviated_and_joined_to_their_value( void** state )
+TEST( long_options_can_be_abbreviated_and_joined_to_their_value )
 {
-    (void)state;
     static const char* const commands[] = { "run flag.yaml --steps 2",  "run flag.yaml --steps=2",
                                             "run --st 2 flag.yaml",     "run --ste=2 flag.yaml",
                                             "run -s2 flag.yaml",        "run -s 2 flag.yaml",
@@ -33,24 +32,21 @@ static void long_options_can_be_abbreviated_and_joined_to_their_value( void** st
     assert_usage( "render flag.yaml --fra 1 -o a.png", "got option '--fra', which can be --frame, --frames" );
 }
 
-static void what_follows_two_dashes_is_no_option( void** state )
+TEST( what_follows_two_dashes_is_no_option )
 {
-    (void)state;
     run_ok( "run --steps 2 -- --odd.yaml" );
     assert_non_null( strstr( result.out, "scene        --odd.yaml" ) );
     assert_usage( "run --steps 2 --odd.yaml", "got option '--odd.yaml', which does not exist" );
 }
 
-static void the_last_of_an_option_that_is_given_twice_counts( void** state )
+TEST( the_last_of_an_option_that_is_given_twice_counts )
 {
-    (void)state;
     run_ok( "run flag.yaml --steps 1 --steps 3 --format csv --format text" );
     assert_non_null( strstr( result.out, "\nsteps        3 of " ) );
 }
 
-static void usage_errors_are_one_line_that_suggests_the_nearest( void** state )
+TEST( usage_errors_are_one_line_that_suggests_the_nearest )
 {
-    (void)state;
     static const char* const commands[][2] = {
         { "run flag.yaml --stpes 2", "wisp run: got option '--stpes'; did you mean '--steps'?\n" },
         { "run flag.yaml --steps", "wisp run: --steps: got no value, expected N\n" },
@@ -71,9 +67,8 @@ static void usage_errors_are_one_line_that_suggests_the_nearest( void** state )
 
 // ---- help ----
 
-static void help_is_the_same_in_every_way_that_it_is_asked_for( void** state )
+TEST( help_is_the_same_in_every_way_that_it_is_asked_for )
 {
-    (void)state;
     static const char* const verbs[] = { "run",  "render",   "view",    "info", "plan",    "tune",
                                          "gate", "accuracy", "torture", "help", "compare", "bench" };
     static char expected[OUTPUT_MAX];
@@ -133,9 +128,8 @@ static void assert_is_everywhere( const char* name )
     assert_non_null( strstr( bash, word ) );
 }
 
-static void every_option_in_help_is_in_the_manual_and_in_completions( void** state )
+TEST( every_option_in_help_is_in_the_manual_and_in_completions )
 {
-    (void)state;
     static const char* const verbs[] = { "run",     "render",   "view", "info",    "plan", "tune",      "bench",
                                          "torture", "accuracy", "gate", "compare", "help", "completion" };
     run_ok( "completion bash" );
@@ -155,9 +149,8 @@ static void every_option_in_help_is_in_the_manual_and_in_completions( void** sta
     assert_true( count > 100 ); // 13 commands, of which each has at least three
 }
 
-static void the_manual_of_the_program_names_every_command( void** state )
+TEST( the_manual_of_the_program_names_every_command )
 {
-    (void)state;
     run_ok( "help --man" );
     strcpy( manual, result.out );
     assert_non_null( strstr( manual, ".TH wisp 1 " ) );
@@ -175,18 +168,5 @@ static void the_manual_of_the_program_names_every_command( void** state )
     assert_int_equal( count, 16 );
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( long_options_can_be_abbreviated_and_joined_to_their_value ),
-        cmocka_unit_test( what_follows_two_dashes_is_no_option ),
-        cmocka_unit_test( the_last_of_an_option_that_is_given_twice_counts ),
-        cmocka_unit_test( usage_errors_are_one_line_that_suggests_the_nearest ),
-        cmocka_unit_test( help_is_the_same_in_every_way_that_it_is_asked_for ),
-        cmocka_unit_test( every_option_in_help_is_in_the_manual_and_in_completions ),
-        cmocka_unit_test( the_manual_of_the_program_names_every_command ),
-    };
-    return find_program( argc, argv )
-               ? cmocka_run_group_tests_name( "program options", tests, enter_folder, leave_folder )
-               : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

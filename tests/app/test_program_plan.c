@@ -67,9 +67,8 @@ static double sum_of( const json_t* passes, const char* key, int* count )
     return sum;
 }
 
-static void shares_of_the_json_form_sum_to_one( void** state )
+TEST( shares_of_the_json_form_sum_to_one )
 {
-    (void)state;
     json_t* root = read_json( "plan hair.yaml --format json --steps 4" );
     const json_t* passes = json_object_get( root, "passes" );
     const int kept = (int)json_integer_value( json_object_get( root, "active" ) );
@@ -89,9 +88,8 @@ static void shares_of_the_json_form_sum_to_one( void** state )
     json_decref( root );
 }
 
-static void without_steps_nothing_is_measured_and_all_else_is_told( void** state )
+TEST( without_steps_nothing_is_measured_and_all_else_is_told )
 {
-    (void)state;
     json_t* root = read_json( "plan hair.yaml --format json --steps 0" );
     int count = 0;
     sum_of( json_object_get( root, "passes" ), "measured_fraction", &count );
@@ -104,9 +102,8 @@ static void without_steps_nothing_is_measured_and_all_else_is_told( void** state
     assert_non_null( strstr( result.out, "nothing was measured: --steps 0" ) );
 }
 
-static void an_active_pass_of_the_json_form_has_its_reasons_and_its_place( void** state )
+TEST( an_active_pass_of_the_json_form_has_its_reasons_and_its_place )
 {
-    (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
     const json_t* freeze = find( json_object_get( root, "passes" ), "frozen_hair.freeze" );
     assert_string_equal( word( freeze, "state" ), "active" );
@@ -126,9 +123,8 @@ static void an_active_pass_of_the_json_form_has_its_reasons_and_its_place( void*
     json_decref( root );
 }
 
-static void every_absent_module_and_pass_has_its_reason_in_every_form( void** state )
+TEST( every_absent_module_and_pass_has_its_reason_in_every_form )
 {
-    (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
     const json_t* modules = json_object_get( root, "modules" );
     assert_string_equal( word( find( modules, "balloon" ), "missing" ), "balloon.gas" );
@@ -153,9 +149,8 @@ static void every_absent_module_and_pass_has_its_reason_in_every_form( void** st
     json_decref( root );
 }
 
-static void the_verbose_text_names_each_pass_of_the_json_form( void** state )
+TEST( the_verbose_text_names_each_pass_of_the_json_form )
 {
-    (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
     run_ok( "plan hair.yaml --verbose" );
     const json_t* passes = json_object_get( root, "passes" );
@@ -170,9 +165,8 @@ static void the_verbose_text_names_each_pass_of_the_json_form( void** state )
     json_decref( root );
 }
 
-static void the_short_text_has_a_line_for_each_active_pass_and_absent_module( void** state )
+TEST( the_short_text_has_a_line_for_each_active_pass_and_absent_module )
 {
-    (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
     run_ok( "plan hair.yaml" );
     const json_t* passes = json_object_get( root, "passes" );
@@ -221,9 +215,8 @@ static void assert_balanced( const char* dot )
     assert_int_equal( brackets, 0 );
 }
 
-static void a_graph_is_balanced_and_names_each_kept_pass_once( void** state )
+TEST( a_graph_is_balanced_and_names_each_kept_pass_once )
 {
-    (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
     run_ok( "plan hair.yaml --format dot" );
     assert_int_equal( strncmp( result.out, "digraph wisp_plan {", 19 ), 0 );
@@ -247,9 +240,8 @@ static void a_graph_is_balanced_and_names_each_kept_pass_once( void** state )
     json_decref( root );
 }
 
-static void a_quote_in_a_name_does_not_end_a_string_of_the_graph( void** state )
+TEST( a_quote_in_a_name_does_not_end_a_string_of_the_graph )
 {
-    (void)state;
     run_ok( "plan quo\"te.yaml --format dot --steps 0" );
     assert_balanced( result.out );
     assert_non_null( strstr( result.out, "quo\\\"te.yaml" ) );
@@ -260,9 +252,8 @@ static void a_quote_in_a_name_does_not_end_a_string_of_the_graph( void** state )
 
 // ---- scenes of the tree, and invalid arguments ----
 
-static void an_empty_scene_has_a_plan_in_every_form( void** state )
+TEST( an_empty_scene_has_a_plan_in_every_form )
 {
-    (void)state;
     json_t* root = read_json( "plan " WISP_SOURCE_ROOT "/data/scenes/empty.yaml --format json" );
     assert_int_equal( json_integer_value( json_object_get( root, "active" ) ), 0 );
     int count = 0;
@@ -273,9 +264,8 @@ static void an_empty_scene_has_a_plan_in_every_form( void** state )
     assert_balanced( result.out );
 }
 
-static void a_scene_with_substeps_has_loops_and_what_comes_round_is_dashed( void** state )
+TEST( a_scene_with_substeps_has_loops_and_what_comes_round_is_dashed )
 {
-    (void)state;
     run_ok( "plan " WISP_SOURCE_ROOT "/data/scenes/hanging_cloth.yaml --format dot --steps 1" );
     assert_balanced( result.out );
     static const char* const LOOPS[] = { "substep", "iteration", "substep end", "after" };
@@ -288,9 +278,8 @@ static void a_scene_with_substeps_has_loops_and_what_comes_round_is_dashed( void
     assert_non_null( strstr( result.out, "style=dashed, constraint=false" ) );
 }
 
-static void what_runs_together_is_told_in_every_form( void** state )
+TEST( what_runs_together_is_told_in_every_form )
 {
-    (void)state;
 #define CHAINS "plan " WISP_SOURCE_ROOT "/data/scenes/chain_links.yaml --steps 1 --format "
     json_t* root = read_json( CHAINS "json" );
     const json_t* passes = json_object_get( root, "passes" );
@@ -308,30 +297,13 @@ static void what_runs_together_is_told_in_every_form( void** state )
 #undef CHAINS
 }
 
-static void wrong_words_are_wrong_usage_and_a_missing_scene_is_bad_input( void** state )
+TEST( wrong_words_are_wrong_usage_and_a_missing_scene_is_bad_input )
 {
-    (void)state;
     assert_usage( "plan hair.yaml --format svg", "--format: got 'svg', expected one of text, dot, json" );
     assert_usage( "plan hair.yaml --steps -1", "--steps: got '-1'" );
     assert_usage( "plan hair.yaml --steps many", "--steps: got 'many'" );
     assert_refused( "plan nowhere.yaml --format json", "nowhere.yaml" );
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( shares_of_the_json_form_sum_to_one ),
-        cmocka_unit_test( without_steps_nothing_is_measured_and_all_else_is_told ),
-        cmocka_unit_test( an_active_pass_of_the_json_form_has_its_reasons_and_its_place ),
-        cmocka_unit_test( every_absent_module_and_pass_has_its_reason_in_every_form ),
-        cmocka_unit_test( the_verbose_text_names_each_pass_of_the_json_form ),
-        cmocka_unit_test( the_short_text_has_a_line_for_each_active_pass_and_absent_module ),
-        cmocka_unit_test( a_graph_is_balanced_and_names_each_kept_pass_once ),
-        cmocka_unit_test( a_quote_in_a_name_does_not_end_a_string_of_the_graph ),
-        cmocka_unit_test( an_empty_scene_has_a_plan_in_every_form ),
-        cmocka_unit_test( a_scene_with_substeps_has_loops_and_what_comes_round_is_dashed ),
-        cmocka_unit_test( what_runs_together_is_told_in_every_form ),
-        cmocka_unit_test( wrong_words_are_wrong_usage_and_a_missing_scene_is_bad_input ),
-    };
-    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

@@ -4,9 +4,8 @@
 
 // ---- recordings of a run ----
 
-static void a_run_is_recorded_in_every_format( void** state )
+TEST( a_run_is_recorded_in_every_format )
 {
-    (void)state;
     static const char* const files[][2] = {
         { "a.wisp", "a.wisp" },    { "a.pc2", "a.pc2" },   { "a.pvd", "a/hair_0004.vtp" },
         { "a.obj", "a_0004.obj" }, { "a.usda", "a.usda" }, { "a.glb", "a.glb" },
@@ -41,9 +40,8 @@ static bool has_array( const char* path, const char* name )
     return found;
 }
 
-static void recording_does_not_change_the_hash_unless_more_is_computed( void** state )
+TEST( recording_does_not_change_the_hash_unless_more_is_computed )
 {
-    (void)state;
     static const char* const files[] = { "h.wisp", "h.pc2", "h.pvd", "h.obj", "h.usda", "h.glb" };
     char plain[20], recorded[20];
     run_ok( "run cloth.yaml" );
@@ -62,9 +60,8 @@ static void recording_does_not_change_the_hash_unless_more_is_computed( void** s
     assert_true( has_array( "h/ball_0001.vtp", "Normals" ) );
 }
 
-static void values_that_are_asked_for_are_computed_and_move_no_vertex( void** state )
+TEST( values_that_are_asked_for_are_computed_and_move_no_vertex )
 {
-    (void)state;
     run_ok( "run cloth.yaml --record plain.usda" );
     run_ok( "run cloth.yaml --record with.usda --record-with strain,speed" );
     run_ok( "run cloth.yaml --record plain.pvd" );
@@ -84,9 +81,8 @@ static void values_that_are_asked_for_are_computed_and_move_no_vertex( void** st
     free( text );
 }
 
-static void what_the_scene_computes_is_recorded_without_asking( void** state )
+TEST( what_the_scene_computes_is_recorded_without_asking )
 {
-    (void)state;
     char scene[1200];
     const char* at = strstr( cloth_scene, "    cloth: {}\n" );
     assert_non_null( at );
@@ -98,17 +94,15 @@ static void what_the_scene_computes_is_recorded_without_asking( void** state )
     assert_false( has_array( "strained/cloth_0007.vtp", "speed" ) );
 }
 
-static void hair_is_recorded_with_the_widths_and_colours_of_its_appearance( void** state )
+TEST( hair_is_recorded_with_the_widths_and_colours_of_its_appearance )
 {
-    (void)state;
     run_ok( "run hair.yaml --record dressed.pvd" );
     assert_true( has_array( "dressed/hair_0001.vtp", "width" ) );
     assert_true( has_array( "dressed/hair_0001.vtp", "RGB" ) );
 }
 
-static void a_value_that_cannot_be_recorded_is_refused( void** state )
+TEST( a_value_that_cannot_be_recorded_is_refused )
 {
-    (void)state;
     assert_refused( "run hair.yaml --record r.pvd --record-with strain", "hair.yaml has no body with strain" );
     assert_false( exists( "r.pvd" ) );
     run( "run cloth.yaml --record r.glb --record-with strain" );
@@ -124,9 +118,8 @@ static void a_value_that_cannot_be_recorded_is_refused( void** state )
     assert_false( exists( "r.glb" ) );
 }
 
-static void a_recording_has_the_start_and_every_nth_step_with_hashes( void** state )
+TEST( a_recording_has_the_start_and_every_nth_step_with_hashes )
 {
-    (void)state;
     run_ok( "run hair.yaml --steps 7 --every 3 --record nth.wisp" );
     wisp_error error = { 0 };
     wisp_recording* recording;
@@ -221,9 +214,8 @@ static double corner( const ghost_frames* r, bool of_ghosts )
 
 // Once continuously differentiable: the change of velocity at a step falls with the distance of frames. On straight lines, which the
 // other points move along, it stays.
-static void frames_between_steps_pass_through_the_steps_and_ghosts_turn_no_corner_there( void** state )
+TEST( frames_between_steps_pass_through_the_steps_and_ghosts_turn_no_corner_there )
 {
-    (void)state;
     static ghost_frames plain, some, many;
     write_text( "ghosts.yaml", ghost_scene );
     record_ghosts( "", 1, &plain );
@@ -240,9 +232,8 @@ static void frames_between_steps_pass_through_the_steps_and_ghosts_turn_no_corne
     assert_true( corner( &many, true ) < 0.2 * corner( &many, false ) );
 }
 
-static void a_scene_has_frames_between_steps_and_an_option_has_the_last_word( void** state )
+TEST( a_scene_has_frames_between_steps_and_an_option_has_the_last_word )
 {
-    (void)state;
     static ghost_frames asked, written;
     char scene[1200];
     write_text( "ghosts.yaml", ghost_scene );
@@ -258,9 +249,8 @@ static void a_scene_has_frames_between_steps_and_an_option_has_the_last_word( vo
                   "--frames-per-step: expected together with --record or --track" );
 }
 
-static void tracks_are_the_points_of_the_recording( void** state )
+TEST( tracks_are_the_points_of_the_recording )
 {
-    (void)state;
     run_ok( "run hair.yaml --record t.wisp --track hair:19,0 --track hair:7 --track-file t.csv" );
     assert_non_null( strstr( result.out, "t.csv: 3 vertices over 4 frames" ) );
     FILE* table = fopen( "t.csv", "r" );
@@ -291,9 +281,8 @@ static void tracks_are_the_points_of_the_recording( void** state )
 
 // ---- verification ----
 
-static void a_run_verifies_its_recording_on_other_workers( void** state )
+TEST( a_run_verifies_its_recording_on_other_workers )
 {
-    (void)state;
     run_ok( "run hair.yaml --record proof.wisp --workers 1" );
     run_ok( "run hair.yaml --verify proof.wisp --workers 3 --isa baseline" );
     assert_non_null( strstr( result.out, "proof.wisp: 4 frames, every bit equal" ) );
@@ -302,9 +291,8 @@ static void a_run_verifies_its_recording_on_other_workers( void** state )
     assert_non_null( strstr( result.out, "proof.wisp: 1 frames after the last step" ) );
 }
 
-static void a_recording_that_is_cut_or_of_another_length_proves_nothing( void** state )
+TEST( a_recording_that_is_cut_or_of_another_length_proves_nothing )
 {
-    (void)state;
     run_ok( "run hair.yaml --record proof.wisp" );
     run_ok( "run hair.yaml --record short.wisp --steps 2" );
     assert_refused( "run hair.yaml --verify short.wisp", "short.wisp: got 3 frames, expected 4" );
@@ -349,9 +337,8 @@ static void copy_with_one_bit_off( const char* from, const char* to )
     wisp_recording_close( recording );
 }
 
-static void a_difference_of_one_bit_is_named_by_frame_body_and_vertex( void** state )
+TEST( a_difference_of_one_bit_is_named_by_frame_body_and_vertex )
 {
-    (void)state;
     run_ok( "run hair.yaml --record proof.wisp" );
     copy_with_one_bit_off( "proof.wisp", "off.wisp" );
     assert_refused( "run hair.yaml --verify off.wisp", "off.wisp: frame 2 " );
@@ -359,9 +346,8 @@ static void a_difference_of_one_bit_is_named_by_frame_body_and_vertex( void** st
     assert_string_equal( result.out, "" );
 }
 
-static void a_recording_of_something_else_is_not_compared( void** state )
+TEST( a_recording_of_something_else_is_not_compared )
 {
-    (void)state;
     assert_refused( "run hair.yaml --verify fly.wisp", "body 0 differs in its name" );
     assert_refused( "run hair.yaml --verify absent.wisp", "absent.wisp" );
     assert_refused( "run hair.yaml --verify sheet.obj", "sheet.obj" );
@@ -369,9 +355,8 @@ static void a_recording_of_something_else_is_not_compared( void** state )
 
 // ---- info ----
 
-static void info_names_what_is_wrong_with_a_mesh_by_element( void** state )
+TEST( info_names_what_is_wrong_with_a_mesh_by_element )
 {
-    (void)state;
     run_ok( "info sheet.obj" );
     assert_non_null( strstr( result.out, "triangles            32" ) );
     assert_non_null( strstr( result.out, "open edges" ) );
@@ -383,9 +368,8 @@ static void info_names_what_is_wrong_with_a_mesh_by_element( void** state )
     assert_string_equal( result.out, "" );
 }
 
-static void info_tells_whether_a_recording_is_whole( void** state )
+TEST( info_tells_whether_a_recording_is_whole )
 {
-    (void)state;
     run_ok( "info fly.wisp" );
     assert_non_null( strstr( result.out, "6 frames" ) );
     run_ok( "info fly.pc2" );
@@ -401,27 +385,5 @@ static void info_tells_whether_a_recording_is_whole( void** state )
     assert_false( exists( "damaged.png" ) );
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_run_is_recorded_in_every_format ),
-        cmocka_unit_test( recording_does_not_change_the_hash_unless_more_is_computed ),
-        cmocka_unit_test( values_that_are_asked_for_are_computed_and_move_no_vertex ),
-        cmocka_unit_test( what_the_scene_computes_is_recorded_without_asking ),
-        cmocka_unit_test( hair_is_recorded_with_the_widths_and_colours_of_its_appearance ),
-        cmocka_unit_test( a_value_that_cannot_be_recorded_is_refused ),
-        cmocka_unit_test( a_recording_has_the_start_and_every_nth_step_with_hashes ),
-        cmocka_unit_test( frames_between_steps_pass_through_the_steps_and_ghosts_turn_no_corner_there ),
-        cmocka_unit_test( a_scene_has_frames_between_steps_and_an_option_has_the_last_word ),
-        cmocka_unit_test( tracks_are_the_points_of_the_recording ),
-        cmocka_unit_test( a_run_verifies_its_recording_on_other_workers ),
-        cmocka_unit_test( a_recording_that_is_cut_or_of_another_length_proves_nothing ),
-        cmocka_unit_test( a_difference_of_one_bit_is_named_by_frame_body_and_vertex ),
-        cmocka_unit_test( a_recording_of_something_else_is_not_compared ),
-        cmocka_unit_test( info_names_what_is_wrong_with_a_mesh_by_element ),
-        cmocka_unit_test( info_tells_whether_a_recording_is_whole ),
-    };
-    return find_program( argc, argv )
-               ? cmocka_run_group_tests_name( "program record", tests, enter_folder, leave_folder )
-               : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

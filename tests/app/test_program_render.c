@@ -70,9 +70,8 @@ static bool same_file( const char* a, const char* b )
 
 // ---- pictures ----
 
-static void every_kind_of_input_becomes_a_picture_of_the_size_queried_for( void** state )
+TEST( every_kind_of_input_becomes_a_picture_of_the_size_queried_for )
 {
-    (void)state;
     static const char* const inputs[] = {
         "hair.yaml", "fly.wisp", "fly.pc2 --mesh sheet.obj", "sheet.obj", "hair.hair",
     };
@@ -94,18 +93,16 @@ static void every_kind_of_input_becomes_a_picture_of_the_size_queried_for( void*
     }
 }
 
-static void a_picture_does_not_depend_on_the_number_of_workers( void** state )
+TEST( a_picture_does_not_depend_on_the_number_of_workers )
 {
-    (void)state;
     run( "render fly.wisp -o one.png --size 80x60 --samples 4 --workers 1" );
     free( assert_picture( "one.png", 80, 60 ).rgb );
     run( "render fly.wisp -o three.png --size 80x60 --samples 4 --workers 3" );
     assert_true( same_file( "one.png", "three.png" ) );
 }
 
-static void frames_and_times_name_the_same_pictures( void** state )
+TEST( frames_and_times_name_the_same_pictures )
 {
-    (void)state;
     run( "render fly.wisp -o frame.png --size 64x48 --samples 1 --frame 2" );
     free( assert_picture( "frame.png", 64, 48 ).rgb );
     // nearest to a time: a little before and a little after frame 2 at 0.2 s
@@ -119,9 +116,8 @@ static void frames_and_times_name_the_same_pictures( void** state )
     assert_false( same_file( "last.png", "frame.png" ) );
 }
 
-static void a_scene_that_is_drawn_gives_the_pictures_of_its_recording( void** state )
+TEST( a_scene_that_is_drawn_gives_the_pictures_of_its_recording )
 {
-    (void)state;
     run_ok( "run hair.yaml --record drawn.wisp" );
     // a recording has neither widths nor colours, which the scene has: only occupied pixels can be equal
     run_ok( "render drawn.wisp -o recorded.png --size 64x48 --samples 1 --frames 0:3 --background white" );
@@ -145,9 +141,8 @@ static void a_scene_that_is_drawn_gives_the_pictures_of_its_recording( void** st
 }
 
 // A recording has neither materials nor planes: both are derived.
-static void cloth_and_collider_look_alike_in_a_scene_and_in_its_recording( void** state )
+TEST( cloth_and_collider_look_alike_in_a_scene_and_in_its_recording )
 {
-    (void)state;
     run_ok( "run cloth.yaml --record cloth.wisp" );
     run( "info cloth.wisp" );
     assert_non_null( strstr( result.out, "cloth " ) );
@@ -162,9 +157,8 @@ static void cloth_and_collider_look_alike_in_a_scene_and_in_its_recording( void*
     assert_non_null( strstr( result.out, ": 7 frames, every bit equal" ) );
 }
 
-static void a_scene_shows_strain_and_speed_of_its_surfaces( void** state )
+TEST( a_scene_shows_strain_and_speed_of_its_surfaces )
 {
-    (void)state;
     run_ok( "render cloth.yaml -o body.png --size 80x60 --samples 1 --frames 0:6:3" );
     run_ok( "render cloth.yaml -o pace.png --size 80x60 --samples 1 --frames 0:6:3 --colour speed" );
     run_ok( "render cloth.yaml -o pull.png --size 80x60 --samples 1 --frames 0:6:3 --colour strain" );
@@ -173,9 +167,8 @@ static void a_scene_shows_strain_and_speed_of_its_surfaces( void** state )
     assert_false( same_file( "pace_0003.png", "pull_0003.png" ) );
 }
 
-static void a_scene_shows_the_map_of_a_surface( void** state )
+TEST( a_scene_shows_the_map_of_a_surface )
 {
-    (void)state;
     write_text( "weights.txt", "1 2 3 1 2 3 1 2 3" );
     write_text( "map.yaml", "wisp: 1\n"
                             "surfaces:\n"
@@ -214,18 +207,16 @@ static void a_scene_shows_the_map_of_a_surface( void** state )
     assert_true( same_file( "spot.png", "whole.png" ) );
 }
 
-static void a_sequence_is_numbered_from_one( void** state )
+TEST( a_sequence_is_numbered_from_one )
 {
-    (void)state;
     run_ok( "render fly.wisp -o run.png --size 40x30 --samples 1 --frames 0:4:2" );
     assert_non_null( strstr( result.out, "run_0001.png: the first of 3 pictures of 40 x 30 pixels, frames 0 to 4" ) );
     assert_true( exists( "run_0001.png" ) && exists( "run_0003.png" ) );
     assert_false( exists( "run_0004.png" ) || exists( "run.png" ) );
 }
 
-static void parts_of_a_range_of_frames_may_be_left_out( void** state )
+TEST( parts_of_a_range_of_frames_may_be_left_out )
 {
-    (void)state;
     run( "render fly.wisp -o tail.png --size 40x30 --samples 1 --frames 4:" );
     assert_true( exists( "tail_0002.png" ) && !exists( "tail_0003.png" ) );
     run( "render fly.wisp -o all.png --size 40x30 --samples 1 --frames ::3" );
@@ -255,9 +246,8 @@ static int measure_body( const char* name, int number, double* middle )
     return count;
 }
 
-static void a_body_that_moves_is_seen_by_a_camera_that_stands_still( void** state )
+TEST( a_body_that_moves_is_seen_by_a_camera_that_stands_still )
 {
-    (void)state;
     run_ok( "render fly.wisp -o still.png --size 160x90 --samples 1 --frames 0:2 --background white --ground none" );
     double first, last;
     assert_true( measure_body( "still", 1, &first ) > 50 );
@@ -266,9 +256,8 @@ static void a_body_that_moves_is_seen_by_a_camera_that_stands_still( void** stat
 }
 
 // A body that travels several times its size would be a speck.
-static void the_camera_goes_along_with_a_body_that_travels_far( void** state )
+TEST( the_camera_goes_along_with_a_body_that_travels_far )
 {
-    (void)state;
     run_ok( "render fly.wisp -o along.png --size 160x90 --samples 1 --frames : --background white --ground none" );
     for ( int f = 0; f < FRAMES; ++f )
     {
@@ -280,9 +269,8 @@ static void the_camera_goes_along_with_a_body_that_travels_far( void** state )
     }
 }
 
-static void a_sheet_has_its_pictures_in_columns( void** state )
+TEST( a_sheet_has_its_pictures_in_columns )
 {
-    (void)state;
     run_ok( "render fly.wisp -o sheet.png --size 60x40 --samples 1 --frames 0:4 --sheet=3" );
     assert_non_null( strstr( result.out, "sheet.png: 5 pictures of 60 x 40 pixels, frames 0 to 4" ) );
     picture p = read_picture( "sheet.png" );
@@ -293,16 +281,14 @@ static void a_sheet_has_its_pictures_in_columns( void** state )
     assert_false( exists( "sheet_0001.png" ) );
 }
 
-static void a_sheet_without_frames_shows_all_of_a_short_recording( void** state )
+TEST( a_sheet_without_frames_shows_all_of_a_short_recording )
 {
-    (void)state;
     run_ok( "render fly.wisp -o few.png --size 40x30 --samples 1 --sheet" );
     assert_non_null( strstr( result.out, "6 pictures of 40 x 30 pixels, frames 0 to 5" ) );
 }
 
-static void a_turntable_shows_other_sides_and_keeps_the_body_in_view( void** state )
+TEST( a_turntable_shows_other_sides_and_keeps_the_body_in_view )
 {
-    (void)state;
     run_ok( "render sheet.obj -o turn.png --size 80x60 --samples 1 --turntable 4 --background white --ground none" );
     for ( int i = 1; i <= 4; ++i )
     {
@@ -340,9 +326,8 @@ static double green_over_blue( const char* path )
     return sum / count;
 }
 
-static void strain_is_measured_from_the_first_frame( void** state )
+TEST( strain_is_measured_from_the_first_frame )
 {
-    (void)state;
     run_ok(
         "render stay.wisp -o rest.png --size 120x90 --samples 1 --frame 0 --colour strain --range 0,1 --background "
         "white --ground none" );
@@ -354,9 +339,8 @@ static void strain_is_measured_from_the_first_frame( void** state )
     assert_true( green_over_blue( "wide.png" ) > 40.0 );
 }
 
-static void speed_is_measured_between_neighbouring_frames( void** state )
+TEST( speed_is_measured_between_neighbouring_frames )
 {
-    (void)state;
     run_ok(
         "render fly.wisp -o slow.png --size 120x90 --samples 1 --frame 2 --color speed --range 10,1000 --background "
         "white --ground none" );
@@ -367,9 +351,8 @@ static void speed_is_measured_between_neighbouring_frames( void** state )
     assert_true( green_over_blue( "fast.png" ) > 40.0 );
 }
 
-static void the_user_places_camera_ground_and_background( void** state )
+TEST( the_user_places_camera_ground_and_background )
 {
-    (void)state;
     run( "render sheet.obj -o away.png --size 40x30 --samples 1 --camera 0,0,5,0,0,10 --background #204060 --ground "
          "none" );
     picture p = assert_picture( "away.png", 40, 30 );
@@ -385,9 +368,8 @@ static void the_user_places_camera_ground_and_background( void** state )
 
 // ---- invalid arguments ----
 
-static void wrong_words_are_wrong_usage( void** state )
+TEST( wrong_words_are_wrong_usage )
 {
-    (void)state;
     static const char* const commands[][2] = {
         { "render", "expected a scene, recording, mesh or groom" },
         { "render fly.wisp", "-o FILE.png" },
@@ -436,9 +418,8 @@ static void wrong_words_are_wrong_usage( void** state )
 
 // ---- invalid files ----
 
-static void input_that_cannot_be_drawn_is_refused_in_one_message( void** state )
+TEST( input_that_cannot_be_drawn_is_refused_in_one_message )
 {
-    (void)state;
     static const char* const commands[][2] = {
         { "render absent.wisp -o b.png", "absent.wisp" },
         { "render . -o b.png", "." },
@@ -469,9 +450,8 @@ static void input_that_cannot_be_drawn_is_refused_in_one_message( void** state )
     assert_false( exists( "b.png" ) );
 }
 
-static void output_that_cannot_be_written_is_refused_in_one_message( void** state )
+TEST( output_that_cannot_be_written_is_refused_in_one_message )
 {
-    (void)state;
     assert_int_equal( mkdir( "folder.png", 0700 ), 0 );
     assert_refused( "render sheet.obj -o no/such/c.png --size 20x20", "no/such/c.png" );
     assert_refused( "render sheet.obj -o folder.png --size 20x20 --samples 1", "folder.png" );
@@ -485,9 +465,8 @@ static void output_that_cannot_be_written_is_refused_in_one_message( void** stat
 
 // ---- terminals ----
 
-static void the_progress_of_pictures_is_drawn_on_a_terminal_only( void** state )
+TEST( the_progress_of_pictures_is_drawn_on_a_terminal_only )
 {
-    (void)state;
     setenv( "TERM", "xterm", 1 );
     run_on_terminal( "render fly.wisp -o bar.png --size 40x30 --samples 1 --frames 0:2" );
     assert_int_equal( result.status, 0 );
@@ -498,32 +477,5 @@ static void the_progress_of_pictures_is_drawn_on_a_terminal_only( void** state )
     assert_string_equal( result.err, "" );
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_kind_of_input_becomes_a_picture_of_the_size_queried_for ),
-        cmocka_unit_test( a_picture_does_not_depend_on_the_number_of_workers ),
-        cmocka_unit_test( frames_and_times_name_the_same_pictures ),
-        cmocka_unit_test( a_scene_that_is_drawn_gives_the_pictures_of_its_recording ),
-        cmocka_unit_test( cloth_and_collider_look_alike_in_a_scene_and_in_its_recording ),
-        cmocka_unit_test( a_scene_shows_strain_and_speed_of_its_surfaces ),
-        cmocka_unit_test( a_scene_shows_the_map_of_a_surface ),
-        cmocka_unit_test( a_sequence_is_numbered_from_one ),
-        cmocka_unit_test( parts_of_a_range_of_frames_may_be_left_out ),
-        cmocka_unit_test( a_body_that_moves_is_seen_by_a_camera_that_stands_still ),
-        cmocka_unit_test( the_camera_goes_along_with_a_body_that_travels_far ),
-        cmocka_unit_test( a_sheet_has_its_pictures_in_columns ),
-        cmocka_unit_test( a_sheet_without_frames_shows_all_of_a_short_recording ),
-        cmocka_unit_test( a_turntable_shows_other_sides_and_keeps_the_body_in_view ),
-        cmocka_unit_test( strain_is_measured_from_the_first_frame ),
-        cmocka_unit_test( speed_is_measured_between_neighbouring_frames ),
-        cmocka_unit_test( the_user_places_camera_ground_and_background ),
-        cmocka_unit_test( wrong_words_are_wrong_usage ),
-        cmocka_unit_test( input_that_cannot_be_drawn_is_refused_in_one_message ),
-        cmocka_unit_test( output_that_cannot_be_written_is_refused_in_one_message ),
-        cmocka_unit_test( the_progress_of_pictures_is_drawn_on_a_terminal_only ),
-    };
-    return find_program( argc, argv )
-               ? cmocka_run_group_tests_name( "program render", tests, enter_folder, leave_folder )
-               : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

@@ -6,9 +6,8 @@
 
 static char page[4 << 20];
 
-static void a_report_is_written_beside_the_usual_output( void** state )
+TEST( a_report_is_written_beside_the_usual_output )
 {
-    (void)state;
     run_ok( "bench collision --quick --seconds 0.01 --workers 1 --report page.html" );
     read_text( "page.html", page, sizeof( page ) );
     assert_memory_equal( page, "<!DOCTYPE html>\n", 16 );
@@ -34,9 +33,8 @@ static void a_report_is_written_beside_the_usual_output( void** state )
     assert_non_null( strstr( page, last ) );
 }
 
-static void a_report_that_cannot_be_written_is_refused_before_anything_is_measured( void** state )
+TEST( a_report_that_cannot_be_written_is_refused_before_anything_is_measured )
 {
-    (void)state;
     assert_int_equal( mkdir( "folder", 0700 ), 0 );
     assert_refused( "bench collision --quick --seconds 0.01 --report nowhere/page.html",
                     "nowhere/page.html: cannot be written: No such" );
@@ -48,17 +46,15 @@ static void a_report_that_cannot_be_written_is_refused_before_anything_is_measur
     assert_false( exists( "nowhere" ) );
 }
 
-static void a_report_over_the_output_is_wrong_usage( void** state )
+TEST( a_report_over_the_output_is_wrong_usage )
 {
-    (void)state;
     assert_usage( "bench collision --quick --seconds 0.01 --report a.html --output a.html",
                   "--report and --output both write to 'a.html'" );
     assert_false( exists( "a.html" ) );
 }
 
-static void looking_whether_a_file_can_be_written_leaves_it_as_it_was( void** state )
+TEST( looking_whether_a_file_can_be_written_leaves_it_as_it_was )
 {
-    (void)state;
     write_text( "kept.html", "a page of last week" );
     assert_refused( "bench collision --quick --seconds 0.01 --report kept.html --output nowhere/out.txt",
                     "nowhere/out.txt" );
@@ -69,9 +65,8 @@ static void looking_whether_a_file_can_be_written_leaves_it_as_it_was( void** st
     assert_false( exists( "new.txt" ) );
 }
 
-static void a_disk_that_fills_up_is_a_failed_run( void** state )
+TEST( a_disk_that_fills_up_is_a_failed_run )
 {
-    (void)state;
     if ( access( "/dev/full", W_OK ) != 0 )
     {
         SKIP( "there is no /dev/full" );
@@ -84,24 +79,11 @@ static void a_disk_that_fills_up_is_a_failed_run( void** state )
     assert_non_null( strstr( result.out, "\n---" ) );
 }
 
-static void help_tells_of_the_report( void** state )
+TEST( help_tells_of_the_report )
 {
-    (void)state;
     run_ok( "bench --help" );
     assert_non_null( strstr( result.out, "--report=FILE" ) );
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_report_is_written_beside_the_usual_output ),
-        cmocka_unit_test( a_report_that_cannot_be_written_is_refused_before_anything_is_measured ),
-        cmocka_unit_test( a_report_over_the_output_is_wrong_usage ),
-        cmocka_unit_test( looking_whether_a_file_can_be_written_leaves_it_as_it_was ),
-        cmocka_unit_test( a_disk_that_fills_up_is_a_failed_run ),
-        cmocka_unit_test( help_tells_of_the_report ),
-    };
-    return find_program( argc, argv )
-               ? cmocka_run_group_tests_name( "program report", tests, enter_new_folder, leave_folder )
-               : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_new_folder, leave_folder )

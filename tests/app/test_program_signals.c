@@ -132,9 +132,8 @@ static void assert_no_process_is_left( void )
 
 // ---- runs ----
 
-static void an_interrupted_run_leaves_whole_files_and_its_summary( void** state )
+TEST( an_interrupted_run_leaves_whole_files_and_its_summary )
 {
-    (void)state;
     const started s = start( "run endless.yaml --record run.wisp --track flag:3 --track-file track.csv" );
     wait_for_file( "run.wisp", 50000 );
     kill( s.pid, SIGINT );
@@ -163,9 +162,8 @@ static void an_interrupted_run_leaves_whole_files_and_its_summary( void** state 
     run_ok( command ); // the frames are those of a run that was not interrupted
 }
 
-static void sigterm_is_answered_in_the_same_way( void** state )
+TEST( sigterm_is_answered_in_the_same_way )
 {
-    (void)state;
     const started s =
         start( "run endless.yaml --record term.pc2 --track flag:1 --track-file term.csv -o term.json -f json" );
     pause_ms( 500 );
@@ -178,9 +176,8 @@ static void sigterm_is_answered_in_the_same_way( void** state )
     assert_non_null( strstr( result.out, "results, 1 rows" ) );
 }
 
-static void a_second_signal_ends_the_program_at_once( void** state )
+TEST( a_second_signal_ends_the_program_at_once )
 {
-    (void)state;
     // nobody reads the summary, so that the program waits after the first signal
     assert_int_equal( mkfifo( "nobody", 0600 ), 0 );
     const started s = start( "run endless.yaml -o nobody" );
@@ -192,9 +189,8 @@ static void a_second_signal_ends_the_program_at_once( void** state )
     assert_int_equal( finish( &s ), SIGINT );
 }
 
-static void a_killed_run_leaves_no_half_of_a_file( void** state )
+TEST( a_killed_run_leaves_no_half_of_a_file )
 {
-    (void)state;
     const int nameless = open( ".", O_TMPFILE | O_WRONLY, 0600 );
     if ( nameless < 0 )
     {
@@ -209,9 +205,8 @@ static void a_killed_run_leaves_no_half_of_a_file( void** state )
     assert_nothing_is_hidden();
 }
 
-static void a_reader_that_leaves_early_costs_no_file( void** state )
+TEST( a_reader_that_leaves_early_costs_no_file )
 {
-    (void)state;
     char line[4400];
     int status;
     snprintf( line, sizeof line, "'%s' run endless.yaml --steps 20 --record early.wisp | true", program );
@@ -227,9 +222,8 @@ static void a_reader_that_leaves_early_costs_no_file( void** state )
 
 // ---- other long work ----
 
-static void pictures_that_are_whole_are_kept( void** state )
+TEST( pictures_that_are_whole_are_kept )
 {
-    (void)state;
     const started s = start( "render endless.yaml --frames 0:2000:1 --size 64x48 -o film.png" );
     wait_for_file( "film_0002.png", 1 );
     kill( s.pid, SIGINT );
@@ -244,9 +238,8 @@ static void pictures_that_are_whole_are_kept( void** state )
     assert_nothing_is_hidden();
 }
 
-static void a_picture_that_is_not_whole_is_not_written( void** state )
+TEST( a_picture_that_is_not_whole_is_not_written )
 {
-    (void)state;
     const started s = start( "render endless.yaml --frame 0 --size 4000x3000 --samples 4096 -o huge.png" );
     pause_ms( 500 );
     kill( s.pid, SIGINT );
@@ -256,9 +249,8 @@ static void a_picture_that_is_not_whole_is_not_written( void** state )
     assert_nothing_is_hidden();
 }
 
-static void a_page_has_the_hashes_until_then( void** state )
+TEST( a_page_has_the_hashes_until_then )
 {
-    (void)state;
     setenv( "WISP_DATA", ".", 1 );
     const started s = start( "view endless.yaml --steps 1000000 -o page.html" );
     unsetenv( "WISP_DATA" );
@@ -273,9 +265,8 @@ static void a_page_has_the_hashes_until_then( void** state )
     free( page );
 }
 
-static void a_search_that_has_only_begun_has_nothing_to_keep( void** state )
+TEST( a_search_that_has_only_begun_has_nothing_to_keep )
 {
-    (void)state;
     const started s = start( "tune endless.yaml --error 0.001 --seconds 100 -o tuned.yaml" );
     pause_ms( 400 );
     kill( s.pid, SIGINT );
@@ -285,9 +276,8 @@ static void a_search_that_has_only_begun_has_nothing_to_keep( void** state )
     assert_false( exists( "tuned.yaml" ) );
 }
 
-static void a_benchmark_writes_what_it_has( void** state )
+TEST( a_benchmark_writes_what_it_has )
 {
-    (void)state;
     const started s = start( "bench balloon --quick --output bench.json --format json --report bench.html" );
     pause_ms( 1500 );
     kill( s.pid, SIGINT );
@@ -303,9 +293,8 @@ static void a_benchmark_writes_what_it_has( void** state )
 
 // ---- other processes ----
 
-static void processes_of_the_torture_end_with_it( void** state )
+TEST( processes_of_the_torture_end_with_it )
 {
-    (void)state;
     const started s = start( "torture --minutes 5 --seed 3 --jobs 2 --out broken" );
     pause_ms( 1500 );
     kill( s.pid, SIGTERM );
@@ -320,9 +309,8 @@ static void processes_of_the_torture_end_with_it( void** state )
     assert_no_process_is_left();
 }
 
-static void a_gate_that_counts_instructions_stops_valgrind( void** state )
+TEST( a_gate_that_counts_instructions_stops_valgrind )
 {
-    (void)state;
     if ( system( "valgrind --version >/dev/null 2>&1" ) != 0 )
     {
         SKIP( "valgrind is not here" );
@@ -344,23 +332,5 @@ static void a_gate_that_counts_instructions_stops_valgrind( void** state )
     assert_no_process_is_left();
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( an_interrupted_run_leaves_whole_files_and_its_summary ),
-        cmocka_unit_test( sigterm_is_answered_in_the_same_way ),
-        cmocka_unit_test( a_second_signal_ends_the_program_at_once ),
-        cmocka_unit_test( a_killed_run_leaves_no_half_of_a_file ),
-        cmocka_unit_test( a_reader_that_leaves_early_costs_no_file ),
-        cmocka_unit_test( pictures_that_are_whole_are_kept ),
-        cmocka_unit_test( a_picture_that_is_not_whole_is_not_written ),
-        cmocka_unit_test( a_page_has_the_hashes_until_then ),
-        cmocka_unit_test( a_search_that_has_only_begun_has_nothing_to_keep ),
-        cmocka_unit_test( a_benchmark_writes_what_it_has ),
-        cmocka_unit_test( processes_of_the_torture_end_with_it ),
-        cmocka_unit_test( a_gate_that_counts_instructions_stops_valgrind ),
-    };
-    return find_program( argc, argv )
-               ? cmocka_run_group_tests_name( "program signals", tests, enter_folder, leave_folder )
-               : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

@@ -62,17 +62,15 @@ static void assert_reads( const char* file, const char* command, const char* exp
     }
 }
 
-static void a_scene_comes_from_standard_input_with_files_of_the_current_folder( void** state )
+TEST( a_scene_comes_from_standard_input_with_files_of_the_current_folder )
 {
-    (void)state;
     assert_reads( "flag.yaml", "run -", "scene        standard input\nsteps        3 of " );
     assert_reads( "flag.yaml", "plan -", " passes in " );
     assert_reads( "flag.yaml", "info -", "standard input: scene, " );
 }
 
-static void every_kind_of_file_is_told_by_its_first_bytes( void** state )
+TEST( every_kind_of_file_is_told_by_its_first_bytes )
 {
-    (void)state;
     run_ok( "run flag.yaml --record flag.wisp --format json --output result.json" );
     run_ok( "run flag.yaml --record flag.pc2 -o summary.txt" );
     assert_reads( "square.obj", "info -", "standard input: open mesh" );
@@ -82,9 +80,8 @@ static void every_kind_of_file_is_told_by_its_first_bytes( void** state )
     assert_reads( "result.json", "compare result.json -", "rows: 1; " );
 }
 
-static void an_error_in_standard_input_has_its_line( void** state )
+TEST( an_error_in_standard_input_has_its_line )
 {
-    (void)state;
     run_with_input( "wrong.yaml", "run -" );
     assert_int_equal( result.status, 2 );
     assert_non_null( strstr( result.err, "wisp: standard input:2:1: unknown key 'stepz', did you mean 'steps'?" ) );
@@ -95,9 +92,8 @@ static void an_error_in_standard_input_has_its_line( void** state )
 }
 
 // The cap of the reader holds, not the room on the disk.
-static void standard_input_without_an_end_is_refused( void** state )
+TEST( standard_input_without_an_end_is_refused )
 {
-    (void)state;
     const int before = dup( STDIN_FILENO ), zeros = open( "/dev/zero", O_RDONLY );
     assert_true( zeros >= 0 );
     dup2( zeros, STDIN_FILENO );
@@ -112,36 +108,32 @@ static void standard_input_without_an_end_is_refused( void** state )
     assert_non_null( strstr( result.err, "wisp: standard input: unknown kind of file" ) );
 }
 
-static void a_picture_goes_to_standard_output_and_its_line_to_the_error_stream( void** state )
+TEST( a_picture_goes_to_standard_output_and_its_line_to_the_error_stream )
 {
-    (void)state;
     run_ok( "render square.obj -o - --size 32x24" );
     assert_memory_equal( result.out, "\x89PNG\r\n\x1a\n", 8 );
     assert_non_null( strstr( result.err, "-: 32 x 24 pixels, " ) );
     assert_usage( "render flag.yaml -o - --frames 0:", "expected a file name for several pictures" );
 }
 
-static void a_tuned_scene_goes_to_standard_output_and_the_report_to_the_error_stream( void** state )
+TEST( a_tuned_scene_goes_to_standard_output_and_the_report_to_the_error_stream )
 {
-    (void)state;
     run_with_input( "flag.yaml", "tune - --error 1 -o -" );
     assert_int_equal( result.status, 0 );
     assert_memory_equal( result.out, "wisp: 1\n", 8 );
     assert_non_null( strstr( result.err, "target" ) );
 }
 
-static void results_go_to_standard_output( void** state )
+TEST( results_go_to_standard_output )
 {
-    (void)state;
     run_ok( "run flag.yaml -o - --format json" );
     json_t* root = json_loads( result.out, JSON_REJECT_DUPLICATES, NULL );
     assert_non_null( root );
     json_decref( root );
 }
 
-static void a_second_file_for_standard_output_is_wrong_usage( void** state )
+TEST( a_second_file_for_standard_output_is_wrong_usage )
 {
-    (void)state;
     assert_usage( "run flag.yaml --record -", "--record: got '-', expected a file: standard output has the results" );
     assert_usage( "gate check suite.yaml --html -", "--html: got '-', expected a file" );
     assert_usage( "gate check -", "suite: got '-', expected a file: other processes read it too" );
@@ -150,9 +142,8 @@ static void a_second_file_for_standard_output_is_wrong_usage( void** state )
 }
 
 // A terminal shows a mess, and may take it for commands.
-static void a_picture_is_not_written_to_a_terminal( void** state )
+TEST( a_picture_is_not_written_to_a_terminal )
 {
-    (void)state;
     int near_end, far_end;
     if ( openpty( &near_end, &far_end, NULL, NULL, NULL ) != 0 )
     {
@@ -173,20 +164,5 @@ static void a_picture_is_not_written_to_a_terminal( void** state )
     assert_non_null( strstr( result.err, "standard output is a terminal" ) );
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_scene_comes_from_standard_input_with_files_of_the_current_folder ),
-        cmocka_unit_test( every_kind_of_file_is_told_by_its_first_bytes ),
-        cmocka_unit_test( an_error_in_standard_input_has_its_line ),
-        cmocka_unit_test( standard_input_without_an_end_is_refused ),
-        cmocka_unit_test( a_picture_goes_to_standard_output_and_its_line_to_the_error_stream ),
-        cmocka_unit_test( a_tuned_scene_goes_to_standard_output_and_the_report_to_the_error_stream ),
-        cmocka_unit_test( results_go_to_standard_output ),
-        cmocka_unit_test( a_second_file_for_standard_output_is_wrong_usage ),
-        cmocka_unit_test( a_picture_is_not_written_to_a_terminal ),
-    };
-    return find_program( argc, argv )
-               ? cmocka_run_group_tests_name( "program streams", tests, enter_folder, leave_folder )
-               : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

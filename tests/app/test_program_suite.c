@@ -64,9 +64,8 @@ static double error_of( json_t* root, const char* variant )
 }
 
 // More substeps are nearer to the converged run, and the same motion on another mesh is comparable with it.
-static void errors_fall_along_a_series( void** state )
+TEST( errors_fall_along_a_series )
 {
-    (void)state;
     json_t* root = measure( "bench suite.yaml --seconds 0.1 -f json -o out.json" );
     const char* const names[] = { "sheet, substeps=1", "sheet, substeps=2", "sheet, substeps=4",
                                   "sheet, substeps=8" };
@@ -79,9 +78,8 @@ static void errors_fall_along_a_series( void** state )
     json_decref( root );
 }
 
-static void an_entry_of_a_list_is_removed_by_its_name_or_number( void** state )
+TEST( an_entry_of_a_list_is_removed_by_its_name_or_number )
 {
-    (void)state;
     write_text( "both.yaml", "wisp: 1\n"
                              "steps: 2\n"
                              "surfaces:\n"
@@ -122,9 +120,8 @@ static void an_entry_of_a_list_is_removed_by_its_name_or_number( void** state )
 }
 
 // The skin of a figure that raises an arm is stretched there by a lot, and the cloth that falls through it is not.
-static void what_an_animation_moves_has_no_strain_and_its_intersections_are_apart( void** state )
+TEST( what_an_animation_moves_has_no_strain_and_its_intersections_are_apart )
 {
-    (void)state;
     write_text( "motions.yaml", "clips:\n"
                                 "  - name: reach\n"
                                 "    duration: 1\n"
@@ -150,9 +147,8 @@ static void what_an_animation_moves_has_no_strain_and_its_intersections_are_apar
     json_decref( root );
 }
 
-static void a_run_that_is_the_reference_has_no_error( void** state )
+TEST( a_run_that_is_the_reference_has_no_error )
 {
-    (void)state;
     write_text( "same.yaml", "wisp_suite: 1\n"
                              "reference: { set: { substeps: 20 }, check: { substeps: 10 } }\n"
                              "scenes:\n"
@@ -169,9 +165,8 @@ static void a_run_that_is_the_reference_has_no_error( void** state )
 }
 
 // A run of the substeps that are extrapolated from has the error of first order, and the doubt is below it.
-static void a_reference_is_extrapolated( void** state )
+TEST( a_reference_is_extrapolated )
 {
-    (void)state;
     write_text( "limit.yaml", "wisp_suite: 1\n"
                               "reference: { set: { substeps: 80 }, extrapolate: 1 }\n"
                               "scenes:\n"
@@ -190,9 +185,8 @@ static void a_reference_is_extrapolated( void** state )
 }
 
 // A row that is nearer to the reference than the reference is to the truth says so, and is on no front.
-static void what_is_within_the_doubt_is_below_it( void** state )
+TEST( what_is_within_the_doubt_is_below_it )
 {
-    (void)state;
     write_text( "below.yaml", "wisp_suite: 1\n"
                               "reference: { set: { substeps: 60, iterations: 4 }, check: { substeps: 30 } }\n"
                               "scenes:\n"
@@ -212,9 +206,8 @@ static void what_is_within_the_doubt_is_below_it( void** state )
 }
 
 // Errors at moments and of the energy against the reference: euler loses energy, less with more substeps.
-static void moments_and_energy_are_compared( void** state )
+TEST( moments_and_energy_are_compared )
 {
-    (void)state;
     write_text( "moments.yaml", "wisp_suite: 1\n"
                                 "seconds: 0.6\n"
                                 "reference: { set: { substeps: 80 }, extrapolate: 1 }\n"
@@ -243,9 +236,8 @@ static int count_files( void )
 }
 
 // What is kept is found again, what is broken is made again, and another scene has a run of its own.
-static void references_are_kept( void** state )
+TEST( references_are_kept )
 {
-    (void)state;
     assert_int_equal( system( "rm -rf cache" ), 0 );
     json_t* root = measure( "bench suite.yaml --seconds 0.1 -f json -o out.json" );
     const double error = error_of( root, "sheet, substeps=4" );
@@ -262,9 +254,8 @@ static void references_are_kept( void** state )
     write_text( "sheet.yaml", FALLING( "9", "0.1" ) );
 }
 
-static void a_suite_without_a_reference_is_a_table_of_times( void** state )
+TEST( a_suite_without_a_reference_is_a_table_of_times )
 {
-    (void)state;
     write_text( "times.yaml", "wisp_suite: 1\nscenes:\n  - { file: sheet.yaml, vary: { iterations: [1, 2] } }\n" );
     run_ok( "bench times.yaml --seconds 0.1" );
     assert_contains( result.out, "Suite `times`: times, ms per step" );
@@ -275,9 +266,8 @@ static void a_suite_without_a_reference_is_a_table_of_times( void** state )
     assert_null( strstr( result.out, "equal error" ) );
 }
 
-static void what_a_suite_gets_wrong_is_said( void** state )
+TEST( what_a_suite_gets_wrong_is_said )
 {
-    (void)state;
     static const char* const bad[][2] = {
         { "reference: { set: { substeps: 60 } }", "expected set, the fields of the converged run, and check" },
         { "reference: { stored: nowhere.wisp }", "nowhere.wisp" },
@@ -327,9 +317,8 @@ static void what_a_suite_gets_wrong_is_said( void** state )
 }
 
 // Times of rows need not agree with those of the reference only if their steps cannot.
-static void steps_that_end_at_other_times_are_refused( void** state )
+TEST( steps_that_end_at_other_times_are_refused )
 {
-    (void)state;
     write_text( "odd.yaml", "wisp_suite: 1\nseconds: 0.2\n"
                             "reference: { set: { substeps: 20 }, check: { substeps: 10 } }\n"
                             "scenes:\n  - { file: sheet.yaml, along: { dt: [0.02, 0.01] } }\n" );
@@ -350,9 +339,8 @@ static void steps_that_end_at_other_times_are_refused( void** state )
     assert_contains( result.out, "ms per 0.02 s of motion" );
 }
 
-static void accuracy_of_a_scene( void** state )
+TEST( accuracy_of_a_scene )
 {
-    (void)state;
     run_ok( "accuracy sheet.yaml --quick --seconds 0.2 --report page.html" );
     assert_contains( result.out, "at equal error: the fastest setting" );
     assert_contains( result.out, "observed order" );
@@ -371,21 +359,5 @@ static void accuracy_of_a_scene( void** state )
     assert_int_equal( result.status, 64 );
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( errors_fall_along_a_series ),
-        cmocka_unit_test( an_entry_of_a_list_is_removed_by_its_name_or_number ),
-        cmocka_unit_test( what_an_animation_moves_has_no_strain_and_its_intersections_are_apart ),
-        cmocka_unit_test( a_run_that_is_the_reference_has_no_error ),
-        cmocka_unit_test( a_reference_is_extrapolated ),
-        cmocka_unit_test( what_is_within_the_doubt_is_below_it ),
-        cmocka_unit_test( moments_and_energy_are_compared ),
-        cmocka_unit_test( references_are_kept ),
-        cmocka_unit_test( a_suite_without_a_reference_is_a_table_of_times ),
-        cmocka_unit_test( what_a_suite_gets_wrong_is_said ),
-        cmocka_unit_test( steps_that_end_at_other_times_are_refused ),
-        cmocka_unit_test( accuracy_of_a_scene ),
-    };
-    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

@@ -81,9 +81,8 @@ static void copy_folder( const char* from, const char* to )
 
 // ---- one result of any number of shards ----
 
-static void any_number_of_shards_gives_the_same_bytes( void** state )
+TEST( any_number_of_shards_gives_the_same_bytes )
 {
-    (void)state;
     static const int counts[] = { 1, 3, 8 };
     static const char* const formats[] = { "text", "markdown", "csv", "json" };
     char* first[WISP_COUNT( formats )] = { NULL };
@@ -114,9 +113,8 @@ static void any_number_of_shards_gives_the_same_bytes( void** state )
 }
 
 // A row of a sweep has the error that the same row of a benchmark has.
-static void errors_are_those_of_the_benchmark( void** state )
+TEST( errors_are_those_of_the_benchmark )
 {
-    (void)state;
     write_text( "few.yaml", "wisp_suite: 1\n"
                             "reference: { set: { substeps: 40 }, check: { substeps: 20 } }\n"
                             "scenes: [ { file: sheet.yaml, along: { substeps: [1, 8] } } ]\n" );
@@ -153,9 +151,8 @@ static int line_number( const char* path )
     return exists( path ) ? line_count( read_whole( path ) ) : 0;
 }
 
-static void what_is_killed_loses_only_the_item_that_ran( void** state )
+TEST( what_is_killed_loses_only_the_item_that_ran )
 {
-    (void)state;
     char line[] = "sweep suite.yaml -o killed", *arguments[ARGUMENTS_MAX + 1];
     split( line, arguments );
     const pid_t child = fork();
@@ -194,9 +191,8 @@ static void what_is_killed_loses_only_the_item_that_ran( void** state )
     assert_true( strstr( result.err, "313 from before" ) != NULL );
 }
 
-static void a_full_disk_keeps_what_fitted( void** state )
+TEST( a_full_disk_keeps_what_fitted )
 {
-    (void)state;
     struct rlimit old, small = { 20000, 20000 };
     assert_int_equal( getrlimit( RLIMIT_FSIZE, &old ), 0 );
     small.rlim_max = old.rlim_max;
@@ -217,9 +213,8 @@ static void a_full_disk_keeps_what_fitted( void** state )
     assert_string_equal( read_whole( "full.txt" ), read_whole( "warm.txt" ) );
 }
 
-static void two_processes_do_not_write_one_part( void** state )
+TEST( two_processes_do_not_write_one_part )
 {
-    (void)state;
     assert_int_equal( mkdir( "locked", 0777 ), 0 );
     const int file = open( "locked/part-0001-of-0001.running", O_CREAT | O_RDWR, 0666 );
     assert_int_equal( flock( file, LOCK_EX ), 0 );
@@ -230,9 +225,8 @@ static void two_processes_do_not_write_one_part( void** state )
 
 // ---- whose share ----
 
-static void wrong_shards_are_refused( void** state )
+TEST( wrong_shards_are_refused )
 {
-    (void)state;
     static const char* const wrong[][2] = {
         { "0/4", "got shard 0 of 4" }, { "5/4", "got shard 5 of 4" }, { "4", "expected a share such as 2/8" },
         { "a/4", "a share such as" },  { "1/", "a share such as" },   { "1/0", "got 0 shards" },
@@ -257,9 +251,8 @@ static void wrong_shards_are_refused( void** state )
 
 // ---- what is not merged ----
 
-static void a_merge_refuses_what_is_not_one_sweep( void** state )
+TEST( a_merge_refuses_what_is_not_one_sweep )
 {
-    (void)state;
     sweep( "good", 3 );
     static const struct
     {
@@ -333,9 +326,8 @@ static int find_run_twice( const char* one, const char* other, int* line )
     return -1;
 }
 
-static void items_that_are_missing_or_have_two_hashes_are_refused( void** state )
+TEST( items_that_are_missing_or_have_two_hashes_are_refused )
 {
-    (void)state;
     sweep( "pair", 2 );
     int line;
     const int item = find_run_twice( "pair/part-0001-of-0002.jsonl", "pair/part-0002-of-0002.jsonl", &line );
@@ -383,9 +375,8 @@ static void items_that_are_missing_or_have_two_hashes_are_refused( void** state 
     assert_refused( "merge bad", "is not of shard 2, which has it" );
 }
 
-static void a_suite_that_changes_between_shards_is_refused( void** state )
+TEST( a_suite_that_changes_between_shards_is_refused )
 {
-    (void)state;
     run_ok( "sweep suite.yaml -o changed --shard 1/2" );
     write_text( "sheet.yaml",
                 "wisp: 1\n"
@@ -400,9 +391,8 @@ static void a_suite_that_changes_between_shards_is_refused( void** state )
 
 // ---- times, checks, failures ----
 
-static void times_come_from_exclusive_runs_and_processors_are_not_mixed( void** state )
+TEST( times_come_from_exclusive_runs_and_processors_are_not_mixed )
 {
-    (void)state;
     write_text( "few.yaml", "wisp_suite: 1\n"
                             "scenes: [ { file: sheet.yaml, along: { substeps: [1, 2, 3, 4, 5, 6] } } ]\n" );
     run_ok( "sweep few.yaml -o untimed" );
@@ -426,9 +416,8 @@ static void times_come_from_exclusive_runs_and_processors_are_not_mixed( void** 
     assert_null( strstr( result.out, "\"ms_median\": 0" ) ); // rows have no times then
 }
 
-static void checks_and_failures_are_in_the_status( void** state )
+TEST( checks_and_failures_are_in_the_status )
 {
-    (void)state;
     write_text( "checks.yaml", "wisp_suite: 1\n"
                                "checks: [finite, { speed: 1e-6 }]\n"
                                "scenes:\n"
@@ -446,20 +435,5 @@ static void checks_and_failures_are_in_the_status( void** state )
     assert_int_equal( result.status, 1 );
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( any_number_of_shards_gives_the_same_bytes ),
-        cmocka_unit_test( errors_are_those_of_the_benchmark ),
-        cmocka_unit_test( what_is_killed_loses_only_the_item_that_ran ),
-        cmocka_unit_test( a_full_disk_keeps_what_fitted ),
-        cmocka_unit_test( two_processes_do_not_write_one_part ),
-        cmocka_unit_test( wrong_shards_are_refused ),
-        cmocka_unit_test( a_merge_refuses_what_is_not_one_sweep ),
-        cmocka_unit_test( items_that_are_missing_or_have_two_hashes_are_refused ),
-        cmocka_unit_test( a_suite_that_changes_between_shards_is_refused ),
-        cmocka_unit_test( times_come_from_exclusive_runs_and_processors_are_not_mixed ),
-        cmocka_unit_test( checks_and_failures_are_in_the_status ),
-    };
-    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 1;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

@@ -25,18 +25,16 @@ static int enter_folder( void** state )
     return enter_folder_with( state, files, WISP_COUNT( files ) );
 }
 
-static void scenes_that_hold_are_status_0( void** state )
+TEST( scenes_that_hold_are_status_0 )
 {
-    (void)state;
     run_ok( "torture good.yaml" );
     assert_string_equal( result.err, "" );
     assert_contains( result.out, "scenes  1, " );
     assert_contains( result.out, "broken  0" );
 }
 
-static void a_scene_that_breaks_is_status_1_and_a_sentence( void** state )
+TEST( a_scene_that_breaks_is_status_1_and_a_sentence )
 {
-    (void)state;
     run( "torture good.yaml broken.yaml" );
     assert_int_equal( result.status, 1 );
     assert_contains( result.out, "broken   1" );
@@ -44,9 +42,8 @@ static void a_scene_that_breaks_is_status_1_and_a_sentence( void** state )
 }
 
 // A sheet that is heavy at the bottom gains less energy than all of it could by being lifted, but it gains some.
-static void close_limits_break_what_others_let_pass( void** state )
+TEST( close_limits_break_what_others_let_pass )
 {
-    (void)state;
     write_text( "close.yaml",
                 "wisp: 1\nsteps: 300\nsurfaces:\n  - name: cloth\n"
                 "    generate: { shape: alternating_plane, columns: 12, rows: 12, spacing: 0.05 }\n"
@@ -58,9 +55,8 @@ static void close_limits_break_what_others_let_pass( void** state )
     assert_contains( result.out, "close.yaml: energy: energy is " );
 }
 
-static void a_search_counts_its_scenes( void** state )
+TEST( a_search_counts_its_scenes )
 {
-    (void)state;
     run( "torture --seed 1 --scenes 3 --keep 0 --out found --format json" );
     assert_true( result.status == 0 || result.status == 1 );
     json_t* root = json_loads( result.out, 0, NULL );
@@ -70,31 +66,19 @@ static void a_search_counts_its_scenes( void** state )
     json_decref( root );
 }
 
-static void a_scene_of_a_seed_is_printed_as_a_scene( void** state )
+TEST( a_scene_of_a_seed_is_printed_as_a_scene )
 {
-    (void)state;
     run_ok( "torture --seed 3 --first 5 --print" );
     write_text( "printed.yaml", result.out );
     run_ok( "info printed.yaml" );
 }
 
-static void wrong_usage_and_bad_files_are_told( void** state )
+TEST( wrong_usage_and_bad_files_are_told )
 {
-    (void)state;
     assert_usage( "torture --scenes 0", "--scenes" );
     assert_usage( "torture --mesh none.obj", "expected a file" );
     assert_refused( "torture none.yaml", "none.yaml" );
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( scenes_that_hold_are_status_0 ),
-        cmocka_unit_test( a_scene_that_breaks_is_status_1_and_a_sentence ),
-        cmocka_unit_test( close_limits_break_what_others_let_pass ),
-        cmocka_unit_test( a_search_counts_its_scenes ),
-        cmocka_unit_test( a_scene_of_a_seed_is_printed_as_a_scene ),
-        cmocka_unit_test( wrong_usage_and_bad_files_are_told ),
-    };
-    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

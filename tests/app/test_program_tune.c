@@ -59,9 +59,8 @@ static const char* chosen_line( void )
 
 // ---- results ----
 
-static void an_error_is_met_and_the_scene_that_is_written_has_the_choice( void** state )
+TEST( an_error_is_met_and_the_scene_that_is_written_has_the_choice )
 {
-    (void)state;
     run_ok( "tune cloth.yaml --error 0.02 --workers 1 --output tuned.yaml" );
     assert_string_equal( result.err, "" );
     assert_memory_equal( result.out, "target     met: error at most 0.02 m\n", 37 );
@@ -87,9 +86,8 @@ static void an_error_is_met_and_the_scene_that_is_written_has_the_choice( void**
     run_ok( "run tuned.yaml" );
 }
 
-static void coarse_substeps_of_a_scene_are_tuned_and_their_choice_is_written( void** state )
+TEST( coarse_substeps_of_a_scene_are_tuned_and_their_choice_is_written )
 {
-    (void)state;
     static const char scene[] = "wisp: 1\nsteps: 8\nsubsteps: 1\niterations: 1\nsurfaces:\n  - name: cloth\n"
                                 "    generate: { shape: plane, columns: 33, rows: 33, spacing: 0.02 }\n"
                                 "    pins: [0, 32]\n    cloth:\n      bending: none\n"
@@ -106,9 +104,8 @@ static void coarse_substeps_of_a_scene_are_tuned_and_their_choice_is_written( vo
     assert_non_null( strstr( text, " # of mine\n" ) );
 }
 
-static void passes_of_strands_are_tuned_and_their_choice_is_written( void** state )
+TEST( passes_of_strands_are_tuned_and_their_choice_is_written )
 {
-    (void)state;
     static const char scene[] = "wisp: 1\nsteps: 8\nstrands:\n  - name: hair\n"
                                 "    generate: { dimension: 2, strands: 16, vertices: 9, spacing: 0.03 }\n"
                                 "    dynamics: { stretch_passes: 3, rest: straight }\n";
@@ -121,9 +118,8 @@ static void passes_of_strands_are_tuned_and_their_choice_is_written( void** stat
     wisp_scene_release( &tuned );
 }
 
-static void a_budget_is_met_or_it_is_told_that_it_is_not( void** state )
+TEST( a_budget_is_met_or_it_is_told_that_it_is_not )
 {
-    (void)state;
     run_ok( "tune cloth.yaml --budget 1000 --workers 1 --seconds 0.1" );
     assert_non_null( strstr( result.out, "target     met: at most 1000 ms per step" ) );
     assert_non_null( strstr( result.out, "81 points and 6 steps" ) );
@@ -135,18 +131,16 @@ static void a_budget_is_met_or_it_is_told_that_it_is_not( void** state )
     assert_int_equal( access( "unmet.yaml", F_OK ), -1 );
 }
 
-static void an_error_out_of_reach_ends_with_1_and_the_best( void** state )
+TEST( an_error_out_of_reach_ends_with_1_and_the_best )
 {
-    (void)state;
     run( "tune cloth.yaml --error 1e-12 --workers 1 --seconds 0.1" );
     assert_int_equal( result.status, 1 );
     assert_string_equal( result.err, "" );
     assert_non_null( strstr( result.out, "target     not met: error at most 1e-12 m\nnearest    substeps: 16" ) );
 }
 
-static void a_report_in_json_has_a_row_for_every_setting( void** state )
+TEST( a_report_in_json_has_a_row_for_every_setting )
 {
-    (void)state;
     run_ok( "tune cloth.yaml --error 0.02 --workers 1 --seconds 0.1 --format json" );
     assert_int_equal( result.out[0], '{' );
     assert_non_null( strstr( result.out, "\"chosen\"" ) );
@@ -154,17 +148,15 @@ static void a_report_in_json_has_a_row_for_every_setting( void** state )
     assert_non_null( strstr( result.out, "\"substeps\"" ) );
 }
 
-static void a_limit_leaves_one_run_and_says_that_there_may_be_better( void** state )
+TEST( a_limit_leaves_one_run_and_says_that_there_may_be_better )
 {
-    (void)state;
     run( "tune cloth.yaml --error 0.02 --workers 1 --limit 1e-9" );
     assert_non_null( strstr( result.out, "1 run of 1 configuration in" ) );
     assert_non_null( strstr( result.out, "better ones may exist" ) );
 }
 
-static void a_repair_is_told_once_and_not_with_every_run( void** state )
+TEST( a_repair_is_told_once_and_not_with_every_run )
 {
-    (void)state;
     write_text( "doubled.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nf 1 3 2\nf 2 3 4\nf 2 3 4\n" );
     write_text( "doubled.yaml", "wisp: 1\nsteps: 4\nsurfaces:\n  - name: a\n    file: doubled.obj\n"
                                 "    repair: [duplicates]\n    pins: [0]\n    cloth: { bending: none }\n" );
@@ -176,9 +168,8 @@ static void a_repair_is_told_once_and_not_with_every_run( void** state )
 
 // ---- rejected input ----
 
-static void wrong_command_lines_are_told( void** state )
+TEST( wrong_command_lines_are_told )
 {
-    (void)state;
     assert_usage( "tune", "expected a scene" );
     assert_usage( "tune cloth.yaml", "expected one of --error and --budget" );
     assert_usage( "tune cloth.yaml --error 1 --budget 1", "expected one of --error and --budget" );
@@ -190,27 +181,24 @@ static void wrong_command_lines_are_told( void** state )
     assert_usage( "tune cloth.yaml --error 1 still.yaml", "got a second scene" );
 }
 
-static void scenes_that_cannot_be_tuned_are_refused( void** state )
+TEST( scenes_that_cannot_be_tuned_are_refused )
 {
-    (void)state;
     assert_refused( "tune no_such.yaml --error 1", "no_such.yaml" );
     assert_refused( "tune still.yaml --error 1", "nothing in the scene moves" );
     write_text( "bad.yaml", "wisp: 1\nsubsteps: none\n" );
     assert_refused( "tune bad.yaml --error 1", "bad.yaml:2:11" );
 }
 
-static void a_place_where_the_scene_would_not_find_its_files_is_refused( void** state )
+TEST( a_place_where_the_scene_would_not_find_its_files_is_refused )
 {
-    (void)state;
     write_text( "mesh.yaml", "wisp: 1\nsurfaces:\n  - { name: a, file: a.obj, cloth: {} }\n" );
     assert_refused( "tune mesh.yaml --error 1 -o elsewhere/tuned.yaml",
                     "elsewhere/tuned.yaml must be in the same folder" );
     assert_refused( "tune cloth.yaml --error 10 --seconds 0.02 --workers 1 -o elsewhere/tuned.yaml", "elsewhere" );
 }
 
-static void a_place_where_nothing_can_be_written_is_refused_before_any_run( void** state )
+TEST( a_place_where_nothing_can_be_written_is_refused_before_any_run )
 {
-    (void)state;
     assert_refused( "tune unmade.yaml --error 1", "no vertex starts in pin_box" );
     assert_refused( "tune unmade.yaml --error 1 -o no_such/tuned.yaml", "no_such/tuned.yaml: cannot be written" );
     assert_int_equal( access( "no_such", F_OK ), -1 );
@@ -220,9 +208,8 @@ static void a_place_where_nothing_can_be_written_is_refused_before_any_run( void
                     "cloth.yaml/tuned.yaml: cannot be written" );
 }
 
-static void a_file_that_may_only_be_read_is_refused_before_any_run( void** state )
+TEST( a_file_that_may_only_be_read_is_refused_before_any_run )
 {
-    (void)state;
     write_text( "kept.yaml", "kept\n" );
     assert_int_equal( chmod( "kept.yaml", 0400 ), 0 );
     if ( access( "kept.yaml", W_OK ) == 0 )
@@ -232,9 +219,8 @@ static void a_file_that_may_only_be_read_is_refused_before_any_run( void** state
     assert_refused( "tune unmade.yaml --error 1 -o kept.yaml", "kept.yaml: cannot be written" );
 }
 
-static void trying_whether_a_file_can_be_written_leaves_it_as_it_was( void** state )
+TEST( trying_whether_a_file_can_be_written_leaves_it_as_it_was )
 {
-    (void)state;
     write_text( "before.yaml", "before\n" );
     assert_refused( "tune unmade.yaml --error 1 -o before.yaml", "no vertex starts in pin_box" );
     char text[100];
@@ -244,23 +230,5 @@ static void trying_whether_a_file_can_be_written_leaves_it_as_it_was( void** sta
     assert_int_equal( access( "new.yaml", F_OK ), -1 );
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( an_error_is_met_and_the_scene_that_is_written_has_the_choice ),
-        cmocka_unit_test( coarse_substeps_of_a_scene_are_tuned_and_their_choice_is_written ),
-        cmocka_unit_test( passes_of_strands_are_tuned_and_their_choice_is_written ),
-        cmocka_unit_test( a_budget_is_met_or_it_is_told_that_it_is_not ),
-        cmocka_unit_test( an_error_out_of_reach_ends_with_1_and_the_best ),
-        cmocka_unit_test( a_report_in_json_has_a_row_for_every_setting ),
-        cmocka_unit_test( a_limit_leaves_one_run_and_says_that_there_may_be_better ),
-        cmocka_unit_test( a_repair_is_told_once_and_not_with_every_run ),
-        cmocka_unit_test( wrong_command_lines_are_told ),
-        cmocka_unit_test( scenes_that_cannot_be_tuned_are_refused ),
-        cmocka_unit_test( a_place_where_the_scene_would_not_find_its_files_is_refused ),
-        cmocka_unit_test( a_place_where_nothing_can_be_written_is_refused_before_any_run ),
-        cmocka_unit_test( a_file_that_may_only_be_read_is_refused_before_any_run ),
-        cmocka_unit_test( trying_whether_a_file_can_be_written_leaves_it_as_it_was ),
-    };
-    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

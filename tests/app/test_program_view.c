@@ -85,9 +85,8 @@ static void assert_file( const json_t* data, const char* name, const char* conte
     assert_string_equal( text, content );
 }
 
-static void a_page_holds_the_scene_and_the_files_that_it_reads( void** state )
+TEST( a_page_holds_the_scene_and_the_files_that_it_reads )
 {
-    (void)state;
     run_ok( "view scenes/square.yaml -o page.html --steps 0" );
     json_t* data = data_of( "page.html" );
     assert_string_equal( json_string_value( json_object_get( data, "kind" ) ), "scene" );
@@ -99,9 +98,8 @@ static void a_page_holds_the_scene_and_the_files_that_it_reads( void** state )
     json_decref( data );
 }
 
-static void hashes_of_a_page_are_those_of_wisp_run( void** state )
+TEST( hashes_of_a_page_are_those_of_wisp_run )
 {
-    (void)state;
     run_ok( "view scenes/square.yaml -o page.html" );
     json_t* data = data_of( "page.html" );
     const json_t* hashes = json_object_get( data, "hashes" );
@@ -118,9 +116,8 @@ static void hashes_of_a_page_are_those_of_wisp_run( void** state )
     json_decref( data );
 }
 
-static void a_page_of_a_recording_holds_its_bytes( void** state )
+TEST( a_page_of_a_recording_holds_its_bytes )
 {
-    (void)state;
     run_ok( "run scenes/square.yaml --steps 3 --record run.wisp" );
     run_ok( "view run.wisp -o page.html" );
     json_t* data = data_of( "page.html" );
@@ -132,9 +129,8 @@ static void a_page_of_a_recording_holds_its_bytes( void** state )
     json_decref( data );
 }
 
-static void wrong_input_is_refused_and_writes_nothing( void** state )
+TEST( wrong_input_is_refused_and_writes_nothing )
 {
-    (void)state;
     assert_refused( "view wrong.txt -o none.html",
                     "wrong.txt: got another kind of file, expected a scene or a recording" );
     assert_refused( "view gone.yaml -o none.html", "gone.yaml: No such file or directory" );
@@ -153,13 +149,5 @@ static void wrong_input_is_refused_and_writes_nothing( void** state )
     assert_int_not_equal( access( "none.html", F_OK ), 0 );
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_page_holds_the_scene_and_the_files_that_it_reads ),
-        cmocka_unit_test( hashes_of_a_page_are_those_of_wisp_run ),
-        cmocka_unit_test( a_page_of_a_recording_holds_its_bytes ),
-        cmocka_unit_test( wrong_input_is_refused_and_writes_nothing ),
-    };
-    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( enter_folder, leave_folder )

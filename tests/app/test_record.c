@@ -30,7 +30,7 @@ static void assert_frame_is( wisp_recording* recording, int f )
 
 // ---- reading ---------------------------------------------------------------------------------------------------
 
-static void a_recording_comes_back_bit_for_bit_in_any_order( void** state )
+TEST_IN_FOLDER( a_recording_comes_back_bit_for_bit_in_any_order )
 {
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.WISP" ), &def, 5 );
@@ -50,7 +50,7 @@ static void a_recording_comes_back_bit_for_bit_in_any_order( void** state )
     assert_int_equal( count_files( state ), 1 );
 }
 
-static void bodies_come_back_with_their_names_triangles_and_offsets( void** state )
+TEST_IN_FOLDER( bodies_come_back_with_their_names_triangles_and_offsets )
 {
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.wisp" ), &def, 0 );
@@ -70,7 +70,7 @@ static void bodies_come_back_with_their_names_triangles_and_offsets( void** stat
     wisp_recording_close( recording );
 }
 
-static void a_body_that_is_not_requested_is_skipped( void** state )
+TEST_IN_FOLDER( a_body_that_is_not_requested_is_skipped )
 {
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.wisp" ), &def, 1 );
@@ -82,7 +82,7 @@ static void a_body_that_is_not_requested_is_skipped( void** state )
     wisp_recording_close( recording );
 }
 
-static void a_frame_that_is_not_there_is_refused_by_its_number( void** state )
+TEST_IN_FOLDER( a_frame_that_is_not_there_is_refused_by_its_number )
 {
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.wisp" ), &def, 2 );
@@ -96,7 +96,7 @@ static void a_frame_that_is_not_there_is_refused_by_its_number( void** state )
 
 // ---- crashes, cuts and damage ----------------------------------------------------------------------------------
 
-static void a_frame_is_in_the_file_when_the_call_returns( void** state )
+TEST_IN_FOLDER( a_frame_is_in_the_file_when_the_call_returns )
 {
     wisp_recorder_def def = fixture_def();
     wisp_recorder* recorder = NULL;
@@ -116,7 +116,7 @@ static void a_frame_is_in_the_file_when_the_call_returns( void** state )
     assert_int_equal( wisp_recorder_close( recorder, NULL ), WISP_OK );
 }
 
-static void a_killed_program_leaves_its_frames( void** state )
+TEST_IN_FOLDER( a_killed_program_leaves_its_frames )
 {
     char* path = path_in( state, "a.wisp" );
     pid_t child = fork();
@@ -195,7 +195,7 @@ static void demand_cut( const sample* s, size_t size )
     free( bytes );
 }
 
-static void a_recording_cut_at_any_byte_gives_its_whole_frames_and_tells_or_is_refused( void** state )
+TEST_IN_FOLDER( a_recording_cut_at_any_byte_gives_its_whole_frames_and_tells_or_is_refused )
 {
     sample s = make_sample( state );
     for ( size_t size = 0; size <= s.size; ++size )
@@ -244,7 +244,7 @@ static void demand_flip( const sample* s, size_t at )
     wisp_recording_close( recording );
 }
 
-static void a_flipped_bit_anywhere_is_seen_and_hurts_only_its_own_frame( void** state )
+TEST_IN_FOLDER( a_flipped_bit_anywhere_is_seen_and_hurts_only_its_own_frame )
 {
     sample s = make_sample( state );
     for ( size_t at = 0; at < s.size; ++at )
@@ -259,7 +259,7 @@ static void a_flipped_bit_anywhere_is_seen_and_hurts_only_its_own_frame( void** 
     free( s.bytes );
 }
 
-static void frames_that_a_power_cut_left_as_zeros_are_told_as_a_cut( void** state )
+TEST_IN_FOLDER( frames_that_a_power_cut_left_as_zeros_are_told_as_a_cut )
 {
     sample s = make_sample( state );
     size_t size = s.header + 3 * s.frame + 10;
@@ -275,7 +275,7 @@ static void frames_that_a_power_cut_left_as_zeros_are_told_as_a_cut( void** stat
     free( s.bytes );
 }
 
-static void a_frame_of_another_recording_is_refused( void** state )
+TEST_IN_FOLDER( a_frame_of_another_recording_is_refused )
 {
     sample s = make_sample( state );
     wisp_recorder_def def = fixture_def();
@@ -310,7 +310,7 @@ static void assert_refused_body( void** state, wisp_record_body body, const char
     assert_one_message( &error, WISP_BAD_INPUT, words );
 }
 
-static void a_malformed_body_is_refused_by_name_and_leaves_the_old_file( void** state )
+TEST_IN_FOLDER( a_malformed_body_is_refused_by_name_and_leaves_the_old_file )
 {
     static const int32_t beyond[] = { 0, 1, 2, 0, 1, 4 }, late[] = { 1, 5 }, falling[] = { 0, 4, 3, 5 };
     static const int32_t early[] = { 0, 4 };
@@ -348,7 +348,7 @@ static void a_malformed_body_is_refused_by_name_and_leaves_the_old_file( void** 
     assert_int_equal( count_files( state ), 1 );
 }
 
-static void a_definition_that_makes_no_sense_is_refused( void** state )
+TEST_IN_FOLDER( a_definition_that_makes_no_sense_is_refused )
 {
     wisp_recorder* recorder = NULL;
     wisp_error error = { .status = WISP_OK };
@@ -369,7 +369,7 @@ static void a_definition_that_makes_no_sense_is_refused( void** state )
     assert_int_equal( count_files( state ), 0 );
 }
 
-static void a_frame_that_is_refused_does_not_end_the_recording( void** state )
+TEST_IN_FOLDER( a_frame_that_is_refused_does_not_end_the_recording )
 {
     wisp_recorder_def def = fixture_def();
     wisp_recorder* recorder = NULL;
@@ -398,7 +398,7 @@ static void a_frame_that_is_refused_does_not_end_the_recording( void** state )
 
 // ---- failures of the operating system --------------------------------------------------------------------------
 
-static void a_frame_that_the_disk_refuses_is_taken_back_and_may_be_repeated( void** state )
+TEST_IN_FOLDER( a_frame_that_the_disk_refuses_is_taken_back_and_may_be_repeated )
 {
     wisp_recorder_def def = fixture_def();
     wisp_recorder* recorder = NULL;
@@ -434,7 +434,7 @@ static void a_frame_that_the_disk_refuses_is_taken_back_and_may_be_repeated( voi
     wisp_recording_close( recording );
 }
 
-static void a_path_that_cannot_be_written_or_read_is_a_message( void** state )
+TEST_IN_FOLDER( a_path_that_cannot_be_written_or_read_is_a_message )
 {
     wisp_recorder_def def = fixture_def();
     wisp_recorder* recorder = NULL;
@@ -455,7 +455,7 @@ static void a_path_that_cannot_be_written_or_read_is_a_message( void** state )
     assert_null( recording );
 }
 
-static void a_file_that_shrinks_while_it_is_read_is_an_error( void** state )
+TEST_IN_FOLDER( a_file_that_shrinks_while_it_is_read_is_an_error )
 {
     wisp_recorder_def def = fixture_def();
     char* path = path_in( state, "a.wisp" );
@@ -466,27 +466,4 @@ static void a_file_that_shrinks_while_it_is_read_is_an_error( void** state )
     assert_int_equal( wisp_recording_frame( recording, 0, NULL, NULL, NULL, &error ), WISP_IO_ERROR );
     assert_one_message( &error, WISP_IO_ERROR, "the file became shorter while it was read" );
     wisp_recording_close( recording );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        TEST_IN_FOLDER( a_recording_comes_back_bit_for_bit_in_any_order ),
-        TEST_IN_FOLDER( bodies_come_back_with_their_names_triangles_and_offsets ),
-        TEST_IN_FOLDER( a_body_that_is_not_requested_is_skipped ),
-        TEST_IN_FOLDER( a_frame_that_is_not_there_is_refused_by_its_number ),
-        TEST_IN_FOLDER( a_frame_is_in_the_file_when_the_call_returns ),
-        TEST_IN_FOLDER( a_killed_program_leaves_its_frames ),
-        TEST_IN_FOLDER( a_recording_cut_at_any_byte_gives_its_whole_frames_and_tells_or_is_refused ),
-        TEST_IN_FOLDER( a_flipped_bit_anywhere_is_seen_and_hurts_only_its_own_frame ),
-        TEST_IN_FOLDER( frames_that_a_power_cut_left_as_zeros_are_told_as_a_cut ),
-        TEST_IN_FOLDER( a_frame_of_another_recording_is_refused ),
-        TEST_IN_FOLDER( a_malformed_body_is_refused_by_name_and_leaves_the_old_file ),
-        TEST_IN_FOLDER( a_definition_that_makes_no_sense_is_refused ),
-        TEST_IN_FOLDER( a_frame_that_is_refused_does_not_end_the_recording ),
-        TEST_IN_FOLDER( a_frame_that_the_disk_refuses_is_taken_back_and_may_be_repeated ),
-        TEST_IN_FOLDER( a_path_that_cannot_be_written_or_read_is_a_message ),
-        TEST_IN_FOLDER( a_file_that_shrinks_while_it_is_read_is_an_error ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

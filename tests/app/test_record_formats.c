@@ -6,7 +6,7 @@
 
 // ---- .pc2 ------------------------------------------------------------------------------------------------------
 
-static void a_point_cache_has_the_layout_of_its_format( void** state )
+TEST_IN_FOLDER( a_point_cache_has_the_layout_of_its_format )
 {
     wisp_recorder_def def = fixture_def();
     def.body_count = 1;
@@ -34,7 +34,7 @@ static void a_point_cache_has_the_layout_of_its_format( void** state )
     assert_int_equal( count_files( state ), 1 );
 }
 
-static void several_bodies_are_a_point_cache_each_and_come_back( void** state )
+TEST_IN_FOLDER( several_bodies_are_a_point_cache_each_and_come_back )
 {
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.pc2" ), &def, 2 );
@@ -63,7 +63,7 @@ static void several_bodies_are_a_point_cache_each_and_come_back( void** state )
 
 // ---- .pvd and .vtp ---------------------------------------------------------------------------------------------
 
-static void paraview_finds_triangles_lines_and_points_in_every_frame( void** state )
+TEST_IN_FOLDER( paraview_finds_triangles_lines_and_points_in_every_frame )
 {
     static const int32_t ends[] = { 3, 6 }, line[] = { 0, 1, 2, 3, 4 }, line_ends[] = { 3, 5 };
     wisp_recorder_def def = fixture_def();
@@ -92,7 +92,7 @@ static void paraview_finds_triangles_lines_and_points_in_every_frame( void** sta
     }
 }
 
-static void the_list_of_frames_has_their_times_and_paths_beside_it( void** state )
+TEST_IN_FOLDER( the_list_of_frames_has_their_times_and_paths_beside_it )
 {
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a&b.pvd" ), &def, 2 );
@@ -111,7 +111,7 @@ static void the_list_of_frames_has_their_times_and_paths_beside_it( void** state
     free( text );
 }
 
-static void a_strand_without_a_segment_is_no_line( void** state )
+TEST_IN_FOLDER( a_strand_without_a_segment_is_no_line )
 {
     static const int32_t offsets[] = { 0, 1, 1, 5 }, line[] = { 1, 2, 3, 4 }, ends[] = { 4 };
     wisp_record_body bodies[] = { fixture_bodies[0], fixture_bodies[1] };
@@ -162,7 +162,7 @@ static void assert_obj( char* text, int f )
     assert_string_equal( elements, "o cloth;f 1 2 3;f 3 2 4;o hair-2;l 5 6;l 6 7;l 8 9;" );
 }
 
-static void obj_frames_are_numbered_from_1_and_come_back( void** state )
+TEST_IN_FOLDER( obj_frames_are_numbered_from_1_and_come_back )
 {
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.obj" ), &def, 2 );
@@ -222,7 +222,7 @@ static void assert_samples( char* text, const char* prim, int body, int frame_co
     assert_int_equal( *at, '}' );
 }
 
-static void usd_has_every_frame_of_every_body_as_a_time_sample( void** state )
+TEST_IN_FOLDER( usd_has_every_frame_of_every_body_as_a_time_sample )
 {
     wisp_recorder_def def = fixture_def();
     def.dt = (double)( 1.0f / 60.0f );
@@ -245,7 +245,7 @@ static void usd_has_every_frame_of_every_body_as_a_time_sample( void** state )
     free( text );
 }
 
-static void a_recording_without_frames_is_still_a_file( void** state )
+TEST_IN_FOLDER( a_recording_without_frames_is_still_a_file )
 {
     wisp_recorder_def def = fixture_def();
     def.dt = (double)( 1.0f / 60.0f );
@@ -269,7 +269,7 @@ static void a_recording_without_frames_is_still_a_file( void** state )
     wisp_recording_close( cache );
 }
 
-static void names_that_usd_cannot_tell_apart_are_refused( void** state )
+TEST_IN_FOLDER( names_that_usd_cannot_tell_apart_are_refused )
 {
     wisp_record_body bodies[] = { fixture_bodies[0], fixture_bodies[0] };
     bodies[0].name = "a-b";
@@ -285,7 +285,7 @@ static void names_that_usd_cannot_tell_apart_are_refused( void** state )
 
 // ---- failures of the operating system --------------------------------------------------------------------------
 
-static void files_that_cannot_be_read_half_written_appear_when_they_are_finished( void** state )
+TEST_IN_FOLDER( files_that_cannot_be_read_half_written_appear_when_they_are_finished )
 {
     static const char* const names[] = { "a.usda", "a.pvd", "a.pc2", "a.glb" };
     wisp_recorder_def def = fixture_def();
@@ -323,7 +323,7 @@ static wisp_status record_until_it_fails( const char* path, wisp_error* error )
     return status == WISP_OK ? closed : status;
 }
 
-static void a_full_disk_is_a_message_in_every_format( void** state )
+TEST_IN_FOLDER( a_full_disk_is_a_message_in_every_format )
 {
     static const char* const names[] = {
         "full.wisp", "full.pc2", "full.pvd", "full.usda", "full.glb", "full_0001.obj"
@@ -347,7 +347,7 @@ static void a_full_disk_is_a_message_in_every_format( void** state )
     assert_int_equal( count_files( state ), WISP_COUNT( names ) + 1 );
 }
 
-static void a_folder_that_is_not_there_is_a_message_in_every_format( void** state )
+TEST_IN_FOLDER( a_folder_that_is_not_there_is_a_message_in_every_format )
 {
     static const char* const names[] = { "none/a.pc2", "none/a.pvd", "none/a.usda", "none/a.obj", "none/a.glb" };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
@@ -359,7 +359,7 @@ static void a_folder_that_is_not_there_is_a_message_in_every_format( void** stat
     assert_int_equal( count_files( state ), 0 );
 }
 
-static void a_file_in_the_place_of_the_folder_of_frames_is_a_message( void** state )
+TEST_IN_FOLDER( a_file_in_the_place_of_the_folder_of_frames_is_a_message )
 {
     wisp_recorder_def def = fixture_def();
     wisp_recorder* recorder = NULL;
@@ -373,24 +373,4 @@ static void a_file_in_the_place_of_the_folder_of_frames_is_a_message( void** sta
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_PVD, &def, &recorder, &error ), WISP_BAD_INPUT );
     assert_one_message( &error, WISP_BAD_INPUT, "b: expected a name with an extension" );
     assert_int_equal( count_files( state ), 1 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        TEST_IN_FOLDER( a_point_cache_has_the_layout_of_its_format ),
-        TEST_IN_FOLDER( several_bodies_are_a_point_cache_each_and_come_back ),
-        TEST_IN_FOLDER( paraview_finds_triangles_lines_and_points_in_every_frame ),
-        TEST_IN_FOLDER( the_list_of_frames_has_their_times_and_paths_beside_it ),
-        TEST_IN_FOLDER( a_strand_without_a_segment_is_no_line ),
-        TEST_IN_FOLDER( obj_frames_are_numbered_from_1_and_come_back ),
-        TEST_IN_FOLDER( usd_has_every_frame_of_every_body_as_a_time_sample ),
-        TEST_IN_FOLDER( a_recording_without_frames_is_still_a_file ),
-        TEST_IN_FOLDER( names_that_usd_cannot_tell_apart_are_refused ),
-        TEST_IN_FOLDER( files_that_cannot_be_read_half_written_appear_when_they_are_finished ),
-        TEST_IN_FOLDER( a_full_disk_is_a_message_in_every_format ),
-        TEST_IN_FOLDER( a_folder_that_is_not_there_is_a_message_in_every_format ),
-        TEST_IN_FOLDER( a_file_in_the_place_of_the_folder_of_frames_is_a_message ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -217,7 +217,7 @@ static void assert_sum( wisp_vec3 base, wisp_vec3 moved, wisp_vec3 expected )
     }
 }
 
-static void points_plus_targets_are_the_points_of_every_frame( void** state )
+TEST_IN_FOLDER( points_plus_targets_are_the_points_of_every_frame )
 {
     glb g = record( path_in( state, "a.glb" ), FRAMES );
     assert_int_equal( count_files( state ), 1 );
@@ -257,7 +257,7 @@ static wisp_vec3 normal_of_corner( const wisp_vec3* points, const int32_t* corne
     return ( wisp_vec3 ){ p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x };
 }
 
-static void normals_have_targets_too( void** state )
+TEST_IN_FOLDER( normals_have_targets_too )
 {
     glb g = record( path_in( state, "a.glb" ), FRAMES );
     json_t* p = primitive( &g, 0 );
@@ -287,7 +287,7 @@ static void normals_have_targets_too( void** state )
     close_glb( &g );
 }
 
-static void one_weight_after_the_other_is_1_at_the_times_of_the_frames( void** state )
+TEST_IN_FOLDER( one_weight_after_the_other_is_1_at_the_times_of_the_frames )
 {
     glb g = record( path_in( state, "a.glb" ), FRAMES );
     json_t* animation = item( g.json, "animations", 0 );
@@ -311,7 +311,7 @@ static void one_weight_after_the_other_is_1_at_the_times_of_the_frames( void** s
     close_glb( &g );
 }
 
-static void strands_are_lines_with_colours_and_a_static_body_has_no_targets( void** state )
+TEST_IN_FOLDER( strands_are_lines_with_colours_and_a_static_body_has_no_targets )
 {
     static const int ends[] = { 0, 1, 1, 2, 4, 5 };
     glb g = record( path_in( state, "a.glb" ), FRAMES );
@@ -338,7 +338,7 @@ static void strands_are_lines_with_colours_and_a_static_body_has_no_targets( voi
     close_glb( &g );
 }
 
-static void one_frame_has_no_animation_and_none_no_meshes( void** state )
+TEST_IN_FOLDER( one_frame_has_no_animation_and_none_no_meshes )
 {
     glb g = record( path_in( state, "a.glb" ), 1 );
     assert_null( json_object_get( g.json, "animations" ) );
@@ -351,7 +351,7 @@ static void one_frame_has_no_animation_and_none_no_meshes( void** state )
     close_glb( &g );
 }
 
-static void vertices_whose_triangles_cancel_have_a_unit_normal( void** state )
+TEST_IN_FOLDER( vertices_whose_triangles_cancel_have_a_unit_normal )
 {
     static const int32_t both[] = { 0, 1, 2, 0, 2, 1 };
     const wisp_record_body body = { .name = "m", .triangles = both, .vertex_count = 3, .triangle_count = 2 };
@@ -372,7 +372,7 @@ static void vertices_whose_triangles_cancel_have_a_unit_normal( void** state )
 
 // ---- limits ----
 
-static void more_frames_than_fit_are_refused_before_the_first( void** state )
+TEST_IN_FOLDER( more_frames_than_fit_are_refused_before_the_first )
 {
     wisp_record_body bodies[3];
     make_bodies( bodies );
@@ -403,7 +403,7 @@ static void more_frames_than_fit_are_refused_before_the_first( void** state )
     free( kept );
 }
 
-static void a_frame_beyond_the_limit_is_refused_and_those_before_are_kept( void** state )
+TEST_IN_FOLDER( a_frame_beyond_the_limit_is_refused_and_those_before_are_kept )
 {
     wisp_record_body bodies[3];
     make_bodies( bodies );
@@ -424,7 +424,7 @@ static void a_frame_beyond_the_limit_is_refused_and_those_before_are_kept( void*
     close_glb( &g );
 }
 
-static void times_and_points_that_the_format_cannot_hold_are_refused( void** state )
+TEST_IN_FOLDER( times_and_points_that_the_format_cannot_hold_are_refused )
 {
     wisp_record_body bodies[3];
     make_bodies( bodies );
@@ -444,20 +444,4 @@ static void times_and_points_that_the_format_cannot_hold_are_refused( void** sta
     assert_int_equal( wisp_recorder_frame( recorder, 2.0, 0, points, &error ), WISP_BAD_INPUT );
     assert_one_message( &error, WISP_BAD_INPUT, "a.glb: frame 1: body hair, vertex 4 is too far from the origin" );
     assert_ok( wisp_recorder_close( recorder, &error ), error );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        TEST_IN_FOLDER( points_plus_targets_are_the_points_of_every_frame ),
-        TEST_IN_FOLDER( normals_have_targets_too ),
-        TEST_IN_FOLDER( one_weight_after_the_other_is_1_at_the_times_of_the_frames ),
-        TEST_IN_FOLDER( strands_are_lines_with_colours_and_a_static_body_has_no_targets ),
-        TEST_IN_FOLDER( one_frame_has_no_animation_and_none_no_meshes ),
-        TEST_IN_FOLDER( vertices_whose_triangles_cancel_have_a_unit_normal ),
-        TEST_IN_FOLDER( more_frames_than_fit_are_refused_before_the_first ),
-        TEST_IN_FOLDER( a_frame_beyond_the_limit_is_refused_and_those_before_are_kept ),
-        TEST_IN_FOLDER( times_and_points_that_the_format_cannot_hold_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -76,7 +76,7 @@ static char* text_of( const char* path )
     return text;
 }
 
-static void every_frame_of_our_own_format_has_its_triangles( void** state )
+TEST_WITH( every_frame_of_our_own_format_has_its_triangles, make_folder, remove_folder )
 {
     wisp_recording* recording = NULL;
     wisp_error error = { 0 };
@@ -100,7 +100,7 @@ static void every_frame_of_our_own_format_has_its_triangles( void** state )
     wisp_recording_close( recording );
 }
 
-static void a_vertex_that_a_frame_does_not_have_is_refused_and_changes_nothing( void** state )
+TEST_WITH( a_vertex_that_a_frame_does_not_have_is_refused_and_changes_nothing, make_folder, remove_folder )
 {
     size_t size = 0;
     unsigned char* bytes = read_bytes( record( state, "x.wisp" ), &size );
@@ -123,7 +123,7 @@ static void a_vertex_that_a_frame_does_not_have_is_refused_and_changes_nothing( 
     free( bytes );
 }
 
-static void obj_files_have_the_triangles_of_their_frames( void** state )
+TEST_WITH( obj_files_have_the_triangles_of_their_frames, make_folder, remove_folder )
 {
     record( state, "x.obj" );
     char* text = text_of( path_in( state, "x_0002.obj" ) );
@@ -135,7 +135,7 @@ static void obj_files_have_the_triangles_of_their_frames( void** state )
 }
 
 // Vertex 4 was where vertex 0 was in the frame before: it rose by 1 m and went 1.75 m sideways in half a second.
-static void usd_has_a_sample_of_the_triangles_per_frame( void** state )
+TEST_WITH( usd_has_a_sample_of_the_triangles_per_frame, make_folder, remove_folder )
 {
     char* text = text_of( record( state, "x.usda" ) );
     assert_non_null( strstr( text, "        int[] faceVertexIndices.timeSamples = {\n"
@@ -153,7 +153,7 @@ static void usd_has_a_sample_of_the_triangles_per_frame( void** state )
 }
 
 // Unit normals of a level triangle point up or down; split off, the second one is level too.
-static void glb_has_all_corners_in_their_places_with_the_triangles_of_the_last_frame( void** state )
+TEST_WITH( glb_has_all_corners_in_their_places_with_the_triangles_of_the_last_frame, make_folder, remove_folder )
 {
     const char* path = record( state, "x.glb" );
     gltf_model model = { 0 };
@@ -180,19 +180,4 @@ static void glb_has_all_corners_in_their_places_with_the_triangles_of_the_last_f
         wisp_mesh_release( &frame );
     }
     gltf_release( &model );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown( every_frame_of_our_own_format_has_its_triangles, make_folder,
-                                         remove_folder ),
-        cmocka_unit_test_setup_teardown( a_vertex_that_a_frame_does_not_have_is_refused_and_changes_nothing,
-                                         make_folder, remove_folder ),
-        cmocka_unit_test_setup_teardown( obj_files_have_the_triangles_of_their_frames, make_folder, remove_folder ),
-        cmocka_unit_test_setup_teardown( usd_has_a_sample_of_the_triangles_per_frame, make_folder, remove_folder ),
-        cmocka_unit_test_setup_teardown( glb_has_all_corners_in_their_places_with_the_triangles_of_the_last_frame,
-                                         make_folder, remove_folder ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

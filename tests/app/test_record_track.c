@@ -33,7 +33,7 @@ static char* next_number( char* at, float expected )
     return at;
 }
 
-static void tracks_are_a_table_whose_numbers_come_back_bit_for_bit( void** state )
+TEST_IN_FOLDER( tracks_are_a_table_whose_numbers_come_back_bit_for_bit )
 {
     wisp_recorder* track = open_track( path_in( state, "a.csv" ) );
     for ( int f = 0; f < 3; ++f )
@@ -62,7 +62,7 @@ static void tracks_are_a_table_whose_numbers_come_back_bit_for_bit( void** state
     assert_int_equal( count_files( state ), 1 );
 }
 
-static void numbers_have_points_in_a_locale_with_commas( void** state )
+TEST_IN_FOLDER( numbers_have_points_in_a_locale_with_commas )
 {
     static const char* const locales[] = { "de_DE.UTF-8", "fr_FR.UTF-8", "de_DE", "fr_FR" };
     bool found = false;
@@ -85,7 +85,7 @@ static void numbers_have_points_in_a_locale_with_commas( void** state )
     free( text );
 }
 
-static void a_vertex_that_does_not_exist_is_refused_by_its_place( void** state )
+TEST_IN_FOLDER( a_vertex_that_does_not_exist_is_refused_by_its_place )
 {
     static const struct
     {
@@ -112,7 +112,7 @@ static void a_vertex_that_does_not_exist_is_refused_by_its_place( void** state )
     assert_int_equal( count_files( state ), 0 );
 }
 
-static void a_table_of_tracks_is_never_chosen_by_its_name( void** state )
+TEST_IN_FOLDER( a_table_of_tracks_is_never_chosen_by_its_name )
 {
     const wisp_recorder_def def = track_def( followed, 2 );
     wisp_recorder* track = NULL;
@@ -121,7 +121,7 @@ static void a_table_of_tracks_is_never_chosen_by_its_name( void** state )
     assert_int_equal( count_files( state ), 0 );
 }
 
-static void a_number_that_is_not_finite_writes_no_line( void** state )
+TEST_IN_FOLDER( a_number_that_is_not_finite_writes_no_line )
 {
     wisp_recorder* track = open_track( path_in( state, "a.csv" ) );
     fixture_frame frame = fixture_points( 0 );
@@ -144,7 +144,7 @@ static void a_number_that_is_not_finite_writes_no_line( void** state )
     free( text );
 }
 
-static void a_full_disk_is_a_message( void** state )
+TEST_IN_FOLDER( a_full_disk_is_a_message )
 {
     struct stat info;
     if ( stat( "/dev/full", &info ) != 0 || !S_ISCHR( info.st_mode ) )
@@ -200,7 +200,7 @@ static char* print_recording( const char* path, wisp_status expected, wisp_error
 }
 
 // header 40 + 16 + 4 + 12 + 8 = 80 bytes, frame 40 + 36 + 8 = 84 bytes
-static void info_tells_what_is_in_a_recording( void** state )
+TEST_IN_FOLDER( info_tells_what_is_in_a_recording )
 {
     char* path = path_in( state, "sail.wisp" );
     wisp_error error = { .status = WISP_OK };
@@ -217,7 +217,7 @@ static void info_tells_what_is_in_a_recording( void** state )
     free( text );
 }
 
-static void info_tells_a_cut_and_does_not_refuse_it( void** state )
+TEST_IN_FOLDER( info_tells_a_cut_and_does_not_refuse_it )
 {
     char* path = path_in( state, "sail.wisp" );
     wisp_error error = { .status = WISP_OK };
@@ -235,7 +235,7 @@ static void info_tells_a_cut_and_does_not_refuse_it( void** state )
     free( text );
 }
 
-static void info_names_the_first_ten_damaged_frames_and_counts_the_rest( void** state )
+TEST_IN_FOLDER( info_names_the_first_ten_damaged_frames_and_counts_the_rest )
 {
     char* path = path_in( state, "sail.wisp" );
     wisp_error error = { .status = WISP_OK };
@@ -257,7 +257,7 @@ static void info_names_the_first_ten_damaged_frames_and_counts_the_rest( void** 
     free( text );
 }
 
-static void info_tells_what_is_in_a_point_cache( void** state )
+TEST_IN_FOLDER( info_tells_what_is_in_a_point_cache )
 {
     record_plain( path_in( state, "sail.pc2" ), 2 );
     wisp_recording* cache = NULL;
@@ -274,21 +274,4 @@ static void info_tells_what_is_in_a_point_cache( void** state )
                                "  points               3, x 0 .. 1, y 0 .. 3, z -0.5 .. 0 m\n"
                                "  no defects\n" );
     free( text );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        TEST_IN_FOLDER( tracks_are_a_table_whose_numbers_come_back_bit_for_bit ),
-        TEST_IN_FOLDER( numbers_have_points_in_a_locale_with_commas ),
-        TEST_IN_FOLDER( a_vertex_that_does_not_exist_is_refused_by_its_place ),
-        TEST_IN_FOLDER( a_table_of_tracks_is_never_chosen_by_its_name ),
-        TEST_IN_FOLDER( a_number_that_is_not_finite_writes_no_line ),
-        TEST_IN_FOLDER( a_full_disk_is_a_message ),
-        TEST_IN_FOLDER( info_tells_what_is_in_a_recording ),
-        TEST_IN_FOLDER( info_tells_a_cut_and_does_not_refuse_it ),
-        TEST_IN_FOLDER( info_names_the_first_ten_damaged_frames_and_counts_the_rest ),
-        TEST_IN_FOLDER( info_tells_what_is_in_a_point_cache ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -99,7 +99,7 @@ static void read_floats( const char* text, const char* name, float* out, int cou
 
 // ---- .vtp ------------------------------------------------------------------------------------------------------
 
-static void values_of_each_frame_are_arrays_of_points( void** state )
+TEST_IN_FOLDER( values_of_each_frame_are_arrays_of_points )
 {
     values_fixture x;
     record( path_in( state, "a.pvd" ), &x, 3 );
@@ -121,7 +121,7 @@ static void values_of_each_frame_are_arrays_of_points( void** state )
     }
 }
 
-static void normals_are_weighted_by_area( void** state )
+TEST_IN_FOLDER( normals_are_weighted_by_area )
 {
     values_fixture x;
     record( path_in( state, "a.pvd" ), &x, 2 );
@@ -149,7 +149,7 @@ static void normals_are_weighted_by_area( void** state )
     }
 }
 
-static void strands_have_widths_and_colours_for_a_display( void** state )
+TEST_IN_FOLDER( strands_have_widths_and_colours_for_a_display )
 {
     values_fixture x;
     record( path_in( state, "a.pvd" ), &x, 1 );
@@ -170,7 +170,7 @@ static void strands_have_widths_and_colours_for_a_display( void** state )
     free( text );
 }
 
-static void a_static_body_is_one_file_that_all_frames_name( void** state )
+TEST_IN_FOLDER( a_static_body_is_one_file_that_all_frames_name )
 {
     values_fixture x;
     record( path_in( state, "a.pvd" ), &x, 3 );
@@ -188,7 +188,7 @@ static void a_static_body_is_one_file_that_all_frames_name( void** state )
 
 // ---- .usda -----------------------------------------------------------------------------------------------------
 
-static void usd_prims_have_normals_velocities_colours_and_widths( void** state )
+TEST_IN_FOLDER( usd_prims_have_normals_velocities_colours_and_widths )
 {
     values_fixture x;
     record( path_in( state, "a.usda" ), &x, 3 );
@@ -221,7 +221,7 @@ static void usd_prims_have_normals_velocities_colours_and_widths( void** state )
     free( text );
 }
 
-static void a_static_body_has_no_time_samples_in_usd( void** state )
+TEST_IN_FOLDER( a_static_body_has_no_time_samples_in_usd )
 {
     values_fixture x;
     record( path_in( state, "a.usda" ), &x, 3 );
@@ -276,7 +276,7 @@ static int frames_in( void** state, const char* name )
     return count;
 }
 
-static void a_recording_may_end_before_the_frames_that_were_expected( void** state )
+TEST_IN_FOLDER( a_recording_may_end_before_the_frames_that_were_expected )
 {
     static const char* const names[][2] = { { "a.wisp", "a.wisp" },
                                             { "a.pc2", "a_cloth.pc2" },
@@ -304,7 +304,7 @@ static void a_recording_may_end_before_the_frames_that_were_expected( void** sta
 
 // ---- what is refused -------------------------------------------------------------------------------------------
 
-static void a_static_body_that_moves_is_refused_and_the_recording_goes_on( void** state )
+TEST_IN_FOLDER( a_static_body_that_moves_is_refused_and_the_recording_goes_on )
 {
     values_fixture x;
     wisp_error error = { .status = WISP_OK };
@@ -321,7 +321,7 @@ static void a_static_body_that_moves_is_refused_and_the_recording_goes_on( void*
     assert_ok( wisp_recorder_close( recorder, &error ), error );
 }
 
-static void a_value_that_is_not_finite_is_refused_by_name( void** state )
+TEST_IN_FOLDER( a_value_that_is_not_finite_is_refused_by_name )
 {
     values_fixture x;
     wisp_error error = { .status = WISP_OK };
@@ -347,7 +347,7 @@ static void refuse( void** state, values_fixture* x, const char* words )
     prepare( x );
 }
 
-static void widths_colours_and_names_of_values_are_checked( void** state )
+TEST_IN_FOLDER( widths_colours_and_names_of_values_are_checked )
 {
     static const float thin[] = { 1, 1, -1, 1, 1 };
     static const wisp_vec3 bright[] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 2, 0 } };
@@ -365,21 +365,4 @@ static void widths_colours_and_names_of_values_are_checked( void** state )
     refuse( state, &x, "a.pvd: body cloth: value 1 has no numbers, or a name that files use" );
     x.cloth_values[0].name = "1st";
     refuse( state, &x, "a.pvd: body cloth: value 0 has" );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        TEST_IN_FOLDER( values_of_each_frame_are_arrays_of_points ),
-        TEST_IN_FOLDER( normals_are_weighted_by_area ),
-        TEST_IN_FOLDER( strands_have_widths_and_colours_for_a_display ),
-        TEST_IN_FOLDER( a_static_body_is_one_file_that_all_frames_name ),
-        TEST_IN_FOLDER( usd_prims_have_normals_velocities_colours_and_widths ),
-        TEST_IN_FOLDER( a_static_body_has_no_time_samples_in_usd ),
-        TEST_IN_FOLDER( a_recording_may_end_before_the_frames_that_were_expected ),
-        TEST_IN_FOLDER( a_static_body_that_moves_is_refused_and_the_recording_goes_on ),
-        TEST_IN_FOLDER( a_value_that_is_not_finite_is_refused_by_name ),
-        TEST_IN_FOLDER( widths_colours_and_names_of_values_are_checked ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -55,9 +55,8 @@ static void assert_same_picture( const image* a, const image* b )
     assert_memory_equal( a->rgb, b->rgb, 3 * (size_t)a->width * (size_t)a->height );
 }
 
-static void the_number_of_threads_changes_no_byte( void** state )
+TEST( the_number_of_threads_changes_no_byte )
 {
-    (void)state;
     everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
@@ -84,9 +83,8 @@ static void backwards( void* user, int block_count, wisp_block_fn* run, void* co
     *calls += 1;
 }
 
-static void a_host_that_draws_backwards_gets_the_same_bytes( void** state )
+TEST( a_host_that_draws_backwards_gets_the_same_bytes )
 {
-    (void)state;
     everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
@@ -103,9 +101,8 @@ static void a_host_that_draws_backwards_gets_the_same_bytes( void** state )
     free_everything( &e );
 }
 
-static void another_seed_has_other_noise( void** state )
+TEST( another_seed_has_other_noise )
 {
-    (void)state;
     everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
@@ -121,9 +118,8 @@ static void another_seed_has_other_noise( void** state )
 
 // ---- the background ----
 
-static void an_empty_scene_is_its_background( void** state )
+TEST( an_empty_scene_is_its_background )
 {
-    (void)state;
     render_scene scene = render_default_scene();
     render_camera camera = fixture_camera();
     render_options options = fixture_options();
@@ -145,9 +141,8 @@ static void an_empty_scene_is_its_background( void** state )
     image_release( &picture );
 }
 
-static void the_ground_runs_out_into_the_background( void** state )
+TEST( the_ground_runs_out_into_the_background )
 {
-    (void)state;
     everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
@@ -193,9 +188,8 @@ static void release_view( ball_view* v )
     image_release( &v->without );
 }
 
-static void a_ball_covers_the_disc_that_the_camera_says( void** state )
+TEST( a_ball_covers_the_disc_that_the_camera_says )
 {
-    (void)state;
     render_options options = fixture_options();
     const float radius = 0.8f, away = 5.0f;
     ball_view v = view_ball( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, radius, &options );
@@ -213,9 +207,8 @@ static void a_ball_covers_the_disc_that_the_camera_says( void** state )
     release_view( &v );
 }
 
-static void right_is_right_and_up_is_up( void** state )
+TEST( right_is_right_and_up_is_up )
 {
-    (void)state;
     render_options options = fixture_options();
     render_camera camera = fixture_camera();
     wisp_vec3 centre = { 1.2f, 1.9f, -0.5f };
@@ -246,9 +239,8 @@ static image picture_of_triangle( const int32_t* triangle, render_material mater
     return fixture_picture( &scene, &camera, &options );
 }
 
-static void painted_cloth_is_the_same_from_both_sides( void** state )
+TEST( painted_cloth_is_the_same_from_both_sides )
 {
-    (void)state;
     const int32_t front[] = { 0, 1, 2 }, back[] = { 0, 2, 1 };
     image a = picture_of_triangle( front, RENDER_CLOTH, true ), b = picture_of_triangle( back, RENDER_CLOTH, true );
     image none = picture_of_triangle( NULL, RENDER_CLOTH, true );
@@ -260,9 +252,8 @@ static void painted_cloth_is_the_same_from_both_sides( void** state )
     image_release( &none );
 }
 
-static void the_back_of_cloth_is_paler( void** state )
+TEST( the_back_of_cloth_is_paler )
 {
-    (void)state;
     const int32_t front[] = { 0, 1, 2 }, back[] = { 0, 2, 1 };
     image a = picture_of_triangle( front, RENDER_CLOTH, false ), b = picture_of_triangle( back, RENDER_CLOTH, false );
     const uint8_t *blue = fixture_pixel( &a, 48, 40 ), *pale = fixture_pixel( &b, 48, 40 );
@@ -272,9 +263,8 @@ static void the_back_of_cloth_is_paler( void** state )
     image_release( &b );
 }
 
-static void colours_of_vertices_run_into_each_other( void** state )
+TEST( colours_of_vertices_run_into_each_other )
 {
-    (void)state;
     const int32_t front[] = { 0, 1, 2 };
     image picture = picture_of_triangle( front, RENDER_SOLID, true );
     const uint8_t *left = fixture_pixel( &picture, 36, 50 ), *right = fixture_pixel( &picture, 60, 50 );
@@ -307,9 +297,8 @@ static image picture_of_strand( float radius, float min_pixels )
     return fixture_picture( &scene, &camera, &options );
 }
 
-static void a_strand_is_seen_along_its_whole_length( void** state )
+TEST( a_strand_is_seen_along_its_whole_length )
 {
-    (void)state;
     image none = picture_of_strand( 0.0f, 0.0f );
     image thick = picture_of_strand( 0.04f, 0.0f );
     render_camera camera = fixture_camera();
@@ -328,9 +317,8 @@ static void a_strand_is_seen_along_its_whole_length( void** state )
     image_release( &thick );
 }
 
-static void a_hair_thinner_than_a_pixel_is_widened( void** state )
+TEST( a_hair_thinner_than_a_pixel_is_widened )
 {
-    (void)state;
     image none = picture_of_strand( 0.0f, 0.0f );
     image thin = picture_of_strand( 4e-5f, 0.0f );
     image widened = picture_of_strand( 4e-5f, 1.0f );
@@ -370,9 +358,8 @@ static render_options under_a_lamp( void )
     return options;
 }
 
-static void the_ground_under_a_ball_is_darker_than_beside_it( void** state )
+TEST( the_ground_under_a_ball_is_darker_than_beside_it )
 {
-    (void)state;
     render_options options = under_a_lamp();
     image picture = picture_with_shadow( RENDER_SOLID, &above, &options );
     fixture_place under = fixture_project( &above, &options, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
@@ -393,9 +380,8 @@ static int ground_at( const image* picture, const render_options* options, float
     return fixture_brightness( picture, (int)place.x, (int)place.y );
 }
 
-static void a_shadow_has_a_soft_edge( void** state )
+TEST( a_shadow_has_a_soft_edge )
 {
-    (void)state;
     render_options options = under_a_lamp();
     options.width = 320;
     options.height = 240;
@@ -410,9 +396,8 @@ static void a_shadow_has_a_soft_edge( void** state )
     image_release( &picture );
 }
 
-static void latex_colours_its_shadow( void** state )
+TEST( latex_colours_its_shadow )
 {
-    (void)state;
     render_options options = under_a_lamp();
     image latex = picture_with_shadow( RENDER_LATEX, &above, &options );
     image solid = picture_with_shadow( RENDER_SOLID, &above, &options );
@@ -425,9 +410,8 @@ static void latex_colours_its_shadow( void** state )
     image_release( &solid );
 }
 
-static void light_from_the_left_lights_the_left( void** state )
+TEST( light_from_the_left_lights_the_left )
 {
-    (void)state;
     render_options options = fixture_options();
     options.light = ( wisp_vec3 ){ -1.0f, 0.2f, 0.5f };
     ball_view v = view_ball( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, 0.8f, &options );
@@ -435,9 +419,8 @@ static void light_from_the_left_lights_the_left( void** state )
     release_view( &v );
 }
 
-static void film_rolls_off_what_plain_output_cuts( void** state )
+TEST( film_rolls_off_what_plain_output_cuts )
 {
-    (void)state;
     render_scene scene = render_default_scene();
     scene.background_top = scene.background_bottom = ( wisp_vec3 ){ 1.5f, 0.3f, 0.3f };
     render_camera camera = fixture_camera();
@@ -461,9 +444,8 @@ static void film_rolls_off_what_plain_output_cuts( void** state )
 
 // ---- the automatic camera ----
 
-static void the_whole_box_is_in_the_picture_and_fills_it( void** state )
+TEST( the_whole_box_is_in_the_picture_and_fills_it )
 {
-    (void)state;
     render_bounds box = { { -0.3f, 0.1f, -1.2f }, { 1.4f, 0.9f, 0.7f }, true };
     render_options options = fixture_options();
     for ( int angle = 0; angle < 360; angle += 30 )
@@ -487,9 +469,8 @@ static void the_whole_box_is_in_the_picture_and_fills_it( void** state )
     }
 }
 
-static void a_turntable_keeps_its_distance( void** state )
+TEST( a_turntable_keeps_its_distance )
 {
-    (void)state;
     render_bounds box = { { -1.0f, 0.0f, -0.2f }, { 1.0f, 0.5f, 0.2f }, true };
     render_view view = render_default_view();
     view.is_turntable = true;
@@ -508,9 +489,8 @@ static void a_turntable_keeps_its_distance( void** state )
     }
 }
 
-static void an_empty_box_still_has_a_camera( void** state )
+TEST( an_empty_box_still_has_a_camera )
 {
-    (void)state;
     render_bounds none = { .is_filled = false };
     render_view view = render_default_view();
     render_scene scene = render_default_scene();
@@ -522,9 +502,8 @@ static void an_empty_box_still_has_a_camera( void** state )
     image_release( &picture );
 }
 
-static void bounds_hold_what_is_drawn_and_join( void** state )
+TEST( bounds_hold_what_is_drawn_and_join )
 {
-    (void)state;
     everything e;
     make_everything( &e );
     render_bounds bounds;
@@ -556,9 +535,8 @@ static void listen( void* user, double fraction )
     l->calls += 1;
 }
 
-static void progress_rises_to_one( void** state )
+TEST( progress_rises_to_one )
 {
-    (void)state;
     render_scene scene = render_default_scene();
     render_camera camera = fixture_camera();
     render_options options = fixture_options();
@@ -578,9 +556,8 @@ static void progress_rises_to_one( void** state )
 // ---- samples ----
 
 // Of N = 2^m points, every box of 2^-a x 2^-(m-a) holds exactly one: the definition of a (0,m,2)-net.
-static void the_samples_of_a_pixel_are_a_net( void** state )
+TEST( the_samples_of_a_pixel_are_a_net )
 {
-    (void)state;
     wisp_random_key key = wisp_random_make_key( 3, 1, 4 );
     for ( int pixel = 0; pixel < 20; ++pixel )
     {
@@ -600,34 +577,4 @@ static void the_samples_of_a_pixel_are_a_net( void** state )
             }
         }
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_number_of_threads_changes_no_byte ),
-        cmocka_unit_test( a_host_that_draws_backwards_gets_the_same_bytes ),
-        cmocka_unit_test( another_seed_has_other_noise ),
-        cmocka_unit_test( an_empty_scene_is_its_background ),
-        cmocka_unit_test( the_ground_runs_out_into_the_background ),
-        cmocka_unit_test( a_ball_covers_the_disc_that_the_camera_says ),
-        cmocka_unit_test( right_is_right_and_up_is_up ),
-        cmocka_unit_test( painted_cloth_is_the_same_from_both_sides ),
-        cmocka_unit_test( the_back_of_cloth_is_paler ),
-        cmocka_unit_test( colours_of_vertices_run_into_each_other ),
-        cmocka_unit_test( a_strand_is_seen_along_its_whole_length ),
-        cmocka_unit_test( a_hair_thinner_than_a_pixel_is_widened ),
-        cmocka_unit_test( the_ground_under_a_ball_is_darker_than_beside_it ),
-        cmocka_unit_test( a_shadow_has_a_soft_edge ),
-        cmocka_unit_test( latex_colours_its_shadow ),
-        cmocka_unit_test( light_from_the_left_lights_the_left ),
-        cmocka_unit_test( film_rolls_off_what_plain_output_cuts ),
-        cmocka_unit_test( the_whole_box_is_in_the_picture_and_fills_it ),
-        cmocka_unit_test( a_turntable_keeps_its_distance ),
-        cmocka_unit_test( an_empty_box_still_has_a_camera ),
-        cmocka_unit_test( bounds_hold_what_is_drawn_and_join ),
-        cmocka_unit_test( progress_rises_to_one ),
-        cmocka_unit_test( the_samples_of_a_pixel_are_a_net ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -68,9 +68,8 @@ static void assert_refused( const spoilt* s, const char* words )
     image_release( &old );
 }
 
-static void the_unspoilt_scene_is_drawn( void** state )
+TEST( the_unspoilt_scene_is_drawn )
 {
-    (void)state;
     spoilt s;
     make_good( &s );
     image picture = { 0 };
@@ -79,9 +78,8 @@ static void the_unspoilt_scene_is_drawn( void** state )
     image_release( &picture );
 }
 
-static void a_vertex_that_is_not_finite_is_named( void** state )
+TEST( a_vertex_that_is_not_finite_is_named )
 {
-    (void)state;
     spoilt s;
     make_good( &s );
     s.points[2].y = NAN;
@@ -96,9 +94,8 @@ static void a_vertex_that_is_not_finite_is_named( void** state )
     assert_refused( &s, "curves 0: vertex 1 is not finite (0, 1, -inf)" );
 }
 
-static void a_triangle_that_names_no_vertex_is_named( void** state )
+TEST( a_triangle_that_names_no_vertex_is_named )
 {
-    (void)state;
     spoilt s;
     make_good( &s );
     s.triangles[4] = 4;
@@ -116,9 +113,8 @@ static void a_triangle_that_names_no_vertex_is_named( void** state )
     assert_refused( &s, "mesh \"flag\": material 7 is none of solid, cloth, latex and glass" );
 }
 
-static void a_strand_out_of_order_is_named( void** state )
+TEST( a_strand_out_of_order_is_named )
 {
-    (void)state;
     spoilt s;
     make_good( &s );
     s.curves.name = "head";
@@ -140,9 +136,8 @@ static void a_strand_out_of_order_is_named( void** state )
     assert_refused( &s, "curves 0: radius nan is not in 0 .. 1e+06" );
 }
 
-static void a_colour_that_is_none_is_named( void** state )
+TEST( a_colour_that_is_none_is_named )
 {
-    (void)state;
     spoilt s;
     make_good( &s );
     s.colours[1].x = -0.1f;
@@ -161,9 +156,8 @@ static void a_colour_that_is_none_is_named( void** state )
     assert_refused( &s, "picture: -2 meshes and 1 sets of curves do not fit their arrays" );
 }
 
-static void a_camera_that_sees_nothing_is_refused( void** state )
+TEST( a_camera_that_sees_nothing_is_refused )
 {
-    (void)state;
     spoilt s;
     make_good( &s );
     s.camera.target = s.camera.eye;
@@ -184,9 +178,8 @@ static void a_camera_that_sees_nothing_is_refused( void** state )
     assert_refused( &s, "camera: the angle of view is 180 degrees and must be in 1 .. 150" );
 }
 
-static void a_frame_that_cannot_be_is_refused( void** state )
+TEST( a_frame_that_cannot_be_is_refused )
 {
-    (void)state;
     render_bounds box = { { 0.0f, 0.0f, 0.0f }, { 1.0f, NAN, 1.0f }, true };
     render_view view = render_default_view();
     render_camera camera;
@@ -202,9 +195,8 @@ static void a_frame_that_cannot_be_is_refused( void** state )
     assert_non_null( strstr( error.message, "camera: aspect is 0" ) );
 }
 
-static void options_out_of_range_are_named( void** state )
+TEST( options_out_of_range_are_named )
 {
-    (void)state;
     spoilt s;
     make_good( &s );
     s.options.width = 0;
@@ -228,9 +220,8 @@ static void options_out_of_range_are_named( void** state )
 
 // Legal but unusual input must be drawn without a sanitizer error: flat and doubled triangles, bodies of one point,
 // strands of one, a point for a scene, tiny and far bodies.
-static void strange_scenes_are_drawn( void** state )
+TEST( strange_scenes_are_drawn )
 {
-    (void)state;
     const float scales[] = { 0.0f, 1e-30f, 1e-6f, 1e5f };
     const float shifts[] = { 0.0f, 9e5f };
     for ( int i = 0; i < WISP_COUNT( scales ) * WISP_COUNT( shifts ); ++i )
@@ -258,20 +249,4 @@ static void strange_scenes_are_drawn( void** state )
         }
         image_release( &picture );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_unspoilt_scene_is_drawn ),
-        cmocka_unit_test( a_vertex_that_is_not_finite_is_named ),
-        cmocka_unit_test( a_triangle_that_names_no_vertex_is_named ),
-        cmocka_unit_test( a_strand_out_of_order_is_named ),
-        cmocka_unit_test( a_colour_that_is_none_is_named ),
-        cmocka_unit_test( a_camera_that_sees_nothing_is_refused ),
-        cmocka_unit_test( a_frame_that_cannot_be_is_refused ),
-        cmocka_unit_test( options_out_of_range_are_named ),
-        cmocka_unit_test( strange_scenes_are_drawn ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -38,9 +38,8 @@ static int count_differing( const image* a, const image* b, int begin, int end )
     return count;
 }
 
-static void a_cut_leaves_the_side_behind_it( void** state )
+TEST( a_cut_leaves_the_side_behind_it )
 {
-    (void)state;
     fixture_ball ball = make_ball();
     const render_mesh mesh = fixture_mesh( &ball, RENDER_SOLID );
     image none = draw( NULL, 0, NULL, uncut, 0.0f ), whole = draw( &mesh, 1, NULL, uncut, 0.0f );
@@ -59,9 +58,8 @@ static void a_cut_leaves_the_side_behind_it( void** state )
     fixture_ball_free( &ball );
 }
 
-static void a_cut_shows_what_was_inside( void** state )
+TEST( a_cut_shows_what_was_inside )
 {
-    (void)state;
     fixture_ball ball = make_ball(), seed = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.0f, -0.1f }, 0.15f );
     render_mesh meshes[] = { fixture_mesh( &ball, RENDER_SOLID ), fixture_mesh( &seed, RENDER_SOLID ) };
     meshes[1].colour = ( wisp_vec3 ){ 0.8f, 0.0f, 0.0f };
@@ -76,9 +74,8 @@ static void a_cut_shows_what_was_inside( void** state )
     fixture_ball_free( &seed );
 }
 
-static void a_cut_that_is_not_a_number_is_refused( void** state )
+TEST( a_cut_that_is_not_a_number_is_refused )
 {
-    (void)state;
     render_scene scene = render_default_scene();
     const render_camera camera = fixture_camera();
     const render_options options = fixture_options();
@@ -94,9 +91,8 @@ static void a_cut_that_is_not_a_number_is_refused( void** state )
 
 // ---- glass ----
 
-static void a_body_is_seen_through_glass_and_not_through_a_wall( void** state )
+TEST( a_body_is_seen_through_glass_and_not_through_a_wall )
 {
-    (void)state;
     fixture_ball ball = make_ball(), shell = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, 0.9f );
     render_mesh meshes[] = { fixture_mesh( &ball, RENDER_SOLID ), fixture_mesh( &shell, RENDER_SOLID ) };
     meshes[0].colour = ( wisp_vec3 ){ 0.8f, 0.0f, 0.0f };
@@ -118,9 +114,8 @@ static void a_body_is_seen_through_glass_and_not_through_a_wall( void** state )
 
 // ---- what hides a point ----
 
-static void the_first_body_before_a_point_is_named( void** state )
+TEST( the_first_body_before_a_point_is_named )
 {
-    (void)state;
     fixture_ball near = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.0f, 2.0f }, 0.2f ), far = make_ball();
     const render_mesh meshes[] = { fixture_mesh( &far, RENDER_SOLID ), fixture_mesh( &near, RENDER_SOLID ) };
     render_scene scene = render_default_scene();
@@ -173,9 +168,8 @@ static bool is_covered( const image* picture, const image* none, wisp_vec3 point
     return fixture_differs( picture, none, (int)at.x, (int)at.y );
 }
 
-static void hair_bends_between_its_points_and_other_curves_do_not( void** state )
+TEST( hair_bends_between_its_points_and_other_curves_do_not )
 {
-    (void)state;
     const render_curves straight = make_bow( false ), hair = make_bow( true );
     image none = draw( NULL, 0, NULL, uncut, 0.0f );
     image segments = draw( NULL, 0, &straight, uncut, 0.0f ), smooth = draw( NULL, 0, &hair, uncut, 0.0f );
@@ -193,9 +187,8 @@ static void hair_bends_between_its_points_and_other_curves_do_not( void** state 
 }
 
 // A strand of four points that are nearer to each other than floats can tell, or than is seen, and one that is not.
-static void strands_far_shorter_than_their_radius_draw_no_strokes( void** state )
+TEST( strands_far_shorter_than_their_radius_draw_no_strokes )
 {
-    (void)state;
     wisp_vec3 points[8];
     for ( int i = 0; i < 4; ++i )
     {
@@ -281,9 +274,8 @@ static int range_of_brightness( const image* picture )
     return brightest - darkest;
 }
 
-static void hair_is_pointed_and_its_strands_differ( void** state )
+TEST( hair_is_pointed_and_its_strands_differ )
 {
-    (void)state;
     image none = { 0 }, other = { 0 };
     image rods = picture_of_rows( false, 0.09f, &none ), hair = picture_of_rows( true, 0.09f, &other );
     int roots = 0, tips = 0, rod_roots = 0, rod_tips = 0;
@@ -301,19 +293,4 @@ static void hair_is_pointed_and_its_strands_differ( void** state )
     image_release( &other );
     image_release( &rods );
     image_release( &hair );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_cut_leaves_the_side_behind_it ),
-        cmocka_unit_test( a_cut_shows_what_was_inside ),
-        cmocka_unit_test( a_cut_that_is_not_a_number_is_refused ),
-        cmocka_unit_test( a_body_is_seen_through_glass_and_not_through_a_wall ),
-        cmocka_unit_test( the_first_body_before_a_point_is_named ),
-        cmocka_unit_test( hair_bends_between_its_points_and_other_curves_do_not ),
-        cmocka_unit_test( strands_far_shorter_than_their_radius_draw_no_strokes ),
-        cmocka_unit_test( hair_is_pointed_and_its_strands_differ ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -30,9 +30,8 @@ static void assert_words( const wisp_error* error, const char* words )
 
 // ---- memory ----
 
-static void a_picture_without_pixels_or_with_too_many_is_refused( void** state )
+TEST( a_picture_without_pixels_or_with_too_many_is_refused )
 {
-    (void)state;
     const int sides[][2] = { { 0, 4 }, { 4, -1 }, { IMAGE_MAX_SIDE + 1, 1 }, { 60000, 60000 } };
     for ( int i = 0; i < WISP_COUNT( sides ); ++i )
     {
@@ -44,9 +43,8 @@ static void a_picture_without_pixels_or_with_too_many_is_refused( void** state )
     }
 }
 
-static void a_linear_value_becomes_its_srgb_byte( void** state )
+TEST( a_linear_value_becomes_its_srgb_byte )
 {
-    (void)state;
     // IEC 61966-2-1 at its ends, in its straight part (0.002 x 12.92 x 255 = 6.6) and at middle grey.
     assert_int_equal( image_byte_of_linear( 0.0f ), 0 );
     assert_int_equal( image_byte_of_linear( 1.0f ), 255 );
@@ -57,9 +55,8 @@ static void a_linear_value_becomes_its_srgb_byte( void** state )
     assert_int_equal( image_byte_of_linear( NAN ), 0 );
 }
 
-static void filling_stays_inside_the_picture( void** state )
+TEST( filling_stays_inside_the_picture )
 {
-    (void)state;
     image picture = make( 8, 6, WHITE );
     image_fill( &picture, -5, -5, 7, 7, BLACK, 1.0f );
     image_fill( &picture, 6, 4, 2147483647, 2147483647, BLACK, 0.5f );
@@ -97,9 +94,8 @@ static image noise( int width, int height )
     return out;
 }
 
-static void a_file_holds_the_pixels_of_the_picture( void** state )
+TEST( a_file_holds_the_pixels_of_the_picture )
 {
-    (void)state;
     const int sizes[][2] = { { 1, 1 }, { 33, 17 }, { 3, 400 } };
     for ( int i = 0; i < WISP_COUNT( sizes ); ++i )
     {
@@ -112,9 +108,8 @@ static void a_file_holds_the_pixels_of_the_picture( void** state )
     unlink( "test_render_image.png" );
 }
 
-static void a_picture_that_cannot_be_written_leaves_the_old_file( void** state )
+TEST( a_picture_that_cannot_be_written_leaves_the_old_file )
 {
-    (void)state;
     const char* path = "test_render_image_kept.png";
     image old = noise( 9, 9 ), empty = { 0 };
     wisp_error error = { .status = WISP_OK };
@@ -136,9 +131,8 @@ static void a_picture_that_cannot_be_written_leaves_the_old_file( void** state )
 
 // ---- contact sheets ----
 
-static void a_sheet_shows_each_picture_in_its_cell( void** state )
+TEST( a_sheet_shows_each_picture_in_its_cell )
 {
-    (void)state;
     image pictures[5];
     for ( int i = 0; i < 5; ++i )
     {
@@ -165,9 +159,8 @@ static void a_sheet_shows_each_picture_in_its_cell( void** state )
     image_release( &sheet );
 }
 
-static void a_smaller_picture_stands_in_the_middle_of_its_cell( void** state )
+TEST( a_smaller_picture_stands_in_the_middle_of_its_cell )
 {
-    (void)state;
     image pictures[] = { make( 30, 30, BLACK ), make( 10, 20, BLACK ) };
     image sheet = { 0 };
     assert_int_equal( image_sheet( pictures, 2, 2, NULL, &sheet, NULL ), WISP_OK );
@@ -193,9 +186,8 @@ static int dark_pixels( const image* picture, int left, int top, int right, int 
     return count;
 }
 
-static void labels_stand_below_their_pictures_and_in_no_other_cell( void** state )
+TEST( labels_stand_below_their_pictures_and_in_no_other_cell )
 {
-    (void)state;
     image pictures[] = { make( 60, 30, WHITE ), make( 60, 30, WHITE ), make( 60, 30, WHITE ) };
     const char* const labels[] = { "a name that is far too long for a cell", NULL, "t = 1" };
     image sheet = { 0 };
@@ -213,9 +205,8 @@ static void labels_stand_below_their_pictures_and_in_no_other_cell( void** state
     }
 }
 
-static void a_sheet_left_to_itself_is_nearly_square( void** state )
+TEST( a_sheet_left_to_itself_is_nearly_square )
 {
-    (void)state;
     image pictures[12];
     for ( int i = 0; i < 12; ++i )
     {
@@ -232,9 +223,8 @@ static void a_sheet_left_to_itself_is_nearly_square( void** state )
     }
 }
 
-static void a_sheet_refuses_what_it_cannot_show( void** state )
+TEST( a_sheet_refuses_what_it_cannot_show )
 {
-    (void)state;
     image pictures[] = { make( 30000, 2, WHITE ), { 0 } };
     image sheet = { 0 };
     wisp_error error = { .status = WISP_OK };
@@ -251,9 +241,8 @@ static void a_sheet_refuses_what_it_cannot_show( void** state )
 
 // ---- letters ----
 
-static void letters_are_their_squares( void** state )
+TEST( letters_are_their_squares )
 {
-    (void)state;
     static const char* const drawing[7] = { ".###.#####", "#...#..#..", "#......#..", "#......#..",
                                             "#......#..", "#...#..#..", ".###...#.." };
     image picture = make( 24, 16, WHITE );
@@ -272,9 +261,8 @@ static void letters_are_their_squares( void** state )
     image_release( &picture );
 }
 
-static void every_character_has_a_drawing_of_its_own( void** state )
+TEST( every_character_has_a_drawing_of_its_own )
 {
-    (void)state;
     image drawn[96];
     for ( int i = 0; i < 96; ++i )
     {
@@ -295,9 +283,8 @@ static void every_character_has_a_drawing_of_its_own( void** state )
     }
 }
 
-static void text_that_leaves_the_picture_is_cut( void** state )
+TEST( text_that_leaves_the_picture_is_cut )
 {
-    (void)state;
     image picture = make( 10, 5, WHITE );
     image_text( &picture, -3, -2, 1, BLACK, "MMMMMMMM" );
     image_text( &picture, 1000, 1000, 3, BLACK, "M" );
@@ -329,9 +316,8 @@ static double distance( oklab a, oklab b )
     return sqrt( ( a.l - b.l ) * ( a.l - b.l ) + ( a.a - b.a ) * ( a.a - b.a ) + ( a.b - b.b ) * ( a.b - b.b ) );
 }
 
-static void equal_steps_of_a_map_look_equal( void** state )
+TEST( equal_steps_of_a_map_look_equal )
 {
-    (void)state;
     for ( int map = COLOUR_MAP_RISING; map <= COLOUR_MAP_DIVERGING; ++map )
     {
         double least = 1e9, most = 0.0;
@@ -348,9 +334,8 @@ static void equal_steps_of_a_map_look_equal( void** state )
     }
 }
 
-static void lightness_rises_evenly( void** state )
+TEST( lightness_rises_evenly )
 {
-    (void)state;
     for ( int k = 0; k <= 64; ++k )
     {
         double l = oklab_of( colour_map_at( COLOUR_MAP_RISING, (float)k / 64.0f ) ).l;
@@ -358,9 +343,8 @@ static void lightness_rises_evenly( void** state )
     }
 }
 
-static void values_take_the_colours_of_their_place( void** state )
+TEST( values_take_the_colours_of_their_place )
 {
-    (void)state;
     const float values[] = { -1.0f, 0.0f, 5.0f, 10.0f, 3e38f, NAN };
     wisp_vec3 colours[6];
     colour_map_apply( COLOUR_MAP_RISING, values, 6, 0.0f, 10.0f, colours );
@@ -389,9 +373,8 @@ static bool has_colour( const image* picture, image_colour c )
     return false;
 }
 
-static void a_legend_has_both_ends_of_its_map_and_stays_in_its_corner( void** state )
+TEST( a_legend_has_both_ends_of_its_map_and_stays_in_its_corner )
 {
-    (void)state;
     image picture = make( 320, 240, BLACK );
     image_legend( &picture, COLOUR_MAP_RISING, 0.0, 0.25, "strain" );
     for ( int end = 0; end <= 1; ++end )
@@ -410,28 +393,4 @@ static void a_legend_has_both_ends_of_its_map_and_stays_in_its_corner( void** st
     picture = make( 5, 4, BLACK );
     image_legend( &picture, COLOUR_MAP_DIVERGING, -1e300, 1e300, "a long title" );
     image_release( &picture );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_picture_without_pixels_or_with_too_many_is_refused ),
-        cmocka_unit_test( a_linear_value_becomes_its_srgb_byte ),
-        cmocka_unit_test( filling_stays_inside_the_picture ),
-        cmocka_unit_test( a_file_holds_the_pixels_of_the_picture ),
-        cmocka_unit_test( a_picture_that_cannot_be_written_leaves_the_old_file ),
-        cmocka_unit_test( a_sheet_shows_each_picture_in_its_cell ),
-        cmocka_unit_test( a_smaller_picture_stands_in_the_middle_of_its_cell ),
-        cmocka_unit_test( labels_stand_below_their_pictures_and_in_no_other_cell ),
-        cmocka_unit_test( a_sheet_left_to_itself_is_nearly_square ),
-        cmocka_unit_test( a_sheet_refuses_what_it_cannot_show ),
-        cmocka_unit_test( letters_are_their_squares ),
-        cmocka_unit_test( every_character_has_a_drawing_of_its_own ),
-        cmocka_unit_test( text_that_leaves_the_picture_is_cut ),
-        cmocka_unit_test( equal_steps_of_a_map_look_equal ),
-        cmocka_unit_test( lightness_rises_evenly ),
-        cmocka_unit_test( values_take_the_colours_of_their_place ),
-        cmocka_unit_test( a_legend_has_both_ends_of_its_map_and_stays_in_its_corner ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -25,9 +25,8 @@ static image picture_of( const render_points* points )
     return fixture_picture( &scene, &camera, &options );
 }
 
-static void points_are_balls_where_the_camera_says( void** state )
+TEST( points_are_balls_where_the_camera_says )
 {
-    (void)state;
     render_points points = two_points( 0.2f );
     image none = picture_of( NULL ), picture = picture_of( &points );
     render_camera camera = fixture_camera();
@@ -50,9 +49,8 @@ static void points_are_balls_where_the_camera_says( void** state )
     image_release( &picture );
 }
 
-static void every_point_has_its_colour( void** state )
+TEST( every_point_has_its_colour )
 {
-    (void)state;
     render_points points = two_points( 0.2f );
     image picture = picture_of( &points );
     render_camera camera = fixture_camera();
@@ -111,9 +109,8 @@ static void make_everything( everything* e )
     e->scene.has_ground = true;
 }
 
-static void meshes_and_strands_stay_what_they_are_beside_points( void** state )
+TEST( meshes_and_strands_stay_what_they_are_beside_points )
 {
-    (void)state;
     everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
@@ -140,9 +137,8 @@ static void meshes_and_strands_stay_what_they_are_beside_points( void** state )
     fixture_ball_free( &e.ball );
 }
 
-static void the_number_of_threads_changes_no_byte_of_points( void** state )
+TEST( the_number_of_threads_changes_no_byte_of_points )
 {
-    (void)state;
     everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
@@ -157,9 +153,8 @@ static void the_number_of_threads_changes_no_byte_of_points( void** state )
 }
 
 // Light goes through latex and strands: a point among them lets none through.
-static void a_point_throws_a_shadow_also_where_others_let_light_through( void** state )
+TEST( a_point_throws_a_shadow_also_where_others_let_light_through )
 {
-    (void)state;
     const wisp_vec3 place = { 0.0f, 0.6f, 0.0f };
     render_points points = render_default_points();
     points.points = &place;
@@ -188,9 +183,8 @@ static void a_point_throws_a_shadow_also_where_others_let_light_through( void** 
     fixture_ball_free( &e.ball );
 }
 
-static void bounds_hold_whole_balls( void** state )
+TEST( bounds_hold_whole_balls )
 {
-    (void)state;
     render_points points = two_points( 0.25f );
     render_scene scene = render_default_scene();
     scene.points = &points;
@@ -218,9 +212,8 @@ static void assert_refused( const render_points* points, int count, const char* 
     assert_null( out.rgb );
 }
 
-static void points_that_cannot_be_are_refused_by_name( void** state )
+TEST( points_that_cannot_be_are_refused_by_name )
 {
-    (void)state;
     render_points good = two_points( 0.1f ), bad = good;
     assert_refused( &good, -1, "-1 sets of points do not fit their array" );
     assert_refused( NULL, 1, "1 sets of points do not fit their array" );
@@ -245,27 +238,11 @@ static void points_that_cannot_be_are_refused_by_name( void** state )
     assert_refused( &bad, 1, "of vertex 1 is not in 0 .. 10" );
 }
 
-static void no_points_are_nothing( void** state )
+TEST( no_points_are_nothing )
 {
-    (void)state;
     render_points points = render_default_points();
     image none = picture_of( NULL ), empty = picture_of( &points );
     assert_int_equal( fixture_count_differing( &none, &empty ), 0 );
     image_release( &none );
     image_release( &empty );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( points_are_balls_where_the_camera_says ),
-        cmocka_unit_test( every_point_has_its_colour ),
-        cmocka_unit_test( meshes_and_strands_stay_what_they_are_beside_points ),
-        cmocka_unit_test( the_number_of_threads_changes_no_byte_of_points ),
-        cmocka_unit_test( a_point_throws_a_shadow_also_where_others_let_light_through ),
-        cmocka_unit_test( bounds_hold_whole_balls ),
-        cmocka_unit_test( points_that_cannot_be_are_refused_by_name ),
-        cmocka_unit_test( no_points_are_nothing ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

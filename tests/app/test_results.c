@@ -71,9 +71,8 @@ static json_t* parsed( results_format format )
 
 // ---- JSON ----
 
-static void json_has_the_keys_of_its_schema( void** state )
+TEST( json_has_the_keys_of_its_schema )
 {
-    (void)state;
     json_t* root = parsed( RESULTS_JSON );
     assert_int_equal( json_integer_value( json_object_get( root, "wisp_results" ) ), 2 );
     static const char* const machine[] = { "cpu", "cores", "memory_bytes", "os", "isa", "cpu_flags" };
@@ -103,9 +102,8 @@ static void json_has_the_keys_of_its_schema( void** state )
     json_decref( root );
 }
 
-static void a_list_of_numbers_is_one_line_of_json( void** state )
+TEST( a_list_of_numbers_is_one_line_of_json )
 {
-    (void)state;
     results all;
     fill( &all );
     results_add_note( &all, "a \"quoted [1,2]\" note" );
@@ -116,9 +114,8 @@ static void a_list_of_numbers_is_one_line_of_json( void** state )
     results_free( &all );
 }
 
-static void json_keeps_every_number_of_a_row( void** state )
+TEST( json_keeps_every_number_of_a_row )
 {
-    (void)state;
     json_t* root = parsed( RESULTS_JSON );
     json_t* row = json_array_get( json_object_get( root, "rows" ), 1 );
     assert_string_equal( json_string_value( json_object_get( row, "case" ) ), "comma, \"quote\"" );
@@ -140,9 +137,8 @@ static void json_keeps_every_number_of_a_row( void** state )
     json_decref( root );
 }
 
-static void json_says_null_where_nothing_is_known( void** state )
+TEST( json_says_null_where_nothing_is_known )
 {
-    (void)state;
     json_t* root = parsed( RESULTS_JSON );
     json_t* row = json_array_get( json_object_get( root, "rows" ), 0 );
     assert_true( json_is_null( json_object_get( row, "ms_p10" ) ) );
@@ -151,9 +147,8 @@ static void json_says_null_where_nothing_is_known( void** state )
     json_decref( root );
 }
 
-static void text_that_is_not_utf8_does_not_break_json( void** state )
+TEST( text_that_is_not_utf8_does_not_break_json )
 {
-    (void)state;
     results all = { 0 };
     results_add_row( &all, "\xff\xfe", "run" );
     all.machine = machine_describe( "baseline" );
@@ -167,9 +162,8 @@ static void text_that_is_not_utf8_does_not_break_json( void** state )
 
 // ---- github-action-benchmark ----
 
-static void github_has_medians_in_ms_of_rows_that_were_timed( void** state )
+TEST( github_has_medians_in_ms_of_rows_that_were_timed )
 {
-    (void)state;
     json_t* root = parsed( RESULTS_GITHUB );
     assert_int_equal( json_array_size( root ), 1 );
     json_t* entry = json_array_get( root, 0 );
@@ -223,9 +217,8 @@ static const char* csv_field( char* header[CSV_COLUMNS], char* row[CSV_COLUMNS],
     return "";
 }
 
-static void csv_has_one_line_a_row_and_the_same_columns_in_each( void** state )
+TEST( csv_has_one_line_a_row_and_the_same_columns_in_each )
 {
-    (void)state;
     char* text = written_example( RESULTS_CSV );
     char *lines[4] = { NULL }, *header[CSV_COLUMNS], *source[CSV_COLUMNS], *wisp[CSV_COLUMNS];
     int line_count = 0;
@@ -258,9 +251,8 @@ static void csv_has_one_line_a_row_and_the_same_columns_in_each( void** state )
 
 // ---- text and Markdown ----
 
-static void text_aligns_numbers_to_the_right_and_names_to_the_left( void** state )
+TEST( text_aligns_numbers_to_the_right_and_names_to_the_left )
 {
-    (void)state;
     char* text = written_example( RESULTS_TEXT );
     assert_non_null( strstr( text, "\nwho              ms  note\n" ) );
     assert_non_null( strstr( text, "\nwisp           0.75  a|b\n" ) );
@@ -270,9 +262,8 @@ static void text_aligns_numbers_to_the_right_and_names_to_the_left( void** state
     free( text );
 }
 
-static void markdown_escapes_the_bar_that_would_end_a_cell( void** state )
+TEST( markdown_escapes_the_bar_that_would_end_a_cell )
 {
-    (void)state;
     char* text = written_example( RESULTS_MARKDOWN );
     assert_non_null( strstr( text, "\n| who | ms | note |\n|---|---:|---|\n" ) );
     assert_non_null( strstr( text, "| wisp | 0.75 | a\\|b |\n" ) );
@@ -282,9 +273,8 @@ static void markdown_escapes_the_bar_that_would_end_a_cell( void** state )
 
 // ---- failures ----
 
-static void a_failure_marks_the_results_and_says_so( void** state )
+TEST( a_failure_marks_the_results_and_says_so )
 {
-    (void)state;
     results all = { 0 };
     assert_false( all.failed );
     results_add_failure( &all, "hash %d", 3 );
@@ -293,9 +283,8 @@ static void a_failure_marks_the_results_and_says_so( void** state )
     results_free( &all );
 }
 
-static void a_full_disk_is_an_error_in_every_format( void** state )
+TEST( a_full_disk_is_an_error_in_every_format )
 {
-    (void)state;
     if ( access( "/dev/full", W_OK ) != 0 )
     {
         SKIP( "there is no /dev/full" );
@@ -311,9 +300,8 @@ static void a_full_disk_is_an_error_in_every_format( void** state )
     results_free( &all );
 }
 
-static void a_folder_that_is_not_there_is_an_error_that_names_the_file( void** state )
+TEST( a_folder_that_is_not_there_is_an_error_that_names_the_file )
 {
-    (void)state;
     results all = { 0 };
     wisp_error error = { 0 };
     assert_int_equal( results_write_file( &all, RESULTS_TEXT, "no such folder/out.txt", &error ), WISP_IO_ERROR );
@@ -338,9 +326,8 @@ static wisp_status info_on( const char* text, wisp_error* error )
     return status;
 }
 
-static void info_accepts_what_the_writer_writes( void** state )
+TEST( info_accepts_what_the_writer_writes )
 {
-    (void)state;
     char* text = written_example( RESULTS_JSON );
     wisp_error error = { 0 };
     assert_true( info_is_results( text, strlen( text ) ) );
@@ -348,9 +335,8 @@ static void info_accepts_what_the_writer_writes( void** state )
     free( text );
 }
 
-static void info_names_what_is_wrong_with_a_result( void** state )
+TEST( info_names_what_is_wrong_with_a_result )
 {
-    (void)state;
 #define HEAD "{\"wisp_results\":1,\"machine\":{},\"build\":{},\"rows\":["
 #define ROW( median, workers, hash )                                                                                 \
     "{\"case\":\"a\",\"variant\":\"b\",\"size\":{},\"workers\":" workers ",\"ms_median\":" median                    \
@@ -382,25 +368,4 @@ static void info_names_what_is_wrong_with_a_result( void** state )
     }
     wisp_error error = { 0 };
     assert_int_equal( info_on( HEAD ROW( "1", "1", "null" ) "]}", &error ), WISP_OK );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( json_has_the_keys_of_its_schema ),
-        cmocka_unit_test( a_list_of_numbers_is_one_line_of_json ),
-        cmocka_unit_test( json_keeps_every_number_of_a_row ),
-        cmocka_unit_test( json_says_null_where_nothing_is_known ),
-        cmocka_unit_test( text_that_is_not_utf8_does_not_break_json ),
-        cmocka_unit_test( github_has_medians_in_ms_of_rows_that_were_timed ),
-        cmocka_unit_test( csv_has_one_line_a_row_and_the_same_columns_in_each ),
-        cmocka_unit_test( text_aligns_numbers_to_the_right_and_names_to_the_left ),
-        cmocka_unit_test( markdown_escapes_the_bar_that_would_end_a_cell ),
-        cmocka_unit_test( a_failure_marks_the_results_and_says_so ),
-        cmocka_unit_test( a_full_disk_is_an_error_in_every_format ),
-        cmocka_unit_test( a_folder_that_is_not_there_is_an_error_that_names_the_file ),
-        cmocka_unit_test( info_accepts_what_the_writer_writes ),
-        cmocka_unit_test( info_names_what_is_wrong_with_a_result ),
-    };
-    return cmocka_run_group_tests_name( "results", tests, NULL, NULL );
 }

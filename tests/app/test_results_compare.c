@@ -62,9 +62,8 @@ static double number( const results* out, int row, const char* name )
     return NAN;
 }
 
-static void equal_files_have_no_difference( void** state )
+TEST( equal_files_have_no_difference )
 {
-    (void)state;
     results out;
     compare( 1.0, 0.01, 1, "A", 0.25, &out );
     assert_true( number( &out, 0, "is_slower" ) == 0.0 && number( &out, 0, "is_faster" ) == 0.0 );
@@ -73,9 +72,8 @@ static void equal_files_have_no_difference( void** state )
     results_free( &out );
 }
 
-static void a_time_counts_if_it_is_large_and_certain( void** state )
+TEST( a_time_counts_if_it_is_large_and_certain )
 {
-    (void)state;
     results out;
     compare( 1.5, 0.01, 1, "A", 0.25, &out );
     assert_true( number( &out, 0, "is_slower" ) == 1.0 && number( &out, 0, "p" ) < 0.01 );
@@ -92,9 +90,8 @@ static void a_time_counts_if_it_is_large_and_certain( void** state )
     results_free( &out );
 }
 
-static void times_of_another_processor_are_not_judged( void** state )
+TEST( times_of_another_processor_are_not_judged )
 {
-    (void)state;
     results out;
     compare( 3.0, 0.01, 1, "B", 0.25, &out );
     assert_true( number( &out, 0, "is_slower" ) == 0.0 && number( &out, 0, "ratio" ) > 2.9 );
@@ -102,9 +99,8 @@ static void times_of_another_processor_are_not_judged( void** state )
     results_free( &out );
 }
 
-static void errors_and_bits_are_compared_as_they_stand( void** state )
+TEST( errors_and_bits_are_compared_as_they_stand )
 {
-    (void)state;
     results out;
     compare( 1.0, 0.0102, 2, "A", 0.25, &out );
     assert_true( number( &out, 0, "bits_differ" ) == 1.0 );
@@ -114,9 +110,8 @@ static void errors_and_bits_are_compared_as_they_stand( void** state )
     results_free( &out );
 }
 
-static void a_file_that_is_none_is_named( void** state )
+TEST( a_file_that_is_none_is_named )
 {
-    (void)state;
     char path[] = "compare_before_XXXXXX";
     write_file( path, 1.0, 0.01, 1, "A" );
     results out = { 0 };
@@ -125,16 +120,4 @@ static void a_file_that_is_none_is_named( void** state )
     assert_non_null( strstr( error.message, "no_such.json" ) );
     results_free( &out );
     remove( path );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( equal_files_have_no_difference ),
-        cmocka_unit_test( a_time_counts_if_it_is_large_and_certain ),
-        cmocka_unit_test( times_of_another_processor_are_not_judged ),
-        cmocka_unit_test( errors_and_bits_are_compared_as_they_stand ),
-        cmocka_unit_test( a_file_that_is_none_is_named ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -35,9 +35,8 @@ static void demand_refusal( const char* text, const char* message )
 
 // ---- missing keys ----
 
-static void a_scene_of_one_key_has_the_defaults( void** state )
+TEST( a_scene_of_one_key_has_the_defaults )
 {
-    (void)state;
     wisp_scene scene = good( "wisp: 1\n" );
     assert_string_equal( scene.name, "scenes/test.yaml" );
     assert_true( scene.dt == 1.0f / 60.0f );
@@ -49,9 +48,8 @@ static void a_scene_of_one_key_has_the_defaults( void** state )
     wisp_scene_release( &scene );
 }
 
-static void strands_without_blocks_have_the_defaults_and_compute_points( void** state )
+TEST( strands_without_blocks_have_the_defaults_and_compute_points )
 {
-    (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
     const wisp_scene_strands* s = &scene.strands[0];
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 3 );
@@ -72,9 +70,8 @@ static void strands_without_blocks_have_the_defaults_and_compute_points( void** 
     wisp_scene_release( &scene );
 }
 
-static void a_stage_is_queried_for_by_its_key_alone( void** state )
+TEST( a_stage_is_queried_for_by_its_key_alone )
 {
-    (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands:\n"
                              "  - { name: a, generate: {}, frozen_hair: { freeze: {} } }\n"
                              "  - { name: b, generate: {}, frozen_hair: { align: {} } }\n"
@@ -93,9 +90,8 @@ static void a_stage_is_queried_for_by_its_key_alone( void** state )
     wisp_scene_release( &scene );
 }
 
-static void a_generator_takes_the_defaults_of_its_shape_wherever_the_shape_stands( void** state )
+TEST( a_generator_takes_the_defaults_of_its_shape_wherever_the_shape_stands )
 {
-    (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands:\n"
                              "  - { name: a, generate: { length: 0.5, dimension: 2, shape: curly } }\n" );
     wisp_groom_generator expected = wisp_default_groom_generator( WISP_GROOM_CURLY, 2 );
@@ -176,9 +172,8 @@ static void assert_generator( const wisp_groom_generator* generator )
     assert_true( generator->seed == UINT64_MAX );
 }
 
-static void every_key_reaches_its_place( void** state )
+TEST( every_key_reaches_its_place )
 {
-    (void)state;
     wisp_scene scene = good( EVERY_KEY );
     assert_true( scene.dt == 0.25f );
     assert_int_equal( scene.steps, 5 );
@@ -215,9 +210,8 @@ static void every_key_reaches_its_place( void** state )
     wisp_scene_release( &scene );
 }
 
-static void points_are_requested_unless_the_scene_says_what_to_compute( void** state )
+TEST( points_are_requested_unless_the_scene_says_what_to_compute )
 {
-    (void)state;
     wisp_scene scene =
         good( "wisp: 1\nstrands: [ { name: a, generate: {}, compute: [] }, { name: b, generate: {}, compute: [] }, "
               "{ name: c, generate: {} }, { name: d, generate: {}, show: false } ]\n"
@@ -229,9 +223,8 @@ static void points_are_requested_unless_the_scene_says_what_to_compute( void** s
     wisp_scene_release( &scene );
 }
 
-static void commands_come_in_the_order_of_their_steps( void** state )
+TEST( commands_come_in_the_order_of_their_steps )
 {
-    (void)state;
     wisp_scene scene = good( "wisp: 1\nsteps: 9\n"
                              "strands:\n"
                              "  - { name: b, generate: {}, frozen_hair: {} }\n"
@@ -252,9 +245,8 @@ static void commands_come_in_the_order_of_their_steps( void** state )
     wisp_scene_release( &scene );
 }
 
-static void hair_events_change_parameters_from_then_on( void** state )
+TEST( hair_events_change_parameters_from_then_on )
 {
-    (void)state;
     wisp_scene scene = good( "wisp: 1\nsteps: 9\n"
                              "strands:\n"
                              "  - name: a\n    generate: {}\n"
@@ -279,9 +271,8 @@ static void hair_events_change_parameters_from_then_on( void** state )
     wisp_scene_release( &scene );
 }
 
-static void files_are_looked_for_beside_the_scene( void** state )
+TEST( files_are_looked_for_beside_the_scene )
 {
-    (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands:\n"
                              "  - { name: a, file: ../grooms/hair.hair, frozen_hair: { freeze: "
                              "{ bend_stiffness: [1, 2, 3, 4, 5] } } }\n"
@@ -295,9 +286,8 @@ static void files_are_looked_for_beside_the_scene( void** state )
 
 // ---- files ----
 
-static void the_scenes_of_the_project_are_read( void** state )
+TEST( the_scenes_of_the_project_are_read )
 {
-    (void)state;
     static const char* const files[] = { "empty.yaml",        "frozen_2d.yaml",   "frozen_3d_curly.yaml",
                                          "freeze_only.yaml",  "freeze_only.json", "environment_and_appearance.yaml",
                                          "frozen_stroke.yaml" };
@@ -311,9 +301,8 @@ static void the_scenes_of_the_project_are_read( void** state )
     }
 }
 
-static void a_scene_in_json_says_the_same_as_in_yaml( void** state )
+TEST( a_scene_in_json_says_the_same_as_in_yaml )
 {
-    (void)state;
     wisp_scene yaml = read_good( "freeze_only.yaml" ), json = read_good( "freeze_only.json" );
     const wisp_scene_strands *a = yaml.strands, *b = json.strands;
     assert_string_equal( a->name, b->name );
@@ -330,9 +319,8 @@ static void a_scene_in_json_says_the_same_as_in_yaml( void** state )
     wisp_scene_release( &json );
 }
 
-static void a_scene_with_keys_of_every_block_is_read( void** state )
+TEST( a_scene_with_keys_of_every_block_is_read )
 {
-    (void)state;
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/every_key.yaml", &scene, &error ), error );
@@ -347,9 +335,8 @@ static void a_scene_with_keys_of_every_block_is_read( void** state )
     wisp_scene_release( &scene );
 }
 
-static void a_missing_file_is_an_error_of_the_system( void** state )
+TEST( a_missing_file_is_an_error_of_the_system )
 {
-    (void)state;
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_scene_read( "no_such_folder/scene.yaml", &scene, &error ), WISP_IO_ERROR );
@@ -361,9 +348,8 @@ static void a_missing_file_is_an_error_of_the_system( void** state )
 
 // ---- text ----
 
-static void line_ends_byte_order_marks_and_comments_do_not_matter( void** state )
+TEST( line_ends_byte_order_marks_and_comments_do_not_matter )
 {
-    (void)state;
     static const char* const texts[] = {
         "wisp: 1\r\nsteps: 7 # seven\r\n",
         "\xef\xbb\xbfwisp: 1\nsteps: 7\n",
@@ -379,15 +365,13 @@ static void line_ends_byte_order_marks_and_comments_do_not_matter( void** state 
     }
 }
 
-static void a_byte_order_mark_does_not_push_the_column( void** state )
+TEST( a_byte_order_mark_does_not_push_the_column )
 {
-    (void)state;
     demand_refusal( "\xef\xbb\xbfwisp: 2\n", "scenes/test.yaml:1:7: wisp: got version 2, expected version 1" );
 }
 
-static void columns_count_characters_and_not_bytes( void** state )
+TEST( columns_count_characters_and_not_bytes )
 {
-    (void)state;
     demand_refusal( "{ \"wisp\": 1, \"\xc3\xa4\": 2, \"steps\": 1 }",
                     "scenes/test.yaml:1:14: unknown key '\xc3\xa4'; the nearest are dt, wisp, steps, seams; wisp "
                     "info --keys lists all 17" );
@@ -399,9 +383,8 @@ static void columns_count_characters_and_not_bytes( void** state )
                     "A-Z a-z 0-9 _ -" );
 }
 
-static void numbers_have_points_whatever_the_locale_of_the_host( void** state )
+TEST( numbers_have_points_whatever_the_locale_of_the_host )
 {
-    (void)state;
     static const char* const names[] = { "de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "de_DE", "fr_FR" };
     const char* comma = NULL;
     for ( int i = 0; i < WISP_COUNT( names ) && !comma; ++i )
@@ -432,9 +415,8 @@ static void numbers_have_points_whatever_the_locale_of_the_host( void** state )
 
 // ---- steps that vary ----
 
-static void factors_of_steps_repeat( void** state )
+TEST( factors_of_steps_repeat )
 {
-    (void)state;
     wisp_scene scene = good( "wisp: 1\ndt: 0.25\ndt_factors: [1, 2, 0.5]\nsteps: 7\n" );
     static const float lengths[] = { 0.25f, 0.5f, 0.125f, 0.25f, 0.5f, 0.125f, 0.25f };
     double time = 0.0; // sums of powers of two are exact
@@ -448,9 +430,8 @@ static void factors_of_steps_repeat( void** state )
     wisp_scene_release( &scene );
 }
 
-static void an_event_at_a_time_comes_before_the_step_that_begins_then_or_later( void** state )
+TEST( an_event_at_a_time_comes_before_the_step_that_begins_then_or_later )
 {
-    (void)state;
     wisp_scene scene = good( "wisp: 1\ndt: 0.25\ndt_factors: [1, 2, 0.5]\nsteps: 7\n"
                              "surfaces:\n  - { name: a, generate: { shape: plane } }\n"
                              "events:\n  - { time: 0.8, surface: a, velocity: [1, 0, 0] }\n"
@@ -475,9 +456,8 @@ static char* repeat( const char* head, const char* part, size_t size )
     return text;
 }
 
-static void what_is_too_much_is_refused_where_it_becomes_too_much( void** state )
+TEST( what_is_too_much_is_refused_where_it_becomes_too_much )
 {
-    (void)state;
     const size_t most = (size_t)16 << 20;
     static const struct
     {
@@ -499,9 +479,8 @@ static void what_is_too_much_is_refused_where_it_becomes_too_much( void** state 
     }
 }
 
-static void a_scene_of_16_mebibytes_and_not_one_more_is_read( void** state )
+TEST( a_scene_of_16_mebibytes_and_not_one_more_is_read )
 {
-    (void)state;
     char* text = repeat( "wisp: 1\n", "\n", (size_t)16 << 20 );
     wisp_scene scene = good( text );
     assert_int_equal( scene.steps, 1 );
@@ -509,18 +488,16 @@ static void a_scene_of_16_mebibytes_and_not_one_more_is_read( void** state )
     free( text );
 }
 
-static void a_list_of_32_levels_is_only_refused_for_what_it_is( void** state )
+TEST( a_list_of_32_levels_is_only_refused_for_what_it_is )
 {
-    (void)state;
     char text[128] = "wisp: 1\nsteps: ";
     memset( text + strlen( text ), '[', 31 );
     memset( text + strlen( text ), ']', 31 );
     demand_refusal( text, "scenes/test.yaml:2:8: steps: got a list, expected a whole number" );
 }
 
-static void a_long_name_keeps_its_end_in_the_message( void** state )
+TEST( a_long_name_keeps_its_end_in_the_message )
 {
-    (void)state;
     char name[1200];
     memset( name, 'd', sizeof name );
     memcpy( name + sizeof name - 12, "/scene.yaml", 12 );
@@ -530,9 +507,8 @@ static void a_long_name_keeps_its_end_in_the_message( void** state )
     assert_non_null( strstr( error.message, "/scene.yaml:1:7: wisp: got version 2" ) );
 }
 
-static void numbers_are_checked_as_the_module_sees_them( void** state )
+TEST( numbers_are_checked_as_the_module_sees_them )
 {
-    (void)state;
     // 3.14159265358979 rounds up to the float above pi, which is the float that the module compares with.
     wisp_scene scene =
         good( "wisp: 1\nstrands:\n  - { name: a, generate: {}, frozen_hair: { freeze: { max_bend_angle: "
@@ -544,9 +520,8 @@ static void numbers_are_checked_as_the_module_sees_them( void** state )
 
 // ---- nearest.h ----
 
-static void the_nearest_word_is_the_one_that_was_meant( void** state )
+TEST( the_nearest_word_is_the_one_that_was_meant )
 {
-    (void)state;
     static const char* const words[] = { "radius", "iterations", "step", "gap", "guard" };
     static const struct
     {
@@ -576,16 +551,14 @@ static void the_nearest_word_is_the_one_that_was_meant( void** state )
     assert_null( nearest_word( "radius", words, 0 ) );
 }
 
-static void of_words_equally_near_the_first_is_taken( void** state )
+TEST( of_words_equally_near_the_first_is_taken )
 {
-    (void)state;
     static const char* const words[] = { "cat", "bat" };
     assert_ptr_equal( nearest_word( "hat", words, 2 ), words[0] );
 }
 
-static void a_word_longer_than_any_key_is_near_nothing( void** state )
+TEST( a_word_longer_than_any_key_is_near_nothing )
 {
-    (void)state;
     char* word = repeat( "", "h", 1 << 20 );
     char almost[66];
     memset( almost, 'h', 64 );
@@ -595,38 +568,4 @@ static void a_word_longer_than_any_key_is_near_nothing( void** state )
     word[63] = 0;
     assert_ptr_equal( nearest_word( word, words, 1 ), almost );
     free( word );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_scene_of_one_key_has_the_defaults ),
-        cmocka_unit_test( strands_without_blocks_have_the_defaults_and_compute_points ),
-        cmocka_unit_test( a_stage_is_queried_for_by_its_key_alone ),
-        cmocka_unit_test( a_generator_takes_the_defaults_of_its_shape_wherever_the_shape_stands ),
-        cmocka_unit_test( every_key_reaches_its_place ),
-        cmocka_unit_test( factors_of_steps_repeat ),
-        cmocka_unit_test( an_event_at_a_time_comes_before_the_step_that_begins_then_or_later ),
-        cmocka_unit_test( points_are_requested_unless_the_scene_says_what_to_compute ),
-        cmocka_unit_test( commands_come_in_the_order_of_their_steps ),
-        cmocka_unit_test( hair_events_change_parameters_from_then_on ),
-        cmocka_unit_test( files_are_looked_for_beside_the_scene ),
-        cmocka_unit_test( the_scenes_of_the_project_are_read ),
-        cmocka_unit_test( a_scene_in_json_says_the_same_as_in_yaml ),
-        cmocka_unit_test( a_scene_with_keys_of_every_block_is_read ),
-        cmocka_unit_test( a_missing_file_is_an_error_of_the_system ),
-        cmocka_unit_test( line_ends_byte_order_marks_and_comments_do_not_matter ),
-        cmocka_unit_test( a_byte_order_mark_does_not_push_the_column ),
-        cmocka_unit_test( columns_count_characters_and_not_bytes ),
-        cmocka_unit_test( numbers_have_points_whatever_the_locale_of_the_host ),
-        cmocka_unit_test( what_is_too_much_is_refused_where_it_becomes_too_much ),
-        cmocka_unit_test( a_scene_of_16_mebibytes_and_not_one_more_is_read ),
-        cmocka_unit_test( a_list_of_32_levels_is_only_refused_for_what_it_is ),
-        cmocka_unit_test( a_long_name_keeps_its_end_in_the_message ),
-        cmocka_unit_test( numbers_are_checked_as_the_module_sees_them ),
-        cmocka_unit_test( the_nearest_word_is_the_one_that_was_meant ),
-        cmocka_unit_test( of_words_equally_near_the_first_is_taken ),
-        cmocka_unit_test( a_word_longer_than_any_key_is_near_nothing ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -28,9 +28,8 @@ static gltf_model strip( void )
 
 // ---- glTF against double precision ----
 
-static void joints_of_a_file_are_where_its_poses_in_double_precision_have_them( void** state )
+TEST( joints_of_a_file_are_where_its_poses_in_double_precision_have_them )
 {
-    (void)state;
     gltf_model model = strip();
     wisp_skeleton skeleton;
     wisp_skin* skin;
@@ -64,9 +63,8 @@ static void joints_of_a_file_are_where_its_poses_in_double_precision_have_them( 
 }
 
 // A matrix of rotation, scale and mirror comes apart into what multiplies to the same matrix; one with shear is refused.
-static void nodes_with_a_matrix_are_split_or_refused( void** state )
+TEST( nodes_with_a_matrix_are_split_or_refused )
 {
-    (void)state;
     static const double matrices[][12] = {
         { 0, -2, 0, 5, 3, 0, 0, 6, 0, 0, 4, 7 },                      // a quarter turn, scales 3, 2 and 4
         { 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0 },                     // a half turn
@@ -148,9 +146,8 @@ static double pose_difference( const wisp_animation* a, float time_a, const wisp
     return most;
 }
 
-static void one_clip_from_the_start_is_the_clip_itself( void** state )
+TEST( one_clip_from_the_start_is_the_clip_itself )
 {
-    (void)state;
     wisp_animation walk = read_clip( "walk" ), joined;
     const wisp_clip clip = { &walk, 0.0f, 10.0f, 1.0f };
     assert_int_equal( wisp_animation_join( &clip, 1, &figure.skeleton, &joined, NULL ), WISP_OK );
@@ -162,9 +159,8 @@ static void one_clip_from_the_start_is_the_clip_itself( void** state )
     wisp_animation_release( &joined );
 }
 
-static void clips_follow_each_other_from_rest_without_a_jump( void** state )
+TEST( clips_follow_each_other_from_rest_without_a_jump )
 {
-    (void)state;
     wisp_animation walk = read_clip( "walk" ), jump = read_clip( "jump" ), joined;
     const wisp_clip clips[] = { { &walk, 0.5f, 3.5f, 1.0f }, { &jump, 4.0f, 5.0f, 2.0f } };
     wisp_error error = { .status = WISP_OK };
@@ -204,9 +200,8 @@ static const wisp_vec3* points_of( fixture* f, int surface )
     return view.data;
 }
 
-static void vertices_are_where_the_clip_has_them( void** state )
+TEST( vertices_are_where_the_clip_has_them )
 {
-    (void)state;
     fixture f;
     build( &f, BODY );
     wisp_animation walk = read_clip( "walk" ), joined;
@@ -243,9 +238,8 @@ static void vertices_are_where_the_clip_has_them( void** state )
 }
 
 // Cloth that is held by motion constraints of length 0 alone, and cloth that is pinned.
-static void targets_and_pins_of_cloth_go_along( void** state )
+TEST( targets_and_pins_of_cloth_go_along )
 {
-    (void)state;
     fixture f;
     build( &f, BODY "    cloth: {}\n    gravity: [0, 0, 0]\n    motion_constraints: { max_distance: 0 }\n"
                     "  - name: other\n    instance_of: body\n    transform: { translate: [3, 0, 0] }\n"
@@ -262,9 +256,8 @@ static void targets_and_pins_of_cloth_go_along( void** state )
     release( &f );
 }
 
-static void a_file_without_the_clip_is_refused_with_the_line_of_the_surface( void** state )
+TEST( a_file_without_the_clip_is_refused_with_the_line_of_the_surface )
 {
-    (void)state;
     demand_refusal( "wisp: 1\nsurfaces:\n  - name: body\n    generate: { shape: figure, triangles: 1500 }\n"
                     "    animation: { file: " MOTIONS ", clips: [ { clip: dance } ] }\n",
                     "test.yaml:3:5: surface 'body': " MOTIONS ":4:3: there is no clip 'dance'" );
@@ -296,9 +289,8 @@ static const char SLEEVE[] =
     "    contact: { thickness: 0.005, friction: 0.2 }\n";
 
 // Without what a cut leaves them, cut vertices stay behind their arm, and the sleeve passes through itself in a third of the steps.
-static void a_sleeve_on_an_arm_that_falls_stays_free_of_intersections( void** state )
+TEST( a_sleeve_on_an_arm_that_falls_stays_free_of_intersections )
 {
-    (void)state;
     static const int SUBSTEPS[] = { 4, 6 };
     for ( int k = 0; k < WISP_COUNT( SUBSTEPS ); ++k )
     {
@@ -321,17 +313,4 @@ static void a_sleeve_on_an_arm_that_falls_stays_free_of_intersections( void** st
     }
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( joints_of_a_file_are_where_its_poses_in_double_precision_have_them ),
-        cmocka_unit_test( nodes_with_a_matrix_are_split_or_refused ),
-        cmocka_unit_test( one_clip_from_the_start_is_the_clip_itself ),
-        cmocka_unit_test( clips_follow_each_other_from_rest_without_a_jump ),
-        cmocka_unit_test( vertices_are_where_the_clip_has_them ),
-        cmocka_unit_test( targets_and_pins_of_cloth_go_along ),
-        cmocka_unit_test( a_file_without_the_clip_is_refused_with_the_line_of_the_surface ),
-        cmocka_unit_test( a_sleeve_on_an_arm_that_falls_stays_free_of_intersections ),
-    };
-    return cmocka_run_group_tests( tests, make_figure, release_figure );
-}
+TEST_GROUP( make_figure, release_figure )

@@ -14,9 +14,8 @@ static wisp_scene with_settings( const char* mapping )
 
 // ---- missing keys ----
 
-static void a_layer_without_keys_has_the_defaults_of_its_module( void** state )
+TEST( a_layer_without_keys_has_the_defaults_of_its_module )
 {
-    (void)state;
     wisp_scene scene = with_block( "boundary", "{}" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_boundary_def *b = &s->boundary, def = wisp_default_boundary_def();
@@ -31,9 +30,8 @@ static void a_layer_without_keys_has_the_defaults_of_its_module( void** state )
     wisp_scene_release( &scene );
 }
 
-static void a_participant_without_keys_has_the_defaults_of_its_module( void** state )
+TEST( a_participant_without_keys_has_the_defaults_of_its_module )
 {
-    (void)state;
     wisp_scene scene = with_block( "contact", "{}" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_contact_def *c = &s->contact, def = wisp_default_contact_def();
@@ -45,9 +43,8 @@ static void a_participant_without_keys_has_the_defaults_of_its_module( void** st
     wisp_scene_release( &scene );
 }
 
-static void contact_of_a_scene_has_the_defaults_of_its_module( void** state )
+TEST( contact_of_a_scene_has_the_defaults_of_its_module )
 {
-    (void)state;
     const wisp_contact_settings def = wisp_default_contact_settings();
     const char* const texts[] = { "wisp: 1\n", "wisp: 1\ncontact: {}\n" };
     for ( int i = 0; i < WISP_COUNT( texts ); ++i )
@@ -65,9 +62,8 @@ static void contact_of_a_scene_has_the_defaults_of_its_module( void** state )
 
 // ---- given keys ----
 
-static void every_key_of_a_layer_reaches_its_place( void** state )
+TEST( every_key_of_a_layer_reaches_its_place )
 {
-    (void)state;
     wisp_scene scene =
         with_block( "boundary", "{ spacing: 0.02, policy: exact, rounding: up, scanline_normals: true, "
                                 "hysteresis: 0.25, max_points: 1000, min_spacing: 0.01, max_spacing: "
@@ -84,9 +80,8 @@ static void every_key_of_a_layer_reaches_its_place( void** state )
     wisp_scene_release( &scene );
 }
 
-static void every_key_of_a_participant_reaches_its_place( void** state )
+TEST( every_key_of_a_participant_reaches_its_place )
 {
-    (void)state;
     wisp_scene scene = parsed( "wisp: 1\n"
                                "surfaces:\n"
                                "  - name: cloth\n"
@@ -109,9 +104,8 @@ static void every_key_of_a_participant_reaches_its_place( void** state )
     wisp_scene_release( &scene );
 }
 
-static void every_key_of_the_contact_of_a_scene_reaches_its_place( void** state )
+TEST( every_key_of_the_contact_of_a_scene_reaches_its_place )
 {
-    (void)state;
     wisp_scene scene = with_settings( "{ primitives: particles, particle_spacing: 0.004, margin: 0.5, "
                                       "compute: [intersections] }" );
     assert_int_equal( scene.contact.primitives, WISP_CONTACT_PARTICLES );
@@ -125,9 +119,8 @@ static void every_key_of_the_contact_of_a_scene_reaches_its_place( void** state 
     wisp_scene_release( &scene );
 }
 
-static void every_word_is_the_enumerator_of_its_name( void** state )
+TEST( every_word_is_the_enumerator_of_its_name )
 {
-    (void)state;
     static const char* const policies[] = { "even", "exact" };
     static const char* const roundings[] = { "down", "nearest", "up" };
     static const char* const primitives[] = { "triangles", "particles" };
@@ -153,9 +146,8 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
     }
 }
 
-static void an_instance_has_a_layer_and_a_contact_of_its_own( void** state )
+TEST( an_instance_has_a_layer_and_a_contact_of_its_own )
 {
-    (void)state;
     wisp_scene scene =
         parsed( "wisp: 1\nsurfaces:\n"
                 "  - { name: a, generate: { shape: icosphere, level: 1 }, boundary: { spacing: 0.1 } }\n"
@@ -166,9 +158,8 @@ static void an_instance_has_a_layer_and_a_contact_of_its_own( void** state )
     wisp_scene_release( &scene );
 }
 
-static void a_scene_with_every_key_of_boundary_and_contact_is_read( void** state )
+TEST( a_scene_with_every_key_of_boundary_and_contact_is_read )
 {
-    (void)state;
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/boundary_and_contact.yaml", &scene, &error ) !=
@@ -189,9 +180,8 @@ static void a_scene_with_every_key_of_boundary_and_contact_is_read( void** state
     "  - name: ball\n    generate: { shape: icosphere, level: 2, radius: 0.2 }\n    balloon: { gas_ratio: 1.2 }\n"   \
     "    compute: [points, normals]\n"
 
-static void a_surface_without_a_layer_is_named( void** state )
+TEST( a_surface_without_a_layer_is_named )
 {
-    (void)state;
     fixture f;
     build( &f, BALL );
     wisp_boundary_view view;
@@ -200,9 +190,8 @@ static void a_surface_without_a_layer_is_named( void** state )
     release( &f );
 }
 
-static void a_layer_is_there_from_the_start_and_lies_on_its_surface( void** state )
+TEST( a_layer_is_there_from_the_start_and_lies_on_its_surface )
 {
-    (void)state;
     fixture f;
     build( &f, BALL "    boundary: { spacing: 0.02 }\n" );
     wisp_boundary_view view;
@@ -237,9 +226,8 @@ static void a_layer_is_there_from_the_start_and_lies_on_its_surface( void** stat
     release( &f );
 }
 
-static void a_layer_changes_no_bit_of_its_surface( void** state )
+TEST( a_layer_changes_no_bit_of_its_surface )
 {
-    (void)state;
     fixture with, without;
     build( &with, BALL "    boundary: { spacing: 0.02, curvature_gain: 1, hysteresis: 0.2 }\n" );
     build( &without, BALL );
@@ -253,9 +241,8 @@ static void a_layer_changes_no_bit_of_its_surface( void** state )
     release( &without );
 }
 
-static void a_surface_without_a_layer_has_none( void** state )
+TEST( a_surface_without_a_layer_has_none )
 {
-    (void)state;
     fixture f;
     build( &f, BALL );
     step( &f, 1 );
@@ -272,9 +259,8 @@ static void a_surface_without_a_layer_has_none( void** state )
     "{} }\n"                                                                                                         \
     "  - { name: high, instance_of: low, transform: { translate: [0, 0.02, 0] }, cloth: {}, contact: {} }\n"
 
-static void stats_of_contact_are_there_where_they_are_requested( void** state )
+TEST( stats_of_contact_are_there_where_they_are_requested )
 {
-    (void)state;
     fixture f;
     wisp_contact_stats stats;
     build( &f, "wisp: 1\nsubsteps: 4\n" TWO_SHEETS );
@@ -296,9 +282,8 @@ static void stats_of_contact_are_there_where_they_are_requested( void** state )
     release( &f );
 }
 
-static void implicit_cloth_takes_part_in_contact( void** state )
+TEST( implicit_cloth_takes_part_in_contact )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\ncontact: { compute: [stats] }\nsurfaces:\n"
                "  - { name: cloth, generate: { shape: plane }, implicit: {}, contact: {} }\n" );
@@ -309,9 +294,8 @@ static void implicit_cloth_takes_part_in_contact( void** state )
     release( &f );
 }
 
-static void the_ends_of_all_ranges_are_taken_by_the_modules( void** state )
+TEST( the_ends_of_all_ranges_are_taken_by_the_modules )
 {
-    (void)state;
     static const char* const blocks[] = {
         "boundary: { spacing: 1e-6, hysteresis: 0, max_points: 1, min_spacing: 1e-6, max_spacing: 1e-6 }",
         "boundary: { spacing: 1e6, hysteresis: 0.5, max_points: 134217728, min_spacing: 1e6, max_spacing: 1e6 }",
@@ -351,9 +335,8 @@ static void the_ends_of_all_ranges_are_taken_by_the_modules( void** state )
     }
 }
 
-static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( void** state )
+TEST( what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface )
 {
-    (void)state;
     // The mean edge of a plane of spacing 0.02 is below 0.03; four times half of it is below 1.
     fixture f = { .scene =
                       parsed( "wisp: 1\nsurfaces:\n"
@@ -366,9 +349,8 @@ static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( v
 
 // ---- scenes of the project ----
 
-static void the_scenes_of_the_project_with_boundary_particles_or_contact_run( void** state )
+TEST( the_scenes_of_the_project_with_boundary_particles_or_contact_run )
 {
-    (void)state;
     static const struct
     {
         const char* file;
@@ -402,29 +384,4 @@ static void the_scenes_of_the_project_with_boundary_particles_or_contact_run( vo
         assert_true( wisp_world_counter( f.world.world, WISP_COUNT_HALTED ) == 0 );
         release( &f );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_layer_without_keys_has_the_defaults_of_its_module ),
-        cmocka_unit_test( a_participant_without_keys_has_the_defaults_of_its_module ),
-        cmocka_unit_test( contact_of_a_scene_has_the_defaults_of_its_module ),
-        cmocka_unit_test( every_key_of_a_layer_reaches_its_place ),
-        cmocka_unit_test( every_key_of_a_participant_reaches_its_place ),
-        cmocka_unit_test( every_key_of_the_contact_of_a_scene_reaches_its_place ),
-        cmocka_unit_test( every_word_is_the_enumerator_of_its_name ),
-        cmocka_unit_test( an_instance_has_a_layer_and_a_contact_of_its_own ),
-        cmocka_unit_test( a_scene_with_every_key_of_boundary_and_contact_is_read ),
-        cmocka_unit_test( a_surface_without_a_layer_is_named ),
-        cmocka_unit_test( a_layer_is_there_from_the_start_and_lies_on_its_surface ),
-        cmocka_unit_test( a_layer_changes_no_bit_of_its_surface ),
-        cmocka_unit_test( a_surface_without_a_layer_has_none ),
-        cmocka_unit_test( stats_of_contact_are_there_where_they_are_requested ),
-        cmocka_unit_test( implicit_cloth_takes_part_in_contact ),
-        cmocka_unit_test( the_ends_of_all_ranges_are_taken_by_the_modules ),
-        cmocka_unit_test( what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface ),
-        cmocka_unit_test( the_scenes_of_the_project_with_boundary_particles_or_contact_run ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -16,9 +16,8 @@ static void demand_refusal( const char* text, const char* part )
     }
 }
 
-static void copies_stand_in_rows_and_share_the_fabric( void** state )
+TEST( copies_stand_in_rows_and_share_the_fabric )
 {
-    (void)state;
     wisp_scene scene =
         parsed( "wisp: 1\nsurfaces:\n"
                 "  - name: sheet\n    generate: { shape: plane, columns: 3, rows: 3 }\n"
@@ -51,9 +50,8 @@ static void copies_stand_in_rows_and_share_the_fabric( void** state )
     wisp_scene_release( &scene );
 }
 
-static void without_columns_the_grid_is_as_wide_as_the_root( void** state )
+TEST( without_columns_the_grid_is_as_wide_as_the_root )
 {
-    (void)state;
     wisp_scene scene = parsed(
         "wisp: 1\nstrands:\n"
         "  - { name: tuft, generate: { strands: 2, vertices: 3 }, copies: { count: 7, spacing: [1, 0, 1] } }\n" );
@@ -65,9 +63,8 @@ static void without_columns_the_grid_is_as_wide_as_the_root( void** state )
 }
 
 // A copy is what the scene would be with the entry written again.
-static void copies_move_as_entries_that_are_written_out( void** state )
+TEST( copies_move_as_entries_that_are_written_out )
 {
-    (void)state;
     static const char* const texts[2] = {
         "wisp: 1\nsteps: 5\nsurfaces:\n"
         "  - { name: a, generate: { shape: plane, columns: 5, rows: 5 }, pins: [0, 4], cloth: {}, copies: { count: "
@@ -100,9 +97,8 @@ static void copies_move_as_entries_that_are_written_out( void** state )
     assert_true( hashes[0] == hashes[1] );
 }
 
-static void what_has_no_place_or_no_name_is_refused( void** state )
+TEST( what_has_no_place_or_no_name_is_refused )
 {
-    (void)state;
     demand_refusal(
         "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane }, copies: { count: 2, spacing: [1, 0, 0] } }\n"
         "  - { name: a-2, generate: { shape: plane } }\n",
@@ -119,9 +115,8 @@ static void what_has_no_place_or_no_name_is_refused( void** state )
 }
 
 // A short scene cannot ask for more than a long one.
-static void copies_count_to_the_limits_of_a_scene( void** state )
+TEST( copies_count_to_the_limits_of_a_scene )
 {
-    (void)state;
     demand_refusal( "wisp: 1\nsurfaces:\n"
                     "  - { name: a, generate: { shape: plane }, copies: { count: 10000, spacing: [1, 0, 0] } }\n"
                     "  - { name: b, generate: { shape: plane } }\n",
@@ -139,16 +134,4 @@ static void copies_count_to_the_limits_of_a_scene( void** state )
         "  - { name: abcdefghijabcdefghijabcdefghijabcdefghijabcdefghijabcdefghijabcd, generate: { shape: plane }, "
         "copies: { count: 2, spacing: [1, 0, 0] } }\n",
         "more than 64 characters" );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( copies_stand_in_rows_and_share_the_fabric ),
-        cmocka_unit_test( without_columns_the_grid_is_as_wide_as_the_root ),
-        cmocka_unit_test( copies_move_as_entries_that_are_written_out ),
-        cmocka_unit_test( what_has_no_place_or_no_name_is_refused ),
-        cmocka_unit_test( copies_count_to_the_limits_of_a_scene ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

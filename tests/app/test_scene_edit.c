@@ -40,16 +40,14 @@ static const wisp_scene_edit tethers = { "surfaces", 1, "cloth", "tethers", "tru
 
 // ---- existing values ----
 
-static void a_value_is_replaced_and_comments_stay( void** state )
+TEST( a_value_is_replaced_and_comments_stay )
 {
-    (void)state;
     assert_edited( "# of a flag\nwisp: 1 # the only one\n\nsubsteps:   12  # many\nsteps: 3\n", &substeps_7, 1,
                    "# of a flag\nwisp: 1 # the only one\n\nsubsteps:   7  # many\nsteps: 3\n" );
 }
 
-static void columns_count_characters_and_not_bytes( void** state )
+TEST( columns_count_characters_and_not_bytes )
 {
-    (void)state;
     // Two values on the line of a file's name whose letters have two bytes each.
     const wisp_scene_edit edit = { "surfaces", 0, "cloth", "tethers", "false" };
     assert_edited( "wisp: 1\nsurfaces:\n  - { name: a, file: \xc3\xa4\xc3\xb6\xc3\xbc.obj,"
@@ -59,9 +57,8 @@ static void columns_count_characters_and_not_bytes( void** state )
                    " pins: [0], cloth: { tethers: false } }\n" );
 }
 
-static void a_byte_order_mark_and_returns_stay( void** state )
+TEST( a_byte_order_mark_and_returns_stay )
 {
-    (void)state;
     const wisp_scene_edit edits[2] = { substeps_7, { NULL, 0, NULL, "iterations", "3" } };
     assert_edited( "\xef\xbb\xbfwisp: 1\r\nsubsteps: 2\r\n", edits, 2,
                    "\xef\xbb\xbfwisp: 1\r\niterations: 3\r\nsubsteps: 7\r\n" );
@@ -69,9 +66,8 @@ static void a_byte_order_mark_and_returns_stay( void** state )
 
 // ---- missing keys ----
 
-static void a_key_joins_its_mapping_behind_a_line_of_it( void** state )
+TEST( a_key_joins_its_mapping_behind_a_line_of_it )
 {
-    (void)state;
     const wisp_scene_edit edits[2] = { { "surfaces", 0, NULL, "damping", "0.5" }, substeps_7 };
     assert_edited(
         "wisp: 1 # first\nsurfaces:\n" SURFACE( "a # named" ) "    # soft\n    cloth: {}\n", edits, 2,
@@ -79,9 +75,8 @@ static void a_key_joins_its_mapping_behind_a_line_of_it( void** state )
         "plane, columns: 3, rows: 3, spacing: 0.1 }\n    # soft\n    cloth: {}\n" );
 }
 
-static void a_key_joins_braces_and_lines_of_the_entry_that_is_meant( void** state )
+TEST( a_key_joins_braces_and_lines_of_the_entry_that_is_meant )
 {
-    (void)state;
     assert_edited(
         "wisp: 1\nsurfaces:\n" SURFACE( "a" ) "    cloth: {}\n" SURFACE( "b" ) "    pins: [0]\n    cloth: {}\n",
         &tethers, 1,
@@ -100,9 +95,8 @@ static void a_key_joins_braces_and_lines_of_the_entry_that_is_meant( void** stat
                                                              "      wind: [0, 0, 1]\n" );
 }
 
-static void two_keys_join_braces_with_a_comma_between_them( void** state )
+TEST( two_keys_join_braces_with_a_comma_between_them )
 {
-    (void)state;
     const wisp_scene_edit edits[2] = { tethers, { "surfaces", 1, "cloth", "drag_coefficient", "1" } };
     static const char* const braces[][2] = {
         { "{}", "{ tethers: true, drag_coefficient: 1 }" },
@@ -120,23 +114,20 @@ static void two_keys_join_braces_with_a_comma_between_them( void** state )
     }
 }
 
-static void a_last_line_without_an_end_gets_one( void** state )
+TEST( a_last_line_without_an_end_gets_one )
 {
-    (void)state;
     assert_edited( "wisp: 1", &substeps_7, 1, "wisp: 1\nsubsteps: 7" );
 }
 
-static void json_stays_json( void** state )
+TEST( json_stays_json )
 {
-    (void)state;
     const wisp_scene_edit edits[2] = { substeps_7, { NULL, 0, NULL, "steps", "4" } };
     assert_edited( "{\n  \"wisp\": 1,\n  \"steps\": 3\n}\n", edits, 2,
                    "{ \"substeps\": 7,\n  \"wisp\": 1,\n  \"steps\": 4\n}\n" );
 }
 
-static void no_edits_copy_the_file( void** state )
+TEST( no_edits_copy_the_file )
 {
-    (void)state;
     assert_edited( "wisp: 1\n# end\n", NULL, 0, "wisp: 1\n# end\n" );
 }
 
@@ -148,9 +139,8 @@ static const wisp_scene_edit no_damping = { "surfaces", 0, NULL, "damping", "" }
 #define MAKE "generate: { shape: plane, columns: 3, rows: 3, spacing: 0.1 }"
 #define JSON_MAKE "\"generate\": { \"shape\": \"plane\", \"columns\": 3, \"rows\": 3, \"spacing\": 0.1 }"
 
-static void a_key_goes_with_its_line_and_a_comment_stays( void** state )
+TEST( a_key_goes_with_its_line_and_a_comment_stays )
 {
-    (void)state;
     assert_edited( "# of a flag\nwisp: 1\nsubsteps:  12 \n\nsteps: 3\n", &no_substeps, 1,
                    "# of a flag\nwisp: 1\n\nsteps: 3\n" );
     assert_edited( "wisp: 1\nsubsteps: 12  # many\nsteps: 3\n", &no_substeps, 1, "wisp: 1\n# many\nsteps: 3\n" );
@@ -160,9 +150,8 @@ static void a_key_goes_with_its_line_and_a_comment_stays( void** state )
                    "wisp: 1\nsurfaces:\n  - \n    name: a\n    " MAKE "\n" );
 }
 
-static void a_key_leaves_braces_with_its_comma( void** state )
+TEST( a_key_leaves_braces_with_its_comma )
 {
-    (void)state;
     assert_edited( "wisp: 1\nsurfaces: [{ damping: 1, name: a, " MAKE " }]\n", &no_damping, 1,
                    "wisp: 1\nsurfaces: [{ name: a, " MAKE " }]\n" );
     assert_edited( "wisp: 1\nsurfaces: [{name: a,damping: 1,  " MAKE "}]\n", &no_damping, 1,
@@ -174,9 +163,8 @@ static void a_key_leaves_braces_with_its_comma( void** state )
                    "wisp: 1\nsurfaces:\n  - name: b\n    " MAKE "\n    cloth: {  }\n" );
 }
 
-static void json_loses_a_key_and_stays_json( void** state )
+TEST( json_loses_a_key_and_stays_json )
 {
-    (void)state;
     assert_edited( "{\n  \"wisp\": 1,\n  \"substeps\" : 3,\n  \"steps\": 3\n}\n", &no_substeps, 1,
                    "{\n  \"wisp\": 1,\n  \"steps\": 3\n}\n" );
     assert_edited( "{\n  \"wisp\": 1,\n  \"substeps\": 3\n}\n", &no_substeps, 1, "{\n  \"wisp\": 1\n}\n" );
@@ -184,15 +172,13 @@ static void json_loses_a_key_and_stays_json( void** state )
                    1, "{ \"wisp\": 1, \"surfaces\": [{ \"name\": \"a\", " JSON_MAKE " }] }" );
 }
 
-static void a_key_that_is_not_there_stays_away( void** state )
+TEST( a_key_that_is_not_there_stays_away )
 {
-    (void)state;
     assert_edited( "wisp: 1\n# end\n", &no_substeps, 1, "wisp: 1\n# end\n" );
 }
 
-static void keys_come_and_go_at_one_place( void** state )
+TEST( keys_come_and_go_at_one_place )
 {
-    (void)state;
     const wisp_scene_edit edits[3] = { no_substeps,
                                        { NULL, 0, NULL, "steps", "4" },
                                        { NULL, 0, NULL, "iterations", "2" } };
@@ -201,9 +187,8 @@ static void keys_come_and_go_at_one_place( void** state )
                    "{ \"iterations\": 2, \"steps\": 4, \"wisp\": 1}\n" );
 }
 
-static void keys_that_do_not_go_alone_are_refused( void** state )
+TEST( keys_that_do_not_go_alone_are_refused )
 {
-    (void)state;
     const wisp_scene_edit no_pins = { "surfaces", 0, NULL, "pins", "" };
     assert_not_edited( "wisp: 1\nsurfaces:\n" SURFACE( "a" ) "    pins: [0]\n    cloth: {}\n", no_pins,
                        FROM ":5:11: 'pins' cannot be removed here" );
@@ -215,9 +200,8 @@ static void keys_that_do_not_go_alone_are_refused( void** state )
     assert_not_edited( "wisp: 1\nsurfaces:\n" SURFACE( "a" ), no_name, "name" );
 }
 
-static void two_keys_that_request_one_comma_are_refused( void** state )
+TEST( two_keys_that_request_one_comma_are_refused )
 {
-    (void)state;
     write_text( FROM, "{ wisp: 1, steps: 3, substeps: 3 }\n" );
     const wisp_scene_edit edits[2] = { { NULL, 0, NULL, "steps", "" }, no_substeps };
     wisp_error error = { 0 };
@@ -228,16 +212,14 @@ static void two_keys_that_request_one_comma_are_refused( void** state )
 
 // ---- rejected input ----
 
-static void what_is_not_there_is_refused_and_nothing_is_written( void** state )
+TEST( what_is_not_there_is_refused_and_nothing_is_written )
 {
-    (void)state;
     assert_not_edited( "wisp: 1\nsurfaces:\n" SURFACE( "a" ), tethers, "'tethers' cannot be set to true here" );
     assert_not_edited( "wisp: 1\nsubsteps: [\n", substeps_7, "not YAML" );
 }
 
-static void a_value_in_several_primitives_is_refused_with_its_line( void** state )
+TEST( a_value_in_several_primitives_is_refused_with_its_line )
 {
-    (void)state;
     const wisp_scene_edit edit = { "surfaces", 0, NULL, "name", "short" };
     assert_not_edited(
         "wisp: 1\nsurfaces:\n  - name: a long\n      name\n    generate: { shape: plane, columns: 3, rows: 3, "
@@ -245,18 +227,16 @@ static void a_value_in_several_primitives_is_refused_with_its_line( void** state
         edit, FROM ":3:11: 'name' cannot be set" );
 }
 
-static void a_result_that_is_no_scene_is_not_written( void** state )
+TEST( a_result_that_is_no_scene_is_not_written )
 {
-    (void)state;
     const wisp_scene_edit edit = { NULL, 0, NULL, "substeps", "0" };
     assert_not_edited( "wisp: 1\n", edit, "substeps" );
     const wisp_scene_edit unknown = { NULL, 0, NULL, "substepz", "1" };
     assert_not_edited( "wisp: 1\n", unknown, "did you mean 'substeps'?" );
 }
 
-static void without_a_place_to_write_nothing_is_written( void** state )
+TEST( without_a_place_to_write_nothing_is_written )
 {
-    (void)state;
     write_text( FROM, "wisp: 1\n" );
     assert_int_equal( wisp_scene_edit_file( FROM, &substeps_7, 1, NULL, NULL ), WISP_OK );
     char is[100];
@@ -267,31 +247,4 @@ static void without_a_place_to_write_nothing_is_written( void** state )
     assert_string_equal( is, "wisp: 1\nsubsteps: 7\n" );
     remove( FROM );
     assert_int_equal( wisp_scene_edit_file( "no_such.yaml", &substeps_7, 1, NULL, NULL ), WISP_IO_ERROR );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_value_is_replaced_and_comments_stay ),
-        cmocka_unit_test( columns_count_characters_and_not_bytes ),
-        cmocka_unit_test( a_byte_order_mark_and_returns_stay ),
-        cmocka_unit_test( a_key_joins_its_mapping_behind_a_line_of_it ),
-        cmocka_unit_test( a_key_joins_braces_and_lines_of_the_entry_that_is_meant ),
-        cmocka_unit_test( two_keys_join_braces_with_a_comma_between_them ),
-        cmocka_unit_test( a_last_line_without_an_end_gets_one ),
-        cmocka_unit_test( json_stays_json ),
-        cmocka_unit_test( no_edits_copy_the_file ),
-        cmocka_unit_test( a_key_goes_with_its_line_and_a_comment_stays ),
-        cmocka_unit_test( a_key_leaves_braces_with_its_comma ),
-        cmocka_unit_test( json_loses_a_key_and_stays_json ),
-        cmocka_unit_test( a_key_that_is_not_there_stays_away ),
-        cmocka_unit_test( keys_come_and_go_at_one_place ),
-        cmocka_unit_test( keys_that_do_not_go_alone_are_refused ),
-        cmocka_unit_test( two_keys_that_request_one_comma_are_refused ),
-        cmocka_unit_test( what_is_not_there_is_refused_and_nothing_is_written ),
-        cmocka_unit_test( a_value_in_several_primitives_is_refused_with_its_line ),
-        cmocka_unit_test( a_result_that_is_no_scene_is_not_written ),
-        cmocka_unit_test( without_a_place_to_write_nothing_is_written ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -34,9 +34,8 @@ static wisp_scene scene_in( const char* text, const char* name, const wisp_scene
     return scene;
 }
 
-static void arrays_stand_for_the_files_that_entries_and_their_copies_name( void** state )
+TEST( arrays_stand_for_the_files_that_entries_and_their_copies_name )
 {
-    (void)state;
     const wisp_scene_arrays both[] = { MESH, STRANDS };
     // the name of the scene has a folder, to which its files are relative
     wisp_scene scene = scene_in( SHEET TUFT, "some/folder/test.yaml", both, 2 );
@@ -66,9 +65,8 @@ static void demand_no_world( const char* text, wisp_scene_arrays arrays, const c
     wisp_scene_release( &scene );
 }
 
-static void wrong_arrays_are_refused_as_wrong_files_are( void** state )
+TEST( wrong_arrays_are_refused_as_wrong_files_are )
 {
-    (void)state;
     static const wisp_vec3 infinite[] = {
         { 0.0f, 0.0f, 0.0f }, { 0.0f, INFINITY, 0.0f }, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }
     };
@@ -90,9 +88,8 @@ static void wrong_arrays_are_refused_as_wrong_files_are( void** state )
     demand_no_world( "wisp: 1\n" TUFT, a, "memory: groom" );
 }
 
-static void arrays_that_no_entry_names_are_refused( void** state )
+TEST( arrays_that_no_entry_names_are_refused )
 {
-    (void)state;
     wisp_scene scene = parsed( SHEET );
     wisp_error error = { 0 };
     assert_int_equal( wisp_scene_set_arrays( &scene, &STRANDS, 1, &error ), WISP_BAD_INPUT );
@@ -100,9 +97,8 @@ static void arrays_that_no_entry_names_are_refused( void** state )
     wisp_scene_release( &scene );
 }
 
-static void an_edited_text_keeps_its_other_bytes_and_is_checked( void** state )
+TEST( an_edited_text_keeps_its_other_bytes_and_is_checked )
 {
-    (void)state;
     static const char text[] = "\xef\xbb\xbfwisp: 1 # one\nsubsteps: 3\n";
     const wisp_scene_edit good = { NULL, 0, NULL, "substeps", "7" }, bad = { NULL, 0, NULL, "substeps", "0" };
     char* out = NULL;
@@ -127,9 +123,8 @@ static void keep_message( void* user, wisp_log_level level, const char* message 
     snprintf( kept + length, 1000 - length, "%d %s\n", (int)level, message );
 }
 
-static void warnings_of_a_world_go_to_the_log_of_its_host( void** state )
+TEST( warnings_of_a_world_go_to_the_log_of_its_host )
 {
-    (void)state;
     wisp_scene_arrays a = MESH;
     a.triangle_count = 3;
     char kept[1000] = "";
@@ -157,9 +152,8 @@ static void warnings_of_a_world_go_to_the_log_of_its_host( void** state )
     SHEET "events:\n  - { step: 2, surface: sheet, velocity: [1, 0, 0] }\n  - { step: 5, surface: sheet, release: "  \
           "true }\n"
 
-static void frames_of_any_length_make_the_steps_of_the_scene( void** state )
+TEST( frames_of_any_length_make_the_steps_of_the_scene )
 {
-    (void)state;
     wisp_scene scene = scene_in( MOVED, "test.yaml", &MESH, 1 );
     const scene_world_options options = { .workers = 1 };
     scene_world frames, steps;
@@ -184,9 +178,8 @@ static void frames_of_any_length_make_the_steps_of_the_scene( void** state )
     wisp_scene_release( &scene );
 }
 
-static void a_scene_with_steps_of_several_lengths_has_no_frames( void** state )
+TEST( a_scene_with_steps_of_several_lengths_has_no_frames )
 {
-    (void)state;
     wisp_scene scene = scene_in( SHEET "dt_factors: [1, 2]\n", "test.yaml", &MESH, 1 );
     const scene_world_options options = { .workers = 1 };
     scene_world world;
@@ -197,18 +190,4 @@ static void a_scene_with_steps_of_several_lengths_has_no_frames( void** state )
     assert_int_equal( world.next_step, 0 );
     scene_world_destroy( &world );
     wisp_scene_release( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( arrays_stand_for_the_files_that_entries_and_their_copies_name ),
-        cmocka_unit_test( wrong_arrays_are_refused_as_wrong_files_are ),
-        cmocka_unit_test( arrays_that_no_entry_names_are_refused ),
-        cmocka_unit_test( an_edited_text_keeps_its_other_bytes_and_is_checked ),
-        cmocka_unit_test( warnings_of_a_world_go_to_the_log_of_its_host ),
-        cmocka_unit_test( frames_of_any_length_make_the_steps_of_the_scene ),
-        cmocka_unit_test( a_scene_with_steps_of_several_lengths_has_no_frames ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

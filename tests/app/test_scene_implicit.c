@@ -5,9 +5,8 @@
 
 // ---- missing keys ----
 
-static void an_implicit_cloth_without_keys_has_the_defaults_of_its_module( void** state )
+TEST( an_implicit_cloth_without_keys_has_the_defaults_of_its_module )
 {
-    (void)state;
     wisp_scene scene = with_block( "implicit", "{}" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_implicit_cloth_def *d = &s->implicit, def = wisp_default_implicit_cloth_def();
@@ -26,9 +25,8 @@ static void an_implicit_cloth_without_keys_has_the_defaults_of_its_module( void*
     wisp_scene_release( &scene );
 }
 
-static void a_surface_without_the_key_is_no_implicit_cloth( void** state )
+TEST( a_surface_without_the_key_is_no_implicit_cloth )
 {
-    (void)state;
     wisp_scene scene = parsed( "wisp: 1\nsurfaces:\n  - { name: cloth, generate: { shape: plane }, cloth: {} }\n" );
     assert_false( scene.surfaces[0].has_implicit || scene.surfaces[0].has_quad_links );
     wisp_scene_release( &scene );
@@ -36,9 +34,8 @@ static void a_surface_without_the_key_is_no_implicit_cloth( void** state )
 
 // ---- given keys ----
 
-static void every_key_of_an_implicit_cloth_reaches_its_place( void** state )
+TEST( every_key_of_an_implicit_cloth_reaches_its_place )
 {
-    (void)state;
     wisp_scene scene = with_block(
         "implicit", "{ stiffness_model: material, stretch_stiffness: 350, bend_stiffness: 2e-6, bend_rigidity: 3e-6, "
                     "compression_stiffness: "
@@ -62,9 +59,8 @@ static void every_key_of_an_implicit_cloth_reaches_its_place( void** state )
     wisp_scene_release( &scene );
 }
 
-static void every_word_is_the_enumerator_of_its_name( void** state )
+TEST( every_word_is_the_enumerator_of_its_name )
 {
-    (void)state;
     static const struct
     {
         const char* mapping;
@@ -100,9 +96,8 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
     }
 }
 
-static void quad_links_are_taken_of_a_plane_and_of_its_instances( void** state )
+TEST( quad_links_are_taken_of_a_plane_and_of_its_instances )
 {
-    (void)state;
     wisp_scene scene =
         parsed( "wisp: 1\nsurfaces:\n"
                 "  - { name: a, generate: { shape: plane }, implicit: { links: quad } }\n"
@@ -113,9 +108,8 @@ static void quad_links_are_taken_of_a_plane_and_of_its_instances( void** state )
     wisp_scene_release( &scene );
 }
 
-static void a_scene_with_every_key_of_implicit_cloth_is_read( void** state )
+TEST( a_scene_with_every_key_of_implicit_cloth_is_read )
 {
-    (void)state;
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/implicit_cloth.yaml", &scene, &error ), error );
@@ -127,9 +121,8 @@ static void a_scene_with_every_key_of_implicit_cloth_is_read( void** state )
 
 // ---- pairs ----
 
-static void a_grid_of_25_by_25_has_2352_pairs_that_stretch_and_2208_that_bend( void** state )
+TEST( a_grid_of_25_by_25_has_2352_pairs_that_stretch_and_2208_that_bend )
 {
-    (void)state;
     wisp_quad_pairs pairs;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_quad_pairs_make( 25, 25, &pairs, &error ), WISP_OK );
@@ -171,9 +164,8 @@ static int joined( const int32_t* pairs, int count, int a, int b )
     return found;
 }
 
-static void pairs_of_a_grid_are_first_and_second_neighbours_each_once( void** state )
+TEST( pairs_of_a_grid_are_first_and_second_neighbours_each_once )
 {
-    (void)state;
     static const int sizes[][2] = { { 2, 2 }, { 2, 5 }, { 3, 2 }, { 3, 3 }, { 7, 5 } };
     for ( int k = 0; k < WISP_COUNT( sizes ); ++k )
     {
@@ -200,9 +192,8 @@ static void pairs_of_a_grid_are_first_and_second_neighbours_each_once( void** st
     }
 }
 
-static void a_grid_that_is_no_grid_or_too_large_has_no_pairs( void** state )
+TEST( a_grid_that_is_no_grid_or_too_large_has_no_pairs )
 {
-    (void)state;
     static const int sizes[][2] = { { 1, 5 }, { 5, 1 }, { 0, 0 }, { -3, -3 }, { 65536, 65536 }, { 8192, 8193 } };
     for ( int k = 0; k < WISP_COUNT( sizes ); ++k )
     {
@@ -234,9 +225,8 @@ static wisp_vec3 first_point( fixture* f )
     return point;
 }
 
-static void a_plane_with_quad_links_has_the_links_of_the_quad_reference( void** state )
+TEST( a_plane_with_quad_links_has_the_links_of_the_quad_reference )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\ndt: 0.01\nsurfaces:\n"
                "  - { name: a, generate: { shape: plane, columns: 25, rows: 25 }, pins: [0], compute: [points, "
@@ -254,9 +244,8 @@ static void a_plane_with_quad_links_has_the_links_of_the_quad_reference( void** 
     release( &f );
 }
 
-static void a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_them( void** state )
+TEST( a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_them )
 {
-    (void)state;
     fixture f;
     build(
         &f,
@@ -273,9 +262,8 @@ static void a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_the
     release( &f );
 }
 
-static void a_hung_cloth_keeps_its_pin_and_falls( void** state )
+TEST( a_hung_cloth_keeps_its_pin_and_falls )
 {
-    (void)state;
     fixture f;
     build(
         &f,
@@ -296,9 +284,8 @@ static void a_hung_cloth_keeps_its_pin_and_falls( void** state )
 }
 
 // Without a restart, BDF2 would use the velocity before the event in the step: x + 2/3 h v instead of x + h v.
-static void a_velocity_of_an_event_counts_from_its_step_on_whatever_the_integrator( void** state )
+TEST( a_velocity_of_an_event_counts_from_its_step_on_whatever_the_integrator )
 {
-    (void)state;
     static const char* const integrators[] = { "euler", "bdf2" };
     static const char* const keys[] = { "velocity", "gust" };
     for ( int i = 0; i < 4; ++i )
@@ -322,9 +309,8 @@ static void a_velocity_of_an_event_counts_from_its_step_on_whatever_the_integrat
     }
 }
 
-static void the_ends_of_all_ranges_are_taken_by_the_module( void** state )
+TEST( the_ends_of_all_ranges_are_taken_by_the_module )
 {
-    (void)state;
     static const char* const mappings[] = {
         "{ stretch_stiffness: 0, bend_stiffness: 0, link_damping: 0, newton_iterations: 1, tolerance: 1e-7, "
         "max_iterations: "
@@ -345,9 +331,8 @@ static void the_ends_of_all_ranges_are_taken_by_the_module( void** state )
 
 // ---- scenes of the project ----
 
-static void the_scenes_of_the_project_with_implicit_cloth_run( void** state )
+TEST( the_scenes_of_the_project_with_implicit_cloth_run )
 {
-    (void)state;
     static const char* const files[] = { "triangle_drape.yaml", "quad_drape.yaml", "garment_drop.yaml",
                                          "moving_floor_cloth.yaml", "stiff_thirtieth.yaml" };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )
@@ -362,26 +347,4 @@ static void the_scenes_of_the_project_with_implicit_cloth_run( void** state )
         assert_true( wisp_world_counter( f.world.world, WISP_COUNT_HALTED ) == 0 );
         release( &f );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( an_implicit_cloth_without_keys_has_the_defaults_of_its_module ),
-        cmocka_unit_test( a_surface_without_the_key_is_no_implicit_cloth ),
-        cmocka_unit_test( every_key_of_an_implicit_cloth_reaches_its_place ),
-        cmocka_unit_test( every_word_is_the_enumerator_of_its_name ),
-        cmocka_unit_test( quad_links_are_taken_of_a_plane_and_of_its_instances ),
-        cmocka_unit_test( a_scene_with_every_key_of_implicit_cloth_is_read ),
-        cmocka_unit_test( a_grid_of_25_by_25_has_2352_pairs_that_stretch_and_2208_that_bend ),
-        cmocka_unit_test( pairs_of_a_grid_are_first_and_second_neighbours_each_once ),
-        cmocka_unit_test( a_grid_that_is_no_grid_or_too_large_has_no_pairs ),
-        cmocka_unit_test( a_plane_with_quad_links_has_the_links_of_the_quad_reference ),
-        cmocka_unit_test( a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_them ),
-        cmocka_unit_test( a_hung_cloth_keeps_its_pin_and_falls ),
-        cmocka_unit_test( a_velocity_of_an_event_counts_from_its_step_on_whatever_the_integrator ),
-        cmocka_unit_test( the_ends_of_all_ranges_are_taken_by_the_module ),
-        cmocka_unit_test( the_scenes_of_the_project_with_implicit_cloth_run ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

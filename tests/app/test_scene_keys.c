@@ -30,9 +30,8 @@ static char* read_document( void )
 
 // ---- the document ----
 
-static void the_document_has_the_keys_of_the_tables( void** state )
+TEST( the_document_has_the_keys_of_the_tables )
 {
-    (void)state;
     static const char begin_mark[] = "<!-- keys: begin -->\n", end_mark[] = "<!-- keys: end -->\n";
     int count = 0;
     char *document = read_document(), *keys = keys_of( NULL, &count );
@@ -50,9 +49,8 @@ static void the_document_has_the_keys_of_the_tables( void** state )
     free( document );
 }
 
-static void every_example_of_the_document_is_a_scene( void** state )
+TEST( every_example_of_the_document_is_a_scene )
 {
-    (void)state;
     static const char fence[] = "```yaml\n";
     char* document = read_document();
     int examples = 0;
@@ -77,9 +75,8 @@ static void every_example_of_the_document_is_a_scene( void** state )
 
 // ---- the text ----
 
-static void every_key_has_a_message( void** state )
+TEST( every_key_has_a_message )
 {
-    (void)state;
     int count = 0, keys = 0;
     char* text = keys_of( NULL, &count );
     assert_true( count > 30 );
@@ -98,9 +95,8 @@ static void every_key_has_a_message( void** state )
     free( text );
 }
 
-static void a_block_is_written_with_the_blocks_in_it( void** state )
+TEST( a_block_is_written_with_the_blocks_in_it )
 {
-    (void)state;
     int count = 0;
     char* text = keys_of( "frozen_hair", &count );
     assert_int_equal( count, 4 );
@@ -116,9 +112,8 @@ static void a_block_is_written_with_the_blocks_in_it( void** state )
     free( text );
 }
 
-static void an_unknown_block_writes_nothing( void** state )
+TEST( an_unknown_block_writes_nothing )
 {
-    (void)state;
     int count = 1;
     char* text = keys_of( "clot", &count );
     assert_int_equal( count, 0 );
@@ -126,9 +121,8 @@ static void an_unknown_block_writes_nothing( void** state )
     free( text );
 }
 
-static void a_default_is_that_of_the_module( void** state )
+TEST( a_default_is_that_of_the_module )
 {
-    (void)state;
     int count = 0;
     char expected[100], *text = keys_of( "surfaces.balloon", &count );
     snprintf( expected, sizeof expected, "- `edge_stiffness` (number, N/m, 1e-6 .. 1e12, default %g):",
@@ -139,9 +133,8 @@ static void a_default_is_that_of_the_module( void** state )
 
 // ---- what is gone ----
 
-static void what_is_gone_is_found_in_its_own_block( void** state )
+TEST( what_is_gone_is_found_in_its_own_block )
 {
-    (void)state;
     const char* use = scene_find_removed( "strands[3].dynamics", "leader_correction", false );
     assert_non_null( use );
     assert_null( scene_find_removed( "strands[3].frozen_hair", "leader_correction", false ) );
@@ -152,18 +145,4 @@ static void what_is_gone_is_found_in_its_own_block( void** state )
     assert_null( scene_find_removed( "strands[3].dynamics.bending", "follow", true ) );
     assert_null( scene_find_removed( "stretch", "follow", true ) );
     assert_null( scene_find_removed( "", "leader_correction", false ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_document_has_the_keys_of_the_tables ),
-        cmocka_unit_test( every_example_of_the_document_is_a_scene ),
-        cmocka_unit_test( every_key_has_a_message ),
-        cmocka_unit_test( a_block_is_written_with_the_blocks_in_it ),
-        cmocka_unit_test( an_unknown_block_writes_nothing ),
-        cmocka_unit_test( a_default_is_that_of_the_module ),
-        cmocka_unit_test( what_is_gone_is_found_in_its_own_block ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

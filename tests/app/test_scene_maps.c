@@ -63,9 +63,8 @@ static float factor_of( fixture* f, wisp_component map, int vertex )
     return column[fabric->vertex_slot[vertex]];
 }
 
-static void numbers_of_a_text_file_are_values_of_vertices( void** state )
+TEST( numbers_of_a_text_file_are_values_of_vertices )
 {
-    (void)state;
     write_map( "0.1, 0.2 0.3\n0.4;0.5\n\n0.6\n" );
     fixture f;
     build( &f, scene_with( "area_density: { map: %s/map.txt }" ) );
@@ -81,9 +80,8 @@ static void numbers_of_a_text_file_are_values_of_vertices( void** state )
     release( &f );
 }
 
-static void from_and_to_are_the_values_of_zero_and_one( void** state )
+TEST( from_and_to_are_the_values_of_zero_and_one )
 {
-    (void)state;
     write_map( "0 1 0.5 0.25 0 1" );
     fixture f;
     build( &f, scene_with( "damping: { map: %s/map.txt, from: 4, to: 2 }" ) );
@@ -96,9 +94,8 @@ static void from_and_to_are_the_values_of_zero_and_one( void** state )
     release( &f );
 }
 
-static void an_image_is_sampled_from_left_to_right_along_x_and_from_top_to_bottom_along_z( void** state )
+TEST( an_image_is_sampled_from_left_to_right_along_x_and_from_top_to_bottom_along_z )
 {
-    (void)state;
     char path[300];
     snprintf( path, sizeof path, "area_density: { map: %s/data/scenes/embroidery.png, from: 1, to: 2 }",
               WISP_SOURCE_ROOT );
@@ -155,9 +152,8 @@ static void write_mesh( const char* text )
 static const char COLOURED[] = "v 9 9 9 1 1 1\nv 0 0 0 0.5 0.25 0\nv 1 0 0 1 0.5 0.75\nv 0 0 1 0 1 0.5\n"
                                "v 0 0 1 0.3 0.3 0.3\nf 2 4 3\nf 3 5 2\n";
 
-static void colours_of_vertices_are_values_also_of_an_instance( void** state )
+TEST( colours_of_vertices_are_values_also_of_an_instance )
 {
-    (void)state;
     static const struct
     {
         const char* channel;
@@ -200,9 +196,8 @@ static const unsigned char IMAGE[] = {
     0x94, 0xf1, 0xe6, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82,
 };
 
-static void an_image_is_sampled_at_texture_coordinates_and_repeats( void** state )
+TEST( an_image_is_sampled_at_texture_coordinates_and_repeats )
 {
-    (void)state;
     // At the middle of a pixel, between two, at the right border, and the first again some images to the right and below.
     write_mesh( "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nv 2 0 0\nv 2 0 1\n"
                 "vt 0.125 0.75\nvt 0.25 0.25\nvt 1 0.5\nvt 3.125 -1.25\nvt -0.125 1.75\nvt 0.375 0\n"
@@ -227,9 +222,8 @@ static void an_image_is_sampled_at_texture_coordinates_and_repeats( void** state
     remove_file( "map.png" );
 }
 
-static void thickness_and_friction_are_maps_of_vertices( void** state )
+TEST( thickness_and_friction_are_maps_of_vertices )
 {
-    (void)state;
     write_map( "0 0.5 1 1 0.5 0" );
     fixture f;
     build( &f, scene_with( "collision: { thickness: { map: %1$s/map.txt, from: 0.01, to: 0.02 },"
@@ -259,9 +253,8 @@ static void demand_map_refusal( const char* keys, wisp_status status, const char
     wisp_scene_release( &f.scene );
 }
 
-static void bad_maps_are_refused_with_file_line_or_vertex( void** state )
+TEST( bad_maps_are_refused_with_file_line_or_vertex )
 {
-    (void)state;
     write_map( "1 2 3\n4 5\n" );
     demand_map_refusal( "area_density: { map: %s/map.txt }", WISP_BAD_INPUT,
                         "map.txt: got 5 numbers, but the mesh has 6 vertices" );
@@ -292,9 +285,8 @@ static void demand_refusal_of_mesh( const char* keys, const char* words )
     wisp_scene_release( &f.scene );
 }
 
-static void maps_of_what_a_mesh_lacks_are_refused( void** state )
+TEST( maps_of_what_a_mesh_lacks_are_refused )
 {
-    (void)state;
     write_mesh( "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n" );
     write_file( "map.png", IMAGE, sizeof IMAGE );
     demand_refusal_of_mesh( "damping: { map: colours }", "map: the mesh has no colours" );
@@ -310,17 +302,4 @@ static void maps_of_what_a_mesh_lacks_are_refused( void** state )
     remove_file( "map.png" );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( numbers_of_a_text_file_are_values_of_vertices ),
-        cmocka_unit_test( from_and_to_are_the_values_of_zero_and_one ),
-        cmocka_unit_test( an_image_is_sampled_from_left_to_right_along_x_and_from_top_to_bottom_along_z ),
-        cmocka_unit_test( colours_of_vertices_are_values_also_of_an_instance ),
-        cmocka_unit_test( an_image_is_sampled_at_texture_coordinates_and_repeats ),
-        cmocka_unit_test( thickness_and_friction_are_maps_of_vertices ),
-        cmocka_unit_test( maps_of_what_a_mesh_lacks_are_refused ),
-        cmocka_unit_test( bad_maps_are_refused_with_file_line_or_vertex ),
-    };
-    return cmocka_run_group_tests( tests, make_folder, remove_folder );
-}
+TEST_GROUP( make_folder, remove_folder )

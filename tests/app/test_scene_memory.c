@@ -82,9 +82,8 @@ static void run_scene( const char* file, int workers )
     wisp_scene_release( &scene );
 }
 
-static void parts_of_every_scene_add_up_to_what_the_host_lent( void** state )
+TEST( parts_of_every_scene_add_up_to_what_the_host_lent )
 {
-    (void)state;
     struct dirent** entries;
     const int count = scandir( WISP_SOURCE_ROOT "/data/scenes", &entries, NULL, alphasort );
     int scenes = 0;
@@ -104,9 +103,8 @@ static void parts_of_every_scene_add_up_to_what_the_host_lent( void** state )
 }
 
 // Multipliers of links have rows with several iterations only.
-static void what_one_iteration_does_not_read_has_no_rows( void** state )
+TEST( what_one_iteration_does_not_read_has_no_rows )
 {
-    (void)state;
     wisp_memory_part parts[MAX_PARTS];
     for ( int iterations = 1; iterations <= 2; ++iterations )
     {
@@ -135,13 +133,4 @@ static void what_one_iteration_does_not_read_has_no_rows( void** state )
         scene_world_destroy( &world );
         wisp_scene_release( &scene );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( parts_of_every_scene_add_up_to_what_the_host_lent ),
-        cmocka_unit_test( what_one_iteration_does_not_read_has_no_rows ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

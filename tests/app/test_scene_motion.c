@@ -6,9 +6,8 @@
 
 // ---- missing keys ----
 
-static void strands_stand_still_and_are_shown_unless_they_say_otherwise( void** state )
+TEST( strands_stand_still_and_are_shown_unless_they_say_otherwise )
 {
-    (void)state;
     wisp_scene scene = parsed( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
     const wisp_scene_strands* s = &scene.strands[0];
     assert_false( s->has_dynamics || s->has_head || s->has_grid || s->has_ghosts || s->is_scattered || s->is_curves );
@@ -22,9 +21,8 @@ static void strands_stand_still_and_are_shown_unless_they_say_otherwise( void** 
     wisp_scene_release( &scene );
 }
 
-static void dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_the_scene( void** state )
+TEST( dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_the_scene )
 {
-    (void)state;
     wisp_scene scene =
         parsed( "wisp: 1\nstrands:\n  - { name: hair, generate: {}, dynamics: {} }\ngravity: [0, -1, 2]\n" );
     const wisp_strand_dynamics_def* def = &scene.strands[0].dynamics;
@@ -41,9 +39,8 @@ static void dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_
     wisp_scene_release( &scene );
 }
 
-static void ghosts_and_curves_without_keys_are_the_modules_defaults( void** state )
+TEST( ghosts_and_curves_without_keys_are_the_modules_defaults )
 {
-    (void)state;
     wisp_scene scene = parsed( "wisp: 1\nstrands:\n  - { name: guides, generate: {}, dynamics: {}, grid: {} }\n"
                                "  - { name: ghosts, generate: {}, ghosts: { targets: guides } }\n"
                                "  - { name: drawn, curves: { of: ghosts } }\n" );
@@ -130,9 +127,8 @@ static void assert_ghosts( const wisp_ghosts_def* g )
     assert_true( g->tip_gain == 1.0f && g->centre_gain == 2.0f && g->time == 3.0f && g->spread == 4.0f );
 }
 
-static void every_key_of_motion_reaches_its_place( void** state )
+TEST( every_key_of_motion_reaches_its_place )
 {
-    (void)state;
     wisp_scene scene = parsed( EVERY_KEY );
     const wisp_scene_strands *hair = &scene.strands[0], *ghosts = &scene.strands[1], *drawn = &scene.strands[2];
     assert_dynamics( &hair->dynamics );
@@ -164,9 +160,8 @@ static void every_key_of_motion_reaches_its_place( void** state )
     wisp_scene_release( &scene );
 }
 
-static void what_others_draw_is_hidden_unless_it_says_that_it_is_shown( void** state )
+TEST( what_others_draw_is_hidden_unless_it_says_that_it_is_shown )
 {
-    (void)state;
     wisp_scene scene = parsed( EVERY_KEY );
     assert_true( scene.strands[0].is_shown );  // it has ghosts, but sets the key
     assert_false( scene.strands[1].is_shown ); // curves run through it
@@ -175,9 +170,8 @@ static void what_others_draw_is_hidden_unless_it_says_that_it_is_shown( void** s
     wisp_scene_release( &scene );
 }
 
-static void events_are_for_strands_as_well_as_for_surfaces( void** state )
+TEST( events_are_for_strands_as_well_as_for_surfaces )
 {
-    (void)state;
     wisp_scene scene = parsed( EVERY_KEY );
     assert_int_equal( scene.event_count, 2 );
     assert_int_equal( scene.events[0].strands, -1 );
@@ -188,9 +182,8 @@ static void events_are_for_strands_as_well_as_for_surfaces( void** state )
     wisp_scene_release( &scene );
 }
 
-static void scattered_ghosts_follow_what_they_are_scattered_around( void** state )
+TEST( scattered_ghosts_follow_what_they_are_scattered_around )
 {
-    (void)state;
     wisp_scene scene =
         parsed( "wisp: 1\nstrands:\n  - { name: a, generate: {}, dynamics: {} }\n"
                 "  - { name: b, generate: {}, dynamics: {} }\n"
@@ -203,9 +196,8 @@ static void scattered_ghosts_follow_what_they_are_scattered_around( void** state
     wisp_scene_release( &scene );
 }
 
-static void frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise( void** state )
+TEST( frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise )
 {
-    (void)state;
     wisp_scene scene =
         parsed( "wisp: 1\nstrands:\n  - { name: a, generate: {}, dynamics: {} }\n"
                 "  - { name: b, frozen_hair: {}, generate: {}, ghosts: { targets: a } }\n"
@@ -217,9 +209,8 @@ static void frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise
     wisp_scene_release( &scene );
 }
 
-static void a_scene_with_every_key_of_moving_strands_is_read( void** state )
+TEST( a_scene_with_every_key_of_moving_strands_is_read )
 {
-    (void)state;
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/moving_strands.yaml", &scene, &error ), error );
@@ -253,9 +244,8 @@ static float dot( wisp_vec3 a, wisp_vec3 b )
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-static void scattered_strands_are_their_targets_moved_across_the_root_within_the_radius( void** state )
+TEST( scattered_strands_are_their_targets_moved_across_the_root_within_the_radius )
 {
-    (void)state;
     const wisp_scene_scatter scatter = { .around = 0, .count = 200, .radius = 0.01f, .seed = 3 };
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
@@ -288,9 +278,8 @@ static void scattered_strands_are_their_targets_moved_across_the_root_within_the
     }
 }
 
-static void scattering_more_strands_around_each_keeps_those_that_there_were( void** state )
+TEST( scattering_more_strands_around_each_keeps_those_that_there_were )
 {
-    (void)state;
     wisp_groom source = straight_groom( 3 ), few, many;
     wisp_error error = { .status = WISP_OK };
     wisp_scene_scatter scatter = { .around = 0, .count = 2, .radius = 0.01f, .seed = 3 };
@@ -307,9 +296,8 @@ static void scattering_more_strands_around_each_keeps_those_that_there_were( voi
     wisp_groom_release( &source );
 }
 
-static void scattering_too_many_strands_is_refused_before_memory_is_queried_for( void** state )
+TEST( scattering_too_many_strands_is_refused_before_memory_is_queried_for )
 {
-    (void)state;
     wisp_groom source = straight_groom( 3 ), out;
     wisp_error error = { .status = WISP_OK };
     const wisp_scene_scatter scatter = { .around = 0, .count = 6710887, .radius = 0.01f, .seed = 3 };
@@ -322,9 +310,8 @@ static void scattering_too_many_strands_is_refused_before_memory_is_queried_for(
 
 // ---- curves at the start ----
 
-static void curves_begin_and_end_where_their_strands_do_and_pass_through_what_they_promise( void** state )
+TEST( curves_begin_and_end_where_their_strands_do_and_pass_through_what_they_promise )
 {
-    (void)state;
     // strands of 1, 2, 3, 4 and 6 vertices: no curve, a line, a quadratic, a whole group, a group and a remainder
     static const int counts[] = { 1, 2, 3, 4, 6 };
     static const int bezier[] = { 0, 5, 5, 5, 9 }, catmull_rom[] = { 0, 5, 9, 13, 21 };
@@ -363,24 +350,4 @@ static void curves_begin_and_end_where_their_strands_do_and_pass_through_what_th
         }
         wisp_groom_release( &out );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( strands_stand_still_and_are_shown_unless_they_say_otherwise ),
-        cmocka_unit_test( dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_the_scene ),
-        cmocka_unit_test( ghosts_and_curves_without_keys_are_the_modules_defaults ),
-        cmocka_unit_test( every_key_of_motion_reaches_its_place ),
-        cmocka_unit_test( what_others_draw_is_hidden_unless_it_says_that_it_is_shown ),
-        cmocka_unit_test( events_are_for_strands_as_well_as_for_surfaces ),
-        cmocka_unit_test( scattered_ghosts_follow_what_they_are_scattered_around ),
-        cmocka_unit_test( frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise ),
-        cmocka_unit_test( a_scene_with_every_key_of_moving_strands_is_read ),
-        cmocka_unit_test( scattered_strands_are_their_targets_moved_across_the_root_within_the_radius ),
-        cmocka_unit_test( scattering_more_strands_around_each_keeps_those_that_there_were ),
-        cmocka_unit_test( scattering_too_many_strands_is_refused_before_memory_is_queried_for ),
-        cmocka_unit_test( curves_begin_and_end_where_their_strands_do_and_pass_through_what_they_promise ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

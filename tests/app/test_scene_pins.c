@@ -80,9 +80,8 @@ static point right_at( double time, int row )
     return ( point ){ 0.2 + z * sin( angle ) + 0.06 * s, 0.0, z * cos( angle ) + 0.04 * s };
 }
 
-static void each_group_is_where_its_own_keyframes_take_it_after_every_step( void** state )
+TEST( each_group_is_where_its_own_keyframes_take_it_after_every_step )
 {
-    (void)state;
     fixture f;
     build( &f, GRIPPERS );
     for ( int k = 1; k <= STEPS; ++k )
@@ -98,9 +97,8 @@ static void each_group_is_where_its_own_keyframes_take_it_after_every_step( void
 }
 
 // Without cloth and gravity a vertex that is let go flies on in a straight line.
-static void one_group_lets_go_with_its_velocity_and_the_other_holds_on( void** state )
+TEST( one_group_lets_go_with_its_velocity_and_the_other_holds_on )
 {
-    (void)state;
     fixture f;
     build( &f, SHEET "    gravity: [0, 0, 0]\n    pin_groups:\n"
                      "      - { name: a, pins: [0, 1], pin_keyframes: [ { time: 1, translate: [0, 0.5, 0] } ] }\n"
@@ -117,9 +115,8 @@ static void one_group_lets_go_with_its_velocity_and_the_other_holds_on( void** s
     release( &f );
 }
 
-static void a_group_that_starts_free_falls_until_it_is_held_and_goes_on_from_there( void** state )
+TEST( a_group_that_starts_free_falls_until_it_is_held_and_goes_on_from_there )
 {
-    (void)state;
     fixture f;
     build( &f, SHEET "    pin_groups:\n"
                      "      - name: grip\n        starts_free: true\n        pins: [0, 8]\n"
@@ -151,9 +148,8 @@ static void a_group_that_starts_free_falls_until_it_is_held_and_goes_on_from_the
     release( &f );
 }
 
-static void an_event_attaches_a_group_to_a_surface_and_another_detaches_it( void** state )
+TEST( an_event_attaches_a_group_to_a_surface_and_another_detaches_it )
 {
-    (void)state;
     fixture f;
     build( &f, SHEET "    pins: [72]\n    pin_groups:\n      - { name: grip, pins: [0, 8] }\n"
                      "  - name: tray\n    generate: { shape: plane, columns: 2, rows: 2, spacing: 1 }\n"
@@ -175,9 +171,8 @@ static void an_event_attaches_a_group_to_a_surface_and_another_detaches_it( void
     release( &f );
 }
 
-static void an_event_without_a_group_is_for_all_pins( void** state )
+TEST( an_event_without_a_group_is_for_all_pins )
 {
-    (void)state;
     fixture f;
     build( &f, SHEET "    pins: [4]\n    pin_groups:\n      - { name: a, pins: [0] }\n"
                      "      - { name: b, pins: [8], starts_free: true }\n"
@@ -193,9 +188,8 @@ static void an_event_without_a_group_is_for_all_pins( void** state )
     release( &f );
 }
 
-static void copies_have_groups_of_their_own( void** state )
+TEST( copies_have_groups_of_their_own )
 {
-    (void)state;
     fixture f;
     build( &f, SHEET "    copies: { count: 2, spacing: [2, 0, 0] }\n    pin_groups:\n"
                      "      - { name: a, pin_nearest: [[0.2, 0, -0.2]],\n"
@@ -208,9 +202,8 @@ static void copies_have_groups_of_their_own( void** state )
 
 // The surface jumps by a metre before step 10; what is let go then or in the step behind does not fly on at 50 m/s. A jump of pins that
 // were let go before is none.
-static void a_jump_gives_no_velocity_to_what_is_let_go( void** state )
+TEST( a_jump_gives_no_velocity_to_what_is_let_go )
 {
-    (void)state;
     for ( int release_at = 9; release_at <= 12; ++release_at )
     {
         char text[900];
@@ -229,9 +222,8 @@ static void a_jump_gives_no_velocity_to_what_is_let_go( void** state )
     }
 }
 
-static void what_nothing_holds_gets_no_velocity_when_it_is_let_go( void** state )
+TEST( what_nothing_holds_gets_no_velocity_when_it_is_let_go )
 {
-    (void)state;
     fixture f;
     build( &f, SHEET "    gravity: [0, 0, 0]\n    pin_groups:\n"
                      "      - { name: a, pins: [0], pin_keyframes: [ { time: 1, translate: [0, 1, 0] } ] }\n"
@@ -246,9 +238,8 @@ static void what_nothing_holds_gets_no_velocity_when_it_is_let_go( void** state 
 }
 
 // All vertices are pins that go at 0.5 m/s, so that nothing is strained when they are let go. It is soft enough for BDF2.
-static void implicit_cloth_by_bdf2_goes_on_with_the_velocity_of_its_pins( void** state )
+TEST( implicit_cloth_by_bdf2_goes_on_with_the_velocity_of_its_pins )
 {
-    (void)state;
     fixture f;
     build( &f, SHEET "    gravity: [0, 0, 0]\n    implicit: { integrator: bdf2, stretch_stiffness: 1 }\n"
                      "    pin_box: { min: [-1, -1, -1], max: [1, 1, 1] }\n"
@@ -264,9 +255,8 @@ static void implicit_cloth_by_bdf2_goes_on_with_the_velocity_of_its_pins( void**
     release( &f );
 }
 
-static void a_pivot_is_what_the_pins_of_a_group_turn_about( void** state )
+TEST( a_pivot_is_what_the_pins_of_a_group_turn_about )
 {
-    (void)state;
     fixture f;
     build( &f, SHEET "    pin_groups:\n      - { name: a, pins: [0, 8], pin_pivot: [0.2, 0, -0.2],\n"
                      "          pin_keyframes: [ { time: 0.2, translate: [0, 0, 0],\n"
@@ -278,9 +268,8 @@ static void a_pivot_is_what_the_pins_of_a_group_turn_about( void** state )
 }
 
 // Of what is held already, and of what an event has attached.
-static void holding_again_changes_no_bit( void** state )
+TEST( holding_again_changes_no_bit )
 {
-    (void)state;
     uint64_t hashes[2];
     for ( int k = 0; k < 2; ++k )
     {
@@ -340,18 +329,16 @@ static uint64_t hash_after( int workers, int steps, int restore_at )
     return hash;
 }
 
-static void workers_and_snapshots_change_no_bit( void** state )
+TEST( workers_and_snapshots_change_no_bit )
 {
-    (void)state;
     const uint64_t expected = hash_after( 1, 50, 0 );
     assert_true( hash_after( 3, 50, 0 ) == expected );
     assert_true( hash_after( 2, 50, 22 ) == expected ); // let go
     assert_true( hash_after( 2, 50, 30 ) == expected ); // held again
 }
 
-static void a_vertex_in_two_groups_and_an_empty_box_are_refused( void** state )
+TEST( a_vertex_in_two_groups_and_an_empty_box_are_refused )
 {
-    (void)state;
     demand_refusal(
         SHEET "    pins: [3]\n    pin_groups: [ { name: a, pins: [4, 3] } ]\n",
         "test.yaml:5:5: surface 'cloth': vertex 3 of the group 'a' is also pinned by the surface or by a group "
@@ -364,24 +351,4 @@ static void a_vertex_in_two_groups_and_an_empty_box_are_refused( void** state )
         "before it" );
     demand_refusal( SHEET "    pin_groups: [ { name: a, pin_box: { min: [5, 5, 5], max: [6, 6, 6] } } ]\n",
                     "test.yaml:5:5: surface 'cloth': group 'a': no vertex starts in pin_box 0" );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( each_group_is_where_its_own_keyframes_take_it_after_every_step ),
-        cmocka_unit_test( one_group_lets_go_with_its_velocity_and_the_other_holds_on ),
-        cmocka_unit_test( a_group_that_starts_free_falls_until_it_is_held_and_goes_on_from_there ),
-        cmocka_unit_test( an_event_attaches_a_group_to_a_surface_and_another_detaches_it ),
-        cmocka_unit_test( an_event_without_a_group_is_for_all_pins ),
-        cmocka_unit_test( copies_have_groups_of_their_own ),
-        cmocka_unit_test( a_jump_gives_no_velocity_to_what_is_let_go ),
-        cmocka_unit_test( what_nothing_holds_gets_no_velocity_when_it_is_let_go ),
-        cmocka_unit_test( implicit_cloth_by_bdf2_goes_on_with_the_velocity_of_its_pins ),
-        cmocka_unit_test( a_pivot_is_what_the_pins_of_a_group_turn_about ),
-        cmocka_unit_test( holding_again_changes_no_bit ),
-        cmocka_unit_test( workers_and_snapshots_change_no_bit ),
-        cmocka_unit_test( a_vertex_in_two_groups_and_an_empty_box_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -18,9 +18,8 @@ static void build_sewn( fixture* f, const char* seam )
     build( f, text );
 }
 
-static void every_key_of_a_seam_reaches_its_place( void** state )
+TEST( every_key_of_a_seam_reaches_its_place )
 {
-    (void)state;
     fixture f;
     build_sewn( &f, "{ name: s, surfaces: [b, a], pairs: [[4, 7], [8, 11]], distance: 0.01, closing_speed: 0.2, "
                     "compliance: 0.03, strength: 4 }\n"
@@ -40,9 +39,8 @@ static void every_key_of_a_seam_reaches_its_place( void** state )
 }
 
 // Panels of a scene close by the speed of their seam.
-static void a_scene_closes_its_seam( void** state )
+TEST( a_scene_closes_its_seam )
 {
-    (void)state;
     fixture f;
     build_sewn( &f, "{ name: s, surfaces: [a, b], within: 0.06, closing_speed: 0.2 }" );
     step( &f, 30 );
@@ -55,9 +53,8 @@ static void a_scene_closes_its_seam( void** state )
 }
 
 // The file has a vertex that no triangle names, which a repair removes; scenes keep the numbers of the file.
-static void vertices_are_numbered_as_in_the_file( void** state )
+TEST( vertices_are_numbered_as_in_the_file )
 {
-    (void)state;
     static const wisp_vec3 points[] = { { 0, 0, 0 }, { 9, 9, 9 }, { 1, 0, 0 }, { 0, 0, 1 } };
     static const int32_t triangles[] = { 0, 3, 2 };
     const wisp_scene_arrays arrays = {
@@ -100,9 +97,8 @@ static void vertices_are_numbered_as_in_the_file( void** state )
     }
 }
 
-static void what_only_the_world_knows_is_refused_with_its_line( void** state )
+TEST( what_only_the_world_knows_is_refused_with_its_line )
 {
-    (void)state;
     static const char* const BAD[][2] = {
         { "{ name: s, surfaces: [a, b], within: 0.04 }", "test:7:5: seam 's': seams: no boundary vertex" },
         { "{ name: s, surfaces: [a, b], pairs: [[0, 16]] }", "test:7:5: seam 's': pairs[0]: got vertex 16 of 'b'" },
@@ -122,9 +118,8 @@ static void what_only_the_world_knows_is_refused_with_its_line( void** state )
     }
 }
 
-static void only_a_scene_with_seams_has_the_module( void** state )
+TEST( only_a_scene_with_seams_has_the_module )
 {
-    (void)state;
     const wisp_module* used[SCENE_MAX_MODULES];
     fixture f;
     build_sewn( &f, "{ name: s, surfaces: [a, b], within: 0.06 }" );
@@ -134,16 +129,4 @@ static void only_a_scene_with_seams_has_the_module( void** state )
     f.scene.seam_count = 1;
     assert_int_equal( with, without + 1 );
     release( &f );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_key_of_a_seam_reaches_its_place ),
-        cmocka_unit_test( a_scene_closes_its_seam ),
-        cmocka_unit_test( vertices_are_numbered_as_in_the_file ),
-        cmocka_unit_test( what_only_the_world_knows_is_refused_with_its_line ),
-        cmocka_unit_test( only_a_scene_with_seams_has_the_module ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -51,9 +51,8 @@ static void assert_starts( fixture* f, int surface, float scale, float x )
     assert_true( b.x - a.x == scale && a.y == b.y && a.z == b.z );
 }
 
-static void a_start_has_the_vertices_of_the_file_or_of_the_repaired_mesh( void** state )
+TEST( a_start_has_the_vertices_of_the_file_or_of_the_repaired_mesh )
 {
-    (void)state;
     static const char* const FILES[] = { START, SHORT };
     for ( int i = 0; i < 2; ++i )
     {
@@ -79,9 +78,8 @@ static void a_start_has_the_vertices_of_the_file_or_of_the_repaired_mesh( void**
     }
 }
 
-static void scale_and_shake_come_after_the_file( void** state )
+TEST( scale_and_shake_come_after_the_file )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsurfaces:\n  - { name: a, file: " REST ", repair: [weld, unreferenced],"
                " start: { file: " SHORT ", scale: [2, 1, 0] } }\n" );
@@ -92,9 +90,8 @@ static void scale_and_shake_come_after_the_file( void** state )
     release( &f );
 }
 
-static void a_host_gives_a_start_as_arrays( void** state )
+TEST( a_host_gives_a_start_as_arrays )
 {
-    (void)state;
     static const int32_t triangles[] = { 0, 1, 2 };
     const wisp_scene_arrays arrays = {
         .file = "memory", .points = PLACES, .point_count = 4, .triangles = triangles, .triangle_count = 1
@@ -113,9 +110,8 @@ static wisp_status list_file( void* user, const char* file, wisp_error* error )
     return strcmp( file, "stop.glb" ) == 0 ? wisp_fail( error, WISP_CONFLICT, "stopped" ) : WISP_OK;
 }
 
-static void all_files_of_a_scene_are_listed_without_names_of_meshes( void** state )
+TEST( all_files_of_a_scene_are_listed_without_names_of_meshes )
 {
-    (void)state;
     wisp_scene scene = parsed( "wisp: 1\nsurfaces:\n  - { name: a, file: a.glb#skin, start: { file: 'b#1.obj' }, "
                                "area_density: { map: m.txt },"
                                " animation: { file: motion.glb, clips: [{ clip: walk }] } }\n"
@@ -130,9 +126,8 @@ static void all_files_of_a_scene_are_listed_without_names_of_meshes( void** stat
     wisp_scene_release( &scene );
 }
 
-static void a_start_that_does_not_fit_is_refused( void** state )
+TEST( a_start_that_does_not_fit_is_refused )
 {
-    (void)state;
     static const char* const BAD[][2] = {
         { "file: " REST ", start: { file: " SHORT " }",
           "start.file: " SHORT ": got 4 vertices, expected 6 as the mesh has" },
@@ -157,9 +152,8 @@ static void a_start_that_does_not_fit_is_refused( void** state )
 }
 
 // A recording of cloth goes on where a frame of it stopped: the vertices are those of the scene, in its order.
-static void a_frame_of_a_recording_is_a_start( void** state )
+TEST( a_frame_of_a_recording_is_a_start )
 {
-    (void)state;
     static const char TEXT[] =
         "wisp: 1\nsteps: 4\nsurfaces:\n  - { name: sheet, generate: { shape: plane, columns: 5, rows: 4 },"
         " pins: [0, 4], cloth: {}%s }\n";
@@ -245,15 +239,4 @@ static void a_frame_of_a_recording_is_a_start( void** state )
     remove( "scene_start.glb" );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_start_has_the_vertices_of_the_file_or_of_the_repaired_mesh ),
-        cmocka_unit_test( a_frame_of_a_recording_is_a_start ),
-        cmocka_unit_test( scale_and_shake_come_after_the_file ),
-        cmocka_unit_test( a_host_gives_a_start_as_arrays ),
-        cmocka_unit_test( all_files_of_a_scene_are_listed_without_names_of_meshes ),
-        cmocka_unit_test( a_start_that_does_not_fit_is_refused ),
-    };
-    return cmocka_run_group_tests( tests, write_files, remove_files );
-}
+TEST_GROUP( write_files, remove_files )

@@ -27,9 +27,8 @@ static void assert_near( wisp_vec3 v, float x, float y, float z )
 
 // ---- missing keys ----
 
-static void a_surface_without_blocks_has_the_defaults_and_computes_points( void** state )
+TEST( a_surface_without_blocks_has_the_defaults_and_computes_points )
 {
-    (void)state;
     wisp_scene scene = good( "wisp: 1\nsurfaces:\n  - { name: cloth, generate: { shape: plane } }\n" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     assert_int_equal( scene.surface_count, 1 );
@@ -53,9 +52,8 @@ static void a_surface_without_blocks_has_the_defaults_and_computes_points( void*
     wisp_scene_release( &scene );
 }
 
-static void a_surface_takes_the_gravity_of_the_scene_wherever_that_stands( void** state )
+TEST( a_surface_takes_the_gravity_of_the_scene_wherever_that_stands )
 {
-    (void)state;
     wisp_scene scene = good( "wisp: 1\nsurfaces:\n"
                              "  - { name: a, generate: { shape: plane } }\n"
                              "  - { name: b, generate: { shape: plane }, gravity: [1, 0, 0] }\n"
@@ -116,9 +114,8 @@ static void assert_pins( const wisp_scene_surface* s )
     assert_near( wisp_quat_rotate( poses[1].pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } ), 0.0f, 0.0f, -1.0f );
 }
 
-static void every_key_of_a_cloth_reaches_its_place( void** state )
+TEST( every_key_of_a_cloth_reaches_its_place )
 {
-    (void)state;
     wisp_scene scene = good( CLOTH_KEYS );
     const wisp_scene_surface* s = &scene.surfaces[0];
     assert_string_equal( s->mesh.file, "scenes/meshes/cloth.ply" );
@@ -145,9 +142,8 @@ static void every_key_of_a_cloth_reaches_its_place( void** state )
     wisp_scene_release( &scene );
 }
 
-static void every_key_of_a_balloon_reaches_its_place( void** state )
+TEST( every_key_of_a_balloon_reaches_its_place )
 {
-    (void)state;
     wisp_scene scene =
         good( "wisp: 1\nsurfaces:\n"
               "  - name: a\n    generate: { shape: icosphere, level: 2 }\n    compute: [effect_stats]\n"
@@ -186,9 +182,8 @@ static void every_key_of_a_balloon_reaches_its_place( void** state )
     wisp_scene_release( &scene );
 }
 
-static void colliders_have_the_sizes_of_their_shape( void** state )
+TEST( colliders_have_the_sizes_of_their_shape )
 {
-    (void)state;
     wisp_scene scene = good(
         "wisp: 1\ncolliders:\n"
         "  - { name: p, shape: plane, position: [0, -1, 0], friction: 0.25, thickness: 0.5, layers: [1] }\n"
@@ -216,9 +211,8 @@ static void colliders_have_the_sizes_of_their_shape( void** state )
     wisp_scene_release( &scene );
 }
 
-static void an_instance_knows_its_source_and_has_effects_of_its_own( void** state )
+TEST( an_instance_knows_its_source_and_has_effects_of_its_own )
 {
-    (void)state;
     wisp_scene scene =
         good( "wisp: 1\nsurfaces:\n"
               "  - { name: ball, generate: { shape: icosphere }, balloon: {} }\n"
@@ -231,9 +225,8 @@ static void an_instance_knows_its_source_and_has_effects_of_its_own( void** stat
 
 // ---- turns ----
 
-static void three_angles_turn_about_x_then_y_then_z( void** state )
+TEST( three_angles_turn_about_x_then_y_then_z )
 {
-    (void)state;
     wisp_scene scene = good( "wisp: 1\ncolliders:\n"
                              "  - { name: a, shape: plane, rotation: { degrees: [90, 90, 0] } }\n"
                              "  - { name: b, shape: plane, rotation: { degrees: [0, 90, 90] } }\n"
@@ -248,9 +241,8 @@ static void three_angles_turn_about_x_then_y_then_z( void** state )
 
 // ---- generators ----
 
-static void vertices_are_counted_as_the_maker_makes_them( void** state )
+TEST( vertices_are_counted_as_the_maker_makes_them )
 {
-    (void)state;
     for ( int shape = 0; shape < WISP_MESH_SHAPE_COUNT; ++shape )
     {
         wisp_mesh_generator generator = wisp_default_mesh_generator( (wisp_mesh_shape)shape );
@@ -272,9 +264,8 @@ static void vertices_are_counted_as_the_maker_makes_them( void** state )
 
 // ---- events ----
 
-static void events_come_in_the_order_of_their_steps( void** state )
+TEST( events_come_in_the_order_of_their_steps )
 {
-    (void)state;
     wisp_scene scene =
         good( "wisp: 1\nsteps: 100\n"
               "surfaces:\n"
@@ -302,9 +293,8 @@ static void events_come_in_the_order_of_their_steps( void** state )
     wisp_scene_release( &scene );
 }
 
-static void a_fill_after_its_keyframes_is_taken( void** state )
+TEST( a_fill_after_its_keyframes_is_taken )
 {
-    (void)state;
     wisp_scene scene =
         good( "wisp: 1\nsteps: 100\n"
               "surfaces:\n"
@@ -314,9 +304,8 @@ static void a_fill_after_its_keyframes_is_taken( void** state )
     wisp_scene_release( &scene );
 }
 
-static void points_are_requested_where_an_output_writes_a_surface( void** state )
+TEST( points_are_requested_where_an_output_writes_a_surface )
 {
-    (void)state;
     wisp_scene scene = good( "wisp: 1\nsurfaces: [ { name: a, generate: { shape: plane } } ]\n"
                              "output: [ { surface: a, file: a.ply } ]\n" );
     assert_true( scene.surfaces[0].request_points );
@@ -339,9 +328,8 @@ static char* repeat( const char* head, const char* part, int count )
     return text;
 }
 
-static void lists_of_surfaces_and_colliders_have_an_end( void** state )
+TEST( lists_of_surfaces_and_colliders_have_an_end )
 {
-    (void)state;
     char* text = repeat( "wisp: 1\nsurfaces:\n", "  - 0\n", WISP_SCENE_MAX_SURFACES + 1 );
     demand_refusal( text, "scenes/test.yaml:3:3: surfaces: got 10001 entries, expected at most 10000" );
     free( text );
@@ -350,9 +338,8 @@ static void lists_of_surfaces_and_colliders_have_an_end( void** state )
     free( text );
 }
 
-static void a_long_list_of_keyframes_is_read_in_one_walk( void** state )
+TEST( a_long_list_of_keyframes_is_read_in_one_walk )
 {
-    (void)state;
     // Times that do not increase are found at the second entry, so a long list of equal ones costs nothing.
     char* text = repeat( "wisp: 1\nsurfaces:\n  - name: b\n    generate: { shape: icosphere }\n    balloon:\n"
                          "      gas_ratio_keyframes:\n",
@@ -365,9 +352,8 @@ static void a_long_list_of_keyframes_is_read_in_one_walk( void** state )
 
 // ---- files ----
 
-static void the_scenes_of_the_project_with_surfaces_are_read( void** state )
+TEST( the_scenes_of_the_project_with_surfaces_are_read )
 {
-    (void)state;
     static const struct
     {
         const char* file;
@@ -385,25 +371,4 @@ static void the_scenes_of_the_project_with_surfaces_are_read( void** state )
         assert_true( scene.surfaces[0].request_points );
         wisp_scene_release( &scene );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_surface_without_blocks_has_the_defaults_and_computes_points ),
-        cmocka_unit_test( a_surface_takes_the_gravity_of_the_scene_wherever_that_stands ),
-        cmocka_unit_test( every_key_of_a_cloth_reaches_its_place ),
-        cmocka_unit_test( every_key_of_a_balloon_reaches_its_place ),
-        cmocka_unit_test( colliders_have_the_sizes_of_their_shape ),
-        cmocka_unit_test( an_instance_knows_its_source_and_has_effects_of_its_own ),
-        cmocka_unit_test( three_angles_turn_about_x_then_y_then_z ),
-        cmocka_unit_test( vertices_are_counted_as_the_maker_makes_them ),
-        cmocka_unit_test( events_come_in_the_order_of_their_steps ),
-        cmocka_unit_test( a_fill_after_its_keyframes_is_taken ),
-        cmocka_unit_test( points_are_requested_where_an_output_writes_a_surface ),
-        cmocka_unit_test( lists_of_surfaces_and_colliders_have_an_end ),
-        cmocka_unit_test( a_long_list_of_keyframes_is_read_in_one_walk ),
-        cmocka_unit_test( the_scenes_of_the_project_with_surfaces_are_read ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -35,9 +35,8 @@ static void build_sheets( fixture* f, const char* a, const char* b )
     build( f, text );
 }
 
-static void every_key_reaches_its_place_and_meshes_have_spare_vertices( void** state )
+TEST( every_key_reaches_its_place_and_meshes_have_spare_vertices )
 {
-    (void)state;
     fixture f;
     build_sheets( &f, "80", "90" );
     const wisp_scene_surface* s = f.scene.surfaces;
@@ -57,9 +56,8 @@ static void every_key_reaches_its_place_and_meshes_have_spare_vertices( void** s
     release( &f );
 }
 
-static void an_instance_tears_on_its_own_and_bodies_show_it( void** state )
+TEST( an_instance_tears_on_its_own_and_bodies_show_it )
 {
-    (void)state;
     fixture f;
     build_sheets( &f, "0.01", "1e6" );
     int32_t before[3 * TRIANGLES];
@@ -82,7 +80,7 @@ static void an_instance_tears_on_its_own_and_bodies_show_it( void** state )
 }
 
 // The strength grows from left to right: only the left tears.
-static void a_map_of_the_strength_is_one_number_per_vertex_of_the_mesh( void** state )
+TEST_WITH( a_map_of_the_strength_is_one_number_per_vertex_of_the_mesh, make_folder, remove_folder )
 {
     fixture f;
     const char* path = path_in( state, "strength.txt" );
@@ -108,15 +106,4 @@ static void a_map_of_the_strength_is_one_number_per_vertex_of_the_mesh( void** s
         }
     }
     release( &f );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_key_reaches_its_place_and_meshes_have_spare_vertices ),
-        cmocka_unit_test( an_instance_tears_on_its_own_and_bodies_show_it ),
-        cmocka_unit_test_setup_teardown( a_map_of_the_strength_is_one_number_per_vertex_of_the_mesh, make_folder,
-                                         remove_folder ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

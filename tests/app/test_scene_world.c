@@ -9,9 +9,8 @@
 
 // ---- bodies ----
 
-static void bodies_are_strands_then_surfaces_then_colliders( void** state )
+TEST( bodies_are_strands_then_surfaces_then_colliders )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\n"
                "colliders:\n  - { name: ground, shape: plane, position: [0, -1, 0] }\n"
@@ -54,9 +53,8 @@ static double volume_of( const scene_body* body, const wisp_vec3* p )
     return sum / 6.0;
 }
 
-static void meshes_of_colliders_look_outwards_and_have_their_size( void** state )
+TEST( meshes_of_colliders_look_outwards_and_have_their_size )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\ncolliders:\n"
                "  - { name: box, shape: box, half_extent: [1, 2, 3] }\n"
@@ -77,9 +75,8 @@ static void meshes_of_colliders_look_outwards_and_have_their_size( void** state 
     release( &f );
 }
 
-static void a_plane_is_shown_as_a_square_that_looks_up( void** state )
+TEST( a_plane_is_shown_as_a_square_that_looks_up )
 {
-    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\ncolliders:\n"
@@ -94,9 +91,8 @@ static void a_plane_is_shown_as_a_square_that_looks_up( void** state )
 
 // ---- requests ----
 
-static void what_a_body_does_not_have_cannot_be_queried_for( void** state )
+TEST( what_a_body_does_not_have_cannot_be_queried_for )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\nstrands:\n  - { name: hair, generate: { strands: 2 } }\n"
                "surfaces:\n  - { name: cloth, generate: { shape: plane } }\n"
@@ -109,9 +105,8 @@ static void what_a_body_does_not_have_cannot_be_queried_for( void** state )
     release( &f );
 }
 
-static void what_is_queried_for_is_there_after_a_step( void** state )
+TEST( what_is_queried_for_is_there_after_a_step )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsteps: 5\nsurfaces:\n  - { name: cloth, generate: { shape: plane, columns: 3, rows: 3 }, "
                "compute: [] }\n" );
@@ -136,9 +131,8 @@ static void what_is_queried_for_is_there_after_a_step( void** state )
 
 // ---- outputs ----
 
-static void a_written_surface_is_read_back_where_it_was( void** state )
+TEST( a_written_surface_is_read_back_where_it_was )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsteps: 5\nsurfaces:\n  - { name: cloth, generate: { shape: plane, columns: 3, rows: 3 } }\n"
                "output: [{ surface: cloth, file: scene_world_out.ply }]\n" );
@@ -158,9 +152,8 @@ static void a_written_surface_is_read_back_where_it_was( void** state )
 
 // ---- rejected scenes ----
 
-static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( void** state )
+TEST( what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface )
 {
-    (void)state;
     demand_refusal( "wisp: 1\nsurfaces:\n"
                     "  - { name: a, generate: { shape: plane }, pin_box: { min: [5, 5, 5], max: [6, 6, 6] } }\n",
                     "test.yaml:3:5: surface 'a': no vertex starts in pin_box 0" );
@@ -177,9 +170,8 @@ static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( v
                     "is the limit" );
 }
 
-static void a_missing_mesh_is_an_error_of_the_system_at_its_line( void** state )
+TEST( a_missing_mesh_is_an_error_of_the_system_at_its_line )
 {
-    (void)state;
     fixture f;
     assert_int_equal( try_build( &f, "wisp: 1\nsurfaces:\n  - { name: a, file: no_such_mesh.obj }\n" ),
                       WISP_IO_ERROR );
@@ -193,9 +185,8 @@ static void a_missing_mesh_is_an_error_of_the_system_at_its_line( void** state )
 
 // ---- scenes of the project ----
 
-static void the_scenes_of_the_project_run( void** state )
+TEST( the_scenes_of_the_project_run )
 {
-    (void)state;
     static const char* const files[] = { "bunny_balloon.yaml", "hanging_cloth.yaml", "cloth_on_ball.yaml",
                                          "flag.yaml",          "balloons.yaml",      "pear_jet.yaml" };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )
@@ -206,20 +197,4 @@ static void the_scenes_of_the_project_run( void** state )
         assert_true( wisp_world_counter( f.world.world, WISP_COUNT_STEPS ) == 3 );
         release( &f );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( bodies_are_strands_then_surfaces_then_colliders ),
-        cmocka_unit_test( meshes_of_colliders_look_outwards_and_have_their_size ),
-        cmocka_unit_test( a_plane_is_shown_as_a_square_that_looks_up ),
-        cmocka_unit_test( what_a_body_does_not_have_cannot_be_queried_for ),
-        cmocka_unit_test( what_is_queried_for_is_there_after_a_step ),
-        cmocka_unit_test( a_written_surface_is_read_back_where_it_was ),
-        cmocka_unit_test( what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface ),
-        cmocka_unit_test( a_missing_mesh_is_an_error_of_the_system_at_its_line ),
-        cmocka_unit_test( the_scenes_of_the_project_run ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

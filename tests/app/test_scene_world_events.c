@@ -1,9 +1,8 @@
 // From a scene to a running world: keyframes and events of surfaces, balloons and colliders.
 #include "scene_world_fixture.h"
 
-static void pins_follow_their_keyframes_and_stay_at_the_last( void** state )
+TEST( pins_follow_their_keyframes_and_stay_at_the_last )
 {
-    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\ndt: 0.1\nsteps: 100\nsurfaces:\n"
@@ -22,9 +21,8 @@ static void pins_follow_their_keyframes_and_stay_at_the_last( void** state )
     release( &f );
 }
 
-static void a_released_surface_falls_and_its_pins_follow_no_keyframe( void** state )
+TEST( a_released_surface_falls_and_its_pins_follow_no_keyframe )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\ndt: 0.01\nsteps: 100\nsubsteps: 1\nsurfaces:\n"
                "  - name: a\n    generate: { shape: plane, columns: 2, rows: 2 }\n    pins: [0, 1, 2, 3]\n"
@@ -41,9 +39,8 @@ static void a_released_surface_falls_and_its_pins_follow_no_keyframe( void** sta
 }
 
 // Two triangles over four vertices: the ends of the diagonal belong to both. A gust comes on top of a velocity that is set.
-static void a_gust_is_added_once_or_for_each_triangle( void** state )
+TEST( a_gust_is_added_once_or_for_each_triangle )
 {
-    (void)state;
     for ( int per_triangle = 0; per_triangle < 2; ++per_triangle )
     {
         fixture f;
@@ -78,9 +75,8 @@ static void a_gust_is_added_once_or_for_each_triangle( void** state )
     }
 }
 
-static void keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards( void** state )
+TEST( keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\ndt: 0.1\nsteps: 40\nsubsteps: 4\nsurfaces:\n"
                "  - { name: a, generate: { shape: icosphere, level: 1 }, compute: [effect_stats], "
@@ -102,9 +98,8 @@ static void keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards( void** s
     release( &f );
 }
 
-static void the_outlet_opens_and_closes_when_an_event_says( void** state )
+TEST( the_outlet_opens_and_closes_when_an_event_says )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\ndt: 0.01\nsteps: 40\nsubsteps: 4\nsurfaces:\n"
                "  - { name: a, generate: { shape: icosphere, level: 2, radius: 0.2 }, compute: [effect_stats], "
@@ -123,9 +118,8 @@ static void the_outlet_opens_and_closes_when_an_event_says( void** state )
     release( &f );
 }
 
-static void wind_of_an_event_blows_from_its_step_on( void** state )
+TEST( wind_of_an_event_blows_from_its_step_on )
 {
-    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\ndt: 0.01\nsteps: 40\nsurfaces:\n"
@@ -139,9 +133,8 @@ static void wind_of_an_event_blows_from_its_step_on( void** state )
     release( &f );
 }
 
-static void colliders_follow_their_keyframes( void** state )
+TEST( colliders_follow_their_keyframes )
 {
-    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\ndt: 0.1\nsteps: 40\ncolliders:\n"
@@ -158,9 +151,8 @@ static void colliders_follow_their_keyframes( void** state )
     release( &f );
 }
 
-static void a_surface_with_collision_rests_on_the_ground_and_one_without_falls_through( void** state )
+TEST( a_surface_with_collision_rests_on_the_ground_and_one_without_falls_through )
 {
-    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\nsteps: 60\nsubsteps: 4\nsurfaces:\n"
@@ -173,19 +165,4 @@ static void a_surface_with_collision_rests_on_the_ground_and_one_without_falls_t
     assert_true( fabsf( point_of( &f, 0, 5 ).y - 0.01f ) < 1e-3f );
     assert_true( point_of( &f, 1, 5 ).y < -4.0f );
     release( &f );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( pins_follow_their_keyframes_and_stay_at_the_last ),
-        cmocka_unit_test( a_released_surface_falls_and_its_pins_follow_no_keyframe ),
-        cmocka_unit_test( a_gust_is_added_once_or_for_each_triangle ),
-        cmocka_unit_test( keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards ),
-        cmocka_unit_test( the_outlet_opens_and_closes_when_an_event_says ),
-        cmocka_unit_test( wind_of_an_event_blows_from_its_step_on ),
-        cmocka_unit_test( colliders_follow_their_keyframes ),
-        cmocka_unit_test( a_surface_with_collision_rests_on_the_ground_and_one_without_falls_through ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

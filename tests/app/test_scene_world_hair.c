@@ -35,9 +35,8 @@ static void edit_hair( wisp_world* world, wisp_entity hair, wisp_frozen_hair_def
 }
 
 // Strokes by calls, with snapshots and restores in between, are what a scene of their commands computes.
-static void a_scene_repeats_the_strokes_of_a_host_bit_for_bit( void** state )
+TEST( a_scene_repeats_the_strokes_of_a_host_bit_for_bit )
 {
-    (void)state;
     enum
     {
         steps = 40
@@ -85,12 +84,4 @@ static void a_scene_repeats_the_strokes_of_a_host_bit_for_bit( void** state )
     }
     release( &scene );
     release( &host );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_scene_repeats_the_strokes_of_a_host_bit_for_bit ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -54,9 +54,8 @@ static void assert_at( wisp_vec3 p, float x, float y, float z )
     assert_float_equal( p.z, z, 1e-5f );
 }
 
-static void a_held_vertex_goes_where_it_is_dragged_and_is_free_afterwards( void** state )
+TEST( a_held_vertex_goes_where_it_is_dragged_and_is_free_afterwards )
 {
-    (void)state;
     fixture f;
     build( &f, hanging );
     scene_hold hold;
@@ -72,9 +71,8 @@ static void a_held_vertex_goes_where_it_is_dragged_and_is_free_afterwards( void*
     release( &f );
 }
 
-static void a_vertex_that_the_scene_pins_stays_where_it_was_left( void** state )
+TEST( a_vertex_that_the_scene_pins_stays_where_it_was_left )
 {
-    (void)state;
     fixture f;
     build( &f, hanging );
     scene_hold hold;
@@ -88,9 +86,8 @@ static void a_vertex_that_the_scene_pins_stays_where_it_was_left( void** state )
     release( &f );
 }
 
-static void strands_come_along_with_their_head_and_a_second_drag_starts_from_there( void** state )
+TEST( strands_come_along_with_their_head_and_a_second_drag_starts_from_there )
 {
-    (void)state;
     fixture f;
     build( &f, hanging );
     const wisp_vec3 root = point( &f, HAIR, 0 );
@@ -109,9 +106,8 @@ static void strands_come_along_with_their_head_and_a_second_drag_starts_from_the
     release( &f );
 }
 
-static void what_keyframes_move_or_what_stands_still_is_refused_with_its_name( void** state )
+TEST( what_keyframes_move_or_what_stands_still_is_refused_with_its_name )
 {
-    (void)state;
     fixture f;
     build( &f, hanging );
     scene_hold hold;
@@ -141,9 +137,8 @@ static void what_keyframes_move_or_what_stands_still_is_refused_with_its_name( v
     release( &f );
 }
 
-static void a_collider_is_where_it_was_moved( void** state )
+TEST( a_collider_is_where_it_was_moved )
 {
-    (void)state;
     fixture f;
     build( &f, hanging );
     const wisp_vec3 before = point( &f, BALL, 0 );
@@ -161,9 +156,8 @@ static void a_collider_is_where_it_was_moved( void** state )
     release( &f );
 }
 
-static void gravity_acts_on_cloth_and_strands( void** state )
+TEST( gravity_acts_on_cloth_and_strands )
 {
-    (void)state;
     fixture f;
     build( &f, hanging );
     const wisp_vec3 tip = point( &f, HAIR, 5 );
@@ -176,9 +170,8 @@ static void gravity_acts_on_cloth_and_strands( void** state )
     release( &f );
 }
 
-static void wind_gives_cloth_air_and_calm_takes_it_away( void** state )
+TEST( wind_gives_cloth_air_and_calm_takes_it_away )
 {
-    (void)state;
     fixture f;
     int felt = 0;
     build( &f, hanging );
@@ -212,25 +205,9 @@ static uint64_t hash_of_a_drag( int workers )
     return hash;
 }
 
-static void equal_input_gives_equal_bits( void** state )
+TEST( equal_input_gives_equal_bits )
 {
-    (void)state;
     const uint64_t one = hash_of_a_drag( 1 );
     assert_int_equal( hash_of_a_drag( 1 ), one );
     assert_int_equal( hash_of_a_drag( 3 ), one );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_held_vertex_goes_where_it_is_dragged_and_is_free_afterwards ),
-        cmocka_unit_test( a_vertex_that_the_scene_pins_stays_where_it_was_left ),
-        cmocka_unit_test( strands_come_along_with_their_head_and_a_second_drag_starts_from_there ),
-        cmocka_unit_test( what_keyframes_move_or_what_stands_still_is_refused_with_its_name ),
-        cmocka_unit_test( a_collider_is_where_it_was_moved ),
-        cmocka_unit_test( gravity_acts_on_cloth_and_strands ),
-        cmocka_unit_test( wind_gives_cloth_air_and_calm_takes_it_away ),
-        cmocka_unit_test( equal_input_gives_equal_bits ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

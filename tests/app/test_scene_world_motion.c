@@ -42,9 +42,8 @@ static float largest_way( const wisp_vec3* before, const wisp_vec3* after, int c
 
 // ---- start positions ----
 
-static void strands_start_scaled_then_turned_then_moved( void** state )
+TEST( strands_start_scaled_then_turned_then_moved )
 {
-    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\nstrands:\n"
@@ -58,9 +57,8 @@ static void strands_start_scaled_then_turned_then_moved( void** state )
     release( &f );
 }
 
-static void curves_are_bodies_wherever_their_source_stands( void** state )
+TEST( curves_are_bodies_wherever_their_source_stands )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsteps: 2\nstrands:\n"
                "  - { name: drawn, curves: { of: hair, samples: 3 }, compute: [points] }\n"
@@ -75,9 +73,8 @@ static void curves_are_bodies_wherever_their_source_stands( void** state )
 }
 
 // Curves drawn before the first step are the same as those of the engine for static strands.
-static void the_first_frame_of_curves_is_what_the_engine_draws( void** state )
+TEST( the_first_frame_of_curves_is_what_the_engine_draws )
 {
-    (void)state;
     static const char* const kinds[] = { "bezier", "catmull_rom", "bezier_printed" };
     for ( int kind = 0; kind < WISP_COUNT( kinds ); ++kind )
     {
@@ -116,9 +113,8 @@ static const char TURNING_HEAD[] =
     "1], "
     "degrees: 90 } } ]\n";
 
-static void roots_go_with_a_collider_of_the_same_keyframes( void** state )
+TEST( roots_go_with_a_collider_of_the_same_keyframes )
 {
-    (void)state;
     fixture f;
     build( &f, TURNING_HEAD );
     wisp_vec3* start = points_of( &f, 0 );
@@ -141,9 +137,8 @@ static void roots_go_with_a_collider_of_the_same_keyframes( void** state )
     release( &f );
 }
 
-static void a_pivot_is_what_a_head_turns_about( void** state )
+TEST( a_pivot_is_what_a_head_turns_about )
 {
-    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\nsteps: 12\ndt: 0.1\nstrands:\n"
@@ -157,9 +152,8 @@ static void a_pivot_is_what_a_head_turns_about( void** state )
     release( &f );
 }
 
-static void roots_stay_on_the_surface_that_is_named_below_them( void** state )
+TEST( roots_stay_on_the_surface_that_is_named_below_them )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsteps: 20\ndt: 0.05\nstrands:\n"
                "  - { name: hair, generate: { dimension: 2, strands: 3, vertices: 4, spacing: 0.01 }, dynamics: {}, "
@@ -200,9 +194,8 @@ static wisp_vec3 middle_root( const wisp_vec3* points )
     return ( wisp_vec3 ){ ( a.x + b.x + c.x ) / 3.0f, ( a.y + b.y + c.y ) / 3.0f, ( a.z + b.z + c.z ) / 3.0f };
 }
 
-static void roots_of_ghosts_stand_around_that_of_their_target_with_and_without_frozen_hair( void** state )
+TEST( roots_of_ghosts_stand_around_that_of_their_target_with_and_without_frozen_hair )
 {
-    (void)state;
     fixture f;
     build( &f, FOLLOWED );
     wisp_vec3 *guides = points_of( &f, 0 ), *start = points_of( &f, 1 );
@@ -225,9 +218,8 @@ static void roots_of_ghosts_stand_around_that_of_their_target_with_and_without_f
     release( &f );
 }
 
-static void frozen_hair_changes_what_ghosts_look_like_and_not_where_they_are_carried( void** state )
+TEST( frozen_hair_changes_what_ghosts_look_like_and_not_where_they_are_carried )
 {
-    (void)state;
     fixture f;
     build( &f, FOLLOWED );
     step( &f, 10 );
@@ -240,9 +232,8 @@ static void frozen_hair_changes_what_ghosts_look_like_and_not_where_they_are_car
     release( &f );
 }
 
-static void ghosts_of_other_lengths_are_refused_at_their_line( void** state )
+TEST( ghosts_of_other_lengths_are_refused_at_their_line )
 {
-    (void)state;
     fixture f;
     assert_int_equal(
         try_build( &f, "wisp: 1\nstrands:\n"
@@ -255,9 +246,8 @@ static void ghosts_of_other_lengths_are_refused_at_their_line( void** state )
     wisp_scene_release( &f.scene );
 }
 
-static void ghosts_of_other_lengths_follow_if_they_are_resampled( void** state )
+TEST( ghosts_of_other_lengths_follow_if_they_are_resampled )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsteps: 2\nstrands:\n"
                "  - { name: guides, generate: { strands: 2, vertices: 8 }, dynamics: {} }\n"
@@ -269,9 +259,8 @@ static void ghosts_of_other_lengths_follow_if_they_are_resampled( void** state )
     release( &f );
 }
 
-static void masses_of_scattered_strands_are_counted_once_there_are_any( void** state )
+TEST( masses_of_scattered_strands_are_counted_once_there_are_any )
 {
-    (void)state;
     demand_refusal(
         "wisp: 1\nstrands:\n"
         "  - { name: guides, generate: { dimension: 2, strands: 1, vertices: 2 } }\n"
@@ -282,9 +271,8 @@ static void masses_of_scattered_strands_are_counted_once_there_are_any( void** s
 
 // ---- requests ----
 
-static void strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_not( void** state )
+TEST( strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_not )
 {
-    (void)state;
     fixture f;
     build(
         &f,
@@ -309,9 +297,8 @@ static void strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_n
     release( &f );
 }
 
-static void an_event_blows_on_strands( void** state )
+TEST( an_event_blows_on_strands )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsteps: 20\nsubsteps: 2\ngravity: [0, 0, 0]\nstrands:\n"
                "  - name: hair\n    generate: { dimension: 2, strands: 1, vertices: 8, length: 0.1 }\n"
@@ -330,9 +317,8 @@ static void an_event_blows_on_strands( void** state )
 static const char* const SCENES[] = { "swinging_guides.yaml", "curly_rest.yaml", "head_shake.yaml",
                                       "chain_links.yaml", "frozen_and_thawed.yaml" };
 
-static void scenes_of_strands_that_move_do_not_depend_on_the_number_of_workers( void** state )
+TEST( scenes_of_strands_that_move_do_not_depend_on_the_number_of_workers )
 {
-    (void)state;
     static const int workers[] = { 1, 2, 5 };
     for ( int i = 0; i < WISP_COUNT( SCENES ); ++i )
     {
@@ -356,9 +342,8 @@ static void scenes_of_strands_that_move_do_not_depend_on_the_number_of_workers( 
     }
 }
 
-static void balanced_curls_stay_where_those_beside_them_sag( void** state )
+TEST( balanced_curls_stay_where_those_beside_them_sag )
 {
-    (void)state;
     fixture f;
     open_scene( &f, "curly_rest.yaml", 1 );
     const int count = scene_world_body( &f.world, 0 ).vertex_count;
@@ -379,9 +364,8 @@ static void balanced_curls_stay_where_those_beside_them_sag( void** state )
     assert_true( way[1] > 5.0f * way[0] );
 }
 
-static void links_stretch_where_the_direct_solve_does_not( void** state )
+TEST( links_stretch_where_the_direct_solve_does_not )
 {
-    (void)state;
     fixture f;
     open_scene( &f, "chain_links.yaml", 1 );
     step( &f, 40 );
@@ -424,9 +408,8 @@ static const char JUMPS[] =
     "events: [{ step: 30, surface: ball, teleport: [0, 0, 9] }]\n";
 
 // Bodies are strands, surfaces and colliders, in this order.
-static void keyframes_that_jump_and_events_teleport( void** state )
+TEST( keyframes_that_jump_and_events_teleport )
 {
-    (void)state;
     fixture f;
     build( &f, JUMPS );
     run_until( &f, 30 );
@@ -459,9 +442,8 @@ static void keyframes_that_jump_and_events_teleport( void** state )
 }
 
 // A collider whose last keyframe jumps is drawn where it is.
-static void a_collider_stays_where_its_last_jump_has_taken_it( void** state )
+TEST( a_collider_stays_where_its_last_jump_has_taken_it )
 {
-    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\nsteps: 20\ndt: 0.01\ncolliders:\n"
@@ -473,9 +455,8 @@ static void a_collider_stays_where_its_last_jump_has_taken_it( void** state )
     release( &f );
 }
 
-static void levels_of_detail_are_set_and_changed_by_events( void** state )
+TEST( levels_of_detail_are_set_and_changed_by_events )
 {
-    (void)state;
     fixture f;
     build(
         &f,
@@ -503,30 +484,4 @@ static void levels_of_detail_are_set_and_changed_by_events( void** state )
     assert_int_equal( scene_world_substeps( &f.world, 2 ), 4 );
     assert_int_equal( wisp_detail_of( world, guides ), WISP_DETAIL_NOTHING );
     release( &f );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( strands_start_scaled_then_turned_then_moved ),
-        cmocka_unit_test( curves_are_bodies_wherever_their_source_stands ),
-        cmocka_unit_test( the_first_frame_of_curves_is_what_the_engine_draws ),
-        cmocka_unit_test( roots_go_with_a_collider_of_the_same_keyframes ),
-        cmocka_unit_test( a_pivot_is_what_a_head_turns_about ),
-        cmocka_unit_test( roots_stay_on_the_surface_that_is_named_below_them ),
-        cmocka_unit_test( roots_of_ghosts_stand_around_that_of_their_target_with_and_without_frozen_hair ),
-        cmocka_unit_test( frozen_hair_changes_what_ghosts_look_like_and_not_where_they_are_carried ),
-        cmocka_unit_test( ghosts_of_other_lengths_are_refused_at_their_line ),
-        cmocka_unit_test( ghosts_of_other_lengths_follow_if_they_are_resampled ),
-        cmocka_unit_test( masses_of_scattered_strands_are_counted_once_there_are_any ),
-        cmocka_unit_test( strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_not ),
-        cmocka_unit_test( an_event_blows_on_strands ),
-        cmocka_unit_test( scenes_of_strands_that_move_do_not_depend_on_the_number_of_workers ),
-        cmocka_unit_test( balanced_curls_stay_where_those_beside_them_sag ),
-        cmocka_unit_test( keyframes_that_jump_and_events_teleport ),
-        cmocka_unit_test( a_collider_stays_where_its_last_jump_has_taken_it ),
-        cmocka_unit_test( levels_of_detail_are_set_and_changed_by_events ),
-        cmocka_unit_test( links_stretch_where_the_direct_solve_does_not ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -22,9 +22,8 @@ static void build_start( fixture* f, const char* start )
     build( f, text );
 }
 
-static void a_surface_starts_away_from_rest_and_its_pins_are_only_scaled( void** state )
+TEST( a_surface_starts_away_from_rest_and_its_pins_are_only_scaled )
 {
-    (void)state;
     static const struct
     {
         const char* start;
@@ -51,9 +50,8 @@ static void a_surface_starts_away_from_rest_and_its_pins_are_only_scaled( void**
     }
 }
 
-static void a_random_start_belongs_to_its_seed( void** state )
+TEST( a_random_start_belongs_to_its_seed )
 {
-    (void)state;
     wisp_vec3 corners[3];
     for ( int i = 0; i < 3; ++i )
     {
@@ -68,9 +66,8 @@ static void a_random_start_belongs_to_its_seed( void** state )
     assert_memory_not_equal( &corners[0], &corners[2], sizeof corners[0] );
 }
 
-static void a_shaken_start_is_near_and_belongs_to_its_seed( void** state )
+TEST( a_shaken_start_is_near_and_belongs_to_its_seed )
 {
-    (void)state;
     wisp_vec3 corners[2];
     for ( int i = 0; i < 2; ++i )
     {
@@ -84,9 +81,8 @@ static void a_shaken_start_is_near_and_belongs_to_its_seed( void** state )
     assert_memory_not_equal( &corners[0], &corners[1], sizeof corners[0] );
 }
 
-static void masses_of_a_surface_grow_downwards_by_its_ratio( void** state )
+TEST( masses_of_a_surface_grow_downwards_by_its_ratio )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsurfaces:\n"
                "  - name: sheet\n    generate: { shape: plane, columns: 2, rows: 3, spacing: 1 }\n"
@@ -102,9 +98,8 @@ static void masses_of_a_surface_grow_downwards_by_its_ratio( void** state )
     release( &f );
 }
 
-static void strands_start_away_from_rest_and_their_roots_are_only_scaled( void** state )
+TEST( strands_start_away_from_rest_and_their_roots_are_only_scaled )
 {
-    (void)state;
     static const struct
     {
         const char* start;
@@ -134,9 +129,8 @@ static void strands_start_away_from_rest_and_their_roots_are_only_scaled( void**
     }
 }
 
-static void a_surface_starts_scaled_then_turned_then_moved( void** state )
+TEST( a_surface_starts_scaled_then_turned_then_moved )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsurfaces:\n"
                "  - name: a\n    generate: { shape: plane, columns: 3, rows: 3, spacing: 1 }\n"
@@ -149,9 +143,8 @@ static void a_surface_starts_scaled_then_turned_then_moved( void** state )
     release( &f );
 }
 
-static void a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else( void** state )
+TEST( a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsurfaces:\n"
                "  - { name: free, generate: { shape: plane } }\n"
@@ -180,9 +173,8 @@ static void a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else( void
     release( &f );
 }
 
-static void an_instance_that_needs_coarse_sheets_is_enough_for_its_source_to_have_them( void** state )
+TEST( an_instance_that_needs_coarse_sheets_is_enough_for_its_source_to_have_them )
 {
-    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsurfaces:\n"
                "  - { name: plain, generate: { shape: plane, columns: 33, rows: 33 }, cloth: {} }\n"
@@ -195,9 +187,8 @@ static void an_instance_that_needs_coarse_sheets_is_enough_for_its_source_to_hav
     release( &f );
 }
 
-static void pins_are_named_by_number_by_place_and_by_box( void** state )
+TEST( pins_are_named_by_number_by_place_and_by_box )
 {
-    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\nsurfaces:\n"
@@ -212,9 +203,8 @@ static void pins_are_named_by_number_by_place_and_by_box( void** state )
 }
 
 // A file whose first vertex belongs to no triangle: a repair drops it and renumbers the others.
-static void numbers_of_vertices_are_those_of_the_file_also_after_a_repair( void** state )
+TEST( numbers_of_vertices_are_those_of_the_file_also_after_a_repair )
 {
-    (void)state;
     write_text( "scene_world_loose.obj", "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 2 4 3\n" );
     fixture f;
     build(
@@ -234,9 +224,8 @@ static void numbers_of_vertices_are_those_of_the_file_also_after_a_repair( void*
     remove( "scene_world_loose.obj" );
 }
 
-static void an_outlet_near_a_point_has_the_vertices_within_its_radius( void** state )
+TEST( an_outlet_near_a_point_has_the_vertices_within_its_radius )
 {
-    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\ndt: 0.001\nsteps: 3\nsurfaces:\n"
@@ -253,9 +242,8 @@ static void an_outlet_near_a_point_has_the_vertices_within_its_radius( void** st
 }
 
 // Two triangles with corners of their own: those that are merged keep both of their numbers.
-static void a_merged_vertex_is_named_by_each_of_its_numbers( void** state )
+TEST( a_merged_vertex_is_named_by_each_of_its_numbers )
 {
-    (void)state;
     write_text( "scene_world_split.obj",
                 "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 0\nv 1 0 1\nv 0.001 0 1\nf 1 3 2\nf 4 6 5\n" );
     fixture f;
@@ -279,23 +267,4 @@ static void a_merged_vertex_is_named_by_each_of_its_numbers( void** state )
         "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_split.obj, repair: [weld], pins: [6] }\n",
         "test.yaml:3:5: surface 'a': pins: got vertex 6, which the mesh does not have or which repair removed" );
     remove( "scene_world_split.obj" );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_surface_starts_away_from_rest_and_its_pins_are_only_scaled ),
-        cmocka_unit_test( a_random_start_belongs_to_its_seed ),
-        cmocka_unit_test( a_shaken_start_is_near_and_belongs_to_its_seed ),
-        cmocka_unit_test( masses_of_a_surface_grow_downwards_by_its_ratio ),
-        cmocka_unit_test( strands_start_away_from_rest_and_their_roots_are_only_scaled ),
-        cmocka_unit_test( a_surface_starts_scaled_then_turned_then_moved ),
-        cmocka_unit_test( a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else ),
-        cmocka_unit_test( an_instance_that_needs_coarse_sheets_is_enough_for_its_source_to_have_them ),
-        cmocka_unit_test( pins_are_named_by_number_by_place_and_by_box ),
-        cmocka_unit_test( numbers_of_vertices_are_those_of_the_file_also_after_a_repair ),
-        cmocka_unit_test( an_outlet_near_a_point_has_the_vertices_within_its_radius ),
-        cmocka_unit_test( a_merged_vertex_is_named_by_each_of_its_numbers ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -4,9 +4,8 @@
 #include "profile_samples.h"
 #include "stats.h"
 
-static void the_median_of_an_odd_count_is_the_middle_one( void** state )
+TEST( the_median_of_an_odd_count_is_the_middle_one )
 {
-    (void)state;
     double samples[] = { 9.0, 1.0, 5.0, 700.0, 3.0 };
     stats_summary s = stats_summarise( samples, 5 );
     assert_int_equal( s.count, 5 );
@@ -15,16 +14,14 @@ static void the_median_of_an_odd_count_is_the_middle_one( void** state )
     assert_true( s.maximum >= s.p90 && s.mean > s.minimum && s.mean < s.maximum );
 }
 
-static void the_median_of_an_even_count_lies_between_the_middle_two( void** state )
+TEST( the_median_of_an_even_count_lies_between_the_middle_two )
 {
-    (void)state;
     double samples[] = { 4.0, 1.0, 2.0, 8.0 };
     assert_true( stats_summarise( samples, 4 ).median == 3.0 );
 }
 
-static void percentiles_interpolate_between_neighbours( void** state )
+TEST( percentiles_interpolate_between_neighbours )
 {
-    (void)state;
     double samples[12];
     for ( int i = 0; i < 12; ++i )
     {
@@ -38,34 +35,30 @@ static void percentiles_interpolate_between_neighbours( void** state )
     assert_true( stats_quantile( samples, 12, 1.0 ) == 11.0 );
 }
 
-static void one_sample_is_its_own_median_and_percentiles( void** state )
+TEST( one_sample_is_its_own_median_and_percentiles )
 {
-    (void)state;
     double sample = 2.5;
     stats_summary s = stats_summarise( &sample, 1 );
     assert_true( s.median == 2.5 && s.p10 == 2.5 && s.p90 == 2.5 && s.minimum == 2.5 );
     assert_true( s.maximum == 2.5 && s.mean == 2.5 );
 }
 
-static void no_samples_have_no_median( void** state )
+TEST( no_samples_have_no_median )
 {
-    (void)state;
     stats_summary s = stats_summarise( NULL, 0 );
     assert_true( isnan( s.median ) && isnan( s.p10 ) && isnan( s.p90 ) && isnan( s.minimum ) );
 }
 
-static void points_on_a_line_give_the_line( void** state )
+TEST( points_on_a_line_give_the_line )
 {
-    (void)state;
     double x[] = { 0.0, 1.0, 2.0, 3.0 }, y[] = { 0.5, 2.5, 4.5, 6.5 };
     stats_line line = stats_fit_line( x, y, 4 );
     // all sums are exact here
     assert_true( line.intercept == 0.5 && line.slope == 2.0 && line.r_squared == 1.0 );
 }
 
-static void the_source_table_gives_the_line_that_it_is_known_for( void** state )
+TEST( the_source_table_gives_the_line_that_it_is_known_for )
 {
-    (void)state;
     double thousands[] = { 2.0, 6.0, 10.0 }, ms[] = { 6.8, 16.5, 28.7 };
     stats_line line = stats_fit_line( thousands, ms, 3 );
     // stated to two decimals: 0.91 ms + 2.74 ms per 1000 vertices
@@ -74,17 +67,15 @@ static void the_source_table_gives_the_line_that_it_is_known_for( void** state )
     assert_true( line.r_squared > 0.99 && line.r_squared < 1.0 );
 }
 
-static void noise_without_a_trend_is_not_explained( void** state )
+TEST( noise_without_a_trend_is_not_explained )
 {
-    (void)state;
     double x[] = { 0.0, 1.0, 2.0, 3.0 }, y[] = { 1.0, -1.0, -1.0, 1.0 };
     stats_line line = stats_fit_line( x, y, 4 );
     assert_true( line.slope == 0.0 && line.r_squared == 0.0 );
 }
 
-static void a_line_far_from_the_origin_keeps_its_digits( void** state )
+TEST( a_line_far_from_the_origin_keeps_its_digits )
 {
-    (void)state;
     double x[] = { 1e9, 1e9 + 1.0, 1e9 + 2.0 }, y[] = { 3.0, 4.0, 5.0 };
     stats_line line = stats_fit_line( x, y, 3 );
     // the mean of x has an error of a few of its last places, 1.2e-7 each; the slope depends on their square
@@ -92,18 +83,16 @@ static void a_line_far_from_the_origin_keeps_its_digits( void** state )
     assert_float_equal( line.r_squared, 1.0, 1e-6 );
 }
 
-static void a_single_x_has_no_line( void** state )
+TEST( a_single_x_has_no_line )
 {
-    (void)state;
     double x[] = { 2.0, 2.0 }, y[] = { 1.0, 3.0 };
     stats_line line = stats_fit_line( x, y, 2 );
     assert_true( isnan( line.slope ) && isnan( line.intercept ) && isnan( line.r_squared ) );
     assert_true( isnan( stats_fit_line( x, y, 0 ).slope ) );
 }
 
-static void passes_keep_their_own_samples_when_the_plan_changes( void** state )
+TEST( passes_keep_their_own_samples_when_the_plan_changes )
 {
-    (void)state;
     profile_samples samples = { 0 };
     const wisp_profile_line both[] = { { "a.first", 1.0, 10 }, { "b.second", 5.0, 20 } };
     const wisp_profile_line second[] = { { "b.second", 7.0, 30 } };
@@ -119,9 +108,8 @@ static void passes_keep_their_own_samples_when_the_plan_changes( void** state )
     assert_int_equal( samples.pass_count, 0 );
 }
 
-static void a_test_of_ranks_has_the_p_value_of_its_formula( void** state )
+TEST( a_test_of_ranks_has_the_p_value_of_its_formula )
 {
-    (void)state;
     // U = 8, by ranks; its variance is 64 / 12 (17 - 24 / 240) with four ties of two
     const double a[] = { 1, 2, 3, 4, 5, 6, 7, 8 }, b[] = { 5, 6, 7, 8, 9, 10, 11, 12 };
     assert_float_equal( stats_rank_sum( a, 8, b, 8 ), 0.013313003, 1e-6 );
@@ -132,9 +120,8 @@ static void a_test_of_ranks_has_the_p_value_of_its_formula( void** state )
     assert_true( stats_rank_sum( equal, 5, equal, 5 ) == 1.0 );
 }
 
-static void tests_share_their_level( void** state )
+TEST( tests_share_their_level )
 {
-    (void)state;
     // against 0.05 / 4, / 3, / 2, / 1: the third fails, so the fourth is not asked
     const double p[] = { 0.045, 0.012, NAN, 0.016, 0.03 };
     bool is_rejected[5];
@@ -143,24 +130,4 @@ static void tests_share_their_level( void** state )
     assert_false( is_rejected[0] || is_rejected[2] || is_rejected[4] );
     stats_holm( p, 5, 5, 0.05, is_rejected ); // a level over five tests rejects none
     assert_false( is_rejected[1] );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( tests_share_their_level ),
-        cmocka_unit_test( a_test_of_ranks_has_the_p_value_of_its_formula ),
-        cmocka_unit_test( the_median_of_an_odd_count_is_the_middle_one ),
-        cmocka_unit_test( the_median_of_an_even_count_lies_between_the_middle_two ),
-        cmocka_unit_test( percentiles_interpolate_between_neighbours ),
-        cmocka_unit_test( one_sample_is_its_own_median_and_percentiles ),
-        cmocka_unit_test( no_samples_have_no_median ),
-        cmocka_unit_test( points_on_a_line_give_the_line ),
-        cmocka_unit_test( the_source_table_gives_the_line_that_it_is_known_for ),
-        cmocka_unit_test( noise_without_a_trend_is_not_explained ),
-        cmocka_unit_test( a_line_far_from_the_origin_keeps_its_digits ),
-        cmocka_unit_test( a_single_x_has_no_line ),
-        cmocka_unit_test( passes_keep_their_own_samples_when_the_plan_changes ),
-    };
-    return cmocka_run_group_tests_name( "stats", tests, NULL, NULL );
 }

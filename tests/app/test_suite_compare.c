@@ -35,9 +35,8 @@ static int make_triangles( int32_t* out )
     return count;
 }
 
-static void ripples_of_half_the_height_are_half_the_detail( void** state )
+TEST( ripples_of_half_the_height_are_half_the_detail )
 {
-    (void)state;
     static wisp_vec3 low[SIDE * SIDE], high[SIDE * SIDE];
     static int32_t triangles[6 * SIDE * SIDE];
     int first[2] = { 0, SIDE * SIDE };
@@ -53,10 +52,4 @@ static void ripples_of_half_the_height_are_half_the_detail( void** state )
     ripple( 0.0, low );
     assert_true( suite_detail( &one, &other, 1 ) == 0.0 );
     assert_true( isnan( suite_detail( &other, &one, 1 ) ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( ripples_of_half_the_height_are_half_the_detail ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

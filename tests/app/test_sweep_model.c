@@ -44,9 +44,8 @@ static double cell( const merged* m, int column )
     return strtod( results_cell( m->out.tables, 1, column ), NULL );
 }
 
-static void exact_times_give_their_terms( void** state )
+TEST( exact_times_give_their_terms )
 {
-    (void)state;
     static merged m;
     make( &m, 0.02, 0.005, 3e-5, -1 );
     assert_int_equal( m.out.table_count, 1 );
@@ -60,9 +59,8 @@ static void exact_times_give_their_terms( void** state )
 }
 
 // The item in the middle is in the fit or in the check, whichever it is: an error shows.
-static void an_item_that_does_not_fit_is_told( void** state )
+TEST( an_item_that_does_not_fit_is_told )
 {
-    (void)state;
     for ( int i = 0; i < ITEMS; ++i )
     {
         static merged m;
@@ -72,9 +70,8 @@ static void an_item_that_does_not_fit_is_told( void** state )
     }
 }
 
-static void too_few_items_and_one_size_give_no_model( void** state )
+TEST( too_few_items_and_one_size_give_no_model )
 {
-    (void)state;
     static merged m;
     make( &m, 0.02, 0.005, 3e-5, -1 );
     results_free( &m.out );
@@ -91,14 +88,4 @@ static void too_few_items_and_one_size_give_no_model( void** state )
     sweep_add_models( &m.merge, &m.out );
     assert_int_equal( m.out.table_count, 0 );
     results_free( &m.out );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( exact_times_give_their_terms ),
-        cmocka_unit_test( an_item_that_does_not_fit_is_told ),
-        cmocka_unit_test( too_few_items_and_one_size_give_no_model ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

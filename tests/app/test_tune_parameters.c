@@ -66,9 +66,8 @@ static void assert_parameter( const tune_parameters* parameters, int k, const ch
     }
 }
 
-static void a_scene_of_cloth_has_its_parameters_with_its_own_values_among_them( void** state )
+TEST( a_scene_of_cloth_has_its_parameters_with_its_own_values_among_them )
 {
-    (void)state;
     wisp_scene scene = parse( cloths );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
@@ -82,9 +81,8 @@ static void a_scene_of_cloth_has_its_parameters_with_its_own_values_among_them( 
     wisp_scene_release( &scene );
 }
 
-static void a_scene_of_implicit_cloth_has_other_parameters( void** state )
+TEST( a_scene_of_implicit_cloth_has_other_parameters )
 {
-    (void)state;
     wisp_scene scene = parse( implicit );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
@@ -95,9 +93,8 @@ static void a_scene_of_implicit_cloth_has_other_parameters( void** state )
     wisp_scene_release( &scene );
 }
 
-static void strands_with_the_direct_solve_have_their_passes( void** state )
+TEST( strands_with_the_direct_solve_have_their_passes )
 {
-    (void)state;
     wisp_scene scene = parse( strands );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
@@ -112,9 +109,8 @@ static void strands_with_the_direct_solve_have_their_passes( void** state )
     wisp_scene_release( &scene );
 }
 
-static void a_scene_of_everything_keeps_ends_and_its_own_values_and_can_be_searched( void** state )
+TEST( a_scene_of_everything_keeps_ends_and_its_own_values_and_can_be_searched )
 {
-    (void)state;
     wisp_scene scene = parse( everything );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
@@ -139,9 +135,8 @@ static void a_scene_of_everything_keeps_ends_and_its_own_values_and_can_be_searc
     wisp_scene_release( &scene );
 }
 
-static void a_choice_is_set_on_every_surface_that_has_the_field( void** state )
+TEST( a_choice_is_set_on_every_surface_that_has_the_field )
 {
-    (void)state;
     wisp_scene scene = parse( cloths );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
@@ -199,9 +194,8 @@ static void assert_edits( const char* text, const int* configuration, const wisp
     wisp_scene_release( &scene );
 }
 
-static void only_what_differs_is_edited( void** state )
+TEST( only_what_differs_is_edited )
 {
-    (void)state;
     static const wisp_scene_edit of_cloths[] = {
         { NULL, 0, NULL, "substeps", "1" },
         { "surfaces", 0, "cloth", "tethers", "false" },
@@ -214,9 +208,8 @@ static void only_what_differs_is_edited( void** state )
     assert_edits( strands, ( const int[] ){ 0, 0, 2 }, of_strands, WISP_COUNT( of_strands ) );
 }
 
-static void coarse_sheets_that_are_off_are_so_in_the_file( void** state )
+TEST( coarse_sheets_that_are_off_are_so_in_the_file )
 {
-    (void)state;
     static const wisp_scene_edit expected[] = {
         { NULL, 0, NULL, "substeps", "1" },
         { "surfaces", 2, "cloth", "tethers", "true" },
@@ -250,9 +243,8 @@ static void write_choice( const char* text, int parameter, int value, char* out,
     wisp_scene_release( &scene );
 }
 
-static void whatever_coarse_substeps_are_chosen_the_file_can_say_it( void** state )
+TEST( whatever_coarse_substeps_are_chosen_the_file_can_say_it )
 {
-    (void)state;
     char text[2000], expected[80];
     for ( int value = 0; value < 4; ++value )
     {
@@ -262,9 +254,8 @@ static void whatever_coarse_substeps_are_chosen_the_file_can_say_it( void** stat
     }
 }
 
-static void cloth_by_pbd_has_no_coarse_substeps_to_tune( void** state )
+TEST( cloth_by_pbd_has_no_coarse_substeps_to_tune )
 {
-    (void)state;
     wisp_scene scene = parse( "wisp: 1\nsurfaces:\n  - name: a\n" MAKE "    cloth: { solver: pbd }\n" );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
@@ -283,9 +274,8 @@ static void cloth_by_pbd_has_no_coarse_substeps_to_tune( void** state )
     wisp_scene_release( &scene );
 }
 
-static void values_are_reported_as_the_file_has_them( void** state )
+TEST( values_are_reported_as_the_file_has_them )
 {
-    (void)state;
     wisp_scene scene = parse( cloths );
     tune_parameters parameters;
     char text[32];
@@ -299,31 +289,12 @@ static void values_are_reported_as_the_file_has_them( void** state )
     wisp_scene_release( &scene );
 }
 
-static void a_scene_where_nothing_moves_has_no_parameters( void** state )
+TEST( a_scene_where_nothing_moves_has_no_parameters )
 {
-    (void)state;
     wisp_scene scene = parse( "wisp: 1\n" );
     tune_parameters parameters;
     wisp_error error = { 0 };
     assert_int_equal( tune_parameters_find( &scene, &parameters, &error ), WISP_BAD_INPUT );
     assert_non_null( strstr( error.message, "scene.yaml: nothing in the scene moves" ) );
     wisp_scene_release( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_scene_of_cloth_has_its_parameters_with_its_own_values_among_them ),
-        cmocka_unit_test( a_scene_of_implicit_cloth_has_other_parameters ),
-        cmocka_unit_test( strands_with_the_direct_solve_have_their_passes ),
-        cmocka_unit_test( a_scene_of_everything_keeps_ends_and_its_own_values_and_can_be_searched ),
-        cmocka_unit_test( a_choice_is_set_on_every_surface_that_has_the_field ),
-        cmocka_unit_test( only_what_differs_is_edited ),
-        cmocka_unit_test( coarse_sheets_that_are_off_are_so_in_the_file ),
-        cmocka_unit_test( whatever_coarse_substeps_are_chosen_the_file_can_say_it ),
-        cmocka_unit_test( cloth_by_pbd_has_no_coarse_substeps_to_tune ),
-        cmocka_unit_test( values_are_reported_as_the_file_has_them ),
-        cmocka_unit_test( a_scene_where_nothing_moves_has_no_parameters ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -8,9 +8,8 @@
 
 // ---- the front ----
 
-static void the_front_is_what_nobody_beats( void** state )
+TEST( the_front_is_what_nobody_beats )
 {
-    (void)state;
     const double error[] = { 1.0, 2.0, 4.0, 2.0, 0.5, 4.0 };
     const double ms[] = { 4.0, 2.0, 1.0, 3.0, 9.0, 1.5 };
     const bool expected[] = { true, true, true, false, true, false };
@@ -19,9 +18,8 @@ static void the_front_is_what_nobody_beats( void** state )
     assert_memory_equal( front, expected, sizeof( front ) );
 }
 
-static void those_that_tie_are_on_the_front_together( void** state )
+TEST( those_that_tie_are_on_the_front_together )
 {
-    (void)state;
     // the third is as accurate as the first two and slower, the fourth as fast and less accurate
     const double error[] = { 1.0, 1.0, 1.0, 2.0 }, ms[] = { 2.0, 2.0, 3.0, 2.0 };
     const bool expected[] = { true, true, false, false };
@@ -30,9 +28,8 @@ static void those_that_tie_are_on_the_front_together( void** state )
     assert_memory_equal( front, expected, sizeof( front ) );
 }
 
-static void what_has_no_error_or_no_time_is_not_on_the_front( void** state )
+TEST( what_has_no_error_or_no_time_is_not_on_the_front )
 {
-    (void)state;
     const double error[] = { NAN, 1.0, 0.0, 5.0 }, ms[] = { 1.0, 2.0, NAN, 1.5 };
     const bool expected[] = { false, true, false, true };
     bool front[4];
@@ -42,9 +39,8 @@ static void what_has_no_error_or_no_time_is_not_on_the_front( void** state )
 
 // ---- orders ----
 
-static void a_power_law_has_its_power_as_order( void** state )
+TEST( a_power_law_has_its_power_as_order )
 {
-    (void)state;
     double parameter[6], error[6];
     for ( int i = 0; i < 6; ++i )
     {
@@ -58,9 +54,8 @@ static void a_power_law_has_its_power_as_order( void** state )
     assert_int_equal( order.count, 6 );
 }
 
-static void points_at_the_floor_and_halted_ones_are_left_out( void** state )
+TEST( points_at_the_floor_and_halted_ones_are_left_out )
 {
-    (void)state;
     // in no order; first order down to 0.05, then a fluctuating floor; the coarsest was halted, and one is exact
     const double parameter[] = { 0.1, 0.8, 0.4, 0.2, 0.05, 0.0125, 0.025, 0.00625 };
     const double error[] = { 0.1, NAN, 0.4, 0.2, 0.05, 0.051, 0.047, 0.0 };
@@ -70,9 +65,8 @@ static void points_at_the_floor_and_halted_ones_are_left_out( void** state )
     assert_int_equal( order.count, 6 );
 }
 
-static void a_series_that_does_not_fall_has_no_order( void** state )
+TEST( a_series_that_does_not_fall_has_no_order )
 {
-    (void)state;
     const double parameter[] = { 0.4, 0.2, 0.1 }, error[] = { 1.0, 1.1, 1.2 };
     const accuracy_order order = accuracy_observed_order( parameter, error, 3 );
     assert_true( isnan( order.slope ) );
@@ -82,27 +76,24 @@ static void a_series_that_does_not_fall_has_no_order( void** state )
 
 // ---- levels ----
 
-static void levels_are_round_numbers_around_the_values( void** state )
+TEST( levels_are_round_numbers_around_the_values )
 {
-    (void)state;
     const double values[] = { 0.7, NAN, 0.0, -3.0, 21.0, 5.0 }, expected[] = { 1.0, 2.0, 5.0, 10.0, 20.0, 50.0 };
     double levels[ACCURACY_LEVELS_MAX];
     assert_int_equal( accuracy_levels( values, 6, levels ), 6 );
     assert_memory_equal( levels, expected, sizeof( expected ) );
 }
 
-static void many_levels_are_picked_evenly_and_keep_both_ends( void** state )
+TEST( many_levels_are_picked_evenly_and_keep_both_ends )
 {
-    (void)state;
     const double values[] = { 1e-3, 1e2 }, expected[] = { 1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0 };
     double levels[ACCURACY_LEVELS_MAX];
     assert_int_equal( accuracy_levels( values, 2, levels ), ACCURACY_LEVELS_MAX );
     assert_memory_equal( levels, expected, sizeof( expected ) );
 }
 
-static void values_between_two_round_numbers_have_the_one_above( void** state )
+TEST( values_between_two_round_numbers_have_the_one_above )
 {
-    (void)state;
     const double values[] = { 0.021, 0.03 };
     double levels[ACCURACY_LEVELS_MAX];
     assert_int_equal( accuracy_levels( values, 2, levels ), 1 );
@@ -110,9 +101,8 @@ static void values_between_two_round_numbers_have_the_one_above( void** state )
     assert_int_equal( accuracy_levels( values, 0, levels ), 0 );
 }
 
-static void the_best_within_a_limit_is_the_cheapest_that_takes_part( void** state )
+TEST( the_best_within_a_limit_is_the_cheapest_that_takes_part )
 {
-    (void)state;
     const double ms[] = { 1.0, 3.0, 2.0, 2.0, NAN }, error[] = { 9.0, 0.5, 1.0, 1.0, 0.1 };
     const bool takes_part[] = { true, true, false, false, true };
     assert_int_equal( accuracy_best_within( ms, error, 1.0, NULL, 5 ), 2 );
@@ -238,9 +228,8 @@ static results run_fake( double seconds, int workers )
     return all;
 }
 
-static void each_setting_is_observed_once_and_timed_at_least_once( void** state )
+TEST_WITH( each_setting_is_observed_once_and_timed_at_least_once, forget_fake, NULL )
 {
-    (void)state;
     results all = run_fake( 1e-9, 2 );
     assert_false( all.failed );
     assert_int_equal( fake.observed_after_times, 0 );
@@ -253,9 +242,8 @@ static void each_setting_is_observed_once_and_timed_at_least_once( void** state 
     results_free( &all );
 }
 
-static void with_one_worker_nothing_runs_twice( void** state )
+TEST_WITH( with_one_worker_nothing_runs_twice, forget_fake, NULL )
 {
-    (void)state;
     results all = run_fake( 1e-9, 1 );
     assert_int_equal( fake.timed[0][0], 1 );
     assert_int_equal( fake.timed[0][1], 0 );
@@ -263,9 +251,8 @@ static void with_one_worker_nothing_runs_twice( void** state )
     results_free( &all );
 }
 
-static void who_takes_more_than_its_share_sits_out( void** state )
+TEST_WITH( who_takes_more_than_its_share_sits_out, forget_fake, NULL )
 {
-    (void)state;
     // the fraction is 0.1 s: one run of the first, at least one more of the others, none of the halted one after its
     // first
     fake.cost = 0.15;
@@ -284,9 +271,8 @@ static void who_takes_more_than_its_share_sits_out( void** state )
     results_free( &all );
 }
 
-static void the_table_has_times_errors_measures_and_the_front( void** state )
+TEST_WITH( the_table_has_times_errors_measures_and_the_front, forget_fake, NULL )
 {
-    (void)state;
     results all = run_fake( 1e-9, 2 );
     const results_table* table = find_table( &all, "Accuracy `fake`: a scene that pretends, ms per step" );
     assert_int_equal( table->row_count, 1 + FAKE_SETTINGS );
@@ -306,9 +292,8 @@ static void the_table_has_times_errors_measures_and_the_front( void** state )
     results_free( &all );
 }
 
-static void rows_for_machines_name_scene_setting_reference_and_parameter( void** state )
+TEST_WITH( rows_for_machines_name_scene_setting_reference_and_parameter, forget_fake, NULL )
 {
-    (void)state;
     results all = run_fake( 1e-9, 2 );
     assert_int_equal( all.row_count, 2 * FAKE_SETTINGS );
     const results_row* row = &all.rows[3];
@@ -328,9 +313,8 @@ static void rows_for_machines_name_scene_setting_reference_and_parameter( void**
     results_free( &all );
 }
 
-static void levels_that_would_say_the_same_are_said_once( void** state )
+TEST_WITH( levels_that_would_say_the_same_are_said_once, forget_fake, NULL )
 {
-    (void)state;
     fake.slower = 64.0;
     results all = run_fake( 1e-9, 2 );
     // 256 ms, 2, 1 and 0.5 for the single setting: there is none between 2 and 256 ms
@@ -344,9 +328,8 @@ static void levels_that_would_say_the_same_are_said_once( void** state )
     results_free( &all );
 }
 
-static void at_equal_error_the_best_of_each_method_is_ranked_by_time( void** state )
+TEST_WITH( at_equal_error_the_best_of_each_method_is_ranked_by_time, forget_fake, NULL )
 {
-    (void)state;
     results all = run_fake( 1e-9, 2 );
     const results_table* table = find_table( &all, "Accuracy `fake`, at equal error" );
     // errors 1 to 4: within 5 mm the single setting is the fastest, with half the time of the series
@@ -371,9 +354,8 @@ static void at_equal_error_the_best_of_each_method_is_ranked_by_time( void** sta
     results_free( &all );
 }
 
-static void observed_orders_stand_beside_the_promised( void** state )
+TEST_WITH( observed_orders_stand_beside_the_promised, forget_fake, NULL )
 {
-    (void)state;
     results all = run_fake( 1e-9, 2 );
     const results_table* table = find_table( &all, "Accuracy `fake`, observed order" );
     assert_int_equal( table->row_count, 2 );
@@ -384,9 +366,8 @@ static void observed_orders_stand_beside_the_promised( void** state )
     results_free( &all );
 }
 
-static void charts_have_a_series_each_and_mark_the_front( void** state )
+TEST_WITH( charts_have_a_series_each_and_mark_the_front, forget_fake, NULL )
 {
-    (void)state;
     results all = run_fake( 1e-9, 2 );
     assert_int_equal( all.chart_count, 2 );
     const results_chart* time = &all.charts[0];
@@ -408,9 +389,8 @@ static void charts_have_a_series_each_and_mark_the_front( void** state )
     results_free( &all );
 }
 
-static void a_hash_that_depends_on_workers_fails_the_run_and_is_named( void** state )
+TEST_WITH( a_hash_that_depends_on_workers_fails_the_run_and_is_named, forget_fake, NULL )
 {
-    (void)state;
     fake.differs = 2;
     results all = run_fake( 1e-9, 2 );
     assert_true( all.failed );
@@ -427,9 +407,8 @@ static void a_hash_that_depends_on_workers_fails_the_run_and_is_named( void** st
     results_free( &all );
 }
 
-static void a_setting_that_fails_ends_the_case_with_its_message( void** state )
+TEST_WITH( a_setting_that_fails_ends_the_case_with_its_message, forget_fake, NULL )
 {
-    (void)state;
     fake.fails_at = 1;
     results all = { 0 };
     wisp_error error = { 0 };
@@ -442,9 +421,8 @@ static void a_setting_that_fails_ends_the_case_with_its_message( void** state )
 
 // ---- quick runs ----
 
-static void a_quick_run_has_the_coarsest_and_the_middle_of_each_series_and_all_of_no_series( void** state )
+TEST( a_quick_run_has_the_coarsest_and_the_middle_of_each_series_and_all_of_no_series )
 {
-    (void)state;
     static const struct
     {
         const char* series;
@@ -481,9 +459,8 @@ static void a_quick_run_has_the_coarsest_and_the_middle_of_each_series_and_all_o
     assert_int_equal( scene.setting_count, kept );
 }
 
-static void rows_that_a_suite_names_as_quick_are_those_of_a_quick_run( void** state )
+TEST( rows_that_a_suite_names_as_quick_are_those_of_a_quick_run )
 {
-    (void)state;
     accuracy_setting settings[4] = { { .series = "one", .parameter = 1.0 },
                                      { .series = "one", .parameter = 2.0 },
                                      { .series = "one", .parameter = 3.0 },
@@ -510,9 +487,8 @@ static wisp_status make_two_series( const bench_options* options, double seconds
     return status;
 }
 
-static void a_quick_run_runs_the_settings_that_it_names_and_says_how_many_there_are( void** state )
+TEST_WITH( a_quick_run_runs_the_settings_that_it_names_and_says_how_many_there_are, forget_fake, NULL )
 {
-    (void)state;
     const accuracy_entry entry = { "fake", "a scene of two series", make_two_series, NULL };
     bench_options options = bench_default_options();
     options.quick = true;
@@ -547,9 +523,8 @@ static void a_quick_run_runs_the_settings_that_it_names_and_says_how_many_there_
 // ---- a suite ----
 
 // Euler's steps are of first order, and every hash with one worker and with two is that of the sampled run.
-static void a_real_scene_comes_nearer_with_shorter_steps( void** state )
+TEST( a_real_scene_comes_nearer_with_shorter_steps )
 {
-    (void)state;
     wisp_suite suite;
     accuracy_scene scene;
     results all = { 0 };
@@ -582,37 +557,4 @@ static void a_real_scene_comes_nearer_with_shorter_steps( void** state )
     results_free( &all );
     suite.row_count = all_rows;
     suite_release( &suite );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_front_is_what_nobody_beats ),
-        cmocka_unit_test( those_that_tie_are_on_the_front_together ),
-        cmocka_unit_test( what_has_no_error_or_no_time_is_not_on_the_front ),
-        cmocka_unit_test( a_power_law_has_its_power_as_order ),
-        cmocka_unit_test( points_at_the_floor_and_halted_ones_are_left_out ),
-        cmocka_unit_test( a_series_that_does_not_fall_has_no_order ),
-        cmocka_unit_test( levels_are_round_numbers_around_the_values ),
-        cmocka_unit_test( many_levels_are_picked_evenly_and_keep_both_ends ),
-        cmocka_unit_test( values_between_two_round_numbers_have_the_one_above ),
-        cmocka_unit_test( the_best_within_a_limit_is_the_cheapest_that_takes_part ),
-        cmocka_unit_test( a_quick_run_has_the_coarsest_and_the_middle_of_each_series_and_all_of_no_series ),
-        cmocka_unit_test( rows_that_a_suite_names_as_quick_are_those_of_a_quick_run ),
-        cmocka_unit_test_setup( a_quick_run_runs_the_settings_that_it_names_and_says_how_many_there_are,
-                                forget_fake ),
-        cmocka_unit_test_setup( each_setting_is_observed_once_and_timed_at_least_once, forget_fake ),
-        cmocka_unit_test_setup( with_one_worker_nothing_runs_twice, forget_fake ),
-        cmocka_unit_test_setup( who_takes_more_than_its_share_sits_out, forget_fake ),
-        cmocka_unit_test_setup( the_table_has_times_errors_measures_and_the_front, forget_fake ),
-        cmocka_unit_test_setup( rows_for_machines_name_scene_setting_reference_and_parameter, forget_fake ),
-        cmocka_unit_test_setup( at_equal_error_the_best_of_each_method_is_ranked_by_time, forget_fake ),
-        cmocka_unit_test_setup( levels_that_would_say_the_same_are_said_once, forget_fake ),
-        cmocka_unit_test_setup( observed_orders_stand_beside_the_promised, forget_fake ),
-        cmocka_unit_test_setup( charts_have_a_series_each_and_mark_the_front, forget_fake ),
-        cmocka_unit_test_setup( a_hash_that_depends_on_workers_fails_the_run_and_is_named, forget_fake ),
-        cmocka_unit_test_setup( a_setting_that_fails_ends_the_case_with_its_message, forget_fake ),
-        cmocka_unit_test( a_real_scene_comes_nearer_with_shorter_steps ),
-    };
-    return cmocka_run_group_tests_name( "bench accuracy", tests, NULL, NULL );
 }

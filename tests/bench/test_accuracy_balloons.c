@@ -19,15 +19,13 @@ static int drop_scene( void** state )
     return 0;
 }
 
-static void every_setting_of_a_flight_has_a_name_of_its_own( void** state )
+TEST( every_setting_of_a_flight_has_a_name_of_its_own )
 {
-    (void)state;
     expect_names_differ( &flight );
 }
 
-static void a_flight_comes_nearer_to_double_precision_with_substeps( void** state )
+TEST( a_flight_comes_nearer_to_double_precision_with_substeps )
 {
-    (void)state;
     static const int substeps[] = { 10, 40, 160 };
     double last = INFINITY;
     for ( int i = 0; i < WISP_COUNT( substeps ); ++i )
@@ -47,9 +45,8 @@ static void a_flight_comes_nearer_to_double_precision_with_substeps( void** stat
                  2.0 * observe( &flight, "kick, max drag, 10 x 1" ).error );
 }
 
-static void momentum_is_what_the_forces_have_given( void** state )
+TEST( momentum_is_what_the_forces_have_given )
 {
-    (void)state;
     enum
     {
         NOT_CLOSED = 4,
@@ -61,20 +58,10 @@ static void momentum_is_what_the_forces_have_given( void** state )
     assert_true( fine < 0.5 * coarse );
 }
 
-static void a_flight_has_one_hash_whoever_computes_it( void** state )
+TEST( a_flight_has_one_hash_whoever_computes_it )
 {
-    (void)state;
     expect_one_hash( &flight, "kick, max drag, 10 x 1" );
     expect_one_hash( &flight, "spin printed, max drag, 10 x 1" );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_setting_of_a_flight_has_a_name_of_its_own ),
-        cmocka_unit_test( a_flight_comes_nearer_to_double_precision_with_substeps ),
-        cmocka_unit_test( momentum_is_what_the_forces_have_given ),
-        cmocka_unit_test( a_flight_has_one_hash_whoever_computes_it ),
-    };
-    return cmocka_run_group_tests( tests, make_scene, drop_scene );
-}
+TEST_GROUP( make_scene, drop_scene )

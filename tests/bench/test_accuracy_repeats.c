@@ -78,9 +78,8 @@ static int forget_all( void** state )
     return leave_folder( state );
 }
 
-static void two_runs_differ_in_times_alone( void** state )
+TEST( two_runs_differ_in_times_alone )
 {
-    (void)state;
     const json_t *a = rows_of( seen.first ), *b = rows_of( seen.longer );
     assert_int_equal( json_array_size( a ), json_array_size( b ) );
     for ( size_t i = 0; i < json_array_size( a ); ++i )
@@ -89,9 +88,8 @@ static void two_runs_differ_in_times_alone( void** state )
     }
 }
 
-static void workers_change_nothing_but_times( void** state )
+TEST( workers_change_nothing_but_times )
 {
-    (void)state;
     const json_t *a = rows_of( seen.first ), *b = rows_of( seen.alone );
     assert_int_equal( json_array_size( a ), 2 * json_array_size( b ) );
     for ( size_t i = 0; i < json_array_size( b ); ++i )
@@ -105,13 +103,5 @@ static void workers_change_nothing_but_times( void** state )
     }
 }
 
-int main( int argc, char** argv )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( two_runs_differ_in_times_alone ),
-        cmocka_unit_test( workers_change_nothing_but_times ),
-    };
-    return find_program( argc, argv )
-               ? cmocka_run_group_tests_name( "bench accuracy repeats", tests, run_all, forget_all )
-               : 64;
-}
+TEST_ARGUMENTS( find_program )
+TEST_GROUP( run_all, forget_all )

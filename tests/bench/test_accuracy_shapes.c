@@ -1,9 +1,8 @@
 // Scenes of frozen hair and of particles in contact of the case `accuracy`.
 #include "accuracy_scenes.h"
 
-static void fewer_neighbours_are_another_shape( void** state )
+TEST( fewer_neighbours_are_another_shape )
 {
-    (void)state;
     wisp_suite suite;
     accuracy_scene scene;
     open_suite( "frozen_clumps", &suite, &scene );
@@ -16,9 +15,8 @@ static void fewer_neighbours_are_another_shape( void** state )
     close_suite( &suite, &scene );
 }
 
-static void shorter_steps_of_clumping_come_nearer( void** state )
+TEST( shorter_steps_of_clumping_come_nearer )
 {
-    (void)state;
     wisp_suite suite;
     accuracy_scene scene;
     open_suite( "frozen_flow", &suite, &scene );
@@ -27,9 +25,8 @@ static void shorter_steps_of_clumping_come_nearer( void** state )
     close_suite( &suite, &scene );
 }
 
-static void what_is_kept_apart_overlaps_less_the_closer_it_is_watched( void** state )
+TEST( what_is_kept_apart_overlaps_less_the_closer_it_is_watched )
 {
-    (void)state;
     wisp_suite suite;
     accuracy_scene scene;
     open_suite( "boundary_contact", &suite, &scene );
@@ -45,14 +42,4 @@ static void what_is_kept_apart_overlaps_less_the_closer_it_is_watched( void** st
     assert_true( measure_of( &scene, &exact, "missed vertices, %" ) == 0.0 );
     assert_same_hash( &scene, "particles, particle_spacing=0.02245" );
     close_suite( &suite, &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( fewer_neighbours_are_another_shape ),
-        cmocka_unit_test( shorter_steps_of_clumping_come_nearer ),
-        cmocka_unit_test( what_is_kept_apart_overlaps_less_the_closer_it_is_watched ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

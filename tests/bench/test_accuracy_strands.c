@@ -2,9 +2,8 @@
 // and hashes depend on nothing but the setting.
 #include "accuracy_scenes.h"
 
-static void strands_that_fall_come_nearer_at_first_order( void** state )
+TEST( strands_that_fall_come_nearer_at_first_order )
 {
-    (void)state;
     wisp_suite suite;
     accuracy_scene scene;
     open_suite( "strands_swing", &suite, &scene );
@@ -20,9 +19,8 @@ static void strands_that_fall_come_nearer_at_first_order( void** state )
     close_suite( &suite, &scene );
 }
 
-static void lengths_cost_sweeps_and_not_direct_solves( void** state )
+TEST( lengths_cost_sweeps_and_not_direct_solves )
 {
-    (void)state;
     wisp_suite suite;
     accuracy_scene scene;
     open_suite( "strands_swing", &suite, &scene );
@@ -38,9 +36,8 @@ static void lengths_cost_sweeps_and_not_direct_solves( void** state )
     close_suite( &suite, &scene );
 }
 
-static void hair_that_is_balanced_stays_where_it_is( void** state )
+TEST( hair_that_is_balanced_stays_where_it_is )
 {
-    (void)state;
     wisp_suite suite;
     accuracy_scene scene;
     open_suite( "strands_rest", &suite, &scene );
@@ -51,9 +48,8 @@ static void hair_that_is_balanced_stays_where_it_is( void** state )
     close_suite( &suite, &scene );
 }
 
-static void balanced_curls_stay_at_any_number_of_substeps( void** state )
+TEST( balanced_curls_stay_at_any_number_of_substeps )
 {
-    (void)state;
     wisp_suite suite;
     accuracy_scene scene;
     open_suite( "strands_rest", &suite, &scene );
@@ -66,9 +62,8 @@ static void balanced_curls_stay_at_any_number_of_substeps( void** state )
     close_suite( &suite, &scene );
 }
 
-static void fewer_guides_miss_more( void** state )
+TEST( fewer_guides_miss_more )
 {
-    (void)state;
     wisp_suite suite;
     accuracy_scene scene;
     open_suite( "strands_guides", &suite, &scene );
@@ -97,16 +92,4 @@ static void fewer_guides_miss_more( void** state )
     }
     assert_same_hash( &scene, "levels of detail, level=both" );
     close_suite( &suite, &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( strands_that_fall_come_nearer_at_first_order ),
-        cmocka_unit_test( lengths_cost_sweeps_and_not_direct_solves ),
-        cmocka_unit_test( hair_that_is_balanced_stays_where_it_is ),
-        cmocka_unit_test( balanced_curls_stay_at_any_number_of_substeps ),
-        cmocka_unit_test( fewer_guides_miss_more ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -46,9 +46,8 @@ static bench_variant variant_of( pretender* p )
     return ( bench_variant ){ .step = pretend, .after = count_after, .context = p };
 }
 
-static void long_steps_alternate_one_by_one( void** state )
+TEST( long_steps_alternate_one_by_one )
 {
-    (void)state;
     step_log log = { .count = 0 };
     pretender a = { &log, 'A', 0.03, 0, 0, 0 }, b = { &log, 'B', 0.03, 0, 0, 0 };
     bench_variant variants[] = { variant_of( &a ), variant_of( &b ) };
@@ -65,9 +64,8 @@ static void long_steps_alternate_one_by_one( void** state )
     bench_free_samples( variants, 2 );
 }
 
-static void short_steps_have_longer_turns_whose_first_step_does_not_count( void** state )
+TEST( short_steps_have_longer_turns_whose_first_step_does_not_count )
 {
-    (void)state;
     step_log log = { .count = 0 };
     pretender a = { &log, 'A', 0.0, 0, 0, 0 }, b = { &log, 'B', 0.0, 0, 0, 0 };
     bench_variant variants[] = { variant_of( &a ), variant_of( &b ) };
@@ -86,9 +84,8 @@ static void short_steps_have_longer_turns_whose_first_step_does_not_count( void*
     bench_free_samples( variants, 2 );
 }
 
-static void a_variant_that_is_warm_already_is_not_warmed_up( void** state )
+TEST( a_variant_that_is_warm_already_is_not_warmed_up )
 {
-    (void)state;
     step_log log = { .count = 0 };
     pretender a = { &log, 'A', 0.0, 0, 0, 0 };
     bench_variant variant = variant_of( &a );
@@ -101,9 +98,8 @@ static void a_variant_that_is_warm_already_is_not_warmed_up( void** state )
     bench_free_samples( &variant, 1 );
 }
 
-static void the_time_ends_the_run_after_the_least_number_of_rounds( void** state )
+TEST( the_time_ends_the_run_after_the_least_number_of_rounds )
 {
-    (void)state;
     step_log log = { .count = 0 };
     pretender a = { &log, 'A', 0.011, 0, 0, 0 };
     bench_variant variant = variant_of( &a );
@@ -115,9 +111,8 @@ static void the_time_ends_the_run_after_the_least_number_of_rounds( void** state
     bench_free_samples( &variant, 1 );
 }
 
-static void a_step_that_fails_ends_the_run_with_its_message( void** state )
+TEST( a_step_that_fails_ends_the_run_with_its_message )
 {
-    (void)state;
     step_log log = { .count = 0 };
     pretender a = { &log, 'A', 0.0, 0, 0, 0 }, b = { &log, 'B', 0.0, 5, 0, 0 };
     bench_variant variants[] = { variant_of( &a ), variant_of( &b ) };
@@ -129,9 +124,8 @@ static void a_step_that_fails_ends_the_run_with_its_message( void** state )
     bench_free_samples( variants, 2 );
 }
 
-static void every_case_has_a_name_of_its_own_and_a_purpose( void** state )
+TEST( every_case_has_a_name_of_its_own_and_a_purpose )
 {
-    (void)state;
     int count;
     const bench_case* cases = bench_cases( &count );
     assert_true( count > 0 );
@@ -145,9 +139,8 @@ static void every_case_has_a_name_of_its_own_and_a_purpose( void** state )
     }
 }
 
-static void quick_is_shorter_unless_the_user_says_how_long( void** state )
+TEST( quick_is_shorter_unless_the_user_says_how_long )
 {
-    (void)state;
     bench_options options = bench_default_options();
     double full = bench_seconds( &options );
     options.quick = true;
@@ -179,9 +172,8 @@ static int count_parts( const char* text, const char* what )
     return count;
 }
 
-static void a_table_of_many_columns_is_split_and_repeats_what_tells_its_rows_apart( void** state )
+TEST( a_table_of_many_columns_is_split_and_repeats_what_tells_its_rows_apart )
 {
-    (void)state;
     enum
     {
         COLUMNS = 20,
@@ -208,9 +200,8 @@ static void a_table_of_many_columns_is_split_and_repeats_what_tells_its_rows_apa
     results_free( &all );
 }
 
-static void long_cells_go_on_in_the_next_line( void** state )
+TEST( long_cells_go_on_in_the_next_line )
 {
-    (void)state;
     results all = { 0 };
     char words[400] = "";
     for ( int i = 0; i < 60; ++i )
@@ -227,9 +218,8 @@ static void long_cells_go_on_in_the_next_line( void** state )
     results_free( &all );
 }
 
-static void hashes_and_quantiles_are_left_to_formats_for_programs( void** state )
+TEST( hashes_and_quantiles_are_left_to_formats_for_programs )
 {
-    (void)state;
     results all = { 0 };
     const char* const header[] = { "size", "ms", "p10 .. p90", "hash" };
     const int table = results_add_table( &all, "A table", WISP_COUNT( header ), header );
@@ -238,21 +228,4 @@ static void hashes_and_quantiles_are_left_to_formats_for_programs( void** state 
     assert_non_null( strstr( text, "\nsize  ms\n--------\n  10   1\n" ) );
     free( text );
     results_free( &all );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( long_steps_alternate_one_by_one ),
-        cmocka_unit_test( short_steps_have_longer_turns_whose_first_step_does_not_count ),
-        cmocka_unit_test( a_variant_that_is_warm_already_is_not_warmed_up ),
-        cmocka_unit_test( the_time_ends_the_run_after_the_least_number_of_rounds ),
-        cmocka_unit_test( a_step_that_fails_ends_the_run_with_its_message ),
-        cmocka_unit_test( every_case_has_a_name_of_its_own_and_a_purpose ),
-        cmocka_unit_test( quick_is_shorter_unless_the_user_says_how_long ),
-        cmocka_unit_test( a_table_of_many_columns_is_split_and_repeats_what_tells_its_rows_apart ),
-        cmocka_unit_test( long_cells_go_on_in_the_next_line ),
-        cmocka_unit_test( hashes_and_quantiles_are_left_to_formats_for_programs ),
-    };
-    return cmocka_run_group_tests_name( "bench", tests, NULL, NULL );
 }

@@ -27,7 +27,7 @@ static boundary_plan small_plan( void )
     };
 }
 
-static void no_check_of_the_case_fails( void** state )
+TEST( no_check_of_the_case_fails )
 {
     const results* all = *state;
     expect_good( all );
@@ -40,7 +40,7 @@ static void no_check_of_the_case_fails( void** state )
     assert_column( find_table( all, "Coverage against cost" ), "met", "yes" );
 }
 
-static void counts_stand_beside_those_of_the_contract( void** state )
+TEST( counts_stand_beside_those_of_the_contract )
 {
     const results_table* table = find_table( *state, "Points of the reference sphere" );
     assert_int_equal( table->row_count, 1 + 2 * LAYER_LAWS );
@@ -57,7 +57,7 @@ static void counts_stand_beside_those_of_the_contract( void** state )
     assert_string_equal( cell( table, LAYER_LAWS, by ), "oracle" );
 }
 
-static void edges_have_a_line_a_law( void** state )
+TEST( edges_have_a_line_a_law )
 {
     const results_table* table = find_table( *state, "Edge points" );
     assert_int_equal( table->row_count, 1 + LAYER_LAWS );
@@ -65,7 +65,7 @@ static void edges_have_a_line_a_law( void** state )
     assert_string_equal( cell( table, 2, 6 ), "0, 0, 1, 1, 3" );
 }
 
-static void a_pulse_changes_more_than_standing_still_and_less_than_everything( void** state )
+TEST( a_pulse_changes_more_than_standing_still_and_less_than_everything )
 {
     const results_table* table = find_table( *state, "Pulsating radius" );
     const int changed = column_of( table, "in case B, %" );
@@ -81,7 +81,7 @@ static void a_pulse_changes_more_than_standing_still_and_less_than_everything( v
     assert_string_equal( cell( table, 9, hash ), cell( table, 1, hash ) );
 }
 
-static void long_steps_and_strong_gravity_have_a_line_each_and_a_layer_changes_nothing( void** state )
+TEST( long_steps_and_strong_gravity_have_a_line_each_and_a_layer_changes_nothing )
 {
     const results_table* table = find_table( *state, "Long steps" );
     assert_int_equal( table->row_count, 1 + 15 );
@@ -89,7 +89,7 @@ static void long_steps_and_strong_gravity_have_a_line_each_and_a_layer_changes_n
     assert_column( table, "same without a layer", "yes" );
 }
 
-static void rows_for_machines_are_there_for_every_worker_count( void** state )
+TEST( rows_for_machines_are_there_for_every_worker_count )
 {
     const results* all = *state;
     assert_int_equal( count_rows( all, "boundary", "even, in place" ), 2 * 2 );
@@ -146,9 +146,8 @@ static layer_check check_of( one_layer* l, const wisp_boundary_def* def )
     return check;
 }
 
-static void points_that_are_not_on_the_surface_or_not_as_many_are_seen( void** state )
+TEST( points_that_are_not_on_the_surface_or_not_as_many_are_seen )
 {
-    (void)state;
     one_layer l = open_layer( 0.1f );
     layer_check check = check_of( &l, &l.def );
     assert_true( check.inner_points > 0 );
@@ -169,9 +168,8 @@ static void points_that_are_not_on_the_surface_or_not_as_many_are_seen( void** s
     close_layer( &l );
 }
 
-static void resampling_is_of_all_elements_and_gives_the_same_points( void** state )
+TEST( resampling_is_of_all_elements_and_gives_the_same_points )
 {
-    (void)state;
     wisp_error error = { 0 };
     one_layer l = open_layer( 0.1f );
     wisp_boundary_view view;
@@ -190,9 +188,8 @@ static void resampling_is_of_all_elements_and_gives_the_same_points( void** stat
     close_layer( &l );
 }
 
-static void the_cover_of_a_triangle_without_points_is_its_own( void** state )
+TEST( the_cover_of_a_triangle_without_points_is_its_own )
 {
-    (void)state;
     wisp_vec3 points[] = { { 0.0f, 0.0f, 0.0f }, { 3.0f, 0.0f, 0.0f }, { 0.0f, 4.0f, 0.0f } };
     int32_t triangles[] = { 0, 1, 2 };
     const wisp_mesh mesh = { .points = points, .triangles = triangles, .vertex_count = 3, .triangle_count = 1 };
@@ -207,9 +204,8 @@ static void the_cover_of_a_triangle_without_points_is_its_own( void** state )
     assert_int_equal( layer_find_edge( &view, 2, 1 ), 2 );
 }
 
-static void pictures_are_written_where_there_is_a_folder( void** state )
+TEST( pictures_are_written_where_there_is_a_folder )
 {
-    (void)state;
     static const char* const names[] = { "./boundary_body.png", "./boundary_inflation.png",
                                          "./boundary_spacing.png" };
     bench_options options = quick;
@@ -231,9 +227,8 @@ static void pictures_are_written_where_there_is_a_folder( void** state )
     results_free( &all );
 }
 
-static void the_sizes_of_the_case_are_those_of_the_contract( void** state )
+TEST( the_sizes_of_the_case_are_those_of_the_contract )
 {
-    (void)state;
     const boundary_plan plan = boundary_default_plan( &quick );
     assert_int_equal( plan.spacing_count, 5 );
     assert_true( plan.spacings[3] == 0.025f && plan.spacings[4] == 0.0125f );
@@ -255,20 +250,4 @@ static int make_results( void** state )
     return 0;
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( no_check_of_the_case_fails ),
-        cmocka_unit_test( counts_stand_beside_those_of_the_contract ),
-        cmocka_unit_test( edges_have_a_line_a_law ),
-        cmocka_unit_test( a_pulse_changes_more_than_standing_still_and_less_than_everything ),
-        cmocka_unit_test( long_steps_and_strong_gravity_have_a_line_each_and_a_layer_changes_nothing ),
-        cmocka_unit_test( rows_for_machines_are_there_for_every_worker_count ),
-        cmocka_unit_test( points_that_are_not_on_the_surface_or_not_as_many_are_seen ),
-        cmocka_unit_test( resampling_is_of_all_elements_and_gives_the_same_points ),
-        cmocka_unit_test( the_cover_of_a_triangle_without_points_is_its_own ),
-        cmocka_unit_test( pictures_are_written_where_there_is_a_folder ),
-        cmocka_unit_test( the_sizes_of_the_case_are_those_of_the_contract ),
-    };
-    return cmocka_run_group_tests_name( "bench boundary", tests, make_results, free_results );
-}
+TEST_GROUP( make_results, free_results )

@@ -24,9 +24,8 @@ static int count_suite_rows( const char* path )
     return count;
 }
 
-static void suites_of_the_case_are_read( void** state )
+TEST( suites_of_the_case_are_read )
 {
-    (void)state;
     static const char* const names[] = { "hang", "coarse_64", "coarse_128", "coarse_irregular", "passes" };
     for ( size_t i = 0; i < WISP_COUNT( names ); ++i )
     {
@@ -36,9 +35,8 @@ static void suites_of_the_case_are_read( void** state )
     }
 }
 
-static void a_folder_without_suites_is_an_error( void** state )
+TEST( a_folder_without_suites_is_an_error )
 {
-    (void)state;
     results all = { 0 };
     wisp_error error = { 0 };
     assert_int_equal( suite_bench_folder( "nowhere", 1.0, &quick, &all, &error ), WISP_IO_ERROR );
@@ -49,9 +47,8 @@ static void a_folder_without_suites_is_an_error( void** state )
 
 // ---- failures ----
 
-static void a_claim_that_is_not_met_is_a_message_and_no_failure( void** state )
+TEST( a_claim_that_is_not_met_is_a_message_and_no_failure )
 {
-    (void)state;
     results all = { 0 };
     results_add_claim( &all, false, "it is fast", 1.5, " times" );
     assert_false( all.failed );
@@ -77,9 +74,8 @@ static void run_suite( const char* name, int rows, results* all )
     suite_release( &suite );
 }
 
-static void the_balloon_shows_volume_pressure_and_memory_beside_time( void** state )
+TEST( the_balloon_shows_volume_pressure_and_memory_beside_time )
 {
-    (void)state;
     results all = { 0 };
     run_suite( "sizes", 2, &all );
     balloon_conclude( 0, 2, &all );
@@ -113,9 +109,8 @@ static bool fails_with_power( results* all, double power )
     return all->failed;
 }
 
-static void a_balloon_whose_time_is_not_linear_in_its_vertices_fails( void** state )
+TEST( a_balloon_whose_time_is_not_linear_in_its_vertices_fails )
 {
-    (void)state;
     results all = { 0 };
     run_suite( "sizes", 3, &all );
     assert_false( fails_with_power( &all, 1.0 ) );
@@ -124,9 +119,8 @@ static void a_balloon_whose_time_is_not_linear_in_its_vertices_fails( void** sta
     results_free( &all );
 }
 
-static void the_virial_pressure_is_near_that_of_even_scaling( void** state )
+TEST( the_virial_pressure_is_near_that_of_even_scaling )
 {
-    (void)state;
     results all = { 0 };
     run_suite( "pressure", 2, &all );
     const results_table* table = find_table( &all, "Suite `pressure`" );
@@ -138,9 +132,8 @@ static void the_virial_pressure_is_near_that_of_even_scaling( void** state )
     results_free( &all );
 }
 
-static void the_accuracy_of_a_step_is_as_promised( void** state )
+TEST( the_accuracy_of_a_step_is_as_promised )
 {
-    (void)state;
     static figures_fn* const one[] = { figures_hang_accuracy };
     results all = { 0 };
     wisp_error error = { 0 };
@@ -159,9 +152,8 @@ static void the_accuracy_of_a_step_is_as_promised( void** state )
     results_free( &all );
 }
 
-static void a_figure_that_is_not_met_fails_the_run( void** state )
+TEST( a_figure_that_is_not_met_fails_the_run )
 {
-    (void)state;
     static figures_fn* const small[] = { figures_two_particles, figures_links, figures_four_forces };
     results all = { 0 };
     wisp_error error = { 0 };
@@ -174,19 +166,4 @@ static void a_figure_that_is_not_met_fails_the_run( void** state )
     assert_true( all.failed );
     assert_true( has_note( &all, "FAILED: F0, an experiment: expected one; measured 2." ) );
     results_free( &all );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( suites_of_the_case_are_read ),
-        cmocka_unit_test( a_folder_without_suites_is_an_error ),
-        cmocka_unit_test( a_claim_that_is_not_met_is_a_message_and_no_failure ),
-        cmocka_unit_test( the_balloon_shows_volume_pressure_and_memory_beside_time ),
-        cmocka_unit_test( a_balloon_whose_time_is_not_linear_in_its_vertices_fails ),
-        cmocka_unit_test( the_virial_pressure_is_near_that_of_even_scaling ),
-        cmocka_unit_test( the_accuracy_of_a_step_is_as_promised ),
-        cmocka_unit_test( a_figure_that_is_not_met_fails_the_run ),
-    };
-    return cmocka_run_group_tests_name( "bench cloth", tests, NULL, NULL );
 }

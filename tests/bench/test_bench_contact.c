@@ -26,14 +26,14 @@ static double number( const results_table* table, int row, const char* column )
 
 // ---- tables ----
 
-static void no_check_of_the_case_fails( void** state )
+TEST( no_check_of_the_case_fails )
 {
     const results* all = *state;
     expect_good( all );
     assert_fits_terminal( all );
 }
 
-static void what_is_not_kept_apart_crosses_and_what_is_does_not( void** state )
+TEST( what_is_not_kept_apart_crosses_and_what_is_does_not )
 {
     const results_table* table = find_table( *state, "Suite `cost`: contact" );
     assert_true( number( table, row_of( table, "none" ), "max intersections" ) > 0.0 );
@@ -48,7 +48,7 @@ static const char* hash_of( const results* all, const char* suite, const char* r
     return named_cell( table, row_of( table, row ), "hash" );
 }
 
-static void a_larger_margin_has_more_pairs( void** state )
+TEST( a_larger_margin_has_more_pairs )
 {
     const results_table* table = find_table( *state, "Suite `cost`: contact" );
     const double one = number( table, row_of( table, "exact, margin=1" ), "pairs" );
@@ -57,7 +57,7 @@ static void a_larger_margin_has_more_pairs( void** state )
     assert_true( one < two && two < four );
 }
 
-static void a_ball_at_its_pace_folds_the_cloth_as_in_the_other_suite( void** state )
+TEST( a_ball_at_its_pace_folds_the_cloth_as_in_the_other_suite )
 {
     const char* pace = hash_of( *state, "Suite `motion`: the", "its pace, 0.54 m/s" );
     assert_string_equal( pace, hash_of( *state, "Suite `cost`: the", "exact, margin=1" ) );
@@ -67,7 +67,7 @@ static void a_ball_at_its_pace_folds_the_cloth_as_in_the_other_suite( void** sta
     assert_true( number( table, row_of( table, "its pace, 0.54 m/s" ), "contacts" ) > 0.0 );
 }
 
-static void balloons_overlap_only_where_nothing_keeps_them_apart( void** state )
+TEST( balloons_overlap_only_where_nothing_keeps_them_apart )
 {
     const results_table* table = find_table( *state, "Suite `pair`: contact" );
     assert_true( number( table, row_of( table, "none" ), "max overlap, mm" ) > 7.5 );
@@ -76,7 +76,7 @@ static void balloons_overlap_only_where_nothing_keeps_them_apart( void** state )
     assert_true( number( table, exact, "largest force, N" ) > 0.0 );
 }
 
-static void every_row_has_the_spread_of_its_times( void** state )
+TEST( every_row_has_the_spread_of_its_times )
 {
     const results_table* table = find_table( *state, "Suite `cost`: spread" );
     for ( int r = 1; r < table->row_count; ++r )
@@ -107,9 +107,8 @@ static bool is_refused( const char* name, const char* variant, const char* value
     return is_failed;
 }
 
-static void a_row_that_breaks_a_promise_is_a_failure( void** state )
+TEST( a_row_that_breaks_a_promise_is_a_failure )
 {
-    (void)state;
     assert_false( is_refused( "suite.cost", "none", "max_intersections", 9.0 ) );
     assert_true( is_refused( "suite.cost", "exact, margin=4", "max_intersections", 1.0 ) );
     assert_false( is_refused( "suite.cost", "exact, margin 2, no limit", "max_intersections", 1.0 ) );
@@ -150,9 +149,8 @@ static suite_overlap overlap_at( double distance )
     return found;
 }
 
-static void overlap_is_how_deep_a_vertex_is_in_the_other_balloon( void** state )
+TEST( overlap_is_how_deep_a_vertex_is_in_the_other_balloon )
 {
-    (void)state;
     // facets of a level 3 sphere are up to 0.6 % of the radius below it: the depth of a vertex may be smaller by that
     const double facet = 0.006 * RADIUS, expected = 0.4 * RADIUS + THICKNESS;
     const suite_overlap deep = overlap_at( 1.6 * RADIUS );
@@ -165,9 +163,8 @@ static void overlap_is_how_deep_a_vertex_is_in_the_other_balloon( void** state )
     assert_true( apart.depth == 0.0 && apart.missed == 0.0 && isnan( apart.wall_radius ) );
 }
 
-static void pictures_are_written_and_linked( void** state )
+TEST( pictures_are_written_and_linked )
 {
-    (void)state;
     char folder[] = "contact_pictures_XXXXXX";
     assert_non_null( mkdtemp( folder ) );
     bench_options options = quick;
@@ -222,18 +219,4 @@ static int make_results( void** state )
     return 0;
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( no_check_of_the_case_fails ),
-        cmocka_unit_test( what_is_not_kept_apart_crosses_and_what_is_does_not ),
-        cmocka_unit_test( a_larger_margin_has_more_pairs ),
-        cmocka_unit_test( a_ball_at_its_pace_folds_the_cloth_as_in_the_other_suite ),
-        cmocka_unit_test( balloons_overlap_only_where_nothing_keeps_them_apart ),
-        cmocka_unit_test( every_row_has_the_spread_of_its_times ),
-        cmocka_unit_test( a_row_that_breaks_a_promise_is_a_failure ),
-        cmocka_unit_test( overlap_is_how_deep_a_vertex_is_in_the_other_balloon ),
-        cmocka_unit_test( pictures_are_written_and_linked ),
-    };
-    return cmocka_run_group_tests_name( "bench contact", tests, make_results, free_results );
-}
+TEST_GROUP( make_results, free_results )

@@ -23,9 +23,8 @@ static bool has_row( const wisp_suite* suite, const char* label )
     return false;
 }
 
-static void the_suite_has_cloth_crowds_balloons_strands_and_sizes_to_a_million( void** state )
+TEST( the_suite_has_cloth_crowds_balloons_strands_and_sizes_to_a_million )
 {
-    (void)state;
     static const char* const labels[] = {
         "dropped on a ball",
         "hanging: n=256",
@@ -60,9 +59,8 @@ static void the_suite_has_cloth_crowds_balloons_strands_and_sizes_to_a_million( 
 }
 
 // Reading it checks that each row names things of the scene, which others than its suite change, and is a scene.
-static void the_suite_of_the_dressed_figure_is_one_row_more_than_its_effects( void** state )
+TEST( the_suite_of_the_dressed_figure_is_one_row_more_than_its_effects )
 {
-    (void)state;
     wisp_suite suite;
     wisp_error error = { 0 };
     assert_ok( suite_read( WISP_SOURCE_ROOT "/data/suites/character.yaml", &suite, &error ), error );
@@ -79,9 +77,8 @@ static void the_suite_of_the_dressed_figure_is_one_row_more_than_its_effects( vo
     suite_release( &suite );
 }
 
-static void every_quick_row_has_the_same_bits_with_one_worker_and_two( void** state )
+TEST( every_quick_row_has_the_same_bits_with_one_worker_and_two )
 {
-    (void)state;
     const bench_options quick = { .quick = true, .workers = 2, .seconds = 0.01 };
     results all = { 0 };
     wisp_error error = { 0 };
@@ -110,14 +107,4 @@ static void every_quick_row_has_the_same_bits_with_one_worker_and_two( void** st
     assert_string_equal( named_cell( costs, row_of( costs, "crowd, 800 of 8 x 8" ), "vertices" ), "51200" );
     assert_fits_terminal( &all );
     results_free( &all );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_suite_has_cloth_crowds_balloons_strands_and_sizes_to_a_million ),
-        cmocka_unit_test( the_suite_of_the_dressed_figure_is_one_row_more_than_its_effects ),
-        cmocka_unit_test( every_quick_row_has_the_same_bits_with_one_worker_and_two ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -24,9 +24,8 @@ static strands_plan small_plan( void )
 
 // ---- the scene ----
 
-static void strands_start_horizontal_with_their_roots_pinned( void** state )
+TEST( strands_start_horizontal_with_their_roots_pinned )
 {
-    (void)state;
     strands_shape few, many;
     strands_implementation implementation;
     wisp_error error = { 0 };
@@ -60,9 +59,8 @@ static void strands_start_horizontal_with_their_roots_pinned( void** state )
     strands_shape_free( &many );
 }
 
-static void a_nan_is_never_a_small_stretch( void** state )
+TEST( a_nan_is_never_a_small_stretch )
 {
-    (void)state;
     strands_shape shape;
     wisp_error error = { 0 };
     assert_ok( strands_shape_make_horizontal( 1, &shape, &error ), error );
@@ -76,9 +74,8 @@ static void a_nan_is_never_a_small_stretch( void** state )
 
 // ---- the tables ----
 
-static void the_comparison_has_a_line_a_setting_and_the_kernels_alone( void** state )
+TEST( the_comparison_has_a_line_a_setting_and_the_kernels_alone )
 {
-    (void)state;
     strands_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
@@ -161,9 +158,8 @@ static double error_of( const results* all, const char* variant, const char* val
 #define DISTANCE "RMS_distance_to_the_reference_mm"
 #define LOST "energy_lost_percent_of_released"
 
-static void more_substeps_come_nearer_to_the_reference_and_lose_less( void** state )
+TEST( more_substeps_come_nearer_to_the_reference_and_lose_less )
 {
-    (void)state;
     static const char* const rows[] = { "direct, substeps=1", "direct, substeps=4", "direct, substeps=10",
                                         "direct, substeps=40" };
     results all = { 0 };
@@ -177,9 +173,8 @@ static void more_substeps_come_nearer_to_the_reference_and_lose_less( void** sta
     results_free( &all );
 }
 
-static void lone_ghosts_without_sway_are_their_guides( void** state )
+TEST( lone_ghosts_without_sway_are_their_guides )
 {
-    (void)state;
     results all = { 0 };
     run_suite( "guides", "1 : ", &all );
     // 1:1 is the guide up to rounding; with more ghosts per guide they differ from simulated strands
@@ -196,9 +191,8 @@ static void lone_ghosts_without_sway_are_their_guides( void** state )
     results_free( &all );
 }
 
-static void a_million_vertices_are_held_to_their_claims( void** state )
+TEST( a_million_vertices_are_held_to_their_claims )
 {
-    (void)state;
     results all = { 0 };
     results_row* row = results_add_row( &all, "accuracy.million", "1 : 16" );
     row->workers = 2;
@@ -213,9 +207,8 @@ static void a_million_vertices_are_held_to_their_claims( void** state )
     results_free( &all );
 }
 
-static void the_stats_of_guide_hair_are_met( void** state )
+TEST( the_stats_of_guide_hair_are_met )
 {
-    (void)state;
     static figures_fn* const ghosts[] = {
         figures_ghost_centre, figures_ghost_sway,   figures_ghost_block,   figures_ghost_apart,
         figures_ghost_curves, figures_ghost_spread, figures_ghost_pairing,
@@ -228,9 +221,8 @@ static void the_stats_of_guide_hair_are_met( void** state )
     results_free( &all );
 }
 
-static void the_figures_of_frozen_hair_are_met_and_drawn( void** state )
+TEST( the_figures_of_frozen_hair_are_met_and_drawn )
 {
-    (void)state;
     static figures_fn* const frozen[] = { figures_frozen_intensity, figures_frozen_stiffness, figures_frozen_clumps };
     static const char* const files[] = { "frozen_hair_1_intensity.png", "frozen_hair_2_stiffness.png",
                                          "frozen_hair_3_clumps.png" };
@@ -253,9 +245,8 @@ static void the_figures_of_frozen_hair_are_met_and_drawn( void** state )
     results_free( &all );
 }
 
-static void pictures_of_ghosts_are_written( void** state )
+TEST( pictures_of_ghosts_are_written )
 {
-    (void)state;
     static figures_fn* const one[] = { figures_ghost_apart };
     bench_options options = quick;
     options.pictures = ".";
@@ -271,20 +262,4 @@ static void pictures_of_ghosts_are_written( void** state )
     assert_int_equal( all.picture_count, 1 );
     assert_string_equal( all.pictures[0].path, "./guide_hair_2c_centre.png" );
     results_free( &all );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( strands_start_horizontal_with_their_roots_pinned ),
-        cmocka_unit_test( a_nan_is_never_a_small_stretch ),
-        cmocka_unit_test( the_comparison_has_a_line_a_setting_and_the_kernels_alone ),
-        cmocka_unit_test( more_substeps_come_nearer_to_the_reference_and_lose_less ),
-        cmocka_unit_test( lone_ghosts_without_sway_are_their_guides ),
-        cmocka_unit_test( a_million_vertices_are_held_to_their_claims ),
-        cmocka_unit_test( the_stats_of_guide_hair_are_met ),
-        cmocka_unit_test( the_figures_of_frozen_hair_are_met_and_drawn ),
-        cmocka_unit_test( pictures_of_ghosts_are_written ),
-    };
-    return cmocka_run_group_tests_name( "bench strands", tests, NULL, NULL );
 }

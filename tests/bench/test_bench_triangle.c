@@ -20,7 +20,7 @@ static triangle_plan small_plan( void )
     };
 }
 
-static void every_cloth_that_is_timed_has_a_line_with_a_hash( void** state )
+TEST( every_cloth_that_is_timed_has_a_line_with_a_hash )
 {
     const results* all = *state;
     expect_good( all );
@@ -37,14 +37,14 @@ static void every_cloth_that_is_timed_has_a_line_with_a_hash( void** state )
     assert_int_equal( strlen( cell( table, 1, table->column_count - 1 ) ), 16 );
 }
 
-static void triangles_stand_beside_quads_with_the_source( void** state )
+TEST( triangles_stand_beside_quads_with_the_source )
 {
     const results_table* table = find_table( *state, "Triangles / quads" );
     assert_int_equal( table->row_count, 1 + 2 ); // one per worker count
     assert_string_equal( cell( table, 2, 1 ), "2" );
 }
 
-static void growth_has_a_line_a_size_and_an_exponent( void** state )
+TEST( growth_has_a_line_a_size_and_an_exponent )
 {
     const results* all = *state;
     const results_table* table = find_table( all, "Growth of conjugate gradients" );
@@ -53,7 +53,7 @@ static void growth_has_a_line_a_size_and_an_exponent( void** state )
     assert_int_equal( count_rows( all, "paper.triangle_growth", "exponent" ), 1 );
 }
 
-static void rows_for_machines_are_there_for_every_worker_count( void** state )
+TEST( rows_for_machines_are_there_for_every_worker_count )
 {
     const results* all = *state;
     assert_int_equal( count_rows( all, "paper.triangle_cloth", "source" ), 2 );
@@ -61,9 +61,8 @@ static void rows_for_machines_are_there_for_every_worker_count( void** state )
     assert_int_equal( count_rows( all, "paper.triangle_cloth", "triangles" ), 2 + 1 ); // 150 vertices are not timed
 }
 
-static void the_sizes_of_the_case_are_those_of_the_source_and_beyond( void** state )
+TEST( the_sizes_of_the_case_are_those_of_the_source_and_beyond )
 {
-    (void)state;
     bench_options options = quick;
     options.seconds = 40.0;
     const triangle_plan full = triangle_default_plan( &options );
@@ -89,14 +88,4 @@ static int make_results( void** state )
     return 0;
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_cloth_that_is_timed_has_a_line_with_a_hash ),
-        cmocka_unit_test( triangles_stand_beside_quads_with_the_source ),
-        cmocka_unit_test( growth_has_a_line_a_size_and_an_exponent ),
-        cmocka_unit_test( rows_for_machines_are_there_for_every_worker_count ),
-        cmocka_unit_test( the_sizes_of_the_case_are_those_of_the_source_and_beyond ),
-    };
-    return cmocka_run_group_tests_name( "bench triangle", tests, make_results, free_results );
-}
+TEST_GROUP( make_results, free_results )

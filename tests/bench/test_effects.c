@@ -155,9 +155,8 @@ static void assert_sum_of_parts( const int* chosen, int count )
 
 // ---- plans ----
 
-static void an_empty_scene_has_no_pass( void** state )
+TEST( an_empty_scene_has_no_pass )
 {
-    (void)state;
     char text[EFFECT_PLAN_MAX];
     effect_world* world = open_world( NULL, 0, true, false, 0 );
     read_plan( world, text );
@@ -189,9 +188,8 @@ static void write_plans( void )
 }
 
 // WISP_GOLDEN=write in the environment rewrites the file first.
-static void each_effect_alone_has_the_passes_that_are_written_down_and_no_other( void** state )
+TEST( each_effect_alone_has_the_passes_that_are_written_down_and_no_other )
 {
-    (void)state;
     const char* mode = getenv( "WISP_GOLDEN" );
     if ( mode != NULL && strcmp( mode, "write" ) == 0 )
     {
@@ -211,9 +209,8 @@ static void each_effect_alone_has_the_passes_that_are_written_down_and_no_other(
     assert_int_equal( lines, known.count );
 }
 
-static void the_plan_of_every_pair_is_that_of_its_parts_together( void** state )
+TEST( the_plan_of_every_pair_is_that_of_its_parts_together )
 {
-    (void)state;
     for ( int i = 0; i < known.count; ++i )
     {
         for ( int k = i + 1; k < known.count; ++k )
@@ -223,9 +220,8 @@ static void the_plan_of_every_pair_is_that_of_its_parts_together( void** state )
     }
 }
 
-static void the_plan_of_all_effects_is_that_of_all_parts( void** state )
+TEST( the_plan_of_all_effects_is_that_of_all_parts )
 {
-    (void)state;
     int chosen[EFFECT_SCENES_MAX];
     for ( int i = 0; i < known.count; ++i )
     {
@@ -284,9 +280,8 @@ static void assert_same_world( int which, bool is_on )
     effect_world_close( used );
 }
 
-static void modules_that_nobody_asks_for_change_neither_plan_nor_bits_nor_memory( void** state )
+TEST( modules_that_nobody_asks_for_change_neither_plan_nor_bits_nor_memory )
 {
-    (void)state;
     for ( int i = 0; i < known.count; ++i )
     {
         assert_same_world( i, true );
@@ -294,9 +289,8 @@ static void modules_that_nobody_asks_for_change_neither_plan_nor_bits_nor_memory
     }
 }
 
-static void an_empty_world_grows_by_its_registry_alone( void** state )
+TEST( an_empty_world_grows_by_its_registry_alone )
 {
-    (void)state;
     effect_world *every = open_world( NULL, 0, true, false, 3 ), *none = open_world( NULL, 0, true, true, 3 );
     assert_int_equal( none->world.module_count, 0 );
     assert_int_equal( effect_world_bytes( every ), 0 );
@@ -308,9 +302,8 @@ static void an_empty_world_grows_by_its_registry_alone( void** state )
 // ---- scenes and the case ----
 
 // A scene in which its effect does nothing would prove nothing.
-static void every_effect_that_moves_something_moves_it( void** state )
+TEST( every_effect_that_moves_something_moves_it )
 {
-    (void)state;
     static const char* const STILL[] = { "boundary", "environment",
                                          "strand_appearance" }; // their outputs are not points
     for ( int i = 0; i < known.count; ++i )
@@ -334,9 +327,8 @@ static void every_effect_that_moves_something_moves_it( void** state )
     }
 }
 
-static void the_case_has_a_line_for_each_effect_and_no_failure( void** state )
+TEST( the_case_has_a_line_for_each_effect_and_no_failure )
 {
-    (void)state;
     static results all;
     const bench_options options = { .quick = true };
     const effects_plan sizes = {
@@ -381,17 +373,4 @@ static void the_case_has_a_line_for_each_effect_and_no_failure( void** state )
     results_free( &all );
 }
 
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( an_empty_scene_has_no_pass ),
-        cmocka_unit_test( each_effect_alone_has_the_passes_that_are_written_down_and_no_other ),
-        cmocka_unit_test( the_plan_of_every_pair_is_that_of_its_parts_together ),
-        cmocka_unit_test( the_plan_of_all_effects_is_that_of_all_parts ),
-        cmocka_unit_test( modules_that_nobody_asks_for_change_neither_plan_nor_bits_nor_memory ),
-        cmocka_unit_test( an_empty_world_grows_by_its_registry_alone ),
-        cmocka_unit_test( every_effect_that_moves_something_moves_it ),
-        cmocka_unit_test( the_case_has_a_line_for_each_effect_and_no_failure ),
-    };
-    return cmocka_run_group_tests( tests, read_effects, release_effects );
-}
+TEST_GROUP( read_effects, release_effects )

@@ -12,9 +12,8 @@ static void run_quickly( figures_fn* experiment, results* out )
     assert_ok( figures_run( experiments, 1, &quick, out, &error ), error );
 }
 
-static void a_free_cloth_never_rises_above_its_least_energy( void** state )
+TEST( a_free_cloth_never_rises_above_its_least_energy )
 {
-    (void)state;
     results all = { 0 };
     run_quickly( figures_free_flight, &all );
     expect_good( &all );
@@ -33,20 +32,10 @@ static void a_free_cloth_never_rises_above_its_least_energy( void** state )
     results_free( &all );
 }
 
-static void cloth_on_a_ball_meets_what_the_figures_show( void** state )
+TEST( cloth_on_a_ball_meets_what_the_figures_show )
 {
-    (void)state;
     results all = { 0 };
     run_quickly( figures_drape, &all );
     expect_good( &all );
     results_free( &all );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_free_cloth_never_rises_above_its_least_energy ),
-        cmocka_unit_test( cloth_on_a_ball_meets_what_the_figures_show ),
-    };
-    return cmocka_run_group_tests_name( "figures of Noh and Jung", tests, NULL, NULL );
 }

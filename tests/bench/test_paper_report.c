@@ -38,9 +38,8 @@ static bool has_note( const results* all, const char* text )
     return found;
 }
 
-static void a_line_passes_however_slow_it_is( void** state )
+TEST( a_line_passes_however_slow_it_is )
 {
-    (void)state;
     results all = { .failed = false };
     const paper_table table = made_table( 1.0, 500.0 );
     paper_report( &table, &all );
@@ -49,9 +48,8 @@ static void a_line_passes_however_slow_it_is( void** state )
     results_free( &all );
 }
 
-static void time_that_is_no_line_fails( void** state )
+TEST( time_that_is_no_line_fails )
 {
-    (void)state;
     results all = { .failed = false };
     const paper_table table = made_table( 2.0, 0.05 );
     paper_report( &table, &all );
@@ -60,9 +58,8 @@ static void time_that_is_no_line_fails( void** state )
     results_free( &all );
 }
 
-static void too_few_neighbours_fail( void** state )
+TEST( too_few_neighbours_fail )
 {
-    (void)state;
     results all = { .failed = false };
     paper_table table = made_table( 1.0, 0.05 );
     table.lines[4].neighbours = 9.9;
@@ -70,14 +67,4 @@ static void too_few_neighbours_fail( void** state )
     assert_true( all.failed );
     assert_true( has_note( &all, "10000 strands have 9.9 neighbours per vertex, expected at least 10" ) );
     results_free( &all );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_line_passes_however_slow_it_is ),
-        cmocka_unit_test( time_that_is_no_line_fails ),
-        cmocka_unit_test( too_few_neighbours_fail ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

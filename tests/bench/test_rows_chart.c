@@ -12,9 +12,8 @@ static void add_row( results* all, const char* name, const char* variant, int wo
     row->steps = 5;
 }
 
-static void rows_become_a_series_for_each_variant_and_worker_count( void** state )
+TEST( rows_become_a_series_for_each_variant_and_worker_count )
 {
-    (void)state;
     results all = { .failed = false };
     add_row( &all, "race", "old", 1, 1.0, 1.0 ); // before the first
     for ( int i = 1; i <= 2; ++i )
@@ -48,9 +47,8 @@ static double error_of( const results_row* row )
     return rows_error( row, "miss" );
 }
 
-static void the_front_is_what_nothing_beats( void** state )
+TEST( the_front_is_what_nothing_beats )
 {
-    (void)state;
     static const struct
     {
         double ms, miss;
@@ -81,13 +79,4 @@ static void the_front_is_what_nothing_beats( void** state )
         assert_string_equal( series->points[i].label, all.rows[i].variant );
     }
     results_free( &all );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( rows_become_a_series_for_each_variant_and_worker_count ),
-        cmocka_unit_test( the_front_is_what_nothing_beats ),
-    };
-    return cmocka_run_group_tests_name( "rows chart", tests, NULL, NULL );
 }

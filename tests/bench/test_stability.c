@@ -6,9 +6,8 @@
 
 #include <math.h>
 
-static void what_breaks_without_being_known_fails_and_so_does_what_holds_and_is_known( void** state )
+TEST( what_breaks_without_being_known_fails_and_so_does_what_holds_and_is_known )
 {
-    (void)state;
     static const struct
     {
         stability_check broke;
@@ -31,9 +30,8 @@ static void what_breaks_without_being_known_fails_and_so_does_what_holds_and_is_
     }
 }
 
-static void every_quick_row_holds_or_breaks_as_its_suite_says( void** state )
+TEST( every_quick_row_holds_or_breaks_as_its_suite_says )
 {
-    (void)state;
     const bench_options quick = { .quick = true, .workers = 2 };
     results all = { 0 };
     wisp_error error = { 0 };
@@ -46,13 +44,4 @@ static void every_quick_row_holds_or_breaks_as_its_suite_says( void** state )
     assert_true( all.row_count > 50 );
     results_free( &all );
     assert_false( failed );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( what_breaks_without_being_known_fails_and_so_does_what_holds_and_is_known ),
-        cmocka_unit_test( every_quick_row_holds_or_breaks_as_its_suite_says ),
-    };
-    return cmocka_run_group_tests_name( "bench stability", tests, NULL, NULL );
 }

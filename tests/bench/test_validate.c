@@ -9,18 +9,16 @@
 
 #include <math.h>
 
-static void critical_loads_are_those_of_the_literature( void** state )
+TEST( critical_loads_are_those_of_the_literature )
 {
-    (void)state;
     // Greenhill: 9/4 of the square of the first zero of the Bessel function J_(-1/3), 1.866350859
     assert_true( fabs( slender_column_load() - 2.25 * 1.866350859 * 1.866350859 ) < 1e-6 );
     // Timoshenko and Gere, Theory of Elastic Stability, section 6.3: 12.85
     assert_true( fabs( slender_blade_load() - 12.85 ) < 0.01 );
 }
 
-static void the_elastica_has_the_numbers_of_the_closed_form( void** state )
+TEST( the_elastica_has_the_numbers_of_the_closed_form )
 {
-    (void)state;
     // G, drop and reach of the length, by another integration in double
     static const double known[][3] = { { 1.0, 0.12347140, 0.99124640 },
                                        { 10.0, 0.70019972, 0.65635376 },
@@ -36,9 +34,8 @@ static void the_elastica_has_the_numbers_of_the_closed_form( void** state )
 }
 
 // Tips at rest, by each solver, in lengths from theory. 16 cells leave 0.35 % at G = 10.
-static void every_solver_bends_a_cantilever_to_the_elastica( void** state )
+TEST( every_solver_bends_a_cantilever_to_the_elastica )
 {
-    (void)state;
     const double load = 10.0;
     double exact[2][2];
     elastica_lay( load, 2, exact );
@@ -69,9 +66,8 @@ static void every_solver_bends_a_cantilever_to_the_elastica( void** state )
 }
 
 // Three percent below the critical load a column swings back, three percent above it goes on.
-static void a_column_stands_below_its_load_and_falls_above( void** state )
+TEST( a_column_stands_below_its_load_and_falls_above )
 {
-    (void)state;
     const double loads[] = { 0.97 * slender_column_load(), 1.03 * slender_column_load() };
     const validate_def def = {
         .solver = VALIDATE_ROD,
@@ -110,9 +106,8 @@ static void put_row( results* all, const char* variant, double error, double oth
 }
 
 // Of a solver with several settings the least error counts, and one without an error is no error of 0.
-static void an_overview_has_the_least_and_the_largest_error_of_each_solver( void** state )
+TEST( an_overview_has_the_least_and_the_largest_error_of_each_solver )
 {
-    (void)state;
     results all = { .failed = false };
     char summary[400];
     const int table = validate_begin_overview( &all );
@@ -138,9 +133,8 @@ static void an_overview_has_the_least_and_the_largest_error_of_each_solver( void
     results_free( &all );
 }
 
-static void each_case_says_what_it_tests_and_where_its_answer_is_from( void** state )
+TEST( each_case_says_what_it_tests_and_where_its_answer_is_from )
 {
-    (void)state;
     int count;
     const validate_case* cases = validate_cases( &count );
     assert_true( count >= 6 && count <= 64 );
@@ -153,17 +147,4 @@ static void each_case_says_what_it_tests_and_where_its_answer_is_from( void** st
             assert_true( texts[k] != NULL && texts[k][0] != '\0' );
         }
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_elastica_has_the_numbers_of_the_closed_form ),
-        cmocka_unit_test( critical_loads_are_those_of_the_literature ),
-        cmocka_unit_test( every_solver_bends_a_cantilever_to_the_elastica ),
-        cmocka_unit_test( a_column_stands_below_its_load_and_falls_above ),
-        cmocka_unit_test( an_overview_has_the_least_and_the_largest_error_of_each_solver ),
-        cmocka_unit_test( each_case_says_what_it_tests_and_where_its_answer_is_from ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

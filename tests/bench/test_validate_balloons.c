@@ -13,9 +13,8 @@ static const double PI = 3.14159265358979323846;
 
 // ---- theory ----
 
-static void a_mylar_balloon_has_the_sizes_of_the_literature( void** state )
+TEST( a_mylar_balloon_has_the_sizes_of_the_literature )
 {
-    (void)state;
     // Mladenov and Oprea 2003: r = 0.7627 a, thickness 0.5991 diameters, V = 1.2185 a^3; Paulsen 1994: thickness 0.9139 a
     const balloon_theory_mylar exact = balloon_theory_mylar_shape();
     assert_true( fabs( exact.radius - 0.7627 ) < 1e-4 );
@@ -37,9 +36,8 @@ static double linear_pressure( const void* context, double gas_volume )
 }
 
 // At one pressure all gas leaves with one speed, so momentum is its mass times that. 0.01 m^3 of 2 kg/m^3 at 100 Pa: 10 m/s, and 0.2 N s.
-static void a_jet_of_constant_pressure_gives_the_momentum_of_its_gas( void** state )
+TEST( a_jet_of_constant_pressure_gives_the_momentum_of_its_gas )
 {
-    (void)state;
     const double pressure = 100.0;
     const balloon_theory_jet jet = { constant_pressure, &pressure, 2.0, 0.5, 1e-4 };
     const balloon_theory_flow flow = balloon_theory_empty( &jet, 0.03, 0.02 );
@@ -49,9 +47,8 @@ static void a_jet_of_constant_pressure_gives_the_momentum_of_its_gas( void** sta
 
 // A tank whose pressure falls with its content drains like Torricelli's: the last drop takes as long as if the flow of the start had
 // gone on for twice the time.
-static void a_tank_drains_in_twice_the_time_of_its_first_flow( void** state )
+TEST( a_tank_drains_in_twice_the_time_of_its_first_flow )
 {
-    (void)state;
     const double slope = 1000.0;
     const balloon_theory_jet jet = { linear_pressure, &slope, 2.0, 0.5, 1e-4 };
     const balloon_theory_flow flow = balloon_theory_empty( &jet, 0.1, 0.0 );
@@ -60,9 +57,8 @@ static void a_tank_drains_in_twice_the_time_of_its_first_flow( void** state )
 }
 
 // The integral of each law over a sphere, by rings.
-static void laws_of_drag_have_their_factor_on_a_sphere( void** state )
+TEST( laws_of_drag_have_their_factor_on_a_sphere )
 {
-    (void)state;
     enum
     {
         RINGS = 20000,
@@ -83,15 +79,13 @@ static void laws_of_drag_have_their_factor_on_a_sphere( void** state )
 }
 
 // A sphere of 1 m^2 frontal area and C = 1 in air of 2 kg/m^3: 9 N at 3 m/s.
-static void drag_holds_a_force_at_the_terminal_speed( void** state )
+TEST( drag_holds_a_force_at_the_terminal_speed )
 {
-    (void)state;
     assert_true( fabs( balloon_theory_terminal_speed( 9.0, 2.0, 1.0, sqrt( 1.0 / PI ) ) - 3.0 ) < 1e-12 );
 }
 
-static void a_full_sphere_holds_the_pressure_of_its_gas( void** state )
+TEST( a_full_sphere_holds_the_pressure_of_its_gas )
 {
-    (void)state;
     const balloon_theory_sphere sphere = { 0.15, 2000.0, 20.0, 101325.0, 1.2 };
     const double s = balloon_theory_sphere_scale( &sphere );
     // Boyle: p V = P_atm V_0
@@ -103,9 +97,8 @@ static void a_full_sphere_holds_the_pressure_of_its_gas( void** state )
 
 // ---- the foil ----
 
-static void foils_are_closed_and_have_the_volume_between_two_parabolas( void** state )
+TEST( foils_are_closed_and_have_the_volume_between_two_parabolas )
 {
-    (void)state;
     for ( int mesh = 0; mesh < VALIDATE_FOIL_COUNT; ++mesh )
     {
         const validate_foil foil = { (validate_foil_mesh)mesh, 24, 0.2, 0.01 };
@@ -141,9 +134,8 @@ static accuracy_run observe_case( accuracy_scene_fn* make, const char* setting )
 }
 
 // 0.4 % were measured, and 52 % with springs that resist compression.
-static void a_foil_that_wrinkles_becomes_a_mylar_balloon( void** state )
+TEST( a_foil_that_wrinkles_becomes_a_mylar_balloon )
 {
-    (void)state;
     assert_true(
         observe_case( validate_mylar, "strain limit, spokes, 8 rings, 40 substeps, p a / k = 100, 5 Pa" ).error <
         2.0 );
@@ -153,9 +145,8 @@ static void a_foil_that_wrinkles_becomes_a_mylar_balloon( void** state )
 }
 
 // 0.7 % with 80 substeps and 12 % with 5.
-static void a_jet_gives_the_speed_of_bernoulli( void** state )
+TEST( a_jet_gives_the_speed_of_bernoulli )
 {
-    (void)state;
     accuracy_scene scene;
     expect_made( validate_jet, &scene );
     const char* const name = "xpbd skin, xpbd gas, virial pressure, level 0, %d substeps, 160 mm2";
@@ -170,16 +161,14 @@ static void a_jet_gives_the_speed_of_bernoulli( void** state )
 }
 
 // The distance of two loads is 0.4 %, and their middle is off by half of it.
-static void slack_helium_lifts_what_its_mesh_displaces( void** state )
+TEST( slack_helium_lifts_what_its_mesh_displaces )
 {
-    (void)state;
     assert_true( observe_case( validate_lift_off, "xpbd skin, xpbd gas, fill 1, level 1, 20 substeps" ).error <
                  0.21 );
 }
 
-static void a_balloon_rises_at_the_speed_of_its_drag( void** state )
+TEST( a_balloon_rises_at_the_speed_of_its_drag )
 {
-    (void)state;
     accuracy_scene scene;
     expect_made( validate_rising_balloon, &scene );
     assert_true( observe( &scene, "xpbd skin, xpbd gas, drag max, level 3, 20 substeps" ).error < 1.0 );
@@ -198,9 +187,8 @@ enum
     OWN_VOLUME,
 };
 
-static void pressure_comes_to_the_closed_form_at_second_order( void** state )
+TEST( pressure_comes_to_the_closed_form_at_second_order )
 {
-    (void)state;
     accuracy_scene inflate;
     expect_made( validate_inflate, &inflate );
     static const char* const readings[] = { "virial", "multiplier" };
@@ -223,9 +211,8 @@ static void pressure_comes_to_the_closed_form_at_second_order( void** state )
 }
 
 // An icosahedron swells evenly, so its tensions and its volume correspond, apart from the error of the solver.
-static void an_icosahedron_is_as_even_as_the_closed_form_requests( void** state )
+TEST( an_icosahedron_is_as_even_as_the_closed_form_requests )
 {
-    (void)state;
     accuracy_scene inflate;
     expect_made( validate_inflate, &inflate );
     const accuracy_run regular = observe( &inflate, "xpbd, virial, 400 x 1" );
@@ -238,9 +225,8 @@ static void an_icosahedron_is_as_even_as_the_closed_form_requests( void** state 
 
 // At rest the constraint gives P_atm ( V_0 - V ) / V_0 and the reading by the gas law P_atm ( V_0 - V ) / V: p /
 // P_atm more.
-static void the_gas_law_reads_what_the_constraint_does_not_hold( void** state )
+TEST( the_gas_law_reads_what_the_constraint_does_not_hold )
 {
-    (void)state;
     accuracy_scene inflate;
     expect_made( validate_inflate, &inflate );
     const accuracy_run run = observe( &inflate, "xpbd, gas law, 400 x 1" );
@@ -252,9 +238,8 @@ static void the_gas_law_reads_what_the_constraint_does_not_hold( void** state )
 
 // A stiffness in (0, 1] depends on the substep: more substeps make the skin of the balloon paper rigid, so that it
 // departs from the reference.
-static void the_forms_of_the_source_do_not_converge_with_substeps( void** state )
+TEST( the_forms_of_the_source_do_not_converge_with_substeps )
 {
-    (void)state;
     accuracy_scene inflate;
     expect_made( validate_inflate, &inflate );
     const accuracy_run few = observe( &inflate, "pbd skin, xpbd volume, virial, 10 x 10" );
@@ -263,9 +248,8 @@ static void the_forms_of_the_source_do_not_converge_with_substeps( void** state 
     free_scene( &inflate );
 }
 
-static void settings_of_a_case_differ_and_do_not_depend_on_workers( void** state )
+TEST( settings_of_a_case_differ_and_do_not_depend_on_workers )
 {
-    (void)state;
     static accuracy_scene_fn* const cases[] = { validate_inflate, validate_mylar, validate_jet, validate_lift_off,
                                                 validate_rising_balloon };
     static const char* const quick[] = { "pbd skin, pbd volume, virial, 10 x 10",
@@ -281,27 +265,4 @@ static void settings_of_a_case_differ_and_do_not_depend_on_workers( void** state
         expect_one_hash( &scene, quick[i] );
         free_scene( &scene );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_mylar_balloon_has_the_sizes_of_the_literature ),
-        cmocka_unit_test( a_jet_of_constant_pressure_gives_the_momentum_of_its_gas ),
-        cmocka_unit_test( a_tank_drains_in_twice_the_time_of_its_first_flow ),
-        cmocka_unit_test( laws_of_drag_have_their_factor_on_a_sphere ),
-        cmocka_unit_test( drag_holds_a_force_at_the_terminal_speed ),
-        cmocka_unit_test( a_full_sphere_holds_the_pressure_of_its_gas ),
-        cmocka_unit_test( foils_are_closed_and_have_the_volume_between_two_parabolas ),
-        cmocka_unit_test( a_foil_that_wrinkles_becomes_a_mylar_balloon ),
-        cmocka_unit_test( a_jet_gives_the_speed_of_bernoulli ),
-        cmocka_unit_test( slack_helium_lifts_what_its_mesh_displaces ),
-        cmocka_unit_test( a_balloon_rises_at_the_speed_of_its_drag ),
-        cmocka_unit_test( pressure_comes_to_the_closed_form_at_second_order ),
-        cmocka_unit_test( an_icosahedron_is_as_even_as_the_closed_form_requests ),
-        cmocka_unit_test( the_gas_law_reads_what_the_constraint_does_not_hold ),
-        cmocka_unit_test( the_forms_of_the_source_do_not_converge_with_substeps ),
-        cmocka_unit_test( settings_of_a_case_differ_and_do_not_depend_on_workers ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -16,9 +16,8 @@
 
 // Without a curl it is a column that stands on its clamp, whatever its twist. It is made stiffer in the plane, in which it would give way
 // at the same weight. Greenhill 1881: 9/4 of the square of the first zero of the Bessel function J_(-1/3), 1.866350859.
-static void a_straight_rod_upside_down_is_the_column_of_greenhill( void** state )
+TEST( a_straight_rod_upside_down_is_the_column_of_greenhill )
 {
-    (void)state;
     const double greenhill = 2.25 * 1.866350859 * 1.866350859;
     for ( double twist = 0.5; twist < 3.0; twist *= 2.0 )
     {
@@ -28,9 +27,8 @@ static void a_straight_rod_upside_down_is_the_column_of_greenhill( void** state 
 }
 
 // Level and very stiff in the plane it is the blade of Michell and Prandtl (1899): rho g L^3 = 12.85 sqrt( EI GJ ).
-static void a_level_stiff_rod_is_the_blade_of_michell_and_prandtl( void** state )
+TEST( a_level_stiff_rod_is_the_blade_of_michell_and_prandtl )
 {
-    (void)state;
     for ( double twist = 0.5; twist < 3.0; twist *= 2.0 )
     {
         const curl_rod rod = { .weight = 30.0, .twist = twist, .in_plane = 1e6, .clamp = HALF_PI };
@@ -38,9 +36,8 @@ static void a_level_stiff_rod_is_the_blade_of_michell_and_prandtl( void** state 
     }
 }
 
-static void a_level_straight_rod_is_the_heavy_elastica( void** state )
+TEST( a_level_straight_rod_is_the_heavy_elastica )
 {
-    (void)state;
     const curl_rod rod = { .weight = 10.0, .twist = 1.0, .in_plane = 1.0, .clamp = HALF_PI };
     curl_shape shape;
     double exact[2][2];
@@ -50,9 +47,8 @@ static void a_level_straight_rod_is_the_heavy_elastica( void** state )
 }
 
 // To first order in the weight, theta( 1 ) = curl - G times the integral of s (1 - s) sin( curl s ), which has a closed form.
-static void a_light_curl_follows_its_perturbation( void** state )
+TEST( a_light_curl_follows_its_perturbation )
 {
-    (void)state;
     const double curl = 5.0, weight = 1e-4;
     const double slope = 2.0 * ( 1.0 - cos( curl ) ) / pow( curl, 3.0 ) - sin( curl ) / ( curl * curl );
     const curl_rod rod = { .curl = curl, .weight = weight, .twist = 1.0, .in_plane = 1.0 };
@@ -166,9 +162,8 @@ static bool can_fall( const curl_rod* rod, const curl_shape* shape )
 }
 
 // The weight at which the discrete rod becomes unstable is within 1 % of Jacobi's condition: 64 links leave 0.3 %.
-static void the_energy_of_a_discrete_rod_loses_its_minimum_at_the_critical_weight( void** state )
+TEST( the_energy_of_a_discrete_rod_loses_its_minimum_at_the_critical_weight )
 {
-    (void)state;
     static const double curls[] = { 7.0, 9.0, 11.0 };
     for ( int i = 0; i < WISP_COUNT( curls ); ++i )
     {
@@ -188,9 +183,8 @@ static void the_energy_of_a_discrete_rod_loses_its_minimum_at_the_critical_weigh
 
 // Near its straight state the rod carries the first load of a column between a clamp and a hinge, the square of the first root of tan q =
 // q, 4.493409458, and the ratio of its forces is the angle of its tip over 1 + sqrt( 1 + q^2 ) (Timoshenko and Gere 1961, section 2.2).
-static void a_rod_that_hardly_bows_has_the_load_of_a_column( void** state )
+TEST( a_rod_that_hardly_bows_has_the_load_of_a_column )
 {
-    (void)state;
     const double q = 4.493409458;
     slip_shape shape;
     assert_true( slip_stand( 0.9999, 0.0, &shape ) );
@@ -202,9 +196,8 @@ static void a_rod_that_hardly_bows_has_the_load_of_a_column( void** state )
 // Angles of the elastica in elliptic integrals (Love 1927, article 263). With psi from the direction of the force, sin( psi / 2 ) = k
 // sin( phi ) and phi' = sqrt( F ) sqrt( 1 - k^2 sin^2 phi ). From the clamp psi rises to its largest at phi = pi / 2, where the rod is straight,
 // and falls to its smallest at 3 pi / 2, which is the tip. Integrated over phi, the rod has its length, and its tip the place along the force.
-static void the_bowed_rod_obeys_the_elliptic_integrals( void** state )
+TEST( the_bowed_rod_obeys_the_elliptic_integrals )
 {
-    (void)state;
     enum
     {
         STEPS = 2000,
@@ -240,9 +233,8 @@ static wisp_vec3 tip_of( validate_bodies* bodies, int body )
 }
 
 // Four percent below the critical weight a curl swings back into its plane, eight above it does not: 32 cells with 64 substeps leave 2 %.
-static void a_curl_stays_in_its_plane_below_its_weight_and_leaves_it_above( void** state )
+TEST( a_curl_stays_in_its_plane_below_its_weight_and_leaves_it_above )
 {
-    (void)state;
     enum
     {
         CELLS = 32,
@@ -294,9 +286,8 @@ static void a_curl_stays_in_its_plane_below_its_weight_and_leaves_it_above( void
 
 // Ten percent below the critical friction a tip slips and goes on, ten above it sticks, at two heights of the clamp: 8 cells leave 4 %. Cloth
 // moves by 0.0002 before it sticks.
-static void every_solver_slips_below_the_critical_friction_and_sticks_above( void** state )
+TEST( every_solver_slips_below_the_critical_friction_and_sticks_above )
 {
-    (void)state;
     enum
     {
         CELLS = 8,
@@ -345,20 +336,4 @@ static void every_solver_slips_below_the_critical_friction_and_sticks_above( voi
         validate_release( &bodies );
         free( out.ms );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_straight_rod_upside_down_is_the_column_of_greenhill ),
-        cmocka_unit_test( a_level_stiff_rod_is_the_blade_of_michell_and_prandtl ),
-        cmocka_unit_test( a_level_straight_rod_is_the_heavy_elastica ),
-        cmocka_unit_test( a_light_curl_follows_its_perturbation ),
-        cmocka_unit_test( the_energy_of_a_discrete_rod_loses_its_minimum_at_the_critical_weight ),
-        cmocka_unit_test( a_rod_that_hardly_bows_has_the_load_of_a_column ),
-        cmocka_unit_test( the_bowed_rod_obeys_the_elliptic_integrals ),
-        cmocka_unit_test( a_curl_stays_in_its_plane_below_its_weight_and_leaves_it_above ),
-        cmocka_unit_test( every_solver_slips_below_the_critical_friction_and_sticks_above ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -14,9 +14,8 @@ static const double PI = 3.14159265358979323846;
 
 // ---- theory ----
 
-static void the_catenary_has_the_sag_of_tables_of_hyperbolic_functions( void** state )
+TEST( the_catenary_has_the_sag_of_tables_of_hyperbolic_functions )
 {
-    (void)state;
     // with a = 1 and supports at x = -1 and 1 the length is 2 sinh 1 and the sag cosh 1 - 1
     const double length = 2.0 * 1.1752011936, sag = 0.5430806348;
     double middle[2], end[2], quarter[2];
@@ -29,9 +28,8 @@ static void the_catenary_has_the_sag_of_tables_of_hyperbolic_functions( void** s
     assert_true( fabs( quarter[0] - 0.5 / length ) < 1e-9 );
 }
 
-static void friction_holds_below_its_angle_and_lets_slide_above( void** state )
+TEST( friction_holds_below_its_angle_and_lets_slide_above )
 {
-    (void)state;
     const double degree = PI / 180.0;
     // 30 degrees: half of g without friction; atan( 0.5 ) is 26.565 degrees
     assert_true( fabs( sheet_slide( 9.81, 30.0 * degree, 0.0 ) - 4.905 ) < 1e-9 );
@@ -40,18 +38,16 @@ static void friction_holds_below_its_angle_and_lets_slide_above( void** state )
     assert_true( sheet_slide( 9.81, 26.57 * degree, 0.5 ) < 2e-3 );
 }
 
-static void a_fall_through_air_begins_as_a_free_one_and_ends_at_its_terminal_speed( void** state )
+TEST( a_fall_through_air_begins_as_a_free_one_and_ends_at_its_terminal_speed )
 {
-    (void)state;
     const double terminal = sheet_terminal_speed( 2.0, 1.25, 0.8, 4.0 );
     assert_true( fabs( terminal - 1.0 ) < 1e-12 ); // 1/2 1.25 0.8 4 = 2
     assert_true( fabs( sheet_fall_speed( terminal, 10.0, 1e-3 ) - 1e-2 ) < 1e-6 );
     assert_true( fabs( sheet_fall_speed( terminal, 10.0, 0.1 ) - 0.7615941560 ) < 1e-9 ); // tanh 1
 }
 
-static void a_strip_of_twice_the_bending_length_hangs_at_the_angle_of_the_flexometer( void** state )
+TEST( a_strip_of_twice_the_bending_length_hangs_at_the_angle_of_the_flexometer )
 {
-    (void)state;
     // Peirce 1930: c is half of the overhang whose chord is 41.5 degrees below level. Its cube over c^3 is G = 8
     const double c = sheet_bending_length( 1.0e-5, 1.25 );
     double exact[2][2];
@@ -59,9 +55,8 @@ static void a_strip_of_twice_the_bending_length_hangs_at_the_angle_of_the_flexom
     assert_true( fabs( atan2( -exact[1][1], exact[1][0] ) * 180.0 / PI - 41.5 ) < 1.0 );
 }
 
-static void the_regression_of_cusick_is_worked_by_hand( void** state )
+TEST( the_regression_of_cusick_is_worked_by_hand )
 {
-    (void)state;
     // c = 2 cm, A = 20 degrees: 71.2 - 14.44 - 51.8 + 18.44 + 17
     assert_true( fabs( sheet_cusick( 2.0, 20.0 ) - 40.4 ) < 1e-9 );
     const double softest = sheet_cusick_softest();
@@ -86,9 +81,8 @@ static double area_from_above( const wisp_mesh* mesh )
     return sum;
 }
 
-static void a_specimen_covers_its_ring_once_and_its_shadow_counts_layers_once( void** state )
+TEST( a_specimen_covers_its_ring_once_and_its_shadow_counts_layers_once )
 {
-    (void)state;
     for ( int turn = 1; turn <= 2; ++turn )
     {
         wisp_mesh mesh;
@@ -117,36 +111,32 @@ static void a_specimen_covers_its_ring_once_and_its_shadow_counts_layers_once( v
 // ---- the engine ----
 
 // The chain of 16 links is 0.042 % from the curve; implicit cloth stretches by 0.04 % besides.
-static void every_solver_hangs_in_the_catenary( void** state )
+TEST( every_solver_hangs_in_the_catenary )
 {
-    (void)state;
     assert_true( observe_one( validate_catenary, false, "strands, 16 cells, 32 substeps" ).error < 0.05 );
     assert_true( observe_one( validate_catenary, false, "xpbd, 16 cells, 32 substeps" ).error < 0.05 );
     assert_true( observe_one( validate_catenary, false, "implicit, 16 cells, 32 substeps" ).error < 0.08 );
 }
 
 // Implicit cloth starts to slide a substep late: 0.6 % of 0.5 s at five substeps.
-static void every_solver_slides_and_sticks( void** state )
+TEST( every_solver_slides_and_sticks )
 {
-    (void)state;
     assert_true( observe_one( validate_incline, false, "strands, 4 cells, 5 substeps" ).error < 0.01 );
     assert_true( observe_one( validate_incline, false, "xpbd, 4 cells, 5 substeps" ).error < 0.01 );
     assert_true( observe_one( validate_incline, false, "implicit, 4 cells, 5 substeps" ).error < 0.8 );
 }
 
 // Speeds are of first order in the substep: 0.3 % at 1/1200 s.
-static void bodies_reach_their_terminal_speed( void** state )
+TEST( bodies_reach_their_terminal_speed )
 {
-    (void)state;
     assert_true( observe_one( validate_terminal, false, "strands, 8 cells, 20 substeps" ).error < 0.35 );
     assert_true( observe_one( validate_terminal, false, "xpbd, 8 cells, 20 substeps" ).error < 0.35 );
     assert_true( observe_one( validate_terminal, false, "balloon, 8 cells, 20 substeps" ).error < 1.5 );
 }
 
 // The measured coefficients rise with the bending length. At rest, another mesh stays within the band of a measurement.
-static void stiffer_fabrics_drape_less( void** state )
+TEST( stiffer_fabrics_drape_less )
 {
-    (void)state;
     const accuracy_run run = observe_one( validate_drape, false, "isometric, 6 cells, 16 substeps" );
     for ( int f = 0; f < DRAPE_FABRICS; ++f )
     {
@@ -159,29 +149,10 @@ static void stiffer_fabrics_drape_less( void** state )
     assert_true( run.error > 0.0 && run.error < 8.0 );
 }
 
-static void fabrics_have_the_units_of_their_source( void** state )
+TEST( fabrics_have_the_units_of_their_source )
 {
-    (void)state;
     // cotton broad: 0.118 gf cm is 11.57 uN m, and 12.38 mg / cm^2 is 123.8 g / m^2
     const drape_fabric* cotton = drape_fabrics + DRAPE_FABRICS - 1;
     assert_true( fabs( drape_rigidity( cotton ) - 11.572e-6 ) < 1e-9 );
     assert_true( fabs( drape_density( cotton ) - 0.1238 ) < 1e-9 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_catenary_has_the_sag_of_tables_of_hyperbolic_functions ),
-        cmocka_unit_test( friction_holds_below_its_angle_and_lets_slide_above ),
-        cmocka_unit_test( a_fall_through_air_begins_as_a_free_one_and_ends_at_its_terminal_speed ),
-        cmocka_unit_test( a_strip_of_twice_the_bending_length_hangs_at_the_angle_of_the_flexometer ),
-        cmocka_unit_test( the_regression_of_cusick_is_worked_by_hand ),
-        cmocka_unit_test( a_specimen_covers_its_ring_once_and_its_shadow_counts_layers_once ),
-        cmocka_unit_test( fabrics_have_the_units_of_their_source ),
-        cmocka_unit_test( every_solver_hangs_in_the_catenary ),
-        cmocka_unit_test( every_solver_slides_and_sticks ),
-        cmocka_unit_test( bodies_reach_their_terminal_speed ),
-        cmocka_unit_test( stiffer_fabrics_drape_less ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -37,9 +37,8 @@ static plate_theory_forces bend( const void* context, double x, double y )
 
 // Timoshenko and Gere, Theory of Elastic Stability (1961), sections 9.2, 9.6 and 9.7: N = k pi^2 D / b^2 of a square hinged all round,
 // k = 4 under pressure, 25.6 under bending and 9.34 under shear; the last two are of few terms.
-static void hinged_squares_buckle_as_in_the_literature( void** state )
+TEST( hinged_squares_buckle_as_in_the_literature )
 {
-    (void)state;
     const plate_theory_plate plate = { PLATE_HINGED_ALL_ROUND, 1.0, 0.3, 9, 9 };
     assert_true( difference( plate_theory_factor( &plate, push, NULL ), 4.0 * PI * PI ) < 1e-6 );
     assert_true( difference( plate_theory_factor( &plate, bend, NULL ), 25.6 * PI * PI ) < 0.005 );
@@ -47,17 +46,15 @@ static void hinged_squares_buckle_as_in_the_literature( void** state )
 }
 
 // With Poisson's ratio 0 a plate that is clamped at one end is Euler's column, at any width.
-static void a_pressed_plate_is_the_column_of_euler( void** state )
+TEST( a_pressed_plate_is_the_column_of_euler )
 {
-    (void)state;
     const plate_theory_plate plate = { PLATE_CLAMPED_AT_ONE_END, 0.7, 0.0, 9, 5 };
     assert_true( difference( plate_theory_factor( &plate, push, NULL ), PI * PI / 4.0 ) < 1e-6 );
 }
 
 // The weight beyond a cut is carried by the forces across it, whatever the material.
-static void forces_in_the_plane_carry_the_weight_beyond_a_cut( void** state )
+TEST( forces_in_the_plane_carry_the_weight_beyond_a_cut )
 {
-    (void)state;
     enum
     {
         SLICES = 400
@@ -86,9 +83,8 @@ static void forces_in_the_plane_carry_the_weight_beyond_a_cut( void** state )
 
 // EI = D (1 - nu^2) W and GJ = 2 D (1 - nu) W of a narrow plate. The clamp hinders the warping of its end, which stiffens it in
 // proportion to its width: two widths lead to the width 0.
-static void a_narrow_plate_on_edge_is_the_blade_of_michell_and_prandtl( void** state )
+TEST( a_narrow_plate_on_edge_is_the_blade_of_michell_and_prandtl )
 {
-    (void)state;
     static const double ratios[] = { 0.0, 0.3 };
     for ( int i = 0; i < WISP_COUNT( ratios ); ++i )
     {
@@ -103,9 +99,8 @@ static void a_narrow_plate_on_edge_is_the_blade_of_michell_and_prandtl( void** s
 }
 
 // Bending to a cylinder has the rigidity D; a narrow plate is free to bend across too, which leaves D (1 - nu^2).
-static void an_upright_plate_is_the_column_of_greenhill( void** state )
+TEST( an_upright_plate_is_the_column_of_greenhill )
 {
-    (void)state;
     static const double widths[] = { 0.25, 1.0, 2.0 };
     for ( int i = 0; i < WISP_COUNT( widths ); ++i )
     {
@@ -118,9 +113,8 @@ static void an_upright_plate_is_the_column_of_greenhill( void** state )
 
 // The case compares with an isotropic sheet of Poisson's ratio 1/3 in its plane. Edges of implicit cloth on squares have the
 // constants 1.25, 0.25 and 0.25 instead.
-static void elasticity_in_the_plane_hardly_matters( void** state )
+TEST( elasticity_in_the_plane_hardly_matters )
 {
-    (void)state;
     static const double widths[] = { 0.05, 1.0 };
     const plate_theory_membrane squares = { 1.25, 0.25, 0.25 };
     for ( int i = 0; i < WISP_COUNT( widths ); ++i )
@@ -133,9 +127,8 @@ static void elasticity_in_the_plane_hardly_matters( void** state )
 }
 
 // More polynomials can only lower a load found by Ritz, and these ones hardly do.
-static void loads_have_settled( void** state )
+TEST( loads_have_settled )
 {
-    (void)state;
     static const double widths[] = { 0.05, 1.0 };
     for ( int i = 0; i < WISP_COUNT( widths ); ++i )
     {
@@ -152,9 +145,8 @@ static void loads_have_settled( void** state )
 // ---- sheets ----
 
 // Ten cells leave 3.2 % at W = L / 4.
-static void a_sheet_on_edge_turns_aside_at_its_load( void** state )
+TEST( a_sheet_on_edge_turns_aside_at_its_load )
 {
-    (void)state;
     const double load = plate_theory_load( 0.25, 0.0, plate_theory_isotropic( 1.0 / 3.0 ), true );
     assert_true(
         difference( observe_one( validate_lateral_buckling, true, "implicit, 10 cells, 2 substeps" ).measures[1],
@@ -162,9 +154,8 @@ static void a_sheet_on_edge_turns_aside_at_its_load( void** state )
 }
 
 // Ten cells leave 0.4 %, which is the uncertainty of the measurement.
-static void an_upright_sheet_gives_way_at_its_load( void** state )
+TEST( an_upright_sheet_gives_way_at_its_load )
 {
-    (void)state;
     const char* const settings[] = { "dihedral, 10 cells, 8 substeps",
                                      "isometric, irregular, 10 cells, 32 substeps" };
     for ( int i = 0; i < WISP_COUNT( settings ); ++i )
@@ -172,20 +163,4 @@ static void an_upright_sheet_gives_way_at_its_load( void** state )
         assert_true( difference( observe_one( validate_plate_column, true, settings[i] ).measures[1],
                                  slender_column_load() ) < 0.01 );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( hinged_squares_buckle_as_in_the_literature ),
-        cmocka_unit_test( a_pressed_plate_is_the_column_of_euler ),
-        cmocka_unit_test( forces_in_the_plane_carry_the_weight_beyond_a_cut ),
-        cmocka_unit_test( a_narrow_plate_on_edge_is_the_blade_of_michell_and_prandtl ),
-        cmocka_unit_test( an_upright_plate_is_the_column_of_greenhill ),
-        cmocka_unit_test( elasticity_in_the_plane_hardly_matters ),
-        cmocka_unit_test( loads_have_settled ),
-        cmocka_unit_test( a_sheet_on_edge_turns_aside_at_its_load ),
-        cmocka_unit_test( an_upright_sheet_gives_way_at_its_load ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -27,9 +27,8 @@ static void assert_near( double measured, double reference, double tolerance, co
 
 // Mattiasson 1981, Int. J. Numerical Methods in Engineering 17, by elliptic integrals: how far the end of a
 // cantilever moves back and down, in lengths.
-static void a_cantilever_with_an_end_load_bends_as_in_the_table_of_mattiasson( void** state )
+TEST( a_cantilever_with_an_end_load_bends_as_in_the_table_of_mattiasson )
 {
-    (void)state;
     static const double rows[][3] = {
         { 0.2, 0.00265, 0.06636 }, { 1.0, 0.05643, 0.30172 }, { 2.0, 0.16064, 0.49346 },
         { 3.0, 0.25442, 0.60325 }, { 5.0, 0.38763, 0.71379 }, { 10.0, 0.55500, 0.81061 }
@@ -64,9 +63,8 @@ static double first_zero( double moment, double tension, double weight )
     return s;
 }
 
-static void a_twisted_rod_is_straight_up_to_the_moment_of_greenhill( void** state )
+TEST( a_twisted_rod_is_straight_up_to_the_moment_of_greenhill )
 {
-    (void)state;
     assert_near( rod_straight_moment( 0.0, 0.0 ), 2.0 * PI, 1e-12, "one turn without tension" );
     const double tensions[] = { 0.0, 20.0, 50.0 }, weights[] = { 0.0, 1.28, 3.2 };
     for ( int i = 0; i < WISP_COUNT( tensions ); ++i )
@@ -84,9 +82,8 @@ static void a_twisted_rod_is_straight_up_to_the_moment_of_greenhill( void** stat
 }
 
 // Goriely 2006, J. Elasticity 84: sqrt( 3 ) turns, for a rod as stiff against twist as against bending.
-static void a_ring_stays_flat_up_to_the_twist_of_michell( void** state )
+TEST( a_ring_stays_flat_up_to_the_twist_of_michell )
 {
-    (void)state;
     assert_near( rod_ring_twist( 1.0 ) / ( 2.0 * PI ), 1.7320508, 1e-6, "turns" );
     assert_near( rod_ring_twist( 1.5 ) / ( 2.0 * PI ), 1.1547005, 1e-6, "turns" );
 }
@@ -94,9 +91,8 @@ static void a_ring_stays_flat_up_to_the_twist_of_michell( void** state )
 // The top of Kirchhoff (Love 1927): with the moment and the tension that the closed form gives, the
 // angle falls from its largest value by theta'^2 = 4 F sin^2( theta / 2 ) - M^2 tan^2( theta / 2 ). Its shortening
 // and what its ends turn beyond M / GJ are integrals of 1 - cos( theta ) and of M tan^2( theta / 2 ).
-static void a_rod_that_writhes_is_a_top_of_kirchhoff( void** state )
+TEST( a_rod_that_writhes_is_a_top_of_kirchhoff )
 {
-    (void)state;
     const double angles[] = { 0.5, 1.0, 1.25, 2.0 }, shortening = 0.1, ratio = 0.8;
     for ( int i = 0; i < WISP_COUNT( angles ); ++i )
     {
@@ -125,9 +121,8 @@ static void a_rod_that_writhes_is_a_top_of_kirchhoff( void** state )
 }
 
 // With D = L / 10 and EI = GJ: 43.2 rad, and less to both sides.
-static void the_limit_of_a_writhe_is_its_largest_rotation( void** state )
+TEST( the_limit_of_a_writhe_is_its_largest_rotation )
 {
-    (void)state;
     const double limit = rod_writhe_limit( 0.1, 1.0 ).rotation;
     double most = 0.0;
     for ( double angle = 0.2; angle < 3.0; angle += 0.001 )
@@ -140,9 +135,8 @@ static void the_limit_of_a_writhe_is_its_largest_rotation( void** state )
 
 // One link that falls from the level: t = sqrt( 2 ) times the integral of 1 / sqrt( 1 - u^4 ) to sqrt( depth ), the
 // arc of the lemniscate, and all energy is motion.
-static void a_chain_of_one_link_is_a_pendulum( void** state )
+TEST( a_chain_of_one_link_is_a_pendulum )
 {
-    (void)state;
     const double points[2][2] = { { 0.0, 0.0 }, { 1.0, 0.0 } };
     const int pieces = 1000;
     const double h = sqrt( 0.5 ) / pieces;
@@ -158,9 +152,8 @@ static void a_chain_of_one_link_is_a_pendulum( void** state )
     assert_near( fall.speed, sqrt( 0.75 ), 1e-6, "speed downwards" ); // speed 1, at 30 degrees from the level
 }
 
-static void a_chain_of_masses_keeps_its_energy_and_its_lengths( void** state )
+TEST( a_chain_of_masses_keeps_its_energy_and_its_lengths )
 {
-    (void)state;
     double points[34][2];
     chain_fall coarse, fine;
     chain_fold( 33, points );
@@ -174,9 +167,8 @@ static void a_chain_of_masses_keeps_its_energy_and_its_lengths( void** state )
 
 // Calkin and March 1989, American Journal of Physics 57: 0.847 of the time of free fall. Chains of more and narrower
 // links come nearer.
-static void a_folded_chain_falls_faster_than_a_stone( void** state )
+TEST( a_folded_chain_falls_faster_than_a_stone )
 {
-    (void)state;
     assert_near( chain_fall_continuous( 1.0 ).time / sqrt( 2.0 ), 0.847, 5e-4, "of free fall" );
     const chain_fall limit = chain_fall_continuous( 0.9 );
     assert_near( limit.speed, sqrt( 0.9 * 1.1 / 0.1 ), 1e-12, "speed" );
@@ -205,9 +197,8 @@ static void assert_error( accuracy_scene_fn* make, const char* setting, double m
 }
 
 // 16 cells of second order leave 0.19 % of the length; links of cloth are a little soft under a heavy end.
-static void every_solver_bends_under_an_end_load( void** state )
+TEST( every_solver_bends_under_an_end_load )
 {
-    (void)state;
     assert_error( validate_tip_load, "rod, 16 cells, 32 substeps", 0.25 );
     assert_error( validate_tip_load, "dihedral, 16 cells, 32 substeps", 0.8 );
     assert_error( validate_tip_load, "isometric, 16 cells, 32 substeps", 0.8 );
@@ -215,29 +206,25 @@ static void every_solver_bends_under_an_end_load( void** state )
 }
 
 // Second order in cells: 11 % with 12, 3 % with 24, known to 1 %.
-static void a_ring_leaves_its_plane_near_the_twist_of_michell( void** state )
+TEST( a_ring_leaves_its_plane_near_the_twist_of_michell )
 {
-    (void)state;
     assert_error( validate_ring, "rod, 24 cells, 32 substeps", 4.1 );
 }
 
-static void a_rod_under_tension_gives_way_near_the_moment_of_greenhill( void** state )
+TEST( a_rod_under_tension_gives_way_near_the_moment_of_greenhill )
 {
-    (void)state;
     assert_error( validate_twisted, "rod, 16 cells, 64 substeps", 2.1 );
 }
 
 // Near the largest rotation that has a balance, angles are sensitive: 4 % with 96 cells, 2 % with 128.
-static void a_rod_writhes_to_the_angle_of_theory( void** state )
+TEST( a_rod_writhes_to_the_angle_of_theory )
 {
-    (void)state;
     assert_error( validate_writhe, "rod, 96 cells, 16 substeps", 5.0 );
 }
 
 // Second order in cells: 11 % with 48, 7 % with 64, known to 1 %.
-static void a_rod_forms_a_loop_near_the_rotation_of_theory( void** state )
+TEST( a_rod_forms_a_loop_near_the_rotation_of_theory )
 {
-    (void)state;
     assert_error( validate_loop, "rod, 64 cells, 16 substeps", 8.1 );
 }
 
@@ -246,9 +233,8 @@ static double order_between( const accuracy_scene* scene, const char* coarse, co
     return log( observe( scene, coarse ).error / observe( scene, fine ).error ) / log( ratio );
 }
 
-static void a_hanging_chain_swings_in_its_periods( void** state )
+TEST( a_hanging_chain_swings_in_its_periods )
 {
-    (void)state;
     enum
     {
         SECOND_PERIOD,
@@ -272,32 +258,9 @@ static void a_hanging_chain_swings_in_its_periods( void** state )
 }
 
 // Euler loses energy in the whip, in proportion to its substeps; BDF2 keeps it.
-static void a_folded_chain_is_as_fast_as_its_masses( void** state )
+TEST( a_folded_chain_is_as_fast_as_its_masses )
 {
-    (void)state;
     assert_error( validate_folded_chain, "direct, 33 cells, 32 substeps", 2.5 );
     assert_error( validate_folded_chain, "direct bdf2, 33 cells, 4 substeps", 0.3 );
     assert_error( validate_folded_chain, "direct bdf2, 65 cells, 32 substeps", 0.2 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_cantilever_with_an_end_load_bends_as_in_the_table_of_mattiasson ),
-        cmocka_unit_test( a_twisted_rod_is_straight_up_to_the_moment_of_greenhill ),
-        cmocka_unit_test( a_ring_stays_flat_up_to_the_twist_of_michell ),
-        cmocka_unit_test( a_rod_that_writhes_is_a_top_of_kirchhoff ),
-        cmocka_unit_test( the_limit_of_a_writhe_is_its_largest_rotation ),
-        cmocka_unit_test( a_chain_of_one_link_is_a_pendulum ),
-        cmocka_unit_test( a_chain_of_masses_keeps_its_energy_and_its_lengths ),
-        cmocka_unit_test( a_folded_chain_falls_faster_than_a_stone ),
-        cmocka_unit_test( every_solver_bends_under_an_end_load ),
-        cmocka_unit_test( a_ring_leaves_its_plane_near_the_twist_of_michell ),
-        cmocka_unit_test( a_rod_under_tension_gives_way_near_the_moment_of_greenhill ),
-        cmocka_unit_test( a_rod_writhes_to_the_angle_of_theory ),
-        cmocka_unit_test( a_rod_forms_a_loop_near_the_rotation_of_theory ),
-        cmocka_unit_test( a_hanging_chain_swings_in_its_periods ),
-        cmocka_unit_test( a_folded_chain_is_as_fast_as_its_masses ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

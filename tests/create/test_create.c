@@ -68,9 +68,8 @@ static void assert_closed( const int32_t* triangles, int count, int vertex_count
     free( edges );
 }
 
-static void a_grid_has_its_area_and_looks_up( void** state )
+TEST( a_grid_has_its_area_and_looks_up )
 {
-    (void)state;
     static wisp_vec3 points[WISP_GRID_VERTICES( COLUMNS, ROWS )];
     static int32_t triangles[WISP_GRID_TRIANGLES( COLUMNS, ROWS )][3];
     wisp_error error;
@@ -82,9 +81,8 @@ static void a_grid_has_its_area_and_looks_up( void** state )
     assert_true( ( b.z - a.z ) * ( c.x - a.x ) - ( b.x - a.x ) * ( c.z - a.z ) > 0.0f ); // y of the normal
 }
 
-static void round_meshes_are_closed_and_have_nearly_their_volume( void** state )
+TEST( round_meshes_are_closed_and_have_nearly_their_volume )
 {
-    (void)state;
     static wisp_vec3 points[WISP_CAPSULE_VERTICES( SEGMENTS, RINGS, PARTS )];
     static int32_t triangles[WISP_CAPSULE_TRIANGLES( SEGMENTS, RINGS, PARTS )][3];
     int32_t* t = &triangles[0][0];
@@ -113,9 +111,8 @@ static void round_meshes_are_closed_and_have_nearly_their_volume( void** state )
     assert_true( points[0].y == 1.5f && points[WISP_CYLINDER_VERTICES( SEGMENTS, PARTS ) - 1].y == -1.5f );
 }
 
-static void strands_hang_from_a_grid_of_roots( void** state )
+TEST( strands_hang_from_a_grid_of_roots )
 {
-    (void)state;
     wisp_vec3 points[3 * 2 * 5];
     int32_t offsets[3 * 2 + 1];
     wisp_error error;
@@ -129,9 +126,8 @@ static void strands_hang_from_a_grid_of_roots( void** state )
     assert_true( points[5].x == 0.0f && points[3 * 5].z == 0.05f );
 }
 
-static void numbers_that_make_no_mesh_are_named( void** state )
+TEST( numbers_that_make_no_mesh_are_named )
 {
-    (void)state;
     wisp_vec3 points[4] = { { 7.0f, 7.0f, 7.0f } };
     int32_t t[6];
     wisp_error error;
@@ -185,9 +181,8 @@ static wisp_world* new_world( void )
     return world;
 }
 
-static void a_created_cloth_is_what_its_parts_make( void** state )
+TEST( a_created_cloth_is_what_its_parts_make )
 {
-    (void)state;
     static grid g;
     const wisp_create_cloth_def def = cloth_of( &g );
     wisp_world* covered = new_world();
@@ -228,9 +223,8 @@ static void a_created_cloth_is_what_its_parts_make( void** state )
     wisp_world_destroy( parts );
 }
 
-static void gravity_pulls_cloth_and_hair_unless_it_is_zero( void** state )
+TEST( gravity_pulls_cloth_and_hair_unless_it_is_zero )
 {
-    (void)state;
     static grid g;
     wisp_world* world = new_world();
     wisp_create_cloth_def def = cloth_of( &g );
@@ -267,9 +261,8 @@ static void gravity_pulls_cloth_and_hair_unless_it_is_zero( void** state )
     wisp_world_destroy( world );
 }
 
-static void an_instance_has_the_gravity_of_its_source( void** state )
+TEST( an_instance_has_the_gravity_of_its_source )
 {
-    (void)state;
     static grid g;
     wisp_world* world = new_world();
     wisp_create_cloth_def def = cloth_of( &g );
@@ -295,9 +288,8 @@ static void an_instance_has_the_gravity_of_its_source( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_fabric_is_cooked_with_what_the_material_needs( void** state )
+TEST( a_fabric_is_cooked_with_what_the_material_needs )
 {
-    (void)state;
     static grid g;
     static wisp_vec3 points[WISP_GRID_VERTICES( 40, 40 )];
     static int32_t triangles[WISP_GRID_TRIANGLES( 40, 40 )][3];
@@ -328,9 +320,8 @@ static void a_fabric_is_cooked_with_what_the_material_needs( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_large_cloth_hardly_stretches_by_default( void** state )
+TEST( a_large_cloth_hardly_stretches_by_default )
 {
-    (void)state;
     enum
     {
         SIDE = 50,
@@ -366,9 +357,8 @@ static void a_large_cloth_hardly_stretches_by_default( void** state )
     assert_true( mean[0] < 0.01 && mean[0] < 0.25 * mean[1] );
 }
 
-static void what_cannot_be_created_leaves_nothing_behind( void** state )
+TEST( what_cannot_be_created_leaves_nothing_behind )
 {
-    (void)state;
     static grid g;
     wisp_world* world = new_world();
     const uint64_t empty = wisp_world_hash( world );
@@ -401,9 +391,8 @@ static void what_cannot_be_created_leaves_nothing_behind( void** state )
     wisp_world_destroy( world );
 }
 
-static void all_modules_are_listed_once( void** state )
+TEST( all_modules_are_listed_once )
 {
-    (void)state;
     int count;
     const wisp_module* const* modules = wisp_all_modules( &count );
     assert_int_equal( count, 16 );
@@ -415,22 +404,4 @@ static void all_modules_are_listed_once( void** state )
             assert_ptr_not_equal( modules[i], modules[j] );
         }
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_grid_has_its_area_and_looks_up ),
-        cmocka_unit_test( round_meshes_are_closed_and_have_nearly_their_volume ),
-        cmocka_unit_test( strands_hang_from_a_grid_of_roots ),
-        cmocka_unit_test( numbers_that_make_no_mesh_are_named ),
-        cmocka_unit_test( a_created_cloth_is_what_its_parts_make ),
-        cmocka_unit_test( gravity_pulls_cloth_and_hair_unless_it_is_zero ),
-        cmocka_unit_test( an_instance_has_the_gravity_of_its_source ),
-        cmocka_unit_test( a_fabric_is_cooked_with_what_the_material_needs ),
-        cmocka_unit_test( a_large_cloth_hardly_stretches_by_default ),
-        cmocka_unit_test( what_cannot_be_created_leaves_nothing_behind ),
-        cmocka_unit_test( all_modules_are_listed_once ),
-    };
-    return cmocka_run_group_tests_name( "create", tests, NULL, NULL );
 }

@@ -88,7 +88,7 @@ static int close_fixture( void** state )
     return 0;
 }
 
-#define REFUSAL( name ) cmocka_unit_test_setup_teardown( name, open_fixture, close_fixture )
+#define REFUSAL( name ) TEST_WITH( name, open_fixture, close_fixture )
 
 // Every call on an entity, with good arguments otherwise. W is the world, E the entity.
 #define ENTITY_CALLS( X )                                                                                            \
@@ -194,7 +194,7 @@ static void ignore_line( void* user, const char* line )
         }                                                                                                            \
     }
 
-static void a_world_that_is_null_is_a_status( void** state )
+REFUSAL( a_world_that_is_null_is_a_status )
 {
     const fixture* f = *state;
     wisp_world* W = NULL;
@@ -218,7 +218,7 @@ static void a_world_that_is_null_is_a_status( void** state )
     assert_string_equal( wisp_world_component_name( NULL, WISP_POINT_STRAIN ), "unknown" );
 }
 
-static void an_entity_that_was_removed_is_a_status( void** state )
+REFUSAL( an_entity_that_was_removed_is_a_status )
 {
     const fixture* f = *state;
     wisp_world* W = f->world;
@@ -234,7 +234,7 @@ static void an_entity_that_was_removed_is_a_status( void** state )
     assert_true( wisp_world_hash( W ) == f->hash );
 }
 
-static void a_definition_that_is_null_or_was_not_filled_is_a_status( void** state )
+REFUSAL( a_definition_that_is_null_or_was_not_filled_is_a_status )
 {
     const fixture* f = *state;
     wisp_world* W = f->world;
@@ -252,7 +252,7 @@ static void a_definition_that_is_null_or_was_not_filled_is_a_status( void** stat
     assert_true( wisp_world_hash( W ) == f->hash );
 }
 
-static void pointers_that_are_null_are_named( void** state )
+REFUSAL( pointers_that_are_null_are_named )
 {
     const fixture* f = *state;
     wisp_world* W = f->world;
@@ -300,7 +300,7 @@ static void pointers_that_are_null_are_named( void** state )
     assert_true( wisp_world_hash( W ) == f->hash );
 }
 
-static void a_message_is_gone_after_a_call_that_works( void** state )
+REFUSAL( a_message_is_gone_after_a_call_that_works )
 {
     const fixture* f = *state;
     assert_int_equal( wisp_request( f->world, f->stale, WISP_SURFACE_POINTS ), WISP_STALE_ID );
@@ -309,7 +309,7 @@ static void a_message_is_gone_after_a_call_that_works( void** state )
     assert_string_equal( wisp_world_message( f->world ), "" );
 }
 
-static void components_are_found_by_their_names( void** state )
+REFUSAL( components_are_found_by_their_names )
 {
     const fixture* f = *state;
     assert_int_equal( wisp_world_find_component( f->world, "point.strain" ), WISP_POINT_STRAIN );
@@ -320,7 +320,7 @@ static void components_are_found_by_their_names( void** state )
     assert_string_equal( wisp_world_component_name( f->world, 60000 ), "unknown" );
 }
 
-static void numbers_beyond_sense_are_refused_with_the_reason( void** state )
+REFUSAL( numbers_beyond_sense_are_refused_with_the_reason )
 {
     const fixture* f = *state;
     wisp_world* W = f->world;
@@ -387,9 +387,8 @@ static void intrude( void* user, int block_count, wisp_block_fn* run, void* cont
     }
 }
 
-static void a_call_during_a_step_is_refused_and_the_step_goes_on( void** state )
+TEST( a_call_during_a_step_is_refused_and_the_step_goes_on )
 {
-    (void)state;
     enum
     {
         WIDE = 60, // vertices on a side: enough for several blocks
@@ -431,9 +430,8 @@ static void a_call_during_a_step_is_refused_and_the_step_goes_on( void** state )
 
 // ---- what is printed ----
 
-static void a_step_that_nothing_was_requested_of_says_so_once( void** state )
+TEST( a_step_that_nothing_was_requested_of_says_so_once )
 {
-    (void)state;
     test_log log = { 0 };
     wisp_world_def def = wisp_default_world_def();
     def.modules = wisp_all_modules( &def.module_count );
@@ -457,7 +455,7 @@ static void a_step_that_nothing_was_requested_of_says_so_once( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_call_that_fails_prints_nothing_unless_the_host_asked( void** state )
+REFUSAL( a_call_that_fails_prints_nothing_unless_the_host_asked )
 {
     const fixture* f = *state; // without a log
     FILE* kept = tmpfile();
@@ -473,21 +471,4 @@ static void a_call_that_fails_prints_nothing_unless_the_host_asked( void** state
     fseek( kept, 0, SEEK_END );
     assert_int_equal( ftell( kept ), 0 );
     fclose( kept );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        REFUSAL( a_world_that_is_null_is_a_status ),
-        REFUSAL( an_entity_that_was_removed_is_a_status ),
-        REFUSAL( a_definition_that_is_null_or_was_not_filled_is_a_status ),
-        REFUSAL( pointers_that_are_null_are_named ),
-        REFUSAL( a_message_is_gone_after_a_call_that_works ),
-        REFUSAL( components_are_found_by_their_names ),
-        REFUSAL( numbers_beyond_sense_are_refused_with_the_reason ),
-        cmocka_unit_test( a_call_during_a_step_is_refused_and_the_step_goes_on ),
-        cmocka_unit_test( a_step_that_nothing_was_requested_of_says_so_once ),
-        REFUSAL( a_call_that_fails_prints_nothing_unless_the_host_asked ),
-    };
-    return cmocka_run_group_tests_name( "refusals", tests, NULL, NULL );
 }

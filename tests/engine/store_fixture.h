@@ -165,4 +165,4 @@ static inline void assert_same_visible( visible a, visible b )
     assert_memory_equal( a.rows, b.rows, sizeof( a.rows ) );
 }
 
-#define STORE_TEST( test ) cmocka_unit_test_setup_teardown( test, set_up, tear_down )
+#define STORE_TEST( test ) TEST_WITH( test, set_up, tear_down )

@@ -242,9 +242,8 @@ static void check_everything( finder* f, const wisp_aabb* queries, int query_cou
     free_right_pairs( &right );
 }
 
-static void grids_find_the_pairs_of_a_double_loop( void** state )
+TEST( grids_find_the_pairs_of_a_double_loop )
 {
-    (void)state;
     const int counts[] = { 0, 1, 2, 7, 8, 9, 17, 100, MAX_BOXES };
     const int workers[] = { 1, 3 };
     static wisp_aabb boxes[MAX_BOXES], queries[MAX_BOXES], points[MAX_BOXES];
@@ -313,9 +312,8 @@ static right_pairs find_right_thirds( const wisp_aabb_args* args, int offset )
     return right;
 }
 
-static void a_filter_keeps_what_it_requests_in_order( void** state )
+TEST( a_filter_keeps_what_it_requests_in_order )
 {
-    (void)state;
     static wisp_aabb boxes[MAX_BOXES], queries[MAX_BOXES];
     const int offset = 1;
     finder* f = finder_open( 2 );
@@ -343,9 +341,8 @@ static void a_filter_keeps_what_it_requests_in_order( void** state )
     finder_close( f );
 }
 
-static void other_queries_reuse_the_grid( void** state )
+TEST( other_queries_reuse_the_grid )
 {
-    (void)state;
     static wisp_aabb boxes[MAX_BOXES], queries[MAX_BOXES], moved[MAX_BOXES];
     finder* f = finder_open( 2 );
     for ( int shape = 0; shape < BOXES_SHAPE_COUNT; ++shape )
@@ -366,9 +363,8 @@ static void other_queries_reuse_the_grid( void** state )
     finder_close( f );
 }
 
-static void the_number_of_workers_does_not_show( void** state )
+TEST( the_number_of_workers_does_not_show )
 {
-    (void)state;
     static wisp_aabb boxes[5 * MAX_BOXES];
     const int count = WISP_COUNT( boxes ), workers[] = { 1, 2, 3, 8 };
     for ( int shape = 0; shape < BOXES_SHAPE_COUNT; ++shape )
@@ -394,9 +390,8 @@ static void the_number_of_workers_does_not_show( void** state )
     }
 }
 
-static void a_grid_compares_far_fewer_boxes_than_there_are( void** state )
+TEST( a_grid_compares_far_fewer_boxes_than_there_are )
 {
-    (void)state;
     // a single grid cannot handle sizes from 1 to 1000 and huge boxes among small ones
     const box_shape shapes[] = { BOXES_RANDOM, BOXES_SHEET, BOXES_UNEVEN, BOXES_HUGE };
     static wisp_aabb boxes[5 * MAX_BOXES];
@@ -412,9 +407,8 @@ static void a_grid_compares_far_fewer_boxes_than_there_are( void** state )
     }
 }
 
-static void nothing_is_allocated_once_warm( void** state )
+TEST( nothing_is_allocated_once_warm )
 {
-    (void)state;
     static wisp_aabb boxes[MAX_BOXES];
     finder* f = finder_open( 2 );
     make_boxes( boxes, BOXES_UNEVEN, MAX_BOXES, 0 );
@@ -429,9 +423,8 @@ static void nothing_is_allocated_once_warm( void** state )
     finder_close( f );
 }
 
-static void more_pairs_than_the_limit_are_refused_before_memory_is_taken( void** state )
+TEST( more_pairs_than_the_limit_are_refused_before_memory_is_taken )
 {
-    (void)state;
     static wisp_aabb boxes[MAX_BOXES];
     make_boxes( boxes, BOXES_COINCIDENT, MAX_BOXES, 0 );
     const size_t all = (size_t)MAX_BOXES * ( MAX_BOXES - 1 ) / 2;
@@ -454,9 +447,8 @@ static void more_pairs_than_the_limit_are_refused_before_memory_is_taken( void**
     finder_close( f );
 }
 
-static void without_memory_it_says_so_and_works_again_with_it( void** state )
+TEST( without_memory_it_says_so_and_works_again_with_it )
 {
-    (void)state;
     static wisp_aabb boxes[MAX_BOXES];
     make_boxes( boxes, BOXES_UNEVEN, MAX_BOXES, 0 );
     const wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES };
@@ -473,19 +465,4 @@ static void without_memory_it_says_so_and_works_again_with_it( void** state )
         find_right( f, &args );
         finder_close( f );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( grids_find_the_pairs_of_a_double_loop ),
-        cmocka_unit_test( a_filter_keeps_what_it_requests_in_order ),
-        cmocka_unit_test( other_queries_reuse_the_grid ),
-        cmocka_unit_test( the_number_of_workers_does_not_show ),
-        cmocka_unit_test( a_grid_compares_far_fewer_boxes_than_there_are ),
-        cmocka_unit_test( nothing_is_allocated_once_warm ),
-        cmocka_unit_test( more_pairs_than_the_limit_are_refused_before_memory_is_taken ),
-        cmocka_unit_test( without_memory_it_says_so_and_works_again_with_it ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -14,9 +14,8 @@
 
 // ---- messages
 
-static void failing_fills_the_error_and_hands_the_status_back( void** state )
+TEST( failing_fills_the_error_and_hands_the_status_back )
 {
-    (void)state;
     wisp_error error = { 0 };
     wisp_status status = wisp_fail( &error, WISP_BAD_INPUT, "%s:%d: edge %d has no length", "a.obj", 7, 12 );
     assert_int_equal( status, WISP_BAD_INPUT );
@@ -25,9 +24,8 @@ static void failing_fills_the_error_and_hands_the_status_back( void** state )
     assert_int_equal( wisp_fail( NULL, WISP_IO_ERROR, "nobody listens" ), WISP_IO_ERROR );
 }
 
-static void a_message_too_long_is_cut_at_the_end( void** state )
+TEST( a_message_too_long_is_cut_at_the_end )
 {
-    (void)state;
     char text[1000];
     memset( text, 'x', sizeof text - 1 );
     text[sizeof text - 1] = '\0';
@@ -40,9 +38,8 @@ static void a_message_too_long_is_cut_at_the_end( void** state )
     assert_memory_equal( error.message, text, sizeof error.message - 1 );
 }
 
-static void a_cut_never_splits_a_utf8_character( void** state )
+TEST( a_cut_never_splits_a_utf8_character )
 {
-    (void)state;
     const char* characters[] = { "\xc3\xa9", "\xe2\x82\xac", "\xf0\x9f\x8e\x88" };
     for ( int c = 0; c < WISP_COUNT( characters ); ++c )
     {
@@ -65,26 +62,23 @@ static void a_cut_never_splits_a_utf8_character( void** state )
     }
 }
 
-static void a_message_is_one_line( void** state )
+TEST( a_message_is_one_line )
 {
-    (void)state;
     wisp_error error = { 0 };
     wisp_fail( &error, WISP_BAD_INPUT, "no file\tnamed \"%s\"\r\n", "two\nlines" );
     assert_string_equal( error.message, "no file named \"two lines\"" );
 }
 
-static void a_message_may_quote_the_one_it_replaces( void** state )
+TEST( a_message_may_quote_the_one_it_replaces )
 {
-    (void)state;
     wisp_error error = { 0 };
     wisp_fail( &error, WISP_BAD_INPUT, "vertex 3 is not a number" );
     wisp_fail( &error, error.status, "drape.scene: %s", error.message );
     assert_string_equal( error.message, "drape.scene: vertex 3 is not a number" );
 }
 
-static void every_status_has_a_name_of_its_own( void** state )
+TEST( every_status_has_a_name_of_its_own )
 {
-    (void)state;
     for ( int a = WISP_OK; a <= WISP_IO_ERROR + 1; ++a )
     {
         for ( int b = WISP_OK; b < a; ++b )
@@ -115,9 +109,8 @@ static void hear( void* user, wisp_log_level level, const char* message )
     strncpy( h->message, message, sizeof h->message - 1 );
 }
 
-static void the_log_reaches_the_host_as_one_line( void** state )
+TEST( the_log_reaches_the_host_as_one_line )
 {
-    (void)state;
     heard h = { 0 };
     base_log log = { .function = hear, .user = &h };
     base_log_write( &log, WISP_LOG_INFO, "step %d\n", 5 );
@@ -129,9 +122,8 @@ static void the_log_reaches_the_host_as_one_line( void** state )
     assert_int_equal( h.level, WISP_LOG_ERROR );
 }
 
-static void without_a_host_warnings_go_to_stderr_and_information_goes_nowhere( void** state )
+TEST( without_a_host_warnings_go_to_stderr_and_information_goes_nowhere )
 {
-    (void)state;
     const base_log zero = { 0 };
     FILE* file = tmpfile();
     assert_non_null( file );
@@ -167,9 +159,8 @@ static bool remember_assert( const char* condition, const char* file, int line )
     return false;
 }
 
-static void a_failed_assert_calls_the_handler_and_may_go_on( void** state )
+TEST( a_failed_assert_calls_the_handler_and_may_go_on )
 {
-    (void)state;
     assert_count = 0;
     wisp_set_assert_handler( remember_assert );
     int count = -1;
@@ -182,9 +173,8 @@ static void a_failed_assert_calls_the_handler_and_may_go_on( void** state )
     assert_int_equal( assert_line, count );
 }
 
-static void a_failed_assert_without_a_handler_aborts( void** state )
+TEST( a_failed_assert_without_a_handler_aborts )
 {
-    (void)state;
     pid_t child = fork();
     assert_true( child >= 0 );
     if ( child == 0 )
@@ -200,9 +190,8 @@ static void a_failed_assert_without_a_handler_aborts( void** state )
     assert_true( WIFSIGNALED( status ) && WTERMSIG( status ) == SIGABRT );
 }
 
-static void an_assert_that_holds_calls_nobody( void** state )
+TEST( an_assert_that_holds_calls_nobody )
 {
-    (void)state;
     assert_count = 0;
     wisp_set_assert_handler( remember_assert );
     WISP_ASSERT( sizeof( int32_t ) == 4 );
@@ -210,9 +199,8 @@ static void an_assert_that_holds_calls_nobody( void** state )
     assert_int_equal( assert_count, 0 );
 }
 
-static void the_clock_never_goes_back_and_does_go_on( void** state )
+TEST( the_clock_never_goes_back_and_does_go_on )
 {
-    (void)state;
     double begin = wisp_clock_seconds();
     double last = begin;
     for ( int k = 0; k < 1000000 && last == begin; ++k )
@@ -227,9 +215,8 @@ static void the_clock_never_goes_back_and_does_go_on( void** state )
 // ---- random numbers
 
 // From a second implementation, in Python, written from the two papers.
-static void random_bits_equal_golden_values( void** state )
+TEST( random_bits_equal_golden_values )
 {
-    (void)state;
     wisp_random_key zero = wisp_random_make_key( 0, 0, 0 );
     assert_int_equal( zero.word[0], 0xfbe98833u );
     assert_int_equal( zero.word[3], 0xf4430b33u );
@@ -240,9 +227,8 @@ static void random_bits_equal_golden_values( void** state )
     assert_true( wisp_random_bits( wisp_random_make_key( 42, 3, 0 ), 1000, 20, 2 ) == 0x25eaed1ea0f7d825u );
 }
 
-static void the_float_is_the_double_with_fewer_bits( void** state )
+TEST( the_float_is_the_double_with_fewer_bits )
 {
-    (void)state;
     wisp_random_key key = wisp_random_make_key( 5, 6, 7 );
     for ( uint32_t a = 0; a < 100000; ++a )
     {
@@ -255,9 +241,8 @@ static void the_float_is_the_double_with_fewer_bits( void** state )
 
 #define SAMPLE_COUNT 65536
 
-static void random_numbers_have_the_moments_of_a_uniform_law( void** state )
+TEST( random_numbers_have_the_moments_of_a_uniform_law )
 {
-    (void)state;
     wisp_random_key key = wisp_random_make_key( 2024, 1, 0 );
     double sum = 0.0, sum_of_squares = 0.0;
     for ( uint32_t a = 0; a < SAMPLE_COUNT; ++a )
@@ -285,9 +270,8 @@ static void assert_uniform_over_256_bins( const int bins[256], double sample_cou
     assert_true( fabs( chi_square - 255.0 ) < 4.0 * sqrt( 510.0 ) );
 }
 
-static void random_numbers_fill_the_bins_evenly( void** state )
+TEST( random_numbers_fill_the_bins_evenly )
 {
-    (void)state;
     for ( uint64_t seed = 0; seed < 8; ++seed )
     {
         wisp_random_key key = wisp_random_make_key( seed, 2, 0 );
@@ -322,9 +306,8 @@ static void assert_independent( wisp_random_key first, wisp_random_key second, u
     assert_true( fabs( sum / SAMPLE_COUNT ) < 4.0 / 12.0 / sqrt( SAMPLE_COUNT ) );
 }
 
-static void neighbouring_elements_are_independent( void** state )
+TEST( neighbouring_elements_are_independent )
 {
-    (void)state;
     wisp_random_key key = wisp_random_make_key( 11, 3, 4 );
     assert_independent( key, key, 1, 0, 0 );
     assert_independent( key, key, 0, 1, 0 );
@@ -332,38 +315,12 @@ static void neighbouring_elements_are_independent( void** state )
     assert_independent( key, key, 1, 1, 1 );
 }
 
-static void seeds_streams_and_events_are_independent( void** state )
+TEST( seeds_streams_and_events_are_independent )
 {
-    (void)state;
     wisp_random_key key = wisp_random_make_key( 11, 3, 4 );
     assert_independent( key, wisp_random_make_key( 12, 3, 4 ), 0, 0, 0 );
     assert_independent( key, wisp_random_make_key( 11, 4, 4 ), 0, 0, 0 );
     assert_independent( key, wisp_random_make_key( 11, 3, 5 ), 0, 0, 0 );
     assert_independent( key, wisp_random_make_key( 3, 11, 4 ), 0, 0, 0 );
     assert_independent( key, wisp_random_make_key( 11, 4, 3 ), 0, 0, 0 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( failing_fills_the_error_and_hands_the_status_back ),
-        cmocka_unit_test( a_message_too_long_is_cut_at_the_end ),
-        cmocka_unit_test( a_cut_never_splits_a_utf8_character ),
-        cmocka_unit_test( a_message_is_one_line ),
-        cmocka_unit_test( a_message_may_quote_the_one_it_replaces ),
-        cmocka_unit_test( every_status_has_a_name_of_its_own ),
-        cmocka_unit_test( the_log_reaches_the_host_as_one_line ),
-        cmocka_unit_test( without_a_host_warnings_go_to_stderr_and_information_goes_nowhere ),
-        cmocka_unit_test( a_failed_assert_calls_the_handler_and_may_go_on ),
-        cmocka_unit_test( a_failed_assert_without_a_handler_aborts ),
-        cmocka_unit_test( an_assert_that_holds_calls_nobody ),
-        cmocka_unit_test( the_clock_never_goes_back_and_does_go_on ),
-        cmocka_unit_test( random_bits_equal_golden_values ),
-        cmocka_unit_test( the_float_is_the_double_with_fewer_bits ),
-        cmocka_unit_test( random_numbers_have_the_moments_of_a_uniform_law ),
-        cmocka_unit_test( random_numbers_fill_the_bins_evenly ),
-        cmocka_unit_test( neighbouring_elements_are_independent ),
-        cmocka_unit_test( seeds_streams_and_events_are_independent ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

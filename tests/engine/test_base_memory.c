@@ -40,9 +40,8 @@ static wisp_allocator allocator_of( counting_host* host )
 
 // ---- single blocks
 
-static void blocks_come_from_the_hooks_and_return_to_them_with_their_size( void** state )
+TEST( blocks_come_from_the_hooks_and_return_to_them_with_their_size )
 {
-    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
 
@@ -56,9 +55,8 @@ static void blocks_come_from_the_hooks_and_return_to_them_with_their_size( void*
     assert_int_equal( host.bytes_held, 0 );
 }
 
-static void blocks_without_hooks_are_aligned_as_queried( void** state )
+TEST( blocks_without_hooks_are_aligned_as_queried )
 {
-    (void)state;
     const wisp_allocator zero = { 0 };
     for ( size_t alignment = 1; alignment <= 4096; alignment *= 2 )
     {
@@ -70,9 +68,8 @@ static void blocks_without_hooks_are_aligned_as_queried( void** state )
     }
 }
 
-static void no_bytes_are_no_block( void** state )
+TEST( no_bytes_are_no_block )
 {
-    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
 
@@ -83,9 +80,8 @@ static void no_bytes_are_no_block( void** state )
     assert_int_equal( host.release_count, 0 );
 }
 
-static void impossible_sizes_are_refused_before_they_reach_the_hooks( void** state )
+TEST( impossible_sizes_are_refused_before_they_reach_the_hooks )
 {
-    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
 
@@ -95,9 +91,8 @@ static void impossible_sizes_are_refused_before_they_reach_the_hooks( void** sta
     assert_int_equal( host.allocate_count, 0 );
 }
 
-static void a_product_of_sizes_that_overflows_is_noticed( void** state )
+TEST( a_product_of_sizes_that_overflows_is_noticed )
 {
-    (void)state;
     size_t product = 7;
     assert_true( base_size_multiply( SIZE_MAX, 0, &product ) );
     assert_int_equal( product, 0 );
@@ -112,9 +107,8 @@ static void a_product_of_sizes_that_overflows_is_noticed( void** state )
 
 // ---- the growing buffer
 
-static void a_buffer_grows_geometrically_and_keeps_its_contents( void** state )
+TEST( a_buffer_grows_geometrically_and_keeps_its_contents )
 {
-    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
     wisp_buffer buffer = { 0 };
@@ -141,9 +135,8 @@ static void a_buffer_grows_geometrically_and_keeps_its_contents( void** state )
     assert_int_equal( host.allocate_count, host.release_count );
 }
 
-static void a_buffer_that_is_large_enough_is_left_alone( void** state )
+TEST( a_buffer_that_is_large_enough_is_left_alone )
 {
-    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
     wisp_buffer buffer = { 0 };
@@ -158,9 +151,8 @@ static void a_buffer_that_is_large_enough_is_left_alone( void** state )
     base_buffer_release( &allocator, &buffer );
 }
 
-static void a_buffer_that_cannot_grow_is_unchanged( void** state )
+TEST( a_buffer_that_cannot_grow_is_unchanged )
 {
-    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
     wisp_buffer buffer = { 0 };
@@ -203,9 +195,8 @@ static void run_step( base_arena* arena )
     }
 }
 
-static void an_arena_stops_allocating_once_it_is_warm( void** state )
+TEST( an_arena_stops_allocating_once_it_is_warm )
 {
-    (void)state;
     const size_t capacities[] = { 0, 1, 1000, 1000000 };
     for ( int c = 0; c < WISP_COUNT( capacities ); ++c )
     {
@@ -232,9 +223,8 @@ static void an_arena_stops_allocating_once_it_is_warm( void** state )
     }
 }
 
-static void an_arena_keeps_its_size_through_smaller_steps( void** state )
+TEST( an_arena_keeps_its_size_through_smaller_steps )
 {
-    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
     base_arena arena;
@@ -252,9 +242,8 @@ static void an_arena_keeps_its_size_through_smaller_steps( void** state )
     base_arena_release( &arena );
 }
 
-static void an_arena_without_memory_says_null_and_recovers( void** state )
+TEST( an_arena_without_memory_says_null_and_recovers )
 {
-    (void)state;
     counting_host host = { .out_of_memory = true };
     wisp_allocator allocator = allocator_of( &host );
     base_arena arena;
@@ -271,9 +260,8 @@ static void an_arena_without_memory_says_null_and_recovers( void** state )
     assert_int_equal( host.bytes_held, 0 );
 }
 
-static void an_absurd_push_does_not_keep_an_arena_from_growing( void** state )
+TEST( an_absurd_push_does_not_keep_an_arena_from_growing )
 {
-    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
     base_arena arena;
@@ -293,9 +281,8 @@ static void an_absurd_push_does_not_keep_an_arena_from_growing( void** state )
     base_arena_release( &arena );
 }
 
-static void an_arena_rewinds_to_a_mark_and_makes_the_room_it_is_told_to_expect( void** state )
+TEST( an_arena_rewinds_to_a_mark_and_makes_the_room_it_is_told_to_expect )
 {
-    (void)state;
     base_arena arena;
     base_arena_init( &arena, NULL, 0 );
     base_arena_expect( &arena, 1000 );
@@ -313,9 +300,8 @@ static void an_arena_rewinds_to_a_mark_and_makes_the_room_it_is_told_to_expect( 
 }
 
 // The first step of a world has a thousand blocks, one after the other, before its arena can grow.
-static void a_cold_arena_holds_only_what_is_pushed_since_its_mark( void** state )
+TEST( a_cold_arena_holds_only_what_is_pushed_since_its_mark )
 {
-    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
     base_arena arena;
@@ -336,25 +322,4 @@ static void a_cold_arena_holds_only_what_is_pushed_since_its_mark( void** state 
     assert_true( arena.capacity >= 1010 && arena.capacity < 2000 );
     base_arena_release( &arena );
     assert_int_equal( host.bytes_held, 0 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( blocks_come_from_the_hooks_and_return_to_them_with_their_size ),
-        cmocka_unit_test( blocks_without_hooks_are_aligned_as_queried ),
-        cmocka_unit_test( no_bytes_are_no_block ),
-        cmocka_unit_test( impossible_sizes_are_refused_before_they_reach_the_hooks ),
-        cmocka_unit_test( a_product_of_sizes_that_overflows_is_noticed ),
-        cmocka_unit_test( a_buffer_grows_geometrically_and_keeps_its_contents ),
-        cmocka_unit_test( a_buffer_that_is_large_enough_is_left_alone ),
-        cmocka_unit_test( a_buffer_that_cannot_grow_is_unchanged ),
-        cmocka_unit_test( an_arena_stops_allocating_once_it_is_warm ),
-        cmocka_unit_test( an_arena_keeps_its_size_through_smaller_steps ),
-        cmocka_unit_test( an_arena_without_memory_says_null_and_recovers ),
-        cmocka_unit_test( an_absurd_push_does_not_keep_an_arena_from_growing ),
-        cmocka_unit_test( an_arena_rewinds_to_a_mark_and_makes_the_room_it_is_told_to_expect ),
-        cmocka_unit_test( a_cold_arena_holds_only_what_is_pushed_since_its_mark ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -110,9 +110,8 @@ static void check_counts( const test_strands* user, const wisp_strand_topology* 
     assert_memory_equal( t->offsets, user->offsets, ( (size_t)user->strand_count + 1 ) * sizeof( int32_t ) );
 }
 
-static void the_topology_counts_what_the_user_gave( void** state )
+TEST( the_topology_counts_what_the_user_gave )
 {
-    (void)state;
     check_every_mix( check_counts );
 }
 
@@ -134,9 +133,8 @@ static void check_permutation( const test_strands* user, const wisp_strand_topol
     free( lanes_of );
 }
 
-static void every_strand_with_vertices_has_exactly_one_lane( void** state )
+TEST( every_strand_with_vertices_has_exactly_one_lane )
 {
-    (void)state;
     check_every_mix( check_permutation );
 }
 
@@ -151,9 +149,8 @@ static void check_empty_lanes( const test_strands* user, const wisp_strand_topol
     }
 }
 
-static void empty_lanes_are_the_last_ones( void** state )
+TEST( empty_lanes_are_the_last_ones )
 {
-    (void)state;
     check_every_mix( check_empty_lanes );
 }
 
@@ -167,9 +164,8 @@ static void check_order( const test_strands* user, const wisp_strand_topology* t
     }
 }
 
-static void longer_strands_come_first_and_equal_ones_in_the_users_order( void** state )
+TEST( longer_strands_come_first_and_equal_ones_in_the_users_order )
 {
-    (void)state;
     check_every_mix( check_order );
 }
 
@@ -190,9 +186,8 @@ static void check_rows( const test_strands* user, const wisp_strand_topology* t,
     assert_int_equal( t->row_count, t->group_row[t->group_count] );
 }
 
-static void a_group_has_as_many_rows_as_its_longest_strand( void** state )
+TEST( a_group_has_as_many_rows_as_its_longest_strand )
 {
-    (void)state;
     check_every_mix( check_rows );
 }
 
@@ -211,9 +206,8 @@ static void check_round_trip( const test_strands* user, const wisp_strand_topolo
     free( back );
 }
 
-static void lanes_lead_back_to_the_users_points_bit_for_bit( void** state )
+TEST( lanes_lead_back_to_the_users_points_bit_for_bit )
 {
-    (void)state;
     check_every_mix( check_round_trip );
 }
 
@@ -231,15 +225,13 @@ static void check_padding( const test_strands* user, const wisp_strand_topology*
     }
 }
 
-static void behind_a_tip_lanes_repeat_it_and_without_a_strand_they_are_zero( void** state )
+TEST( behind_a_tip_lanes_repeat_it_and_without_a_strand_they_are_zero )
 {
-    (void)state;
     check_every_mix( check_padding );
 }
 
-static void strands_of_equal_length_waste_at_most_fifteen_lanes( void** state )
+TEST( strands_of_equal_length_waste_at_most_fifteen_lanes )
 {
-    (void)state;
     for ( int i = 0; i < WISP_COUNT( STRAND_COUNTS ); ++i )
     {
         test_strands user = make_mix( MIX_EQUAL, STRAND_COUNTS[i] );
@@ -255,9 +247,8 @@ static void strands_of_equal_length_waste_at_most_fifteen_lanes( void** state )
 
 // ---- memory ----
 
-static void the_offsets_of_the_user_may_die_after_cooking( void** state )
+TEST( the_offsets_of_the_user_may_die_after_cooking )
 {
-    (void)state;
     test_strands user = make_mix( MIX_RISING, 33 );
     cook_strands* cooked = cook_strands_create( NULL, user.offsets, user.strand_count, 3 );
     assert_non_null( cooked );
@@ -268,9 +259,8 @@ static void the_offsets_of_the_user_may_die_after_cooking( void** state )
     test_strands_free( &user );
 }
 
-static void a_topology_dies_with_its_last_instance( void** state )
+TEST( a_topology_dies_with_its_last_instance )
 {
-    (void)state;
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
     test_strands user = make_mix( MIX_RANDOM, 20 );
@@ -288,9 +278,8 @@ static void a_topology_dies_with_its_last_instance( void** state )
     assert_host_memory_is_released( &host );
 }
 
-static void cooking_without_memory_is_null_and_leaks_nothing( void** state )
+TEST( cooking_without_memory_is_null_and_leaks_nothing )
 {
-    (void)state;
     test_strands user = make_mix( MIX_RANDOM, 100 );
     int failures = 0;
     for ( int n = 1; failures == n - 1; ++n )
@@ -305,22 +294,4 @@ static void cooking_without_memory_is_null_and_leaks_nothing( void** state )
     }
     test_strands_free( &user );
     assert_true( failures > 0 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_topology_counts_what_the_user_gave ),
-        cmocka_unit_test( every_strand_with_vertices_has_exactly_one_lane ),
-        cmocka_unit_test( empty_lanes_are_the_last_ones ),
-        cmocka_unit_test( longer_strands_come_first_and_equal_ones_in_the_users_order ),
-        cmocka_unit_test( a_group_has_as_many_rows_as_its_longest_strand ),
-        cmocka_unit_test( lanes_lead_back_to_the_users_points_bit_for_bit ),
-        cmocka_unit_test( behind_a_tip_lanes_repeat_it_and_without_a_strand_they_are_zero ),
-        cmocka_unit_test( strands_of_equal_length_waste_at_most_fifteen_lanes ),
-        cmocka_unit_test( the_offsets_of_the_user_may_die_after_cooking ),
-        cmocka_unit_test( a_topology_dies_with_its_last_instance ),
-        cmocka_unit_test( cooking_without_memory_is_null_and_leaks_nothing ),
-    };
-    return cmocka_run_group_tests_name( "cook", tests, NULL, NULL );
 }

@@ -66,9 +66,8 @@ static void assert_list( const char* const* names, const char* letters )
     assert_null( names[i] );
 }
 
-static void a_kept_pass_tells_where_it_runs_and_on_what( void** state )
+TEST( a_kept_pass_tells_where_it_runs_and_on_what )
 {
-    (void)state;
     wisp_world* world = open_chain();
     wisp_plan_info* report = explain( world );
     assert_int_equal( report->active_count, 3 );
@@ -95,9 +94,8 @@ static void a_kept_pass_tells_where_it_runs_and_on_what( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_kept_pass_tells_what_it_uses_and_all_who_request_it( void** state )
+TEST( a_kept_pass_tells_what_it_uses_and_all_who_request_it )
 {
-    (void)state;
     wisp_world* world = open_chain();
     wisp_plan_info* report = explain( world );
     const wisp_plan_pass *make = pass_of( report, "make" ), *show = pass_of( report, "show" );
@@ -118,9 +116,8 @@ static void a_kept_pass_tells_what_it_uses_and_all_who_request_it( void** state 
     wisp_world_destroy( world );
 }
 
-static void of_many_readers_words_name_three_and_the_list_has_all( void** state )
+TEST( of_many_readers_words_name_three_and_the_list_has_all )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "make", SHAPE, GROUP, .writes = "A" },
         { "r1", SHAPE, GROUP, .reads = "A", .writes = "B" },
@@ -141,9 +138,8 @@ static void of_many_readers_words_name_three_and_the_list_has_all( void** state 
     wisp_world_destroy( world );
 }
 
-static void an_absent_pass_tells_which_of_four_things_keeps_it_away( void** state )
+TEST( an_absent_pass_tells_which_of_four_things_keeps_it_away )
 {
-    (void)state;
     const struct
     {
         const char* pass;
@@ -173,9 +169,8 @@ static void an_absent_pass_tells_which_of_four_things_keeps_it_away( void** stat
 }
 
 // Rows that a plan creates between two passes are no component of the entity.
-static void rows_between_passes_are_not_what_a_pass_could_need( void** state )
+TEST( rows_between_passes_are_not_what_a_pass_could_need )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "make", SHAPE, GROUP, .writes = "A" },
         { "show", SHAPE, GROUP, .reads = "A", .writes = "B" },
@@ -189,9 +184,8 @@ static void rows_between_passes_are_not_what_a_pass_could_need( void** state )
     wisp_world_destroy( world );
 }
 
-static void predicted_shares_follow_bytes_and_loops_and_sum_to_one( void** state )
+TEST( predicted_shares_follow_bytes_and_loops_and_sum_to_one )
 {
-    (void)state;
     declare_fakes( CHAIN, WISP_COUNT( CHAIN ) );
     wisp_world_def def = wisp_default_world_def();
     def.workers = 1;
@@ -215,9 +209,8 @@ static void predicted_shares_follow_bytes_and_loops_and_sum_to_one( void** state
     wisp_world_destroy( world );
 }
 
-static void what_a_pass_touches_of_others_is_predicted_too( void** state )
+TEST( what_a_pass_touches_of_others_is_predicted_too )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "meet", SHAPE, ENTITY, .required = "N", .writes = "B", .foreign = "A" },
     };
@@ -233,9 +226,8 @@ static void what_a_pass_touches_of_others_is_predicted_too( void** state )
     wisp_world_destroy( world );
 }
 
-static void passes_of_one_node_are_told_as_fused( void** state )
+TEST( passes_of_one_node_are_told_as_fused )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "first", SHAPE, GROUP, .writes = "A" },
         { "second", SHAPE, GROUP, .reads = "A", .writes = "B" },
@@ -268,9 +260,8 @@ static wisp_status declare_other( wisp_registry* r )
     return wisp_declare_pass( r, &pass );
 }
 
-static void an_absent_module_tells_the_component_that_it_lacks( void** state )
+TEST( an_absent_module_tells_the_component_that_it_lacks )
 {
-    (void)state;
     static const wisp_module other = { .name = "other", .declare = declare_other };
     static const wisp_module* const modules[] = { &fake_module, &other };
     declare_fakes( CHAIN, WISP_COUNT( CHAIN ) );
@@ -295,9 +286,8 @@ static void an_absent_module_tells_the_component_that_it_lacks( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_module_that_nobody_requests_says_so_of_its_nearest_pass( void** state )
+TEST( a_module_that_nobody_requests_says_so_of_its_nearest_pass )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     add_with( world, "N" );
     wisp_plan_info* report = explain( world );
@@ -331,9 +321,8 @@ static void compare_line( void* user, const char* line )
     check->count += 1;
 }
 
-static void the_printed_plan_is_the_report_in_lines( void** state )
+TEST( the_printed_plan_is_the_report_in_lines )
 {
-    (void)state;
     wisp_world* world = open_chain();
     line_check check = { .report = explain( world ) };
     assert_int_equal( wisp_world_plan( world, compare_line, &check ), WISP_OK );
@@ -345,9 +334,8 @@ static void the_printed_plan_is_the_report_in_lines( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_report_stays_as_it_is_and_gives_its_memory_back( void** state )
+TEST( a_report_stays_as_it_is_and_gives_its_memory_back )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "B" );
@@ -367,9 +355,8 @@ static void a_report_stays_as_it_is_and_gives_its_memory_back( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_refused_plan_gives_no_report( void** state )
+TEST( a_refused_plan_gives_no_report )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     request( world, add_with( world, "" ), "C" );
     wisp_plan_info* report = (wisp_plan_info*)(uintptr_t)1;
@@ -379,9 +366,8 @@ static void a_refused_plan_gives_no_report( void** state )
     wisp_world_destroy( world );
 }
 
-static void without_memory_there_is_a_message_and_no_report( void** state )
+TEST( without_memory_there_is_a_message_and_no_report )
 {
-    (void)state;
     test_host host = { 0 };
     declare_fakes( CHAIN, WISP_COUNT( CHAIN ) );
     wisp_world_def def = wisp_default_world_def();
@@ -400,25 +386,4 @@ static void without_memory_there_is_a_message_and_no_report( void** state )
     wisp_plan_info_release( explain( world ) );
     wisp_world_destroy( world );
     assert_host_memory_is_released( &host );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_kept_pass_tells_where_it_runs_and_on_what ),
-        cmocka_unit_test( a_kept_pass_tells_what_it_uses_and_all_who_request_it ),
-        cmocka_unit_test( of_many_readers_words_name_three_and_the_list_has_all ),
-        cmocka_unit_test( an_absent_pass_tells_which_of_four_things_keeps_it_away ),
-        cmocka_unit_test( rows_between_passes_are_not_what_a_pass_could_need ),
-        cmocka_unit_test( predicted_shares_follow_bytes_and_loops_and_sum_to_one ),
-        cmocka_unit_test( what_a_pass_touches_of_others_is_predicted_too ),
-        cmocka_unit_test( passes_of_one_node_are_told_as_fused ),
-        cmocka_unit_test( an_absent_module_tells_the_component_that_it_lacks ),
-        cmocka_unit_test( a_module_that_nobody_requests_says_so_of_its_nearest_pass ),
-        cmocka_unit_test( the_printed_plan_is_the_report_in_lines ),
-        cmocka_unit_test( a_report_stays_as_it_is_and_gives_its_memory_back ),
-        cmocka_unit_test( a_refused_plan_gives_no_report ),
-        cmocka_unit_test( without_memory_there_is_a_message_and_no_report ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

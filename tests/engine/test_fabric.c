@@ -37,9 +37,8 @@ static void free_cases( test_case* cases )
     }
 }
 
-static void every_mesh_becomes_the_fabric_that_brute_force_expects( void** state )
+TEST( every_mesh_becomes_the_fabric_that_brute_force_expects )
 {
-    (void)state;
     test_case cases[CASE_COUNT];
     make_cases( cases );
     for ( int i = 0; i < CASE_COUNT; ++i )
@@ -65,9 +64,8 @@ static void every_mesh_becomes_the_fabric_that_brute_force_expects( void** state
     free_cases( cases );
 }
 
-static void a_lean_fabric_makes_the_same_arrays_when_they_are_needed( void** state )
+TEST( a_lean_fabric_makes_the_same_arrays_when_they_are_needed )
 {
-    (void)state;
     test_case cases[CASE_COUNT];
     make_cases( cases );
     for ( int i = 0; i < CASE_COUNT; ++i )
@@ -100,9 +98,8 @@ static void a_lean_fabric_makes_the_same_arrays_when_they_are_needed( void** sta
 }
 
 // Of every fabric: nothing has them before.
-static void spans_of_hinges_are_squared_distances( void** state )
+TEST( spans_of_hinges_are_squared_distances )
 {
-    (void)state;
     test_case cases[CASE_COUNT];
     make_cases( cases );
     for ( int i = 0; i < CASE_COUNT; ++i )
@@ -126,9 +123,8 @@ static void spans_of_hinges_are_squared_distances( void** state )
     free_cases( cases );
 }
 
-static void shuffled_meshes_hold_as_well( void** state )
+TEST( shuffled_meshes_hold_as_well )
 {
-    (void)state;
     test_mesh mesh = test_mesh_sphere( 20, 30 );
     test_mesh_shuffle( &mesh );
     wisp_fabric_def def = test_fabric_def( &mesh );
@@ -140,9 +136,8 @@ static void shuffled_meshes_hold_as_well( void** state )
     test_mesh_free( &mesh );
 }
 
-static void a_plane_has_the_edges_that_counting_gives( void** state )
+TEST( a_plane_has_the_edges_that_counting_gives )
 {
-    (void)state;
     test_mesh mesh = test_mesh_plane( 30, 20 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
@@ -156,9 +151,8 @@ static void a_plane_has_the_edges_that_counting_gives( void** state )
     test_mesh_free( &mesh );
 }
 
-static void a_sphere_has_no_border_and_eulers_number_two( void** state )
+TEST( a_sphere_has_no_border_and_eulers_number_two )
 {
-    (void)state;
     test_mesh mesh = test_mesh_sphere( 12, 17 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
@@ -169,9 +163,8 @@ static void a_sphere_has_no_border_and_eulers_number_two( void** state )
     test_mesh_free( &mesh );
 }
 
-static void a_moebius_strip_is_wild_only_along_its_seam( void** state )
+TEST( a_moebius_strip_is_wild_only_along_its_seam )
 {
-    (void)state;
     test_mesh mesh = test_mesh_moebius( 41, 4 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
@@ -183,9 +176,8 @@ static void a_moebius_strip_is_wild_only_along_its_seam( void** state )
     test_mesh_free( &mesh );
 }
 
-static void the_spine_of_a_book_is_wild_and_has_no_hinge( void** state )
+TEST( the_spine_of_a_book_is_wild_and_has_no_hinge )
 {
-    (void)state;
     test_mesh mesh = test_mesh_book( 3 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
@@ -197,9 +189,8 @@ static void the_spine_of_a_book_is_wild_and_has_no_hinge( void** state )
     test_mesh_free( &mesh );
 }
 
-static void two_triangles_back_to_back_have_hinges_but_no_bend_links( void** state )
+TEST( two_triangles_back_to_back_have_hinges_but_no_bend_links )
 {
-    (void)state;
     test_mesh mesh = test_mesh_make( 3, 2 );
     int next = 0;
     mesh.points[1].x = mesh.points[2].y = 1.0f;
@@ -215,9 +206,8 @@ static void two_triangles_back_to_back_have_hinges_but_no_bend_links( void** sta
     test_mesh_free( &mesh );
 }
 
-static void loose_vertices_stand_at_the_end_even_when_attached( void** state )
+TEST( loose_vertices_stand_at_the_end_even_when_attached )
 {
-    (void)state;
     test_mesh mesh = test_mesh_make( 10, 1 );
     int next = 0;
     mesh.points[4].x = mesh.points[8].y = 1.0f;
@@ -260,9 +250,8 @@ static void measure_steps( const wisp_fabric* f, int* steps )
     }
 }
 
-static void the_order_sweeps_away_from_the_attachments( void** state )
+TEST( the_order_sweeps_away_from_the_attachments )
 {
-    (void)state;
     test_mesh mesh = test_mesh_plane( 30, 25 );
     test_mesh_shuffle( &mesh );
     wisp_fabric_def def = test_fabric_def( &mesh );
@@ -286,9 +275,8 @@ static void the_order_sweeps_away_from_the_attachments( void** state )
     test_mesh_free( &mesh );
 }
 
-static void components_come_one_after_another_attached_ones_first( void** state )
+TEST( components_come_one_after_another_attached_ones_first )
 {
-    (void)state;
     test_mesh mesh = test_mesh_make( 3 * 200, 3 * 200 );
     for ( int v = 0; v < 600; ++v )
     {
@@ -330,9 +318,8 @@ static void assert_fan( const wisp_fabric* f, int vertex, const int* expected, i
     assert_int_equal( test_ring_slot( f, slot, count ), slot );
 }
 
-static void fans_begin_at_borders_or_with_the_users_first_triangle( void** state )
+TEST( fans_begin_at_borders_or_with_the_users_first_triangle )
 {
-    (void)state;
     // around vertex 0 a closed fan, and an open one whose triangles come in the wrong order
     test_mesh mesh = test_mesh_make( 7, 5 );
     static const int corners[5][3] = { { 0, 2, 3 }, { 0, 5, 6 }, { 0, 1, 2 }, { 3, 1, 0 }, { 4, 5, 0 } };
@@ -350,9 +337,8 @@ static void fans_begin_at_borders_or_with_the_users_first_triangle( void** state
     test_mesh_free( &mesh );
 }
 
-static void a_shuffled_plane_is_ordered_as_narrow_as_its_rings( void** state )
+TEST( a_shuffled_plane_is_ordered_as_narrow_as_its_rings )
 {
-    (void)state;
     test_mesh mesh = test_mesh_plane( 40, 40 );
     test_mesh_shuffle( &mesh );
     wisp_fabric_def def = test_fabric_def( &mesh );
@@ -372,9 +358,8 @@ static void a_shuffled_plane_is_ordered_as_narrow_as_its_rings( void** state )
     test_mesh_free( &mesh );
 }
 
-static void the_same_mesh_has_the_same_hash_and_another_has_another( void** state )
+TEST( the_same_mesh_has_the_same_hash_and_another_has_another )
 {
-    (void)state;
     test_mesh mesh = test_mesh_sphere( 20, 30 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     def.hinges = true;
@@ -394,9 +379,8 @@ static void the_same_mesh_has_the_same_hash_and_another_has_another( void** stat
     test_mesh_free( &mesh );
 }
 
-static void there_are_at_least_four_tiles_unless_they_would_be_smaller_than_256( void** state )
+TEST( there_are_at_least_four_tiles_unless_they_would_be_smaller_than_256 )
 {
-    (void)state;
     static const struct
     {
         int vertices, tile_size, tiles;
@@ -415,9 +399,8 @@ static void there_are_at_least_four_tiles_unless_they_would_be_smaller_than_256(
     }
 }
 
-static void what_hangs_on_an_attachment_comes_last_in_its_tile( void** state )
+TEST( what_hangs_on_an_attachment_comes_last_in_its_tile )
 {
-    (void)state;
     test_mesh mesh = test_mesh_plane( 20, 20 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     const int32_t corners[2] = { 0, 19 };
@@ -444,9 +427,8 @@ static void what_hangs_on_an_attachment_comes_last_in_its_tile( void** state )
     test_mesh_free( &mesh );
 }
 
-static void cloth_wastes_few_lanes_and_crowded_poles_few_more( void** state )
+TEST( cloth_wastes_few_lanes_and_crowded_poles_few_more )
 {
-    (void)state;
     test_mesh meshes[] = { test_mesh_plane( 128, 128 ), test_mesh_plane( 64, 64 ), test_mesh_sphere( 60, 200 ) };
     for ( int i = 0; i < 3; ++i )
     {
@@ -465,9 +447,8 @@ static void cloth_wastes_few_lanes_and_crowded_poles_few_more( void** state )
     }
 }
 
-static void without_tiles_a_colour_is_a_tile_that_shares_no_vertex( void** state )
+TEST( without_tiles_a_colour_is_a_tile_that_shares_no_vertex )
 {
-    (void)state;
     test_mesh mesh = test_mesh_sphere( 9, 200 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
@@ -500,9 +481,8 @@ static void without_tiles_a_colour_is_a_tile_that_shares_no_vertex( void** state
     test_mesh_free( &mesh );
 }
 
-static void triangles_without_area_keep_their_edges( void** state )
+TEST( triangles_without_area_keep_their_edges )
 {
-    (void)state;
     test_mesh mesh = test_mesh_make( 3, 1 );
     int next = 0;
     test_mesh_triangle( &mesh, &next, 0, 1, 2 );
@@ -524,9 +504,8 @@ static void expect_fabric_refusal( const wisp_fabric_def* def, const char* part 
     assert_contains( error.message, part );
 }
 
-static void bad_input_is_refused_by_a_message_that_names_it( void** state )
+TEST( bad_input_is_refused_by_a_message_that_names_it )
 {
-    (void)state;
     test_mesh mesh = test_mesh_plane( 4, 4 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     int32_t kept = mesh.triangles[7], attachment = 16;
@@ -571,9 +550,8 @@ static void bad_input_is_refused_by_a_message_that_names_it( void** state )
     test_mesh_free( &mesh );
 }
 
-static void cooking_without_memory_says_so_and_leaks_nothing( void** state )
+TEST( cooking_without_memory_says_so_and_leaks_nothing )
 {
-    (void)state;
     test_mesh mesh = test_mesh_sphere( 5, 8 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     int32_t attachment = 3;
@@ -602,9 +580,8 @@ static void cooking_without_memory_says_so_and_leaks_nothing( void** state )
     test_mesh_free( &mesh );
 }
 
-static void a_fabric_dies_with_its_last_owner( void** state )
+TEST( a_fabric_dies_with_its_last_owner )
 {
-    (void)state;
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
     test_mesh mesh = test_mesh_plane( 9, 9 );
@@ -621,34 +598,4 @@ static void a_fabric_dies_with_its_last_owner( void** state )
     wisp_fabric_release( NULL );
     assert_host_memory_is_released( &host );
     test_mesh_free( &mesh );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_mesh_becomes_the_fabric_that_brute_force_expects ),
-        cmocka_unit_test( a_lean_fabric_makes_the_same_arrays_when_they_are_needed ),
-        cmocka_unit_test( spans_of_hinges_are_squared_distances ),
-        cmocka_unit_test( shuffled_meshes_hold_as_well ),
-        cmocka_unit_test( a_plane_has_the_edges_that_counting_gives ),
-        cmocka_unit_test( a_sphere_has_no_border_and_eulers_number_two ),
-        cmocka_unit_test( a_moebius_strip_is_wild_only_along_its_seam ),
-        cmocka_unit_test( the_spine_of_a_book_is_wild_and_has_no_hinge ),
-        cmocka_unit_test( two_triangles_back_to_back_have_hinges_but_no_bend_links ),
-        cmocka_unit_test( loose_vertices_stand_at_the_end_even_when_attached ),
-        cmocka_unit_test( the_order_sweeps_away_from_the_attachments ),
-        cmocka_unit_test( components_come_one_after_another_attached_ones_first ),
-        cmocka_unit_test( fans_begin_at_borders_or_with_the_users_first_triangle ),
-        cmocka_unit_test( a_shuffled_plane_is_ordered_as_narrow_as_its_rings ),
-        cmocka_unit_test( the_same_mesh_has_the_same_hash_and_another_has_another ),
-        cmocka_unit_test( there_are_at_least_four_tiles_unless_they_would_be_smaller_than_256 ),
-        cmocka_unit_test( what_hangs_on_an_attachment_comes_last_in_its_tile ),
-        cmocka_unit_test( cloth_wastes_few_lanes_and_crowded_poles_few_more ),
-        cmocka_unit_test( without_tiles_a_colour_is_a_tile_that_shares_no_vertex ),
-        cmocka_unit_test( triangles_without_area_keep_their_edges ),
-        cmocka_unit_test( bad_input_is_refused_by_a_message_that_names_it ),
-        cmocka_unit_test( cooking_without_memory_says_so_and_leaks_nothing ),
-        cmocka_unit_test( a_fabric_dies_with_its_last_owner ),
-    };
-    return cmocka_run_group_tests_name( "fabric", tests, NULL, NULL );
 }

@@ -149,9 +149,8 @@ static int wrong_rows( const wisp_fabric* f, int l, double tolerance )
 
 // ---- vertices ----
 
-static void a_level_keeps_its_spacing_and_cannot_be_extended( void** state )
+TEST( a_level_keeps_its_spacing_and_cannot_be_extended )
 {
-    (void)state;
     for ( int kind = 0; kind < 3; ++kind )
     {
         test_mesh mesh = test_mesh_uneven_plane( 53, 49, 0.12f * (float)kind, 1.0f );
@@ -182,9 +181,8 @@ static void a_level_keeps_its_spacing_and_cannot_be_extended( void** state )
     }
 }
 
-static void levels_end_before_the_motion_is_not_resolved( void** state )
+TEST( levels_end_before_the_motion_is_not_resolved )
 {
-    (void)state;
     const struct
     {
         int side, levels, coarsest;
@@ -200,9 +198,8 @@ static void levels_end_before_the_motion_is_not_resolved( void** state )
     }
 }
 
-static void a_dense_border_of_attachments_does_not_make_a_level_dense( void** state )
+TEST( a_dense_border_of_attachments_does_not_make_a_level_dense )
 {
-    (void)state;
     test_mesh mesh = test_mesh_plane( 48, 48 );
     int32_t border[48];
     for ( int i = 0; i < 48; ++i )
@@ -220,9 +217,8 @@ static void a_dense_border_of_attachments_does_not_make_a_level_dense( void** st
     test_mesh_free( &mesh );
 }
 
-static void large_levels_run_in_tiles_and_small_ones_in_one( void** state )
+TEST( large_levels_run_in_tiles_and_small_ones_in_one )
 {
-    (void)state;
     test_mesh mesh = test_mesh_plane( 65, 65 );
     wisp_fabric* f = cook_levels( &mesh, NULL, 0 );
     const wisp_schedule *finest = &f->levels[0].schedule, *coarsest = &f->levels[1].schedule;
@@ -241,9 +237,8 @@ static void large_levels_run_in_tiles_and_small_ones_in_one( void** state )
 // ---- links ----
 
 // On a grid: every row and column link is whole, and both diagonals of every square are half.
-static void squares_have_both_diagonals_at_half_of_the_stiffness( void** state )
+TEST( squares_have_both_diagonals_at_half_of_the_stiffness )
 {
-    (void)state;
     test_mesh mesh = test_mesh_plane( 65, 65 );
     wisp_fabric* f = cook_levels( &mesh, NULL, 0 );
     for ( int l = 0, side = 33; l < 2; ++l, side = 17 )
@@ -264,9 +259,8 @@ static void squares_have_both_diagonals_at_half_of_the_stiffness( void** state )
 }
 
 // Euler: a triangulation of v vertices in a disc has 3 v - 3 - b edges. Fractions add up to as many.
-static void fractions_of_an_irregular_level_add_up_to_a_triangulation( void** state )
+TEST( fractions_of_an_irregular_level_add_up_to_a_triangulation )
 {
-    (void)state;
     test_mesh mesh = test_mesh_uneven_plane( 60, 50, 0.24f, 1.0f );
     wisp_fabric* f = cook_levels( &mesh, NULL, 0 );
     const wisp_fabric_level* level = &f->levels[0];
@@ -280,9 +274,8 @@ static void fractions_of_an_irregular_level_add_up_to_a_triangulation( void** st
     test_mesh_free( &mesh );
 }
 
-static void on_planes_links_are_straight_and_rows_are_interpolated_where_they_are( void** state )
+TEST( on_planes_links_are_straight_and_rows_are_interpolated_where_they_are )
 {
-    (void)state;
     static const float jitters[] = { 0.0f, 0.1f, 0.24f };
     for ( int i = 0; i < WISP_COUNT( jitters ); ++i )
     {
@@ -312,9 +305,8 @@ static void on_planes_links_are_straight_and_rows_are_interpolated_where_they_ar
 
 // ---- other meshes ----
 
-static void a_closed_mesh_has_levels_whose_links_follow_it( void** state )
+TEST( a_closed_mesh_has_levels_whose_links_follow_it )
 {
-    (void)state;
     test_mesh mesh = test_mesh_sphere( 39, 60 );
     wisp_fabric* f = cook_levels( &mesh, NULL, 0 );
     assert_true( f->level_count >= 1 );
@@ -335,9 +327,8 @@ static void a_closed_mesh_has_levels_whose_links_follow_it( void** state )
     test_mesh_free( &mesh );
 }
 
-static void shells_have_no_links_or_parents_in_common_and_unreferenced_vertices_follow_nothing( void** state )
+TEST( shells_have_no_links_or_parents_in_common_and_unreferenced_vertices_follow_nothing )
 {
-    (void)state;
     const int count = 30 * 30;
     test_mesh above = test_mesh_plane( 30, 30 );
     for ( int v = 0; v < above.vertex_count; ++v )
@@ -371,9 +362,8 @@ static void shells_have_no_links_or_parents_in_common_and_unreferenced_vertices_
     test_mesh_free( &mesh );
 }
 
-static void tiny_and_collapsed_meshes_have_no_levels( void** state )
+TEST( tiny_and_collapsed_meshes_have_no_levels )
 {
-    (void)state;
     test_mesh meshes[] = { test_mesh_make( 0, 0 ),  test_mesh_make( 1, 0 ), test_mesh_make( 40, 0 ),
                            test_mesh_plane( 2, 2 ), test_mesh_fan( 5 ),     test_mesh_plane( 40, 40 ) };
     for ( int v = 0; v < 1600; ++v )
@@ -390,9 +380,8 @@ static void tiny_and_collapsed_meshes_have_no_levels( void** state )
 }
 
 // A level of these has one vertex of each, and nothing to link.
-static void loose_squares_have_no_levels( void** state )
+TEST( loose_squares_have_no_levels )
 {
-    (void)state;
     test_mesh mesh = test_mesh_plane( 2, 2 );
     for ( int i = 1; i < 400; ++i )
     {
@@ -409,9 +398,8 @@ static void loose_squares_have_no_levels( void** state )
     test_mesh_free( &mesh );
 }
 
-static void ribbons_fans_books_and_flattened_meshes_hold_too( void** state )
+TEST( ribbons_fans_books_and_flattened_meshes_hold_too )
 {
-    (void)state;
     test_mesh meshes[] = { test_mesh_plane( 600, 2 ),
                            test_mesh_fan( 900 ),
                            test_mesh_book( 200 ),
@@ -430,9 +418,8 @@ static void ribbons_fans_books_and_flattened_meshes_hold_too( void** state )
     }
 }
 
-static void the_same_mesh_has_the_same_levels_bit_for_bit( void** state )
+TEST( the_same_mesh_has_the_same_levels_bit_for_bit )
 {
-    (void)state;
     test_mesh mesh = test_mesh_uneven_plane( 40, 40, 0.2f, 1.0f );
     const int32_t attachments[] = { 0, 39, 450 };
     wisp_fabric *a = cook_levels( &mesh, attachments, 3 ), *b = cook_levels( &mesh, attachments, 3 );
@@ -446,9 +433,8 @@ static void the_same_mesh_has_the_same_levels_bit_for_bit( void** state )
 
 // ---- memory ----
 
-static void levels_without_memory_fail_and_leak_nothing( void** state )
+TEST( levels_without_memory_fail_and_leak_nothing )
 {
-    (void)state;
     static const int sides[] = { 26, 130 };
     for ( int i = 0; i < WISP_COUNT( sides ); ++i )
     {
@@ -463,25 +449,4 @@ static void levels_without_memory_fail_and_leak_nothing( void** state )
         assert_no_cook_without_memory( &def, i == 0 ? 1 : 11 );
         test_mesh_free( &mesh );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_level_keeps_its_spacing_and_cannot_be_extended ),
-        cmocka_unit_test( levels_end_before_the_motion_is_not_resolved ),
-        cmocka_unit_test( a_dense_border_of_attachments_does_not_make_a_level_dense ),
-        cmocka_unit_test( large_levels_run_in_tiles_and_small_ones_in_one ),
-        cmocka_unit_test( squares_have_both_diagonals_at_half_of_the_stiffness ),
-        cmocka_unit_test( fractions_of_an_irregular_level_add_up_to_a_triangulation ),
-        cmocka_unit_test( on_planes_links_are_straight_and_rows_are_interpolated_where_they_are ),
-        cmocka_unit_test( a_closed_mesh_has_levels_whose_links_follow_it ),
-        cmocka_unit_test( shells_have_no_links_or_parents_in_common_and_unreferenced_vertices_follow_nothing ),
-        cmocka_unit_test( tiny_and_collapsed_meshes_have_no_levels ),
-        cmocka_unit_test( loose_squares_have_no_levels ),
-        cmocka_unit_test( ribbons_fans_books_and_flattened_meshes_hold_too ),
-        cmocka_unit_test( the_same_mesh_has_the_same_levels_bit_for_bit ),
-        cmocka_unit_test( levels_without_memory_fail_and_leak_nothing ),
-    };
-    return cmocka_run_group_tests_name( "fabric levels", tests, NULL, NULL );
 }

@@ -45,9 +45,8 @@ static double largest_error( const wisp_fabric* f, const wisp_vec3* flat )
 
 // ---- lengths ----
 
-static void on_a_plane_of_any_triangulation_a_tether_is_as_long_as_the_straight_line( void** state )
+TEST( on_a_plane_of_any_triangulation_a_tether_is_as_long_as_the_straight_line )
 {
-    (void)state;
     static const struct
     {
         int width, height;
@@ -69,9 +68,8 @@ static void on_a_plane_of_any_triangulation_a_tether_is_as_long_as_the_straight_
     }
 }
 
-static void rolling_a_plane_up_changes_no_tether( void** state )
+TEST( rolling_a_plane_up_changes_no_tether )
 {
-    (void)state;
     static const double angles[] = { 0.02, 0.1, 0.3 };
     for ( int i = 0; i < WISP_COUNT( angles ); ++i )
     {
@@ -88,9 +86,8 @@ static void rolling_a_plane_up_changes_no_tether( void** state )
     }
 }
 
-static void on_a_sphere_tethers_follow_great_circles_within_two_percent( void** state )
+TEST( on_a_sphere_tethers_follow_great_circles_within_two_percent )
 {
-    (void)state;
     test_mesh mesh = test_mesh_sphere( 39, 60 );
     const int32_t attachments[] = { 0, 1170, mesh.vertex_count - 1 };
     wisp_fabric* f = cook_tethers( &mesh, attachments, 3 );
@@ -109,9 +106,8 @@ static void on_a_sphere_tethers_follow_great_circles_within_two_percent( void** 
 }
 
 // A slit from the right border to the middle: everything behind it is reached around its end.
-static void a_tether_goes_around_a_slit( void** state )
+TEST( a_tether_goes_around_a_slit )
 {
-    (void)state;
     enum
     {
         SIZE = 21,
@@ -144,9 +140,8 @@ static void a_tether_goes_around_a_slit( void** state )
 
 // ---- which attachments ----
 
-static void up_to_eight_attachments_give_the_four_nearest_in_order( void** state )
+TEST( up_to_eight_attachments_give_the_four_nearest_in_order )
 {
-    (void)state;
     test_mesh mesh = test_mesh_uneven_plane( 30, 30, 0.2f, 1.0f );
     const int32_t attachments[] = { 0, 29, 870, 899, 465, 15, 700, 122 };
     for ( int count = 1; count <= WISP_COUNT( attachments ); ++count )
@@ -175,9 +170,8 @@ static void up_to_eight_attachments_give_the_four_nearest_in_order( void** state
     test_mesh_free( &mesh );
 }
 
-static void from_a_pinned_border_come_the_nearest_and_others_spread_along_it( void** state )
+TEST( from_a_pinned_border_come_the_nearest_and_others_spread_along_it )
 {
-    (void)state;
     enum
     {
         SIZE = 64
@@ -208,9 +202,8 @@ static void from_a_pinned_border_come_the_nearest_and_others_spread_along_it( vo
     test_mesh_free( &mesh );
 }
 
-static void shells_hang_from_their_own_attachments_only( void** state )
+TEST( shells_hang_from_their_own_attachments_only )
 {
-    (void)state;
     test_mesh far = test_mesh_plane( 7, 7 ), mesh;
     for ( int v = 0; v < far.vertex_count; ++v )
     {
@@ -240,9 +233,8 @@ static void shells_hang_from_their_own_attachments_only( void** state )
     test_mesh_free( &mesh );
 }
 
-static void without_attachments_there_are_no_tethers( void** state )
+TEST( without_attachments_there_are_no_tethers )
 {
-    (void)state;
     test_mesh mesh = test_mesh_sphere( 7, 8 );
     wisp_fabric* f = cook_tethers( &mesh, NULL, 0 );
     assert_int_equal( f->tether_count, 0 );
@@ -252,9 +244,8 @@ static void without_attachments_there_are_no_tethers( void** state )
 
 // ---- difficult meshes for marches ----
 
-static void slivers_folds_and_wild_edges_give_lengths_between_the_straight_line_and_the_edges( void** state )
+TEST( slivers_folds_and_wild_edges_give_lengths_between_the_straight_line_and_the_edges )
 {
-    (void)state;
     test_mesh meshes[] = { test_mesh_book( 9 ), test_mesh_fan( 500 ), test_mesh_moebius( 30, 5 ),
                            test_mesh_uneven_plane( 20, 20, 0.0f, 1e-4f ),
                            test_mesh_uneven_plane( 20, 20, 0.0f, 0.0f ) };
@@ -278,9 +269,8 @@ static void slivers_folds_and_wild_edges_give_lengths_between_the_straight_line_
     }
 }
 
-static void the_same_mesh_has_the_same_tethers_bit_for_bit( void** state )
+TEST( the_same_mesh_has_the_same_tethers_bit_for_bit )
 {
-    (void)state;
     test_mesh mesh = test_mesh_sphere( 20, 30 );
     int32_t attachments[40];
     for ( int i = 0; i < 40; ++i )
@@ -296,9 +286,8 @@ static void the_same_mesh_has_the_same_tethers_bit_for_bit( void** state )
     test_mesh_free( &mesh );
 }
 
-static void tethers_without_memory_fail_and_leak_nothing( void** state )
+TEST( tethers_without_memory_fail_and_leak_nothing )
 {
-    (void)state;
     test_mesh mesh = test_mesh_plane( 8, 8 );
     int32_t attachments[20];
     for ( int i = 0; i < 20; ++i )
@@ -311,22 +300,4 @@ static void tethers_without_memory_fail_and_leak_nothing( void** state )
     def.attachment_count = 20;
     assert_no_cook_without_memory( &def, 1 );
     test_mesh_free( &mesh );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( on_a_plane_of_any_triangulation_a_tether_is_as_long_as_the_straight_line ),
-        cmocka_unit_test( rolling_a_plane_up_changes_no_tether ),
-        cmocka_unit_test( on_a_sphere_tethers_follow_great_circles_within_two_percent ),
-        cmocka_unit_test( a_tether_goes_around_a_slit ),
-        cmocka_unit_test( up_to_eight_attachments_give_the_four_nearest_in_order ),
-        cmocka_unit_test( from_a_pinned_border_come_the_nearest_and_others_spread_along_it ),
-        cmocka_unit_test( shells_hang_from_their_own_attachments_only ),
-        cmocka_unit_test( without_attachments_there_are_no_tethers ),
-        cmocka_unit_test( slivers_folds_and_wild_edges_give_lengths_between_the_straight_line_and_the_edges ),
-        cmocka_unit_test( the_same_mesh_has_the_same_tethers_bit_for_bit ),
-        cmocka_unit_test( tethers_without_memory_fail_and_leak_nothing ),
-    };
-    return cmocka_run_group_tests_name( "fabric tethers", tests, NULL, NULL );
 }

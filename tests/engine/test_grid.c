@@ -51,9 +51,8 @@ static void assert_sorted_naively( const wisp_grid* g, const cloud* c )
     assert_int_equal( g->cell_begin[cells], c->count );
 }
 
-static void slots_are_the_items_sorted_by_cell_and_number( void** state )
+TEST( slots_are_the_items_sorted_by_cell_and_number )
 {
-    (void)state;
     for ( int w = 0; w < WISP_COUNT( WORKER_COUNTS ); ++w )
     {
         space* s = space_open( WORKER_COUNTS[w], baseline() );
@@ -71,9 +70,8 @@ static void slots_are_the_items_sorted_by_cell_and_number( void** state )
     }
 }
 
-static void many_blocks_of_items_are_sorted_alike( void** state )
+TEST( many_blocks_of_items_are_sorted_alike )
 {
-    (void)state;
     cloud c = make_cloud( CLOUD_BALL, 30000 );
     for ( int w = 0; w < WISP_COUNT( WORKER_COUNTS ); ++w )
     {
@@ -102,9 +100,8 @@ static double outside_cell( const wisp_grid* g, const float* quad )
     return most;
 }
 
-static void an_item_lies_in_its_cell_or_no_further_off_than_the_slack( void** state )
+TEST( an_item_lies_in_its_cell_or_no_further_off_than_the_slack )
 {
-    (void)state;
     space* s = space_open( 2, baseline() );
     for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
     {
@@ -122,9 +119,8 @@ static void an_item_lies_in_its_cell_or_no_further_off_than_the_slack( void** st
     space_close( s );
 }
 
-static void cells_are_as_wide_as_requested_unless_there_would_be_too_many( void** state )
+TEST( cells_are_as_wide_as_requested_unless_there_would_be_too_many )
 {
-    (void)state;
     space* s = space_open( 1, baseline() );
     for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
     {
@@ -149,9 +145,8 @@ static int cells_of_rank( const wisp_grid* g, int i )
     return cells > 1 ? cells : INT32_MAX;
 }
 
-static void the_axis_with_the_fewest_cells_is_the_fastest( void** state )
+TEST( the_axis_with_the_fewest_cells_is_the_fastest )
 {
-    (void)state;
     space* s = space_open( 1, baseline() );
     for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
     {
@@ -166,9 +161,8 @@ static void the_axis_with_the_fewest_cells_is_the_fastest( void** state )
     space_close( s );
 }
 
-static void cells_along_the_fastest_axis_are_cut_unless_there_would_be_too_many( void** state )
+TEST( cells_along_the_fastest_axis_are_cut_unless_there_would_be_too_many )
 {
-    (void)state;
     space* s = space_open( 1, baseline() );
     for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
     {
@@ -194,9 +188,8 @@ static void cells_along_the_fastest_axis_are_cut_unless_there_would_be_too_many(
     space_close( s );
 }
 
-static void slots_behind_the_last_may_be_read( void** state )
+TEST( slots_behind_the_last_may_be_read )
 {
-    (void)state;
     space* s = space_open( 1, baseline() );
     cloud c = make_cloud( CLOUD_BALL, 33 );
     assert_int_equal( build_grid( s, &c, 0.1f ), WISP_OK );
@@ -209,18 +202,4 @@ static void slots_behind_the_last_may_be_read( void** state )
     assert_true( sum == 0.0f ); // and they are never left to chance
     free( c.xyzw );
     space_close( s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( slots_are_the_items_sorted_by_cell_and_number ),
-        cmocka_unit_test( many_blocks_of_items_are_sorted_alike ),
-        cmocka_unit_test( an_item_lies_in_its_cell_or_no_further_off_than_the_slack ),
-        cmocka_unit_test( cells_are_as_wide_as_requested_unless_there_would_be_too_many ),
-        cmocka_unit_test( the_axis_with_the_fewest_cells_is_the_fastest ),
-        cmocka_unit_test( cells_along_the_fastest_axis_are_cut_unless_there_would_be_too_many ),
-        cmocka_unit_test( slots_behind_the_last_may_be_read ),
-    };
-    return cmocka_run_group_tests_name( "grid", tests, NULL, NULL );
 }

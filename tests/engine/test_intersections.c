@@ -51,9 +51,8 @@ static void near_a_plane( int n, whole_point p[4] )
 
 // A power of two for each axis changes no sign. Coordinates are below 2^20, so all of them stay finite floats, down
 // to the lowest subnormal one and up to 2^127.
-static void signs_are_those_of_whole_numbers_at_any_scale( void** state )
+TEST( signs_are_those_of_whole_numbers_at_any_scale )
 {
-    (void)state;
     int seen[3] = { 0 };
     for ( int n = 0; n < 60000; ++n )
     {
@@ -75,9 +74,8 @@ static void signs_are_those_of_whole_numbers_at_any_scale( void** state )
 // The classroom examples of Kettner, Mehlhorn, Pion, Schirra, Yap 2008, one dimension up: a point walks a grid of
 // ulps where a plane through far points, or through points nearly in a row, passes. In units of 2^-24, one ulp of a
 // half, all coordinates are whole; the table has them in halves, and what is added in ulps.
-static void a_grid_of_ulps_is_cut_by_the_plane_where_it_should_be( void** state )
+TEST( a_grid_of_ulps_is_cut_by_the_plane_where_it_should_be )
 {
-    (void)state;
     static const struct
     {
         whole_point halves[3], ulps;
@@ -161,9 +159,8 @@ static int polynomial_sign( polynomial m[3][3] )
     return sign_of( sum.of[k] );
 }
 
-static void coordinates_of_all_sizes_may_stand_beside_each_other( void** state )
+TEST( coordinates_of_all_sizes_may_stand_beside_each_other )
 {
-    (void)state;
     int seen[3] = { 0 };
     for ( int n = 0; n < 40000; ++n )
     {
@@ -187,9 +184,8 @@ static void coordinates_of_all_sizes_may_stand_beside_each_other( void** state )
 }
 
 // The plane x = y has the normal (1, -1, 0), so the side is a comparison of two floats, for any floats.
-static void a_plane_tells_any_two_floats_apart( void** state )
+TEST( a_plane_tells_any_two_floats_apart )
 {
-    (void)state;
     for ( int n = 0; n < 40000; ++n )
     {
         const float far = n % 2 == 0 ? FLT_MAX : 3e-38f;
@@ -203,9 +199,8 @@ static void a_plane_tells_any_two_floats_apart( void** state )
 }
 
 // Swapping two points changes only the sign.
-static void signs_alternate_with_the_order_of_points( void** state )
+TEST( signs_alternate_with_the_order_of_points )
 {
-    (void)state;
     for ( int n = 0; n < 3000; ++n )
     {
         float f[4][3];
@@ -238,9 +233,8 @@ static void signs_alternate_with_the_order_of_points( void** state )
 }
 
 // Coordinates below 2^12 by steps of a half, moved by whole numbers below 2^22: the sums are floats.
-static void signs_stay_when_everything_moves( void** state )
+TEST( signs_stay_when_everything_moves )
 {
-    (void)state;
     for ( int n = 0; n < 20000; ++n )
     {
         float f[4][3], moved[4][3];
@@ -260,9 +254,8 @@ static void signs_stay_when_everything_moves( void** state )
     }
 }
 
-static void what_is_not_finite_is_on_no_side_and_crosses_nothing( void** state )
+TEST( what_is_not_finite_is_on_no_side_and_crosses_nothing )
 {
-    (void)state;
     static const float bad[] = { NAN, INFINITY, -INFINITY };
     for ( int n = 0; n < 3 * 5 * 3; ++n )
     {
@@ -292,9 +285,8 @@ static bool crosses_whole( const whole_point p[5] )
 }
 
 // On a small lattice every kind of contact occurs: ends in the plane, through edges, through corners, flat triangles.
-static void only_what_passes_through_the_inside_crosses( void** state )
+TEST( only_what_passes_through_the_inside_crosses )
 {
-    (void)state;
     int seen[3] = { 0 };
     for ( int n = 0; n < 60000; ++n )
     {
@@ -310,9 +302,8 @@ static void only_what_passes_through_the_inside_crosses( void** state )
     assert_true( seen[WHOLE_APART] > 10000 && seen[WHOLE_TOUCH] > 1000 && seen[WHOLE_CROSS] > 1000 );
 }
 
-static void what_touches_does_not_cross( void** state )
+TEST( what_touches_does_not_cross )
 {
-    (void)state;
     static const struct
     {
         whole_point p[5];
@@ -341,9 +332,8 @@ static void what_touches_does_not_cross( void** state )
     }
 }
 
-static void intersection_knows_neither_direction_nor_facing( void** state )
+TEST( intersection_knows_neither_direction_nor_facing )
 {
-    (void)state;
     static const int orders[6][3] = { { 0, 1, 2 }, { 1, 2, 0 }, { 2, 0, 1 }, { 0, 2, 1 }, { 2, 1, 0 }, { 1, 0, 2 } };
     int intersection = 0;
     for ( int n = 0; n < 20000; ++n )
@@ -368,9 +358,8 @@ static void intersection_knows_neither_direction_nor_facing( void** state )
 
 // A line through a closed fan around an inner point cannot leave it elsewhere: it passes through one triangle, or
 // touches an edge or the point. Rounded tests let rays slip through between two triangles, or hit both.
-static void a_fan_has_no_gaps_and_no_overlaps( void** state )
+TEST( a_fan_has_no_gaps_and_no_overlaps )
 {
-    (void)state;
     enum
     {
         SIDES = 7,
@@ -400,22 +389,4 @@ static void a_fan_has_no_gaps_and_no_overlaps( void** state )
         }
         assert_int_equal( hits, touches > 0 ? 0 : 1 );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( signs_are_those_of_whole_numbers_at_any_scale ),
-        cmocka_unit_test( a_grid_of_ulps_is_cut_by_the_plane_where_it_should_be ),
-        cmocka_unit_test( coordinates_of_all_sizes_may_stand_beside_each_other ),
-        cmocka_unit_test( a_plane_tells_any_two_floats_apart ),
-        cmocka_unit_test( signs_alternate_with_the_order_of_points ),
-        cmocka_unit_test( signs_stay_when_everything_moves ),
-        cmocka_unit_test( what_is_not_finite_is_on_no_side_and_crosses_nothing ),
-        cmocka_unit_test( only_what_passes_through_the_inside_crosses ),
-        cmocka_unit_test( what_touches_does_not_cross ),
-        cmocka_unit_test( intersection_knows_neither_direction_nor_facing ),
-        cmocka_unit_test( a_fan_has_no_gaps_and_no_overlaps ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

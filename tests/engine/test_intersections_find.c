@@ -313,9 +313,8 @@ static void assert_found( const searcher* s, const wisp_intersection* expected, 
 
 // ---- what is found ----
 
-static void the_search_finds_what_brute_force_finds_whoever_works( void** state )
+TEST( the_search_finds_what_brute_force_finds_whoever_works )
 {
-    (void)state;
     searcher* searchers[9] = { NULL };
     for ( int workers = 1; workers <= 8; ++workers )
     {
@@ -351,22 +350,19 @@ static int count_of( shape what )
     return count;
 }
 
-static void links_of_a_chain_and_balls_in_balls_do_not_cross( void** state )
+TEST( links_of_a_chain_and_balls_in_balls_do_not_cross )
 {
-    (void)state;
     assert_int_equal( count_of( LINKED ), 0 );
     assert_int_equal( count_of( NESTED ), 0 );
 }
 
-static void each_needle_through_a_plate_crosses_once( void** state )
+TEST( each_needle_through_a_plate_crosses_once )
 {
-    (void)state;
     assert_int_equal( count_of( NEEDLES ), NEEDLE_COUNT );
 }
 
-static void thick_tori_and_a_sheet_through_itself_cross( void** state )
+TEST( thick_tori_and_a_sheet_through_itself_cross )
 {
-    (void)state;
     assert_true( count_of( PIERCED ) > 100 );
     assert_true( count_of( CURL ) > 20 );
 }
@@ -374,9 +370,8 @@ static void thick_tori_and_a_sheet_through_itself_cross( void** state )
 // A closed curve leaves a closed surface as often as it enters it: the ring of a torus' edges crosses the other torus
 // an even number of times. Only edges that close a ring across the tube are considered: every third edge, sixteen per
 // ring.
-static void a_closed_ring_crosses_a_closed_surface_an_even_number_of_times( void** state )
+TEST( a_closed_ring_crosses_a_closed_surface_an_even_number_of_times )
 {
-    (void)state;
     contact_mesh s = contact_mesh_make( PIERCED );
     searcher* r = searcher_open( 2 );
     assert_int_equal( search( r, &s ), WISP_OK );
@@ -398,9 +393,8 @@ static void a_closed_ring_crosses_a_closed_surface_an_even_number_of_times( void
     contact_mesh_free( &s );
 }
 
-static void what_shares_a_point_does_not_count( void** state )
+TEST( what_shares_a_point_does_not_count )
 {
-    (void)state;
     // an edge through the inside, and two from a corner
     float xyzw[6][4] = { { 0.0f, 0.0f, 0.0f, 0.0f },  { 4.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 4.0f, 0.0f, 0.0f },
                          { 1.0f, 1.0f, -1.0f, 0.0f }, { 1.0f, 1.0f, 1.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f } };
@@ -415,9 +409,8 @@ static void what_shares_a_point_does_not_count( void** state )
     searcher_close( r );
 }
 
-static void what_is_not_finite_crosses_nothing_and_hides_nothing( void** state )
+TEST( what_is_not_finite_crosses_nothing_and_hides_nothing )
 {
-    (void)state;
     static const float bad[] = { NAN, INFINITY, -INFINITY };
     contact_mesh s = contact_mesh_make( PIERCED );
     for ( int i = 0; i < s.point_count; i += 11 )
@@ -449,9 +442,8 @@ static void what_is_not_finite_crosses_nothing_and_hides_nothing( void** state )
     contact_mesh_free( &s );
 }
 
-static void nothing_crosses_nothing( void** state )
+TEST( nothing_crosses_nothing )
 {
-    (void)state;
     contact_mesh s = contact_mesh_make( HEAP );
     searcher* r = searcher_open( 2 );
     const int edge_count = s.edge_count, triangle_count = s.triangle_count;
@@ -468,9 +460,8 @@ static void nothing_crosses_nothing( void** state )
 
 // ---- memory ----
 
-static void nothing_is_allocated_once_warm( void** state )
+TEST( nothing_is_allocated_once_warm )
 {
-    (void)state;
     contact_mesh s = contact_mesh_make( PIERCED );
     searcher* r = searcher_open( 2 );
     search( r, &s );
@@ -483,9 +474,8 @@ static void nothing_is_allocated_once_warm( void** state )
 }
 
 // Whichever request is refused, the call either reports it and keeps the previous intersections, or succeeds without.
-static void without_memory_the_last_intersections_stay( void** state )
+TEST( without_memory_the_last_intersections_stay )
 {
-    (void)state;
     contact_mesh few = contact_mesh_make( NEEDLES ), many = contact_mesh_make( HEAP );
     int few_count, many_count, failed = 0, n = 0;
     wisp_intersection *of_few = contact_mesh_brute( &few, &few_count ),
@@ -515,21 +505,4 @@ static void without_memory_the_last_intersections_stay( void** state )
     free( of_many );
     contact_mesh_free( &few );
     contact_mesh_free( &many );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_search_finds_what_brute_force_finds_whoever_works ),
-        cmocka_unit_test( links_of_a_chain_and_balls_in_balls_do_not_cross ),
-        cmocka_unit_test( each_needle_through_a_plate_crosses_once ),
-        cmocka_unit_test( thick_tori_and_a_sheet_through_itself_cross ),
-        cmocka_unit_test( a_closed_ring_crosses_a_closed_surface_an_even_number_of_times ),
-        cmocka_unit_test( what_shares_a_point_does_not_count ),
-        cmocka_unit_test( what_is_not_finite_crosses_nothing_and_hides_nothing ),
-        cmocka_unit_test( nothing_crosses_nothing ),
-        cmocka_unit_test( nothing_is_allocated_once_warm ),
-        cmocka_unit_test( without_memory_the_last_intersections_stay ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

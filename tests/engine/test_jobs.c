@@ -125,18 +125,16 @@ static counted_wave run_counted_waves( int workers, wisp_parallel_for_fn* host, 
 
 // ---- blocks ----
 
-static void every_block_of_a_wave_runs_exactly_once( void** state )
+TEST( every_block_of_a_wave_runs_exactly_once )
 {
-    (void)state;
     for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
     {
         assert_int_equal( run_counted_waves( WORKER_COUNTS[i], NULL, NULL, 60 ).wrong_counts, 0 );
     }
 }
 
-static void no_two_blocks_run_under_one_worker_number_at_once( void** state )
+TEST( no_two_blocks_run_under_one_worker_number_at_once )
 {
-    (void)state;
     for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
     {
         counted_wave wave = run_counted_waves( WORKER_COUNTS[i], NULL, NULL, 60 );
@@ -145,9 +143,8 @@ static void no_two_blocks_run_under_one_worker_number_at_once( void** state )
     }
 }
 
-static void a_host_with_threads_runs_every_block_once_and_one_a_worker( void** state )
+TEST( a_host_with_threads_runs_every_block_once_and_one_a_worker )
 {
-    (void)state;
     thread_host host = { 0 };
     counted_wave wave = run_counted_waves( HOST_THREADS, thread_host_parallel_for, &host, 60 );
     assert_int_equal( wave.wrong_counts, 0 );
@@ -174,9 +171,8 @@ static void run_large_waves( void* context )
     }
 }
 
-static void waves_of_a_million_blocks_run_every_block_once( void** state )
+TEST( waves_of_a_million_blocks_run_every_block_once )
 {
-    (void)state;
     counted_wave wave = { .pool = jobs_create( NULL, 3, NULL, NULL ), .runs = calloc( 1 << 20, sizeof( int ) ) };
     assert_non_null( wave.runs );
     jobs_enter( wave.pool, run_large_waves, &wave );
@@ -211,9 +207,8 @@ static void run_meeting( void* context )
     jobs_run_wave( m->pool, 2, meet, m );
 }
 
-static void two_workers_run_two_blocks_at_the_same_time( void** state )
+TEST( two_workers_run_two_blocks_at_the_same_time )
 {
-    (void)state;
     meeting m = { .pool = jobs_create( NULL, 2, NULL, NULL ) };
     jobs_enter( m.pool, run_meeting, &m );
     jobs_destroy( m.pool );
@@ -253,9 +248,8 @@ static void run_chain( void* context )
     }
 }
 
-static void a_wave_sees_what_the_wave_before_wrote( void** state )
+TEST( a_wave_sees_what_the_wave_before_wrote )
 {
-    (void)state;
     for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
     {
         chain* c = checked_calloc( 1, sizeof( chain ) );
@@ -272,9 +266,8 @@ static void a_wave_sees_what_the_wave_before_wrote( void** state )
     }
 }
 
-static void a_pool_is_entered_a_thousand_times( void** state )
+TEST( a_pool_is_entered_a_thousand_times )
 {
-    (void)state;
     chain* c = checked_calloc( 1, sizeof( chain ) );
     c->pool = jobs_create( NULL, 3, NULL, NULL );
     for ( int i = 0; i < 1000; ++i )
@@ -289,9 +282,8 @@ static void a_pool_is_entered_a_thousand_times( void** state )
     assert_int_equal( complete, 1000 );
 }
 
-static void a_wave_outside_an_entered_pool_runs_on_the_caller( void** state )
+TEST( a_wave_outside_an_entered_pool_runs_on_the_caller )
 {
-    (void)state;
     counted_wave wave = { .pool = jobs_create( NULL, 3, NULL, NULL ), .waves = 20, .seed = 1 };
     wave.runs = checked_calloc( MAX_BLOCKS, sizeof( int ) );
     count_waves( &wave );
@@ -308,9 +300,8 @@ static void run_three_waves( void* context )
     jobs_run_wave( wave->pool, 7, count_block, wave );
 }
 
-static void a_host_is_called_once_a_wave( void** state )
+TEST( a_host_is_called_once_a_wave )
 {
-    (void)state;
     thread_host host = { 0 };
     counted_wave wave = { .pool = jobs_create( NULL, HOST_THREADS, thread_host_parallel_for, &host ) };
     wave.runs = checked_calloc( MAX_BLOCKS, sizeof( int ) );
@@ -374,9 +365,8 @@ static const struct
     int count, grain;
 } LOOPS[] = { { 0, 1 }, { 1, 1 }, { 1, 100 }, { 99, 100 }, { 100, 100 }, { 101, 100 }, { 1000, 7 }, { 1193, 1 } };
 
-static void a_loop_is_cut_alike_for_every_number_of_workers( void** state )
+TEST( a_loop_is_cut_alike_for_every_number_of_workers )
 {
-    (void)state;
     for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
     {
         jobs_pool* pool = jobs_create( NULL, WORKER_COUNTS[i], NULL, NULL );
@@ -390,9 +380,8 @@ static void a_loop_is_cut_alike_for_every_number_of_workers( void** state )
     }
 }
 
-static void a_loop_on_a_hosts_threads_is_cut_the_same_way( void** state )
+TEST( a_loop_on_a_hosts_threads_is_cut_the_same_way )
 {
-    (void)state;
     thread_host host = { 0 };
     jobs_pool* pool = jobs_create( NULL, HOST_THREADS, thread_host_parallel_for, &host );
     for ( int k = 0; k < WISP_COUNT( LOOPS ); ++k )
@@ -404,9 +393,8 @@ static void a_loop_on_a_hosts_threads_is_cut_the_same_way( void** state )
     jobs_destroy( pool );
 }
 
-static void a_loop_of_one_worker_alone_keeps_its_number_and_the_cut( void** state )
+TEST( a_loop_of_one_worker_alone_keeps_its_number_and_the_cut )
 {
-    (void)state;
     jobs_pool* pool = jobs_create( NULL, 5, NULL, NULL );
     loop_cut cut = { .parallel = jobs_alone( pool, 3 ), .count = 1000, .grain = 7 };
     jobs_enter( pool, run_loop, &cut );
@@ -415,9 +403,8 @@ static void a_loop_of_one_worker_alone_keeps_its_number_and_the_cut( void** stat
     assert_int_equal( cut.workers_used[3], 143 ); // ceil( 1000 / 7 )
 }
 
-static void a_loop_may_end_at_the_largest_number( void** state )
+TEST( a_loop_may_end_at_the_largest_number )
 {
-    (void)state;
     jobs_pool* pool = jobs_create( NULL, 2, NULL, NULL );
     loop_cut cut = { .parallel = jobs_everyone( pool ), .count = INT32_MAX, .grain = 1 << 30 };
     jobs_enter( pool, run_loop, &cut );
@@ -479,9 +466,8 @@ static void enter_scratch_use( scratch_use* use, jobs_pool* pool, int blocks )
     jobs_enter( pool, run_scratch_use, use );
 }
 
-static void a_block_has_its_scratch_for_itself( void** state )
+TEST( a_block_has_its_scratch_for_itself )
 {
-    (void)state;
     for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
     {
         jobs_pool* pool = jobs_create( NULL, WORKER_COUNTS[i], NULL, NULL );
@@ -494,9 +480,8 @@ static void a_block_has_its_scratch_for_itself( void** state )
     }
 }
 
-static void warm_scratch_costs_nothing_whoever_warmed_it( void** state )
+TEST( warm_scratch_costs_nothing_whoever_warmed_it )
 {
-    (void)state;
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
     jobs_pool* pool = jobs_create( &allocator, 3, NULL, NULL );
@@ -513,9 +498,8 @@ static void warm_scratch_costs_nothing_whoever_warmed_it( void** state )
     assert_host_memory_is_released( &host );
 }
 
-static void scratch_without_memory_is_null_and_returns_with_it( void** state )
+TEST( scratch_without_memory_is_null_and_returns_with_it )
 {
-    (void)state;
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
     jobs_pool* pool = jobs_create( &allocator, 2, NULL, NULL );
@@ -532,9 +516,8 @@ static void scratch_without_memory_is_null_and_returns_with_it( void** state )
 
 // ---- pools ----
 
-static void a_pool_knows_its_workers_and_its_memory( void** state )
+TEST( a_pool_knows_its_workers_and_its_memory )
 {
-    (void)state;
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
     jobs_pool* pool = jobs_create( &allocator, 5, NULL, NULL );
@@ -545,9 +528,8 @@ static void a_pool_knows_its_workers_and_its_memory( void** state )
     assert_host_memory_is_released( &host );
 }
 
-static void a_pool_without_memory_is_null( void** state )
+TEST( a_pool_without_memory_is_null )
 {
-    (void)state;
     test_host host = { .refuse = 1, .refuse_rest = true };
     wisp_allocator allocator = test_host_allocator( &host );
     assert_null( jobs_create( &allocator, 2, NULL, NULL ) );
@@ -555,34 +537,7 @@ static void a_pool_without_memory_is_null( void** state )
     assert_host_memory_is_released( &host );
 }
 
-static void a_default_number_of_workers_is_one_that_a_world_takes( void** state )
+TEST( a_default_number_of_workers_is_one_that_a_world_takes )
 {
-    (void)state;
     assert_in_range( jobs_default_workers(), 1, WISP_MAX_WORKERS );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_block_of_a_wave_runs_exactly_once ),
-        cmocka_unit_test( no_two_blocks_run_under_one_worker_number_at_once ),
-        cmocka_unit_test( a_host_with_threads_runs_every_block_once_and_one_a_worker ),
-        cmocka_unit_test( waves_of_a_million_blocks_run_every_block_once ),
-        cmocka_unit_test( two_workers_run_two_blocks_at_the_same_time ),
-        cmocka_unit_test( a_wave_sees_what_the_wave_before_wrote ),
-        cmocka_unit_test( a_pool_is_entered_a_thousand_times ),
-        cmocka_unit_test( a_wave_outside_an_entered_pool_runs_on_the_caller ),
-        cmocka_unit_test( a_host_is_called_once_a_wave ),
-        cmocka_unit_test( a_loop_is_cut_alike_for_every_number_of_workers ),
-        cmocka_unit_test( a_loop_on_a_hosts_threads_is_cut_the_same_way ),
-        cmocka_unit_test( a_loop_of_one_worker_alone_keeps_its_number_and_the_cut ),
-        cmocka_unit_test( a_loop_may_end_at_the_largest_number ),
-        cmocka_unit_test( a_block_has_its_scratch_for_itself ),
-        cmocka_unit_test( warm_scratch_costs_nothing_whoever_warmed_it ),
-        cmocka_unit_test( scratch_without_memory_is_null_and_returns_with_it ),
-        cmocka_unit_test( a_pool_knows_its_workers_and_its_memory ),
-        cmocka_unit_test( a_pool_without_memory_is_null ),
-        cmocka_unit_test( a_default_number_of_workers_is_one_that_a_world_takes ),
-    };
-    return cmocka_run_group_tests_name( "jobs", tests, NULL, NULL );
 }

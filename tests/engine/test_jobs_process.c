@@ -103,21 +103,18 @@ static int threads_of_two_workers( void )
     return max_threads( 2, NULL, NULL );
 }
 
-static void one_worker_never_starts_a_thread( void** state )
+TEST( one_worker_never_starts_a_thread )
 {
-    (void)state;
     assert_int_equal( exit_of_child( threads_of_one_worker ), 1 );
 }
 
-static void a_hosts_own_loop_never_starts_a_thread_of_ours( void** state )
+TEST( a_hosts_own_loop_never_starts_a_thread_of_ours )
 {
-    (void)state;
     assert_int_equal( exit_of_child( threads_of_a_host ), 1 );
 }
 
-static void two_workers_are_two_threads( void** state )
+TEST( two_workers_are_two_threads )
 {
-    (void)state;
     assert_int_equal( exit_of_child( threads_of_two_workers ), 2 );
 }
 
@@ -147,9 +144,8 @@ static int step_with_three_workers( void )
     return hash_after_a_step( 3 ) == hash_of_parent ? 0 : 1;
 }
 
-static void a_process_that_ran_one_worker_may_fork_and_its_child_may_run_three( void** state )
+TEST( a_process_that_ran_one_worker_may_fork_and_its_child_may_run_three )
 {
-    (void)state;
     hash_of_parent = hash_after_a_step( 1 );
     assert_true( hash_of_parent != 0 );
 
@@ -247,15 +243,13 @@ static int threads_behind_the_first_step( void )
     return threads;
 }
 
-static void all_threads_run_when_the_first_step_ends( void** state )
+TEST( all_threads_run_when_the_first_step_ends )
 {
-    (void)state;
     assert_int_equal( exit_of_child( threads_behind_the_first_step ), 8 );
 }
 
-static void workers_sleep_between_steps_wake_for_the_next_and_end_with_their_pool( void** state )
+TEST( workers_sleep_between_steps_wake_for_the_next_and_end_with_their_pool )
 {
-    (void)state;
     assert_int_equal( exit_of_child( sleep_and_wake ), 0 );
 }
 
@@ -303,9 +297,8 @@ static int fork_with_three_workers( void )
     return exit_of_child( step_world_of_parent ) == 0 && step_world_of_parent() == 0 ? 0 : 1;
 }
 
-static void a_process_with_workers_may_fork_and_both_step_the_world( void** state )
+TEST( a_process_with_workers_may_fork_and_both_step_the_world )
 {
-    (void)state;
     for ( int i = 0; i < 20; ++i ) // failures at the start of threads are random
     {
         assert_int_equal( exit_of_child( fork_with_three_workers ), 0 );
@@ -350,24 +343,8 @@ static int step_without_threads( void )
     return same && threads == 1 && warnings == 1 ? 0 : 1;
 }
 
-static void a_system_that_starts_no_thread_is_told_of_once_and_steps_are_the_same( void** state )
+TEST( a_system_that_starts_no_thread_is_told_of_once_and_steps_are_the_same )
 {
-    (void)state;
     hash_of_parent = hash_after_a_step( 1 );
     assert_int_equal( exit_of_child( step_without_threads ), 0 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( one_worker_never_starts_a_thread ),
-        cmocka_unit_test( a_hosts_own_loop_never_starts_a_thread_of_ours ),
-        cmocka_unit_test( two_workers_are_two_threads ),
-        cmocka_unit_test( a_process_that_ran_one_worker_may_fork_and_its_child_may_run_three ),
-        cmocka_unit_test( all_threads_run_when_the_first_step_ends ),
-        cmocka_unit_test( workers_sleep_between_steps_wake_for_the_next_and_end_with_their_pool ),
-        cmocka_unit_test( a_process_with_workers_may_fork_and_both_step_the_world ),
-        cmocka_unit_test( a_system_that_starts_no_thread_is_told_of_once_and_steps_are_the_same ),
-    };
-    return cmocka_run_group_tests_name( "jobs and processes", tests, NULL, NULL );
 }

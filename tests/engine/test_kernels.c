@@ -76,9 +76,8 @@ static uint64_t run_pipeline( const wisp_kernels* kernels, const groom* g, int d
     return hash;
 }
 
-static void every_table_gives_the_same_bits( void** state )
+TEST( every_table_gives_the_same_bits )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );
     groom* g = checked_malloc( sizeof( groom ) );
@@ -204,9 +203,8 @@ static void attract( attraction* a, const wisp_kernels* kernels, const wisp_para
     kernels->adhesion_attract( &args, 0, a->neighbours.slice_count );
 }
 
-static void sums_through_the_grid_are_those_of_brute_force( void** state )
+TEST( sums_through_the_grid_are_those_of_brute_force )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );
     const wisp_allocator allocator = { 0 };
@@ -238,9 +236,8 @@ static void sums_through_the_grid_are_those_of_brute_force( void** state )
     jobs_destroy( pool );
 }
 
-static void a_cap_names_a_table_at_most_that_wide_or_is_refused( void** state )
+TEST( a_cap_names_a_table_at_most_that_wide_or_is_refused )
 {
-    (void)state;
     wisp_error error = { 0 };
     assert_string_equal( kernels_select( "baseline", &error )->isa, "baseline" );
     assert_null( kernels_select( "avx9", &error ) );
@@ -253,14 +250,4 @@ static void a_cap_names_a_table_at_most_that_wide_or_is_refused( void** state )
     assert_null( kernels_select( NULL, &error ) );
     assert_non_null( strstr( error.message, "WISP_ISA" ) );
     unsetenv( "WISP_ISA" );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_gives_the_same_bits ),
-        cmocka_unit_test( sums_through_the_grid_are_those_of_brute_force ),
-        cmocka_unit_test( a_cap_names_a_table_at_most_that_wide_or_is_refused ),
-    };
-    return cmocka_run_group_tests_name( "kernels", tests, NULL, NULL );
 }

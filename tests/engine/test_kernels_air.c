@@ -81,9 +81,8 @@ static void make_strange( air_scene* s )
     s->old_velocity[26][1] = INFINITY;
 }
 
-static void every_table_gives_the_same_bits( void** state )
+TEST( every_table_gives_the_same_bits )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int variant = 0; variant < 4; ++variant )
@@ -182,16 +181,14 @@ static void compare_with_formula( float lift_coefficient )
     free( s );
 }
 
-static void a_vertex_takes_a_third_of_the_air_on_its_triangles( void** state )
+TEST( a_vertex_takes_a_third_of_the_air_on_its_triangles )
 {
-    (void)state;
     compare_with_formula( 0.4f );
     compare_with_formula( 0.0f ); // drag alone takes no root
 }
 
-static void what_is_pinned_keeps_its_velocity( void** state )
+TEST( what_is_pinned_keeps_its_velocity )
 {
-    (void)state;
     air_scene* s = new_scene();
     make_strange( s );
     run( widest_table(), s );
@@ -202,9 +199,8 @@ static void what_is_pinned_keeps_its_velocity( void** state )
     free( s );
 }
 
-static void a_corner_that_is_not_finite_spoils_no_neighbour( void** state )
+TEST( a_corner_that_is_not_finite_spoils_no_neighbour )
 {
-    (void)state;
     air_scene* s = new_scene();
     make_strange( s );
     run( widest_table(), s );
@@ -214,15 +210,4 @@ static void a_corner_that_is_not_finite_spoils_no_neighbour( void** state )
                                   isfinite( s->velocity[v][2] ) ) );
     }
     free( s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_gives_the_same_bits ),
-        cmocka_unit_test( a_vertex_takes_a_third_of_the_air_on_its_triangles ),
-        cmocka_unit_test( what_is_pinned_keeps_its_velocity ),
-        cmocka_unit_test( a_corner_that_is_not_finite_spoils_no_neighbour ),
-    };
-    return cmocka_run_group_tests_name( "engine kernels_air", tests, NULL, NULL );
 }

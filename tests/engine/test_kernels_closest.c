@@ -244,9 +244,8 @@ static void assert_same_answers( const pairs* found, const pairs* expected )
     assert_memory_equal( found->normal, expected->normal, sizeof( found->normal ) );
 }
 
-static void every_table_gives_the_same_bits_however_the_range_is_cut( void** state )
+TEST( every_table_gives_the_same_bits_however_the_range_is_cut )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int kind = 0; kind <= WISP_COUNT( KINDS ); ++kind )
@@ -273,9 +272,8 @@ static void every_table_gives_the_same_bits_however_the_range_is_cut( void** sta
     }
 }
 
-static void distances_alone_are_the_same_and_nothing_else_is_written( void** state )
+TEST( distances_alone_are_the_same_and_nothing_else_is_written )
 {
-    (void)state;
     for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
     {
         pairs *expected = new_pairs( SHAPES[n] ), *found = new_pairs( SHAPES[n] );
@@ -375,9 +373,8 @@ static void check_normal( const found_pair* f, int number )
     }
 }
 
-static void closest_points_are_those_of_the_oracle( void** state )
+TEST( closest_points_are_those_of_the_oracle )
 {
-    (void)state;
     for ( int kind = 0; kind < WISP_COUNT( KINDS ); ++kind )
     {
         for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
@@ -408,9 +405,8 @@ static void put_four( pairs* s, int pair, const float xyz[4][3] )
     }
 }
 
-static void points_that_coincide_have_no_distance_and_no_normal( void** state )
+TEST( points_that_coincide_have_no_distance_and_no_normal )
 {
-    (void)state;
     static const float SAME[][4][3] = {
         { { 1, 2, 3 }, { 1, 2, 3 }, { 1, 2, 3 }, { 1, 2, 3 } },
         { { 1, 0, 0 }, { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } },
@@ -443,9 +439,8 @@ static void points_that_coincide_have_no_distance_and_no_normal( void** state )
 
 // Where the two sides meet up to rounding, the direction of the difference is meaningless; faces and edges have a
 // better one.
-static void sides_that_meet_inside_keep_the_normal_of_the_face( void** state )
+TEST( sides_that_meet_inside_keep_the_normal_of_the_face )
 {
-    (void)state;
     for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
     {
         pairs* s = new_pairs( SHAPES[n] );
@@ -488,9 +483,8 @@ static void sides_that_meet_inside_keep_the_normal_of_the_face( void** state )
     }
 }
 
-static void what_is_not_finite_has_no_finite_distance( void** state )
+TEST( what_is_not_finite_has_no_finite_distance )
 {
-    (void)state;
     for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
     {
         pairs *s = new_pairs( SHAPES[n] ), *clean = new_pairs( SHAPES[n] );
@@ -511,17 +505,4 @@ static void what_is_not_finite_has_no_finite_distance( void** state )
         free( s );
         free( clean );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_gives_the_same_bits_however_the_range_is_cut ),
-        cmocka_unit_test( distances_alone_are_the_same_and_nothing_else_is_written ),
-        cmocka_unit_test( closest_points_are_those_of_the_oracle ),
-        cmocka_unit_test( points_that_coincide_have_no_distance_and_no_normal ),
-        cmocka_unit_test( sides_that_meet_inside_keep_the_normal_of_the_face ),
-        cmocka_unit_test( what_is_not_finite_has_no_finite_distance ),
-    };
-    return cmocka_run_group_tests_name( "kernels of closest points", tests, NULL, NULL );
 }

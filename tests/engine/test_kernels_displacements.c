@@ -84,9 +84,8 @@ static double spare_of( const walk* w, int i )
     return 0.25 * beside + (double)0.01f;
 }
 
-static void a_way_leads_from_before_to_now_give_or_take_a_share_of_it( void** state )
+TEST( a_way_leads_from_before_to_now_give_or_take_a_share_of_it )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < SEEDS * count; ++i )
@@ -134,9 +133,8 @@ static void check_sum( const wisp_kernels* kernels, int seed, int count, bool ha
     }
 }
 
-static void ways_are_summed_and_who_is_fixed_is_seen( void** state )
+TEST( ways_are_summed_and_who_is_fixed_is_seen )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < SEEDS * count; ++i )
@@ -145,9 +143,8 @@ static void ways_are_summed_and_who_is_fixed_is_seen( void** state )
     }
 }
 
-static void what_is_too_long_or_no_number_adds_nothing( void** state )
+TEST( what_is_too_long_or_no_number_adds_nothing )
 {
-    (void)state;
     const float wrong[] = { NAN, INFINITY, -INFINITY, 3e38f, 1.1e6f };
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
@@ -172,9 +169,8 @@ static bool leaves( const wisp_kernels* kernels, int seed, int point, float time
     return kernels->exceeds_prediction( &args, 0, end );
 }
 
-static void who_goes_farther_from_its_way_than_it_may_leaves_it( void** state )
+TEST( who_goes_farther_from_its_way_than_it_may_leaves_it )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int t = 0; t < count; ++t )
@@ -258,9 +254,8 @@ static void check_pair( const standing* before, const standing* found, int pair,
     *next += is_due ? 1 : 0;
 }
 
-static void pairs_are_due_that_may_use_up_their_slack( void** state )
+TEST( pairs_are_due_that_may_use_up_their_slack )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     int due = 0;
@@ -288,9 +283,8 @@ static void pairs_are_due_that_may_use_up_their_slack( void** state )
     assert_in_range( due, SEEDS * count * 10, 2 * SEEDS * count * ( PAIRS - 16 ) ); // some are, and not all
 }
 
-static void who_has_a_slack_or_a_way_that_is_no_number_is_due( void** state )
+TEST( who_has_a_slack_or_a_way_that_is_no_number_is_due )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < 5 * count; ++i )
@@ -313,17 +307,4 @@ static void who_has_a_slack_or_a_way_that_is_no_number_is_due( void** state )
         count_slack( tables[i / 5], &s, true, 0, 19 ); // it is beyond the end, but in the same group of eight
         assert_int_equal( s.due_count, 0 );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_way_leads_from_before_to_now_give_or_take_a_share_of_it ),
-        cmocka_unit_test( ways_are_summed_and_who_is_fixed_is_seen ),
-        cmocka_unit_test( what_is_too_long_or_no_number_adds_nothing ),
-        cmocka_unit_test( who_goes_farther_from_its_way_than_it_may_leaves_it ),
-        cmocka_unit_test( pairs_are_due_that_may_use_up_their_slack ),
-        cmocka_unit_test( who_has_a_slack_or_a_way_that_is_no_number_is_due ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

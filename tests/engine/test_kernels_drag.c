@@ -46,9 +46,8 @@ static wisp_vertex_drag_args args_of( skin* s, int law )
                                       .law = (wisp_drag_law)law };
 }
 
-static void every_table_gives_the_same_bits( void** state )
+TEST( every_table_gives_the_same_bits )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < LAWS * count; ++i )
@@ -88,9 +87,8 @@ static double3 force_on( skin* s, const wisp_vertex_drag_args* args, int i )
                                          : double3_scale( -rate / limit, v );
 }
 
-static void vertices_lose_the_velocity_of_the_formula( void** state )
+TEST( vertices_lose_the_velocity_of_the_formula )
 {
-    (void)state;
     for ( int law = 0; law < LAWS; ++law )
     {
         skin *s = new_skin(), *before = new_skin();
@@ -119,13 +117,4 @@ static void vertices_lose_the_velocity_of_the_formula( void** state )
         free( s );
         free( before );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_gives_the_same_bits ),
-        cmocka_unit_test( vertices_lose_the_velocity_of_the_formula ),
-    };
-    return cmocka_run_group_tests_name( "engine kernels_drag", tests, NULL, NULL );
 }

@@ -125,9 +125,8 @@ static void expect_oracle( float stiffness, float least, float most, bool tensio
 }
 
 // 10 N/m is soft: a substep changes little. 1e5 N/m is stiff: a substep brings a triangle to rest.
-static void a_projection_is_that_of_the_oracle( void** state )
+TEST( a_projection_is_that_of_the_oracle )
 {
-    (void)state;
     for ( int field = 0; field < 2; ++field )
     {
         expect_oracle( 10.0f, 0.8f, 1.6f, field == 1 );
@@ -137,9 +136,8 @@ static void a_projection_is_that_of_the_oracle( void** state )
 }
 
 // In short substeps the moves are those of the forces.
-static void moves_follow_from_the_energy( void** state )
+TEST( moves_follow_from_the_energy )
 {
-    (void)state;
     for ( int field = 0; field < 2; ++field )
     {
         membranes *m = new_membranes( 0.8f, 2.0f ), *before = new_membranes( 0.8f, 2.0f );
@@ -168,9 +166,8 @@ static void moves_follow_from_the_energy( void** state )
     }
 }
 
-static void momenta_stay( void** state )
+TEST( momenta_stay )
 {
-    (void)state;
     membranes *m = new_membranes( 0.6f, 3.0f ), *before = new_membranes( 0.6f, 3.0f );
     const wisp_elastic_triangle_args args = args_of( m, 1e3f, false );
     widest_table()->elastic_triangle_project( &args, 0, TRIANGLES );
@@ -232,9 +229,8 @@ static double work_of_stress( membranes* m, int t )
 
 // With the stress kept, more projections end at implicit Euler, whatever the mobility that each assumes: the stress is that of the
 // energy where a triangle ends.
-static void several_iterations_agree_on_the_stress( void** state )
+TEST( several_iterations_agree_on_the_stress )
 {
-    (void)state;
     membranes *m = new_membranes( 0.7f, 2.0f ), *last = new_membranes( 0.7f, 2.0f );
     wisp_elastic_triangle_args args = args_of( m, 1e3f, false );
     args.stress = m->stress[0][0];
@@ -264,9 +260,8 @@ static void several_iterations_agree_on_the_stress( void** state )
 }
 
 // 3 P V = J for a force that scales the triangle: the derivative of the energy by a common factor.
-static void the_virial_is_the_derivative_by_size( void** state )
+TEST( the_virial_is_the_derivative_by_size )
 {
-    (void)state;
     for ( int field = 0; field < 2; ++field )
     {
         const wisp_kernels* tables[MAX_TABLES];
@@ -294,9 +289,8 @@ static void the_virial_is_the_derivative_by_size( void** state )
 }
 
 // Flat to a line or a point, too thin at rest, or all pinned: nothing moves to NaN, and what is stretched is still drawn together.
-static void degenerate_triangles_stay_finite( void** state )
+TEST( degenerate_triangles_stay_finite )
 {
-    (void)state;
     membranes* m = new_membranes( 0.7f, 2.0f );
     for ( int k = 0; k < 3; ++k )
     {
@@ -333,9 +327,8 @@ static void degenerate_triangles_stay_finite( void** state )
     free( m );
 }
 
-static void every_table_gives_the_same_bits( void** state )
+TEST( every_table_gives_the_same_bits )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int table_count = usable_tables( tables );
     membranes* first = NULL;
@@ -357,18 +350,4 @@ static void every_table_gives_the_same_bits( void** state )
         free( m );
     }
     free( first );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_projection_is_that_of_the_oracle ),
-        cmocka_unit_test( moves_follow_from_the_energy ),
-        cmocka_unit_test( momenta_stay ),
-        cmocka_unit_test( several_iterations_agree_on_the_stress ),
-        cmocka_unit_test( the_virial_is_the_derivative_by_size ),
-        cmocka_unit_test( degenerate_triangles_stay_finite ),
-        cmocka_unit_test( every_table_gives_the_same_bits ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

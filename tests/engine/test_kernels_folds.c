@@ -72,9 +72,8 @@ static void expect_folds_are_left( link_kernel* kernel, bool keeps_lambda )
     free( most );
 }
 
-static void short_bend_links_stay_and_are_marked( void** state )
+TEST( short_bend_links_stay_and_are_marked )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int table_count = usable_tables( tables );
     for ( int t = 0; t < table_count; ++t )
@@ -113,9 +112,8 @@ static void expect_hinges_are_found( const wisp_kernels* kernels, constraints* s
 }
 
 // A quarter of the square is a bound that many distances meet exactly; one place is not a number.
-static void hinges_nearer_than_half_their_span_are_found( void** state )
+TEST( hinges_nearer_than_half_their_span_are_found )
 {
-    (void)state;
     constraints* s = new_folds();
     float span2[CONSTRAINTS] = { 0.0f };
     for ( int c = 0; c < CONSTRAINTS; ++c )
@@ -137,13 +135,4 @@ static void hinges_nearer_than_half_their_span_are_found( void** state )
         expect_hinges_are_found( tables[t], s, span2 );
     }
     free( s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( short_bend_links_stay_and_are_marked ),
-        cmocka_unit_test( hinges_nearer_than_half_their_span_are_found ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -74,9 +74,8 @@ static const float* node_of( const table_state* s, int lane, int i )
 }
 
 // Without its clamp the cosine of parallel velocities is 1 + 1e-7 as often as not, and the weight leaves [0, 1].
-static void the_elastic_weight_of_parallel_velocities_stays_between_0_and_1( void** state )
+TEST( the_elastic_weight_of_parallel_velocities_stays_between_0_and_1 )
 {
-    (void)state;
     static table_state s;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
@@ -97,9 +96,8 @@ static void the_elastic_weight_of_parallel_velocities_stays_between_0_and_1( voi
 }
 
 // The farthest ghost of a node sways by a segment where it would sway farther; where it would not, no bit changes.
-static void the_factor_of_a_group_takes_its_farthest_ghost_to_the_limit( void** state )
+TEST( the_factor_of_a_group_takes_its_farthest_ghost_to_the_limit )
 {
-    (void)state;
     static table_state capped, free;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
@@ -138,13 +136,4 @@ static void the_factor_of_a_group_takes_its_farthest_ghost_to_the_limit( void** 
         }
         assert_true( cut > 100 && kept > 100 );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_elastic_weight_of_parallel_velocities_stays_between_0_and_1 ),
-        cmocka_unit_test( the_factor_of_a_group_takes_its_farthest_ghost_to_the_limit ),
-    };
-    return cmocka_run_group_tests_name( "kernels, ghosts", tests, NULL, NULL );
 }

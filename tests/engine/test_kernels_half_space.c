@@ -102,9 +102,8 @@ static bool push_one( float p[4], const float previous[4], float row[16] )
     return sticks;
 }
 
-static void every_table_pushes_and_rubs_as_one_by_one( void** state )
+TEST( every_table_pushes_and_rubs_as_one_by_one )
 {
-    (void)state;
     static half_spaces expected, found;
     int sticking = 0, sliding = 0, free = 0;
     make_rows( &expected );
@@ -134,9 +133,8 @@ static void every_table_pushes_and_rubs_as_one_by_one( void** state )
     }
 }
 
-static void a_group_that_is_filled_up_moves_each_particle_once( void** state )
+TEST( a_group_that_is_filled_up_moves_each_particle_once )
 {
-    (void)state;
     static half_spaces expected, found;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
@@ -158,13 +156,4 @@ static void a_group_that_is_filled_up_moves_each_particle_once( void** state )
         tables[t]->half_space( &args, 0, 8 );
         assert_memory_equal( &found, &expected, sizeof( found ) );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_pushes_and_rubs_as_one_by_one ),
-        cmocka_unit_test( a_group_that_is_filled_up_moves_each_particle_once ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -126,9 +126,8 @@ static void move_together( const wisp_kernels* k, const wisp_instances_args* arg
     k->instances_store( args, lanes );
 }
 
-static void surfaces_side_by_side_have_the_bits_that_each_has_alone( void** state )
+TEST( surfaces_side_by_side_have_the_bits_that_each_has_alone )
 {
-    (void)state;
     static surfaces together, alone;
     const uint32_t lanes = 0xff6fu; // two are left as they were
     const wisp_kernels* tables[MAX_TABLES];
@@ -152,9 +151,8 @@ static void surfaces_side_by_side_have_the_bits_that_each_has_alone( void** stat
     }
 }
 
-static void lanes_that_fold_or_lose_their_numbers_are_named( void** state )
+TEST( lanes_that_fold_or_lose_their_numbers_are_named )
 {
-    (void)state;
     static surfaces s;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
@@ -183,13 +181,4 @@ static void lanes_that_fold_or_lose_their_numbers_are_named( void** state )
         assert_int_equal( tables[i]->instances_advance( &args, false, true ), 0 );
         assert_int_equal( tables[i]->instances_advance( &args, true, false ), 1u << 9 );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( surfaces_side_by_side_have_the_bits_that_each_has_alone ),
-        cmocka_unit_test( lanes_that_fold_or_lose_their_numbers_are_named ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

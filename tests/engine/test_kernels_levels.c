@@ -112,9 +112,8 @@ static void run_all( const wisp_kernels* kernels, batch* s )
     kernels->prolong( &prolong, 0, FINER / 8 );
 }
 
-static void every_table_gives_the_same_bits( void** state )
+TEST( every_table_gives_the_same_bits )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     batch *first = new_batch(), *start = new_batch();
@@ -136,9 +135,8 @@ static double3 at( const batch* s, int row )
     return double3_from( s->position[row] );
 }
 
-static void a_link_pushes_no_more_than_its_chain_is_compressed( void** state )
+TEST( a_link_pushes_no_more_than_its_chain_is_compressed )
 {
-    (void)state;
     batch* s = new_batch();
     const wisp_level_link_args args = level_args( s );
     int stretched = 0, slack = 0, pushing = 0;
@@ -162,9 +160,8 @@ static void a_link_pushes_no_more_than_its_chain_is_compressed( void** state )
     free( s );
 }
 
-static void links_move_as_the_oracle_says_with_what_they_accumulate( void** state )
+TEST( links_move_as_the_oracle_says_with_what_they_accumulate )
 {
-    (void)state;
     batch *s = new_batch(), *start = new_batch();
     const wisp_level_link_args args = level_args( s );
     widest_table()->level_prepare( &args, 0, LINKS );
@@ -194,9 +191,8 @@ static void links_move_as_the_oracle_says_with_what_they_accumulate( void** stat
     free( start );
 }
 
-static void rows_follow_their_parents_unless_they_are_pinned( void** state )
+TEST( rows_follow_their_parents_unless_they_are_pinned )
 {
-    (void)state;
     batch *s = new_batch(), *start = new_batch();
     const wisp_prolong_args args = prolong_args( s );
     widest_table()->prolong( &args, 0, FINER / 8 );
@@ -216,15 +212,4 @@ static void rows_follow_their_parents_unless_they_are_pinned( void** state )
     }
     free( s );
     free( start );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_gives_the_same_bits ),
-        cmocka_unit_test( a_link_pushes_no_more_than_its_chain_is_compressed ),
-        cmocka_unit_test( links_move_as_the_oracle_says_with_what_they_accumulate ),
-        cmocka_unit_test( rows_follow_their_parents_unless_they_are_pinned ),
-    };
-    return cmocka_run_group_tests_name( "kernels of coarse sheets", tests, NULL, NULL );
 }

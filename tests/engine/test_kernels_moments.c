@@ -74,9 +74,8 @@ static wisp_turn_args turn_args( const body_of_particles* b, float* rows )
                                .centre = { (double)first[0] + 0.1, (double)first[1], (double)first[2] - 0.2 } };
 }
 
-static void every_table_gives_the_same_bits( void** state )
+TEST( every_table_gives_the_same_bits )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < KINDS * count; ++i )
@@ -141,9 +140,8 @@ static void add_terms( const wisp_moment_args* args, int slot, double sums[SUMS]
     }
 }
 
-static void moments_are_those_of_a_plain_loop( void** state )
+TEST( moments_are_those_of_a_plain_loop )
 {
-    (void)state;
     const int ranges[][2] = { { 0, COUNT }, { 16, COUNT }, { 8, 64 }, { 600, COUNT }, { 0, 0 } };
     for ( int i = 0; i < 2 * KINDS * WISP_COUNT( ranges ); ++i )
     {
@@ -169,9 +167,8 @@ static void moments_are_those_of_a_plain_loop( void** state )
 }
 
 // A rotation of all positions adds angle x (p - c) to each, rounded once, and leaves the rest alone.
-static void a_turn_moves_what_is_not_pinned( void** state )
+TEST( a_turn_moves_what_is_not_pinned )
 {
-    (void)state;
     for ( int i = 0; i < 2 * KINDS; ++i )
     {
         body_of_particles *b = new_body( i % KINDS ), *before = new_body( i % KINDS );
@@ -195,9 +192,8 @@ static void a_turn_moves_what_is_not_pinned( void** state )
     }
 }
 
-static void the_virial_is_that_of_a_plain_loop( void** state )
+TEST( the_virial_is_that_of_a_plain_loop )
 {
-    (void)state;
     for ( int kind = 0; kind < KINDS; ++kind )
     {
         body_of_particles* b = new_body( kind );
@@ -216,15 +212,4 @@ static void the_virial_is_that_of_a_plain_loop( void** state )
         assert_true( widest_table()->link_virial( &args, 2000.0f, 20.0f, 8, 8 ) == 0.0 );
         free( b );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_gives_the_same_bits ),
-        cmocka_unit_test( moments_are_those_of_a_plain_loop ),
-        cmocka_unit_test( a_turn_moves_what_is_not_pinned ),
-        cmocka_unit_test( the_virial_is_that_of_a_plain_loop ),
-    };
-    return cmocka_run_group_tests_name( "engine kernels_moments", tests, NULL, NULL );
 }

@@ -98,9 +98,8 @@ static void begin_step( const wisp_kernels* kernels, crowd* c, int kind )
     kernels->motion_targets( &args, 0, COUNT );
 }
 
-static void every_table_gives_the_same_bits( void** state )
+TEST( every_table_gives_the_same_bits )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     static crowd found, expected;
@@ -140,9 +139,8 @@ static double3 vector_at( const float* end, const float* change, int slot, doubl
 }
 
 // Two iterations in the middle of a step. Groups that are well inside, and lanes that are free, keep their bits.
-static void positions_are_those_of_the_oracle( void** state )
+TEST( positions_are_those_of_the_oracle )
 {
-    (void)state;
     const wisp_kernels* kernels = widest_table();
     static crowd c, start;
     for ( int kind = 0; kind < KINDS; ++kind )
@@ -185,9 +183,8 @@ static void positions_are_those_of_the_oracle( void** state )
 }
 
 // The cube in which a group is left out lies within what is allowed, wherever the target is in the step.
-static void a_group_that_is_left_out_is_within_its_limits( void** state )
+TEST( a_group_that_is_left_out_is_within_its_limits )
 {
-    (void)state;
     static crowd c;
     int left_out = 0;
     for ( int kind = 1; kind < KINDS; kind += 4 )
@@ -220,9 +217,8 @@ static void a_group_that_is_left_out_is_within_its_limits( void** state )
     assert_true( left_out > 3 * 40 * 100 );
 }
 
-static void a_speed_above_the_largest_one_is_scaled_to_it( void** state )
+TEST( a_speed_above_the_largest_one_is_scaled_to_it )
 {
-    (void)state;
     _Alignas(
         64 ) float v[16][4] = { { 3.0f, 0.0f, 4.0f, 0.0f }, { 0.3f, 0.0f, 0.4f, 0.0f }, { 0.0f, -2.0f, 0.0f, 0.0f } };
     const float slow[4] = { 0.3f, 0.0f, 0.4f, 0.0f };
@@ -231,15 +227,4 @@ static void a_speed_above_the_largest_one_is_scaled_to_it( void** state )
     assert_near( (double)v[0][2], 0.8, 1e-7, "z", 0 );
     assert_memory_equal( v[1], slow, sizeof( slow ) );
     assert_near( (double)v[2][1], -1.0, 0.0, "y", 2 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_gives_the_same_bits ),
-        cmocka_unit_test( positions_are_those_of_the_oracle ),
-        cmocka_unit_test( a_group_that_is_left_out_is_within_its_limits ),
-        cmocka_unit_test( a_speed_above_the_largest_one_is_scaled_to_it ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -121,9 +121,8 @@ static void assert_same_floats( const float* found, const float* expected, int c
     assert_memory_equal( found, expected, (size_t)count * sizeof( float ) );
 }
 
-static void every_table_gives_the_same_bits( void** state )
+TEST( every_table_gives_the_same_bits )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int tables_count = usable_tables( tables );
     for ( int n = 0; n < SEEDS * tables_count; ++n )
@@ -180,9 +179,8 @@ static bool is_gathered( const block* b, int slot )
     return ( b->groups >> ( slot - b->begin ) / LANES & 1u ) != 0;
 }
 
-static void groups_are_gathered_with_who_moves( void** state )
+TEST( groups_are_gathered_with_who_moves )
 {
-    (void)state;
     for ( int seed = 0; seed < SEEDS; ++seed )
     {
         block* b = new_block( seed );
@@ -219,9 +217,8 @@ static void groups_are_gathered_with_who_moves( void** state )
     }
 }
 
-static void a_block_without_anyone_who_moves_is_nowhere( void** state )
+TEST( a_block_without_anyone_who_moves_is_nowhere )
 {
-    (void)state;
     block* b = new_block( 0 );
     for ( int i = 0; i < COUNT; ++i )
     {
@@ -274,9 +271,8 @@ static wisp_vec3 particle_at( float ( *from )[COUNT], int i )
     return ( wisp_vec3 ){ from[0][i], from[1][i], from[2][i] };
 }
 
-static void who_is_within_reach_is_queried_and_the_rest_is_clear( void** state )
+TEST( who_is_within_reach_is_queried_and_the_rest_is_clear )
 {
-    (void)state;
     int queried_of[BOUNDS] = { 0 }, left_out[BOUNDS] = { 0 };
     for ( int seed = 0; seed < SEEDS; ++seed )
     {
@@ -329,9 +325,8 @@ static void who_is_within_reach_is_queried_and_the_rest_is_clear( void** state )
 
 // What free_radius promises: wherever a particle goes within its radius, and however the body moves within its bounds,
 // a search would find nothing.
-static void within_its_free_radius_no_body_finds_a_particle( void** state )
+TEST( within_its_free_radius_no_body_finds_a_particle )
 {
-    (void)state;
     int tried = 0;
     for ( int seed = 0; seed < SEEDS; ++seed )
     {
@@ -376,9 +371,8 @@ static void within_its_free_radius_no_body_finds_a_particle( void** state )
     assert_true( tried > 500 );
 }
 
-static void a_group_is_settled_while_all_are_within_their_radius( void** state )
+TEST( a_group_is_settled_while_all_are_within_their_radius )
 {
-    (void)state;
     for ( int seed = 0; seed < SEEDS; ++seed )
     {
         block* b = new_block( 1 );
@@ -413,9 +407,8 @@ static void a_group_is_settled_while_all_are_within_their_radius( void** state )
     }
 }
 
-static void counts_are_listed_by_one_and_more( void** state )
+TEST( counts_are_listed_by_one_and_more )
 {
-    (void)state;
     for ( int seed = 0; seed < SEEDS; ++seed )
     {
         block* b = new_block( seed );
@@ -433,9 +426,8 @@ static void counts_are_listed_by_one_and_more( void** state )
     }
 }
 
-static void who_leaves_its_place_is_a_stray( void** state )
+TEST( who_leaves_its_place_is_a_stray )
 {
-    (void)state;
     int all = 0;
     for ( int seed = 0; seed < SEEDS; ++seed )
     {
@@ -455,19 +447,4 @@ static void who_leaves_its_place_is_a_stray( void** state )
         free( b );
     }
     assert_true( all > 1000 && all < SEEDS * COUNT / 2 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_gives_the_same_bits ),
-        cmocka_unit_test( groups_are_gathered_with_who_moves ),
-        cmocka_unit_test( a_block_without_anyone_who_moves_is_nowhere ),
-        cmocka_unit_test( who_is_within_reach_is_queried_and_the_rest_is_clear ),
-        cmocka_unit_test( within_its_free_radius_no_body_finds_a_particle ),
-        cmocka_unit_test( a_group_is_settled_while_all_are_within_their_radius ),
-        cmocka_unit_test( counts_are_listed_by_one_and_more ),
-        cmocka_unit_test( who_leaves_its_place_is_a_stray ),
-    };
-    return cmocka_run_group_tests_name( "kernels of particles in blocks", tests, NULL, NULL );
 }

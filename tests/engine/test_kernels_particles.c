@@ -92,9 +92,8 @@ static double3 column_of( float rows[3][8], int lane )
     return double3_make( (double)rows[0][lane], (double)rows[1][lane], (double)rows[2][lane] );
 }
 
-static void volume_and_area_of_a_ball_are_those_of_the_oracle( void** state )
+TEST( volume_and_area_of_a_ball_are_those_of_the_oracle )
 {
-    (void)state;
     const wisp_vec3 centre = { 3000.0f, -2000.0f, 10000.0f };
     ball b = make_ball( 0.7f, centre );
     wisp_ring_args args = ring_args( &b, centre );
@@ -146,9 +145,8 @@ static void volume_and_area_of_a_ball_are_those_of_the_oracle( void** state )
     release_ball( &b );
 }
 
-static void sums_are_those_of_ranges_of_sixty_four_slices_added_in_order( void** state )
+TEST( sums_are_those_of_ranges_of_sixty_four_slices_added_in_order )
 {
-    (void)state;
     ball b = make_ball( 1.0f, ( wisp_vec3 ){ 0.5f, 0.25f, -0.125f } );
     wisp_ring_args args = ring_args( &b, b.fabric->rest[0] );
     wisp_ring_sums whole, sum = { 0.0, 0.0 };
@@ -174,9 +172,8 @@ static void sums_are_those_of_ranges_of_sixty_four_slices_added_in_order( void**
     release_ball( &b );
 }
 
-static void normals_are_unit_vectors_along_the_area_vectors( void** state )
+TEST( normals_are_unit_vectors_along_the_area_vectors )
 {
-    (void)state;
     ball b = make_ball( 0.7f, ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } );
     wisp_ring_args args = ring_args( &b, b.fabric->rest[0] );
     widest_table()->ring_normal( &args, 0, b.fabric->ring_slice_count );
@@ -202,9 +199,8 @@ static void normals_are_unit_vectors_along_the_area_vectors( void** state )
     release_ball( &b );
 }
 
-static void normals_of_what_is_too_small_to_square_are_zero( void** state )
+TEST( normals_of_what_is_too_small_to_square_are_zero )
 {
-    (void)state;
     ball b = make_ball( 1e-10f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
     wisp_ring_args args = ring_args( &b, b.fabric->rest[0] );
     widest_table()->ring_normal( &args, 0, b.fabric->ring_slice_count );
@@ -292,9 +288,8 @@ static void run_all( const wisp_kernels* kernels, particle_batch* s )
     kernels->velocity( &args, 0, COUNT );
 }
 
-static void every_table_gives_the_same_bits( void** state )
+TEST( every_table_gives_the_same_bits )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );
     particle_batch* reference = new_particle_batch();
@@ -330,9 +325,8 @@ static void every_table_gives_the_same_bits( void** state )
     release_ball( &reference_ball );
 }
 
-static void particles_fall_as_in_scalars_and_pinned_ones_stay( void** state )
+TEST( particles_fall_as_in_scalars_and_pinned_ones_stay )
 {
-    (void)state;
     particle_batch *s = new_particle_batch(), *start = new_particle_batch();
     wisp_particle_args args = particle_args( s );
     const float a[3] = { args.acceleration.x, args.acceleration.y, args.acceleration.z };
@@ -362,9 +356,8 @@ static void particles_fall_as_in_scalars_and_pinned_ones_stay( void** state )
 }
 
 // Eq. 2 with both sides written about the prediction: the same number in exact arithmetic.
-static void velocities_are_differences_over_time( void** state )
+TEST( velocities_are_differences_over_time )
 {
-    (void)state;
     particle_batch *s = new_particle_batch(), *start = new_particle_batch();
     wisp_particle_args args = particle_args( s );
     widest_table()->velocity( &args, 0, COUNT );
@@ -387,9 +380,8 @@ static void velocities_are_differences_over_time( void** state )
     free( start );
 }
 
-static void what_no_constraint_moved_keeps_its_velocity_to_the_last_bit( void** state )
+TEST( what_no_constraint_moved_keeps_its_velocity_to_the_last_bit )
 {
-    (void)state;
     particle_batch *s = new_particle_batch(), *start = new_particle_batch();
     wisp_particle_args args = particle_args( s );
     for ( int i = 0; i < COUNT; ++i )
@@ -409,9 +401,8 @@ static void what_no_constraint_moved_keeps_its_velocity_to_the_last_bit( void** 
     free( start );
 }
 
-static void a_push_moves_by_inverse_mass_and_gradient( void** state )
+TEST( a_push_moves_by_inverse_mass_and_gradient )
 {
-    (void)state;
     particle_batch *s = new_particle_batch(), *start = new_particle_batch();
     wisp_push_args args = { s->position[0], s->gradient[0][0], -0.37f };
     widest_table()->push( &args, 0, COUNT / 8 );
@@ -428,9 +419,8 @@ static void a_push_moves_by_inverse_mass_and_gradient( void** state )
     free( start );
 }
 
-static void tethers_only_pull_and_only_towards_pinned_anchors( void** state )
+TEST( tethers_only_pull_and_only_towards_pinned_anchors )
 {
-    (void)state;
     particle_batch *s = new_particle_batch(), *start = new_particle_batch();
     wisp_tether_args args = tether_args( s );
     widest_table()->tether( &args, 0, COUNT );
@@ -464,9 +454,8 @@ static void tethers_only_pull_and_only_towards_pinned_anchors( void** state )
     free( start );
 }
 
-static void layers_of_tethers_pull_one_after_another( void** state )
+TEST( layers_of_tethers_pull_one_after_another )
 {
-    (void)state;
     particle_batch *together = new_particle_batch(), *in_turn = new_particle_batch();
     wisp_tether_args both = tether_args( together ), one = tether_args( in_turn );
     both.layer_count = 2;
@@ -485,9 +474,8 @@ static void layers_of_tethers_pull_one_after_another( void** state )
 }
 
 // Every invalid value in every number of every particle.
-static void the_first_particle_beyond_the_bound_is_found( void** state )
+TEST( the_first_particle_beyond_the_bound_is_found )
 {
-    (void)state;
     const float wrong[] = { NAN, INFINITY, -INFINITY, 10.5f, -10.5f };
     const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );
@@ -510,23 +498,4 @@ static void the_first_particle_beyond_the_bound_is_found( void** state )
         }
     }
     free( s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( volume_and_area_of_a_ball_are_those_of_the_oracle ),
-        cmocka_unit_test( sums_are_those_of_ranges_of_sixty_four_slices_added_in_order ),
-        cmocka_unit_test( normals_are_unit_vectors_along_the_area_vectors ),
-        cmocka_unit_test( normals_of_what_is_too_small_to_square_are_zero ),
-        cmocka_unit_test( every_table_gives_the_same_bits ),
-        cmocka_unit_test( particles_fall_as_in_scalars_and_pinned_ones_stay ),
-        cmocka_unit_test( velocities_are_differences_over_time ),
-        cmocka_unit_test( what_no_constraint_moved_keeps_its_velocity_to_the_last_bit ),
-        cmocka_unit_test( a_push_moves_by_inverse_mass_and_gradient ),
-        cmocka_unit_test( tethers_only_pull_and_only_towards_pinned_anchors ),
-        cmocka_unit_test( layers_of_tethers_pull_one_after_another ),
-        cmocka_unit_test( the_first_particle_beyond_the_bound_is_found ),
-    };
-    return cmocka_run_group_tests_name( "kernels of particles", tests, NULL, NULL );
 }

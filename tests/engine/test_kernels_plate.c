@@ -112,9 +112,8 @@ static void expect_predicted( plate* p, bool with_targets )
     }
 }
 
-static void particles_go_where_gravity_or_targets_lead( void** state )
+TEST( particles_go_where_gravity_or_targets_lead )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int table_count = usable_tables( tables );
     for ( int n = 0; n < 2 * table_count; ++n )
@@ -129,9 +128,8 @@ static void particles_go_where_gravity_or_targets_lead( void** state )
     }
 }
 
-static void stages_are_those_of_a_plain_loop( void** state )
+TEST( stages_are_those_of_a_plain_loop )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int table_count = usable_tables( tables );
     for ( int t = 0; t < table_count; ++t )
@@ -163,9 +161,8 @@ static void stages_are_those_of_a_plain_loop( void** state )
 }
 
 // What is not a number, or lies in no triangle, does not count.
-static void moves_are_measured_and_become_velocities( void** state )
+TEST( moves_are_measured_and_become_velocities )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int table_count = usable_tables( tables );
     for ( int t = 0; t < table_count; ++t )
@@ -301,9 +298,8 @@ static void expect_moment( moments* m, const moments* before, int c )
     }
 }
 
-static void moments_act_along_the_gradients_of_their_angles( void** state )
+TEST( moments_act_along_the_gradients_of_their_angles )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int table_count = usable_tables( tables );
     moments *before = new_moments(), *plain = new_moments();
@@ -324,9 +320,8 @@ static void moments_act_along_the_gradients_of_their_angles( void** state )
 }
 
 // Groups that share particles add up, in their order.
-static void moments_of_shared_particles_have_the_bits_of_a_plain_table( void** state )
+TEST( moments_of_shared_particles_have_the_bits_of_a_plain_table )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int table_count = usable_tables( tables );
     moments* plain = new_moments();
@@ -341,16 +336,4 @@ static void moments_of_shared_particles_have_the_bits_of_a_plain_table( void** s
         free_moments( m );
     }
     free_moments( plain );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( particles_go_where_gravity_or_targets_lead ),
-        cmocka_unit_test( stages_are_those_of_a_plain_loop ),
-        cmocka_unit_test( moves_are_measured_and_become_velocities ),
-        cmocka_unit_test( moments_act_along_the_gradients_of_their_angles ),
-        cmocka_unit_test( moments_of_shared_particles_have_the_bits_of_a_plain_table ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -27,9 +27,8 @@ static scene* run_new( const wisp_kernels* kernels, int number )
 
 // ---- every table ----
 
-static void every_table_finds_the_same_pairs_in_the_same_order( void** state )
+TEST( every_table_finds_the_same_pairs_in_the_same_order )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < SCENES; ++i )
@@ -95,9 +94,8 @@ static void check_together( const wisp_kernels* kernels, int first, int count )
     }
 }
 
-static void jobs_at_once_find_what_each_finds_alone( void** state )
+TEST( jobs_at_once_find_what_each_finds_alone )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i + WISP_PRIMITIVE_BATCH <= SCENES; i += SEEDS )
@@ -182,9 +180,8 @@ static void check_place( scene* s, int side, int primitive )
     }
 }
 
-static void primitives_are_placed_where_their_points_are( void** state )
+TEST( primitives_are_placed_where_their_points_are )
 {
-    (void)state;
     for ( int i = 0; i < SCENES; ++i )
     {
         scene* s = run_new( widest_table(), i );
@@ -268,9 +265,8 @@ static void check_near( scene* s, tally* t )
     }
 }
 
-static void what_is_near_is_found_and_the_rest_is_no_nearer_than_told( void** state )
+TEST( what_is_near_is_found_and_the_rest_is_no_nearer_than_told )
 {
-    (void)state;
     for ( int begin = 0; begin < SCENES; begin += SEEDS )
     {
         tally t = { 0, 0 };
@@ -284,9 +280,8 @@ static void what_is_near_is_found_and_the_rest_is_no_nearer_than_told( void** st
     }
 }
 
-static void the_min_is_never_raised( void** state )
+TEST( the_min_is_never_raised )
 {
-    (void)state;
     for ( int i = 0; i < SCENES; ++i )
     {
         scene* s = run_new( widest_table(), i );
@@ -339,9 +334,8 @@ static void check_over( primitive_shape shape, float away )
     free( s );
 }
 
-static void primitives_over_each_other_are_as_far_as_the_plane_between_tells( void** state )
+TEST( primitives_over_each_other_are_as_far_as_the_plane_between_tells )
 {
-    (void)state;
     static const float AWAY[] = { 0.25f, 0.5f, 0.75f, 2.0f };
     for ( int i = 0; i < 2 * WISP_COUNT( AWAY ); ++i )
     {
@@ -352,9 +346,8 @@ static void primitives_over_each_other_are_as_far_as_the_plane_between_tells( vo
 }
 
 // Across both, no direction has any valid digits.
-static void edges_that_are_all_but_parallel_are_found( void** state )
+TEST( edges_that_are_all_but_parallel_are_found )
 {
-    (void)state;
     for ( float skew = 1e-16f; skew > 0.0f; skew *= 0.1f )
     {
         float points[4][3] = { { -0.01f, 0, 0 }, { 0.01f, 0, 0 }, { -0.01f, 0, 0.001f }, { 0.01f, skew, 0.001f } };
@@ -364,9 +357,8 @@ static void edges_that_are_all_but_parallel_are_found( void** state )
     }
 }
 
-static void a_triangle_is_seen_as_far_as_any_of_its_corners_reaches( void** state )
+TEST( a_triangle_is_seen_as_far_as_any_of_its_corners_reaches )
 {
-    (void)state;
     static const float CORNER[3][3] = { { -1, -1, 0 }, { 1, -1, 0 }, { 0, 4, 0 } };
     for ( int turn = 0; turn < 3; ++turn )
     {
@@ -407,9 +399,8 @@ static double closing_of( const point_sets* s, int pair, int split )
     return most;
 }
 
-static void pairs_come_nearer_by_no_more_than_their_points( void** state )
+TEST( pairs_come_nearer_by_no_more_than_their_points )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < 2 * SEEDS * count; ++i )
@@ -483,9 +474,8 @@ static double apart_of( const point_sets* s, float along[3][3], double* parted )
     return nearest;
 }
 
-static void sets_are_apart_as_the_best_direction_has_it( void** state )
+TEST( sets_are_apart_as_the_best_direction_has_it )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     int apart = 0;
@@ -512,9 +502,8 @@ static void sets_are_apart_as_the_best_direction_has_it( void** state )
     assert_true( apart > SEEDS * count && apart < 3 * SEEDS * count );
 }
 
-static void directions_of_no_length_tell_nothing( void** state )
+TEST( directions_of_no_length_tell_nothing )
 {
-    (void)state;
     for ( int seed = 0; seed < SEEDS; ++seed )
     {
         float along[3][3];
@@ -533,9 +522,8 @@ static void directions_of_no_length_tell_nothing( void** state )
     }
 }
 
-static void ranges_are_those_of_all_numbers_that_are( void** state )
+TEST( ranges_are_those_of_all_numbers_that_are )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < 6 * SEEDS * count; ++i )
@@ -561,23 +549,4 @@ static void ranges_are_those_of_all_numbers_that_are( void** state )
         assert_memory_equal( lower, least, sizeof( lower ) );
         assert_memory_equal( upper, most, sizeof( upper ) );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_finds_the_same_pairs_in_the_same_order ),
-        cmocka_unit_test( jobs_at_once_find_what_each_finds_alone ),
-        cmocka_unit_test( primitives_are_placed_where_their_points_are ),
-        cmocka_unit_test( what_is_near_is_found_and_the_rest_is_no_nearer_than_told ),
-        cmocka_unit_test( the_min_is_never_raised ),
-        cmocka_unit_test( primitives_over_each_other_are_as_far_as_the_plane_between_tells ),
-        cmocka_unit_test( edges_that_are_all_but_parallel_are_found ),
-        cmocka_unit_test( a_triangle_is_seen_as_far_as_any_of_its_corners_reaches ),
-        cmocka_unit_test( pairs_come_nearer_by_no_more_than_their_points ),
-        cmocka_unit_test( sets_are_apart_as_the_best_direction_has_it ),
-        cmocka_unit_test( directions_of_no_length_tell_nothing ),
-        cmocka_unit_test( ranges_are_those_of_all_numbers_that_are ),
-    };
-    return cmocka_run_group_tests_name( "kernels of pieces", tests, NULL, NULL );
 }

@@ -47,9 +47,8 @@ static wisp_rigid_args job_of( crowd* c )
     return args;
 }
 
-static void every_table_gives_the_same_bits( void** state )
+TEST( every_table_gives_the_same_bits )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < KINDS * count; ++i )
@@ -91,9 +90,8 @@ static void add_terms( const crowd* c, int i, double sums[16], double sizes[16] 
     }
 }
 
-static void sums_are_those_of_all_that_move( void** state )
+TEST( sums_are_those_of_all_that_move )
 {
-    (void)state;
     for ( int kind = 0; kind < KINDS; ++kind )
     {
         crowd c = make_crowd( kind );
@@ -116,9 +114,8 @@ static void sums_are_those_of_all_that_move( void** state )
     }
 }
 
-static void velocities_go_their_share_of_the_way( void** state )
+TEST( velocities_go_their_share_of_the_way )
 {
-    (void)state;
     for ( int kind = 0; kind < KINDS; ++kind )
     {
         crowd c = make_crowd( kind ), before = make_crowd( kind );
@@ -144,14 +141,4 @@ static void velocities_go_their_share_of_the_way( void** state )
             assert_true( c.velocity[i][3] == 0.0f );
         }
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_gives_the_same_bits ),
-        cmocka_unit_test( sums_are_those_of_all_that_move ),
-        cmocka_unit_test( velocities_go_their_share_of_the_way ),
-    };
-    return cmocka_run_group_tests_name( "kernels of rigid motion", tests, NULL, NULL );
 }

@@ -217,9 +217,8 @@ static void settle_nans( blends* b )
     }
 }
 
-static void every_table_gives_the_same_bits( void** state )
+TEST( every_table_gives_the_same_bits )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int strange = 0; strange < 2; ++strange )
@@ -270,9 +269,8 @@ static double sum_of( float table[][4], const blends* b, float weights[][4], int
     return sqrt( squared );
 }
 
-static void blends_are_sums_over_parents( void** state )
+TEST( blends_are_sums_over_parents )
 {
-    (void)state;
     for ( int r = 0; r < 2; ++r )
     {
         blends *b = new_blends(), *before = new_blends();
@@ -323,9 +321,8 @@ static bool add_face( const float* p, const float* a, const float* c, double sum
     return length > 0.0 && length < 0.05;
 }
 
-static void vertex_normals_are_means_of_unit_normals( void** state )
+TEST( vertex_normals_are_means_of_unit_normals )
 {
-    (void)state;
     blends* b = new_blends();
     run_ring( widest_table(), b );
     int known = 0;
@@ -375,9 +372,8 @@ static int count_held( const blends* b, int number )
 }
 
 // Stored bounds have room for rounding; here they have none, so a rounding is allowed.
-static void who_is_held_is_within_its_bounds( void** state )
+TEST( who_is_held_is_within_its_bounds )
 {
-    (void)state;
     const double hair = 1e-5;
     blends* b = new_blends();
     run_hold( widest_table(), b );
@@ -410,15 +406,4 @@ static void who_is_held_is_within_its_bounds( void** state )
     assert_in_range( count_held( b, 0 ), ELEMENTS / 8, ELEMENTS );
     assert_in_range( count_held( b, 1 ), ELEMENTS / 64, ELEMENTS );
     free( b );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_gives_the_same_bits ),
-        cmocka_unit_test( blends_are_sums_over_parents ),
-        cmocka_unit_test( vertex_normals_are_means_of_unit_normals ),
-        cmocka_unit_test( who_is_held_is_within_its_bounds ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -117,9 +117,8 @@ static bool check_near( const query* q, int m, int i, const wisp_surface_point* 
     return fabsf( s->distance ) <= q->path[i] || start < -q->shallow;
 }
 
-static void every_table_has_the_bits_of_the_scalar_query( void** state )
+TEST( every_table_has_the_bits_of_the_scalar_query )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int tables_count = usable_tables( tables );
     int near_of[KINDS] = { 0 }, special_of[KINDS] = { 0 };
@@ -205,9 +204,8 @@ static double signed_distance( const wisp_shape* s, const double p[3] )
     }
 }
 
-static void closest_points_are_those_of_the_formulas( void** state )
+TEST( closest_points_are_those_of_the_formulas )
 {
-    (void)state;
     for ( int seed = 0; seed < SEEDS; ++seed )
     {
         query* q = new_query( seed );
@@ -352,9 +350,8 @@ static void make_row_alone( rows* r, int i )
     }
 }
 
-static void half_spaces_have_the_bits_of_scalar_code( void** state )
+TEST( half_spaces_have_the_bits_of_scalar_code )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int tables_count = usable_tables( tables );
     for ( int n = 0; n < SEEDS * tables_count; ++n )
@@ -372,14 +369,4 @@ static void half_spaces_have_the_bits_of_scalar_code( void** state )
         free( r );
         free( expected );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_has_the_bits_of_the_scalar_query ),
-        cmocka_unit_test( closest_points_are_those_of_the_formulas ),
-        cmocka_unit_test( half_spaces_have_the_bits_of_scalar_code ),
-    };
-    return cmocka_run_group_tests_name( "kernels of shapes", tests, NULL, NULL );
 }

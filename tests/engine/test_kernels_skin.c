@@ -119,9 +119,8 @@ static double3 expected_point( const bound_body* b, wisp_skin_method method, int
                                       : skin_oracle_dual_quaternion( bones, weights, count, p );
 }
 
-static void points_are_those_of_the_oracle( void** state )
+TEST( points_are_those_of_the_oracle )
 {
-    (void)state;
     bound_body b;
     make_body( &b );
     for ( int method = 0; method < WISP_SKIN_METHOD_COUNT; ++method )
@@ -138,9 +137,8 @@ static void points_are_those_of_the_oracle( void** state )
     }
 }
 
-static void every_table_gives_the_same_bits( void** state )
+TEST( every_table_gives_the_same_bits )
 {
-    (void)state;
     bound_body b;
     make_body( &b );
     const wisp_kernels* tables[MAX_TABLES];
@@ -168,9 +166,8 @@ static void every_table_gives_the_same_bits( void** state )
     wisp_skin_release( skin );
 }
 
-static void one_motion_of_all_bones_is_that_of_the_points( void** state )
+TEST( one_motion_of_all_bones_is_that_of_the_points )
 {
-    (void)state;
     bound_body b;
     make_body( &b );
     const wisp_affine motion = random_rigid( 5 );
@@ -208,9 +205,8 @@ static void one_motion_of_all_bones_is_that_of_the_points( void** state )
     }
 }
 
-static void a_point_of_one_bone_follows_it( void** state )
+TEST( a_point_of_one_bone_follows_it )
 {
-    (void)state;
     bound_body b;
     make_body( &b );
     b.def.inverse_bind = NULL;
@@ -240,9 +236,8 @@ static void a_point_of_one_bone_follows_it( void** state )
 
 // A ring of a tube along y between two bones, of which one turns about y by an angle. With equal weights, linear blend shrinks its
 // radius to cos( angle / 2 ), and dual quaternions keep it and turn it by half the angle.
-static void a_twist_collapses_linear_blend_and_keeps_the_radius_of_dual_quaternions( void** state )
+TEST( a_twist_collapses_linear_blend_and_keeps_the_radius_of_dual_quaternions )
 {
-    (void)state;
     for ( int step = 0; step <= 4; ++step )
     {
         const double angle = 0.785398163397448310 * step, radius = 0.25, from = 0.7;
@@ -271,9 +266,8 @@ static void a_twist_collapses_linear_blend_and_keeps_the_radius_of_dual_quaterni
     }
 }
 
-static void hierarchies_compose_from_the_root( void** state )
+TEST( hierarchies_compose_from_the_root )
 {
-    (void)state;
     const int32_t parents[4] = { -1, 0, 1, 1 }, wrong[4] = { -1, 0, 2, 1 };
     wisp_affine local[4], model[4];
     for ( int i = 0; i < 4; ++i )
@@ -295,9 +289,8 @@ static void hierarchies_compose_from_the_root( void** state )
     assert_memory_equal( local, model, sizeof( local ) );
 }
 
-static void scale_of_the_bind_pose_that_bones_undo_is_rigid( void** state )
+TEST( scale_of_the_bind_pose_that_bones_undo_is_rigid )
 {
-    (void)state;
     bound_body b;
     make_body( &b );
     const wisp_vec3 none = { 0.0f, 0.0f, 0.0f }, hundredth = { 0.01f, 0.01f, 0.01f };
@@ -322,9 +315,8 @@ static void assert_refused( const bound_body* b, const char* message )
     assert_null( skin );
 }
 
-static void wrong_vertices_are_named( void** state )
+TEST( wrong_vertices_are_named )
 {
-    (void)state;
     bound_body b;
     make_body( &b );
     b.weights[17][0] = NAN;
@@ -353,9 +345,8 @@ static void wrong_vertices_are_named( void** state )
     assert_refused( &b, "skin: got a null list, expected points, bones and weights of 203 points" );
 }
 
-static void wrong_bones_are_named_and_nothing_is_written( void** state )
+TEST( wrong_bones_are_named_and_nothing_is_written )
 {
-    (void)state;
     bound_body b;
     make_body( &b );
     wisp_skin* skin = skin_of( &b );
@@ -404,9 +395,8 @@ static void give_back_metered( void* user, void* block, size_t size )
     free( block );
 }
 
-static void memory_is_of_the_host_and_taken_once( void** state )
+TEST( memory_is_of_the_host_and_taken_once )
 {
-    (void)state;
     bound_body b;
     make_body( &b );
     meter m = { .budget = 2 }, none = { 0 };
@@ -430,21 +420,4 @@ static void memory_is_of_the_host_and_taken_once( void** state )
     assert_int_equal( wisp_skin_bytes( skin ), m.bytes );
     wisp_skin_release( skin );
     assert_int_equal( m.bytes, 0 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( points_are_those_of_the_oracle ),
-        cmocka_unit_test( every_table_gives_the_same_bits ),
-        cmocka_unit_test( one_motion_of_all_bones_is_that_of_the_points ),
-        cmocka_unit_test( a_point_of_one_bone_follows_it ),
-        cmocka_unit_test( a_twist_collapses_linear_blend_and_keeps_the_radius_of_dual_quaternions ),
-        cmocka_unit_test( hierarchies_compose_from_the_root ),
-        cmocka_unit_test( scale_of_the_bind_pose_that_bones_undo_is_rigid ),
-        cmocka_unit_test( wrong_vertices_are_named ),
-        cmocka_unit_test( wrong_bones_are_named_and_nothing_is_written ),
-        cmocka_unit_test( memory_is_of_the_host_and_taken_once ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

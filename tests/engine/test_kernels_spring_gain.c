@@ -29,9 +29,8 @@ static double potential_of( const spring* l, const float ( *position )[4] )
     return 0.5 * (double)l->ramp * straight * straight + load * rest * arc;
 }
 
-static void a_gain_is_the_change_of_the_potential_of_links( void** state )
+TEST( a_gain_is_the_change_of_the_potential_of_links )
 {
-    (void)state;
     springs* s = new_springs();
     const wisp_spring_args args = motion_of( s );
     double gain = 0.0, stored = 0.0, off = 0.0;
@@ -74,9 +73,8 @@ static void a_gain_is_the_change_of_the_potential_of_links( void** state )
     free( s );
 }
 
-static void every_table_gains_the_same_bits( void** state )
+TEST( every_table_gains_the_same_bits )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     springs* s = new_springs();
@@ -88,13 +86,4 @@ static void every_table_gains_the_same_bits( void** state )
         assert_true( found.gain == first.gain && found.stored == first.stored );
     }
     free( s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_gain_is_the_change_of_the_potential_of_links ),
-        cmocka_unit_test( every_table_gains_the_same_bits ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

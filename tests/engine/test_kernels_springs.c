@@ -4,9 +4,8 @@
 
 // ---- every table ----
 
-static void every_table_solves_to_the_same_bits( void** state )
+TEST( every_table_solves_to_the_same_bits )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int variant = 0; variant < VARIANTS; ++variant )
@@ -34,9 +33,8 @@ static void every_table_solves_to_the_same_bits( void** state )
     }
 }
 
-static void sums_are_those_of_blocks_in_order( void** state )
+TEST( sums_are_those_of_blocks_in_order )
 {
-    (void)state;
     springs *whole = new_springs(), *cut = new_springs();
     assemble( widest_table(), whole, 0 );
     assemble( widest_table(), cut, 0 );
@@ -109,9 +107,8 @@ static void assert_arc( float y, double load, double slope )
     assert_near( slope, df, 6e-7 + rounding, "slope at 1e6 y", (int)( 1e6f * y ) );
 }
 
-static void an_arc_has_the_load_and_slope_of_its_equation( void** state )
+TEST( an_arc_has_the_load_and_slope_of_its_equation )
 {
-    (void)state;
     arcs* a = aligned_alloc( 64, ( sizeof( arcs ) + 63 ) / 64 * 64 );
     assert_non_null( a );
     for ( int n = 0; n < 8192; n += 8 )
@@ -134,9 +131,8 @@ static void an_arc_has_the_load_and_slope_of_its_equation( void** state )
     free( a );
 }
 
-static void an_arc_as_long_as_at_rest_or_longer_pulls_nowhere( void** state )
+TEST( an_arc_as_long_as_at_rest_or_longer_pulls_nowhere )
 {
-    (void)state;
     arcs* a = aligned_alloc( 64, ( sizeof( arcs ) + 63 ) / 64 * 64 );
     assert_non_null( a );
     const float y[8] = { 1.0f, 1.0f + FLT_EPSILON, 1.5f, 2.0f, 10.0f, 1e3f, 1e6f, 1e9f };
@@ -283,9 +279,8 @@ static plain_rows* plain_formulas( const springs* s, int variant )
 }
 
 // No link of the test may be at a corner of its force law, where the two precisions may take different sides.
-static void forces_and_right_sides_are_those_of_plain_formulas( void** state )
+TEST( forces_and_right_sides_are_those_of_plain_formulas )
 {
-    (void)state;
     springs* s = new_springs();
     for ( int k = 2; k < s->link_count; ++k )
     {
@@ -318,9 +313,8 @@ static void assert_same_rows( const springs* s, const springs* expected )
 }
 
 // Forces of bending links add no stiffness.
-static void no_link_is_stiffer_than_the_stiffest( void** state )
+TEST( no_link_is_stiffer_than_the_stiffest )
 {
-    (void)state;
     const float stiffest = 20.0f;
     springs *s = new_springs(), *softer = new_springs(), *whole = new_springs();
     int lowered = 0;
@@ -350,9 +344,8 @@ static void no_link_is_stiffer_than_the_stiffest( void** state )
 }
 
 // With zero velocities, places are the positions, of which no coordinate is read.
-static void links_span_places_where_there_are_some( void** state )
+TEST( links_span_places_where_there_are_some )
 {
-    (void)state;
     springs *s = new_springs(), *expected = new_springs();
     static float place[ROWS][4];
     memcpy( place, s->position, sizeof( place ) );
@@ -372,9 +365,8 @@ static void links_span_places_where_there_are_some( void** state )
 }
 
 // The missing length of a slack link within its reach stiffens the matrix, and pulls nothing.
-static void a_reach_stiffens_and_does_not_pull( void** state )
+TEST( a_reach_stiffens_and_does_not_pull )
 {
-    (void)state;
     springs *s = new_springs(), *plain = new_springs();
     wisp_spring_args args = spring_args( s, REPEAT );
     args.compression_margin = 1.0f;
@@ -386,9 +378,8 @@ static void a_reach_stiffens_and_does_not_pull( void** state )
     free( s );
 }
 
-static void rows_that_pad_have_nothing_to_say( void** state )
+TEST( rows_that_pad_have_nothing_to_say )
 {
-    (void)state;
     springs* s = new_springs();
     for ( int variant = 0; variant < VARIANTS; ++variant )
     {
@@ -458,9 +449,8 @@ static double condition_of( const springs* s, const plain_rows* p, int row )
 
 // From the lightest mass to the heaviest. An adjugate is a difference of products, so its error is the square of the condition
 // number in roundings: a sum of traces is above 9 for the identity.
-static void the_preconditioner_is_the_inverse_for_any_mass( void** state )
+TEST( the_preconditioner_is_the_inverse_for_any_mass )
 {
-    (void)state;
     springs* s = new_springs();
     for ( int row = 0; row < VERTICES; ++row )
     {
@@ -493,9 +483,8 @@ static void the_preconditioner_is_the_inverse_for_any_mass( void** state )
 
 // One link with k h^2 / m of 1 to 1e12 relative to the vertex at its end: conjugate gradients need r'Pr > 0 for any
 // r.
-static void the_preconditioner_is_positive_however_light_a_vertex_is( void** state )
+TEST( the_preconditioner_is_positive_however_light_a_vertex_is )
 {
-    (void)state;
     springs* s = new_springs();
     s->link_count = 0;
     memset( s->rest, 0, sizeof( s->rest ) );
@@ -533,9 +522,8 @@ static void the_preconditioner_is_positive_however_light_a_vertex_is( void** sta
 
 // ---- the product ----
 
-static void a_product_is_that_of_the_matrix( void** state )
+TEST( a_product_is_that_of_the_matrix )
 {
-    (void)state;
     springs* s = new_springs();
     for ( int variant = 0; variant < VARIANTS; ++variant )
     {
@@ -591,9 +579,8 @@ static double product_of( springs* s, const float p[ROWS][4], const float q[ROWS
 }
 
 // Both ends of a link compute the same axis from differences of opposite signs.
-static void the_matrix_is_symmetric_and_positive( void** state )
+TEST( the_matrix_is_symmetric_and_positive )
 {
-    (void)state;
     springs* s = new_springs();
     static float p[ROWS][4], q[ROWS][4];
     for ( int variant = 0; variant < FULL; ++variant )
@@ -621,9 +608,8 @@ static void the_matrix_is_symmetric_and_positive( void** state )
 
 // ---- vectors ----
 
-static void an_advance_and_a_turn_are_what_they_say( void** state )
+TEST( an_advance_and_a_turn_are_what_they_say )
 {
-    (void)state;
     springs *s = new_springs(), *before = new_springs();
     make_filters( s );
     assemble( widest_table(), s, 0 );
@@ -674,25 +660,4 @@ static void an_advance_and_a_turn_are_what_they_say( void** state )
     }
     free( s );
     free( before );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_solves_to_the_same_bits ),
-        cmocka_unit_test( sums_are_those_of_blocks_in_order ),
-        cmocka_unit_test( an_arc_has_the_load_and_slope_of_its_equation ),
-        cmocka_unit_test( an_arc_as_long_as_at_rest_or_longer_pulls_nowhere ),
-        cmocka_unit_test( forces_and_right_sides_are_those_of_plain_formulas ),
-        cmocka_unit_test( no_link_is_stiffer_than_the_stiffest ),
-        cmocka_unit_test( links_span_places_where_there_are_some ),
-        cmocka_unit_test( a_reach_stiffens_and_does_not_pull ),
-        cmocka_unit_test( rows_that_pad_have_nothing_to_say ),
-        cmocka_unit_test( the_preconditioner_is_the_inverse_for_any_mass ),
-        cmocka_unit_test( the_preconditioner_is_positive_however_light_a_vertex_is ),
-        cmocka_unit_test( a_product_is_that_of_the_matrix ),
-        cmocka_unit_test( the_matrix_is_symmetric_and_positive ),
-        cmocka_unit_test( an_advance_and_a_turn_are_what_they_say ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -51,9 +51,8 @@ static void a_substep( const wisp_kernels* k, strands_state* s, int kind )
     k->strand_velocity( &motion, 0, STRAND_GROUPS );
 }
 
-static void every_instruction_set_moves_strands_to_the_same_bits( void** state )
+TEST( every_instruction_set_moves_strands_to_the_same_bits )
 {
-    (void)state;
     static strands_state first, other;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
@@ -81,9 +80,8 @@ static void every_instruction_set_moves_strands_to_the_same_bits( void** state )
     }
 }
 
-static void ranges_of_groups_may_be_cut_anywhere( void** state )
+TEST( ranges_of_groups_may_be_cut_anywhere )
 {
-    (void)state;
     static strands_state whole, cut;
     const wisp_kernels* k = widest_table();
     make_strands( &whole );
@@ -147,9 +145,8 @@ static double largest_error( const strands_state* s )
     return largest;
 }
 
-static void segments_have_their_rest_length_after_the_direct_solve( void** state )
+TEST( segments_have_their_rest_length_after_the_direct_solve )
 {
-    (void)state;
     static strands_state s;
     make_strands( &s );
     assert_true( largest_error( &s ) > 0.05 );
@@ -159,9 +156,8 @@ static void segments_have_their_rest_length_after_the_direct_solve( void** state
     assert_true( largest_error( &s ) < 2e-5 );
 }
 
-static void what_is_no_vertex_stays_with_the_tip_and_pins_stay_where_they_are( void** state )
+TEST( what_is_no_vertex_stays_with_the_tip_and_pins_stay_where_they_are )
 {
-    (void)state;
     static strands_state s, before;
     make_strands( &s );
     before = s;
@@ -183,9 +179,8 @@ static void what_is_no_vertex_stays_with_the_tip_and_pins_stay_where_they_are( v
     }
 }
 
-static void strands_without_a_direction_are_laid_out_from_the_root( void** state )
+TEST( strands_without_a_direction_are_laid_out_from_the_root )
 {
-    (void)state;
     static strands_state s;
     make_strands( &s );
     memset( s.position, 0, sizeof( s.position ) );
@@ -216,9 +211,8 @@ static double squared_of( float ( *p )[16], float ( *q )[16], int lane )
     return sum;
 }
 
-static void what_is_laid_out_is_no_faster_than_it_was_predicted_to_be( void** state )
+TEST( what_is_laid_out_is_no_faster_than_it_was_predicted_to_be )
 {
-    (void)state;
     static strands_state s;
     make_strands( &s );
     memset( s.position, 0, sizeof( s.position ) );
@@ -240,9 +234,8 @@ static void what_is_laid_out_is_no_faster_than_it_was_predicted_to_be( void** st
     }
 }
 
-static void what_is_not_finite_is_laid_out_too( void** state )
+TEST( what_is_not_finite_is_laid_out_too )
 {
-    (void)state;
     static strands_state s;
     make_strands( &s );
     s.position[5][1][3] = NAN;
@@ -254,9 +247,8 @@ static void what_is_not_finite_is_laid_out_too( void** state )
     assert_true( s.tension[5][3] == 0.0f );
 }
 
-static void air_leaves_motion_along_the_strand_alone( void** state )
+TEST( air_leaves_motion_along_the_strand_alone )
 {
-    (void)state;
     static strands_state s;
     make_strands( &s );
     for ( int row = 0; row < STRAND_ROWS; ++row )
@@ -285,9 +277,8 @@ static void air_leaves_motion_along_the_strand_alone( void** state )
     assert_true( s.velocity[row][0][0] > 0.0f && s.velocity[row][0][0] < 1.0f );
 }
 
-static void damping_leaves_the_rigid_motion_alone( void** state )
+TEST( damping_leaves_the_rigid_motion_alone )
 {
-    (void)state;
     static strands_state s, before;
     make_strands( &s );
     const float linear[3] = { 1.0f, 2.0f, 3.0f };
@@ -318,9 +309,8 @@ static void damping_leaves_the_rigid_motion_alone( void** state )
     }
 }
 
-static void roots_go_where_they_are_carried_and_their_velocity_says_so( void** state )
+TEST( roots_go_where_they_are_carried_and_their_velocity_says_so )
 {
-    (void)state;
     static strands_state s;
     make_strands( &s );
     const float before = s.position[s.group_row[1]][0][2];
@@ -362,9 +352,8 @@ static void two_substeps( const wisp_kernels* k, strands_state* s, bool in_one, 
     k->strand_predict( &motion, 0, STRAND_GROUPS );
 }
 
-static void advancing_is_taking_velocities_and_predicting( void** state )
+TEST( advancing_is_taking_velocities_and_predicting )
 {
-    (void)state;
     static strands_state one, two;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
@@ -384,9 +373,8 @@ static void advancing_is_taking_velocities_and_predicting( void** state )
     }
 }
 
-static void the_first_row_beyond_the_bound_is_found( void** state )
+TEST( the_first_row_beyond_the_bound_is_found )
 {
-    (void)state;
     static const float WRONG[] = { NAN, INFINITY, -INFINITY, 10.1f, -10.1f };
     static strands_state s;
     make_strands( &s );
@@ -408,23 +396,4 @@ static void the_first_row_beyond_the_bound_is_found( void** state )
             *number = kept;
         }
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_instruction_set_moves_strands_to_the_same_bits ),
-        cmocka_unit_test( ranges_of_groups_may_be_cut_anywhere ),
-        cmocka_unit_test( segments_have_their_rest_length_after_the_direct_solve ),
-        cmocka_unit_test( what_is_no_vertex_stays_with_the_tip_and_pins_stay_where_they_are ),
-        cmocka_unit_test( strands_without_a_direction_are_laid_out_from_the_root ),
-        cmocka_unit_test( what_is_laid_out_is_no_faster_than_it_was_predicted_to_be ),
-        cmocka_unit_test( what_is_not_finite_is_laid_out_too ),
-        cmocka_unit_test( air_leaves_motion_along_the_strand_alone ),
-        cmocka_unit_test( damping_leaves_the_rigid_motion_alone ),
-        cmocka_unit_test( roots_go_where_they_are_carried_and_their_velocity_says_so ),
-        cmocka_unit_test( advancing_is_taking_velocities_and_predicting ),
-        cmocka_unit_test( the_first_row_beyond_the_bound_is_found ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

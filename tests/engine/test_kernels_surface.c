@@ -120,9 +120,8 @@ static run_fn* const PROJECTIONS[] = {
     run_dihedral_pbd, run_dihedral_xpbd, run_isometric_pbd,
 };
 
-static void every_table_projects_to_the_same_bits( void** state )
+TEST( every_table_projects_to_the_same_bits )
 {
-    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );
     for ( int variant = 0; variant < 4; ++variant )
@@ -158,9 +157,8 @@ static void every_table_projects_to_the_same_bits( void** state )
     }
 }
 
-static void a_range_may_be_cut_between_groups( void** state )
+TEST( a_range_may_be_cut_between_groups )
 {
-    (void)state;
     constraints *whole = new_constraints( true ), *primitives = new_constraints( true );
     tangle( whole );
     tangle( primitives );
@@ -232,18 +230,16 @@ static void compare_with_oracle( run_fn* run, project_fn* oracle, bool with_lamb
     free( after );
 }
 
-static void links_move_as_the_oracle_says( void** state )
+TEST( links_move_as_the_oracle_says )
 {
-    (void)state;
     compare_with_oracle( run_link_pbd, pbd_of_oracle, false );
     compare_with_oracle( run_link_xpbd, xpbd_of_oracle, true );
     compare_with_oracle( run_link_xpbd_once, xpbd_once_of_oracle, true );
     compare_with_oracle( run_link_limit, limit_of_oracle, false );
 }
 
-static void two_ends_share_a_step_as_their_inverse_masses( void** state )
+TEST( two_ends_share_a_step_as_their_inverse_masses )
 {
-    (void)state;
     constraints* s = new_constraints( false );
     const float weights[3][2] = { { 1.0f, 1.0f }, { 1.0f, 3.0f }, { 0.0f, 1.0f } };
     const float rest[2] = { 1.0f, 0x1p-20f }; // a metre and a micrometre
@@ -268,9 +264,8 @@ static void two_ends_share_a_step_as_their_inverse_masses( void** state )
 
 // Two compliant links and a row of three particles on a line: where iterations converge, both links and both free
 // particles are in balance.
-static void iterations_settle_where_compliance_balances( void** state )
+TEST( iterations_settle_where_compliance_balances )
 {
-    (void)state;
     constraints* s = new_constraints( false );
     const float predicted[3][4] = { { 0.0f, 0.0f, 0.0f, 0.0f },
                                     { 1.2f, 0.0f, 0.0f, 1.0f },
@@ -351,9 +346,8 @@ static double isometric_pbd_of_oracle( const constraints* s, int c, particles* a
     return 0.0;
 }
 
-static void hinges_move_as_the_oracle_says( void** state )
+TEST( hinges_move_as_the_oracle_says )
 {
-    (void)state;
     compare_with_oracle( run_dihedral_pbd, dihedral_pbd_of_oracle, false );
     compare_with_oracle( run_dihedral_xpbd, dihedral_xpbd_of_oracle, true );
     compare_with_oracle( run_isometric_pbd, isometric_pbd_of_oracle, false );
@@ -361,9 +355,8 @@ static void hinges_move_as_the_oracle_says( void** state )
 
 // With one free corner a projection moves it by -C / |g|^2 g, so that the gradient can be read back. Here C is small,
 // because the angle is nearly at rest, and central differences of the oracle's angle give g.
-static void dihedral_gradients_are_central_differences_of_the_angle( void** state )
+TEST( dihedral_gradients_are_central_differences_of_the_angle )
 {
-    (void)state;
     const double small = 1e-6, error = 0.01;
     for ( int corner = 0; corner < 4; ++corner )
     {
@@ -408,9 +401,8 @@ static void dihedral_gradients_are_central_differences_of_the_angle( void** stat
     }
 }
 
-static void an_angle_is_positive_where_the_opposite_vertices_are_on_the_side_of_the_normals( void** state )
+TEST( an_angle_is_positive_where_the_opposite_vertices_are_on_the_side_of_the_normals )
 {
-    (void)state;
     constraints* s = new_constraints( false );
 
     // counter-clockwise seen from +z, so normals point up, and both wings are up by 0.1 of 0.5
@@ -449,9 +441,8 @@ static void set_isometric( constraints* s, int c, const double3 rest[4], double 
 }
 
 // A flat hinge that is moved and rotated has no energy; a bent one has the oracle's.
-static void an_isometric_hinge_knows_bending_from_moving( void** state )
+TEST( an_isometric_hinge_knows_bending_from_moving )
 {
-    (void)state;
     for ( int bent = 0; bent < 2; ++bent )
     {
         constraints* s = new_constraints( false );
@@ -522,9 +513,8 @@ static void sum_momentum( constraints* before, constraints* after, int c, int co
     assert_near( double3_length( angular ), 0.0, 2.0 * mass * ROUNDING, "angular momentum of constraint", c );
 }
 
-static void projections_keep_linear_and_angular_momentum( void** state )
+TEST( projections_keep_linear_and_angular_momentum )
 {
-    (void)state;
     constraints* before = new_constraints( false );
     for ( int k = 0; k < WISP_COUNT( PROJECTIONS ); ++k )
     {
@@ -542,9 +532,8 @@ static void projections_keep_linear_and_angular_momentum( void** state )
 
 // Coincident, without area, pinned (some of them a thousand kilometres apart), or padding: no bit of positions or
 // lambda changes.
-static void constraints_without_a_direction_or_a_free_end_leave_every_bit( void** state )
+TEST( constraints_without_a_direction_or_a_free_end_leave_every_bit )
 {
-    (void)state;
     constraints* before = new_constraints( false );
     for ( int c = 0; c < CONSTRAINTS; ++c )
     {
@@ -578,9 +567,8 @@ static void constraints_without_a_direction_or_a_free_end_leave_every_bit( void*
 }
 
 // Lengths and heights of all magnitudes, far from rest, and masses from a milligram to that of a mountain.
-static void no_projection_throws_a_particle_to_infinity( void** state )
+TEST( no_projection_throws_a_particle_to_infinity )
 {
-    (void)state;
     constraints* before = new_constraints( false );
     for ( int c = 0; c < CONSTRAINTS; ++c )
     {
@@ -608,23 +596,4 @@ static void no_projection_throws_a_particle_to_infinity( void** state )
         free( after );
     }
     free( before );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_table_projects_to_the_same_bits ),
-        cmocka_unit_test( a_range_may_be_cut_between_groups ),
-        cmocka_unit_test( links_move_as_the_oracle_says ),
-        cmocka_unit_test( two_ends_share_a_step_as_their_inverse_masses ),
-        cmocka_unit_test( iterations_settle_where_compliance_balances ),
-        cmocka_unit_test( hinges_move_as_the_oracle_says ),
-        cmocka_unit_test( dihedral_gradients_are_central_differences_of_the_angle ),
-        cmocka_unit_test( an_angle_is_positive_where_the_opposite_vertices_are_on_the_side_of_the_normals ),
-        cmocka_unit_test( an_isometric_hinge_knows_bending_from_moving ),
-        cmocka_unit_test( projections_keep_linear_and_angular_momentum ),
-        cmocka_unit_test( constraints_without_a_direction_or_a_free_end_leave_every_bit ),
-        cmocka_unit_test( no_projection_throws_a_particle_to_infinity ),
-    };
-    return cmocka_run_group_tests_name( "kernels of surfaces", tests, NULL, NULL );
 }

@@ -27,9 +27,8 @@ static double second_of( int k )
     return (double)operand_b[k] / 7.0;
 }
 
-static void arithmetic_is_the_scalar_arithmetic( void** state )
+TEST( arithmetic_is_the_scalar_arithmetic )
 {
-    (void)state;
     EACH_EIGHT( k, OPERAND_COUNT )
     {
         const lane8d a = lane8d_div( lane8d_widen( lane8_loadu( operand_a + k ) ), lane8d_set1( 3.0 ) );
@@ -60,9 +59,8 @@ static void arithmetic_is_the_scalar_arithmetic( void** state )
     }
 }
 
-static void doubles_are_rounded_to_floats( void** state )
+TEST( doubles_are_rounded_to_floats )
 {
-    (void)state;
     EACH_EIGHT( k, ORDINARY_COUNT )
     {
         const lane8d third = lane8d_div( lane8d_widen( lane8_loadu( ordinary + k ) ), lane8d_set1( 3.0 ) );
@@ -75,9 +73,8 @@ static void doubles_are_rounded_to_floats( void** state )
     }
 }
 
-static void a_sum_folds_the_upper_half_onto_the_lower( void** state )
+TEST( a_sum_folds_the_upper_half_onto_the_lower )
 {
-    (void)state;
     EACH_EIGHT( k, ORDINARY_COUNT )
     {
         double each[8];
@@ -94,9 +91,8 @@ static void a_sum_folds_the_upper_half_onto_the_lower( void** state )
     }
 }
 
-static void vectors_are_the_scalar_ones( void** state )
+TEST( vectors_are_the_scalar_ones )
 {
-    (void)state;
     const double shift[3] = { 0.1, 0.2, 0.3 };
     EACH_EIGHT( k, ORDINARY_COUNT - 48 )
     {
@@ -130,17 +126,5 @@ static void vectors_are_the_scalar_ones( void** state )
     }
 }
 
-int main( void )
-{
-    if ( missing_backend() != NULL )
-    {
-        return 77;
-    }
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( arithmetic_is_the_scalar_arithmetic ),
-        cmocka_unit_test( doubles_are_rounded_to_floats ),
-        cmocka_unit_test( a_sum_folds_the_upper_half_onto_the_lower ),
-        cmocka_unit_test( vectors_are_the_scalar_ones ),
-    };
-    return cmocka_run_group_tests( tests, fill_operands, NULL );
-}
+TEST_OBSTACLE( missing_backend )
+TEST_GROUP( fill_operands, NULL )

@@ -17,9 +17,8 @@ static void check_sincos( float x )
 }
 
 // Every 499th float, so that all exponents occur, and the neighbourhood of the largest error of all floats.
-static void sine_and_cosine_keep_their_bound( void** state )
+TEST( sine_and_cosine_keep_their_bound )
 {
-    (void)state;
     uint32_t last = bits_of( TRIG_SINCOS_RANGE );
     for ( uint32_t bits = bits_of( 0x1p-20f ); bits <= last; bits += 499 )
     {
@@ -33,9 +32,8 @@ static void sine_and_cosine_keep_their_bound( void** state )
     check_sincos( 0.0f );
 }
 
-static void sine_and_cosine_stay_bounded_beyond_their_range( void** state )
+TEST( sine_and_cosine_stay_bounded_beyond_their_range )
 {
-    (void)state;
     for ( int k = 0; k < OPERAND_COUNT; ++k )
     {
         float sine, cosine;
@@ -60,9 +58,8 @@ static void check_atan2( float y, float x )
     }
 }
 
-static void arc_tangent_keeps_its_bound( void** state )
+TEST( arc_tangent_keeps_its_bound )
 {
-    (void)state;
     wisp_random_key key = wisp_random_make_key( 4, 5, 6 );
     for ( uint32_t k = 0; k < 500000; ++k )
     {
@@ -77,9 +74,8 @@ static void arc_tangent_keeps_its_bound( void** state )
     check_atan2( 0x1p-149f, -0x1p-149f );
 }
 
-static void arc_tangent_knows_its_quadrants( void** state )
+TEST( arc_tangent_knows_its_quadrants )
 {
-    (void)state;
     const float quarter = 0.785398163f, half = 1.57079633f, whole = 3.14159265f;
     assert_same_bits( trig_atan2( 0.0f, 1.0f ), 0.0f, 0 );
     assert_same_bits( trig_atan2( 1.0f, 0.0f ), half, 0 );
@@ -92,9 +88,8 @@ static void arc_tangent_knows_its_quadrants( void** state )
     assert_true( trig_atan2( 2.0f, -2.0f ) > half && trig_atan2( -2.0f, -2.0f ) < -half );
 }
 
-static void the_angle_of_the_origin_is_zero( void** state )
+TEST( the_angle_of_the_origin_is_zero )
 {
-    (void)state;
     for ( int k = 0; k < 4; ++k )
     {
         assert_true( trig_atan2( k & 1 ? -0.0f : 0.0f, k & 2 ? -0.0f : 0.0f ) == 0.0f );
@@ -123,9 +118,8 @@ static void assert_close_v3( wisp_vec3 actual, wisp_vec3 expected )
     assert_close( actual.z, expected.z );
 }
 
-static void a_basis_is_orthonormal_and_right_handed( void** state )
+TEST( a_basis_is_orthonormal_and_right_handed )
 {
-    (void)state;
     for ( int k = 0; k < DIRECTION_COUNT; ++k )
     {
         wisp_vec3 t = direction( k ), b1, b2;
@@ -139,9 +133,8 @@ static void a_basis_is_orthonormal_and_right_handed( void** state )
     }
 }
 
-static void a_rotation_keeps_lengths_and_angles( void** state )
+TEST( a_rotation_keeps_lengths_and_angles )
 {
-    (void)state;
     for ( int k = 0; k < DIRECTION_COUNT; ++k )
     {
         float sine, cosine;
@@ -159,9 +152,8 @@ static void a_rotation_keeps_lengths_and_angles( void** state )
     }
 }
 
-static void a_rotation_turns_counter_clockwise_by_its_angle( void** state )
+TEST( a_rotation_turns_counter_clockwise_by_its_angle )
 {
-    (void)state;
     const wisp_vec3 x = { 1.0f, 0.0f, 0.0f }, y = { 0.0f, 1.0f, 0.0f }, z = { 0.0f, 0.0f, 1.0f };
     assert_close_v3( v3_rotate( z, 1.0f, 0.0f, x ), y );
     assert_close_v3( v3_rotate( x, 1.0f, 0.0f, y ), z );
@@ -169,9 +161,8 @@ static void a_rotation_turns_counter_clockwise_by_its_angle( void** state )
     assert_close_v3( v3_rotate( z, 0.6f, 0.8f, x ), ( wisp_vec3 ){ 0.8f, 0.6f, 0.0f } );
 }
 
-static void vectors_are_added_scaled_and_multiplied( void** state )
+TEST( vectors_are_added_scaled_and_multiplied )
 {
-    (void)state;
     const wisp_vec3 a = { 1.0f, 2.0f, 3.0f }, b = { 4.0f, -5.0f, 6.0f };
     assert_close_v3( v3_add( a, b ), ( wisp_vec3 ){ 5.0f, -3.0f, 9.0f } );
     assert_close_v3( v3_sub( a, b ), ( wisp_vec3 ){ -3.0f, 7.0f, -3.0f } );
@@ -182,9 +173,8 @@ static void vectors_are_added_scaled_and_multiplied( void** state )
     assert_close( v3_length( ( wisp_vec3 ){ 3.0f, 0.0f, -4.0f } ), 5.0f );
 }
 
-static void what_has_no_direction_gets_the_fallback( void** state )
+TEST( what_has_no_direction_gets_the_fallback )
 {
-    (void)state;
     const wisp_vec3 fallback = { 0.0f, 0.0f, 1.0f };
     const float lost[] = { 0.0f, -0.0f, 1e-20f, 1e20f, INFINITY, NAN };
     for ( int k = 0; k < WISP_COUNT( lost ); ++k )
@@ -199,23 +189,5 @@ static void what_has_no_direction_gets_the_fallback( void** state )
     }
 }
 
-int main( void )
-{
-    if ( missing_backend() != NULL )
-    {
-        return 77;
-    }
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( sine_and_cosine_keep_their_bound ),
-        cmocka_unit_test( sine_and_cosine_stay_bounded_beyond_their_range ),
-        cmocka_unit_test( arc_tangent_keeps_its_bound ),
-        cmocka_unit_test( arc_tangent_knows_its_quadrants ),
-        cmocka_unit_test( the_angle_of_the_origin_is_zero ),
-        cmocka_unit_test( a_basis_is_orthonormal_and_right_handed ),
-        cmocka_unit_test( a_rotation_keeps_lengths_and_angles ),
-        cmocka_unit_test( a_rotation_turns_counter_clockwise_by_its_angle ),
-        cmocka_unit_test( vectors_are_added_scaled_and_multiplied ),
-        cmocka_unit_test( what_has_no_direction_gets_the_fallback ),
-    };
-    return cmocka_run_group_tests( tests, fill_operands, NULL );
-}
+TEST_OBSTACLE( missing_backend )
+TEST_GROUP( fill_operands, NULL )

@@ -66,9 +66,8 @@ static wisp_mesh_nearest closest_at( wisp_collision_mesh* tree, wisp_vec3 p, flo
     return nearest;
 }
 
-static void closest_points_at_a_time_are_those_of_the_mesh_as_it_is_then( void** state )
+TEST( closest_points_at_a_time_are_those_of_the_mesh_as_it_is_then )
 {
-    (void)state;
     motion m = new_motion( 0.4f, 0.3f );
     for ( int k = 0; k <= 4; ++k )
     {
@@ -87,9 +86,8 @@ static void closest_points_at_a_time_are_those_of_the_mesh_as_it_is_then( void**
 }
 
 // Without a deformation the path against the motion is the relative path against the mesh at rest.
-static void a_path_against_a_translation_is_the_relative_path( void** state )
+TEST( a_path_against_a_translation_is_the_relative_path )
 {
-    (void)state;
     motion m = new_motion( 0.4f, 0.0f );
     int hits = 0;
     for ( int i = 0; i < 4 * QUERIES; ++i )
@@ -111,9 +109,8 @@ static void a_path_against_a_translation_is_the_relative_path( void** state )
 }
 
 // Who is outside at the start and inside at the end has entered somewhere: rounding opens no gap between triangles.
-static void whoever_gets_in_has_crossed( void** state )
+TEST( whoever_gets_in_has_crossed )
 {
-    (void)state;
     motion m = new_motion( 0.5f, 0.4f );
     int entered = 0;
     for ( int i = 0; i < 20 * QUERIES; ++i )
@@ -134,9 +131,8 @@ static void whoever_gets_in_has_crossed( void** state )
 }
 
 // Aimed at the corners of triangles, where two planes meet.
-static void paths_to_corners_do_not_slip_through( void** state )
+TEST( paths_to_corners_do_not_slip_through )
 {
-    (void)state;
     motion m = new_motion( 0.3f, 0.2f );
     for ( int v = 0; v < m.mesh.point_count; ++v )
     {
@@ -154,9 +150,8 @@ static void paths_to_corners_do_not_slip_through( void** state )
     free_motion( &m );
 }
 
-static void a_point_of_a_triangle_goes_where_its_corners_go( void** state )
+TEST( a_point_of_a_triangle_goes_where_its_corners_go )
 {
-    (void)state;
     motion m = new_motion( 0.4f, 0.3f );
     for ( int i = 0; i < QUERIES; ++i )
     {
@@ -174,9 +169,8 @@ static void a_point_of_a_triangle_goes_where_its_corners_go( void** state )
 }
 
 // From where the point was 0.1 m before, as from one substep to the next.
-static void tracking_follows_the_closest_point_along_a_round_mesh( void** state )
+TEST( tracking_follows_the_closest_point_along_a_round_mesh )
 {
-    (void)state;
     motion m = new_motion( 0.4f, 0.1f );
     int moved = 0, same = 0, count = 0;
     for ( int i = 0; i < QUERIES; ++i )
@@ -215,9 +209,8 @@ static float least_distance( wisp_collision_mesh* tree, wisp_vec3 p, float begin
 }
 
 // Points all around, and points just above the surface as it is at the start or at the end.
-static void cells_know_who_stays_outside_and_at_what_distance( void** state )
+TEST( cells_know_who_stays_outside_and_at_what_distance )
 {
-    (void)state;
     motion m = new_motion( 0.3f, 0.2f );
     int outside = 0, apart = 0, inside = 0;
     const wisp_vec3 far = { 4.0f, 0.0f, 0.0f };
@@ -244,9 +237,8 @@ static void cells_know_who_stays_outside_and_at_what_distance( void** state )
 }
 
 // Nothing comes nearer than the clearance for the rest of the motion, whatever triangle the search begins at.
-static void an_approach_finds_the_closest_point_and_how_long_it_is_enough( void** state )
+TEST( an_approach_finds_the_closest_point_and_how_long_it_is_enough )
 {
-    (void)state;
     motion m = new_motion( 0.3f, 0.2f );
     int found = 0, clear_count = 0;
     for ( int i = 0; i < 10 * QUERIES; ++i )
@@ -273,9 +265,8 @@ static void an_approach_finds_the_closest_point_and_how_long_it_is_enough( void*
     free_motion( &m );
 }
 
-static void an_approach_to_a_point_that_is_not_finite_finds_nothing( void** state )
+TEST( an_approach_to_a_point_that_is_not_finite_finds_nothing )
 {
-    (void)state;
     motion m = new_motion( 0.3f, 0.2f );
     const wisp_vec3 p = { NAN, 0.0f, 0.0f };
     const wisp_mesh_approach approach = { { p, INFINITY, 1.0f }, INFINITY, 0 };
@@ -288,9 +279,8 @@ static void an_approach_to_a_point_that_is_not_finite_finds_nothing( void** stat
     free_motion( &m );
 }
 
-static void voxels_refuse_a_start( void** state )
+TEST( voxels_refuse_a_start )
 {
-    (void)state;
     test_mesh mesh = test_mesh_ball( 4, false );
     wisp_collision_mesh_def def = test_mesh_def( &mesh, true );
     def.search = WISP_MESH_SEARCH_VOXELS;
@@ -301,21 +291,4 @@ static void voxels_refuse_a_start( void** state )
     assert_one_message( error.message );
     wisp_collision_mesh_release( voxels );
     test_mesh_free( &mesh );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( closest_points_at_a_time_are_those_of_the_mesh_as_it_is_then ),
-        cmocka_unit_test( a_path_against_a_translation_is_the_relative_path ),
-        cmocka_unit_test( whoever_gets_in_has_crossed ),
-        cmocka_unit_test( paths_to_corners_do_not_slip_through ),
-        cmocka_unit_test( a_point_of_a_triangle_goes_where_its_corners_go ),
-        cmocka_unit_test( tracking_follows_the_closest_point_along_a_round_mesh ),
-        cmocka_unit_test( cells_know_who_stays_outside_and_at_what_distance ),
-        cmocka_unit_test( an_approach_finds_the_closest_point_and_how_long_it_is_enough ),
-        cmocka_unit_test( an_approach_to_a_point_that_is_not_finite_finds_nothing ),
-        cmocka_unit_test( voxels_refuse_a_start ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -67,9 +67,8 @@ static void assert_closest( const test_mesh* m, const float* xyzw, wisp_collisio
     }
 }
 
-static void the_closest_point_is_that_of_brute_force_bit_for_bit( void** state )
+TEST( the_closest_point_is_that_of_brute_force_bit_for_bit )
 {
-    (void)state;
     for ( int which = 0; which < MESHES; ++which )
     {
         test_mesh m = make_mesh( which );
@@ -90,9 +89,8 @@ static void the_closest_point_is_that_of_brute_force_bit_for_bit( void** state )
     }
 }
 
-static void triangles_that_share_what_is_nearest_answer_with_the_lowest( void** state )
+TEST( triangles_that_share_what_is_nearest_answer_with_the_lowest )
 {
-    (void)state;
     test_mesh m = test_mesh_bumpy( 10 );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     int outer = 0;
@@ -118,9 +116,8 @@ static void triangles_that_share_what_is_nearest_answer_with_the_lowest( void** 
     test_mesh_free( &m );
 }
 
-static void a_range_of_queries_is_answered_like_each_alone( void** state )
+TEST( a_range_of_queries_is_answered_like_each_alone )
 {
-    (void)state;
     test_mesh m = test_mesh_bumpy( 10 );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     wisp_mesh_query queries[100];
@@ -149,9 +146,8 @@ static void a_range_of_queries_is_answered_like_each_alone( void** state )
 
 // ---- signs ----
 
-static void the_sign_tells_inside_from_outside( void** state )
+TEST( the_sign_tells_inside_from_outside )
 {
-    (void)state;
     const int closed[] = { 0, 1, 3 };
     for ( int c = 0; c < WISP_COUNT( closed ); ++c )
     {
@@ -181,9 +177,8 @@ static void the_sign_tells_inside_from_outside( void** state )
 }
 
 // A slender spike: next to its edges and its tip the nearest face alone would give the wrong side.
-static void signs_hold_next_to_sharp_edges_and_tips( void** state )
+TEST( signs_hold_next_to_sharp_edges_and_tips )
 {
-    (void)state;
     test_mesh m = test_mesh_reserve( 4, 4 );
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 0.05f, 0, 0 }, { 0.02f, 0, 0.03f }, { 0.3f, 2.0f, 0.1f } };
     memcpy( m.points, points, sizeof( points ) );
@@ -220,9 +215,8 @@ static void signs_hold_next_to_sharp_edges_and_tips( void** state )
     test_mesh_free( &m );
 }
 
-static void an_open_sheet_is_signed_by_the_side_it_faces( void** state )
+TEST( an_open_sheet_is_signed_by_the_side_it_faces )
 {
-    (void)state;
     test_mesh m = test_mesh_sheet( 8, 0.0f );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     assert_int_equal( wisp_collision_mesh_get_stats( tree ).open_edge_count, 4 * 8 );
@@ -239,9 +233,8 @@ static void an_open_sheet_is_signed_by_the_side_it_faces( void** state )
     test_mesh_free( &m );
 }
 
-static void the_normal_is_the_gradient_of_the_distance( void** state )
+TEST( the_normal_is_the_gradient_of_the_distance )
 {
-    (void)state;
     test_mesh m = test_mesh_bumpy( 10 );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     const float step = 1e-3f;
@@ -289,9 +282,8 @@ static void assert_hit_is_naive( const test_mesh* m, const float* xyzw, wisp_col
     }
 }
 
-static void the_first_intersection_is_that_of_brute_force( void** state )
+TEST( the_first_intersection_is_that_of_brute_force )
 {
-    (void)state;
     for ( int which = 0; which < MESHES; ++which )
     {
         test_mesh m = make_mesh( which );
@@ -317,9 +309,8 @@ static void the_first_intersection_is_that_of_brute_force( void** state )
 
 // Paths that aim exactly at corners and edges, at any speed, cross the sheet; of two successive paths through it, one
 // crosses.
-static void nothing_tunnels_through_a_thin_sheet( void** state )
+TEST( nothing_tunnels_through_a_thin_sheet )
 {
-    (void)state;
     for ( int waves = 0; waves < 2; ++waves )
     {
         test_mesh m = test_mesh_sheet( 40, waves == 0 ? 0.0f : 0.2f );
@@ -350,9 +341,8 @@ static void nothing_tunnels_through_a_thin_sheet( void** state )
     }
 }
 
-static void steps_of_single_roundings_cross_just_once( void** state )
+TEST( steps_of_single_roundings_cross_just_once )
 {
-    (void)state;
     test_mesh m = test_mesh_sheet( 8, 0.0f );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     for ( int i = 0; i < 200; ++i )
@@ -373,9 +363,8 @@ static void steps_of_single_roundings_cross_just_once( void** state )
 
 // ---- meshes that deform ----
 
-static void refitted_trees_answer_like_new_ones( void** state )
+TEST( refitted_trees_answer_like_new_ones )
 {
-    (void)state;
     test_mesh m = test_mesh_sheet( 30, 0.1f );
     wisp_vec3* rest = checked_malloc( (size_t)m.point_count * sizeof( wisp_vec3 ) );
     memcpy( rest, m.points, (size_t)m.point_count * sizeof( wisp_vec3 ) );
@@ -403,9 +392,8 @@ static void refitted_trees_answer_like_new_ones( void** state )
     test_mesh_free( &m );
 }
 
-static void a_wrong_point_is_refused_and_its_neighbours_stay( void** state )
+TEST( a_wrong_point_is_refused_and_its_neighbours_stay )
 {
-    (void)state;
     test_mesh m = test_mesh_sheet( 12, 0.1f );
     float* xyzw = test_mesh_quads( &m );
     wisp_collision_mesh* tree = test_collision_mesh( &m, true );
@@ -431,9 +419,8 @@ static void a_wrong_point_is_refused_and_its_neighbours_stay( void** state )
     test_mesh_free( &m );
 }
 
-static void a_rigid_mesh_cannot_be_updated( void** state )
+TEST( a_rigid_mesh_cannot_be_updated )
 {
-    (void)state;
     test_mesh m = test_mesh_sheet( 2, 0.0f );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     wisp_error error = { 0 };
@@ -445,9 +432,8 @@ static void a_rigid_mesh_cannot_be_updated( void** state )
 
 // ---- triangles without area ----
 
-static void triangles_without_area_are_found_and_never_crossed( void** state )
+TEST( triangles_without_area_are_found_and_never_crossed )
 {
-    (void)state;
     static wisp_vec3 points[] = { { 0, 0, 0 }, { 2, 0, 0 }, { 1, 0, 0 }, { 5, 5, 5 } };
     static int32_t triangles[] = { 0, 2, 1, 3, 3, 3, 0, 0, 1 };
     test_mesh m = { 4, 3, points, triangles };
@@ -493,9 +479,8 @@ static void* ask( void* context )
     return NULL;
 }
 
-static void two_threads_get_the_answers_of_one( void** state )
+TEST( two_threads_get_the_answers_of_one )
 {
-    (void)state;
     enum
     {
         COUNT = 4000
@@ -542,28 +527,4 @@ static void two_threads_get_the_answers_of_one( void** state )
     test_mesh_free( &m );
 }
 
-int main( void )
-{
-    if ( test_trees_are_absent() != NULL )
-    {
-        return 77;
-    }
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_closest_point_is_that_of_brute_force_bit_for_bit ),
-        cmocka_unit_test( triangles_that_share_what_is_nearest_answer_with_the_lowest ),
-        cmocka_unit_test( a_range_of_queries_is_answered_like_each_alone ),
-        cmocka_unit_test( the_sign_tells_inside_from_outside ),
-        cmocka_unit_test( signs_hold_next_to_sharp_edges_and_tips ),
-        cmocka_unit_test( an_open_sheet_is_signed_by_the_side_it_faces ),
-        cmocka_unit_test( the_normal_is_the_gradient_of_the_distance ),
-        cmocka_unit_test( the_first_intersection_is_that_of_brute_force ),
-        cmocka_unit_test( nothing_tunnels_through_a_thin_sheet ),
-        cmocka_unit_test( steps_of_single_roundings_cross_just_once ),
-        cmocka_unit_test( refitted_trees_answer_like_new_ones ),
-        cmocka_unit_test( a_wrong_point_is_refused_and_its_neighbours_stay ),
-        cmocka_unit_test( a_rigid_mesh_cannot_be_updated ),
-        cmocka_unit_test( triangles_without_area_are_found_and_never_crossed ),
-        cmocka_unit_test( two_threads_get_the_answers_of_one ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
-}
+TEST_OBSTACLE( test_trees_are_absent )

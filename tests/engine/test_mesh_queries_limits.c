@@ -3,9 +3,8 @@
 
 // ---- inputs without a result ----
 
-static void numbers_that_are_none_are_counted_and_answered_with_nothing( void** state )
+TEST( numbers_that_are_none_are_counted_and_answered_with_nothing )
 {
-    (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
@@ -16,9 +15,8 @@ static void numbers_that_are_none_are_counted_and_answered_with_nothing( void** 
     test_mesh_free( &m );
 }
 
-static void the_ends_of_the_reach_are_answered( void** state )
+TEST( the_ends_of_the_reach_are_answered )
 {
-    (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     assert_answers_the_ends_of_the_reach( tree );
@@ -26,9 +24,8 @@ static void the_ends_of_the_reach_are_answered( void** state )
     test_mesh_free( &m );
 }
 
-static void a_wrong_mesh_is_refused_with_its_first_fault( void** state )
+TEST( a_wrong_mesh_is_refused_with_its_first_fault )
 {
-    (void)state;
     static const wisp_vec3 good[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
     static const wisp_vec3 bad[] = { { 0, 0, 0 }, { 1, NAN, 0 }, { 0, 1, 0 } };
     static const int32_t triangle[] = { 0, 1, 2 }, lower[] = { 0, -1, 2 }, upper[] = { 0, 1, 3 };
@@ -61,9 +58,8 @@ static void a_wrong_mesh_is_refused_with_its_first_fault( void** state )
 
 // ---- memory ----
 
-static void every_refused_block_is_a_message_and_leaves_nothing( void** state )
+TEST( every_refused_block_is_a_message_and_leaves_nothing )
 {
-    (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
@@ -75,9 +71,8 @@ static void every_refused_block_is_a_message_and_leaves_nothing( void** state )
     test_mesh_free( &m );
 }
 
-static void a_limit_of_memory_is_kept_by_embree( void** state )
+TEST( a_limit_of_memory_is_kept_by_embree )
 {
-    (void)state;
     test_mesh m = test_mesh_bumpy( 40 );
     wisp_collision_mesh_def def = test_mesh_def( &m, false );
     wisp_collision_mesh* tree;
@@ -92,9 +87,8 @@ static void a_limit_of_memory_is_kept_by_embree( void** state )
     test_mesh_free( &m );
 }
 
-static void denormal_numbers_keep_their_meaning_for_the_host( void** state )
+TEST( denormal_numbers_keep_their_meaning_for_the_host )
 {
-    (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     wisp_collision_mesh* tree = test_collision_mesh( &m, true );
     assert_int_equal( wisp_collision_mesh_update( tree, NULL, m.points, NULL, NULL ), WISP_OK );
@@ -107,19 +101,4 @@ static void denormal_numbers_keep_their_meaning_for_the_host( void** state )
     test_mesh_free( &m );
 }
 
-int main( void )
-{
-    if ( test_trees_are_absent() != NULL )
-    {
-        return 77;
-    }
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( numbers_that_are_none_are_counted_and_answered_with_nothing ),
-        cmocka_unit_test( the_ends_of_the_reach_are_answered ),
-        cmocka_unit_test( a_wrong_mesh_is_refused_with_its_first_fault ),
-        cmocka_unit_test( every_refused_block_is_a_message_and_leaves_nothing ),
-        cmocka_unit_test( a_limit_of_memory_is_kept_by_embree ),
-        cmocka_unit_test( denormal_numbers_keep_their_meaning_for_the_host ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
-}
+TEST_OBSTACLE( test_trees_are_absent )

@@ -54,9 +54,8 @@ static wisp_entity add_link( hosted* h, float length, wisp_component component, 
     return e;
 }
 
-static void a_pbd_link_keeps_its_share_of_the_error_each_iteration( void** state )
+TEST( a_pbd_link_keeps_its_share_of_the_error_each_iteration )
 {
-    (void)state;
     for ( int iterations = 1; iterations <= 4; ++iterations )
     {
         hosted h;
@@ -70,9 +69,8 @@ static void a_pbd_link_keeps_its_share_of_the_error_each_iteration( void** state
 }
 
 // A single constraint is solved by its first iteration; later ones find C + a lambda = 0 only if lambda was kept.
-static void an_xpbd_link_answers_alike_with_any_number_of_iterations( void** state )
+TEST( an_xpbd_link_answers_alike_with_any_number_of_iterations )
 {
-    (void)state;
     const double alpha = 1e-3 / ( (double)DT * (double)DT ), w = 2.0;
     const double expected = 1.5 - 0.5 * w / ( w + alpha );
     for ( int iterations = 1; iterations <= 8; iterations *= 2 )
@@ -96,9 +94,8 @@ static void an_xpbd_link_answers_alike_with_any_number_of_iterations( void** sta
 }
 
 // Kept across substeps, lambda would repeat a correction made before: the second step would differ.
-static void lambda_starts_at_nothing_in_every_substep( void** state )
+TEST( lambda_starts_at_nothing_in_every_substep )
 {
-    (void)state;
     double x[2];
     for ( int i = 0; i < 2; ++i )
     {
@@ -112,9 +109,8 @@ static void lambda_starts_at_nothing_in_every_substep( void** state )
     assert_near( x[0], x[1], 5e-6 );
 }
 
-static void a_strain_limit_brings_a_length_back_from_both_sides( void** state )
+TEST( a_strain_limit_brings_a_length_back_from_both_sides )
 {
-    (void)state;
     const struct
     {
         float start;
@@ -169,9 +165,8 @@ static wisp_entity add_far( hosted* h, int n, float scale )
     return e;
 }
 
-static void a_tether_holds_at_its_distance_and_lets_go_within( void** state )
+TEST( a_tether_holds_at_its_distance_and_lets_go_within )
 {
-    (void)state;
     const float slacks[] = { 1.0f, 1.25f };
     for ( int i = 0; i < WISP_COUNT( slacks ); ++i )
     {
@@ -240,9 +235,8 @@ static wisp_status declare_probe( wisp_registry* registry )
 
 static const wisp_module probe_module = { .name = "probe", .declare = declare_probe };
 
-static void a_carried_pin_goes_its_way_in_equal_parts( void** state )
+TEST( a_carried_pin_goes_its_way_in_equal_parts )
 {
-    (void)state;
     static const wisp_module* const MODULES[] = { &probe_module };
     hosted h = { 0 };
     h.def = hosted_def( &h );
@@ -269,7 +263,7 @@ static void a_carried_pin_goes_its_way_in_equal_parts( void** state )
 
 // ---- the guard ----
 
-static void what_leaves_the_bounds_is_halted_with_its_lowest_vertex_named( void** state )
+WORLD_TEST( what_leaves_the_bounds_is_halted_with_its_lowest_vertex_named )
 {
     hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
@@ -284,7 +278,7 @@ static void what_leaves_the_bounds_is_halted_with_its_lowest_vertex_named( void*
     assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_HALTED ), 1 );
 }
 
-static void a_vertex_that_was_pinned_stays_pinned_when_its_entity_is_put_back( void** state )
+WORLD_TEST( a_vertex_that_was_pinned_stays_pinned_when_its_entity_is_put_back )
 {
     hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
@@ -306,7 +300,7 @@ static void a_vertex_that_was_pinned_stays_pinned_when_its_entity_is_put_back( v
 
 // ---- statistics ----
 
-static void stats_of_a_turning_ball_are_those_of_the_mesh( void** state )
+WORLD_TEST( stats_of_a_turning_ball_are_those_of_the_mesh )
 {
     hosted* h = *state;
     test_mesh ball = test_ball( 3 );
@@ -355,7 +349,7 @@ static void stats_of_a_turning_ball_are_those_of_the_mesh( void** state )
     test_mesh_free( &ball );
 }
 
-static void potential_energy_falls_by_what_kinetic_energy_gains( void** state )
+WORLD_TEST( potential_energy_falls_by_what_kinetic_energy_gains )
 {
     hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
@@ -380,7 +374,7 @@ static void collect( void* user, const char* line )
     snprintf( text + used, 20000 - used, "%s\n", line );
 }
 
-static void nobody_asks_so_nobody_runs( void** state )
+WORLD_TEST( nobody_asks_so_nobody_runs )
 {
     hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
@@ -404,7 +398,7 @@ static void nobody_asks_so_nobody_runs( void** state )
 }
 
 // A pass that touches only its own particles runs on a block of them while it is in the cache.
-static void gravity_and_prediction_share_a_node( void** state )
+WORLD_TEST( gravity_and_prediction_share_a_node )
 {
     hosted* h = *state;
     wisp_entity e = add_far( h, 5, 1.0f );
@@ -432,23 +426,4 @@ static void gravity_and_prediction_share_a_node( void** state )
         assert_true( ( mark != NULL && mark < end ) == expected[i].fused );
         at = end;
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_pbd_link_keeps_its_share_of_the_error_each_iteration ),
-        cmocka_unit_test( an_xpbd_link_answers_alike_with_any_number_of_iterations ),
-        cmocka_unit_test( lambda_starts_at_nothing_in_every_substep ),
-        cmocka_unit_test( a_strain_limit_brings_a_length_back_from_both_sides ),
-        cmocka_unit_test( a_tether_holds_at_its_distance_and_lets_go_within ),
-        cmocka_unit_test( a_carried_pin_goes_its_way_in_equal_parts ),
-        WORLD_TEST( what_leaves_the_bounds_is_halted_with_its_lowest_vertex_named ),
-        WORLD_TEST( a_vertex_that_was_pinned_stays_pinned_when_its_entity_is_put_back ),
-        WORLD_TEST( stats_of_a_turning_ball_are_those_of_the_mesh ),
-        WORLD_TEST( potential_energy_falls_by_what_kinetic_energy_gains ),
-        WORLD_TEST( nobody_asks_so_nobody_runs ),
-        WORLD_TEST( gravity_and_prediction_share_a_node ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -10,9 +10,8 @@
 
 static const fake_pass LONE[] = { { "a", SHAPE, GROUP, .required = "N", .writes = "A" } };
 
-static void an_empty_world_has_no_pass( void** state )
+TEST( an_empty_world_has_no_pass )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     assert_int_equal( wisp_world_plan_passes( world ), 0 );
     step( world );
@@ -21,33 +20,29 @@ static void an_empty_world_has_no_pass( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_pass_that_has_what_it_needs_and_is_requested_exists( void** state )
+TEST( a_pass_that_has_what_it_needs_and_is_requested_exists )
 {
-    (void)state;
     ASSERT_PLAN( LONE, "N", "A", "[after] a" );
 }
 
-static void a_pass_whose_writes_nobody_requests_is_absent( void** state )
+TEST( a_pass_whose_writes_nobody_requests_is_absent )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     add_with( world, "NA" );
     assert_string_equal( plan_text( world ), "" );
     wisp_world_destroy( world );
 }
 
-static void a_pass_without_what_it_needs_is_absent( void** state )
+TEST( a_pass_without_what_it_needs_is_absent )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     request( world, add_with( world, "A" ), "A" ); // the user's own rows satisfy the request
     assert_string_equal( plan_text( world ), "" );
     wisp_world_destroy( world );
 }
 
-static void a_request_is_no_component_that_a_pass_could_need( void** state )
+TEST( a_request_is_no_component_that_a_pass_could_need )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "b", SHAPE, GROUP, .required = "A", .writes = "B" },
@@ -66,21 +61,18 @@ static const fake_pass CHAIN[] = {
     { "a", SHAPE, GROUP, .writes = "A" },
 };
 
-static void demand_reaches_back_through_a_chain( void** state )
+TEST( demand_reaches_back_through_a_chain )
 {
-    (void)state;
     ASSERT_PLAN( CHAIN, "", "D", "[after] a+b+c+d" );
 }
 
-static void demand_ends_where_nobody_requests_more( void** state )
+TEST( demand_ends_where_nobody_requests_more )
 {
-    (void)state;
     ASSERT_PLAN( CHAIN, "", "B", "[after] a+b" );
 }
 
-static void demand_grows_to_a_fixed_point_in_any_order_of_declaration( void** state )
+TEST( demand_grows_to_a_fixed_point_in_any_order_of_declaration )
 {
-    (void)state;
     for ( int first = 0; first < WISP_COUNT( CHAIN ); ++first )
     {
         fake_pass turned[WISP_COUNT( CHAIN )];
@@ -92,9 +84,8 @@ static void demand_grows_to_a_fixed_point_in_any_order_of_declaration( void** st
     }
 }
 
-static void each_entity_gets_only_what_it_requests( void** state )
+TEST( each_entity_gets_only_what_it_requests )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     add_with( world, "" );
     request( world, add_with( world, "" ), "A" );
@@ -104,9 +95,8 @@ static void each_entity_gets_only_what_it_requests( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_removed_entity_takes_its_requests_along( void** state )
+TEST( a_removed_entity_takes_its_requests_along )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "A" );
@@ -134,9 +124,8 @@ static void assert_refused( wisp_world* world, const char* const* words, int cou
     assert_string_equal( trace_text(), "" );
 }
 
-static void a_read_that_nobody_supplies_names_pass_component_and_entity( void** state )
+TEST( a_read_that_nobody_supplies_names_pass_component_and_entity )
 {
-    (void)state;
     static const fake_pass passes[] = { { "reader", SHAPE, GROUP, .reads = "M", .writes = "B" } };
     static const char* const words[] = { "'reader'", "'fake.M'", "entity 2" };
     wisp_world* world = OPEN_WORLD( passes );
@@ -146,9 +135,8 @@ static void a_read_that_nobody_supplies_names_pass_component_and_entity( void** 
     wisp_world_destroy( world );
 }
 
-static void a_pass_that_another_entity_keeps_alive_supplies_nothing_here( void** state )
+TEST( a_pass_that_another_entity_keeps_alive_supplies_nothing_here )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "maker", SHAPE, GROUP, .required = "N", .writes = "M" },
         { "reader", SHAPE, GROUP, .reads = "M", .writes = "B" },
@@ -161,9 +149,8 @@ static void a_pass_that_another_entity_keeps_alive_supplies_nothing_here( void**
     wisp_world_destroy( world );
 }
 
-static void a_requested_component_that_no_pass_writes_is_refused( void** state )
+TEST( a_requested_component_that_no_pass_writes_is_refused )
 {
-    (void)state;
     static const char* const words[] = { "'fake.C'", "entity 1" };
     wisp_world* world = OPEN_WORLD( LONE );
     request( world, add_with( world, "N" ), "C" );
@@ -171,9 +158,8 @@ static void a_requested_component_that_no_pass_writes_is_refused( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_requested_component_whose_writer_lacks_its_needs_is_refused( void** state )
+TEST( a_requested_component_whose_writer_lacks_its_needs_is_refused )
 {
-    (void)state;
     static const char* const words[] = { "'fake.A'", "entity 1" };
     wisp_world* world = OPEN_WORLD( LONE );
     request( world, add_with( world, "" ), "A" );
@@ -181,9 +167,8 @@ static void a_requested_component_whose_writer_lacks_its_needs_is_refused( void*
     wisp_world_destroy( world );
 }
 
-static void passes_of_a_stage_that_wait_for_each_other_are_refused( void** state )
+TEST( passes_of_a_stage_that_wait_for_each_other_are_refused )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .reads = "C", .writes = "A" },
         { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
@@ -196,9 +181,8 @@ static void passes_of_a_stage_that_wait_for_each_other_are_refused( void** state
     wisp_world_destroy( world );
 }
 
-static void a_circle_through_two_stages_is_last_steps_data( void** state )
+TEST( a_circle_through_two_stages_is_last_steps_data )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "b", WISP_STAGE_OBSERVE, GROUP, .reads = "A", .writes = "B" },
         { "a", WISP_STAGE_INPUT, GROUP, .reads = "B", .writes = "A" },
@@ -206,9 +190,8 @@ static void a_circle_through_two_stages_is_last_steps_data( void** state )
     ASSERT_PLAN( passes, "", "A", "[before] a [after] b" );
 }
 
-static void a_refused_world_steps_again_once_the_request_is_gone( void** state )
+TEST( a_refused_world_steps_again_once_the_request_is_gone )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "AC" );
@@ -221,9 +204,8 @@ static void a_refused_world_steps_again_once_the_request_is_gone( void** state )
 
 // ---- order ----
 
-static void stages_come_in_their_order_whatever_the_order_of_declaration( void** state )
+TEST( stages_come_in_their_order_whatever_the_order_of_declaration )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "observe", WISP_STAGE_OBSERVE, GROUP, .writes = "A" },
         { "shape", WISP_STAGE_SHAPE, GROUP, .writes = "B" },
@@ -240,9 +222,8 @@ static void stages_come_in_their_order_whatever_the_order_of_declaration( void**
                  "[substep end] velocity [after] derive,shape,observe" );
 }
 
-static void what_writes_goes_before_what_reads( void** state )
+TEST( what_writes_goes_before_what_reads )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "reader", SHAPE, ENTITY, .reads = "A", .writes = "B" },
         { "writer", SHAPE, ENTITY, .writes = "A" },
@@ -250,9 +231,8 @@ static void what_writes_goes_before_what_reads( void** state )
     ASSERT_PLAN( passes, "", "B", "[after] writer reader" );
 }
 
-static void what_makes_goes_before_what_changes_in_place_and_that_before_what_reads( void** state )
+TEST( what_makes_goes_before_what_changes_in_place_and_that_before_what_reads )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "first", SHAPE, ENTITY, .reads = "A", .writes = "A" },
         { "second", SHAPE, ENTITY, .reads = "A", .writes = "A" },
@@ -262,9 +242,8 @@ static void what_makes_goes_before_what_changes_in_place_and_that_before_what_re
     ASSERT_PLAN( passes, "", "B", "[after] maker first second reader" );
 }
 
-static void equals_keep_the_order_of_declaration( void** state )
+TEST( equals_keep_the_order_of_declaration )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "z", SHAPE, ENTITY, .reads = "A", .writes = "A" },
         { "m", SHAPE, ENTITY, .reads = "A", .writes = "A" },
@@ -282,9 +261,8 @@ static uint64_t plans_of_a_step( wisp_world* world )
     return wisp_world_counter( world, WISP_COUNT_PLANS ) - before;
 }
 
-static void a_plan_is_compiled_again_when_the_structure_changed_and_only_then( void** state )
+TEST( a_plan_is_compiled_again_when_the_structure_changed_and_only_then )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "A" );
@@ -311,9 +289,8 @@ static void a_plan_is_compiled_again_when_the_structure_changed_and_only_then( v
     wisp_world_destroy( world );
 }
 
-static void taking_back_a_request_that_nobody_had_compiles_nothing( void** state )
+TEST( taking_back_a_request_that_nobody_had_compiles_nothing )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "A" );
@@ -324,9 +301,8 @@ static void taking_back_a_request_that_nobody_had_compiles_nothing( void** state
     assert_int_equal( plans, 0 );
 }
 
-static void giving_a_component_that_was_only_requested_wakes_who_needs_it( void** state )
+TEST( giving_a_component_that_was_only_requested_wakes_who_needs_it )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "b", SHAPE, GROUP, .required = "A", .reads = "A", .writes = "B" },
@@ -355,18 +331,16 @@ static uint64_t hash_of_plan( wisp_world* world, int entities, const char* reque
     return hash;
 }
 
-static void equal_plans_hash_equal_and_others_differ( void** state )
+TEST( equal_plans_hash_equal_and_others_differ )
 {
-    (void)state;
     uint64_t two = hash_of_plan( OPEN_WORLD( CHAIN ), 2, "D" );
     assert_int_equal( hash_of_plan( OPEN_WORLD( CHAIN ), 2, "D" ), two );
     assert_int_not_equal( hash_of_plan( OPEN_WORLD( CHAIN ), 2, "C" ), two );
     assert_int_not_equal( hash_of_plan( OPEN_WORLD( CHAIN ), 1, "D" ), two );
 }
 
-static void a_plan_hashes_as_before_when_a_request_came_and_went( void** state )
+TEST( a_plan_hashes_as_before_when_a_request_came_and_went )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     wisp_entity e = add_with( world, "" );
     request( world, e, "B" );
@@ -410,9 +384,8 @@ static void assert_printed( const printed* p, const char* word, const char* pass
     fail_msg( "no line says '%s' of pass %s", word, pass );
 }
 
-static void a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks( void** state )
+TEST( a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "make", WISP_STAGE_INPUT, GROUP, .required = "N", .writes = "A" },
         { "bend", WISP_STAGE_PROJECT, ENTITY, .reads = "A", .writes = "A" },
@@ -440,9 +413,8 @@ static void a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks( void
     wisp_world_destroy( world );
 }
 
-static void a_plan_without_a_loop_says_so( void** state )
+TEST( a_plan_without_a_loop_says_so )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     printed p = { 0 };
     assert_int_equal( wisp_world_plan( world, keep_line, &p ), WISP_OK );
@@ -451,49 +423,12 @@ static void a_plan_without_a_loop_says_so( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_refused_plan_prints_nothing( void** state )
+TEST( a_refused_plan_prints_nothing )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     request( world, add_with( world, "" ), "A" );
     printed p = { 0 };
     assert_int_equal( wisp_world_plan( world, keep_line, &p ), WISP_CONFLICT );
     assert_int_equal( p.count, 0 );
     wisp_world_destroy( world );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( an_empty_world_has_no_pass ),
-        cmocka_unit_test( a_pass_that_has_what_it_needs_and_is_requested_exists ),
-        cmocka_unit_test( a_pass_whose_writes_nobody_requests_is_absent ),
-        cmocka_unit_test( a_pass_without_what_it_needs_is_absent ),
-        cmocka_unit_test( a_request_is_no_component_that_a_pass_could_need ),
-        cmocka_unit_test( demand_reaches_back_through_a_chain ),
-        cmocka_unit_test( demand_ends_where_nobody_requests_more ),
-        cmocka_unit_test( demand_grows_to_a_fixed_point_in_any_order_of_declaration ),
-        cmocka_unit_test( each_entity_gets_only_what_it_requests ),
-        cmocka_unit_test( a_removed_entity_takes_its_requests_along ),
-        cmocka_unit_test( a_read_that_nobody_supplies_names_pass_component_and_entity ),
-        cmocka_unit_test( a_pass_that_another_entity_keeps_alive_supplies_nothing_here ),
-        cmocka_unit_test( a_requested_component_that_no_pass_writes_is_refused ),
-        cmocka_unit_test( a_requested_component_whose_writer_lacks_its_needs_is_refused ),
-        cmocka_unit_test( passes_of_a_stage_that_wait_for_each_other_are_refused ),
-        cmocka_unit_test( a_circle_through_two_stages_is_last_steps_data ),
-        cmocka_unit_test( a_refused_world_steps_again_once_the_request_is_gone ),
-        cmocka_unit_test( stages_come_in_their_order_whatever_the_order_of_declaration ),
-        cmocka_unit_test( what_writes_goes_before_what_reads ),
-        cmocka_unit_test( what_makes_goes_before_what_changes_in_place_and_that_before_what_reads ),
-        cmocka_unit_test( equals_keep_the_order_of_declaration ),
-        cmocka_unit_test( a_plan_is_compiled_again_when_the_structure_changed_and_only_then ),
-        cmocka_unit_test( taking_back_a_request_that_nobody_had_compiles_nothing ),
-        cmocka_unit_test( giving_a_component_that_was_only_requested_wakes_who_needs_it ),
-        cmocka_unit_test( equal_plans_hash_equal_and_others_differ ),
-        cmocka_unit_test( a_plan_hashes_as_before_when_a_request_came_and_went ),
-        cmocka_unit_test( a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks ),
-        cmocka_unit_test( a_plan_without_a_loop_says_so ),
-        cmocka_unit_test( a_refused_plan_prints_nothing ),
-    };
-    return cmocka_run_group_tests_name( "plan", tests, NULL, NULL );
 }

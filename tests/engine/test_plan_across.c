@@ -13,9 +13,8 @@ static const fake_pass ACROSS[] = {
     { "last", SHAPE, GROUP, .required = "N", .reads = "A", .writes = "C" },
 };
 
-static void it_runs_between_those_before_and_those_behind_it( void** state )
+TEST( it_runs_between_those_before_and_those_behind_it )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( ACROSS );
     request( world, add_with( world, "N" ), "C" );
     request( world, add_with( world, "M" ), "B" );
@@ -25,9 +24,8 @@ static void it_runs_between_those_before_and_those_behind_it( void** state )
     wisp_world_destroy( world );
 }
 
-static void without_it_the_same_passes_share_waves( void** state )
+TEST( without_it_the_same_passes_share_waves )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "first", SHAPE, GROUP, .required = "N", .writes = "A" },
         { "meet", SHAPE, ENTITY, .required = "M", .writes = "B" },
@@ -40,9 +38,8 @@ static void without_it_the_same_passes_share_waves( void** state )
     wisp_world_destroy( world );
 }
 
-static void it_makes_no_pass_of_another_entity_exist( void** state )
+TEST( it_makes_no_pass_of_another_entity_exist )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( ACROSS );
     add_with( world, "N" ); // nothing requests a component of it
     request( world, add_with( world, "M" ), "B" );
@@ -50,9 +47,8 @@ static void it_makes_no_pass_of_another_entity_exist( void** state )
     wisp_world_destroy( world );
 }
 
-static void it_supplies_nothing( void** state )
+TEST( it_supplies_nothing )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "meet", SHAPE, ENTITY, .required = "M", .writes = "B", .foreign = "A" },
         { "last", SHAPE, GROUP, .required = "N", .reads = "A", .writes = "C" },
@@ -64,9 +60,8 @@ static void it_supplies_nothing( void** state )
     wisp_world_destroy( world );
 }
 
-static void two_of_them_never_share_a_wave( void** state )
+TEST( two_of_them_never_share_a_wave )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "one", SHAPE, ENTITY, .required = "M", .writes = "B", .foreign = "A" },
         { "two", SHAPE, ENTITY, .required = "M", .writes = "C", .foreign = "A" },
@@ -74,9 +69,8 @@ static void two_of_them_never_share_a_wave( void** state )
     ASSERT_PLAN( passes, "M", "BC", "[after] one two" );
 }
 
-static void groups_that_it_touches_stay_in_the_substep_loop( void** state )
+TEST( groups_that_it_touches_stay_in_the_substep_loop )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "move", FORCE, GROUP, .required = "N", .reads = "A", .writes = "A" },
         { "meet", WISP_STAGE_CONTACT, ENTITY, .required = "M", .writes = "B", .foreign = "A" },
@@ -87,17 +81,4 @@ static void groups_that_it_touches_stay_in_the_substep_loop( void** state )
     request( world, add_with( world, "M" ), "B" );
     assert_string_equal( plan_text( world ), "[substep] move meet" );
     wisp_world_destroy( world );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( it_runs_between_those_before_and_those_behind_it ),
-        cmocka_unit_test( without_it_the_same_passes_share_waves ),
-        cmocka_unit_test( it_makes_no_pass_of_another_entity_exist ),
-        cmocka_unit_test( it_supplies_nothing ),
-        cmocka_unit_test( two_of_them_never_share_a_wave ),
-        cmocka_unit_test( groups_that_it_touches_stay_in_the_substep_loop ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -72,9 +72,8 @@ static bool is_ever_together( const tally* t )
     return sum > 0;
 }
 
-static void every_substep_of_every_group_runs_once_and_most_of_them_together( void** state )
+TEST( every_substep_of_every_group_runs_once_and_most_of_them_together )
 {
-    (void)state;
     wisp_world* world = open_joined( 1 );
     const wisp_entity e = add_with( world, "APH" );
     request( world, e, "C" );
@@ -100,9 +99,8 @@ static void every_substep_of_every_group_runs_once_and_most_of_them_together( vo
     wisp_world_destroy( world );
 }
 
-static void substeps_of_a_block_stay_in_order( void** state )
+TEST( substeps_of_a_block_stay_in_order )
 {
-    (void)state;
     wisp_world* world = open_joined( 1 );
     const wisp_entity e = add_with( world, "AP" );
     request( world, e, "C" );
@@ -124,9 +122,8 @@ static void substeps_of_a_block_stay_in_order( void** state )
     wisp_world_destroy( world );
 }
 
-static void one_block_in_eight_is_timed( void** state )
+TEST( one_block_in_eight_is_timed )
 {
-    (void)state;
     wisp_world* world = open_joined( 1 );
     const wisp_entity e = test_add_strands( world, 16 * 4 * 32, 2 ); // 32 blocks
     assert_int_equal( wisp_world_attach( world, e, letter( 'A' ) ), WISP_OK );
@@ -155,9 +152,8 @@ static void one_block_in_eight_is_timed( void** state )
     wisp_world_destroy( world );
 }
 
-static void an_entity_with_a_pass_that_the_join_does_not_know_runs_apart_and_its_neighbour_does_not( void** state )
+TEST( an_entity_with_a_pass_that_the_join_does_not_know_runs_apart_and_its_neighbour_does_not )
 {
-    (void)state;
     wisp_world* world = open_joined( 1 );
     const wisp_entity spoilt = add_with( world, "APK" ), sound = add_with( world, "AP" );
     request( world, spoilt, "C" );
@@ -170,9 +166,8 @@ static void an_entity_with_a_pass_that_the_join_does_not_know_runs_apart_and_its
     wisp_world_destroy( world );
 }
 
-static void without_a_pass_that_the_join_needs_and_with_more_iterations_passes_run_apart( void** state )
+TEST( without_a_pass_that_the_join_needs_and_with_more_iterations_passes_run_apart )
 {
-    (void)state;
     for ( int iterations = 1; iterations <= 2; ++iterations )
     {
         wisp_world* world = open_joined( iterations );
@@ -186,9 +181,8 @@ static void without_a_pass_that_the_join_needs_and_with_more_iterations_passes_r
     }
 }
 
-static void the_plan_tells_what_runs_together( void** state )
+TEST( the_plan_tells_what_runs_together )
 {
-    (void)state;
     for ( int iterations = 1; iterations <= 2; ++iterations )
     {
         wisp_world* world = open_joined( iterations );
@@ -215,9 +209,8 @@ static void the_plan_tells_what_runs_together( void** state )
     }
 }
 
-static void a_join_of_nothing_or_of_unknown_passes_is_refused( void** state )
+TEST( a_join_of_nothing_or_of_unknown_passes_is_refused )
 {
-    (void)state;
     static const wisp_fusion BAD[] = {
         { .name = "fake.nothing", .run = fake_trace_joined },
         { .name = "fake.unknown", .required = { "move", "nowhere" }, .run = fake_trace_joined },
@@ -238,18 +231,4 @@ static void a_join_of_nothing_or_of_unknown_passes_is_refused( void** state )
         assert_int_equal( wisp_world_create( &def, &world, &error ), WISP_BAD_INPUT );
         assert_non_null( strstr( error.message, BAD[i].name ) );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_substep_of_every_group_runs_once_and_most_of_them_together ),
-        cmocka_unit_test( substeps_of_a_block_stay_in_order ),
-        cmocka_unit_test( one_block_in_eight_is_timed ),
-        cmocka_unit_test( an_entity_with_a_pass_that_the_join_does_not_know_runs_apart_and_its_neighbour_does_not ),
-        cmocka_unit_test( without_a_pass_that_the_join_needs_and_with_more_iterations_passes_run_apart ),
-        cmocka_unit_test( the_plan_tells_what_runs_together ),
-        cmocka_unit_test( a_join_of_nothing_or_of_unknown_passes_is_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -12,15 +12,13 @@
 
 static const fake_pass SHY[] = { { "shy", SHAPE, GROUP, .required = "N", .excluded = "L", .writes = "A" } };
 
-static void a_pass_exists_for_what_lacks_the_component( void** state )
+TEST( a_pass_exists_for_what_lacks_the_component )
 {
-    (void)state;
     ASSERT_PLAN( SHY, "N", "A", "[after] shy" );
 }
 
-static void a_pass_is_absent_for_what_has_the_component( void** state )
+TEST( a_pass_is_absent_for_what_has_the_component )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_with( world, "NLA" );
     request( world, e, "A" );
@@ -30,9 +28,8 @@ static void a_pass_is_absent_for_what_has_the_component( void** state )
     wisp_world_destroy( world );
 }
 
-static void each_entity_of_a_mixed_world_is_queried_for_itself( void** state )
+TEST( each_entity_of_a_mixed_world_is_queried_for_itself )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .required = "N", .excluded = "L", .writes = "A" },
         { "b", SHAPE, GROUP, .required = "NL", .writes = "A" },
@@ -50,9 +47,8 @@ static void each_entity_of_a_mixed_world_is_queried_for_itself( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_pass_comes_and_goes_with_the_component( void** state )
+TEST( a_pass_comes_and_goes_with_the_component )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_with( world, "NA" );
     request( world, e, "A" );
@@ -64,9 +60,8 @@ static void a_pass_comes_and_goes_with_the_component( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_request_for_the_component_keeps_nobody_out( void** state )
+TEST( a_request_for_the_component_keeps_nobody_out )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "make", SHAPE, GROUP, .required = "N", .writes = "L" },
         { "shy", SHAPE, GROUP, .required = "N", .excluded = "L", .writes = "A" },
@@ -74,9 +69,8 @@ static void a_request_for_the_component_keeps_nobody_out( void** state )
     ASSERT_PLAN( passes, "N", "LA", "[after] make,shy" );
 }
 
-static void what_a_pass_kept_out_would_have_written_is_missed_by_its_reader( void** state )
+TEST( what_a_pass_kept_out_would_have_written_is_missed_by_its_reader )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "shy", SHAPE, GROUP, .excluded = "L", .writes = "A" },
         { "reader", SHAPE, GROUP, .reads = "A", .writes = "B" },
@@ -120,9 +114,8 @@ static void assert_line( wisp_world* world, const char* pass, const char* word, 
     }
 }
 
-static void a_printed_plan_says_what_keeps_a_pass_away( void** state )
+TEST( a_printed_plan_says_what_keeps_a_pass_away )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     assert_line( world, "shy", "absent", "needs component fake.N, which no entity has" );
     wisp_entity kept_out = add_with( world, "NL" );
@@ -171,9 +164,8 @@ static wisp_entity add_surface( wisp_world* world )
 static const char* const MOVERS[] = { "particles.gravity", "particles.targets", "particles.predict",
                                       "particles.velocity", "particles.damping" };
 
-static void a_solved_surface_is_moved_by_no_pass_of_the_engine( void** state )
+TEST( a_solved_surface_is_moved_by_no_pass_of_the_engine )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_surface( world );
     for ( int i = 0; i < WISP_COUNT( MOVERS ); ++i )
@@ -193,9 +185,8 @@ static void a_solved_surface_is_moved_by_no_pass_of_the_engine( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_surface_beside_a_solved_one_goes_on_falling( void** state )
+TEST( a_surface_beside_a_solved_one_goes_on_falling )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity solved = add_surface( world ), other = add_surface( world );
     assert_int_equal( wisp_world_attach( world, solved, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );
@@ -209,9 +200,8 @@ static void a_surface_beside_a_solved_one_goes_on_falling( void** state )
     wisp_world_destroy( world );
 }
 
-static void strain_limits_of_a_solved_surface_are_refused( void** state )
+TEST( strain_limits_of_a_solved_surface_are_refused )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_surface( world );
     assert_int_equal( wisp_world_attach( world, e, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );
@@ -223,21 +213,4 @@ static void strain_limits_of_a_solved_surface_are_refused( void** state )
     assert_int_equal( wisp_world_detach( world, e, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );
     assert_int_equal( wisp_set_strain_limit( world, e, 0.9f, 1.1f ), WISP_OK );
     wisp_world_destroy( world );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_pass_exists_for_what_lacks_the_component ),
-        cmocka_unit_test( a_pass_is_absent_for_what_has_the_component ),
-        cmocka_unit_test( each_entity_of_a_mixed_world_is_queried_for_itself ),
-        cmocka_unit_test( a_pass_comes_and_goes_with_the_component ),
-        cmocka_unit_test( a_request_for_the_component_keeps_nobody_out ),
-        cmocka_unit_test( what_a_pass_kept_out_would_have_written_is_missed_by_its_reader ),
-        cmocka_unit_test( a_printed_plan_says_what_keeps_a_pass_away ),
-        cmocka_unit_test( a_solved_surface_is_moved_by_no_pass_of_the_engine ),
-        cmocka_unit_test( a_surface_beside_a_solved_one_goes_on_falling ),
-        cmocka_unit_test( strain_limits_of_a_solved_surface_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

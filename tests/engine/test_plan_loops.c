@@ -38,18 +38,16 @@ static const fake_pass CHAIN[] = {
     { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
 };
 
-static void small_entities_run_one_after_another( void** state )
+TEST( small_entities_run_one_after_another )
 {
-    (void)state;
     wisp_world* world = OPEN_STEPS( CHAIN, 1 );
     add_pair( world );
     assert_string_equal( trace_of_step( world ), "a1 b1 c1 a1 b1 c1 a2 b2 c2 a2 b2 c2" );
     wisp_world_destroy( world );
 }
 
-static void iterations_run_inside_a_substep( void** state )
+TEST( iterations_run_inside_a_substep )
 {
-    (void)state;
     wisp_world* world = OPEN_STEPS( CHAIN, 2 );
     add_pair( world );
     step( world );
@@ -69,9 +67,8 @@ static void iterations_run_inside_a_substep( void** state )
 }
 
 // With two substeps of the world, 3 are rounded up to 4.
-static void an_entity_has_the_substeps_that_it_asks_for( void** state )
+TEST( an_entity_has_the_substeps_that_it_asks_for )
 {
-    (void)state;
     wisp_world* world = OPEN_STEPS( CHAIN, 1 );
     wisp_entity pair[2];
     for ( int i = 0; i < 2; ++i )
@@ -90,9 +87,8 @@ static void an_entity_has_the_substeps_that_it_asks_for( void** state )
 }
 
 // Waves of the one, then those of the other: iterations keep a single entity without a loop of its own in waves.
-static void waves_of_entities_with_other_substeps_run_one_after_another( void** state )
+TEST( waves_of_entities_with_other_substeps_run_one_after_another )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "A", .asks = true },
         { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
@@ -113,9 +109,8 @@ static void waves_of_entities_with_other_substeps_run_one_after_another( void** 
 }
 
 // They follow surfaces from substep to substep.
-static void a_follower_in_the_substep_loop_keeps_all_in_waves( void** state )
+TEST( a_follower_in_the_substep_loop_keeps_all_in_waves )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "whole", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "A" },
         { "part", PREDICT, WISP_DOMAIN_STRAND_GROUP, .required = "A", .reads = "A", .writes = "A", .follows = true,
@@ -129,9 +124,8 @@ static void a_follower_in_the_substep_loop_keeps_all_in_waves( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_pass_over_several_entities_keeps_those_it_touches_together( void** state )
+TEST( a_pass_over_several_entities_keeps_those_it_touches_together )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "A" },
         { "meet", WISP_STAGE_CONTACT, ENTITY, .required = "M", .reads = "M", .writes = "D", .foreign = "A" },
@@ -152,9 +146,8 @@ static void a_pass_over_several_entities_keeps_those_it_touches_together( void**
 }
 
 // Entities without the component are left alone: they keep their loops and their substeps.
-static void a_pass_keeps_together_only_those_among_which_it_works( void** state )
+TEST( a_pass_keeps_together_only_those_among_which_it_works )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "A" },
         { "meet", WISP_STAGE_CONTACT, ENTITY, .required = "M", .reads = "M", .writes = "D", .foreign = "A",
@@ -172,9 +165,8 @@ static void a_pass_keeps_together_only_those_among_which_it_works( void** state 
     wisp_world_destroy( world );
 }
 
-static void a_pass_that_is_asked_in_every_substep_keeps_its_entities_together( void** state )
+TEST( a_pass_that_is_asked_in_every_substep_keeps_its_entities_together )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "A", .asks = true },
         { "c", VELOCITY, ENTITY, .required = "A", .reads = "A", .writes = "C" },
@@ -185,9 +177,8 @@ static void a_pass_that_is_asked_in_every_substep_keeps_its_entities_together( v
     wisp_world_destroy( world );
 }
 
-static void what_watches_a_loop_runs_behind_it( void** state )
+TEST( what_watches_a_loop_runs_behind_it )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", PREDICT, ENTITY, .required = "A", .reads = "A", .writes = "B" },
         { "watch", WISP_STAGE_OBSERVE, ENTITY, .reads = "B", .writes = "C", .on_change = 'B' },
@@ -200,9 +191,8 @@ static void what_watches_a_loop_runs_behind_it( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_profile_counts_all_items( void** state )
+TEST( a_profile_counts_all_items )
 {
-    (void)state;
     wisp_world* world = OPEN_STEPS( CHAIN, 3 );
     add_pair( world );
     step( world );
@@ -214,21 +204,4 @@ static void a_profile_counts_all_items( void** state )
         assert_int_equal( profile.lines[i].items, 2 * 2 * ( iterated ? 3 : 1 ) );
     }
     wisp_world_destroy( world );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( small_entities_run_one_after_another ),
-        cmocka_unit_test( iterations_run_inside_a_substep ),
-        cmocka_unit_test( an_entity_has_the_substeps_that_it_asks_for ),
-        cmocka_unit_test( waves_of_entities_with_other_substeps_run_one_after_another ),
-        cmocka_unit_test( a_follower_in_the_substep_loop_keeps_all_in_waves ),
-        cmocka_unit_test( a_pass_over_several_entities_keeps_those_it_touches_together ),
-        cmocka_unit_test( a_pass_keeps_together_only_those_among_which_it_works ),
-        cmocka_unit_test( a_pass_that_is_asked_in_every_substep_keeps_its_entities_together ),
-        cmocka_unit_test( what_watches_a_loop_runs_behind_it ),
-        cmocka_unit_test( a_profile_counts_all_items ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

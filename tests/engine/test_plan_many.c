@@ -85,9 +85,8 @@ static int32_t* value_of( wisp_world* world, wisp_entity e, int i )
     return wisp_world_column( world, e, many.values[i], 0 );
 }
 
-static void passes_and_components_beyond_two_words_run_in_the_order_of_their_data( void** state )
+TEST( passes_and_components_beyond_two_words_run_in_the_order_of_their_data )
 {
-    (void)state;
     wisp_entity e;
     wisp_world* world = open_chain( false, &e );
     *value_of( world, e, 0 ) = 5;
@@ -98,9 +97,8 @@ static void passes_and_components_beyond_two_words_run_in_the_order_of_their_dat
     wisp_world_destroy( world );
 }
 
-static void a_pass_that_nobody_requests_is_absent_beyond_two_words( void** state )
+TEST( a_pass_that_nobody_requests_is_absent_beyond_two_words )
 {
-    (void)state;
     wisp_entity e;
     wisp_world* world = open_chain( false, &e );
     assert_int_equal( wisp_cancel_request( world, e, many.values[MANY] ), WISP_OK );
@@ -112,9 +110,8 @@ static void a_pass_that_nobody_requests_is_absent_beyond_two_words( void** state
     wisp_world_destroy( world );
 }
 
-static void a_write_beyond_two_words_wakes_the_passes_behind_it_alone( void** state )
+TEST( a_write_beyond_two_words_wakes_the_passes_behind_it_alone )
 {
-    (void)state;
     wisp_entity e;
     wisp_world* world = open_chain( true, &e );
     step( world );
@@ -130,9 +127,8 @@ static void a_write_beyond_two_words_wakes_the_passes_behind_it_alone( void** st
     wisp_world_destroy( world );
 }
 
-static void what_waits_beyond_two_words_is_restored( void** state )
+TEST( what_waits_beyond_two_words_is_restored )
 {
-    (void)state;
     wisp_entity e;
     wisp_world* world = open_chain( true, &e );
     step( world );
@@ -188,9 +184,8 @@ static void assert_refused( wisp_status ( *declare )( wisp_registry* r ), const 
     assert_string_equal( error.message, sentence );
 }
 
-static void the_first_declaration_beyond_the_limit_is_named( void** state )
+TEST( the_first_declaration_beyond_the_limit_is_named )
 {
-    (void)state;
     char sentence[200];
     wisp_entity e;
     wisp_world* world = open_chain( false, &e );
@@ -204,16 +199,4 @@ static void the_first_declaration_beyond_the_limit_is_named( void** state )
     snprintf( sentence, sizeof( sentence ),
               "module 'host': too many passes, or a pass without a function or an output: 'host.add%d'", 256 - own );
     assert_refused( declare_too_many_passes, sentence );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( passes_and_components_beyond_two_words_run_in_the_order_of_their_data ),
-        cmocka_unit_test( a_pass_that_nobody_requests_is_absent_beyond_two_words ),
-        cmocka_unit_test( a_write_beyond_two_words_wakes_the_passes_behind_it_alone ),
-        cmocka_unit_test( what_waits_beyond_two_words_is_restored ),
-        cmocka_unit_test( the_first_declaration_beyond_the_limit_is_named ),
-    };
-    return cmocka_run_group_tests_name( "plan, many", tests, NULL, NULL );
 }

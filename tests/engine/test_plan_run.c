@@ -7,9 +7,8 @@
 
 // ---- items ----
 
-static void a_fused_node_runs_its_passes_item_by_item( void** state )
+TEST( a_fused_node_runs_its_passes_item_by_item )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
@@ -21,9 +20,8 @@ static void a_fused_node_runs_its_passes_item_by_item( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_lone_pass_runs_over_blocks_of_its_grain( void** state )
+TEST( a_lone_pass_runs_over_blocks_of_its_grain )
 {
-    (void)state;
     static const struct
     {
         int grain;
@@ -40,9 +38,8 @@ static void a_lone_pass_runs_over_blocks_of_its_grain( void** state )
     }
 }
 
-static void an_entity_pass_runs_once_an_entity( void** state )
+TEST( an_entity_pass_runs_once_an_entity )
 {
-    (void)state;
     static const fake_pass passes[] = { { "a", SHAPE, ENTITY, .writes = "A" } };
     wisp_world* world = OPEN_WORLD( passes );
     for ( int i = 0; i < 3; ++i )
@@ -54,9 +51,8 @@ static void an_entity_pass_runs_once_an_entity( void** state )
     wisp_world_destroy( world );
 }
 
-static void an_entity_without_strands_has_no_group_to_run_over( void** state )
+TEST( an_entity_without_strands_has_no_group_to_run_over )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "b", SHAPE, ENTITY, .reads = "A", .writes = "B" },
@@ -89,9 +85,8 @@ static wisp_world* open_looping( const fake_pass* passes, int count, int substep
     return open_world_with( &def );
 }
 
-static void loops_run_substeps_times_iterations( void** state )
+TEST( loops_run_substeps_times_iterations )
 {
-    (void)state;
     wisp_world* world = open_looping( LOOPS, WISP_COUNT( LOOPS ), 2, 3 );
     request( world, add_with( world, "FP" ), "B" );
     step( world );
@@ -100,9 +95,8 @@ static void loops_run_substeps_times_iterations( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_loop_without_a_pass_vanishes( void** state )
+TEST( a_loop_without_a_pass_vanishes )
 {
-    (void)state;
     static const fake_pass still[] = {
         { "input", WISP_STAGE_INPUT, ENTITY, .writes = "A" },
         { "observe", WISP_STAGE_OBSERVE, ENTITY, .reads = "A", .writes = "B" },
@@ -117,9 +111,8 @@ static void a_loop_without_a_pass_vanishes( void** state )
     wisp_world_destroy( world );
 }
 
-static void each_loop_runs_also_where_the_others_are_empty( void** state )
+TEST( each_loop_runs_also_where_the_others_are_empty )
 {
-    (void)state;
     static const struct
     {
         wisp_stage stage;
@@ -146,9 +139,8 @@ static const fake_pass WATCHING[] = {
     { "watch", SHAPE, ENTITY, .required = "N", .reads = "N", .writes = "A", .on_change = 'N' },
 };
 
-static void a_pass_on_change_runs_first_and_then_only_when_rows_were_written( void** state )
+TEST( a_pass_on_change_runs_first_and_then_only_when_rows_were_written )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity e = add_with( world, "NM" );
     request( world, e, "A" );
@@ -166,9 +158,8 @@ static void a_pass_on_change_runs_first_and_then_only_when_rows_were_written( vo
     wisp_world_destroy( world );
 }
 
-static void a_change_of_one_entity_wakes_no_other( void** state )
+TEST( a_change_of_one_entity_wakes_no_other )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity first = add_with( world, "N" ), second = add_with( world, "N" );
     request( world, first, "A" );
@@ -181,9 +172,8 @@ static void a_change_of_one_entity_wakes_no_other( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_new_entity_in_a_reused_slot_is_a_change( void** state )
+TEST( a_new_entity_in_a_reused_slot_is_a_change )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "A" );
@@ -197,9 +187,8 @@ static void a_new_entity_in_a_reused_slot_is_a_change( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_pass_that_writes_what_it_watches_does_not_wake_itself( void** state )
+TEST( a_pass_that_writes_what_it_watches_does_not_wake_itself )
 {
-    (void)state;
     static const fake_pass passes[] = { { "self", SHAPE, ENTITY, .reads = "A", .writes = "A", .on_change = 'A' } };
     wisp_world* world = OPEN_WORLD( passes );
     wisp_entity e = add_with( world, "A" );
@@ -215,9 +204,8 @@ static void a_pass_that_writes_what_it_watches_does_not_wake_itself( void** stat
     wisp_world_destroy( world );
 }
 
-static void what_a_pass_writes_wakes_the_passes_behind_it_in_the_same_step( void** state )
+TEST( what_a_pass_writes_wakes_the_passes_behind_it_in_the_same_step )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "make", SHAPE, GROUP, .required = "N", .reads = "N", .writes = "A", .on_change = 'N', .grain = 9 },
         { "fused", SHAPE, GROUP, .reads = "A", .writes = "B", .on_change = 'A' },
@@ -237,9 +225,8 @@ static void what_a_pass_writes_wakes_the_passes_behind_it_in_the_same_step( void
     wisp_world_destroy( world );
 }
 
-static void a_request_taken_back_and_made_again_is_answered_again( void** state )
+TEST( a_request_taken_back_and_made_again_is_answered_again )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "A" );
@@ -260,9 +247,8 @@ static const fake_pass ASKING[] = {
     { "then", SHAPE, ENTITY, .reads = "A", .writes = "B", .on_change = 'A' },
 };
 
-static void a_pass_that_is_not_due_neither_runs_nor_wakes_others( void** state )
+TEST( a_pass_that_is_not_due_neither_runs_nor_wakes_others )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( ASKING );
     request( world, add_with( world, "N" ), "B" );
     step( world );
@@ -276,9 +262,8 @@ static void a_pass_that_is_not_due_neither_runs_nor_wakes_others( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_pass_is_queried_once_a_step_and_entity( void** state )
+TEST( a_pass_is_queried_once_a_step_and_entity )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( ASKING );
     request( world, add_with( world, "N" ), "B" );
     request( world, add_with( world, "N" ), "B" );
@@ -288,9 +273,8 @@ static void a_pass_is_queried_once_a_step_and_entity( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_pass_is_queried_when_the_passes_before_it_have_run( void** state )
+TEST( a_pass_is_queried_when_the_passes_before_it_have_run )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "ask", SHAPE, GROUP, .reads = "A", .writes = "B", .asks = true },
@@ -303,9 +287,8 @@ static void a_pass_is_queried_when_the_passes_before_it_have_run( void** state )
     assert_int_equal( fake.runs_before, runs_of( "a" ) );
 }
 
-static void a_change_waits_for_a_pass_that_is_not_due( void** state )
+TEST( a_change_waits_for_a_pass_that_is_not_due )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "both", SHAPE, ENTITY, .required = "N", .reads = "N", .writes = "A", .on_change = 'N', .asks = true },
     };
@@ -326,9 +309,8 @@ static void a_change_waits_for_a_pass_that_is_not_due( void** state )
     wisp_world_destroy( world );
 }
 
-static void passes_that_were_not_due_took_no_time( void** state )
+TEST( passes_that_were_not_due_took_no_time )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
     request( world, add_with( world, "N" ), "A" );
     step( world );
@@ -339,29 +321,4 @@ static void passes_that_were_not_due_took_no_time( void** state )
     assert_int_equal( p.lines[0].items, 0 );
     assert_true( p.lines[0].seconds == 0.0 );
     wisp_world_destroy( world );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_fused_node_runs_its_passes_item_by_item ),
-        cmocka_unit_test( a_lone_pass_runs_over_blocks_of_its_grain ),
-        cmocka_unit_test( an_entity_pass_runs_once_an_entity ),
-        cmocka_unit_test( an_entity_without_strands_has_no_group_to_run_over ),
-        cmocka_unit_test( loops_run_substeps_times_iterations ),
-        cmocka_unit_test( a_loop_without_a_pass_vanishes ),
-        cmocka_unit_test( each_loop_runs_also_where_the_others_are_empty ),
-        cmocka_unit_test( a_pass_on_change_runs_first_and_then_only_when_rows_were_written ),
-        cmocka_unit_test( a_change_of_one_entity_wakes_no_other ),
-        cmocka_unit_test( a_new_entity_in_a_reused_slot_is_a_change ),
-        cmocka_unit_test( a_pass_that_writes_what_it_watches_does_not_wake_itself ),
-        cmocka_unit_test( what_a_pass_writes_wakes_the_passes_behind_it_in_the_same_step ),
-        cmocka_unit_test( a_request_taken_back_and_made_again_is_answered_again ),
-        cmocka_unit_test( a_pass_that_is_not_due_neither_runs_nor_wakes_others ),
-        cmocka_unit_test( a_pass_is_queried_once_a_step_and_entity ),
-        cmocka_unit_test( a_pass_is_queried_when_the_passes_before_it_have_run ),
-        cmocka_unit_test( a_change_waits_for_a_pass_that_is_not_due ),
-        cmocka_unit_test( passes_that_were_not_due_took_no_time ),
-    };
-    return cmocka_run_group_tests_name( "plan, running", tests, NULL, NULL );
 }

@@ -12,9 +12,8 @@ static const fake_pass CHAIN[] = {
     { "a", SHAPE, GROUP, .writes = "A" },
 };
 
-static void passes_without_a_conflict_share_a_wave( void** state )
+TEST( passes_without_a_conflict_share_a_wave )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .reads = "N", .writes = "A" },
         { "b", SHAPE, GROUP, .reads = "N", .writes = "B" },
@@ -23,9 +22,8 @@ static void passes_without_a_conflict_share_a_wave( void** state )
     ASSERT_PLAN( passes, "N", "ABC", "[after] a,b,c" );
 }
 
-static void any_pair_of_writes_or_of_a_read_and_a_write_conflicts( void** state )
+TEST( any_pair_of_writes_or_of_a_read_and_a_write_conflicts )
 {
-    (void)state;
     static const struct
     {
         const char *first_reads, *first_writes, *second_reads, *second_writes, *requests, *plan;
@@ -45,9 +43,8 @@ static void any_pair_of_writes_or_of_a_read_and_a_write_conflicts( void** state 
     }
 }
 
-static void a_pass_moves_into_the_first_wave_behind_its_conflicts( void** state )
+TEST( a_pass_moves_into_the_first_wave_behind_its_conflicts )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, ENTITY, .writes = "A" },
         { "b", SHAPE, ENTITY, .reads = "A", .writes = "B" },
@@ -58,9 +55,8 @@ static void a_pass_moves_into_the_first_wave_behind_its_conflicts( void** state 
     ASSERT_PLAN( passes, "", "CDE", "[after] a,free b,early late" );
 }
 
-static void local_passes_over_the_same_groups_are_fused( void** state )
+TEST( local_passes_over_the_same_groups_are_fused )
 {
-    (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     request( world, add_with( world, "" ), "C" );
     assert_string_equal( plan_text( world ), "[after] a+b+c" );
@@ -69,9 +65,8 @@ static void local_passes_over_the_same_groups_are_fused( void** state )
     wisp_world_destroy( world );
 }
 
-static void an_entity_pass_in_between_keeps_local_passes_apart( void** state )
+TEST( an_entity_pass_in_between_keeps_local_passes_apart )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "whole", SHAPE, ENTITY, .reads = "A", .writes = "A" },
@@ -80,9 +75,8 @@ static void an_entity_pass_in_between_keeps_local_passes_apart( void** state )
     ASSERT_PLAN( passes, "", "B", "[after] a whole b" );
 }
 
-static void an_entity_pass_beside_does_not_keep_local_passes_apart( void** state )
+TEST( an_entity_pass_beside_does_not_keep_local_passes_apart )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "beside", SHAPE, ENTITY, .writes = "C" },
@@ -91,9 +85,8 @@ static void an_entity_pass_beside_does_not_keep_local_passes_apart( void** state
     ASSERT_PLAN( passes, "", "BC", "[after] a+b,beside" );
 }
 
-static void entity_passes_are_never_fused( void** state )
+TEST( entity_passes_are_never_fused )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, ENTITY, .writes = "A" },
         { "b", SHAPE, ENTITY, .reads = "A", .writes = "B" },
@@ -102,9 +95,8 @@ static void entity_passes_are_never_fused( void** state )
     ASSERT_PLAN( passes, "", "C", "[after] a b c" );
 }
 
-static void a_pass_behind_two_nodes_of_a_wave_is_not_fused_with_one_of_them( void** state )
+TEST( a_pass_behind_two_nodes_of_a_wave_is_not_fused_with_one_of_them )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "b", SHAPE, GROUP, .writes = "B" },
@@ -113,9 +105,8 @@ static void a_pass_behind_two_nodes_of_a_wave_is_not_fused_with_one_of_them( voi
     ASSERT_PLAN( passes, "", "C", "[after] a,b c" );
 }
 
-static void passes_of_another_loop_are_not_fused( void** state )
+TEST( passes_of_another_loop_are_not_fused )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "predict", WISP_STAGE_PREDICT, ENTITY, .writes = "A" },
         { "contact", WISP_STAGE_CONTACT, GROUP, .reads = "A", .writes = "A" },
@@ -125,9 +116,8 @@ static void passes_of_another_loop_are_not_fused( void** state )
     ASSERT_PLAN( passes, "", "B", "[substep] predict contact [iteration] project [after] shape" );
 }
 
-static void groups_run_their_substeps_item_by_item_behind_the_other_loops( void** state )
+TEST( groups_run_their_substeps_item_by_item_behind_the_other_loops )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "particles", WISP_STAGE_PREDICT, ENTITY, .reads = "C", .writes = "C" },
         { "velocity", WISP_STAGE_VELOCITY, GROUP, .reads = "A", .writes = "A" },
@@ -142,9 +132,8 @@ static void groups_run_their_substeps_item_by_item_behind_the_other_loops( void*
     wisp_world_destroy( world );
 }
 
-static void groups_stay_in_the_substep_loop_if_another_pass_there_reads_what_they_write( void** state )
+TEST( groups_stay_in_the_substep_loop_if_another_pass_there_reads_what_they_write )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "predict", WISP_STAGE_PREDICT, GROUP, .writes = "A" },
         { "sum", WISP_STAGE_CONTACT, ENTITY, .reads = "A", .writes = "B" },
@@ -152,9 +141,8 @@ static void groups_stay_in_the_substep_loop_if_another_pass_there_reads_what_the
     ASSERT_PLAN( passes, "", "B", "[substep] predict sum" );
 }
 
-static void groups_stay_in_the_substep_loop_if_another_pass_there_writes_what_they_read( void** state )
+TEST( groups_stay_in_the_substep_loop_if_another_pass_there_writes_what_they_read )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "wind", WISP_STAGE_FORCE, ENTITY, .writes = "B" },
         { "predict", WISP_STAGE_PREDICT, GROUP, .reads = "B", .writes = "A" },
@@ -162,9 +150,8 @@ static void groups_stay_in_the_substep_loop_if_another_pass_there_writes_what_th
     ASSERT_PLAN( passes, "", "A", "[substep] wind predict" );
 }
 
-static void groups_whose_passes_ask_whether_they_are_due_stay_in_the_substep_loop( void** state )
+TEST( groups_whose_passes_ask_whether_they_are_due_stay_in_the_substep_loop )
 {
-    (void)state;
     static const fake_pass passes[] = {
         { "predict", WISP_STAGE_PREDICT, GROUP, .writes = "A", .asks = true },
         { "project", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
@@ -172,9 +159,8 @@ static void groups_whose_passes_ask_whether_they_are_due_stay_in_the_substep_loo
     ASSERT_PLAN( passes, "", "A", "[substep] predict [iteration] project" );
 }
 
-static void a_node_takes_only_so_many_passes( void** state )
+TEST( a_node_takes_only_so_many_passes )
 {
-    (void)state;
     static char names[PLAN_MAX_FUSED + 1][4];
     fake_pass passes[PLAN_MAX_FUSED + 1];
     char expected[sizeof( names ) + 16] = "[after] ";
@@ -188,25 +174,4 @@ static void a_node_takes_only_so_many_passes( void** state )
     request( world, add_with( world, "A" ), "A" );
     assert_string_equal( plan_text( world ), expected );
     wisp_world_destroy( world );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( passes_without_a_conflict_share_a_wave ),
-        cmocka_unit_test( any_pair_of_writes_or_of_a_read_and_a_write_conflicts ),
-        cmocka_unit_test( a_pass_moves_into_the_first_wave_behind_its_conflicts ),
-        cmocka_unit_test( local_passes_over_the_same_groups_are_fused ),
-        cmocka_unit_test( an_entity_pass_in_between_keeps_local_passes_apart ),
-        cmocka_unit_test( an_entity_pass_beside_does_not_keep_local_passes_apart ),
-        cmocka_unit_test( entity_passes_are_never_fused ),
-        cmocka_unit_test( a_pass_behind_two_nodes_of_a_wave_is_not_fused_with_one_of_them ),
-        cmocka_unit_test( passes_of_another_loop_are_not_fused ),
-        cmocka_unit_test( groups_run_their_substeps_item_by_item_behind_the_other_loops ),
-        cmocka_unit_test( groups_stay_in_the_substep_loop_if_another_pass_there_reads_what_they_write ),
-        cmocka_unit_test( groups_stay_in_the_substep_loop_if_another_pass_there_writes_what_they_read ),
-        cmocka_unit_test( groups_whose_passes_ask_whether_they_are_due_stay_in_the_substep_loop ),
-        cmocka_unit_test( a_node_takes_only_so_many_passes ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

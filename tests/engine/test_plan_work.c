@@ -174,9 +174,8 @@ static int64_t expected_sum( int groups, int steps )
     return sum;
 }
 
-static void results_do_not_depend_on_the_workers( void** state )
+TEST( results_do_not_depend_on_the_workers )
 {
-    (void)state;
     static const int workers[] = { 1, 2, 3, 5, 8 };
     uint64_t first = 0;
     for ( int i = 0; i < WISP_COUNT( workers ); ++i )
@@ -201,9 +200,8 @@ static void results_do_not_depend_on_the_workers( void** state )
     }
 }
 
-static void rows_between_two_passes_exist_because_the_plan_needs_them( void** state )
+TEST( rows_between_two_passes_exist_because_the_plan_needs_them )
 {
-    (void)state;
     wisp_world* world = open_work( 1, NULL, NULL );
     wisp_entity e = test_add_strands( world, 16, 2 );
     assert_int_equal( wisp_world_attach( world, e, work.a ), WISP_OK );
@@ -216,9 +214,8 @@ static void rows_between_two_passes_exist_because_the_plan_needs_them( void** st
     assert_int_equal( sum, expected_sum( 1, 1 ) );
 }
 
-static void a_failing_pass_fails_the_step_and_the_others_finish( void** state )
+TEST( a_failing_pass_fails_the_step_and_the_others_finish )
 {
-    (void)state;
     wisp_world* world = open_work( 2, NULL, NULL );
     add_work( world, 2, 2 );
     add_work( world, 2, 2 );
@@ -232,9 +229,8 @@ static void a_failing_pass_fails_the_step_and_the_others_finish( void** state )
     wisp_world_destroy( world );
 }
 
-static void counters_add_up_over_blocks_and_steps( void** state )
+TEST( counters_add_up_over_blocks_and_steps )
 {
-    (void)state;
     wisp_world* world = open_work( 3, NULL, NULL );
     add_work( world, WORK_GROUPS, 4 );
     for ( int i = 0; i < 3; ++i )
@@ -246,9 +242,8 @@ static void counters_add_up_over_blocks_and_steps( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_pass_knows_how_many_steps_came_before( void** state )
+TEST( a_pass_knows_how_many_steps_came_before )
 {
-    (void)state;
     wisp_world* world = open_work( 1, NULL, NULL );
     add_work( world, 1, 2 );
     for ( int i = 0; i < 3; ++i )
@@ -260,9 +255,8 @@ static void a_pass_knows_how_many_steps_came_before( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_workspace_is_one_zeroed_block_a_worker_kept_from_step_to_step( void** state )
+TEST( a_workspace_is_one_zeroed_block_a_worker_kept_from_step_to_step )
 {
-    (void)state;
     wisp_world* world = open_work( 3, NULL, NULL );
     add_work( world, WORK_GROUPS, 4 );
     step( world );
@@ -309,30 +303,26 @@ static int calls_of_a_step( int entities, int groups, int length )
     return calls;
 }
 
-static void a_host_is_called_once_a_wave_of_the_plan_and_once_a_loop_of_a_lone_entity( void** state )
+TEST( a_host_is_called_once_a_wave_of_the_plan_and_once_a_loop_of_a_lone_entity )
 {
-    (void)state;
     // one wave of fused groups; the sum runs alone, and its own loop is the second call
     assert_int_equal( calls_of_a_step( 1, 20, 4 ), 2 );
 }
 
-static void many_small_entities_share_a_wave_and_loop_alone( void** state )
+TEST( many_small_entities_share_a_wave_and_loop_alone )
 {
-    (void)state;
     // one wave of fused groups, one wave of nine sums that keep to their workers
     assert_int_equal( calls_of_a_step( 9, 4, 4 ), 2 );
 }
 
-static void large_entities_get_all_workers_one_after_the_other( void** state )
+TEST( large_entities_get_all_workers_one_after_the_other )
 {
-    (void)state;
     // one wave of fused groups; two entities of more than 256 rows, a loop each
     assert_int_equal( calls_of_a_step( 2, 20, 20 ), 3 );
 }
 
-static void a_tiny_wave_wakes_nobody( void** state )
+TEST( a_tiny_wave_wakes_nobody )
 {
-    (void)state;
     assert_int_equal( calls_of_a_step( 1, 3, 2 ), 0 );
 }
 
@@ -409,9 +399,8 @@ static wisp_world* open_spinning( int workers )
     return world;
 }
 
-static void a_profile_has_one_line_a_kept_pass_in_plan_order( void** state )
+TEST( a_profile_has_one_line_a_kept_pass_in_plan_order )
 {
-    (void)state;
     wisp_world* world = open_spinning( 2 );
     wisp_profile p = wisp_world_profile( world );
     assert_int_equal( p.count, 3 );
@@ -424,9 +413,8 @@ static void a_profile_has_one_line_a_kept_pass_in_plan_order( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_profile_sums_to_no_more_than_its_step( void** state )
+TEST( a_profile_sums_to_no_more_than_its_step )
 {
-    (void)state;
     for ( int workers = 1; workers <= 3; ++workers )
     {
         wisp_world* world = open_spinning( workers );
@@ -447,9 +435,8 @@ static void a_profile_sums_to_no_more_than_its_step( void** state )
     }
 }
 
-static void a_profile_tells_fused_passes_apart( void** state )
+TEST( a_profile_tells_fused_passes_apart )
 {
-    (void)state;
     wisp_world* world = open_spinning( 1 );
     assert_non_null( strstr( plan_text( world ), "spin.short+spin.long" ) );
     int told_apart = 0;
@@ -466,24 +453,4 @@ static void a_profile_tells_fused_passes_apart( void** state )
     // fractions come from samples, and a busy machine may disturb one; ten times the work shows in most of them
     assert_true( told_apart > 10 );
     wisp_world_destroy( world );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( results_do_not_depend_on_the_workers ),
-        cmocka_unit_test( rows_between_two_passes_exist_because_the_plan_needs_them ),
-        cmocka_unit_test( a_failing_pass_fails_the_step_and_the_others_finish ),
-        cmocka_unit_test( counters_add_up_over_blocks_and_steps ),
-        cmocka_unit_test( a_pass_knows_how_many_steps_came_before ),
-        cmocka_unit_test( a_workspace_is_one_zeroed_block_a_worker_kept_from_step_to_step ),
-        cmocka_unit_test( a_host_is_called_once_a_wave_of_the_plan_and_once_a_loop_of_a_lone_entity ),
-        cmocka_unit_test( many_small_entities_share_a_wave_and_loop_alone ),
-        cmocka_unit_test( large_entities_get_all_workers_one_after_the_other ),
-        cmocka_unit_test( a_tiny_wave_wakes_nobody ),
-        cmocka_unit_test( a_profile_has_one_line_a_kept_pass_in_plan_order ),
-        cmocka_unit_test( a_profile_sums_to_no_more_than_its_step ),
-        cmocka_unit_test( a_profile_tells_fused_passes_apart ),
-    };
-    return cmocka_run_group_tests_name( "plan, work", tests, NULL, NULL );
 }

@@ -6,9 +6,8 @@ static const double PLACE_ROUNDING = 3.0 * 4.0 * 1.2e-7;
 
 // ---- counts ----
 
-static void edges_have_the_counts_of_their_lengths( void** state )
+TEST( edges_have_the_counts_of_their_lengths )
 {
-    (void)state;
     // of half a metre: 0.3, 1, 1.5, 2 and 3.7 spacings (section 2.1), all of them floats
     const float lengths[] = { 0.15f, 0.5f, 0.75f, 1.0f, 1.85f };
     const int even[] = { 0, 0, 0, 1, 2 }, exact[] = { 0, 0, 1, 1, 3 }, up[] = { 0, 0, 1, 1, 3 },
@@ -32,9 +31,8 @@ static void edges_have_the_counts_of_their_lengths( void** state )
     }
 }
 
-static void the_reference_sphere_has_the_counts_of_the_table( void** state )
+TEST( the_reference_sphere_has_the_counts_of_the_table )
 {
-    (void)state;
     // the boundary particle paper's trade-off of density against cost
     const float spacings[] = { 0.2f, 0.1f, 0.05f, 0.025f };
     const int expected[2][4][2] = { { { 930, 0 }, { 5160, 300 }, { 14730, 11640 }, { 32670, 79320 } },
@@ -71,9 +69,8 @@ static double distance_of( const float* a, const float* b )
     return sqrt( sum );
 }
 
-static void points_are_their_parents_by_weights_that_sum_to_one( void** state )
+TEST( points_are_their_parents_by_weights_that_sum_to_one )
 {
-    (void)state;
     samples_mesh m = samples_sphere( 30, 30, 2.5 );
     for ( int policy = 0; policy < WISP_SPACING_COUNT; ++policy )
     {
@@ -112,9 +109,8 @@ static void points_are_their_parents_by_weights_that_sum_to_one( void** state )
     samples_mesh_free( &m );
 }
 
-static void gaps_along_edges_are_those_of_the_policy( void** state )
+TEST( gaps_along_edges_are_those_of_the_policy )
 {
-    (void)state;
     samples_mesh m = samples_sphere( 30, 30, 2.5 );
     const double d = 0.07, slack = 2.0 * PLACE_ROUNDING;
     const struct
@@ -184,9 +180,8 @@ static float* copy_of_positions( const samples_mesh* m )
     return rest;
 }
 
-static void refreshing_in_place_equals_sampling_from_scratch( void** state )
+TEST( refreshing_in_place_equals_sampling_from_scratch )
 {
-    (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     float* rest = copy_of_positions( &m );
     int in_place = 0, some = 0;
@@ -218,9 +213,8 @@ static void refreshing_in_place_equals_sampling_from_scratch( void** state )
     samples_mesh_free( &m );
 }
 
-static void workers_do_not_change_a_bit( void** state )
+TEST( workers_do_not_change_a_bit )
 {
-    (void)state;
     const int workers[] = { 2, 3, 5, 8 };
     samples_mesh m = samples_sphere( 30, 30, 2.5 );
     float* rest = copy_of_positions( &m );
@@ -251,9 +245,8 @@ static void workers_do_not_change_a_bit( void** state )
     samples_mesh_free( &m );
 }
 
-static void only_what_changes_is_resampled( void** state )
+TEST( only_what_changes_is_resampled )
 {
-    (void)state;
     samples_mesh m = samples_sphere( 30, 30, 2.5 );
     layer* l = layer_open( &m, 0.05f, 1 );
     layer_update( l );
@@ -268,9 +261,8 @@ static void only_what_changes_is_resampled( void** state )
     samples_mesh_free( &m );
 }
 
-static void an_element_with_its_own_spacing_has_its_own_count( void** state )
+TEST( an_element_with_its_own_spacing_has_its_own_count )
 {
-    (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     layer *all = layer_open( &m, 0.03f, 1 ), *each = layer_open( &m, 1.0f, 2 );
     float* spacing = samples_array( (size_t)( m.edge_count + m.triangle_count ), sizeof( float ) );
@@ -304,9 +296,8 @@ static samples_mesh one_triangle( float length )
     return samples_mesh_of( points, 3, ( const int32_t[3] ){ 0, 1, 2 }, 1 );
 }
 
-static void hysteresis_keeps_counts_until_lengths_are_well_beyond( void** state )
+TEST( hysteresis_keeps_counts_until_lengths_are_well_beyond )
 {
-    (void)state;
     samples_mesh m = one_triangle( 2.1f );
     layer* l = layer_open( &m, 1.0f, 1 );
     l->args.hysteresis = 0.2f;
@@ -323,9 +314,8 @@ static void hysteresis_keeps_counts_until_lengths_are_well_beyond( void** state 
     samples_mesh_free( &m );
 }
 
-static void a_state_put_back_brings_its_points_back( void** state )
+TEST( a_state_put_back_brings_its_points_back )
 {
-    (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     float* rest = copy_of_positions( &m );
     layer *through = layer_open( &m, 0.05f, 1 ), *back = layer_open( &m, 0.05f, 1 );
@@ -362,9 +352,8 @@ static void a_state_put_back_brings_its_points_back( void** state )
 
 // ---- limits ----
 
-static void a_layer_beyond_its_limit_stays_as_it_was_and_follows( void** state )
+TEST( a_layer_beyond_its_limit_stays_as_it_was_and_follows )
 {
-    (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     layer* l = layer_open( &m, 0.05f, 1 );
     layer_update( l );
@@ -392,9 +381,8 @@ static void a_layer_beyond_its_limit_stays_as_it_was_and_follows( void** state )
     samples_mesh_free( &m );
 }
 
-static void without_memory_points_are_those_of_the_last_call( void** state )
+TEST( without_memory_points_are_those_of_the_last_call )
 {
-    (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     layer* l = layer_open( &m, 0.05f, 1 );
     test_host_refuse( &l->host, 1, true );
@@ -417,9 +405,8 @@ static void without_memory_points_are_those_of_the_last_call( void** state )
     samples_mesh_free( &m );
 }
 
-static void a_warm_layer_asks_for_no_memory( void** state )
+TEST( a_warm_layer_asks_for_no_memory )
 {
-    (void)state;
     samples_mesh m = samples_sphere( 30, 30, 2.5 );
     float* rest = copy_of_positions( &m );
     layer* l = layer_open( &m, 0.06f, 3 );
@@ -442,9 +429,8 @@ static void a_warm_layer_asks_for_no_memory( void** state )
 
 // ---- degenerate meshes ----
 
-static void triangles_without_area_and_edges_without_length_have_no_points( void** state )
+TEST( triangles_without_area_and_edges_without_length_have_no_points )
 {
-    (void)state;
     const wisp_vec3 flat[3] = { { 0.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 3.0f, 0.0f, 0.0f } };
     const wisp_vec3 folded[3] = { { 1.0f, 1.0f, 0.0f }, { 1.0f, 1.0f, 0.0f }, { 4.0f, 1.0f, 0.0f } };
     const wisp_vec3* shapes[] = { flat, folded };
@@ -473,9 +459,8 @@ static void triangles_without_area_and_edges_without_length_have_no_points( void
     }
 }
 
-static void the_lowest_of_equally_short_sides_is_the_axis( void** state )
+TEST( the_lowest_of_equally_short_sides_is_the_axis )
 {
-    (void)state;
     // legs of a right triangle, rotated through its corners
     const wisp_vec3 points[3] = { { 0.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 0.0f, 1.0f, 0.0f } };
     const int32_t corners[3][3] = { { 0, 1, 2 }, { 1, 2, 0 }, { 2, 0, 1 } };
@@ -493,9 +478,8 @@ static void the_lowest_of_equally_short_sides_is_the_axis( void** state )
     }
 }
 
-static void what_is_not_finite_is_skipped_and_comes_back( void** state )
+TEST( what_is_not_finite_is_skipped_and_comes_back )
 {
-    (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     const float good = m.position[4 * 50 + 1];
     layer *l = layer_open( &m, 0.05f, 1 ), *other = layer_open( &m, 0.05f, 1 );
@@ -523,9 +507,8 @@ static void what_is_not_finite_is_skipped_and_comes_back( void** state )
     samples_mesh_free( &m );
 }
 
-static void normals_that_cancel_give_way_to_those_of_faces( void** state )
+TEST( normals_that_cancel_give_way_to_those_of_faces )
 {
-    (void)state;
     const wisp_vec3 points[4] = {
         { 0.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 0.0f, 1.5f, 0.0f }, { 0.0f, -2.0f, 0.0f }
     };
@@ -560,9 +543,8 @@ static void normals_that_cancel_give_way_to_those_of_faces( void** state )
     samples_mesh_free( &m );
 }
 
-static void normals_along_lines_are_between_those_of_their_ends( void** state )
+TEST( normals_along_lines_are_between_those_of_their_ends )
 {
-    (void)state;
     samples_mesh m = one_triangle( 2.0f );
     const float normals[3][4] = { { 1.0f, 0.0f, 0.0f, 0.0f },
                                   { 0.0f, 1.0f, 0.0f, 0.0f },
@@ -604,9 +586,8 @@ static void normals_along_lines_are_between_those_of_their_ends( void** state )
     samples_mesh_free( &m );
 }
 
-static void a_layer_without_normals_has_places_alone( void** state )
+TEST( a_layer_without_normals_has_places_alone )
 {
-    (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     layer *with = layer_open( &m, 0.05f, 1 ), *without = layer_open( &m, 0.05f, 1 );
     without->args.normal = NULL;
@@ -621,30 +602,4 @@ static void a_layer_without_normals_has_places_alone( void** state )
     layer_close( with );
     layer_close( without );
     samples_mesh_free( &m );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( edges_have_the_counts_of_their_lengths ),
-        cmocka_unit_test( the_reference_sphere_has_the_counts_of_the_table ),
-        cmocka_unit_test( points_are_their_parents_by_weights_that_sum_to_one ),
-        cmocka_unit_test( gaps_along_edges_are_those_of_the_policy ),
-        cmocka_unit_test( refreshing_in_place_equals_sampling_from_scratch ),
-        cmocka_unit_test( workers_do_not_change_a_bit ),
-        cmocka_unit_test( only_what_changes_is_resampled ),
-        cmocka_unit_test( an_element_with_its_own_spacing_has_its_own_count ),
-        cmocka_unit_test( hysteresis_keeps_counts_until_lengths_are_well_beyond ),
-        cmocka_unit_test( a_state_put_back_brings_its_points_back ),
-        cmocka_unit_test( a_layer_beyond_its_limit_stays_as_it_was_and_follows ),
-        cmocka_unit_test( without_memory_points_are_those_of_the_last_call ),
-        cmocka_unit_test( a_warm_layer_asks_for_no_memory ),
-        cmocka_unit_test( triangles_without_area_and_edges_without_length_have_no_points ),
-        cmocka_unit_test( the_lowest_of_equally_short_sides_is_the_axis ),
-        cmocka_unit_test( what_is_not_finite_is_skipped_and_comes_back ),
-        cmocka_unit_test( normals_that_cancel_give_way_to_those_of_faces ),
-        cmocka_unit_test( normals_along_lines_are_between_those_of_their_ends ),
-        cmocka_unit_test( a_layer_without_normals_has_places_alone ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

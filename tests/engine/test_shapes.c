@@ -96,9 +96,8 @@ static double plain_distance( const wisp_shape* s, wisp_vec3 p )
     return sqrt( x * x + up * up + z * z ) - (double)s->radius;
 }
 
-static void a_distance_is_the_definition_rounded_once( void** state )
+TEST( a_distance_is_the_definition_rounded_once )
 {
-    (void)state;
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
         for ( int i = 0; i < POINTS; ++i )
@@ -112,9 +111,8 @@ static void a_distance_is_the_definition_rounded_once( void** state )
     }
 }
 
-static void the_closest_point_lies_on_the_surface_at_that_distance( void** state )
+TEST( the_closest_point_lies_on_the_surface_at_that_distance )
 {
-    (void)state;
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
         for ( int i = 0; i < POINTS; ++i )
@@ -144,9 +142,8 @@ static bool is_near_kink( const wisp_shape* s, wisp_vec3 p, float reach )
     return is_inside && ( is_tie || is_middle );
 }
 
-static void the_normal_is_the_gradient_of_the_distance( void** state )
+TEST( the_normal_is_the_gradient_of_the_distance )
 {
-    (void)state;
     const float step = 1e-3f;
     int compared = 0;
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
@@ -178,9 +175,8 @@ static void the_normal_is_the_gradient_of_the_distance( void** state )
     assert_true( compared > 2 * POINTS );
 }
 
-static void points_without_a_single_closest_one_have_a_fixed_normal( void** state )
+TEST( points_without_a_single_closest_one_have_a_fixed_normal )
 {
-    (void)state;
     const wisp_vec3 zero = { 0.0f, 0.0f, 0.0f }, x = { 1.0f, 0.0f, 0.0f }, y = { 0.0f, 1.0f, 0.0f };
     const wisp_shape cube = { .kind = WISP_SHAPE_BOX, .half_extent = { 1.0f, 1.0f, 1.0f } };
     wisp_surface_point sphere = closest( SHAPES + 1, zero ), capsule = closest( SHAPES + 2, zero );
@@ -196,9 +192,8 @@ static void points_without_a_single_closest_one_have_a_fixed_normal( void** stat
     assert_float_equal( capsule.distance, -0.4f, 0.0f );
 }
 
-static void sizes_of_zero_have_a_surface_and_unit_normals( void** state )
+TEST( sizes_of_zero_have_a_surface_and_unit_normals )
 {
-    (void)state;
     const wisp_shape flat[] = { { .kind = WISP_SHAPE_SPHERE },
                                 { .kind = WISP_SHAPE_CAPSULE },
                                 { .kind = WISP_SHAPE_CAPSULE, .half_length = 1.0f },
@@ -216,9 +211,8 @@ static void sizes_of_zero_have_a_surface_and_unit_normals( void** state )
     }
 }
 
-static void numbers_of_any_size_are_answered( void** state )
+TEST( numbers_of_any_size_are_answered )
 {
-    (void)state;
     const float sizes[] = { FLT_MIN, 1e-44f, 1e-20f, 1e20f, 1e38f };
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
@@ -262,9 +256,8 @@ static double min_distance( const wisp_shape* s, wisp_vec3 a, wisp_vec3 b )
     return least;
 }
 
-static void a_path_meets_the_surface_where_sampling_does( void** state )
+TEST( a_path_meets_the_surface_where_sampling_does )
 {
-    (void)state;
     int met = 0, missed = 0;
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
@@ -301,9 +294,8 @@ static void a_path_meets_the_surface_where_sampling_does( void** state )
     assert_true( met > PATHS / 8 && missed > PATHS / 16 );
 }
 
-static void a_hit_faces_the_path( void** state )
+TEST( a_hit_faces_the_path )
 {
-    (void)state;
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
         for ( int i = 0; i < PATHS; ++i )
@@ -321,9 +313,8 @@ static void a_hit_faces_the_path( void** state )
     }
 }
 
-static void nothing_gets_inside_without_a_hit( void** state )
+TEST( nothing_gets_inside_without_a_hit )
 {
-    (void)state;
     int entered = 0;
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
@@ -346,9 +337,8 @@ static void nothing_gets_inside_without_a_hit( void** state )
     assert_true( entered > PATHS / 2 );
 }
 
-static void a_path_through_a_flat_plate_meets_it( void** state )
+TEST( a_path_through_a_flat_plate_meets_it )
 {
-    (void)state;
     const wisp_shape plate = { .kind = WISP_SHAPE_BOX, .half_extent = { 1.0f, 0.0f, 1.0f } };
     for ( int i = 0; i < 1000; ++i )
     {
@@ -363,9 +353,8 @@ static void a_path_through_a_flat_plate_meets_it( void** state )
     }
 }
 
-static void beginning_on_the_surface_counts_only_on_the_way_in( void** state )
+TEST( beginning_on_the_surface_counts_only_on_the_way_in )
 {
-    (void)state;
     const wisp_vec3 on[] = {
         { 0.3f, 0.0f, 0.2f }, { 0.7f, 0.0f, 0.0f }, { 0.4f, 0.1f, 0.0f }, { 0.5f, 0.1f, 0.1f }, { 0.0f, 0.75f, 0.0f }
     };
@@ -393,9 +382,8 @@ static wisp_transform random_pose( int i, int k )
     return wisp_transform_make( ( wisp_quat ){ q.x, q.y, q.z, w }, random_point( i, k + 1, 2.0f ) );
 }
 
-static void into_the_body_and_back_is_where_one_was( void** state )
+TEST( into_the_body_and_back_is_where_one_was )
 {
-    (void)state;
     for ( int i = 0; i < POINTS; ++i )
     {
         wisp_transform pose = random_pose( i, 0 );
@@ -407,9 +395,8 @@ static void into_the_body_and_back_is_where_one_was( void** state )
     }
 }
 
-static void a_quarter_turn_goes_the_right_way( void** state )
+TEST( a_quarter_turn_goes_the_right_way )
 {
-    (void)state;
     const float s = sqrtf( 0.5f );
     wisp_transform pose =
         wisp_transform_make( ( wisp_quat ){ 0.0f, 0.0f, 3.0f * s, 3.0f * s }, ( wisp_vec3 ){ 1, 2, 3 } );
@@ -420,9 +407,8 @@ static void a_quarter_turn_goes_the_right_way( void** state )
                  5e-7f );
 }
 
-static void a_rotation_without_a_direction_is_none( void** state )
+TEST( a_rotation_without_a_direction_is_none )
 {
-    (void)state;
     const wisp_quat bad[] = { { 0, 0, 0, 0 }, { NAN, 0, 0, 1 }, { INFINITY, 0, 0, 0 }, { 0, -INFINITY, NAN, 0 } };
     for ( int i = 0; i < WISP_COUNT( bad ); ++i )
     {
@@ -459,9 +445,8 @@ static float turn_error( float degrees, float sign )
     return most;
 }
 
-static void poses_between_two_go_the_short_way_at_nearly_constant_speed( void** state )
+TEST( poses_between_two_go_the_short_way_at_nearly_constant_speed )
 {
-    (void)state;
     // the bounds that the header states; q and -q are the same rotation
     assert_true( turn_error( 20.0f, 1.0f ) <= 0.02f );
     assert_true( turn_error( 90.0f, 1.0f ) <= 2.0f );
@@ -474,9 +459,8 @@ static void poses_between_two_go_the_short_way_at_nearly_constant_speed( void** 
     assert_memory_equal( &last, &b, sizeof( b ) );
 }
 
-static void velocity_is_what_moves_a_point_from_pose_to_pose( void** state )
+TEST( velocity_is_what_moves_a_point_from_pose_to_pose )
 {
-    (void)state;
     for ( int i = 0; i < 200; ++i )
     {
         wisp_transform a = random_pose( i, 0 ), b = random_pose( i, 10 );
@@ -490,9 +474,8 @@ static void velocity_is_what_moves_a_point_from_pose_to_pose( void** state )
 
 // ---- inputs without a result ----
 
-static void numbers_that_are_none_are_answered_with_nothing( void** state )
+TEST( numbers_that_are_none_are_answered_with_nothing )
 {
-    (void)state;
     const float bad[] = { NAN, INFINITY, -INFINITY };
     const wisp_vec3 good = { 0.0f, 3.0f, 0.0f };
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
@@ -513,9 +496,8 @@ static void numbers_that_are_none_are_answered_with_nothing( void** state )
     }
 }
 
-static void a_wrong_size_has_no_surface( void** state )
+TEST( a_wrong_size_has_no_surface )
 {
-    (void)state;
     const wisp_shape wrong[] = {
         { .kind = WISP_SHAPE_SPHERE, .radius = -1.0f },
         { .kind = WISP_SHAPE_SPHERE, .radius = NAN },
@@ -536,29 +518,4 @@ static void a_wrong_size_has_no_surface( void** state )
         assert_false( wisp_shape_closest( wrong + i, ( wisp_vec3 ){ 0, 0, 0 }, &s ) );
         assert_false( wisp_shape_cast( wrong + i, from, to, &hit ) );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_distance_is_the_definition_rounded_once ),
-        cmocka_unit_test( the_closest_point_lies_on_the_surface_at_that_distance ),
-        cmocka_unit_test( the_normal_is_the_gradient_of_the_distance ),
-        cmocka_unit_test( points_without_a_single_closest_one_have_a_fixed_normal ),
-        cmocka_unit_test( sizes_of_zero_have_a_surface_and_unit_normals ),
-        cmocka_unit_test( numbers_of_any_size_are_answered ),
-        cmocka_unit_test( a_path_meets_the_surface_where_sampling_does ),
-        cmocka_unit_test( a_hit_faces_the_path ),
-        cmocka_unit_test( nothing_gets_inside_without_a_hit ),
-        cmocka_unit_test( a_path_through_a_flat_plate_meets_it ),
-        cmocka_unit_test( beginning_on_the_surface_counts_only_on_the_way_in ),
-        cmocka_unit_test( into_the_body_and_back_is_where_one_was ),
-        cmocka_unit_test( a_quarter_turn_goes_the_right_way ),
-        cmocka_unit_test( a_rotation_without_a_direction_is_none ),
-        cmocka_unit_test( poses_between_two_go_the_short_way_at_nearly_constant_speed ),
-        cmocka_unit_test( velocity_is_what_moves_a_point_from_pose_to_pose ),
-        cmocka_unit_test( numbers_that_are_none_are_answered_with_nothing ),
-        cmocka_unit_test( a_wrong_size_has_no_surface ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

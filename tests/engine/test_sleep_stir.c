@@ -62,9 +62,8 @@ static void make_boxes( uint64_t seed, int count, float room, sleep_box* out )
     }
 }
 
-static void a_search_along_an_axis_stirs_whom_all_pairs_stir( void** state )
+TEST( a_search_along_an_axis_stirs_whom_all_pairs_stir )
 {
-    (void)state;
     static sleep_box found[MOST], expected[MOST];
     void* room = checked_calloc( sleep_stir_bytes( MOST ), 1 );
     int stirred = 0, left = 0;
@@ -90,9 +89,8 @@ static void a_search_along_an_axis_stirs_whom_all_pairs_stir( void** state )
     free( room );
 }
 
-static void a_chain_is_stirred_from_its_end_in_any_order( void** state )
+TEST( a_chain_is_stirred_from_its_end_in_any_order )
 {
-    (void)state;
     static sleep_box boxes[MOST];
     void* room = checked_calloc( sleep_stir_bytes( MOST ), 1 );
     for ( int way = 0; way < 2; ++way )
@@ -111,13 +109,4 @@ static void a_chain_is_stirred_from_its_end_in_any_order( void** state )
         }
     }
     free( room );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_search_along_an_axis_stirs_whom_all_pairs_stir ),
-        cmocka_unit_test( a_chain_is_stirred_from_its_end_in_any_order ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

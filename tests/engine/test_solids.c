@@ -52,9 +52,8 @@ static void release( wisp_shape shape )
 
 // ---- a box ----
 
-static void a_convex_box_is_a_box( void** state )
+TEST( a_convex_box_is_a_box )
 {
-    (void)state;
     const wisp_shape box = { .kind = WISP_SHAPE_BOX, .half_extent = { 0.5f, 0.3f, 0.8f } };
     wisp_vec3 corners[9] = { { 0.0f, 0.0f, 0.0f } }; // one is inside
     for ( int c = 0; c < 8; ++c )
@@ -138,9 +137,8 @@ static void spread( wisp_vec3 v, double out[3] )
     out[2] = (double)v.z;
 }
 
-static void random_hulls_are_those_of_brute_force( void** state )
+TEST( random_hulls_are_those_of_brute_force )
 {
-    (void)state;
     for ( int seed = 0; seed < 12; ++seed )
     {
         enum
@@ -221,9 +219,8 @@ static wisp_shape field_of( float* heights, float roughness )
                            .height_field = { .heights = heights, .count_x = NX, .count_z = NZ, .spacing = 0.25f } };
 }
 
-static void a_flat_height_field_is_a_plane( void** state )
+TEST( a_flat_height_field_is_a_plane )
 {
-    (void)state;
     float heights[NX * NZ];
     const wisp_shape field = field_of( heights, 0.0f ), plane = { .kind = WISP_SHAPE_PLANE };
     for ( int i = 0; i < POINTS; ++i )
@@ -275,9 +272,8 @@ static double field_distance( const wisp_shape* s, const double p[3], bool* is_b
     return least;
 }
 
-static void a_rough_height_field_is_that_of_brute_force( void** state )
+TEST( a_rough_height_field_is_that_of_brute_force )
 {
-    (void)state;
     float heights[NX * NZ];
     const wisp_shape field = field_of( heights, 0.4f );
     int below = 0;
@@ -336,9 +332,8 @@ static void check_paths( const wisp_shape* shape )
     assert_true( met > PATHS / 20 && entered > PATHS / 20 );
 }
 
-static void no_path_gets_inside_without_a_hit( void** state )
+TEST( no_path_gets_inside_without_a_hit )
 {
-    (void)state;
     wisp_vec3 points[40];
     for ( int i = 0; i < 40; ++i )
     {
@@ -354,9 +349,8 @@ static void no_path_gets_inside_without_a_hit( void** state )
 
 // ---- bad input, far away ----
 
-static void what_is_no_solid_is_refused( void** state )
+TEST( what_is_no_solid_is_refused )
 {
-    (void)state;
     const wisp_vec3 flat[5] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 }, { 1, 0, 1 }, { 0.3f, 0, 0.2f } };
     wisp_vec3 bad[5];
     memcpy( bad, flat, sizeof( flat ) );
@@ -383,9 +377,8 @@ static void what_is_no_solid_is_refused( void** state )
     }
 }
 
-static void far_away_is_answered( void** state )
+TEST( far_away_is_answered )
 {
-    (void)state;
     float heights[NX * NZ];
     const wisp_shape field = field_of( heights, 0.3f );
     const wisp_vec3 far[] = {
@@ -397,18 +390,4 @@ static void far_away_is_answered( void** state )
         assert_float_equal( length_of( closest( &field, far[i] ).normal ), 1.0f, 4e-7f );
         wisp_shape_cast( &field, far[i], far[( i + 1 ) % WISP_COUNT( far )], &hit );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_convex_box_is_a_box ),
-        cmocka_unit_test( random_hulls_are_those_of_brute_force ),
-        cmocka_unit_test( a_flat_height_field_is_a_plane ),
-        cmocka_unit_test( a_rough_height_field_is_that_of_brute_force ),
-        cmocka_unit_test( no_path_gets_inside_without_a_hit ),
-        cmocka_unit_test( what_is_no_solid_is_refused ),
-        cmocka_unit_test( far_away_is_answered ),
-    };
-    return cmocka_run_group_tests_name( "solids", tests, NULL, NULL );
 }

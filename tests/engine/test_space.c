@@ -176,17 +176,15 @@ static void check_every_cloud( space* s, int first_count, int last_count )
 
 // ---- neighbours ----
 
-static void baseline_finds_what_brute_force_finds( void** state )
+TEST( baseline_finds_what_brute_force_finds )
 {
-    (void)state;
     space* s = space_open( 1, baseline() );
     check_every_cloud( s, 0, WISP_COUNT( COUNTS ) - 1 );
     space_close( s );
 }
 
-static void every_instruction_set_finds_what_brute_force_finds( void** state )
+TEST( every_instruction_set_finds_what_brute_force_finds )
 {
-    (void)state;
     static const char* const ISAS[] = { "avx2", "avx512" };
     for ( int i = 0; i < WISP_COUNT( ISAS ); ++i )
     {
@@ -200,9 +198,8 @@ static void every_instruction_set_finds_what_brute_force_finds( void** state )
     }
 }
 
-static void any_number_of_workers_finds_what_brute_force_finds( void** state )
+TEST( any_number_of_workers_finds_what_brute_force_finds )
 {
-    (void)state;
     for ( int w = 1; w < WISP_COUNT( WORKER_COUNTS ); ++w )
     {
         space* s = space_open( WORKER_COUNTS[w], kernels_select( NULL, NULL ) );
@@ -211,9 +208,8 @@ static void any_number_of_workers_finds_what_brute_force_finds( void** state )
     }
 }
 
-static void an_item_at_exactly_the_radius_is_outside_and_one_just_nearer_is_inside( void** state )
+TEST( an_item_at_exactly_the_radius_is_outside_and_one_just_nearer_is_inside )
 {
-    (void)state;
     // 3, 4, 5: all numbers here, and their squares, are exact in single precision
     float xyzw[] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.75f, 1.0f, 0.0f, 0.0f, -0.75f, 0.0f, 0.99f, 0.0f };
     for ( int32_t i = 0; i < 3; ++i )
@@ -257,9 +253,8 @@ static void place_on_borders( cloud* c, const wisp_grid* g, float radius )
     }
 }
 
-static void items_on_the_borders_of_cells_find_each_other( void** state )
+TEST( items_on_the_borders_of_cells_find_each_other )
 {
-    (void)state;
     // found by search: with these numbers thousands of pairs are missed if cells are exactly as wide as the radius
     const float radius = 0.201205894f, first = -641.421692f, last = 140.0f;
     cloud c = make_cloud( CLOUD_ONE_POINT, BORDER_ITEMS );
@@ -280,9 +275,8 @@ static void items_on_the_borders_of_cells_find_each_other( void** state )
     space_close( s );
 }
 
-static void items_of_the_querys_owner_are_left_out( void** state )
+TEST( items_of_the_querys_owner_are_left_out )
 {
-    (void)state;
     cloud c = make_cloud( CLOUD_ONE_POINT, 100 );
     for ( int32_t i = 0, owner = 5; i < c.count; ++i )
     {
@@ -295,9 +289,8 @@ static void items_of_the_querys_owner_are_left_out( void** state )
     space_close( s );
 }
 
-static void a_limit_keeps_the_first_in_order_and_counts_the_queries_that_meet_it( void** state )
+TEST( a_limit_keeps_the_first_in_order_and_counts_the_queries_that_meet_it )
 {
-    (void)state;
     static const int LIMITS[] = { 1, 2, 7, 8, 9, 20 };
     cloud c = make_cloud( CLOUD_BALL, 1000 );
     for ( int i = 0; i < WISP_COUNT( LIMITS ); ++i )
@@ -312,9 +305,8 @@ static void a_limit_keeps_the_first_in_order_and_counts_the_queries_that_meet_it
     free( c.xyzw );
 }
 
-static void a_list_that_just_fits_its_limit_is_not_counted( void** state )
+TEST( a_list_that_just_fits_its_limit_is_not_counted )
 {
-    (void)state;
     cloud c = make_cloud( CLOUD_ONE_POINT, 17 );
     for ( int32_t i = 0; i < c.count; ++i )
     {
@@ -329,9 +321,8 @@ static void a_list_that_just_fits_its_limit_is_not_counted( void** state )
     space_close( s );
 }
 
-static void slots_are_reported_under_their_new_names( void** state )
+TEST( slots_are_reported_under_their_new_names )
 {
-    (void)state;
     cloud c = make_cloud( CLOUD_BALL, 1000 );
     space* s = space_open( 2, kernels_select( NULL, NULL ) );
     assert_int_equal( build_grid( s, &c, 0.2f ), WISP_OK );
@@ -349,9 +340,8 @@ static void slots_are_reported_under_their_new_names( void** state )
     space_close( s );
 }
 
-static void a_radius_wider_or_narrower_than_the_cells_finds_the_same( void** state )
+TEST( a_radius_wider_or_narrower_than_the_cells_finds_the_same )
 {
-    (void)state;
     cloud c = make_cloud( CLOUD_BALL, 500 );
     space* s = space_open( 2, kernels_select( NULL, NULL ) );
     static const float CELLS[] = { 0.01f, 0.06f, 0.3f, 0.9f, 50.0f };
@@ -390,21 +380,18 @@ static void assert_strangers_find_their_neighbours( cloud_shape shape )
     assert_true( found > 0 );
 }
 
-static void queries_that_are_no_items_find_their_neighbours( void** state )
+TEST( queries_that_are_no_items_find_their_neighbours )
 {
-    (void)state;
     assert_strangers_find_their_neighbours( CLOUD_BALL );
 }
 
-static void queries_beside_a_flat_cloud_find_their_neighbours( void** state )
+TEST( queries_beside_a_flat_cloud_find_their_neighbours )
 {
-    (void)state;
     assert_strangers_find_their_neighbours( CLOUD_SHEET );
 }
 
-static void no_query_and_no_item_find_nothing( void** state )
+TEST( no_query_and_no_item_find_nothing )
 {
-    (void)state;
     cloud none = make_cloud( CLOUD_BALL, 0 ), some = make_cloud( CLOUD_BALL, 20 );
     space* s = space_open( 2, baseline() );
     assert_int_equal( build_grid( s, &none, 0.1f ), WISP_OK );
@@ -424,9 +411,8 @@ static void no_query_and_no_item_find_nothing( void** state )
 
 // ---- memory ----
 
-static void a_second_build_of_the_same_asks_for_no_memory( void** state )
+TEST( a_second_build_of_the_same_asks_for_no_memory )
 {
-    (void)state;
     cloud c = make_cloud( CLOUD_BALL, 1000 );
     space* s = space_open( 2, kernels_select( NULL, NULL ) );
     check_cloud( s, &c, 0.2f, 0.25f, NO_LIMIT );
@@ -451,9 +437,8 @@ static wisp_status build_two( space* s, const cloud* small, const cloud* large )
     return status;
 }
 
-static void a_build_without_memory_says_so_and_the_next_one_works( void** state )
+TEST( a_build_without_memory_says_so_and_the_next_one_works )
 {
-    (void)state;
     cloud small = make_cloud( CLOUD_BALL, 30 ), large = make_cloud( CLOUD_BALL, 2000 );
     int failures = 0;
     bool refused = true;
@@ -472,26 +457,4 @@ static void a_build_without_memory_says_so_and_the_next_one_works( void** state 
     assert_true( failures >= 7 ); // four buffers of the grid and three of the lists, and their growth
     free( small.xyzw );
     free( large.xyzw );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( baseline_finds_what_brute_force_finds ),
-        cmocka_unit_test( every_instruction_set_finds_what_brute_force_finds ),
-        cmocka_unit_test( any_number_of_workers_finds_what_brute_force_finds ),
-        cmocka_unit_test( an_item_at_exactly_the_radius_is_outside_and_one_just_nearer_is_inside ),
-        cmocka_unit_test( items_on_the_borders_of_cells_find_each_other ),
-        cmocka_unit_test( items_of_the_querys_owner_are_left_out ),
-        cmocka_unit_test( a_limit_keeps_the_first_in_order_and_counts_the_queries_that_meet_it ),
-        cmocka_unit_test( a_list_that_just_fits_its_limit_is_not_counted ),
-        cmocka_unit_test( slots_are_reported_under_their_new_names ),
-        cmocka_unit_test( a_radius_wider_or_narrower_than_the_cells_finds_the_same ),
-        cmocka_unit_test( queries_that_are_no_items_find_their_neighbours ),
-        cmocka_unit_test( queries_beside_a_flat_cloud_find_their_neighbours ),
-        cmocka_unit_test( no_query_and_no_item_find_nothing ),
-        cmocka_unit_test( a_second_build_of_the_same_asks_for_no_memory ),
-        cmocka_unit_test( a_build_without_memory_says_so_and_the_next_one_works ),
-    };
-    return cmocka_run_group_tests_name( "space", tests, NULL, NULL );
 }

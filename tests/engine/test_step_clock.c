@@ -35,9 +35,8 @@ static double random_dt( int number )
     return 1e-3 * pow( 50.0, (double)bits / 16777216.0 ); // 1/1000 to 1/20 s
 }
 
-static void constant_steps_have_the_same_substeps_exactly( void** state )
+TEST( constant_steps_have_the_same_substeps_exactly )
 {
-    (void)state;
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
     for ( int i = 0; i < 1500; ++i )
@@ -56,9 +55,8 @@ static void constant_steps_have_the_same_substeps_exactly( void** state )
 }
 
 // Substeps never shrink by more than 0.2 % from step to step, and their sum follows that of the steps within one substep.
-static void steps_of_any_length_have_substeps_that_barely_change( void** state )
+TEST( steps_of_any_length_have_substeps_that_barely_change )
 {
-    (void)state;
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
     double asked = 0.0, simulated = 0.0, last = 0.0;
@@ -108,16 +106,14 @@ static void check_steady_target( wisp_entity entity )
     free( frame );
 }
 
-static void a_steady_target_is_followed_at_a_steady_speed( void** state )
+TEST( a_steady_target_is_followed_at_a_steady_speed )
 {
-    (void)state;
     check_steady_target( WHOLE );
     check_steady_target( FINER );
 }
 
-static void a_new_usual_length_is_followed( void** state )
+TEST( a_new_usual_length_is_followed )
 {
-    (void)state;
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
     const double lengths[] = { 1.0 / 60.0, 1.0 / 120.0, 1.0 / 30.0 };
@@ -133,9 +129,8 @@ static void a_new_usual_length_is_followed( void** state )
     free( frame );
 }
 
-static void one_long_step_costs_at_most_eight( void** state )
+TEST( one_long_step_costs_at_most_eight )
 {
-    (void)state;
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
     for ( int i = 0; i < 50; ++i )
@@ -153,9 +148,8 @@ static void one_long_step_costs_at_most_eight( void** state )
     free( frame );
 }
 
-static void a_trial_step_at_the_start_does_not_set_the_usual_length( void** state )
+TEST( a_trial_step_at_the_start_does_not_set_the_usual_length )
 {
-    (void)state;
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
     advance( &clock, frame, 1e-6 );
@@ -164,9 +158,8 @@ static void a_trial_step_at_the_start_does_not_set_the_usual_length( void** stat
     free( frame );
 }
 
-static void a_step_that_must_run_has_one_substep( void** state )
+TEST( a_step_that_must_run_has_one_substep )
 {
-    (void)state;
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
     advance( &clock, frame, 1.0 / 60.0 );
@@ -177,9 +170,8 @@ static void a_step_that_must_run_has_one_substep( void** state )
     free( frame );
 }
 
-static void clocks_that_no_step_leaves_are_refused( void** state )
+TEST( clocks_that_no_step_leaves_are_refused )
 {
-    (void)state;
     const float nan = nanf( "" );
     assert_true( step_clock_check( &( step_clock ){ 0 } ) );
     assert_false( step_clock_check( &( step_clock ){ .usual_dt = nan } ) );
@@ -190,19 +182,4 @@ static void clocks_that_no_step_leaves_are_refused( void** state )
     assert_false( step_clock_check( &( step_clock ){ .agreeing = STEP_CLOCK_WINDOW + 1 } ) );
     assert_false( step_clock_check( &( step_clock ){ .step_count = -1 } ) );
     assert_false( step_clock_check( &( step_clock ){ .longest = nan } ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( constant_steps_have_the_same_substeps_exactly ),
-        cmocka_unit_test( steps_of_any_length_have_substeps_that_barely_change ),
-        cmocka_unit_test( a_steady_target_is_followed_at_a_steady_speed ),
-        cmocka_unit_test( a_new_usual_length_is_followed ),
-        cmocka_unit_test( one_long_step_costs_at_most_eight ),
-        cmocka_unit_test( a_trial_step_at_the_start_does_not_set_the_usual_length ),
-        cmocka_unit_test( a_step_that_must_run_has_one_substep ),
-        cmocka_unit_test( clocks_that_no_step_leaves_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

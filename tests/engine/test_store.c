@@ -3,7 +3,7 @@
 
 // ---- handles ----
 
-static void a_null_handle_finds_nothing( void** state )
+STORE_TEST( a_null_handle_finds_nothing )
 {
     fixture* f = *state;
     assert_null( store_find( &f->s, ( wisp_entity ){ 0, 0 } ) );
@@ -12,7 +12,7 @@ static void a_null_handle_finds_nothing( void** state )
     assert_null( store_find( &f->s, ( wisp_entity ){ 0, 1 } ) );
 }
 
-static void a_handle_beyond_the_slots_finds_nothing( void** state )
+STORE_TEST( a_handle_beyond_the_slots_finds_nothing )
 {
     fixture* f = *state;
     wisp_entity e = add( &f->s, 1 );
@@ -21,7 +21,7 @@ static void a_handle_beyond_the_slots_finds_nothing( void** state )
     assert_null( store_find( &f->s, ( wisp_entity ){ e.index, e.generation + 1 } ) );
 }
 
-static void a_removed_entity_is_stale_and_its_slot_returns_under_a_new_generation( void** state )
+STORE_TEST( a_removed_entity_is_stale_and_its_slot_returns_under_a_new_generation )
 {
     fixture* f = *state;
     wisp_entity first = add( &f->s, 1 );
@@ -37,7 +37,7 @@ static void a_removed_entity_is_stale_and_its_slot_returns_under_a_new_generatio
     assert_non_null( store_find( &f->s, third ) );
 }
 
-static void handles_outlive_the_growth_of_the_slots( void** state )
+STORE_TEST( handles_outlive_the_growth_of_the_slots )
 {
     fixture* f = *state;
     wisp_entity entities[100];
@@ -55,7 +55,7 @@ static void handles_outlive_the_growth_of_the_slots( void** state )
 
 // ---- declarations ----
 
-static void a_component_declared_again_is_the_same_one( void** state )
+STORE_TEST( a_component_declared_again_is_the_same_one )
 {
     fixture* f = *state;
     const wisp_column_def columns[] = { SHAPE_COLUMNS( WISP_COLUMN_DEF ) };
@@ -63,7 +63,7 @@ static void a_component_declared_again_is_the_same_one( void** state )
     assert_int_equal( store_declare( &f->s, &again ), SHAPE );
 }
 
-static void a_component_declared_with_another_shape_is_refused( void** state )
+STORE_TEST( a_component_declared_with_another_shape_is_refused )
 {
     fixture* f = *state;
     const wisp_column_def wider[] = { { "mass", 8 } }, renamed[] = { { "weight", 4 } };
@@ -80,7 +80,7 @@ static void a_component_declared_with_another_shape_is_refused( void** state )
     assert_int_equal( f->s.component_count, COMPONENT_END );
 }
 
-static void a_component_of_too_many_columns_is_refused( void** state )
+STORE_TEST( a_component_of_too_many_columns_is_refused )
 {
     fixture* f = *state;
     // static: the store keeps the descriptors until it is torn down
@@ -99,7 +99,7 @@ static void a_component_of_too_many_columns_is_refused( void** state )
         0 );
 }
 
-static void one_component_too_many_is_refused( void** state )
+STORE_TEST( one_component_too_many_is_refused )
 {
     fixture* f = *state;
     static char names[STORE_MAX_COMPONENTS][24]; // the store keeps them until it is torn down
@@ -113,7 +113,7 @@ static void one_component_too_many_is_refused( void** state )
 
 // ---- rows ----
 
-static void ranges_are_contiguous_in_the_order_of_arrival( void** state )
+STORE_TEST( ranges_are_contiguous_in_the_order_of_arrival )
 {
     fixture* f = *state;
     const int rows[] = { 3, 0, 5, 1 };
@@ -128,7 +128,7 @@ static void ranges_are_contiguous_in_the_order_of_arrival( void** state )
     assert_int_equal( f->s.row_count[WISP_TABLE_STRAND_ROW], begin );
 }
 
-static void ranges_close_up_behind_a_removed_entity_and_keep_their_contents( void** state )
+STORE_TEST( ranges_close_up_behind_a_removed_entity_and_keep_their_contents )
 {
     fixture* f = *state;
     const int rows[] = { 4, 0, 7, 2, 0, 9, 1 };
@@ -158,7 +158,7 @@ static void ranges_close_up_behind_a_removed_entity_and_keep_their_contents( voi
 }
 
 // Random addition, change and removal of entities; the remaining ones always keep their own bytes.
-static void contents_survive_any_order_of_coming_and_going( void** state )
+STORE_TEST( contents_survive_any_order_of_coming_and_going )
 {
     fixture* f = *state;
     wisp_entity entities[40];
@@ -185,7 +185,7 @@ static void contents_survive_any_order_of_coming_and_going( void** state )
     }
 }
 
-static void rows_start_at_zero_in_memory_that_held_others( void** state )
+STORE_TEST( rows_start_at_zero_in_memory_that_held_others )
 {
     fixture* f = *state;
     wisp_entity stays = add( &f->s, 3 );
@@ -206,7 +206,7 @@ static void rows_start_at_zero_in_memory_that_held_others( void** state )
     }
 }
 
-static void rows_of_a_component_taken_and_given_again_start_at_zero( void** state )
+STORE_TEST( rows_of_a_component_taken_and_given_again_start_at_zero )
 {
     fixture* f = *state;
     wisp_entity other = add( &f->s, 2 ), e = add( &f->s, 5 );
@@ -223,7 +223,7 @@ static void rows_of_a_component_taken_and_given_again_start_at_zero( void** stat
 
 // ---- columns ----
 
-static void columns_exist_from_the_first_user_to_the_last( void** state )
+STORE_TEST( columns_exist_from_the_first_user_to_the_last )
 {
     fixture* f = *state;
     wisp_entity a = add( &f->s, 2 ), b = add( &f->s, 2 );
@@ -244,7 +244,7 @@ static void columns_exist_from_the_first_user_to_the_last( void** state )
     assert_null( columns[2] );
 }
 
-static void a_column_takes_and_gives_back_its_memory( void** state )
+STORE_TEST( a_column_takes_and_gives_back_its_memory )
 {
     fixture* f = *state;
     wisp_entity e = add( &f->s, 1000 );
@@ -255,7 +255,7 @@ static void a_column_takes_and_gives_back_its_memory( void** state )
     assert_int_equal( atomic_load( &f->host.bytes ), before );
 }
 
-static void attaching_or_detaching_twice_is_attaching_or_detaching_once( void** state )
+STORE_TEST( attaching_or_detaching_twice_is_attaching_or_detaching_once )
 {
     fixture* f = *state;
     wisp_entity e = add( &f->s, 2 );
@@ -272,7 +272,7 @@ static void attaching_or_detaching_twice_is_attaching_or_detaching_once( void** 
     assert_int_equal( f->s.structure, structure );
 }
 
-static void every_column_starts_on_a_cache_line( void** state )
+STORE_TEST( every_column_starts_on_a_cache_line )
 {
     fixture* f = *state;
     for ( int turn = 0; turn < 5; ++turn )
@@ -288,7 +288,7 @@ static void every_column_starts_on_a_cache_line( void** state )
     }
 }
 
-static void an_entity_without_rows_still_has_a_column( void** state )
+STORE_TEST( an_entity_without_rows_still_has_a_column )
 {
     fixture* f = *state;
     wisp_entity e = add( &f->s, 0 );
@@ -299,7 +299,7 @@ static void an_entity_without_rows_still_has_a_column( void** state )
     assert_int_equal( wrong_bytes( &f->s, more ), 0 );
 }
 
-static void more_rows_than_a_number_holds_are_refused( void** state )
+STORE_TEST( more_rows_than_a_number_holds_are_refused )
 {
     fixture* f = *state;
     wisp_entity e = add( &f->s, 1 ), out = { 0, 0 };
@@ -378,43 +378,15 @@ static int refuse_every_request( fixture* f, bool shaped, change_fn* change, boo
     return failures;
 }
 
-static void adding_without_memory_changes_nothing( void** state )
+STORE_TEST( adding_without_memory_changes_nothing )
 {
     // three columns of shape and one of points must grow, and the slots
     assert_int_equal( refuse_every_request( *state, true, add_many_rows, false ), 5 );
     assert_int_equal( refuse_every_request( *state, true, add_many_rows, true ), 5 );
 }
 
-static void attaching_without_memory_changes_nothing( void** state )
+STORE_TEST( attaching_without_memory_changes_nothing )
 {
     assert_int_equal( refuse_every_request( *state, false, attach_shape, false ), WISP_COUNT( shape_columns ) );
     assert_int_equal( refuse_every_request( *state, false, attach_shape, true ), WISP_COUNT( shape_columns ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        STORE_TEST( a_null_handle_finds_nothing ),
-        STORE_TEST( a_handle_beyond_the_slots_finds_nothing ),
-        STORE_TEST( a_removed_entity_is_stale_and_its_slot_returns_under_a_new_generation ),
-        STORE_TEST( handles_outlive_the_growth_of_the_slots ),
-        STORE_TEST( a_component_declared_again_is_the_same_one ),
-        STORE_TEST( a_component_declared_with_another_shape_is_refused ),
-        STORE_TEST( a_component_of_too_many_columns_is_refused ),
-        STORE_TEST( one_component_too_many_is_refused ),
-        STORE_TEST( ranges_are_contiguous_in_the_order_of_arrival ),
-        STORE_TEST( ranges_close_up_behind_a_removed_entity_and_keep_their_contents ),
-        STORE_TEST( contents_survive_any_order_of_coming_and_going ),
-        STORE_TEST( rows_start_at_zero_in_memory_that_held_others ),
-        STORE_TEST( rows_of_a_component_taken_and_given_again_start_at_zero ),
-        STORE_TEST( columns_exist_from_the_first_user_to_the_last ),
-        STORE_TEST( a_column_takes_and_gives_back_its_memory ),
-        STORE_TEST( attaching_or_detaching_twice_is_attaching_or_detaching_once ),
-        STORE_TEST( every_column_starts_on_a_cache_line ),
-        STORE_TEST( an_entity_without_rows_still_has_a_column ),
-        STORE_TEST( more_rows_than_a_number_holds_are_refused ),
-        STORE_TEST( adding_without_memory_changes_nothing ),
-        STORE_TEST( attaching_without_memory_changes_nothing ),
-    };
-    return cmocka_run_group_tests_name( "store", tests, NULL, NULL );
 }

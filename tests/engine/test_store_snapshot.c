@@ -3,7 +3,7 @@
 
 // ---- hash ----
 
-static void equal_stores_hash_equal( void** state )
+STORE_TEST( equal_stores_hash_equal )
 {
     fixture* f = *state;
     store twin;
@@ -22,7 +22,7 @@ static void equal_stores_hash_equal( void** state )
     assert_int_equal( a, b );
 }
 
-static void any_byte_of_any_column_changes_the_hash( void** state )
+STORE_TEST( any_byte_of_any_column_changes_the_hash )
 {
     fixture* f = *state;
     wisp_entity entities[3];
@@ -55,7 +55,7 @@ static void any_byte_of_any_column_changes_the_hash( void** state )
     assert_int_equal( store_hash( &f->s ), hash );
 }
 
-static void a_tag_without_columns_changes_the_hash( void** state )
+STORE_TEST( a_tag_without_columns_changes_the_hash )
 {
     fixture* f = *state;
     wisp_entity e = add( &f->s, 1 );
@@ -64,9 +64,8 @@ static void a_tag_without_columns_changes_the_hash( void** state )
     assert_int_not_equal( store_hash( &f->s ), hash );
 }
 
-static void hashed_bytes_of_another_length_hash_differently( void** state )
+STORE_TEST( hashed_bytes_of_another_length_hash_differently )
 {
-    (void)state;
     const unsigned char zeros[64] = { 0 };
     for ( size_t a = 0; a < sizeof( zeros ); ++a )
     {
@@ -114,7 +113,7 @@ static void spoil_all( store* s )
     }
 }
 
-static void a_restored_store_is_the_one_that_was_taken( void** state )
+STORE_TEST( a_restored_store_is_the_one_that_was_taken )
 {
     fixture* f = *state;
     fill_three( &f->s );
@@ -130,7 +129,7 @@ static void a_restored_store_is_the_one_that_was_taken( void** state )
     assert_int_equal( wrong_bytes( &f->s, store_handle( &f->s, 2 ) ), 0 );
 }
 
-static void what_means_nothing_between_steps_is_in_no_hash_and_no_snapshot( void** state )
+STORE_TEST( what_means_nothing_between_steps_is_in_no_hash_and_no_snapshot )
 {
     fixture* f = *state;
     fill_three( &f->s );
@@ -163,7 +162,7 @@ static void assert_refused( store* s, const void* bytes, size_t size )
     assert_same_visible( look_at( s ), before );
 }
 
-static void a_snapshot_cut_anywhere_is_refused( void** state )
+STORE_TEST( a_snapshot_cut_anywhere_is_refused )
 {
     fixture* f = *state;
     fill_three( &f->s );
@@ -180,7 +179,7 @@ static void a_snapshot_cut_anywhere_is_refused( void** state )
     free( shot.bytes );
 }
 
-static void a_snapshot_with_bytes_behind_it_is_refused( void** state )
+STORE_TEST( a_snapshot_with_bytes_behind_it_is_refused )
 {
     fixture* f = *state;
     fill_three( &f->s );
@@ -193,7 +192,7 @@ static void a_snapshot_with_bytes_behind_it_is_refused( void** state )
     free( shot.bytes );
 }
 
-static void a_snapshot_with_any_bit_flipped_is_refused( void** state )
+STORE_TEST( a_snapshot_with_any_bit_flipped_is_refused )
 {
     fixture* f = *state;
     fill_three( &f->s );
@@ -208,7 +207,7 @@ static void a_snapshot_with_any_bit_flipped_is_refused( void** state )
     free( shot.bytes );
 }
 
-static void a_snapshot_of_another_structure_is_refused( void** state )
+STORE_TEST( a_snapshot_of_another_structure_is_refused )
 {
     fixture* f = *state;
     wisp_entity a = add( &f->s, 3 ), b = add( &f->s, 1 );
@@ -236,7 +235,7 @@ static void a_snapshot_of_another_structure_is_refused( void** state )
     free( shot.bytes );
 }
 
-static void an_empty_store_restores_an_empty_snapshot( void** state )
+STORE_TEST( an_empty_store_restores_an_empty_snapshot )
 {
     fixture* f = *state;
     snapshot shot = take_snapshot( &f->s );
@@ -268,7 +267,7 @@ static void watch_shape( store* s )
     s->writers[SHAPE] = store_bit( WRITER );
 }
 
-static void everything_waits_on_a_new_entity( void** state )
+STORE_TEST( everything_waits_on_a_new_entity )
 {
     fixture* f = *state;
     wisp_entity a = add( &f->s, 1 );
@@ -279,7 +278,7 @@ static void everything_waits_on_a_new_entity( void** state )
     assert_true( waits( &f->s, b, store_mask_all() ) );
 }
 
-static void a_write_wakes_who_watches_the_component_on_that_entity_alone( void** state )
+STORE_TEST( a_write_wakes_who_watches_the_component_on_that_entity_alone )
 {
     fixture* f = *state;
     watch_shape( &f->s );
@@ -292,7 +291,7 @@ static void a_write_wakes_who_watches_the_component_on_that_entity_alone( void**
     assert_true( waits( &f->s, b, NOTHING ) );
 }
 
-static void rows_that_are_new_wake_their_watchers_and_their_writers( void** state )
+STORE_TEST( rows_that_are_new_wake_their_watchers_and_their_writers )
 {
     fixture* f = *state;
     watch_shape( &f->s );
@@ -305,7 +304,7 @@ static void rows_that_are_new_wake_their_watchers_and_their_writers( void** stat
     assert_true( waits( &f->s, e, NOTHING ) );
 }
 
-static void what_waits_is_part_of_the_snapshot( void** state )
+STORE_TEST( what_waits_is_part_of_the_snapshot )
 {
     fixture* f = *state;
     wisp_entity e = add( &f->s, 1 );
@@ -317,26 +316,4 @@ static void what_waits_is_part_of_the_snapshot( void** state )
     assert_int_equal( store_restore( &f->s, bytes, size, NULL ), WISP_OK );
     free( bytes );
     assert_true( waits( &f->s, e, store_bit( WRITER ) ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        STORE_TEST( equal_stores_hash_equal ),
-        STORE_TEST( any_byte_of_any_column_changes_the_hash ),
-        STORE_TEST( a_tag_without_columns_changes_the_hash ),
-        STORE_TEST( hashed_bytes_of_another_length_hash_differently ),
-        STORE_TEST( a_restored_store_is_the_one_that_was_taken ),
-        STORE_TEST( what_means_nothing_between_steps_is_in_no_hash_and_no_snapshot ),
-        STORE_TEST( a_snapshot_cut_anywhere_is_refused ),
-        STORE_TEST( a_snapshot_with_bytes_behind_it_is_refused ),
-        STORE_TEST( a_snapshot_with_any_bit_flipped_is_refused ),
-        STORE_TEST( a_snapshot_of_another_structure_is_refused ),
-        STORE_TEST( an_empty_store_restores_an_empty_snapshot ),
-        STORE_TEST( everything_waits_on_a_new_entity ),
-        STORE_TEST( a_write_wakes_who_watches_the_component_on_that_entity_alone ),
-        STORE_TEST( rows_that_are_new_wake_their_watchers_and_their_writers ),
-        STORE_TEST( what_waits_is_part_of_the_snapshot ),
-    };
-    return cmocka_run_group_tests_name( "store snapshot", tests, NULL, NULL );
 }

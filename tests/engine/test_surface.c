@@ -28,7 +28,7 @@ static wisp_vec3 point( hosted* h, wisp_entity e, int vertex )
     return ( (const wisp_vec3*)view_of( h->world, e, WISP_SURFACE_POINTS ).data )[vertex];
 }
 
-static void a_surface_in_free_fall_gains_g_t_and_no_strain( void** state )
+WORLD_TEST( a_surface_in_free_fall_gains_g_t_and_no_strain )
 {
     hosted* h = *state;
     wisp_entity e = add_plane( h, 9, NULL, 0 );
@@ -45,7 +45,7 @@ static void a_surface_in_free_fall_gains_g_t_and_no_strain( void** state )
     assert_near( q.angular_momentum[0], 0.0, 1e-6 );
 }
 
-static void mass_is_area_times_density_whatever_the_mesh( void** state )
+WORLD_TEST( mass_is_area_times_density_whatever_the_mesh )
 {
     hosted* h = *state;
     for ( int n = 3; n <= 33; n = 2 * n - 1 )
@@ -58,7 +58,7 @@ static void mass_is_area_times_density_whatever_the_mesh( void** state )
     }
 }
 
-static void pinned_vertices_stay_and_carried_ones_arrive_with_the_step( void** state )
+WORLD_TEST( pinned_vertices_stay_and_carried_ones_arrive_with_the_step )
 {
     hosted* h = *state;
     const int32_t pins[2] = { 0, 8 };
@@ -76,7 +76,7 @@ static void pinned_vertices_stay_and_carried_ones_arrive_with_the_step( void** s
     assert_memory_equal( &at, &target, sizeof( at ) );
 }
 
-static void a_vertex_that_is_let_go_falls_again( void** state )
+WORLD_TEST( a_vertex_that_is_let_go_falls_again )
 {
     hosted* h = *state;
     const int32_t all[4] = { 0, 1, 2, 3 };
@@ -91,7 +91,7 @@ static void a_vertex_that_is_let_go_falls_again( void** state )
 }
 
 // Two grippers of one vertex each; one lets go, and its vertex flies on as the host says.
-static void a_vertex_that_is_let_go_has_the_velocity_that_it_is_given( void** state )
+WORLD_TEST( a_vertex_that_is_let_go_has_the_velocity_that_it_is_given )
 {
     hosted* h = *state;
     const int32_t pins[2] = { 0, 3 };
@@ -113,7 +113,7 @@ static void a_vertex_that_is_let_go_has_the_velocity_that_it_is_given( void** st
     assert_float_equal( free.y, 0.3f, 1e-6f );
 }
 
-static void velocities_that_cannot_be_change_nothing( void** state )
+WORLD_TEST( velocities_that_cannot_be_change_nothing )
 {
     hosted* h = *state;
     const int32_t vertices[2] = { 1, 4 }, beyond[2] = { 1, 9 };
@@ -132,7 +132,7 @@ static void velocities_that_cannot_be_change_nothing( void** state )
     assert_true( wisp_world_hash( h->world ) == before );
 }
 
-static void only_pinned_vertices_can_be_carried( void** state )
+WORLD_TEST( only_pinned_vertices_can_be_carried )
 {
     hosted* h = *state;
     const int32_t pin = 4;
@@ -145,7 +145,7 @@ static void only_pinned_vertices_can_be_carried( void** state )
     assert_int_equal( wisp_pin( h->world, e, &beyond, 1 ), WISP_BAD_INPUT );
 }
 
-static void a_nan_halts_its_entity_alone( void** state )
+WORLD_TEST( a_nan_halts_its_entity_alone )
 {
     hosted* h = *state;
     wisp_entity bad = add_plane( h, 5, NULL, 0 ), good = add_plane( h, 5, NULL, 0 );
@@ -183,7 +183,7 @@ static void a_nan_halts_its_entity_alone( void** state )
     assert_int_equal( hash_of( mixed, good, WISP_SURFACE_POINTS ), expected );
 }
 
-static void a_resumed_entity_goes_on_from_its_last_good_state( void** state )
+WORLD_TEST( a_resumed_entity_goes_on_from_its_last_good_state )
 {
     hosted* h = *state;
     wisp_entity e = add_plane( h, 4, NULL, 0 );
@@ -202,7 +202,7 @@ static void a_resumed_entity_goes_on_from_its_last_good_state( void** state )
     assert_false( wisp_is_halted( h->world, e ) );
 }
 
-static void rigid_motion_keeps_momentum_energy_and_shape( void** state )
+WORLD_TEST( rigid_motion_keeps_momentum_energy_and_shape )
 {
     enum
     {
@@ -243,7 +243,7 @@ static void rigid_motion_keeps_momentum_energy_and_shape( void** state )
     assert_near( mean, 0.0, 4e-5 );
 }
 
-static void speed_strain_and_normals_are_in_the_users_order( void** state )
+WORLD_TEST( speed_strain_and_normals_are_in_the_users_order )
 {
     hosted* h = *state;
     wisp_entity e = add_plane( h, 6, NULL, 0 );
@@ -265,7 +265,7 @@ static void speed_strain_and_normals_are_in_the_users_order( void** state )
     assert_near( (double)normals[0].y, 1.0, 1e-6 );
 }
 
-static void an_instance_starts_at_rest_with_the_same_masses( void** state )
+WORLD_TEST( an_instance_starts_at_rest_with_the_same_masses )
 {
     hosted* h = *state;
     wisp_entity e = add_plane( h, 5, NULL, 0 );
@@ -278,7 +278,7 @@ static void an_instance_starts_at_rest_with_the_same_masses( void** state )
     assert_ptr_equal( wisp_world_fabric( h->world, copy ), wisp_world_fabric( h->world, e ) );
 }
 
-static void an_instance_starts_in_its_pose( void** state )
+WORLD_TEST( an_instance_starts_in_its_pose )
 {
     hosted* h = *state;
     const wisp_entity e = add_plane( h, 5, NULL, 0 );
@@ -298,7 +298,7 @@ static void an_instance_starts_in_its_pose( void** state )
     }
 }
 
-static void impossible_surfaces_are_refused( void** state )
+WORLD_TEST( impossible_surfaces_are_refused )
 {
     hosted* h = *state;
     test_mesh mesh = test_plane( 3, 0.1f );
@@ -318,7 +318,7 @@ static void impossible_surfaces_are_refused( void** state )
     test_mesh_free( &mesh );
 }
 
-static void gravity_that_is_taken_away_takes_its_pass_along( void** state )
+WORLD_TEST( gravity_that_is_taken_away_takes_its_pass_along )
 {
     hosted* h = *state;
     wisp_entity e = add_plane( h, 3, NULL, 0 );
@@ -327,26 +327,4 @@ static void gravity_that_is_taken_away_takes_its_pass_along( void** state )
     assert_int_equal( wisp_world_plan_passes( h->world ), bare + 1 );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( h->world ), bare );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        WORLD_TEST( a_surface_in_free_fall_gains_g_t_and_no_strain ),
-        WORLD_TEST( mass_is_area_times_density_whatever_the_mesh ),
-        WORLD_TEST( pinned_vertices_stay_and_carried_ones_arrive_with_the_step ),
-        WORLD_TEST( a_vertex_that_is_let_go_falls_again ),
-        WORLD_TEST( a_vertex_that_is_let_go_has_the_velocity_that_it_is_given ),
-        WORLD_TEST( velocities_that_cannot_be_change_nothing ),
-        WORLD_TEST( only_pinned_vertices_can_be_carried ),
-        WORLD_TEST( a_nan_halts_its_entity_alone ),
-        WORLD_TEST( a_resumed_entity_goes_on_from_its_last_good_state ),
-        WORLD_TEST( rigid_motion_keeps_momentum_energy_and_shape ),
-        WORLD_TEST( speed_strain_and_normals_are_in_the_users_order ),
-        WORLD_TEST( an_instance_starts_at_rest_with_the_same_masses ),
-        WORLD_TEST( an_instance_starts_in_its_pose ),
-        WORLD_TEST( impossible_surfaces_are_refused ),
-        WORLD_TEST( gravity_that_is_taken_away_takes_its_pass_along ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

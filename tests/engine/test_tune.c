@@ -34,9 +34,8 @@ static int best_by_budget( const surface* s, double budget )
 
 // ---- errors and budgets ----
 
-static void the_cheapest_choice_that_meets_an_error_is_found_without_running_all( void** state )
+TEST( the_cheapest_choice_that_meets_an_error_is_found_without_running_all )
 {
-    (void)state;
     int runs = 0, configurations = 0;
     for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
     {
@@ -58,9 +57,8 @@ static void the_cheapest_choice_that_meets_an_error_is_found_without_running_all
     assert_true( 4 * runs < configurations ); // it needs a fifth of them
 }
 
-static void the_most_accurate_choice_within_a_budget_is_found_without_running_all( void** state )
+TEST( the_most_accurate_choice_within_a_budget_is_found_without_running_all )
 {
-    (void)state;
     int runs = 0, configurations = 0;
     for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
     {
@@ -77,9 +75,8 @@ static void the_most_accurate_choice_within_a_budget_is_found_without_running_al
     assert_true( 4 * runs < configurations );
 }
 
-static void values_out_of_order_cost_a_tenth_at_most( void** state )
+TEST( values_out_of_order_cost_a_tenth_at_most )
 {
-    (void)state;
     for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
     {
         surface s = make_surface( seed, 6, 5, 3 );
@@ -93,9 +90,8 @@ static void values_out_of_order_cost_a_tenth_at_most( void** state )
     }
 }
 
-static void a_finer_value_that_is_cheaper_is_found_beside_the_best( void** state )
+TEST( a_finer_value_that_is_cheaper_is_found_beside_the_best )
 {
-    (void)state;
     surface s = { .counts = { 5, 1, 1 }, .ms = { 1.0, 2.0, 3.0, 2.9, 2.8 }, .error = { 0.5, 0.4, 0.3, 0.2, 0.1 } };
     searched by_error = search_of( &s, 0.3, 0.0 );
     wisp_tune_result cheap = find( &by_error );
@@ -103,9 +99,8 @@ static void a_finer_value_that_is_cheaper_is_found_beside_the_best( void** state
     wisp_tune_release( &cheap );
 }
 
-static void nothing_is_concluded_across_values_without_order( void** state )
+TEST( nothing_is_concluded_across_values_without_order )
 {
-    (void)state;
     for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
     {
         surface s = make_surface( seed, 6, 1, 4 );
@@ -124,9 +119,8 @@ static void nothing_is_concluded_across_values_without_order( void** state )
     }
 }
 
-static void noise_of_times_never_lets_an_error_pass( void** state )
+TEST( noise_of_times_never_lets_an_error_pass )
 {
-    (void)state;
     for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
     {
         surface s = make_surface( seed, 6, 5, 3 );
@@ -144,9 +138,8 @@ static void noise_of_times_never_lets_an_error_pass( void** state )
     }
 }
 
-static void choices_that_halt_are_never_chosen_and_hide_no_other( void** state )
+TEST( choices_that_halt_are_never_chosen_and_hide_no_other )
 {
-    (void)state;
     for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
     {
         surface s = make_surface( seed, 5, 4, 3 );
@@ -175,9 +168,8 @@ static void choices_that_halt_are_never_chosen_and_hide_no_other( void** state )
 
 // ---- targets that cannot be met ----
 
-static void an_error_out_of_reach_gives_the_most_accurate_choice_and_says_so( void** state )
+TEST( an_error_out_of_reach_gives_the_most_accurate_choice_and_says_so )
 {
-    (void)state;
     surface s = make_surface( 3, 6, 5, 4 );
     searched args = search_of( &s, 1e-30, 0.0 );
     wisp_tune_result found = find( &args );
@@ -187,9 +179,8 @@ static void an_error_out_of_reach_gives_the_most_accurate_choice_and_says_so( vo
     wisp_tune_release( &found );
 }
 
-static void a_budget_out_of_reach_gives_the_fastest_choice_and_says_so( void** state )
+TEST( a_budget_out_of_reach_gives_the_fastest_choice_and_says_so )
 {
-    (void)state;
     surface s = make_surface( 3, 6, 5, 4 );
     searched args = search_of( &s, 0.0, 1e-30 );
     wisp_tune_result found = find( &args );
@@ -198,9 +189,8 @@ static void a_budget_out_of_reach_gives_the_fastest_choice_and_says_so( void** s
     wisp_tune_release( &found );
 }
 
-static void where_every_choice_halts_nothing_is_met( void** state )
+TEST( where_every_choice_halts_nothing_is_met )
 {
-    (void)state;
     surface s = make_surface( 3, 3, 2, 2 );
     for ( int i = 0; i < size_of( &s ); ++i )
     {
@@ -220,9 +210,8 @@ static void where_every_choice_halts_nothing_is_met( void** state )
 
 // ---- use of the runs ----
 
-static void no_choice_is_run_twice_but_to_measure_it_again( void** state )
+TEST( no_choice_is_run_twice_but_to_measure_it_again )
 {
-    (void)state;
     surface s = make_surface( 5, 6, 5, 4 );
     s.noise = 0.05;
     searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
@@ -244,9 +233,8 @@ static void no_choice_is_run_twice_but_to_measure_it_again( void** state )
     wisp_tune_release( &found );
 }
 
-static void a_limit_of_runs_is_kept_and_told( void** state )
+TEST( a_limit_of_runs_is_kept_and_told )
 {
-    (void)state;
     for ( int limit = 1; limit <= 12; ++limit )
     {
         surface s = make_surface( 5, 6, 5, 4 );
@@ -322,9 +310,8 @@ static double best_of_many( const many_surface* s, double target )
 
 // Ruling out takes more than sixty runs here, so the limit cuts it: the excess cost of the configuration over the
 // best.
-static void a_limit_of_runs_leaves_enough_to_look_beside_the_best( void** state )
+TEST( a_limit_of_runs_leaves_enough_to_look_beside_the_best )
 {
-    (void)state;
     double sum = 0.0;
     for ( int seed = 1; seed <= 10; ++seed )
     {
@@ -352,9 +339,8 @@ static void a_limit_of_runs_leaves_enough_to_look_beside_the_best( void** state 
     assert_true( sum / 10.0 <= 0.5 );
 }
 
-static void time_that_is_up_leaves_one_run( void** state )
+TEST( time_that_is_up_leaves_one_run )
 {
-    (void)state;
     surface s = make_surface( 5, 6, 5, 4 );
     searched args = search_of( &s, 0.01, 0.0 );
     args.args.max_seconds = 1e-300;
@@ -370,9 +356,8 @@ static bool stop_after_five( void* user, int run_count, int max_runs )
     return max_runs == 1000 && run_count < 5;
 }
 
-static void the_host_may_stop_a_search( void** state )
+TEST( the_host_may_stop_a_search )
 {
-    (void)state;
     surface s = make_surface( 5, 6, 5, 4 );
     searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
     int told = 0;
@@ -385,9 +370,8 @@ static void the_host_may_stop_a_search( void** state )
     wisp_tune_release( &found );
 }
 
-static void a_parameter_of_one_value_is_left_alone( void** state )
+TEST( a_parameter_of_one_value_is_left_alone )
 {
-    (void)state;
     surface s = make_surface( 5, 1, 1, 1 );
     searched args = search_of( &s, 1.0, 0.0 );
     wisp_tune_result found = find( &args );
@@ -397,9 +381,8 @@ static void a_parameter_of_one_value_is_left_alone( void** state )
     wisp_tune_release( &found );
 }
 
-static void the_same_samples_lead_to_the_same_result( void** state )
+TEST( the_same_samples_lead_to_the_same_result )
 {
-    (void)state;
     surface first = make_surface( 8, 6, 5, 4 ), second = first;
     first.noise = second.noise = 0.2;
     const double target = between( first.error, size_of( &first ), 0.5 );
@@ -413,9 +396,8 @@ static void the_same_samples_lead_to_the_same_result( void** state )
     wisp_tune_release( &y );
 }
 
-static void the_front_is_what_nothing_beats( void** state )
+TEST( the_front_is_what_nothing_beats )
 {
-    (void)state;
     surface s = make_surface( 9, 6, 5, 4 );
     searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
     wisp_tune_result found = find( &args );
@@ -433,29 +415,4 @@ static void the_front_is_what_nothing_beats( void** state )
     }
     assert_true( fronts > 1 && fronts < found.trial_count );
     wisp_tune_release( &found );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_cheapest_choice_that_meets_an_error_is_found_without_running_all ),
-        cmocka_unit_test( the_most_accurate_choice_within_a_budget_is_found_without_running_all ),
-        cmocka_unit_test( values_out_of_order_cost_a_tenth_at_most ),
-        cmocka_unit_test( a_finer_value_that_is_cheaper_is_found_beside_the_best ),
-        cmocka_unit_test( nothing_is_concluded_across_values_without_order ),
-        cmocka_unit_test( noise_of_times_never_lets_an_error_pass ),
-        cmocka_unit_test( choices_that_halt_are_never_chosen_and_hide_no_other ),
-        cmocka_unit_test( an_error_out_of_reach_gives_the_most_accurate_choice_and_says_so ),
-        cmocka_unit_test( a_budget_out_of_reach_gives_the_fastest_choice_and_says_so ),
-        cmocka_unit_test( where_every_choice_halts_nothing_is_met ),
-        cmocka_unit_test( no_choice_is_run_twice_but_to_measure_it_again ),
-        cmocka_unit_test( a_limit_of_runs_is_kept_and_told ),
-        cmocka_unit_test( a_limit_of_runs_leaves_enough_to_look_beside_the_best ),
-        cmocka_unit_test( time_that_is_up_leaves_one_run ),
-        cmocka_unit_test( the_host_may_stop_a_search ),
-        cmocka_unit_test( a_parameter_of_one_value_is_left_alone ),
-        cmocka_unit_test( the_same_samples_lead_to_the_same_result ),
-        cmocka_unit_test( the_front_is_what_nothing_beats ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

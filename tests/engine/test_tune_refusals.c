@@ -12,9 +12,8 @@ static void assert_no_search( searched* args, wisp_status expected, const char* 
     assert_contains( error.message, words );
 }
 
-static void bad_targets_are_refused( void** state )
+TEST( bad_targets_are_refused )
 {
-    (void)state;
     static const double targets[][2] = { { 0, 0 }, { 1, 1 }, { -1, 0 }, { 0, -1 }, { 1, -1 } };
     surface s = make_surface( 1, 2, 2, 2 );
     for ( int i = 0; i < WISP_COUNT( targets ); ++i )
@@ -28,9 +27,8 @@ static void bad_targets_are_refused( void** state )
     assert_int_equal( s.run_count, 0 );
 }
 
-static void bad_parameters_are_refused( void** state )
+TEST( bad_parameters_are_refused )
 {
-    (void)state;
     surface s = make_surface( 1, 2, 2, 2 );
     searched none = search_of( &s, 1, 0 ), nine = none, nameless = none, empty = none, many = none, absent = none;
     none.args.parameter_count = 0;
@@ -52,9 +50,8 @@ static void bad_parameters_are_refused( void** state )
     assert_int_equal( s.run_count, 0 );
 }
 
-static void bad_limits_are_refused( void** state )
+TEST( bad_limits_are_refused )
 {
-    (void)state;
     surface s = make_surface( 1, 2, 2, 2 );
     searched runs = search_of( &s, 1, 0 ), seconds = runs, repeats = runs, callback = runs, allocator = runs;
     runs.args.max_runs = 0;
@@ -71,9 +68,8 @@ static void bad_limits_are_refused( void** state )
     assert_no_search( &allocator, WISP_BAD_INPUT, "allocator" );
 }
 
-static void a_run_that_fails_ends_the_search_with_its_message( void** state )
+TEST( a_run_that_fails_ends_the_search_with_its_message )
 {
-    (void)state;
     for ( int run = 1; run <= 6; ++run )
     {
         surface s = make_surface( 5, 6, 5, 4 );
@@ -84,9 +80,8 @@ static void a_run_that_fails_ends_the_search_with_its_message( void** state )
     }
 }
 
-static void a_sample_that_is_no_number_is_refused( void** state )
+TEST( a_sample_that_is_no_number_is_refused )
 {
-    (void)state;
     static const double wrong[] = { NAN, INFINITY, -1.0 };
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
     {
@@ -99,9 +94,8 @@ static void a_sample_that_is_no_number_is_refused( void** state )
     }
 }
 
-static void memory_that_runs_out_is_told_and_all_comes_back( void** state )
+TEST( memory_that_runs_out_is_told_and_all_comes_back )
 {
-    (void)state;
     for ( int refuse = 0; refuse <= 2; ++refuse )
     {
         test_host host = { .refuse = refuse };
@@ -123,17 +117,4 @@ static void memory_that_runs_out_is_told_and_all_comes_back( void** state )
         assert_int_equal( host.faults, 0 );
     }
     wisp_tune_release( NULL );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( bad_targets_are_refused ),
-        cmocka_unit_test( bad_parameters_are_refused ),
-        cmocka_unit_test( bad_limits_are_refused ),
-        cmocka_unit_test( a_run_that_fails_ends_the_search_with_its_message ),
-        cmocka_unit_test( a_sample_that_is_no_number_is_refused ),
-        cmocka_unit_test( memory_that_runs_out_is_told_and_all_comes_back ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -155,9 +155,8 @@ static wisp_tune_result find( cloth_host* host, const wisp_tune_def* args )
 
 // ---- results ----
 
-static void an_error_that_is_told_as_met_is_met_when_it_is_measured_apart( void** state )
+TEST( an_error_that_is_told_as_met_is_met_when_it_is_measured_apart )
 {
-    (void)state;
     // The error of a configuration in the middle is a target that some meet and some miss.
     static const int middle[2] = { 2, 0 };
     double target, largest;
@@ -185,9 +184,8 @@ static void an_error_that_is_told_as_met_is_met_when_it_is_measured_apart( void*
     assert_host_memory_is_released( &host.memory );
 }
 
-static void a_generous_budget_gives_the_most_accurate_of_what_was_run( void** state )
+TEST( a_generous_budget_gives_the_most_accurate_of_what_was_run )
 {
-    (void)state;
     cloth_host host = { .gravity = 9.81f };
     const wisp_tune_def args = job_of( &host, 0.0, 1e6 );
     wisp_tune_result found = find( &host, &args );
@@ -208,9 +206,8 @@ static wisp_status own_step( void* user, wisp_tune_world* world, int step, wisp_
                : wisp_fail( error, WISP_CONFLICT, "%s", wisp_world_message( world->world ) );
 }
 
-static void a_host_may_step_worlds_itself( void** state )
+TEST( a_host_may_step_worlds_itself )
 {
-    (void)state;
     cloth_host ours = { .gravity = 9.81f }, theirs = ours;
     wisp_tune_def args = job_of( &ours, 1e-9, 0.0 );
     wisp_tune_result plain = find( &ours, &args ), stepped;
@@ -240,9 +237,8 @@ static void assert_no_worlds( cloth_host* host, const wisp_tune_def* args, const
     assert_host_memory_is_released( &host->memory );
 }
 
-static void a_reference_that_halts_is_no_reference( void** state )
+TEST( a_reference_that_halts_is_no_reference )
 {
-    (void)state;
     cloth_host host = { .gravity = TOO_MUCH };
     const wisp_tune_def args = job_of( &host, 1e-3, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
@@ -250,18 +246,16 @@ static void a_reference_that_halts_is_no_reference( void** state )
     assert_int_equal( host.built, 1 );
 }
 
-static void worlds_of_different_points_are_not_compared( void** state )
+TEST( worlds_of_different_points_are_not_compared )
 {
-    (void)state;
     cloth_host host = { .gravity = 9.81f, .more_at = 8 };
     const wisp_tune_def args = job_of( &host, 1e-3, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
     assert_no_worlds( &host, &args, &def, WISP_CONFLICT, "got a world of 100 points and one of 81" );
 }
 
-static void a_world_that_cannot_be_built_ends_the_search( void** state )
+TEST( a_world_that_cannot_be_built_ends_the_search )
 {
-    (void)state;
     cloth_host host = { .gravity = 9.81f, .fail_at_substeps = 8 };
     const wisp_tune_def args = job_of( &host, 1e-9, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
@@ -269,9 +263,8 @@ static void a_world_that_cannot_be_built_ends_the_search( void** state )
     assert_true( host.built > 1 );
 }
 
-static void wrong_definitions_are_refused_before_anything_is_built( void** state )
+TEST( wrong_definitions_are_refused_before_anything_is_built )
 {
-    (void)state;
     cloth_host host = { .gravity = 9.81f };
     const wisp_tune_def args = job_of( &host, 1e-3, 0.0 ), neither = job_of( &host, 0.0, 0.0 );
     const wisp_tune_worlds_def good = worlds_def( &host );
@@ -290,9 +283,8 @@ static void wrong_definitions_are_refused_before_anything_is_built( void** state
     assert_int_equal( host.built, 0 );
 }
 
-static void what_is_no_point_is_refused( void** state )
+TEST( what_is_no_point_is_refused )
 {
-    (void)state;
     cloth_host host = { .gravity = 9.81f, .points = { .component = WISP_SURFACE_NORMALS } };
     const wisp_tune_def args = job_of( &host, 1e-3, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
@@ -301,9 +293,8 @@ static void what_is_no_point_is_refused( void** state )
     assert_no_worlds( &host, &args, &def, WISP_CONFLICT, "strand.points" );
 }
 
-static void memory_that_runs_out_is_told( void** state )
+TEST( memory_that_runs_out_is_told )
 {
-    (void)state;
     for ( int refuse = 1; refuse <= 4; ++refuse )
     {
         cloth_host host = { .gravity = 9.81f, .memory = { .refuse = refuse } };
@@ -311,20 +302,4 @@ static void memory_that_runs_out_is_told( void** state )
         const wisp_tune_worlds_def def = worlds_def( &host );
         assert_no_worlds( &host, &args, &def, WISP_NO_MEMORY, "out of memory" );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( an_error_that_is_told_as_met_is_met_when_it_is_measured_apart ),
-        cmocka_unit_test( a_generous_budget_gives_the_most_accurate_of_what_was_run ),
-        cmocka_unit_test( a_host_may_step_worlds_itself ),
-        cmocka_unit_test( a_reference_that_halts_is_no_reference ),
-        cmocka_unit_test( worlds_of_different_points_are_not_compared ),
-        cmocka_unit_test( a_world_that_cannot_be_built_ends_the_search ),
-        cmocka_unit_test( wrong_definitions_are_refused_before_anything_is_built ),
-        cmocka_unit_test( what_is_no_point_is_refused ),
-        cmocka_unit_test( memory_that_runs_out_is_told ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -260,9 +260,8 @@ static void ask_all( const test_mesh* m, wisp_collision_mesh* voxels, wisp_colli
     free( xyzw );
 }
 
-static void answers_are_those_of_brute_force_and_of_the_tree_bit_for_bit( void** state )
+TEST( answers_are_those_of_brute_force_and_of_the_tree_bit_for_bit )
 {
-    (void)state;
     for ( int which = 0; which < MESHES; ++which )
     {
         test_mesh m = make_mesh( which );
@@ -288,9 +287,8 @@ static void answers_are_those_of_brute_force_and_of_the_tree_bit_for_bit( void**
     }
 }
 
-static void meshes_of_any_scale_are_answered_alike( void** state )
+TEST( meshes_of_any_scale_are_answered_alike )
 {
-    (void)state;
     const float scales[] = { 1e-6f, 1e-3f, 1e5f, 3e8f };
     for ( int k = 0; k < WISP_COUNT( scales ); ++k )
     {
@@ -313,9 +311,8 @@ static void meshes_of_any_scale_are_answered_alike( void** state )
     }
 }
 
-static void the_middle_of_a_ball_finds_the_lowest_of_what_is_equally_far( void** state )
+TEST( the_middle_of_a_ball_finds_the_lowest_of_what_is_equally_far )
 {
-    (void)state;
     test_mesh m = test_mesh_ball( 16, false );
     float* xyzw = test_mesh_quads( &m );
     wisp_collision_mesh* voxels = make_voxels( &m, false, 0.0f );
@@ -333,9 +330,8 @@ static void the_middle_of_a_ball_finds_the_lowest_of_what_is_equally_far( void**
     test_mesh_free( &m );
 }
 
-static void few_triangles_are_looked_at_near_the_surface( void** state )
+TEST( few_triangles_are_looked_at_near_the_surface )
 {
-    (void)state;
     test_mesh m = test_mesh_ball( 40, false ); // 19 200 triangles
     wisp_collision_mesh* voxels = make_voxels( &m, false, 0.0f );
     wisp_collision_mesh_query_stats work = { 0 };
@@ -357,9 +353,8 @@ static void few_triangles_are_looked_at_near_the_surface( void** state )
     test_mesh_free( &m );
 }
 
-static void numbers_that_are_none_are_refused( void** state )
+TEST( numbers_that_are_none_are_refused )
 {
-    (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     wisp_collision_mesh* voxels = make_voxels( &m, true, 0.0f );
     assert_refuses_bad_numbers( voxels );
@@ -367,9 +362,8 @@ static void numbers_that_are_none_are_refused( void** state )
     test_mesh_free( &m );
 }
 
-static void the_ends_of_the_reach_are_answered( void** state )
+TEST( the_ends_of_the_reach_are_answered )
 {
-    (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     wisp_collision_mesh* voxels = make_voxels( &m, false, 1e-6f );
     assert_answers_the_ends_of_the_reach( voxels );
@@ -386,9 +380,8 @@ static wisp_vec3* copy_points( const test_mesh* m )
     return points;
 }
 
-static void voxels_of_a_mesh_that_deforms_are_built_again( void** state )
+TEST( voxels_of_a_mesh_that_deforms_are_built_again )
 {
-    (void)state;
     test_mesh m = test_mesh_sheet( 24, 0.1f );
     wisp_vec3* rest = copy_points( &m );
     wisp_collision_mesh *voxels = make_voxels( &m, true, 0.0f ), *tree = make_tree_if_any( &m, true );
@@ -410,9 +403,8 @@ static void voxels_of_a_mesh_that_deforms_are_built_again( void** state )
     test_mesh_free( &m );
 }
 
-static void an_update_that_fails_leaves_everything_as_it_was( void** state )
+TEST( an_update_that_fails_leaves_everything_as_it_was )
 {
-    (void)state;
     test_mesh m = test_mesh_sheet( 12, 0.1f );
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
@@ -455,9 +447,8 @@ static void an_update_that_fails_leaves_everything_as_it_was( void** state )
     test_mesh_free( &m );
 }
 
-static void a_rigid_mesh_cannot_be_updated( void** state )
+TEST( a_rigid_mesh_cannot_be_updated )
 {
-    (void)state;
     test_mesh m = test_mesh_sheet( 2, 0.0f );
     wisp_collision_mesh* voxels = make_voxels( &m, false, 0.0f );
     wisp_error error = { 0 };
@@ -469,9 +460,8 @@ static void a_rigid_mesh_cannot_be_updated( void** state )
 
 // ---- limits ----
 
-static void voxels_are_no_more_than_there_may_be( void** state )
+TEST( voxels_are_no_more_than_there_may_be )
 {
-    (void)state;
     for ( int which = 0; which < POINT_LIKE; ++which )
     {
         test_mesh m = make_mesh( which );
@@ -493,9 +483,8 @@ static void voxels_are_no_more_than_there_may_be( void** state )
     }
 }
 
-static void voxels_are_as_large_as_queried_for( void** state )
+TEST( voxels_are_as_large_as_queried_for )
 {
-    (void)state;
     test_mesh m = test_mesh_ball( 20, false );
     wisp_collision_mesh* queried = make_voxels( &m, false, 0.125f );
     wisp_collision_mesh_stats info = wisp_collision_mesh_get_stats( queried );
@@ -510,9 +499,8 @@ static void voxels_are_as_large_as_queried_for( void** state )
     test_mesh_free( &m );
 }
 
-static void a_limit_of_memory_makes_voxels_larger( void** state )
+TEST( a_limit_of_memory_makes_voxels_larger )
 {
-    (void)state;
     test_mesh m = test_mesh_bumpy( 20 );
     wisp_collision_mesh_def def = test_mesh_def( &m, false );
     def.search = WISP_MESH_SEARCH_VOXELS;
@@ -539,9 +527,8 @@ static void a_limit_of_memory_makes_voxels_larger( void** state )
     test_mesh_free( &m );
 }
 
-static void every_refused_block_is_a_message_and_leaves_nothing( void** state )
+TEST( every_refused_block_is_a_message_and_leaves_nothing )
 {
-    (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
@@ -554,9 +541,8 @@ static void every_refused_block_is_a_message_and_leaves_nothing( void** state )
     test_mesh_free( &m );
 }
 
-static void a_wrong_search_is_refused( void** state )
+TEST( a_wrong_search_is_refused )
 {
-    (void)state;
     test_mesh m = test_mesh_ball( 2, false );
     const struct
     {
@@ -581,25 +567,4 @@ static void a_wrong_search_is_refused( void** state )
         assert_non_null( strstr( error.message, wrong[i].word ) );
     }
     test_mesh_free( &m );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( answers_are_those_of_brute_force_and_of_the_tree_bit_for_bit ),
-        cmocka_unit_test( meshes_of_any_scale_are_answered_alike ),
-        cmocka_unit_test( the_middle_of_a_ball_finds_the_lowest_of_what_is_equally_far ),
-        cmocka_unit_test( few_triangles_are_looked_at_near_the_surface ),
-        cmocka_unit_test( numbers_that_are_none_are_refused ),
-        cmocka_unit_test( the_ends_of_the_reach_are_answered ),
-        cmocka_unit_test( voxels_of_a_mesh_that_deforms_are_built_again ),
-        cmocka_unit_test( an_update_that_fails_leaves_everything_as_it_was ),
-        cmocka_unit_test( a_rigid_mesh_cannot_be_updated ),
-        cmocka_unit_test( voxels_are_no_more_than_there_may_be ),
-        cmocka_unit_test( voxels_are_as_large_as_queried_for ),
-        cmocka_unit_test( a_limit_of_memory_makes_voxels_larger ),
-        cmocka_unit_test( every_refused_block_is_a_message_and_leaves_nothing ),
-        cmocka_unit_test( a_wrong_search_is_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -4,7 +4,7 @@
 
 // ---- stale handles ----
 
-static void every_call_with_a_stale_handle_says_so( void** state )
+WORLD_TEST( every_call_with_a_stale_handle_says_so )
 {
     hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 ), out = { 1, 1 };
@@ -33,7 +33,7 @@ static void every_call_with_a_stale_handle_says_so( void** state )
 
 // ---- requests and views ----
 
-static void points_come_out_in_the_users_order( void** state )
+WORLD_TEST( points_come_out_in_the_users_order )
 {
     hosted* h = *state;
     static const int lengths[] = { 3, 0, 7, 1, 7, 2, 0, 12 };
@@ -50,7 +50,7 @@ static void points_come_out_in_the_users_order( void** state )
     test_strands_free( &s );
 }
 
-static void a_view_of_what_nobody_requests_is_a_conflict( void** state )
+WORLD_TEST( a_view_of_what_nobody_requests_is_a_conflict )
 {
     hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
@@ -64,7 +64,7 @@ static void a_view_of_what_nobody_requests_is_a_conflict( void** state )
     }
 }
 
-static void a_request_for_a_component_that_no_module_knows_is_a_conflict( void** state )
+WORLD_TEST( a_request_for_a_component_that_no_module_knows_is_a_conflict )
 {
     hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
@@ -75,7 +75,7 @@ static void a_request_for_a_component_that_no_module_knows_is_a_conflict( void**
     assert_one_message( wisp_world_message( h->world ) );
 }
 
-static void a_request_brings_a_pass_and_taking_it_back_takes_it_away( void** state )
+WORLD_TEST( a_request_brings_a_pass_and_taking_it_back_takes_it_away )
 {
     hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
@@ -88,7 +88,7 @@ static void a_request_brings_a_pass_and_taking_it_back_takes_it_away( void** sta
     assert_int_equal( wisp_world_view( h->world, e, WISP_STRAND_POINTS, &view ), WISP_CONFLICT );
 }
 
-static void a_request_taken_back_keeps_rows_that_the_user_gave( void** state )
+WORLD_TEST( a_request_taken_back_keeps_rows_that_the_user_gave )
 {
     hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
@@ -101,7 +101,7 @@ static void a_request_taken_back_keeps_rows_that_the_user_gave( void** state )
     assert_true( ( (const float*)view_of( h->world, e, WISP_POINT_WIDTH ).data )[8] == 5.0f );
 }
 
-static void points_requested_again_are_there_again( void** state )
+WORLD_TEST( points_requested_again_are_there_again )
 {
     hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
@@ -115,7 +115,7 @@ static void points_requested_again_are_there_again( void** state )
     assert_int_equal( hash_of( h->world, e, WISP_STRAND_POINTS ), hash );
 }
 
-static void strands_without_strands_step_and_show_nothing( void** state )
+WORLD_TEST( strands_without_strands_step_and_show_nothing )
 {
     hosted* h = *state;
     wisp_entity none = add_frozen( h->world, 0, 0 ), empty = add_frozen( h->world, 20, 0 );
@@ -126,7 +126,7 @@ static void strands_without_strands_step_and_show_nothing( void** state )
 
 // ---- instances and removal ----
 
-static void an_instance_shares_its_sources_topology_and_starts_at_rest( void** state )
+WORLD_TEST( an_instance_shares_its_sources_topology_and_starts_at_rest )
 {
     hosted* h = *state;
     wisp_entity source = add_frozen( h->world, 20, 6 ), instance;
@@ -142,7 +142,7 @@ static void an_instance_shares_its_sources_topology_and_starts_at_rest( void** s
     assert_false( wisp_world_has( h->world, instance, WISP_STRAND_STIFFNESS ) );
 }
 
-static void an_instance_starts_in_its_pose( void** state )
+WORLD_TEST( an_instance_starts_in_its_pose )
 {
     hosted* h = *state;
     const wisp_entity source = add_frozen( h->world, 20, 6 );
@@ -184,7 +184,7 @@ static void an_instance_starts_in_its_pose( void** state )
     step( h->world );
 }
 
-static void an_instance_survives_its_source( void** state )
+WORLD_TEST( an_instance_survives_its_source )
 {
     hosted* h = *state;
     wisp_entity source = add_frozen( h->world, 20, 6 ), instance, second;
@@ -202,7 +202,7 @@ static void an_instance_survives_its_source( void** state )
     assert_int_equal( hash_of( h->world, second, WISP_STRAND_POINTS ), hash );
 }
 
-static void removing_an_entity_leaves_the_others_as_they_are( void** state )
+WORLD_TEST( removing_an_entity_leaves_the_others_as_they_are )
 {
     hosted* h = *state;
     wisp_entity entities[5];
@@ -232,7 +232,7 @@ static void removing_an_entity_leaves_the_others_as_they_are( void** state )
 
 // ---- snapshots of a world ----
 
-static void a_snapshot_needs_room_and_brings_the_state_back( void** state )
+WORLD_TEST( a_snapshot_needs_room_and_brings_the_state_back )
 {
     hosted* h = *state;
     wisp_entity e = add_frozen( h->world, 20, 6 );
@@ -270,21 +270,21 @@ static void step_twice_from_a_snapshot( hosted* h, wisp_frozen_base base, uint64
     free( saved.bytes );
 }
 
-static void a_restored_world_goes_on_as_the_one_that_was_taken( void** state )
+WORLD_TEST( a_restored_world_goes_on_as_the_one_that_was_taken )
 {
     uint64_t hashes[2];
     step_twice_from_a_snapshot( *state, WISP_FROZEN_BASE_REST, hashes );
     assert_int_equal( hashes[0], hashes[1] );
 }
 
-static void a_restored_world_whose_shape_builds_on_itself_goes_on_the_same_way( void** state )
+WORLD_TEST( a_restored_world_whose_shape_builds_on_itself_goes_on_the_same_way )
 {
     uint64_t hashes[2];
     step_twice_from_a_snapshot( *state, WISP_FROZEN_BASE_PREVIOUS, hashes );
     assert_int_equal( hashes[0], hashes[1] );
 }
 
-static void a_snapshot_of_strands_cut_differently_is_refused( void** state )
+WORLD_TEST( a_snapshot_of_strands_cut_differently_is_refused )
 {
     hosted* h = *state;
     // as many strands, vertices, groups and rows, but vertex 6 belongs to another strand
@@ -320,9 +320,8 @@ static wisp_world* open_frozen_world( const wisp_module* const* modules, int cou
     return world;
 }
 
-static void a_snapshot_of_a_world_with_other_modules_goes_on_alike_or_is_refused( void** state )
+TEST( a_snapshot_of_a_world_with_other_modules_goes_on_alike_or_is_refused )
 {
-    (void)state;
     static const wisp_module* const more[] = { &wisp_environment_module, &wisp_strand_appearance_module,
                                                &wisp_frozen_hair_module };
     wisp_entity e, other_e;
@@ -343,7 +342,7 @@ static void a_snapshot_of_a_world_with_other_modules_goes_on_alike_or_is_refused
     assert_int_equal( other_hash, hash );
 }
 
-static void a_snapshot_of_flat_strands_is_refused_by_deep_ones( void** state )
+WORLD_TEST( a_snapshot_of_flat_strands_is_refused_by_deep_ones )
 {
     hosted* h = *state;
     static const wisp_vec3 points[] = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 1.0f, 0.0f } };
@@ -367,7 +366,7 @@ static void a_snapshot_of_flat_strands_is_refused_by_deep_ones( void** state )
 
 // ---- counters ----
 
-static void counters_have_names_and_start_at_zero( void** state )
+WORLD_TEST( counters_have_names_and_start_at_zero )
 {
     hosted* h = *state;
     for ( int i = 0; i < WISP_COUNTER_COUNT; ++i )
@@ -378,7 +377,7 @@ static void counters_have_names_and_start_at_zero( void** state )
     assert_string_equal( wisp_counter_name( WISP_COUNTER_COUNT ), "unknown" );
 }
 
-static void counters_count_what_a_scene_met( void** state )
+WORLD_TEST( counters_count_what_a_scene_met )
 {
     hosted* h = *state;
     wisp_entity e = add_frozen( h->world, 40, 6 );
@@ -398,7 +397,7 @@ static void counters_count_what_a_scene_met( void** state )
     assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_COARSE_GRIDS ), report.coarse_grid );
 }
 
-static void a_neighbour_limit_that_bites_is_counted( void** state )
+WORLD_TEST( a_neighbour_limit_that_bites_is_counted )
 {
     hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 40, 6 );
@@ -412,7 +411,7 @@ static void a_neighbour_limit_that_bites_is_counted( void** state )
 
 // ---- many worlds ----
 
-static void a_hundred_worlds_live_side_by_side_and_agree( void** state )
+WORLD_TEST( a_hundred_worlds_live_side_by_side_and_agree )
 {
     hosted* h = *state;
     wisp_world* worlds[100];
@@ -440,33 +439,4 @@ static void a_hundred_worlds_live_side_by_side_and_agree( void** state )
         wisp_world_destroy( worlds[i] );
     }
     assert_int_equal( same, 99 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        WORLD_TEST( every_call_with_a_stale_handle_says_so ),
-        WORLD_TEST( points_come_out_in_the_users_order ),
-        WORLD_TEST( a_view_of_what_nobody_requests_is_a_conflict ),
-        WORLD_TEST( a_request_for_a_component_that_no_module_knows_is_a_conflict ),
-        WORLD_TEST( a_request_brings_a_pass_and_taking_it_back_takes_it_away ),
-        WORLD_TEST( a_request_taken_back_keeps_rows_that_the_user_gave ),
-        WORLD_TEST( points_requested_again_are_there_again ),
-        WORLD_TEST( strands_without_strands_step_and_show_nothing ),
-        WORLD_TEST( an_instance_shares_its_sources_topology_and_starts_at_rest ),
-        WORLD_TEST( an_instance_starts_in_its_pose ),
-        WORLD_TEST( an_instance_survives_its_source ),
-        WORLD_TEST( removing_an_entity_leaves_the_others_as_they_are ),
-        WORLD_TEST( a_snapshot_needs_room_and_brings_the_state_back ),
-        WORLD_TEST( a_restored_world_goes_on_as_the_one_that_was_taken ),
-        WORLD_TEST( a_restored_world_whose_shape_builds_on_itself_goes_on_the_same_way ),
-        WORLD_TEST( a_snapshot_of_strands_cut_differently_is_refused ),
-        cmocka_unit_test( a_snapshot_of_a_world_with_other_modules_goes_on_alike_or_is_refused ),
-        WORLD_TEST( a_snapshot_of_flat_strands_is_refused_by_deep_ones ),
-        WORLD_TEST( counters_have_names_and_start_at_zero ),
-        WORLD_TEST( counters_count_what_a_scene_met ),
-        WORLD_TEST( a_neighbour_limit_that_bites_is_counted ),
-        WORLD_TEST( a_hundred_worlds_live_side_by_side_and_agree ),
-    };
-    return cmocka_run_group_tests_name( "world", tests, NULL, NULL );
 }

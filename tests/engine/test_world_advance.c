@@ -32,7 +32,7 @@ static void advance( wisp_world* world, double seconds )
     assert_status( world, wisp_world_advance( world, (float)seconds, DT, NULL, NULL ), WISP_OK );
 }
 
-static void points_are_one_step_late_and_smooth( void** state )
+WORLD_TEST( points_are_one_step_late_and_smooth )
 {
     hosted* h = *state;
     const wisp_entity e = add_flying( h->world );
@@ -54,7 +54,7 @@ static void count_call( void* user, wisp_world* world )
     *(int*)user += 1;
 }
 
-static void each_step_is_announced_and_eight_are_the_most( void** state )
+WORLD_TEST( each_step_is_announced_and_eight_are_the_most )
 {
     hosted* h = *state;
     add_flying( h->world );
@@ -70,7 +70,7 @@ static void each_step_is_announced_and_eight_are_the_most( void** state )
     }
 }
 
-static void a_step_of_its_own_shows_its_own_points( void** state )
+WORLD_TEST( a_step_of_its_own_shows_its_own_points )
 {
     hosted* h = *state;
     const wisp_entity e = add_flying( h->world );
@@ -81,7 +81,7 @@ static void a_step_of_its_own_shows_its_own_points( void** state )
 }
 
 // Interpolation is for display: a hash is that of the step, and a restored state is shown without interpolation.
-static void hashes_and_restored_points_are_those_of_the_step( void** state )
+WORLD_TEST( hashes_and_restored_points_are_those_of_the_step )
 {
     hosted* h = *state;
     const wisp_entity e = add_flying( h->world );
@@ -102,7 +102,7 @@ static void hashes_and_restored_points_are_those_of_the_step( void** state )
     free( bytes );
 }
 
-static void entities_may_come_and_go( void** state )
+WORLD_TEST( entities_may_come_and_go )
 {
     hosted* h = *state;
     const wisp_entity first = add_flying( h->world );
@@ -119,7 +119,7 @@ static void entities_may_come_and_go( void** state )
     assert_true( fabs( x_of( h->world, second ) - 2.75 * (double)DT ) < 1e-5 );
 }
 
-static void a_repeated_call_allocates_nothing( void** state )
+WORLD_TEST( a_repeated_call_allocates_nothing )
 {
     hosted* h = *state;
     add_flying( h->world );
@@ -132,7 +132,7 @@ static void a_repeated_call_allocates_nothing( void** state )
     assert_int_equal( atomic_load( &h->host.queried ), requests );
 }
 
-static void wrong_times_are_refused( void** state )
+WORLD_TEST( wrong_times_are_refused )
 {
     hosted* h = *state;
     const float wrong[][2] = {
@@ -144,18 +144,4 @@ static void wrong_times_are_refused( void** state )
         assert_one_message( wisp_world_message( h->world ) );
     }
     assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), 0 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        WORLD_TEST( points_are_one_step_late_and_smooth ),
-        WORLD_TEST( each_step_is_announced_and_eight_are_the_most ),
-        WORLD_TEST( a_step_of_its_own_shows_its_own_points ),
-        WORLD_TEST( entities_may_come_and_go ),
-        WORLD_TEST( hashes_and_restored_points_are_those_of_the_step ),
-        WORLD_TEST( a_repeated_call_allocates_nothing ),
-        WORLD_TEST( wrong_times_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

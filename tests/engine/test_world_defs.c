@@ -16,9 +16,8 @@ static void assert_no_world( const wisp_world_def* def, const char* words )
     assert_int_equal( wisp_world_create( def, &world, NULL ), WISP_BAD_INPUT );
 }
 
-static void a_world_of_impossible_workers_is_refused( void** state )
+TEST( a_world_of_impossible_workers_is_refused )
 {
-    (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 1;
     def.workers = -1;
@@ -27,9 +26,8 @@ static void a_world_of_impossible_workers_is_refused( void** state )
     assert_no_world( &def, "workers: got 65" );
 }
 
-static void a_world_of_no_loops_is_refused( void** state )
+TEST( a_world_of_no_loops_is_refused )
 {
-    (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 0;
     assert_no_world( &def, "substeps, iterations: got 0 and" );
@@ -38,9 +36,8 @@ static void a_world_of_no_loops_is_refused( void** state )
     assert_no_world( &def, "and -5, expected 1 to 1000000" );
 }
 
-static void half_an_allocator_is_refused( void** state )
+TEST( half_an_allocator_is_refused )
 {
-    (void)state;
     test_host host = { 0 };
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 1;
@@ -52,9 +49,8 @@ static void half_an_allocator_is_refused( void** state )
     assert_no_world( &def, "allocator" );
 }
 
-static void modules_that_are_not_there_are_refused( void** state )
+TEST( modules_that_are_not_there_are_refused )
 {
-    (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 1;
     def.module_count = -1;
@@ -63,18 +59,16 @@ static void modules_that_are_not_there_are_refused( void** state )
     assert_no_world( &def, "module_count: got 2" );
 }
 
-static void an_unknown_instruction_set_is_refused( void** state )
+TEST( an_unknown_instruction_set_is_refused )
 {
-    (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 1;
     def.isa = "sse9";
     assert_no_world( &def, "'sse9'" );
 }
 
-static void a_known_instruction_set_is_a_cap( void** state )
+TEST( a_known_instruction_set_is_a_cap )
 {
-    (void)state;
     static const char* const isas[] = { "baseline", "avx2", "avx512" };
     for ( int i = 0; i < WISP_COUNT( isas ); ++i )
     {
@@ -93,9 +87,8 @@ static void a_known_instruction_set_is_a_cap( void** state )
     }
 }
 
-static void a_default_world_has_a_worker_and_an_instruction_set( void** state )
+TEST( a_default_world_has_a_worker_and_an_instruction_set )
 {
-    (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 1;
     wisp_world* world = NULL;
@@ -108,9 +101,8 @@ static void a_default_world_has_a_worker_and_an_instruction_set( void** state )
     wisp_world_destroy( NULL );
 }
 
-static void a_definition_that_no_function_has_filled_is_refused( void** state )
+TEST( a_definition_that_no_function_has_filled_is_refused )
 {
-    (void)state;
     const wisp_world_def zero = { 0 };
     assert_no_world( &zero, "expected one that wisp_default_world_def() has filled" );
     assert_no_world( NULL, "got null" );
@@ -119,9 +111,8 @@ static void a_definition_that_no_function_has_filled_is_refused( void** state )
     assert_no_world( &newer, "compiled with a newer version" );
 }
 
-static void a_definition_of_an_older_version_has_defaults_where_it_ends( void** state )
+TEST( a_definition_of_an_older_version_has_defaults_where_it_ends )
 {
-    (void)state;
     wisp_world_def older, whole = wisp_default_world_def();
     memset( &older, 0x5a, sizeof( older ) );
     wisp_init_world_def( &older, offsetof( wisp_world_def, substeps ) );
@@ -135,9 +126,8 @@ static void a_definition_of_an_older_version_has_defaults_where_it_ends( void** 
     assert_int_equal( whole.size, sizeof( whole ) );
 }
 
-static void a_host_that_is_newer_finds_zeros_in_what_the_library_does_not_know( void** state )
+TEST( a_host_that_is_newer_finds_zeros_in_what_the_library_does_not_know )
 {
-    (void)state;
     struct
     {
         wisp_world_def def;
@@ -153,9 +143,8 @@ static void a_host_that_is_newer_finds_zeros_in_what_the_library_does_not_know( 
     assert_int_equal( newer.def.size, sizeof( newer ) );
 }
 
-static void counts_beyond_sense_are_refused( void** state )
+TEST( counts_beyond_sense_are_refused )
 {
-    (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 2000000000;
     assert_no_world( &def, "got 2000000000 and 1, expected 1 to 1000000" );
@@ -227,9 +216,8 @@ static wisp_status declare_nothing_and_fail( wisp_registry* r )
     return WISP_BAD_INPUT;
 }
 
-static void a_module_that_declares_wrongly_is_refused_by_name( void** state )
+TEST( a_module_that_declares_wrongly_is_refused_by_name )
 {
-    (void)state;
     static const struct
     {
         wisp_module module;
@@ -292,7 +280,7 @@ static void assert_no_strands( hosted* h, const wisp_strands_def* def, const cha
     assert_contains( wisp_world_message( h->world ), words );
 }
 
-static void strands_with_wrong_counts_are_refused( void** state )
+WORLD_TEST( strands_with_wrong_counts_are_refused )
 {
     hosted* h = *state;
     wisp_strands_def def = two_strands();
@@ -312,7 +300,7 @@ static void strands_with_wrong_counts_are_refused( void** state )
     assert_no_strands( h, &def, "dimension: got 4" );
 }
 
-static void strands_with_wrong_offsets_are_refused_by_number( void** state )
+WORLD_TEST( strands_with_wrong_offsets_are_refused_by_number )
 {
     hosted* h = *state;
     wisp_strands_def def = two_strands();
@@ -326,7 +314,7 @@ static void strands_with_wrong_offsets_are_refused_by_number( void** state )
     assert_no_strands( h, &def, "strand 1: got vertices 2 to 2147483647" );
 }
 
-static void points_that_are_no_places_are_refused_by_strand_and_vertex( void** state )
+WORLD_TEST( points_that_are_no_places_are_refused_by_strand_and_vertex )
 {
     hosted* h = *state;
     const float wrong[] = { NAN, INFINITY, -INFINITY, 1.1e6f, -1.1e6f };
@@ -341,7 +329,7 @@ static void points_that_are_no_places_are_refused_by_strand_and_vertex( void** s
     }
 }
 
-static void flat_strands_with_depth_are_refused( void** state )
+WORLD_TEST( flat_strands_with_depth_are_refused )
 {
     hosted* h = *state;
     wisp_vec3 points[WISP_COUNT( POINTS )];
@@ -353,7 +341,7 @@ static void flat_strands_with_depth_are_refused( void** state )
     assert_no_strands( h, &def, "strand 1, vertex 0: got z = 0.5" );
 }
 
-static void a_step_of_no_possible_length_is_refused( void** state )
+WORLD_TEST( a_step_of_no_possible_length_is_refused )
 {
     hosted* h = *state;
     const float wrong[] = { 0.0f, -0.01f, NAN, INFINITY };
@@ -363,28 +351,4 @@ static void a_step_of_no_possible_length_is_refused( void** state )
         assert_one_message( wisp_world_message( h->world ) );
     }
     assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), 0 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_world_of_impossible_workers_is_refused ),
-        cmocka_unit_test( a_world_of_no_loops_is_refused ),
-        cmocka_unit_test( half_an_allocator_is_refused ),
-        cmocka_unit_test( modules_that_are_not_there_are_refused ),
-        cmocka_unit_test( an_unknown_instruction_set_is_refused ),
-        cmocka_unit_test( a_known_instruction_set_is_a_cap ),
-        cmocka_unit_test( a_default_world_has_a_worker_and_an_instruction_set ),
-        cmocka_unit_test( a_definition_that_no_function_has_filled_is_refused ),
-        cmocka_unit_test( a_definition_of_an_older_version_has_defaults_where_it_ends ),
-        cmocka_unit_test( a_host_that_is_newer_finds_zeros_in_what_the_library_does_not_know ),
-        cmocka_unit_test( counts_beyond_sense_are_refused ),
-        cmocka_unit_test( a_module_that_declares_wrongly_is_refused_by_name ),
-        WORLD_TEST( strands_with_wrong_counts_are_refused ),
-        WORLD_TEST( strands_with_wrong_offsets_are_refused_by_number ),
-        WORLD_TEST( points_that_are_no_places_are_refused_by_strand_and_vertex ),
-        WORLD_TEST( flat_strands_with_depth_are_refused ),
-        WORLD_TEST( a_step_of_no_possible_length_is_refused ),
-    };
-    return cmocka_run_group_tests_name( "world, definitions", tests, NULL, NULL );
 }

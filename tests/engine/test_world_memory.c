@@ -3,7 +3,7 @@
 
 // ---- size of a world ----
 
-static void a_world_knows_every_byte_it_was_lent( void** state )
+WORLD_TEST( a_world_knows_every_byte_it_was_lent )
 {
     hosted* h = *state;
     assert_int_equal( wisp_world_memory( h->world ), atomic_load( &h->host.bytes ) );
@@ -31,7 +31,7 @@ static void add_and_remove_everything( wisp_world* world )
     step( world );
 }
 
-static void removing_everything_frees_all_columns_and_topologies( void** state )
+WORLD_TEST( removing_everything_frees_all_columns_and_topologies )
 {
     hosted* h = *state;
     int64_t blocks = atomic_load( &h->host.blocks );
@@ -48,7 +48,7 @@ static void removing_everything_frees_all_columns_and_topologies( void** state )
     assert_int_equal( atomic_load( &h->host.blocks ), blocks + 1 ); // the slots stay
 }
 
-static void coming_and_going_again_and_again_holds_no_more_memory( void** state )
+WORLD_TEST( coming_and_going_again_and_again_holds_no_more_memory )
 {
     hosted* h = *state;
     add_and_remove_everything( h->world );
@@ -60,9 +60,8 @@ static void coming_and_going_again_and_again_holds_no_more_memory( void** state 
     }
 }
 
-static void a_world_with_many_workers_gives_everything_back( void** state )
+TEST( a_world_with_many_workers_gives_everything_back )
 {
-    (void)state;
     for ( int workers = 1; workers <= 8; ++workers )
     {
         hosted h = { 0 };
@@ -102,9 +101,8 @@ static int64_t requests_of_warm_steps( int workers )
     return requests;
 }
 
-static void a_warm_step_asks_for_no_memory( void** state )
+TEST( a_warm_step_asks_for_no_memory )
 {
-    (void)state;
     assert_int_equal( requests_of_warm_steps( 1 ), 0 );
     assert_int_equal( requests_of_warm_steps( 2 ), 0 );
     assert_int_equal( requests_of_warm_steps( 5 ), 0 );
@@ -287,36 +285,18 @@ static void refuse_every_request( int workers, bool rest )
     assert_true( scenes_that_failed > WISP_COUNT( CALLS ) );
 }
 
-static void any_one_request_may_be_refused( void** state )
+TEST( any_one_request_may_be_refused )
 {
-    (void)state;
     refuse_every_request( 1, false );
 }
 
-static void any_one_request_may_be_refused_where_workers_ask( void** state )
+TEST( any_one_request_may_be_refused_where_workers_ask )
 {
-    (void)state;
     refuse_every_request( 3, false );
 }
 
-static void memory_may_end_at_any_request( void** state )
+TEST( memory_may_end_at_any_request )
 {
-    (void)state;
     refuse_every_request( 1, true );
     refuse_every_request( 3, true );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        WORLD_TEST( a_world_knows_every_byte_it_was_lent ),
-        WORLD_TEST( removing_everything_frees_all_columns_and_topologies ),
-        WORLD_TEST( coming_and_going_again_and_again_holds_no_more_memory ),
-        cmocka_unit_test( a_world_with_many_workers_gives_everything_back ),
-        cmocka_unit_test( a_warm_step_asks_for_no_memory ),
-        cmocka_unit_test( any_one_request_may_be_refused ),
-        cmocka_unit_test( any_one_request_may_be_refused_where_workers_ask ),
-        cmocka_unit_test( memory_may_end_at_any_request ),
-    };
-    return cmocka_run_group_tests_name( "world, memory", tests, NULL, NULL );
 }

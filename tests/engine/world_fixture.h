@@ -148,4 +148,4 @@ static inline void assert_near( double actual, double expected, double tolerance
     }
 }
 
-#define WORLD_TEST( test ) cmocka_unit_test_setup_teardown( test, open_hosted, close_hosted )
+#define WORLD_TEST( test ) TEST_WITH( test, open_hosted, close_hosted )

@@ -37,7 +37,7 @@ static inline void free_colliding( hosted* h )
     close_hosted( &state );
 }
 
-#define COLLISION_TEST( test ) cmocka_unit_test_setup_teardown( test, open_colliding, close_hosted )
+#define COLLISION_TEST( test ) TEST_WITH( test, open_colliding, close_hosted )
 
 static inline void run_for( wisp_world* world, float dt, int steps )
 {

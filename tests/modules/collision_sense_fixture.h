@@ -57,7 +57,7 @@ static inline int open_sense( void** state )
     return 0;
 }
 
-#define SENSE_TEST( test ) cmocka_unit_test_setup_teardown( test, open_sense, close_hosted )
+#define SENSE_TEST( test ) TEST_WITH( test, open_sense, close_hosted )
 
 static inline wisp_entity add_surface( wisp_world* world, const test_mesh* mesh )
 {

@@ -36,7 +36,7 @@ static inline int open_implicit_world( void** state )
     return 0;
 }
 
-#define IMPLICIT_TEST( test ) cmocka_unit_test_setup_teardown( test, open_implicit_world, close_hosted )
+#define IMPLICIT_TEST( test ) TEST_WITH( test, open_implicit_world, close_hosted )
 
 /// Solved to the limit of single precision.
 static inline wisp_implicit_cloth_def exact_def( void )

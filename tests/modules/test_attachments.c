@@ -100,9 +100,8 @@ static void assert_at( wisp_world* world, wisp_entity e, wisp_vec3 expected )
 static const wisp_vec3 PIN = { 0.12f, 0.05f, 0.17f };
 static const int32_t FIRST[] = { 0 };
 
-static void a_pin_goes_along_with_a_rigid_motion( void** state )
+TEST( a_pin_goes_along_with_a_rigid_motion )
 {
-    (void)state;
     hosted* h = open_attached( 4, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
@@ -120,9 +119,8 @@ static void a_pin_goes_along_with_a_rigid_motion( void** state )
 }
 
 // Barycentric coordinates follow the stretch, the offset along the normal stays.
-static void a_pin_goes_along_with_a_stretch( void** state )
+TEST( a_pin_goes_along_with_a_stretch )
 {
-    (void)state;
     hosted* h = open_attached( 3, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
@@ -139,9 +137,8 @@ static void a_pin_goes_along_with_a_stretch( void** state )
 }
 
 // Vertices that are free count as moving on: in free flight that is where they go.
-static void a_pin_goes_along_with_a_surface_that_flies( void** state )
+TEST( a_pin_goes_along_with_a_surface_that_flies )
 {
-    (void)state;
     hosted* h = open_attached( 5, 1 );
     test_mesh mesh = test_plane( SIDE, 0.1f );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
@@ -156,9 +153,8 @@ static void a_pin_goes_along_with_a_surface_that_flies( void** state )
     free_colliding( h );
 }
 
-static void detached_and_unpinned_vertices_stay_behind( void** state )
+TEST( detached_and_unpinned_vertices_stay_behind )
 {
-    (void)state;
     hosted* h = open_attached( 2, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
@@ -177,9 +173,8 @@ static void detached_and_unpinned_vertices_stay_behind( void** state )
     free_colliding( h );
 }
 
-static void pins_stay_when_the_other_surface_is_removed( void** state )
+TEST( pins_stay_when_the_other_surface_is_removed )
 {
-    (void)state;
     hosted* h = open_attached( 2, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
@@ -195,9 +190,8 @@ static void pins_stay_when_the_other_surface_is_removed( void** state )
     free_colliding( h );
 }
 
-static void a_snapshot_holds_attachments( void** state )
+TEST( a_snapshot_holds_attachments )
 {
-    (void)state;
     hosted* h = open_attached( 2, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
@@ -217,9 +211,8 @@ static void a_snapshot_holds_attachments( void** state )
     free_colliding( h );
 }
 
-static void no_attachment_is_no_pass( void** state )
+TEST( no_attachment_is_no_pass )
 {
-    (void)state;
     hosted* h = open_attached( 2, 1 );
     base b = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
@@ -230,9 +223,8 @@ static void no_attachment_is_no_pass( void** state )
     free_colliding( h );
 }
 
-static void wrong_attachments_are_refused( void** state )
+TEST( wrong_attachments_are_refused )
 {
-    (void)state;
     hosted* h = open_attached( 2, 1 );
     base b = add_base( h->world ), c = add_base( h->world );
     wisp_entity e = add_pinned( h->world, PIN );
@@ -253,19 +245,4 @@ static void wrong_attachments_are_refused( void** state )
     test_mesh_free( &b.mesh );
     test_mesh_free( &c.mesh );
     free_colliding( h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_pin_goes_along_with_a_rigid_motion ),
-        cmocka_unit_test( a_pin_goes_along_with_a_stretch ),
-        cmocka_unit_test( a_pin_goes_along_with_a_surface_that_flies ),
-        cmocka_unit_test( detached_and_unpinned_vertices_stay_behind ),
-        cmocka_unit_test( pins_stay_when_the_other_surface_is_removed ),
-        cmocka_unit_test( a_snapshot_holds_attachments ),
-        cmocka_unit_test( no_attachment_is_no_pass ),
-        cmocka_unit_test( wrong_attachments_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -8,9 +8,8 @@ static const double AIR = 1.20410, HELIUM = 0.16639; // kg/m^3, printed digits
 // ---- gravity and buoyancy ----
 
 // Eq. 1-2, gravity
-static void a_balloon_in_a_vacuum_falls_as_a_stone( void** state )
+TEST( a_balloon_in_a_vacuum_falls_as_a_stone )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     for ( int substeps = 1; substeps <= 10; substeps += 9 )
     {
@@ -40,9 +39,8 @@ static void a_balloon_in_a_vacuum_falls_as_a_stone( void** state )
 }
 
 // Eq. 1: w = 0
-static void a_pinned_vertex_stays_whatever_pulls( void** state )
+TEST( a_pinned_vertex_stays_whatever_pulls )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     const int32_t pin = 0;
     balloon_scene scene = balloon_scene_in_air( &mesh );
@@ -80,9 +78,8 @@ static double height_of_three_grams( double radius )
 }
 
 // Eq. 10
-static void three_grams_lift_off_at_the_radius_of_the_source( void** state )
+TEST( three_grams_lift_off_at_the_radius_of_the_source )
 {
-    (void)state;
     // 0.0884 m; the mesh of 5120 faces has 0.3 % less volume than its sphere, so 0.1 % more radius
     double reference = balloon_oracle_true_lift_off_radius_of_mass( 0.003, AIR - HELIUM );
     balloon_assert_close( reference, 0.0884, 5e-5 );
@@ -91,9 +88,8 @@ static void three_grams_lift_off_at_the_radius_of_the_source( void** state )
 }
 
 // Distributed by mass, it does not turn the body
-static void buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing( void** state )
+TEST( buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing )
 {
-    (void)state;
     balloon_mesh mesh = balloon_pear( 3 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.def.drag_coefficient = 0.0f;
@@ -113,9 +109,8 @@ static void buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing( v
 
 // Densities of the standard atmosphere at 5 km (255.65 K, 540.2 hPa): air 0.7361 kg/m^3, printed. Helium has 4.0026 /
 // 28.9644 of it, whatever the temperature.
-static void another_temperature_and_pressure_give_other_densities_lift_speed_and_drag( void** state )
+TEST( another_temperature_and_pressure_give_other_densities_lift_speed_and_drag )
 {
-    (void)state;
     const double air = 0.7361, helium = air * 4.0026 / 28.9644;
     balloon_mesh mesh = balloon_sphere( 4, 0.15 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
@@ -146,9 +141,8 @@ static void another_temperature_and_pressure_give_other_densities_lift_speed_and
 // ---- drag ----
 
 // Eq. 11: 5120 faces; the measured factors depend in the fourth digit on the direction of flight
-static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
+TEST( the_drag_of_a_rigid_sphere_is_what_each_variant_says )
 {
-    (void)state;
     const double factor[WISP_BALLOON_DRAG_COUNT] = { 0.9987, 1.9975, 0.0, 4.0 / 3.0 };
     const double allowed[WISP_BALLOON_DRAG_COUNT] = { 1e-3, 2e-3, 1e-5, 3e-3 };
     balloon_mesh mesh = balloon_sphere( 4, 0.15 );
@@ -189,9 +183,8 @@ static void keep_rigid( const balloon_flight* flight )
 
 // Eq. 11. The limit that keeps drag from reversing v decelerates less than the plain force: +2.4 % of speed at
 // substeps of 1/600 s, +0.2 % at 1/6000 s; here each of 480 substeps is 1/1200 s.
-static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
+TEST( a_rigid_sphere_rises_at_its_terminal_speed )
 {
-    (void)state;
     double reference = balloon_oracle_true_terminal_speed( 0.15, 0.003, 9.8, AIR, HELIUM, 0.5 );
     balloon_assert_close( reference, 2.32, 5e-3 );
     balloon_mesh mesh = balloon_sphere( 4, 0.15 );
@@ -213,9 +206,8 @@ static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void drag_stops_a_thrown_balloon_and_does_not_throw_it_back( void** state )
+TEST( drag_stops_a_thrown_balloon_and_does_not_throw_it_back )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     for ( int mode = 0; mode < WISP_BALLOON_DRAG_COUNT; ++mode )
     {
@@ -262,9 +254,8 @@ static balloon_scene pressed_scene( const balloon_mesh* mesh, double gauge )
 }
 
 // Eq. 12
-static void the_outlet_has_the_speed_flow_and_thrust_of_the_specification( void** state )
+TEST( the_outlet_has_the_speed_flow_and_thrust_of_the_specification )
 {
-    (void)state;
     const double gauge[] = { 1000.0, 2500.0, 7500.0 }, speed[] = { 109.6, 173.3, 300.0 };
     const double flow[] = { 1.82e-3, 2.88e-3, 4.996e-3 }, force[] = { 0.2, 0.5, 1.5 };
     balloon_mesh mesh = balloon_pear( 2 );
@@ -288,9 +279,8 @@ static void the_outlet_has_the_speed_flow_and_thrust_of_the_specification( void*
 }
 
 // Reaction (section III.3) at constant pressure: the shape is restored in every step
-static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void** state )
+TEST( a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = pressed_scene( &mesh, 2500.0 );
     balloon_scene_give_outlet( &scene, 0, true );
@@ -320,9 +310,8 @@ static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void*
 }
 
 // Sections III.2 and III.3: M dv = -sum mdot v_e n dt, and the lost gas is the gas that flowed out
-static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
+TEST( what_leaves_the_outlet_is_what_the_body_gains )
 {
-    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.dt = 1.0f / 600.0f;
@@ -354,9 +343,8 @@ static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
 }
 
 // Section III.2: 10 Pa and 50 Pa. The scale of the skin sets its pressure, which is read in the next step.
-static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void** state )
+TEST( the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty )
 {
-    (void)state;
     const double gauge[] = { 40.0, 50.0, 51.0, 30.0, 11.0, 10.0, 30.0, 50.0, 60.0, 0.0 };
     const bool expected[] = { false, false, true, true, true, false, false, false, true, false };
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
@@ -395,9 +383,8 @@ static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void**
     balloon_mesh_destroy( &mesh );
 }
 
-static void a_shut_outlet_blows_nothing_and_an_opened_one_does( void** state )
+TEST( a_shut_outlet_blows_nothing_and_an_opened_one_does )
 {
-    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.def.gas_ratio = 1.2f;
@@ -420,9 +407,8 @@ static void a_shut_outlet_blows_nothing_and_an_opened_one_does( void** state )
 
 // Eq. 12 as printed, with the pressure of the jet's start as constant: nothing flows at first, and the jet speeds up as the
 // pressure falls. With the present pressure it slows down.
-static void a_jet_with_the_constant_of_its_start_speeds_up_as_the_balloon_empties( void** state )
+TEST( a_jet_with_the_constant_of_its_start_speeds_up_as_the_balloon_empties )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     for ( int constant = 0; constant < WISP_BALLOON_OUTLET_COUNT; ++constant )
     {
@@ -457,9 +443,8 @@ static void a_jet_with_the_constant_of_its_start_speeds_up_as_the_balloon_emptie
 
 // Section III.2 as printed: a mole per cubic metre. The pressure of the air, which is 41.57 mol/m^3, needs 41.57 added volumes,
 // so this balloon of 1.2 volumes has no jet.
-static void an_added_volume_taken_as_moles_is_far_below_the_pressure_of_the_air( void** state )
+TEST( an_added_volume_taken_as_moles_is_far_below_the_pressure_of_the_air )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = pressed_scene( &mesh, 2500.0 );
     scene.def.gas_ratio = 1.2f;
@@ -475,9 +460,8 @@ static void an_added_volume_taken_as_moles_is_far_below_the_pressure_of_the_air(
 }
 
 // Several vertices: the outlet is at their mean and has the direction of their area vectors.
-static void an_outlet_of_several_vertices_points_along_their_common_normal( void** state )
+TEST( an_outlet_of_several_vertices_points_along_their_common_normal )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 3, 0.15 );
     balloon_scene scene = pressed_scene( &mesh, 1000.0 );
     double3 mean = { 0.0, 0.0, 0.0 };
@@ -502,9 +486,8 @@ static void an_outlet_of_several_vertices_points_along_their_common_normal( void
 }
 
 // Fig. 4
-static void the_four_external_forces_point_where_they_should( void** state )
+TEST( the_four_external_forces_point_where_they_should )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 3, 0.15 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.substeps = 1;
@@ -533,9 +516,8 @@ static void the_four_external_forces_point_where_they_should( void** state )
 }
 
 // The reported drag is the one that acted: of the velocity before the other forces.
-static void the_forces_shown_are_the_momentum_gained( void** state )
+TEST( the_forces_shown_are_the_momentum_gained )
 {
-    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.dt = 1.0f / 240.0f;
@@ -562,29 +544,4 @@ static void the_forces_shown_are_the_momentum_gained( void** state )
     }
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_balloon_in_a_vacuum_falls_as_a_stone ),
-        cmocka_unit_test( a_pinned_vertex_stays_whatever_pulls ),
-        cmocka_unit_test( three_grams_lift_off_at_the_radius_of_the_source ),
-        cmocka_unit_test( buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing ),
-        cmocka_unit_test( another_temperature_and_pressure_give_other_densities_lift_speed_and_drag ),
-        cmocka_unit_test( the_drag_of_a_rigid_sphere_is_what_each_variant_says ),
-        cmocka_unit_test( a_rigid_sphere_rises_at_its_terminal_speed ),
-        cmocka_unit_test( drag_stops_a_thrown_balloon_and_does_not_throw_it_back ),
-        cmocka_unit_test( the_outlet_has_the_speed_flow_and_thrust_of_the_specification ),
-        cmocka_unit_test( a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form ),
-        cmocka_unit_test( what_leaves_the_outlet_is_what_the_body_gains ),
-        cmocka_unit_test( the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty ),
-        cmocka_unit_test( a_shut_outlet_blows_nothing_and_an_opened_one_does ),
-        cmocka_unit_test( a_jet_with_the_constant_of_its_start_speeds_up_as_the_balloon_empties ),
-        cmocka_unit_test( an_added_volume_taken_as_moles_is_far_below_the_pressure_of_the_air ),
-        cmocka_unit_test( an_outlet_of_several_vertices_points_along_their_common_normal ),
-        cmocka_unit_test( the_four_external_forces_point_where_they_should ),
-        cmocka_unit_test( the_forces_shown_are_the_momentum_gained ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -78,9 +78,8 @@ static wisp_balloon_stats first_stats( const balloon_scene* scene )
 
 // ---- the oracle ----
 
-static void the_oracles_gradient_is_that_of_the_capped_volume( void** state )
+TEST( the_oracles_gradient_is_that_of_the_capped_volume )
 {
-    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
     balloon_oracle_caps caps = caps_of( &mesh );
     assert_int_equal( caps.hub_count, 2 );
@@ -139,9 +138,8 @@ static balloon_scene busy_scene( const balloon_mesh* mesh, wisp_solver solver )
 // prediction round once each per iteration.
 static const double ROUNDING = 1e-6;
 
-static void a_step_of_an_open_skin_is_the_oracles( void** state )
+TEST( a_step_of_an_open_skin_is_the_oracles )
 {
-    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
     for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
     {
@@ -173,9 +171,8 @@ static void a_step_of_an_open_skin_is_the_oracles( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void half_a_second_of_an_open_skin_is_the_oracles( void** state )
+TEST( half_a_second_of_an_open_skin_is_the_oracles )
 {
-    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
     balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
     scene.dt = 1.0f / 600.0f;
@@ -201,9 +198,8 @@ static void half_a_second_of_an_open_skin_is_the_oracles( void** state )
 
 // ---- references ----
 
-static void a_flat_fan_restores_the_volume_of_the_closed_mesh( void** state )
+TEST( a_flat_fan_restores_the_volume_of_the_closed_mesh )
 {
-    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene closed = balloon_scene_of( &mesh ), scene = open_scene( &mesh );
     const wisp_balloon_stats whole = first_stats( &closed );
@@ -226,9 +222,8 @@ static void a_flat_fan_restores_the_volume_of_the_closed_mesh( void** state )
 
 // Whole numbers, wherever the cube is. Only the sixth of each area vector rounds, and their sum of up to 3, whose
 // float has steps of 2.4e-7, before a third of it is taken.
-static void a_cube_without_a_face_has_the_volume_of_the_cube( void** state )
+TEST( a_cube_without_a_face_has_the_volume_of_the_cube )
 {
-    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_cube( &mesh, 1.0 ) );
     mesh.triangle_count -= 2;
@@ -245,9 +240,8 @@ static void a_cube_without_a_face_has_the_volume_of_the_cube( void** state )
 
 // Pressure on skin and fans together exerts no force: the gradients sum to zero. Without the fans' part the two
 // mouths of different size would drive this pear along its axis.
-static void gas_behind_fans_moves_no_centre_of_mass( void** state )
+TEST( gas_behind_fans_moves_no_centre_of_mass )
 {
-    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 3 );
     balloon_scene scene = open_scene( &mesh );
     scene.def.gas_ratio = 1.3f;
@@ -277,9 +271,8 @@ static void gas_behind_fans_moves_no_centre_of_mass( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void an_open_skin_takes_the_volume_it_is_queried_for( void** state )
+TEST( an_open_skin_takes_the_volume_it_is_queried_for )
 {
-    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
     for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
     {
@@ -310,9 +303,8 @@ static uint64_t hash_of( const balloon_scene* scene, int steps )
     return hash;
 }
 
-static void a_closed_skin_is_the_same_to_a_bit_whether_it_may_be_open_or_not( void** state )
+TEST( a_closed_skin_is_the_same_to_a_bit_whether_it_may_be_open_or_not )
 {
-    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.def.gas_ratio = 1.2f;
@@ -322,9 +314,8 @@ static void a_closed_skin_is_the_same_to_a_bit_whether_it_may_be_open_or_not( vo
     balloon_mesh_destroy( &mesh );
 }
 
-static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
+TEST( workers_and_instruction_sets_do_not_change_a_bit )
 {
-    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 5 );
     assert_true( mesh.triangle_count > 10000 ); // enough for several workers
     balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
@@ -341,9 +332,8 @@ static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void a_restored_snapshot_flies_on_bit_by_bit( void** state )
+TEST( a_restored_snapshot_flies_on_bit_by_bit )
 {
-    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
     balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
     balloon_flight flight = balloon_start( &scene );
@@ -359,9 +349,8 @@ static void a_restored_snapshot_flies_on_bit_by_bit( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void a_lost_border_vertex_halts_its_balloon_and_what_is_kept_stays_a_number( void** state )
+TEST( a_lost_border_vertex_halts_its_balloon_and_what_is_kept_stays_a_number )
 {
-    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
     balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
     balloon_flight flight = balloon_start( &scene );
@@ -402,9 +391,8 @@ static void refuse_mesh( const balloon_mesh* mesh, bool allow_open, const char* 
     wisp_world_destroy( world );
 }
 
-static void an_open_mesh_without_leave_is_refused_with_its_first_open_edge( void** state )
+TEST( an_open_mesh_without_leave_is_refused_with_its_first_open_edge )
 {
-    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_cube( &mesh, 1.0 ) );
     // the last triangle is removed: its first edge in the user's order is that of the first neighbour
@@ -432,9 +420,8 @@ static void an_open_mesh_without_leave_is_refused_with_its_first_open_edge( void
     balloon_mesh_destroy( &mesh );
 }
 
-static void holes_that_meet_at_a_vertex_are_refused( void** state )
+TEST( holes_that_meet_at_a_vertex_are_refused )
 {
-    (void)state;
     balloon_mesh sphere = balloon_sphere( 1, 0.15 ), mesh = { sphere.vertex_count, 0, sphere.positions, NULL };
     mesh.triangles = checked_calloc( 3 * (size_t)sphere.triangle_count, sizeof( int ) );
     // every other triangle around vertex 0: five or six triangles leave at least two holes that meet there
@@ -461,9 +448,8 @@ static void holes_that_meet_at_a_vertex_are_refused( void** state )
     balloon_mesh_destroy( &sphere );
 }
 
-static void a_sheet_encloses_nothing( void** state )
+TEST( a_sheet_encloses_nothing )
 {
-    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_two_triangles( &mesh, 1.0 ) );
     refuse_mesh(
@@ -472,9 +458,8 @@ static void a_sheet_encloses_nothing( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void an_open_balloon_cannot_become_one_that_must_be_closed( void** state )
+TEST( an_open_balloon_cannot_become_one_that_must_be_closed )
 {
-    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 1 );
     balloon_scene scene = open_scene( &mesh );
     balloon_flight flight = balloon_start( &scene );
@@ -492,9 +477,8 @@ static void an_open_balloon_cannot_become_one_that_must_be_closed( void** state 
     balloon_mesh_destroy( &mesh );
 }
 
-static void a_host_without_memory_leaves_the_surface_as_it_was( void** state )
+TEST( a_host_without_memory_leaves_the_surface_as_it_was )
 {
-    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 1 );
     int refused = 0;
     for ( int64_t n = 1; n < 100; ++n )
@@ -523,27 +507,4 @@ static void a_host_without_memory_leaves_the_surface_as_it_was( void** state )
     }
     assert_true( refused > 5 );
     balloon_mesh_destroy( &mesh );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_oracles_gradient_is_that_of_the_capped_volume ),
-        cmocka_unit_test( a_step_of_an_open_skin_is_the_oracles ),
-        cmocka_unit_test( half_a_second_of_an_open_skin_is_the_oracles ),
-        cmocka_unit_test( a_flat_fan_restores_the_volume_of_the_closed_mesh ),
-        cmocka_unit_test( a_cube_without_a_face_has_the_volume_of_the_cube ),
-        cmocka_unit_test( gas_behind_fans_moves_no_centre_of_mass ),
-        cmocka_unit_test( an_open_skin_takes_the_volume_it_is_queried_for ),
-        cmocka_unit_test( a_closed_skin_is_the_same_to_a_bit_whether_it_may_be_open_or_not ),
-        cmocka_unit_test( workers_and_instruction_sets_do_not_change_a_bit ),
-        cmocka_unit_test( a_restored_snapshot_flies_on_bit_by_bit ),
-        cmocka_unit_test( a_lost_border_vertex_halts_its_balloon_and_what_is_kept_stays_a_number ),
-        cmocka_unit_test( an_open_mesh_without_leave_is_refused_with_its_first_open_edge ),
-        cmocka_unit_test( holes_that_meet_at_a_vertex_are_refused ),
-        cmocka_unit_test( a_sheet_encloses_nothing ),
-        cmocka_unit_test( an_open_balloon_cannot_become_one_that_must_be_closed ),
-        cmocka_unit_test( a_host_without_memory_leaves_the_surface_as_it_was ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

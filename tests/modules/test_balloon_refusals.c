@@ -41,9 +41,8 @@
 #define BROKEN_TYPE wisp_balloon_def
 #include "broken_defs.h"
 
-static void a_value_out_of_range_is_named_and_changes_nothing( void** state )
+TEST( a_value_out_of_range_is_named_and_changes_nothing )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     assert_int_equal( mesh.vertex_count, 42 );
     // a surface that is no balloon yet, and one that is
@@ -68,9 +67,8 @@ static void a_value_out_of_range_is_named_and_changes_nothing( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void the_ends_of_every_range_are_accepted_and_give_numbers( void** state )
+TEST( the_ends_of_every_range_are_accepted_and_give_numbers )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     for ( int upper = 0; upper <= 1; ++upper )
     {
@@ -116,9 +114,8 @@ static void refuse_mesh( const balloon_mesh* mesh, const char* named )
     wisp_world_destroy( world );
 }
 
-static void an_open_mesh_has_no_volume( void** state )
+TEST( an_open_mesh_has_no_volume )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     mesh.triangle_count -= 1;
     refuse_mesh( &mesh, "got 3 open edges" );
@@ -127,9 +124,8 @@ static void an_open_mesh_has_no_volume( void** state )
 
 // A strip of three triangles turned once: one-sided, with a border; and a closed one-sided shell, in which two
 // triangles must run along some edge in the same direction.
-static void a_one_sided_mesh_encloses_nothing( void** state )
+TEST( a_one_sided_mesh_encloses_nothing )
 {
-    (void)state;
     double3 strip[5] = {
         { 0.0, 0.0, 0.0 }, { 1.0, 0.0, 0.2 }, { 0.5, 1.0, 0.0 }, { 1.5, 1.0, 0.5 }, { 1.0, 0.5, 1.0 }
     };
@@ -148,9 +144,8 @@ static void a_one_sided_mesh_encloses_nothing( void** state )
     refuse_mesh( &projective, "in at most two triangles of equal winding" );
 }
 
-static void an_edge_of_four_triangles_is_no_skin( void** state )
+TEST( an_edge_of_four_triangles_is_no_skin )
 {
-    (void)state;
     // two tetrahedra that have only an edge in common
     double3 points[6] = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 1.0 },  { 1.0, 0.0, 0.5 },
                           { 1.0, 1.0, 0.5 }, { -1.0, 0.0, 0.5 }, { -1.0, -1.0, 0.5 } };
@@ -159,9 +154,8 @@ static void an_edge_of_four_triangles_is_no_skin( void** state )
     refuse_mesh( &mesh, "got 1 nonmanifold edges" );
 }
 
-static void two_shells_are_two_balloons( void** state )
+TEST( two_shells_are_two_balloons )
 {
-    (void)state;
     balloon_mesh one = balloon_sphere( 1, 0.15 ), both;
     assert_true( balloon_mesh_join( &both, &one, &one, double3_make( 1.0, 0.0, 0.0 ) ) );
     refuse_mesh( &both, "got 2 components" );
@@ -169,9 +163,8 @@ static void two_shells_are_two_balloons( void** state )
     balloon_mesh_destroy( &one );
 }
 
-static void an_inside_out_mesh_is_told_which_way_to_run( void** state )
+TEST( an_inside_out_mesh_is_told_which_way_to_run )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     for ( int t = 0; t < mesh.triangle_count; ++t )
     {
@@ -183,9 +176,8 @@ static void an_inside_out_mesh_is_told_which_way_to_run( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void a_flattened_mesh_encloses_nothing( void** state )
+TEST( a_flattened_mesh_encloses_nothing )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
@@ -197,9 +189,8 @@ static void a_flattened_mesh_encloses_nothing( void** state )
 
 // ---- calls ----
 
-static void calls_on_what_is_no_balloon_are_refused( void** state )
+TEST( calls_on_what_is_no_balloon_are_refused )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     wisp_world* world = balloon_world_create( &scene );
@@ -227,9 +218,8 @@ static void calls_on_what_is_no_balloon_are_refused( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void a_world_without_the_module_says_so( void** state )
+TEST( a_world_without_the_module_says_so )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     test_log log = { 0 };
@@ -248,9 +238,8 @@ static void a_world_without_the_module_says_so( void** state )
 }
 
 // Each request for memory is refused in turn: the surface stays the same, and the same call then succeeds.
-static void a_host_without_memory_leaves_the_surface_as_it_was( void** state )
+TEST( a_host_without_memory_leaves_the_surface_as_it_was )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     int refused = 0;
     for ( int again = 0; again <= 1; ++again )
@@ -289,22 +278,4 @@ static void a_host_without_memory_leaves_the_surface_as_it_was( void** state )
     }
     assert_true( refused > 10 );
     balloon_mesh_destroy( &mesh );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_value_out_of_range_is_named_and_changes_nothing ),
-        cmocka_unit_test( the_ends_of_every_range_are_accepted_and_give_numbers ),
-        cmocka_unit_test( an_open_mesh_has_no_volume ),
-        cmocka_unit_test( a_one_sided_mesh_encloses_nothing ),
-        cmocka_unit_test( an_edge_of_four_triangles_is_no_skin ),
-        cmocka_unit_test( two_shells_are_two_balloons ),
-        cmocka_unit_test( an_inside_out_mesh_is_told_which_way_to_run ),
-        cmocka_unit_test( a_flattened_mesh_encloses_nothing ),
-        cmocka_unit_test( calls_on_what_is_no_balloon_are_refused ),
-        cmocka_unit_test( a_world_without_the_module_says_so ),
-        cmocka_unit_test( a_host_without_memory_leaves_the_surface_as_it_was ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

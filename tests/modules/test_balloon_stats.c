@@ -54,9 +54,8 @@ static int max_offset_vertex( const balloon_mesh* mesh )
 }
 
 // Fig. 5; section III.2: one start of the jet, no chatter
-static void an_asymmetric_balloon_swells_empties_and_has_turned( void** state )
+TEST( an_asymmetric_balloon_swells_empties_and_has_turned )
 {
-    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.damping = 0.5f;
@@ -111,9 +110,8 @@ static double3 tagged_vertex( const balloon_flight* flight, int vertex )
 }
 
 // Fig. 6
-static void four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflow( void** state )
+TEST( four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflow )
 {
-    (void)state;
     const int tagged[4] = { 0, 40, 80, 120 };
     balloon_mesh mesh = balloon_pear( 2 );
     double last_peak = 0.0, last_track[4] = { 0.0, 0.0, 0.0, 0.0 };
@@ -200,9 +198,8 @@ static release rise_and_open( const balloon_mesh* mesh, float gas_ratio )
 }
 
 // Fig. 7
-static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_fuller( void** state )
+TEST( a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_fuller )
 {
-    (void)state;
     const float fills[] = { 1.3f, 1.6f, 2.0f };
     balloon_mesh mesh = balloon_pear( 2 );
     release last = { 0 };
@@ -226,9 +223,8 @@ static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_f
 }
 
 // V_min below V_rest allows a limp final shape
-static void a_guard_below_the_rest_volume_lets_a_balloon_go_limp( void** state )
+TEST( a_guard_below_the_rest_volume_lets_a_balloon_go_limp )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.damping = 5.0f;
@@ -247,9 +243,8 @@ static void a_guard_below_the_rest_volume_lets_a_balloon_go_limp( void** state )
 
 // Memory, at sizes of 642 to 40962 vertices
 // Without an outlet, pressure and drag are measured in the last substep of a step only.
-static void a_closed_outlet_changes_no_reading( void** state )
+TEST( a_closed_outlet_changes_no_reading )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     wisp_balloon_stats stats[2];
     for ( int k = 0; k < 2; ++k )
@@ -271,9 +266,8 @@ static void a_closed_outlet_changes_no_reading( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void memory_is_proportional_to_the_vertices( void** state )
+TEST( memory_is_proportional_to_the_vertices )
 {
-    (void)state;
     double first = 0.0;
     for ( int level = 3; level <= 6; ++level )
     {
@@ -296,17 +290,4 @@ static void memory_is_proportional_to_the_vertices( void** state )
         balloon_end( &flight );
         balloon_mesh_destroy( &mesh );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( an_asymmetric_balloon_swells_empties_and_has_turned ),
-        cmocka_unit_test( four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflow ),
-        cmocka_unit_test( a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_fuller ),
-        cmocka_unit_test( a_guard_below_the_rest_volume_lets_a_balloon_go_limp ),
-        cmocka_unit_test( a_closed_outlet_changes_no_reading ),
-        cmocka_unit_test( memory_is_proportional_to_the_vertices ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -4,9 +4,8 @@
 
 // ---- switches ----
 
-static void every_combination_of_switches_flies_for_half_a_second( void** state )
+TEST( every_combination_of_switches_flies_for_half_a_second )
 {
-    (void)state;
     balloon_mesh mesh = balloon_pear( 1 );
     int count = 0;
     for ( int n = 0; n < 2 * 2 * WISP_BALLOON_PRESSURE_COUNT * WISP_BALLOON_DRAG_COUNT * WISP_BALLOON_SPIN_COUNT;
@@ -70,9 +69,8 @@ static balloon_scene lettered_scene( const balloon_mesh* mesh, char letter )
     return scene;
 }
 
-static void a_pass_exists_only_where_something_asks_for_it( void** state )
+TEST( a_pass_exists_only_where_something_asks_for_it )
 {
-    (void)state;
     balloon_mesh mesh = balloon_pear( 1 );
     for ( const char* letter = "baopnrd"; *letter != 0; ++letter )
     {
@@ -95,9 +93,8 @@ static void a_pass_exists_only_where_something_asks_for_it( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void switches_may_be_changed_in_flight_and_passes_go_with_them( void** state )
+TEST( switches_may_be_changed_in_flight_and_passes_go_with_them )
 {
-    (void)state;
     balloon_mesh mesh = balloon_pear( 1 );
     balloon_scene scene = balloon_scene_in_air( &mesh ), still = balloon_scene_of( &mesh );
     scene.def.gas_ratio = 1.2f;
@@ -132,9 +129,8 @@ static void switches_may_be_changed_in_flight_and_passes_go_with_them( void** st
 
 // ---- guards ----
 
-static void a_collapsed_balloon_stays_finite_and_its_outlet_silent( void** state )
+TEST( a_collapsed_balloon_stays_finite_and_its_outlet_silent )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     const int32_t pin = 7;
     for ( int n = 0; n < 2 * WISP_BALLOON_PRESSURE_COUNT; ++n )
@@ -164,9 +160,8 @@ static void a_collapsed_balloon_stays_finite_and_its_outlet_silent( void** state
 }
 
 // A balloon that is only flat inflates again.
-static void a_flattened_or_everted_balloon_stays_finite( void** state )
+TEST( a_flattened_or_everted_balloon_stays_finite )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     for ( int n = 0; n < 2; ++n )
     {
@@ -193,9 +188,8 @@ static void a_flattened_or_everted_balloon_stays_finite( void** state )
 }
 
 // Two vertices at one position: an edge without length, two triangles without area.
-static void edges_without_length_and_triangles_without_area_do_no_harm( void** state )
+TEST( edges_without_length_and_triangles_without_area_do_no_harm )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     mesh.positions[mesh.triangles[1]] = mesh.positions[mesh.triangles[0]];
     for ( int drag = 0; drag < WISP_BALLOON_DRAG_COUNT; ++drag )
@@ -214,9 +208,8 @@ static void edges_without_length_and_triangles_without_area_do_no_harm( void** s
     balloon_mesh_destroy( &mesh );
 }
 
-static void a_balloon_pinned_all_over_stays_where_it_is( void** state )
+TEST( a_balloon_pinned_all_over_stays_where_it_is )
 {
-    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     int32_t pins[42];
     for ( int i = 0; i < 42; ++i )
@@ -244,9 +237,8 @@ static void a_balloon_pinned_all_over_stays_where_it_is( void** state )
 
 // ---- several, and one that breaks ----
 
-static void balloons_in_one_world_fly_as_if_they_were_alone( void** state )
+TEST( balloons_in_one_world_fly_as_if_they_were_alone )
 {
-    (void)state;
     balloon_mesh meshes[3] = { balloon_pear( 2 ), balloon_sphere( 1, 0.15 ), balloon_pear( 4 ) };
     balloon_scene scenes[3];
     wisp_entity together[3];
@@ -289,9 +281,8 @@ static void balloons_in_one_world_fly_as_if_they_were_alone( void** state )
     }
 }
 
-static void a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number( void** state )
+TEST( a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number )
 {
-    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     for ( int spin = 0; spin < WISP_BALLOON_SPIN_COUNT; ++spin )
     {
@@ -337,20 +328,4 @@ static void a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number(
         }
     }
     balloon_mesh_destroy( &mesh );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_combination_of_switches_flies_for_half_a_second ),
-        cmocka_unit_test( a_pass_exists_only_where_something_asks_for_it ),
-        cmocka_unit_test( switches_may_be_changed_in_flight_and_passes_go_with_them ),
-        cmocka_unit_test( a_collapsed_balloon_stays_finite_and_its_outlet_silent ),
-        cmocka_unit_test( a_flattened_or_everted_balloon_stays_finite ),
-        cmocka_unit_test( edges_without_length_and_triangles_without_area_do_no_harm ),
-        cmocka_unit_test( a_balloon_pinned_all_over_stays_where_it_is ),
-        cmocka_unit_test( balloons_in_one_world_fly_as_if_they_were_alone ),
-        cmocka_unit_test( a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

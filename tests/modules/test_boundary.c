@@ -9,9 +9,8 @@ static uint64_t points_hash( ball_world* b, wisp_entity e )
 
 // ---- passive ----
 
-static void a_surface_moves_the_same_with_and_without_a_layer( void** state )
+TEST( a_surface_moves_the_same_with_and_without_a_layer )
 {
-    (void)state;
     ball_world *with = ball_open( 3, 2, NULL ), *without = ball_open( 3, 2, NULL );
     wisp_boundary_def def = ball_layer( 0.05f );
     def.strain_gain = 5.0f;
@@ -26,9 +25,8 @@ static void a_surface_moves_the_same_with_and_without_a_layer( void** state )
     ball_close( without );
 }
 
-static void without_a_layer_there_is_no_pass( void** state )
+TEST( without_a_layer_there_is_no_pass )
 {
-    (void)state;
     ball_world* b = ball_open( 2, 1, NULL );
     const int passes = wisp_world_plan_passes( b->world );
     const size_t memory = wisp_world_memory( b->world );
@@ -51,9 +49,8 @@ static void without_a_layer_there_is_no_pass( void** state )
 
 // ---- outputs ----
 
-static void elements_are_in_the_users_numbers( void** state )
+TEST( elements_are_in_the_users_numbers )
 {
-    (void)state;
     ball_world* b = ball_open( 2, 1, NULL );
     const wisp_boundary_def def = ball_layer( 0.1f );
     set_layer( b, b->ball, &def );
@@ -95,9 +92,8 @@ static void elements_are_in_the_users_numbers( void** state )
     ball_close( b );
 }
 
-static void normals_of_a_ball_point_away_from_its_centre( void** state )
+TEST( normals_of_a_ball_point_away_from_its_centre )
 {
-    (void)state;
     // the error of vertex normals of this mesh comes from the unevenness of its triangles, which falls with the
     // length of edges: measured 0.030 and 0.016
     double largest[2] = { 0.0, 0.0 };
@@ -126,9 +122,8 @@ static void normals_of_a_ball_point_away_from_its_centre( void** state )
     assert_true( largest[1] < 0.6 * largest[0] );
 }
 
-static void the_default_spacing_is_half_of_the_mean_edge( void** state )
+TEST( the_default_spacing_is_half_of_the_mean_edge )
 {
-    (void)state;
     ball_world *by_default = ball_open( 2, 1, NULL ), *by_value = ball_open( 2, 1, NULL );
     const wisp_fabric* f = wisp_world_fabric( by_value->world, by_value->ball );
     double sum = 0.0;
@@ -163,9 +158,8 @@ static void count_halves( ball_world* b, int counts[2] )
     }
 }
 
-static void a_near_eye_sees_more_points( void** state )
+TEST( a_near_eye_sees_more_points )
 {
-    (void)state;
     ball_world* b = ball_open( 3, 1, NULL );
     wisp_boundary_def def = ball_layer( 0.05f );
     def.by_screen = true;
@@ -187,9 +181,8 @@ static void a_near_eye_sees_more_points( void** state )
 }
 
 // An edge has its points once, so both sides have the same ones; limits hold for it whatever the request.
-static void limits_of_the_spacing_hold( void** state )
+TEST( limits_of_the_spacing_hold )
 {
-    (void)state;
     ball_world* b = ball_open( 3, 1, NULL );
     wisp_boundary_def def = ball_layer( 0.05f );
     def.curvature_gain = 1e5f;
@@ -210,9 +203,8 @@ static void limits_of_the_spacing_hold( void** state )
 
 // ---- changes of the surface ----
 
-static void instances_have_layers_of_their_own( void** state )
+TEST( instances_have_layers_of_their_own )
 {
-    (void)state;
     ball_world* b = ball_open( 2, 2, NULL );
     wisp_entity twin, bare;
     assert_int_equal( wisp_add_instance( b->world, b->ball, NULL, &twin ), WISP_OK );
@@ -241,9 +233,8 @@ static void instances_have_layers_of_their_own( void** state )
     ball_close( b );
 }
 
-static void a_restored_snapshot_has_the_points_of_its_time( void** state )
+TEST( a_restored_snapshot_has_the_points_of_its_time )
 {
-    (void)state;
     ball_world* b = ball_open( 3, 2, NULL );
     wisp_boundary_def def = ball_layer( 0.03f );
     def.hysteresis = 0.4f;
@@ -275,9 +266,8 @@ static void a_restored_snapshot_has_the_points_of_its_time( void** state )
 }
 
 // Frame 0 of a film. What is read does not change what the steps do.
-static void a_layer_can_be_read_before_the_first_step( void** state )
+TEST( a_layer_can_be_read_before_the_first_step )
 {
-    (void)state;
     ball_world* b[2];
     wisp_boundary_def def = ball_layer( 0.03f );
     def.hysteresis = 0.4f;
@@ -315,9 +305,8 @@ static void a_layer_can_be_read_before_the_first_step( void** state )
 }
 
 // With hysteresis the counts of a layer depend on those before, which a restored world has and a read must not lose.
-static void a_read_after_a_restore_into_a_new_world_keeps_the_counts( void** state )
+TEST( a_read_after_a_restore_into_a_new_world_keeps_the_counts )
 {
-    (void)state;
     ball_world* b[2];
     wisp_boundary_def def = ball_layer( 0.03f );
     def.hysteresis = 0.4f;
@@ -346,9 +335,8 @@ static void a_read_after_a_restore_into_a_new_world_keeps_the_counts( void** sta
     ball_close( b[1] );
 }
 
-static void a_layer_beyond_its_limit_stays( void** state )
+TEST( a_layer_beyond_its_limit_stays )
 {
-    (void)state;
     ball_world* b = ball_open( 2, 1, NULL );
     wisp_boundary_def def = ball_layer( 0.1f );
     set_layer( b, b->ball, &def );
@@ -365,9 +353,8 @@ static void a_layer_beyond_its_limit_stays( void** state )
     ball_close( b );
 }
 
-static void a_warm_step_asks_for_no_memory( void** state )
+TEST( a_warm_step_asks_for_no_memory )
 {
-    (void)state;
     for ( int workers = 1; workers <= 3; workers += 2 )
     {
         ball_world* b = ball_open( 3, workers, NULL );
@@ -382,9 +369,8 @@ static void a_warm_step_asks_for_no_memory( void** state )
     }
 }
 
-static void without_memory_nothing_has_changed( void** state )
+TEST( without_memory_nothing_has_changed )
 {
-    (void)state;
     ball_world* b = ball_open( 2, 1, NULL );
     const wisp_boundary_def def = ball_layer( 0.1f );
     const int passes = wisp_world_plan_passes( b->world );
@@ -433,9 +419,8 @@ static void without_memory_nothing_has_changed( void** state )
     X( "pixels: got 0,", d->pixels = 0.0f )                                                                          \
     X( "eye.y: got inf,", d->eye.y = INFINITY )
 
-static void what_a_layer_cannot_be_is_refused_by_name( void** state )
+TEST( what_a_layer_cannot_be_is_refused_by_name )
 {
-    (void)state;
     ball_world* b = ball_open( 2, 1, NULL );
     const int passes = wisp_world_plan_passes( b->world );
 #define REFUSE_ONE( message, statement )                                                                             \
@@ -466,26 +451,4 @@ static void what_a_layer_cannot_be_is_refused_by_name( void** state )
     gone.generation += 1;
     expect_refusal( b->world, wisp_set_boundary( b->world, gone, &def ), WISP_STALE_ID, "does not exist" );
     ball_close( b );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_surface_moves_the_same_with_and_without_a_layer ),
-        cmocka_unit_test( without_a_layer_there_is_no_pass ),
-        cmocka_unit_test( elements_are_in_the_users_numbers ),
-        cmocka_unit_test( normals_of_a_ball_point_away_from_its_centre ),
-        cmocka_unit_test( the_default_spacing_is_half_of_the_mean_edge ),
-        cmocka_unit_test( a_near_eye_sees_more_points ),
-        cmocka_unit_test( limits_of_the_spacing_hold ),
-        cmocka_unit_test( instances_have_layers_of_their_own ),
-        cmocka_unit_test( a_restored_snapshot_has_the_points_of_its_time ),
-        cmocka_unit_test( a_layer_can_be_read_before_the_first_step ),
-        cmocka_unit_test( a_read_after_a_restore_into_a_new_world_keeps_the_counts ),
-        cmocka_unit_test( a_layer_beyond_its_limit_stays ),
-        cmocka_unit_test( a_warm_step_asks_for_no_memory ),
-        cmocka_unit_test( without_memory_nothing_has_changed ),
-        cmocka_unit_test( what_a_layer_cannot_be_is_refused_by_name ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

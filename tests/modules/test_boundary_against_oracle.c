@@ -256,9 +256,8 @@ static void pulsate( double3* x, const balloon_mesh* mesh, int frame )
 
 // ---- tests ----
 
-static void every_point_of_every_mesh_is_where_the_oracle_has_it( void** state )
+TEST( every_point_of_every_mesh_is_where_the_oracle_has_it )
 {
-    (void)state;
     for ( int n = 0; n < WISP_COUNT( MESHES ); ++n )
     {
         balloon_mesh mesh = MESHES[n].make();
@@ -284,9 +283,8 @@ static void every_point_of_every_mesh_is_where_the_oracle_has_it( void** state )
     }
 }
 
-static void table_b5_holds_for_the_engine( void** state )
+TEST( table_b5_holds_for_the_engine )
 {
-    (void)state;
     const float spacing[4] = { 0.2f, 0.1f, 0.05f, 0.025f };
     const int requested[2][4][2] = { { { 930, 0 }, { 5160, 300 }, { 14730, 11640 }, { 32670, 79320 } },
                                      { { 3360, 0 }, { 7710, 3480 }, { 17340, 21360 }, { 35280, 103560 } } };
@@ -303,9 +301,8 @@ static void table_b5_holds_for_the_engine( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void points_follow_a_pulsation_as_those_of_the_oracle( void** state )
+TEST( points_follow_a_pulsation_as_those_of_the_oracle )
 {
-    (void)state;
     for ( int n = 0; n < WISP_COUNT( MESHES ); ++n )
     {
         balloon_mesh mesh = MESHES[n].make();
@@ -351,9 +348,8 @@ static void assert_same_bits( const wisp_samples* a, const wisp_samples* b )
     assert_same_rows( a->weights, b->weights, a->count );
 }
 
-static void what_followed_in_place_has_the_bits_of_what_is_resampled( void** state )
+TEST( what_followed_in_place_has_the_bits_of_what_is_resampled )
 {
-    (void)state;
     balloon_mesh mesh = reference_sphere();
     double3 x[872];
     for ( int c = 0; c < 12; ++c )
@@ -385,9 +381,8 @@ static void what_followed_in_place_has_the_bits_of_what_is_resampled( void** sta
 }
 
 // The number of lines changes and no number of points on them does: all points move.
-static void a_line_more_without_points_moves_the_lines_below_it( void** state )
+TEST( a_line_more_without_points_moves_the_lines_below_it )
 {
-    (void)state;
     balloon_mesh mesh =
         one_triangle( double3_make( 0, 0, 0 ), double3_make( 3.25, 0, 0 ), double3_make( 1.5, 3.875, 0 ) );
     for ( int c = 0; c < 2; ++c )
@@ -409,9 +404,8 @@ static void a_line_more_without_points_moves_the_lines_below_it( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void each_element_may_have_its_own_spacing( void** state )
+TEST( each_element_may_have_its_own_spacing )
 {
-    (void)state;
     balloon_mesh mesh = torus();
     static double edge[936], triangle[624];
     for ( int e = 0; e < 936; ++e )
@@ -440,9 +434,8 @@ static void each_element_may_have_its_own_spacing( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void a_corner_that_is_not_finite_takes_its_elements_away_and_gives_them_back( void** state )
+TEST( a_corner_that_is_not_finite_takes_its_elements_away_and_gives_them_back )
 {
-    (void)state;
     balloon_mesh mesh = reference_sphere();
     for ( int c = 0; c < 4; ++c )
     {
@@ -473,9 +466,8 @@ static void a_corner_that_is_not_finite_takes_its_elements_away_and_gives_them_b
 
 // With barycentric normals. Along lines the engine's normals also keep the weights of the last step, and differ by
 // some 1e-6 rad here.
-static void a_refused_layer_follows_with_the_weights_it_had( void** state )
+TEST( a_refused_layer_follows_with_the_weights_it_had )
 {
-    (void)state;
     balloon_mesh mesh = reference_sphere();
     double3 x[872];
     for ( int c = 0; c < 2; ++c )
@@ -506,9 +498,8 @@ static void a_refused_layer_follows_with_the_weights_it_had( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void normals_that_cancel_are_those_of_the_faces_or_of_the_last_step( void** state )
+TEST( normals_that_cancel_are_those_of_the_faces_or_of_the_last_step )
 {
-    (void)state;
     // both sides of one sheet: vertices and edges have no normal, faces have; then a triangle loses its area
     const double3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1.25, 0 } };
     const int triangles[] = { 0, 1, 2, 0, 2, 1 };
@@ -533,20 +524,4 @@ static void normals_that_cancel_are_those_of_the_faces_or_of_the_last_step( void
     assert_true( d->oracle.points[0].normal.z == 1.0 );
     duel_close( d );
     balloon_mesh_destroy( &mesh );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_point_of_every_mesh_is_where_the_oracle_has_it ),
-        cmocka_unit_test( table_b5_holds_for_the_engine ),
-        cmocka_unit_test( points_follow_a_pulsation_as_those_of_the_oracle ),
-        cmocka_unit_test( what_followed_in_place_has_the_bits_of_what_is_resampled ),
-        cmocka_unit_test( a_line_more_without_points_moves_the_lines_below_it ),
-        cmocka_unit_test( each_element_may_have_its_own_spacing ),
-        cmocka_unit_test( a_corner_that_is_not_finite_takes_its_elements_away_and_gives_them_back ),
-        cmocka_unit_test( a_refused_layer_follows_with_the_weights_it_had ),
-        cmocka_unit_test( normals_that_cancel_are_those_of_the_faces_or_of_the_last_step ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

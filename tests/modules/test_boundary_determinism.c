@@ -51,9 +51,8 @@ static uint64_t hash_case( const golden_case* c, int workers, const char* isa )
     return hash;
 }
 
-static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
+TEST( workers_and_instruction_sets_do_not_change_a_bit )
 {
-    (void)state;
     static const int WORKERS[] = { 1, 2, 3, 5, 8 };
     static const char* const ISAS[] = { "baseline", "avx2", "avx512" }; // a limit: the widest spacing below it
     for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
@@ -79,16 +78,14 @@ static golden_hash run_numbered( int number, const void* context )
     return ( golden_hash ){ CASES[number].name, hash_case( CASES + number, 1, NULL ) };
 }
 
-static void layers_are_those_of_the_golden_file( void** state )
+TEST( layers_are_those_of_the_golden_file )
 {
-    (void)state;
     golden_check( golden_file, WISP_COUNT( CASES ), run_numbered, NULL );
 }
 
 // A hash that left something out would let everything pass.
-static void a_hash_tells_cases_apart( void** state )
+TEST( a_hash_tells_cases_apart )
 {
-    (void)state;
     uint64_t hashes[WISP_COUNT( CASES )];
     for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
     {
@@ -98,14 +95,4 @@ static void a_hash_tells_cases_apart( void** state )
             assert_true( hashes[n] != hashes[k] );
         }
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( layers_are_those_of_the_golden_file ),
-        cmocka_unit_test( a_hash_tells_cases_apart ),
-        cmocka_unit_test( workers_and_instruction_sets_do_not_change_a_bit ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

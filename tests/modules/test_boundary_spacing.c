@@ -188,38 +188,23 @@ static void compare( const spacing_case* c )
     ball_close( b );
 }
 
-static void spacing_by_curvature_is_that_of_the_oracle( void** state )
+TEST( spacing_by_curvature_is_that_of_the_oracle )
 {
-    (void)state;
     compare( CASES );
 }
 
-static void spacing_by_strain_is_that_of_the_oracle( void** state )
+TEST( spacing_by_strain_is_that_of_the_oracle )
 {
-    (void)state;
     compare( CASES + 1 );
     compare( CASES + 2 );
 }
 
-static void spacing_by_distance_on_the_screen_is_that_of_the_oracle( void** state )
+TEST( spacing_by_distance_on_the_screen_is_that_of_the_oracle )
 {
-    (void)state;
     compare( CASES + 3 );
 }
 
-static void the_smallest_of_all_criteria_within_its_limits_is_that_of_the_oracle( void** state )
+TEST( the_smallest_of_all_criteria_within_its_limits_is_that_of_the_oracle )
 {
-    (void)state;
     compare( CASES + 4 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( spacing_by_curvature_is_that_of_the_oracle ),
-        cmocka_unit_test( spacing_by_strain_is_that_of_the_oracle ),
-        cmocka_unit_test( spacing_by_distance_on_the_screen_is_that_of_the_oracle ),
-        cmocka_unit_test( the_smallest_of_all_criteria_within_its_limits_is_that_of_the_oracle ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -86,9 +86,8 @@ static double hung_extension( const test_mesh* mesh, const wisp_cloth_def* cloth
     return -0.5 * ends - ( ROWS - 1 ) * 0.05;
 }
 
-static void strips_along_warp_weft_and_between_stretch_by_their_compliances( void** state )
+TEST( strips_along_warp_weft_and_between_stretch_by_their_compliances )
 {
-    (void)state;
     test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
     const wisp_vec3 warps[] = { { 0.0f, 1.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 1.0f, 0.0f } };
     const char* const names[] = { "warp", "weft", "45 degrees" };
@@ -190,9 +189,8 @@ static stretch hang( const hanging* c, double time )
 
 // A sheet of links of the same compliance is the same sheet on any mesh, apart from its border: n columns of links
 // carry n - 1 columns of mass, so the sheet of 17 is 3 % stiffer than that of 33.
-static void static_stretch_does_not_depend_on_the_vertex_count( void** state )
+TEST( static_stretch_does_not_depend_on_the_vertex_count )
 {
-    (void)state;
     for ( int cross = 0; cross < 2; ++cross )
     {
         hanging c = { .n = 17,
@@ -212,9 +210,8 @@ static void static_stretch_does_not_depend_on_the_vertex_count( void** state )
     }
 }
 
-static void static_stretch_does_not_depend_on_iterations_or_frame_rate( void** state )
+TEST( static_stretch_does_not_depend_on_iterations_or_frame_rate )
 {
-    (void)state;
     const struct
     {
         int substeps, iterations;
@@ -252,9 +249,8 @@ static hanging big_cloth( void )
                         .corners_alone = true };
 }
 
-static void tethers_bound_the_stretch_of_a_hanging_cloth( void** state )
+TEST( tethers_bound_the_stretch_of_a_hanging_cloth )
 {
-    (void)state;
     hanging c = big_cloth();
     c.tethers = true;
     stretch with = hang( &c, 2.6 );
@@ -266,9 +262,8 @@ static void tethers_bound_the_stretch_of_a_hanging_cloth( void** state )
     assert_true( with.largest < 0.2 * without.largest );
 }
 
-static void coarse_sheets_do_in_one_substep_what_ten_cannot( void** state )
+TEST( coarse_sheets_do_in_one_substep_what_ten_cannot )
 {
-    (void)state;
     hanging c = big_cloth();
     c.coarse = true;
     c.solver = WISP_SOLVER_XPBD;
@@ -341,9 +336,8 @@ static void assert_survives( float scale, start how, float heavy, float seconds,
     close_world( &h );
 }
 
-static void hard_starts_scales_and_mass_ratios_stay_finite( void** state )
+TEST( hard_starts_scales_and_mass_ratios_stay_finite )
 {
-    (void)state;
     const float scales[] = { 1e-3f, 1.0f, 1e3f }, steps[] = { 0.2f, 1.0f / 60.0f };
     for ( int b = 0; b < WISP_CLOTH_BENDING_COUNT * WISP_SOLVER_COUNT; ++b )
     {
@@ -360,7 +354,7 @@ static void hard_starts_scales_and_mass_ratios_stay_finite( void** state )
     }
 }
 
-static void a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along( void** state )
+WORLD_TEST( a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along )
 {
     hosted* h = *state;
     test_mesh mesh = test_plane( 9, 0.1f );
@@ -384,7 +378,7 @@ static void a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along( void** stat
     test_mesh_free( &mesh );
 }
 
-static void bad_meshes_are_cloth_all_the_same( void** state )
+WORLD_TEST( bad_meshes_are_cloth_all_the_same )
 {
     hosted* h = *state;
     // a square, its first triangle twice and once reversed, one without area, an unreferenced vertex
@@ -414,7 +408,7 @@ static void bad_meshes_are_cloth_all_the_same( void** state )
     }
 }
 
-static void a_mesh_too_small_for_coarse_sheets_has_none( void** state )
+WORLD_TEST( a_mesh_too_small_for_coarse_sheets_has_none )
 {
     hosted* h = *state;
     test_mesh mesh = triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0, 0, 1 }, ( wisp_vec3 ){ 1, 0, 0 } );
@@ -432,7 +426,7 @@ static void a_mesh_too_small_for_coarse_sheets_has_none( void** state )
     test_mesh_free( &mesh );
 }
 
-static void who_asks_for_coarse_sheets_in_vain_is_told_once( void** state )
+WORLD_TEST( who_asks_for_coarse_sheets_in_vain_is_told_once )
 {
     hosted* h = *state;
     test_mesh mesh = test_plane( 30, 0.1f );
@@ -449,21 +443,4 @@ static void who_asks_for_coarse_sheets_in_vain_is_told_once( void** state )
         assert_contains( h->log.last, "the fabric has no coarse sheets" );
     }
     test_mesh_free( &mesh );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( strips_along_warp_weft_and_between_stretch_by_their_compliances ),
-        cmocka_unit_test( static_stretch_does_not_depend_on_the_vertex_count ),
-        cmocka_unit_test( static_stretch_does_not_depend_on_iterations_or_frame_rate ),
-        cmocka_unit_test( tethers_bound_the_stretch_of_a_hanging_cloth ),
-        cmocka_unit_test( coarse_sheets_do_in_one_substep_what_ten_cannot ),
-        cmocka_unit_test( hard_starts_scales_and_mass_ratios_stay_finite ),
-        WORLD_TEST( a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along ),
-        WORLD_TEST( bad_meshes_are_cloth_all_the_same ),
-        WORLD_TEST( a_mesh_too_small_for_coarse_sheets_has_none ),
-        WORLD_TEST( who_asks_for_coarse_sheets_in_vain_is_told_once ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

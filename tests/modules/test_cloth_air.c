@@ -36,7 +36,7 @@ static wisp_vec3 force_at( wisp_world* world, double degrees, float drag, float 
 }
 
 // 1/2 rho A |u . n| ( C_d u + C_l ( |u| n' - (u . n') u / |u| ) ) with |u . n| = |u| sin a.
-static void force_on_a_triangle_is_that_of_the_formula( void** state )
+WORLD_TEST( force_on_a_triangle_is_that_of_the_formula )
 {
     hosted* h = *state;
     const double degrees[] = { 0.0, 30.0, 90.0, -30.0 };
@@ -60,9 +60,8 @@ static void force_on_a_triangle_is_that_of_the_formula( void** state )
 }
 
 // A plate of 0.15 kg/m^2 with a coefficient of 1.28: v_t = sqrt( 2 m g / (rho C A) ), v = v_t tanh( g t / v_t ).
-static void a_plate_falls_broadside_at_its_terminal_velocity( void** state )
+TEST( a_plate_falls_broadside_at_its_terminal_velocity )
 {
-    (void)state;
     const double terminal = sqrt( 2.0 * 0.15 * 9.81 / ( (double)DENSITY * 1.28 ) );
     double error[2];
     for ( int i = 0; i < 2; ++i )
@@ -92,7 +91,7 @@ static void a_plate_falls_broadside_at_its_terminal_velocity( void** state )
     assert_near( error[1] / error[0], 0.5, 0.05 );
 }
 
-static void air_moves_a_feather_to_the_winds_speed_and_never_beyond( void** state )
+WORLD_TEST( air_moves_a_feather_to_the_winds_speed_and_never_beyond )
 {
     hosted* h = *state;
     const wisp_vec3 wind = { 0.0f, 20.0f, 0.0f };
@@ -107,7 +106,7 @@ static void air_moves_a_feather_to_the_winds_speed_and_never_beyond( void** stat
 }
 
 // Lift does no work in the frame of the wind, so nothing becomes faster than its weight makes it, however light it is.
-static void lift_adds_no_energy_to_what_is_light( void** state )
+WORLD_TEST( lift_adds_no_energy_to_what_is_light )
 {
     hosted* h = *state;
     test_mesh mesh = test_plane( 9, 0.05f );
@@ -128,7 +127,7 @@ static void lift_adds_no_energy_to_what_is_light( void** state )
     test_mesh_free( &mesh );
 }
 
-static void wind_that_only_slides_along_does_nothing( void** state )
+WORLD_TEST( wind_that_only_slides_along_does_nothing )
 {
     hosted* h = *state;
     wisp_entity e = add_triangle( h->world, ( wisp_vec3 ){ 5.0f, 0.0f, -3.0f }, 1.0f, 1.0f );
@@ -136,7 +135,7 @@ static void wind_that_only_slides_along_does_nothing( void** state )
     assert_true( motion_stats_of( h->world, e ).speed_max == 0.0 );
 }
 
-static void wind_can_change_every_step( void** state )
+WORLD_TEST( wind_can_change_every_step )
 {
     hosted* h = *state;
     wisp_entity e = add_triangle( h->world, ( wisp_vec3 ){ 0 }, 1.0f, 0.0f );
@@ -152,7 +151,7 @@ static void wind_can_change_every_step( void** state )
     assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_PLANS ), plans );
 }
 
-static void a_cloth_without_coefficients_has_no_air( void** state )
+WORLD_TEST( a_cloth_without_coefficients_has_no_air )
 {
     hosted* h = *state;
     wisp_entity e = add_triangle( h->world, ( wisp_vec3 ){ 0.0f, 5.0f, 0.0f }, 0.0f, 0.0f );
@@ -163,7 +162,7 @@ static void a_cloth_without_coefficients_has_no_air( void** state )
 }
 
 // Air on a rotated mesh gives the rotated force: the same plate broadside along z.
-static void drag_knows_no_axis( void** state )
+WORLD_TEST( drag_knows_no_axis )
 {
     hosted* h = *state;
     double speed[2];
@@ -188,19 +187,4 @@ static void drag_knows_no_axis( void** state )
     // positions of 0.3 m in 0.01 s
     assert_near( speed[0] / speed[1], 1.0, 1e-4 );
     assert_true( speed[0] > 0.5 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        WORLD_TEST( force_on_a_triangle_is_that_of_the_formula ),
-        cmocka_unit_test( a_plate_falls_broadside_at_its_terminal_velocity ),
-        WORLD_TEST( air_moves_a_feather_to_the_winds_speed_and_never_beyond ),
-        WORLD_TEST( lift_adds_no_energy_to_what_is_light ),
-        WORLD_TEST( wind_that_only_slides_along_does_nothing ),
-        WORLD_TEST( wind_can_change_every_step ),
-        WORLD_TEST( a_cloth_without_coefficients_has_no_air ),
-        WORLD_TEST( drag_knows_no_axis ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -82,17 +82,16 @@ static const wisp_cloth_bending KINDS[] = { WISP_CLOTH_BENDING_DIHEDRAL, WISP_CL
 // The heavy elastica: theta'' = -G (1 - s) cos theta. test_cloth_rigidity.c has other loads, and implicit cloth.
 static const double DROP_AT_10 = 0.70019972; // over the length
 
-static void rigidity_does_not_depend_on_the_mesh_or_its_resolution( void** state )
+TEST( rigidity_does_not_depend_on_the_mesh_or_its_resolution )
 {
-    (void)state;
     for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
     {
         for ( int cells = 5; cells <= 15; cells += 10 )
         {
             const double equal = hang_out( &( beam ){ EQUILATERAL, KINDS[k], 10.0, cells, 0.1 } );
             const double right = hang_out( &( beam ){ RIGHT, KINDS[k], 10.0, cells, 0.1 } );
-            print_message( "           %2d cells: %.4f equilateral, %.4f right, %.4f\n", cells, equal,
-                           right, DROP_AT_10 );
+            print_message( "           %2d cells: %.4f equilateral, %.4f right, %.4f\n", cells, equal, right,
+                           DROP_AT_10 );
             assert_near( equal / DROP_AT_10, 1.0, 0.02 );
             // second order in the angle of a cell where the strip bends most
             assert_near( right / DROP_AT_10, 1.0, 0.2 / cells );
@@ -102,9 +101,8 @@ static void rigidity_does_not_depend_on_the_mesh_or_its_resolution( void** state
 
 // The same load G at ten times the size is the same shape. Steps are scaled likewise, so only rounding differs: a
 // float loses up to half of 7e-9 m of g dt^2 = 2.7e-6 m at 0.1 m.
-static void rigidity_is_in_units_so_size_does_not_matter( void** state )
+TEST( rigidity_is_in_units_so_size_does_not_matter )
 {
-    (void)state;
     for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
     {
         const double small = hang_out( &( beam ){ EQUILATERAL, KINDS[k], 10.0, 6, 0.1 } );
@@ -148,9 +146,8 @@ static double span_in_the_end( const wisp_cloth_def* cloth, bool born_creased )
     return span;
 }
 
-static void a_crease_of_the_rest_shape_stays_and_another_opens( void** state )
+TEST( a_crease_of_the_rest_shape_stays_and_another_opens )
 {
-    (void)state;
     const double crease = sqrt( 0.05 + 0.04 * cos( 0.5 ) ),
                  flat = 0.3; // two sides of 0.2 and 0.1 m, and flat
     wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -169,7 +166,7 @@ static void a_crease_of_the_rest_shape_stays_and_another_opens( void** state )
     }
 }
 
-static void bending_that_is_chosen_brings_its_pass_and_no_other( void** state )
+WORLD_TEST( bending_that_is_chosen_brings_its_pass_and_no_other )
 {
     hosted* h = *state;
     test_mesh mesh = test_plane( 5, 0.1f );
@@ -227,9 +224,8 @@ static double strain_of_solid( float size, float flatness, const wisp_cloth_def*
 
 // Gravity moves a vertex by 27 um in a substep, so a mesh of a millimetre has large strain with or without bending;
 // bending must not add to it.
-static void small_and_thin_solids_are_no_more_strained_with_dihedral_bending( void** state )
+TEST( small_and_thin_solids_are_no_more_strained_with_dihedral_bending )
 {
-    (void)state;
     const float sizes[] = { 0.1f, 0.03f, 0.01f, 1e-3f, 1e-4f }, flatness[] = { 1.0f, 2e-3f };
     for ( int k = 0; k < WISP_COUNT( sizes ) * WISP_COUNT( flatness ); ++k )
     {
@@ -249,9 +245,8 @@ static void small_and_thin_solids_are_no_more_strained_with_dihedral_bending( vo
 
 // The same solid at 2^-10 to 2^10 of its size with the same accelerations over its size: gravity grows with it, D with its square
 // where the masses stay. No constant of the engine has a length, and powers of two round nothing, so every bit of strain is the same.
-static void strain_is_the_same_at_all_sizes( void** state )
+TEST( strain_is_the_same_at_all_sizes )
 {
-    (void)state;
     const wisp_cloth_bending kinds[] = { WISP_CLOTH_BENDING_LINKS, WISP_CLOTH_BENDING_DIHEDRAL,
                                          WISP_CLOTH_BENDING_ISOMETRIC };
     for ( int k = 0; k < 4 * WISP_COUNT( kinds ); ++k )
@@ -269,17 +264,4 @@ static void strain_is_the_same_at_all_sizes( void** state )
         assert_true( strain[1] > 1e-4 && strain[1] < 0.1 );
         assert_true( strain[0] == strain[1] && strain[2] == strain[1] );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( small_and_thin_solids_are_no_more_strained_with_dihedral_bending ),
-        cmocka_unit_test( strain_is_the_same_at_all_sizes ),
-        cmocka_unit_test( rigidity_does_not_depend_on_the_mesh_or_its_resolution ),
-        cmocka_unit_test( rigidity_is_in_units_so_size_does_not_matter ),
-        cmocka_unit_test( a_crease_of_the_rest_shape_stays_and_another_opens ),
-        WORLD_TEST( bending_that_is_chosen_brings_its_pass_and_no_other ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

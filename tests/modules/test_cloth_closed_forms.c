@@ -37,9 +37,8 @@ static double spring_extension( int substeps, int iterations, float seconds )
     return extension;
 }
 
-static void a_spring_stretches_by_m_g_over_k_at_any_step_and_iteration_count( void** state )
+TEST( a_spring_stretches_by_m_g_over_k_at_any_step_and_iteration_count )
 {
-    (void)state;
     const int iterations[] = { 1, 2, 10 };
     const float seconds[] = { 1.0f / 30.0f, 1.0f / 60.0f, 1.0f / 480.0f };
     for ( int i = 0; i < WISP_COUNT( iterations ); ++i )
@@ -86,9 +85,8 @@ static double chain_error( int substeps, int iterations )
 // One pass per substep leaves an error of the order of w dt^2 / c, so halving dt quarters it. More passes reach the
 // floor of floats: a vertex at 0.8 m moves in steps of 6e-8 m, so a residual below 3e-8 m of g dt^2 = 4.3e-5 m at
 // 1/480 s, 7e-4 of the weight, is lost.
-static void a_bar_stretches_by_its_compliance_whatever_iterations_and_step( void** state )
+TEST( a_bar_stretches_by_its_compliance_whatever_iterations_and_step )
 {
-    (void)state;
     const int converged[][2] = { { 1, 64 }, { 2, 64 }, { 4, 16 }, { 4, 64 }, { 8, 16 } };
     for ( int i = 0; i < WISP_COUNT( converged ); ++i )
     {
@@ -139,9 +137,8 @@ static double sag_of_strip( int columns, int substeps )
 
 // A chain of 40 links is within 0.05 % of the curve. One pass per substep leaves a stretch of the order of dt^2:
 // doubling the substeps should quarter the error, and does so by 3.3 to 3.9 here.
-static void a_pinned_strip_hangs_in_a_catenary( void** state )
+TEST( a_pinned_strip_hangs_in_a_catenary )
 {
-    (void)state;
     double error[4];
     for ( int i = 0; i < WISP_COUNT( error ); ++i )
     {
@@ -196,9 +193,8 @@ static double pendulum_period( double degrees, int substeps )
 // The integrator loses energy of the order of the step, more for larger swings, and a smaller swing has a shorter
 // period: the error falls with the substeps. At 1/960 s that loss dominates; 90 degrees use four times as many
 // substeps.
-static void a_triangle_on_its_edge_swings_with_a_pendulums_period( void** state )
+TEST( a_triangle_on_its_edge_swings_with_a_pendulums_period )
 {
-    (void)state;
     const struct
     {
         double degrees, ratio, tolerance; // ratio: 2/pi K(sin(a/2))
@@ -273,9 +269,8 @@ static drift drift_of( wisp_cloth_bending bending, int substeps )
 // positions of half a metre, rounded to 3e-8 m, over 1/240 s and more: 7e-6 m/s per substep of 0.37 m/s, 240 times.
 // Angular momentum is taken about positions that moved in the substep, so its error is first order: half the step
 // loses half.
-static void constraints_keep_momentum_and_lose_turning_with_the_step_alone( void** state )
+TEST( constraints_keep_momentum_and_lose_turning_with_the_step_alone )
 {
-    (void)state;
     for ( int b = 0; b < WISP_CLOTH_BENDING_COUNT; ++b )
     {
         drift two = drift_of( (wisp_cloth_bending)b, 2 ), four = drift_of( (wisp_cloth_bending)b, 4 );
@@ -322,25 +317,11 @@ static energy_stats energy_of_hanging( int substeps )
 
 // Potential energy is 0 at the start, so a positive total was created by the solver. A cloth that one pass per
 // substep leaves stretched releases that as a rise: it falls with the stretch, at second order in the step.
-static void a_hanging_cloth_never_has_more_energy_than_it_began_with( void** state )
+TEST( a_hanging_cloth_never_has_more_energy_than_it_began_with )
 {
-    (void)state;
     energy_stats ten = energy_of_hanging( 10 ), forty = energy_of_hanging( 40 );
     print_message( "           rises by %.4f of the fall with 10 substeps, %.4f with 40\n", ten.rise, forty.rise );
     assert_true( ten.above_start <= 0.0 && forty.above_start <= 0.0 );
     assert_true( ten.rise < 0.12 );
     assert_true( forty.rise < 0.02 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_spring_stretches_by_m_g_over_k_at_any_step_and_iteration_count ),
-        cmocka_unit_test( a_bar_stretches_by_its_compliance_whatever_iterations_and_step ),
-        cmocka_unit_test( a_pinned_strip_hangs_in_a_catenary ),
-        cmocka_unit_test( a_triangle_on_its_edge_swings_with_a_pendulums_period ),
-        cmocka_unit_test( constraints_keep_momentum_and_lose_turning_with_the_step_alone ),
-        cmocka_unit_test( a_hanging_cloth_never_has_more_energy_than_it_began_with ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

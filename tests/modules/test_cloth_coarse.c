@@ -46,9 +46,8 @@ static const float* positions_of( wisp_world* world, wisp_entity e )
 
 // Two levels with one substep of the sheet in each of two, and with two in one; a step so long that it limits the history; and pins
 // that are no attachments of the fabric, so they are between the rows of the sheets.
-static void a_step_is_that_of_the_oracle( void** state )
+TEST( a_step_is_that_of_the_oracle )
 {
-    (void)state;
     const sheet_setting settings[] = { { 53, 2, 1, false, 1e-3f, 0.0f, false },
                                        { 53, 1, 2, false, 1e-3f, 0.0f, false },
                                        { 53, 1, 2, false, 1e-3f, 0.0f, false },
@@ -127,9 +126,8 @@ static double distance_of( const sheet_setting* s, const wisp_vec3* reference, i
     return sqrt( sum / count );
 }
 
-static void one_substep_is_nearer_to_the_converged_motion_than_forty( void** state )
+TEST( one_substep_is_nearer_to_the_converged_motion_than_forty )
 {
-    (void)state;
     const sheet_setting converged = { 65, 320, 0, false, 1e-3f, 0.0f, false },
                         forty = { 65, 40, 0, false, 1e-3f, 0.0f, false };
     const sheet_setting carried = { 65, 1, 2, false, 1e-3f, 0.0f, false },
@@ -145,9 +143,8 @@ static void one_substep_is_nearer_to_the_converged_motion_than_forty( void** sta
 }
 
 // Without links that act, second order is exact for a constant acceleration, but for the first substep of the sheet.
-static void a_sheet_that_falls_freely_follows_the_parabola( void** state )
+TEST( a_sheet_that_falls_freely_follows_the_parabola )
 {
-    (void)state;
     for ( int coarse = 1; coarse <= 4; coarse *= 2 )
     {
         const sheet_setting falling = { 33, 1, coarse, true, 1e-3f, 0.0f, false };
@@ -180,9 +177,8 @@ static double energy_of( wisp_world* world, wisp_entity e )
     return sum;
 }
 
-static void a_swing_of_fifteen_seconds_gains_no_energy( void** state )
+TEST( a_swing_of_fifteen_seconds_gains_no_energy )
 {
-    (void)state;
     const sheet_setting settings[] = { { 33, 1, 2, false, 1e-3f, 0.0f, false },
                                        { 33, 2, 1, false, 0.0f, 0.0f, false } };
     for ( int i = 0; i < WISP_COUNT( settings ); ++i )
@@ -203,9 +199,8 @@ static void a_swing_of_fifteen_seconds_gains_no_energy( void** state )
     }
 }
 
-static void a_damped_sheet_comes_to_rest_and_stays( void** state )
+TEST( a_damped_sheet_comes_to_rest_and_stays )
 {
-    (void)state;
     const sheet_setting settings[] = { { 33, 1, 2, false, 0.0f, 4.0f, false },
                                        { 65, 2, 1, false, 1e-5f, 4.0f, false } };
     for ( int i = 0; i < WISP_COUNT( settings ); ++i )
@@ -227,9 +222,8 @@ static void a_damped_sheet_comes_to_rest_and_stays( void** state )
 }
 
 // What second order adds to free corners alone made them flutter with 1 m/s in short substeps.
-static void corners_do_not_flutter_in_short_substeps( void** state )
+TEST( corners_do_not_flutter_in_short_substeps )
 {
-    (void)state;
     const sheet_setting carried = {
         .n = 33, .substeps = 2, .coarse_substeps = 1, .compliance = 1e-5f, .damping = 4.0f, .bends = true
     };
@@ -250,9 +244,8 @@ static void corners_do_not_flutter_in_short_substeps( void** state )
 
 // ---- what acts on a cloth ----
 
-static void pins_that_move_take_the_sheet_along( void** state )
+TEST( pins_that_move_take_the_sheet_along )
 {
-    (void)state;
     const sheet_setting carried = { 33, 1, 2, false, 1e-4f, 2.0f, false };
     hosted h;
     open_world( &h, 1, 1 );
@@ -274,9 +267,8 @@ static void pins_that_move_take_the_sheet_along( void** state )
 }
 
 // Pins that no row of a coarse sheet stands on, as copies of a fabric have: the sheet is held by them, and moves with them.
-static void pins_between_rows_hold_the_sheet( void** state )
+TEST( pins_between_rows_hold_the_sheet )
 {
-    (void)state;
     const sheet_setting carried = { 49, 1, 2, true, 1e-4f, 2.0f, false };
     const int32_t pins[2] = { 12 * 49 + 13, 12 * 49 + 35 };
     hosted h;
@@ -301,9 +293,8 @@ static void pins_between_rows_hold_the_sheet( void** state )
 }
 
 // What changes a sheet from outside: it goes on from there, without a jump of its own.
-static void teleports_velocities_pins_and_other_steps_leave_no_kick( void** state )
+TEST( teleports_velocities_pins_and_other_steps_leave_no_kick )
 {
-    (void)state;
     const sheet_setting carried = { 33, 1, 2, true, 1e-4f, 0.0f, false };
     hosted h;
     open_world( &h, 1, 1 );
@@ -328,20 +319,4 @@ static void teleports_velocities_pins_and_other_steps_leave_no_kick( void** stat
     assert_true( is_finite( h.world, e ) );
     assert_true( (double)motion_stats_of( h.world, e ).speed_max < 10.0 );
     close_world( &h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_step_is_that_of_the_oracle ),
-        cmocka_unit_test( one_substep_is_nearer_to_the_converged_motion_than_forty ),
-        cmocka_unit_test( a_sheet_that_falls_freely_follows_the_parabola ),
-        cmocka_unit_test( a_swing_of_fifteen_seconds_gains_no_energy ),
-        cmocka_unit_test( a_damped_sheet_comes_to_rest_and_stays ),
-        cmocka_unit_test( corners_do_not_flutter_in_short_substeps ),
-        cmocka_unit_test( pins_that_move_take_the_sheet_along ),
-        cmocka_unit_test( pins_between_rows_hold_the_sheet ),
-        cmocka_unit_test( teleports_velocities_pins_and_other_steps_leave_no_kick ),
-    };
-    return cmocka_run_group_tests_name( "coarse sheets", tests, NULL, NULL );
 }

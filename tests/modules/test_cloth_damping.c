@@ -42,7 +42,7 @@ static double energy_of_shaking( wisp_motion_stats q, double rigid )
     return q.kinetic_energy - rigid;
 }
 
-static void shaking_dies_at_the_given_rate_and_momentum_stays( void** state )
+WORLD_TEST( shaking_dies_at_the_given_rate_and_momentum_stays )
 {
     hosted* h = *state;
     const float rate = 5.0f;
@@ -120,7 +120,7 @@ static void check_turning( hosted* h, int side )
     test_mesh_free( &mesh );
 }
 
-static void damping_takes_no_turning( void** state )
+WORLD_TEST( damping_takes_no_turning )
 {
     for ( int i = 0; i < WISP_COUNT( SIDES ); ++i )
     {
@@ -148,7 +148,7 @@ static void check_rigid_turn( hosted* h, int side )
     test_mesh_free( &mesh );
 }
 
-static void a_rigid_turn_lives_through_any_damping( void** state )
+WORLD_TEST( a_rigid_turn_lives_through_any_damping )
 {
     for ( int i = 0; i < WISP_COUNT( SIDES ); ++i )
     {
@@ -193,7 +193,7 @@ static void check_line( hosted* h, wisp_vec3 along, wisp_vec3 foreign, float wid
 }
 
 // A body with all mass on a line has no moment of inertia about it, and still turns about the others.
-static void a_body_that_is_a_line_keeps_turning( void** state )
+WORLD_TEST( a_body_that_is_a_line_keeps_turning )
 {
     const wisp_vec3 x = { 1.0f, 0.0f, 0.0f }, y = { 0.0f, 1.0f, 0.0f }, slanted = { 0.6f, 0.48f, 0.64f },
                     aside = { -0.8f, 0.36f, 0.48f };
@@ -210,13 +210,13 @@ static void a_body_that_is_a_line_keeps_turning( void** state )
 }
 
 // A ribbon a hundred times as long as it is wide still turns about itself.
-static void a_ribbon_keeps_its_spin( void** state )
+WORLD_TEST( a_ribbon_keeps_its_spin )
 {
     const wisp_vec3 slanted = { 0.6f, 0.48f, 0.64f }, aside = { -0.8f, 0.36f, 0.48f };
     check_line( *state, slanted, aside, 5e-3f, slanted, 0.05 );
 }
 
-static void a_pinned_cloth_comes_to_rest_and_a_loose_vertex_is_no_pin( void** state )
+WORLD_TEST( a_pinned_cloth_comes_to_rest_and_a_loose_vertex_is_no_pin )
 {
     hosted* h = *state;
     test_mesh mesh = test_plane( 5, 0.1f );
@@ -247,7 +247,7 @@ static void a_pinned_cloth_comes_to_rest_and_a_loose_vertex_is_no_pin( void** st
     test_mesh_free( &mesh );
 }
 
-static void damping_of_zero_has_no_pass( void** state )
+WORLD_TEST( damping_of_zero_has_no_pass )
 {
     hosted* h = *state;
     test_mesh mesh = test_plane( 3, 0.1f );
@@ -259,18 +259,4 @@ static void damping_of_zero_has_no_pass( void** state )
     step( h->world );
     assert_int_equal( count_passes_named( h->world, "cloth.damping" ), 0 );
     test_mesh_free( &mesh );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        WORLD_TEST( shaking_dies_at_the_given_rate_and_momentum_stays ),
-        WORLD_TEST( damping_takes_no_turning ),
-        WORLD_TEST( a_rigid_turn_lives_through_any_damping ),
-        WORLD_TEST( a_body_that_is_a_line_keeps_turning ),
-        WORLD_TEST( a_ribbon_keeps_its_spin ),
-        WORLD_TEST( a_pinned_cloth_comes_to_rest_and_a_loose_vertex_is_no_pin ),
-        WORLD_TEST( damping_of_zero_has_no_pass ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -161,9 +161,8 @@ static int count_batches( const wisp_world* world )
 }
 
 // With the same instruction set, because which NaN the wild cloth keeps is left open.
-static void cloths_side_by_side_have_the_bits_that_each_has_alone( void** state )
+TEST( cloths_side_by_side_have_the_bits_that_each_has_alone )
 {
-    (void)state;
     static const crowd_case cases[] = {
         { WISP_SOLVER_PBD, 1, "avx512", false, false, false },
         { WISP_SOLVER_PBD, 1, "avx2", false, false, false },
@@ -192,9 +191,8 @@ static void cloths_side_by_side_have_the_bits_that_each_has_alone( void** state 
     }
 }
 
-static void a_cloth_that_halts_stops_no_neighbour( void** state )
+TEST( a_cloth_that_halts_stops_no_neighbour )
 {
-    (void)state;
     static const crowd_case how = { WISP_SOLVER_PBD, 2, NULL, false, false, false };
     uint64_t hashes[STEPS];
     crowd c;
@@ -220,9 +218,8 @@ static void check_folds( const crowd_case* how )
     close_world( &c.h );
 }
 
-static void folds_are_found_and_opened( void** state )
+TEST( folds_are_found_and_opened )
 {
-    (void)state;
     check_folds( &( crowd_case ){ .solver = WISP_SOLVER_XPBD, .workers = 1 } );
     check_folds( &( crowd_case ){ .solver = WISP_SOLVER_XPBD, .workers = 1, .windy = true } );
 }
@@ -243,9 +240,8 @@ static void check_times( const crowd_case* how )
     close_world( &c.h );
 }
 
-static void the_times_of_passes_add_up_to_most_of_a_step( void** state )
+TEST( the_times_of_passes_add_up_to_most_of_a_step )
 {
-    (void)state;
     check_times( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 1 } );
     check_times( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 1, .windy = true } );
 }
@@ -261,21 +257,8 @@ static void check_allocations( const crowd_case* how )
     close_world( &c.h );
 }
 
-static void a_warm_step_allocates_nothing( void** state )
+TEST( a_warm_step_allocates_nothing )
 {
-    (void)state;
     check_allocations( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 2 } );
     check_allocations( &( crowd_case ){ .solver = WISP_SOLVER_PBD, .workers = 2, .windy = true } );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( cloths_side_by_side_have_the_bits_that_each_has_alone ),
-        cmocka_unit_test( a_cloth_that_halts_stops_no_neighbour ),
-        cmocka_unit_test( folds_are_found_and_opened ),
-        cmocka_unit_test( the_times_of_passes_add_up_to_most_of_a_step ),
-        cmocka_unit_test( a_warm_step_allocates_nothing ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -73,9 +73,8 @@ static double hung_by( hosted* h, wisp_entity e )
            0.05 * ( ROWS - 1 );
 }
 
-static void a_strip_with_a_soft_lower_half_stretches_by_the_sum_of_both_halves( void** state )
+TEST( a_strip_with_a_soft_lower_half_stretches_by_the_sum_of_both_halves )
 {
-    (void)state;
     hosted h;
     open_world( &h, 8, 40 );
     test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
@@ -96,9 +95,8 @@ static void a_strip_with_a_soft_lower_half_stretches_by_the_sum_of_both_halves( 
     close_world( &h );
 }
 
-static void heavier_vertices_stretch_what_is_above_them( void** state )
+TEST( heavier_vertices_stretch_what_is_above_them )
 {
-    (void)state;
     hosted h;
     open_world( &h, 8, 40 );
     test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
@@ -118,9 +116,8 @@ static void heavier_vertices_stretch_what_is_above_them( void** state )
     close_world( &h );
 }
 
-static void each_link_has_the_mean_of_its_ends_and_null_takes_it_back( void** state )
+TEST( each_link_has_the_mean_of_its_ends_and_null_takes_it_back )
 {
-    (void)state;
     hosted h;
     open_world( &h, 1, 1 );
     test_mesh mesh = hanging_mesh( 4, 5, 0.05f, 0.05f );
@@ -167,9 +164,8 @@ static void each_link_has_the_mean_of_its_ends_and_null_takes_it_back( void** st
     close_world( &h );
 }
 
-static void damping_decays_at_the_rate_of_each_vertex( void** state )
+TEST( damping_decays_at_the_rate_of_each_vertex )
 {
-    (void)state;
     hosted h;
     open_world( &h, 100, 1 );
     test_mesh mesh = hanging_mesh( 4, 4, 0.1f, 0.1f );
@@ -195,9 +191,8 @@ static void damping_decays_at_the_rate_of_each_vertex( void** state )
     close_world( &h );
 }
 
-static void mapped_internal_damping_keeps_momentum_and_angular_momentum( void** state )
+TEST( mapped_internal_damping_keeps_momentum_and_angular_momentum )
 {
-    (void)state;
     hosted h;
     open_world( &h, 10, 1 );
     test_mesh mesh = hanging_mesh( 6, 6, 0.1f, 0.1f );
@@ -256,9 +251,8 @@ static double terminal_speed( float factor )
     return -q.momentum[1] / q.mass;
 }
 
-static void drag_falls_at_the_terminal_speed_of_its_factor( void** state )
+TEST( drag_falls_at_the_terminal_speed_of_its_factor )
 {
-    (void)state;
     const float factors[] = { 0.5f, 1.0f, 4.0f };
     for ( int i = 0; i < 3; ++i )
     {
@@ -313,9 +307,8 @@ static double droop( float rigidity, float first_half, float second_half )
     return -y;
 }
 
-static void rigidity_halves_where_its_map_is_a_half( void** state )
+TEST( rigidity_halves_where_its_map_is_a_half )
 {
-    (void)state;
     // small deflections, clamped at x = 0.01 with L = 0.15: w g L^4 / 8 D
     const double weight = 0.15 * 9.81, whole = droop( 3e-2f, 1.0f, 1.0f ), half = droop( 6e-2f, 0.5f, 0.5f );
     assert_within( whole, weight * pow( 0.15, 4.0 ) / ( 8.0 * 3e-2 ), 0.08 * whole ); // 16 links along it
@@ -327,9 +320,8 @@ static void rigidity_halves_where_its_map_is_a_half( void** state )
     assert_within( clamp_stiff, whole * ( 1.0 / 8.0 + 0.875 / 16.0 ), 0.03 * whole );
 }
 
-static void maps_of_ones_change_no_bit_of_masses_links_and_damping( void** state )
+TEST( maps_of_ones_change_no_bit_of_masses_links_and_damping )
 {
-    (void)state;
     uint64_t hash[2];
     for ( int mapped = 0; mapped < 2; ++mapped )
     {
@@ -357,9 +349,8 @@ static void maps_of_ones_change_no_bit_of_masses_links_and_damping( void** state
     assert_true( hash[0] == hash[1] );
 }
 
-static void pins_snapshots_and_instances_keep_mapped_masses( void** state )
+TEST( pins_snapshots_and_instances_keep_mapped_masses )
 {
-    (void)state;
     hosted h;
     open_world( &h, 4, 1 );
     test_mesh mesh = hanging_mesh( 4, 4, 0.1f, 0.1f );
@@ -394,9 +385,8 @@ static void pins_snapshots_and_instances_keep_mapped_masses( void** state )
     close_world( &h );
 }
 
-static void wrong_maps_are_refused_with_one_message( void** state )
+TEST( wrong_maps_are_refused_with_one_message )
 {
-    (void)state;
     hosted h;
     open_world( &h, 4, 1 );
     test_mesh mesh = hanging_mesh( 4, 4, 0.1f, 0.1f );
@@ -422,21 +412,4 @@ static void wrong_maps_are_refused_with_one_message( void** state )
     assert_true( wisp_world_hash( h.world ) == hash );
     test_mesh_free( &mesh );
     close_world( &h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_strip_with_a_soft_lower_half_stretches_by_the_sum_of_both_halves ),
-        cmocka_unit_test( heavier_vertices_stretch_what_is_above_them ),
-        cmocka_unit_test( each_link_has_the_mean_of_its_ends_and_null_takes_it_back ),
-        cmocka_unit_test( damping_decays_at_the_rate_of_each_vertex ),
-        cmocka_unit_test( mapped_internal_damping_keeps_momentum_and_angular_momentum ),
-        cmocka_unit_test( drag_falls_at_the_terminal_speed_of_its_factor ),
-        cmocka_unit_test( rigidity_halves_where_its_map_is_a_half ),
-        cmocka_unit_test( maps_of_ones_change_no_bit_of_masses_links_and_damping ),
-        cmocka_unit_test( pins_snapshots_and_instances_keep_mapped_masses ),
-        cmocka_unit_test( wrong_maps_are_refused_with_one_message ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -25,7 +25,7 @@ static void assert_refused( hosted* h, wisp_entity e, const wisp_cloth_def* def,
     assert_int_equal( wisp_world_plan_passes( h->world ), passes );
 }
 
-static void every_number_has_its_range( void** state )
+WORLD_TEST( every_number_has_its_range )
 {
     hosted* h = *state;
     wisp_entity e = add_plain( h, true, true, false );
@@ -62,7 +62,7 @@ static void every_number_has_its_range( void** state )
     }
 }
 
-static void every_choice_is_one_of_the_list( void** state )
+WORLD_TEST( every_choice_is_one_of_the_list )
 {
     hosted* h = *state;
     wisp_entity e = add_plain( h, true, true, false );
@@ -88,7 +88,7 @@ static void every_choice_is_one_of_the_list( void** state )
     assert_refused( h, e, &def, WISP_CONFLICT, "coarse sheets need the solver xpbd" );
 }
 
-static void directions_and_winds_are_finite( void** state )
+WORLD_TEST( directions_and_winds_are_finite )
 {
     hosted* h = *state;
     wisp_entity e = add_plain( h, true, true, false );
@@ -113,7 +113,7 @@ static void directions_and_winds_are_finite( void** state )
     }
 }
 
-static void a_fabric_must_have_what_the_cloth_needs( void** state )
+WORLD_TEST( a_fabric_must_have_what_the_cloth_needs )
 {
     hosted* h = *state;
     wisp_entity bare = add_plain( h, false, false, true ), loose = add_plain( h, true, true, false );
@@ -131,7 +131,7 @@ static void a_fabric_must_have_what_the_cloth_needs( void** state )
     assert_status( h->world, wisp_set_cloth( h->world, bare, &def ), WISP_OK );
 }
 
-static void what_is_no_living_surface_is_refused( void** state )
+WORLD_TEST( what_is_no_living_surface_is_refused )
 {
     hosted* h = *state;
     const wisp_cloth_def def = wisp_default_cloth_def();
@@ -143,9 +143,8 @@ static void what_is_no_living_surface_is_refused( void** state )
     assert_int_equal( wisp_set_cloth_wind( h->world, gone, ( wisp_vec3 ){ 0 } ), WISP_STALE_ID );
 }
 
-static void a_world_without_the_module_says_so( void** state )
+TEST( a_world_without_the_module_says_so )
 {
-    (void)state;
     hosted h = { 0 };
     h.def = hosted_def( &h );
     h.def.modules = NULL;
@@ -158,9 +157,8 @@ static void a_world_without_the_module_says_so( void** state )
 }
 
 // From one kind of cloth to one that needs all other components, with each request for memory refused in turn.
-static void a_change_without_memory_leaves_the_old_cloth( void** state )
+TEST( a_change_without_memory_leaves_the_old_cloth )
 {
-    (void)state;
     int refusals = 0;
     for ( int64_t n = 1; n < 100; ++n )
     {
@@ -195,18 +193,4 @@ static void a_change_without_memory_leaves_the_old_cloth( void** state )
         }
     }
     assert_in_range( refusals, 5, 98 ); // at least one per column
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        WORLD_TEST( every_number_has_its_range ),
-        WORLD_TEST( every_choice_is_one_of_the_list ),
-        WORLD_TEST( directions_and_winds_are_finite ),
-        WORLD_TEST( a_fabric_must_have_what_the_cloth_needs ),
-        WORLD_TEST( what_is_no_living_surface_is_refused ),
-        cmocka_unit_test( a_world_without_the_module_says_so ),
-        cmocka_unit_test( a_change_without_memory_leaves_the_old_cloth ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -137,16 +137,14 @@ static void compare_with_elasticas( int substeps, double tolerance )
 }
 
 // What is left is the stretch of links that one pass a substep leaves, 1 % under the full weight.
-static void a_strip_hangs_out_as_the_elastica_at_ten_substeps( void** state )
+TEST( a_strip_hangs_out_as_the_elastica_at_ten_substeps )
 {
-    (void)state;
     compare_with_elasticas( 10, 0.03 );
 }
 
 // What is left is the mesh: 1/12 of the squared cell where the strip bends most, over the length of the bend.
-static void a_strip_hangs_out_as_the_elastica_once_converged( void** state )
+TEST( a_strip_hangs_out_as_the_elastica_once_converged )
 {
-    (void)state;
     compare_with_elasticas( 40, 0.01 );
 }
 
@@ -171,9 +169,8 @@ static double grow_sideways( solver_kind kind, bool irregular, double load )
 // The critical load of a plate on edge, five times as long as wide: rho g L^3 / D = 20.65. It is the least eigenvalue of
 // D |curvature|^2 + stress : grad w grad w over 60 polynomials, with the stress of a beam under its weight. Towards a beam it
 // falls to 12.85 sqrt( EI GJ ) / ( D b ) = 18.17 (Timoshenko and Gere 1961).
-static void a_strip_on_edge_buckles_at_the_load_of_a_plate( void** state )
+TEST( a_strip_on_edge_buckles_at_the_load_of_a_plate )
 {
-    (void)state;
     const double critical = 20.65;
     for ( int k = 0; k < SOLVER_KINDS; ++k )
     {
@@ -190,9 +187,8 @@ static void a_strip_on_edge_buckles_at_the_load_of_a_plate( void** state )
 }
 
 // Pins that come later clamp as those that were there when the cloth was set.
-static void pins_that_come_later_clamp_too( void** state )
+TEST( pins_that_come_later_clamp_too )
 {
-    (void)state;
     double tip[2];
     for ( int later = 0; later < 2; ++later )
     {
@@ -221,15 +217,4 @@ static void pins_that_come_later_clamp_too( void** state )
     }
     assert_true( tip[0] < -0.1 );
     assert_near( tip[1], tip[0], 1e-5 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_strip_hangs_out_as_the_elastica_at_ten_substeps ),
-        cmocka_unit_test( a_strip_hangs_out_as_the_elastica_once_converged ),
-        cmocka_unit_test( a_strip_on_edge_buckles_at_the_load_of_a_plate ),
-        cmocka_unit_test( pins_that_come_later_clamp_too ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

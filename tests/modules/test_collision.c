@@ -31,7 +31,7 @@ static double nearest( wisp_world* world, wisp_entity e, const wisp_collider_def
 
 // ---- rest ----
 
-static void what_falls_on_a_plane_comes_to_rest_and_does_not_jitter( void** state )
+COLLISION_TEST( what_falls_on_a_plane_comes_to_rest_and_does_not_jitter )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -49,7 +49,7 @@ static void what_falls_on_a_plane_comes_to_rest_and_does_not_jitter( void** stat
     assert_int_equal( collision_of( h->world, e ).contacts, 81 );
 }
 
-static void contact_never_adds_energy( void** state )
+COLLISION_TEST( contact_never_adds_energy )
 {
     hosted* h = *state;
     wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
@@ -77,9 +77,8 @@ static void contact_never_adds_energy( void** state )
     }
 }
 
-static void cloth_comes_to_rest_around_each_closed_form_at_its_thickness( void** state )
+TEST( cloth_comes_to_rest_around_each_closed_form_at_its_thickness )
 {
-    (void)state;
     for ( int kind = 0; kind < WISP_COLLIDER_MESH; ++kind )
     {
         hosted* h = new_colliding( 4, 4, 1 );
@@ -100,9 +99,8 @@ static void cloth_comes_to_rest_around_each_closed_form_at_its_thickness( void**
     }
 }
 
-static void results_scale_with_the_scene( void** state )
+TEST( results_scale_with_the_scene )
 {
-    (void)state;
     const float scales[] = { 1.0f, 0.01f, 100.0f };
     wisp_vec3 at[3];
     for ( int k = 0; k < 3; ++k )
@@ -130,9 +128,8 @@ static void results_scale_with_the_scene( void** state )
     }
 }
 
-static void what_starts_inside_leaves_without_flying_off( void** state )
+TEST( what_starts_inside_leaves_without_flying_off )
 {
-    (void)state;
     for ( int kind = WISP_COLLIDER_SPHERE; kind < WISP_COLLIDER_MESH; ++kind )
     {
         hosted* h = new_colliding( 1, 8, 1 );
@@ -160,7 +157,7 @@ static void what_starts_inside_leaves_without_flying_off( void** state )
 
 // ---- motion ----
 
-static void a_body_at_100_m_s_sweeps_a_cloth_along( void** state )
+COLLISION_TEST( a_body_at_100_m_s_sweeps_a_cloth_along )
 {
     hosted* h = *state;
     const wisp_collider_kind kinds[] = { WISP_COLLIDER_BOX, WISP_COLLIDER_SPHERE, WISP_COLLIDER_CAPSULE };
@@ -192,7 +189,7 @@ static void a_body_at_100_m_s_sweeps_a_cloth_along( void** state )
     }
 }
 
-static void a_particle_at_100_m_s_stops_at_a_thin_plate( void** state )
+COLLISION_TEST( a_particle_at_100_m_s_stops_at_a_thin_plate )
 {
     hosted* h = *state;
     wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
@@ -215,7 +212,7 @@ static void a_particle_at_100_m_s_stops_at_a_thin_plate( void** state )
     assert_true( fabs( motion_stats_of( h->world, e ).momentum[1] ) < 1e-6 );
 }
 
-static void a_body_stands_still_when_it_is_not_moved_again( void** state )
+COLLISION_TEST( a_body_stands_still_when_it_is_not_moved_again )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -231,7 +228,7 @@ static void a_body_stands_still_when_it_is_not_moved_again( void** state )
     assert_true( nearest( h->world, e, &plane, up ) > 0.0 );
 }
 
-static void pinned_vertices_are_not_moved( void** state )
+COLLISION_TEST( pinned_vertices_are_not_moved )
 {
     hosted* h = *state;
     wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
@@ -244,7 +241,7 @@ static void pinned_vertices_are_not_moved( void** state )
     assert_true( fabsf( p.x ) < 1e-6f && p.y == 0.0f && fabsf( p.z ) < 1e-6f );
 }
 
-static void layers_say_who_collides_with_whom( void** state )
+COLLISION_TEST( layers_say_who_collides_with_whom )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -262,7 +259,7 @@ static void layers_say_who_collides_with_whom( void** state )
     assert_true( motion_stats_of( h->world, lies ).centre[1] > 0.0 );
 }
 
-static void a_nan_halts_its_own_surface_alone( void** state )
+COLLISION_TEST( a_nan_halts_its_own_surface_alone )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -280,7 +277,7 @@ static void a_nan_halts_its_own_surface_alone( void** state )
 
 // ---- the plan ----
 
-static void nothing_to_collide_with_costs_no_pass( void** state )
+COLLISION_TEST( nothing_to_collide_with_costs_no_pass )
 {
     hosted* h = *state;
     wisp_collision_def collision = wisp_default_collision_def();
@@ -311,7 +308,7 @@ static void nothing_to_collide_with_costs_no_pass( void** state )
     run_for( h->world, DT, 2 );
 }
 
-static void removed_bodies_and_surfaces_are_forgotten( void** state )
+COLLISION_TEST( removed_bodies_and_surfaces_are_forgotten )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -349,9 +346,8 @@ static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )
     return add_cloth( world, 40, 1.4f, ( wisp_vec3 ){ 0.0f, 0.35f, 0.0f }, GRAVITY );
 }
 
-static void any_number_of_workers_gives_the_same_bits( void** state )
+TEST( any_number_of_workers_gives_the_same_bits )
 {
-    (void)state;
     const int workers[] = { 1, 2, 3, 8 };
     uint64_t expected = 0;
     for ( int k = 0; k < WISP_COUNT( workers ); ++k )
@@ -368,7 +364,7 @@ static void any_number_of_workers_gives_the_same_bits( void** state )
     }
 }
 
-static void a_snapshot_brings_moving_bodies_back( void** state )
+COLLISION_TEST( a_snapshot_brings_moving_bodies_back )
 {
     hosted* h = *state;
     wisp_entity ball;
@@ -386,7 +382,7 @@ static void a_snapshot_brings_moving_bodies_back( void** state )
     free( saved.bytes );
 }
 
-static void a_warm_step_allocates_nothing( void** state )
+COLLISION_TEST( a_warm_step_allocates_nothing )
 {
     hosted* h = *state;
     wisp_entity ball;
@@ -397,7 +393,7 @@ static void a_warm_step_allocates_nothing( void** state )
     assert_int_equal( atomic_load( &h->host.queried ), queried );
 }
 
-static void without_memory_a_call_changes_nothing( void** state )
+COLLISION_TEST( without_memory_a_call_changes_nothing )
 {
     hosted* h = *state;
     test_mesh mesh = test_plane( 3, 0.1f );
@@ -445,7 +441,7 @@ static void assert_refused( wisp_world* world, const wisp_collider_def* def, con
     assert_int_equal( wisp_world_hash( world ), before );
 }
 
-static void impossible_bodies_are_refused( void** state )
+COLLISION_TEST( impossible_bodies_are_refused )
 {
     hosted* h = *state;
     wisp_collider_def def = body_of( WISP_COLLIDER_SPHERE );
@@ -477,7 +473,7 @@ static void impossible_bodies_are_refused( void** state )
     assert_refused( h->world, &def, "kind" );
 }
 
-static void calls_that_do_not_fit_are_refused_with_a_message( void** state )
+COLLISION_TEST( calls_that_do_not_fit_are_refused_with_a_message )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -503,30 +499,4 @@ static void calls_that_do_not_fit_are_refused_with_a_message( void** state )
     assert_int_equal( wisp_read_collision_stats( h->world, body, &stats ), WISP_CONFLICT );
     assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_STALE_ID );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        COLLISION_TEST( what_falls_on_a_plane_comes_to_rest_and_does_not_jitter ),
-        COLLISION_TEST( contact_never_adds_energy ),
-        cmocka_unit_test( cloth_comes_to_rest_around_each_closed_form_at_its_thickness ),
-        cmocka_unit_test( results_scale_with_the_scene ),
-        cmocka_unit_test( what_starts_inside_leaves_without_flying_off ),
-        COLLISION_TEST( a_body_at_100_m_s_sweeps_a_cloth_along ),
-        COLLISION_TEST( a_particle_at_100_m_s_stops_at_a_thin_plate ),
-        COLLISION_TEST( a_body_stands_still_when_it_is_not_moved_again ),
-        COLLISION_TEST( pinned_vertices_are_not_moved ),
-        COLLISION_TEST( layers_say_who_collides_with_whom ),
-        COLLISION_TEST( a_nan_halts_its_own_surface_alone ),
-        COLLISION_TEST( nothing_to_collide_with_costs_no_pass ),
-        COLLISION_TEST( removed_bodies_and_surfaces_are_forgotten ),
-        cmocka_unit_test( any_number_of_workers_gives_the_same_bits ),
-        COLLISION_TEST( a_snapshot_brings_moving_bodies_back ),
-        COLLISION_TEST( a_warm_step_allocates_nothing ),
-        COLLISION_TEST( without_memory_a_call_changes_nothing ),
-        COLLISION_TEST( impossible_bodies_are_refused ),
-        COLLISION_TEST( calls_that_do_not_fit_are_refused_with_a_message ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -70,9 +70,8 @@ static void compare_many( const wisp_shape* shape, const deepest_oracle_body* bo
     }
 }
 
-static void the_deepest_point_is_that_of_samples_in_each_closed_form( void** state )
+TEST( the_deepest_point_is_that_of_samples_in_each_closed_form )
 {
-    (void)state;
     seed = 7;
     const wisp_shape shapes[] = {
         { .kind = WISP_SHAPE_SPHERE, .radius = 0.4f },
@@ -88,9 +87,8 @@ static void the_deepest_point_is_that_of_samples_in_each_closed_form( void** sta
     }
 }
 
-static void the_deepest_point_is_that_of_samples_in_a_convex_polyhedron( void** state )
+TEST( the_deepest_point_is_that_of_samples_in_a_convex_polyhedron )
 {
-    (void)state;
     seed = 11;
     test_mesh ball = test_ball( 0 );
     for ( int v = 0; v < ball.vertex_count; ++v )
@@ -111,9 +109,8 @@ static void the_deepest_point_is_that_of_samples_in_a_convex_polyhedron( void** 
 }
 
 // The hard cases: parallel to an axis or a face, through the middle, degenerate.
-static void flat_and_degenerate_primitives_have_a_deepest_point( void** state )
+TEST( flat_and_degenerate_primitives_have_a_deepest_point )
 {
-    (void)state;
     const wisp_shape shapes[] = {
         { .kind = WISP_SHAPE_SPHERE, .radius = 0.4f },
         { .kind = WISP_SHAPE_CAPSULE, .radius = 0.1f, .half_length = 0.5f },
@@ -139,23 +136,11 @@ static void flat_and_degenerate_primitives_have_a_deepest_point( void** state )
     }
 }
 
-static void what_is_not_finite_has_no_deepest_point( void** state )
+TEST( what_is_not_finite_has_no_deepest_point )
 {
-    (void)state;
     const wisp_shape ball = { .kind = WISP_SHAPE_SPHERE, .radius = 0.4f };
     collision_deepest found;
     const wisp_vec3 corners[3] = { { 0, 1, 0 }, { NAN, 0, 0 }, { 1, 0, INFINITY } };
     assert_false( collision_find_deepest( &ball, corners, 2, 1e-4f, &found ) );
     assert_false( collision_find_deepest( &ball, corners, 3, 1e-4f, &found ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_deepest_point_is_that_of_samples_in_each_closed_form ),
-        cmocka_unit_test( the_deepest_point_is_that_of_samples_in_a_convex_polyhedron ),
-        cmocka_unit_test( flat_and_degenerate_primitives_have_a_deepest_point ),
-        cmocka_unit_test( what_is_not_finite_has_no_deepest_point ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

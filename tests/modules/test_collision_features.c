@@ -170,9 +170,8 @@ static double height_above_needle( const sheet* s )
 
 // ---- needles ----
 
-static void a_needle_at_rest_carries_a_loaded_sheet( void** state )
+TEST( a_needle_at_rest_carries_a_loaded_sheet )
 {
-    (void)state;
     for ( int standing = 0; standing < 2; ++standing )
     {
         // the sheet is held 3 cm below the top of the needle would be; the needle rises, then ten times gravity loads the sheet
@@ -194,9 +193,8 @@ static void a_needle_at_rest_carries_a_loaded_sheet( void** state )
     }
 }
 
-static void a_needle_passes_between_vertices_that_alone_collide( void** state )
+TEST( a_needle_passes_between_vertices_that_alone_collide )
 {
-    (void)state;
     const wisp_collider_def needle = standing_needle( -0.008f );
     sheet s = new_sheet( WISP_COLLISION_VERTICES, &needle, true, 10.0f * GRAVITY, 10, 1 );
     for ( int n = 1; n <= 60; ++n )
@@ -210,9 +208,8 @@ static void a_needle_passes_between_vertices_that_alone_collide( void** state )
     free_sheet( &s );
 }
 
-static void a_needle_that_moves_does_not_pass( void** state )
+TEST( a_needle_that_moves_does_not_pass )
 {
-    (void)state;
     static const float speeds[] = { 0.5f, 5.0f, 20.0f };
     for ( int k = 0; k < 2 * WISP_COUNT( speeds ); ++k )
     {
@@ -266,18 +263,16 @@ static double draped_distance( wisp_collision_features features )
     return least;
 }
 
-static void no_edge_of_a_box_shows_through_a_sheet_draped_on_it( void** state )
+TEST( no_edge_of_a_box_shows_through_a_sheet_draped_on_it )
 {
-    (void)state;
     const double all = draped_distance( WISP_COLLISION_ALL ), vertices = draped_distance( WISP_COLLISION_VERTICES );
     // a tenth of the thickness and a tenth of a millimetre
     assert_true( all >= 0.9 * (double)THICKNESS - 1e-4 );
     assert_true( vertices < 0.0 );
 }
 
-static void a_small_ball_is_held_by_a_sheet_that_is_held_at_its_border( void** state )
+TEST( a_small_ball_is_held_by_a_sheet_that_is_held_at_its_border )
 {
-    (void)state;
     wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
     const wisp_vec3 m = middle_of_sheet();
     ball.radius = 0.005f;
@@ -355,9 +350,8 @@ static slide new_slide( double angle, float mu, wisp_collision_features features
     return s;
 }
 
-static void what_lies_on_edges_alone_sticks_and_slides_by_the_law_of_coulomb( void** state )
+TEST( what_lies_on_edges_alone_sticks_and_slides_by_the_law_of_coulomb )
 {
-    (void)state;
     const double degree = 3.14159265358979323846 / 180.0;
     const double angles[] = { 11.0, 26.0, 12.0, 27.0, 45.0 }, mus[] = { 0.2, 0.5, 0.2, 0.5, 0.5 };
     for ( int k = 0; k < WISP_COUNT( angles ); ++k )
@@ -377,9 +371,8 @@ static void what_lies_on_edges_alone_sticks_and_slides_by_the_law_of_coulomb( vo
     }
 }
 
-static void rails_carry_the_weight_of_what_lies_on_edges_alone( void** state )
+TEST( rails_carry_the_weight_of_what_lies_on_edges_alone )
 {
-    (void)state;
     slide s = new_slide( 0.3, 0.5f, WISP_COLLISION_ALL, GRAVITY );
     run_for( s.h->world, DT, 30 );
     double sum[3] = { 0.0, 0.0, 0.0 };
@@ -411,9 +404,8 @@ static void run_needles( sheet* s, int steps )
     }
 }
 
-static void any_number_of_workers_gives_the_same_bits( void** state )
+TEST( any_number_of_workers_gives_the_same_bits )
 {
-    (void)state;
     const int workers[] = { 1, 2, 4 };
     uint64_t hashes[3];
     for ( int k = 0; k < 3; ++k )
@@ -429,9 +421,8 @@ static void any_number_of_workers_gives_the_same_bits( void** state )
     }
 }
 
-static void a_snapshot_brings_edges_and_triangles_back( void** state )
+TEST( a_snapshot_brings_edges_and_triangles_back )
 {
-    (void)state;
     const wisp_collider_def needle = lying_needle( -0.03f );
     sheet s = new_sheet( WISP_COLLISION_ALL, &needle, false, GRAVITY, 5, 1 );
     run_needles( &s, 8 );
@@ -445,9 +436,8 @@ static void a_snapshot_brings_edges_and_triangles_back( void** state )
     free_sheet( &s );
 }
 
-static void without_the_option_there_is_no_pass_and_no_other_bit( void** state )
+TEST( without_the_option_there_is_no_pass_and_no_other_bit )
 {
-    (void)state;
     const wisp_collider_def needle = lying_needle( -0.008f );
     sheet s = new_sheet( WISP_COLLISION_VERTICES, &needle, true, GRAVITY, 2, 1 ),
           t = new_sheet( WISP_COLLISION_ALL, &needle, true, GRAVITY, 2, 1 );
@@ -477,9 +467,8 @@ static void without_the_option_there_is_no_pass_and_no_other_bit( void** state )
     free_sheet( &t );
 }
 
-static void without_memory_the_option_changes_nothing( void** state )
+TEST( without_memory_the_option_changes_nothing )
 {
-    (void)state;
     const wisp_collider_def needle = lying_needle( -0.03f );
     sheet s = new_sheet( WISP_COLLISION_VERTICES, &needle, false, GRAVITY, 2, 1 );
     run_for( s.h->world, DT, 1 );
@@ -500,9 +489,8 @@ static void without_memory_the_option_changes_nothing( void** state )
     free_sheet( &s );
 }
 
-static void steps_ask_for_no_memory( void** state )
+TEST( steps_ask_for_no_memory )
 {
-    (void)state;
     const wisp_collider_def needle = lying_needle( -0.03f );
     sheet s = new_sheet( WISP_COLLISION_ALL, &needle, false, GRAVITY, 5, 2 );
     run_needles( &s, 5 );
@@ -512,7 +500,7 @@ static void steps_ask_for_no_memory( void** state )
     free_sheet( &s );
 }
 
-static void impossible_features_are_refused( void** state )
+COLLISION_TEST( impossible_features_are_refused )
 {
     hosted* h = *state;
     wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
@@ -527,24 +515,4 @@ static void impossible_features_are_refused( void** state )
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
     assert_string_equal( wisp_world_message( h->world ), "collision: features is -1, it must be 0 to 1" );
     assert_int_equal( wisp_world_hash( h->world ), before );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_needle_at_rest_carries_a_loaded_sheet ),
-        cmocka_unit_test( a_needle_passes_between_vertices_that_alone_collide ),
-        cmocka_unit_test( a_needle_that_moves_does_not_pass ),
-        cmocka_unit_test( no_edge_of_a_box_shows_through_a_sheet_draped_on_it ),
-        cmocka_unit_test( a_small_ball_is_held_by_a_sheet_that_is_held_at_its_border ),
-        cmocka_unit_test( what_lies_on_edges_alone_sticks_and_slides_by_the_law_of_coulomb ),
-        cmocka_unit_test( rails_carry_the_weight_of_what_lies_on_edges_alone ),
-        cmocka_unit_test( any_number_of_workers_gives_the_same_bits ),
-        cmocka_unit_test( a_snapshot_brings_edges_and_triangles_back ),
-        cmocka_unit_test( without_the_option_there_is_no_pass_and_no_other_bit ),
-        cmocka_unit_test( without_memory_the_option_changes_nothing ),
-        cmocka_unit_test( steps_ask_for_no_memory ),
-        COLLISION_TEST( impossible_features_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -241,9 +241,8 @@ static void assert_same( const particles* a, const particles* b, int trial )
     }
 }
 
-static void a_block_finds_what_is_found_one_by_one( void** state )
+TEST( a_block_finds_what_is_found_one_by_one )
 {
-    (void)state;
     meeting* m = new_meeting();
     int at_limit = 0, spared = 0, met = 0, crowded = 0;
     for ( int trial = 0; trial < TRIALS; ++trial )
@@ -265,9 +264,8 @@ static void a_block_finds_what_is_found_one_by_one( void** state )
 }
 
 // Alone, so that at a limit nothing else is met; on both sides of it, so that it is a limit.
-static void each_kind_of_body_is_exact_at_its_limit( void** state )
+TEST( each_kind_of_body_is_exact_at_its_limit )
 {
-    (void)state;
     meeting* m = new_meeting();
     for ( int b = 0; b + 1 < BODIES; ++b )
     {
@@ -293,9 +291,8 @@ static void each_kind_of_body_is_exact_at_its_limit( void** state )
 }
 
 // A rotating body is queried particle by particle, wherever the block is, so that no border can show.
-static void contacts_do_not_depend_on_where_blocks_begin( void** state )
+TEST( contacts_do_not_depend_on_where_blocks_begin )
 {
-    (void)state;
     static const int SIZES[] = { 8, 24, 64, 248 };
     meeting* m = new_meeting();
     place_bodies( m, 1 );
@@ -339,9 +336,8 @@ static void assert_clear( const meeting* m, const particles* before, const parti
     }
 }
 
-static void who_has_no_contact_is_as_clear_as_it_says( void** state )
+TEST( who_has_no_contact_is_as_clear_as_it_says )
 {
-    (void)state;
     meeting* m = new_meeting();
     int clear = 0;
     for ( int trial = 0; trial < TRIALS; ++trial )
@@ -362,15 +358,4 @@ static void who_has_no_contact_is_as_clear_as_it_says( void** state )
     }
     assert_true( clear > 1000 );
     free_meeting( m );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_block_finds_what_is_found_one_by_one ),
-        cmocka_unit_test( each_kind_of_body_is_exact_at_its_limit ),
-        cmocka_unit_test( contacts_do_not_depend_on_where_blocks_begin ),
-        cmocka_unit_test( who_has_no_contact_is_as_clear_as_it_says ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -55,9 +55,8 @@ static const struct
     int substeps, iterations;
 } SOLVERS[] = { { 1, 1 }, { 4, 1 }, { 1, 8 }, { 3, 4 } };
 
-static void a_block_sticks_below_the_angle_of_friction( void** state )
+TEST( a_block_sticks_below_the_angle_of_friction )
 {
-    (void)state;
     const double angles[] = { 11.0, 26.0 }, mus[] = { 0.2, 0.5 }; // the limits are 11.30993 and 26.56505 degrees
     for ( int k = 0; k < 2 * WISP_COUNT( SOLVERS ); ++k )
     {
@@ -71,9 +70,8 @@ static void a_block_sticks_below_the_angle_of_friction( void** state )
     }
 }
 
-static void a_block_slides_down_with_what_friction_leaves_of_gravity( void** state )
+TEST( a_block_slides_down_with_what_friction_leaves_of_gravity )
 {
-    (void)state;
     const double angles[] = { 12.0, 27.0, 45.0 }, mus[] = { 0.2, 0.5, 0.5 };
     for ( int k = 0; k < 3 * WISP_COUNT( SOLVERS ); ++k )
     {
@@ -91,9 +89,8 @@ static void a_block_slides_down_with_what_friction_leaves_of_gravity( void** sta
     }
 }
 
-static void what_slides_below_the_kinetic_angle_comes_to_rest_and_stays( void** state )
+TEST( what_slides_below_the_kinetic_angle_comes_to_rest_and_stays )
 {
-    (void)state;
     incline i = new_incline( 20.0 * DEGREE, 0.5f, 0.5f, 10, 1 );
     const wisp_vec3 push = { (float)( -2.0 * cos( i.angle ) ), (float)( -2.0 * sin( i.angle ) ), 0.0f };
     assert_int_equal( wisp_set_velocity( i.h->world, i.surface, push, ( wisp_vec3 ){ 0 } ), WISP_OK );
@@ -105,9 +102,8 @@ static void what_slides_below_the_kinetic_angle_comes_to_rest_and_stays( void** 
     free_colliding( i.h );
 }
 
-static void static_friction_holds_what_kinetic_friction_would_not( void** state )
+TEST( static_friction_holds_what_kinetic_friction_would_not )
 {
-    (void)state;
     incline held = new_incline( 30.0 * DEGREE, 0.7f, 0.3f, 1, 1 );
     run_for( held.h->world, 1.0f / 60.0f, 120 );
     assert_near( along( &held ), held.start, 2e-5 );
@@ -121,9 +117,8 @@ static void static_friction_holds_what_kinetic_friction_would_not( void** state 
     free_colliding( held.h );
 }
 
-static void friction_scales_with_the_surfaces_own_factor( void** state )
+TEST( friction_scales_with_the_surfaces_own_factor )
 {
-    (void)state;
     incline i = new_incline( 26.0 * DEGREE, 0.5f, 0.5f, 1, 1 );
     wisp_collision_def collision = wisp_default_collision_def();
     collision.thickness = THICKNESS;
@@ -134,9 +129,8 @@ static void friction_scales_with_the_surfaces_own_factor( void** state )
     free_colliding( i.h );
 }
 
-static void a_belt_carries_what_lies_on_it_and_lets_it_slip_when_it_starts_too_fast( void** state )
+TEST( a_belt_carries_what_lies_on_it_and_lets_it_slip_when_it_starts_too_fast )
 {
-    (void)state;
     const float dt = 1.0f / 60.0f;
     const double accelerations[] = { 3.0, 8.0 }; // mu g is 4.9
     for ( int k = 0; k < 2; ++k )
@@ -158,7 +152,7 @@ static void a_belt_carries_what_lies_on_it_and_lets_it_slip_when_it_starts_too_f
     }
 }
 
-static void a_turning_roller_drags_what_lies_on_it( void** state )
+COLLISION_TEST( a_turning_roller_drags_what_lies_on_it )
 {
     hosted* h = *state;
     wisp_collider_def roller = wisp_default_collider_def();
@@ -298,9 +292,8 @@ static double tension_ratio( float mu, double ratio )
     return ( heavy - cord_part( (double)mu, density, 0.205, down, speed ) ) / light;
 }
 
-static void a_cord_that_slides_around_a_post_pulls_with_the_ratio_of_a_capstan( void** state )
+TEST( a_cord_that_slides_around_a_post_pulls_with_the_ratio_of_a_capstan )
 {
-    (void)state;
     // exp( mu phi ), phi = pi; the second also is mu 0.3 on a quarter
     const double expected[] = { 2.566332, 1.601978 };
     const float mus[] = { 0.3f, 0.15f };
@@ -344,27 +337,10 @@ static float sideways_after_12_steps( bool has_floor )
     return sideways;
 }
 
-static void a_push_that_later_iterations_undo_gives_no_friction( void** state )
+TEST( a_push_that_later_iterations_undo_gives_no_friction )
 {
-    (void)state;
     // The first iteration finds the strip in the floor, then its links lift it. They have not quite converged after
     // 64 iterations, so there is a little friction; if the first push counted in full, the strip would be held to a
     // twentieth.
     assert_true( sideways_after_12_steps( true ) > 0.5f * sideways_after_12_steps( false ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_block_sticks_below_the_angle_of_friction ),
-        cmocka_unit_test( a_block_slides_down_with_what_friction_leaves_of_gravity ),
-        cmocka_unit_test( what_slides_below_the_kinetic_angle_comes_to_rest_and_stays ),
-        cmocka_unit_test( static_friction_holds_what_kinetic_friction_would_not ),
-        cmocka_unit_test( friction_scales_with_the_surfaces_own_factor ),
-        cmocka_unit_test( a_belt_carries_what_lies_on_it_and_lets_it_slip_when_it_starts_too_fast ),
-        COLLISION_TEST( a_turning_roller_drags_what_lies_on_it ),
-        cmocka_unit_test( a_cord_that_slides_around_a_post_pulls_with_the_ratio_of_a_capstan ),
-        cmocka_unit_test( a_push_that_later_iterations_undo_gives_no_friction ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

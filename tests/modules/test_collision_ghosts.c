@@ -93,9 +93,8 @@ static double gap_to( wisp_vec3 centre, wisp_vec3 p )
     return vec_distance( p, centre ) - (double)RADIUS;
 }
 
-static void ghosts_keep_the_thickness_where_they_would_be_in_a_body( void** state )
+TEST( ghosts_keep_the_thickness_where_they_would_be_in_a_body )
 {
-    (void)state;
     flock f = new_flock( 1 ), plain = new_flock( 1 );
     add_body( f.world, sphere_at( CENTRE ) );
     collide( f.world, f.ghosts );
@@ -139,9 +138,8 @@ static void ghosts_keep_the_thickness_where_they_would_be_in_a_body( void** stat
     wisp_world_destroy( f.world );
 }
 
-static void roots_stay_in_the_body_that_they_grow_from( void** state )
+TEST( roots_stay_in_the_body_that_they_grow_from )
 {
-    (void)state;
     const wisp_vec3 head = { 0.05f, 1.0f, 0.0f };
     flock f = new_flock( 1 ), plain = new_flock( 1 );
     add_body( f.world, sphere_at( head ) );
@@ -173,9 +171,8 @@ static void roots_stay_in_the_body_that_they_grow_from( void** state )
 }
 
 // The world has four substeps, of which only the last one's end counts.
-static void ghosts_keep_out_of_where_a_body_is_at_the_end_of_the_step( void** state )
+TEST( ghosts_keep_out_of_where_a_body_is_at_the_end_of_the_step )
 {
-    (void)state;
     flock f = new_flock( 1 );
     const wisp_entity body = add_body( f.world, sphere_at( CENTRE ) );
     collide( f.world, f.ghosts );
@@ -196,9 +193,8 @@ static void ghosts_keep_out_of_where_a_body_is_at_the_end_of_the_step( void** st
     wisp_world_destroy( f.world );
 }
 
-static void nothing_is_left_of_a_body_that_is_gone( void** state )
+TEST( nothing_is_left_of_a_body_that_is_gone )
 {
-    (void)state;
     flock f = new_flock( 1 ), plain = new_flock( 1 );
     const wisp_entity body = add_body( f.world, sphere_at( CENTRE ) );
     collide( f.world, f.ghosts );
@@ -218,9 +214,8 @@ static void nothing_is_left_of_a_body_that_is_gone( void** state )
     wisp_world_destroy( f.world );
 }
 
-static void bits_do_not_depend_on_workers( void** state )
+TEST( bits_do_not_depend_on_workers )
 {
-    (void)state;
     uint64_t hashes[6];
     for ( int workers = 1; workers < 6; ++workers )
     {
@@ -240,9 +235,8 @@ static void bits_do_not_depend_on_workers( void** state )
 
 // Ghosts that are pushed and turn to a cursor each frame, against static hair at the positions to which they were
 // pushed.
-static void frozen_hair_starts_from_where_ghosts_were_pushed( void** state )
+TEST( frozen_hair_starts_from_where_ghosts_were_pushed )
 {
-    (void)state;
     flock f = new_flock( 2 ), bare = new_flock( 1 );
     wisp_frozen_hair_def look = wisp_default_frozen_hair_def();
     look.freeze = look.clump = false;
@@ -296,9 +290,8 @@ static wisp_entity add_uneven( wisp_world* world )
     return strands;
 }
 
-static void still_strands_leave_every_kind_of_body_and_then_rest( void** state )
+TEST( still_strands_leave_every_kind_of_body_and_then_rest )
 {
-    (void)state;
     for ( int kind = WISP_COLLIDER_PLANE; kind < WISP_COLLIDER_MESH; ++kind )
     {
         wisp_world* world = new_world( 1 );
@@ -333,9 +326,8 @@ static void still_strands_leave_every_kind_of_body_and_then_rest( void** state )
 }
 
 // Strands for four ghosts over a floor, with dynamics added later: after the next request they fall on it.
-static void strands_that_move_later_collide_as_such_when_queried_again( void** state )
+TEST( strands_that_move_later_collide_as_such_when_queried_again )
 {
-    (void)state;
     wisp_world* world = new_world( 1 );
     const wisp_entity hair = add_uneven( world );
     wisp_collider_def floor = wisp_default_collider_def();
@@ -354,9 +346,8 @@ static void strands_that_move_later_collide_as_such_when_queried_again( void** s
     wisp_world_destroy( world );
 }
 
-static void strands_that_move_in_a_way_without_weights_are_refused( void** state )
+TEST( strands_that_move_in_a_way_without_weights_are_refused )
 {
-    (void)state;
     flock f = new_flock( 1 );
     const wisp_collision_def def = wisp_default_collision_def();
     const uint64_t before = wisp_world_hash( f.world );
@@ -364,20 +355,4 @@ static void strands_that_move_in_a_way_without_weights_are_refused( void** state
     assert_non_null( strstr( wisp_world_message( f.world ), "dynamics" ) );
     assert_int_equal( wisp_world_hash( f.world ), before );
     wisp_world_destroy( f.world );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( ghosts_keep_the_thickness_where_they_would_be_in_a_body ),
-        cmocka_unit_test( roots_stay_in_the_body_that_they_grow_from ),
-        cmocka_unit_test( ghosts_keep_out_of_where_a_body_is_at_the_end_of_the_step ),
-        cmocka_unit_test( nothing_is_left_of_a_body_that_is_gone ),
-        cmocka_unit_test( bits_do_not_depend_on_workers ),
-        cmocka_unit_test( frozen_hair_starts_from_where_ghosts_were_pushed ),
-        cmocka_unit_test( still_strands_leave_every_kind_of_body_and_then_rest ),
-        cmocka_unit_test( strands_that_move_later_collide_as_such_when_queried_again ),
-        cmocka_unit_test( strands_that_move_in_a_way_without_weights_are_refused ),
-    };
-    return cmocka_run_group_tests_name( "collision, ghosts", tests, NULL, NULL );
 }

@@ -35,9 +35,8 @@ static bool is_same_place( const wisp_mesh_feature* a, const wisp_mesh_feature* 
 }
 
 // Within a box, the edges of a field that stick out are those that stick out of the mesh of its triangles, with the same normals.
-static void a_height_field_has_the_edges_and_corners_of_its_triangles( void** state )
+TEST( a_height_field_has_the_edges_and_corners_of_its_triangles )
 {
-    (void)state;
     float heights[9 * 7];
     for ( uint32_t v = 0; v < 63; ++v )
     {
@@ -94,9 +93,8 @@ static void a_height_field_has_the_edges_and_corners_of_its_triangles( void** st
 // ---- a sheet and a ground ----
 
 // A ground with one sample that is 4 cm higher than the others, and with a ridge of such samples.
-static void no_peak_and_no_ridge_of_a_height_field_shows_through_a_sheet( void** state )
+TEST( no_peak_and_no_ridge_of_a_height_field_shows_through_a_sheet )
 {
-    (void)state;
     for ( int k = 0; k < 4; ++k )
     {
         float heights[11 * 11];
@@ -116,13 +114,4 @@ static void no_peak_and_no_ridge_of_a_height_field_shows_through_a_sheet( void**
         free_sheet( &s );
         assert_true( k % 2 == 0 ? gap > 0.7 * (double)THICKNESS : gap < 0.0 );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_height_field_has_the_edges_and_corners_of_its_triangles ),
-        cmocka_unit_test( no_peak_and_no_ridge_of_a_height_field_shows_through_a_sheet ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

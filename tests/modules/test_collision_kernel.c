@@ -172,9 +172,8 @@ static void assert_vertex( const contact_rows* r, int i, const contact_vertex* v
     }
 }
 
-static void lanes_answer_as_a_scalar_does( void** state )
+TEST( lanes_answer_as_a_scalar_does )
 {
-    (void)state;
     static contact_rows made, rows;
     make_rows( &made );
     for ( int k = 0; k < 2 * WISP_COUNT( SHAPES ); ++k )
@@ -198,9 +197,8 @@ static void lanes_answer_as_a_scalar_does( void** state )
     }
 }
 
-static void every_table_gives_the_same_bits_on_a_body( void** state )
+TEST( every_table_gives_the_same_bits_on_a_body )
 {
-    (void)state;
     static contact_rows first, rows;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
@@ -221,9 +219,8 @@ static void every_table_gives_the_same_bits_on_a_body( void** state )
     }
 }
 
-static void what_is_pinned_away_or_no_number_is_left_alone( void** state )
+TEST( what_is_pinned_away_or_no_number_is_left_alone )
 {
-    (void)state;
     static contact_rows made, rows;
     make_rows( &made );
     made.position[2] = NAN;
@@ -248,9 +245,8 @@ static void what_is_pinned_away_or_no_number_is_left_alone( void** state )
     }
 }
 
-static void a_group_tells_how_far_it_reaches_and_what_it_remembers( void** state )
+TEST( a_group_tells_how_far_it_reaches_and_what_it_remembers )
 {
-    (void)state;
     static contact_rows made, rows;
     make_rows( &made );
     made.position[3] = NAN;
@@ -285,15 +281,4 @@ static void a_group_tells_how_far_it_reaches_and_what_it_remembers( void** state
         assert_true( reach.lower.x == lower.x && reach.lower.y == lower.y && reach.lower.z == lower.z );
         assert_near( (double)reach.max_path, path, 1e-7, "path", t );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( lanes_answer_as_a_scalar_does ),
-        cmocka_unit_test( every_table_gives_the_same_bits_on_a_body ),
-        cmocka_unit_test( a_group_tells_how_far_it_reaches_and_what_it_remembers ),
-        cmocka_unit_test( what_is_pinned_away_or_no_number_is_left_alone ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

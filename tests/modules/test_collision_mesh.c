@@ -40,9 +40,8 @@ static wisp_entity add_sheet( wisp_world* world, wisp_collider_def* def )
     return e;
 }
 
-static void cloth_lies_on_a_mesh_as_on_the_closed_form( void** state )
+TEST( cloth_lies_on_a_mesh_as_on_the_closed_form )
 {
-    (void)state;
     NEEDS_EMBREE();
     wisp_motion_stats result[2];
     for ( int k = 0; k < 2; ++k )
@@ -68,9 +67,8 @@ static void cloth_lies_on_a_mesh_as_on_the_closed_form( void** state )
     assert_near( result[0].centre[2], result[1].centre[2], 0.02 );
 }
 
-static void results_on_a_mesh_scale_with_the_scene( void** state )
+TEST( results_on_a_mesh_scale_with_the_scene )
 {
-    (void)state;
     NEEDS_EMBREE();
     const float scales[] = { 1.0f, 0.01f, 100.0f };
     double height[3];
@@ -90,7 +88,7 @@ static void results_on_a_mesh_scale_with_the_scene( void** state )
     assert_near( height[2], height[0], 0.01 );
 }
 
-static void a_particle_at_100_m_s_does_not_tunnel_through_a_sheet( void** state )
+COLLISION_TEST( a_particle_at_100_m_s_does_not_tunnel_through_a_sheet )
 {
     NEEDS_EMBREE();
     hosted* h = *state;
@@ -118,7 +116,7 @@ static void a_particle_at_100_m_s_does_not_tunnel_through_a_sheet( void** state 
     }
 }
 
-static void a_sheet_at_100_m_s_sweeps_particles_along( void** state )
+COLLISION_TEST( a_sheet_at_100_m_s_sweeps_particles_along )
 {
     NEEDS_EMBREE();
     hosted* h = *state;
@@ -140,9 +138,8 @@ static void a_sheet_at_100_m_s_sweeps_particles_along( void** state )
 }
 
 // Constraints move particles after the search for contacts; those that they pull through a sheet are caught.
-static void cloth_that_is_torn_through_a_sheet_by_its_pins_stays_on_its_side( void** state )
+TEST( cloth_that_is_torn_through_a_sheet_by_its_pins_stays_on_its_side )
 {
-    (void)state;
     NEEDS_EMBREE();
     hosted* h = new_colliding( 1, 20, 1 );
     wisp_collider_def def;
@@ -167,9 +164,8 @@ static void cloth_that_is_torn_through_a_sheet_by_its_pins_stays_on_its_side( vo
     free_colliding( h );
 }
 
-static void what_starts_inside_a_mesh_leaves_without_flying_off( void** state )
+TEST( what_starts_inside_a_mesh_leaves_without_flying_off )
 {
-    (void)state;
     NEEDS_EMBREE();
     hosted* h = new_colliding( 1, 8, 1 );
     add_ball( h->world, true, 1.0f );
@@ -184,9 +180,8 @@ static void what_starts_inside_a_mesh_leaves_without_flying_off( void** state )
     free_colliding( h );
 }
 
-static void a_mesh_that_moves_is_answered_in_its_own_frame( void** state )
+TEST( a_mesh_that_moves_is_answered_in_its_own_frame )
 {
-    (void)state;
     NEEDS_EMBREE();
     double height[2];
     for ( int k = 0; k < 2; ++k )
@@ -208,9 +203,8 @@ static void a_mesh_that_moves_is_answered_in_its_own_frame( void** state )
     assert_near( height[0], height[1], 0.02 );
 }
 
-static void any_number_of_workers_gives_the_same_bits_on_a_mesh( void** state )
+TEST( any_number_of_workers_gives_the_same_bits_on_a_mesh )
 {
-    (void)state;
     NEEDS_EMBREE();
     const int workers[] = { 1, 2, 3, 8 };
     uint64_t expected = 0;
@@ -232,7 +226,7 @@ static void any_number_of_workers_gives_the_same_bits_on_a_mesh( void** state )
     }
 }
 
-static void trees_go_with_their_bodies( void** state )
+COLLISION_TEST( trees_go_with_their_bodies )
 {
     NEEDS_EMBREE();
     hosted* h = *state;
@@ -264,7 +258,7 @@ static void assert_refused( wisp_world* world, const wisp_collider_def* def, con
     assert_int_equal( wisp_world_memory( world ), before );
 }
 
-static void impossible_meshes_are_refused( void** state )
+COLLISION_TEST( impossible_meshes_are_refused )
 {
     NEEDS_EMBREE();
     hosted* h = *state;
@@ -300,21 +294,4 @@ static void impossible_meshes_are_refused( void** state )
     }
     assert_refused( h->world, &def, "inwards" );
     test_mesh_free( &ball );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( cloth_lies_on_a_mesh_as_on_the_closed_form ),
-        cmocka_unit_test( results_on_a_mesh_scale_with_the_scene ),
-        COLLISION_TEST( a_particle_at_100_m_s_does_not_tunnel_through_a_sheet ),
-        COLLISION_TEST( a_sheet_at_100_m_s_sweeps_particles_along ),
-        cmocka_unit_test( cloth_that_is_torn_through_a_sheet_by_its_pins_stays_on_its_side ),
-        cmocka_unit_test( what_starts_inside_a_mesh_leaves_without_flying_off ),
-        cmocka_unit_test( a_mesh_that_moves_is_answered_in_its_own_frame ),
-        cmocka_unit_test( any_number_of_workers_gives_the_same_bits_on_a_mesh ),
-        COLLISION_TEST( trees_go_with_their_bodies ),
-        COLLISION_TEST( impossible_meshes_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -5,9 +5,8 @@
 
 // ---- distances ----
 
-static void closest_points_are_those_of_the_oracle( void** state )
+TEST( closest_points_are_those_of_the_oracle )
 {
-    (void)state;
     for ( uint32_t n = 0; n < 2000; ++n )
     {
         wisp_vec3 p[5];
@@ -79,9 +78,8 @@ static test_mesh blade( float half, float depth )
     return new_mesh( points, 4, &triangles[0][0], 2 );
 }
 
-static void each_edge_of_a_box_is_found_once_and_no_diagonal_of_its_faces( void** state )
+TEST( each_edge_of_a_box_is_found_once_and_no_diagonal_of_its_faces )
 {
-    (void)state;
     test_mesh m = box( ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } );
     const float all[2] = { -9.0f, 9.0f }, lower[3] = { all[0], all[0], all[0] },
                 upper[3] = { all[1], all[1], all[1] }, above[3] = { all[0], 1.9f, all[0] };
@@ -164,9 +162,8 @@ static test_mesh roofs( const float* heights, int count )
     return new_mesh( points, 4 * count + 2, &triangles[0][0], 4 * count );
 }
 
-static void the_two_nearest_ridges_are_met_and_no_valley( void** state )
+TEST( the_two_nearest_ridges_are_met_and_no_valley )
 {
-    (void)state;
     static const float heights[4] = { 0.011f, 0.018f, 0.005f, 0.014f };
     test_mesh m = roofs( heights, 4 );
     collision_meeting out[COLLISION_PRIMITIVE_CONTACTS];
@@ -190,9 +187,8 @@ static void the_two_nearest_ridges_are_met_and_no_valley( void** state )
     test_mesh_free( &m );
 }
 
-static void a_closed_mesh_is_met_from_outside_alone( void** state )
+TEST( a_closed_mesh_is_met_from_outside_alone )
 {
-    (void)state;
     test_mesh m = box( ( wisp_vec3 ){ 0.3f, 0.1f, 0.1f } );
     collision_meeting out[COLLISION_PRIMITIVE_CONTACTS];
     // across the edges at x = 0.3 and x = -0.3 it would lie in the face: above it both are met, below it none
@@ -214,9 +210,8 @@ static double spike_gap( setting with, float speed, float by )
     return least;
 }
 
-static void a_spike_of_a_millimetre_does_not_pass_a_held_sheet_under_load( void** state )
+TEST( a_spike_of_a_millimetre_does_not_pass_a_held_sheet_under_load )
 {
-    (void)state;
     const setting with = { WISP_COLLISION_ALL, .is_held = true, .gravity = 10.0f * GRAVITY, .rotation = TURNED };
     const double gap = spike_gap( with, 0.06f, 0.04f );
 
@@ -226,9 +221,8 @@ static void a_spike_of_a_millimetre_does_not_pass_a_held_sheet_under_load( void*
     assert_true( spike_gap( vertices, 0.06f, 0.04f ) < 0.0 );
 }
 
-static void a_spike_that_moves_does_not_pass_at_any_speed( void** state )
+TEST( a_spike_that_moves_does_not_pass_at_any_speed )
 {
-    (void)state;
     static const float speeds[] = { 0.5f, 5.0f, 20.0f };
     for ( int k = 0; k < 3; ++k )
     {
@@ -240,9 +234,8 @@ static void a_spike_that_moves_does_not_pass_at_any_speed( void** state )
 }
 
 // A lying bar: its edges meet those of the sheet. Turned from y to z.
-static void a_bar_of_a_millimetre_does_not_pass_at_any_speed( void** state )
+TEST( a_bar_of_a_millimetre_does_not_pass_at_any_speed )
 {
-    (void)state;
     static const float speeds[] = { 0.5f, 5.0f, 20.0f };
     for ( int k = 0; k < 3; ++k )
     {
@@ -261,9 +254,8 @@ static void a_bar_of_a_millimetre_does_not_pass_at_any_speed( void** state )
     }
 }
 
-static void a_blade_with_two_sides_does_not_cut( void** state )
+TEST( a_blade_with_two_sides_does_not_cut )
 {
-    (void)state;
     const setting with = { WISP_COLLISION_ALL, .is_held = true, .double_sided = true, .gravity = 10.0f * GRAVITY,
                            .rotation = TURNED };
     sheet s = new_sheet( blade( 0.055f, 0.1f ), -0.02f, with );
@@ -288,9 +280,8 @@ static double drape( wisp_collision_features features )
     return least;
 }
 
-static void no_edge_of_a_box_of_triangles_shows_through_a_draped_sheet( void** state )
+TEST( no_edge_of_a_box_of_triangles_shows_through_a_draped_sheet )
 {
-    (void)state;
     const double gap = drape( WISP_COLLISION_ALL );
 
     assert_true( gap > 0.8 * (double)THICKNESS );
@@ -298,9 +289,8 @@ static void no_edge_of_a_box_of_triangles_shows_through_a_draped_sheet( void** s
 }
 
 // The same spike as a surface whose vertices are moved: its points move along lines within a step.
-static void a_surface_that_is_moved_does_not_pass( void** state )
+TEST( a_surface_that_is_moved_does_not_pass )
 {
-    (void)state;
     static const float speeds[] = { 0.5f, 5.0f, 20.0f };
     for ( int k = 0; k < 3; ++k )
     {
@@ -318,9 +308,8 @@ static void a_surface_that_is_moved_does_not_pass( void** state )
 
 // A blade that rises at 0.5 m/s and goes aside at 0.25 m/s: friction of its edge gives the sheet half as much momentum aside. A rigid one
 // and one whose points move do the same.
-static void the_edge_of_a_blade_drags_a_sheet_along( void** state )
+TEST( the_edge_of_a_blade_drags_a_sheet_along )
 {
-    (void)state;
     for ( int follows = 0; follows < 2; ++follows )
     {
         const setting with = { WISP_COLLISION_ALL, .double_sided = true, .follows = follows == 1,
@@ -356,9 +345,8 @@ static uint64_t hash_after( bool follows, bool by_voxels, int workers )
     return hash;
 }
 
-static void workers_and_the_search_change_no_bit( void** state )
+TEST( workers_and_the_search_change_no_bit )
 {
-    (void)state;
     for ( int follows = 0; follows < 2; ++follows )
     {
         const uint64_t expected = hash_after( follows, false, 1 );
@@ -370,9 +358,8 @@ static void workers_and_the_search_change_no_bit( void** state )
     assert_true( hash_after( false, true, 2 ) == hash_after( false, false, 1 ) );
 }
 
-static void without_memory_for_edges_nothing_changes( void** state )
+TEST( without_memory_for_edges_nothing_changes )
 {
-    (void)state;
     const setting with = { WISP_COLLISION_VERTICES, .rotation = TURNED };
     sheet s = new_sheet( box( ( wisp_vec3 ){ 0.06f, 0.05f, 0.06f } ), -0.06f, with );
     run_for( s.h->world, DT, 1 );
@@ -394,24 +381,4 @@ static void without_memory_for_edges_nothing_changes( void** state )
     run_for( s.h->world, DT, 5 );
     assert_int_equal( atomic_load( &s.h->host.queried ), queried );
     free_sheet( &s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( closest_points_are_those_of_the_oracle ),
-        cmocka_unit_test( each_edge_of_a_box_is_found_once_and_no_diagonal_of_its_faces ),
-        cmocka_unit_test( the_two_nearest_ridges_are_met_and_no_valley ),
-        cmocka_unit_test( a_closed_mesh_is_met_from_outside_alone ),
-        cmocka_unit_test( a_spike_of_a_millimetre_does_not_pass_a_held_sheet_under_load ),
-        cmocka_unit_test( a_spike_that_moves_does_not_pass_at_any_speed ),
-        cmocka_unit_test( a_bar_of_a_millimetre_does_not_pass_at_any_speed ),
-        cmocka_unit_test( a_blade_with_two_sides_does_not_cut ),
-        cmocka_unit_test( no_edge_of_a_box_of_triangles_shows_through_a_draped_sheet ),
-        cmocka_unit_test( a_surface_that_is_moved_does_not_pass ),
-        cmocka_unit_test( the_edge_of_a_blade_drags_a_sheet_along ),
-        cmocka_unit_test( workers_and_the_search_change_no_bit ),
-        cmocka_unit_test( without_memory_for_edges_nothing_changes ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -117,18 +117,16 @@ static void check_momentum( bool is_cloth, int substeps, int iterations )
     free_colliding( t.h );
 }
 
-static void bodies_get_what_a_surface_loses( void** state )
+TEST( bodies_get_what_a_surface_loses )
 {
-    (void)state;
     check_momentum( true, 4, 1 );
     check_momentum( true, 2, 3 );
     check_momentum( false, 4, 1 );
     check_momentum( false, 1, 2 );
 }
 
-static void a_request_changes_no_bit_of_the_motion_and_workers_none_of_the_reaction( void** state )
+TEST( a_request_changes_no_bit_of_the_motion_and_workers_none_of_the_reaction )
 {
-    (void)state;
     thrown t[3] = { new_thrown( true, false, 4, 1, 1 ), new_thrown( true, true, 4, 1, 1 ),
                     new_thrown( true, true, 4, 1, 3 ) };
     for ( int n = 1; n < 30; ++n )
@@ -167,9 +165,8 @@ static void a_request_changes_no_bit_of_the_motion_and_workers_none_of_the_react
     }
 }
 
-static void each_body_gets_what_it_pushed( void** state )
+TEST( each_body_gets_what_it_pushed )
 {
-    (void)state;
     hosted* h = new_colliding( 4, 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def(), wall = floor;
     floor.static_friction = floor.kinetic_friction = wall.static_friction = wall.kinetic_friction = 0.0f;
@@ -207,9 +204,8 @@ static void each_body_gets_what_it_pushed( void** state )
     free_colliding( h );
 }
 
-static void what_leaves_the_inside_of_a_body_gives_it_the_velocity_that_it_loses( void** state )
+TEST( what_leaves_the_inside_of_a_body_gives_it_the_velocity_that_it_loses )
 {
-    (void)state;
     hosted* h = new_colliding( 2, 1, 1 );
     const wisp_collider_def floor = wisp_default_collider_def();
     const wisp_entity body = add_collider( h->world, &floor );
@@ -230,9 +226,8 @@ static void what_leaves_the_inside_of_a_body_gives_it_the_velocity_that_it_loses
 }
 
 // Strands that lie on a floor, with their roots at its height: it carries most of what is not pinned.
-static void a_floor_carries_the_weight_of_strands( void** state )
+TEST( a_floor_carries_the_weight_of_strands )
 {
-    (void)state;
     static const wisp_module* const MODULES[] = { &wisp_strands_module, &wisp_collision_module };
     hosted* h = checked_calloc( 1, sizeof( hosted ) );
     h->def = hosted_def( h );
@@ -288,9 +283,8 @@ static wisp_entity add_patch( wisp_world* world, float height, float thickness )
     return e;
 }
 
-static void what_is_dropped_returns_to_the_square_of_the_restitution( void** state )
+TEST( what_is_dropped_returns_to_the_square_of_the_restitution )
 {
-    (void)state;
     const float values[] = { 0.3f, 0.6f, 0.9f, 1.0f };
     const int substeps = 10;
     for ( int i = 0; i < WISP_COUNT( values ); ++i )
@@ -322,9 +316,8 @@ static void what_is_dropped_returns_to_the_square_of_the_restitution( void** sta
     }
 }
 
-static void what_rests_on_a_bouncy_floor_does_not_jitter( void** state )
+TEST( what_rests_on_a_bouncy_floor_does_not_jitter )
 {
-    (void)state;
     hosted* h = new_colliding( 8, 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def();
     floor.restitution = 1.0f;
@@ -340,9 +333,8 @@ static void what_rests_on_a_bouncy_floor_does_not_jitter( void** state )
     free_colliding( h );
 }
 
-static void a_bouncing_cloth_gains_no_energy( void** state )
+TEST( a_bouncing_cloth_gains_no_energy )
 {
-    (void)state;
     hosted* h = new_colliding( 8, 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def(), ball = body_of( WISP_COLLIDER_SPHERE );
     floor.restitution = ball.restitution = 1.0f;
@@ -367,9 +359,8 @@ static void a_bouncing_cloth_gains_no_energy( void** state )
     free_colliding( h );
 }
 
-static void a_body_that_moves_throws_what_it_meets( void** state )
+TEST( a_body_that_moves_throws_what_it_meets )
 {
-    (void)state;
     hosted* h = new_colliding( 10, 1, 1 );
     wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
     plate.half_extent = ( wisp_vec3 ){ 1.0f, 0.1f, 1.0f };
@@ -390,7 +381,7 @@ static void a_body_that_moves_throws_what_it_meets( void** state )
     free_colliding( h );
 }
 
-static void a_restitution_above_one_is_refused( void** state )
+COLLISION_TEST( a_restitution_above_one_is_refused )
 {
     hosted* h = *state;
     const float bad[] = { -0.1f, 1.1f, NAN };
@@ -402,21 +393,4 @@ static void a_restitution_above_one_is_refused( void** state )
         assert_int_equal( wisp_add_collider( h->world, &def, &e ), WISP_BAD_INPUT );
         assert_non_null( strstr( wisp_world_message( h->world ), "restitution" ) );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( bodies_get_what_a_surface_loses ),
-        cmocka_unit_test( a_request_changes_no_bit_of_the_motion_and_workers_none_of_the_reaction ),
-        cmocka_unit_test( each_body_gets_what_it_pushed ),
-        cmocka_unit_test( what_leaves_the_inside_of_a_body_gives_it_the_velocity_that_it_loses ),
-        cmocka_unit_test( a_floor_carries_the_weight_of_strands ),
-        cmocka_unit_test( what_is_dropped_returns_to_the_square_of_the_restitution ),
-        cmocka_unit_test( what_rests_on_a_bouncy_floor_does_not_jitter ),
-        cmocka_unit_test( a_bouncing_cloth_gains_no_energy ),
-        cmocka_unit_test( a_body_that_moves_throws_what_it_meets ),
-        COLLISION_TEST( a_restitution_above_one_is_refused ),
-    };
-    return cmocka_run_group_tests_name( "collision reaction", tests, NULL, NULL );
 }

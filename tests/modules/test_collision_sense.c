@@ -3,9 +3,8 @@
 
 // ---- closed forms ----
 
-static void each_closed_form_is_sensed_where_it_stands( void** state )
+TEST( each_closed_form_is_sensed_where_it_stands )
 {
-    (void)state;
     // in the body's frame, a centimetre off the surface, and the normal at that point
     const struct
     {
@@ -38,7 +37,7 @@ static void each_closed_form_is_sensed_where_it_stands( void** state )
     }
 }
 
-static void margin_and_friction_are_those_of_participant_and_body( void** state )
+SENSE_TEST( margin_and_friction_are_those_of_participant_and_body )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -57,7 +56,7 @@ static void margin_and_friction_are_those_of_participant_and_body( void** state 
     assert_true( t.gap == 0.025f );
 }
 
-static void what_is_beyond_margin_and_path_is_not_sensed( void** state )
+SENSE_TEST( what_is_beyond_margin_and_path_is_not_sensed )
 {
     hosted* h = *state;
     wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
@@ -77,7 +76,7 @@ static void what_is_beyond_margin_and_path_is_not_sensed( void** state )
 }
 
 // At a corner a box reaches as far as the ball around it, so the test of blocks is tight.
-static void what_parts_from_a_corner_is_sensed_as_far_as_its_path( void** state )
+SENSE_TEST( what_parts_from_a_corner_is_sensed_as_far_as_its_path )
 {
     hosted* h = *state;
     wisp_collider_def box = body_of( WISP_COLLIDER_BOX );
@@ -101,7 +100,7 @@ static void what_parts_from_a_corner_is_sensed_as_far_as_its_path( void** state 
     assert_near( touch_of( h->world, stays, 0, 0 ).gap, 0.05, 2e-7 );
 }
 
-static void gravity_counts_in_the_path( void** state )
+SENSE_TEST( gravity_counts_in_the_path )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -115,9 +114,8 @@ static void gravity_counts_in_the_path( void** state )
     assert_true( touch_of( h->world, falls, 0, 0 ).body != 0 );
 }
 
-static void what_starts_inside_is_told_how_deep_it_is( void** state )
+TEST( what_starts_inside_is_told_how_deep_it_is )
 {
-    (void)state;
     // the depth of a point well inside each, and the direction out
     const struct
     {
@@ -149,9 +147,8 @@ static void what_starts_inside_is_told_how_deep_it_is( void** state )
 
 // ---- motion of bodies ----
 
-static void the_surface_of_a_body_moves_as_a_rigid_body_does( void** state )
+TEST( the_surface_of_a_body_moves_as_a_rigid_body_does )
 {
-    (void)state;
     const int substeps = 4;
     const double v[3] = { 0.3, -0.2, 0.1 }, omega = 0.6; // about z
     hosted* h = new_world( substeps, 1 );
@@ -181,7 +178,7 @@ static void the_surface_of_a_body_moves_as_a_rigid_body_does( void** state )
     free_colliding( h );
 }
 
-static void a_body_at_100_m_s_is_sensed_before_it_arrives( void** state )
+SENSE_TEST( a_body_at_100_m_s_is_sensed_before_it_arrives )
 {
     hosted* h = *state;
     wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
@@ -200,7 +197,7 @@ static void a_body_at_100_m_s_is_sensed_before_it_arrives( void** state )
 
 // ---- motion of particles ----
 
-static void a_particle_at_100_m_s_is_told_where_its_path_enters( void** state )
+SENSE_TEST( a_particle_at_100_m_s_is_told_where_its_path_enters )
 {
     hosted* h = *state;
     wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
@@ -216,7 +213,7 @@ static void a_particle_at_100_m_s_is_told_where_its_path_enters( void** state )
 
 // Half a metre to the side of a plate and five millimetres above it, on the way to its top: closer to that plane than
 // the margin, and not held.
-static void a_flat_path_is_not_held_before_it_arrives( void** state )
+SENSE_TEST( a_flat_path_is_not_held_before_it_arrives )
 {
     hosted* h = *state;
     wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
@@ -236,9 +233,8 @@ static void a_flat_path_is_not_held_before_it_arrives( void** state )
 }
 
 // The solver lands particles that would pass the plane; those that pass beside it must not land.
-static void a_path_that_passes_by_is_not_stopped( void** state )
+TEST( a_path_that_passes_by_is_not_stopped )
 {
-    (void)state;
     // next to a ball, past its top, and across the edge of a box
     const struct
     {
@@ -280,7 +276,7 @@ static void a_path_that_passes_by_is_not_stopped( void** state )
     }
 }
 
-static void pinned_particles_and_those_that_are_no_numbers_sense_nothing( void** state )
+SENSE_TEST( pinned_particles_and_those_that_are_no_numbers_sense_nothing )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -313,9 +309,8 @@ static wisp_entity add_wall( wisp_world* world, double angle, float gap )
     return add_collider( world, &wall );
 }
 
-static void the_two_nearest_bodies_are_kept_in_whatever_order_they_came( void** state )
+TEST( the_two_nearest_bodies_are_kept_in_whatever_order_they_came )
 {
-    (void)state;
     const float gaps[3] = { 0.004f, 0.008f, 0.012f };
     const int orders[6][3] = { { 0, 1, 2 }, { 0, 2, 1 }, { 1, 0, 2 }, { 1, 2, 0 }, { 2, 0, 1 }, { 2, 1, 0 } };
     for ( int k = 0; k < 6; ++k )
@@ -335,7 +330,7 @@ static void the_two_nearest_bodies_are_kept_in_whatever_order_they_came( void** 
     }
 }
 
-static void of_bodies_that_are_equally_near_the_first_count( void** state )
+SENSE_TEST( of_bodies_that_are_equally_near_the_first_count )
 {
     hosted* h = *state;
     const float side[3] = { 1.0f, -1.0f, 1.0f };
@@ -353,7 +348,7 @@ static void of_bodies_that_are_equally_near_the_first_count( void** state )
 }
 
 // Two walls are left behind; the particle would hit the third.
-static void what_the_path_enters_counts_before_what_it_leaves( void** state )
+SENSE_TEST( what_the_path_enters_counts_before_what_it_leaves )
 {
     hosted* h = *state;
     add_wall( h->world, 0.0, 0.001f );
@@ -366,7 +361,7 @@ static void what_the_path_enters_counts_before_what_it_leaves( void** state )
     assert_near( b.gap, 0.001, 1e-6 );
 }
 
-static void a_thick_body_that_touches_counts_before_a_thin_one_that_is_nearer( void** state )
+SENSE_TEST( a_thick_body_that_touches_counts_before_a_thin_one_that_is_nearer )
 {
     hosted* h = *state;
     add_wall( h->world, 0.0, 0.010f );
@@ -380,7 +375,7 @@ static void a_thick_body_that_touches_counts_before_a_thin_one_that_is_nearer( v
     assert_near( touch_of( h->world, e, 0, 1 ).gap, 0.01, 1e-6 );
 }
 
-static void layers_say_who_senses_whom( void** state )
+SENSE_TEST( layers_say_who_senses_whom )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -398,7 +393,7 @@ static void layers_say_who_senses_whom( void** state )
     assert_true( touch_of( h->world, seeing, 0, 0 ).body != 0 );
 }
 
-static void a_body_in_the_place_of_a_removed_one_has_another_name( void** state )
+SENSE_TEST( a_body_in_the_place_of_a_removed_one_has_another_name )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -414,7 +409,7 @@ static void a_body_in_the_place_of_a_removed_one_has_another_name( void** state 
 
 // ---- meshes ----
 
-static void a_mesh_is_sensed_as_the_ball_it_stands_for( void** state )
+SENSE_TEST( a_mesh_is_sensed_as_the_ball_it_stands_for )
 {
     hosted* h = *state;
     if ( add_mesh( h->world, false, ( wisp_transform ){ about_z( 1.2 ), { 0.5f, 0.0f, 0.0f } } ) == false )
@@ -437,7 +432,7 @@ static void a_mesh_is_sensed_as_the_ball_it_stands_for( void** state )
     assert_vector( f.normal, -1.0, 0.0, 0.0, 0.1 );
 }
 
-static void a_sheet_turns_its_normal_to_where_the_particle_comes_from( void** state )
+SENSE_TEST( a_sheet_turns_its_normal_to_where_the_particle_comes_from )
 {
     hosted* h = *state;
     if ( add_mesh( h->world, true, AT_ORIGIN ) == false )
@@ -455,31 +450,4 @@ static void a_sheet_turns_its_normal_to_where_the_particle_comes_from( void** st
         assert_vector( t.normal, 0.0, copysign( 1.0, (double)heights[k] ), 0.0, 1e-6 );
         assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( each_closed_form_is_sensed_where_it_stands ),
-        SENSE_TEST( margin_and_friction_are_those_of_participant_and_body ),
-        SENSE_TEST( what_is_beyond_margin_and_path_is_not_sensed ),
-        SENSE_TEST( what_parts_from_a_corner_is_sensed_as_far_as_its_path ),
-        SENSE_TEST( gravity_counts_in_the_path ),
-        cmocka_unit_test( what_starts_inside_is_told_how_deep_it_is ),
-        cmocka_unit_test( the_surface_of_a_body_moves_as_a_rigid_body_does ),
-        SENSE_TEST( a_body_at_100_m_s_is_sensed_before_it_arrives ),
-        SENSE_TEST( a_particle_at_100_m_s_is_told_where_its_path_enters ),
-        SENSE_TEST( a_flat_path_is_not_held_before_it_arrives ),
-        cmocka_unit_test( a_path_that_passes_by_is_not_stopped ),
-        SENSE_TEST( pinned_particles_and_those_that_are_no_numbers_sense_nothing ),
-        cmocka_unit_test( the_two_nearest_bodies_are_kept_in_whatever_order_they_came ),
-        SENSE_TEST( of_bodies_that_are_equally_near_the_first_count ),
-        SENSE_TEST( what_the_path_enters_counts_before_what_it_leaves ),
-        SENSE_TEST( a_thick_body_that_touches_counts_before_a_thin_one_that_is_nearer ),
-        SENSE_TEST( layers_say_who_senses_whom ),
-        SENSE_TEST( a_body_in_the_place_of_a_removed_one_has_another_name ),
-        SENSE_TEST( a_mesh_is_sensed_as_the_ball_it_stands_for ),
-        SENSE_TEST( a_sheet_turns_its_normal_to_where_the_particle_comes_from ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -4,7 +4,7 @@
 
 // ---- figures ----
 
-static void stats_tell_depth_behind_the_surface_and_count_within_the_margin( void** state )
+SENSE_TEST( stats_tell_depth_behind_the_surface_and_count_within_the_margin )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -41,7 +41,7 @@ static void stats_tell_depth_behind_the_surface_and_count_within_the_margin( voi
 
 // ---- plans ----
 
-static void calls_in_either_order_give_the_same_plan( void** state )
+SENSE_TEST( calls_in_either_order_give_the_same_plan )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -72,7 +72,7 @@ static void calls_in_either_order_give_the_same_plan( void** state )
     }
 }
 
-static void nothing_to_touch_leaves_no_pass_and_no_memory_of_bodies( void** state )
+SENSE_TEST( nothing_to_touch_leaves_no_pass_and_no_memory_of_bodies )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -97,7 +97,7 @@ static void nothing_to_touch_leaves_no_pass_and_no_memory_of_bodies( void** stat
     assert_int_equal( collision_of( h->world, e ).contacts, 0 );
 }
 
-static void without_memory_a_call_changes_nothing( void** state )
+SENSE_TEST( without_memory_a_call_changes_nothing )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -153,9 +153,8 @@ static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )
     return e;
 }
 
-static void any_number_of_workers_gives_the_same_bits( void** state )
+TEST( any_number_of_workers_gives_the_same_bits )
 {
-    (void)state;
     const int workers[] = { 1, 2, 3, 5 };
     uint64_t expected[20];
     for ( int k = 0; k < WISP_COUNT( workers ); ++k )
@@ -179,7 +178,7 @@ static void any_number_of_workers_gives_the_same_bits( void** state )
 }
 
 // The same surface, moved as a whole: particles share blocks differently, and the result must not show it.
-static void a_particle_senses_the_same_alone_and_among_others( void** state )
+SENSE_TEST( a_particle_senses_the_same_alone_and_among_others )
 {
     hosted* h = *state;
     wisp_entity ball;
@@ -211,7 +210,7 @@ static void a_particle_senses_the_same_alone_and_among_others( void** state )
     assert_true( touched > 50 );
 }
 
-static void a_warm_step_allocates_nothing( void** state )
+SENSE_TEST( a_warm_step_allocates_nothing )
 {
     hosted* h = *state;
     wisp_entity ball;
@@ -220,18 +219,4 @@ static void a_warm_step_allocates_nothing( void** state )
     const int64_t queried = atomic_load( &h->host.queried );
     run_busy( h->world, ball, 5, 20 );
     assert_int_equal( atomic_load( &h->host.queried ), queried );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        SENSE_TEST( stats_tell_depth_behind_the_surface_and_count_within_the_margin ),
-        SENSE_TEST( calls_in_either_order_give_the_same_plan ),
-        SENSE_TEST( nothing_to_touch_leaves_no_pass_and_no_memory_of_bodies ),
-        SENSE_TEST( without_memory_a_call_changes_nothing ),
-        cmocka_unit_test( any_number_of_workers_gives_the_same_bits ),
-        SENSE_TEST( a_particle_senses_the_same_alone_and_among_others ),
-        SENSE_TEST( a_warm_step_allocates_nothing ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -166,9 +166,8 @@ static void step_stage( stage* s, const drop* d, int number )
 
 // ---- tests ----
 
-static void settled_groups_change_no_bit( void** state )
+TEST( settled_groups_change_no_bit )
 {
-    (void)state;
     for ( int k = 0; k < WISP_COUNT( DROPS ); ++k )
     {
         const drop* d = DROPS + k;
@@ -197,12 +196,4 @@ static void settled_groups_change_no_bit( void** state )
         free_stage( some );
         free_stage( all );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( settled_groups_change_no_bit ),
-    };
-    return cmocka_run_group_tests_name( "particles that no body reaches in a step", tests, NULL, NULL );
 }

@@ -51,9 +51,8 @@ static wisp_shape shape_of( const wisp_collider_def* def, wisp_convex** convex )
 static const wisp_collider_kind KINDS[] = { WISP_COLLIDER_TAPERED_CAPSULE, WISP_COLLIDER_CONVEX,
                                             WISP_COLLIDER_HEIGHT_FIELD };
 
-static void nothing_passes_at_any_speed( void** state )
+TEST( nothing_passes_at_any_speed )
 {
-    (void)state;
     const float speeds[] = { 1.0f, 30.0f, 300.0f, 3000.0f };
     for ( int n = 0; n < 3 * WISP_COUNT( speeds ); ++n )
     {
@@ -121,9 +120,8 @@ static float difference_of( const wisp_collider_def* a, const wisp_collider_def*
     return most;
 }
 
-static void special_cases_move_a_cloth_as_the_plain_shapes_do( void** state )
+TEST( special_cases_move_a_cloth_as_the_plain_shapes_do )
 {
-    (void)state;
     wisp_collider_def tapered = solid_of( WISP_COLLIDER_TAPERED_CAPSULE ), capsule = body_of( WISP_COLLIDER_CAPSULE );
     tapered.top_radius = tapered.bottom_radius = capsule.radius;
     assert_float_equal( difference_of( &tapered, &capsule ), 0.0f, 0.0f );
@@ -138,9 +136,8 @@ static void special_cases_move_a_cloth_as_the_plain_shapes_do( void** state )
     assert_float_equal( difference_of( &field, &plane ), 0.0f, 1e-4f );
 }
 
-static void hair_stays_out( void** state )
+TEST( hair_stays_out )
 {
-    (void)state;
     static const wisp_module* const MODULES[] = { &wisp_strands_module, &wisp_collision_module };
     for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
     {
@@ -185,7 +182,7 @@ static void hair_stays_out( void** state )
     }
 }
 
-static void a_wrong_solid_is_refused_and_costs_nothing( void** state )
+COLLISION_TEST( a_wrong_solid_is_refused_and_costs_nothing )
 {
     hosted* h = *state;
     static const float bad_heights[4] = { 0.0f, 0.0f, NAN, 0.0f };
@@ -223,15 +220,4 @@ static void a_wrong_solid_is_refused_and_costs_nothing( void** state )
         const wisp_entity e = add_collider( h->world, &def );
         assert_true( k % 2 == 0 || wisp_remove( h->world, e ) == WISP_OK );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( nothing_passes_at_any_speed ),
-        cmocka_unit_test( special_cases_move_a_cloth_as_the_plain_shapes_do ),
-        cmocka_unit_test( hair_stays_out ),
-        COLLISION_TEST( a_wrong_solid_is_refused_and_costs_nothing ),
-    };
-    return cmocka_run_group_tests_name( "collision solids", tests, NULL, NULL );
 }

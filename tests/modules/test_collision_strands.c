@@ -35,7 +35,7 @@ static int open_hair( void** state )
     return 0;
 }
 
-#define HAIR_TEST( test ) cmocka_unit_test_setup_teardown( test, open_hair, close_hosted )
+#define HAIR_TEST( test ) TEST_WITH( test, open_hair, close_hosted )
 
 // Soft hair that does not keep its initial shape.
 static wisp_strand_dynamics_def damped_hair( void )
@@ -168,9 +168,8 @@ static double fastest( wisp_world* world, wisp_entity e )
 
 // ---- rest ----
 
-static void strands_that_fall_on_a_body_rest_outside( void** state )
+TEST( strands_that_fall_on_a_body_rest_outside )
 {
-    (void)state;
     for ( int kind = 0; kind < WISP_COLLIDER_MESH; ++kind )
     {
         hosted* h = new_hair_world( ( hair_world ){ 10, 1, 1, NULL } );
@@ -191,9 +190,8 @@ static void strands_that_fall_on_a_body_rest_outside( void** state )
     }
 }
 
-static void strands_lie_on_a_mesh_as_on_the_closed_form( void** state )
+TEST( strands_lie_on_a_mesh_as_on_the_closed_form )
 {
-    (void)state;
     double height[2];
     bool has_embree = true;
     for ( int k = 0; k < 2 && has_embree; ++k )
@@ -245,9 +243,8 @@ static double downhill( double angle, float mu )
     return z;
 }
 
-static void friction_holds_a_strand_below_its_angle_alone( void** state )
+TEST( friction_holds_a_strand_below_its_angle_alone )
 {
-    (void)state;
     // mu 0.5 holds up to 26.6 degrees; static friction cancels each substep's slip up to rounding
     assert_near( downhill( 25.0 * DEGREE, 0.5f ), 0.0, 1e-5 );
     assert_near( downhill( 5.0 * DEGREE, 0.5f ), 0.0, 1e-5 );
@@ -287,9 +284,8 @@ static float deepest_on_a_shaken_head( hair_world w, wisp_strand_stretch stretch
     return deepest / SEGMENT;
 }
 
-static void hair_on_a_head_that_shakes_stays_out_of_it( void** state )
+TEST( hair_on_a_head_that_shakes_stays_out_of_it )
 {
-    (void)state;
     float direct = deepest_on_a_shaken_head( ( hair_world ){ 10, 1, 1, NULL }, WISP_STRAND_STRETCH_DIRECT, false );
     float twice = deepest_on_a_shaken_head( ( hair_world ){ 10, 2, 1, NULL }, WISP_STRAND_STRETCH_DIRECT, false );
     float links = deepest_on_a_shaken_head( ( hair_world ){ 10, 2, 1, NULL }, WISP_STRAND_STRETCH_LINKS, false );
@@ -300,7 +296,7 @@ static void hair_on_a_head_that_shakes_stays_out_of_it( void** state )
     assert_true( direct < 0.2f && twice < 0.2f && links < 0.2f && mesh < 0.2f );
 }
 
-static void a_body_that_strikes_hair_in_one_step_carries_it_along( void** state )
+HAIR_TEST( a_body_that_strikes_hair_in_one_step_carries_it_along )
 {
     hosted* h = *state;
     wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
@@ -370,18 +366,16 @@ static bool leaves_calmly( wisp_collider_kind kind )
     return there;
 }
 
-static void what_starts_inside_leaves_without_being_thrown( void** state )
+TEST( what_starts_inside_leaves_without_being_thrown )
 {
-    (void)state;
     for ( int kind = WISP_COLLIDER_SPHERE; kind < WISP_COLLIDER_MESH; ++kind )
     {
         leaves_calmly( (wisp_collider_kind)kind );
     }
 }
 
-static void what_starts_inside_a_mesh_leaves_without_being_thrown( void** state )
+TEST( what_starts_inside_a_mesh_leaves_without_being_thrown )
 {
-    (void)state;
     if ( leaves_calmly( WISP_COLLIDER_MESH ) == false )
     {
         SKIP( "the library is built without Embree" );
@@ -419,9 +413,8 @@ static uint64_t hash_of_a_busy_scene( hair_world w, wisp_collision_stats* stats 
     return hash;
 }
 
-static void workers_and_instruction_sets_give_the_same_bits( void** state )
+TEST( workers_and_instruction_sets_give_the_same_bits )
 {
-    (void)state;
     const hair_world worlds[] = {
         { 4, 2, 1, NULL }, { 4, 2, 2, NULL }, { 4, 2, 3, NULL }, { 4, 2, 5, NULL }, { 4, 2, 2, "baseline" }
     };
@@ -434,7 +427,7 @@ static void workers_and_instruction_sets_give_the_same_bits( void** state )
     }
 }
 
-static void a_warm_step_allocates_nothing( void** state )
+HAIR_TEST( a_warm_step_allocates_nothing )
 {
     hosted* h = *state;
     const wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
@@ -473,7 +466,7 @@ static void read_plan_line( void* user, const char* line )
     found->seen_stretch = found->seen_stretch || strcmp( pass, "strands.stretch" ) == 0;
 }
 
-static void contact_comes_before_lengths_in_the_item_loop( void** state )
+HAIR_TEST( contact_comes_before_lengths_in_the_item_loop )
 {
     hosted* h = *state;
     wisp_entity e = add_fringe( h->world );
@@ -490,7 +483,7 @@ static void contact_comes_before_lengths_in_the_item_loop( void** state )
     assert_int_equal( wisp_world_plan_passes( h->world ), bare );
 }
 
-static void layers_and_pins_are_kept( void** state )
+HAIR_TEST( layers_and_pins_are_kept )
 {
     hosted* h = *state;
     wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
@@ -512,7 +505,7 @@ static void layers_and_pins_are_kept( void** state )
     assert_int_equal( collision_of( h->world, e ).vertex, -1 );
 }
 
-static void strands_that_cannot_collide_are_refused_with_a_message( void** state )
+HAIR_TEST( strands_that_cannot_collide_are_refused_with_a_message )
 {
     hosted* h = *state;
     wisp_entity still = test_add_strands( h->world, 3, 5 );
@@ -533,23 +526,4 @@ static void strands_that_cannot_collide_are_refused_with_a_message( void** state
     assert_int_equal( wisp_world_hash( h->world ), before );
     assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_STALE_ID );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( strands_that_fall_on_a_body_rest_outside ),
-        cmocka_unit_test( strands_lie_on_a_mesh_as_on_the_closed_form ),
-        cmocka_unit_test( friction_holds_a_strand_below_its_angle_alone ),
-        cmocka_unit_test( hair_on_a_head_that_shakes_stays_out_of_it ),
-        HAIR_TEST( a_body_that_strikes_hair_in_one_step_carries_it_along ),
-        cmocka_unit_test( what_starts_inside_leaves_without_being_thrown ),
-        cmocka_unit_test( what_starts_inside_a_mesh_leaves_without_being_thrown ),
-        cmocka_unit_test( workers_and_instruction_sets_give_the_same_bits ),
-        HAIR_TEST( a_warm_step_allocates_nothing ),
-        HAIR_TEST( contact_comes_before_lengths_in_the_item_loop ),
-        HAIR_TEST( layers_and_pins_are_kept ),
-        HAIR_TEST( strands_that_cannot_collide_are_refused_with_a_message ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

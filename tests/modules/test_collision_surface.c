@@ -78,9 +78,8 @@ static wisp_vec3 translated( wisp_vec3 p, float time )
 }
 
 // A ball that moves under a cloth, as a mesh and as a surface: the cloth is carried along by friction.
-static void a_surface_that_moves_rigidly_is_the_mesh_that_does( void** state )
+TEST( a_surface_that_moves_rigidly_is_the_mesh_that_does )
 {
-    (void)state;
     if ( has_meshes() == false )
     {
         SKIP( "the library is built without Embree" );
@@ -143,9 +142,8 @@ static wisp_vec3 rising_floor( wisp_vec3 p, float time )
 }
 
 // 0.5 m in a step of one substep, from below and from above, through a thickness of 1 mm.
-static void a_sheet_at_30_m_s_takes_cloth_along( void** state )
+TEST( a_sheet_at_30_m_s_takes_cloth_along )
 {
-    (void)state;
     hosted* h = new_colliding( 1, 1, 1 );
     test_mesh mesh = test_plane( 7, 0.4f );
     move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ -1.2f, 0.0f, -1.2f } );
@@ -177,9 +175,8 @@ static wisp_vec3 breathing( wisp_vec3 p, float time )
 }
 
 // A ball that grows from 0.3 to 0.42 m lifts the cloth on its top by 0.12 m.
-static void a_ball_that_grows_lifts_cloth( void** state )
+TEST( a_ball_that_grows_lifts_cloth )
 {
-    (void)state;
     hosted* h = new_colliding( 8, 2, 1 );
     skin s = add_skin( h->world, ball_mesh( 3 ), false );
     wisp_entity e = add_cloth( h->world, 9, 0.2f, ( wisp_vec3 ){ 0.0f, 0.31f, 0.0f }, 9.8f );
@@ -203,9 +200,8 @@ static wisp_vec3 sheared( wisp_vec3 p, float time )
     return ( wisp_vec3 ){ p.x + ( p.y > 0.0f ? 0.5f * time : 0.0f ), p.y, p.z };
 }
 
-static void the_velocity_of_the_surface_drags_by_friction( void** state )
+TEST( the_velocity_of_the_surface_drags_by_friction )
 {
-    (void)state;
     hosted* h = new_colliding( 8, 2, 1 );
     skin s = add_skin( h->world, ball_mesh( 3 ), false );
     wisp_entity e = add_cloth( h->world, 5, 0.06f, ( wisp_vec3 ){ 0.0f, 0.302f, 0.0f }, 9.8f );
@@ -268,9 +264,8 @@ static wisp_vec3 sighing( wisp_vec3 p, float time )
 
 // What is left out because it is far could not have touched. From inside there are several closest points, so that
 // strands which start there leave a little elsewhere.
-static void hair_that_is_tracked_lies_where_hair_that_is_searched_in_each_substep_does( void** state )
+TEST( hair_that_is_tracked_lies_where_hair_that_is_searched_in_each_substep_does )
 {
-    (void)state;
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module, &wisp_strands_module };
     wisp_vec3 points[2][STRANDS * VERTICES];
     wisp_collision_stats stats[2];
@@ -313,9 +308,8 @@ static void hair_that_is_tracked_lies_where_hair_that_is_searched_in_each_subste
 // ---- surfaces that are simulated ----
 
 // A cloth that falls on the floor is a body for a second one, which lies on it and not in it.
-static void cloth_lies_on_cloth_that_moves_by_itself( void** state )
+TEST( cloth_lies_on_cloth_that_moves_by_itself )
 {
-    (void)state;
     hosted* h = new_colliding( 10, 2, 1 );
     wisp_collider_def def = wisp_default_collider_def();
     add_collider( h->world, &def );
@@ -335,9 +329,8 @@ static void cloth_lies_on_cloth_that_moves_by_itself( void** state )
 
 // ---- life ----
 
-static void nothing_collides_with_a_surface_that_was_removed( void** state )
+TEST( nothing_collides_with_a_surface_that_was_removed )
 {
-    (void)state;
     hosted* h = new_colliding( 4, 1, 1 );
     skin s = add_skin( h->world, ball_mesh( 2 ), false );
     wisp_entity e = add_cloth( h->world, 5, 0.2f, ( wisp_vec3 ){ 0.0f, 0.35f, 0.0f }, 9.8f );
@@ -352,9 +345,8 @@ static void nothing_collides_with_a_surface_that_was_removed( void** state )
     free_skin( &s );
 }
 
-static void a_snapshot_restores_the_motion_of_a_surface( void** state )
+TEST( a_snapshot_restores_the_motion_of_a_surface )
 {
-    (void)state;
     uint64_t hash[2];
     hosted* h = new_colliding( 4, 1, 2 );
     skin s = add_skin( h->world, ball_mesh( 3 ), false );
@@ -390,9 +382,8 @@ static void a_snapshot_restores_the_motion_of_a_surface( void** state )
     free_skin( &s );
 }
 
-static void any_number_of_workers_gives_the_same_bits( void** state )
+TEST( any_number_of_workers_gives_the_same_bits )
 {
-    (void)state;
     uint64_t first = 0;
     for ( int workers = 1; workers <= 3; ++workers )
     {
@@ -413,7 +404,7 @@ static void any_number_of_workers_gives_the_same_bits( void** state )
     }
 }
 
-static void wrong_surfaces_are_refused( void** state )
+COLLISION_TEST( wrong_surfaces_are_refused )
 {
     hosted* h = *state;
     skin s = add_skin( h->world, test_plane( 3, 0.5f ), true );
@@ -433,21 +424,4 @@ static void wrong_surfaces_are_refused( void** state )
     assert_int_equal( wisp_teleport( h->world, s.collider, pose, false ), WISP_CONFLICT );
     run_for( h->world, DT, 1 );
     free_skin( &s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_surface_that_moves_rigidly_is_the_mesh_that_does ),
-        cmocka_unit_test( a_sheet_at_30_m_s_takes_cloth_along ),
-        cmocka_unit_test( a_ball_that_grows_lifts_cloth ),
-        cmocka_unit_test( the_velocity_of_the_surface_drags_by_friction ),
-        cmocka_unit_test( hair_that_is_tracked_lies_where_hair_that_is_searched_in_each_substep_does ),
-        cmocka_unit_test( cloth_lies_on_cloth_that_moves_by_itself ),
-        cmocka_unit_test( nothing_collides_with_a_surface_that_was_removed ),
-        cmocka_unit_test( a_snapshot_restores_the_motion_of_a_surface ),
-        cmocka_unit_test( any_number_of_workers_gives_the_same_bits ),
-        COLLISION_TEST( wrong_surfaces_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

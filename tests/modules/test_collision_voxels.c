@@ -97,9 +97,8 @@ static void assert_same( const trace* expected, trace* found )
     free( found );
 }
 
-static void cloth_on_voxels_has_the_contacts_and_the_bits_of_brute_force( void** state )
+TEST( cloth_on_voxels_has_the_contacts_and_the_bits_of_brute_force )
 {
-    (void)state;
     for ( int double_sided = 0; double_sided < 2; ++double_sided )
     {
         trace* expected = run( BRUTE_FORCE, double_sided == 1, 1 );
@@ -109,9 +108,8 @@ static void cloth_on_voxels_has_the_contacts_and_the_bits_of_brute_force( void**
     }
 }
 
-static void cloth_on_voxels_has_the_contacts_and_the_bits_of_the_tree_with_any_workers( void** state )
+TEST( cloth_on_voxels_has_the_contacts_and_the_bits_of_the_tree_with_any_workers )
 {
-    (void)state;
     if ( !has_meshes() )
     {
         SKIP( "the library is built without Embree" );
@@ -128,7 +126,7 @@ static void cloth_on_voxels_has_the_contacts_and_the_bits_of_the_tree_with_any_w
     free( expected );
 }
 
-static void voxels_go_with_their_bodies_and_are_the_worlds_memory( void** state )
+COLLISION_TEST( voxels_go_with_their_bodies_and_are_the_worlds_memory )
 {
     hosted* h = *state;
     test_mesh ball = make_bumpy_ball();
@@ -147,7 +145,7 @@ static void voxels_go_with_their_bodies_and_are_the_worlds_memory( void** state 
     test_mesh_free( &ball );
 }
 
-static void a_wrong_search_is_refused( void** state )
+COLLISION_TEST( a_wrong_search_is_refused )
 {
     hosted* h = *state;
     test_mesh ball = make_bumpy_ball();
@@ -169,15 +167,4 @@ static void a_wrong_search_is_refused( void** state )
         assert_contains( wisp_world_message( h->world ), wrong[i].word );
     }
     test_mesh_free( &ball );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( cloth_on_voxels_has_the_contacts_and_the_bits_of_brute_force ),
-        cmocka_unit_test( cloth_on_voxels_has_the_contacts_and_the_bits_of_the_tree_with_any_workers ),
-        COLLISION_TEST( voxels_go_with_their_bodies_and_are_the_worlds_memory ),
-        COLLISION_TEST( a_wrong_search_is_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -92,9 +92,8 @@ static constraint_oracle_term root_form( const double3 p[4], void* user )
 }
 
 // Every gradient of at most four vertices; that of the volume is below (Eq. 8).
-static void gradients_agree_with_central_differences( void** state )
+TEST( gradients_agree_with_central_differences )
 {
-    (void)state;
     for ( int n = 0; n < 200; ++n )
     {
         double3 rest[4], p[4];
@@ -111,9 +110,8 @@ static void gradients_agree_with_central_differences( void** state )
 }
 
 // Eq. 3
-static void a_linear_constraint_is_solved_by_one_projection( void** state )
+TEST( a_linear_constraint_is_solved_by_one_projection )
 {
-    (void)state;
     for ( int n = 0; n < 100; ++n )
     {
         constraint_oracle_term term = { .count = 4, .value = random_between( n, 70, -1.0, 1.0 ) };
@@ -137,9 +135,8 @@ static void a_linear_constraint_is_solved_by_one_projection( void** state )
 }
 
 // Eq. 4 against Eq. 6
-static void the_general_projection_of_a_distance_is_the_printed_one( void** state )
+TEST( the_general_projection_of_a_distance_is_the_printed_one )
 {
-    (void)state;
     for ( int n = 0; n < 200; ++n )
     {
         double3 p[2] = { random_vector( n, 0 ), random_vector( n, 1 ) }, before[2] = { p[0], p[1] }, step[2];
@@ -174,9 +171,8 @@ static void assert_momentum_kept( const double3* before, const double3* after, c
     assert_close( double3_length( turn ) / turn_size, 0.0, 1e-12 );
 }
 
-static void every_projection_keeps_linear_and_angular_momentum( void** state )
+TEST( every_projection_keeps_linear_and_angular_momentum )
 {
-    (void)state;
     for ( int n = 0; n < 100; ++n )
     {
         double3 rest[4], start[4];
@@ -217,9 +213,8 @@ static void every_projection_keeps_linear_and_angular_momentum( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void a_compliant_edge_carries_the_tension_of_its_spring( void** state )
+TEST( a_compliant_edge_carries_the_tension_of_its_spring )
 {
-    (void)state;
     const double w[2] = { 3.0, 5.0 };
     double dt = 0.01, k_edge = 2000.0, alpha = 1.0 / ( k_edge * dt * dt ), lambda = 0.0, length = 0.0;
     double3 p[2] = { { 0.0, 0.0, 0.0 }, { 1.5, 0.0, 0.0 } };
@@ -236,9 +231,8 @@ static void a_compliant_edge_carries_the_tension_of_its_spring( void** state )
     assert_close( length - 1.0, 0.5 * alpha / ( w[0] + w[1] + alpha ), 1e-14 );
 }
 
-static void a_dihedral_angle_is_signed( void** state )
+TEST( a_dihedral_angle_is_signed )
 {
-    (void)state;
     for ( int n = -31; n <= 31; ++n )
     {
         double a = 0.1 * n;
@@ -249,9 +243,8 @@ static void a_dihedral_angle_is_signed( void** state )
 
 // Bergou et al. 2006: on a fold, sum K x = |e| (the sum of the unit conormals), so E = 6 |e|^2 sin^2(theta/2) / (A0 +
 // A1).
-static void the_isometric_energy_of_a_fold_has_its_closed_form( void** state )
+TEST( the_isometric_energy_of_a_fold_has_its_closed_form )
 {
-    (void)state;
     for ( int n = 1; n < 30; ++n )
     {
         double a = 0.1 * n, q[4][4];
@@ -265,9 +258,8 @@ static void the_isometric_energy_of_a_fold_has_its_closed_form( void** state )
 }
 
 // Eq. 8
-static void the_volume_gradient_agrees_with_differences_and_with_its_identities( void** state )
+TEST( the_volume_gradient_agrees_with_differences_and_with_its_identities )
 {
-    (void)state;
     balloon_mesh mesh = new_perturbed_sphere();
     double3 g[42], printed[42], sum = { 0.0, 0.0, 0.0 };
     double virial = 0.0, largest = 0.0, worst = 0.0, h = 1e-5;
@@ -300,19 +292,4 @@ static void the_volume_gradient_agrees_with_differences_and_with_its_identities(
     assert_close( double3_length( sum ) / largest, 0.0, 1e-14 );
     assert_close( virial / ( 3.0 * mesh_volume( &mesh ) ), 1.0, 1e-13 );
     balloon_mesh_destroy( &mesh );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( gradients_agree_with_central_differences ),
-        cmocka_unit_test( a_linear_constraint_is_solved_by_one_projection ),
-        cmocka_unit_test( the_general_projection_of_a_distance_is_the_printed_one ),
-        cmocka_unit_test( every_projection_keeps_linear_and_angular_momentum ),
-        cmocka_unit_test( a_compliant_edge_carries_the_tension_of_its_spring ),
-        cmocka_unit_test( a_dihedral_angle_is_signed ),
-        cmocka_unit_test( the_isometric_energy_of_a_fold_has_its_closed_form ),
-        cmocka_unit_test( the_volume_gradient_agrees_with_differences_and_with_its_identities ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -101,9 +101,8 @@ static contact_oracle_contact expect_places( const meeting* m, int n, int iterat
     return contact;
 }
 
-static void a_pair_moves_as_the_oracle_has_it( void** state )
+TEST( a_pair_moves_as_the_oracle_has_it )
 {
-    (void)state;
     int pushed = 0, free = 0;
     for ( int n = 0; n < 120; ++n )
     {
@@ -136,9 +135,8 @@ static void a_pair_moves_as_the_oracle_has_it( void** state )
     assert_true( pushed > 60 && free > 5 );
 }
 
-static void momentum_is_kept_and_forces_are_opposite( void** state )
+TEST( momentum_is_kept_and_forces_are_opposite )
 {
-    (void)state;
     for ( int n = 0; n < 60; n += 3 ) // those without pins
     {
         meeting m;
@@ -188,9 +186,8 @@ static void open_sheets( hosted* h, wisp_entity sheets[2], float height, const w
 
 // Gravity is tilted by an angle whose tangent is a fraction of mu. Below one the sheet holds; above, m a = g (sin -
 // mu cos).
-static void friction_is_that_of_coulomb( void** state )
+TEST( friction_is_that_of_coulomb )
 {
-    (void)state;
     static const float SHARES[] = { 0.5f, 0.9f, 1.2f, 2.0f };
     const double mu = 0.4, g = 9.81, seconds = 0.5;
     for ( int i = 0; i < WISP_COUNT( SHARES ); ++i )
@@ -215,9 +212,8 @@ static void friction_is_that_of_coulomb( void** state )
     }
 }
 
-static void what_is_too_near_is_parted_slowly_and_gets_no_velocity( void** state )
+TEST( what_is_too_near_is_parted_slowly_and_gets_no_velocity )
 {
-    (void)state;
     hosted h;
     wisp_entity sheets[2];
     wisp_contact_def def = contact_of( THICK );
@@ -233,9 +229,8 @@ static void what_is_too_near_is_parted_slowly_and_gets_no_velocity( void** state
     close_world( &h );
 }
 
-static void resting_sheets_keep_half_of_the_sum_of_their_thicknesses_and_lie_still( void** state )
+TEST( resting_sheets_keep_half_of_the_sum_of_their_thicknesses_and_lie_still )
 {
-    (void)state;
     static const float PAIRS[][2] = { { 1.0f, 1.0f }, { 0.5f, 1.5f }, { 2.0f, 1.0f } };
     for ( int i = 0; i < WISP_COUNT( PAIRS ); ++i )
     {
@@ -275,9 +270,8 @@ static bool falls_through( const wisp_contact_def* lower, const wisp_contact_def
     return through;
 }
 
-static void layers_and_masks_say_who_meets( void** state )
+TEST( layers_and_masks_say_who_meets )
 {
-    (void)state;
     const struct
     {
         uint32_t layers[2], masks[2];
@@ -338,16 +332,14 @@ static bool passes_itself( bool self )
     return upper < lower;
 }
 
-static void a_surface_meets_itself_unless_told_not_to( void** state )
+TEST( a_surface_meets_itself_unless_told_not_to )
 {
-    (void)state;
     assert_false( passes_itself( true ) );
     assert_true( passes_itself( false ) );
 }
 
-static void pins_push_and_are_not_pushed( void** state )
+TEST( pins_push_and_are_not_pushed )
 {
-    (void)state;
     hosted h;
     wisp_entity sheets[2];
     const wisp_contact_def def = contact_of( THICK );
@@ -395,9 +387,8 @@ static void assert_free_fall( hosted* h, wisp_entity e )
     assert_near( start - mean_of( h->world, e, 1 ), 0.196, 0.01 );
 }
 
-static void what_lay_on_a_participant_falls_when_that_is_removed_or_leaves( void** state )
+TEST( what_lay_on_a_participant_falls_when_that_is_removed_or_leaves )
 {
-    (void)state;
     for ( int way = 0; way < 3; ++way )
     {
         hosted h;
@@ -420,9 +411,8 @@ static void what_lay_on_a_participant_falls_when_that_is_removed_or_leaves( void
     }
 }
 
-static void a_participant_that_comes_later_is_met( void** state )
+TEST( a_participant_that_comes_later_is_met )
 {
-    (void)state;
     hosted h;
     wisp_entity sheets[2];
     open_resting( &h, sheets );
@@ -438,9 +428,8 @@ static void a_participant_that_comes_later_is_met( void** state )
     close_world( &h );
 }
 
-static void instances_meet_like_all_others( void** state )
+TEST( instances_meet_like_all_others )
 {
-    (void)state;
     hosted h;
     wisp_entity sheets[3];
     open_resting( &h, sheets );
@@ -463,9 +452,8 @@ static void instances_meet_like_all_others( void** state )
 
 // The middle one of three falling sheets is halted; the one above lands on it. After the halt ends the middle one
 // falls itself.
-static void a_halted_participant_stands_and_is_met_again_when_it_is_resumed( void** state )
+TEST( a_halted_participant_stands_and_is_met_again_when_it_is_resumed )
 {
-    (void)state;
     hosted h;
     wisp_entity sheets[2];
     open_resting( &h, sheets );
@@ -493,9 +481,8 @@ static void a_halted_participant_stands_and_is_met_again_when_it_is_resumed( voi
 }
 
 // A NaN in the middle of a step stays with its participant, also where another lies on it.
-static void what_goes_wrong_in_a_participant_reaches_no_other( void** state )
+TEST( what_goes_wrong_in_a_participant_reaches_no_other )
 {
-    (void)state;
     hosted h;
     wisp_entity sheets[2];
     open_resting( &h, sheets );
@@ -516,9 +503,8 @@ static void what_goes_wrong_in_a_participant_reaches_no_other( void** state )
 
 // If the thickness exceeds its edges, a sheet is not pushed apart anywhere: it keeps its rest distances. When bent
 // round, it does not.
-static void a_participant_that_is_thinner_at_rest_than_its_thickness_lies_still( void** state )
+TEST( a_participant_that_is_thinner_at_rest_than_its_thickness_lies_still )
 {
-    (void)state;
     for ( int bent = 0; bent < 2; ++bent )
     {
         hosted h;
@@ -553,25 +539,4 @@ static void a_participant_that_is_thinner_at_rest_than_its_thickness_lies_still(
         assert_true( bent == 0 ? most < 1e-6 && contact_stats( h.world ).contacts == 0 : most > 0.01 );
         close_world( &h );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_pair_moves_as_the_oracle_has_it ),
-        cmocka_unit_test( momentum_is_kept_and_forces_are_opposite ),
-        cmocka_unit_test( friction_is_that_of_coulomb ),
-        cmocka_unit_test( what_is_too_near_is_parted_slowly_and_gets_no_velocity ),
-        cmocka_unit_test( resting_sheets_keep_half_of_the_sum_of_their_thicknesses_and_lie_still ),
-        cmocka_unit_test( layers_and_masks_say_who_meets ),
-        cmocka_unit_test( a_participant_that_is_thinner_at_rest_than_its_thickness_lies_still ),
-        cmocka_unit_test( a_surface_meets_itself_unless_told_not_to ),
-        cmocka_unit_test( pins_push_and_are_not_pushed ),
-        cmocka_unit_test( what_lay_on_a_participant_falls_when_that_is_removed_or_leaves ),
-        cmocka_unit_test( a_participant_that_comes_later_is_met ),
-        cmocka_unit_test( instances_meet_like_all_others ),
-        cmocka_unit_test( a_halted_participant_stands_and_is_met_again_when_it_is_resumed ),
-        cmocka_unit_test( what_goes_wrong_in_a_participant_reaches_no_other ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -107,9 +107,8 @@ static patch patch_of( wisp_world* world, const wisp_entity b[2] )
     return p;
 }
 
-static void a_pressed_pair_is_flat_and_does_not_overlap( void** state )
+TEST( a_pressed_pair_is_flat_and_does_not_overlap )
 {
-    (void)state;
     for ( int start = 0; start <= STARTS; ++start )
     {
         pressed p;
@@ -136,9 +135,8 @@ static void a_pressed_pair_is_flat_and_does_not_overlap( void** state )
     }
 }
 
-static void forces_of_a_pressed_pair_are_opposite_and_carry_the_load( void** state )
+TEST( forces_of_a_pressed_pair_are_opposite_and_carry_the_load )
 {
-    (void)state;
     for ( int n = 0; n < 3; ++n )
     {
         pressed p;
@@ -171,9 +169,8 @@ static void forces_of_a_pressed_pair_are_opposite_and_carry_the_load( void** sta
 }
 
 // After a long time the contact force is constant, without jitter.
-static void a_balloon_that_rests_on_a_sheet_does_not_tremble( void** state )
+TEST( a_balloon_that_rests_on_a_sheet_does_not_tremble )
 {
-    (void)state;
     hosted h;
     open_contact( &h, SUBSTEPS, 1, 1 );
     test_mesh ball = ball_of( 2, RADIUS, ( wisp_vec3 ){ 0.01f, 1.06f * RADIUS, 0.02f } ),
@@ -263,9 +260,8 @@ static void assert_nothing_overlaps( box_of* x )
     }
 }
 
-static void a_balloon_on_a_floor_carries_another( void** state )
+TEST( a_balloon_on_a_floor_carries_another )
 {
-    (void)state;
     box_of x;
     open_box( &x, 2, 2, 0, true, SUBSTEPS );
     wisp_collision_def smooth = wisp_default_collision_def();
@@ -337,9 +333,8 @@ static void settle_stack( int count, int level, int start, int steps )
     close_world( &x.h );
 }
 
-static void a_stack_of_ten_comes_to_rest( void** state )
+TEST( a_stack_of_ten_comes_to_rest )
 {
-    (void)state;
     for ( int start = 0; start < STARTS; ++start )
     {
         settle_stack( 10, 2, start, 270 ); // one of them falls into its last place after four seconds
@@ -348,9 +343,8 @@ static void a_stack_of_ten_comes_to_rest( void** state )
 
 // ---- cloth ----
 
-static void cloth_that_falls_on_a_balloon_lies_around_it( void** state )
+TEST( cloth_that_falls_on_a_balloon_lies_around_it )
 {
-    (void)state;
     for ( int start = 0; start < 2; ++start )
     {
         box_of x;
@@ -382,17 +376,4 @@ static void cloth_that_falls_on_a_balloon_lies_around_it( void** state )
         assert_true( mean_of( x.h.world, cloth, 1 ) < (double)place_of( x.h.world, cloth, 7 * 15 + 7 )[1] - 0.05 );
         close_world( &x.h );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_pressed_pair_is_flat_and_does_not_overlap ),
-        cmocka_unit_test( forces_of_a_pressed_pair_are_opposite_and_carry_the_load ),
-        cmocka_unit_test( a_balloon_that_rests_on_a_sheet_does_not_tremble ),
-        cmocka_unit_test( a_balloon_on_a_floor_carries_another ),
-        cmocka_unit_test( a_stack_of_ten_comes_to_rest ),
-        cmocka_unit_test( cloth_that_falls_on_a_balloon_lies_around_it ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

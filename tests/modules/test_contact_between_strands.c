@@ -247,9 +247,8 @@ static void fly_at( float speed, float seconds, bool same )
     close_sticks( &s );
 }
 
-static void a_stick_does_not_pass_one_that_is_held( void** state )
+TEST( a_stick_does_not_pass_one_that_is_held )
 {
-    (void)state;
     const float speeds[] = { 0.5f, 5.0f, 50.0f, 500.0f };
     for ( int k = 0; k < WISP_COUNT( speeds ); ++k )
     {
@@ -282,9 +281,8 @@ static double distance_of( const wisp_vec3* p, const wisp_vec3* q )
 }
 
 // A stick that lies across one that is held keeps the thickness of both; strands without the key fall through.
-static void a_stick_lies_on_one_that_is_held( void** state )
+TEST( a_stick_lies_on_one_that_is_held )
 {
-    (void)state;
     static const int32_t ALL[COUNT] = { 0, 1, 2, 3, 4, 5, 6, 7, 8 };
     for ( int meets = 0; meets < 2; ++meets )
     {
@@ -380,27 +378,14 @@ static uint64_t fall( int workers, int steps, bool counts )
     return hash;
 }
 
-static void a_heap_of_sticks_does_not_mingle( void** state )
+TEST( a_heap_of_sticks_does_not_mingle )
 {
-    (void)state;
     (void)fall( 2, 120, true );
 }
 
-static void a_heap_has_the_same_bits_for_any_number_of_workers( void** state )
+TEST( a_heap_has_the_same_bits_for_any_number_of_workers )
 {
-    (void)state;
     const uint64_t one = fall( 1, 30, false );
     assert_true( fall( 2, 30, false ) == one );
     assert_true( fall( 5, 30, false ) == one );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_stick_does_not_pass_one_that_is_held ),
-        cmocka_unit_test( a_stick_lies_on_one_that_is_held ),
-        cmocka_unit_test( a_heap_of_sticks_does_not_mingle ),
-        cmocka_unit_test( a_heap_has_the_same_bits_for_any_number_of_workers ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -89,9 +89,8 @@ static const double NOWHERE[3] = { 0.0, 0.0, 0.0 };
 static const double ALONG[3] = { 0.004, -0.009, 0.002 }, ROTATION[3] = { 0.02, -0.03, 0.05 };
 
 // Three points pinned, which move rigidly. The others go as far, farther, half as far, against it, and across it.
-static void a_point_is_carried_as_far_as_it_goes_along( void** state )
+TEST( a_point_is_carried_as_far_as_it_goes_along )
 {
-    (void)state;
     static const struct
     {
         double part, across, carried;
@@ -122,9 +121,8 @@ static void a_point_is_carried_as_far_as_it_goes_along( void** state )
 }
 
 // The mean of all points is not carried: it is added elsewhere.
-static void the_common_displacement_is_left_out( void** state )
+TEST( the_common_displacement_is_left_out )
 {
-    (void)state;
     const double common[3] = { 0.5, 0.25, -0.5 };
     carriage c;
     open_carriage( &c );
@@ -150,9 +148,8 @@ static void the_common_displacement_is_left_out( void** state )
 }
 
 // Pinned points on a line do not tell how they turn about it.
-static void pins_on_a_line_do_not_turn_about_it( void** state )
+TEST( pins_on_a_line_do_not_turn_about_it )
 {
-    (void)state;
     const double about_x[3] = { 0.0, 0.04, -0.03 };
     carriage c;
     open_carriage( &c );
@@ -176,9 +173,8 @@ static void pins_on_a_line_do_not_turn_about_it( void** state )
 }
 
 // One pinned point carries along, and does not turn.
-static void one_pin_carries_without_turning( void** state )
+TEST( one_pin_carries_without_turning )
 {
-    (void)state;
     carriage c;
     open_carriage( &c );
     pin( &c, 5 );
@@ -193,9 +189,8 @@ static void one_pin_carries_without_turning( void** state )
     }
 }
 
-static void nothing_is_carried_without_pins_that_move( void** state )
+TEST( nothing_is_carried_without_pins_that_move )
 {
-    (void)state;
     for ( int pins = 0; pins <= POINTS; pins += POINTS / 3 )
     {
         for ( int moves = 0; moves < 2; ++moves )
@@ -223,9 +218,8 @@ static void nothing_is_carried_without_pins_that_move( void** state )
 }
 
 // Each participant goes with its own pins.
-static void participants_are_carried_apart( void** state )
+TEST( participants_are_carried_apart )
 {
-    (void)state;
     const double other[3] = { -0.01, 0.0, 0.02 };
     carriage c;
     open_carriage( &c );
@@ -243,17 +237,4 @@ static void participants_are_carried_apart( void** state )
     {
         assert_carried( &c, i, i < 4 ? ALONG : other, NOWHERE, i == 1 || i == 8 ? 0.0 : 1.0 );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_point_is_carried_as_far_as_it_goes_along ),
-        cmocka_unit_test( the_common_displacement_is_left_out ),
-        cmocka_unit_test( pins_on_a_line_do_not_turn_about_it ),
-        cmocka_unit_test( one_pin_carries_without_turning ),
-        cmocka_unit_test( nothing_is_carried_without_pins_that_move ),
-        cmocka_unit_test( participants_are_carried_apart ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -57,9 +57,8 @@ static void fold( folding* f, int steps )
     }
 }
 
-static void a_folded_cloth_has_not_crossed_itself_after_five_seconds( void** state )
+TEST( a_folded_cloth_has_not_crossed_itself_after_five_seconds )
 {
-    (void)state;
     folding f;
     open_folding( &f, 33, 0, true, true );
     int pressed = 0;
@@ -80,9 +79,8 @@ static void a_folded_cloth_has_not_crossed_itself_after_five_seconds( void** sta
 }
 
 // Without contact something intersects in this scene.
-static void without_contact_the_same_cloth_crosses_itself( void** state )
+TEST( without_contact_the_same_cloth_crosses_itself )
 {
-    (void)state;
     folding f;
     open_folding( &f, 33, 0, true, false );
     int most = 0;
@@ -96,9 +94,8 @@ static void without_contact_the_same_cloth_crosses_itself( void** state )
     close_world( &f.h );
 }
 
-static void no_jittered_start_crosses( void** state )
+TEST( no_jittered_start_crosses )
 {
-    (void)state;
     for ( int start = 1; start <= STARTS; ++start )
     {
         folding f;
@@ -167,9 +164,8 @@ static int crumple( int n, int start, bool displacement_limit, int substeps, int
     return most;
 }
 
-static void cloth_that_is_crumpled_by_wind_and_shaken_pins_does_not_cross( void** state )
+TEST( cloth_that_is_crumpled_by_wind_and_shaken_pins_does_not_cross )
 {
-    (void)state;
     for ( int start = 0; start < 3; ++start )
     {
         assert_int_equal( crumple( 21, start, true, SUBSTEPS, 90 ), 0 );
@@ -223,9 +219,8 @@ static void shoot( float speed )
     close_world( &h );
 }
 
-static void what_is_fast_does_not_pass_through( void** state )
+TEST( what_is_fast_does_not_pass_through )
 {
-    (void)state;
     static const float SPEEDS[] = { 5.0f, 30.0f, 100.0f };
     for ( int i = 0; i < WISP_COUNT( SPEEDS ); ++i )
     {
@@ -288,9 +283,8 @@ static double start_energy( closed_system* c )
     return sum;
 }
 
-static void loose_sheets_never_gain_energy( void** state )
+TEST( loose_sheets_never_gain_energy )
 {
-    (void)state;
     for ( int start = 0; start < STARTS; ++start )
     {
         closed_system c;
@@ -314,9 +308,8 @@ static void loose_sheets_never_gain_energy( void** state )
 }
 
 // Links store energy and release it; it was there at the start, and the tolerance is a thousandth of it.
-static void woven_sheets_never_have_more_energy_than_at_the_start( void** state )
+TEST( woven_sheets_never_have_more_energy_than_at_the_start )
 {
-    (void)state;
     for ( int start = 0; start < STARTS; ++start )
     {
         closed_system c;
@@ -334,18 +327,4 @@ static void woven_sheets_never_have_more_energy_than_at_the_start( void** state 
         assert_int_equal( contact_stats( c.h.world ).intersections, 0 );
         close_world( &c.h );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_folded_cloth_has_not_crossed_itself_after_five_seconds ),
-        cmocka_unit_test( without_contact_the_same_cloth_crosses_itself ),
-        cmocka_unit_test( no_jittered_start_crosses ),
-        cmocka_unit_test( cloth_that_is_crumpled_by_wind_and_shaken_pins_does_not_cross ),
-        cmocka_unit_test( what_is_fast_does_not_pass_through ),
-        cmocka_unit_test( loose_sheets_never_gain_energy ),
-        cmocka_unit_test( woven_sheets_never_have_more_energy_than_at_the_start ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -46,9 +46,8 @@ static plies part( bool same, int pinned, int workers )
     return end;
 }
 
-static void sheets_in_one_plane_part( void** state )
+TEST( sheets_in_one_plane_part )
 {
-    (void)state;
     for ( int k = 0; k < 4; ++k )
     {
         const plies end = part( k % 2 == 0, k < 2 ? -1 : SHEETS - 1, 2 );
@@ -70,19 +69,9 @@ static void sheets_in_one_plane_part( void** state )
     }
 }
 
-static void they_part_to_the_same_bits_for_any_number_of_workers( void** state )
+TEST( they_part_to_the_same_bits_for_any_number_of_workers )
 {
-    (void)state;
     const plies one = part( false, -1, 1 );
     assert_true( part( false, -1, 2 ).hash == one.hash );
     assert_true( part( false, -1, 5 ).hash == one.hash );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( sheets_in_one_plane_part ),
-        cmocka_unit_test( they_part_to_the_same_bits_for_any_number_of_workers ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -103,9 +103,8 @@ static int drop_folds( const fold_def* d )
     return crossings;
 }
 
-static void soft_cloth_that_falls_in_folds_does_not_cross_itself( void** state )
+TEST( soft_cloth_that_falls_in_folds_does_not_cross_itself )
 {
-    (void)state;
     fold_def d = { 200.0f, WISP_INTEGRATOR_EULER, true, 120 };
     assert_int_equal( drop_folds( &d ), 0 );
     d.integrator = WISP_INTEGRATOR_BDF2;
@@ -115,9 +114,8 @@ static void soft_cloth_that_falls_in_folds_does_not_cross_itself( void** state )
 }
 
 // k h^2 / m is above 1e6.
-static void stiff_cloth_that_falls_in_folds_does_not_cross_itself( void** state )
+TEST( stiff_cloth_that_falls_in_folds_does_not_cross_itself )
 {
-    (void)state;
     assert_int_equal( drop_folds( &( fold_def ){ 2e7f, WISP_INTEGRATOR_EULER, true, 80 } ), 0 );
 }
 
@@ -185,24 +183,21 @@ static void fly( const pair_def* d )
 }
 
 // Positions are rounded to 1e-8 m, which is 2e-6 m/s in a substep: it matters more in slow flight.
-static void a_pair_in_free_flight_keeps_its_momentum( void** state )
+TEST( a_pair_in_free_flight_keeps_its_momentum )
 {
-    (void)state;
     fly( &( pair_def ){ 1.0f, 200.0f, WISP_INTEGRATOR_EULER, false, 3e-5, 1.001 } );
     fly( &( pair_def ){ 3.0f, 200.0f, WISP_INTEGRATOR_EULER, false, 1e-5, 1.001 } );
     fly( &( pair_def ){ 3.0f, 200.0f, WISP_INTEGRATOR_BDF2, false, 1e-5, 1.001 } );
 }
 
-static void implicit_cloth_meets_position_based_cloth( void** state )
+TEST( implicit_cloth_meets_position_based_cloth )
 {
-    (void)state;
     fly( &( pair_def ){ 3.0f, 200.0f, WISP_INTEGRATOR_EULER, true, 1e-5, 1.001 } );
 }
 
 // The displacement limit cuts here, which gives momentum away.
-static void at_ten_metres_per_second_nothing_crosses_or_gains_energy( void** state )
+TEST( at_ten_metres_per_second_nothing_crosses_or_gains_energy )
 {
-    (void)state;
     fly( &( pair_def ){ 10.0f, 200.0f, WISP_INTEGRATOR_EULER, false, 0.1, 1.001 } );
     fly( &( pair_def ){ 10.0f, 200.0f, WISP_INTEGRATOR_BDF2, false, 0.1, 1.001 } );
     fly( &( pair_def ){ 10.0f, 1e7f, WISP_INTEGRATOR_EULER, false, 0.1, 1.001 } );
@@ -236,9 +231,8 @@ static double slide( float tangent )
     return stats.momentum[0] / stats.mass;
 }
 
-static void a_sheet_slides_on_a_slope_that_is_steeper_than_its_friction( void** state )
+TEST( a_sheet_slides_on_a_slope_that_is_steeper_than_its_friction )
 {
-    (void)state;
     assert_true( fabs( slide( 0.28f ) ) < 1e-4 );
     // v = g ( sin - mu cos ) t, from the landing at about 0.02 s on
     const double expected = 9.81 / sqrt( 1.0 + 0.4 * 0.4 ) * ( 0.4 - 0.3 ) * 0.48;
@@ -302,26 +296,23 @@ static pile_end pile_up( const pile_def* d )
 }
 
 // A substep of gravity gives 0.04 m/s, which contact takes.
-static void two_layers_come_to_rest( void** state )
+TEST( two_layers_come_to_rest )
 {
-    (void)state;
     assert_true( pile_up( &( pile_def ){ 2, 0.15f, WISP_INTEGRATOR_EULER, 100 } ).speed < 0.03 );
     assert_true( pile_up( &( pile_def ){ 2, 0.15f, WISP_INTEGRATOR_BDF2, 100 } ).speed < 0.03 );
 }
 
 // Half a margin of the lower layer is 3.75 mm.
-static void a_heavy_layer_does_not_press_a_light_one_into_the_ground( void** state )
+TEST( a_heavy_layer_does_not_press_a_light_one_into_the_ground )
 {
-    (void)state;
     const pile_end end = pile_up( &( pile_def ){ 2, 3.0f, WISP_INTEGRATOR_EULER, 60 } );
     assert_true( end.lowest > 0.0037 );
 }
 
 // ---- largest speed ----
 
-static void no_vertex_of_implicit_cloth_is_faster_than_the_largest_speed( void** state )
+TEST( no_vertex_of_implicit_cloth_is_faster_than_the_largest_speed )
 {
-    (void)state;
     for ( int i = 0; i < 4; ++i )
     {
         hosted h;
@@ -359,9 +350,8 @@ static void no_vertex_of_implicit_cloth_is_faster_than_the_largest_speed( void**
 // ---- the plan ----
 
 // Without contact there is nothing of it; the order of the calls does not matter.
-static void implicit_cloth_without_contact_has_no_pass_of_it( void** state )
+TEST( implicit_cloth_without_contact_has_no_pass_of_it )
 {
-    (void)state;
     hosted h;
     open_contact( &h, 2, 1, 1 );
     wisp_world* w = h.world;
@@ -391,21 +381,4 @@ static void implicit_cloth_without_contact_has_no_pass_of_it( void** state )
     run_steps( w, 1, FRAME );
     assert_int_equal( count_passes_named( w, "implicit_cloth.take_correction" ), 1 );
     close_world( &h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( soft_cloth_that_falls_in_folds_does_not_cross_itself ),
-        cmocka_unit_test( stiff_cloth_that_falls_in_folds_does_not_cross_itself ),
-        cmocka_unit_test( a_pair_in_free_flight_keeps_its_momentum ),
-        cmocka_unit_test( implicit_cloth_meets_position_based_cloth ),
-        cmocka_unit_test( at_ten_metres_per_second_nothing_crosses_or_gains_energy ),
-        cmocka_unit_test( a_sheet_slides_on_a_slope_that_is_steeper_than_its_friction ),
-        cmocka_unit_test( two_layers_come_to_rest ),
-        cmocka_unit_test( a_heavy_layer_does_not_press_a_light_one_into_the_ground ),
-        cmocka_unit_test( no_vertex_of_implicit_cloth_is_faster_than_the_largest_speed ),
-        cmocka_unit_test( implicit_cloth_without_contact_has_no_pass_of_it ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

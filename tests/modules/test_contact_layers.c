@@ -130,9 +130,8 @@ static void assert_pushed( const touch* t, const double weight[3], bool is_fixed
     assert_true( largest_move( t ) > 5e-3 );
 }
 
-static void a_point_of_a_layer_moves_its_parents_by_their_weights_off_a_plane( void** state )
+TEST( a_point_of_a_layer_moves_its_parents_by_their_weights_off_a_plane )
 {
-    (void)state;
     const double3 corner[3] = { double3_widen( FALLING[0] ), double3_widen( FALLING[1] ),
                                 double3_widen( FALLING[2] ) };
     balloon_mesh mesh = one_triangle( corner[0], corner[1], corner[2] );
@@ -209,9 +208,8 @@ static uint64_t hash_after( stretching* s, int steps )
     return wisp_world_hash( s->h.world );
 }
 
-static void contact_follows_a_layer_whose_points_change( void** state )
+TEST( contact_follows_a_layer_whose_points_change )
 {
-    (void)state;
     stretching s;
     open_stretching( &s, 1 );
     run_steps( s.h.world, 1, DT );
@@ -234,9 +232,8 @@ static void contact_follows_a_layer_whose_points_change( void** state )
     close_world( &s.h );
 }
 
-static void workers_and_a_restore_do_not_change_a_bit( void** state )
+TEST( workers_and_a_restore_do_not_change_a_bit )
 {
-    (void)state;
     stretching s;
     open_stretching( &s, 1 );
     run_steps( s.h.world, 12, DT );
@@ -262,9 +259,8 @@ static void workers_and_a_restore_do_not_change_a_bit( void** state )
 }
 
 // With primitives nobody reads the layer in the substeps.
-static void a_layer_is_shared_only_where_particles_are_in_contact( void** state )
+TEST( a_layer_is_shared_only_where_particles_are_in_contact )
 {
-    (void)state;
     stretching s;
     open_stretching( &s, 1 );
     const int passes = wisp_world_plan_passes( s.h.world );
@@ -308,9 +304,8 @@ static test_mesh four_triangles( const int32_t triangles[12], int a, int b, floa
 
 // A fan and a strip have as many edges and triangles. The only point of the strip is on its long edge, whichever that is; the fan,
 // which is sampled before it, has none on an edge of that number.
-static void each_fabric_has_the_particles_of_its_own_elements( void** state )
+TEST( each_fabric_has_the_particles_of_its_own_elements )
 {
-    (void)state;
     static const int32_t FAN[12] = { 0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5 };
     static const int32_t STRIP[12] = { 0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 5, 4 };
     static const int EDGES[9][2] = { { 0, 1 }, { 0, 2 }, { 1, 2 }, { 1, 3 }, { 2, 3 },
@@ -336,16 +331,4 @@ static void each_fabric_has_the_particles_of_its_own_elements( void** state )
         assert_close( (double)place_of( h.world, falling, 0 )[1], (double)THICK, 1e-6 );
         close_world( &h );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_point_of_a_layer_moves_its_parents_by_their_weights_off_a_plane ),
-        cmocka_unit_test( contact_follows_a_layer_whose_points_change ),
-        cmocka_unit_test( workers_and_a_restore_do_not_change_a_bit ),
-        cmocka_unit_test( a_layer_is_shared_only_where_particles_are_in_contact ),
-        cmocka_unit_test( each_fabric_has_the_particles_of_its_own_elements ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -57,9 +57,8 @@ static const double TOO_FAST = 20.0;
 
 static const float WEIGHTS[] = { 0.1f, 0.03f, 0.01f, 1e-3f, 1e-5f };
 
-static void a_corner_is_not_thrown_by_a_point_that_is_pressed_on_its_pinned_side( void** state )
+TEST( a_corner_is_not_thrown_by_a_point_that_is_pressed_on_its_pinned_side )
 {
-    (void)state;
     for ( int i = 0; i < WISP_COUNT( WEIGHTS ); ++i )
     {
         lever l;
@@ -69,9 +68,8 @@ static void a_corner_is_not_thrown_by_a_point_that_is_pressed_on_its_pinned_side
     }
 }
 
-static void a_corner_is_not_thrown_where_its_pinned_side_is_pressed_on_what_lies_on_the_ground( void** state )
+TEST( a_corner_is_not_thrown_where_its_pinned_side_is_pressed_on_what_lies_on_the_ground )
 {
-    (void)state;
     for ( int i = 0; i < WISP_COUNT( WEIGHTS ); ++i )
     {
         lever l;
@@ -85,13 +83,4 @@ static void a_corner_is_not_thrown_where_its_pinned_side_is_pressed_on_what_lies
         assert_true( press( &l, l.held, l.side, 2 ) < TOO_FAST );
         close_world( &l.h );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_corner_is_not_thrown_by_a_point_that_is_pressed_on_its_pinned_side ),
-        cmocka_unit_test( a_corner_is_not_thrown_where_its_pinned_side_is_pressed_on_what_lies_on_the_ground ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -53,9 +53,8 @@ static hurled hurl( float speed, bool displacement_limit )
 }
 
 // The limit keeps a tenth of the thickness, and there is nothing else that would: without it the sheets pass.
-static void sheets_hurled_onto_a_plate_need_the_displacement_limit( void** state )
+TEST( sheets_hurled_onto_a_plate_need_the_displacement_limit )
 {
-    (void)state;
     const float speeds[] = { 20.0f, 60.0f }; // m/s: 3 and 10 thicknesses per substep
     for ( int k = 0; k < WISP_COUNT( speeds ); ++k )
     {
@@ -117,9 +116,8 @@ static void add_work( wisp_world* world, work_done* work, double* all_pairs, dou
     work->tests = *all_pairs > 0.0 ? *all_tests / *all_pairs : 0.0;
 }
 
-static void a_cloth_that_a_jump_collapsed_unfolds_and_has_few_pairs( void** state )
+TEST( a_cloth_that_a_jump_collapsed_unfolds_and_has_few_pairs )
 {
-    (void)state;
     hosted h;
     wisp_entity e;
     collapse( &h, &e );
@@ -137,13 +135,4 @@ static void a_cloth_that_a_jump_collapsed_unfolds_and_has_few_pairs( void** stat
     assert_true( motion_stats_of( h.world, e ).strain_max < 0.2 );
     assert_int_equal( contact_stats( h.world ).intersections, 0 );
     close_world( &h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( sheets_hurled_onto_a_plate_need_the_displacement_limit ),
-        cmocka_unit_test( a_cloth_that_a_jump_collapsed_unfolds_and_has_few_pairs ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -79,9 +79,8 @@ static wisp_entity add_body( wisp_world* world, wisp_collider_kind kind, float s
 
 // ---- against bodies ----
 
-static void each_vertex_rests_at_its_own_thickness_and_that_of_the_body( void** state )
+TEST( each_vertex_rests_at_its_own_thickness_and_that_of_the_body )
 {
-    (void)state;
     static const wisp_collider_kind KINDS[] = { WISP_COLLIDER_PLANE, WISP_COLLIDER_BOX };
     for ( int i = 0; i < WISP_COUNT( KINDS ); ++i )
     {
@@ -106,9 +105,8 @@ static void each_vertex_rests_at_its_own_thickness_and_that_of_the_body( void** 
 }
 
 // What starts inside is moved out to its own thickness, at the push-out speed, and gets no velocity by that.
-static void what_starts_inside_is_moved_out_to_its_own_thickness( void** state )
+TEST( what_starts_inside_is_moved_out_to_its_own_thickness )
 {
-    (void)state;
     hosted h;
     open_contact( &h, 2, 1, 1 );
     add_body( h.world, WISP_COLLIDER_PLANE, 1.0f );
@@ -124,9 +122,8 @@ static void what_starts_inside_is_moved_out_to_its_own_thickness( void** state )
 }
 
 // What leaves from inside gets its velocity only beyond a fraction of its thickness: mapped as if that were the constant.
-static void what_leaves_from_inside_does_as_with_that_thickness( void** state )
+TEST( what_leaves_from_inside_does_as_with_that_thickness )
 {
-    (void)state;
     float height[WAYS], speed[WAYS];
     for ( int w = 0; w < WAYS; ++w )
     {
@@ -152,9 +149,8 @@ static void what_leaves_from_inside_does_as_with_that_thickness( void** state )
 }
 
 // Coulomb: the velocity falls by mu g t.
-static void each_vertex_slows_down_by_its_own_friction( void** state )
+TEST( each_vertex_slows_down_by_its_own_friction )
 {
-    (void)state;
     hosted h;
     open_contact( &h, 4, 1, 1 );
     add_body( h.world, WISP_COLLIDER_PLANE, 1.0f ); // of friction 0.5
@@ -212,9 +208,8 @@ static void assert_same_rest( bool is_implicit, wisp_collision_features features
     }
 }
 
-static void a_map_of_one_value_is_that_thickness_for_each_kind_of_collision( void** state )
+TEST( a_map_of_one_value_is_that_thickness_for_each_kind_of_collision )
 {
-    (void)state;
     assert_same_rest( false, WISP_COLLISION_VERTICES, WISP_COLLIDER_PLANE, 1.0f );
     assert_same_rest( false, WISP_COLLISION_VERTICES, WISP_COLLIDER_CAPSULE, 0.2f );
     assert_same_rest( false, WISP_COLLISION_ALL, WISP_COLLIDER_CAPSULE, 0.003f );
@@ -237,9 +232,8 @@ static void give_contact( wisp_world* world, wisp_entity e, float thickness, flo
     set_contact( world, e, &def );
 }
 
-static void each_point_keeps_half_the_sum_of_both_thicknesses( void** state )
+TEST( each_point_keeps_half_the_sum_of_both_thicknesses )
 {
-    (void)state;
     static const wisp_contact_primitives PRIMITIVES[] = { WISP_CONTACT_TRIANGLES, WISP_CONTACT_PARTICLES };
     for ( int i = 0; i < WISP_COUNT( PRIMITIVES ); ++i )
     {
@@ -275,9 +269,8 @@ static void each_point_keeps_half_the_sum_of_both_thicknesses( void** state )
 }
 
 // The friction of two surfaces is the geometric mean: with maps, of what both have where they touch.
-static void a_map_of_friction_slows_as_the_constant_does( void** state )
+TEST( a_map_of_friction_slows_as_the_constant_does )
 {
-    (void)state;
     double velocity[WAYS + 1];
     for ( int w = 0; w <= WAYS; ++w )
     {
@@ -348,9 +341,8 @@ static uint64_t hash_of_run( int workers, const char* isa, bool saves )
     return hash;
 }
 
-static void the_same_bits_for_any_workers_and_kernels_and_after_a_snapshot( void** state )
+TEST( the_same_bits_for_any_workers_and_kernels_and_after_a_snapshot )
 {
-    (void)state;
     const uint64_t hash = hash_of_run( 1, "baseline", false );
     for ( int workers = 2; workers <= 5; ++workers )
     {
@@ -360,9 +352,8 @@ static void the_same_bits_for_any_workers_and_kernels_and_after_a_snapshot( void
     assert_true( hash_of_run( 2, NULL, true ) == hash );
 }
 
-static void wrong_maps_are_refused( void** state )
+TEST( wrong_maps_are_refused )
 {
-    (void)state;
     hosted h;
     open_contact( &h, 2, 1, 1 );
     const wisp_entity e = add_loose( h.world, 0.1f, EARTH );
@@ -388,20 +379,4 @@ static void wrong_maps_are_refused( void** state )
                     "vertex 7: got the factor -1, expected 0 to 1e+06" );
     assert_true( wisp_world_hash( h.world ) == hash );
     close_world( &h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( each_vertex_rests_at_its_own_thickness_and_that_of_the_body ),
-        cmocka_unit_test( what_starts_inside_is_moved_out_to_its_own_thickness ),
-        cmocka_unit_test( what_leaves_from_inside_does_as_with_that_thickness ),
-        cmocka_unit_test( each_vertex_slows_down_by_its_own_friction ),
-        cmocka_unit_test( a_map_of_one_value_is_that_thickness_for_each_kind_of_collision ),
-        cmocka_unit_test( each_point_keeps_half_the_sum_of_both_thicknesses ),
-        cmocka_unit_test( a_map_of_friction_slows_as_the_constant_does ),
-        cmocka_unit_test( the_same_bits_for_any_workers_and_kernels_and_after_a_snapshot ),
-        cmocka_unit_test( wrong_maps_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -104,9 +104,8 @@ static couple degenerate_couple( int n )
     return c;
 }
 
-static void closest_points_have_a_slab_between_their_hulls( void** state )
+TEST( closest_points_have_a_slab_between_their_hulls )
 {
-    (void)state;
     for ( int n = 0; n < 4000; ++n )
     {
         const couple some = random_couple( n, n % 2 == 0 ), flat = degenerate_couple( n );
@@ -194,9 +193,8 @@ static double energy_of( const scene* s )
     return sum;
 }
 
-static void momentum_is_kept_by_pushing_and_rubbing( void** state )
+TEST( momentum_is_kept_by_pushing_and_rubbing )
 {
-    (void)state;
     int pushed = 0, rubbed = 0;
     for ( int n = 0; n < 3000; ++n )
     {
@@ -211,9 +209,8 @@ static void momentum_is_kept_by_pushing_and_rubbing( void** state )
 }
 
 // The moment of a push is (yA - yB) x n lambda.
-static void angular_momentum_is_kept_where_the_normal_joins_the_points( void** state )
+TEST( angular_momentum_is_kept_where_the_normal_joins_the_points )
 {
-    (void)state;
     int pushed = 0;
     for ( int n = 0; n < 3000; ++n )
     {
@@ -237,9 +234,8 @@ static void angular_momentum_is_kept_where_the_normal_joins_the_points( void** s
 
 // A push is the nearest displacement, by mass, into the half space in which the points are apart, which contains the
 // start of the substep; friction shortens the slip. Neither can lengthen the displacement.
-static void energy_never_grows( void** state )
+TEST( energy_never_grows )
 {
-    (void)state;
     int lost = 0;
     for ( int n = 0; n < 3000; ++n )
     {
@@ -261,9 +257,8 @@ static void energy_never_grows( void** state )
     assert_true( lost > 500 );
 }
 
-static void one_push_leaves_the_gap_and_a_second_changes_nothing( void** state )
+TEST( one_push_leaves_the_gap_and_a_second_changes_nothing )
 {
-    (void)state;
     for ( int n = 0; n < 1000; ++n )
     {
         scene s = random_scene( n );
@@ -285,9 +280,8 @@ static double3 slid( const scene* s )
 }
 
 // Within the cone nothing slides; on its border the remaining slip keeps its direction.
-static void friction_holds_within_the_cone_and_slides_on_its_border( void** state )
+TEST( friction_holds_within_the_cone_and_slides_on_its_border )
 {
-    (void)state;
     int sticks = 0, slides = 0, free = 0;
     for ( int n = 0; n < 3000; ++n )
     {
@@ -305,17 +299,4 @@ static void friction_holds_within_the_cone_and_slides_on_its_border( void** stat
         slides += s.contact.lambda > 0.0 && left > 0.0 ? 1 : 0;
     }
     assert_true( sticks > 200 && slides > 200 && free > 200 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( closest_points_have_a_slab_between_their_hulls ),
-        cmocka_unit_test( momentum_is_kept_by_pushing_and_rubbing ),
-        cmocka_unit_test( angular_momentum_is_kept_where_the_normal_joins_the_points ),
-        cmocka_unit_test( energy_never_grows ),
-        cmocka_unit_test( one_push_leaves_the_gap_and_a_second_changes_nothing ),
-        cmocka_unit_test( friction_holds_within_the_cone_and_slides_on_its_border ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

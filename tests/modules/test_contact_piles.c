@@ -80,9 +80,8 @@ static double depth_of( pile* p, int sheet )
     return (double)stats.penetration;
 }
 
-static void a_heavy_sheet_does_not_push_a_light_one_into_the_floor( void** state )
+TEST( a_heavy_sheet_does_not_push_a_light_one_into_the_floor )
 {
-    (void)state;
     const float ratios[] = { 1.0f, 100.0f, 1e4f };
     for ( int k = 0; k < WISP_COUNT( ratios ); ++k )
     {
@@ -107,9 +106,8 @@ static void a_heavy_sheet_does_not_push_a_light_one_into_the_floor( void** state
     }
 }
 
-static void ten_sheets_keep_their_thickness( void** state )
+TEST( ten_sheets_keep_their_thickness )
 {
-    (void)state;
     const float densities[MAX_SHEETS] = { 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f };
     pile p;
     open_pile( &p, densities, MAX_SHEETS, 0.0f, 0.3f, 2 );
@@ -130,9 +128,8 @@ static void ten_sheets_keep_their_thickness( void** state )
 }
 
 // The light sheet has friction 0.5 with the floor only under the weight of the heavy one, which pulls it down the slope.
-static void the_weight_above_holds_the_lowest_layer_on_a_slope( void** state )
+TEST( the_weight_above_holds_the_lowest_layer_on_a_slope )
 {
-    (void)state;
     const float densities[] = { 0.1f, 10.0f };
     pile p;
     open_pile( &p, densities, 2, 0.4f, 0.8f, 1 );
@@ -149,9 +146,8 @@ static void the_weight_above_holds_the_lowest_layer_on_a_slope( void** state )
 }
 
 // On a slope above the angle of friction of the floor, the pile slides as the law of Coulomb says: a = g (sin - mu cos).
-static void a_pile_slides_where_friction_is_too_low( void** state )
+TEST( a_pile_slides_where_friction_is_too_low )
 {
-    (void)state;
     const float densities[] = { 0.1f, 10.0f };
     pile p;
     open_pile( &p, densities, 2, 0.8f, 2.0f, 1 );
@@ -167,9 +163,8 @@ static void a_pile_slides_where_friction_is_too_low( void** state )
 }
 
 // Snapshots hold the loads, and blocks of rows do not depend on workers.
-static void piles_do_not_depend_on_workers_or_snapshots( void** state )
+TEST( piles_do_not_depend_on_workers_or_snapshots )
 {
-    (void)state;
     const float densities[] = { 0.1f, 1.0f, 0.2f };
     uint64_t hashes[3];
     const int workers[] = { 1, 2, 5 };
@@ -190,16 +185,4 @@ static void piles_do_not_depend_on_workers_or_snapshots( void** state )
         close_world( &p.h );
     }
     assert_true( hashes[0] == hashes[1] && hashes[1] == hashes[2] );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_heavy_sheet_does_not_push_a_light_one_into_the_floor ),
-        cmocka_unit_test( ten_sheets_keep_their_thickness ),
-        cmocka_unit_test( the_weight_above_holds_the_lowest_layer_on_a_slope ),
-        cmocka_unit_test( a_pile_slides_where_friction_is_too_low ),
-        cmocka_unit_test( piles_do_not_depend_on_workers_or_snapshots ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -83,9 +83,8 @@ static void assert_above( push* p )
     }
 }
 
-static void a_plate_pushes_a_sheet_up_to_two_thicknesses_a_substep( void** state )
+TEST( a_plate_pushes_a_sheet_up_to_two_thicknesses_a_substep )
 {
-    (void)state;
     const double speeds[] = { 1.0, 2.0, 3.5, 5.0, 7.0, 10.0 }; // 10 m/s: 21 mm per substep
     for ( int k = 0; k < WISP_COUNT( speeds ); ++k )
     {
@@ -97,21 +96,11 @@ static void a_plate_pushes_a_sheet_up_to_two_thicknesses_a_substep( void** state
     }
 }
 
-static void a_push_goes_on_through_layers( void** state )
+TEST( a_push_goes_on_through_layers )
 {
-    (void)state;
     push p;
     open_push( &p, LAYERS );
     raise_plate( &p, 1.5, 60 ); // 3 mm per substep
     assert_above( &p );
     close_world( &p.h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_plate_pushes_a_sheet_up_to_two_thicknesses_a_substep ),
-        cmocka_unit_test( a_push_goes_on_through_layers ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

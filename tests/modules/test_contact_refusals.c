@@ -10,7 +10,7 @@ static int open_refusing( void** state )
     return 0;
 }
 
-#define CONTACT_TEST( test ) cmocka_unit_test_setup_teardown( test, open_refusing, close_hosted )
+#define CONTACT_TEST( test ) TEST_WITH( test, open_refusing, close_hosted )
 
 static wisp_entity add_small( wisp_world* world, float height )
 {
@@ -28,7 +28,7 @@ static void assert_participant_refused( hosted* h, wisp_entity e, const wisp_con
     assert_int_equal( wisp_world_plan_passes( h->world ), passes );
 }
 
-static void every_number_of_a_participant_has_its_range( void** state )
+CONTACT_TEST( every_number_of_a_participant_has_its_range )
 {
     hosted* h = *state;
     const wisp_entity e = add_small( h->world, 0.0f );
@@ -58,7 +58,7 @@ static void every_number_of_a_participant_has_its_range( void** state )
     }
 }
 
-static void every_number_of_the_settings_has_its_range( void** state )
+CONTACT_TEST( every_number_of_the_settings_has_its_range )
 {
     hosted* h = *state;
     const wisp_entity e = add_small( h->world, 0.0f );
@@ -87,7 +87,7 @@ static void every_number_of_the_settings_has_its_range( void** state )
     run_steps( h->world, 2, 0.01f );
 }
 
-static void who_cannot_take_part_is_told( void** state )
+CONTACT_TEST( who_cannot_take_part_is_told )
 {
     hosted* h = *state;
     const wisp_contact_def def = wisp_default_contact_def();
@@ -105,7 +105,7 @@ static void who_cannot_take_part_is_told( void** state )
     run_steps( h->world, 1, 0.01f );
 }
 
-static void stats_that_were_not_requested_are_not_there( void** state )
+CONTACT_TEST( stats_that_were_not_requested_are_not_there )
 {
     hosted* h = *state;
     wisp_contact_stats f;
@@ -137,9 +137,8 @@ static void stats_that_were_not_requested_are_not_there( void** state )
     assert_status( h->world, wisp_unset_contact( h->world, e ), WISP_OK ); // has no part in contact any more
 }
 
-static void a_world_without_the_module_says_so( void** state )
+TEST( a_world_without_the_module_says_so )
 {
-    (void)state;
     hosted h = { 0 };
     h.def = hosted_def( &h );
     assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );
@@ -161,9 +160,8 @@ static void a_world_without_the_module_says_so( void** state )
 }
 
 // Each request for memory is refused in turn, in the call and in the first step after it.
-static void without_memory_nothing_changes_and_nothing_is_lost( void** state )
+TEST( without_memory_nothing_changes_and_nothing_is_lost )
 {
-    (void)state;
     int in_call = 0, in_step = 0;
     bool refused = true;
     for ( int64_t n = 1; n < 400 && refused; ++n )
@@ -204,9 +202,8 @@ static void without_memory_nothing_changes_and_nothing_is_lost( void** state )
 
 // One vertex of one of three stacked sheets becomes NaN, in its position or its velocity: that sheet is halted, and
 // the others stay finite in every step.
-static void a_participant_that_goes_wrong_takes_nobody_along( void** state )
+TEST( a_participant_that_goes_wrong_takes_nobody_along )
 {
-    (void)state;
     static const float WRONG[] = { NAN, INFINITY, -INFINITY, 3e38f };
     for ( int n = 0; n < 2 * WISP_COUNT( WRONG ); ++n )
     {
@@ -237,18 +234,4 @@ static void a_participant_that_goes_wrong_takes_nobody_along( void** state )
         }
         close_world( &h );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        CONTACT_TEST( every_number_of_a_participant_has_its_range ),
-        CONTACT_TEST( every_number_of_the_settings_has_its_range ),
-        CONTACT_TEST( who_cannot_take_part_is_told ),
-        CONTACT_TEST( stats_that_were_not_requested_are_not_there ),
-        cmocka_unit_test( a_world_without_the_module_says_so ),
-        cmocka_unit_test( without_memory_nothing_changes_and_nothing_is_lost ),
-        cmocka_unit_test( a_participant_that_goes_wrong_takes_nobody_along ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

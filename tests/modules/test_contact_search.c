@@ -51,9 +51,8 @@ static uint64_t run_scene( wisp_contact_primitives primitives, float margin, sce
     return hash;
 }
 
-static void how_far_pairs_are_looked_for_does_not_change_a_bit( void** state )
+TEST( how_far_pairs_are_looked_for_does_not_change_a_bit )
 {
-    (void)state;
     static const float MARGINS[] = { 0.05f, 0.3f, 1.0f, 6.0f, 30.0f };
     for ( int primitives = 0; primitives < WISP_CONTACT_PRIMITIVES_COUNT; ++primitives )
     {
@@ -154,18 +153,16 @@ static void check_remembered( bool folds, int steps, float seconds )
     close_world( &other );
 }
 
-static void what_is_remembered_does_not_change_a_bit( void** state )
+TEST( what_is_remembered_does_not_change_a_bit )
 {
-    (void)state;
     check_remembered( false, 120, FRAME / 8.0f );
     check_remembered( true, 320, FRAME / 10.0f );
 }
 
 // Between a floor and a sheet that spins far above it, whose pair is listed from the start, another sheet descends
 // slowly: its pair with the floor is new in a list, before the other.
-static void a_pair_that_is_new_in_a_list_has_nothing_of_the_next( void** state )
+TEST( a_pair_that_is_new_in_a_list_has_nothing_of_the_next )
 {
-    (void)state;
     static const float TURN = 20.0f, FALL = 0.4f, SUBSTEP = 0.01f, GAP = 0.01f; // rad/s, m/s, s, m
     hosted h;
     open_contact( &h, 1, 1, 1 );
@@ -295,9 +292,8 @@ static bool check_six( const six* s )
     return c.a.weight[0] > 0.05 && c.a.weight[1] > 0.05 && c.a.weight[2] > 0.05;
 }
 
-static void a_boundary_particle_moves_its_parents_by_their_weights( void** state )
+TEST( a_boundary_particle_moves_its_parents_by_their_weights )
 {
-    (void)state;
     int checked = 0, inner = 0;
     for ( int n = 0; n < 250; ++n )
     {
@@ -348,17 +344,15 @@ static bool needle_passes( wisp_contact_primitives primitives, float spacing )
     return passed;
 }
 
-static void what_is_finer_than_the_spacing_passes( void** state )
+TEST( what_is_finer_than_the_spacing_passes )
 {
-    (void)state;
     assert_true( needle_passes( WISP_CONTACT_PARTICLES, 0.5f ) );
     assert_false( needle_passes( WISP_CONTACT_PARTICLES, 0.01f ) );
     assert_false( needle_passes( WISP_CONTACT_TRIANGLES, 0.5f ) );
 }
 
-static void more_particles_stand_on_a_finer_spacing( void** state )
+TEST( more_particles_stand_on_a_finer_spacing )
 {
-    (void)state;
     int points[3];
     for ( int i = 0; i < 3; ++i )
     {
@@ -381,9 +375,8 @@ static void more_particles_stand_on_a_finer_spacing( void** state )
 }
 
 // A fast sheet has a large search margin. After it stops, the search runs once more with a smaller margin.
-static void what_has_stopped_is_not_looked_for_far_around( void** state )
+TEST( what_has_stopped_is_not_looked_for_far_around )
 {
-    (void)state;
     static const float SPEED = 2.6f, GAP = 0.02f;             // m/s, m
     const float START = 0.12f + 8.0f * ( SPEED - 0.8f ) * DT; // m
     hosted h;
@@ -423,9 +416,8 @@ static void what_has_stopped_is_not_looked_for_far_around( void** state )
 }
 
 // Candidates grow with the square of the search margin, and the search repeats as soon as it is used up.
-static void fast_particles_have_few_candidates( void** state )
+TEST( fast_particles_have_few_candidates )
 {
-    (void)state;
     enum
     {
         MAX_PER_PARTICLE = 50, // 27 are found; a margin of four substeps gives 217
@@ -455,19 +447,4 @@ static void fast_particles_have_few_candidates( void** state )
         }
     }
     close_world( &h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( how_far_pairs_are_looked_for_does_not_change_a_bit ),
-        cmocka_unit_test( what_is_remembered_does_not_change_a_bit ),
-        cmocka_unit_test( a_pair_that_is_new_in_a_list_has_nothing_of_the_next ),
-        cmocka_unit_test( a_boundary_particle_moves_its_parents_by_their_weights ),
-        cmocka_unit_test( what_is_finer_than_the_spacing_passes ),
-        cmocka_unit_test( more_particles_stand_on_a_finer_spacing ),
-        cmocka_unit_test( what_has_stopped_is_not_looked_for_far_around ),
-        cmocka_unit_test( fast_particles_have_few_candidates ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -84,9 +84,8 @@ static int count_segments_through( wisp_world* world, wisp_entity strands, wisp_
 }
 
 // Strands fall on a ball whose lower half is held.
-static void strands_lie_on_a_balloon_and_not_in_it( void** state )
+TEST( strands_lie_on_a_balloon_and_not_in_it )
 {
-    (void)state;
     hosted h;
     open_contact( &h, SUBSTEPS, 1, 1 );
     test_mesh mesh = ball_of( 3, 0.15f, ( wisp_vec3 ){ 0.02f, 0.0f, 0.01f } );
@@ -131,9 +130,8 @@ static void strands_lie_on_a_balloon_and_not_in_it( void** state )
 }
 
 // Strands fall on a free balloon: its momentum must be the one that contact reports.
-static void a_balloon_gets_the_momentum_that_strands_give_it( void** state )
+TEST( a_balloon_gets_the_momentum_that_strands_give_it )
 {
-    (void)state;
     hosted h;
     open_contact( &h, SUBSTEPS, 1, 1 );
     test_mesh mesh = ball_of( 2, 0.15f, ( wisp_vec3 ){ 0.02f, 0.0f, 0.01f } );
@@ -173,9 +171,8 @@ static void a_balloon_gets_the_momentum_that_strands_give_it( void** state )
     close_world( &h );
 }
 
-static void strands_lie_on_cloth_and_do_not_pass( void** state )
+TEST( strands_lie_on_cloth_and_do_not_pass )
 {
-    (void)state;
     hosted h;
     open_contact( &h, SUBSTEPS, 1, 1 );
     test_mesh mesh = level_sheet( 11, 0.6f, ( wisp_vec3 ){ 0 } );
@@ -205,9 +202,8 @@ static void strands_lie_on_cloth_and_do_not_pass( void** state )
 }
 
 // Passes for strands exist while strands take part, and only then.
-static void without_strands_there_are_no_passes_of_strands( void** state )
+TEST( without_strands_there_are_no_passes_of_strands )
 {
-    (void)state;
     hosted h;
     open_contact( &h, 1, 1, 1 );
     test_mesh mesh = level_sheet( 4, 0.3f, ( wisp_vec3 ){ 0 } );
@@ -228,15 +224,4 @@ static void without_strands_there_are_no_passes_of_strands( void** state )
     assert_int_equal( count_passes_named( h.world, "contact.push_strands" ), 0 );
     assert_int_equal( count_passes_named( h.world, "contact.keep_strands" ), 0 );
     close_world( &h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( strands_lie_on_a_balloon_and_not_in_it ),
-        cmocka_unit_test( a_balloon_gets_the_momentum_that_strands_give_it ),
-        cmocka_unit_test( strands_lie_on_cloth_and_do_not_pass ),
-        cmocka_unit_test( without_strands_there_are_no_passes_of_strands ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

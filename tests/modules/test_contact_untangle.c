@@ -38,9 +38,8 @@ static void open_tangle( tangle* t, float dip, int start )
     request_stats( t->h.world );
 }
 
-static void what_starts_crossed_is_drawn_apart( void** state )
+TEST( what_starts_crossed_is_drawn_apart )
 {
-    (void)state;
     for ( int start = 0; start < STARTS; ++start )
     {
         tangle t;
@@ -71,9 +70,8 @@ static void what_starts_crossed_is_drawn_apart( void** state )
 }
 
 // Apart at first; then the user moves it through, vertex by vertex, as in a film cut.
-static void what_the_user_puts_through_is_drawn_apart( void** state )
+TEST( what_the_user_puts_through_is_drawn_apart )
 {
-    (void)state;
     tangle t;
     open_tangle( &t, -0.1f, 0 );
     run_steps( t.h.world, 3, FRAME );
@@ -127,9 +125,8 @@ static int drag_through_and_back( int start, int* most )
     return left;
 }
 
-static void what_pins_drive_through_is_drawn_apart_when_they_return( void** state )
+TEST( what_pins_drive_through_is_drawn_apart_when_they_return )
 {
-    (void)state;
     int left = 0, driven = 0;
     for ( int start = 0; start < STARTS; ++start )
     {
@@ -144,9 +141,8 @@ static void what_pins_drive_through_is_drawn_apart_when_they_return( void** stat
 }
 
 // Separation adds no momentum: two free sheets that start intersecting, at rest, stay slow, and their centre stays.
-static void untangling_gives_neither_momentum_nor_speed( void** state )
+TEST( untangling_gives_neither_momentum_nor_speed )
 {
-    (void)state;
     hosted h;
     open_contact( &h, SUBSTEPS, 2, 1 );
     wisp_entity e[2];
@@ -204,9 +200,8 @@ static wisp_entity add_upright( wisp_world* world, float x )
 }
 
 // Each two are told apart, as brute force does. Nothing can part the two pinned sheets, so what they share is not counted.
-static void intersections_are_told_by_pair( void** state )
+TEST( intersections_are_told_by_pair )
 {
-    (void)state;
     tangle t;
     open_tangle( &t, 0.1f, 1 );
     test_mesh level = level_sheet( 9, 0.5f, ( wisp_vec3 ){ 0.07f, -0.01f, 0.0f } );
@@ -244,16 +239,4 @@ static void intersections_are_told_by_pair( void** state )
     assert_int_equal( wisp_read_contact_intersections( t.h.world, all[0], all[1], &count ), WISP_CONFLICT );
     assert_non_null( strstr( wisp_world_message( t.h.world ), "not counted" ) );
     close_world( &t.h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( what_starts_crossed_is_drawn_apart ),
-        cmocka_unit_test( what_the_user_puts_through_is_drawn_apart ),
-        cmocka_unit_test( what_pins_drive_through_is_drawn_apart_when_they_return ),
-        cmocka_unit_test( intersections_are_told_by_pair ),
-        cmocka_unit_test( untangling_gives_neither_momentum_nor_speed ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

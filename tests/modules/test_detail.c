@@ -21,9 +21,8 @@ static uint64_t run_effect( effect_setup* setup, int substeps, wisp_detail level
     return hash;
 }
 
-static void with_fewer_substeps_an_entity_moves_as_in_a_world_that_makes_so_many( void** state )
+TEST( with_fewer_substeps_an_entity_moves_as_in_a_world_that_makes_so_many )
 {
-    (void)state;
     effect_setup* const setups[] = { cloth_of_links, dihedral_cloth, implicit_cloth,
                                      balloon,        hair_of_links,  hair_of_rods };
     for ( int i = 0; i < WISP_COUNT( setups ); ++i )
@@ -55,9 +54,8 @@ static void check_ramp( wisp_world* world, wisp_entity e, wisp_detail level, int
     assert_false( is_blending( world, e ) );
 }
 
-static void substeps_change_step_by_step( void** state )
+TEST( substeps_change_step_by_step )
 {
-    (void)state;
     hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, false ), other = add_sheet( h.world, false );
@@ -76,9 +74,8 @@ static void substeps_change_step_by_step( void** state )
 }
 
 // Steps of any length cover all of the time: a body in free fall is where it would be.
-static void fewer_substeps_cover_all_of_the_time( void** state )
+TEST( fewer_substeps_cover_all_of_the_time )
 {
-    (void)state;
     hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, false ), other = add_sheet( h.world, false );
@@ -156,9 +153,8 @@ static double rms_distance( wisp_world* world, wisp_entity a, wisp_entity b )
     return sqrt( sum / count );
 }
 
-static void coarse_sheets_alone_carry_a_surface( void** state )
+TEST( coarse_sheets_alone_carry_a_surface )
 {
-    (void)state;
     hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, true ), full = add_sheet( h.world, true );
@@ -235,9 +231,8 @@ static void check_change( effect_setup* setup, wisp_detail from, wisp_detail to,
     }
 }
 
-static void a_change_neither_jumps_nor_throws( void** state )
+TEST( a_change_neither_jumps_nor_throws )
 {
-    (void)state;
     effect_setup* const setups[] = { NULL, cloth_of_links, implicit_cloth, hair_of_links, hair_of_rods, balloon };
     for ( int i = 0; i < 16 * WISP_COUNT( setups ); ++i )
     {
@@ -258,9 +253,8 @@ static void a_change_neither_jumps_nor_throws( void** state )
 }
 
 // In the last steps before nothing is solved it moves by little, while it would still fall.
-static void what_comes_to_rest_becomes_slower( void** state )
+TEST( what_comes_to_rest_becomes_slower )
 {
-    (void)state;
     effect_setup* const setups[] = { NULL, cloth_of_links, implicit_cloth, hair_of_links };
     for ( int k = 0; k < WISP_COUNT( setups ); ++k )
     {
@@ -292,9 +286,8 @@ static void what_comes_to_rest_becomes_slower( void** state )
 }
 
 // What rests, and is solved again, goes on resting.
-static void a_surface_at_rest_is_at_rest_after_a_pause( void** state )
+TEST( a_surface_at_rest_is_at_rest_after_a_pause )
 {
-    (void)state;
     hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_effect( h.world, cloth_of_links ), ball = add_effect( h.world, balloon );
@@ -359,9 +352,8 @@ static uint64_t run_bits( int workers, const char* isa, int snapshot_at )
     return hash;
 }
 
-static void bits_do_not_depend_on_workers_instruction_sets_nor_snapshots( void** state )
+TEST( bits_do_not_depend_on_workers_instruction_sets_nor_snapshots )
 {
-    (void)state;
     const uint64_t expected = run_bits( 1, "baseline", -1 );
     for ( int workers = 2; workers <= 5; ++workers )
     {
@@ -373,9 +365,8 @@ static void bits_do_not_depend_on_workers_instruction_sets_nor_snapshots( void**
     }
 }
 
-static void a_snapshot_holds_the_level_and_its_change( void** state )
+TEST( a_snapshot_holds_the_level_and_its_change )
 {
-    (void)state;
     hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, false );
@@ -397,9 +388,8 @@ static void a_snapshot_holds_the_level_and_its_change( void** state )
 }
 
 // What falls at 3 m/s and is not solved for a while starts from rest: BDF2 does not look back on the substep before the pause.
-static void bdf2_starts_again_after_a_pause( void** state )
+TEST( bdf2_starts_again_after_a_pause )
 {
-    (void)state;
     const int32_t corners[2] = { 0, 20 };
     hosted h;
     open_levels( &h, 4, 1 );
@@ -421,9 +411,8 @@ static void bdf2_starts_again_after_a_pause( void** state )
 }
 
 // Rows of a snapshot that no world could have left are those of full detail.
-static void a_damaged_row_is_full_detail( void** state )
+TEST( a_damaged_row_is_full_detail )
 {
-    (void)state;
     hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, true );
@@ -447,9 +436,8 @@ static void a_damaged_row_is_full_detail( void** state )
 }
 
 // A change that is set again with fewer steps ends with them, and a snapshot of it is one that a world could have left.
-static void a_change_that_is_set_again_with_fewer_steps_ends_earlier( void** state )
+TEST( a_change_that_is_set_again_with_fewer_steps_ends_earlier )
 {
-    (void)state;
     hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, true );
@@ -466,9 +454,8 @@ static void a_change_that_is_set_again_with_fewer_steps_ends_earlier( void** sta
     close_world( &h );
 }
 
-static void full_detail_has_the_bits_of_none( void** state )
+TEST( full_detail_has_the_bits_of_none )
 {
-    (void)state;
     uint64_t hashes[2];
     for ( int k = 0; k < 2; ++k )
     {
@@ -489,9 +476,8 @@ static void full_detail_has_the_bits_of_none( void** state )
 
 // ---- refusals ----
 
-static void what_has_no_detail_is_refused( void** state )
+TEST( what_has_no_detail_is_refused )
 {
-    (void)state;
     hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, false ), strands = add_effect( h.world, hair_of_rods );
@@ -525,25 +511,4 @@ static void what_has_no_detail_is_refused( void** state )
     set_level( h.world, e, WISP_DETAIL_NOTHING );
     assert_int_equal( wisp_detail_of( h.world, e ), WISP_DETAIL_NOTHING );
     close_world( &h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( with_fewer_substeps_an_entity_moves_as_in_a_world_that_makes_so_many ),
-        cmocka_unit_test( substeps_change_step_by_step ),
-        cmocka_unit_test( fewer_substeps_cover_all_of_the_time ),
-        cmocka_unit_test( coarse_sheets_alone_carry_a_surface ),
-        cmocka_unit_test( a_change_neither_jumps_nor_throws ),
-        cmocka_unit_test( what_comes_to_rest_becomes_slower ),
-        cmocka_unit_test( a_surface_at_rest_is_at_rest_after_a_pause ),
-        cmocka_unit_test( bits_do_not_depend_on_workers_instruction_sets_nor_snapshots ),
-        cmocka_unit_test( a_snapshot_holds_the_level_and_its_change ),
-        cmocka_unit_test( bdf2_starts_again_after_a_pause ),
-        cmocka_unit_test( a_damaged_row_is_full_detail ),
-        cmocka_unit_test( a_change_that_is_set_again_with_fewer_steps_ends_earlier ),
-        cmocka_unit_test( full_detail_has_the_bits_of_none ),
-        cmocka_unit_test( what_has_no_detail_is_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

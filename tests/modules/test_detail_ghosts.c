@@ -100,9 +100,8 @@ static bool runs( grown* g, const char* pass )
 }
 
 // The guides go on moving, and what ghosts would do is not computed.
-static void coarse_ghosts_go_along_with_the_head( void** state )
+TEST( coarse_ghosts_go_along_with_the_head )
 {
-    (void)state;
     grown g;
     grow( &g, 1, true );
     int step = 0;
@@ -130,9 +129,8 @@ static void coarse_ghosts_go_along_with_the_head( void** state )
 }
 
 // A ghost has no state of its own, so after the blend it has the bits that it would have had.
-static void ghosts_that_are_computed_again_come_back( void** state )
+TEST( ghosts_that_are_computed_again_come_back )
 {
-    (void)state;
     grown a, b;
     grow( &a, 1, true );
     grow( &b, 1, true );
@@ -172,9 +170,8 @@ static void ghosts_that_are_computed_again_come_back( void** state )
     close_world( &b.h );
 }
 
-static void hair_at_nothing_goes_along_with_the_head( void** state )
+TEST( hair_at_nothing_goes_along_with_the_head )
 {
-    (void)state;
     grown g;
     grow( &g, 2, true );
     set_level( &g, g.ghosts, WISP_DETAIL_NOTHING );
@@ -194,9 +191,8 @@ static void hair_at_nothing_goes_along_with_the_head( void** state )
     close_world( &g.h );
 }
 
-static void ghosts_of_strands_without_roots_stay( void** state )
+TEST( ghosts_of_strands_without_roots_stay )
 {
-    (void)state;
     grown g;
     grow( &g, 1, false );
     strand_steps( g.h.world, 2, FRAME );
@@ -240,17 +236,15 @@ static uint64_t run_bits( int workers, bool restores )
     return hash;
 }
 
-static void bits_do_not_depend_on_workers_nor_snapshots( void** state )
+TEST( bits_do_not_depend_on_workers_nor_snapshots )
 {
-    (void)state;
     const uint64_t expected = run_bits( 1, false );
     assert_true( run_bits( 3, false ) == expected );
     assert_true( run_bits( 5, true ) == expected );
 }
 
-static void detail_without_memory_changes_nothing( void** state )
+TEST( detail_without_memory_changes_nothing )
 {
-    (void)state;
     grown g;
     grow( &g, 1, true );
     move_and_step( &g, 1 );
@@ -273,17 +267,4 @@ static void detail_without_memory_changes_nothing( void** state )
     }
     assert_true( refused >= 3 );
     close_world( &g.h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( coarse_ghosts_go_along_with_the_head ),
-        cmocka_unit_test( ghosts_that_are_computed_again_come_back ),
-        cmocka_unit_test( hair_at_nothing_goes_along_with_the_head ),
-        cmocka_unit_test( ghosts_of_strands_without_roots_stay ),
-        cmocka_unit_test( bits_do_not_depend_on_workers_nor_snapshots ),
-        cmocka_unit_test( detail_without_memory_changes_nothing ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -35,9 +35,8 @@ static float distance( wisp_vec3 a, wisp_vec3 b )
 }
 
 // A sheet of pinned vertices that is moved, and cloth that hangs on it. The base is solved, or it is not.
-static void attached_cloth_that_is_not_solved_goes_along( void** state )
+TEST( attached_cloth_that_is_not_solved_goes_along )
 {
-    (void)state;
     for ( int k = 0; k < 2; ++k )
     {
         hosted h;
@@ -80,9 +79,8 @@ static void attached_cloth_that_is_not_solved_goes_along( void** state )
 }
 
 // A sheet that falls on one that is not solved comes to lie on it, and does not move it.
-static void a_sheet_that_is_not_solved_holds_what_falls_on_it( void** state )
+TEST( a_sheet_that_is_not_solved_holds_what_falls_on_it )
 {
-    (void)state;
     hosted h;
     open_stage( &h, 1 );
     wisp_world* world = h.world;
@@ -106,9 +104,8 @@ static void a_sheet_that_is_not_solved_holds_what_falls_on_it( void** state )
 }
 
 // A sheet that sleeps on the floor wakes when its level lets it go along with its pins, and one that is not solved can be woken.
-static void sleep_and_detail_do_not_disturb_each_other( void** state )
+TEST( sleep_and_detail_do_not_disturb_each_other )
 {
-    (void)state;
     bed b;
     open_bed( &b, 1 );
     set_level( b.world, b.sheet, WISP_DETAIL_NOTHING );
@@ -123,14 +120,4 @@ static void sleep_and_detail_do_not_disturb_each_other( void** state )
     assert_true( points_now( b.world, b.sheet )[0].y > from[0].y + 0.02f );
     run_to_sleep( b.world, b.sheet );
     close_world( &b.h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( attached_cloth_that_is_not_solved_goes_along ),
-        cmocka_unit_test( a_sheet_that_is_not_solved_holds_what_falls_on_it ),
-        cmocka_unit_test( sleep_and_detail_do_not_disturb_each_other ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -4,9 +4,8 @@
 #include "wisp/moving_frame.h"
 
 // Two pins leave the rotation about their line open, and none is added to it.
-static void a_surface_that_is_not_solved_goes_along_with_its_pins( void** state )
+TEST( a_surface_that_is_not_solved_goes_along_with_its_pins )
 {
-    (void)state;
     hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, true );
@@ -45,9 +44,8 @@ static void a_surface_that_is_not_solved_goes_along_with_its_pins( void** state 
 }
 
 // A body that moves along when it is solved again: it has the velocity of the pins.
-static void what_is_solved_again_goes_on_with_the_velocity_that_it_was_carried_with( void** state )
+TEST( what_is_solved_again_goes_on_with_the_velocity_that_it_was_carried_with )
 {
-    (void)state;
     hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, true ), strands = add_effect( h.world, hair_of_rods );
@@ -90,9 +88,8 @@ static void what_is_solved_again_goes_on_with_the_velocity_that_it_was_carried_w
     close_world( &h );
 }
 
-static void a_surface_without_pins_goes_along_with_its_frame( void** state )
+TEST( a_surface_without_pins_goes_along_with_its_frame )
 {
-    (void)state;
     hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, true );
@@ -146,9 +143,8 @@ static void move_to_turned( wisp_world* world, wisp_entity e, const int32_t* pin
     run_steps( world, 1, FRAME );
 }
 
-static void pins_may_turn_by_much_in_a_step( void** state )
+TEST( pins_may_turn_by_much_in_a_step )
 {
-    (void)state;
     const float angles[] = { 1.0f, 1.57079633f, 2.5f, -1.57079633f };
     const int32_t pins[3] = { 0, SIDE - 1, SIDE * SIDE - 1 };
     for ( int i = 0; i < 2 * WISP_COUNT( angles ); ++i )
@@ -166,9 +162,8 @@ static void pins_may_turn_by_much_in_a_step( void** state )
 }
 
 // Not by a bit, and without a velocity, wherever they are.
-static void pins_that_rest_move_nothing( void** state )
+TEST( pins_that_rest_move_nothing )
 {
-    (void)state;
     const int32_t pins[3] = { 7, SIDE - 2, SIDE * SIDE - 5 };
     hosted h;
     const wisp_entity e = open_still( &h, pins, 3 );
@@ -188,9 +183,8 @@ static void pins_that_rest_move_nothing( void** state )
     close_world( &h );
 }
 
-static void pins_that_go_apart_are_at_their_targets( void** state )
+TEST( pins_that_go_apart_are_at_their_targets )
 {
-    (void)state;
     const int32_t pins[2] = { 0, SIDE - 1 };
     hosted h;
     const wisp_entity e = open_still( &h, pins, 2 );
@@ -212,9 +206,8 @@ static void pins_that_go_apart_are_at_their_targets( void** state )
 }
 
 // The pins tell where it is, the frame how it is turned where they leave that open.
-static void a_frame_turns_what_hangs_on_a_pin( void** state )
+TEST( a_frame_turns_what_hangs_on_a_pin )
 {
-    (void)state;
     const int32_t pin[1] = { 0 };
     hosted h;
     const wisp_entity e = open_still( &h, pin, 1 );
@@ -250,9 +243,8 @@ static void a_frame_turns_what_hangs_on_a_pin( void** state )
 }
 
 // On the way to a motion of 3 m/s, velocities come to that of the motion and not to none.
-static void what_comes_to_rest_relative_to_pins_has_their_velocity( void** state )
+TEST( what_comes_to_rest_relative_to_pins_has_their_velocity )
 {
-    (void)state;
     hosted h;
     open_levels( &h, 10, 1 );
     const wisp_entity e = add_sheet( h.world, true );
@@ -280,9 +272,8 @@ static void what_comes_to_rest_relative_to_pins_has_their_velocity( void** state
     close_world( &h );
 }
 
-static void strands_that_are_not_solved_go_along_with_their_head( void** state )
+TEST( strands_that_are_not_solved_go_along_with_their_head )
 {
-    (void)state;
     effect_setup* const setups[] = { hair_of_links, hair_of_rods };
     for ( int k = 0; k < WISP_COUNT( setups ); ++k )
     {
@@ -307,20 +298,4 @@ static void strands_that_are_not_solved_go_along_with_their_head( void** state )
         free( from );
         close_world( &h );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_surface_that_is_not_solved_goes_along_with_its_pins ),
-        cmocka_unit_test( what_is_solved_again_goes_on_with_the_velocity_that_it_was_carried_with ),
-        cmocka_unit_test( a_surface_without_pins_goes_along_with_its_frame ),
-        cmocka_unit_test( pins_may_turn_by_much_in_a_step ),
-        cmocka_unit_test( pins_that_rest_move_nothing ),
-        cmocka_unit_test( pins_that_go_apart_are_at_their_targets ),
-        cmocka_unit_test( a_frame_turns_what_hangs_on_a_pin ),
-        cmocka_unit_test( what_comes_to_rest_relative_to_pins_has_their_velocity ),
-        cmocka_unit_test( strands_that_are_not_solved_go_along_with_their_head ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -116,9 +116,8 @@ static void check_together( int first, int count, int workers, const pace* p )
 }
 
 // Many small surfaces have loops of their own; a single one runs in waves.
-static void each_moves_as_alone( void** state )
+TEST( each_moves_as_alone )
 {
-    (void)state;
     for ( int i = 0; i < WISP_COUNT( PACES ); ++i )
     {
         check_together( 0, MEMBER_COUNT, 1 + 4 * ( i % 2 ), PACES + i );
@@ -144,9 +143,8 @@ static int runs_of( wisp_world* world, const char* pass, int* fewest )
     return runs;
 }
 
-static void the_plan_shows_the_substeps_of_both( void** state )
+TEST( the_plan_shows_the_substeps_of_both )
 {
-    (void)state;
     hosted h;
     int fewest = 0;
     open_all( &h, 1, 1 );
@@ -175,9 +173,8 @@ static int substeps_of( wisp_world* world, wisp_entity e )
 }
 
 // Hair with contact leaves its own loop, and no one else.
-static void hair_in_contact_leaves_the_others_alone( void** state )
+TEST( hair_in_contact_leaves_the_others_alone )
 {
-    (void)state;
     hosted h;
     open_all( &h, 2, 1 );
     const wisp_entity touching = add( h.world, MEMBERS + MEMBER_COUNT - 1 ), cloth = add( h.world, MEMBERS ),
@@ -192,9 +189,8 @@ static void hair_in_contact_leaves_the_others_alone( void** state )
     close_world( &h );
 }
 
-static void surfaces_in_contact_share_the_largest_number( void** state )
+TEST( surfaces_in_contact_share_the_largest_number )
 {
-    (void)state;
     hosted h;
     int fewest = 0;
     open_all( &h, 2, 1 );
@@ -212,9 +208,8 @@ static void surfaces_in_contact_share_the_largest_number( void** state )
     close_world( &h );
 }
 
-static void steps_of_any_length_keep_their_bits_with_any_workers( void** state )
+TEST( steps_of_any_length_keep_their_bits_with_any_workers )
 {
-    (void)state;
     uint64_t hashes[2];
     for ( int k = 0; k < 2; ++k )
     {
@@ -236,16 +231,4 @@ static void steps_of_any_length_keep_their_bits_with_any_workers( void** state )
         assert_host_memory_is_released( &h.host );
     }
     assert_true( hashes[0] == hashes[1] );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( each_moves_as_alone ),
-        cmocka_unit_test( the_plan_shows_the_substeps_of_both ),
-        cmocka_unit_test( hair_in_contact_leaves_the_others_alone ),
-        cmocka_unit_test( surfaces_in_contact_share_the_largest_number ),
-        cmocka_unit_test( steps_of_any_length_keep_their_bits_with_any_workers ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -34,9 +34,8 @@ static double ice_of( const wisp_environment_def* d, float temperature, float we
 }
 
 // An interpolation of increasing data must not overshoot. Rounding may: by a few u of the largest stiffness nearby.
-static void stiffness_is_monotone_in_temperature_and_in_wetness( void** state )
+TEST( stiffness_is_monotone_in_temperature_and_in_wetness )
 {
-    (void)state;
     wisp_environment_def curves[6];
     const int count = make_curves( curves );
     for ( int n = 0; n < count; ++n )
@@ -60,9 +59,8 @@ static void stiffness_is_monotone_in_temperature_and_in_wetness( void** state )
     }
 }
 
-static void the_curve_passes_through_its_points_and_stays_between_them( void** state )
+TEST( the_curve_passes_through_its_points_and_stays_between_them )
 {
-    (void)state;
     wisp_environment_def curves[6];
     const int count = make_curves( curves );
     for ( int n = 0; n < count; ++n )
@@ -99,9 +97,8 @@ static void the_curve_passes_through_its_points_and_stays_between_them( void** s
     }
 }
 
-static void above_freezing_and_when_dry_there_is_no_ice( void** state )
+TEST( above_freezing_and_when_dry_there_is_no_ice )
 {
-    (void)state;
     const wisp_environment_def d = wisp_default_environment_def();
     assert_true( wisp_environment_stiffness( &d, 0.0f, 1.0f ) == d.stiffness[0] );
     assert_true( wisp_environment_stiffness( &d, 35.0f, 1.0f ) == d.stiffness[0] );
@@ -128,9 +125,8 @@ static void expect_stiffness( wisp_world* world, wisp_entity entity, const hair_
     free( expected );
 }
 
-static void hair_in_a_environment_looks_like_hair_of_that_stiffness( void** state )
+TEST( hair_in_a_environment_looks_like_hair_of_that_stiffness )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 37, 20, 0.005f );
     for ( int n = 0; n <= 10; ++n )
     {
@@ -149,9 +145,8 @@ static void hair_in_a_environment_looks_like_hair_of_that_stiffness( void** stat
 }
 
 // The environment alone moves no hair.
-static void weather_changes_a_look_only_with_the_next_command( void** state )
+TEST( weather_changes_a_look_only_with_the_next_command )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 37, 20, 0.005f );
     wisp_environment_def mild = wisp_default_environment_def(), cold = mild;
     mild.temperature_celsius = -2.0f;
@@ -198,9 +193,8 @@ static bool ran( wisp_world* world, const char* pass )
     return false;
 }
 
-static void without_a_environment_there_is_no_pass_and_with_one_it_runs_once( void** state )
+TEST( without_a_environment_there_is_no_pass_and_with_one_it_runs_once )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
     wisp_frozen_hair_def def = hair_freeze_only();
     wisp_world* world = hair_world_create( NULL );
@@ -225,9 +219,8 @@ static void without_a_environment_there_is_no_pass_and_with_one_it_runs_once( vo
     hair_groom_destroy( &groom );
 }
 
-static void a_environment_belongs_to_one_groom( void** state )
+TEST( a_environment_belongs_to_one_groom )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
     wisp_environment_def environment = wisp_default_environment_def();
     wisp_frozen_hair_def def = hair_freeze_only();
@@ -242,9 +235,8 @@ static void a_environment_belongs_to_one_groom( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void an_environment_that_cannot_be_is_refused( void** state )
+TEST( an_environment_that_cannot_be_is_refused )
 {
-    (void)state;
     const float ice[] = { 0.0f, 0.5f, 1.0f }, rising[] = { 1.0f, 2.0f, 3.0f };
     const struct
     {
@@ -294,19 +286,4 @@ static void an_environment_that_cannot_be_is_refused( void** state )
     assert_int_equal( wisp_set_environment( world, nobody, &good ), WISP_STALE_ID );
     wisp_world_destroy( world );
     hair_groom_destroy( &groom );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( stiffness_is_monotone_in_temperature_and_in_wetness ),
-        cmocka_unit_test( the_curve_passes_through_its_points_and_stays_between_them ),
-        cmocka_unit_test( above_freezing_and_when_dry_there_is_no_ice ),
-        cmocka_unit_test( hair_in_a_environment_looks_like_hair_of_that_stiffness ),
-        cmocka_unit_test( weather_changes_a_look_only_with_the_next_command ),
-        cmocka_unit_test( without_a_environment_there_is_no_pass_and_with_one_it_runs_once ),
-        cmocka_unit_test( a_environment_belongs_to_one_groom ),
-        cmocka_unit_test( an_environment_that_cannot_be_is_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -61,34 +61,29 @@ static void follow_gap( wisp_gap gap )
     say( gap_names[gap], worst );
 }
 
-static void prose_gaps_follow_the_oracle( void** state )
+TEST( prose_gaps_follow_the_oracle )
 {
-    (void)state;
     follow_gap( WISP_GAP_ABSOLUTE );
 }
 
-static void printed_gaps_follow_the_oracle( void** state )
+TEST( printed_gaps_follow_the_oracle )
 {
-    (void)state;
     follow_gap( WISP_GAP_SIGNED );
 }
 
-static void closing_gaps_follow_the_oracle( void** state )
+TEST( closing_gaps_follow_the_oracle )
 {
-    (void)state;
     follow_gap( WISP_GAP_REVERSED );
 }
 
-static void wet_hair_follows_the_oracle( void** state )
+TEST( wet_hair_follows_the_oracle )
 {
-    (void)state;
     follow_gap( WISP_GAP_NONE );
 }
 
 // The switches have an effect: each gives another shape.
-static void every_switch_of_the_stage_changes_the_result( void** state )
+TEST( every_switch_of_the_stage_changes_the_result )
 {
-    (void)state;
     hair_groom groom = dense( HAIR_CURLY, 3 );
     wisp_frozen_hair_def plain = hair_clump_only(), other[10];
     plain.clump_step_length = 0.01f;
@@ -119,9 +114,8 @@ static void every_switch_of_the_stage_changes_the_result( void** state )
 
 // ---- iterations and searches ----
 
-static void up_to_twelve_iterations_follow_the_oracle( void** state )
+TEST( up_to_twelve_iterations_follow_the_oracle )
 {
-    (void)state;
     for ( int n = 0; n < 4; ++n )
     {
         hair_groom groom = dense( n < 2 ? HAIR_WAVY : HAIR_STRAIGHT, 2 + n % 2 );
@@ -139,9 +133,8 @@ static void up_to_twelve_iterations_follow_the_oracle( void** state )
 
 // Without the guard and with a step of the size of the radius, vertices leave the search margin of their lists
 // repeatedly.
-static void large_steps_search_again_and_still_follow_the_oracle( void** state )
+TEST( large_steps_search_again_and_still_follow_the_oracle )
 {
-    (void)state;
     for ( int n = 0; n < 16; ++n )
     {
         hair_groom groom = dense( HAIR_CURLY, 2 + n % 2 );
@@ -161,9 +154,8 @@ static void large_steps_search_again_and_still_follow_the_oracle( void** state )
 }
 
 // Between these a few vertices exceed the search margin, and the pairs missing from the lists are found one by one.
-static void pairs_that_come_near_from_beyond_the_lists_are_found_one_by_one( void** state )
+TEST( pairs_that_come_near_from_beyond_the_lists_are_found_one_by_one )
 {
-    (void)state;
     for ( int n = 0; n < 4; ++n )
     {
         hair_groom groom = hair_groom_create( HAIR_CURLY, 2, 60, 12, 0.004f );
@@ -178,9 +170,8 @@ static void pairs_that_come_near_from_beyond_the_lists_are_found_one_by_one( voi
     }
 }
 
-static void lists_of_slow_hair_outlive_an_iteration( void** state )
+TEST( lists_of_slow_hair_outlive_an_iteration )
 {
-    (void)state;
     hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
     def.clump_step_length = 1e-6f;
@@ -192,9 +183,8 @@ static void lists_of_slow_hair_outlive_an_iteration( void** state )
 
 // ---- radius ----
 
-static void radii_from_nothing_near_to_everything_near_follow_the_oracle( void** state )
+TEST( radii_from_nothing_near_to_everything_near_follow_the_oracle )
 {
-    (void)state;
     const float radius[] = { 0.001f, 0.0039f, 0.025f, 0.08f, 3.0f };
     for ( int n = 0; n < 2 * WISP_COUNT( radius ); ++n )
     {
@@ -211,9 +201,8 @@ static void radii_from_nothing_near_to_everything_near_follow_the_oracle( void**
 }
 
 // For every number of vertices modulo the eight that are searched at once, and from few neighbours to all.
-static void the_report_counts_exactly_the_pairs_within_the_radius( void** state )
+TEST( the_report_counts_exactly_the_pairs_within_the_radius )
 {
-    (void)state;
     const float radius[] = { 0.004f, 0.01f, 0.08f, 3.0f };
     for ( int n = 0; n < 2 * 8 * WISP_COUNT( radius ); ++n )
     {
@@ -237,9 +226,8 @@ static void the_report_counts_exactly_the_pairs_within_the_radius( void** state 
 }
 
 // Far from the origin a float is coarse: 2^-15 m at half a kilometre. The tolerance includes that.
-static void hair_far_from_the_origin_follows_the_oracle( void** state )
+TEST( hair_far_from_the_origin_follows_the_oracle )
 {
-    (void)state;
     hair_groom groom = dense( HAIR_CURLY, 3 );
     for ( int v = 0; v < groom.vertex_count; ++v )
     {
@@ -252,9 +240,8 @@ static void hair_far_from_the_origin_follows_the_oracle( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void hair_too_sparse_for_its_radius_is_reported_and_stays( void** state )
+TEST( hair_too_sparse_for_its_radius_is_reported_and_stays )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 64, 10, 5.0f );
     wisp_frozen_hair_def def = hair_clump_only();
     wisp_world* world = hair_world_create( NULL );
@@ -271,9 +258,8 @@ static void hair_too_sparse_for_its_radius_is_reported_and_stays( void** state )
 
 // ---- limits and degenerate places ----
 
-static void a_neighbour_limit_that_is_reached_is_counted_and_reported( void** state )
+TEST( a_neighbour_limit_that_is_reached_is_counted_and_reported )
 {
-    (void)state;
     hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
     def.max_neighbours = 5;
@@ -301,9 +287,8 @@ static void a_neighbour_limit_that_is_reached_is_counted_and_reported( void** st
     hair_groom_destroy( &groom );
 }
 
-static void strands_in_one_place_have_no_direction_and_stay( void** state )
+TEST( strands_in_one_place_have_no_direction_and_stay )
 {
-    (void)state;
     enum
     {
         copies = 9,
@@ -336,9 +321,8 @@ static void strands_in_one_place_have_no_direction_and_stay( void** state )
     hair_groom_destroy( &one );
 }
 
-static void a_strand_does_not_attract_itself( void** state )
+TEST( a_strand_does_not_attract_itself )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 1, 40, 0.0f );
     wisp_frozen_hair_def def = hair_clump_only();
     def.clump_radius = 0.5f;
@@ -348,9 +332,8 @@ static void a_strand_does_not_attract_itself( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void a_step_of_zero_leaves_every_vertex( void** state )
+TEST( a_step_of_zero_leaves_every_vertex )
 {
-    (void)state;
     hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
     def.clump_step_length = 0.0f;
@@ -361,9 +344,8 @@ static void a_step_of_zero_leaves_every_vertex( void** state )
 }
 
 // A guard distance above every distance allows no motion.
-static void a_guard_distance_beyond_the_radius_stops_everything( void** state )
+TEST( a_guard_distance_beyond_the_radius_stops_everything )
 {
-    (void)state;
     hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
     def.min_distance = 0.02f;
@@ -371,29 +353,4 @@ static void a_guard_distance_beyond_the_radius_stops_everything( void** state )
     assert_true( hair_same_bits( points, groom.points, groom.vertex_count ) );
     free( points );
     hair_groom_destroy( &groom );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( prose_gaps_follow_the_oracle ),
-        cmocka_unit_test( printed_gaps_follow_the_oracle ),
-        cmocka_unit_test( closing_gaps_follow_the_oracle ),
-        cmocka_unit_test( wet_hair_follows_the_oracle ),
-        cmocka_unit_test( every_switch_of_the_stage_changes_the_result ),
-        cmocka_unit_test( up_to_twelve_iterations_follow_the_oracle ),
-        cmocka_unit_test( large_steps_search_again_and_still_follow_the_oracle ),
-        cmocka_unit_test( pairs_that_come_near_from_beyond_the_lists_are_found_one_by_one ),
-        cmocka_unit_test( lists_of_slow_hair_outlive_an_iteration ),
-        cmocka_unit_test( radii_from_nothing_near_to_everything_near_follow_the_oracle ),
-        cmocka_unit_test( the_report_counts_exactly_the_pairs_within_the_radius ),
-        cmocka_unit_test( hair_far_from_the_origin_follows_the_oracle ),
-        cmocka_unit_test( hair_too_sparse_for_its_radius_is_reported_and_stays ),
-        cmocka_unit_test( a_neighbour_limit_that_is_reached_is_counted_and_reported ),
-        cmocka_unit_test( strands_in_one_place_have_no_direction_and_stay ),
-        cmocka_unit_test( a_strand_does_not_attract_itself ),
-        cmocka_unit_test( a_step_of_zero_leaves_every_vertex ),
-        cmocka_unit_test( a_guard_distance_beyond_the_radius_stops_everything ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

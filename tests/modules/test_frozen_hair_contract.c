@@ -14,9 +14,8 @@ static double3 arm_of( const wisp_vec3* points, int a, int b )
 // ---- Eq. 1-7: strands, lengths, bends ----
 
 // Eq. 1
-static void strands_come_back_in_the_users_order_and_roots_stay( void** state )
+TEST( strands_come_back_in_the_users_order_and_roots_stay )
 {
-    (void)state;
     const int lengths[] = { 3, 0, 17, 1, 40, 2 };
     int counts[50];
     for ( int s = 0; s < 50; ++s )
@@ -41,9 +40,8 @@ static void strands_come_back_in_the_users_order_and_roots_stay( void** state )
 }
 
 // Eq. 2: without random changes a segment is its length times its tangent, so the output tests both.
-static void tangent_and_length_of_any_segment_multiply_to_the_segment( void** state )
+TEST( tangent_and_length_of_any_segment_multiply_to_the_segment )
 {
-    (void)state;
     enum
     {
         strands = 1000
@@ -77,9 +75,8 @@ static void tangent_and_length_of_any_segment_multiply_to_the_segment( void** st
 }
 
 // Eq. 3 and 7: the drawn length of a segment is its actual length
-static void segments_have_the_length_that_was_drawn_for_them( void** state )
+TEST( segments_have_the_length_that_was_drawn_for_them )
 {
-    (void)state;
     const float stiffness[] = { 7.0f, 3.0f, 0.3f };
     for ( int n = 0; n < 3 * WISP_COUNT( stiffness ); ++n )
     {
@@ -113,9 +110,8 @@ static void segments_have_the_length_that_was_drawn_for_them( void** state )
 }
 
 // |l*/l0 - 1| of uniform numbers has the mean alpha/2, l*/l0 - 1 the deviation alpha/sqrt 3
-static void relative_lengths_spread_as_the_printed_percentages_say( void** state )
+TEST( relative_lengths_spread_as_the_printed_percentages_say )
 {
-    (void)state;
     const double stiffness[] = { 7.0, 3.0 }, printed_mean[] = { 0.071, 0.167 };
     hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 3, 500, 20, 0.008f );
     for ( int n = 0; n < 2; ++n )
@@ -143,9 +139,8 @@ static void relative_lengths_spread_as_the_printed_percentages_say( void** state
 }
 
 // Eq. 4: an axis that were not a unit vector perpendicular to the segment would turn it by less
-static void segments_turn_by_exactly_the_angle_that_was_drawn( void** state )
+TEST( segments_turn_by_exactly_the_angle_that_was_drawn )
 {
-    (void)state;
     for ( int n = 0; n < 6; ++n )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n / 2 ), 2 + n % 2, 100, 20, 0.008f );
@@ -172,9 +167,8 @@ static void segments_turn_by_exactly_the_angle_that_was_drawn( void** state )
 }
 
 // Eq. 4: the axis of straight hair is random, but depends on the hair and not on the command
-static void straight_hair_bends_about_the_same_axis_at_every_command( void** state )
+TEST( straight_hair_bends_about_the_same_axis_at_every_command )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 3, 60, 20, 0.008f );
     wisp_frozen_hair_def def = hair_freeze_only();
     def.bend_stiffness = 1.0f;
@@ -210,9 +204,8 @@ static void straight_hair_bends_about_the_same_axis_at_every_command( void** sta
 }
 
 // Eq. 6-7: the stiff limit
-static void infinitely_stiff_hair_returns_to_rest( void** state )
+TEST( infinitely_stiff_hair_returns_to_rest )
 {
-    (void)state;
     for ( int n = 0; n < 6; ++n )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n / 2 ), 2 + n % 2, 50, 20, 0.008f );
@@ -233,9 +226,8 @@ static void infinitely_stiff_hair_returns_to_rest( void** state )
 // ---- Eq. 5, 8, 9, 10, 11, 12, 13: turning towards the cursor ----
 
 // Eq. 5: a rotation keeps all distances and the handedness of a curl
-static void a_whole_turn_is_rigid_and_keeps_a_curls_handedness( void** state )
+TEST( a_whole_turn_is_rigid_and_keeps_a_curls_handedness )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 40, 20, 0.008f );
     wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ 0.11f, 0.03f, -0.05f } );
     def.intensity = 1.0f;
@@ -264,9 +256,8 @@ static void a_whole_turn_is_rigid_and_keeps_a_curls_handedness( void** state )
 }
 
 // Eq. 8-9
-static void mean_and_root_give_a_straight_strand_one_direction_and_a_hook_two( void** state )
+TEST( mean_and_root_give_a_straight_strand_one_direction_and_a_hook_two )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 3, 20, 20, 0.008f );
     wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ -0.1f, -0.02f, 0.09f } );
     wisp_vec3* mean = hair_run( NULL, &groom, &def );
@@ -300,9 +291,8 @@ static void mean_and_root_give_a_straight_strand_one_direction_and_a_hook_two( v
 }
 
 // Eq. 10
-static void strands_out_of_reach_keep_their_bits( void** state )
+TEST( strands_out_of_reach_keep_their_bits )
 {
-    (void)state;
     for ( int nearest = 0; nearest <= 1; ++nearest )
     {
         hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 60, 20, 0.008f );
@@ -329,9 +319,8 @@ static void strands_out_of_reach_keep_their_bits( void** state )
 }
 
 // Eq. 11: after a whole turn the direction is that of the cursor, even from the opposite
-static void a_whole_turn_points_at_the_cursor_even_from_the_opposite( void** state )
+TEST( a_whole_turn_points_at_the_cursor_even_from_the_opposite )
 {
-    (void)state;
     for ( int n = 0; n < 24; ++n )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2 + n / 3 % 2, 12, 20, 0.01f );
@@ -367,9 +356,8 @@ static void a_whole_turn_points_at_the_cursor_even_from_the_opposite( void** sta
 }
 
 // Eq. 11: opposite but for rounding, the cross product is noise of any direction and must not be the axis
-static void a_turn_from_the_rounded_opposite_ends_at_the_cursor( void** state )
+TEST( a_turn_from_the_rounded_opposite_ends_at_the_cursor )
 {
-    (void)state;
     enum
     {
         strands = 400
@@ -401,9 +389,8 @@ static void a_turn_from_the_rounded_opposite_ends_at_the_cursor( void** state )
 }
 
 // Eq. 12
-static void the_turn_grows_linearly_from_the_intensity_to_one( void** state )
+TEST( the_turn_grows_linearly_from_the_intensity_to_one )
 {
-    (void)state;
     const float intensity[] = { 0.0f, 0.2f, 0.8f, 1.0f };
     for ( int n = 0; n < 2 * WISP_COUNT( intensity ); ++n )
     {
@@ -435,9 +422,8 @@ static void the_turn_grows_linearly_from_the_intensity_to_one( void** state )
 }
 
 // Eq. 12: a strand ends at its own N - 1, whatever the length of those beside it; the next command starts from there
-static void a_short_strand_among_long_ones_turns_as_if_alone_at_every_command( void** state )
+TEST( a_short_strand_among_long_ones_turns_as_if_alone_at_every_command )
 {
-    (void)state;
     hair_groom both = hair_groom_create_mixed( HAIR_CURLY, 3, 2, ( const int[] ){ 4, 20 }, 0.0f );
     hair_groom alone = hair_groom_from( 3, 1, ( const int[] ){ 4 }, both.points );
     wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
@@ -460,9 +446,8 @@ static void a_short_strand_among_long_ones_turns_as_if_alone_at_every_command( v
 }
 
 // Eq. 13: the printed blend shortens, the arc does not
-static void a_chord_shortens_by_the_known_ratio_and_an_arc_keeps_distances( void** state )
+TEST( a_chord_shortens_by_the_known_ratio_and_an_arc_keeps_distances )
 {
-    (void)state;
     const float angles[] = { 0.4f, 1.5707964f, 2.9f };
     for ( int n = 0; n < 2 * WISP_COUNT( angles ); ++n )
     {
@@ -484,26 +469,4 @@ static void a_chord_shortens_by_the_known_ratio_and_an_arc_keeps_distances( void
         free( out );
         hair_groom_destroy( &groom );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( strands_come_back_in_the_users_order_and_roots_stay ),
-        cmocka_unit_test( tangent_and_length_of_any_segment_multiply_to_the_segment ),
-        cmocka_unit_test( segments_have_the_length_that_was_drawn_for_them ),
-        cmocka_unit_test( relative_lengths_spread_as_the_printed_percentages_say ),
-        cmocka_unit_test( segments_turn_by_exactly_the_angle_that_was_drawn ),
-        cmocka_unit_test( straight_hair_bends_about_the_same_axis_at_every_command ),
-        cmocka_unit_test( infinitely_stiff_hair_returns_to_rest ),
-        cmocka_unit_test( a_whole_turn_is_rigid_and_keeps_a_curls_handedness ),
-        cmocka_unit_test( mean_and_root_give_a_straight_strand_one_direction_and_a_hook_two ),
-        cmocka_unit_test( strands_out_of_reach_keep_their_bits ),
-        cmocka_unit_test( a_whole_turn_points_at_the_cursor_even_from_the_opposite ),
-        cmocka_unit_test( a_turn_from_the_rounded_opposite_ends_at_the_cursor ),
-        cmocka_unit_test( the_turn_grows_linearly_from_the_intensity_to_one ),
-        cmocka_unit_test( a_short_strand_among_long_ones_turns_as_if_alone_at_every_command ),
-        cmocka_unit_test( a_chord_shortens_by_the_known_ratio_and_an_arc_keeps_distances ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

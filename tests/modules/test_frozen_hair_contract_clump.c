@@ -45,9 +45,8 @@ static wisp_frozen_hair_def one_wet_step( void )
 }
 
 // Eq. 14: the kernel, measured by the step of one pair at the origin
-static void the_adhesion_kernel_is_one_at_contact_and_leaves_the_radius_smoothly( void** state )
+TEST( the_adhesion_kernel_is_one_at_contact_and_leaves_the_radius_smoothly )
 {
-    (void)state;
     const wisp_frozen_hair_def def = one_wet_step();
     const double h = (double)def.clump_radius, sigma = (double)def.clump_step_length;
     double before = 2.0;
@@ -76,9 +75,8 @@ static void the_adhesion_kernel_is_one_at_contact_and_leaves_the_radius_smoothly
 }
 
 // Eq. 15-16
-static void two_vertices_step_towards_each_other_equally_by_twice_the_kernel( void** state )
+TEST( two_vertices_step_towards_each_other_equally_by_twice_the_kernel )
 {
-    (void)state;
     pair_groom pairs = make_pairs( 8, 0.0003f, 0.0097f );
     const wisp_frozen_hair_def def = one_wet_step();
     const double h = (double)def.clump_radius, sigma = (double)def.clump_step_length;
@@ -105,9 +103,8 @@ static void two_vertices_step_towards_each_other_equally_by_twice_the_kernel( vo
 }
 
 // Eq. 17-19: the remaining fraction of the step of every vertex of a pair, and its mean over many
-static void lambda_obeys_the_law_of_each_gap_rule( void** state )
+TEST( lambda_obeys_the_law_of_each_gap_rule )
 {
-    (void)state;
     pair_groom pairs = make_pairs( 16, 0.002f, 0.006f );
     wisp_frozen_hair_def def = one_wet_step();
     const double h = (double)def.clump_radius;
@@ -159,9 +156,8 @@ static double nearest_of_all( const hair_groom* groom, const wisp_vec3* p )
 }
 
 // Eq. 17-19: the guard
-static void under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps( void** state )
+TEST( under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps )
 {
-    (void)state;
     for ( int n = 0; n < 4; ++n )
     {
         hair_groom groom = hair_groom_create( n % 2 == 0 ? HAIR_WAVY : HAIR_CURLY, 2 + n / 2, 36, 12, 0.003f );
@@ -226,9 +222,8 @@ static wisp_vec3* run_in_order( const hair_groom* groom, const wisp_frozen_hair_
 }
 
 // Algorithm 1
-static void stages_run_in_the_printed_order_and_each_can_be_left_out( void** state )
+TEST( stages_run_in_the_printed_order_and_each_can_be_left_out )
 {
-    (void)state;
     const char* const orders[] = { "", "f", "a", "c", "fa", "fc", "ac", "fac" };
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 49, 20, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
@@ -251,9 +246,8 @@ static void stages_run_in_the_printed_order_and_each_can_be_left_out( void** sta
 }
 
 // Running a command twice
-static void replaying_an_event_from_rest_gives_the_same_bits( void** state )
+TEST( replaying_an_event_from_rest_gives_the_same_bits )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 36, 20, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     const wisp_vec3 here = { 0.08f, -0.1f, 0.05f }, there = { -0.1f, -0.02f, 0.0f };
@@ -281,17 +275,4 @@ static void replaying_an_event_from_rest_gives_the_same_bits( void** state )
     free( looks[1] );
     wisp_world_destroy( world );
     hair_groom_destroy( &groom );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_adhesion_kernel_is_one_at_contact_and_leaves_the_radius_smoothly ),
-        cmocka_unit_test( two_vertices_step_towards_each_other_equally_by_twice_the_kernel ),
-        cmocka_unit_test( lambda_obeys_the_law_of_each_gap_rule ),
-        cmocka_unit_test( under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps ),
-        cmocka_unit_test( stages_run_in_the_printed_order_and_each_can_be_left_out ),
-        cmocka_unit_test( replaying_an_event_from_rest_gives_the_same_bits ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -49,9 +49,8 @@ static depth_change measure_depth( const wisp_vec3* base, const wisp_vec3* out, 
     return c;
 }
 
-static void vertices_move_along_z_by_no_more_than_the_limit( void** state )
+TEST( vertices_move_along_z_by_no_more_than_the_limit )
 {
-    (void)state;
     const float limits[] = { 0.0f, 5e-4f, 3e-3f };
     for ( int n = 0; n < 3 * 3 * WISP_COUNT( limits ); ++n )
     {
@@ -89,9 +88,8 @@ static int count_swapped( const hair_groom* groom, const wisp_vec3* out, double 
     return swapped;
 }
 
-static void layers_further_apart_than_twice_the_limit_keep_their_order( void** state )
+TEST( layers_further_apart_than_twice_the_limit_keep_their_order )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 49, 20, 0.004f );
     for ( int n = 0; n < 2; ++n )
     {
@@ -126,9 +124,8 @@ static hair_groom layered( hair_shape shape, int dimension, int only )
     return groom;
 }
 
-static void a_layer_freezes_and_aligns_as_hair_in_the_plane_bit_for_bit( void** state )
+TEST( a_layer_freezes_and_aligns_as_hair_in_the_plane_bit_for_bit )
 {
-    (void)state;
     for ( int n = 0; n < 24; ++n )
     {
         hair_groom flat = layered( (hair_shape)( n % 3 ), 2, -1 ), deep = layered( (hair_shape)( n % 3 ), 3, -1 );
@@ -156,9 +153,8 @@ static void a_layer_freezes_and_aligns_as_hair_in_the_plane_bit_for_bit( void** 
 }
 
 // Opposite to the cursor, a strand turns within its layer too.
-static void a_strand_that_points_away_turns_within_its_layer( void** state )
+TEST( a_strand_that_points_away_turns_within_its_layer )
 {
-    (void)state;
     const int counts[] = { 3 };
     const wisp_vec3 points[] = { { 0, 0, 0.2f }, { 0, -0.1f, 0.2f }, { 0, -0.2f, 0.2f } };
     hair_groom groom = hair_groom_from( 3, 1, counts, points );
@@ -172,9 +168,8 @@ static void a_strand_that_points_away_turns_within_its_layer( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void layers_further_apart_than_the_clump_radius_clump_each_as_if_alone( void** state )
+TEST( layers_further_apart_than_the_clump_radius_clump_each_as_if_alone )
 {
-    (void)state;
     for ( int n = 0; n < 9; ++n )
     {
         hair_groom deep = layered( (hair_shape)( n / 3 ), 3, -1 ), flat = layered( (hair_shape)( n / 3 ), 2, n % 3 );
@@ -207,9 +202,8 @@ static void layers_further_apart_than_the_clump_radius_clump_each_as_if_alone( v
 
 // ---- against the oracle and closed forms ----
 
-static void frozen_segments_keep_their_drawn_lengths_at_their_depth( void** state )
+TEST( frozen_segments_keep_their_drawn_lengths_at_their_depth )
 {
-    (void)state;
     for ( int shape = HAIR_STRAIGHT; shape <= HAIR_CURLY; ++shape )
     {
         hair_groom groom = hair_groom_create( (hair_shape)shape, 3, 60, 20, 0.008f );
@@ -234,9 +228,8 @@ static void frozen_segments_keep_their_drawn_lengths_at_their_depth( void** stat
 }
 
 // Along z a segment cannot keep a shorter length at its depth, and has no x and y to keep a longer one with.
-static void segments_along_z_stay_finite_and_are_as_long_as_their_depth( void** state )
+TEST( segments_along_z_stay_finite_and_are_as_long_as_their_depth )
 {
-    (void)state;
     enum
     {
         strands = 40
@@ -269,9 +262,8 @@ static void segments_along_z_stay_finite_and_are_as_long_as_their_depth( void** 
     hair_groom_destroy( &groom );
 }
 
-static void freezing_and_aligning_with_a_limit_follow_the_oracle( void** state )
+TEST( freezing_and_aligning_with_a_limit_follow_the_oracle )
 {
-    (void)state;
     double most = 0.0;
     for ( int n = 0; n < 3 * 3 * 8; ++n )
     {
@@ -301,9 +293,8 @@ static void freezing_and_aligning_with_a_limit_follow_the_oracle( void** state )
     assert_true( most < 1e-6 );
 }
 
-static void clumping_with_a_limit_follows_the_oracle( void** state )
+TEST( clumping_with_a_limit_follows_the_oracle )
 {
-    (void)state;
     double fraction = 0.0;
     for ( int n = 0; n < 12; ++n )
     {
@@ -323,9 +314,8 @@ static void clumping_with_a_limit_follows_the_oracle( void** state )
 
 // ---- moved strands, and none ----
 
-static void depth_is_counted_from_where_a_head_moved_the_strands( void** state )
+TEST( depth_is_counted_from_where_a_head_moved_the_strands )
 {
-    (void)state;
     const wisp_transform pose = { { 0.70710678f, 0.0f, 0.0f, 0.70710678f }, { 0.1f, 0.0f, 0.5f } };
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 49, 20, 0.004f );
     wisp_frozen_hair_def def = soft_def( 1e-3f );
@@ -347,9 +337,8 @@ static void depth_is_counted_from_where_a_head_moved_the_strands( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void a_limit_that_is_taken_away_leaves_no_pass_and_no_bit( void** state )
+TEST( a_limit_that_is_taken_away_leaves_no_pass_and_no_bit )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 30, 20, 0.005f );
     wisp_frozen_hair_def def = soft_def( -1.0f );
     wisp_world* world = hair_world_create( NULL );
@@ -370,22 +359,4 @@ static void a_limit_that_is_taken_away_leaves_no_pass_and_no_bit( void** state )
     assert_int_equal( wisp_world_hash( world ), hash );
     wisp_world_destroy( world );
     hair_groom_destroy( &groom );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( vertices_move_along_z_by_no_more_than_the_limit ),
-        cmocka_unit_test( layers_further_apart_than_twice_the_limit_keep_their_order ),
-        cmocka_unit_test( a_layer_freezes_and_aligns_as_hair_in_the_plane_bit_for_bit ),
-        cmocka_unit_test( a_strand_that_points_away_turns_within_its_layer ),
-        cmocka_unit_test( layers_further_apart_than_the_clump_radius_clump_each_as_if_alone ),
-        cmocka_unit_test( frozen_segments_keep_their_drawn_lengths_at_their_depth ),
-        cmocka_unit_test( segments_along_z_stay_finite_and_are_as_long_as_their_depth ),
-        cmocka_unit_test( freezing_and_aligning_with_a_limit_follow_the_oracle ),
-        cmocka_unit_test( clumping_with_a_limit_follows_the_oracle ),
-        cmocka_unit_test( depth_is_counted_from_where_a_head_moved_the_strands ),
-        cmocka_unit_test( a_limit_that_is_taken_away_leaves_no_pass_and_no_bit ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

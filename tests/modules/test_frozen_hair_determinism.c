@@ -256,9 +256,8 @@ static void assert_hash( const golden_case* c, const hair_host* host, uint64_t e
 
 // ---- tests ----
 
-static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
+TEST( workers_and_instruction_sets_do_not_change_a_bit )
 {
-    (void)state;
     const int workers[] = { 1, 2, 3, 5, 8, 64 };
     const char* isas[3];
     const int isa_count = list_isas( isas );
@@ -279,9 +278,8 @@ static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
     }
 }
 
-static void a_hosts_own_loop_does_not_change_a_bit( void** state )
+TEST( a_hosts_own_loop_does_not_change_a_bit )
 {
-    (void)state;
     if ( !has_threads() )
     {
         SKIP( "no second thread can be made here" );
@@ -310,16 +308,14 @@ static golden_hash run_numbered( int number, const void* context )
     return ( golden_hash ){ cases[number].name, hash_case( cases + number, NULL ) };
 }
 
-static void looks_are_those_of_the_golden_file( void** state )
+TEST( looks_are_those_of_the_golden_file )
 {
-    (void)state;
     golden_check( golden_file, WISP_COUNT( cases ), run_numbered, NULL );
 }
 
 // A hash that left out a vertex would let everything pass.
-static void a_hash_tells_cases_and_single_bits_apart( void** state )
+TEST( a_hash_tells_cases_and_single_bits_apart )
 {
-    (void)state;
     uint64_t hashes[WISP_COUNT( cases )];
     for ( int n = 0; n < WISP_COUNT( cases ); ++n )
     {
@@ -347,15 +343,4 @@ static void a_hash_tells_cases_and_single_bits_apart( void** state )
     }
     assert_true( before != after );
     hair_groom_destroy( &groom );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( looks_are_those_of_the_golden_file ),
-        cmocka_unit_test( a_hash_tells_cases_and_single_bits_apart ),
-        cmocka_unit_test( workers_and_instruction_sets_do_not_change_a_bit ),
-        cmocka_unit_test( a_hosts_own_loop_does_not_change_a_bit ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

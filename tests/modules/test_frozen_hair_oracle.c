@@ -45,9 +45,8 @@ static bool same_bits( const double3* a, const double3* b, int count )
 }
 
 // Eq. 2
-static void a_tangent_is_a_unit_vector_and_a_zero_segment_copies_the_previous_one( void** state )
+TEST( a_tangent_is_a_unit_vector_and_a_zero_segment_copies_the_previous_one )
 {
-    (void)state;
     double3 previous = { 0.6, 0.8, 0.0 };
     for ( int n = 0; n < 1000; ++n )
     {
@@ -59,9 +58,8 @@ static void a_tangent_is_a_unit_vector_and_a_zero_segment_copies_the_previous_on
 }
 
 // Eq. 4
-static void a_bend_turns_about_a_unit_axis_perpendicular_to_its_segment( void** state )
+TEST( a_bend_turns_about_a_unit_axis_perpendicular_to_its_segment )
 {
-    (void)state;
     for ( int shape = FROZEN_SCENE_STRAIGHT; shape <= FROZEN_SCENE_CURLY; ++shape )
     {
         frozen_scene scene = new_scene( (frozen_scene_shape)shape, 3, 20, 20, 0.008 );
@@ -84,9 +82,8 @@ static void a_bend_turns_about_a_unit_axis_perpendicular_to_its_segment( void** 
 }
 
 // Eq. 5
-static void a_rodrigues_matrix_is_a_rotation( void** state )
+TEST( a_rodrigues_matrix_is_a_rotation )
 {
-    (void)state;
     for ( int n = 0; n < 1000; ++n )
     {
         double m[3][3];
@@ -112,9 +109,8 @@ static void a_rodrigues_matrix_is_a_rotation( void** state )
 }
 
 // Eq. 6-7
-static void a_deformed_segment_has_its_target_length( void** state )
+TEST( a_deformed_segment_has_its_target_length )
 {
-    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_WAVY, 3, 20, 20, 0.008 );
     double3* out = new_points( &scene );
     for ( int printed = 0; printed <= 1; ++printed )
@@ -142,9 +138,8 @@ static void a_deformed_segment_has_its_target_length( void** state )
 }
 
 // Eq. 11
-static void the_alignment_rotation_turns_v_onto_u_even_when_they_are_opposite( void** state )
+TEST( the_alignment_rotation_turns_v_onto_u_even_when_they_are_opposite )
 {
-    (void)state;
     for ( int n = 0; n < 1000; ++n )
     {
         double3 v = random_vector( 2 * n, 0 ), u = random_vector( 2 * n + 1, 0 ), axis;
@@ -177,9 +172,8 @@ static void the_alignment_rotation_turns_v_onto_u_even_when_they_are_opposite( v
 }
 
 // Eq. 12-13. A chord shortens an arm across the axis and turns it late; an arc does neither.
-static void the_chord_blend_shortens_as_its_formula_says_and_the_arc_keeps_lengths( void** state )
+TEST( the_chord_blend_shortens_as_its_formula_says_and_the_arc_keeps_lengths )
 {
-    (void)state;
     for ( int n = 0; n < 1000; ++n )
     {
         double3 root = random_vector( n + 5000, 0 ), axis = double3_unit( random_vector( n, 0 ) ), b1, b2;
@@ -202,9 +196,8 @@ static void the_chord_blend_shortens_as_its_formula_says_and_the_arc_keeps_lengt
 }
 
 // Eq. 14
-static void the_adhesion_kernel_is_one_at_zero_and_leaves_zero_flat_at_h( void** state )
+TEST( the_adhesion_kernel_is_one_at_zero_and_leaves_zero_flat_at_h )
 {
-    (void)state;
     double h = 0.01;
     assert_true( frozen_oracle_kernel( 0.0, h ) == 1.0 );
     assert_true( frozen_oracle_kernel( h, h ) == 0.0 && frozen_oracle_kernel( 1.00001 * h, h ) == 0.0 );
@@ -227,9 +220,8 @@ static frozen_scene two_tips( double r )
 }
 
 // Eq. 15
-static void two_vertices_pull_each_other_with_opposite_forces( void** state )
+TEST( two_vertices_pull_each_other_with_opposite_forces )
 {
-    (void)state;
     frozen_scene scene = two_tips( 0.004 );
     frozen_oracle_options options = frozen_oracle_default_options();
     frozen_oracle_adhesion a = frozen_oracle_adhere( &scene.hair, &options, scene.rest, 0, 1, NULL );
@@ -247,9 +239,8 @@ static void two_vertices_pull_each_other_with_opposite_forces( void** state )
 }
 
 // Eq. 16
-static void a_wet_pair_closes_by_twice_the_step_of_its_kernel( void** state )
+TEST( a_wet_pair_closes_by_twice_the_step_of_its_kernel )
 {
-    (void)state;
     const double distances[] = { 0.001, 0.004, 0.0099, 0.02 };
     for ( int n = 0; n < 4; ++n )
     {
@@ -273,9 +264,8 @@ static void a_wet_pair_closes_by_twice_the_step_of_its_kernel( void** state )
 }
 
 // Eq. 17-18
-static void each_gap_rule_reads_a_change_of_distance_as_it_says( void** state )
+TEST( each_gap_rule_reads_a_change_of_distance_as_it_says )
 {
-    (void)state;
     double h = 0.01;
     assert_close( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_SIGNED, 0.004, 0.006, h ), 0.2, 1e-12 );
     assert_true( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_SIGNED, 0.006, 0.004, h ) == 0.0 );
@@ -314,9 +304,8 @@ static void clump_aligned_hair( const frozen_scene* scene, int dimension, double
     }
 }
 
-static void locks_form_and_gaps_stay_as_the_prose_says( void** state )
+TEST( locks_form_and_gaps_stay_as_the_prose_says )
 {
-    (void)state;
     for ( int n = 0; n < 6; ++n )
     {
         const bool flat = n < 3;
@@ -331,9 +320,8 @@ static void locks_form_and_gaps_stay_as_the_prose_says( void** state )
 }
 
 // The limit of that order: dense hair overshoots without the guard, by the undamped step most.
-static void dense_hair_without_the_guard_reverses_the_order_of_the_gaps( void** state )
+TEST( dense_hair_without_the_guard_reverses_the_order_of_the_gaps )
 {
-    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_CURLY, 3, 49, 20, 0.002 );
     clumping c[4];
     clump_aligned_hair( &scene, 3, 0.002, false, c );
@@ -341,23 +329,4 @@ static void dense_hair_without_the_guard_reverses_the_order_of_the_gaps( void** 
     clump_aligned_hair( &scene, 3, 0.002, true, c );
     assert_true( c[3].mean_gap > c[2].mean_gap && c[2].mean_gap > c[1].mean_gap );
     frozen_scene_destroy( &scene );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_tangent_is_a_unit_vector_and_a_zero_segment_copies_the_previous_one ),
-        cmocka_unit_test( a_bend_turns_about_a_unit_axis_perpendicular_to_its_segment ),
-        cmocka_unit_test( a_rodrigues_matrix_is_a_rotation ),
-        cmocka_unit_test( a_deformed_segment_has_its_target_length ),
-        cmocka_unit_test( the_alignment_rotation_turns_v_onto_u_even_when_they_are_opposite ),
-        cmocka_unit_test( the_chord_blend_shortens_as_its_formula_says_and_the_arc_keeps_lengths ),
-        cmocka_unit_test( the_adhesion_kernel_is_one_at_zero_and_leaves_zero_flat_at_h ),
-        cmocka_unit_test( two_vertices_pull_each_other_with_opposite_forces ),
-        cmocka_unit_test( a_wet_pair_closes_by_twice_the_step_of_its_kernel ),
-        cmocka_unit_test( each_gap_rule_reads_a_change_of_distance_as_it_says ),
-        cmocka_unit_test( locks_form_and_gaps_stay_as_the_prose_says ),
-        cmocka_unit_test( dense_hair_without_the_guard_reverses_the_order_of_the_gaps ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

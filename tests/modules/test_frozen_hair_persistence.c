@@ -44,9 +44,8 @@ static int count_changed( const wisp_vec3* a, const wisp_vec3* b, int first, int
     return changed;
 }
 
-static void frames_without_a_command_change_no_bit_after_any_command( void** state )
+TEST( frames_without_a_command_change_no_bit_after_any_command )
 {
-    (void)state;
     hair_groom groom = wide_groom();
     for ( int base = WISP_FROZEN_BASE_REST; base <= WISP_FROZEN_BASE_STROKE; ++base )
     {
@@ -72,9 +71,8 @@ static void frames_without_a_command_change_no_bit_after_any_command( void** sta
     hair_groom_destroy( &groom );
 }
 
-static void a_second_stroke_elsewhere_leaves_what_the_first_shaped( void** state )
+TEST( a_second_stroke_elsewhere_leaves_what_the_first_shaped )
 {
-    (void)state;
     hair_groom groom = wide_groom();
     wisp_frozen_hair_def def = stroke_def();
     wisp_world* world = hair_world_create( NULL );
@@ -107,9 +105,8 @@ static void a_second_stroke_elsewhere_leaves_what_the_first_shaped( void** state
 }
 
 // Parameters of strands decide during a stroke, and stay what they were for strands that a later command does not reach.
-static void each_strand_keeps_the_stiffness_and_intensity_of_its_own( void** state )
+TEST( each_strand_keeps_the_stiffness_and_intensity_of_its_own )
 {
-    (void)state;
     float stiffness[STRANDS], intensity[STRANDS];
     hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2, STRANDS, VERTICES, 0.004f );
     for ( int s = 0; s < STRANDS; ++s )
@@ -190,9 +187,8 @@ static wisp_transform pose_at( int frame )
 
 // The shape stays on the head in each frame of a move, is the same bits where the head is back, and a stroke on the moved head
 // leaves the first one.
-static void a_shape_follows_a_moving_head_and_is_the_same_when_it_is_back( void** state )
+TEST( a_shape_follows_a_moving_head_and_is_the_same_when_it_is_back )
 {
-    (void)state;
     hair_groom groom = wide_groom();
     groom.dimension = 3;
     wisp_frozen_hair_def def = stroke_def();
@@ -234,15 +230,4 @@ static void a_shape_follows_a_moving_head_and_is_the_same_when_it_is_back( void*
     free( shaped );
     wisp_world_destroy( world );
     hair_groom_destroy( &groom );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( frames_without_a_command_change_no_bit_after_any_command ),
-        cmocka_unit_test( a_second_stroke_elsewhere_leaves_what_the_first_shaped ),
-        cmocka_unit_test( each_strand_keeps_the_stiffness_and_intensity_of_its_own ),
-        cmocka_unit_test( a_shape_follows_a_moving_head_and_is_the_same_when_it_is_back ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -44,9 +44,8 @@ static const float with_a_zero[] = { 5.0f, 5.0f, 5.0f, 0.0f, 5.0f };
 #define BROKEN_TYPE wisp_frozen_hair_def
 #include "broken_defs.h"
 
-static void a_parameter_out_of_range_is_named_and_changes_nothing( void** state )
+TEST( a_parameter_out_of_range_is_named_and_changes_nothing )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
     wisp_frozen_hair_def good = wisp_default_frozen_hair_def();
     wisp_world* world = hair_world_create( NULL );
@@ -66,9 +65,8 @@ static void a_parameter_out_of_range_is_named_and_changes_nothing( void** state 
     hair_groom_destroy( &groom );
 }
 
-static void the_ends_of_every_range_are_accepted_and_give_numbers( void** state )
+TEST( the_ends_of_every_range_are_accepted_and_give_numbers )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 20, 10, 0.004f );
     for ( int upper = 0; upper <= 1; ++upper )
     {
@@ -96,9 +94,8 @@ static void the_ends_of_every_range_are_accepted_and_give_numbers( void** state 
     hair_groom_destroy( &groom );
 }
 
-static void a_cursor_that_is_no_place_is_refused_and_no_command_waits( void** state )
+TEST( a_cursor_that_is_no_place_is_refused_and_no_command_waits )
 {
-    (void)state;
     const wisp_vec3 nowhere[] = { { NAN, 0, 0 }, { 0, INFINITY, 0 }, { 0, 0, -1.5e6f } };
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
@@ -125,9 +122,8 @@ static void forget( void* user, wisp_log_level level, const char* message )
     (void)message;
 }
 
-static void commands_to_nobody_are_refused( void** state )
+TEST( commands_to_nobody_are_refused )
 {
-    (void)state;
     const wisp_vec3 cursor = { 0, 0, 0 };
     wisp_frozen_hair_stats report;
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
@@ -171,9 +167,8 @@ static void commands_to_nobody_are_refused( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void strands_that_are_none_are_refused_by_strand_and_vertex( void** state )
+TEST( strands_that_are_none_are_refused_by_strand_and_vertex )
 {
-    (void)state;
     const float coordinates[] = { NAN, INFINITY, -1.5e6f };
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
     wisp_world* world = hair_world_create( NULL );
@@ -207,16 +202,4 @@ static void strands_that_are_none_are_refused_by_strand_and_vertex( void** state
     assert_int_equal( wisp_add_strands( world, &strands, &entity ), WISP_OK );
     wisp_world_destroy( world );
     hair_groom_destroy( &groom );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_parameter_out_of_range_is_named_and_changes_nothing ),
-        cmocka_unit_test( the_ends_of_every_range_are_accepted_and_give_numbers ),
-        cmocka_unit_test( a_cursor_that_is_no_place_is_refused_and_no_command_waits ),
-        cmocka_unit_test( commands_to_nobody_are_refused ),
-        cmocka_unit_test( strands_that_are_none_are_refused_by_strand_and_vertex ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

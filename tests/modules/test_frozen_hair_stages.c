@@ -33,9 +33,8 @@ static void spread( float* values, int count, double lower, double upper )
 
 // ---- freeze ----
 
-static void freezing_follows_the_oracle_for_every_shape_stiffness_and_angle( void** state )
+TEST( freezing_follows_the_oracle_for_every_shape_stiffness_and_angle )
 {
-    (void)state;
     const float stiffness[] = { 0.001f, 0.3f, 3.0f, 7.0f, 1e6f }, angle[] = { 0.0f, 0.785398163f, 3.14159274f };
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
@@ -53,9 +52,8 @@ static void freezing_follows_the_oracle_for_every_shape_stiffness_and_angle( voi
     }
 }
 
-static void stretching_and_bending_stiffness_are_told_apart( void** state )
+TEST( stretching_and_bending_stiffness_are_told_apart )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 33, 20, 0.008f );
     float stretch[33], bend[33];
     spread( stretch, 33, 0.01, 1e6 );
@@ -71,9 +69,8 @@ static void stretching_and_bending_stiffness_are_told_apart( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void the_printed_epsilon_shortens_steps_as_the_oracle_says( void** state )
+TEST( the_printed_epsilon_shortens_steps_as_the_oracle_says )
 {
-    (void)state;
     const float epsilons[] = { 1e-6f, 1e-3f };
     for ( int n = 0; n < 4; ++n )
     {
@@ -95,9 +92,8 @@ static void the_printed_epsilon_shortens_steps_as_the_oracle_says( void** state 
     }
 }
 
-static void every_event_and_every_seed_draws_the_numbers_of_the_oracle( void** state )
+TEST( every_event_and_every_seed_draws_the_numbers_of_the_oracle )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 20, 0.008f );
     wisp_frozen_hair_def def = hair_freeze_only();
     hair_shadow worst = { 0 };
@@ -111,9 +107,8 @@ static void every_event_and_every_seed_draws_the_numbers_of_the_oracle( void** s
     hair_groom_destroy( &groom );
 }
 
-static void a_previous_base_gives_directions_and_the_rest_shape_gives_lengths( void** state )
+TEST( a_previous_base_gives_directions_and_the_rest_shape_gives_lengths )
 {
-    (void)state;
     for ( int n = 0; n < 6; ++n )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n / 2 ), 2 + n % 2, 20, 20, 0.008f );
@@ -134,9 +129,8 @@ static void a_previous_base_gives_directions_and_the_rest_shape_gives_lengths( v
 
 // ---- align ----
 
-static void aligning_follows_the_oracle_for_every_blend_direction_reach_and_intensity( void** state )
+TEST( aligning_follows_the_oracle_for_every_blend_direction_reach_and_intensity )
 {
-    (void)state;
     const float intensity[] = { 0.0f, 0.2f, 0.8f, 1.0f };
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
@@ -159,9 +153,8 @@ static void aligning_follows_the_oracle_for_every_blend_direction_reach_and_inte
     }
 }
 
-static void every_strand_may_have_its_own_intensity( void** state )
+TEST( every_strand_may_have_its_own_intensity )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 40, 20, 0.008f );
     float intensity[40];
     for ( int s = 0; s < 40; ++s )
@@ -176,9 +169,8 @@ static void every_strand_may_have_its_own_intensity( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void cursors_all_around_a_strand_turn_it_as_the_oracle_does( void** state )
+TEST( cursors_all_around_a_strand_turn_it_as_the_oracle_does )
 {
-    (void)state;
     const wisp_random_key key = wisp_random_make_key( 5, 0, 0 );
     hair_shadow worst = { 0 };
     for ( int n = 0; n < 60; ++n )
@@ -198,9 +190,8 @@ static void cursors_all_around_a_strand_turn_it_as_the_oracle_does( void** state
 }
 
 // A straight strand, and cursors exactly behind and before its root, at its root, at its tip.
-static void special_cursors_turn_a_strand_as_the_oracle_does( void** state )
+TEST( special_cursors_turn_a_strand_as_the_oracle_does )
 {
-    (void)state;
     for ( int n = 0; n < 4; ++n )
     {
         hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2 + n % 2, 1, 17, 0.0f );
@@ -236,9 +227,8 @@ static void special_cursors_turn_a_strand_as_the_oracle_does( void** state )
     }
 }
 
-static void a_reach_of_zero_takes_only_the_strand_whose_tip_is_the_cursor( void** state )
+TEST( a_reach_of_zero_takes_only_the_strand_whose_tip_is_the_cursor )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 30, 20, 0.008f );
     wisp_frozen_hair_def def = hair_align_only( groom.points[20 * 11 + 19] );
     def.reach = 0.0f;
@@ -254,9 +244,8 @@ static void a_reach_of_zero_takes_only_the_strand_whose_tip_is_the_cursor( void*
 
 // ---- degenerate strands ----
 
-static void strands_of_mixed_lengths_follow_the_oracle( void** state )
+TEST( strands_of_mixed_lengths_follow_the_oracle )
 {
-    (void)state;
     const int lengths[] = { 3, 0, 17, 1, 40, 2, 0, 1 };
     int counts[41];
     for ( int s = 0; s < 41; ++s )
@@ -281,9 +270,8 @@ static void strands_of_mixed_lengths_follow_the_oracle( void** state )
 }
 
 // Coincident neighbours at the root, in the middle and at the tip, a strand that is one point, and two equal strands.
-static void segments_without_length_stay_without_length( void** state )
+TEST( segments_without_length_stay_without_length )
 {
-    (void)state;
     const wisp_vec3 points[] = {
         { 0, 0, 0 },      { 0, 0, 0 },           { 0, -0.01f, 0 },      { 0.005f, -0.02f, 0 }, //
         { 0.002f, 0, 0 }, { 0.002f, -0.01f, 0 }, { 0.002f, -0.01f, 0 }, { 0.004f, -0.02f, 0 }, //
@@ -318,9 +306,8 @@ static void segments_without_length_stay_without_length( void** state )
 
 // ---- together ----
 
-static void every_combination_of_stages_follows_the_oracle( void** state )
+TEST( every_combination_of_stages_follows_the_oracle )
 {
-    (void)state;
     for ( int n = 0; n < 48; ++n )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n / 16 ), 2 + n / 8 % 2, 16, 12, 0.005f );
@@ -340,9 +327,8 @@ static void every_combination_of_stages_follows_the_oracle( void** state )
     }
 }
 
-static void the_pipeline_as_a_whole_agrees_with_the_oracle( void** state )
+TEST( the_pipeline_as_a_whole_agrees_with_the_oracle )
 {
-    (void)state;
     for ( int n = 0; n < 18; ++n )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2 + n / 9, 25, 20, 0.005f );
@@ -352,25 +338,4 @@ static void the_pipeline_as_a_whole_agrees_with_the_oracle( void** state )
         hair_compare_pipeline( &groom, &def );
         hair_groom_destroy( &groom );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( freezing_follows_the_oracle_for_every_shape_stiffness_and_angle ),
-        cmocka_unit_test( stretching_and_bending_stiffness_are_told_apart ),
-        cmocka_unit_test( the_printed_epsilon_shortens_steps_as_the_oracle_says ),
-        cmocka_unit_test( every_event_and_every_seed_draws_the_numbers_of_the_oracle ),
-        cmocka_unit_test( a_previous_base_gives_directions_and_the_rest_shape_gives_lengths ),
-        cmocka_unit_test( aligning_follows_the_oracle_for_every_blend_direction_reach_and_intensity ),
-        cmocka_unit_test( every_strand_may_have_its_own_intensity ),
-        cmocka_unit_test( cursors_all_around_a_strand_turn_it_as_the_oracle_does ),
-        cmocka_unit_test( special_cursors_turn_a_strand_as_the_oracle_does ),
-        cmocka_unit_test( a_reach_of_zero_takes_only_the_strand_whose_tip_is_the_cursor ),
-        cmocka_unit_test( strands_of_mixed_lengths_follow_the_oracle ),
-        cmocka_unit_test( segments_without_length_stay_without_length ),
-        cmocka_unit_test( every_combination_of_stages_follows_the_oracle ),
-        cmocka_unit_test( the_pipeline_as_a_whole_agrees_with_the_oracle ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

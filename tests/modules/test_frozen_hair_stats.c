@@ -33,9 +33,8 @@ static double fit_motion_stats( const double* x, const double* y, int count )
 
 // Eq. 20: at fixed density work and memory grow linearly in the number of vertices. The benchmark "paper" measures
 // the time on quiet machines and prints R^2 up to a million vertices.
-static void neighbours_and_memory_grow_linearly_with_the_vertices( void** state )
+TEST( neighbours_and_memory_grow_linearly_with_the_vertices )
 {
-    (void)state;
     enum
     {
         sizes = 5
@@ -62,9 +61,8 @@ static void neighbours_and_memory_grow_linearly_with_the_vertices( void** state 
 }
 
 // Table 1: sizes of the paper with all stages, profiled pass by pass; the benchmark "paper" has the times
-static void the_sizes_of_the_printed_table_run_and_are_profiled_pass_by_pass( void** state )
+TEST( the_sizes_of_the_printed_table_run_and_are_profiled_pass_by_pass )
 {
-    (void)state;
     const int strands[] = { 100, 300, 500 };
     for ( int n = 0; n < 2 * WISP_COUNT( strands ); ++n )
     {
@@ -110,9 +108,8 @@ static void turn_profile( const hair_groom* groom, const wisp_frozen_hair_def* d
     free( out );
 }
 
-static void a_high_intensity_turns_whole_strands_and_a_low_one_their_tips( void** state )
+TEST( a_high_intensity_turns_whole_strands_and_a_low_one_their_tips )
 {
-    (void)state;
     for ( int n = 0; n < 4; ++n )
     {
         hair_groom groom = hair_groom_create( n < 2 ? HAIR_STRAIGHT : HAIR_WAVY, 2 + n % 2, 30, 20, 0.006f );
@@ -179,9 +176,8 @@ static waviness measure_waviness( const hair_groom* groom, const wisp_vec3* out 
     return w;
 }
 
-static void stiffness_seven_stays_closer_to_the_original_than_three( void** state )
+TEST( stiffness_seven_stays_closer_to_the_original_than_three )
 {
-    (void)state;
     const double stiffness[] = { 1e9, 7.0, 3.0 }, printed_degrees[] = { 0.0, 4.29, 10.0 };
     hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2, 1000, 20, 0.004f );
     waviness w[3];
@@ -244,9 +240,8 @@ static const density densities[] = { { 2, 100, 0.0012f, 0.92 }, { 2, 60, 0.002f,
 
 // Locks form at every density from that of table 1 on, under every rule and with other random numbers; more iterations clump
 // more, as the paper says; gaps stay, and roots.
-static void clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_over_wet( void** state )
+TEST( clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_over_wet )
 {
-    (void)state;
     for ( int n = 0; n < 2 * 3 * WISP_COUNT( densities ); ++n )
     {
         const density* d = &densities[n / 6];
@@ -275,9 +270,8 @@ static void clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_ove
 
 // In space with roots 0.2 of the radius apart a vertex has neighbours all around, whose pulls cancel: four braked iterations
 // leave nearly all strands alone, forty gather them.
-static void dense_hair_in_space_takes_more_iterations_to_gather( void** state )
+TEST( dense_hair_in_space_takes_more_iterations_to_gather )
 {
-    (void)state;
     for ( int shape = HAIR_STRAIGHT; shape <= HAIR_CURLY; ++shape )
     {
         hair_groom groom = hair_groom_create( (hair_shape)shape, 3, 64, 20, 0.002f );
@@ -295,9 +289,8 @@ static void dense_hair_in_space_takes_more_iterations_to_gather( void** state )
 
 // ---- Section III.3, random numbers, discussion, 2D and 3D ----
 
-static void each_strand_answers_to_its_own_stiffness_and_intensity( void** state )
+TEST( each_strand_answers_to_its_own_stiffness_and_intensity )
 {
-    (void)state;
     enum
     {
         strands = 40
@@ -334,9 +327,8 @@ static void each_strand_answers_to_its_own_stiffness_and_intensity( void** state
     hair_groom_destroy( &groom );
 }
 
-static void nothing_changes_without_a_command( void** state )
+TEST( nothing_changes_without_a_command )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 30, 20, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     wisp_world* world = hair_world_create( NULL );
@@ -365,9 +357,8 @@ static void nothing_changes_without_a_command( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void an_event_a_frame_changes_every_step_like_a_command_each( void** state )
+TEST( an_event_a_frame_changes_every_step_like_a_command_each )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     wisp_world *commanded = hair_world_create( NULL ), *framed = hair_world_create( NULL );
@@ -392,9 +383,8 @@ static void an_event_a_frame_changes_every_step_like_a_command_each( void** stat
     hair_groom_destroy( &groom );
 }
 
-static void a_seed_repeats_and_another_seed_or_event_differs( void** state )
+TEST( a_seed_repeats_and_another_seed_or_event_differs )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
     const int workers[] = { 1, 2, 8, 64 };
     for ( int stage = 0; stage < 2; ++stage )
@@ -418,9 +408,8 @@ static void a_seed_repeats_and_another_seed_or_event_differs( void** state )
 }
 
 // Discussion, 2D and 3D
-static void flat_hair_stays_flat_to_the_bit_and_refuses_depth( void** state )
+TEST( flat_hair_stays_flat_to_the_bit_and_refuses_depth )
 {
-    (void)state;
     for ( int n = 0; n < 24; ++n )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2, 40, 20, 0.004f );
@@ -464,22 +453,4 @@ static void flat_hair_stays_flat_to_the_bit_and_refuses_depth( void** state )
     assert_non_null( strstr( wisp_world_message( world ), "strand 2, vertex 7" ) );
     wisp_world_destroy( world );
     hair_groom_destroy( &groom );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( neighbours_and_memory_grow_linearly_with_the_vertices ),
-        cmocka_unit_test( the_sizes_of_the_printed_table_run_and_are_profiled_pass_by_pass ),
-        cmocka_unit_test( a_high_intensity_turns_whole_strands_and_a_low_one_their_tips ),
-        cmocka_unit_test( stiffness_seven_stays_closer_to_the_original_than_three ),
-        cmocka_unit_test( clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_over_wet ),
-        cmocka_unit_test( dense_hair_in_space_takes_more_iterations_to_gather ),
-        cmocka_unit_test( each_strand_answers_to_its_own_stiffness_and_intensity ),
-        cmocka_unit_test( nothing_changes_without_a_command ),
-        cmocka_unit_test( an_event_a_frame_changes_every_step_like_a_command_each ),
-        cmocka_unit_test( a_seed_repeats_and_another_seed_or_event_differs ),
-        cmocka_unit_test( flat_hair_stays_flat_to_the_bit_and_refuses_depth ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

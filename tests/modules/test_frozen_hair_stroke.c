@@ -39,9 +39,8 @@ static wisp_vec3* run_stroke( const hair_groom* groom, const wisp_frozen_hair_de
 
 // ---- one command ----
 
-static void the_first_command_of_a_stroke_is_that_from_rest_bit_for_bit( void** state )
+TEST( the_first_command_of_a_stroke_is_that_from_rest_bit_for_bit )
 {
-    (void)state;
     for ( int n = 0; n < 18; ++n )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2 + n / 3 % 2, 60, 20, 0.004f );
@@ -63,9 +62,8 @@ static void the_first_command_of_a_stroke_is_that_from_rest_bit_for_bit( void** 
     }
 }
 
-static void only_commands_sweep( void** state )
+TEST( only_commands_sweep )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 40, 20, 0.004f );
     wisp_frozen_hair_def def = stroke_def(), frozen = hair_freeze_only();
     def.clump = false;
@@ -144,9 +142,8 @@ static wisp_frozen_hair_def changed_def( int n, int variant )
     return def;
 }
 
-static void a_stroke_with_changing_parameters_follows_the_oracle( void** state )
+TEST( a_stroke_with_changing_parameters_follows_the_oracle )
 {
-    (void)state;
     for ( int variant = 0; variant < 16; ++variant )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( variant % 3 ), 2 + variant / 8, 60, 20, 0.004f );
@@ -266,9 +263,8 @@ static stroke_result sweep_100( wisp_frozen_base base, int commands )
     return r;
 }
 
-static void a_hundred_commands_leave_all_swept_strands_aligned_and_the_noise_where_it_was( void** state )
+TEST( a_hundred_commands_leave_all_swept_strands_aligned_and_the_noise_where_it_was )
 {
-    (void)state;
     static const char* const names[] = { "rest", "previous", "stroke" };
     static const int commands[] = { 20, 50, 100 };
     for ( int n = 0; n < 9; ++n )
@@ -294,9 +290,8 @@ static void a_hundred_commands_leave_all_swept_strands_aligned_and_the_noise_whe
 
 // ---- parameters in the middle of a stroke ----
 
-static void new_parameters_keep_the_alignment( void** state )
+TEST( new_parameters_keep_the_alignment )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 60, 20, 0.004f );
     wisp_frozen_hair_def def = stroke_def();
     def.direction_from_root = true; // what is turned to the cursor is exactly tip - root
@@ -345,9 +340,8 @@ static void new_parameters_keep_the_alignment( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void clumping_is_on_the_result_and_is_not_fed_back( void** state )
+TEST( clumping_is_on_the_result_and_is_not_fed_back )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 60, 20, 0.004f );
     wisp_frozen_hair_def def = stroke_def();
     wisp_vec3* always = run_stroke( &groom, &def, 30 );
@@ -373,9 +367,8 @@ static void clumping_is_on_the_result_and_is_not_fed_back( void** state )
 
 // ---- beginning, repeating, undoing ----
 
-static void a_new_stroke_forgets_alignment_and_draws_other_noise( void** state )
+TEST( a_new_stroke_forgets_alignment_and_draws_other_noise )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 40, 20, 0.004f );
     wisp_frozen_hair_def def = stroke_def();
     def.reach = 1.0f;
@@ -421,9 +414,8 @@ static void a_new_stroke_forgets_alignment_and_draws_other_noise( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void undo_and_redo_by_snapshots_are_bit_for_bit( void** state )
+TEST( undo_and_redo_by_snapshots_are_bit_for_bit )
 {
-    (void)state;
     enum
     {
         commands = 12
@@ -462,9 +454,8 @@ static void undo_and_redo_by_snapshots_are_bit_for_bit( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void a_stroke_does_not_depend_on_steps_in_between( void** state )
+TEST( a_stroke_does_not_depend_on_steps_in_between )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 60, 20, 0.004f );
     wisp_frozen_hair_def def = stroke_def();
     wisp_vec3* plain = run_stroke( &groom, &def, 10 );
@@ -487,9 +478,8 @@ static void a_stroke_does_not_depend_on_steps_in_between( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void a_stroke_that_is_none_is_refused( void** state )
+TEST( a_stroke_that_is_none_is_refused )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 10, 20, 0.004f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     wisp_world* world = hair_world_create( NULL );
@@ -522,9 +512,8 @@ static const wisp_transform poses[] = {
 
 // A stroke on a head that turns is the stroke on one that stands, turned along. In space, bends of straight strands have
 // random axes in the world, so the strands are wavy or hardly bend.
-static void a_stroke_turns_along_with_the_head( void** state )
+TEST( a_stroke_turns_along_with_the_head )
 {
-    (void)state;
     for ( int n = 0; n < 4 * WISP_COUNT( poses ); ++n )
     {
         const int dimension = 2 + n % 2;
@@ -564,22 +553,4 @@ static void a_stroke_turns_along_with_the_head( void** state )
         wisp_world_destroy( moved );
         hair_groom_destroy( &groom );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_first_command_of_a_stroke_is_that_from_rest_bit_for_bit ),
-        cmocka_unit_test( only_commands_sweep ),
-        cmocka_unit_test( a_stroke_with_changing_parameters_follows_the_oracle ),
-        cmocka_unit_test( a_hundred_commands_leave_all_swept_strands_aligned_and_the_noise_where_it_was ),
-        cmocka_unit_test( new_parameters_keep_the_alignment ),
-        cmocka_unit_test( clumping_is_on_the_result_and_is_not_fed_back ),
-        cmocka_unit_test( a_new_stroke_forgets_alignment_and_draws_other_noise ),
-        cmocka_unit_test( undo_and_redo_by_snapshots_are_bit_for_bit ),
-        cmocka_unit_test( a_stroke_does_not_depend_on_steps_in_between ),
-        cmocka_unit_test( a_stroke_that_is_none_is_refused ),
-        cmocka_unit_test( a_stroke_turns_along_with_the_head ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

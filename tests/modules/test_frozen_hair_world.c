@@ -55,9 +55,8 @@ static void assert_alike_in_company( int first, int count, const hair_host* host
     wisp_world_destroy( world );
 }
 
-static void two_grooms_in_a_world_are_what_each_is_alone( void** state )
+TEST( two_grooms_in_a_world_are_what_each_is_alone )
 {
-    (void)state;
     for ( int first = 0; first < 24; first += 2 )
     {
         assert_alike_in_company( first, 2, &( hair_host ){ .workers = 1 + first % 3 } );
@@ -80,9 +79,8 @@ static void two_grooms_in_a_world_are_what_each_is_alone( void** state )
     hair_groom_destroy( &small );
 }
 
-static void fifty_small_grooms_are_what_each_is_alone_for_any_workers( void** state )
+TEST( fifty_small_grooms_are_what_each_is_alone_for_any_workers )
 {
-    (void)state;
     const int workers[] = { 1, 2, 5 };
     for ( int n = 0; n < WISP_COUNT( workers ); ++n )
     {
@@ -90,9 +88,8 @@ static void fifty_small_grooms_are_what_each_is_alone_for_any_workers( void** st
     }
 }
 
-static void an_instance_shares_the_rest_shape_and_lives_its_own_life( void** state )
+TEST( an_instance_shares_the_rest_shape_and_lives_its_own_life )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 40, 20, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def(), other = def;
     other.seed = 77;
@@ -126,9 +123,8 @@ static void an_instance_shares_the_rest_shape_and_lives_its_own_life( void** sta
     hair_groom_destroy( &groom );
 }
 
-static void empty_hair_is_no_work_and_no_failure( void** state )
+TEST( empty_hair_is_no_work_and_no_failure )
 {
-    (void)state;
     const int none[] = { 0, 0, 0 };
     for ( int strands = 0; strands <= 3; strands += 3 )
     {
@@ -181,9 +177,8 @@ static bool keeps( wisp_world* world, const char* pass )
     return strncmp( line, "  absent", 8 ) != 0;
 }
 
-static void a_stage_that_is_not_queried_for_does_not_exist( void** state )
+TEST( a_stage_that_is_not_queried_for_does_not_exist )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
     for ( int n = 0; n < 16; ++n )
     {
@@ -225,9 +220,8 @@ static void a_stage_that_is_not_queried_for_does_not_exist( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void a_scene_that_asks_for_nothing_has_no_passes( void** state )
+TEST( a_scene_that_asks_for_nothing_has_no_passes )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     wisp_world* world = hair_world_create( NULL );
@@ -293,9 +287,8 @@ static void replay( wisp_world* world, wisp_entity entity, int event )
     hair_step( world );
 }
 
-static void a_warm_step_allocates_nothing( void** state )
+TEST( a_warm_step_allocates_nothing )
 {
-    (void)state;
     for ( int n = 0; n < 8; ++n )
     {
         counting_memory memory;
@@ -326,9 +319,8 @@ static void a_warm_step_allocates_nothing( void** state )
     }
 }
 
-static void memory_is_counted_and_a_vertex_costs_little( void** state )
+TEST( memory_is_counted_and_a_vertex_costs_little )
 {
-    (void)state;
     const int strands[] = { 100, 1000, 5000 };
     for ( int n = 0; n < 2 * WISP_COUNT( strands ); ++n )
     {
@@ -356,9 +348,8 @@ static void memory_is_counted_and_a_vertex_costs_little( void** state )
 }
 
 // Every allocation fails in turn: the call reports it, and the world stays valid.
-static void short_memory_is_a_status_and_the_world_goes_on( void** state )
+TEST( short_memory_is_a_status_and_the_world_goes_on )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 60, 12, 0.004f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     wisp_vec3* expected = hair_run( NULL, &groom, &def );
@@ -394,9 +385,8 @@ static void short_memory_is_a_status_and_the_world_goes_on( void** state )
 
 // ---- snapshots ----
 
-static void a_restored_snapshot_repeats_what_followed( void** state )
+TEST( a_restored_snapshot_repeats_what_followed )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     def.base = WISP_FROZEN_BASE_PREVIOUS;
@@ -424,9 +414,8 @@ static void a_restored_snapshot_repeats_what_followed( void** state )
 }
 
 // A restore is no command: the step after a restore keeps the restored shape.
-static void a_step_after_a_restore_changes_nothing( void** state )
+TEST( a_step_after_a_restore_changes_nothing )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
     for ( int base = WISP_FROZEN_BASE_REST; base <= WISP_FROZEN_BASE_STROKE; ++base )
     {
@@ -451,22 +440,4 @@ static void a_step_after_a_restore_changes_nothing( void** state )
         wisp_world_destroy( world );
     }
     hair_groom_destroy( &groom );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( two_grooms_in_a_world_are_what_each_is_alone ),
-        cmocka_unit_test( fifty_small_grooms_are_what_each_is_alone_for_any_workers ),
-        cmocka_unit_test( an_instance_shares_the_rest_shape_and_lives_its_own_life ),
-        cmocka_unit_test( empty_hair_is_no_work_and_no_failure ),
-        cmocka_unit_test( a_stage_that_is_not_queried_for_does_not_exist ),
-        cmocka_unit_test( a_scene_that_asks_for_nothing_has_no_passes ),
-        cmocka_unit_test( a_warm_step_allocates_nothing ),
-        cmocka_unit_test( memory_is_counted_and_a_vertex_costs_little ),
-        cmocka_unit_test( short_memory_is_a_status_and_the_world_goes_on ),
-        cmocka_unit_test( a_restored_snapshot_repeats_what_followed ),
-        cmocka_unit_test( a_step_after_a_restore_changes_nothing ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

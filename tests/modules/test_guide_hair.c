@@ -146,9 +146,8 @@ static double run_variant( const variant* c )
 }
 
 // Every switch of Eq. 2-5, other node counts, several targets, frames
-static void every_switch_follows_the_oracle( void** state )
+TEST( every_switch_follows_the_oracle )
 {
-    (void)state;
     for ( int n = 0; n < WISP_COUNT( variants ); ++n )
     {
         const double error = run_variant( variants + n );
@@ -162,9 +161,8 @@ static void every_switch_follows_the_oracle( void** state )
 
 // ---- Eq. 1: correspondence ----
 
-static void ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest( void** state )
+TEST( ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest )
 {
-    (void)state;
     double3 targets[24 * 3], ghosts[60 * 5];
     int32_t found[60];
     for ( int n = 0; n < WISP_COUNT( targets ); ++n )
@@ -206,9 +204,8 @@ static void ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest( 
     wisp_world_destroy( world );
 }
 
-static void permuting_the_ghosts_permutes_the_result( void** state )
+TEST( permuting_the_ghosts_permutes_the_result )
 {
-    (void)state;
     flock f = guide_flock( NULL, 4, 5, NODES );
     double3 turned[MAX_GHOSTS * NODES];
     for ( int n = 0; n < 20 * NODES; ++n )
@@ -239,9 +236,8 @@ static void permuting_the_ghosts_permutes_the_result( void** state )
 
 // ---- Fig. 1: the centre follows, the block keeps its shape ----
 
-static void the_mean_of_a_group_is_its_target_and_without_weights_ghosts_keep_their_offset( void** state )
+TEST( the_mean_of_a_group_is_its_target_and_without_weights_ghosts_keep_their_offset )
 {
-    (void)state;
     flock f = guide_flock( NULL, 3, 5, NODES );
     wisp_ghosts_def def = guide_without_weights();
     def.frame = WISP_GHOST_FRAME_OFF;
@@ -269,9 +265,8 @@ static void the_mean_of_a_group_is_its_target_and_without_weights_ghosts_keep_th
 
 // ---- Eq. 5, Fig. 2a: at rest ----
 
-static void at_rest_the_weights_change_no_bit( void** state )
+TEST( at_rest_the_weights_change_no_bit )
 {
-    (void)state;
     flock with = guide_flock( NULL, 3, 4, NODES ), without = guide_flock( NULL, 3, 4, NODES );
     guide_follow( &with, wisp_default_ghosts_def() );
     guide_follow( &without, guide_without_weights() );
@@ -324,9 +319,8 @@ static double weight_of( flock* f, wisp_ghosts_def def, double3 v0, double3 v, i
 }
 
 // the sway is 1e-2 m there, of which a float at a metre keeps 1e-7: a weight is within 2e-5
-static void the_elastic_weight_is_none_when_steady_and_one_when_reversed( void** state )
+TEST( the_elastic_weight_is_none_when_steady_and_one_when_reversed )
 {
-    (void)state;
     flock f = guide_flock( NULL, 1, 4, NODES );
     const double3 right = double3_make( 0.6, 0.0, 0.0 ), left = double3_make( -0.6, 0.0, 0.0 );
     wisp_ghosts_def def = guide_without_weights();
@@ -350,9 +344,8 @@ static void the_elastic_weight_is_none_when_steady_and_one_when_reversed( void**
     wisp_world_destroy( f.world );
 }
 
-static void the_tip_weight_is_linear_and_the_root_stays( void** state )
+TEST( the_tip_weight_is_linear_and_the_root_stays )
 {
-    (void)state;
     flock f = guide_flock( NULL, 1, 4, NODES );
     const double3 v = double3_make( 0.6, 0.0, 0.0 );
     wisp_ghosts_def def = guide_without_weights();
@@ -367,10 +360,8 @@ static void the_tip_weight_is_linear_and_the_root_stays( void** state )
     wisp_world_destroy( f.world );
 }
 
-static void with_elastic_alone_a_group_moves_as_a_block_and_with_the_centre_weight_far_ghosts_sway_more(
-    void** state )
+TEST( with_elastic_alone_a_group_moves_as_a_block_and_with_the_centre_weight_far_ghosts_sway_more )
 {
-    (void)state;
     flock f = guide_flock( NULL, 1, 5, NODES );
     const double3 left = double3_make( -0.6, 0.0, 0.0 ), v = double3_make( 0.6, 0.0, 0.0 );
     wisp_ghosts_def elastic = guide_without_weights(), centre = guide_without_weights();
@@ -406,9 +397,8 @@ static void with_elastic_alone_a_group_moves_as_a_block_and_with_the_centre_weig
 
 // ---- Eq. 2-3: spread ----
 
-static void spread_scales_the_offsets_of_a_group_about_a_centre_that_stays( void** state )
+TEST( spread_scales_the_offsets_of_a_group_about_a_centre_that_stays )
 {
-    (void)state;
     const float ratios[] = { 0.25f, 1.0f, 2.5f };
     for ( int r = 0; r < 3; ++r )
     {
@@ -438,9 +428,8 @@ static void spread_scales_the_offsets_of_a_group_about_a_centre_that_stays( void
 // ---- strands of several lengths ----
 
 // One world with strands of three lengths against three worlds of one length each: the same bits.
-static void strands_of_several_lengths_do_not_meet( void** state )
+TEST( strands_of_several_lengths_do_not_meet )
 {
-    (void)state;
     enum
     {
         KINDS = 3,
@@ -497,22 +486,4 @@ static void strands_of_several_lengths_do_not_meet( void** state )
     guide_step( world );
     assert_memory_equal( guide_points( world, e ), alone, (size_t)ghost_total * sizeof( wisp_vec3 ) );
     wisp_world_destroy( world );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_switch_follows_the_oracle ),
-        cmocka_unit_test( ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest ),
-        cmocka_unit_test( permuting_the_ghosts_permutes_the_result ),
-        cmocka_unit_test( the_mean_of_a_group_is_its_target_and_without_weights_ghosts_keep_their_offset ),
-        cmocka_unit_test( at_rest_the_weights_change_no_bit ),
-        cmocka_unit_test( the_elastic_weight_is_none_when_steady_and_one_when_reversed ),
-        cmocka_unit_test( the_tip_weight_is_linear_and_the_root_stays ),
-        cmocka_unit_test(
-            with_elastic_alone_a_group_moves_as_a_block_and_with_the_centre_weight_far_ghosts_sway_more ),
-        cmocka_unit_test( spread_scales_the_offsets_of_a_group_about_a_centre_that_stays ),
-        cmocka_unit_test( strands_of_several_lengths_do_not_meet ),
-    };
-    return cmocka_run_group_tests_name( "guide hair", tests, NULL, NULL );
 }

@@ -86,9 +86,8 @@ static void check( const drawn* d, const tuft* t, const double3* nodes )
 }
 
 // Lengths from no vertex to thirteen; with Bezier groups lanes do not keep the order of their strands.
-static void curves_of_all_lengths_are_the_oracles( void** state )
+TEST( curves_of_all_lengths_are_the_oracles )
 {
-    (void)state;
     const int samples[] = { 1, 2, 8, 16 };
     const tuft t = make_tuft( 0, LONGEST ), even = make_tuft( 10, 10 );
     for ( int kind = 0; kind < WISP_CURVE_KIND_COUNT; ++kind )
@@ -107,9 +106,8 @@ static void curves_of_all_lengths_are_the_oracles( void** state )
     }
 }
 
-static void curves_follow_their_source_and_a_source_that_stays_is_not_drawn_again( void** state )
+TEST( curves_follow_their_source_and_a_source_that_stays_is_not_drawn_again )
 {
-    (void)state;
     const tuft t = make_tuft( 2, LONGEST );
     drawn d = draw( &t, WISP_CURVE_BEZIER, 8, NULL );
     double3 moved[STRANDS * LONGEST];
@@ -137,9 +135,8 @@ static void curves_follow_their_source_and_a_source_that_stays_is_not_drawn_agai
     wisp_world_destroy( d.world );
 }
 
-static void curves_run_through_their_ends_and_joints_exactly_and_stay_inside_the_hull( void** state )
+TEST( curves_run_through_their_ends_and_joints_exactly_and_stay_inside_the_hull )
 {
-    (void)state;
     const tuft t = make_tuft( 10, 10 );
     drawn d = draw( &t, WISP_CURVE_BEZIER_PRINTED, 8, NULL );
     guide_step( d.world );
@@ -171,9 +168,8 @@ static void curves_run_through_their_ends_and_joints_exactly_and_stay_inside_the
     wisp_world_destroy( d.world );
 }
 
-static void straight_strands_stay_straight( void** state )
+TEST( straight_strands_stay_straight )
 {
-    (void)state;
     tuft t = make_tuft( 2, LONGEST );
     for ( int s = 0; s < STRANDS; ++s )
     {
@@ -199,9 +195,8 @@ static void straight_strands_stay_straight( void** state )
 }
 
 // Fig. 3: both kinds that are smooth, at every drawn joint, on arcs and helices of 4, 7, 10 and 13 vertices and others between
-static void curves_turn_less_at_every_joint_than_the_strands_they_smooth( void** state )
+TEST( curves_turn_less_at_every_joint_than_the_strands_they_smooth )
 {
-    (void)state;
     static const wisp_curve_kind kinds[] = { WISP_CURVE_BEZIER, WISP_CURVE_CATMULL_ROM };
     for ( int n = 0; n < 2 * 2 * ( LONGEST - 3 ); ++n )
     {
@@ -235,9 +230,8 @@ static void curves_turn_less_at_every_joint_than_the_strands_they_smooth( void**
 }
 
 // The curve shows the source after its appearance effect, in the same step.
-static void curves_are_drawn_behind_the_appearance_of_their_source( void** state )
+TEST( curves_are_drawn_behind_the_appearance_of_their_source )
 {
-    (void)state;
     for ( int workers = 1; workers <= 2; ++workers )
     {
         const guide_host host = { .workers = workers };
@@ -262,9 +256,8 @@ static void curves_are_drawn_behind_the_appearance_of_their_source( void** state
     }
 }
 
-static void when_the_source_goes_its_curves_stay( void** state )
+TEST( when_the_source_goes_its_curves_stay )
 {
-    (void)state;
     const tuft t = make_tuft( 2, LONGEST );
     drawn d = draw( &t, WISP_CURVE_CATMULL_ROM, 8, NULL );
     guide_step( d.world );
@@ -290,9 +283,8 @@ static void refuse( wisp_world* world, wisp_curves_def def, wisp_status status, 
     assert_contains( wisp_world_message( world ), word );
 }
 
-static void curves_that_cannot_be_are_refused_by_name( void** state )
+TEST( curves_that_cannot_be_are_refused_by_name )
 {
-    (void)state;
     const tuft t = make_tuft( 2, LONGEST );
     drawn d = draw( &t, WISP_CURVE_BEZIER, 8, NULL );
     wisp_curves_def def = d.def;
@@ -311,19 +303,4 @@ static void curves_that_cannot_be_are_refused_by_name( void** state )
     guide_ok( d.world, wisp_world_add_empty( d.world, &def.source ) );
     refuse( d.world, def, WISP_CONFLICT, "no strands" );
     wisp_world_destroy( d.world );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( curves_of_all_lengths_are_the_oracles ),
-        cmocka_unit_test( curves_follow_their_source_and_a_source_that_stays_is_not_drawn_again ),
-        cmocka_unit_test( curves_run_through_their_ends_and_joints_exactly_and_stay_inside_the_hull ),
-        cmocka_unit_test( straight_strands_stay_straight ),
-        cmocka_unit_test( curves_turn_less_at_every_joint_than_the_strands_they_smooth ),
-        cmocka_unit_test( curves_are_drawn_behind_the_appearance_of_their_source ),
-        cmocka_unit_test( when_the_source_goes_its_curves_stay ),
-        cmocka_unit_test( curves_that_cannot_be_are_refused_by_name ),
-    };
-    return cmocka_run_group_tests_name( "guide hair, curves", tests, NULL, NULL );
 }

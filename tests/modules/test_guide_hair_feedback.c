@@ -60,9 +60,8 @@ static double farthest_from_oracle( wisp_ghosts_def def, int ghosts_a_target, in
     return largest;
 }
 
-static void sixty_steps_of_feedback_follow_the_oracle( void** state )
+TEST( sixty_steps_of_feedback_follow_the_oracle )
 {
-    (void)state;
     wisp_ghosts_def plain = fed_back(), spread = plain, lone = plain, repaired = plain;
     spread.spread = 2.5f;
     lone.keep_offset = false;
@@ -93,9 +92,8 @@ static void sixty_steps_of_feedback_follow_the_oracle( void** state )
     }
 }
 
-static void what_differs_adds_up_and_the_mean_stays_on_the_target( void** state )
+TEST( what_differs_adds_up_and_the_mean_stays_on_the_target )
 {
-    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     guide_follow( &f, fed_back() );
     for ( int frame = 0; frame < 60; ++frame )
@@ -137,9 +135,8 @@ static uint64_t hash_of( const guide_host* host )
     return hash;
 }
 
-static void bits_do_not_depend_on_workers_or_the_instruction_set( void** state )
+TEST( bits_do_not_depend_on_workers_or_the_instruction_set )
 {
-    (void)state;
     const guide_host hosts[] = { { .workers = 1, .isa = "baseline" },
                                  { .workers = 2 },
                                  { .workers = 3, .isa = "avx2" },
@@ -152,9 +149,8 @@ static void bits_do_not_depend_on_workers_or_the_instruction_set( void** state )
     }
 }
 
-static void a_restored_world_goes_on_with_the_same_bits( void** state )
+TEST( a_restored_world_goes_on_with_the_same_bits )
 {
-    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def def = fed_back();
     def.between = true;
@@ -180,9 +176,8 @@ static void a_restored_world_goes_on_with_the_same_bits( void** state )
     wisp_world_destroy( f.world );
 }
 
-static void feedback_with_frames_or_several_targets_is_refused_and_changes_nothing( void** state )
+TEST( feedback_with_frames_or_several_targets_is_refused_and_changes_nothing )
 {
-    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     const uint64_t before = wisp_world_hash( f.world );
     for ( int n = 0; n < 3; ++n )
@@ -198,9 +193,8 @@ static void feedback_with_frames_or_several_targets_is_refused_and_changes_nothi
     wisp_world_destroy( f.world );
 }
 
-static void feedback_switched_off_again_leaves_nothing_behind( void** state )
+TEST( feedback_switched_off_again_leaves_nothing_behind )
 {
-    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES ), plain = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def def = fed_back();
     def.between = true;
@@ -222,9 +216,8 @@ static void feedback_switched_off_again_leaves_nothing_behind( void** state )
 }
 
 // Unrealistically large gains drive ghosts away in a few steps.
-static void ghosts_that_feedback_drives_away_are_halted( void** state )
+TEST( ghosts_that_feedback_drives_away_are_halted )
 {
-    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def def = fed_back();
     def.capped = false;
@@ -253,9 +246,8 @@ static double3 velocity_of( const guide_oracle* hair, const double3* v, int ghos
     return v[hair->link[ghost] * hair->node_count + node];
 }
 
-static void places_between_steps_follow_the_oracle_and_meet_both_steps( void** state )
+TEST( places_between_steps_follow_the_oracle_and_meet_both_steps )
 {
-    (void)state;
     for ( int nodes = 7; nodes <= NODES; nodes += NODES - 7 )
     {
         flock f = guide_flock( NULL, 3, 4, nodes );
@@ -320,9 +312,8 @@ static double3 velocity_at( const flock* f, int end, int vertex )
 }
 
 // Section II.2.2: once continuously differentiable. Both sides of a step have the velocity of the target's node.
-static void the_velocity_between_steps_is_that_of_the_target_at_both_sides_of_a_step( void** state )
+TEST( the_velocity_between_steps_is_that_of_the_target_at_both_sides_of_a_step )
 {
-    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.between = true;
@@ -349,9 +340,8 @@ static void the_velocity_between_steps_is_that_of_the_target_at_both_sides_of_a_
     wisp_world_destroy( f.world );
 }
 
-static void places_between_steps_are_refused_by_name_and_nothing_is_written( void** state )
+TEST( places_between_steps_are_refused_by_name_and_nothing_is_written )
 {
-    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_vec3 points[12 * NODES] = { { 0.0f, 0.0f, 0.0f } }, untouched[12 * NODES] = { { 0.0f, 0.0f, 0.0f } };
     assert_int_equal( wisp_ghosts_between( f.world, f.ghosts, 0.5f, points ), WISP_CONFLICT );
@@ -368,21 +358,4 @@ static void places_between_steps_are_refused_by_name_and_nothing_is_written( voi
     }
     assert_memory_equal( points, untouched, sizeof( points ) );
     wisp_world_destroy( f.world );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( sixty_steps_of_feedback_follow_the_oracle ),
-        cmocka_unit_test( what_differs_adds_up_and_the_mean_stays_on_the_target ),
-        cmocka_unit_test( bits_do_not_depend_on_workers_or_the_instruction_set ),
-        cmocka_unit_test( a_restored_world_goes_on_with_the_same_bits ),
-        cmocka_unit_test( feedback_with_frames_or_several_targets_is_refused_and_changes_nothing ),
-        cmocka_unit_test( feedback_switched_off_again_leaves_nothing_behind ),
-        cmocka_unit_test( ghosts_that_feedback_drives_away_are_halted ),
-        cmocka_unit_test( places_between_steps_follow_the_oracle_and_meet_both_steps ),
-        cmocka_unit_test( the_velocity_between_steps_is_that_of_the_target_at_both_sides_of_a_step ),
-        cmocka_unit_test( places_between_steps_are_refused_by_name_and_nothing_is_written ),
-    };
-    return cmocka_run_group_tests_name( "guide hair, feedback", tests, NULL, NULL );
 }

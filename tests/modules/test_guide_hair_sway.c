@@ -70,9 +70,8 @@ static void swing_herd( const herd* h, int step )
 // ---- parameters ----
 
 // The table of the contract for what the paper leaves open: gains of 1/2, tau = dt, eight samples of a curve.
-static void defaults_are_those_that_the_method_states( void** state )
+TEST( defaults_are_those_that_the_method_states )
 {
-    (void)state;
     const wisp_ghosts_def ghosts = wisp_default_ghosts_def();
     assert_true( ghosts.tip_gain == 0.5f );
     assert_true( ghosts.centre_gain == 0.5f );
@@ -105,9 +104,8 @@ static double strain_of( const wisp_vec3* points, const double3* rest, int stran
 }
 
 // By the default solver, and by position based dynamics on lengths and bends as in the paper
-static void targets_keep_their_lengths_in_motion_and_their_shape_without_load( void** state )
+TEST( targets_keep_their_lengths_in_motion_and_their_shape_without_load )
 {
-    (void)state;
     static const wisp_module* const modules[] = { &wisp_strands_module, &wisp_guide_hair_module };
     for ( int kind = 0; kind < 4; ++kind )
     {
@@ -197,9 +195,8 @@ static int check_order( const group_sway* m )
 }
 
 // By default, and at a sway six times as strong, most of which is cut to a segment
-static void ghosts_of_a_group_sway_apart_in_the_order_of_their_distance_however_strong_the_sway( void** state )
+TEST( ghosts_of_a_group_sway_apart_in_the_order_of_their_distance_however_strong_the_sway )
 {
-    (void)state;
     wisp_ghosts_def usual = wisp_default_ghosts_def(), strong = usual;
     strong.time = 0.1f;
     herd h = make_herd( &usual, &strong );
@@ -226,9 +223,8 @@ static void ghosts_of_a_group_sway_apart_in_the_order_of_their_distance_however_
     wisp_world_destroy( h.world );
 }
 
-static void the_limit_keeps_the_ratios_of_the_sway_within_a_group( void** state )
+TEST( the_limit_keeps_the_ratios_of_the_sway_within_a_group )
 {
-    (void)state;
     wisp_ghosts_def cut = wisp_default_ghosts_def(), free = cut;
     cut.time = free.time = 0.1f;
     free.capped = false;
@@ -284,10 +280,8 @@ static distances compare( const wisp_ghosts_def* first, const wisp_ghosts_def* s
 
 // The weight of eq. 4 brings ghosts nearer to full simulation. The other two do not: docs/limits.md says why no choice of gains,
 // time or sign does. What they add is not more than their own size, at right angles to what is missing already.
-static void the_elastic_weight_does_not_take_ghosts_away_from_full_simulation_and_the_others_by_their_size(
-    void** state )
+TEST( the_elastic_weight_does_not_take_ghosts_away_from_full_simulation_and_the_others_by_their_size )
 {
-    (void)state;
     wisp_ghosts_def usual = wisp_default_ghosts_def(), elastic = usual;
     elastic.tip_gain = elastic.centre_gain = 0.0f;
     const distances d = compare( &usual, &elastic );
@@ -295,17 +289,4 @@ static void the_elastic_weight_does_not_take_ghosts_away_from_full_simulation_an
     assert_true( d.swaying[1] < d.plain );
     assert_true( d.sway[0] > 1e-3 );
     assert_true( d.swaying[0] < sqrt( d.plain * d.plain + d.sway[0] * d.sway[0] ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( defaults_are_those_that_the_method_states ),
-        cmocka_unit_test( targets_keep_their_lengths_in_motion_and_their_shape_without_load ),
-        cmocka_unit_test( ghosts_of_a_group_sway_apart_in_the_order_of_their_distance_however_strong_the_sway ),
-        cmocka_unit_test( the_limit_keeps_the_ratios_of_the_sway_within_a_group ),
-        cmocka_unit_test(
-            the_elastic_weight_does_not_take_ghosts_away_from_full_simulation_and_the_others_by_their_size ),
-    };
-    return cmocka_run_group_tests_name( "guide hair, sway", tests, NULL, NULL );
 }

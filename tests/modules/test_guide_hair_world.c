@@ -17,9 +17,8 @@ static double3 group_mean( const flock* f, int target, int ghosts, int node )
 
 // ---- order ----
 
-static void ghosts_stand_where_this_step_has_taken_their_targets( void** state )
+TEST( ghosts_stand_where_this_step_has_taken_their_targets )
 {
-    (void)state;
     for ( int workers = 1; workers <= 2; ++workers )
     {
         const guide_host host = { .workers = workers };
@@ -65,9 +64,8 @@ static uint64_t hash_of_swing( const guide_host* host, int links, int ghost_node
     return hash;
 }
 
-static void bits_do_not_depend_on_workers_or_the_instruction_set( void** state )
+TEST( bits_do_not_depend_on_workers_or_the_instruction_set )
 {
-    (void)state;
     const struct
     {
         int links, nodes;
@@ -87,9 +85,8 @@ static void bits_do_not_depend_on_workers_or_the_instruction_set( void** state )
     }
 }
 
-static void a_snapshot_brings_the_velocities_before_back( void** state )
+TEST( a_snapshot_brings_the_velocities_before_back )
 {
-    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     guide_follow( &f, wisp_default_ghosts_def() );
     for ( int frame = 0; frame < 7; ++frame )
@@ -114,9 +111,8 @@ static void a_snapshot_brings_the_velocities_before_back( void** state )
 
 // ---- memory ----
 
-static void a_warm_step_asks_for_no_memory( void** state )
+TEST( a_warm_step_asks_for_no_memory )
 {
-    (void)state;
     for ( int workers = 1; workers <= 5; workers += 2 )
     {
         test_host memory = { 0 };
@@ -180,9 +176,8 @@ static bool refuse_request( int n )
     return refused;
 }
 
-static void any_one_request_may_be_refused_and_the_call_made_again( void** state )
+TEST( any_one_request_may_be_refused_and_the_call_made_again )
 {
-    (void)state;
     int refusals = 0;
     while ( refuse_request( refusals + 1 ) )
     {
@@ -193,9 +188,8 @@ static void any_one_request_may_be_refused_and_the_call_made_again( void** state
 
 // ---- removal ----
 
-static void when_targets_go_their_ghosts_stay_and_when_ghosts_go_nothing_runs_for_them( void** state )
+TEST( when_targets_go_their_ghosts_stay_and_when_ghosts_go_nothing_runs_for_them )
 {
-    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     guide_follow( &f, wisp_default_ghosts_def() );
     guide_swing( &f );
@@ -217,9 +211,8 @@ static void when_targets_go_their_ghosts_stay_and_when_ghosts_go_nothing_runs_fo
     wisp_world_destroy( f.world );
 }
 
-static void two_herds_may_follow_the_same_targets_each_in_its_way( void** state )
+TEST( two_herds_may_follow_the_same_targets_each_in_its_way )
 {
-    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES ), alone = guide_flock( NULL, 3, 4, NODES );
     const wisp_entity other = guide_add( f.world, f.ghost, 12, NODES );
     guide_ok( f.world, wisp_request( f.world, other, WISP_STRAND_POINTS ) );
@@ -251,9 +244,8 @@ static void refuse( flock* f, wisp_ghosts_def def, wisp_status status, const cha
 }
 
 // Unequal node counts (conclusion)
-static void unequal_node_counts_are_refused_by_name_unless_resampled( void** state )
+TEST( unequal_node_counts_are_refused_by_name_unless_resampled )
 {
-    (void)state;
     flock f = guide_flock( NULL, 3, 4, 7 );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.targets = f.targets;
@@ -263,9 +255,8 @@ static void unequal_node_counts_are_refused_by_name_unless_resampled( void** sta
     wisp_world_destroy( f.world );
 }
 
-static void values_out_of_range_are_refused_by_name( void** state )
+TEST( values_out_of_range_are_refused_by_name )
 {
-    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def good = wisp_default_ghosts_def(), def;
     good.targets = f.targets;
@@ -287,9 +278,8 @@ static void values_out_of_range_are_refused_by_name( void** state )
     wisp_world_destroy( f.world );
 }
 
-static void who_cannot_follow_or_be_followed_is_refused( void** state )
+TEST( who_cannot_follow_or_be_followed_is_refused )
 {
-    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     refuse( &f, def, WISP_CONFLICT, "does not exist" );
@@ -328,9 +318,8 @@ static wisp_frozen_hair_def align_each_frame( void )
 }
 
 // Ghosts that turn to a cursor each frame, against static hair at the ghosts' positions that turns once.
-static void frozen_hair_starts_from_where_the_ghosts_are_carried( void** state )
+TEST( frozen_hair_starts_from_where_the_ghosts_are_carried )
 {
-    (void)state;
     for ( int order = 0; order < 3; ++order )
     {
         const guide_host host = { .workers = order + 1 };
@@ -376,9 +365,8 @@ static void frozen_hair_starts_from_where_the_ghosts_are_carried( void** state )
     }
 }
 
-static void frozen_lengths_stay_those_at_rest( void** state )
+TEST( frozen_lengths_stay_those_at_rest )
 {
-    (void)state;
     flock f = guide_flock( NULL, 6, 6, NODES );
     wisp_frozen_hair_def look = wisp_default_frozen_hair_def();
     look.align = look.clump = false;
@@ -420,9 +408,8 @@ static void assert_finite( wisp_world* world, wisp_entity strands, int count )
 }
 
 // The module of the ghosts is declared first, so the order of modules does not help.
-static void ghosts_are_finite_whatever_their_targets_do( void** state )
+TEST( ghosts_are_finite_whatever_their_targets_do )
 {
-    (void)state;
     static const wisp_module* const modules[] = { &wisp_guide_hair_module, &wisp_strands_module };
     const float speeds[] = { NAN, INFINITY, -INFINITY, 9e5f, 3e38f };
     for ( int k = 0; k < 2 * WISP_COUNT( speeds ); ++k )
@@ -453,24 +440,4 @@ static void ghosts_are_finite_whatever_their_targets_do( void** state )
         }
         wisp_world_destroy( world );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( ghosts_stand_where_this_step_has_taken_their_targets ),
-        cmocka_unit_test( bits_do_not_depend_on_workers_or_the_instruction_set ),
-        cmocka_unit_test( a_snapshot_brings_the_velocities_before_back ),
-        cmocka_unit_test( a_warm_step_asks_for_no_memory ),
-        cmocka_unit_test( any_one_request_may_be_refused_and_the_call_made_again ),
-        cmocka_unit_test( when_targets_go_their_ghosts_stay_and_when_ghosts_go_nothing_runs_for_them ),
-        cmocka_unit_test( two_herds_may_follow_the_same_targets_each_in_its_way ),
-        cmocka_unit_test( unequal_node_counts_are_refused_by_name_unless_resampled ),
-        cmocka_unit_test( values_out_of_range_are_refused_by_name ),
-        cmocka_unit_test( who_cannot_follow_or_be_followed_is_refused ),
-        cmocka_unit_test( frozen_hair_starts_from_where_the_ghosts_are_carried ),
-        cmocka_unit_test( frozen_lengths_stay_those_at_rest ),
-        cmocka_unit_test( ghosts_are_finite_whatever_their_targets_do ),
-    };
-    return cmocka_run_group_tests_name( "guide hair, world", tests, NULL, NULL );
 }

@@ -39,9 +39,8 @@ static double3 ghost_mean( const guide_oracle* hair, const double3* ghosts, int 
 }
 
 // Fig. 1; section III.1
-static void without_weights_the_centre_is_the_target_and_ghosts_move_as_a_block( void** state )
+TEST( without_weights_the_centre_is_the_target_and_ghosts_move_as_a_block )
 {
-    (void)state;
     scene s = make_scene( 2, 5 );
     const guide_oracle_options options = options_without_weights();
     guide_oracle hair = make_hair( &s, &options );
@@ -67,9 +66,8 @@ static void without_weights_the_centre_is_the_target_and_ghosts_move_as_a_block(
 }
 
 // Eq. 2-3
-static void the_spread_gradient_is_the_difference_quotient_of_the_energy( void** state )
+TEST( the_spread_gradient_is_the_difference_quotient_of_the_energy )
 {
-    (void)state;
     for ( int round = 0; round < 20; ++round )
     {
         double3 d[6], gradient[6], sum = zero;
@@ -101,9 +99,8 @@ static void the_spread_gradient_is_the_difference_quotient_of_the_energy( void**
 }
 
 // Eq. 2-3
-static void one_exact_projection_reaches_the_requested_spread_and_moves_nothing_in_sum( void** state )
+TEST( one_exact_projection_reaches_the_requested_spread_and_moves_nothing_in_sum )
 {
-    (void)state;
     const double ratio[3] = { 0.25, 1.0, 2.5 };
     for ( int n = 0; n < 3; ++n )
     {
@@ -124,9 +121,8 @@ static void one_exact_projection_reaches_the_requested_spread_and_moves_nothing_
 }
 
 // Eq. 4. |v|^2 is 1.69: the literal form leaves [0, 1] and has a unit.
-static void the_elastic_weight_is_nothing_in_steady_motion_and_all_at_reversal( void** state )
+TEST( the_elastic_weight_is_nothing_in_steady_motion_and_all_at_reversal )
 {
-    (void)state;
     const guide_oracle_elastic change = GUIDE_ORACLE_ELASTIC_CHANGE, cosine = GUIDE_ORACLE_ELASTIC_PRINTED_COS,
                                raw = GUIDE_ORACLE_ELASTIC_PRINTED_RAW;
     const double3 v = { 0.3, -1.2, 0.4 }, back = double3_scale( -2.0, v ), slow = { 0.0, 9e-7, 0.0 };
@@ -147,9 +143,8 @@ static void the_elastic_weight_is_nothing_in_steady_motion_and_all_at_reversal( 
 }
 
 // Eq. 5, Fig. 2: by the elastic weight alone four ghosts move alike, the centre weight moves them apart.
-static void a_ghost_is_displaced_by_tau_v_times_its_weights_and_its_root_is_not( void** state )
+TEST( a_ghost_is_displaced_by_tau_v_times_its_weights_and_its_root_is_not )
 {
-    (void)state;
     for ( int alone = 0; alone < 2; ++alone )
     {
         scene s = make_scene( 2, 4 );
@@ -181,9 +176,8 @@ static void a_ghost_is_displaced_by_tau_v_times_its_weights_and_its_root_is_not(
 }
 
 // Eq. 6
-static void bezier_weights_sum_to_one_and_the_printed_ones_fall_short( void** state )
+TEST( bezier_weights_sum_to_one_and_the_printed_ones_fall_short )
 {
-    (void)state;
     double most = 0.0, max_at = 0.0;
     for ( int n = 0; n <= 300; ++n )
     {
@@ -206,9 +200,8 @@ static void bezier_weights_sum_to_one_and_the_printed_ones_fall_short( void** st
 }
 
 // Eq. 6
-static void a_bezier_curve_has_its_ends_stays_in_its_hull_and_moves_with_the_scene( void** state )
+TEST( a_bezier_curve_has_its_ends_stays_in_its_hull_and_moves_with_the_scene )
 {
-    (void)state;
     double3 shift = { 5.0, -3.0, 2.0 };
     for ( int n = 0; n < 100; ++n )
     {
@@ -251,9 +244,8 @@ static void random_strand( int n, int count, double3* nodes )
 }
 
 // Section II.2.2
-static void the_spline_passes_through_its_nodes_with_one_derivative( void** state )
+TEST( the_spline_passes_through_its_nodes_with_one_derivative )
 {
-    (void)state;
     for ( int n = 0; n < 50; ++n )
     {
         double3 nodes[8], controls[4 * 7];
@@ -286,9 +278,8 @@ static void the_spline_passes_through_its_nodes_with_one_derivative( void** stat
 }
 
 // Section II.2.2: four conditions, so that any cubic motion is reproduced exactly
-static void between_frames_a_node_keeps_its_positions_and_velocities( void** state )
+TEST( between_frames_a_node_keeps_its_positions_and_velocities )
 {
-    (void)state;
     const double dt = 1.0 / 30.0;
     for ( int n = 0; n < 50; ++n )
     {
@@ -338,9 +329,8 @@ static double ghost_turn( const guide_oracle* hair )
 
 // GUI-X1: twice the nodes by spline turn no more than node to node, by nearest particle they kink. The elastic and the centre
 // weight are off: they do not vanish towards the pinned root, so that its first segment turns the farther the shorter it is.
-static void twice_the_nodes_kink_by_nearest_pairing_and_not_by_spline( void** state )
+TEST( twice_the_nodes_kink_by_nearest_pairing_and_not_by_spline )
 {
-    (void)state;
     scene s = make_scene( 1, 1 );
     double3 ghosts[4 * 2 * NODES];
     guide_oracle hair[3];
@@ -380,9 +370,8 @@ static void twice_the_nodes_kink_by_nearest_pairing_and_not_by_spline( void** st
 }
 
 // GUI-X5
-static void ghosts_of_a_turned_head_stay_on_their_side_only_with_frames( void** state )
+TEST( ghosts_of_a_turned_head_stay_on_their_side_only_with_frames )
 {
-    (void)state;
     scene s = make_scene( 2, 4 );
     guide_oracle_rotation turn = guide_oracle_turn_about( double3_make( 0.0, 1.0, 0.0 ), pi );
     guide_oracle_rotation heads[2] = { turn, turn }, given[2 * NODES];
@@ -414,22 +403,4 @@ static void ghosts_of_a_turned_head_stay_on_their_side_only_with_frames( void** 
         assert_true( frame == GUIDE_ORACLE_FRAME_OFF ? farthest > 0.012 : farthest < 1e-14 );
         guide_oracle_destroy( &hair );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( without_weights_the_centre_is_the_target_and_ghosts_move_as_a_block ),
-        cmocka_unit_test( the_spread_gradient_is_the_difference_quotient_of_the_energy ),
-        cmocka_unit_test( one_exact_projection_reaches_the_requested_spread_and_moves_nothing_in_sum ),
-        cmocka_unit_test( the_elastic_weight_is_nothing_in_steady_motion_and_all_at_reversal ),
-        cmocka_unit_test( a_ghost_is_displaced_by_tau_v_times_its_weights_and_its_root_is_not ),
-        cmocka_unit_test( bezier_weights_sum_to_one_and_the_printed_ones_fall_short ),
-        cmocka_unit_test( a_bezier_curve_has_its_ends_stays_in_its_hull_and_moves_with_the_scene ),
-        cmocka_unit_test( the_spline_passes_through_its_nodes_with_one_derivative ),
-        cmocka_unit_test( between_frames_a_node_keeps_its_positions_and_velocities ),
-        cmocka_unit_test( twice_the_nodes_kink_by_nearest_pairing_and_not_by_spline ),
-        cmocka_unit_test( ghosts_of_a_turned_head_stay_on_their_side_only_with_frames ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -42,9 +42,8 @@ static boundary_oracle_balloon oracle_of( ball_world* b, bool per_triangle )
     return balloon;
 }
 
-static void a_gust_is_that_of_the_oracle( void** state )
+TEST( a_gust_is_that_of_the_oracle )
 {
-    (void)state;
     for ( int per_triangle = 0; per_triangle < 2; ++per_triangle )
     {
         ball_world* b = fallen_ball();
@@ -74,9 +73,8 @@ static void a_gust_is_that_of_the_oracle( void** state )
 
 // Of a free sheet: every vertex belongs to a triangle that the gust meets, from one side. A step of any length moves it by the
 // gust times the step.
-static void a_gust_does_not_depend_on_the_step_and_meets_one_side_of_a_sheet( void** state )
+TEST( a_gust_does_not_depend_on_the_step_and_meets_one_side_of_a_sheet )
 {
-    (void)state;
     static const float STEPS[] = { 1.0f / 240.0f, 1.0f / 20.0f };
     for ( int n = 0; n < 4; ++n )
     {
@@ -104,9 +102,8 @@ static void a_gust_does_not_depend_on_the_step_and_meets_one_side_of_a_sheet( vo
     }
 }
 
-static void a_gust_that_cannot_be_is_refused_by_name( void** state )
+TEST( a_gust_that_cannot_be_is_refused_by_name )
 {
-    (void)state;
     ball_world* b = fallen_ball();
     const uint64_t before = wisp_world_hash( b->world );
     expect_refusal( b->world, wisp_apply_gust( b->world, b->ball, ( wisp_vec3 ){ 0.0f, NAN, 0.0f }, false ),
@@ -125,9 +122,8 @@ static void a_gust_that_cannot_be_is_refused_by_name( void** state )
     ball_close( b );
 }
 
-static void no_gust_changes_no_bit_and_gusts_that_add_up_have_a_limit( void** state )
+TEST( no_gust_changes_no_bit_and_gusts_that_add_up_have_a_limit )
 {
-    (void)state;
     ball_world* b = fallen_ball();
     const uint64_t before = wisp_world_hash( b->world );
     assert_int_equal( wisp_apply_gust( b->world, b->ball, ( wisp_vec3 ){ 0.0f, -0.0f, 0.0f }, true ), WISP_OK );
@@ -141,15 +137,4 @@ static void no_gust_changes_no_bit_and_gusts_that_add_up_have_a_limit( void** st
     expect_refusal( b->world, wisp_apply_gust( b->world, b->ball, storm, false ), WISP_BAD_INPUT,
                     "would be faster than 1e6 m/s" );
     ball_close( b );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( no_gust_changes_no_bit_and_gusts_that_add_up_have_a_limit ),
-        cmocka_unit_test( a_gust_is_that_of_the_oracle ),
-        cmocka_unit_test( a_gust_does_not_depend_on_the_step_and_meets_one_side_of_a_sheet ),
-        cmocka_unit_test( a_gust_that_cannot_be_is_refused_by_name ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -25,7 +25,7 @@ static void assert_links( const wisp_implicit_cloth_stats* f, int stretch, int b
     assert_int_equal( f->max_neighbours, most );
 }
 
-static void edges_stretch_and_opposite_vertices_bend( void** state )
+IMPLICIT_TEST( edges_stretch_and_opposite_vertices_bend )
 {
     hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
@@ -48,7 +48,7 @@ static void edges_stretch_and_opposite_vertices_bend( void** state )
 
 // Each edge of an octahedron has two neighbouring faces whose far corners are poles of one of three axes, and each axis is found
 // by four edges.
-static void a_diagonal_found_twice_is_one_link( void** state )
+IMPLICIT_TEST( a_diagonal_found_twice_is_one_link )
 {
     hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
@@ -58,7 +58,7 @@ static void a_diagonal_found_twice_is_one_link( void** state )
     test_mesh_free( &octahedron );
 }
 
-static void an_edge_that_is_a_diagonal_too_is_two_links_and_one_neighbour( void** state )
+IMPLICIT_TEST( an_edge_that_is_a_diagonal_too_is_two_links_and_one_neighbour )
 {
     hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
@@ -69,7 +69,7 @@ static void an_edge_that_is_a_diagonal_too_is_two_links_and_one_neighbour( void*
     assert_links( &f, 6, 6, 3 );
 }
 
-static void pairs_by_hand_take_the_place_of_the_mesh( void** state )
+IMPLICIT_TEST( pairs_by_hand_take_the_place_of_the_mesh )
 {
     hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
@@ -89,7 +89,7 @@ static void pairs_by_hand_take_the_place_of_the_mesh( void** state )
 // ---- falling ----
 
 // Without a difference of velocities or a deformed link, the right side is 0 and so is its solution.
-static void a_free_sheet_falls_like_a_stone_to_the_last_bit( void** state )
+IMPLICIT_TEST( a_free_sheet_falls_like_a_stone_to_the_last_bit )
 {
     hosted* h = *state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
@@ -110,7 +110,7 @@ static void a_free_sheet_falls_like_a_stone_to_the_last_bit( void** state )
     }
 }
 
-static void damping_of_the_surface_brakes_all_velocity( void** state )
+IMPLICIT_TEST( damping_of_the_surface_brakes_all_velocity )
 {
     hosted* h = *state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
@@ -138,7 +138,7 @@ static float length_of_link( wisp_world* world, wisp_entity e, int link )
 // Lengths are below 0.4 m, whose rounding is 3e-8 m; the stretch of a link is the difference of two of those.
 static const double HANGING_ROUNDING = 1e-7;
 
-static void a_link_that_hangs_is_longer_by_weight_over_stiffness( void** state )
+IMPLICIT_TEST( a_link_that_hangs_is_longer_by_weight_over_stiffness )
 {
     hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
@@ -156,7 +156,7 @@ static void a_link_that_hangs_is_longer_by_weight_over_stiffness( void** state )
 
 // Neighbours in the chain are 1, 2, 2, 1, so the ends have the weight 2. `effective` halves the mass of the last
 // vertex, `pair` makes the first and the last link 1.5 times as stiff.
-static void weights_are_those_of_neighbours( void** state )
+IMPLICIT_TEST( weights_are_those_of_neighbours )
 {
     hosted* h = *state;
     const struct
@@ -187,7 +187,7 @@ static void weights_are_those_of_neighbours( void** state )
 
 // Implicit Euler divides the energy of a linear oscillator by 1 + (omega h)^2 in each step. Lengths of 0.13 m are
 // rounded by 7e-9 m, with swings of 5 mm at first and half of that at last.
-static void an_oscillator_loses_what_implicit_euler_takes( void** state )
+IMPLICIT_TEST( an_oscillator_loses_what_implicit_euler_takes )
 {
     hosted* h = *state;
     const double mass = 0.01, stiffness = 10.0, rest = mass * 9.81 / stiffness, dt = 1.0 / 128.0;
@@ -245,7 +245,7 @@ static double spin_left( wisp_world* world, wisp_implicit_damping form )
     return ( (double)p.x * (double)v[2] - (double)p.z * (double)v[0] ) / 0.25;
 }
 
-static void axial_damping_leaves_spin_alone( void** state )
+IMPLICIT_TEST( axial_damping_leaves_spin_alone )
 {
     hosted* h = *state;
     const double rate = 2.0 * 0.01 / 0.01;
@@ -258,9 +258,8 @@ static void axial_damping_leaves_spin_alone( void** state )
 
 // ---- pins ----
 
-static void pins_stay_and_go_where_they_are_told_to_the_last_bit( void** state )
+TEST( pins_stay_and_go_where_they_are_told_to_the_last_bit )
 {
-    (void)state;
     for ( int variant = 0; variant < 4; ++variant )
     {
         hosted h;
@@ -287,7 +286,7 @@ static void pins_stay_and_go_where_they_are_told_to_the_last_bit( void** state )
 }
 
 // In the middle of a step a pin is on its way, and the cloth below it reacts one substep earlier.
-static void a_pin_pulls_with_the_velocity_it_is_moved_with( void** state )
+IMPLICIT_TEST( a_pin_pulls_with_the_velocity_it_is_moved_with )
 {
     hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
@@ -312,7 +311,7 @@ static void a_pin_pulls_with_the_velocity_it_is_moved_with( void** state )
 
 // The load of an arc is F = -12 - 7.2 ( 1 - y ) .., so a link shortened by x = 1 - y stores k_b/L ( 12 x + ... )
 // beyond the ramp.
-static void stats_hold_the_energy_of_bending( void** state )
+IMPLICIT_TEST( stats_hold_the_energy_of_bending )
 {
     hosted* h = *state;
     static const int32_t PAIR[2] = { 0, 1 };
@@ -343,9 +342,8 @@ static void stats_hold_the_energy_of_bending( void** state )
 
 // A sheet of 2.4e-5 kg and more per vertex that hangs at 200 N/m: differences of positions within 0.16 m are rounded
 // by 1.5e-8 m. A vertex has up to eight of them, which is 200 N/m 1.2e-7 m dt / m = 0.016 m/s at most.
-static void repeats_come_to_the_nonlinear_step( void** state )
+TEST( repeats_come_to_the_nonlinear_step )
 {
-    (void)state;
     double left[2];
     for ( int n = 0; n < 2; ++n )
     {
@@ -367,9 +365,8 @@ static void repeats_come_to_the_nonlinear_step( void** state )
 }
 
 // At 2e4 N/m in steps of 1/64 s k h^2 / m is far beyond 1024.
-static void stiff_substeps_are_solved_for_as_often_as_they_may_be( void** state )
+TEST( stiff_substeps_are_solved_for_as_often_as_they_may_be )
 {
-    (void)state;
     const int newton[4] = { 1, 1, 1, 5 }, stiff[4] = { 1, 3, 16, 3 };
     int least[4], most[4];
     for ( int n = 0; n < 4; ++n )
@@ -401,7 +398,7 @@ static void stiff_substeps_are_solved_for_as_often_as_they_may_be( void** state 
 
 // ---- what is counted ----
 
-static void a_solve_that_ends_at_its_limit_is_counted( void** state )
+IMPLICIT_TEST( a_solve_that_ends_at_its_limit_is_counted )
 {
     hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
@@ -420,9 +417,8 @@ static void a_solve_that_ends_at_its_limit_is_counted( void** state )
 }
 
 // Diagonals half as long as at rest push with k_b/L^2 F, about 16, sideways: far more than masses and edges resist.
-static void negative_curvature_is_counted_and_only_with_the_whole_derivative( void** state )
+TEST( negative_curvature_is_counted_and_only_with_the_whole_derivative )
 {
-    (void)state;
     for ( int full = 0; full < 2; ++full )
     {
         hosted h;
@@ -448,7 +444,7 @@ static void negative_curvature_is_counted_and_only_with_the_whole_derivative( vo
     }
 }
 
-static void links_between_coincident_vertices_are_counted( void** state )
+IMPLICIT_TEST( links_between_coincident_vertices_are_counted )
 {
     hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
@@ -466,7 +462,7 @@ static void links_between_coincident_vertices_are_counted( void** state )
 // Three collinear links leave a light vertex nearly free across them: its block of the matrix is a rank-one matrix
 // and a part 55000 times smaller. A link of 20 kN/m that carries 0.3 g grows by 1e-7 m; before it is taut it may fall
 // g dt^2, 3 mm.
-static void a_light_chain_of_stiff_links_keeps_its_length( void** state )
+IMPLICIT_TEST( a_light_chain_of_stiff_links_keeps_its_length )
 {
     hosted* h = *state;
     static const int32_t PAIRS[6] = { 0, 1, 1, 2, 2, 3 }, PINS[2] = { 0, 4 };
@@ -504,9 +500,8 @@ static void a_light_chain_of_stiff_links_keeps_its_length( void** state )
     }
 }
 
-static void cloth_stays_finite_whatever_it_is_made_of( void** state )
+TEST( cloth_stays_finite_whatever_it_is_made_of )
 {
-    (void)state;
     for ( int n = 0; n < 48; ++n )
     {
         hosted h;
@@ -531,31 +526,4 @@ static void cloth_stays_finite_whatever_it_is_made_of( void** state )
         }
         close_world( &h );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        IMPLICIT_TEST( edges_stretch_and_opposite_vertices_bend ),
-        IMPLICIT_TEST( a_diagonal_found_twice_is_one_link ),
-        IMPLICIT_TEST( an_edge_that_is_a_diagonal_too_is_two_links_and_one_neighbour ),
-        IMPLICIT_TEST( pairs_by_hand_take_the_place_of_the_mesh ),
-        IMPLICIT_TEST( a_free_sheet_falls_like_a_stone_to_the_last_bit ),
-        IMPLICIT_TEST( damping_of_the_surface_brakes_all_velocity ),
-        IMPLICIT_TEST( a_link_that_hangs_is_longer_by_weight_over_stiffness ),
-        IMPLICIT_TEST( weights_are_those_of_neighbours ),
-        IMPLICIT_TEST( a_light_chain_of_stiff_links_keeps_its_length ),
-        IMPLICIT_TEST( an_oscillator_loses_what_implicit_euler_takes ),
-        IMPLICIT_TEST( axial_damping_leaves_spin_alone ),
-        cmocka_unit_test( pins_stay_and_go_where_they_are_told_to_the_last_bit ),
-        IMPLICIT_TEST( a_pin_pulls_with_the_velocity_it_is_moved_with ),
-        IMPLICIT_TEST( stats_hold_the_energy_of_bending ),
-        cmocka_unit_test( repeats_come_to_the_nonlinear_step ),
-        cmocka_unit_test( stiff_substeps_are_solved_for_as_often_as_they_may_be ),
-        IMPLICIT_TEST( a_solve_that_ends_at_its_limit_is_counted ),
-        cmocka_unit_test( negative_curvature_is_counted_and_only_with_the_whole_derivative ),
-        IMPLICIT_TEST( links_between_coincident_vertices_are_counted ),
-        cmocka_unit_test( cloth_stays_finite_whatever_it_is_made_of ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

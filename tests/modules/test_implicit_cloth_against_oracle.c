@@ -182,9 +182,8 @@ static void run_duels( const duel* duels, int count )
 #define EFFECTIVE .weights = WISP_IMPLICIT_WEIGHTS_EFFECTIVE, .dt = FAST
 #define NONE .weights = WISP_IMPLICIT_WEIGHTS_NONE, .dt = FAST
 
-static void weights_go_with_the_oracle( void** state )
+TEST( weights_go_with_the_oracle )
 {
-    (void)state;
     const duel duels[] = {
         { "effective", EFFECTIVE },
         { "effective, free", EFFECTIVE, .loose = true },
@@ -197,9 +196,8 @@ static void weights_go_with_the_oracle( void** state )
     run_duels( duels, WISP_COUNT( duels ) );
 }
 
-static void sheets_go_with_the_oracle( void** state )
+TEST( sheets_go_with_the_oracle )
 {
-    (void)state;
     const duel duels[] = {
         { "sheet", NONE, .stiffness = WISP_IMPLICIT_STIFFNESS_MATERIAL },
         { "sheet, effective", EFFECTIVE, .stiffness = WISP_IMPLICIT_STIFFNESS_MATERIAL },
@@ -207,9 +205,8 @@ static void sheets_go_with_the_oracle( void** state )
     run_duels( duels, WISP_COUNT( duels ) );
 }
 
-static void damping_and_derivatives_go_with_the_oracle( void** state )
+TEST( damping_and_derivatives_go_with_the_oracle )
 {
-    (void)state;
     const duel duels[] = {
         { "axial", EFFECTIVE, .damping_form = WISP_IMPLICIT_DAMPING_AXIAL },
         { "axial, strong", EFFECTIVE, .damping_form = WISP_IMPLICIT_DAMPING_AXIAL, .damping = 0.2f },
@@ -220,9 +217,8 @@ static void damping_and_derivatives_go_with_the_oracle( void** state )
     run_duels( duels, WISP_COUNT( duels ) );
 }
 
-static void integrators_and_repeats_go_with_the_oracle( void** state )
+TEST( integrators_and_repeats_go_with_the_oracle )
 {
-    (void)state;
     const duel duels[] = {
         { "bdf2", EFFECTIVE, .integrator = WISP_INTEGRATOR_BDF2 },
         { "bdf2, axial", EFFECTIVE, .integrator = WISP_INTEGRATOR_BDF2, .damping_form = WISP_IMPLICIT_DAMPING_AXIAL },
@@ -326,9 +322,8 @@ static void run_scenes( const scene* scenes, int count )
 
 #define FREE .loose = true, .dt = FAST
 
-static void contact_goes_with_the_oracle( void** state )
+TEST( contact_goes_with_the_oracle )
 {
-    (void)state;
     const scene scenes[] = {
         { { "plane", FREE }, .plane = true, .friction = 0.5f },
         { { "plane, without friction", FREE }, .plane = true },
@@ -343,9 +338,8 @@ static void contact_goes_with_the_oracle( void** state )
     run_scenes( scenes, WISP_COUNT( scenes ) );
 }
 
-static void landing_goes_with_the_oracle( void** state )
+TEST( landing_goes_with_the_oracle )
 {
-    (void)state;
     const scene scenes[] = {
         { { "landing", FREE }, .plane = true, .friction = 0.5f, .fall = 4.0f },
         { { "landing, bdf2", FREE, .integrator = WISP_INTEGRATOR_BDF2 },
@@ -358,9 +352,8 @@ static void landing_goes_with_the_oracle( void** state )
     run_scenes( scenes, WISP_COUNT( scenes ) );
 }
 
-static void moving_bodies_go_with_the_oracle( void** state )
+TEST( moving_bodies_go_with_the_oracle )
 {
-    (void)state;
     const scene scenes[] = {
         { { "moving plane", FREE }, .plane = true, .moves = true, .friction = 0.5f },
         { { "moving plane, without friction", FREE }, .plane = true, .moves = true },
@@ -372,9 +365,8 @@ static void moving_bodies_go_with_the_oracle( void** state )
 
 // ---- sensitivity of the comparison ----
 
-static void a_hundredth_of_a_parameter_shows( void** state )
+TEST( a_hundredth_of_a_parameter_shows )
 {
-    (void)state;
     const duel rules = { "changed", EFFECTIVE };
     for ( int k = 0; k < 5; ++k )
     {
@@ -397,19 +389,4 @@ static void a_hundredth_of_a_parameter_shows( void** state )
         assert_true( shows );
         close_match( m );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( weights_go_with_the_oracle ),
-        cmocka_unit_test( sheets_go_with_the_oracle ),
-        cmocka_unit_test( damping_and_derivatives_go_with_the_oracle ),
-        cmocka_unit_test( integrators_and_repeats_go_with_the_oracle ),
-        cmocka_unit_test( contact_goes_with_the_oracle ),
-        cmocka_unit_test( landing_goes_with_the_oracle ),
-        cmocka_unit_test( moving_bodies_go_with_the_oracle ),
-        cmocka_unit_test( a_hundredth_of_a_parameter_shows ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

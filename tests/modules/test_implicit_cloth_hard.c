@@ -70,9 +70,8 @@ static double strain_of_a_cable( wisp_world* world, wisp_entity e, double stiffn
     return cbrt( 1.0 / 24.0 ) * pow( mass * 9.81 / ( 0.5 * stiffness * 0.03125 ), 2.0 / 3.0 );
 }
 
-static void stiff_links_hang_at_their_length( void** state )
+TEST( stiff_links_hang_at_their_length )
 {
-    (void)state;
     static const float STIFFNESSES[] = { 1e4f, 1e6f, 1e8f };
     for ( int n = 0; n < 2 * WISP_COUNT( STIFFNESSES ); ++n )
     {
@@ -92,9 +91,8 @@ static void stiff_links_hang_at_their_length( void** state )
 }
 
 // A sheet that starts with all vertices within a centimetre of their rest positions.
-static void stiff_links_give_no_more_than_they_had( void** state )
+TEST( stiff_links_give_no_more_than_they_had )
 {
-    (void)state;
     static const float STIFFNESSES[] = { 1e4f, 1e6f, 1e8f };
     for ( int n = 0; n < WISP_COUNT( STIFFNESSES ); ++n )
     {
@@ -119,9 +117,8 @@ static void stiff_links_give_no_more_than_they_had( void** state )
     }
 }
 
-static void what_floats_carry_is_left_as_it_is( void** state )
+TEST( what_floats_carry_is_left_as_it_is )
 {
-    (void)state;
     for ( int n = 0; n < 2; ++n )
     {
         hosted h;
@@ -137,9 +134,8 @@ static void what_floats_carry_is_left_as_it_is( void** state )
 
 // ---- BDF2 ----
 
-static void bdf2_hangs_in_long_steps( void** state )
+TEST( bdf2_hangs_in_long_steps )
 {
-    (void)state;
     static const float STEPS[] = { 1.0f / 15.0f, 0.2f };
     for ( int n = 0; n < WISP_COUNT( STEPS ); ++n )
     {
@@ -179,21 +175,8 @@ static double oscillator_error( int steps )
     return fabs( y - exact );
 }
 
-static void bdf2_is_of_second_order_in_smooth_motion( void** state )
+TEST( bdf2_is_of_second_order_in_smooth_motion )
 {
-    (void)state;
     const double order = log2( oscillator_error( 64 ) / oscillator_error( 128 ) );
     assert_near( order, 2.0, 0.2 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( stiff_links_hang_at_their_length ),
-        cmocka_unit_test( stiff_links_give_no_more_than_they_had ),
-        cmocka_unit_test( what_floats_carry_is_left_as_it_is ),
-        cmocka_unit_test( bdf2_hangs_in_long_steps ),
-        cmocka_unit_test( bdf2_is_of_second_order_in_smooth_motion ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

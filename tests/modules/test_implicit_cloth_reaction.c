@@ -51,9 +51,8 @@ static wisp_implicit_cloth_def tight( wisp_integrator integrator, wisp_implicit_
 }
 
 // A sheet that falls on a floor and lies there.
-static void a_floor_carries_the_weight( void** state )
+TEST( a_floor_carries_the_weight )
 {
-    (void)state;
     for ( int k = 0; k < 4; ++k )
     {
         hosted* h = new_solved( 2, 1 );
@@ -89,9 +88,8 @@ static void a_floor_carries_the_weight( void** state )
 
 // A cloth that falls on a ball that moves and turns with friction, and slides from it to a floor. Euler keeps the sum step by step.
 // BDF2 has the momentum of two substeps: from the start to rest it is the same.
-static void bodies_get_what_the_cloth_loses( void** state )
+TEST( bodies_get_what_the_cloth_loses )
 {
-    (void)state;
     for ( int k = 0; k < 2; ++k )
     {
         hosted* h = new_solved( 2, 1 );
@@ -151,9 +149,8 @@ static void bodies_get_what_the_cloth_loses( void** state )
 }
 
 // A patch in the corner of a floor and a wall without friction: each stops its own part of the velocity.
-static void each_body_gets_what_it_stopped( void** state )
+TEST( each_body_gets_what_it_stopped )
 {
-    (void)state;
     for ( int k = 0; k < 2; ++k )
     {
         hosted* h = new_solved( 1, 1 );
@@ -191,9 +188,8 @@ static void each_body_gets_what_it_stopped( void** state )
 }
 
 // The order of calls does not count, a request changes no bit of the motion, and workers change none of the reaction.
-static void requests_come_and_go( void** state )
+TEST( requests_come_and_go )
 {
-    (void)state;
     hosted* h[3];
     wisp_entity floor[3], e[3];
     for ( int k = 0; k < 3; ++k )
@@ -248,15 +244,4 @@ static void requests_come_and_go( void** state )
     {
         free_colliding( h[k] );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_floor_carries_the_weight ),
-        cmocka_unit_test( bodies_get_what_the_cloth_loses ),
-        cmocka_unit_test( each_body_gets_what_it_stopped ),
-        cmocka_unit_test( requests_come_and_go ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -36,7 +36,7 @@ static void assert_refused( hosted* h, wisp_entity e, const wisp_implicit_cloth_
 
 // ---- values ----
 
-static void every_number_has_its_range( void** state )
+IMPLICIT_TEST( every_number_has_its_range )
 {
     hosted* h = *state;
     wisp_entity e = add_plain( h );
@@ -69,7 +69,7 @@ static void every_number_has_its_range( void** state )
     }
 }
 
-static void every_count_and_choice_has_its_range( void** state )
+IMPLICIT_TEST( every_count_and_choice_has_its_range )
 {
     hosted* h = *state;
     wisp_entity e = add_plain( h );
@@ -110,7 +110,7 @@ static void every_count_and_choice_has_its_range( void** state )
 
 // ---- pairs ----
 
-static void a_pair_is_two_vertices_of_the_surface( void** state )
+IMPLICIT_TEST( a_pair_is_two_vertices_of_the_surface )
 {
     hosted* h = *state;
     wisp_entity e = add_plain( h );
@@ -130,7 +130,7 @@ static void a_pair_is_two_vertices_of_the_surface( void** state )
     }
 }
 
-static void a_count_of_pairs_needs_a_list( void** state )
+IMPLICIT_TEST( a_count_of_pairs_needs_a_list )
 {
     hosted* h = *state;
     wisp_entity e = add_plain( h );
@@ -142,7 +142,7 @@ static void a_count_of_pairs_needs_a_list( void** state )
     assert_refused( h, e, &def, WISP_BAD_INPUT, "-1 bend pairs" );
 }
 
-static void pairs_by_hand_have_no_area( void** state )
+IMPLICIT_TEST( pairs_by_hand_have_no_area )
 {
     hosted* h = *state;
     static const int32_t PAIR[2] = { 0, 1 };
@@ -158,7 +158,7 @@ static void pairs_by_hand_have_no_area( void** state )
 }
 
 // Two vertices of two triangles that lie on each other at rest.
-static void a_link_without_a_length_is_named( void** state )
+IMPLICIT_TEST( a_link_without_a_length_is_named )
 {
     hosted* h = *state;
     static const int32_t PAIR[2] = { 0, 3 };
@@ -175,7 +175,7 @@ static void a_link_without_a_length_is_named( void** state )
 
 // ---- ownership ----
 
-static void two_solvers_do_not_move_one_surface( void** state )
+IMPLICIT_TEST( two_solvers_do_not_move_one_surface )
 {
     hosted* h = *state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
@@ -196,7 +196,7 @@ static void two_solvers_do_not_move_one_surface( void** state )
     assert_refused( h, foreign, &def, WISP_CONFLICT, "another solver" );
 }
 
-static void an_implicit_cloth_becomes_no_other_cloth_and_no_balloon( void** state )
+IMPLICIT_TEST( an_implicit_cloth_becomes_no_other_cloth_and_no_balloon )
 {
     hosted* h = *state;
     test_mesh mesh = test_ball( 1 );
@@ -219,7 +219,7 @@ static void an_implicit_cloth_becomes_no_other_cloth_and_no_balloon( void** stat
     assert_refused( h, blown, &def, WISP_CONFLICT, "balloon" );
 }
 
-static void what_is_no_living_surface_is_refused( void** state )
+IMPLICIT_TEST( what_is_no_living_surface_is_refused )
 {
     hosted* h = *state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
@@ -236,7 +236,7 @@ static void what_is_no_living_surface_is_refused( void** state )
                     "does not exist" );
 }
 
-static void stats_are_there_from_the_step_after_asking( void** state )
+IMPLICIT_TEST( stats_are_there_from_the_step_after_asking )
 {
     hosted* h = *state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
@@ -255,9 +255,8 @@ static void stats_are_there_from_the_step_after_asking( void** state )
     expect_refusal( h->world, wisp_read_implicit_cloth_stats( h->world, e, &stats ), WISP_CONFLICT, "statistics" );
 }
 
-static void a_world_without_the_module_says_so( void** state )
+TEST( a_world_without_the_module_says_so )
 {
-    (void)state;
     hosted h = { 0 };
     h.def = hosted_def( &h );
     assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );
@@ -314,9 +313,8 @@ static int change_without_memory( int64_t n, bool rest, bool from_cloth )
     return refused ? 1 : 0;
 }
 
-static void without_memory_a_surface_stays_what_it_was( void** state )
+TEST( without_memory_a_surface_stays_what_it_was )
 {
-    (void)state;
     for ( int variant = 0; variant < 4; ++variant )
     {
         int refusals = 0;
@@ -330,9 +328,8 @@ static void without_memory_a_surface_stays_what_it_was( void** state )
 
 // A step without memory for its system reports it and can be repeated; one that finds another way gives the same
 // result.
-static void a_step_without_memory_is_refused_and_made_later( void** state )
+TEST( a_step_without_memory_is_refused_and_made_later )
 {
-    (void)state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     const uint64_t reference = alone( &def, 9, 2 );
     int refusals = 0;
@@ -359,9 +356,8 @@ static void a_step_without_memory_is_refused_and_made_later( void** state )
     assert_in_range( refusals, 2, 98 ); // of the plan and of the system at least
 }
 
-static void a_warm_step_asks_for_no_memory( void** state )
+TEST( a_warm_step_asks_for_no_memory )
 {
-    (void)state;
     for ( int variant = 0; variant < 4; ++variant )
     {
         hosted h;
@@ -378,7 +374,7 @@ static void a_warm_step_asks_for_no_memory( void** state )
     }
 }
 
-static void a_removed_cloth_gives_its_memory_back( void** state )
+IMPLICIT_TEST( a_removed_cloth_gives_its_memory_back )
 {
     hosted* h = *state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
@@ -403,7 +399,7 @@ static void a_removed_cloth_gives_its_memory_back( void** state )
 
 // ---- several, and changes ----
 
-static void cloths_of_one_world_do_not_know_of_each_other( void** state )
+IMPLICIT_TEST( cloths_of_one_world_do_not_know_of_each_other )
 {
     hosted* h = *state;
     wisp_implicit_cloth_def soft = wisp_default_implicit_cloth_def(), stiff = soft;
@@ -420,7 +416,7 @@ static void cloths_of_one_world_do_not_know_of_each_other( void** state )
 }
 
 // An instance has the mesh of its source and parameters of its own.
-static void an_instance_is_a_cloth_of_its_own( void** state )
+IMPLICIT_TEST( an_instance_is_a_cloth_of_its_own )
 {
     hosted* h = *state;
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
@@ -438,7 +434,7 @@ static void an_instance_is_a_cloth_of_its_own( void** state )
     assert_int_equal( hash_of( h->world, twin, WISP_SURFACE_POINTS ), alone( &def, 9, 20 ) );
 }
 
-static void a_cloth_can_be_changed_while_it_moves( void** state )
+IMPLICIT_TEST( a_cloth_can_be_changed_while_it_moves )
 {
     hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
@@ -463,9 +459,8 @@ static void a_cloth_can_be_changed_while_it_moves( void** state )
     assert_int_equal( wisp_world_memory( h->world ), bytes );
 }
 
-static void a_snapshot_goes_on_to_the_same_bits( void** state )
+TEST( a_snapshot_goes_on_to_the_same_bits )
 {
-    (void)state;
     for ( int variant = 0; variant < 4; ++variant )
     {
         hosted h;
@@ -487,30 +482,4 @@ static void a_snapshot_goes_on_to_the_same_bits( void** state )
         free( saved.bytes );
         close_world( &h );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        IMPLICIT_TEST( every_number_has_its_range ),
-        IMPLICIT_TEST( every_count_and_choice_has_its_range ),
-        IMPLICIT_TEST( a_pair_is_two_vertices_of_the_surface ),
-        IMPLICIT_TEST( a_count_of_pairs_needs_a_list ),
-        IMPLICIT_TEST( pairs_by_hand_have_no_area ),
-        IMPLICIT_TEST( a_link_without_a_length_is_named ),
-        IMPLICIT_TEST( two_solvers_do_not_move_one_surface ),
-        IMPLICIT_TEST( an_implicit_cloth_becomes_no_other_cloth_and_no_balloon ),
-        IMPLICIT_TEST( what_is_no_living_surface_is_refused ),
-        IMPLICIT_TEST( stats_are_there_from_the_step_after_asking ),
-        cmocka_unit_test( a_world_without_the_module_says_so ),
-        cmocka_unit_test( without_memory_a_surface_stays_what_it_was ),
-        cmocka_unit_test( a_step_without_memory_is_refused_and_made_later ),
-        cmocka_unit_test( a_warm_step_asks_for_no_memory ),
-        IMPLICIT_TEST( a_removed_cloth_gives_its_memory_back ),
-        IMPLICIT_TEST( cloths_of_one_world_do_not_know_of_each_other ),
-        IMPLICIT_TEST( an_instance_is_a_cloth_of_its_own ),
-        IMPLICIT_TEST( a_cloth_can_be_changed_while_it_moves ),
-        cmocka_unit_test( a_snapshot_goes_on_to_the_same_bits ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

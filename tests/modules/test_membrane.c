@@ -87,9 +87,8 @@ static double hanging_length( double stiffness, double weight, double length )
     return sum;
 }
 
-static void a_strip_hangs_as_long_as_its_weight_pulls( void** state )
+TEST( a_strip_hangs_as_long_as_its_weight_pulls )
 {
-    (void)state;
     static const int32_t PINS[] = { 0, 1, 2 };
     for ( int iterations = 1; iterations <= 4; iterations += 3 )
     {
@@ -117,9 +116,8 @@ static void a_strip_hangs_as_long_as_its_weight_pulls( void** state )
 }
 
 // A balloon of rubber on both sides of its limit point.
-static void a_balloon_holds_the_pressure_of_rubber( void** state )
+TEST( a_balloon_holds_the_pressure_of_rubber )
 {
-    (void)state;
     for ( int size = 0; size < 2; ++size )
     {
         hosted* h = open_membranes( 40, 1, 1 );
@@ -157,9 +155,8 @@ static void a_balloon_holds_the_pressure_of_rubber( void** state )
 // ---- wrinkles ----
 
 // Pushed together to four fifths between its ends, a strip without compression has nothing that moves it.
-static void a_tension_field_holds_no_compression( void** state )
+TEST( a_tension_field_holds_no_compression )
 {
-    (void)state;
     static const int32_t PINS[] = { 0, 1, 2, 3 * CELLS, 3 * CELLS + 1, 3 * CELLS + 2 };
     for ( int field = 0; field < 2; ++field )
     {
@@ -191,9 +188,8 @@ static void a_tension_field_holds_no_compression( void** state )
 // ---- all of it ----
 
 // Substeps of 1/600 s take (5/s h)^2 / 2 of the angular momentum each, as of any body that turns.
-static void a_free_membrane_keeps_its_momenta( void** state )
+TEST( a_free_membrane_keeps_its_momenta )
 {
-    (void)state;
     hosted* h = open_membranes( 10, 1, 2 );
     test_mesh mesh = make_sphere( 3, 0.1f );
     wisp_surface_def surface = support_weightless_surface_def();
@@ -217,9 +213,8 @@ static void a_free_membrane_keeps_its_momenta( void** state )
     close_membranes( h );
 }
 
-static void bits_do_not_depend_on_workers( void** state )
+TEST( bits_do_not_depend_on_workers )
 {
-    (void)state;
     uint64_t hashes[3];
     static const int WORKERS[] = { 1, 2, 5 };
     for ( int n = 0; n < 3; ++n )
@@ -243,9 +238,8 @@ static void bits_do_not_depend_on_workers( void** state )
     assert_true( hashes[0] == hashes[1] && hashes[1] == hashes[2] );
 }
 
-static void what_cannot_be_is_refused( void** state )
+TEST( what_cannot_be_is_refused )
 {
-    (void)state;
     hosted* h = open_membranes( 2, 1, 1 );
     wisp_world* w = h->world;
     test_mesh mesh = make_sphere( 1, 0.1f );
@@ -274,17 +268,4 @@ static void what_cannot_be_is_refused( void** state )
     run_steps( w, 1, FRAME );
     test_mesh_free( &mesh );
     close_membranes( h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_strip_hangs_as_long_as_its_weight_pulls ),
-        cmocka_unit_test( a_balloon_holds_the_pressure_of_rubber ),
-        cmocka_unit_test( a_tension_field_holds_no_compression ),
-        cmocka_unit_test( a_free_membrane_keeps_its_momenta ),
-        cmocka_unit_test( bits_do_not_depend_on_workers ),
-        cmocka_unit_test( what_cannot_be_is_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

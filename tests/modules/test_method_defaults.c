@@ -7,9 +7,8 @@
 
 #include "unit.h"
 
-static void frozen_hair_has_the_numbers_of_its_contract( void** state )
+TEST( frozen_hair_has_the_numbers_of_its_contract )
 {
-    (void)state;
     const wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     assert_true( def.freeze && def.align && def.clump );
     assert_float_equal( def.stretch_stiffness, 7.0f, 0.0f );
@@ -23,9 +22,8 @@ static void frozen_hair_has_the_numbers_of_its_contract( void** state )
     assert_true( def.min_lambda == 0.0f && def.epsilon == 0.0f && def.min_distance_clamp );
 }
 
-static void balloons_are_of_helium_in_standard_air( void** state )
+TEST( balloons_are_of_helium_in_standard_air )
 {
-    (void)state;
     const wisp_balloon_def def = wisp_default_balloon_def();
     assert_float_equal( def.atmospheric_pressure, 101325.0f, 0.0f );
     assert_float_equal( def.temperature, 293.15f, 0.0f );
@@ -42,9 +40,8 @@ static void balloons_are_of_helium_in_standard_air( void** state )
     assert_true( def.buoyancy && def.keep_angular_momentum );
 }
 
-static void implicit_cloth_has_the_numbers_of_its_contract( void** state )
+TEST( implicit_cloth_has_the_numbers_of_its_contract )
 {
-    (void)state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     assert_float_equal( def.stretch_stiffness, 200.0f, 0.0f );
     assert_float_equal( def.bend_stiffness, 1e-6f, 0.0f );
@@ -54,23 +51,11 @@ static void implicit_cloth_has_the_numbers_of_its_contract( void** state )
     assert_int_equal( def.integrator, WISP_INTEGRATOR_EULER );
 }
 
-static void boundary_points_are_even_and_counted_downwards( void** state )
+TEST( boundary_points_are_even_and_counted_downwards )
 {
-    (void)state;
     const wisp_boundary_def def = wisp_default_boundary_def();
     assert_int_equal( def.policy, WISP_SPACING_EVEN );
     assert_int_equal( def.rounding, WISP_ROUND_DOWN );
     assert_true( def.spacing == 0.0f && !def.scanline_normals && !def.by_screen );
     assert_float_equal( def.pixels, 4.0f, 0.0f );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( frozen_hair_has_the_numbers_of_its_contract ),
-        cmocka_unit_test( balloons_are_of_helium_in_standard_air ),
-        cmocka_unit_test( implicit_cloth_has_the_numbers_of_its_contract ),
-        cmocka_unit_test( boundary_points_are_even_and_counted_downwards ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

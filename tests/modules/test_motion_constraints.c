@@ -77,9 +77,8 @@ static double distance_to( held* s, int vertex, wisp_vec3 place )
     return double3_length( double3_sub( double3_widen( p ), double3_widen( place ) ) );
 }
 
-static void a_vertex_in_gravity_hangs_at_its_largest_distance( void** state )
+TEST( a_vertex_in_gravity_hangs_at_its_largest_distance )
 {
-    (void)state;
     float distances[VERTICES];
     for ( int v = 0; v < VERTICES; ++v )
     {
@@ -102,9 +101,8 @@ static void a_vertex_in_gravity_hangs_at_its_largest_distance( void** state )
 }
 
 // By xpbd m g = (|x - t| - d) / compliance, whatever the iterations and the substeps.
-static void a_compliant_distance_is_exceeded_by_the_weight( void** state )
+TEST( a_compliant_distance_is_exceeded_by_the_weight )
 {
-    (void)state;
     static const int NUMBERS[][2] = { { 4, 1 }, { 16, 1 }, { 4, 6 } };
     for ( int i = 0; i < WISP_COUNT( NUMBERS ); ++i )
     {
@@ -125,9 +123,8 @@ static void a_compliant_distance_is_exceeded_by_the_weight( void** state )
 }
 
 // Wind that blows down, in place of gravity, against planes and spheres behind the targets.
-static void a_backstop_holds_against_what_pushes( void** state )
+TEST( a_backstop_holds_against_what_pushes )
 {
-    (void)state;
     for ( int sphere = 0; sphere < 2; ++sphere )
     {
         wisp_vec3 normals[VERTICES];
@@ -173,9 +170,8 @@ static void move_all( held* s, wisp_vec3 by )
     assert_status( s->world, wisp_move_motion_targets( s->world, s->e, targets, NULL ), WISP_OK );
 }
 
-static void an_infinite_distance_changes_no_bit_of_the_motion( void** state )
+TEST( an_infinite_distance_changes_no_bit_of_the_motion )
 {
-    (void)state;
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     const wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
     held with = open_held( 4, 1, 1, &cloth, EARTH ), without = open_held( 4, 1, 1, &cloth, EARTH );
@@ -199,9 +195,8 @@ static void an_infinite_distance_changes_no_bit_of_the_motion( void** state )
 }
 
 // With distance 0 a vertex goes with its target: its velocity in each substep is that of a straight path.
-static void targets_move_in_a_straight_line_over_the_substeps( void** state )
+TEST( targets_move_in_a_straight_line_over_the_substeps )
 {
-    (void)state;
     wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
     def.max_distance = 0.0f;
     held s = open_held( 5, 1, 1, NULL, EARTH );
@@ -224,9 +219,8 @@ static void targets_move_in_a_straight_line_over_the_substeps( void** state )
 }
 
 // Steps of uneven length leave a part of a substep: the targets are then on their way, and vertices with them.
-static void uneven_steps_arrive_where_even_ones_do( void** state )
+TEST( uneven_steps_arrive_where_even_ones_do )
 {
-    (void)state;
     wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
     def.max_distance = 0.0f;
     held s = open_held( 4, 1, 1, NULL, EARTH );
@@ -296,17 +290,15 @@ static uint64_t walk( int workers, const char* isa, bool restored )
     return hash;
 }
 
-static void bits_do_not_depend_on_workers_nor_on_a_snapshot( void** state )
+TEST( bits_do_not_depend_on_workers_nor_on_a_snapshot )
 {
-    (void)state;
     const uint64_t one = walk( 1, NULL, false );
     assert_true( walk( 3, NULL, false ) == one );
     assert_true( walk( 1, NULL, true ) == one );
 }
 
-static void a_teleport_takes_targets_and_backstops_along( void** state )
+TEST( a_teleport_takes_targets_and_backstops_along )
 {
-    (void)state;
     held here = open_held( 4, 1, 1, NULL, EARTH ), there = open_held( 4, 1, 1, NULL, EARTH );
     const wisp_transform motion = { { 0.0f, 1.0f, 0.0f, 0.0f }, { 4.0f, 0.0f, 8.0f } }; // half a turn about gravity
     wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
@@ -329,9 +321,8 @@ static void a_teleport_takes_targets_and_backstops_along( void** state )
     close_held( &there );
 }
 
-static void balloons_and_implicit_cloth_are_held_too( void** state )
+TEST( balloons_and_implicit_cloth_are_held_too )
 {
-    (void)state;
     const wisp_implicit_cloth_def implicit = wisp_default_implicit_cloth_def();
     wisp_motion_constraints_def def = wisp_default_motion_constraints_def();
     def.max_distance = 0.05f;
@@ -355,9 +346,8 @@ static void balloons_and_implicit_cloth_are_held_too( void** state )
     close_held( &s );
 }
 
-static void what_cannot_be_is_refused_by_vertex( void** state )
+TEST( what_cannot_be_is_refused_by_vertex )
 {
-    (void)state;
     held s = open_held( 4, 1, 1, NULL, EARTH );
     wisp_vec3 points[VERTICES];
     float map[VERTICES] = { 0.0f };
@@ -396,21 +386,4 @@ static void what_cannot_be_is_refused_by_vertex( void** state )
     steps( &s, 1 );
     assert_int_equal( count_passes_named( s.world, "motion_constraints.project" ), 0 );
     close_held( &s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_vertex_in_gravity_hangs_at_its_largest_distance ),
-        cmocka_unit_test( a_compliant_distance_is_exceeded_by_the_weight ),
-        cmocka_unit_test( a_backstop_holds_against_what_pushes ),
-        cmocka_unit_test( an_infinite_distance_changes_no_bit_of_the_motion ),
-        cmocka_unit_test( targets_move_in_a_straight_line_over_the_substeps ),
-        cmocka_unit_test( uneven_steps_arrive_where_even_ones_do ),
-        cmocka_unit_test( bits_do_not_depend_on_workers_nor_on_a_snapshot ),
-        cmocka_unit_test( a_teleport_takes_targets_and_backstops_along ),
-        cmocka_unit_test( balloons_and_implicit_cloth_are_held_too ),
-        cmocka_unit_test( what_cannot_be_is_refused_by_vertex ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -95,9 +95,8 @@ static double farthest_apart( framed* moved, framed* still, wisp_transform pose 
 }
 
 // With cloth of each kind, with coarse sheets, under gravity and drag that depend on velocities.
-static void a_surface_that_feels_nothing_moves_as_in_a_still_frame( void** state )
+TEST( a_surface_that_feels_nothing_moves_as_in_a_still_frame )
 {
-    (void)state;
     for ( int coarse = 0; coarse < 2; ++coarse )
     {
         wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -125,9 +124,8 @@ static void a_surface_that_feels_nothing_moves_as_in_a_still_frame( void** state
     }
 }
 
-static void a_frame_that_is_felt_changes_no_bit_and_has_no_pass( void** state )
+TEST( a_frame_that_is_felt_changes_no_bit_and_has_no_pass )
 {
-    (void)state;
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     framed with = open_framed( &cloth, true, EARTH, 1 ), without = open_framed( &cloth, true, EARTH, 1 );
     give_frame( &with, 0.5f, 0.5f );
@@ -144,9 +142,8 @@ static void a_frame_that_is_felt_changes_no_bit_and_has_no_pass( void** state )
 }
 
 // A frame at rest has passes, and changes no bit of positions and velocities.
-static void a_frame_at_rest_changes_no_bit_of_the_motion( void** state )
+TEST( a_frame_at_rest_changes_no_bit_of_the_motion )
 {
-    (void)state;
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     framed with = open_framed( &cloth, true, EARTH, 1 ), without = open_framed( &cloth, true, EARTH, 1 );
     give_frame( &with, 0.0f, 0.0f );
@@ -165,9 +162,8 @@ static void a_frame_at_rest_changes_no_bit_of_the_motion( void** state )
 
 // A free cloth is carried by the fraction that it does not feel, and gains no momentum of it; one that is pulled along by pins gains
 // a momentum that is linear in what it feels.
-static void what_is_felt_is_linear_in_the_fraction( void** state )
+TEST( what_is_felt_is_linear_in_the_fraction )
 {
-    (void)state;
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.coarse_substeps = 0;
     cloth.bending = WISP_CLOTH_BENDING_NONE;
@@ -232,17 +228,15 @@ static uint64_t walk( int workers, bool restored )
     return hash;
 }
 
-static void bits_do_not_depend_on_workers_nor_on_a_snapshot( void** state )
+TEST( bits_do_not_depend_on_workers_nor_on_a_snapshot )
 {
-    (void)state;
     const uint64_t one = walk( 1, false );
     assert_true( walk( 3, false ) == one );
     assert_true( walk( 1, true ) == one );
 }
 
-static void a_teleport_takes_the_frame_along( void** state )
+TEST( a_teleport_takes_the_frame_along )
 {
-    (void)state;
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.coarse_substeps = 0; // they forget their history
     const wisp_transform motion = { { 0.0f, 1.0f, 0.0f, 0.0f }, { 4.0f, 0.0f, 8.0f } };
@@ -262,9 +256,8 @@ static void a_teleport_takes_the_frame_along( void** state )
     close_framed( &there );
 }
 
-static void a_largest_speed_holds_and_is_counted( void** state )
+TEST( a_largest_speed_holds_and_is_counted )
 {
-    (void)state;
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     framed s = open_framed( &cloth, false, EARTH, 1 );
     assert_status( s.world, wisp_set_max_speed( s.world, s.e, 2.0f ), WISP_OK );
@@ -282,9 +275,8 @@ static void a_largest_speed_holds_and_is_counted( void** state )
     close_framed( &s );
 }
 
-static void what_cannot_be_is_refused( void** state )
+TEST( what_cannot_be_is_refused )
 {
-    (void)state;
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     framed s = open_framed( &cloth, false, EARTH, 1 );
     wisp_moving_frame_def def = wisp_default_moving_frame_def();
@@ -303,19 +295,4 @@ static void what_cannot_be_is_refused( void** state )
     expect_refusal( s.world, wisp_set_max_speed( s.world, s.e, NAN ), WISP_BAD_INPUT, "max_speed: got nan m/s" );
     assert_true( wisp_world_hash( s.world ) == before );
     close_framed( &s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_surface_that_feels_nothing_moves_as_in_a_still_frame ),
-        cmocka_unit_test( a_frame_that_is_felt_changes_no_bit_and_has_no_pass ),
-        cmocka_unit_test( a_frame_at_rest_changes_no_bit_of_the_motion ),
-        cmocka_unit_test( what_is_felt_is_linear_in_the_fraction ),
-        cmocka_unit_test( bits_do_not_depend_on_workers_nor_on_a_snapshot ),
-        cmocka_unit_test( a_teleport_takes_the_frame_along ),
-        cmocka_unit_test( a_largest_speed_holds_and_is_counted ),
-        cmocka_unit_test( what_cannot_be_is_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

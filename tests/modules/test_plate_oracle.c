@@ -50,9 +50,8 @@ static bool is_deep( int v )
 
 // E = A / 2 |curvature|^2 in each triangle inside, and no force on a vertex inside: a uniform moment is in balance. Shares are
 // fitted with a damping of 1e-4.
-static void every_quadratic_surface_has_its_energy_and_is_in_balance( void** state )
+TEST( every_quadratic_surface_has_its_energy_and_is_in_balance )
 {
-    (void)state;
     static const double CURVATURES[][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 1, 1, 0 }, { 1, -1, 0.5 } };
     test_mesh m = square_of( 0.1, 0.33f );
     double3 rest[COUNT], x[COUNT], force[COUNT];
@@ -155,21 +154,11 @@ static void compare_with_oracle( float off, bool with_pins )
     close_world( &h );
 }
 
-static void the_engine_has_the_matrix_of_the_oracle( void** state )
+TEST( the_engine_has_the_matrix_of_the_oracle )
 {
-    (void)state;
     for ( int with_pins = 0; with_pins < 2; ++with_pins )
     {
         compare_with_oracle( 0.33f, with_pins != 0 );
         compare_with_oracle( 0.0f, with_pins != 0 ); // right angles: rows have fewer entries
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_quadratic_surface_has_its_energy_and_is_in_balance ),
-        cmocka_unit_test( the_engine_has_the_matrix_of_the_oracle ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -129,9 +129,8 @@ static void step_cloud( cloud* c, const sewn* s, int iterations, const wisp_seam
     }
 }
 
-static void a_substep_of_a_seam_is_that_of_the_oracle( void** state )
+TEST( a_substep_of_a_seam_is_that_of_the_oracle )
 {
-    (void)state;
     static const struct
     {
         float distance, closing_speed, compliance;
@@ -169,9 +168,8 @@ static void a_substep_of_a_seam_is_that_of_the_oracle( void** state )
 }
 
 // More pairs than colours meet at one vertex: the rest of them are projected one after another, in the order in which they are given.
-static void a_vertex_in_many_pairs_is_that_of_the_oracle( void** state )
+TEST( a_vertex_in_many_pairs_is_that_of_the_oracle )
 {
-    (void)state;
     enum
     {
         MANY = 81,
@@ -222,9 +220,8 @@ static double3 momentum_of( wisp_world* world, wisp_entity e, double* size )
     return sum;
 }
 
-static void a_seam_keeps_momentum( void** state )
+TEST( a_seam_keeps_momentum )
 {
-    (void)state;
     wisp_seam_def def = wisp_default_seam_def();
     def.compliance = 0.02f;
     sewn s = open_clouds( 2, 1, def, false );
@@ -281,9 +278,8 @@ static hanging open_hanging( int substeps, int iterations, float compliance, flo
 }
 
 // A vertex of mass m opens its pair by compliance m g, whatever the substeps and iterations, and the force is m g.
-static void a_weight_opens_a_compliant_seam_by_compliance_times_weight( void** state )
+TEST( a_weight_opens_a_compliant_seam_by_compliance_times_weight )
 {
-    (void)state;
     static const int NUMBERS[][2] = { { 4, 1 }, { 16, 1 }, { 4, 5 } };
     for ( int i = 0; i < WISP_COUNT( NUMBERS ); ++i )
     {
@@ -297,9 +293,8 @@ static void a_weight_opens_a_compliant_seam_by_compliance_times_weight( void** s
     }
 }
 
-static void a_pair_breaks_at_its_strength_and_not_below( void** state )
+TEST( a_pair_breaks_at_its_strength_and_not_below )
 {
-    (void)state;
     const hanging probe = open_hanging( 4, 1, 10.0f, INFINITY );
     const double weight = probe.weight;
     close_sewing( probe.h );
@@ -319,9 +314,8 @@ static void a_pair_breaks_at_its_strength_and_not_below( void** state )
 }
 
 // Two sheets hang, the lower one on a seam of nine pairs: together the pairs carry its weight, and open by it.
-static void the_pairs_of_two_hanging_sheets_carry_the_lower_one( void** state )
+TEST( the_pairs_of_two_hanging_sheets_carry_the_lower_one )
 {
-    (void)state;
     enum
     {
         COLUMNS = 9,
@@ -409,9 +403,8 @@ static sewn open_strip( void )
     return s;
 }
 
-static void a_flat_strip_closes_to_a_tube_without_a_jump( void** state )
+TEST( a_flat_strip_closes_to_a_tube_without_a_jump )
 {
-    (void)state;
     sewn s = open_strip();
     for ( int i = 1; i <= 180; ++i )
     {
@@ -464,18 +457,16 @@ static uint64_t run_clouds( int workers, bool restored )
     return hash;
 }
 
-static void bits_do_not_depend_on_workers_nor_on_a_snapshot( void** state )
+TEST( bits_do_not_depend_on_workers_nor_on_a_snapshot )
 {
-    (void)state;
     const uint64_t one = run_clouds( 1, false );
     assert_true( run_clouds( 3, false ) == one );
     assert_true( run_clouds( 1, true ) == one );
 }
 
 // So many pairs that a colour is cut into blocks.
-static void bits_of_a_long_seam_do_not_depend_on_workers( void** state )
+TEST( bits_of_a_long_seam_do_not_depend_on_workers )
 {
-    (void)state;
     enum
     {
         LONG_SIDE = 45,
@@ -507,20 +498,4 @@ static void bits_of_a_long_seam_do_not_depend_on_workers( void** state )
     free( pairs );
     assert_true( hashes[0] == hashes[1] && hashes[0] == hashes[2] );
     assert_true( broken[0] > 0 && broken[0] < LONG && broken[0] == broken[1] );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_substep_of_a_seam_is_that_of_the_oracle ),
-        cmocka_unit_test( a_vertex_in_many_pairs_is_that_of_the_oracle ),
-        cmocka_unit_test( a_seam_keeps_momentum ),
-        cmocka_unit_test( a_weight_opens_a_compliant_seam_by_compliance_times_weight ),
-        cmocka_unit_test( a_pair_breaks_at_its_strength_and_not_below ),
-        cmocka_unit_test( the_pairs_of_two_hanging_sheets_carry_the_lower_one ),
-        cmocka_unit_test( a_flat_strip_closes_to_a_tube_without_a_jump ),
-        cmocka_unit_test( bits_do_not_depend_on_workers_nor_on_a_snapshot ),
-        cmocka_unit_test( bits_of_a_long_seam_do_not_depend_on_workers ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -49,9 +49,8 @@ static wisp_seam_def edge_seam( const sheets* s )
     return def;
 }
 
-static void edges_within_a_distance_are_paired( void** state )
+TEST( edges_within_a_distance_are_paired )
 {
-    (void)state;
     sheets s = open_sheets( 4, 0.05f );
     const wisp_seam_def def = edge_seam( &s );
     const wisp_entity seam = sew( s.world, &def );
@@ -73,9 +72,8 @@ static void edges_within_a_distance_are_paired( void** state )
 }
 
 // An edge of 13 vertices against one of 7: all of both are sewn, each pair once.
-static void edges_of_different_resolution_are_sewn_whole( void** state )
+TEST( edges_of_different_resolution_are_sewn_whole )
 {
-    (void)state;
     sheets s = open_sheets( 4, 0.05f );
     wisp_seam_def def = edge_seam( &s );
     def.a = add_sheet( s.world, 13, -0.35f, true );
@@ -106,9 +104,8 @@ static void edges_of_different_resolution_are_sewn_whole( void** state )
     close_sewing( s.h );
 }
 
-static void surfaces_that_are_sewn_share_their_substeps( void** state )
+TEST( surfaces_that_are_sewn_share_their_substeps )
 {
-    (void)state;
     sheets s = open_sheets( 2, 0.0f );
     const wisp_entity alone = add_sheet( s.world, SIDE, 5.0f, true );
     assert_status( s.world, wisp_set_substeps( s.world, s.b, 12 ), WISP_OK );
@@ -134,9 +131,8 @@ static void surfaces_that_are_sewn_share_their_substeps( void** state )
     close_sewing( s.h );
 }
 
-static void a_removed_seam_leaves_no_pass( void** state )
+TEST( a_removed_seam_leaves_no_pass )
 {
-    (void)state;
     sheets s = open_sheets( 2, 0.05f );
     step_for( s.world, 1 );
     assert_int_equal( count_passes_named( s.world, "seams.project" ), 0 );
@@ -159,9 +155,8 @@ static void a_removed_seam_leaves_no_pass( void** state )
     close_sewing( s.h );
 }
 
-static void a_seam_whose_surface_was_removed_joins_nothing( void** state )
+TEST( a_seam_whose_surface_was_removed_joins_nothing )
 {
-    (void)state;
     sheets s = open_sheets( 2, 0.05f );
     const wisp_entity c = add_sheet( s.world, SIDE, -0.35f, true );
     wisp_seam_def def = edge_seam( &s ), other = def;
@@ -182,9 +177,8 @@ static void a_seam_whose_surface_was_removed_joins_nothing( void** state )
     close_sewing( s.h );
 }
 
-static void a_surface_that_is_not_finite_halts_alone( void** state )
+TEST( a_surface_that_is_not_finite_halts_alone )
 {
-    (void)state;
     sheets s = open_sheets( 2, 0.05f );
     const wisp_seam_def def = edge_seam( &s );
     const wisp_entity seam = sew( s.world, &def );
@@ -202,9 +196,8 @@ static void a_surface_that_is_not_finite_halts_alone( void** state )
     close_sewing( s.h );
 }
 
-static void a_teleport_of_both_surfaces_changes_nothing_else( void** state )
+TEST( a_teleport_of_both_surfaces_changes_nothing_else )
 {
-    (void)state;
     sheets here = open_sheets( 4, 0.05f ), there = open_sheets( 4, 0.05f );
     wisp_seam_def def = edge_seam( &here );
     def.closing_speed = 0.1f;
@@ -228,9 +221,8 @@ static void a_teleport_of_both_surfaces_changes_nothing_else( void** state )
     close_sewing( there.h );
 }
 
-static void implicit_cloth_is_sewn_too( void** state )
+TEST( implicit_cloth_is_sewn_too )
 {
-    (void)state;
     sheets s = open_sheets( 4, 0.05f );
     const wisp_entity other = add_sheet( s.world, SIDE, -0.35f, false );
     const wisp_implicit_cloth_def implicit = wisp_default_implicit_cloth_def();
@@ -253,9 +245,8 @@ static void implicit_cloth_is_sewn_too( void** state )
     close_sewing( s.h );
 }
 
-static void what_cannot_be_is_refused( void** state )
+TEST( what_cannot_be_is_refused )
 {
-    (void)state;
     sheets s = open_sheets( 4, 0.05f );
     wisp_entity out;
     int32_t pairs[] = { 1, 2, 3, 4 };
@@ -306,9 +297,8 @@ static void what_cannot_be_is_refused( void** state )
     close_sewing( s.h );
 }
 
-static void a_host_without_memory_gets_no_seam_and_loses_nothing( void** state )
+TEST( a_host_without_memory_gets_no_seam_and_loses_nothing )
 {
-    (void)state;
     int refused = 0;
     for ( int64_t n = 1; n < 100; ++n )
     {
@@ -339,21 +329,4 @@ static void a_host_without_memory_gets_no_seam_and_loses_nothing( void** state )
         }
     }
     assert_true( refused > 5 && refused < 99 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( edges_within_a_distance_are_paired ),
-        cmocka_unit_test( edges_of_different_resolution_are_sewn_whole ),
-        cmocka_unit_test( surfaces_that_are_sewn_share_their_substeps ),
-        cmocka_unit_test( a_removed_seam_leaves_no_pass ),
-        cmocka_unit_test( a_seam_whose_surface_was_removed_joins_nothing ),
-        cmocka_unit_test( a_surface_that_is_not_finite_halts_alone ),
-        cmocka_unit_test( a_teleport_of_both_surfaces_changes_nothing_else ),
-        cmocka_unit_test( implicit_cloth_is_sewn_too ),
-        cmocka_unit_test( what_cannot_be_is_refused ),
-        cmocka_unit_test( a_host_without_memory_gets_no_seam_and_loses_nothing ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

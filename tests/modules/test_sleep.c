@@ -12,9 +12,8 @@ static bool is_zero( wisp_world* world, wisp_entity e, wisp_component component,
     return zero;
 }
 
-static void a_sheet_on_the_ground_falls_asleep_and_no_pass_visits_it( void** state )
+TEST( a_sheet_on_the_ground_falls_asleep_and_no_pass_visits_it )
 {
-    (void)state;
     bed b;
     open_bed( &b, 1 );
     const uint64_t points = hash_of( b.world, b.sheet, WISP_SURFACE_POINTS );
@@ -31,9 +30,8 @@ static void a_sheet_on_the_ground_falls_asleep_and_no_pass_visits_it( void** sta
     close_world( &b.h );
 }
 
-static void a_ball_wakes_a_sheet_that_it_reaches_and_no_other( void** state )
+TEST( a_ball_wakes_a_sheet_that_it_reaches_and_no_other )
 {
-    (void)state;
     bed b;
     open_bed( &b, 1 );
     move_ball( b.world, b.ball, ( wisp_vec3 ){ 2.0f, 0.05f, 0.0f } ); // its way is beside the sheet
@@ -46,9 +44,8 @@ static void a_ball_wakes_a_sheet_that_it_reaches_and_no_other( void** state )
     close_world( &b.h );
 }
 
-static void a_body_that_appears_or_disappears_wakes_what_touches_it( void** state )
+TEST( a_body_that_appears_or_disappears_wakes_what_touches_it )
 {
-    (void)state;
     bed b;
     open_bed( &b, 1 );
     const wisp_entity far = add_ball( b.world, ( wisp_vec3 ){ 0.0f, 3.0f, 0.0f } );
@@ -65,9 +62,8 @@ static void a_body_that_appears_or_disappears_wakes_what_touches_it( void** stat
     close_world( &b.h );
 }
 
-static void a_sheet_that_falls_on_another_wakes_it_and_both_fall_asleep_together( void** state )
+TEST( a_sheet_that_falls_on_another_wakes_it_and_both_fall_asleep_together )
 {
-    (void)state;
     hosted h;
     open_stage( &h, 1 );
     wisp_world* world = h.world;
@@ -100,9 +96,8 @@ static void a_sheet_that_falls_on_another_wakes_it_and_both_fall_asleep_together
     close_world( &h );
 }
 
-static void an_entity_that_moves_keeps_awake_what_it_touches( void** state )
+TEST( an_entity_that_moves_keeps_awake_what_it_touches )
 {
-    (void)state;
     hosted h;
     open_stage( &h, 1 );
     const wisp_entity lower = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, true );
@@ -140,9 +135,8 @@ static void open_pile( pile* p, bool is_held )
     }
 }
 
-static void what_arrives_within_a_step_wakes_before_it( void** state )
+TEST( what_arrives_within_a_step_wakes_before_it )
 {
-    (void)state;
     pile p;
     open_pile( &p, false );
     assert_status( p.h.world, wisp_set_velocity( p.h.world, p.upper, ( wisp_vec3 ){ 0.0f, -20.0f, 0.0f }, NONE ),
@@ -151,9 +145,8 @@ static void what_arrives_within_a_step_wakes_before_it( void** state )
     close_world( &p.h );
 }
 
-static void pins_that_arrive_within_a_step_wake_before_it( void** state )
+TEST( pins_that_arrive_within_a_step_wake_before_it )
 {
-    (void)state;
     pile p;
     open_pile( &p, true );
     run_steps( p.h.world, 2, FRAME );
@@ -171,9 +164,8 @@ static void pins_that_arrive_within_a_step_wake_before_it( void** state )
     close_world( &p.h );
 }
 
-static void what_is_halted_keeps_nobody_awake( void** state )
+TEST( what_is_halted_keeps_nobody_awake )
 {
-    (void)state;
     pile p;
     open_pile( &p, false );
     for ( int i = 0; wisp_is_asleep( p.h.world, p.lower ) && i < PATIENCE; ++i )
@@ -234,9 +226,8 @@ static void no_longer_sleep( bed* b )
     assert_status( b->world, wisp_set_sleep( b->world, b->sheet, &def ), WISP_OK );
 }
 
-static void every_call_that_changes_an_entity_wakes_it( void** state )
+TEST( every_call_that_changes_an_entity_wakes_it )
 {
-    (void)state;
     static change_fn* const CHANGES[] = { set_wind, set_gravity,     set_velocity,    teleport,
                                           pin,      request_normals, no_longer_sleep, throw_a_vertex };
     for ( int i = 0; i < WISP_COUNT( CHANGES ); ++i )
@@ -249,9 +240,8 @@ static void every_call_that_changes_an_entity_wakes_it( void** state )
     }
 }
 
-static void a_call_that_changes_nothing_wakes_nobody( void** state )
+TEST( a_call_that_changes_nothing_wakes_nobody )
 {
-    (void)state;
     bed b;
     open_bed( &b, 1 );
     assert_status( b.world, wisp_set_gravity( b.world, b.sheet, EARTH ), WISP_OK );
@@ -262,9 +252,8 @@ static void a_call_that_changes_nothing_wakes_nobody( void** state )
     close_world( &b.h );
 }
 
-static void pins_that_are_moved_wake_a_sheet_and_pins_that_rest_let_it_sleep( void** state )
+TEST( pins_that_are_moved_wake_a_sheet_and_pins_that_rest_let_it_sleep )
 {
-    (void)state;
     hosted h;
     open_stage( &h, 1 );
     const int32_t corners[] = { 0, SIDE - 1 };
@@ -298,9 +287,8 @@ static void pins_that_are_moved_wake_a_sheet_and_pins_that_rest_let_it_sleep( vo
 
 // ---- what other entities hold ----
 
-static void attached_cloth_sleeps_and_wakes_with_what_it_is_attached_to( void** state )
+TEST( attached_cloth_sleeps_and_wakes_with_what_it_is_attached_to )
 {
-    (void)state;
     hosted h;
     open_stage( &h, 1 );
     wisp_world* world = h.world;
@@ -327,9 +315,8 @@ static void attached_cloth_sleeps_and_wakes_with_what_it_is_attached_to( void** 
     close_world( &h );
 }
 
-static void a_balloon_that_is_filled_does_not_sleep( void** state )
+TEST( a_balloon_that_is_filled_does_not_sleep )
 {
-    (void)state;
     hosted h;
     open_stage( &h, 1 );
     test_mesh mesh = ball_of( 2, 0.1f, ( wisp_vec3 ){ 0.0f, 0.5f, 0.0f } );
@@ -378,9 +365,8 @@ static wisp_entity add_hair( wisp_world* world, int strands )
     return e;
 }
 
-static void hair_falls_asleep_and_wakes_by_its_head_and_by_wind( void** state )
+TEST( hair_falls_asleep_and_wakes_by_its_head_and_by_wind )
 {
-    (void)state;
     hosted h;
     open_stage( &h, 1 );
     const wisp_entity hair = add_hair( h.world, 8 );
@@ -404,9 +390,8 @@ static void hair_falls_asleep_and_wakes_by_its_head_and_by_wind( void** state )
     close_world( &h );
 }
 
-static void a_pendulum_does_not_sleep_where_it_turns( void** state )
+TEST( a_pendulum_does_not_sleep_where_it_turns )
 {
-    (void)state;
     hosted h;
     open_stage( &h, 1 );
     const wisp_vec3 a = { 0.0f, 2.0f, 0.0f };
@@ -429,26 +414,4 @@ static void a_pendulum_does_not_sleep_where_it_turns( void** state )
     }
     assert_true( slow > 5 ); // it has turned several times
     close_world( &h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_sheet_on_the_ground_falls_asleep_and_no_pass_visits_it ),
-        cmocka_unit_test( a_ball_wakes_a_sheet_that_it_reaches_and_no_other ),
-        cmocka_unit_test( a_body_that_appears_or_disappears_wakes_what_touches_it ),
-        cmocka_unit_test( a_sheet_that_falls_on_another_wakes_it_and_both_fall_asleep_together ),
-        cmocka_unit_test( an_entity_that_moves_keeps_awake_what_it_touches ),
-        cmocka_unit_test( what_arrives_within_a_step_wakes_before_it ),
-        cmocka_unit_test( pins_that_arrive_within_a_step_wake_before_it ),
-        cmocka_unit_test( what_is_halted_keeps_nobody_awake ),
-        cmocka_unit_test( every_call_that_changes_an_entity_wakes_it ),
-        cmocka_unit_test( a_call_that_changes_nothing_wakes_nobody ),
-        cmocka_unit_test( pins_that_are_moved_wake_a_sheet_and_pins_that_rest_let_it_sleep ),
-        cmocka_unit_test( attached_cloth_sleeps_and_wakes_with_what_it_is_attached_to ),
-        cmocka_unit_test( a_balloon_that_is_filled_does_not_sleep ),
-        cmocka_unit_test( hair_falls_asleep_and_wakes_by_its_head_and_by_wind ),
-        cmocka_unit_test( a_pendulum_does_not_sleep_where_it_turns ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

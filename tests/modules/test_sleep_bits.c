@@ -42,9 +42,8 @@ static uint64_t run_pile( int workers, bool sleeps, bool restores, bool* slept )
     return hash;
 }
 
-static void bits_do_not_depend_on_workers_nor_on_snapshots( void** state )
+TEST( bits_do_not_depend_on_workers_nor_on_snapshots )
 {
-    (void)state;
     bool slept;
     const uint64_t expected = run_pile( 1, true, false, &slept );
     assert_true( slept );
@@ -54,9 +53,8 @@ static void bits_do_not_depend_on_workers_nor_on_snapshots( void** state )
     assert_true( run_pile( 1, false, false, &slept ) != expected ); // what slept has missed some trembling
 }
 
-static void a_snapshot_of_sleep_goes_on_in_another_world( void** state )
+TEST( a_snapshot_of_sleep_goes_on_in_another_world )
 {
-    (void)state;
     bed a, b;
     open_bed( &a, 1 );
     set_gravity( &a ); // a change that waits for the next step
@@ -109,9 +107,8 @@ static void run_crowd( int first, int count, int workers, uint64_t hashes[CROWD]
     close_world( &h );
 }
 
-static void a_crowd_of_which_some_sleep_has_the_bits_of_each_alone( void** state )
+TEST( a_crowd_of_which_some_sleep_has_the_bits_of_each_alone )
 {
-    (void)state;
     uint64_t alone[CROWD], together[CROWD], with_workers[CROWD];
     int asleep[CROWD], asleep_together[CROWD], sum = 0;
     for ( int i = 0; i < CROWD; ++i )
@@ -143,17 +140,15 @@ static uint64_t fall_for( int steps, bool sleeps, int* passes )
     return hash;
 }
 
-static void what_never_sleeps_has_the_same_bits_and_one_pass_more( void** state )
+TEST( what_never_sleeps_has_the_same_bits_and_one_pass_more )
 {
-    (void)state;
     int with, without;
     assert_true( fall_for( 40, true, &with ) == fall_for( 40, false, &without ) );
     assert_int_equal( with, without + 1 );
 }
 
-static void sleep_without_memory_changes_nothing( void** state )
+TEST( sleep_without_memory_changes_nothing )
 {
-    (void)state;
     hosted h;
     open_stage( &h, 1 );
     const wisp_entity e = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 0.3f, 0.0f }, false );
@@ -178,9 +173,8 @@ static void sleep_without_memory_changes_nothing( void** state )
     close_world( &h );
 }
 
-static void what_cannot_sleep_is_refused( void** state )
+TEST( what_cannot_sleep_is_refused )
 {
-    (void)state;
     bed b;
     open_bed( &b, 1 );
     const uint64_t before = wisp_world_hash( b.world );
@@ -199,17 +193,4 @@ static void what_cannot_sleep_is_refused( void** state )
     assert_false( wisp_is_asleep( b.world, ( wisp_entity ){ 99, 1 } ) );
     assert_false( wisp_is_asleep( NULL, b.sheet ) );
     close_world( &b.h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( bits_do_not_depend_on_workers_nor_on_snapshots ),
-        cmocka_unit_test( a_crowd_of_which_some_sleep_has_the_bits_of_each_alone ),
-        cmocka_unit_test( a_snapshot_of_sleep_goes_on_in_another_world ),
-        cmocka_unit_test( what_never_sleeps_has_the_same_bits_and_one_pass_more ),
-        cmocka_unit_test( sleep_without_memory_changes_nothing ),
-        cmocka_unit_test( what_cannot_sleep_is_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

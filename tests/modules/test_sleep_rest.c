@@ -7,9 +7,8 @@ static const float TEN_FRAMES = 10.0f / 60.0f;
 
 // ---- when ----
 
-static void a_surface_at_rest_falls_asleep_in_the_step_in_which_its_seconds_have_passed( void** state )
+TEST( a_surface_at_rest_falls_asleep_in_the_step_in_which_its_seconds_have_passed )
 {
-    (void)state;
     enum
     {
         SURFACES = 40,
@@ -38,9 +37,8 @@ static void a_surface_at_rest_falls_asleep_in_the_step_in_which_its_seconds_have
     close_world( &h );
 }
 
-static void what_falls_does_not_sleep_even_within_no_seconds( void** state )
+TEST( what_falls_does_not_sleep_even_within_no_seconds )
 {
-    (void)state;
     hosted h;
     open_stage( &h, 1 );
     const wisp_entity sheet = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 2.0f, 0.0f }, false );
@@ -54,9 +52,8 @@ static void what_falls_does_not_sleep_even_within_no_seconds( void** state )
     close_world( &h );
 }
 
-static void what_is_halted_does_not_fall_asleep( void** state )
+TEST( what_is_halted_does_not_fall_asleep )
 {
-    (void)state;
     hosted h;
     open_stage( &h, 1 );
     const wisp_entity lower = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, true );
@@ -96,9 +93,8 @@ static void sleep_on_the_way( wisp_world* world, wisp_entity e )
 // What starts at rest falls by g dt^2 / 2 in a step, and by less than g dt^2 in the substeps of one. At 1.6 m/s it would go on by 27 mm.
 static const double FROM_REST = 9.81 / 3600.0;
 
-static void implicit_cloth_wakes_without_the_velocities_that_it_had( void** state )
+TEST( implicit_cloth_wakes_without_the_velocities_that_it_had )
 {
-    (void)state;
     hosted h;
     open_stage( &h, 1 );
     test_mesh mesh = level_sheet( 6, 0.2f, ( wisp_vec3 ){ 0.0f, 3.0f, 0.0f } );
@@ -142,9 +138,8 @@ static wisp_entity add_strand( wisp_world* world )
     return hair;
 }
 
-static void hair_wakes_without_the_velocities_that_it_had( void** state )
+TEST( hair_wakes_without_the_velocities_that_it_had )
 {
-    (void)state;
     hosted h;
     open_stage( &h, 1 );
     const wisp_entity hair = add_strand( h.world );
@@ -159,9 +154,8 @@ static void hair_wakes_without_the_velocities_that_it_had( void** state )
 }
 
 // What fails before the step that ends its fall asleep is restored to what the host saw last: without a velocity.
-static void what_fails_as_it_wakes_is_restored_at_rest( void** state )
+TEST( what_fails_as_it_wakes_is_restored_at_rest )
 {
-    (void)state;
     hosted h;
     open_stage( &h, 1 );
     const wisp_entity sheet = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 3.0f, 0.0f }, false ),
@@ -200,9 +194,8 @@ static void what_fails_as_it_wakes_is_restored_at_rest( void** state )
 
 // ---- snapshots ----
 
-static void a_snapshot_leaves_the_hash_of_what_sleeps( void** state )
+TEST( a_snapshot_leaves_the_hash_of_what_sleeps )
 {
-    (void)state;
     bed b;
     open_bed( &b, 1 );
     assert_status( b.world, wisp_set_gravity( b.world, b.sheet, EARTH ), WISP_OK ); // changes nothing
@@ -210,18 +203,4 @@ static void a_snapshot_leaves_the_hash_of_what_sleeps( void** state )
     free( save_world( b.world ).bytes );
     assert_true( wisp_world_hash( b.world ) == before );
     close_world( &b.h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_surface_at_rest_falls_asleep_in_the_step_in_which_its_seconds_have_passed ),
-        cmocka_unit_test( what_falls_does_not_sleep_even_within_no_seconds ),
-        cmocka_unit_test( what_is_halted_does_not_fall_asleep ),
-        cmocka_unit_test( implicit_cloth_wakes_without_the_velocities_that_it_had ),
-        cmocka_unit_test( hair_wakes_without_the_velocities_that_it_had ),
-        cmocka_unit_test( what_fails_as_it_wakes_is_restored_at_rest ),
-        cmocka_unit_test( a_snapshot_leaves_the_hash_of_what_sleeps ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -61,9 +61,8 @@ static void check_vertex( const wisp_strand_appearance_def* d, double t, float w
     }
 }
 
-static void width_and_colour_run_from_root_to_tip_of_every_strand( void** state )
+TEST( width_and_colour_run_from_root_to_tip_of_every_strand )
 {
-    (void)state;
     const float biases[] = { 0.5f, 0.2f, 0.8f, 0.001f, 0.999f };
     hair_groom groom = mixed_groom();
     for ( int n = 0; n < WISP_COUNT( biases ); ++n )
@@ -90,9 +89,8 @@ static void width_and_colour_run_from_root_to_tip_of_every_strand( void** state 
     hair_groom_destroy( &groom );
 }
 
-static void the_bias_moves_the_colour_and_one_half_leaves_it_linear( void** state )
+TEST( the_bias_moves_the_colour_and_one_half_leaves_it_linear )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 1, 21, 0.005f );
     double middle[3];
     const float biases[] = { 0.25f, 0.5f, 0.75f };
@@ -134,18 +132,16 @@ static int passes_with( wisp_component first, wisp_component second )
     return passes;
 }
 
-static void an_attribute_that_nobody_requests_is_not_written( void** state )
+TEST( an_attribute_that_nobody_requests_is_not_written )
 {
-    (void)state;
     assert_int_equal( passes_with( 0, 0 ), 0 );
     assert_int_equal( passes_with( WISP_POINT_WIDTH, 0 ), 1 );
     assert_int_equal( passes_with( WISP_POINT_COLOUR, 0 ), 1 );
     assert_int_equal( passes_with( WISP_POINT_WIDTH, WISP_POINT_COLOUR ), 2 );
 }
 
-static void a_request_without_a_look_is_a_conflict_that_names_it( void** state )
+TEST( a_request_without_a_look_is_a_conflict_that_names_it )
 {
-    (void)state;
     hair_groom groom = mixed_groom();
     wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_add( world, &groom );
@@ -159,9 +155,8 @@ static void a_request_without_a_look_is_a_conflict_that_names_it( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void a_new_look_is_painted_at_the_next_step_and_hair_may_move_meanwhile( void** state )
+TEST( a_new_look_is_painted_at_the_next_step_and_hair_may_move_meanwhile )
 {
-    (void)state;
     hair_groom groom = mixed_groom();
     wisp_strand_appearance_def appearance = wisp_default_strand_appearance_def();
     wisp_entity entity;
@@ -192,9 +187,8 @@ static void a_new_look_is_painted_at_the_next_step_and_hair_may_move_meanwhile( 
     hair_groom_destroy( &groom );
 }
 
-static void a_look_that_cannot_be_is_refused( void** state )
+TEST( a_look_that_cannot_be_is_refused )
 {
-    (void)state;
     hair_groom groom = mixed_groom();
     wisp_strand_appearance_def good = wisp_default_strand_appearance_def(), bad[8];
     const char* const messages[] = { "widths",      "widths",      "widths",     "colour_bias",
@@ -227,9 +221,8 @@ static void a_look_that_cannot_be_is_refused( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void any_number_of_workers_paints_the_same( void** state )
+TEST( any_number_of_workers_paints_the_same )
 {
-    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 700, 20, 0.005f );
     wisp_strand_appearance_def appearance = wisp_default_strand_appearance_def();
     appearance.colour_bias = 0.3f;
@@ -255,18 +248,4 @@ static void any_number_of_workers_paints_the_same( void** state )
         wisp_world_destroy( world );
     }
     hair_groom_destroy( &groom );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( width_and_colour_run_from_root_to_tip_of_every_strand ),
-        cmocka_unit_test( the_bias_moves_the_colour_and_one_half_leaves_it_linear ),
-        cmocka_unit_test( an_attribute_that_nobody_requests_is_not_written ),
-        cmocka_unit_test( a_request_without_a_look_is_a_conflict_that_names_it ),
-        cmocka_unit_test( a_new_look_is_painted_at_the_next_step_and_hair_may_move_meanwhile ),
-        cmocka_unit_test( a_look_that_cannot_be_is_refused ),
-        cmocka_unit_test( any_number_of_workers_paints_the_same ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

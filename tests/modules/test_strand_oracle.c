@@ -102,9 +102,8 @@ static void assert_momentum_kept( strand_oracle* strand, const strand_oracle_set
     assert_close( double3_distance( momentum( strand ), start ) / double3_length( start ), 0.0, 1e-11 );
 }
 
-static void the_momentum_of_a_free_strand_is_constant( void** state )
+TEST( the_momentum_of_a_free_strand_is_constant )
 {
-    (void)state;
     const double dt = 1.0 / 600.0;
     for ( int k = 0; k < 3; ++k ) // direct, pbd, xpbd
     {
@@ -124,9 +123,8 @@ static void the_momentum_of_a_free_strand_is_constant( void** state )
 }
 
 // A level strand that falls about its root, and a straight rod that was bent.
-static void energy_never_rises_without_damping( void** state )
+TEST( energy_never_rises_without_damping )
 {
-    (void)state;
     for ( int stiff = 0; stiff < 2; ++stiff )
     {
         const double dt = 1.0 / 1200.0;
@@ -155,9 +153,8 @@ static void energy_never_rises_without_damping( void** state )
 
 // ---- linear systems ----
 
-static void one_newton_pass_solves_the_linear_system( void** state )
+TEST( one_newton_pass_solves_the_linear_system )
 {
-    (void)state;
     // with C' = C + J dp the pass leaves C' = 0: the remaining error of lengths is second order in the initial one
     for ( int measure = 0; measure < 2; ++measure )
     {
@@ -178,9 +175,8 @@ static void one_newton_pass_solves_the_linear_system( void** state )
     }
 }
 
-static void the_factor_solves_what_a_dense_elimination_solves( void** state )
+TEST( the_factor_solves_what_a_dense_elimination_solves )
 {
-    (void)state;
     static double matrix[32 * 32];
     for ( int k = 0; k < 8; ++k )
     {
@@ -293,9 +289,8 @@ static double gradient_error( const strand_oracle* strand )
 }
 
 // Where no bend twists: a plane curve with a rest curvature in its plane, and a rod that is straight at rest, bent and twisted.
-static void the_gradient_is_that_of_the_energy_where_no_bend_twists( void** state )
+TEST( the_gradient_is_that_of_the_energy_where_no_bend_twists )
 {
-    (void)state;
     strand_oracle plane = new_straight( 12, 0.12, true );
     strand_oracle_stiffen( &plane, 1e-7, 7e-8, true, 0.0 );
     for ( int i = 1; i < 12; ++i )
@@ -326,9 +321,8 @@ static void the_gradient_is_that_of_the_energy_where_no_bend_twists( void** stat
 
 // Rest curvature and the axes of an elliptic section turn with their frames, which is exact where no vertex is twisted. The twist
 // that holds the balance here leaves out a part of second order.
-static void the_gradient_of_a_curl_leaves_out_a_thousandth( void** state )
+TEST( the_gradient_of_a_curl_leaves_out_a_thousandth )
 {
-    (void)state;
     for ( int elliptic = 0; elliptic < 2; ++elliptic )
     {
         strand_oracle strand = new_curl( 12, 1.5, true );
@@ -382,9 +376,8 @@ static double missing_to_balance( const strand_oracle* strand )
     return worst;
 }
 
-static void a_balanced_curl_is_in_balance( void** state )
+TEST( a_balanced_curl_is_in_balance )
 {
-    (void)state;
     static const double rigidity[] = { 8e-9, 1e-7, 1e-6, 1e-5 };
     for ( int k = 0; k < 4; ++k )
     {
@@ -396,18 +389,4 @@ static void a_balanced_curl_is_in_balance( void** state )
         // a moment's rounding is EI / (l^2 W) times that of a direction: 1 at a hair, 1e3 at the last row
         assert_true( missing < 1e-12 * fmax( 1.0, rigidity[k] / 1e-7 ) );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_momentum_of_a_free_strand_is_constant ),
-        cmocka_unit_test( energy_never_rises_without_damping ),
-        cmocka_unit_test( one_newton_pass_solves_the_linear_system ),
-        cmocka_unit_test( the_factor_solves_what_a_dense_elimination_solves ),
-        cmocka_unit_test( the_gradient_is_that_of_the_energy_where_no_bend_twists ),
-        cmocka_unit_test( the_gradient_of_a_curl_leaves_out_a_thousandth ),
-        cmocka_unit_test( a_balanced_curl_is_in_balance ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -13,9 +13,8 @@ static wisp_strand_dynamics_def default_def( void )
 
 // ---- lengths and shapes ----
 
-static void a_strand_hangs_and_stays_at_rest_length( void** state )
+TEST( a_strand_hangs_and_stays_at_rest_length )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 1, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
@@ -28,9 +27,8 @@ static void a_strand_hangs_and_stays_at_rest_length( void** state )
     close_world( &s );
 }
 
-static void falling_strands_of_different_lengths_keep_them( void** state )
+TEST( falling_strands_of_different_lengths_keep_them )
 {
-    (void)state;
     const int counts[] = { 20, 3, 1, 0, 12, 2, 20 };
     hosted s;
     open_strands( &s, 4, 1, 1 );
@@ -50,9 +48,8 @@ static void falling_strands_of_different_lengths_keep_them( void** state )
     close_world( &s );
 }
 
-static void balanced_curls_stay( void** state )
+TEST( balanced_curls_stay )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 16, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
@@ -63,9 +60,8 @@ static void balanced_curls_stay( void** state )
     close_world( &s );
 }
 
-static void curls_that_are_not_balanced_sag( void** state )
+TEST( curls_that_are_not_balanced_sag )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 8, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
@@ -76,9 +72,8 @@ static void curls_that_are_not_balanced_sag( void** state )
     close_world( &s );
 }
 
-static void every_way_to_stretch_and_bend_steps_and_hangs( void** state )
+TEST( every_way_to_stretch_and_bend_steps_and_hangs )
 {
-    (void)state;
     for ( int k = 0; k < WISP_STRAND_STRETCH_COUNT * WISP_STRAND_BEND_COUNT * 4; ++k )
     {
         hosted s;
@@ -99,9 +94,8 @@ static void every_way_to_stretch_and_bend_steps_and_hangs( void** state )
     }
 }
 
-static void tension_at_the_root_is_the_weight( void** state )
+TEST( tension_at_the_root_is_the_weight )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 4, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
@@ -119,9 +113,8 @@ static void tension_at_the_root_is_the_weight( void** state )
 }
 
 // A falling strand has another tension in every substep: that of the last one is read, as if each were a step.
-static void tension_is_that_of_the_last_substep( void** state )
+TEST( tension_is_that_of_the_last_substep )
 {
-    (void)state;
     for ( int iterations = 1; iterations <= 2; ++iterations )
     {
         float tension[2][18 * 8];
@@ -143,9 +136,8 @@ static void tension_is_that_of_the_last_substep( void** state )
 }
 
 // Groups run all their substeps at once; in each step another one of them is timed.
-static void every_pass_of_strands_has_its_time_in_every_step( void** state )
+TEST( every_pass_of_strands_has_its_time_in_every_step )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 3, 2, 1 );
     const wisp_strand_dynamics_def def = default_def();
@@ -172,9 +164,8 @@ static wisp_vec3 doubled_out( int strand, int i, int count, float length )
     return straight_out( strand, strand == 1 ? 0 : at, count, length );
 }
 
-static void vertices_on_top_of_each_other_and_strands_without_length_are_no_trouble( void** state )
+TEST( vertices_on_top_of_each_other_and_strands_without_length_are_no_trouble )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 4, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
@@ -196,9 +187,8 @@ static void vertices_on_top_of_each_other_and_strands_without_length_are_no_trou
     close_world( &s );
 }
 
-static void changing_how_strands_move_leaves_them_where_they_are( void** state )
+TEST( changing_how_strands_move_leaves_them_where_they_are )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 4, 2, 1 );
     wisp_strand_dynamics_def def = default_def();
@@ -227,9 +217,8 @@ static void changing_how_strands_move_leaves_them_where_they_are( void** state )
     close_world( &s );
 }
 
-static void strands_of_no_and_of_one_vertex_step( void** state )
+TEST( strands_of_no_and_of_one_vertex_step )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 2, 1, 1 );
     const int ones[] = { 1, 1, 0 }, none = 0;
@@ -254,9 +243,8 @@ static void strands_of_no_and_of_one_vertex_step( void** state )
 
 // ---- heads and surfaces ----
 
-static void a_head_carries_its_roots_and_pins( void** state )
+TEST( a_head_carries_its_roots_and_pins )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 4, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
@@ -279,9 +267,8 @@ static void a_head_carries_its_roots_and_pins( void** state )
     close_world( &s );
 }
 
-static void a_head_that_jumps_takes_its_strands_along_without_a_velocity( void** state )
+TEST( a_head_that_jumps_takes_its_strands_along_without_a_velocity )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 16, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
@@ -301,9 +288,8 @@ static void a_head_that_jumps_takes_its_strands_along_without_a_velocity( void**
     close_world( &s );
 }
 
-static void roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes( void** state )
+TEST( roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 2, 1, 1 );
     test_mesh mesh = test_plane( 5, 0.05f );
@@ -333,9 +319,8 @@ static void roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes( vo
     close_world( &s );
 }
 
-static void a_finer_tolerance_has_more_passes_and_smaller_errors( void** state )
+TEST( a_finer_tolerance_has_more_passes_and_smaller_errors )
 {
-    (void)state;
     double worst[2] = { 0.0, 0.0 };
     for ( int k = 0; k < 2; ++k )
     {
@@ -356,9 +341,8 @@ static void a_finer_tolerance_has_more_passes_and_smaller_errors( void** state )
     assert_true( worst[0] < 2e-5 && worst[1] < 2e-6 );
 }
 
-static void friction_on_the_grid_keeps_momentum_and_takes_relative_motion( void** state )
+TEST( friction_on_the_grid_keeps_momentum_and_takes_relative_motion )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 1, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
@@ -386,9 +370,8 @@ static void friction_on_the_grid_keeps_momentum_and_takes_relative_motion( void*
 
 // ---- the plan ----
 
-static void points_alone_keep_the_whole_chain_in_the_item_loop( void** state )
+TEST( points_alone_keep_the_whole_chain_in_the_item_loop )
 {
-    (void)state;
     static const char* const LOOP[] = {
         "strands.roots",   "strands.pins",       "strands.damping", "strands.air",
         "strands.predict", "strands.rod_curved", "strands.stretch", "strands.velocity"
@@ -414,9 +397,8 @@ static void points_alone_keep_the_whole_chain_in_the_item_loop( void** state )
     close_world( &s );
 }
 
-static void strands_without_dynamics_have_no_pass_that_moves_them( void** state )
+TEST( strands_without_dynamics_have_no_pass_that_moves_them )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 2, 1, 1 );
     const int count = 5;
@@ -451,9 +433,8 @@ static void move_busy( wisp_world* world, wisp_entity e, int step )
     strand_steps( world, 1, FRAME );
 }
 
-static void two_workers_have_the_bits_of_one( void** state )
+TEST( two_workers_have_the_bits_of_one )
 {
-    (void)state;
     uint64_t hashes[2];
     for ( int k = 0; k < 2; ++k )
     {
@@ -470,9 +451,8 @@ static void two_workers_have_the_bits_of_one( void** state )
     assert_true( hashes[0] == hashes[1] );
 }
 
-static void a_restored_snapshot_goes_on_bitwise( void** state )
+TEST( a_restored_snapshot_goes_on_bitwise )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 3, 1, 1 );
     const wisp_entity e = add_busy( s.world );
@@ -498,9 +478,8 @@ static void a_restored_snapshot_goes_on_bitwise( void** state )
 
 // ---- invalid states ----
 
-static void a_nan_puts_the_strands_back_and_halts_them( void** state )
+TEST( a_nan_puts_the_strands_back_and_halts_them )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 2, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
@@ -520,9 +499,8 @@ static void a_nan_puts_the_strands_back_and_halts_them( void** state )
     close_world( &s );
 }
 
-static void wrong_definitions_are_refused_and_change_nothing( void** state )
+TEST( wrong_definitions_are_refused_and_change_nothing )
 {
-    (void)state;
     hosted s;
     open_strands( &s, 1, 1, 1 );
     const wisp_strand_dynamics_def good = default_def();
@@ -561,9 +539,8 @@ static void wrong_definitions_are_refused_and_change_nothing( void** state )
     close_world( &s );
 }
 
-static void without_memory_the_strands_are_what_they_were( void** state )
+TEST( without_memory_the_strands_are_what_they_were )
 {
-    (void)state;
     bool succeeded = false;
     for ( int64_t n = 1; n < 200 && succeeded == false; ++n )
     {
@@ -586,34 +563,4 @@ static void without_memory_the_strands_are_what_they_were( void** state )
         close_world( &s );
     }
     assert_true( succeeded );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_strand_hangs_and_stays_at_rest_length ),
-        cmocka_unit_test( falling_strands_of_different_lengths_keep_them ),
-        cmocka_unit_test( balanced_curls_stay ),
-        cmocka_unit_test( curls_that_are_not_balanced_sag ),
-        cmocka_unit_test( every_way_to_stretch_and_bend_steps_and_hangs ),
-        cmocka_unit_test( tension_at_the_root_is_the_weight ),
-        cmocka_unit_test( tension_is_that_of_the_last_substep ),
-        cmocka_unit_test( every_pass_of_strands_has_its_time_in_every_step ),
-        cmocka_unit_test( vertices_on_top_of_each_other_and_strands_without_length_are_no_trouble ),
-        cmocka_unit_test( changing_how_strands_move_leaves_them_where_they_are ),
-        cmocka_unit_test( strands_of_no_and_of_one_vertex_step ),
-        cmocka_unit_test( a_head_carries_its_roots_and_pins ),
-        cmocka_unit_test( a_head_that_jumps_takes_its_strands_along_without_a_velocity ),
-        cmocka_unit_test( roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes ),
-        cmocka_unit_test( a_finer_tolerance_has_more_passes_and_smaller_errors ),
-        cmocka_unit_test( friction_on_the_grid_keeps_momentum_and_takes_relative_motion ),
-        cmocka_unit_test( points_alone_keep_the_whole_chain_in_the_item_loop ),
-        cmocka_unit_test( strands_without_dynamics_have_no_pass_that_moves_them ),
-        cmocka_unit_test( two_workers_have_the_bits_of_one ),
-        cmocka_unit_test( a_restored_snapshot_goes_on_bitwise ),
-        cmocka_unit_test( a_nan_puts_the_strands_back_and_halts_them ),
-        cmocka_unit_test( wrong_definitions_are_refused_and_change_nothing ),
-        cmocka_unit_test( without_memory_the_strands_are_what_they_were ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

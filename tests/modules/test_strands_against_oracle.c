@@ -51,9 +51,8 @@ static void run_duels( const duel* duels, int count )
 #define CHAIN .bend = WISP_STRAND_BEND_NONE, .dt = SLOW
 #define LINKS .bend = WISP_STRAND_BEND_LINKS, .dt = SLOW
 
-static void direct_lengths_go_with_the_oracle( void** state )
+TEST( direct_lengths_go_with_the_oracle )
 {
-    (void)state;
     const duel duels[] = {
         { "direct", WISP_STRAND_STRETCH_DIRECT, CHAIN },
         { "direct, two iterations", WISP_STRAND_STRETCH_DIRECT, CHAIN, .iterations = 2 },
@@ -69,9 +68,8 @@ static void direct_lengths_go_with_the_oracle( void** state )
 
 #define BDF2_CHAIN WISP_STRAND_STRETCH_DIRECT, .bend = WISP_STRAND_BEND_NONE, .dt = SLOW, .bdf2 = true
 
-static void direct_lengths_of_second_order_go_with_the_oracle( void** state )
+TEST( direct_lengths_of_second_order_go_with_the_oracle )
 {
-    (void)state;
     const duel duels[] = {
         { "bdf2", BDF2_CHAIN },
         { "bdf2, two iterations", BDF2_CHAIN, .iterations = 2 },
@@ -88,9 +86,8 @@ static void direct_lengths_of_second_order_go_with_the_oracle( void** state )
     run_duels( duels, WISP_COUNT( duels ) );
 }
 
-static void links_go_with_the_oracle( void** state )
+TEST( links_go_with_the_oracle )
 {
-    (void)state;
     const duel duels[] = {
         { "links, pbd", WISP_STRAND_STRETCH_LINKS, LINKS, .solver = WISP_SOLVER_PBD },
         { "links, pbd, four iterations", WISP_STRAND_STRETCH_LINKS, LINKS, .solver = WISP_SOLVER_PBD,
@@ -112,9 +109,8 @@ static void links_go_with_the_oracle( void** state )
     WISP_STRAND_STRETCH_DIRECT, .bend = WISP_STRAND_BEND_ROD, .rest = WISP_STRAND_REST_STRAIGHT, .dt = SLOW
 #define CURLED WISP_STRAND_STRETCH_DIRECT, .bend = WISP_STRAND_BEND_ROD, .dt = FAST
 
-static void elliptic_rods_go_with_the_oracle( void** state )
+TEST( elliptic_rods_go_with_the_oracle )
 {
-    (void)state;
     const duel duels[] = {
         { "flat, straight", STRAIGHT, .edgewise = 4.0f },
         { "flat, straight, soft", STRAIGHT, .edgewise = 8.0f, .rigidity = 1e-10f },
@@ -126,9 +122,8 @@ static void elliptic_rods_go_with_the_oracle( void** state )
     run_duels( duels, WISP_COUNT( duels ) );
 }
 
-static void rods_with_held_tips_go_with_the_oracle( void** state )
+TEST( rods_with_held_tips_go_with_the_oracle )
 {
-    (void)state;
     const duel duels[] = {
         { "pinned chain", WISP_STRAND_STRETCH_DIRECT, CHAIN, .rest = WISP_STRAND_REST_STRAIGHT,
           .tips = WISP_STRAND_TIP_PINNED },
@@ -144,9 +139,8 @@ static void rods_with_held_tips_go_with_the_oracle( void** state )
     run_duels( duels, WISP_COUNT( duels ) );
 }
 
-static void straight_rods_go_with_the_oracle( void** state )
+TEST( straight_rods_go_with_the_oracle )
 {
-    (void)state;
     const duel duels[] = {
         { "straight", STRAIGHT },
         { "straight, carried", STRAIGHT, .carried = true },
@@ -162,9 +156,8 @@ static void straight_rods_go_with_the_oracle( void** state )
     run_duels( duels, WISP_COUNT( duels ) );
 }
 
-static void curled_rods_go_with_the_oracle( void** state )
+TEST( curled_rods_go_with_the_oracle )
 {
-    (void)state;
     const duel duels[] = {
         { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f },
         { "shape, carried", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f, .carried = true },
@@ -183,9 +176,8 @@ static void curled_rods_go_with_the_oracle( void** state )
     run_duels( duels, WISP_COUNT( duels ) );
 }
 
-static void rods_of_second_order_go_with_the_oracle( void** state )
+TEST( rods_of_second_order_go_with_the_oracle )
 {
-    (void)state;
     const duel duels[] = {
         { "bdf2, straight", STRAIGHT, .bdf2 = true },
         { "bdf2, straight, carried", STRAIGHT, .bdf2 = true, .carried = true },
@@ -237,9 +229,8 @@ static drift drift_in_a_step( const duel* rules )
     return d;
 }
 
-static void a_step_from_balance_leaves_both_where_they_are( void** state )
+TEST( a_step_from_balance_leaves_both_where_they_are )
 {
-    (void)state;
     const duel balanced = { "balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f };
     const duel hair = { "balanced hair", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 8e-10f };
     const duel shape = { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f };
@@ -262,9 +253,8 @@ static void a_step_from_balance_leaves_both_where_they_are( void** state )
 // ---- sensitivity of the comparison ----
 
 // The comparison is meaningful only if it distinguishes a method from a similar one.
-static void a_hundredth_of_gravity_or_stiffness_shows( void** state )
+TEST( a_hundredth_of_gravity_or_stiffness_shows )
 {
-    (void)state;
     const duel duels[] = {
         { "direct", WISP_STRAND_STRETCH_DIRECT, CHAIN },
         { "links, xpbd", WISP_STRAND_STRETCH_LINKS, LINKS, .solver = WISP_SOLVER_XPBD, .bend_compliance = 200.0f },
@@ -290,21 +280,4 @@ static void a_hundredth_of_gravity_or_stiffness_shows( void** state )
         assert_true( most > 4.0 * A_SUBSTEP * SUBSTEPS );
         close_match( m );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( direct_lengths_go_with_the_oracle ),
-        cmocka_unit_test( direct_lengths_of_second_order_go_with_the_oracle ),
-        cmocka_unit_test( links_go_with_the_oracle ),
-        cmocka_unit_test( straight_rods_go_with_the_oracle ),
-        cmocka_unit_test( elliptic_rods_go_with_the_oracle ),
-        cmocka_unit_test( rods_with_held_tips_go_with_the_oracle ),
-        cmocka_unit_test( curled_rods_go_with_the_oracle ),
-        cmocka_unit_test( rods_of_second_order_go_with_the_oracle ),
-        cmocka_unit_test( a_step_from_balance_leaves_both_where_they_are ),
-        cmocka_unit_test( a_hundredth_of_gravity_or_stiffness_shows ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -56,9 +56,8 @@ static double distance_between( const wisp_vec3* a, const wisp_vec3* b )
     return sqrt( sum / POINTS );
 }
 
-static void a_chain_that_falls_has_order_two( void** state )
+TEST( a_chain_that_falls_has_order_two )
 {
-    (void)state;
     static wisp_vec3 reference[POINTS], points[POINTS];
     double error[2][3];
     fall( WISP_INTEGRATOR_BDF2, 256, reference );
@@ -85,9 +84,8 @@ static double energy_of( hosted* s, wisp_entity e )
 }
 
 // Bending only stores energy that is not counted, so a rod that starts straight may have less, never more.
-static void strands_that_swing_gain_no_energy_in_15_seconds( void** state )
+TEST( strands_that_swing_gain_no_energy_in_15_seconds )
 {
-    (void)state;
     static const wisp_strand_bend BENDS[] = { WISP_STRAND_BEND_NONE, WISP_STRAND_BEND_LINKS, WISP_STRAND_BEND_ROD };
     static const int SUBSTEPS[] = { 1, 2, 4, 10 };
     for ( int k = 0; k < WISP_COUNT( BENDS ) * WISP_COUNT( SUBSTEPS ); ++k )
@@ -121,9 +119,8 @@ static void strands_that_swing_gain_no_energy_in_15_seconds( void** state )
 
 // ---- back to Euler ----
 
-static void only_what_breaks_the_history_is_made_by_euler( void** state )
+TEST( only_what_breaks_the_history_is_made_by_euler )
 {
-    (void)state;
     hosted s;
     const wisp_strand_dynamics_def def = chain_def();
     open_strands( &s, 1, 1, 1 );
@@ -149,9 +146,8 @@ static void only_what_breaks_the_history_is_made_by_euler( void** state )
     close_world( &s );
 }
 
-static void a_teleport_takes_the_history_along( void** state )
+TEST( a_teleport_takes_the_history_along )
 {
-    (void)state;
     static wisp_vec3 points[2][POINTS];
     const wisp_transform motion = head_at( 0.0f, ( wisp_vec3 ){ 0, 1, 0 }, ( wisp_vec3 ){ 0.5f, 0.25f, 0 } );
     for ( int k = 0; k < 2; ++k )
@@ -174,9 +170,8 @@ static void a_teleport_takes_the_history_along( void** state )
     }
 }
 
-static void a_strand_that_is_put_to_rest_elsewhere_falls_from_rest( void** state )
+TEST( a_strand_that_is_put_to_rest_elsewhere_falls_from_rest )
 {
-    (void)state;
     hosted s;
     const wisp_strand_dynamics_def def = chain_def();
     const wisp_entity e = add_chains( &s, 1, 0.3f, &def );
@@ -207,9 +202,8 @@ static void add_floor( hosted* s, wisp_entity strands, float height )
 
 // A vertex at a time comes down flat on a floor. The chain lifts one by 5 mm again; BDF2 would throw it up with half of
 // its speed, by 16 mm.
-static void what_lands_on_a_floor_does_not_bounce( void** state )
+TEST( what_lands_on_a_floor_does_not_bounce )
 {
-    (void)state;
     for ( int substeps = 1; substeps <= 4; substeps *= 2 )
     {
         hosted s;
@@ -233,9 +227,8 @@ static void what_lands_on_a_floor_does_not_bounce( void** state )
     }
 }
 
-static void strands_that_are_reset_go_on_by_euler( void** state )
+TEST( strands_that_are_reset_go_on_by_euler )
 {
-    (void)state;
     hosted s;
     wisp_strand_dynamics_def def = chain_def();
     def.stretch_passes = 1;
@@ -251,9 +244,8 @@ static void strands_that_are_reset_go_on_by_euler( void** state )
     close_world( &s );
 }
 
-static void halted_strands_go_on_without_their_history( void** state )
+TEST( halted_strands_go_on_without_their_history )
 {
-    (void)state;
     hosted s;
     const wisp_strand_dynamics_def def = chain_def();
     open_strands( &s, 1, 1, 1 );
@@ -279,9 +271,8 @@ static void halted_strands_go_on_without_their_history( void** state )
 // ---- roots that move ----
 
 // A head that shakes at 4 Hz by 5 cm, and then rests.
-static void hair_on_a_head_that_shakes_comes_to_rest( void** state )
+TEST( hair_on_a_head_that_shakes_comes_to_rest )
 {
-    (void)state;
     for ( int k = 0; k < 6; ++k )
     {
         hosted s;
@@ -313,9 +304,8 @@ static void hair_on_a_head_that_shakes_comes_to_rest( void** state )
 
 // ---- refusals ----
 
-static void bdf2_is_refused_without_direct_lengths( void** state )
+TEST( bdf2_is_refused_without_direct_lengths )
 {
-    (void)state;
     hosted s;
     wisp_strand_dynamics_def def = chain_def();
     const wisp_entity e = add_chains( &s, 1, 0.3f, &def );
@@ -328,21 +318,4 @@ static void bdf2_is_refused_without_direct_lengths( void** state )
     assert_int_equal( wisp_set_strand_dynamics( s.world, e, &def ), WISP_BAD_INPUT );
     assert_non_null( strstr( wisp_world_message( s.world ), "integrator" ) );
     close_world( &s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_chain_that_falls_has_order_two ),
-        cmocka_unit_test( strands_that_swing_gain_no_energy_in_15_seconds ),
-        cmocka_unit_test( only_what_breaks_the_history_is_made_by_euler ),
-        cmocka_unit_test( a_teleport_takes_the_history_along ),
-        cmocka_unit_test( a_strand_that_is_put_to_rest_elsewhere_falls_from_rest ),
-        cmocka_unit_test( what_lands_on_a_floor_does_not_bounce ),
-        cmocka_unit_test( strands_that_are_reset_go_on_by_euler ),
-        cmocka_unit_test( halted_strands_go_on_without_their_history ),
-        cmocka_unit_test( hair_on_a_head_that_shakes_comes_to_rest ),
-        cmocka_unit_test( bdf2_is_refused_without_direct_lengths ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -181,9 +181,8 @@ static void run_loop( const loop_case* c )
     close_rod( &rod );
 }
 
-static void loops_go_with_the_oracle( void** state )
+TEST( loops_go_with_the_oracle )
 {
-    (void)state;
     const loop_case cases[] = {
         { "chain", WISP_STRAND_BEND_NONE, WISP_STRAND_REST_STRAIGHT, 1e-2f, 0.0f, 0.0f, 14, false, 5e-8 },
         { "chain, pinned", WISP_STRAND_BEND_NONE, WISP_STRAND_REST_STRAIGHT, 1e-2f, 0.0f, 0.0f, 14, true, 5e-8 },
@@ -204,9 +203,8 @@ static void loops_go_with_the_oracle( void** state )
 
 // ---- at rest ----
 
-static void a_ring_stays_where_it_is( void** state )
+TEST( a_ring_stays_where_it_is )
 {
-    (void)state;
     for ( int k = 0; k < 2; ++k )
     {
         wisp_vec3 points[RING];
@@ -223,9 +221,8 @@ static void a_ring_stays_where_it_is( void** state )
 }
 
 // Nothing holds it, so it falls as a body, whatever it is made of.
-static void a_ring_falls_freely( void** state )
+TEST( a_ring_falls_freely )
 {
-    (void)state;
     enum
     {
         STEPS = 60,
@@ -261,9 +258,8 @@ static void a_ring_falls_freely( void** state )
 
 // A crooked loop of uneven segments that is stiffer than can be solved is softened, and flies on in its shape. In free fall nothing
 // bends it but its own rounding.
-static void loops_as_stiff_as_can_be_keep_their_shape( void** state )
+TEST( loops_as_stiff_as_can_be_keep_their_shape )
 {
-    (void)state;
     const float rigidities[] = { 1.0f, 1e4f, 1e12f };
     for ( int k = 0; k < 2 * WISP_COUNT( rigidities ); ++k )
     {
@@ -297,9 +293,8 @@ static void loops_as_stiff_as_can_be_keep_their_shape( void** state )
 // ---- closed forms ----
 
 // A chain of 1 m that hangs from two of its vertices: two catenaries of half a metre.
-static void a_closed_chain_hangs_as_two_catenaries( void** state )
+TEST( a_closed_chain_hangs_as_two_catenaries )
 {
-    (void)state;
     enum
     {
         COUNT = 65,
@@ -364,9 +359,8 @@ static double loaded_height( float load )
 
 // ( pi/4 - 2/pi ) P R^3 / EI (Timoshenko, Strength of Materials) between two opposed forces. The ring turns freely about
 // the joint that it hangs from.
-static void a_ring_between_two_forces_is_drawn_out_as_by_the_closed_form( void** state )
+TEST( a_ring_between_two_forces_is_drawn_out_as_by_the_closed_form )
 {
-    (void)state;
     const double radius = 0.5 / PI, more = loaded_height( 0.25f ) - loaded_height( 0.0f );
     assert_fraction( more, 0.25 * ( PI / 4.0 - 2.0 / PI ) * pow( radius, 3.0 ), 0.03, "ring drawn out, m" );
 }
@@ -420,9 +414,8 @@ static double out_of_plane( double twist, double twist_rigidity )
 
 // 2 pi sqrt( 3 ) EI / GJ (Michell 1889; Zajac 1962; Goriely 2006). Beyond it the ring folds over to an eight; without contact
 // it passes through itself, which takes two turns of twist off.
-static void a_free_ring_leaves_its_plane_at_the_twist_of_michell( void** state )
+TEST( a_free_ring_leaves_its_plane_at_the_twist_of_michell )
 {
-    (void)state;
     const double ratios[] = { 1.0, 1.5 }; // GJ / EI
     for ( int i = 0; i < WISP_COUNT( ratios ); ++i )
     {
@@ -435,9 +428,8 @@ static void a_free_ring_leaves_its_plane_at_the_twist_of_michell( void** state )
 // ---- roots that are free ----
 
 // A stick that is thrown keeps its momentum and turns about its centre.
-static void a_stick_with_a_free_root_flies_as_a_body( void** state )
+TEST( a_stick_with_a_free_root_flies_as_a_body )
 {
-    (void)state;
     enum
     {
         COUNT = 9,
@@ -472,9 +464,8 @@ static void a_stick_with_a_free_root_flies_as_a_body( void** state )
 
 // ---- refusals and passes ----
 
-static void loops_that_cannot_be_are_refused( void** state )
+TEST( loops_that_cannot_be_are_refused )
 {
-    (void)state;
     wisp_vec3 points[RING];
     lay_ring( RING, points );
     const wisp_strand_dynamics_def good = ring_def( 1.0f, 1.0f );
@@ -528,20 +519,4 @@ static void loops_that_cannot_be_are_refused( void** state )
     assert_int_equal( wisp_set_strand_dynamics( rod.s.world, rod.e, &open ), WISP_CONFLICT );
     strand_steps( rod.s.world, 1, FRAME );
     close_rod( &rod );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( loops_go_with_the_oracle ),
-        cmocka_unit_test( a_ring_stays_where_it_is ),
-        cmocka_unit_test( a_ring_falls_freely ),
-        cmocka_unit_test( loops_as_stiff_as_can_be_keep_their_shape ),
-        cmocka_unit_test( a_closed_chain_hangs_as_two_catenaries ),
-        cmocka_unit_test( a_ring_between_two_forces_is_drawn_out_as_by_the_closed_form ),
-        cmocka_unit_test( a_free_ring_leaves_its_plane_at_the_twist_of_michell ),
-        cmocka_unit_test( a_stick_with_a_free_root_flies_as_a_body ),
-        cmocka_unit_test( loops_that_cannot_be_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -150,9 +150,8 @@ static double pendulum_period( double amplitude )
     return 6.283185307179586 * sqrt( SWING_LENGTH / GRAVITY ) / a;
 }
 
-static void a_pendulum_has_the_period_of_the_amplitude_it_swings( void** state )
+TEST( a_pendulum_has_the_period_of_the_amplitude_it_swings )
 {
-    (void)state;
     static const double DEGREES[] = { 10.0, 30.0, 60.0, 90.0 };
     for ( int i = 0; i < WISP_COUNT( DEGREES ); ++i )
     {
@@ -214,9 +213,8 @@ static void lay_mode( const double* sideways, double amplitude, double segment, 
     }
 }
 
-static void hanging_chains_swing_with_the_roots_of_laguerre_polynomials( void** state )
+TEST( hanging_chains_swing_with_the_roots_of_laguerre_polynomials )
 {
-    (void)state;
     static const struct
     {
         int masses;
@@ -240,9 +238,8 @@ static void hanging_chains_swing_with_the_roots_of_laguerre_polynomials( void** 
     }
 }
 
-static void a_clamped_rod_swings_with_the_frequency_of_a_cantilever( void** state )
+TEST( a_clamped_rod_swings_with_the_frequency_of_a_cantilever )
 {
-    (void)state;
     enum
     {
         COUNT = 64
@@ -271,9 +268,8 @@ static void a_clamped_rod_swings_with_the_frequency_of_a_cantilever( void** stat
 
 // ---- at rest ----
 
-static void the_tension_of_a_chain_is_the_weight_below( void** state )
+TEST( the_tension_of_a_chain_is_the_weight_below )
 {
-    (void)state;
     enum
     {
         COUNT = 20,
@@ -304,9 +300,8 @@ static void the_tension_of_a_chain_is_the_weight_below( void** state )
     close_single( &one );
 }
 
-static void a_chain_between_two_pins_hangs_as_a_catenary( void** state )
+TEST( a_chain_between_two_pins_hangs_as_a_catenary )
 {
-    (void)state;
     enum
     {
         SEGMENTS = 64
@@ -353,9 +348,8 @@ static double miss_of_elastica( double load, double drop, double reach, int coun
     return miss;
 }
 
-static void a_heavy_rod_bends_as_the_elastica( void** state )
+TEST( a_heavy_rod_bends_as_the_elastica )
 {
-    (void)state;
     static const struct
     {
         double load, drop, reach; // G = weight per length L^3 / EI; H / L and W / L
@@ -414,9 +408,8 @@ static double drift_after( const fall* f )
     return farthest;
 }
 
-static void strands_whose_head_falls_freely_keep_their_shape( void** state )
+TEST( strands_whose_head_falls_freely_keep_their_shape )
 {
-    (void)state;
     // the head's path is rounded to 6e-8 m at 1 m, which remains as a velocity; a curled rod first has the tension of
     // a hanging one, which the length solve removes at an error of first order in the step
     static const fall FALLS[] = { { straight_out, WISP_STRAND_BEND_NONE, 60, 5e-6 },
@@ -439,9 +432,8 @@ static double drag_of( const wisp_strand_dynamics_def* def )
     return 0.5 * (double)def->air_density * (double)def->drag_coefficient * (double)def->diameter;
 }
 
-static void a_level_strand_falls_no_faster_than_its_drag_lets_it( void** state )
+TEST( a_level_strand_falls_no_faster_than_its_drag_lets_it )
 {
-    (void)state;
     wisp_strand_dynamics_def def = plain_def( WISP_STRAND_BEND_NONE );
     def.drag_coefficient = 1.0f;
     wisp_vec3 points[20];
@@ -464,9 +456,8 @@ static void a_level_strand_falls_no_faster_than_its_drag_lets_it( void** state )
     close_single( &one );
 }
 
-static void a_string_in_the_wind_leans_until_its_weight_across_is_the_drag( void** state )
+TEST( a_string_in_the_wind_leans_until_its_weight_across_is_the_drag )
 {
-    (void)state;
     // from 1.5 m/s on the string flutters about its lean, and somewhat below it: so does a flag
     static const struct
     {
@@ -558,9 +549,8 @@ static void assert_rests( const resting* cases, int count, double bound )
     }
 }
 
-static void straight_rods_at_rest_are_fixed_points( void** state )
+TEST( straight_rods_at_rest_are_fixed_points )
 {
-    (void)state;
     static const resting STRAIGHT[] = { { straight_down, WISP_STRAND_REST_STRAIGHT, 0.0f, 1 },
                                         { straight_down, WISP_STRAND_REST_STRAIGHT, 0.0f, 4 },
                                         { straight_down, WISP_STRAND_REST_STRAIGHT, 0.0f, 16 },
@@ -570,9 +560,8 @@ static void straight_rods_at_rest_are_fixed_points( void** state )
     assert_rests( STRAIGHT, WISP_COUNT( STRAIGHT ), 1e-7 );
 }
 
-static void rods_that_are_bent_at_rest_waver_by_less_than_a_sixteenth_of_their_thickness( void** state )
+TEST( rods_that_are_bent_at_rest_waver_by_less_than_a_sixteenth_of_their_thickness )
 {
-    (void)state;
     static const resting BENT[] = { { straight_out, WISP_STRAND_REST_STRAIGHT, 6.0f, 4 },
                                     { straight_out, WISP_STRAND_REST_STRAIGHT, 6.0f, 16 },
                                     { curl_down, WISP_STRAND_REST_SAG_FREE, 6.0f, 16 } };
@@ -597,9 +586,8 @@ static wisp_vec3 tip_at_rest( int rate, int count, int substeps )
     return tip;
 }
 
-static void a_hair_hangs_the_same_at_every_frame_rate( void** state )
+TEST( a_hair_hangs_the_same_at_every_frame_rate )
 {
-    (void)state;
     static const int RATES[] = { 30, 60, 120, 240 }, SUBSTEP_COUNTS[] = { 1, 4 };
     const wisp_vec3 converged = tip_at_rest( 240, 20, 16 );
     for ( int k = 0; k < WISP_COUNT( RATES ) * WISP_COUNT( SUBSTEP_COUNTS ); ++k )
@@ -614,9 +602,8 @@ static void a_hair_hangs_the_same_at_every_frame_rate( void** state )
     }
 }
 
-static void a_hair_hangs_the_same_with_any_number_of_vertices( void** state )
+TEST( a_hair_hangs_the_same_with_any_number_of_vertices )
 {
-    (void)state;
     static const int COUNTS[] = { 10, 20, 40, 80 };
     wisp_vec3 tips[WISP_COUNT( COUNTS )];
     for ( int k = 0; k < WISP_COUNT( COUNTS ); ++k )
@@ -633,24 +620,4 @@ static void a_hair_hangs_the_same_with_any_number_of_vertices( void** state )
     }
     // and the remainder falls with the number of vertices
     assert_true( vec_distance( tips[2], tips[3] ) < vec_distance( tips[0], tips[1] ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_pendulum_has_the_period_of_the_amplitude_it_swings ),
-        cmocka_unit_test( hanging_chains_swing_with_the_roots_of_laguerre_polynomials ),
-        cmocka_unit_test( a_clamped_rod_swings_with_the_frequency_of_a_cantilever ),
-        cmocka_unit_test( the_tension_of_a_chain_is_the_weight_below ),
-        cmocka_unit_test( a_chain_between_two_pins_hangs_as_a_catenary ),
-        cmocka_unit_test( a_heavy_rod_bends_as_the_elastica ),
-        cmocka_unit_test( strands_whose_head_falls_freely_keep_their_shape ),
-        cmocka_unit_test( a_level_strand_falls_no_faster_than_its_drag_lets_it ),
-        cmocka_unit_test( a_string_in_the_wind_leans_until_its_weight_across_is_the_drag ),
-        cmocka_unit_test( straight_rods_at_rest_are_fixed_points ),
-        cmocka_unit_test( rods_that_are_bent_at_rest_waver_by_less_than_a_sixteenth_of_their_thickness ),
-        cmocka_unit_test( a_hair_hangs_the_same_at_every_frame_rate ),
-        cmocka_unit_test( a_hair_hangs_the_same_with_any_number_of_vertices ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

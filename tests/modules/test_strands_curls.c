@@ -101,9 +101,8 @@ static course run( int vertices, int substeps, const wisp_strand_dynamics_def* d
     return c;
 }
 
-static void balanced_curls_stay_at_any_number_of_substeps( void** state )
+TEST( balanced_curls_stay_at_any_number_of_substeps )
 {
-    (void)state;
     const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     for ( int k = 0; k < WISP_COUNT( SUBSTEPS ) * WISP_COUNT( COUNTS ); ++k )
     {
@@ -121,9 +120,8 @@ static void balanced_curls_stay_at_any_number_of_substeps( void** state )
     }
 }
 
-static void curls_that_a_nod_has_moved_stay_slower_than_a_fall( void** state )
+TEST( curls_that_a_nod_has_moved_stay_slower_than_a_fall )
 {
-    (void)state;
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     def.damping = 1.0f;
     // the speed of a fall through the length of a strand; the head has moved it at 0.2 m/s
@@ -141,9 +139,8 @@ static void curls_that_a_nod_has_moved_stay_slower_than_a_fall( void** state )
     }
 }
 
-static void curls_that_feel_less_than_their_weight_are_counted( void** state )
+TEST( curls_that_feel_less_than_their_weight_are_counted )
 {
-    (void)state;
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     // once for every length of a substep
     assert_int_equal( run( 32, 8, &def, 0 ).lightened, STRANDS );
@@ -153,14 +150,4 @@ static void curls_that_feel_less_than_their_weight_are_counted( void** state )
     const course sagging = run( 32, 8, &def, 0 );
     assert_int_equal( sagging.lightened, 0 );
     assert_true( sagging.drift > 0.1 * (double)HEIGHT );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( balanced_curls_stay_at_any_number_of_substeps ),
-        cmocka_unit_test( curls_that_a_nod_has_moved_stay_slower_than_a_fall ),
-        cmocka_unit_test( curls_that_feel_less_than_their_weight_are_counted ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -128,9 +128,8 @@ static const kind KINDS[] = {
       .damping = 1.0f, .tolerance = 2e-6 },
 };
 
-static void strands_that_feel_nothing_move_as_in_a_still_frame( void** state )
+TEST( strands_that_feel_nothing_move_as_in_a_still_frame )
 {
-    (void)state;
     for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
     {
         const wisp_strand_dynamics_def def = def_of( KINDS + k );
@@ -158,9 +157,8 @@ static void strands_that_feel_nothing_move_as_in_a_still_frame( void** state )
     }
 }
 
-static void a_frame_that_is_felt_changes_no_bit_and_has_no_pass( void** state )
+TEST( a_frame_that_is_felt_changes_no_bit_and_has_no_pass )
 {
-    (void)state;
     const wisp_strand_dynamics_def def = def_of( KINDS );
     walker *framed = open_walker( &def, straight_out, 1 ), *bare = open_walker( &def, straight_out, 1 );
     give_frame( framed, 1.0f, 1.0f );
@@ -177,9 +175,8 @@ static void a_frame_that_is_felt_changes_no_bit_and_has_no_pass( void** state )
 }
 
 // Without gravity a free stick goes along with what it does not feel.
-static void a_free_stick_is_carried_by_the_rest_of_the_fraction( void** state )
+TEST( a_free_stick_is_carried_by_the_rest_of_the_fraction )
 {
-    (void)state;
     wisp_strand_dynamics_def def = def_of( KINDS );
     def.free_roots = true;
     def.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
@@ -234,18 +231,16 @@ static uint64_t walk( int workers, bool restores )
     return hash;
 }
 
-static void bits_do_not_depend_on_workers_nor_on_a_snapshot( void** state )
+TEST( bits_do_not_depend_on_workers_nor_on_a_snapshot )
 {
-    (void)state;
     const uint64_t one = walk( 1, false );
     assert_true( walk( 3, false ) == one );
     assert_true( walk( 5, false ) == one );
     assert_true( walk( 1, true ) == one );
 }
 
-static void a_teleport_takes_the_frame_along( void** state )
+TEST( a_teleport_takes_the_frame_along )
 {
-    (void)state;
     const wisp_strand_dynamics_def def = def_of( KINDS + 2 );
     const wisp_transform motion = { { 0.0f, 1.0f, 0.0f, 0.0f }, { 4.0f, 0.0f, 8.0f } };
     walker *here = open_walker( &def, curl_down, 1 ), *there = open_walker( &def, curl_down, 1 );
@@ -262,9 +257,8 @@ static void a_teleport_takes_the_frame_along( void** state )
 }
 
 // A head that moves farther than the distance of a teleport takes its strands along, once.
-static void a_head_that_teleports_carries_strands_once( void** state )
+TEST( a_head_that_teleports_carries_strands_once )
 {
-    (void)state;
     const wisp_strand_dynamics_def def = def_of( KINDS );
     walker *framed = open_walker( &def, straight_out, 1 ), *bare = open_walker( &def, straight_out, 1 );
     give_frame( framed, 0.0f, 0.0f );
@@ -276,9 +270,8 @@ static void a_head_that_teleports_carries_strands_once( void** state )
     close_walker( bare );
 }
 
-static void a_largest_speed_holds_and_is_counted( void** state )
+TEST( a_largest_speed_holds_and_is_counted )
 {
-    (void)state;
     for ( int bdf2 = 0; bdf2 < 2; ++bdf2 )
     {
         wisp_strand_dynamics_def def = def_of( KINDS + ( bdf2 ? 4 : 0 ) );
@@ -304,9 +297,8 @@ static void a_largest_speed_holds_and_is_counted( void** state )
     }
 }
 
-static void strands_that_do_not_move_have_no_frame( void** state )
+TEST( strands_that_do_not_move_have_no_frame )
 {
-    (void)state;
     hosted s;
     const int count = 4;
     open_strands( &s, 1, 1, 1 );
@@ -318,19 +310,4 @@ static void strands_that_do_not_move_have_no_frame( void** state )
         strstr( wisp_world_message( s.world ), "has strands that do not move: give them dynamics first" ) );
     assert_int_equal( wisp_set_max_speed( s.world, e, 1.0f ), WISP_CONFLICT );
     close_world( &s );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( strands_that_feel_nothing_move_as_in_a_still_frame ),
-        cmocka_unit_test( a_frame_that_is_felt_changes_no_bit_and_has_no_pass ),
-        cmocka_unit_test( a_free_stick_is_carried_by_the_rest_of_the_fraction ),
-        cmocka_unit_test( bits_do_not_depend_on_workers_nor_on_a_snapshot ),
-        cmocka_unit_test( a_teleport_takes_the_frame_along ),
-        cmocka_unit_test( a_head_that_teleports_carries_strands_once ),
-        cmocka_unit_test( a_largest_speed_holds_and_is_counted ),
-        cmocka_unit_test( strands_that_do_not_move_have_no_frame ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -477,9 +477,8 @@ static int run_cases( const way* w, int substeps )
     return failures;
 }
 
-static void whatever_the_head_does_strands_stay_finite_and_are_back_at_their_lengths( void** state )
+TEST( whatever_the_head_does_strands_stay_finite_and_are_back_at_their_lengths )
 {
-    (void)state;
     int failures = 0;
     for ( int k = 0; k < WISP_COUNT( WAYS ) * WISP_COUNT( SUBSTEPS ); ++k )
     {
@@ -488,9 +487,8 @@ static void whatever_the_head_does_strands_stay_finite_and_are_back_at_their_len
     assert_int_equal( failures, 0 );
 }
 
-static void curls_in_substeps_that_do_not_soften_them_gain_no_energy_either( void** state )
+TEST( curls_in_substeps_that_do_not_soften_them_gain_no_energy_either )
 {
-    (void)state;
     const way* curl = WAYS + 1;
     cell nodding = { .hard = CASES, .way = curl, .substeps = 40, .size = 0.1, .seconds = (double)FRAME };
     nodding.def = def_of( &nodding );
@@ -500,9 +498,8 @@ static void curls_in_substeps_that_do_not_soften_them_gain_no_energy_either( voi
 
 // ---- random poses ----
 
-static void after_random_poses_of_the_head_strands_come_back_and_slow_down( void** state )
+TEST( after_random_poses_of_the_head_strands_come_back_and_slow_down )
 {
-    (void)state;
     enum
     {
         POSES = 30,
@@ -543,9 +540,8 @@ static void after_random_poses_of_the_head_strands_come_back_and_slow_down( void
 
 // ---- NaN ----
 
-static void a_nan_in_one_position_halts_that_entity_alone( void** state )
+TEST( a_nan_in_one_position_halts_that_entity_alone )
 {
-    (void)state;
     uint64_t hashes[2][4];
     for ( int k = 0; k < 2; ++k )
     {
@@ -576,15 +572,4 @@ static void a_nan_in_one_position_halts_that_entity_alone( void** state )
         close_world( &s );
     }
     assert_memory_equal( hashes[0], hashes[1], sizeof( hashes[0] ) );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( whatever_the_head_does_strands_stay_finite_and_are_back_at_their_lengths ),
-        cmocka_unit_test( curls_in_substeps_that_do_not_soften_them_gain_no_energy_either ),
-        cmocka_unit_test( after_random_poses_of_the_head_strands_come_back_and_slow_down ),
-        cmocka_unit_test( a_nan_in_one_position_halts_that_entity_alone ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -94,9 +94,8 @@ static double difference_at( const swing_case* c, float far, int substeps )
     return sqrt( sum / ( FRAMES * VERTICES ) ) / (double)LENGTH;
 }
 
-static void strands_swing_far_out_as_at_the_origin( void** state )
+TEST( strands_swing_far_out_as_at_the_origin )
 {
-    (void)state;
     // positions are written with 4e-6 m at 100 m and 3e-5 m at 1 km, 1e-5 and 1e-4 of the length
     static const struct
     {
@@ -160,9 +159,8 @@ static double lost_energy( float far, int substeps )
     return 1.0 - ( 1.0 - cos( peak ) ) / ( 1.0 - cos( angle ) );
 }
 
-static void a_pendulum_loses_less_energy_in_shorter_substeps( void** state )
+TEST( a_pendulum_loses_less_energy_in_shorter_substeps )
 {
-    (void)state;
     static const float PLACES[] = { 0.0f, 100.0f, 1000.0f };
     for ( int i = 0; i < WISP_COUNT( PLACES ); ++i )
     {
@@ -177,13 +175,4 @@ static void a_pendulum_loses_less_energy_in_shorter_substeps( void** state )
             before = lost;
         }
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( strands_swing_far_out_as_at_the_origin ),
-        cmocka_unit_test( a_pendulum_loses_less_energy_in_shorter_substeps ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -51,9 +51,8 @@ static wisp_strand_dynamics_def ribbon_def( wisp_vec3 normal )
     return def;
 }
 
-static void a_ribbon_sags_as_the_rod_that_it_is_in_each_plane( void** state )
+TEST( a_ribbon_sags_as_the_rod_that_it_is_in_each_plane )
 {
-    (void)state;
     const wisp_vec3 flat = sagged_tip( ribbon_def( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } ) );
     const wisp_vec3 on_edge = sagged_tip( ribbon_def( ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } ) );
     const wisp_vec3 soft = sagged_tip( rod_def( 0.1f, 1.0f ) ), stiff = sagged_tip( rod_def( 1.0f, 1.0f ) );
@@ -65,9 +64,8 @@ static void a_ribbon_sags_as_the_rod_that_it_is_in_each_plane( void** state )
 }
 
 // Askew by 45 degrees the load has a part in each plane, and the tip moves sideways.
-static void a_ribbon_askew_deflects_sideways( void** state )
+TEST( a_ribbon_askew_deflects_sideways )
 {
-    (void)state;
     wisp_strand_dynamics_def def = ribbon_def( ( wisp_vec3 ){ 0.0f, 1.0f, 1.0f } );
     def.bend_rigidity = 0.5f; // small rotations
     const wisp_vec3 tip = sagged_tip( def );
@@ -78,9 +76,8 @@ static void a_ribbon_askew_deflects_sideways( void** state )
 
 // The flat side turns along the rod. Under a small load the tip sinks by the integral of q (L - s)^3 / 2 times the
 // compliance in the plane of the load at s, cos^2 / EI + sin^2 / EI'.
-static void natural_twist_turns_the_flat_side_along_the_rod( void** state )
+TEST( natural_twist_turns_the_flat_side_along_the_rod )
 {
-    (void)state;
     const double twist = 3.141592653589793;
     wisp_strand_dynamics_def def = ribbon_def( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
     def.bend_rigidity = 0.5f;
@@ -130,9 +127,8 @@ static double sideways( float load, float edgewise )
 
 // P = 4.013 sqrt( EI GJ ) / L^2 (Prandtl 1899, Michell 1899), over sqrt( ( 1 - EI/EI' ) ( 1 - GJ/EI' ) ) because the bent
 // beam is an arch. Below it a sideways load is amplified by 1 / ( 1 - (P / P_cr)^2 ).
-static void a_deep_cantilever_buckles_sideways_at_the_load_of_prandtl( void** state )
+TEST( a_deep_cantilever_buckles_sideways_at_the_load_of_prandtl )
 {
-    (void)state;
     const double low = 1.0, high = 3.8 * 3.8, amplified = sideways( 1.0f, 200.0f ) / sideways( 3.8f, 200.0f );
     const double critical = sqrt( ( high - amplified * low ) / ( 1.0 - amplified ) );
     assert_fraction( critical, 4.013 / ( 1.0 - 1.0 / 200.0 ), 0.03, "lateral buckling, N" );
@@ -141,9 +137,8 @@ static void a_deep_cantilever_buckles_sideways_at_the_load_of_prandtl( void** st
 // ---- the flattest section ----
 
 // EI is what flatness in single precision leaves of EI'. Across the flat side motion is slow, so it takes long to rest.
-static void the_flattest_ribbons_sag_as_the_rod_that_they_are( void** state )
+TEST( the_flattest_ribbons_sag_as_the_rod_that_they_are )
 {
-    (void)state;
     wisp_strand_dynamics_def def = ribbon_def( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
     const double round = (double)tip_after( 3000, rod_def( 0.1f, 1.0f ) ).y;
     def.edgewise_rigidity = 1e4f * def.bend_rigidity;
@@ -154,9 +149,8 @@ static void the_flattest_ribbons_sag_as_the_rod_that_they_are( void** state )
 
 // ---- refusals ----
 
-static void sections_that_cannot_be_are_refused( void** state )
+TEST( sections_that_cannot_be_are_refused )
 {
-    (void)state;
     wisp_vec3 points[3];
     lay_rod( ALONG_X, 1.0f, 3, points );
     const wisp_strand_dynamics_def good = ribbon_def( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
@@ -177,17 +171,4 @@ static void sections_that_cannot_be_are_refused( void** state )
     }
     strand_steps( rod.s.world, 1, FRAME );
     close_rod( &rod );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_ribbon_sags_as_the_rod_that_it_is_in_each_plane ),
-        cmocka_unit_test( a_ribbon_askew_deflects_sideways ),
-        cmocka_unit_test( natural_twist_turns_the_flat_side_along_the_rod ),
-        cmocka_unit_test( a_deep_cantilever_buckles_sideways_at_the_load_of_prandtl ),
-        cmocka_unit_test( the_flattest_ribbons_sag_as_the_rod_that_they_are ),
-        cmocka_unit_test( sections_that_cannot_be_are_refused ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

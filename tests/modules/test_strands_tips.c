@@ -33,9 +33,8 @@ static void bring_tip( rod_world* rod, wisp_vec3 axis, double angle, wisp_vec3 d
 // ---- two ends ----
 
 // L = 2 a sinh( d / 2a ) with d = 0.8 L: sag 0.26543751 L, largest tension 0.603639 of the weight.
-static void a_chain_between_two_ends_hangs_as_a_catenary( void** state )
+TEST( a_chain_between_two_ends_hangs_as_a_catenary )
 {
-    (void)state;
     enum
     {
         COUNT = 65,
@@ -99,9 +98,8 @@ static double writhe( float force, double angle )
 }
 
 // Greenhill 1883: M^2 / 4 EI = F + pi^2 EI / L^2. Without a force the rod buckles at a twist of one turn, with EI = GJ.
-static void a_twisted_rod_under_tension_buckles_at_the_moment_of_greenhill( void** state )
+TEST( a_twisted_rod_under_tension_buckles_at_the_moment_of_greenhill )
 {
-    (void)state;
     const float forces[] = { 0.0f, 20.0f };
     for ( int i = 0; i < WISP_COUNT( forces ); ++i )
     {
@@ -113,9 +111,8 @@ static void a_twisted_rod_under_tension_buckles_at_the_moment_of_greenhill( void
 }
 
 // Light hair whose clamped tips were moved towards the roots comes to rest: tension that is applied without a solve is bounded.
-static void light_hair_with_moved_tips_comes_to_rest( void** state )
+TEST( light_hair_with_moved_tips_comes_to_rest )
 {
-    (void)state;
     enum
     {
         COUNT = 16,
@@ -189,9 +186,8 @@ static double farthest_from_ring( const rod_world* rod )
     return most;
 }
 
-static void a_ring_of_its_shape_stays_a_ring( void** state )
+TEST( a_ring_of_its_shape_stays_a_ring )
 {
-    (void)state;
     wisp_strand_dynamics_def def = rod_def( 1.0f, 1.0f );
     def.rest = WISP_STRAND_REST_SHAPE;
     rod_world rod;
@@ -224,9 +220,8 @@ static double loaded_height( float load )
 // ( pi/4 - 2/pi ) P R^3 / EI (Timoshenko, Strength of Materials). A rod that is straight without load is bent into the ring,
 // which changes its energy by a constant. The difference of two opposed loads leaves the part that is linear. With 48 segments
 // the ring is 2.4 % softer, with 96 it is 1 %.
-static void a_ring_between_two_loads_is_flattened_as_by_the_closed_form( void** state )
+TEST( a_ring_between_two_loads_is_flattened_as_by_the_closed_form )
 {
-    (void)state;
     const double radius = 0.5 / PI, load = 1.0;
     const double less = loaded_height( -1.0f ) - loaded_height( 1.0f );
     assert_fraction( less, 2.0 * ( PI / 4.0 - 2.0 / PI ) * load * pow( radius, 3.0 ), 0.03, "flattened ring, m" );
@@ -252,9 +247,8 @@ static double out_of_plane( double twist, double twist_rigidity )
 }
 
 // 2 pi sqrt( 3 ) EI / GJ (Michell 1889; Zajac 1962; Goriely 2006).
-static void a_twisted_ring_leaves_its_plane_at_the_twist_of_michell( void** state )
+TEST( a_twisted_ring_leaves_its_plane_at_the_twist_of_michell )
 {
-    (void)state;
     const double ratios[] = { 1.0, 1.5 }; // GJ / EI
     for ( int i = 0; i < WISP_COUNT( ratios ); ++i )
     {
@@ -266,9 +260,8 @@ static void a_twisted_ring_leaves_its_plane_at_the_twist_of_michell( void** stat
 
 // ---- holds change ----
 
-static void a_tip_that_is_released_swings_as_if_it_had_been_free( void** state )
+TEST( a_tip_that_is_released_swings_as_if_it_had_been_free )
 {
-    (void)state;
     wisp_vec3 points[9];
     lay_rod( ALONG_X, 0.4f, 9, points );
     wisp_strand_dynamics_def def = rod_def( 1e-3f, 1e-3f );
@@ -294,9 +287,8 @@ static void a_tip_that_is_released_swings_as_if_it_had_been_free( void** state )
     close_rod( &free );
 }
 
-static void a_tip_moves_with_the_head_and_beyond_reach_it_is_counted( void** state )
+TEST( a_tip_moves_with_the_head_and_beyond_reach_it_is_counted )
 {
-    (void)state;
     wisp_vec3 points[9];
     lay_rod( ALONG_X, 0.4f, 9, points );
     wisp_strand_dynamics_def def = rod_def( 1e-3f, 1e-3f );
@@ -322,9 +314,8 @@ static void a_tip_moves_with_the_head_and_beyond_reach_it_is_counted( void** sta
     close_rod( &rod );
 }
 
-static void tips_that_cannot_be_held_are_refused( void** state )
+TEST( tips_that_cannot_be_held_are_refused )
 {
-    (void)state;
     wisp_vec3 points[3];
     lay_rod( ALONG_X, 1.0f, 3, points );
     wisp_strand_dynamics_def def = rod_def( 1.0f, 1.0f );
@@ -350,9 +341,8 @@ static void tips_that_cannot_be_held_are_refused( void** state )
     close_rod( &rod );
 }
 
-static void only_strands_with_held_tips_have_passes_for_them( void** state )
+TEST( only_strands_with_held_tips_have_passes_for_them )
 {
-    (void)state;
     wisp_vec3 points[9];
     lay_rod( ALONG_X, 0.4f, 9, points );
     wisp_strand_dynamics_def def = rod_def( 1e-3f, 1e-3f );
@@ -369,21 +359,4 @@ static void only_strands_with_held_tips_have_passes_for_them( void** state )
     strand_steps( rod.s.world, 1, FRAME );
     assert_true( plan_says( rod.s.world, "strands.rod_curved", "item loop" ) );
     close_rod( &rod );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_chain_between_two_ends_hangs_as_a_catenary ),
-        cmocka_unit_test( a_twisted_rod_under_tension_buckles_at_the_moment_of_greenhill ),
-        cmocka_unit_test( light_hair_with_moved_tips_comes_to_rest ),
-        cmocka_unit_test( a_ring_of_its_shape_stays_a_ring ),
-        cmocka_unit_test( a_ring_between_two_loads_is_flattened_as_by_the_closed_form ),
-        cmocka_unit_test( a_twisted_ring_leaves_its_plane_at_the_twist_of_michell ),
-        cmocka_unit_test( a_tip_that_is_released_swings_as_if_it_had_been_free ),
-        cmocka_unit_test( a_tip_moves_with_the_head_and_beyond_reach_it_is_counted ),
-        cmocka_unit_test( tips_that_cannot_be_held_are_refused ),
-        cmocka_unit_test( only_strands_with_held_tips_have_passes_for_them ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -211,9 +211,8 @@ static void compare_rows( run* a, run* b, wisp_component component, const char* 
     }
 }
 
-static void every_bit_is_as_if_passes_ran_one_after_another( void** state )
+TEST( every_bit_is_as_if_passes_ran_one_after_another )
 {
-    (void)state;
     uint64_t laid = 0;
     for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
     {
@@ -251,9 +250,8 @@ static void every_bit_is_as_if_passes_ran_one_after_another( void** state )
 
 // What the guard takes as checked in the loop must have been checked there; where the last substep is timed, nothing
 // was.
-static void what_leaves_its_bounds_is_put_back_all_the_same( void** state )
+TEST( what_leaves_its_bounds_is_put_back_all_the_same )
 {
-    (void)state;
     const shape_case two_substeps = { "two substeps", .bend = WISP_STRAND_BEND_LINKS, .substeps = 2, .passes = 8 };
     for ( int k = 0; k < 2 * 8; ++k )
     {
@@ -283,9 +281,8 @@ static void what_leaves_its_bounds_is_put_back_all_the_same( void** state )
     }
 }
 
-static void contacts_and_other_lengths_run_apart( void** state )
+TEST( contacts_and_other_lengths_run_apart )
 {
-    (void)state;
     for ( int k = 0; k < 3; ++k )
     {
         hosted s;
@@ -306,14 +303,4 @@ static void contacts_and_other_lengths_run_apart( void** state )
         assert_false( plan_says( s.world, "strands.predict", "strands.substeps" ) );
         close_world( &s );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_bit_is_as_if_passes_ran_one_after_another ),
-        cmocka_unit_test( what_leaves_its_bounds_is_put_back_all_the_same ),
-        cmocka_unit_test( contacts_and_other_lengths_run_apart ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

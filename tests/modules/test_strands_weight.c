@@ -11,9 +11,8 @@ static wisp_vec3 wave_out( int strand, int i, int count, float length )
     return ( wisp_vec3 ){ length * t, strand == 0 ? 0.0f : 0.002f * sinf( 9.0f * t ), 0.01f * (float)strand };
 }
 
-static void hair_of_any_length_comes_to_rest( void** state )
+TEST( hair_of_any_length_comes_to_rest )
 {
-    (void)state;
     const float lengths[] = { 0.01f, 0.05f, 0.1f, 0.14f, 0.25f, 0.4f, 1.0f };
     const int counts[] = { 8, 16, 32, 96 };
     for ( int k = 0; k < WISP_COUNT( lengths ) * WISP_COUNT( counts ); ++k )
@@ -60,9 +59,8 @@ static int count_sagging( float length, float rigidity, wisp_strand_hold* hold )
     return hold->sagging;
 }
 
-static void the_length_and_the_rigidity_that_hold_are_read( void** state )
+TEST( the_length_and_the_rigidity_that_hold_are_read )
 {
-    (void)state;
     const float lengths[] = { 0.2f, 0.4f, 1.0f };
     for ( int k = 0; k < WISP_COUNT( lengths ); ++k )
     {
@@ -116,9 +114,8 @@ static double stretch_with_tip( wisp_strand_stretch stretch, wisp_solver solver,
     return worst;
 }
 
-static void a_heavy_tip_stretches_no_hair_by_a_twentieth_without_being_counted( void** state )
+TEST( a_heavy_tip_stretches_no_hair_by_a_twentieth_without_being_counted )
 {
-    (void)state;
     for ( int k = 0; k < 3 * 5; ++k )
     {
         const wisp_strand_stretch stretch = k % 3 < 2 ? WISP_STRAND_STRETCH_LINKS : WISP_STRAND_STRETCH_DIRECT;
@@ -133,14 +130,4 @@ static void a_heavy_tip_stretches_no_hair_by_a_twentieth_without_being_counted( 
         assert_true( ( worst > 0.05 ) == ( counted > 0 ) );
         assert_true( stretch == WISP_STRAND_STRETCH_LINKS || worst < 0.001 );
     }
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( hair_of_any_length_comes_to_rest ),
-        cmocka_unit_test( the_length_and_the_rigidity_that_hold_are_read ),
-        cmocka_unit_test( a_heavy_tip_stretches_no_hair_by_a_twentieth_without_being_counted ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -75,9 +75,8 @@ static float tension( void )
     return ( WEIGHT + ( ROWS - 2 ) * ROW ) * 9.81f / ( ( COLUMNS - 1 ) * SPACING );
 }
 
-static void the_tension_of_a_strip_is_its_weight_by_its_width( void** state )
+TEST( the_tension_of_a_strip_is_its_weight_by_its_width )
 {
-    (void)state;
     strip s = open_strip( 4, 10, 1 );
     step_strip( &s, 600 );
     let_tear( &s, 1000.0f );
@@ -88,9 +87,8 @@ static void the_tension_of_a_strip_is_its_weight_by_its_width( void** state )
     close_tearing( s.h );
 }
 
-static void a_strip_tears_above_its_strength_and_not_below( void** state )
+TEST( a_strip_tears_above_its_strength_and_not_below )
 {
-    (void)state;
     strip s = open_strip( 4, 10, 1 );
     step_strip( &s, 600 );
     let_tear( &s, 1.03f * tension() );
@@ -119,9 +117,8 @@ static strip open_torn( void )
     return s;
 }
 
-static void a_torn_mesh_has_the_same_triangles_in_two_pieces( void** state )
+TEST( a_torn_mesh_has_the_same_triangles_in_two_pieces )
 {
-    (void)state;
     strip s = open_torn();
     test_mesh mesh = hanging_mesh( COLUMNS, ROWS, SPACING, SPACING );
     int32_t* t = read_triangles( s.world, s.e, s.triangle_count );
@@ -142,9 +139,8 @@ static void a_torn_mesh_has_the_same_triangles_in_two_pieces( void** state )
     close_tearing( s.h );
 }
 
-static void a_split_keeps_mass_and_momentum( void** state )
+TEST( a_split_keeps_mass_and_momentum )
 {
-    (void)state;
     strip s = open_strip( 4, 10, 1 ), torn = open_strip( 4, 10, 1 );
     strip* both[2] = { &s, &torn };
     for ( int k = 0; k < 2; ++k )
@@ -165,9 +161,8 @@ static void a_split_keeps_mass_and_momentum( void** state )
     close_tearing( torn.h );
 }
 
-static void the_lower_piece_falls_freely_and_the_upper_one_hangs( void** state )
+TEST( the_lower_piece_falls_freely_and_the_upper_one_hangs )
 {
-    (void)state;
     strip s = open_torn();
     assert_status( s.world, wisp_set_damping( s.world, s.e, 0.0f ), WISP_OK );
     const float y = point_of( s.world, s.e, VERTICES - 1 ).y;
@@ -178,9 +173,8 @@ static void the_lower_piece_falls_freely_and_the_upper_one_hangs( void** state )
 }
 
 // An edge that a tear has laid open stands for half of its width, as if the torn mesh had been given.
-static void limits_are_those_of_the_torn_mesh( void** state )
+TEST( limits_are_those_of_the_torn_mesh )
 {
-    (void)state;
     strip s = open_torn();
     const wisp_component component = wisp_world_find_component( s.world, "tearing.limit" );
     const size_t bytes = (size_t)wisp_world_fabric( s.world, s.e )->link_order.slot_count * sizeof( float );
@@ -190,17 +184,4 @@ static void limits_are_those_of_the_torn_mesh( void** state )
     assert_memory_equal( torn, wisp_world_column( s.world, s.e, component, 0 ), bytes );
     free( torn );
     close_tearing( s.h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_tension_of_a_strip_is_its_weight_by_its_width ),
-        cmocka_unit_test( a_strip_tears_above_its_strength_and_not_below ),
-        cmocka_unit_test( a_torn_mesh_has_the_same_triangles_in_two_pieces ),
-        cmocka_unit_test( a_split_keeps_mass_and_momentum ),
-        cmocka_unit_test( the_lower_piece_falls_freely_and_the_upper_one_hangs ),
-        cmocka_unit_test( limits_are_those_of_the_torn_mesh ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

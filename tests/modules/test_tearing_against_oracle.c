@@ -197,9 +197,8 @@ static int count_spares( const sheet* s )
     return count;
 }
 
-static void splits_are_those_of_the_oracle( void** state )
+TEST( splits_are_those_of_the_oracle )
 {
-    (void)state;
     int compared = 0;
     for ( int seed = 1; seed <= 10; ++seed )
     {
@@ -226,10 +225,4 @@ static void splits_are_those_of_the_oracle( void** state )
     }
     printf( "%d splits compared\n", compared );
     assert_true( compared > 60 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( splits_are_those_of_the_oracle ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

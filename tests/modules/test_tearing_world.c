@@ -143,9 +143,8 @@ static void run_sheet( sheet* s, int from, int to )
     }
 }
 
-static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
+TEST( workers_and_instruction_sets_do_not_change_a_bit )
 {
-    (void)state;
     const int workers[] = { 1, 2, 5 };
     const char* const isas[] = { "baseline", "avx2", "avx512" };
     for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
@@ -193,9 +192,8 @@ static void assert_rows_are_those_of_the_material( sheet* s, const sheet_case* c
     }
 }
 
-static void torn_meshes_are_valid_and_finite_with_all_that_cloth_has( void** state )
+TEST( torn_meshes_are_valid_and_finite_with_all_that_cloth_has )
 {
-    (void)state;
     for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
     {
         sheet* s = open_sheet( CASES + n, 1, NULL, STRENGTH );
@@ -223,9 +221,8 @@ static void torn_meshes_are_valid_and_finite_with_all_that_cloth_has( void** sta
     }
 }
 
-static void a_snapshot_holds_a_torn_sheet_and_is_refused_by_another( void** state )
+TEST( a_snapshot_holds_a_torn_sheet_and_is_refused_by_another )
 {
-    (void)state;
     sheet *s = open_sheet( CASES, 1, NULL, STRENGTH ), *whole = open_sheet( CASES, 1, NULL, STRENGTH );
     run_sheet( s, 0, STEPS - 8 );
     const saved_world saved = save_world( s->h.world );
@@ -252,9 +249,8 @@ static void a_snapshot_holds_a_torn_sheet_and_is_refused_by_another( void** stat
 }
 
 // Requests of a step that tears are refused in turn: the step fails, and the next ones go on.
-static void a_step_without_memory_fails_and_the_next_one_goes_on( void** state )
+TEST( a_step_without_memory_fails_and_the_next_one_goes_on )
 {
-    (void)state;
     const int first = 10;
     int failures = 0;
     bool is_refused = true;
@@ -279,9 +275,8 @@ static void a_step_without_memory_fails_and_the_next_one_goes_on( void** state )
     assert_true( failures > 20 );
 }
 
-static void a_cloth_without_tearing_has_no_pass_and_no_column( void** state )
+TEST( a_cloth_without_tearing_has_no_pass_and_no_column )
 {
-    (void)state;
     sheet* s = open_sheet( CASES, 1, NULL, STRENGTH );
     assert_status( s->h.world, wisp_set_tearing( s->h.world, s->e, NULL ), WISP_OK );
     run_sheet( s, 0, 2 );
@@ -295,9 +290,8 @@ static void a_cloth_without_tearing_has_no_pass_and_no_column( void** state )
 }
 
 // A weak half: only it tears.
-static void a_map_of_factors_decides_where_it_tears( void** state )
+TEST( a_map_of_factors_decides_where_it_tears )
 {
-    (void)state;
     sheet* s = open_sheet( CASES, 1, NULL, STRENGTH );
     float factors[SIDE * SIDE + SPARES];
     for ( int v = 0; v < SIDE * SIDE + SPARES; ++v )
@@ -337,9 +331,8 @@ static bool is_triangle( const wisp_fabric* f, const int32_t corner[3] )
 }
 
 // A sheet that tears, one whose vertices are attached to it all over, and hair on it.
-static void pins_and_roots_go_with_their_triangles( void** state )
+TEST( pins_and_roots_go_with_their_triangles )
 {
-    (void)state;
     static const wisp_module* const MODULES[] = { &wisp_attachments_module, &wisp_cloth_module, &wisp_strands_module,
                                                   &wisp_tearing_module };
     enum
@@ -436,9 +429,8 @@ static wisp_entity add_sheet( wisp_world* world, const wisp_cloth_def* cloth, fl
     return e;
 }
 
-static void what_does_not_tear_is_refused_with_its_reason( void** state )
+TEST( what_does_not_tear_is_refused_with_its_reason )
 {
-    (void)state;
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_motion_constraints_module,
                                                   &wisp_boundary_module, &wisp_tearing_module };
     hosted* h = new_hosted( MODULES, WISP_COUNT( MODULES ), 1, 1, 1 );
@@ -478,9 +470,8 @@ static void what_does_not_tear_is_refused_with_its_reason( void** state )
     close_tearing( h );
 }
 
-static void a_world_without_the_module_says_so( void** state )
+TEST( a_world_without_the_module_says_so )
 {
-    (void)state;
     static const wisp_module* const MODULES[] = { &wisp_cloth_module };
     hosted* h = new_hosted( MODULES, 1, 1, 1, 1 );
     const wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -488,20 +479,4 @@ static void a_world_without_the_module_says_so( void** state )
     def.strength = 10.0f;
     assert_refused( h->world, add_sheet( h->world, &cloth, 0.0f, false ), def, WISP_CONFLICT, "tearing" );
     close_tearing( h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( workers_and_instruction_sets_do_not_change_a_bit ),
-        cmocka_unit_test( torn_meshes_are_valid_and_finite_with_all_that_cloth_has ),
-        cmocka_unit_test( a_snapshot_holds_a_torn_sheet_and_is_refused_by_another ),
-        cmocka_unit_test( a_step_without_memory_fails_and_the_next_one_goes_on ),
-        cmocka_unit_test( a_cloth_without_tearing_has_no_pass_and_no_column ),
-        cmocka_unit_test( a_map_of_factors_decides_where_it_tears ),
-        cmocka_unit_test( pins_and_roots_go_with_their_triangles ),
-        cmocka_unit_test( what_does_not_tear_is_refused_with_its_reason ),
-        cmocka_unit_test( a_world_without_the_module_says_so ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -83,9 +83,8 @@ static const struct
     { "strands of rods", hair_of_rods },
 };
 
-static void an_entity_goes_on_as_if_it_had_been_there( void** state )
+TEST( an_entity_goes_on_as_if_it_had_been_there )
 {
-    (void)state;
     for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
     {
         hosted twin, h;
@@ -127,9 +126,8 @@ static double sum_of_speeds( wisp_world* world, wisp_entity e )
 }
 
 // What moves before the teleport moves after it only by what forces do in a step: far less than it did.
-static void velocities_can_end( void** state )
+TEST( velocities_can_end )
 {
-    (void)state;
     for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
     {
         hosted h;
@@ -183,9 +181,8 @@ static wisp_entity lay_on_ball( wisp_world* world, wisp_entity* ball, wisp_entit
     return sheets[0];
 }
 
-static void bodies_and_what_lies_on_them_go_together( void** state )
+TEST( bodies_and_what_lies_on_them_go_together )
 {
-    (void)state;
     hosted twin, h;
     open_effects( &twin, 1 );
     open_effects( &h, 1 );
@@ -209,9 +206,8 @@ static void bodies_and_what_lies_on_them_go_together( void** state )
 }
 
 // A collider that passes through a sheet in a teleport does not touch it, and gives it no velocity.
-static void a_collider_meets_nothing_on_its_way( void** state )
+TEST( a_collider_meets_nothing_on_its_way )
 {
-    (void)state;
     hosted h;
     open_effects( &h, 1 );
     const wisp_entity e = cloth_of_links( h.world );
@@ -253,9 +249,8 @@ static wisp_entity root_on( wisp_world* world, wisp_entity surface )
     return e;
 }
 
-static void strands_on_a_surface_go_along( void** state )
+TEST( strands_on_a_surface_go_along )
 {
-    (void)state;
     hosted twin, h;
     open_effects( &twin, 1 );
     open_effects( &h, 1 );
@@ -276,9 +271,8 @@ static void strands_on_a_surface_go_along( void** state )
 }
 
 // Views between two steps are on neither side of the gap.
-static void views_are_not_interpolated_across_a_teleport( void** state )
+TEST( views_are_not_interpolated_across_a_teleport )
 {
-    (void)state;
     hosted h;
     open_effects( &h, 1 );
     const wisp_entity e = cloth_of_links( h.world );
@@ -291,9 +285,8 @@ static void views_are_not_interpolated_across_a_teleport( void** state )
     close_world( &h );
 }
 
-static void wrong_teleports_change_nothing( void** state )
+TEST( wrong_teleports_change_nothing )
 {
-    (void)state;
     hosted h;
     open_effects( &h, 1 );
     const wisp_entity e = cloth_of_links( h.world );
@@ -320,18 +313,4 @@ static void wrong_teleports_change_nothing( void** state )
                     "does not exist" );
     assert_true( wisp_world_hash( h.world ) == hash );
     close_world( &h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( an_entity_goes_on_as_if_it_had_been_there ),
-        cmocka_unit_test( velocities_can_end ),
-        cmocka_unit_test( bodies_and_what_lies_on_them_go_together ),
-        cmocka_unit_test( a_collider_meets_nothing_on_its_way ),
-        cmocka_unit_test( strands_on_a_surface_go_along ),
-        cmocka_unit_test( views_are_not_interpolated_across_a_teleport ),
-        cmocka_unit_test( wrong_teleports_change_nothing ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -100,9 +100,8 @@ static void crumple( triangle_oracle* cloth, int key, double by, double speed )
 }
 
 // Eq. 1-4, Fig. 5
-static void the_rewrite_is_equation_3_as_printed( void** state )
+TEST( the_rewrite_is_equation_3_as_printed )
 {
-    (void)state;
     const triangle_oracle_params params = triangle_oracle_default_params();
     triangle_oracle cloth = make_sheet( &params );
     double3 printed[SHEET_COUNT], force[SHEET_COUNT], damping[SHEET_COUNT];
@@ -150,9 +149,8 @@ static double worst_force( triangle_oracle* cloth, bool bends )
     return worst / largest;
 }
 
-static void stretch_is_the_gradient_of_its_energy( void** state )
+TEST( stretch_is_the_gradient_of_its_energy )
 {
-    (void)state;
     const triangle_oracle_params params = still_params();
     triangle_oracle cloth = make_sheet( &params );
     crumple( &cloth, 10, 0.01, 0.0 );
@@ -160,9 +158,8 @@ static void stretch_is_the_gradient_of_its_energy( void** state )
     triangle_oracle_destroy( &cloth );
 }
 
-static void bending_is_the_gradient_of_its_energy( void** state )
+TEST( bending_is_the_gradient_of_its_energy )
 {
-    (void)state;
     triangle_oracle_params params = still_params();
     params.bend_stiffness = 3e-4;
     params.compression_stiffness = 150.0; // both branches of (12) are there
@@ -203,9 +200,8 @@ static double worst_jacobian( const triangle_oracle* cloth, const double3* x )
     return worst;
 }
 
-static void the_jacobian_of_stretch_is_its_derivative( void** state )
+TEST( the_jacobian_of_stretch_is_its_derivative )
 {
-    (void)state;
     const triangle_oracle_params params = still_params();
     triangle_oracle cloth = make_pair_of( &params, false, 1.0, 1.0 );
     for ( int n = 0; n < 20; ++n )
@@ -219,9 +215,8 @@ static void the_jacobian_of_stretch_is_its_derivative( void** state )
     triangle_oracle_destroy( &cloth );
 }
 
-static void the_jacobian_of_bending_is_its_derivative_and_drops_one_term( void** state )
+TEST( the_jacobian_of_bending_is_its_derivative_and_drops_one_term )
 {
-    (void)state;
     triangle_oracle_params params = still_params();
     params.bend_stiffness = 1.0;
     triangle_oracle dropped = make_pair_of( &params, true, 1.0, 1.0 );
@@ -243,9 +238,8 @@ static void the_jacobian_of_bending_is_its_derivative_and_drops_one_term( void**
 }
 
 // Eq. 9-11
-static void the_arc_has_its_known_loads_and_slopes( void** state )
+TEST( the_arc_has_its_known_loads_and_slopes )
 {
-    (void)state;
     const double step = 1e-5;
     for ( int n = 1; n < 200; ++n )
     {
@@ -269,9 +263,8 @@ static void the_arc_has_its_known_loads_and_slopes( void** state )
 }
 
 // Eq. 12: ramps that are never left, that are met twice, and that are met once
-static void the_ramped_load_is_continuous_and_the_slope_of_its_energy( void** state )
+TEST( the_ramped_load_is_continuous_and_the_slope_of_its_energy )
 {
-    (void)state;
     static const double ramps[] = { 0.0, 10.0, 33.0, 35.0, 38.0, 40.0, 200.0, 1e5 };
     for ( int k = 0; k < WISP_COUNT( ramps ); ++k )
     {
@@ -293,9 +286,8 @@ static void the_ramped_load_is_continuous_and_the_slope_of_its_energy( void** st
     }
 }
 
-static void the_matrix_is_symmetric( void** state )
+TEST( the_matrix_is_symmetric )
 {
-    (void)state;
     for ( int form = 0; form < 3; ++form )
     {
         triangle_oracle_params params = triangle_oracle_default_params();
@@ -353,9 +345,8 @@ static triangle_oracle make_constrained( const triangle_oracle_params* params, d
     return cloth;
 }
 
-static void conjugate_gradients_equal_elimination( void** state )
+TEST( conjugate_gradients_equal_elimination )
 {
-    (void)state;
     for ( int form = 0; form < 3; ++form )
     {
         triangle_oracle_params params = triangle_oracle_default_params();
@@ -376,9 +367,8 @@ static void conjugate_gradients_equal_elimination( void** state )
     }
 }
 
-static void the_rate_of_a_damped_pair_falls_as_it_should( void** state )
+TEST( the_rate_of_a_damped_pair_falls_as_it_should )
 {
-    (void)state;
     for ( int form = 0; form < 2; ++form )
     {
         const double h = 0.01, mass = 0.5, rate = 3.0;
@@ -397,9 +387,8 @@ static void the_rate_of_a_damped_pair_falls_as_it_should( void** state )
     }
 }
 
-static void an_oscillator_that_is_always_stretched_loses_energy_as_euler_says( void** state )
+TEST( an_oscillator_that_is_always_stretched_loses_energy_as_euler_says )
 {
-    (void)state;
     const double h = 0.01, mass = 0.5, middle = 2.0;
     triangle_oracle_params params = still_params();
     triangle_oracle pair = make_pair_of( &params, false, 1.0, mass );
@@ -421,9 +410,8 @@ static void an_oscillator_that_is_always_stretched_loses_energy_as_euler_says( v
     triangle_oracle_destroy( &pair );
 }
 
-static void momentum_of_the_rows_is_kept( void** state )
+TEST( momentum_of_the_rows_is_kept )
 {
-    (void)state;
     for ( int form = 0; form < 6; ++form )
     {
         triangle_oracle_params params = triangle_oracle_default_params();
@@ -444,9 +432,8 @@ static void momentum_of_the_rows_is_kept( void** state )
 }
 
 // Section 4: what lies deep in a floor is on it after one step, and what rests on it goes with it.
-static void a_vertex_on_a_moving_floor_goes_with_it( void** state )
+TEST( a_vertex_on_a_moving_floor_goes_with_it )
 {
-    (void)state;
     const double step = 0.01, masses[2] = { 1e-3, 1e-3 };
     const double3 places[2] = { { 0.3, 0.003, 0.1 }, { 0.0, -0.02, 0.0 } };
     const triangle_oracle_params params = triangle_oracle_default_params();
@@ -463,24 +450,4 @@ static void a_vertex_on_a_moving_floor_goes_with_it( void** state )
         assert_true( k > 0 || fabs( dust.x[1].y - floor.place.y ) < 1e-15 );
     }
     triangle_oracle_destroy( &dust );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_rewrite_is_equation_3_as_printed ),
-        cmocka_unit_test( stretch_is_the_gradient_of_its_energy ),
-        cmocka_unit_test( bending_is_the_gradient_of_its_energy ),
-        cmocka_unit_test( the_jacobian_of_stretch_is_its_derivative ),
-        cmocka_unit_test( the_jacobian_of_bending_is_its_derivative_and_drops_one_term ),
-        cmocka_unit_test( the_arc_has_its_known_loads_and_slopes ),
-        cmocka_unit_test( the_ramped_load_is_continuous_and_the_slope_of_its_energy ),
-        cmocka_unit_test( the_matrix_is_symmetric ),
-        cmocka_unit_test( conjugate_gradients_equal_elimination ),
-        cmocka_unit_test( the_rate_of_a_damped_pair_falls_as_it_should ),
-        cmocka_unit_test( an_oscillator_that_is_always_stretched_loses_energy_as_euler_says ),
-        cmocka_unit_test( momentum_of_the_rows_is_kept ),
-        cmocka_unit_test( a_vertex_on_a_moving_floor_goes_with_it ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

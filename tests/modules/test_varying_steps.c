@@ -100,9 +100,8 @@ static outcome run( const subject* s, sequence* dt_of, bool is_constant, int sub
     return out;
 }
 
-static void what_rests_at_constant_steps_rests_at_any( void** state )
+TEST( what_rests_at_constant_steps_rests_at_any )
 {
-    (void)state;
     const int substeps[] = { 8, 20 };
     for ( int n = 0; n < WISP_COUNT( SUBJECTS ); ++n )
     {
@@ -126,18 +125,16 @@ static void what_rests_at_constant_steps_rests_at_any( void** state )
     }
 }
 
-static void workers_do_not_change_a_bit_at_varying_steps( void** state )
+TEST( workers_do_not_change_a_bit_at_varying_steps )
 {
-    (void)state;
     const uint64_t one = run( SUBJECTS, from_20_to_1000_hz, false, 4, 1 ).hash;
     assert_true( run( SUBJECTS, from_20_to_1000_hz, false, 4, 2 ).hash == one );
     assert_true( run( SUBJECTS, from_20_to_1000_hz, false, 4, 5 ).hash == one );
 }
 
 // A snapshot between two uneven steps holds the time that no substep has covered yet.
-static void a_snapshot_goes_on_at_varying_steps( void** state )
+TEST( a_snapshot_goes_on_at_varying_steps )
 {
-    (void)state;
     hosted h;
     open_world( &h, 4, 1 );
     const wisp_entity e = cloth_of_links( h.world );
@@ -170,9 +167,8 @@ static void a_snapshot_goes_on_at_varying_steps( void** state )
 }
 
 // Pins that are moved at 1 m/s are at most a substep behind their targets, and their cloth with them.
-static void pins_keep_up_at_varying_steps( void** state )
+TEST( pins_keep_up_at_varying_steps )
 {
-    (void)state;
     hosted h;
     open_world( &h, 8, 1 );
     const wisp_entity e = cloth_of_links( h.world );
@@ -190,15 +186,4 @@ static void pins_keep_up_at_varying_steps( void** state )
         assert_true( fabs( (double)velocity_of( h.world, e, 20 )[0] ) < 1.2 );
     }
     close_world( &h );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( what_rests_at_constant_steps_rests_at_any ),
-        cmocka_unit_test( workers_do_not_change_a_bit_at_varying_steps ),
-        cmocka_unit_test( a_snapshot_goes_on_at_varying_steps ),
-        cmocka_unit_test( pins_keep_up_at_varying_steps ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -48,9 +48,8 @@ static bool check_scene( int seed, int number )
     return verdict.check == known;
 }
 
-static void random_scenes_hold_apart_from_those_that_are_known( void** state )
+TEST( random_scenes_hold_apart_from_those_that_are_known )
 {
-    (void)state;
     enum
     {
         SEEDS = 5,
@@ -66,12 +65,4 @@ static void random_scenes_hold_apart_from_those_that_are_known( void** state )
         }
     }
     assert_int_equal( wrong, 0 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( random_scenes_hold_apart_from_those_that_are_known ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -13,9 +13,8 @@ static char* text_of( uint64_t seed, int number )
     return text;
 }
 
-static void a_scene_of_a_seed_is_always_the_same_text( void** state )
+TEST( a_scene_of_a_seed_is_always_the_same_text )
 {
-    (void)state;
     for ( int i = 0; i < 20; ++i )
     {
         char *a = text_of( 7, i ), *b = text_of( 7, i );
@@ -25,9 +24,8 @@ static void a_scene_of_a_seed_is_always_the_same_text( void** state )
     }
 }
 
-static void seeds_and_numbers_are_different_scenes( void** state )
+TEST( seeds_and_numbers_are_different_scenes )
 {
-    (void)state;
     char *a = text_of( 7, 1 ), *b = text_of( 7, 2 ), *c = text_of( 8, 1 );
     assert_string_not_equal( a, b );
     assert_string_not_equal( a, c );
@@ -37,16 +35,14 @@ static void seeds_and_numbers_are_different_scenes( void** state )
 }
 
 // Computed from the definition of SplitMix64 with whole numbers of any length.
-static void random_numbers_are_those_of_every_machine( void** state )
+TEST( random_numbers_are_those_of_every_machine )
 {
-    (void)state;
     torture_random random = torture_random_start( 1, 2 );
     assert_true( torture_random_next( &random ) == UINT64_C( 0xd2f6d0470be1a7b1 ) );
 }
 
-static void every_scene_is_read( void** state )
+TEST( every_scene_is_read )
 {
-    (void)state;
     for ( int i = 0; i < 400; ++i )
     {
         const torture_generator generator = { .seed = 11 };
@@ -63,9 +59,8 @@ static void every_scene_is_read( void** state )
     }
 }
 
-static void text_of_a_scene_is_read_as_the_same_tree( void** state )
+TEST( text_of_a_scene_is_read_as_the_same_tree )
 {
-    (void)state;
     for ( int i = 0; i < 50; ++i )
     {
         char* text = text_of( 13, i );
@@ -78,9 +73,8 @@ static void text_of_a_scene_is_read_as_the_same_tree( void** state )
     }
 }
 
-static void every_kind_is_drawn( void** state )
+TEST( every_kind_is_drawn )
 {
-    (void)state;
     static const char* const words[] = { "cloth:",
                                          "balloon:",
                                          "implicit:",
@@ -147,9 +141,8 @@ static void every_kind_is_drawn( void** state )
 }
 
 // A key that no scene has is one that the generator should draw, or that is listed here with its reason.
-static void every_key_of_an_effect_is_drawn( void** state )
+TEST( every_key_of_an_effect_is_drawn )
 {
-    (void)state;
     static const char* const effects[] = { "cloth", "balloon", "implicit", "collision" };
     static const char* const left_out[] = { "max_iterations", "outlet", "outlet_radius",
                                             "min_gas_ratio",  "mask",   "allow_open" };
@@ -193,9 +186,8 @@ static void every_key_of_an_effect_is_drawn( void** state )
     text_release( found );
 }
 
-static void a_mesh_that_is_given_is_used( void** state )
+TEST( a_mesh_that_is_given_is_used )
 {
-    (void)state;
     static const char* const meshes[] = { WISP_SOURCE_ROOT "/data/bunny.obj" };
     const torture_generator generator = { .seed = 1, .meshes = meshes, .mesh_count = 1 };
     int count = 0;
@@ -208,19 +200,4 @@ static void a_mesh_that_is_given_is_used( void** state )
         text_release( scene );
     }
     assert_true( count > 5 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_scene_of_a_seed_is_always_the_same_text ),
-        cmocka_unit_test( seeds_and_numbers_are_different_scenes ),
-        cmocka_unit_test( random_numbers_are_those_of_every_machine ),
-        cmocka_unit_test( every_scene_is_read ),
-        cmocka_unit_test( text_of_a_scene_is_read_as_the_same_tree ),
-        cmocka_unit_test( every_kind_is_drawn ),
-        cmocka_unit_test( every_key_of_an_effect_is_drawn ),
-        cmocka_unit_test( a_mesh_that_is_given_is_used ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

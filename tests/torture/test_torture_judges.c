@@ -56,16 +56,14 @@ static void assert_trace( stability_trace* trace, stability_check judge, const c
     stability_trace_release( trace );
 }
 
-static void a_run_at_rest_holds( void** state )
+TEST( a_run_at_rest_holds )
 {
-    (void)state;
     stability_trace trace = make_trace();
     assert_trace( &trace, STABILITY_HOLDS, "" );
 }
 
-static void a_step_that_fails_breaks( void** state )
+TEST( a_step_that_fails_breaks )
 {
-    (void)state;
     stability_trace trace = make_trace();
     trace.status = WISP_CONFLICT;
     trace.steps = 41;
@@ -73,26 +71,23 @@ static void a_step_that_fails_breaks( void** state )
     assert_trace( &trace, STABILITY_STATUS, "step 42 failed: no such thing" );
 }
 
-static void a_body_that_is_not_finite_breaks( void** state )
+TEST( a_body_that_is_not_finite_breaks )
 {
-    (void)state;
     stability_trace trace = make_trace();
     stability_sample_of( &trace, 60, 1 )->is_finite = false;
     assert_trace( &trace, STABILITY_FINITE, "cloth is not finite at 1 s" );
 }
 
-static void a_body_that_was_halted_breaks( void** state )
+TEST( a_body_that_was_halted_breaks )
 {
-    (void)state;
     stability_trace trace = make_trace();
     trace.bodies[1].is_halted = true;
     assert_trace( &trace, STABILITY_HALTED, "cloth was halted" );
 }
 
 // 20 J are what lifts both by the metre that everything is large, with one percent of 4 times 9.8 J for rounding.
-static void energy_from_nowhere_breaks( void** state )
+TEST( energy_from_nowhere_breaks )
 {
-    (void)state;
     stability_trace trace = make_trace();
     stability_sample_of( &trace, 120, 0 )->kinetic = 19.0;
     assert_trace( &trace, STABILITY_HOLDS, "" );
@@ -103,9 +98,8 @@ static void energy_from_nowhere_breaks( void** state )
 }
 
 // A pin of 3 m/s may throw both with 6 m/s.
-static void inputs_may_bring_energy( void** state )
+TEST( inputs_may_bring_energy )
 {
-    (void)state;
     stability_trace trace = make_trace();
     stability_sample_of( &trace, 120, 0 )->kinetic = 50.0;
     trace.inputs.speed = 3.0;
@@ -116,9 +110,8 @@ static void inputs_may_bring_energy( void** state )
     assert_trace( &trace, STABILITY_ENERGY, "inputs explain 56" );
 }
 
-static void a_stretch_that_weight_does_not_explain_breaks( void** state )
+TEST( a_stretch_that_weight_does_not_explain_breaks )
 {
-    (void)state;
     stability_trace trace = make_trace();
     trace.bodies[0].stretch = 0.5;
     assert_trace( &trace, STABILITY_HOLDS, "" );
@@ -173,9 +166,8 @@ static void assert_close( stability_trace* trace, stability_check check, const c
     stability_trace_release( trace );
 }
 
-static void close_limits_see_what_coarse_ones_let_pass( void** state )
+TEST( close_limits_see_what_coarse_ones_let_pass )
 {
-    (void)state;
     stability_trace trace = make_close_trace();
     assert_close( &trace, STABILITY_HOLDS, "" );
     trace = make_close_trace();
@@ -197,9 +189,8 @@ static void close_limits_see_what_coarse_ones_let_pass( void** state )
 }
 
 // Three fifths of five seconds may pass before edges are within their limit.
-static void what_recovers_too_late_breaks( void** state )
+TEST( what_recovers_too_late_breaks )
 {
-    (void)state;
     stability_trace trace = make_close_trace();
     stability_sample_of( &trace, 150, 0 )->strain = 0.5;
     assert_close( &trace, STABILITY_HOLDS, "" );
@@ -209,9 +200,8 @@ static void what_recovers_too_late_breaks( void** state )
 }
 
 // Steps of several lengths store other energies, and a body without damping need not come to rest.
-static void close_limits_hold_where_they_are_not_known( void** state )
+TEST( close_limits_hold_where_they_are_not_known )
 {
-    (void)state;
     stability_trace trace = make_close_trace();
     trace.inputs.is_uneven = true;
     stability_sample_of( &trace, 100, 0 )->energy += 0.2;
@@ -226,9 +216,8 @@ static void close_limits_hold_where_they_are_not_known( void** state )
     assert_close( &trace, STABILITY_HOLDS, "" );
 }
 
-static void a_vertex_inside_a_collider_breaks( void** state )
+TEST( a_vertex_inside_a_collider_breaks )
 {
-    (void)state;
     stability_trace trace = make_trace();
     stability_sample_of( &trace, STEPS, 1 )->penetration = 0.019;
     assert_trace( &trace, STABILITY_HOLDS, "" );
@@ -241,9 +230,8 @@ static void a_vertex_inside_a_collider_breaks( void** state )
     assert_trace( &trace, STABILITY_HOLDS, "" );
 }
 
-static void intersections_that_come_break( void** state )
+TEST( intersections_that_come_break )
 {
-    (void)state;
     stability_trace trace = make_trace();
     trace.intersections_after = 3;
     assert_trace( &trace, STABILITY_INTERSECTIONS, "3 edges pass through triangles" );
@@ -263,9 +251,8 @@ static void set_speeds( stability_trace* trace, double early, double late, doubl
     }
 }
 
-static void motion_that_does_not_die_breaks( void** state )
+TEST( motion_that_does_not_die_breaks )
 {
-    (void)state;
     stability_trace trace = make_trace();
     set_speeds( &trace, 0.2, 0.21, 0.0 );
     assert_trace( &trace, STABILITY_REST, "moves with 0.21 m/s at the end" );
@@ -291,9 +278,8 @@ static void motion_that_does_not_die_breaks( void** state )
     assert_trace( &trace, STABILITY_HOLDS, "" );
 }
 
-static void runs_that_differ_at_another_size_break( void** state )
+TEST( runs_that_differ_at_another_size_break )
 {
-    (void)state;
     stability_trace trace = make_trace(), twin = make_trace();
     stability_verdict verdict = { .check = STABILITY_HOLDS };
     assert_true( torture_compare_traces( &trace, &twin, STABILITY_SCALE, &verdict ) );
@@ -312,9 +298,8 @@ static void runs_that_differ_at_another_size_break( void** state )
     stability_trace_release( &twin );
 }
 
-static void runs_with_other_bits_break( void** state )
+TEST( runs_with_other_bits_break )
 {
-    (void)state;
     const uint64_t expected[] = { 1, 2, 3 }, other[] = { 1, 2, 4 };
     stability_verdict verdict = { .check = STABILITY_HOLDS };
     assert_true( stability_compare_bits( expected, 3, expected, 3, STABILITY_BITS, 0, "with 2 workers", &verdict ) );
@@ -343,31 +328,27 @@ static const char QUIET[] = "wisp: 1\n"
                             "colliders:\n"
                             "  - { name: ground, shape: plane }\n";
 
-static void a_cloth_that_hangs_holds_with_all_twins( void** state )
+TEST( a_cloth_that_hangs_holds_with_all_twins )
 {
-    (void)state;
     assert_judged( judge_text( QUIET, TORTURE_TWIN_ALL ), STABILITY_HOLDS );
 }
 
-static void a_scene_that_the_reader_refuses_is_refused( void** state )
+TEST( a_scene_that_the_reader_refuses_is_refused )
 {
-    (void)state;
     const stability_verdict verdict = judge_text( "wisp: 1\nsteps: -1\n", 0 );
     assert_judged( verdict, STABILITY_REFUSED );
     assert_contains( verdict.message, "steps: got" );
 }
 
 // The mesh is open, which only the engine finds.
-static void a_scene_that_the_engine_refuses_is_refused( void** state )
+TEST( a_scene_that_the_engine_refuses_is_refused )
 {
-    (void)state;
     assert_judged( judge_text( "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane }, balloon: {} }\n", 0 ),
                    STABILITY_REFUSED );
 }
 
-static void a_scene_without_an_end_is_stopped( void** state )
+TEST( a_scene_without_an_end_is_stopped )
 {
-    (void)state;
     text_node* tree = parse_scene( "wisp: 1\nsteps: 1000000\nsubsteps: 100\nsurfaces:\n  - { name: a, generate: { "
                                    "shape: plane }, cloth: {} }\n" );
     const torture_subject subject = { tree, "test" };
@@ -377,9 +358,8 @@ static void a_scene_without_an_end_is_stopped( void** state )
 }
 
 // A subject without a name is an address that the child cannot read.
-static void a_process_that_dies_is_a_crash( void** state )
+TEST( a_process_that_dies_is_a_crash )
 {
-    (void)state;
     text_node* tree = parse_scene( "wisp: 1\n" );
     const torture_subject subject = { tree, NULL };
     assert_judged( torture_judge_scene( &subject, 0, 60.0 ), STABILITY_CRASH );
@@ -388,9 +368,8 @@ static void a_process_that_dies_is_a_crash( void** state )
 
 // ---- size and place ----
 
-static void a_scene_at_another_size_is_another_choice_of_the_metre( void** state )
+TEST( a_scene_at_another_size_is_another_choice_of_the_metre )
 {
-    (void)state;
     text_node* tree =
         parse_scene( "wisp: 1\n"
                      "surfaces:\n"
@@ -418,9 +397,8 @@ static void a_scene_at_another_size_is_another_choice_of_the_metre( void** state
     text_release( tree );
 }
 
-static void a_scene_elsewhere_has_all_places_moved( void** state )
+TEST( a_scene_elsewhere_has_all_places_moved )
 {
-    (void)state;
     text_node* tree =
         parse_scene( "wisp: 1\n"
                      "surfaces:\n"
@@ -439,33 +417,4 @@ static void a_scene_elsewhere_has_all_places_moved( void** state )
     assert_contains( text, "position: [101, 2, 13]" );
     free( text );
     text_release( tree );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_run_at_rest_holds ),
-        cmocka_unit_test( a_step_that_fails_breaks ),
-        cmocka_unit_test( a_body_that_is_not_finite_breaks ),
-        cmocka_unit_test( a_body_that_was_halted_breaks ),
-        cmocka_unit_test( energy_from_nowhere_breaks ),
-        cmocka_unit_test( inputs_may_bring_energy ),
-        cmocka_unit_test( a_stretch_that_weight_does_not_explain_breaks ),
-        cmocka_unit_test( close_limits_see_what_coarse_ones_let_pass ),
-        cmocka_unit_test( what_recovers_too_late_breaks ),
-        cmocka_unit_test( close_limits_hold_where_they_are_not_known ),
-        cmocka_unit_test( a_vertex_inside_a_collider_breaks ),
-        cmocka_unit_test( intersections_that_come_break ),
-        cmocka_unit_test( motion_that_does_not_die_breaks ),
-        cmocka_unit_test( runs_that_differ_at_another_size_break ),
-        cmocka_unit_test( runs_with_other_bits_break ),
-        cmocka_unit_test( a_process_that_dies_is_a_crash ),
-        cmocka_unit_test( a_cloth_that_hangs_holds_with_all_twins ),
-        cmocka_unit_test( a_scene_that_the_reader_refuses_is_refused ),
-        cmocka_unit_test( a_scene_that_the_engine_refuses_is_refused ),
-        cmocka_unit_test( a_scene_without_an_end_is_stopped ),
-        cmocka_unit_test( a_scene_at_another_size_is_another_choice_of_the_metre ),
-        cmocka_unit_test( a_scene_elsewhere_has_all_places_moved ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

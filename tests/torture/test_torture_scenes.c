@@ -7,9 +7,8 @@
 
 #include <glob.h>
 
-static void scenes_that_broke_once_hold( void** state )
+TEST( scenes_that_broke_once_hold )
 {
-    (void)state;
     glob_t found;
     assert_int_equal( glob( WISP_SOURCE_ROOT "/tests/torture/*.yaml", 0, NULL, &found ), 0 );
     int broken = 0;
@@ -27,10 +26,4 @@ static void scenes_that_broke_once_hold( void** state )
     }
     globfree( &found );
     assert_int_equal( broken, 0 );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = { cmocka_unit_test( scenes_that_broke_once_hold ) };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }

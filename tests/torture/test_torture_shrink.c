@@ -34,9 +34,8 @@ static bool has_full_balloon( void* user, const text_node* scene )
     return false;
 }
 
-static void only_what_breaks_is_left( void** state )
+TEST( only_what_breaks_is_left )
 {
-    (void)state;
     int tries = 0;
     text_node* tree = parse_scene( SCENE );
     const torture_shrink_def def = { has_full_balloon, &tries, 1000, 60.0 };
@@ -59,9 +58,8 @@ static bool is_wide_and_long( void* user, const text_node* scene )
            text_is_number( text_find( text_find( first, "generate" ), "columns" ), &columns ) && columns >= 5.0;
 }
 
-static void counts_come_down_to_the_smallest_that_break( void** state )
+TEST( counts_come_down_to_the_smallest_that_break )
 {
-    (void)state;
     text_node* tree = parse_scene( SCENE );
     const torture_shrink_def def = { is_wide_and_long, NULL, 1000, 60.0 };
     torture_shrink( &def, tree );
@@ -78,9 +76,8 @@ static bool breaks_always( void* user, const text_node* scene )
     return true;
 }
 
-static void tries_have_a_limit( void** state )
+TEST( tries_have_a_limit )
 {
-    (void)state;
     text_node* tree = parse_scene( SCENE );
     const torture_shrink_def def = { breaks_always, NULL, 3, 60.0 };
     assert_int_equal( torture_shrink( &def, tree ), 3 );
@@ -94,9 +91,8 @@ static bool breaks_never( void* user, const text_node* scene )
     return false;
 }
 
-static void a_scene_of_which_nothing_can_go_stays_as_it_is( void** state )
+TEST( a_scene_of_which_nothing_can_go_stays_as_it_is )
 {
-    (void)state;
     text_node* tree = parse_scene( SCENE );
     char* before = text_write( tree, NULL );
     const torture_shrink_def def = { breaks_never, NULL, 1000, 60.0 };
@@ -106,15 +102,4 @@ static void a_scene_of_which_nothing_can_go_stays_as_it_is( void** state )
     free( before );
     free( after );
     text_release( tree );
-}
-
-int main( void )
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( only_what_breaks_is_left ),
-        cmocka_unit_test( counts_come_down_to_the_smallest_that_break ),
-        cmocka_unit_test( tries_have_a_limit ),
-        cmocka_unit_test( a_scene_of_which_nothing_can_go_stays_as_it_is ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
 }
