@@ -3,6 +3,7 @@
 #include "base64.h"
 #include "io_file.h"
 #include "program_data.h"
+#include "results_json.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -93,22 +94,6 @@ static wisp_status read_page( unsigned char** page, size_t* size, size_t* place,
     return WISP_OK;
 }
 
-// A script ends where "</script" begins, whatever string that is in.
-static void write_data( const char* text, FILE* stream )
-{
-    for ( const char* at = text; *at; ++at )
-    {
-        if ( *at == '<' )
-        {
-            fputs( "\\u003c", stream );
-        }
-        else
-        {
-            fputc( *at, stream );
-        }
-    }
-}
-
 wisp_status view_page_write( const json_t* data, const char* path, size_t* size, wisp_error* error )
 {
     unsigned char* page;
@@ -126,7 +111,7 @@ wisp_status view_page_write( const json_t* data, const char* path, size_t* size,
     {
         const size_t behind = place + sizeof place_word - 1;
         fwrite( page, 1, place, output.stream );
-        write_data( text, output.stream );
+        results_json_put_script( text, output.stream );
         fwrite( page + behind, 1, page_size - behind, output.stream );
         const long end = ftell( output.stream );
         *size = end > 0 ? (size_t)end : 0;

@@ -10,8 +10,8 @@ json_t* results_json_number( double value )
     return isfinite( value ) ? json_real( value ) : json_null();
 }
 
-// Counts read better as 20 than as 20.0. Beyond 2^53 a double is no count any more.
-static json_t* count_or_real( double value )
+// Beyond 2^53 a double is no count any more.
+json_t* results_json_count( double value )
 {
     return value == floor( value ) && fabs( value ) < 0x1p53 ? json_integer( (json_int_t)value )
                                                              : results_json_number( value );
@@ -29,7 +29,7 @@ static json_t* values_object( const results_values* values )
     json_t* object = json_object();
     for ( int i = 0; i < values->count; ++i )
     {
-        json_object_set_new( object, values->items[i].name, count_or_real( values->items[i].value ) );
+        json_object_set_new( object, values->items[i].name, results_json_count( values->items[i].value ) );
     }
     return object;
 }
@@ -94,7 +94,7 @@ static json_t* machine_object( const machine_info* machine )
     json_t* object = json_object();
     json_object_set_new( object, "cpu", results_json_text( machine->cpu ) );
     json_object_set_new( object, "cores", json_integer( machine->cores ) );
-    json_object_set_new( object, "memory_bytes", count_or_real( machine->memory_bytes ) );
+    json_object_set_new( object, "memory_bytes", results_json_count( machine->memory_bytes ) );
     json_object_set_new( object, "os", results_json_text( machine->os ) );
     json_object_set_new( object, "isa", results_json_text( machine->isa ) );
     json_object_set_new( object, "cpu_flags", results_json_text( machine->cpu_flags ) );
@@ -167,6 +167,21 @@ wisp_status results_json_dump( json_t* root, FILE* stream, wisp_error* error )
         return wisp_fail( error, WISP_IO_ERROR, "the results could not be written as JSON" );
     }
     return WISP_OK;
+}
+
+void results_json_put_script( const char* json, FILE* stream )
+{
+    for ( const char* at = json; *at; ++at )
+    {
+        if ( *at == '<' )
+        {
+            fputs( "\\u003c", stream );
+        }
+        else
+        {
+            fputc( *at, stream );
+        }
+    }
 }
 
 // A list of labels and values has a note for each line.
