@@ -20,6 +20,9 @@ static const struct
     { "contact", "search", NULL, "leave it out: pairs are found by grids, the fastest of the searches" },
     // meshes
     { "generate", "shape", "figure", "use `file: figure.glb` of the folder data, which has its clips too" },
+    // colliders
+    { "colliders", "search", NULL, "leave it out: meshes are searched by trees, with Embree and without" },
+    { "colliders", "voxel_size", NULL, "leave it out: meshes are searched by trees" },
     // implicit cloth
     { "implicit", "damping_form", NULL, "leave it out: links damp all relative velocity of their ends" },
     { "implicit", "jacobian", NULL, "leave it out: the negative term of bending is always dropped" },

@@ -109,7 +109,7 @@ static wisp_status make_mesh( const wisp_record_body* body, const wisp_vec3* poi
                                           .triangles = body->triangles,
                                           .point_count = body->vertex_count,
                                           .triangle_count = body->triangle_count,
-                                          .search = WISP_MESH_SEARCH_VOXELS };
+                                          .deforms = true };
     *out = NULL;
     return body->triangle_count > 0 ? wisp_collision_mesh_create( &def, NULL, out, error ) : WISP_OK;
 }

@@ -72,7 +72,7 @@ static wisp_status add_balloon( const scene_world* world, int surface, work* w, 
             .triangles = body.triangles,
             .point_count = body.vertex_count,
             .triangle_count = body.triangle_count,
-            .search = WISP_MESH_SEARCH_VOXELS,
+            .deforms = true,
         };
         status = wisp_collision_mesh_create( &def, NULL, &b->mesh, error );
     }

@@ -201,7 +201,6 @@ static const span SPANS[] = {
     { "scalp_radius", 0.03, 0.1 },
     { "wave_amplitude", 1e-3, 0.02 },
     { "wave_length", 0.02, 0.2 },
-    { "voxel_size", 0, 0 },
     { "samples", 1, 8 },
     { "count", 1, 4 },
     // what things are made of

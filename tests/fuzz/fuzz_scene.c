@@ -202,8 +202,6 @@ static void demand_collider( const wisp_scene_collider* c )
     demand( c->name && c->def.kind >= 0 && c->def.kind < WISP_COLLIDER_COUNT );
     demand( c->def.kinetic_friction <= c->def.static_friction && c->def.kinetic_friction >= 0.0f );
     demand( c->def.radius > 0.0f && c->def.half_length >= 0.0f && c->def.half_extent.z > 0.0f );
-    demand( c->def.search >= 0 && c->def.search < WISP_MESH_SEARCH_COUNT && c->def.voxel_size >= 0.0f );
-    demand( c->def.voxel_size == 0.0f || c->def.search == WISP_MESH_SEARCH_VOXELS );
     demand_mesh( &c->mesh, c->def.kind == WISP_COLLIDER_MESH || c->def.kind == WISP_COLLIDER_CONVEX );
     demand_path( &c->path );
 }

@@ -5,15 +5,6 @@
 
 WISP_BEGIN_C
 
-/// Search structure of a triangle mesh. All of them give the same results to the last bit.
-typedef enum wisp_mesh_search
-{
-    WISP_MESH_SEARCH_TREE = 0, ///< a bounding volume tree; needs Embree
-    WISP_MESH_SEARCH_VOXELS =
-        1, ///< a grid of cubes, each with a list of the triangles that touch it (Zhang and Yuen 2000)
-    WISP_MESH_SEARCH_COUNT = 2,
-} wisp_mesh_search;
-
 /// How the brake reads a change of distance (Kim 2026, eq. 17-18, and other readings of it).
 typedef enum wisp_gap
 {
