@@ -1,7 +1,7 @@
 #include "bench_commands.h"
 #include "bench_texts.h"
 
-#include "gate_page.h"
+#include "gate_check.h"
 #include "gate_paired.h"
 #include "interruption.h"
 #include "io_file.h"
