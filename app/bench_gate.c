@@ -7,8 +7,8 @@
 #include "io_file.h"
 #include "machine.h"
 #include "progress.h"
-#include "suite_callgrind.h"
-#include "suite_reference.h"
+#include "suite_measure.h"
+#include "suite_motion.h"
 
 #include <limits.h>
 #include <math.h>

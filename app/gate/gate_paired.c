@@ -8,7 +8,7 @@
 
 #include "interruption.h"
 #include "stats.h"
-#include "suite_callgrind.h"
+#include "suite_measure.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "suite_judge.h"
-#include "suite_reference.h"
+#include "suite_motion.h"
 #include "sweep_part.h"
 
 /// Hash of what decides about an item: its name, its scene with all settings, its length, its checks. Files that the scene names are not in it.
