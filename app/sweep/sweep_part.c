@@ -1,7 +1,7 @@
 #include "sweep_part.h"
 
 #include "io_file.h"
-#include "results_json.h"
+#include "results_write.h"
 #include "wisp/wisp.h"
 
 #include <errno.h>

@@ -1,7 +1,11 @@
-/// Results as text for a terminal: tables of at most RESULTS_TEXT_COLUMNS columns and RESULTS_TEXT_WIDTH characters.
+/// Results as text for a terminal, and as JSON.
 #pragma once
 
 #include "results.h"
+
+#include <jansson.h>
+
+// ---- text for a terminal: tables of at most RESULTS_TEXT_COLUMNS columns and RESULTS_TEXT_WIDTH characters ----
 
 #define RESULTS_TEXT_WIDTH 120
 #define RESULTS_TEXT_COLUMNS 8
@@ -9,5 +13,10 @@
 /// Write one table. A wider one is split; each part repeats the columns that tell its rows apart. Hashes and
 /// quantiles are left to the formats for programs, and long cells go on in the next line.
 void results_write_text_table( const results_table* table, FILE* stream );
-/// Write a text, broken between words; its further lines are indented.
-void results_write_text_lines( const char* text, FILE* stream );
+
+// ---- JSON ----
+
+#define RESULTS_JSON_VERSION 2
+
+/// A string, also of bytes that are not UTF-8.
+json_t* results_json_text( const char* value );
