@@ -8,7 +8,7 @@
 #include "io_file.h"
 #include "progress.h"
 #include "report.h"
-#include "suite_of_scene.h"
+#include "suite.h"
 #include "wisp/wisp.h"
 
 #include <limits.h>

@@ -1,14 +1,14 @@
 #include "bench_commands.h"
 #include "bench_texts.h"
 
-#include "gate_page.h"
+#include "gate_check.h"
 #include "gate_paired.h"
 #include "interruption.h"
 #include "io_file.h"
 #include "machine.h"
 #include "progress.h"
-#include "suite_callgrind.h"
-#include "suite_reference.h"
+#include "suite_measure.h"
+#include "suite_motion.h"
 
 #include <limits.h>
 #include <math.h>

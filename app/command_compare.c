@@ -1,7 +1,7 @@
 // `wisp compare BEFORE AFTER`: what differs between two files of results.
 #include "commands.h"
 
-#include "results_compare.h"
+#include "results_read.h"
 
 typedef struct compare_options
 {

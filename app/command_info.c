@@ -2,9 +2,9 @@
 
 #include "file_kind.h"
 #include "gltf.h"
-#include "info_results.h"
 #include "io_file.h"
 #include "record.h"
+#include "results_read.h"
 #include "scene_keys.h"
 #include "world_from_scene.h"
 

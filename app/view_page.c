@@ -3,7 +3,7 @@
 #include "base64.h"
 #include "io_file.h"
 #include "program_data.h"
-#include "results_json.h"
+#include "results_write.h"
 
 #include <limits.h>
 #include <stdlib.h>

@@ -3,10 +3,10 @@
 #include "palette.h"
 #include "contact_bench.h"
 
-#include "program_data.h"
 #include "io_file.h"
 #include "picture_sheet.h"
-#include "suite_fields.h"
+#include "program_data.h"
+#include "suite.h"
 #include "world_from_scene.h"
 
 #include <math.h>

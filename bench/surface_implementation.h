@@ -2,7 +2,6 @@
 #pragma once
 
 #include "bench_world.h"
-#include "profile_samples.h"
 #include "stats.h"
 
 #include "mesh.h"

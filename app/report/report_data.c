@@ -1,7 +1,7 @@
 #include "report_data.h"
 
 #include "report_text.h"
-#include "results_json.h"
+#include "results_write.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 // Every format of the results is read back: a reader must find the measured values.
 #include "unit.h"
 
-#include "info_results.h"
 #include "results.h"
+#include "results_read.h"
 
 #include <jansson.h>
 #include <unistd.h>

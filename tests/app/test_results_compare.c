@@ -1,7 +1,7 @@
 // What `wisp compare` says of two files, of which one is the other with known changes.
 #include "unit.h"
 
-#include "results_compare.h"
+#include "results_read.h"
 
 #include <stdlib.h>
 #include <unistd.h>

@@ -1,7 +1,6 @@
 // Order statistics, straight lines, and the profile over many steps.
 #include "unit.h"
 
-#include "profile_samples.h"
 #include "stats.h"
 
 TEST( the_median_of_an_odd_count_is_the_middle_one )

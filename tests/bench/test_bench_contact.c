@@ -3,9 +3,9 @@
 #include "bench_tables.h"
 
 #include "accuracy/accuracy.h"
-#include "program_data.h"
 #include "contact_bench.h"
-#include "suite_overlap.h"
+#include "program_data.h"
+#include "suite_measure.h"
 
 #include <unistd.h>
 
