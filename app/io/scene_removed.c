@@ -20,6 +20,10 @@ static const struct
     { "contact", "search", NULL, "leave it out: pairs are found by grids, the fastest of the searches" },
     // meshes
     { "generate", "shape", "figure", "use `file: figure.glb` of the folder data, which has its clips too" },
+    // boundary
+    { "boundary", "by_screen", NULL, "use `eye_angle`, above 0, alone" },
+    { "boundary", "pixels", NULL, "use `eye_angle`: the pixels times the angle of one" },
+    { "boundary", "pixel_angle", NULL, "use `eye_angle`: the pixels times the angle of one" },
     // colliders
     { "colliders", "search", NULL, "leave it out: meshes are searched by trees, with Embree and without" },
     { "colliders", "voxel_size", NULL, "leave it out: meshes are searched by trees" },

@@ -14,7 +14,7 @@ typedef struct golden_case
     wisp_rounding rounding;
     bool scanline;
     float hysteresis, curvature_gain, strain_gain;
-    bool by_screen;
+    bool by_distance;
 } golden_case;
 
 static const golden_case CASES[] = {
@@ -37,9 +37,8 @@ static uint64_t hash_case( const golden_case* c, int workers, const char* isa )
     def.hysteresis = c->hysteresis;
     def.curvature_gain = c->curvature_gain;
     def.strain_gain = c->strain_gain;
-    def.by_screen = c->by_screen;
     def.eye = ( wisp_vec3 ){ 2.0f, 1.0f, 4.0f };
-    def.pixel_angle = 4e-3f;
+    def.eye_angle = c->by_distance ? 4.0f * 4e-3f : 0.0f;
     set_layer( b, b->ball, &def );
     uint64_t hash = 0;
     for ( int i = 0; i < 8; ++i )

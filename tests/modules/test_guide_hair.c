@@ -164,7 +164,6 @@ TEST( every_switch_follows_the_oracle )
 TEST( ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest )
 {
     double3 targets[24 * 3], ghosts[60 * 5];
-    int32_t found[60];
     for ( int n = 0; n < WISP_COUNT( targets ); ++n )
     {
         targets[n] = guide_round( random_vector( 1000 + n, 0 ) );

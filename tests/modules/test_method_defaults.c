@@ -56,6 +56,5 @@ TEST( boundary_points_are_even_and_counted_downwards )
     const wisp_boundary_def def = wisp_default_boundary_def();
     assert_int_equal( def.policy, WISP_SPACING_EVEN );
     assert_int_equal( def.rounding, WISP_ROUND_DOWN );
-    assert_true( def.spacing == 0.0f && !def.scanline_normals && !def.by_screen );
-    assert_float_equal( def.pixels, 4.0f, 0.0f );
+    assert_true( def.spacing == 0.0f && !def.scanline_normals && def.eye_angle == 0.0f );
 }
