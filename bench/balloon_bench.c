@@ -26,7 +26,7 @@ enum
 
 static const char sizes[] = "suite.sizes", sphere[] = "sphere, vertices=";
 
-// Rows of the sizes, whose pressure is that of the default reading. @return 0: another row
+// @return 0: a row of another suite
 static double vertices_of( const results_row* row )
 {
     const size_t length = strlen( sphere );

@@ -323,7 +323,7 @@ wisp_status layer_enter_balloon( wisp_fabric* fabric, const wisp_mesh* mesh, con
     def.volume_stiffness = 1.0f;
     def.gas_ratio = setting->multiplier;
     def.min_gas_ratio = 0.001f;
-    def.buoyancy = def.keep_angular_momentum = false; // neither is in the paper
+    def.buoyancy = false; // not in the paper
     def.drag_coefficient = 0.0f;
     wisp_status status = surface_implementation_create( &generator, out, error );
     if ( status != WISP_OK )

@@ -28,8 +28,6 @@ static const scene_field BOUNDARY_FIELDS[] = {
       .help = "Where points stand on an edge or a line." },
     { "rounding", SCENE_CHOICE, .at = BOUNDARY( rounding ), .choices = ROUNDINGS,
       .help = "Rounding of the number of spacings in a length." },
-    { "scanline_normals", SCENE_SWITCH, .at = BOUNDARY( scanline_normals ),
-      .help = "Interpolates normals of inner points between the ends of their line, not by barycentric weights." },
     { "hysteresis", SCENE_NUMBER, .at = BOUNDARY( hysteresis ), .range = RANGE( 0, 0.5 ),
       .help = "Counts of points stay while a length is within this many spacings of where they would change." },
     { "max_points", SCENE_WHOLE, .at = BOUNDARY( max_points ), .range = RANGE( 1, 134217728 ),

@@ -343,7 +343,6 @@ static const span SPANS[] = {
     // ghosts
     { "target_count", 1, 3 },
     { "resample", 0, 0 },
-    { "feedback", 0, 0 },
     { "tip_gain", 0, 2 },
     { "centre_gain", 0, 2 },
     { "spread", 0.2, 3 },

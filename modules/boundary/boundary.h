@@ -25,7 +25,6 @@ typedef struct wisp_boundary_def
     float spacing;          ///< d, m, > 0; default 0: half of the mean rest length of the edges
     wisp_spacing policy;    ///< default even
     wisp_rounding rounding; ///< default down
-    bool scanline_normals;  ///< inner normals from the ends of a line; default false: barycentric
     float
         hysteresis; ///< in spacings, in [0, 0.5]: counts stay while lengths are this close to where they would change;
                     ///< default 0, as in the paper. The counts of a triangle change together

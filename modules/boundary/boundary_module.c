@@ -222,7 +222,6 @@ static boundary_settings fill_settings( const wisp_boundary_def* d, const wisp_f
         .spacing = spacing,
         .policy = (int32_t)d->policy,
         .rounding = (int32_t)d->rounding,
-        .scanline = d->scanline_normals,
         .limit = d->max_points,
         .hysteresis = d->hysteresis,
         .min_spacing = d->min_spacing == 0.0f ? 0.25f * spacing : d->min_spacing,

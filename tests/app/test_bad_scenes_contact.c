@@ -20,7 +20,6 @@ const bad_scene BAD_SCENES_CONTACT[] = {
       ":6:25: surfaces[0].boundary.policy: got 'evenly', expected one of even, exact; did you mean 'even'?" },
     { "boundary_rounding_unknown.yaml",
       ":6:27: surfaces[0].boundary.rounding: got 'floor', expected one of down, nearest, up" },
-    { "boundary_scanline_one.yaml", ":6:35: surfaces[0].boundary.scanline_normals: got '1', expected true or false" },
     { "boundary_spacing_infinite.yaml", ":6:26: surfaces[0].boundary.spacing: got '.inf', expected a finite number" },
     { "boundary_spacing_unit.yaml",
       ":6:26: surfaces[0].boundary.spacing: got '10 mm', expected a number in m without its unit" },

@@ -21,7 +21,7 @@ TEST( a_layer_without_keys_has_the_defaults_of_its_module )
     const wisp_boundary_def *b = &s->boundary, def = wisp_default_boundary_def();
     assert_true( s->has_boundary && !s->has_contact );
     assert_true( b->spacing == def.spacing && b->policy == def.policy && b->rounding == def.rounding );
-    assert_true( b->scanline_normals == def.scanline_normals && b->hysteresis == def.hysteresis );
+    assert_true( b->hysteresis == def.hysteresis );
     assert_true( b->max_points == def.max_points && b->min_spacing == def.min_spacing );
     assert_true( b->max_spacing == def.max_spacing && b->curvature_gain == def.curvature_gain );
     assert_true( b->strain_gain == def.strain_gain && b->eye_angle == def.eye_angle );
@@ -63,13 +63,12 @@ TEST( contact_of_a_scene_has_the_defaults_of_its_module )
 
 TEST( every_key_of_a_layer_reaches_its_place )
 {
-    wisp_scene scene =
-        with_block( "boundary", "{ spacing: 0.02, policy: exact, rounding: up, scanline_normals: true, "
-                                "hysteresis: 0.25, max_points: 1000, min_spacing: 0.01, max_spacing: "
-                                "0.03, curvature_gain: 2, strain_gain: -0.5, eye: [1, 2, 3], "
-                                "eye_angle: 0.016 }" );
+    wisp_scene scene = with_block( "boundary", "{ spacing: 0.02, policy: exact, rounding: up, "
+                                               "hysteresis: 0.25, max_points: 1000, min_spacing: 0.01, max_spacing: "
+                                               "0.03, curvature_gain: 2, strain_gain: -0.5, eye: [1, 2, 3], "
+                                               "eye_angle: 0.016 }" );
     const wisp_boundary_def* b = &scene.surfaces[0].boundary;
-    assert_true( b->spacing == 0.02f && b->scanline_normals && b->hysteresis == 0.25f && b->max_points == 1000 );
+    assert_true( b->spacing == 0.02f && b->hysteresis == 0.25f && b->max_points == 1000 );
     assert_int_equal( b->policy, WISP_SPACING_EXACT );
     assert_int_equal( b->rounding, WISP_ROUND_UP );
     assert_true( b->min_spacing == 0.01f && b->max_spacing == 0.03f );

@@ -51,8 +51,7 @@ TEST( ghosts_and_curves_without_keys_are_the_modules_defaults )
     assert_true( scene.strands[0].grid.friction == grid.friction );
     assert_int_equal( scene.strands[0].grid.size, grid.size );
     assert_int_equal( scene.strands[1].ghosts.target_count, ghosts.target_count );
-    assert_int_equal( scene.strands[1].ghosts.frame, ghosts.frame );
-    assert_true( scene.strands[1].ghosts.tip_gain == ghosts.tip_gain && scene.strands[1].ghosts.capped );
+    assert_true( scene.strands[1].ghosts.tip_gain == ghosts.tip_gain );
     assert_int_equal( scene.strands[1].ghosts.size, ghosts.size );
     assert_int_equal( scene.strands[2].curves.kind, curves.kind );
     assert_int_equal( scene.strands[2].curves.samples, curves.samples );
@@ -86,7 +85,7 @@ static const char EVERY_KEY[] =
     "    scatter: { around: hair, count: 3, radius: 0.125, seed: 18446744073709551615 }\n"
     "    ghosts: { targets: hair, target_count: 2, resample: true, elastic: off, tip_gain: 1, centre_gain: 2, time: "
     "3, "
-    "capped: false, keep_offset: false, spread: 4, repair_length: true, frame: root }\n"
+    "spread: 4, repair_length: true }\n"
     "    frozen_hair: { freeze: { stretch_stiffness: [1, 2, 3, 4, 5, 6] } }\n"
     "  - name: drawn\n    curves: { of: ghosts, kind: bezier, samples: 6 }\n    show: false\n"
     "  - { name: rooted, generate: {}, dynamics: { vertex_mass: 13 }, on_surface: cloth }\n"
@@ -122,8 +121,7 @@ static void assert_ghosts( const wisp_ghosts_def* g )
 {
     assert_int_equal( g->target_count, 2 );
     assert_int_equal( g->elastic, WISP_GHOST_ELASTIC_OFF );
-    assert_int_equal( g->frame, WISP_GHOST_FRAME_ROOT );
-    assert_true( g->resample && g->repair_length && !g->capped && !g->keep_offset );
+    assert_true( g->resample && g->repair_length );
     assert_true( g->tip_gain == 1.0f && g->centre_gain == 2.0f && g->time == 3.0f && g->spread == 4.0f );
 }
 

@@ -75,7 +75,7 @@ TEST( curves_are_bodies_wherever_their_source_stands )
 // Curves drawn before the first step are the same as those of the engine for static strands.
 TEST( the_first_frame_of_curves_is_what_the_engine_draws )
 {
-    static const char* const kinds[] = { "bezier", "catmull_rom", "bezier_printed" };
+    static const char* const kinds[] = { "bezier", "catmull_rom" };
     for ( int kind = 0; kind < WISP_COUNT( kinds ); ++kind )
     {
         char text[400];

@@ -1,32 +1,21 @@
-// Ghosts whose sway is fed back, and ghosts drawn between steps (section II.2.2), against the oracle and their
-// specified properties.
+// Ghosts drawn between steps (section II.2.2), against the oracle and their specified properties.
 #include "saved_world.h"
 #include "guide_hair_fixture.h"
 
 // The scene is a metre wide, so a millionth of a metre is a relative 1e-6.
 static const double tolerance = 1e-6; // m
 
-static wisp_ghosts_def fed_back( void )
-{
-    wisp_ghosts_def def = wisp_default_ghosts_def();
-    def.frame = WISP_GHOST_FRAME_OFF;
-    def.feedback = true;
-    return def;
-}
-
 static guide_oracle oracle_of( const flock* f, const wisp_ghosts_def* def )
 {
     guide_oracle_options o = guide_oracle_default_options();
     o.pairing = def->resample ? GUIDE_ORACLE_PAIRING_SPLINE : GUIDE_ORACLE_PAIRING_NODE;
-    o.feedback = def->feedback;
-    o.keep_offset = def->keep_offset;
+    o.frame = GUIDE_ORACLE_FRAME_PARALLEL;
     o.dt = (double)FRAME;
     o.tau = def->time > 0.0f ? (double)def->time : (double)FRAME;
     o.tip_gain = (double)def->tip_gain;
     o.centre_gain = (double)def->centre_gain;
     o.use_spread = def->spread != 1.0f;
     o.spread = (double)def->spread;
-    o.cap_offset = def->capped;
     o.repair_lengths = def->repair_length;
     const guide_oracle_def strands = { f->s.target_count, NODES, f->s.ghost_count, f->ghost_nodes, f->s.target,
                                        f->ghost,          NULL };
@@ -36,94 +25,10 @@ static guide_oracle oracle_of( const flock* f, const wisp_ghosts_def* def )
     return hair;
 }
 
-// ---- feedback ----
-
-static double farthest_from_oracle( wisp_ghosts_def def, int ghosts_a_target, int ghost_nodes )
-{
-    flock f = guide_flock( NULL, 6, ghosts_a_target, ghost_nodes );
-    def.resample = ghost_nodes != NODES;
-    guide_follow( &f, def );
-    guide_oracle hair = oracle_of( &f, &def );
-    double largest = 0.0;
-    for ( int frame = 0; frame < 60; ++frame )
-    {
-        guide_swing( &f );
-        step( &hair, f.x, f.v );
-        for ( int n = 0; n < f.s.ghost_count * ghost_nodes; ++n )
-        {
-            const double3 y = guide_ghost( &f, n / ghost_nodes, n % ghost_nodes );
-            largest = fmax( largest, double3_distance( y, hair.y[n] ) );
-        }
-    }
-    guide_oracle_destroy( &hair );
-    wisp_world_destroy( f.world );
-    return largest;
-}
-
-TEST( sixty_steps_of_feedback_follow_the_oracle )
-{
-    wisp_ghosts_def plain = fed_back(), spread = plain, lone = plain, repaired = plain;
-    spread.spread = 2.5f;
-    lone.keep_offset = false;
-    repaired.repair_length = true;
-    const struct
-    {
-        const char* name;
-        wisp_ghosts_def def;
-        int ghosts, nodes;
-        double allowed;
-    } kinds[] = {
-        { "plain", plain, 6, NODES, 1.0 },
-        { "spread", spread, 4, NODES, 1.0 },
-        { "one ghost", plain, 1, NODES, 1.0 },
-        { "one ghost on its target", lone, 1, NODES, 1.0 },
-        // each segment passes on the rounding of those before it, nine times
-        { "lengths repaired", repaired, 4, NODES, 3.0 },
-        // within 2e-7 m for 45 steps; then larger offsets also amplify the rounding of accumulated velocities
-        { "other node count", plain, 6, 7, 5.0 },
-    };
-    for ( int k = 0; k < WISP_COUNT( kinds ); ++k )
-    {
-        const double error = farthest_from_oracle( kinds[k].def, kinds[k].ghosts, kinds[k].nodes );
-        if ( !( error <= kinds[k].allowed * tolerance ) )
-        {
-            fail_msg( "%s: %.3g m from the oracle", kinds[k].name, error );
-        }
-    }
-}
-
-TEST( what_differs_adds_up_and_the_mean_stays_on_the_target )
-{
-    flock f = guide_flock( NULL, 3, 4, NODES );
-    guide_follow( &f, fed_back() );
-    for ( int frame = 0; frame < 60; ++frame )
-    {
-        guide_swing( &f );
-    }
-    const double3 at_rest[3 * NODES] = { { 0.0, 0.0, 0.0 } };
-    guide_place( &f, f.s.x, at_rest );
-    guide_step( f.world );
-    double lost = 0.0;
-    for ( int n = 0; n < 3 * NODES; ++n )
-    {
-        const int a = n / NODES, i = n % NODES;
-        double3 mean[4];
-        for ( int l = 0; l < 4; ++l )
-        {
-            mean[l] = guide_ghost( &f, 4 * a + l, i );
-            const double3 offset = double3_sub( f.ghost[( 4 * a + l ) * NODES + i], f.s.target[n] );
-            lost = fmax( lost, double3_distance( double3_sub( mean[l], f.x[n] ), offset ) );
-        }
-        assert_at( guide_oracle_mean( mean, 4 ), f.x[n], 3e-7 ); // four floats at a metre
-    }
-    assert_true( lost > 1e-4 );
-    wisp_world_destroy( f.world );
-}
-
 static uint64_t hash_of( const guide_host* host )
 {
     flock f = guide_flock( host, 6, 6, NODES );
-    wisp_ghosts_def def = fed_back();
+    wisp_ghosts_def def = wisp_default_ghosts_def();
     def.between = true;
     guide_follow( &f, def );
     for ( int frame = 0; frame < 12; ++frame )
@@ -152,7 +57,7 @@ TEST( bits_do_not_depend_on_workers_or_the_instruction_set )
 TEST( a_restored_world_goes_on_with_the_same_bits )
 {
     flock f = guide_flock( NULL, 3, 4, NODES );
-    wisp_ghosts_def def = fed_back();
+    wisp_ghosts_def def = wisp_default_ghosts_def();
     def.between = true;
     guide_follow( &f, def );
     for ( int frame = 0; frame < 7; ++frame )
@@ -176,27 +81,10 @@ TEST( a_restored_world_goes_on_with_the_same_bits )
     wisp_world_destroy( f.world );
 }
 
-TEST( feedback_with_frames_or_several_targets_is_refused_and_changes_nothing )
-{
-    flock f = guide_flock( NULL, 3, 4, NODES );
-    const uint64_t before = wisp_world_hash( f.world );
-    for ( int n = 0; n < 3; ++n )
-    {
-        wisp_ghosts_def def = fed_back();
-        def.targets = f.targets;
-        def.frame = n == 0 ? WISP_GHOST_FRAME_PARALLEL : n == 1 ? WISP_GHOST_FRAME_ROOT : WISP_GHOST_FRAME_OFF;
-        def.target_count = n == 2 ? 2 : 1;
-        assert_int_equal( wisp_set_ghosts( f.world, f.ghosts, &def ), WISP_BAD_INPUT );
-        assert_non_null( strstr( wisp_world_message( f.world ), "feedback" ) );
-        assert_int_equal( wisp_world_hash( f.world ), before );
-    }
-    wisp_world_destroy( f.world );
-}
-
-TEST( feedback_switched_off_again_leaves_nothing_behind )
+TEST( places_that_are_no_longer_kept_leave_nothing_behind )
 {
     flock f = guide_flock( NULL, 3, 4, NODES ), plain = guide_flock( NULL, 3, 4, NODES );
-    wisp_ghosts_def def = fed_back();
+    wisp_ghosts_def def = wisp_default_ghosts_def();
     def.between = true;
     guide_follow( &f, def );
     guide_follow( &plain, wisp_default_ghosts_def() );
@@ -215,30 +103,6 @@ TEST( feedback_switched_off_again_leaves_nothing_behind )
     wisp_world_destroy( f.world );
 }
 
-// Unrealistically large gains drive ghosts away in a few steps.
-TEST( ghosts_that_feedback_drives_away_are_halted )
-{
-    flock f = guide_flock( NULL, 3, 4, NODES );
-    wisp_ghosts_def def = fed_back();
-    def.capped = false;
-    def.time = def.centre_gain = 1e3f;
-    guide_follow( &f, def );
-    for ( int frame = 0; frame < 30; ++frame )
-    {
-        guide_swing( &f );
-    }
-    for ( int n = 0; n < 12 * NODES; ++n )
-    {
-        const double3 y = guide_ghost( &f, n / NODES, n % NODES );
-        assert_true( fabs( y.x ) <= 1e7 && fabs( y.y ) <= 1e7 && fabs( y.z ) <= 1e7 );
-    }
-    wisp_vec3 last[12 * NODES];
-    memcpy( last, guide_points( f.world, f.ghosts ), sizeof( last ) );
-    guide_swing( &f );
-    assert_memory_equal( guide_points( f.world, f.ghosts ), last, sizeof( last ) );
-    wisp_world_destroy( f.world );
-}
-
 // ---- between steps ----
 
 static double3 velocity_of( const guide_oracle* hair, const double3* v, int ghost, int node )
@@ -252,7 +116,6 @@ TEST( places_between_steps_follow_the_oracle_and_meet_both_steps )
     {
         flock f = guide_flock( NULL, 3, 4, nodes );
         wisp_ghosts_def def = wisp_default_ghosts_def();
-        def.frame = WISP_GHOST_FRAME_OFF;
         def.between = true;
         def.resample = nodes != NODES;
         guide_follow( &f, def );
