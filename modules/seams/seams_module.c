@@ -30,7 +30,7 @@ static size_t count_memory( const void* memory, size_t* outside )
     size_t bytes = (size_t)state->capacity * sizeof( seam_topology );
     for ( int i = 0; i < state->count; ++i )
     {
-        bytes += 3 * (size_t)state->seams[i].pair_count * sizeof( int32_t );
+        bytes += 2 * (size_t)state->seams[i].pair_count * sizeof( int32_t );
     }
     return bytes;
 }
