@@ -1,7 +1,7 @@
 #include "picture_stage.h"
 
-#include "body_colour.h"
 #include "palette.h"
+#include "world_from_scene.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 #include "run_bodies.h"
 
-#include "body_colour.h"
+#include "world_from_scene.h"
 
 #include <stdlib.h>
 #include <string.h>

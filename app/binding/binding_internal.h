@@ -4,7 +4,7 @@
 #include "binding.h"
 
 #include "tune_parameters.h"
-#include "world_from_scene_input.h"
+#include "world_from_scene.h"
 
 struct binding_scene
 {
