@@ -2,7 +2,7 @@
 #include "binding_internal.h"
 
 #include "io_file.h"
-#include "tune_fields.h"
+#include "tune_parameters.h"
 #include "tune_scene.h"
 
 #include <stdlib.h>
