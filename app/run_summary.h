@@ -2,9 +2,7 @@
 #pragma once
 
 #include "results.h"
-#include "run_collision.h"
-#include "run_intersections.h"
-#include "run_layers.h"
+#include "run_contact.h"
 #include "run_recorder.h"
 #include "stats.h"
 #include "world_from_scene.h"

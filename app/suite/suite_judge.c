@@ -14,29 +14,29 @@
 // What must be true of rows, and which of them are known to break it.
 
 // Those that a run of a scene can break; the rest is of the search for scenes that do.
-static const stability_check words[] = { STABILITY_STATUS, STABILITY_FINITE,      STABILITY_HALTED,
-                                         STABILITY_ENERGY, STABILITY_STRAIN,      STABILITY_RECOVERY,
-                                         STABILITY_SPEED,  STABILITY_PENETRATION, STABILITY_INTERSECTIONS,
-                                         STABILITY_REST,   STABILITY_BITS };
+static const stability_check check_words[] = { STABILITY_STATUS, STABILITY_FINITE,      STABILITY_HALTED,
+                                               STABILITY_ENERGY, STABILITY_STRAIN,      STABILITY_RECOVERY,
+                                               STABILITY_SPEED,  STABILITY_PENETRATION, STABILITY_INTERSECTIONS,
+                                               STABILITY_REST,   STABILITY_BITS };
 
 static wisp_status read_word( const suite_reader* r, const scene_node* node, int* out )
 {
-    const char* names[WISP_COUNT( words )];
+    const char* names[WISP_COUNT( check_words )];
     char all[160] = "";
     const char* text = node->kind == SCENE_SCALAR ? scene_text_of( &r->tree, node ) : "";
-    for ( int i = 0; i < WISP_COUNT( words ); ++i )
+    for ( int i = 0; i < WISP_COUNT( check_words ); ++i )
     {
-        names[i] = stability_check_names[words[i]];
+        names[i] = stability_check_names[check_words[i]];
         strncat( all, i > 0 ? ", " : "", sizeof all - strlen( all ) - 1 );
         strncat( all, names[i], sizeof all - strlen( all ) - 1 );
         if ( strcmp( text, names[i] ) == 0 )
         {
-            *out = words[i];
+            *out = check_words[i];
             return WISP_OK;
         }
     }
     const scene_quote quote = scene_shorten( text );
-    const char* nearest = nearest_word( quote.text, names, WISP_COUNT( words ) );
+    const char* nearest = nearest_word( quote.text, names, WISP_COUNT( check_words ) );
     return nearest ? suite_refuse( r, node, "got check '%s'; did you mean '%s'?", quote.text, nearest )
                    : suite_refuse( r, node, "got check '%s', expected one of %s", quote.text, all );
 }
@@ -49,9 +49,9 @@ static bool is_all( const suite_reader* r, const scene_node* node )
 static unsigned all_checks( void )
 {
     unsigned all = 0;
-    for ( int i = 0; i < WISP_COUNT( words ); ++i )
+    for ( int i = 0; i < WISP_COUNT( check_words ); ++i )
     {
-        all |= stability_bit( words[i] );
+        all |= stability_bit( check_words[i] );
     }
     return all;
 }

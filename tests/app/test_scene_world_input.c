@@ -1,7 +1,7 @@
 // What a user does to the world of a scene: holds vertices, moves colliders, changes gravity and wind.
 #include "scene_world_fixture.h"
 
-#include "world_from_scene_input.h"
+#include "world_from_scene.h"
 
 static const char hanging[] = "wisp: 1\n"
                               "steps: 60\n"
