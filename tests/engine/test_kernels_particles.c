@@ -505,20 +505,20 @@ TEST( the_first_particle_beyond_the_bound_is_found )
 
 enum
 {
-    SLOTS = 96,
+    DRAG_SLOTS = 96,
 };
 
 typedef struct skin
 {
-    _Alignas( 64 ) float position[SLOTS][4], velocity[SLOTS][4], vectors[SLOTS / 8][3][8];
-    _Alignas( 64 ) float areas[SLOTS];
+    _Alignas( 64 ) float position[DRAG_SLOTS][4], velocity[DRAG_SLOTS][4], vectors[DRAG_SLOTS / 8][3][8];
+    _Alignas( 64 ) float areas[DRAG_SLOTS];
 } skin;
 
 // Some are pinned, at rest, or with a vector that cancels.
 static skin* new_skin( void )
 {
     skin* s = checked_calloc( 1, sizeof( *s ) );
-    for ( int i = 0; i < SLOTS; ++i )
+    for ( int i = 0; i < DRAG_SLOTS; ++i )
     {
         s->areas[i] = test_random_float( i, 0, 1e-4f, 2e-4f );
         for ( int k = 0; k < 3; ++k )
@@ -556,8 +556,8 @@ TEST( every_table_gives_the_same_bits_of_drag )
         {
             const wisp_kernels* kernels = tables[k == 0 ? i : 0];
             const wisp_vertex_drag_args args = args_of( s[k] );
-            kernels->sum_vertex_drag( &args, 8, SLOTS, sum[k] );
-            kernels->vertex_drag( &args, 8, SLOTS );
+            kernels->sum_vertex_drag( &args, 8, DRAG_SLOTS, sum[k] );
+            kernels->vertex_drag( &args, 8, DRAG_SLOTS );
         }
         assert_memory_equal( sum[0], sum[1], sizeof( sum[0] ) );
         assert_memory_equal( s[0]->velocity, s[1]->velocity, sizeof( s[0]->velocity ) );
@@ -588,9 +588,9 @@ TEST( vertices_lose_the_velocity_of_the_formula )
     const wisp_vertex_drag_args args = args_of( s );
     double sum[3], size = 0.0;
     double3 expected_sum = { 0.0, 0.0, 0.0 };
-    widest_table()->sum_vertex_drag( &args, 8, SLOTS, sum );
-    widest_table()->vertex_drag( &args, 8, SLOTS );
-    for ( int i = 0; i < SLOTS; ++i )
+    widest_table()->sum_vertex_drag( &args, 8, DRAG_SLOTS, sum );
+    widest_table()->vertex_drag( &args, 8, DRAG_SLOTS );
+    for ( int i = 0; i < DRAG_SLOTS; ++i )
     {
         const double3 f = force_on( before, &args, i ), v = double3_from( before->velocity[i] );
         const double impulse = i < 8 ? 0.0 : (double)args.dt * (double)s->position[i][3];
