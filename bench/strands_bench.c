@@ -43,7 +43,9 @@ bench_case_fn strands_bench;
 
 wisp_status strands_bench( const bench_options* options, results* out, wisp_error* error )
 {
-    static const char* const names[] = { "sizes", "bend_links", "rods", "energy", "guides", "guides_16384", "million" };
+    static const char* const names[] = {
+        "sizes", "bend_links", "rods", "energy", "guides", "guides_16384", "million"
+    };
     const int first_row = out->row_count;
     const bool is_full = bench_seconds( options ) >= FULL_SECONDS;
     const wisp_status status = suite_bench_names( "strands", names, WISP_COUNT( names ) - ( is_full ? 0 : 1 ),
