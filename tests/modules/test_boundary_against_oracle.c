@@ -317,6 +317,46 @@ TEST( points_follow_a_pulsation_as_those_of_the_oracle )
     }
 }
 
+static void scale_all( double3* x, const balloon_mesh* mesh, double factor )
+{
+    for ( int i = 0; i < mesh->vertex_count; ++i )
+    {
+        x[i] = double3_scale( factor, mesh->positions[i] );
+    }
+}
+
+// Trade-off 2: an edge is in case B when its length over the spacing passes an integer. Hysteresis lets fewer do so.
+TEST( more_pulsation_puts_more_elements_into_case_b_and_hysteresis_fewer )
+{
+    static const double AMPLITUDES[] = { 0.0, 0.001, 0.01, 0.1 }, HYSTERESIS[] = { 0.0, 0.25 };
+    balloon_mesh mesh = reference_sphere();
+    double3* x = checked_calloc( (size_t)mesh.vertex_count, sizeof( double3 ) );
+    int changed[WISP_COUNT( AMPLITUDES )][WISP_COUNT( HYSTERESIS )] = { 0 };
+    for ( int n = 0; n < WISP_COUNT( AMPLITUDES ) * WISP_COUNT( HYSTERESIS ); ++n )
+    {
+        const int a = n / WISP_COUNT( HYSTERESIS ), h = n % WISP_COUNT( HYSTERESIS );
+        const duel_def def = { .spacing = 0.01953125, .hysteresis = HYSTERESIS[h] };
+        duel* d = duel_open( &mesh, &def );
+        for ( int frame = 0; frame <= 10; ++frame )
+        {
+            scale_all( x, &mesh, 1.0 + AMPLITUDES[a] * sin( 0.2 * pi * frame ) );
+            duel_update( d, x );
+            changed[a][h] += frame > 0 ? d->samples.changed_elements : 0;
+        }
+        print_message( "+-%g %%, hysteresis %g: %.2f %% of the elements in case B a step\n", 100.0 * AMPLITUDES[a],
+                       HYSTERESIS[h], 100.0 * changed[a][h] / ( 10.0 * d->oracle.element_count ) );
+        duel_close( d );
+    }
+    assert_int_equal( changed[0][0], 0 );
+    for ( int a = 1; a < WISP_COUNT( AMPLITUDES ); ++a )
+    {
+        assert_true( changed[a - 1][0] < changed[a][0] );
+        assert_true( changed[a][1] <= changed[a][0] );
+    }
+    free( x );
+    balloon_mesh_destroy( &mesh );
+}
+
 // Bits of a row of four, without the padding.
 static void assert_same_rows( const void* a, const void* b, int count )
 {
