@@ -208,7 +208,7 @@ static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node
     const char* use = scene_find_removed( r->path, key, false );
     const char* near = use ? NULL : nearest_word( key, known, count );
     const int near_count = count > LISTED_KEYS ? nearest_words( key, known, count, nearest, NEAR_KEYS ) : 0;
-    char message[480];
+    char message[720];
     list_keys( count > LISTED_KEYS ? nearest : known, count > LISTED_KEYS ? near_count : count, list, sizeof list );
     path_of_keys( r->path, path, sizeof path );
     if ( use )

@@ -21,8 +21,7 @@ static const double SPHERE_DRAG = 0.47; // measured of spheres at Reynolds' numb
 
 // ---- a run ----
 
-static void measure( const validate_helium_way* way, const balloon_setting* setting, double mass,
-                     const wisp_motion_stats* seen, accuracy_run* out )
+static void measure( const balloon_setting* setting, double mass, const wisp_motion_stats* seen, accuracy_run* out )
 {
     const validate_helium_sphere sphere = validate_helium_theory( setting );
     const double force = VALIDATE_HELIUM_GRAVITY * ( sphere.lift - mass );
@@ -65,7 +64,7 @@ static wisp_status run( void* context, int setting, int workers, bool is_observe
     if ( status == WISP_OK && is_observed && out->halted_at == 0 )
     {
         status = accuracy_read_motion_stats( &flying, &seen, error );
-        measure( way, &balloon, mass, &seen, out );
+        measure( &balloon, mass, &seen, out );
     }
     surface_implementation_destroy( &flying );
     validate_helium_free( &body );

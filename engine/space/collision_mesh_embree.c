@@ -14,8 +14,6 @@
 #include <stdatomic.h>
 #include <string.h>
 
-static const double WIDENING = 4e-6; // relative to the mesh's largest coordinate
-
 struct embree_tree
 {
     const mesh_surface* surface;
@@ -31,7 +29,7 @@ struct embree_tree
 
 static float find_widening( const mesh_surface* s )
 {
-    return (float)( WIDENING * s->largest + MIN_SEARCH_SLACK );
+    return (float)( MESH_WIDENING * s->largest + MIN_SEARCH_SLACK );
 }
 
 static void find_box( const struct RTCBoundsFunctionArguments* arguments )

@@ -13,7 +13,6 @@ enum
 };
 
 // Relative to the mesh's largest coordinate: more than the rounding of a distance to a triangle.
-static const double WIDENING = 4e-6;
 
 // ---- closest points ----
 
@@ -166,7 +165,7 @@ static int push_children( stack_entry* stack, int count, int level, int group, u
     return count;
 }
 
-static void find_closest( const mesh_bvh* bvh, mesh_closest* search, closest_limits* limits )
+static void find_closest_in_tree( const mesh_bvh* bvh, mesh_closest* search, closest_limits* limits )
 {
     const lane8 p[3] = { lane8_set1( (float)search->point.x ), lane8_set1( (float)search->point.y ),
                          lane8_set1( (float)search->point.z ) };
@@ -202,7 +201,7 @@ static void find_closest( const mesh_bvh* bvh, mesh_closest* search, closest_lim
 static closest_limits limits_of( const mesh_bvh* bvh, const mesh_closest* search, float near )
 {
     closest_limits limits = { .near = fminf( near * near * 1.00001f + 1e-30f, 1e37f ),
-                              .slack = (float)( WIDENING * bvh->surface->largest + MIN_SEARCH_SLACK ),
+                              .slack = (float)( MESH_WIDENING * bvh->surface->largest + MIN_SEARCH_SLACK ),
                               .clear = near };
     set_limits( search, &limits );
     return limits;
@@ -211,13 +210,13 @@ static closest_limits limits_of( const mesh_bvh* bvh, const mesh_closest* search
 void mesh_bvh_find_closest( const mesh_bvh* bvh, mesh_closest* search )
 {
     closest_limits limits = limits_of( bvh, search, INFINITY );
-    find_closest( bvh, search, &limits );
+    find_closest_in_tree( bvh, search, &limits );
 }
 
 float mesh_bvh_find_approach( const mesh_bvh* bvh, mesh_closest* search, float near )
 {
     closest_limits limits = limits_of( bvh, search, near );
-    find_closest( bvh, search, &limits );
+    find_closest_in_tree( bvh, search, &limits );
     // boxes were skipped that are beyond the best triangle; less by the rounding of all this
     const float best = (float)sqrt( search->best.squared ), clear = best < limits.clear ? best : limits.clear;
     return clear - 1e-3f * fabsf( clear ) - limits.slack;
@@ -298,7 +297,7 @@ void mesh_bvh_find_intersection( const mesh_bvh* bvh, mesh_cast* search )
 
 // ---- overlaps ----
 
-LANE_INLINE uint32_t overlaps( const mesh_bvh_group* g, const float lower[3], const float upper[3] )
+LANE_INLINE uint32_t overlaps_box( const mesh_bvh_group* g, const float lower[3], const float upper[3] )
 {
     lane8m meets = lane8_le( lane8_zero(), lane8_zero() );
     for ( int k = 0; k < 3; ++k )
@@ -317,7 +316,7 @@ int mesh_bvh_next_overlaps( const mesh_bvh* bvh, mesh_bvh_overlap* search, const
     {
         const int level = search->level[--search->count];
         const int32_t group = search->group[search->count];
-        uint32_t bits = overlaps( bvh->groups + bvh->first[level] + group, lower, upper );
+        uint32_t bits = overlaps_box( bvh->groups + bvh->first[level] + group, lower, upper );
         for ( int child = 0; bits != 0; ++child, bits >>= 1 )
         {
             const int32_t below = group * MESH_BVH_WIDTH + child;

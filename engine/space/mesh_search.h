@@ -6,6 +6,8 @@
 
 /// Margins, relative and in metres, by which a search extends beyond the best distance so far.
 #define SEARCH_SLACK 1e-6
+#define MESH_WIDENING                                                                                                \
+    4e-6 // of boxes, relative to the mesh's largest coordinate: more than the rounding of a distance to a box
 #define MIN_SEARCH_SLACK 1e-18 // its square is a normal float
 /// Length by which a path extends beyond its first intersection and the box of the mesh, relative to the mesh's
 /// largest coordinate.

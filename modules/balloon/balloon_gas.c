@@ -17,7 +17,7 @@ typedef struct ring_loop
     int slice_count;
 } ring_loop;
 
-static void sum_blocks( void* context, int begin, int end, int worker )
+static void sum_gas_blocks( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const ring_loop* loop = context;
@@ -54,7 +54,7 @@ static wisp_ring_sums sum_rings( wisp_frame* frame, const wisp_span* span, float
         return total;
     }
     int grain = fabric->ring_slice_count < SMALL_SLICES ? blocks : 2;
-    wisp_parallel_for( parallel, blocks, grain > 0 ? grain : 1, sum_blocks, &loop );
+    wisp_parallel_for( parallel, blocks, grain > 0 ? grain : 1, sum_gas_blocks, &loop );
     for ( int block = 0; block < blocks; ++block )
     {
         total.volume += loop.sums[block].volume;

@@ -72,15 +72,10 @@ static wisp_status check_sizes( wisp_world* world, const wisp_collider_def* d )
     return WISP_OK;
 }
 
-static bool is_in_range( wisp_vec3 p )
-{
-    return fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f;
-}
-
 static wisp_status check_pose( wisp_world* world, wisp_transform pose )
 {
     const wisp_vec3 p = pose.translation;
-    if ( is_in_range( p ) == false )
+    if ( collision_is_in_range( p ) == false )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "collider: (%g, %g, %g) is not within 1e6 m of the origin",
                                 (double)p.x, (double)p.y, (double)p.z );
@@ -100,7 +95,7 @@ wisp_status collision_check_points( wisp_world* world, const wisp_collider_def* 
     for ( int v = 0; v < d->point_count && d->points != NULL; ++v )
     {
         const wisp_vec3 p = d->points[v];
-        if ( is_in_range( p ) == false )
+        if ( collision_is_in_range( p ) == false )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
                                     "collider: point %d, (%g, %g, %g), is not within 1e6 m of the origin", v,

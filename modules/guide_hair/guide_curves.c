@@ -267,7 +267,7 @@ static guide_drawing* cook_drawing( wisp_world* world, const wisp_curves_def* de
 
 // ---- adding ----
 
-static wisp_status check( wisp_world* world, const guide_state* s, const wisp_curves_def* def )
+static wisp_status check_curves( wisp_world* world, const guide_state* s, const wisp_curves_def* def )
 {
     if ( s == NULL )
     {
@@ -380,7 +380,7 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* given, wi
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_curves_def", &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
-    wisp_status status = check( world, s, def );
+    wisp_status status = check_curves( world, s, def );
     if ( status != WISP_OK )
     {
         return status;
