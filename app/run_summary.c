@@ -504,7 +504,7 @@ static void add_counter_table( results* out, const wisp_world* world )
         [WISP_COUNT_HALTED] = "entities put back to their last finite state and stopped",
         [WISP_COUNT_STRAND_RESET] = "strands put back to their rest lengths, too far off to be solved",
         [WISP_COUNT_NOT_CONVERGED] = "solves that reached the iteration limit before the tolerance",
-        [WISP_COUNT_INDEFINITE] = "solves that met negative curvature and were made again",
+        [WISP_COUNT_INDEFINITE] = "solves that met negative curvature and stopped",
         [WISP_COUNT_DEGENERATE_LINK] = "links between coincident vertices: no direction, no force",
         [WISP_COUNT_STIFFNESS_CLAMPED] = "substeps with links too stiff for floats: stiffness was lowered",
         [WISP_COUNT_FIRST_ORDER] = "substeps of BDF2 (of cloth, of each strand) that were made by implicit Euler",

@@ -52,8 +52,10 @@ static const struct
     { "clump", "gap_reference", NULL, "leave it out: changes are measured from distances before the stage" },
     { "clump", "min_distance_clamp", NULL, "leave it out: moves are always limited; `min_distance: 0` limits least" },
     // implicit cloth
-    { "implicit", "damping_form", NULL, "leave it out: links damp all relative velocity of their ends" },
+    { "implicit", "damping_form", NULL, "leave it out, and use `link_damping: 0` to spare rotation" },
     { "implicit", "jacobian", NULL, "leave it out: the negative term of bending is always dropped" },
+    { "implicit", "speculative", NULL, "leave it out: a vertex lands on what it would pass into" },
+    { "implicit", "warm_start", NULL, "leave it out: a solve starts from the last answer" },
     { "implicit", "weights", "pair", "use `weights: none`, which has true masses as well" },
 };
 

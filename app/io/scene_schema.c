@@ -92,11 +92,10 @@ static wisp_status read_choice( scene_reader* r, const scene_node* node, const s
                         sizeof( wisp_strand_rest ) == sizeof choice &&
                         sizeof( wisp_ghost_elastic ) == sizeof choice && sizeof( wisp_curve_kind ) == sizeof choice,
                     "an enumeration is not as wide as an int" );
-    _Static_assert(
-        sizeof( wisp_implicit_weights ) == sizeof choice && sizeof( wisp_implicit_stiffness ) == sizeof choice &&
-            sizeof( wisp_implicit_damping ) == sizeof choice && sizeof( wisp_implicit_jacobian ) == sizeof choice &&
-            sizeof( wisp_integrator ) == sizeof choice,
-        "an enumeration is not as wide as an int" );
+    _Static_assert( sizeof( wisp_implicit_weights ) == sizeof choice &&
+                        sizeof( wisp_implicit_stiffness ) == sizeof choice &&
+                        sizeof( wisp_integrator ) == sizeof choice,
+                    "an enumeration is not as wide as an int" );
     memcpy( out, &choice, sizeof choice );
     return WISP_OK;
 }

@@ -147,15 +147,7 @@ static const scene_choice STIFFNESS_OF[] = { { "link", "each link alike, so that
                                              { NULL, NULL } };
 static const scene_choice WEIGHTS[] = { { "effective", "by effective masses, as published" },
                                         { "none", "1" },
-                                        { "pair", "the mean of the two ends of a link" },
                                         { NULL, NULL } };
-static const scene_choice DAMPING_FORMS[] = { { "isotropic", "all of it" },
-                                              { "axial", "the part along the link" },
-                                              { NULL, NULL } };
-static const scene_choice JACOBIANS[] = { { "dropped", "without its negative term" },
-                                          { "full",
-                                            "with it; a solve that meets negative curvature stops and is counted" },
-                                          { NULL, NULL } };
 static const scene_choice INTEGRATORS[] = { { "euler", "implicit Euler, first order" },
                                             { "bdf2", "implicit, second order" },
                                             { NULL, NULL } };
@@ -181,10 +173,6 @@ static const scene_field IMPLICIT_FIELDS[] = {
       .help = "Damping of a link." },
     { "weights", SCENE_CHOICE, .at = IMPLICIT( weights ), .choices = WEIGHTS,
       .help = "Weight of the force of a neighbour." },
-    { "damping_form", SCENE_CHOICE, .at = IMPLICIT( damping_form ), .choices = DAMPING_FORMS,
-      .help = "Which relative velocity of the ends of a link is damped." },
-    { "jacobian", SCENE_CHOICE, .at = IMPLICIT( jacobian ), .choices = JACOBIANS,
-      .help = "Derivative of bending forces." },
     { "integrator", SCENE_CHOICE, .at = IMPLICIT( integrator ), .choices = INTEGRATORS, .help = "Time integration." },
     { "newton_iterations", SCENE_WHOLE, .at = IMPLICIT( newton_iterations ), .range = RANGE( 1, 64 ),
       .help = "Linear solves of a substep." },
@@ -195,9 +183,6 @@ static const scene_field IMPLICIT_FIELDS[] = {
       .help = "Residual at which a solve ends, relative to that of standing still." },
     { "max_iterations", SCENE_WHOLE, .at = IMPLICIT( max_iterations ), .range = RANGE( 0, 1000000 ),
       .help = "Iterations of a solve at most; 0 takes three per vertex." },
-    { "warm_start", SCENE_SWITCH, .at = IMPLICIT( warm_start ), .help = "Starts a solve from the last answer." },
-    { "speculative", SCENE_SWITCH, .at = IMPLICIT( speculative ),
-      .help = "Lands a vertex on a collider that it would pass into within the substep." },
     { "links", SCENE_EITHER, .at = AT( has_quad_links ), .choices = LINKS, .help = "Which links the cloth has." },
 };
 static const scene_block IMPLICIT_BLOCK = BLOCK( IMPLICIT_FIELDS );

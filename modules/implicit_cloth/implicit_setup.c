@@ -171,7 +171,6 @@ void implicit_find_columns( wisp_frame* frame, const wisp_span* span, const impl
         .seconds = h,
         .hysteresis = HYSTERESIS * h * sqrtf( gx * gx + gy * gy + gz * gz ),
         .target_fraction = wisp_frame_progress_left( frame, span->entity, span->substep ),
-        .speculative = m->speculative != 0,
     };
 }
 

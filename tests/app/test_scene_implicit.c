@@ -14,13 +14,11 @@ TEST( an_implicit_cloth_without_keys_has_the_defaults_of_its_module )
     assert_true( d->stretch_stiffness == def.stretch_stiffness && d->bend_stiffness == def.bend_stiffness );
     assert_true( d->bend_rigidity == def.bend_rigidity && d->compression_stiffness == def.compression_stiffness );
     assert_true( d->link_damping == def.link_damping && d->tolerance == def.tolerance );
-    assert_true( d->stiffness_model == def.stiffness_model && d->weights == def.weights &&
-                 d->damping_form == def.damping_form );
-    assert_true( d->jacobian == def.jacobian && d->integrator == def.integrator );
+    assert_true( d->stiffness_model == def.stiffness_model && d->weights == def.weights );
+    assert_true( d->integrator == def.integrator );
     assert_int_equal( d->newton_iterations, def.newton_iterations );
     assert_int_equal( d->max_newton_iterations, def.max_newton_iterations );
     assert_int_equal( d->max_iterations, def.max_iterations );
-    assert_true( d->warm_start == def.warm_start && d->speculative == def.speculative );
     assert_int_equal( d->size, def.size );
     wisp_scene_release( &scene );
 }
@@ -39,23 +37,21 @@ TEST( every_key_of_an_implicit_cloth_reaches_its_place )
     wisp_scene scene = with_block(
         "implicit", "{ stiffness_model: material, stretch_stiffness: 350, bend_stiffness: 2e-6, bend_rigidity: 3e-6, "
                     "compression_stiffness: "
-                    "150, link_damping: 0.5, weights: none, damping_form: axial, jacobian: full, integrator: bdf2, "
+                    "150, link_damping: 0.5, weights: none, integrator: bdf2, "
                     "newton_iterations: 3, "
                     "max_newton_iterations: 5, "
-                    "tolerance: 1e-6, max_iterations: 77, warm_start: false, speculative: false, links: mesh }" );
+                    "tolerance: 1e-6, max_iterations: 77, links: mesh }" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_implicit_cloth_def* d = &s->implicit;
     assert_int_equal( d->stiffness_model, WISP_IMPLICIT_STIFFNESS_MATERIAL );
     assert_true( d->stretch_stiffness == 350.0f && d->bend_stiffness == 2e-6f && d->bend_rigidity == 3e-6f );
     assert_true( d->compression_stiffness == 150.0f && d->link_damping == 0.5f );
     assert_int_equal( d->weights, WISP_IMPLICIT_WEIGHTS_NONE );
-    assert_int_equal( d->damping_form, WISP_IMPLICIT_DAMPING_AXIAL );
-    assert_int_equal( d->jacobian, WISP_IMPLICIT_JACOBIAN_FULL );
     assert_int_equal( d->integrator, WISP_INTEGRATOR_BDF2 );
     assert_int_equal( d->newton_iterations, 3 );
     assert_int_equal( d->max_newton_iterations, 5 );
     assert_int_equal( d->max_iterations, 77 );
-    assert_true( d->tolerance == 1e-6f && !d->warm_start && !d->speculative && !s->has_quad_links );
+    assert_true( d->tolerance == 1e-6f && !s->has_quad_links );
     wisp_scene_release( &scene );
 }
 
@@ -73,19 +69,13 @@ TEST( every_word_is_the_enumerator_of_its_name )
         WORD( stiffness_model, stiffness_model, material, WISP_IMPLICIT_STIFFNESS_MATERIAL ),
         WORD( weights, weights, effective, WISP_IMPLICIT_WEIGHTS_EFFECTIVE ),
         WORD( weights, weights, none, WISP_IMPLICIT_WEIGHTS_NONE ),
-        WORD( weights, weights, pair, WISP_IMPLICIT_WEIGHTS_PAIR ),
-        WORD( damping_form, damping_form, isotropic, WISP_IMPLICIT_DAMPING_ISOTROPIC ),
-        WORD( damping_form, damping_form, axial, WISP_IMPLICIT_DAMPING_AXIAL ),
-        WORD( jacobian, jacobian, dropped, WISP_IMPLICIT_JACOBIAN_DROPPED ),
-        WORD( jacobian, jacobian, full, WISP_IMPLICIT_JACOBIAN_FULL ),
         WORD( integrator, integrator, euler, WISP_INTEGRATOR_EULER ),
         WORD( integrator, integrator, bdf2, WISP_INTEGRATOR_BDF2 ),
 #undef WORD
     };
     // One word for each enumerator.
-    assert_int_equal( WISP_COUNT( words ), WISP_IMPLICIT_STIFFNESS_COUNT + WISP_IMPLICIT_WEIGHTS_COUNT +
-                                               WISP_IMPLICIT_DAMPING_COUNT + WISP_IMPLICIT_JACOBIAN_COUNT +
-                                               WISP_INTEGRATOR_COUNT );
+    assert_int_equal( WISP_COUNT( words ),
+                      WISP_IMPLICIT_STIFFNESS_COUNT + WISP_IMPLICIT_WEIGHTS_COUNT + WISP_INTEGRATOR_COUNT );
     for ( int i = 0; i < WISP_COUNT( words ); ++i )
     {
         wisp_scene scene = with_block( "implicit", words[i].mapping );
@@ -319,7 +309,7 @@ TEST( the_ends_of_all_ranges_are_taken_by_the_module )
         "newton_iterations: "
         "64, tolerance: 0.1, max_iterations: 1000000 }",
         "{ stiffness_model: material, weights: none, bend_rigidity: 0 }",
-        "{ stiffness_model: material, weights: pair, bend_rigidity: 1e9 }",
+        "{ stiffness_model: material, weights: effective, bend_rigidity: 1e9 }",
     };
     for ( int i = 0; i < WISP_COUNT( mappings ); ++i )
     {

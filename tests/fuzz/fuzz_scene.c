@@ -145,8 +145,6 @@ static void demand_implicit( const wisp_scene* scene, const wisp_scene_surface* 
     }
     demand( d->stiffness_model >= 0 && d->stiffness_model < WISP_IMPLICIT_STIFFNESS_COUNT );
     demand( d->weights >= 0 && d->weights < WISP_IMPLICIT_WEIGHTS_COUNT );
-    demand( d->damping_form >= 0 && d->damping_form < WISP_IMPLICIT_DAMPING_COUNT );
-    demand( d->jacobian >= 0 && d->jacobian < WISP_IMPLICIT_JACOBIAN_COUNT );
     demand( d->integrator >= 0 && d->integrator < WISP_INTEGRATOR_COUNT );
     demand( d->newton_iterations >= 1 && d->newton_iterations <= 64 && d->max_newton_iterations >= 1 &&
             d->max_newton_iterations <= 64 );
