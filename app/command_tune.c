@@ -11,6 +11,8 @@
 
 // ---- the report ----
 
+// A row and a line per setting, the reference, the verdict.
+
 static bool is_chosen( const tune_parameters* parameters, const wisp_tune_result* found,
                        const wisp_tune_trial* trial )
 {

@@ -21,9 +21,10 @@
 
 // ---- the page ----
 
+// One HTML file that `./dev web` builds, in which data take the place of one word.
+
 // Files of a page, all together.
 #define VIEW_MAX_BYTES ( 64u << 20 )
-
 #define PAGE_MAX_BYTES ( 64u << 20 )
 
 static const char place_begin[] = "<script type=\"application/json\" id=\"wisp-data\">";
@@ -141,6 +142,8 @@ static wisp_status write_page( const json_t* data, const char* path, size_t* siz
 }
 
 // ---- a scene ----
+
+// What a page holds of a scene: its files, and the hashes of a native run.
 
 // ---- files ----
 

@@ -13,6 +13,9 @@
 
 // ---- the survey of all frames ----
 
+// Bounds over all drawn frames: positions and values, and from them the camera, the ground and the colour range. Frames are processed
+// one after the other and none is kept.
+
 // Bounds of the content of a picture from one direction; see fit_distance() for the sums.
 typedef struct picture_fit
 {

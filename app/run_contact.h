@@ -4,7 +4,9 @@
 #include "results.h"
 #include "world_from_scene.h"
 
-// ---- boundary particles and contact: numbers of points, the resampled fraction, the smallest gap, and files with the points ----
+// ---- boundary particles and contact ----
+
+// Numbers of points, the resampled fraction, the smallest gap, and files with the points.
 
 typedef struct run_layers_def
 {
@@ -36,6 +38,8 @@ void run_layers_close( run_layers* layers );
 
 // ---- collision ----
 
+// The deepest penetration of each body whose collision_stats the scene computes, and the forces on colliders whose reaction it computes.
+
 typedef struct run_collision run_collision;
 
 /// @param out receives it, for run_collision_close(); null if the scene computes neither, and on failure
@@ -57,6 +61,8 @@ void run_collision_report( const run_collision* collision, results* out );
 void run_collision_close( run_collision* collision );
 
 // ---- intersections ----
+
+// Edges through triangles, of each entity with itself and of each two, where they are counted.
 
 typedef struct run_intersections run_intersections;
 

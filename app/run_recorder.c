@@ -300,6 +300,10 @@ static void release_bodies( run_bodies* bodies )
 
 // ---- between steps ----
 
+// The bodies of a world between its last two steps, for recordings with more frames than steps. Ghosts are on the cubic Hermite curves of
+// wisp_ghosts_between(), which pass through both steps without a corner; all other points, and what collisions and frozen hair add to
+// ghosts, move along straight lines.
+
 typedef struct run_between run_between;
 
 struct run_between

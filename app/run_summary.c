@@ -104,6 +104,8 @@ static void put_memory( const wisp_world* world, results_values* out )
 
 // ---- motion ----
 
+// Motion of bodies at the end of a run: statistics that the scene requests, and stretch, which shows whether the substeps suffice.
+
 // ---- statistics ----
 
 static bool has_motion_stats( const scene_world* world, int body )

@@ -5,6 +5,8 @@
 
 // ---- numbers as colours ----
 
+/// Both maps are curves in Oklab (Ottosson 2020), a space in which equal distances look equal, and are computed here from that
+/// definition.
 typedef enum colour_map
 {
     COLOUR_MAP_RISING,    ///< dark violet, blue, green, yellow: lightness increases evenly, also in black and white

@@ -197,6 +197,8 @@ const suite_comparison suite_not_compared = { NAN, NAN, { NAN, NAN, NAN }, NAN, 
 
 // ---- in this process ----
 
+// A row is run on one worker, so that allocations and instructions repeat. Requests of statistics change no bit.
+
 enum
 {
     PAGE = 4096,

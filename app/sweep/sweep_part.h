@@ -6,7 +6,7 @@
 #include "suite_measure.h"
 #include "wisp/base.h"
 
-// ---- shards ----
+// ---- shards: the share of a sweep that a process runs ----
 
 enum
 {
@@ -22,7 +22,7 @@ typedef struct sweep_shard
 /// @return WISP_BAD_INPUT it is no such pair, or out of range (the message says what is expected)
 wisp_status sweep_shard_parse( const char* text, sweep_shard* out, wisp_error* error );
 
-// ---- records ----
+// ---- records: what a sweep keeps of an item, a line of JSON in a part file ----
 
 enum
 {

@@ -255,10 +255,13 @@ wisp_status scene_world_collision_stats( const scene_world* world, int body, wis
 /// Simulated time of all steps so far, s.
 double scene_world_time( const scene_world* world );
 
-/// Return the linear colour of the next body of a scene. @param cloths, balloons 0 before the first; they are counted
+/// Return the linear colour of the next body of a scene, the same in pictures and recordings.
+/// @param cloths, balloons 0 before the first; they are counted
 wisp_vec3 scene_body_colour( scene_body_kind kind, int* cloths, int* balloons );
 
 // ---- what a user does to a world while it runs: takes hold of a vertex, moves a collider, changes gravity and wind ----
+
+// All of it acts from the next step on, and equal calls before equal steps give equal bits.
 
 /// A vertex that a user holds.
 typedef struct scene_hold
