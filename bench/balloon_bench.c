@@ -1,3 +1,4 @@
+// The case `balloon`: the suites in data/suites/balloon, and what their rows must keep.
 #include "balloon_bench.h"
 
 #include "balloon_scene.h"
@@ -26,7 +27,7 @@ enum
 
 static const char sizes[] = "suite.sizes", sphere[] = "sphere, vertices=";
 
-// Rows of the sizes, whose pressure is that of the default reading. @return 0: another row
+// @return 0: a row of another suite
 static double vertices_of( const results_row* row )
 {
     const size_t length = strlen( sphere );
@@ -53,54 +54,6 @@ static double ns_a_triangle( const results_row* row )
         ms = strcmp( row->stages.items[i].name, "balloon.volume" ) == 0 ? row->stages.items[i].value : ms;
     }
     return 1e6 * ms / ( triangles_of( row ) * BALLOON_SUBSTEPS * BALLOON_ITERATIONS );
-}
-
-static void add_table( int first_row, results* out )
-{
-    static const char* const header[] = { "vertices", "workers", "ns per vertex and substep",
-                                          "volume ns per triangle", "bytes per vertex" };
-    const int table =
-        results_add_table( out, "Balloon: cost by size, 10 substeps of 2 iterations", WISP_COUNT( header ), header );
-    for ( int i = first_row; i < out->row_count; ++i )
-    {
-        const results_row* row = &out->rows[i];
-        const double vertices = vertices_of( row );
-        if ( vertices > 0.0 )
-        {
-            cells line = { .count = 0 };
-            cells_put( &line, "%.0f", vertices );
-            cells_put( &line, "%d", row->workers );
-            cells_put_number( &line, ns_a_vertex( row ), 1 );
-            cells_put_number( &line, ns_a_triangle( row ), 2 );
-            cells_put_number( &line, 1024.0 * rows_error( row, "memory_KiB" ) / vertices, 0 );
-            cells_end_row( &line, table, out );
-        }
-    }
-}
-
-static void add_chart( int first_row, results* out )
-{
-    const int number =
-        results_add_chart( out, "Balloon: cost per vertex by size", "vertices", "ns per vertex and substep" );
-    results_chart* chart = results_chart_at( out, number );
-    int series = -1, workers = 0;
-    for ( int w = 1; w <= 2 && chart; ++w )
-    {
-        chart->x_log = true;
-        for ( int i = first_row; i < out->row_count; ++i )
-        {
-            const results_row* row = &out->rows[i];
-            if ( vertices_of( row ) > 0.0 && ( row->workers > 1 ) == ( w > 1 ) )
-            {
-                char name[24];
-                snprintf( name, sizeof name, "%d %s", row->workers, bench_workers_word( row->workers ) );
-                series = row->workers != workers ? results_add_series( out, number, name, true ) : series;
-                workers = row->workers;
-                results_add_point( out, number, series,
-                                   ( results_point ){ .x = vertices_of( row ), .y = ns_a_vertex( row ) } );
-            }
-        }
-    }
 }
 
 // ---- claims and checks ----
@@ -170,8 +123,6 @@ static void check( const results_row* row, results* out )
 
 void balloon_conclude( int first_row, int workers, results* out )
 {
-    add_table( first_row, out );
-    add_chart( first_row, out );
     claim_volume( first_row, out );
     claim_flatness( first_row, 1, out );
     if ( workers > 1 )

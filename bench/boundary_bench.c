@@ -1,51 +1,779 @@
+// The case `boundary`: the number of points for a spacing, their cost, and how densely they cover the surface.
 #include "boundary_bench.h"
 
-boundary_plan boundary_default_plan( const bench_options* options )
+#include "bench_timing.h"
+#include "cells.h"
+#include "mesh.h"
+#include "rows_chart.h"
+
+#include "oracle/boundary_oracle.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// A position is a sum of three products with computed weights: a point has an error of some roundings of its largest
+// coordinate.
+static const double ROUNDINGS = 8.0;
+
+static const float LITTLE_HYSTERESIS = 1e-6f; // of a spacing
+
+const layer_law layer_laws[LAYER_LAWS] = {
+    { "even", WISP_SPACING_EVEN, WISP_ROUND_DOWN },
+    { "exact", WISP_SPACING_EXACT, WISP_ROUND_DOWN },
+    { "even, up", WISP_SPACING_EVEN, WISP_ROUND_UP },
+};
+
+wisp_status layer_sphere( int segments, float radius, wisp_mesh* out, wisp_error* error )
 {
-    const double seconds = bench_seconds( options );
-    return ( boundary_plan ){
-        .spacings = { 0.2f, 0.1f, 0.05f, 0.025f, 0.0125f },
-        .spacing_count = 5,
-        .segments = { 8, 15, 30, 60, 120 },
-        .sphere_count = 5,
-        .pulse_steps = 2 * LAYER_PERIOD,
-        .settle_steps = 120,
-        .hang_seconds = 4.0,
-        .cost_seconds = 0.4 * seconds,
-        .pulse_seconds = 0.15 * seconds,
-        .adaptive_seconds = 0.1 * seconds,
-        .workers = { 1, options->workers },
-        .worker_count = options->workers > 1 ? 2 : 1,
-        .picture_side = 420,
-        .options = options,
-    };
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_UV_SPHERE );
+    generator.segments = generator.rings = segments;
+    generator.radius = radius;
+    return wisp_mesh_generate( &generator, out, error );
 }
 
-wisp_status boundary_bench_run( const boundary_plan* plan, results* out, wisp_error* error )
+wisp_status layer_cook( const wisp_mesh* mesh, wisp_fabric** out, wisp_error* error )
 {
-    static const struct
+    wisp_fabric_def def = wisp_default_fabric_def();
+    def.bend_links = false;
+    return surface_cook( mesh, def, out, error );
+}
+
+wisp_boundary_def layer_def( const layer_law* law, float spacing )
+{
+    wisp_boundary_def def = wisp_default_boundary_def();
+    def.spacing = spacing;
+    def.policy = law->policy;
+    def.rounding = law->rounding;
+    return def;
+}
+
+// ---- implementations ----
+
+static wisp_status set_layer( surface_implementation* implementation, const wisp_boundary_def* def,
+                              wisp_error* error )
+{
+    wisp_status status = wisp_set_boundary( implementation->world, implementation->entity, def );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
+}
+
+wisp_status layer_enter( wisp_fabric* fabric, const wisp_boundary_def* def, int workers, layer_implementation* out,
+                         wisp_error* error )
+{
+    *out = ( layer_implementation ){ .def = *def };
+    surface_generator generator = surface_default_generator( &wisp_boundary_module, fabric );
+    generator.workers = workers;
+    wisp_status status = surface_implementation_create( &generator, &out->surface, error );
+    if ( status != WISP_OK )
     {
-        boundary_fn* run;
-        const char* name;
-        double fraction; // of the case that is done before
-    } tables[] = {
-        { boundary_inflate, "boundary, inflation", 0.0 },  { boundary_volumes, "boundary, volumes", 0.05 },
-        { boundary_counts, "boundary, counts", 0.1 },      { boundary_normals, "boundary, normals", 0.12 },
-        { boundary_costs, "boundary, costs", 0.15 },       { boundary_adaptive, "boundary, curvature", 0.6 },
-        { boundary_pulses, "boundary, pulses", 0.7 },      { boundary_steps, "boundary, steps", 0.85 },
-        { boundary_pictures, "boundary, pictures", 0.95 },
-    };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( tables ) && status == WISP_OK; ++i )
+        return status;
+    }
+    status = set_layer( &out->surface, def, error );
+    if ( status != WISP_OK )
     {
-        bench_progress( plan->options, tables[i].fraction, tables[i].name );
-        status = tables[i].run( plan, out, error );
+        surface_implementation_destroy( &out->surface );
     }
     return status;
 }
 
+// A layer that is set again with the same definition keeps its weights where counts are the same. Another hysteresis
+// drops all of them; so small a change affects no count, except for lengths that are a whole number of spacings
+// within the rounding of a float.
+static wisp_status sample_again( layer_implementation* implementation, wisp_error* error )
+{
+    wisp_boundary_def def = implementation->def;
+    implementation->has_little = !implementation->has_little;
+    def.hysteresis += implementation->has_little ? LITTLE_HYSTERESIS : 0.0f;
+    return set_layer( &implementation->surface, &def, error );
+}
+
+wisp_status layer_step( void* context, wisp_error* error )
+{
+    layer_implementation* implementation = context;
+    wisp_status status = implementation->is_resampled ? sample_again( implementation, error ) : WISP_OK;
+    return status == WISP_OK ? surface_implementation_step( &implementation->surface, error ) : status;
+}
+
+static wisp_status keep_layer_profile( void* context )
+{
+    layer_implementation* implementation = context;
+    return surface_implementation_keep_profile( &implementation->surface );
+}
+
+static stats_summary pass_ms( surface_implementation* implementation, const char* pass )
+{
+    stats_summary ms = { .median = NAN, .p10 = NAN, .p90 = NAN, .minimum = NAN };
+    for ( int i = 0; i < implementation->profile.pass_count; ++i )
+    {
+        profile_pass* kept = implementation->profile.passes + i;
+        if ( strcmp( kept->name, pass ) == 0 )
+        {
+            ms = stats_summarise( kept->seconds, kept->count );
+            ms.median *= 1e3;
+            ms.p10 *= 1e3;
+            ms.p90 *= 1e3;
+            ms.minimum *= 1e3;
+        }
+    }
+    return ms;
+}
+
+// ---- outputs of a layer ----
+
+wisp_status layer_read( surface_implementation* implementation, wisp_boundary_view* out, wisp_error* error )
+{
+    wisp_status status = wisp_read_boundary( implementation->world, implementation->entity, out );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
+}
+
+wisp_status layer_read_stats( surface_implementation* implementation, wisp_boundary_stats* out, wisp_error* error )
+{
+    wisp_status status = wisp_read_boundary_stats( implementation->world, implementation->entity, out );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
+}
+
+static uint64_t hash_bytes( uint64_t hash, const void* bytes, size_t size )
+{
+    const unsigned char* p = bytes;
+    for ( size_t i = 0; i < size; ++i )
+    {
+        hash = ( hash ^ p[i] ) * 0x100000001b3u; // FNV-1a
+    }
+    return hash;
+}
+
+uint64_t layer_hash( const wisp_boundary_view* view )
+{
+    const wisp_samples* s = view->samples;
+    const size_t bytes = (size_t)s->count * 4 * sizeof( float );
+    const int32_t counts[2] = { s->count, s->edge_count };
+    uint64_t hash = hash_bytes( 0xcbf29ce484222325u, counts, sizeof( counts ) );
+    hash = hash_bytes( hash, s->xyzw, bytes );
+    hash = hash_bytes( hash, s->normals, bytes );
+    hash = hash_bytes( hash, s->parents, bytes );
+    return hash_bytes( hash, s->weights, bytes );
+}
+
+// ---- the oracle ----
+
+static double3 point_of( const float* quads, size_t at )
+{
+    return double3_make( (double)quads[at], (double)quads[at + 1], (double)quads[at + 2] );
+}
+
+// Unlike fmax() it keeps NaN.
+static double larger( double so_far, double next )
+{
+    return next > so_far || isnan( next ) ? next : so_far;
+}
+
+static double length_of( double3 v )
+{
+    return sqrt( double3_dot( v, v ) );
+}
+
+// From the line of its edge, or from the plane of its triangle.
+static double off_surface( const wisp_samples* s, const float* x, int point )
+{
+    const int32_t* parents = s->parents[point];
+    const double3 a = point_of( x, (size_t)parents[0] );
+    const double3 y = double3_sub( point_of( s->xyzw, 4 * (size_t)point ), a );
+    const double3 u = double3_sub( point_of( x, (size_t)parents[1] ), a );
+    if ( point < s->edge_count )
+    {
+        return length_of( double3_cross( y, u ) ) / length_of( u );
+    }
+    const double3 n = double3_cross( u, double3_sub( point_of( x, (size_t)parents[2] ), a ) );
+    return fabs( double3_dot( y, n ) ) / length_of( n );
+}
+
+static void compare_points( const wisp_boundary_view* view, const float* x, const boundary_oracle_layer* oracle,
+                            layer_check* out )
+{
+    const wisp_samples* s = view->samples;
+    const bool same = s->edge_count == oracle->edge_point_count && s->count == oracle->point_count;
+    *out = ( layer_check ){
+        .edge_points = s->edge_count,
+        .inner_points = s->count - s->edge_count,
+        .edge_expected = oracle->edge_point_count,
+        .inner_expected = oracle->point_count - oracle->edge_point_count,
+        .farthest = same ? 0.0 : INFINITY,
+    };
+    for ( int p = 0; p < s->count; ++p )
+    {
+        const double3 y = point_of( s->xyzw, 4 * (size_t)p );
+        const double away = same ? length_of( double3_sub( y, oracle->points[p].y ) ) : INFINITY;
+        out->farthest = larger( out->farthest, away );
+        out->off_surface = larger( out->off_surface, off_surface( s, x, p ) );
+        out->reach = fmax( out->reach, fmax( fabs( y.x ), fmax( fabs( y.y ), fabs( y.z ) ) ) );
+    }
+}
+
+static boundary_oracle_options oracle_options( const wisp_boundary_def* def )
+{
+    boundary_oracle_options options = boundary_oracle_default_options();
+    options.spacing = (double)def->spacing;
+    options.policy = (boundary_oracle_policy)def->policy;
+    options.rounding = (boundary_oracle_rounding)def->rounding;
+    return options;
+}
+
+static wisp_status ask_oracle( const wisp_mesh* mesh, double3* points, const wisp_boundary_def* def,
+                               const wisp_boundary_view* view, const float* x, layer_check* out, wisp_error* error )
+{
+    const balloon_mesh as_oracle = { mesh->vertex_count, mesh->triangle_count, points, mesh->triangles };
+    const boundary_oracle_options options = oracle_options( def );
+    boundary_oracle_layer oracle;
+    wisp_status status = boundary_oracle_create( &as_oracle, &options, &oracle, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( boundary_oracle_update( &oracle, points ) )
+    {
+        compare_points( view, x, &oracle, out );
+    }
+    else
+    {
+        status = wisp_fail( error, WISP_NO_MEMORY, "no memory for the oracle's boundary points" );
+    }
+    boundary_oracle_destroy( &oracle );
+    return status;
+}
+
+wisp_status layer_compare( surface_implementation* implementation, const wisp_mesh* mesh,
+                           const wisp_boundary_def* def, layer_check* out, wisp_error* error )
+{
+    const float* x = wisp_world_column( implementation->world, implementation->entity, WISP_PARTICLE_POSITION, 0 );
+    double3* points = malloc( (size_t)mesh->vertex_count * sizeof( double3 ) );
+    if ( points == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the oracle's vertices" );
+    }
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        points[v] = point_of( x, 4 * (size_t)implementation->fabric->vertex_slot[v] );
+    }
+    wisp_boundary_view view;
+    wisp_status status = layer_read( implementation, &view, error );
+    status = status == WISP_OK ? ask_oracle( mesh, points, def, &view, x, out, error ) : status;
+    free( points );
+    return status;
+}
+
+bool layer_check_is_met( const layer_check* check )
+{
+    const double rounding = ROUNDINGS * (double)FLT_EPSILON * check->reach;
+    return check->edge_points == check->edge_expected && check->inner_points == check->inner_expected &&
+           check->farthest <= rounding && check->off_surface <= rounding;
+}
+
+// ---- how densely a layer covers its surface ----
+
+enum
+{
+    PARTS = 24, // of each side of a triangle: 325 positions
+};
+
+static int find_edge( const wisp_boundary_view* view, int32_t a, int32_t b )
+{
+    const int32_t lower = a < b ? a : b, upper = a < b ? b : a;
+    int first = 0, end = view->edge_count;
+    while ( first < end )
+    {
+        const int middle = first + ( end - first ) / 2;
+        const int32_t* e = view->edges + 2 * (size_t)middle;
+        const bool below = e[0] < lower || ( e[0] == lower && e[1] < upper );
+        first = below ? middle + 1 : first;
+        end = below ? end : middle;
+    }
+    WISP_ASSERT( first < view->edge_count );
+    return first;
+}
+
+static double square_of( double x, double y, double z )
+{
+    return x * x + y * y + z * z;
+}
+
+static wisp_vec3 place( const wisp_samples* s, int point )
+{
+    const float* q = s->xyzw + 4 * (size_t)point;
+    return ( wisp_vec3 ){ q[0], q[1], q[2] };
+}
+
+static double square_between( wisp_vec3 a, wisp_vec3 b )
+{
+    return square_of( (double)a.x - (double)b.x, (double)a.y - (double)b.y, (double)a.z - (double)b.z );
+}
+
+static double largest_gap( const wisp_boundary_view* view, const wisp_mesh* mesh )
+{
+    const wisp_samples* s = view->samples;
+    double most = 0.0;
+    for ( int e = 0; e < view->edge_count; ++e )
+    {
+        wisp_vec3 last = mesh->points[view->edges[2 * e]];
+        for ( int p = s->begin[e]; p < s->begin[e + 1]; ++p )
+        {
+            most = fmax( most, square_between( last, place( s, p ) ) );
+            last = place( s, p );
+        }
+        most = fmax( most, square_between( last, mesh->points[view->edges[2 * e + 1]] ) );
+    }
+    return sqrt( most );
+}
+
+// The points on a triangle, on its sides and at its corners.
+typedef struct crowd
+{
+    wisp_vec3* points;
+    int count, capacity;
+} crowd;
+
+static int gather_range( crowd* all, const wisp_samples* s, int element )
+{
+    for ( int p = s->begin[element]; p < s->begin[element + 1] && all->points != NULL; ++p )
+    {
+        all->points[all->count++] = place( s, p );
+    }
+    return s->begin[element + 1] - s->begin[element];
+}
+
+// @return their number; without memory for them they are only counted
+static int gather( crowd* all, const wisp_boundary_view* view, const wisp_mesh* mesh, int triangle )
+{
+    const int32_t* corner = mesh->triangles + 3 * (size_t)triangle;
+    int count = 3 + gather_range( all, view->samples, view->edge_count + triangle );
+    for ( int k = 0; k < 3; ++k )
+    {
+        count += gather_range( all, view->samples, find_edge( view, corner[k], corner[( k + 1 ) % 3] ) );
+        if ( all->points != NULL )
+        {
+            all->points[all->count++] = mesh->points[corner[k]];
+        }
+    }
+    return count;
+}
+
+static double farthest_place( const crowd* all, const wisp_vec3 corner[3] )
+{
+    double most = 0.0;
+    for ( int i = 0; i <= PARTS; ++i )
+    {
+        for ( int j = 0; i + j <= PARTS; ++j )
+        {
+            const float u = (float)i / PARTS, v = (float)j / PARTS, w = 1.0f - u - v;
+            const wisp_vec3 at = { u * corner[0].x + v * corner[1].x + w * corner[2].x,
+                                   u * corner[0].y + v * corner[1].y + w * corner[2].y,
+                                   u * corner[0].z + v * corner[1].z + w * corner[2].z };
+            float least = INFINITY;
+            for ( int p = 0; p < all->count; ++p )
+            {
+                const wisp_vec3 q = all->points[p];
+                const float x = q.x - at.x, y = q.y - at.y, z = q.z - at.z, square = x * x + y * y + z * z;
+                least = square < least ? square : least;
+            }
+            most = fmax( most, (double)least );
+        }
+    }
+    return sqrt( most );
+}
+
+wisp_status layer_find_cover( const wisp_boundary_view* view, const wisp_mesh* mesh, layer_cover* out,
+                              wisp_error* error )
+{
+    crowd all = { 0 };
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        const int count = gather( &all, view, mesh, t );
+        all.capacity = count > all.capacity ? count : all.capacity;
+    }
+    all.points = malloc( (size_t)all.capacity * sizeof( wisp_vec3 ) );
+    if ( all.points == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the points on a triangle" );
+    }
+    *out = ( layer_cover ){ .gap = largest_gap( view, mesh ) };
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        const int32_t* c = mesh->triangles + 3 * (size_t)t;
+        const wisp_vec3 corner[3] = { mesh->points[c[0]], mesh->points[c[1]], mesh->points[c[2]] };
+        all.count = 0;
+        gather( &all, view, mesh, t );
+        out->reach = fmax( out->reach, farthest_place( &all, corner ) );
+    }
+    free( all.points );
+    return WISP_OK;
+}
+
+// ---- the cost of points ----
+
+enum
+{
+    SAMPLES_MAX = 200,
+    ROUNDS_MIN = 3,
+    IN_PLACE = 0,  // case A everywhere
+    RESAMPLED = 1, // case B everywhere
+    WAYS = 2,
+    VARIANTS = WAYS * BOUNDARY_WORKERS_MAX,
+};
+
+static const char* const way_names[WAYS] = { "in place", "resampled" };
+
+// Expected counts on edges and inside triangles, by an independent script in double precision.
+static const struct
+{
+    float spacing;
+    int even[2], exact[2];
+} contract[] = {
+    { 0.2f, { 930, 0 }, { 3360, 0 } },
+    { 0.1f, { 5160, 300 }, { 7710, 3480 } },
+    { 0.05f, { 14730, 11640 }, { 17340, 21360 } },
+    { 0.025f, { 32670, 79320 }, { 35280, 103560 } },
+};
+
+/// Results for one spacing and one rule.
+typedef struct layer_cost
+{
+    const layer_law* law;
+    float spacing;
+    layer_check check;
+    layer_cover cover;
+    stats_summary ms[WAYS][BOUNDARY_WORKERS_MAX]; // of the pass that computes the points
+    size_t bytes;
+    uint64_t hash;
+    bool same_hash; // of every implementation and worker count
+} layer_cost;
+
+typedef struct cost_run
+{
+    const boundary_plan* plan;
+    results* out;
+    wisp_mesh mesh;
+    wisp_fabric* fabric;
+    layer_implementation implementations[VARIANTS];
+    layer_cost costs[LAYER_LAWS * BOUNDARY_SIZES_MAX];
+    int count;
+    double area; // m^2
+} cost_run;
+
+static int points_of( const layer_cost* cost )
+{
+    return cost->check.edge_points + cost->check.inner_points;
+}
+
+// ---- measuring ----
+
+static wisp_status enter_all( cost_run* run, const layer_cost* cost, bench_variant* variants, wisp_error* error )
+{
+    const boundary_plan* plan = run->plan;
+    const wisp_boundary_def def = layer_def( cost->law, cost->spacing );
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WAYS * plan->worker_count && status == WISP_OK; ++i )
+    {
+        status = layer_enter( run->fabric, &def, plan->workers[i / WAYS], run->implementations + i, error );
+        run->implementations[i].is_resampled = i % WAYS == RESAMPLED;
+        variants[i] = ( bench_variant ){ .name = way_names[i % WAYS],
+                                         .step = layer_step,
+                                         .after = keep_layer_profile,
+                                         .context = run->implementations + i };
+    }
+    return status;
+}
+
+static void read_times( cost_run* run, layer_cost* cost )
+{
+    for ( int i = 0; i < WAYS * run->plan->worker_count; ++i )
+    {
+        cost->ms[i % WAYS][i / WAYS] = pass_ms( &run->implementations[i].surface, "boundary.points" );
+    }
+}
+
+static wisp_status observe( cost_run* run, layer_cost* cost, wisp_error* error )
+{
+    const wisp_boundary_def def = layer_def( cost->law, cost->spacing );
+    surface_implementation* first = &run->implementations[0].surface;
+    wisp_boundary_stats stats;
+    wisp_boundary_view view;
+    wisp_status status = layer_compare( first, &run->mesh, &def, &cost->check, error );
+    status = status == WISP_OK ? layer_read_stats( first, &stats, error ) : status;
+    cost->bytes = status == WISP_OK ? stats.bytes : 0;
+    cost->same_hash = true;
+    for ( int i = 0; i < WAYS * run->plan->worker_count && status == WISP_OK; ++i )
+    {
+        status = layer_read( &run->implementations[i].surface, &view, error );
+        const uint64_t hash = status == WISP_OK ? layer_hash( &view ) : 0;
+        cost->hash = i == 0 ? hash : cost->hash;
+        cost->same_hash = cost->same_hash && hash == cost->hash;
+    }
+    return status == WISP_OK ? layer_find_cover( &view, &run->mesh, &cost->cover, error ) : status;
+}
+
+static wisp_status measure( cost_run* run, layer_cost* cost, double seconds, wisp_error* error )
+{
+    bench_variant variants[VARIANTS] = { { 0 } };
+    const int count = WAYS * run->plan->worker_count;
+    const bench_effort effort = { seconds, ROUNDS_MIN, SAMPLES_MAX };
+    wisp_status status = enter_all( run, cost, variants, error );
+    if ( status == WISP_OK )
+    {
+        status = bench_interleave( variants, count, &effort, error );
+        bench_free_samples( variants, count );
+    }
+    if ( status == WISP_OK )
+    {
+        read_times( run, cost );
+        status = observe( run, cost, error );
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        surface_implementation_destroy( &run->implementations[i].surface );
+    }
+    return status;
+}
+
+// ---- rows ----
+
+static void add_rows( const cost_run* run, const layer_cost* cost, results* out )
+{
+    for ( int i = 0; i < WAYS * run->plan->worker_count; ++i )
+    {
+        char variant[64];
+        snprintf( variant, sizeof( variant ), "%s, %s", cost->law->name, way_names[i % WAYS] );
+        const stats_summary* ms = &cost->ms[i % WAYS][i / WAYS];
+        results_row* row = results_add_row( out, "boundary", variant );
+        if ( row != NULL )
+        {
+            row->workers = run->plan->workers[i / WAYS];
+            results_put_times( row, ms );
+            row->hash = cost->hash;
+            row->has_hash = true;
+            results_put( &row->size, "points", points_of( cost ) );
+            results_put( &row->size, "edge_points", cost->check.edge_points );
+            results_put( &row->size, "spacing_m", (double)cost->spacing );
+            results_put( &row->size, "bytes", (double)cost->bytes );
+            results_put( &row->stages, "boundary.points", ms->median );
+            snprintf( row->error_reference, sizeof( row->error_reference ), "oracle" );
+            results_put( &row->error, "place_m", cost->check.farthest );
+            results_put( &row->error, "gap_m", cost->cover.gap );
+            results_put( &row->error, "cover_m", cost->cover.reach );
+        }
+    }
+}
+
+// @return null without an expected count
+static const int* contract_counts( const layer_cost* cost )
+{
+    for ( int i = 0; i < WISP_COUNT( contract ); ++i )
+    {
+        if ( contract[i].spacing == cost->spacing && cost->law->rounding == WISP_ROUND_DOWN )
+        {
+            return cost->law->policy == WISP_SPACING_EVEN ? contract[i].even : contract[i].exact;
+        }
+    }
+    return NULL;
+}
+
+static void add_counts( const cost_run* run, const layer_cost* cost, int table, results* out )
+{
+    const layer_check* c = &cost->check;
+    const int* printed = contract_counts( cost );
+    const int oracle[2] = { c->edge_expected, c->inner_expected };
+    const int* expected = printed != NULL ? printed : oracle;
+    const bool exact = c->edge_points == expected[0] && c->inner_points == expected[1] && layer_check_is_met( c );
+    const double d = (double)cost->spacing;
+    cells row = { .count = 0 };
+    cells_put( &row, "%g", d );
+    cells_put( &row, "%s", cost->law->name );
+    cells_put( &row, "%d", c->edge_points );
+    cells_put( &row, "%d", c->inner_points );
+    cells_put( &row, "%d / %d", expected[0], expected[1] );
+    cells_put( &row, "%s", printed != NULL ? "contract" : "oracle" );
+    cells_put( &row, "%s", exact ? "yes" : "NO" );
+    cells_put_number( &row, 1e6 * c->farthest, 2 );
+    cells_put_number( &row, c->inner_points * d * d / run->area, 2 );
+    cells_put_hash( &row, cost->hash );
+    cells_put( &row, "%s", cost->same_hash ? "yes" : "NO" );
+    cells_end_row( &row, table, out );
+    if ( !exact || !cost->same_hash )
+    {
+        results_add_failure( out, "Cost of points: at d = %g m, %s, %s.", d, cost->law->name,
+                             exact ? "points depend on the number of workers, or on whether they were sampled again"
+                                   : "are not those expected" );
+    }
+}
+
+static void add_costs( const cost_run* run, const layer_cost* cost, int table, results* out )
+{
+    const int workers = run->plan->worker_count;
+    const double ns = 1e6 / fmax( points_of( cost ), 1.0 );
+    cells row = { .count = 0 };
+    cells_put( &row, "%g", (double)cost->spacing );
+    cells_put( &row, "%s", cost->law->name );
+    cells_put( &row, "%d", points_of( cost ) );
+    for ( int i = 0; i < WAYS * BOUNDARY_WORKERS_MAX; ++i )
+    {
+        const int way = i / BOUNDARY_WORKERS_MAX, w = i % BOUNDARY_WORKERS_MAX;
+        cells_put_number( &row, w < workers ? ns * cost->ms[way][w].median : NAN, 2 );
+    }
+    cells_put_number( &row, cost->ms[RESAMPLED][0].median / cost->ms[IN_PLACE][0].median, 2 );
+    cells_put_number( &row, workers > 1 ? cost->ms[IN_PLACE][0].median / cost->ms[IN_PLACE][1].median : NAN, 2 );
+    cells_put_number( &row, (double)cost->bytes / fmax( points_of( cost ), 1.0 ), 0 );
+    cells_put_number( &row, 1e-6 * (double)cost->bytes, 2 );
+    cells_end_row( &row, table, out );
+}
+
+static void add_accuracy( const layer_cost* cost, int table, results* out )
+{
+    const double d = (double)cost->spacing;
+    const bool covers = cost->law->rounding == WISP_ROUND_UP || cost->law->policy == WISP_SPACING_EXACT;
+    // the last gap is a difference of rounded positions; even spacing rounded down has gaps below 2 d
+    const bool met = cost->cover.gap <= ( covers ? 1.0 : 2.0 ) * d + 1e-5;
+    cells row = { .count = 0 };
+    cells_put( &row, "%g", d );
+    cells_put( &row, "%s", cost->law->name );
+    cells_put_number( &row, 1e3 * cost->cover.gap, 2 );
+    cells_put_number( &row, cost->cover.gap / d, 3 );
+    cells_put_number( &row, 1e3 * cost->cover.reach, 2 );
+    cells_put_number( &row, cost->cover.reach / d, 3 );
+    cells_put( &row, "%d", points_of( cost ) );
+    cells_put_number( &row, cost->ms[IN_PLACE][0].median, 4 );
+    cells_put_number( &row, cost->ms[RESAMPLED][0].median, 4 );
+    cells_put_number( &row, 1e-6 * (double)cost->bytes, 2 );
+    cells_put( &row, "%s", met ? "yes" : "NO" );
+    cells_end_row( &row, table, out );
+    if ( !met )
+    {
+        results_add_failure( out, "Coverage: a gap of %.4f m on an edge at d = %g m, %s.", cost->cover.gap, d,
+                             cost->law->name );
+    }
+}
+
+static double points_in( const results_row* row )
+{
+    return rows_size( row, "points" );
+}
+
+static void add_chart( const cost_run* run, int first_row, results* out )
+{
+    const int w = run->plan->workers[run->plan->worker_count - 1];
+    char title[160];
+    snprintf( title, sizeof( title ), "Boundary points of a sphere with %d worker%s: time against points", w,
+              w == 1 ? "" : "s" );
+    rows_chart_add( &( rows_chart ){ .first_row = first_row,
+                                     .name = "boundary",
+                                     .workers = w,
+                                     .title = title,
+                                     .x_label = "points",
+                                     .y_label = "ms per step, the pass alone",
+                                     .x = points_in,
+                                     .y = rows_ms },
+                    out );
+}
+
+static void write_tables( const cost_run* run, results* out )
+{
+    const int first_row = out->row_count;
+    static const char* const counts[] = {
+        "d",    "spacing", "edge", "inner", "expected", "by", "exact", "error to oracle, um", "inner d^2 / area",
+        "hash", "same"
+    };
+    const int w = run->plan->workers[run->plan->worker_count - 1];
+    char in_place[40], resampled[40], title[160];
+    snprintf( in_place, sizeof( in_place ), "in place, %d workers", w );
+    snprintf( resampled, sizeof( resampled ), "resampled, %d workers", w );
+    const char* const costs[] = { "d",
+                                  "spacing",
+                                  "points",
+                                  "in place",
+                                  in_place,
+                                  "resampled",
+                                  resampled,
+                                  "resampled / in place",
+                                  "1 worker / more",
+                                  "bytes per point",
+                                  "MB" };
+    static const char* const accuracy[] = { "d",         "spacing", "gap, mm",     "gap / d",      "cover, mm",
+                                            "cover / d", "points",  "in place ms", "resampled ms", "MB",
+                                            "met" };
+    int table =
+        results_add_table( out, "Points of the reference sphere by spacing, m", WISP_COUNT( counts ), counts );
+    for ( int i = 0; i < run->count; ++i )
+    {
+        add_rows( run, run->costs + i, out );
+        add_counts( run, run->costs + i, table, out );
+    }
+    snprintf(
+        title, sizeof( title ),
+        "Cost of points: ns per point, medians of the pass that makes them, 1 worker where not stated; memory" );
+    table = results_add_table( out, title, WISP_COUNT( costs ), costs );
+    for ( int i = 0; i < run->count; ++i )
+    {
+        add_costs( run, run->costs + i, table, out );
+    }
+    table = results_add_table( out,
+                               "Coverage against cost: the largest gap along edges, and the largest distance from a "
+                               "place on a triangle to its points; 1 worker",
+                               WISP_COUNT( accuracy ), accuracy );
+    for ( int i = 0; i < run->count; ++i )
+    {
+        add_accuracy( run->costs + i, table, out );
+    }
+    add_chart( run, first_row, out );
+    results_add_note( out, "Cost of points: in place: no count changes (case A). resampled: every element is sampled "
+                           "again in every step (case B). bytes: the whole layer, points twice." );
+    results_add_note( out, "Coverage: distances are measured at 325 places of each triangle. same: points, normals "
+                           "and recipes have one hash in both cases and for every worker count." );
+}
+
+static double area_of( const wisp_mesh* mesh, wisp_error* error )
+{
+    wisp_mesh_diagnostics report;
+    return wisp_mesh_examine( mesh, &report, error ) == WISP_OK ? report.area : NAN;
+}
+
+wisp_status boundary_bench_run( const boundary_plan* plan, results* out, wisp_error* error )
+{
+    cost_run run = { .plan = plan, .out = out };
+    wisp_status status = layer_sphere( LAYER_SEGMENTS, LAYER_RADIUS, &run.mesh, error );
+    status = status == WISP_OK ? layer_cook( &run.mesh, &run.fabric, error ) : status;
+    run.area = status == WISP_OK ? area_of( &run.mesh, error ) : NAN;
+    const int count = plan->spacing_count * LAYER_LAWS;
+    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    {
+        bench_progress( plan->options, (double)i / count, "boundary" );
+        layer_cost* cost = run.costs + i;
+        *cost = ( layer_cost ){ .law = layer_laws + i % LAYER_LAWS, .spacing = plan->spacings[i / LAYER_LAWS] };
+        status = measure( &run, cost, plan->seconds / count, error );
+        run.count += 1;
+    }
+    if ( status == WISP_OK )
+    {
+        write_tables( &run, out );
+    }
+    wisp_fabric_release( run.fabric );
+    wisp_mesh_release( &run.mesh );
+    return status;
+}
+
+boundary_plan boundary_default_plan( const bench_options* options )
+{
+    return ( boundary_plan ){
+        .spacings = { 0.2f, 0.1f, 0.05f, 0.025f, 0.0125f },
+        .spacing_count = 5,
+        .seconds = 0.8 * bench_seconds( options ),
+        .workers = { 1, options->workers },
+        .worker_count = options->workers > 1 ? 2 : 1,
+        .options = options,
+    };
+}
+
 wisp_status boundary_bench( const bench_options* options, results* out, wisp_error* error )
 {
-    boundary_plan plan = boundary_default_plan( options );
+    const boundary_plan plan = boundary_default_plan( options );
     return boundary_bench_run( &plan, out, error );
 }

@@ -1,41 +1,96 @@
-/// The case `boundary`: the experiments of the boundary particle paper, and the cost of points.
+/// The case `boundary`: layers of boundary particles on the sphere of the paper, and what their points cost.
 #pragma once
 
 #include "bench_options.h"
-#include "boundary_scene.h"
-#include "cells.h"
+#include "surface_implementation.h"
+
+#include "boundary/boundary.h"
 
 #define BOUNDARY_SIZES_MAX 8
 #define BOUNDARY_WORKERS_MAX 2
 
-/// Sizes and steps. boundary_default_plan() has those of the case; tests have smaller ones.
+/// Sizes. boundary_default_plan() has those of the case; tests have smaller ones.
 typedef struct boundary_plan
 {
     float spacings[BOUNDARY_SIZES_MAX]; ///< m, of points on the reference sphere
     int spacing_count;
-    int segments[BOUNDARY_SIZES_MAX], sphere_count; ///< rising: spheres whose normals are measured
-    int pulse_steps;                                ///< of a pulsation that is counted, multiples of LAYER_PERIOD
-    int settle_steps;                               ///< of a balloon whose volume is measured
-    double hang_seconds;                            ///< simulated, of a balloon that hangs
-    double cost_seconds, pulse_seconds, adaptive_seconds; ///< approximate time for the measurements
+    double seconds; ///< approximate time for the measurements
     int workers[BOUNDARY_WORKERS_MAX], worker_count;
-    int picture_side;             ///< pixels, of one of several pictures; a single one has twice as many
-    const bench_options* options; ///< for progress and pictures
+    const bench_options* options; ///< for progress
 } boundary_plan;
 
 boundary_plan boundary_default_plan( const bench_options* options );
 
-/// All tables of a plan.
+/// All tables of a plan: points, time and memory by spacing; accuracy against cost.
 wisp_status boundary_bench_run( const boundary_plan* plan, results* out, wisp_error* error );
 
-typedef wisp_status boundary_fn( const boundary_plan* plan, results* out, wisp_error* error );
+// ---- layers ----
 
-boundary_fn boundary_inflate;  ///< 1 -> 2 -> 1 with a gust: counts follow lengths, points stay on the surface
-boundary_fn boundary_volumes;  ///< the volume that each multiplier reaches, with a soft skin and that of the paper
-boundary_fn boundary_counts;   ///< points of an edge, and inside four triangles
-boundary_fn boundary_normals;  ///< the angle between a point's normal and its direction, on increasingly fine spheres
-boundary_fn boundary_costs;    ///< points, time and memory by spacing; accuracy against cost
-boundary_fn boundary_adaptive; ///< uniform spacing compared with spacing by curvature, on the scanned body
-boundary_fn boundary_pulses;   ///< a radius that pulsates: elements in case B, time of A against B, hysteresis
-boundary_fn boundary_steps;    ///< long steps and strong gravity; the layer changes nothing
-boundary_fn boundary_pictures; ///< pictures of layers, if there is a folder for them
+#define LAYER_RADIUS 2.5f ///< m, of the paper's sphere
+#define LAYER_SEGMENTS 30 ///< slices and stacks of it
+
+/// A sphere of `segments` slices and as many stacks, its poles on the y axis.
+wisp_status layer_sphere( int segments, float radius, wisp_mesh* out, wisp_error* error );
+/// Cook without bend links: the boundary particle paper has none.
+wisp_status layer_cook( const wisp_mesh* mesh, wisp_fabric** out, wisp_error* error );
+
+/// Points at a spacing by one of the laws that are compared.
+typedef struct layer_law
+{
+    const char* name;
+    wisp_spacing policy;
+    wisp_rounding rounding;
+} layer_law;
+
+#define LAYER_LAWS 3
+extern const layer_law layer_laws[LAYER_LAWS]; ///< even, exact, and even without a gap above the spacing
+
+wisp_boundary_def layer_def( const layer_law* law, float spacing );
+
+/// A static surface with a layer, as context of a bench_variant.
+typedef struct layer_implementation
+{
+    surface_implementation surface;
+    wisp_boundary_def def;
+    bool is_resampled; ///< every step samples all elements again: case B everywhere
+    bool has_little;   ///< of two definitions that give the same points, the present one
+} layer_implementation;
+
+/// A surface without forces. @param fabric the caller's, who keeps it until the implementation is closed
+wisp_status layer_enter( wisp_fabric* fabric, const wisp_boundary_def* def, int workers, layer_implementation* out,
+                         wisp_error* error );
+/// One step. @param context the implementation
+wisp_status layer_step( void* context, wisp_error* error );
+
+wisp_status layer_read( surface_implementation* implementation, wisp_boundary_view* out, wisp_error* error );
+wisp_status layer_read_stats( surface_implementation* implementation, wisp_boundary_stats* out, wisp_error* error );
+/// Hash of all outputs of a layer.
+uint64_t layer_hash( const wisp_boundary_view* view );
+
+/// Differences of a layer from the oracle's for the same positions.
+typedef struct layer_check
+{
+    int edge_points, inner_points;     ///< of the engine
+    int edge_expected, inner_expected; ///< of the oracle
+    double farthest;                   ///< m, of a point from the oracle's; infinite if the counts differ
+    double off_surface;                ///< m, of a point from its edge, or from the plane of its triangle
+    double reach;                      ///< m, the largest coordinate of a point
+} layer_check;
+
+/// @param mesh the user's, cooked
+wisp_status layer_compare( surface_implementation* implementation, const wisp_mesh* mesh,
+                           const wisp_boundary_def* def, layer_check* out, wisp_error* error );
+/// Counts equal the oracle's, and points are at the oracle's positions and on the surface, up to rounding.
+bool layer_check_is_met( const layer_check* check );
+
+/// How densely a layer covers its surface.
+typedef struct layer_cover
+{
+    double gap; ///< m, the largest between neighbours along an edge, its ends included
+    /// m, the largest distance of a sampled position of a triangle from the points and corners on it
+    double reach;
+} layer_cover;
+
+/// @param mesh the user's, at the positions of the layer
+wisp_status layer_find_cover( const wisp_boundary_view* view, const wisp_mesh* mesh, layer_cover* out,
+                              wisp_error* error );

@@ -1,3 +1,5 @@
+// The case `contact`: the suites in data/suites/contact, of what accuracy costs, and how balloons press on each other (extensions, not in
+// the papers).
 #include "contact_bench.h"
 
 #include "rows_chart.h"
@@ -8,19 +10,6 @@
 
 // From this time in seconds on, the cloth folds on a fine mesh, too.
 #define FINE_SECONDS 240.0
-
-contact_plan contact_default_plan( const bench_options* options )
-{
-    return ( contact_plan ){
-        .suite_seconds = 0.6 * bench_seconds( options ),
-        .picture_side = 64,
-        .picture_level = 4,
-        .picture_steps = 300,
-        .picture_pixels = 560,
-        .teams = { { 1, options->workers }, options->workers > 1 ? 2 : 1 },
-        .options = options,
-    };
-}
 
 // ---- what contact promises ----
 
@@ -92,11 +81,11 @@ static double intersected_steps_of( const results_row* row )
     return rows_error( row, "steps_with_intersections" );
 }
 
-static void add_chart( const contact_plan* plan, int first_row, results* out )
+static void add_chart( int workers, int first_row, results* out )
 {
     rows_chart_add( &( rows_chart ){ .first_row = first_row,
                                      .name = "suite.cost",
-                                     .workers = plan->teams.workers[plan->teams.count - 1],
+                                     .workers = workers,
                                      .title = "Contact, the cost of accuracy: a cloth that folds on itself",
                                      .x_label = "ms per step, mean",
                                      .y_label = "steps that end with intersections",
@@ -108,40 +97,22 @@ static void add_chart( const contact_plan* plan, int first_row, results* out )
                     out );
 }
 
-wisp_status contact_suites( const contact_plan* plan, results* out, wisp_error* error )
-{
-    const int first_row = out->row_count;
-    // the last one is left out where there is not enough time
-    static const char* const names[] = { "cost", "motion", "pair", "stack", "fine" };
-    const bool is_fine = bench_seconds( plan->options ) >= FINE_SECONDS;
-    const wisp_status status = suite_bench_names( "contact", names, WISP_COUNT( names ) - ( is_fine ? 0 : 1 ),
-                                                  plan->suite_seconds, plan->options, out, error );
-    if ( status == WISP_OK )
-    {
-        contact_check_suites( first_row, out );
-        add_chart( plan, first_row, out );
-    }
-    return status;
-}
-
-wisp_status contact_bench_run( const contact_plan* plan, results* out, wisp_error* error )
-{
-    static contact_fn* const tables[] = { contact_suites, contact_pictures };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( tables ) && status == WISP_OK; ++i )
-    {
-        status = tables[i]( plan, out, error );
-    }
-    return status;
-}
-
 bench_case_fn contact_bench;
 
 wisp_status contact_bench( const bench_options* options, results* out, wisp_error* error )
 {
-    const contact_plan plan = contact_default_plan( options );
-    const wisp_status status = contact_bench_run( &plan, out, error );
-    if ( status == WISP_OK && bench_seconds( options ) < FINE_SECONDS )
+    const int first_row = out->row_count;
+    // the last one is left out where there is not enough time
+    static const char* const names[] = { "cost", "motion", "pair", "stack", "fine" };
+    const bool is_fine = bench_seconds( options ) >= FINE_SECONDS;
+    const wisp_status status = suite_bench_names( "contact", names, WISP_COUNT( names ) - ( is_fine ? 0 : 1 ),
+                                                  0.6 * bench_seconds( options ), options, out, error );
+    if ( status == WISP_OK )
+    {
+        contact_check_suites( first_row, out );
+        add_chart( options->workers > 1 ? options->workers : 1, first_row, out );
+    }
+    if ( status == WISP_OK && !is_fine )
     {
         results_add_note( out, "Contact: the fine cloth, data/suites/contact/fine.yaml, needs --seconds %g.",
                           FINE_SECONDS );

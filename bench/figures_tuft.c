@@ -73,7 +73,6 @@ wisp_status tuft_enter( tuft* t, const wisp_ghosts_def* follow, wisp_error* erro
     wisp_status status = hair_head_create( &generator, &t->swaying, error );
     generator.follow = tuft_without_weights();
     generator.follow.resample = follow->resample;
-    generator.follow.frame = follow->frame;
     return status == WISP_OK ? hair_head_create( &generator, &t->plain, error ) : status;
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "figures_hair.h"
-#include "strands_head.h"
+#include "strands_scene.h"
 
 #define TUFT_NODES 10
 #define TUFT_STEPS 60

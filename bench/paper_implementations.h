@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bench_world.h"
-#include "profile_samples.h"
+#include "stats.h"
 
 #include "frozen_hair/frozen_hair.h"
 #include "groom.h"

@@ -1,9 +1,9 @@
 // The case `scenes`: whole steps of the scenes of data/suites/scenes.yaml, and what two workers give to loops that share nothing.
 #include "accuracy/accuracy.h"
-#include "program_data.h"
 #include "bench_timing.h"
 #include "cells.h"
-#include "threads.h"
+#include "program_data.h"
+#include "render.h"
 
 #include <stdlib.h>
 

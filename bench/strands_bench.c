@@ -1,37 +1,13 @@
+// The case `strands`: the suites in data/suites/strands, by size, settings and energy; guides and ghosts against full simulation
+// (extension, not in Park and Kim 2024).
 #include "strands_bench.h"
 
 #include "suite/suite_folder.h"
 
 #include <string.h>
 
-enum
-{
-    SUITES = 4,
-};
-
-// Below this time in seconds fewer steps lead up to the times.
+// Below this time in seconds the largest suite is left out.
 #define FULL_SECONDS 40.0
-
-strands_plan strands_default_plan( const bench_options* options )
-{
-    bool is_full = bench_seconds( options ) >= FULL_SECONDS;
-    return ( strands_plan ){
-        .sizes = { 100, 300, 500, 2000, 10000, 50000 },
-        .size_count = 6,
-        .scenario_steps = is_full ? 60 : STRANDS_REFERENCE_STEPS,
-        .scenario_strands = 2000,
-        .few_settings_strands = is_full ? 10000 : 2000,
-        .few_settings = is_full ? 3 : 1,
-        .comparison_seconds = ( is_full ? 0.5 : 0.1 ) * bench_seconds( options ),
-        .suite_count = is_full ? SUITES : SUITES - 1,
-        .suite_seconds = 0.25 * bench_seconds( options ),
-        .workers = { 1, options->workers },
-        .worker_count = options->workers > 1 ? 2 : 1,
-        .options = options,
-    };
-}
-
-// ---- suites ----
 
 #define CLAIM_FRAME_MS 5.0
 
@@ -63,42 +39,21 @@ void strands_claim_million( int first_row, results* out )
     }
 }
 
-wisp_status strands_suites( const strands_plan* plan, results* out, wisp_error* error )
+bench_case_fn strands_bench;
+
+wisp_status strands_bench( const bench_options* options, results* out, wisp_error* error )
 {
-    static const char* const names[SUITES] = { "energy", "guides", "guides_16384", "million" };
+    static const char* const names[] = {
+        "sizes", "bend_links", "rods", "energy", "guides", "guides_16384", "million"
+    };
     const int first_row = out->row_count;
-    const wisp_status status =
-        suite_bench_names( "strands", names, plan->suite_count, plan->suite_seconds, plan->options, out, error );
+    const bool is_full = bench_seconds( options ) >= FULL_SECONDS;
+    const wisp_status status = suite_bench_names( "strands", names, WISP_COUNT( names ) - ( is_full ? 0 : 1 ),
+                                                  0.75 * bench_seconds( options ), options, out, error );
     strands_claim_million( first_row, out );
-    if ( plan->suite_count < SUITES )
+    if ( !is_full )
     {
         results_add_note( out, "Strands: short of time, the head with a million vertices is left out." );
     }
     return status;
-}
-
-wisp_status strands_bench_run( const strands_plan* plan, results* out, wisp_error* error )
-{
-    static const struct
-    {
-        wisp_status ( *make )( const strands_plan* plan, results* out, wisp_error* error );
-        const char* what;
-        double fraction; // of the case that is done when it begins
-    } tables[] = {
-        { strands_comparison, "strands by size", 0.0 },
-        { strands_suites, "suites of strands", 0.7 },
-    };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( tables ) && status == WISP_OK; ++i )
-    {
-        bench_progress( plan->options, tables[i].fraction, tables[i].what );
-        status = tables[i].make( plan, out, error );
-    }
-    return status;
-}
-
-wisp_status strands_bench( const bench_options* options, results* out, wisp_error* error )
-{
-    strands_plan plan = strands_default_plan( options );
-    return strands_bench_run( &plan, out, error );
 }

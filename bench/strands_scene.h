@@ -1,14 +1,11 @@
-/// Strands in a world of their own: shapes, settings, and what the case `strands` steps, times and measures.
+/// Strands in a world of their own, and hair on a head that is shaken: guides that are simulated, and ghosts.
 #pragma once
 
 #include "bench_world.h"
-#include "profile_samples.h"
-#include "stats.h"
 
+#include "guide_hair/guide_hair.h"
 #include "strands/strands.h"
 
-#define STRANDS_VERTICES 20
-#define STRANDS_SPACING 0.05f // m, as in the cloth that other engines were measured on
 #define STRANDS_STEP ( 1.0f / 60.0f )
 #define STRANDS_GRAVITY 9.81
 
@@ -27,9 +24,6 @@ wisp_status strands_shape_create( int strand_count, int vertices, strands_shape*
 void strands_shape_free( strands_shape* shape );
 int strands_shape_size( const strands_shape* shape );
 
-/// The scene of the race: every strand straight and horizontal, each in a direction of its own, so that no two lanes do the
-/// same. A strand does not depend on how many there are.
-wisp_status strands_shape_make_horizontal( int strand_count, strands_shape* out, wisp_error* error );
 // ---- worlds ----
 
 typedef struct strands_generator
@@ -49,7 +43,6 @@ typedef struct strands_implementation
     wisp_world* world;
     wisp_entity entity;
     strands_generator generator;
-    profile_samples profile; ///< of the steps that were kept
     int steps;
     int halted_at; ///< the step at which the engine halted it; 0: it never did
 } strands_implementation;
@@ -59,23 +52,50 @@ wisp_status strands_implementation_create( const strands_generator* generator, s
                                            wisp_error* error );
 void strands_implementation_destroy( strands_implementation* implementation );
 
-/// One step. @param context the implementation, as a bench_variant has it
+/// One step. @param context the implementation
 wisp_status strands_implementation_step( void* context, wisp_error* error );
-wisp_status strands_implementation_steps( strands_implementation* implementation, int count, wisp_error* error );
-/// Keep the last step's profile.
-wisp_status strands_implementation_keep_profile( void* context );
 wisp_status strands_implementation_hash( strands_implementation* implementation, uint64_t* hash, wisp_error* error );
 /// The vertices in the user's order, valid until the next step.
 wisp_status strands_implementation_points( strands_implementation* implementation, const wisp_vec3** points,
                                            wisp_error* error );
 
-// ---- measures, in double ----
+/// The largest |l/l0 - 1|; NaN if a coordinate is.
+double strands_measure_stretch( const strands_shape* rest, const wisp_vec3* points );
 
-typedef struct strands_stretch
+// ---- hair on a head ----
+
+typedef struct hair_head_generator
 {
-    double max, mean; ///< |l/l0 - 1|; NaN if a coordinate is
-} strands_stretch;
+    const strands_shape* moving; ///< simulated: all of the hair, or the guides
+    const strands_shape* ghosts; ///< null: there are none
+    wisp_ghosts_def follow;      ///< targets are filled in
+    wisp_strand_dynamics_def dynamics;
+    bool shows_moving; ///< the simulated strands can be compared with their ghosts
+} hair_head_generator;
 
-strands_stretch strands_measure_stretch( const strands_shape* rest, const wisp_vec3* points );
-/// Root mean square distance of the first `count` vertices, m.
-double strands_rms_distance( const wisp_vec3* a, const wisp_vec3* b, int count );
+/// The engine's defaults, no ghosts.
+hair_head_generator hair_head_default_generator( const strands_shape* moving );
+
+typedef struct hair_head
+{
+    wisp_world* world;
+    wisp_entity moving, ghosts;
+    hair_head_generator generator;
+    int steps;
+} hair_head;
+
+wisp_status hair_head_create( const hair_head_generator* generator, hair_head* out, wisp_error* error );
+void hair_head_destroy( hair_head* head );
+
+/// Where the shaken head is at a time: from side to side and turning, beginning gently.
+wisp_transform hair_head_pose( double seconds );
+/// Move the head on and step.
+wisp_status hair_head_step( hair_head* head, wisp_error* error );
+/// Step with the head going to a pose of the caller's.
+wisp_status hair_head_step_to( hair_head* head, wisp_transform pose, wisp_error* error );
+/// What is seen: the ghosts, or all strands where there are none; the user's order, valid until the next step.
+wisp_status hair_head_points( hair_head* head, const wisp_vec3** points, wisp_error* error );
+/// What is simulated; with `shows_moving`, or where there are no ghosts.
+wisp_status hair_head_moving_points( hair_head* head, const wisp_vec3** points, wisp_error* error );
+/// Velocities of what is simulated, the user's order. @param out [vertices]
+void hair_head_moving_velocities( hair_head* head, wisp_vec3* out );

@@ -64,12 +64,9 @@ wisp_status surface_implementation_create( const surface_generator* generator, s
                                            wisp_error* error )
 {
     *out = ( surface_implementation ){ .fabric = generator->fabric, .generator = *generator };
-    const wisp_module* const modules[] = { generator->module, generator->second, generator->third };
-    const bench_world_def def = { modules,
-                                  generator->second == NULL  ? 1
-                                  : generator->third == NULL ? 2
-                                                             : 3,
-                                  generator->workers, generator->substeps, generator->iterations };
+    const wisp_module* const modules[] = { generator->module, generator->second };
+    const bench_world_def def = { modules, generator->second == NULL ? 1 : 2, generator->workers,
+                                  generator->substeps, generator->iterations };
     wisp_status status = bench_world_create( &def, &out->world, error );
     if ( status != WISP_OK )
     {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "bench_world.h"
-#include "profile_samples.h"
 #include "stats.h"
 
 #include "mesh.h"
@@ -13,7 +12,6 @@ typedef struct surface_generator
 {
     const wisp_module* module; ///< the effect of the world
     const wisp_module* second; ///< another module beside it, or null
-    const wisp_module* third;  ///< one more, or null; only beside a second
     wisp_fabric* fabric;       ///< the caller's, who keeps it until the implementation is gone
     const wisp_vec3* points;   ///< [vertex_count] where the vertices start; null: the rest shape
     const int32_t* pins;

@@ -86,15 +86,11 @@ static wisp_status read_choice( scene_reader* r, const scene_node* node, const s
                         sizeof( wisp_frozen_update ) == sizeof choice && sizeof( wisp_groom_shape ) == sizeof choice,
                     "an enumeration is not as wide as an int" );
     _Static_assert( sizeof( wisp_solver ) == sizeof choice && sizeof( wisp_cloth_bending ) == sizeof choice &&
-                        sizeof( wisp_balloon_pressure ) == sizeof choice &&
-                        sizeof( wisp_balloon_drag ) == sizeof choice &&
-                        sizeof( wisp_balloon_outlet_constant ) == sizeof choice &&
-                        sizeof( wisp_balloon_spin ) == sizeof choice && sizeof( wisp_solve_order ) == sizeof choice,
+                        sizeof( wisp_solve_order ) == sizeof choice,
                     "an enumeration is not as wide as an int" );
     _Static_assert( sizeof( wisp_strand_stretch ) == sizeof choice && sizeof( wisp_strand_bend ) == sizeof choice &&
                         sizeof( wisp_strand_rest ) == sizeof choice &&
-                        sizeof( wisp_ghost_elastic ) == sizeof choice &&
-                        sizeof( wisp_ghost_frame ) == sizeof choice && sizeof( wisp_curve_kind ) == sizeof choice,
+                        sizeof( wisp_ghost_elastic ) == sizeof choice && sizeof( wisp_curve_kind ) == sizeof choice,
                     "an enumeration is not as wide as an int" );
     _Static_assert(
         sizeof( wisp_implicit_weights ) == sizeof choice && sizeof( wisp_implicit_stiffness ) == sizeof choice &&

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "suite_measure.h"
-#include "suite_overlap.h"
 
 /// Values of a row. The first ones are in the table of settings, those from SAMPLE_CONTACT_FIRST on in a table of contact.
 typedef enum suite_sample

@@ -1,7 +1,7 @@
 #include "suite_study.h"
 
 #include "accuracy/scene_tools.h"
-#include "suite_reference.h"
+#include "suite_motion.h"
 #include "suite_sampler.h"
 
 #include <math.h>

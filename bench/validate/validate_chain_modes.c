@@ -239,7 +239,7 @@ static wisp_status observe( strands_implementation* implementation, swing* seen,
     const wisp_status status = strands_implementation_points( implementation, &points, error );
     if ( status == WISP_OK )
     {
-        const double stretch = strands_measure_stretch( implementation->generator.shape, points ).max;
+        const double stretch = strands_measure_stretch( implementation->generator.shape, points );
         keep_tips( implementation->generator.shape, points, implementation->steps, seen );
         out->measures[STRETCH_MAX] = fmax( out->measures[STRETCH_MAX], 100.0 * stretch );
     }

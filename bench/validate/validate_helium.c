@@ -15,7 +15,6 @@ balloon_setting validate_helium_setting( const validate_helium_way* way, int wor
     setting.def.gas_ratio = (float)way->fill;
     setting.def.solver = way->skin;
     setting.def.volume = way->volume;
-    setting.def.drag_model = way->drag;
     setting.gravity = ( wisp_vec3 ){ 0.0f, (float)-VALIDATE_HELIUM_GRAVITY, 0.0f };
     setting.substeps = way->substeps;
     setting.iterations = 1;

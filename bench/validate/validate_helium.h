@@ -11,7 +11,6 @@ typedef struct validate_helium_way
     int level, substeps;      // of the icosphere; of 1/60 s
     double fill;              // V_0 / V_rest
     wisp_solver skin, volume; // what solves them
-    wisp_balloon_drag drag;
 } validate_helium_way;
 
 /// A default balloon in air at rest.

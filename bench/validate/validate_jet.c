@@ -25,7 +25,6 @@ enum
 typedef struct way
 {
     int level, substeps;
-    wisp_balloon_pressure reading;
     wisp_solver skin, volume;
     double outlet; // m^2
 } way;
@@ -67,7 +66,6 @@ static wisp_status make_body( const way* w, int workers, jet_body* out, wisp_err
 {
     balloon_setting setting = balloon_setting_in_vacuum();
     setting.def.gas_ratio = (float)FILL;
-    setting.def.pressure = w->reading;
     setting.def.solver = w->skin;
     setting.def.volume = w->volume;
     setting.def.outlet_count = 1;
@@ -178,22 +176,18 @@ static wisp_status run( void* context, int setting, int workers, bool is_observe
 
 // ---- settings ----
 
-static const char* const reading_names[] = { "virial pressure", "multiplier pressure", "gas law pressure" };
-
 static way usual_way( void )
 {
-    return ( way ){ .substeps = USUAL_SUBSTEPS,
-                    .reading = WISP_BALLOON_PRESSURE_VIRIAL,
-                    .skin = WISP_SOLVER_XPBD,
-                    .volume = WISP_SOLVER_XPBD,
-                    .outlet = OUTLET_AREA };
+    return ( way ){
+        .substeps = USUAL_SUBSTEPS, .skin = WISP_SOLVER_XPBD, .volume = WISP_SOLVER_XPBD, .outlet = OUTLET_AREA
+    };
 }
 
 static void put( accuracy_scene* out, way w, const char* by, const char* parameter_name, double parameter )
 {
     char method[64], series[96];
-    snprintf( method, sizeof method, "%s skin, %s gas, %s", w.skin == WISP_SOLVER_XPBD ? "xpbd" : "pbd",
-              w.volume == WISP_SOLVER_XPBD ? "xpbd" : "pbd", reading_names[w.reading] );
+    snprintf( method, sizeof method, "%s skin, %s gas, virial pressure", w.skin == WISP_SOLVER_XPBD ? "xpbd" : "pbd",
+              w.volume == WISP_SOLVER_XPBD ? "xpbd" : "pbd" );
     snprintf( series, sizeof series, "%s, by %s", method, by );
     ( (way*)out->context )[out->setting_count] = w;
     accuracy_setting* setting =
@@ -213,12 +207,7 @@ static void put_substeps( accuracy_scene* out, way w )
 
 static void put_solvers( accuracy_scene* out )
 {
-    for ( int reading = 0; reading < WISP_COUNT( reading_names ); ++reading )
-    {
-        way w = usual_way();
-        w.reading = (wisp_balloon_pressure)reading;
-        put_substeps( out, w );
-    }
+    put_substeps( out, usual_way() );
     way stiff = usual_way();
     stiff.volume = WISP_SOLVER_PBD;
     put_substeps( out, stiff );

@@ -79,7 +79,7 @@ LANE_INLINE lane8 edge_squared( lane8v from, lane8v along )
 }
 
 // Return about the squared distances from the triangles of a leaf: no more than those plus their rounding, and 0 where a triangle
-// is so narrow at its first corner that more cannot be said.
+// is so narrow at its first corner, or so large, that more cannot be said.
 LANE_INLINE lane8 triangles_squared( const mesh_bvh_leaf* leaf, lane8 time, const lane8 p[3] )
 {
     const lane8v a = corner_of( leaf, 0, time, p ), b = corner_of( leaf, 1, time, p ),
@@ -97,8 +97,9 @@ LANE_INLINE lane8 triangles_squared( const mesh_bvh_leaf* leaf, lane8 time, cons
     const lane8m inside =
         lane8m_and( lane8_ge( by_ab, lane8_zero() ),
                     lane8m_and( lane8_ge( by_bc, lane8_zero() ), lane8_ge( by_ca, lane8_zero() ) ) );
-    const lane8m wide =
-        lane8_gt( area, lane8_mul( lane8_set1( 0.01f ), lane8_mul( lane8v_dot( ab, ab ), lane8v_dot( ca, ca ) ) ) );
+    const lane8m wide = lane8m_and(
+        lane8_gt( area, lane8_mul( lane8_set1( 0.01f ), lane8_mul( lane8v_dot( ab, ab ), lane8v_dot( ca, ca ) ) ) ),
+        lane8_le( plane, lane8_set1( FLT_MAX ) ) );
     return lane8_select( wide, lane8_select( inside, plane, border ), lane8_zero() );
 }
 
@@ -225,7 +226,7 @@ float mesh_bvh_find_approach( const mesh_bvh* bvh, mesh_closest* search, float n
 // ---- paths ----
 
 // Test a path against the boxes of a group, slab by slab, as bits. `inverse` is 1 / step, 0 where a path does not move
-// along an axis.
+// along an axis. `last` is the end, a fraction of the step.
 LANE_INLINE uint32_t meets( const mesh_bvh_group* g, const float* from, const float* inverse, lane8 slack,
                             float last )
 {
@@ -251,10 +252,17 @@ LANE_INLINE uint32_t meets( const mesh_bvh_group* g, const float* from, const fl
     return lane8m_bits( lane8m_and( inside, lane8_le( begin, end ) ) );
 }
 
+// The path begins at the box of the mesh: from far away, single precision would miss the boxes.
 void mesh_bvh_find_intersection( const mesh_bvh* bvh, mesh_cast* search )
 {
+    double begin, end;
+    if ( !mesh_cast_clip( search, &begin, &end ) )
+    {
+        return;
+    }
     const double3 step = double3_sub( search->to, search->from );
-    const float from[3] = { (float)search->from.x, (float)search->from.y, (float)search->from.z };
+    const double3 origin = double3_mul_add( search->from, begin, step );
+    const float from[3] = { (float)origin.x, (float)origin.y, (float)origin.z };
     const double each[3] = { step.x, step.y, step.z };
     float inverse[3];
     // a step along an axis that is lost within the slack counts as none: its quotient would not be finite
@@ -270,10 +278,9 @@ void mesh_bvh_find_intersection( const mesh_bvh* bvh, mesh_cast* search )
     while ( count > 0 )
     {
         const stack_entry top = stack[--count];
-        const float last =
-            search->triangle >= 0 ? (float)fmin( 1.0, search->best.time + slack / search->length ) : 1.0f;
-        uint32_t bits =
-            meets( bvh->groups + bvh->first[top.level] + top.group, from, inverse, wide, last * 1.000001f );
+        const double last = search->triangle >= 0 ? fmin( end, search->best.time + slack / search->length ) : end;
+        uint32_t bits = meets( bvh->groups + bvh->first[top.level] + top.group, from, inverse, wide,
+                               (float)( last - begin ) * 1.000001f );
         for ( int child = 0; bits != 0; ++child, bits >>= 1 )
         {
             const int32_t below = top.group * MESH_BVH_WIDTH + child;

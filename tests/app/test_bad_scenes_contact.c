@@ -3,7 +3,7 @@
 
 // clang-format off
 const bad_scene BAD_SCENES_CONTACT[] = {
-    { "boundary_eye_without_screen.yaml", ":6:22: surfaces[0]: boundary.eye needs 'by_screen: true'" },
+    { "boundary_eye_without_angle.yaml", ":6:22: surfaces[0]: boundary.eye needs an 'eye_angle' above 0" },
     { "boundary_hysteresis_large.yaml",
       ":6:29: surfaces[0].boundary.hysteresis: got 0.6, expected a value in [0, 0.5]" },
     { "boundary_is_true.yaml",
@@ -16,12 +16,10 @@ const bad_scene BAD_SCENES_CONTACT[] = {
       ":4:5: surfaces[0]: got boundary.min_spacing 0.02, expected at most boundary.max_spacing, 0.01" },
     { "boundary_of_strands.yaml",
       ":6:5: strands[0]: unknown key 'boundary'; the nearest are contact, name, start, generate; wisp info --keys strands lists all 25" },
-    { "boundary_pixels_without_screen.yaml", ":6:43: surfaces[0]: boundary.pixels needs 'by_screen: true'" },
     { "boundary_policy_near.yaml",
       ":6:25: surfaces[0].boundary.policy: got 'evenly', expected one of even, exact; did you mean 'even'?" },
     { "boundary_rounding_unknown.yaml",
       ":6:27: surfaces[0].boundary.rounding: got 'floor', expected one of down, nearest, up" },
-    { "boundary_scanline_one.yaml", ":6:35: surfaces[0].boundary.scanline_normals: got '1', expected true or false" },
     { "boundary_spacing_infinite.yaml", ":6:26: surfaces[0].boundary.spacing: got '.inf', expected a finite number" },
     { "boundary_spacing_unit.yaml",
       ":6:26: surfaces[0].boundary.spacing: got '10 mm', expected a number in m without its unit" },

@@ -492,10 +492,10 @@ static char page[4 << 20];
 
 TEST( a_report_is_written_beside_the_usual_output )
 {
-    run_ok( "bench collision --quick --seconds 0.01 --workers 1 --report page.html" );
+    run_ok( "bench boundary --quick --seconds 0.01 --workers 1 --report page.html" );
     read_text( "page.html", page, sizeof( page ) );
     assert_memory_equal( page, "<!DOCTYPE html>\n", 16 );
-    assert_non_null( strstr( page, "<h1>collision</h1>" ) );
+    assert_non_null( strstr( page, "<h1>boundary</h1>" ) );
     assert_non_null( strstr( page, "quick, about 0.01 s per case, up to 1 worker<" ) );
     assert_non_null( strstr( page, "</html>\n" ) );
 
@@ -520,19 +520,19 @@ TEST( a_report_is_written_beside_the_usual_output )
 TEST( a_report_that_cannot_be_written_is_refused_before_anything_is_measured )
 {
     assert_int_equal( mkdir( "folder", 0700 ), 0 );
-    assert_refused( "bench collision --quick --seconds 0.01 --report nowhere/page.html",
+    assert_refused( "bench boundary --quick --seconds 0.01 --report nowhere/page.html",
                     "nowhere/page.html: cannot be written: No such" );
     assert_string_equal( result.out, "" );
-    assert_refused( "bench collision --quick --seconds 0.01 --report folder",
+    assert_refused( "bench boundary --quick --seconds 0.01 --report folder",
                     "folder: cannot be written: Is a directory" );
-    assert_refused( "bench collision --quick --seconds 0.01 --output nowhere/out.json --format json",
+    assert_refused( "bench boundary --quick --seconds 0.01 --output nowhere/out.json --format json",
                     "nowhere/out.json" );
     assert_false( exists( "nowhere" ) );
 }
 
 TEST( a_report_over_the_output_is_wrong_usage )
 {
-    assert_usage( "bench collision --quick --seconds 0.01 --report a.html --output a.html",
+    assert_usage( "bench boundary --quick --seconds 0.01 --report a.html --output a.html",
                   "--report and --output both write to 'a.html'" );
     assert_false( exists( "a.html" ) );
 }
@@ -540,11 +540,11 @@ TEST( a_report_over_the_output_is_wrong_usage )
 TEST( looking_whether_a_file_can_be_written_leaves_it_as_it_was )
 {
     write_text( "kept.html", "a page of last week" );
-    assert_refused( "bench collision --quick --seconds 0.01 --report kept.html --output nowhere/out.txt",
+    assert_refused( "bench boundary --quick --seconds 0.01 --report kept.html --output nowhere/out.txt",
                     "nowhere/out.txt" );
     read_text( "kept.html", page, sizeof( page ) );
     assert_string_equal( page, "a page of last week" );
-    assert_refused( "bench collision --quick --seconds 0.01 --output new.txt --report nowhere/page.html",
+    assert_refused( "bench boundary --quick --seconds 0.01 --output new.txt --report nowhere/page.html",
                     "nowhere/page.html" );
     assert_false( exists( "new.txt" ) );
 }
@@ -555,7 +555,7 @@ TEST( a_disk_that_fills_up_is_a_failed_run )
     {
         SKIP( "there is no /dev/full" );
     }
-    run( "bench collision --quick --seconds 0.01 --workers 1 --report /dev/full" );
+    run( "bench boundary --quick --seconds 0.01 --workers 1 --report /dev/full" );
     assert_int_equal( result.status, 2 );
     assert_int_equal( line_count( result.err ), 1 );
     assert_non_null( strstr( result.err, "/dev/full: the report could not be written" ) );

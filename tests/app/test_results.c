@@ -2,9 +2,8 @@
 // of which one is the other with known changes.
 #include "unit.h"
 
-#include "info_results.h"
 #include "results.h"
-#include "results_compare.h"
+#include "results_read.h"
 
 #include <jansson.h>
 #include <unistd.h>

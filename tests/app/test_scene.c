@@ -126,13 +126,10 @@ static const char EVERY_KEY[] =
     "0.2, "
     "wave_amplitude: 0.01, wave_length: 0.06, length_variation: 0.5, diameter: 1e-4, seed: 18446744073709551615 }\n"
     "    frozen_hair:\n"
-    "      seed: 9\n      base: previous\n      update_on: frame\n      epsilon: 1e-6\n      max_depth_change: "
-    "0.002\n"
+    "      seed: 9\n      base: rest\n      update_on: frame\n      max_depth_change: 0.002\n"
     "      freeze: { stretch_stiffness: 3, bend_stiffness: [1, 2.5, +4e1], max_bend_angle: 1.5 }\n"
-    "      align: { intensity: [0, 0.5, 1], cursor: [1, -2, 3.5], reach: 0.4, reach_by: nearest, blend: chord, "
-    "direction: root }\n"
-    "      clump: { radius: 0.02, iterations: 6, step_length: 0.003, gap: reversed, gap_reference: iteration, "
-    "min_distance_clamp: false, "
+    "      align: { intensity: [0, 0.5, 1], cursor: [1, -2, 3.5], reach: 0.4, reach_by: nearest }\n"
+    "      clump: { radius: 0.02, iterations: 6, step_length: 0.003, gap: none, "
     "min_distance: 0.0004, min_lambda: 0.125, max_neighbours: 99 }\n"
     "hair_events: [ { cursor: [4, 5, 6], strands: hair, step: 2 } ]\n";
 
@@ -141,9 +138,9 @@ static void assert_frozen_hair( const wisp_scene_strands* s )
     const wisp_frozen_hair_def* hair = &s->frozen_hair;
     assert_true( s->has_frozen_hair && hair->freeze && hair->align && hair->clump );
     assert_int_equal( hair->seed, 9 );
-    assert_int_equal( hair->base, WISP_FROZEN_BASE_PREVIOUS );
+    assert_int_equal( hair->base, WISP_FROZEN_BASE_REST );
     assert_int_equal( hair->update_on, WISP_FROZEN_UPDATE_FRAME );
-    assert_true( hair->epsilon == 1e-6f && hair->max_depth_change == 0.002f );
+    assert_true( hair->max_depth_change == 0.002f );
 
     assert_true( hair->stretch_stiffness == 3.0f && hair->max_bend_angle == 1.5f );
     assert_null( hair->strand_stretch_stiffness );
@@ -155,12 +152,11 @@ static void assert_frozen_hair( const wisp_scene_strands* s )
     assert_int_equal( s->intensity_count, 3 );
     assert_true( hair->strand_intensity[1] == 0.5f && hair->strand_intensity[2] == 1.0f );
     assert_vector( hair->cursor, 1.0f, -2.0f, 3.5f );
-    assert_true( hair->reach == 0.4f && hair->reach_nearest && hair->blend_chord && hair->direction_from_root );
+    assert_true( hair->reach == 0.4f && hair->reach_nearest );
 
     assert_true( hair->clump_radius == 0.02f && hair->clump_step_length == 0.003f );
     assert_int_equal( hair->clump_iterations, 6 );
-    assert_int_equal( hair->gap, WISP_GAP_REVERSED );
-    assert_true( hair->gap_by_iteration && !hair->min_distance_clamp );
+    assert_int_equal( hair->gap, WISP_GAP_NONE );
     assert_true( hair->min_distance == 0.0004f && hair->min_lambda == 0.125f );
     assert_int_equal( hair->max_neighbours, 99 );
 }

@@ -21,11 +21,10 @@ TEST( a_layer_without_keys_has_the_defaults_of_its_module )
     const wisp_boundary_def *b = &s->boundary, def = wisp_default_boundary_def();
     assert_true( s->has_boundary && !s->has_contact );
     assert_true( b->spacing == def.spacing && b->policy == def.policy && b->rounding == def.rounding );
-    assert_true( b->scanline_normals == def.scanline_normals && b->hysteresis == def.hysteresis );
+    assert_true( b->hysteresis == def.hysteresis );
     assert_true( b->max_points == def.max_points && b->min_spacing == def.min_spacing );
     assert_true( b->max_spacing == def.max_spacing && b->curvature_gain == def.curvature_gain );
-    assert_true( b->strain_gain == def.strain_gain && b->by_screen == def.by_screen );
-    assert_true( b->pixel_angle == def.pixel_angle && b->pixels == def.pixels );
+    assert_true( b->strain_gain == def.strain_gain && b->eye_angle == def.eye_angle );
     assert_int_equal( b->size, def.size );
     wisp_scene_release( &scene );
 }
@@ -64,19 +63,17 @@ TEST( contact_of_a_scene_has_the_defaults_of_its_module )
 
 TEST( every_key_of_a_layer_reaches_its_place )
 {
-    wisp_scene scene =
-        with_block( "boundary", "{ spacing: 0.02, policy: exact, rounding: up, scanline_normals: true, "
-                                "hysteresis: 0.25, max_points: 1000, min_spacing: 0.01, max_spacing: "
-                                "0.03, curvature_gain: 2, strain_gain: -0.5, by_screen: true, eye: "
-                                "[1, 2, 3], pixel_angle: 0.002, pixels: 8 }" );
+    wisp_scene scene = with_block( "boundary", "{ spacing: 0.02, policy: exact, rounding: up, "
+                                               "hysteresis: 0.25, max_points: 1000, min_spacing: 0.01, max_spacing: "
+                                               "0.03, curvature_gain: 2, strain_gain: -0.5, eye: [1, 2, 3], "
+                                               "eye_angle: 0.016 }" );
     const wisp_boundary_def* b = &scene.surfaces[0].boundary;
-    assert_true( b->spacing == 0.02f && b->scanline_normals && b->hysteresis == 0.25f && b->max_points == 1000 );
+    assert_true( b->spacing == 0.02f && b->hysteresis == 0.25f && b->max_points == 1000 );
     assert_int_equal( b->policy, WISP_SPACING_EXACT );
     assert_int_equal( b->rounding, WISP_ROUND_UP );
     assert_true( b->min_spacing == 0.01f && b->max_spacing == 0.03f );
-    assert_true( b->curvature_gain == 2.0f && b->strain_gain == -0.5f && b->by_screen );
+    assert_true( b->curvature_gain == 2.0f && b->strain_gain == -0.5f && b->eye_angle == 0.016f );
     assert_true( b->eye.x == 1.0f && b->eye.y == 2.0f && b->eye.z == 3.0f );
-    assert_true( b->pixel_angle == 0.002f && b->pixels == 8.0f );
     wisp_scene_release( &scene );
 }
 
@@ -299,12 +296,8 @@ TEST( the_ends_of_all_ranges_are_taken_by_the_modules )
     static const char* const blocks[] = {
         "boundary: { spacing: 1e-6, hysteresis: 0, max_points: 1, min_spacing: 1e-6, max_spacing: 1e-6 }",
         "boundary: { spacing: 1e6, hysteresis: 0.5, max_points: 134217728, min_spacing: 1e6, max_spacing: 1e6 }",
-        "boundary: { curvature_gain: 1e6, strain_gain: 1e6, by_screen: true, pixel_angle: 1e-6, pixels: 1e-3, "
-        "max_points: "
-        "1000 }",
-        "boundary: { curvature_gain: 1e6, strain_gain: -1e6, by_screen: true, pixel_angle: 1, pixels: 1e6, eye: "
-        "[1e6, "
-        "-1e6, 1e6] }",
+        "boundary: { curvature_gain: 1e6, strain_gain: 1e6, eye_angle: 1e-6, max_points: 1000 }",
+        "boundary: { curvature_gain: 1e6, strain_gain: -1e6, eye_angle: 1, eye: [1e6, -1e6, 1e6] }",
         "contact: { thickness: 0, friction: 0, max_push_out_speed: 0, layers: [0], mask: [31] }",
         "contact: { thickness: 1e6, friction: 1e6, max_push_out_speed: 1e6, layers: [], mask: [] }",
     };

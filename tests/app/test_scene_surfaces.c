@@ -155,9 +155,8 @@ TEST( every_key_of_a_balloon_reaches_its_place )
               "volume: pbd, volume_stiffness: 0.75, gas_ratio: 1.5, gas_ratio_keyframes: [[1, 1.25], [2, 3]], "
               "inflation_rate: -0.5, "
               "min_gas_ratio: 0.125, atmospheric_pressure: 9e4, temperature: 300, gas_molar_mass: 0.002, "
-              "air_molar_mass: 0.03, pressure: gas, buoyancy: false, drag_coefficient: 0.25, drag_model: normal, "
-              "outlet: [4, 2, 9], outlet_area: 2e-4, outlet_open: true, spin: position, "
-              "outlet_constant: start, keep_angular_momentum: false, allow_open: true }\n"
+              "air_molar_mass: 0.03, buoyancy: false, drag_coefficient: 0.25, "
+              "outlet: [4, 2, 9], outlet_area: 2e-4, outlet_open: true, allow_open: true }\n"
               "  - { name: b, generate: { shape: icosphere }, balloon: { outlet_nearest: [0, 1, 2], outlet_radius: "
               "0.5 } }\n" );
     const wisp_scene_surface* s = &scene.surfaces[0];
@@ -168,15 +167,12 @@ TEST( every_key_of_a_balloon_reaches_its_place )
     assert_true( b->bend_stiffness == 0.25f && b->volume_stiffness == 0.75f && b->gas_ratio == 1.5f &&
                  b->inflation_rate == -0.5f );
     assert_true( b->min_gas_ratio == 0.125f && b->atmospheric_pressure == 9e4f && b->temperature == 300.0f );
-    assert_true( b->gas_molar_mass == 0.002f && b->air_molar_mass == 0.03f &&
-                 b->pressure == WISP_BALLOON_PRESSURE_GAS );
-    assert_true( !b->buoyancy && b->drag_coefficient == 0.25f && b->drag_model == WISP_BALLOON_DRAG_NORMAL );
+    assert_true( b->gas_molar_mass == 0.002f && b->air_molar_mass == 0.03f );
+    assert_true( !b->buoyancy && b->drag_coefficient == 0.25f );
     assert_int_equal( b->outlet_count, 3 );
     assert_true( b->outlet[0] == 4 && b->outlet[1] == 2 && b->outlet[2] == 9 );
-    assert_true( b->outlet_area == 2e-4f && b->outlet_open && b->spin == WISP_BALLOON_SPIN_POSITION );
+    assert_true( b->outlet_area == 2e-4f && b->outlet_open );
     assert_true( b->allow_open && !scene.surfaces[1].balloon.allow_open );
-    assert_true( b->outlet_constant == WISP_BALLOON_OUTLET_START && !b->keep_angular_momentum &&
-                 scene.surfaces[1].balloon.keep_angular_momentum );
     assert_int_equal( s->gas_ratio_keyframe_count, 2 );
     assert_true( s->gas_ratio_keyframes[0].time == 1.0f && s->gas_ratio_keyframes[0].gas_ratio == 1.25f &&
                  s->gas_ratio_keyframes[1].gas_ratio == 3.0f );
@@ -423,8 +419,7 @@ TEST( ghosts_and_curves_without_keys_are_the_modules_defaults )
     assert_true( scene.strands[0].grid.friction == grid.friction );
     assert_int_equal( scene.strands[0].grid.size, grid.size );
     assert_int_equal( scene.strands[1].ghosts.target_count, ghosts.target_count );
-    assert_int_equal( scene.strands[1].ghosts.frame, ghosts.frame );
-    assert_true( scene.strands[1].ghosts.tip_gain == ghosts.tip_gain && scene.strands[1].ghosts.capped );
+    assert_true( scene.strands[1].ghosts.tip_gain == ghosts.tip_gain );
     assert_int_equal( scene.strands[1].ghosts.size, ghosts.size );
     assert_int_equal( scene.strands[2].curves.kind, curves.kind );
     assert_int_equal( scene.strands[2].curves.samples, curves.samples );
@@ -458,7 +453,7 @@ static const char EVERY_KEY[] =
     "    scatter: { around: hair, count: 3, radius: 0.125, seed: 18446744073709551615 }\n"
     "    ghosts: { targets: hair, target_count: 2, resample: true, elastic: off, tip_gain: 1, centre_gain: 2, time: "
     "3, "
-    "capped: false, keep_offset: false, spread: 4, repair_length: true, frame: root }\n"
+    "spread: 4, repair_length: true }\n"
     "    frozen_hair: { freeze: { stretch_stiffness: [1, 2, 3, 4, 5, 6] } }\n"
     "  - name: drawn\n    curves: { of: ghosts, kind: bezier, samples: 6 }\n    show: false\n"
     "  - { name: rooted, generate: {}, dynamics: { vertex_mass: 13 }, on_surface: cloth }\n"
@@ -494,8 +489,7 @@ static void assert_ghosts( const wisp_ghosts_def* g )
 {
     assert_int_equal( g->target_count, 2 );
     assert_int_equal( g->elastic, WISP_GHOST_ELASTIC_OFF );
-    assert_int_equal( g->frame, WISP_GHOST_FRAME_ROOT );
-    assert_true( g->resample && g->repair_length && !g->capped && !g->keep_offset );
+    assert_true( g->resample && g->repair_length );
     assert_true( g->tip_gain == 1.0f && g->centre_gain == 2.0f && g->time == 3.0f && g->spread == 4.0f );
 }
 

@@ -432,8 +432,7 @@ TEST( an_outlet_near_a_point_has_the_vertices_within_its_radius )
            "wisp: 1\ndt: 0.001\nsteps: 3\nsurfaces:\n"
            "  - { name: a, generate: { shape: icosphere, level: 3, radius: 1 }, compute: [effect_stats], gravity: "
            "[0, 0, 0], "
-           "balloon: { gas_ratio: 1.5, outlet_nearest: [0, 2, 0], outlet_radius: 1.2, outlet_open: true, spin: "
-           "none } }\n" );
+           "balloon: { gas_ratio: 1.5, outlet_nearest: [0, 2, 0], outlet_radius: 1.2, outlet_open: true } }\n" );
     step( &f, 2 );
     wisp_balloon_stats stats;
     assert_int_equal( wisp_read_balloon_stats( f.world.world, f.world.surfaces[0].entity, &stats ), WISP_OK );

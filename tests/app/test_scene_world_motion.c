@@ -4,7 +4,7 @@
 
 #include "scene_world_fixture.h"
 
-#include "world_from_scene_input.h"
+#include "world_from_scene.h"
 
 /// To be freed.
 static wisp_vec3* points_of( fixture* f, int body )
@@ -78,7 +78,7 @@ TEST( curves_are_bodies_wherever_their_source_stands )
 // Curves drawn before the first step are the same as those of the engine for static strands.
 TEST( the_first_frame_of_curves_is_what_the_engine_draws )
 {
-    static const char* const kinds[] = { "bezier", "catmull_rom", "bezier_printed" };
+    static const char* const kinds[] = { "bezier", "catmull_rom" };
     for ( int kind = 0; kind < WISP_COUNT( kinds ); ++kind )
     {
         char text[400];

@@ -5,7 +5,6 @@
 
 #include "gate_check.h"
 #include "gate_paired.h"
-#include "profile_samples.h"
 #include "stats.h"
 #include "suite_compare.h"
 #include "sweep_merge.h"

@@ -3,7 +3,6 @@
 #include "bench_tables.h"
 
 #include "boundary_bench.h"
-#include "boundary_cover.h"
 
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
@@ -15,14 +14,8 @@ static boundary_plan small_plan( void )
     return ( boundary_plan ){
         .spacings = { 0.2f, 0.1f },
         .spacing_count = 2,
-        .segments = { 8, 15 },
-        .sphere_count = 2,
-        .pulse_steps = LAYER_PERIOD,
-        .settle_steps = 60,
-        .hang_seconds = 0.2,
         .workers = { 1, 2 },
         .worker_count = 2,
-        .picture_side = 40,
         .options = &quick,
     };
 }
@@ -32,11 +25,6 @@ TEST( no_check_of_the_case_fails )
     const results* all = *state;
     expect_good( all );
     assert_fits_terminal( all );
-    assert_column( find_table( all, "Inflation" ), "met", "yes" );
-    assert_column( find_table( all, "Volume" ), "met", "yes" );
-    assert_column( find_table( all, "Edge points" ), "met", "yes" );
-    assert_column( find_table( all, "Inner points" ), "met", "yes" );
-    assert_column( find_table( all, "Normals" ), "met", "yes" );
     assert_column( find_table( all, "Coverage against cost" ), "met", "yes" );
 }
 
@@ -57,47 +45,11 @@ TEST( counts_stand_beside_those_of_the_contract )
     assert_string_equal( cell( table, LAYER_LAWS, by ), "oracle" );
 }
 
-TEST( edges_have_a_line_a_law )
-{
-    const results_table* table = find_table( *state, "Edge points" );
-    assert_int_equal( table->row_count, 1 + LAYER_LAWS );
-    assert_string_equal( cell( table, 1, 6 ), "0, 0, 0, 1, 2" );
-    assert_string_equal( cell( table, 2, 6 ), "0, 0, 1, 1, 3" );
-}
-
-TEST( a_pulse_changes_more_than_standing_still_and_less_than_everything )
-{
-    const results_table* table = find_table( *state, "Pulsating radius" );
-    const int changed = column_of( table, "in case B, %" );
-    assert_string_equal( cell( table, 1, 0 ), "still" );
-    assert_string_equal( cell( table, 1, changed ), "0.00" );
-    assert_string_equal( cell( table, 2, 0 ), "all resampled" );
-    assert_string_equal( cell( table, 2, changed ), "100.00" );
-    double fraction = 0.0;
-    assert_int_equal( sscanf( cell( table, 9, changed ), "%lf", &fraction ), 1 ); // 10 %, no hysteresis
-    assert_true( fraction > 0.0 && fraction < 100.0 );
-    // without hysteresis a layer is a function of the positions, which are those of the start again
-    const int hash = column_of( table, "hash" );
-    assert_string_equal( cell( table, 9, hash ), cell( table, 1, hash ) );
-}
-
-TEST( long_steps_and_strong_gravity_have_a_line_each_and_a_layer_changes_nothing )
-{
-    const results_table* table = find_table( *state, "Long steps" );
-    assert_int_equal( table->row_count, 1 + 15 );
-    assert_column( table, "finite", "yes" );
-    assert_column( table, "same without a layer", "yes" );
-}
-
 TEST( rows_for_machines_are_there_for_every_worker_count )
 {
     const results* all = *state;
     assert_int_equal( count_rows( all, "boundary", "even, in place" ), 2 * 2 );
     assert_int_equal( count_rows( all, "boundary", "exact, resampled" ), 2 * 2 );
-    assert_int_equal( count_rows( all, "boundary", "inflate 1-2-1" ), 1 );
-    assert_int_equal( count_rows( all, "boundary", "normals" ), 2 );
-    assert_int_equal( count_rows( all, "boundary", "hang" ), 15 );
-    assert_int_equal( count_rows( all, "boundary", "pulse" ), 9 );
     for ( int i = 0; i < all->row_count; ++i )
     {
         const results_row* row = all->rows + i;
@@ -201,30 +153,6 @@ TEST( the_cover_of_a_triangle_without_points_is_its_own )
     assert_int_equal( layer_find_cover( &view, &mesh, &cover, NULL ), WISP_OK );
     assert_true( fabs( cover.gap - 5.0 ) < 1e-6 );
     assert_true( fabs( cover.reach - 2.5 ) < 1e-6 ); // the middle of the longest side, equally far from all corners
-    assert_int_equal( layer_find_edge( &view, 2, 1 ), 2 );
-}
-
-TEST( pictures_are_written_where_there_is_a_folder )
-{
-    static const char* const names[] = { "./boundary_body.png", "./boundary_inflation.png",
-                                         "./boundary_spacing.png" };
-    bench_options options = quick;
-    boundary_plan plan = small_plan();
-    results all = { 0 };
-    wisp_error error = { 0 };
-    plan.options = &options;
-    assert_int_equal( boundary_pictures( &plan, &all, &error ), WISP_OK );
-    assert_int_equal( all.note_count, 0 );
-    options.pictures = ".";
-    assert_ok( boundary_pictures( &plan, &all, &error ), error );
-    assert_int_equal( all.note_count, 3 );
-    for ( int i = 0; i < 3; ++i )
-    {
-        assert_int_equal( remove( names[i] ), 0 );
-    }
-    options.pictures = "no such folder";
-    assert_int_equal( boundary_pictures( &plan, &all, &error ), WISP_IO_ERROR );
-    results_free( &all );
 }
 
 TEST( the_sizes_of_the_case_are_those_of_the_contract )
@@ -232,7 +160,6 @@ TEST( the_sizes_of_the_case_are_those_of_the_contract )
     const boundary_plan plan = boundary_default_plan( &quick );
     assert_int_equal( plan.spacing_count, 5 );
     assert_true( plan.spacings[3] == 0.025f && plan.spacings[4] == 0.0125f );
-    assert_int_equal( plan.pulse_steps % LAYER_PERIOD, 0 );
     assert_int_equal( plan.worker_count, 2 );
 }
 

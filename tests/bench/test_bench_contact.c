@@ -3,21 +3,9 @@
 #include "bench_tables.h"
 
 #include "accuracy/accuracy.h"
-#include "program_data.h"
 #include "contact_bench.h"
-#include "suite_overlap.h"
-
-#include <unistd.h>
-
-static const bench_options quick = { .quick = true, .workers = 2 };
-
-static contact_plan small_plan( void )
-{
-    return ( contact_plan ){
-        .teams = { { 1, 2 }, 2 },
-        .options = &quick,
-    };
-}
+#include "program_data.h"
+#include "suite_measure.h"
 
 static double number( const results_table* table, int row, const char* column )
 {
@@ -161,33 +149,6 @@ TEST( overlap_is_how_deep_a_vertex_is_in_the_other_balloon )
     assert_true( near.wall_radius < 0.3 * RADIUS && near.wall_unevenness < 0.1 * RADIUS );
     const suite_overlap apart = overlap_at( 2.0 * RADIUS + 2.0 * THICKNESS );
     assert_true( apart.depth == 0.0 && apart.missed == 0.0 && isnan( apart.wall_radius ) );
-}
-
-TEST( pictures_are_written_and_linked )
-{
-    char folder[] = "contact_pictures_XXXXXX";
-    assert_non_null( mkdtemp( folder ) );
-    bench_options options = quick;
-    options.pictures = folder;
-    contact_plan plan = small_plan();
-    plan.options = &options;
-    plan.picture_side = 8;
-    plan.picture_level = 2;
-    plan.picture_steps = 20;
-    plan.picture_pixels = 16;
-    results all = { 0 };
-    wisp_error error = { 0 };
-    assert_int_equal( contact_pictures( &plan, &all, &error ), WISP_OK );
-    static const char* const names[] = { "contact_pair", "contact_stack", "contact_cloth" };
-    for ( int i = 0; i < WISP_COUNT( names ); ++i )
-    {
-        char path[128];
-        snprintf( path, sizeof( path ), "%s/%s.png", folder, names[i] );
-        assert_non_null( strstr( all.notes[i], path ) );
-        assert_int_equal( remove( path ), 0 );
-    }
-    assert_int_equal( rmdir( folder ), 0 );
-    results_free( &all );
 }
 
 // Enough steps for the cloth to reach the ball and for the plates to press.

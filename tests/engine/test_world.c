@@ -282,10 +282,10 @@ WORLD_TEST( a_restored_world_goes_on_as_the_one_that_was_taken )
     assert_int_equal( hashes[0], hashes[1] );
 }
 
-WORLD_TEST( a_restored_world_whose_shape_builds_on_itself_goes_on_the_same_way )
+WORLD_TEST( a_restored_world_in_a_stroke_goes_on_the_same_way )
 {
     uint64_t hashes[2];
-    step_twice_from_a_snapshot( *state, WISP_FROZEN_BASE_PREVIOUS, hashes );
+    step_twice_from_a_snapshot( *state, WISP_FROZEN_BASE_STROKE, hashes );
     assert_int_equal( hashes[0], hashes[1] );
 }
 

@@ -52,7 +52,6 @@ static void add_mesh( wisp_world* world, test_mesh mesh, float scale, wisp_vec3 
     def.triangles = mesh.triangles;
     def.point_count = mesh.vertex_count;
     def.triangle_count = mesh.triangle_count;
-    def.search = WISP_MESH_SEARCH_VOXELS;
     def.double_sided = double_sided;
     add_collider( world, &def );
     test_mesh_free( &mesh );

@@ -1,14 +1,8 @@
-// Triangle meshes as bodies and as sheets, through Embree. Without it every test here is skipped.
+// Triangle meshes as bodies and as sheets.
 #include "collision_fixture.h"
 
 static const float GRAVITY = 9.8f;
 static const float DT = 1.0f / 60.0f;
-
-#define NEEDS_EMBREE()                                                                                               \
-    if ( has_meshes() == false )                                                                                     \
-    {                                                                                                                \
-        SKIP( "the library is built without Embree" );                                                               \
-    }
 
 // A ball of radius 0.3 in closed form or as 8 4^level triangles.
 static wisp_entity add_ball( wisp_world* world, bool as_mesh, float scale )
@@ -42,7 +36,6 @@ static wisp_entity add_sheet( wisp_world* world, wisp_collider_def* def )
 
 TEST( cloth_lies_on_a_mesh_as_on_the_closed_form )
 {
-    NEEDS_EMBREE();
     wisp_motion_stats result[2];
     for ( int k = 0; k < 2; ++k )
     {
@@ -69,7 +62,6 @@ TEST( cloth_lies_on_a_mesh_as_on_the_closed_form )
 
 TEST( results_on_a_mesh_scale_with_the_scene )
 {
-    NEEDS_EMBREE();
     const float scales[] = { 1.0f, 0.01f, 100.0f };
     double height[3];
     for ( int k = 0; k < 3; ++k )
@@ -90,7 +82,6 @@ TEST( results_on_a_mesh_scale_with_the_scene )
 
 COLLISION_TEST( a_particle_at_100_m_s_does_not_tunnel_through_a_sheet )
 {
-    NEEDS_EMBREE();
     hosted* h = *state;
     wisp_collider_def def;
     add_sheet( h->world, &def );
@@ -118,7 +109,6 @@ COLLISION_TEST( a_particle_at_100_m_s_does_not_tunnel_through_a_sheet )
 
 COLLISION_TEST( a_sheet_at_100_m_s_sweeps_particles_along )
 {
-    NEEDS_EMBREE();
     hosted* h = *state;
     wisp_collider_def def;
     wisp_entity double_sided = add_sheet( h->world, &def );
@@ -140,7 +130,6 @@ COLLISION_TEST( a_sheet_at_100_m_s_sweeps_particles_along )
 // Constraints move particles after the search for contacts; those that they pull through a sheet are caught.
 TEST( cloth_that_is_torn_through_a_sheet_by_its_pins_stays_on_its_side )
 {
-    NEEDS_EMBREE();
     hosted* h = new_colliding( 1, 20, 1 );
     wisp_collider_def def;
     add_sheet( h->world, &def );
@@ -166,7 +155,6 @@ TEST( cloth_that_is_torn_through_a_sheet_by_its_pins_stays_on_its_side )
 
 TEST( what_starts_inside_a_mesh_leaves_without_flying_off )
 {
-    NEEDS_EMBREE();
     hosted* h = new_colliding( 1, 8, 1 );
     add_ball( h->world, true, 1.0f );
     wisp_entity e = add_cloth( h->world, 9, 0.24f, ( wisp_vec3 ){ 0.0f, 0.1f, 0.0f }, 0.0f );
@@ -182,7 +170,6 @@ TEST( what_starts_inside_a_mesh_leaves_without_flying_off )
 
 TEST( a_mesh_that_moves_is_answered_in_its_own_frame )
 {
-    NEEDS_EMBREE();
     double height[2];
     for ( int k = 0; k < 2; ++k )
     {
@@ -205,7 +192,6 @@ TEST( a_mesh_that_moves_is_answered_in_its_own_frame )
 
 TEST( any_number_of_workers_gives_the_same_bits_on_a_mesh )
 {
-    NEEDS_EMBREE();
     const int workers[] = { 1, 2, 3, 8 };
     uint64_t expected = 0;
     for ( int k = 0; k < WISP_COUNT( workers ); ++k )
@@ -228,7 +214,6 @@ TEST( any_number_of_workers_gives_the_same_bits_on_a_mesh )
 
 COLLISION_TEST( trees_go_with_their_bodies )
 {
-    NEEDS_EMBREE();
     hosted* h = *state;
     wisp_entity e = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.4f, 0.0f }, GRAVITY );
     run_for( h->world, DT, 1 );
@@ -260,7 +245,6 @@ static void assert_refused( wisp_world* world, const wisp_collider_def* def, con
 
 COLLISION_TEST( impossible_meshes_are_refused )
 {
-    NEEDS_EMBREE();
     hosted* h = *state;
     wisp_entity unused;
     wisp_collider_def plane = wisp_default_collider_def();

@@ -89,9 +89,7 @@ static void add_bodies( stage* s, float lower )
     add_body( s, body_of( WISP_COLLIDER_PLANE ), ( wisp_vec3 ){ 0.0f, -0.6f, 0.0f }, lower );
     test_mesh mesh = test_ball( 1 );
     move_mesh( &mesh, 0.2f, ( wisp_vec3 ){ 0.3f, 0.1f, -0.2f } ); // away from the origin of its frame
-    wisp_collider_def def = mesh_body( &mesh );
-    def.search = WISP_MESH_SEARCH_VOXELS;
-    add_body( s, def, ( wisp_vec3 ){ -0.6f, 0.0f, -0.4f }, lower );
+    add_body( s, mesh_body( &mesh ), ( wisp_vec3 ){ -0.6f, 0.0f, -0.4f }, lower );
     test_mesh_free( &mesh );
     assert_true( s->body_count <= BODIES );
 }

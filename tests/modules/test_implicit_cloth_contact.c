@@ -380,7 +380,6 @@ TEST( cloth_on_every_body_comes_to_rest_and_is_never_deeper_than_a_millimetre )
     }
 }
 
-// Voxels need no Embree, and a tree gives the same results where there is one.
 TEST( cloth_on_a_mesh_comes_to_rest_like_on_other_bodies )
 {
     test_mesh ball = test_ball( 4 ); // radius 1
@@ -391,7 +390,6 @@ TEST( cloth_on_a_mesh_comes_to_rest_like_on_other_bodies )
     body.triangles = ball.triangles;
     body.point_count = ball.vertex_count;
     body.triangle_count = ball.triangle_count;
-    body.search = WISP_MESH_SEARCH_VOXELS;
     body.static_friction = 0.3f;
     body.kinetic_friction = 0.2f;
     const drape d = drape_on( &body, 0.3f, DT, 200.0f, 15.0 );
