@@ -156,7 +156,7 @@ typedef struct term
     double pull_off, along_off;           // bounds
 } term;
 
-static term term_of( const springs* s, const spring* l, int variant )
+static term term_of( const springs* s, const spring* l )
 {
     const double h = (double)STEP, damping = h * (double)l->damping, rest = (double)l->rest, load = (double)l->load;
     const double3 way = double3_sub( double3_from( s->position[l->j] ), double3_from( s->position[l->i] ) );
@@ -234,7 +234,7 @@ static void add_matrix( double matrix[3][3], const term* t )
 static void add_plain( plain_rows* p, const springs* s, const spring* l, int variant )
 {
     const bool repeat = ( variant & REPEAT ) != 0;
-    const term t = term_of( s, l, variant );
+    const term t = term_of( s, l );
     const bool lost = double3_length( t.d ) == 0.0;
     const double h = (double)STEP, along = repeat ? t.damping_along : t.along;
     const double foreign = repeat ? t.damping_across : t.foreign;
@@ -532,7 +532,7 @@ TEST( a_product_is_that_of_the_matrix )
         for ( int k = 0; k < s->link_count; ++k )
         {
             const spring* l = s->link + k;
-            const term t = term_of( s, l, variant );
+            const term t = term_of( s, l );
             const double3 u = double3_sub( double3_from( s->direction[l->i] ), double3_from( s->direction[l->j] ) );
             const double along = double3_length( t.d ) > 0.0 ? t.along : t.foreign;
             const double3 push = spread( t.d, along, t.foreign, u );

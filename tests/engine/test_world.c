@@ -614,8 +614,10 @@ static wisp_frame* new_frame( void )
 {
     static plan_entity entities[] = { { .split = 1 }, { .split = SPLIT } };
     static plan p = { .entities = entities, .entity_count = WISP_COUNT( entities ) };
+    static wisp_registry registry;
     wisp_frame* frame = checked_calloc( 1, sizeof( wisp_frame ) );
     frame->plan = &p;
+    frame->registry = &registry;
     return frame;
 }
 
