@@ -25,7 +25,8 @@ static const char* const format_words[FORMAT_COUNT] = { "text", "dot", "json" };
 
 static const option_row plan_rows[] = {
     { "verbose", PLAN_KEY_VERBOSE, NULL, "Also print what passes read and write, and absent passes", OPTION_ANY },
-    { "format", PLAN_KEY_FORMAT, "FORMAT", "text (default), dot for Graphviz, or json", OPTION_WORDS( format_words ) },
+    { "format", PLAN_KEY_FORMAT, "FORMAT", "text (default), dot for Graphviz, or json",
+      OPTION_WORDS( format_words ) },
     { "steps", PLAN_KEY_STEPS, "N", "Measure the first N steps, 10 by default, 0 for none", OPTION_ANY },
 };
 
