@@ -9,16 +9,6 @@ static const double PI = 3.141592653589793;
 static const wisp_vec3 ALONG_X = { 1.0f, 0.0f, 0.0f };
 static const wisp_vec3 NOWHERE = { 0.0f, 0.0f, 0.0f };
 
-static void assert_fraction( double measured, double reference, double tolerance, const char* what )
-{
-    // written so that a NaN fails
-    if ( !( fabs( measured / reference - 1.0 ) <= tolerance ) )
-    {
-        fail_msg( "%s: %.9g measured, %.9g by the closed form: %.4f %% off, tolerated %.4f %%", what, measured,
-                  reference, 100.0 * ( measured / reference - 1.0 ), 100.0 * tolerance );
-    }
-}
-
 // Move the tip in equal parts per step to a rotation and a displacement.
 static void bring_tip( rod_world* rod, wisp_vec3 axis, double angle, wisp_vec3 displacement, int steps )
 {
