@@ -461,8 +461,7 @@ static const bad_scene BAD_SCENES[] = {
 
 static int scene_count( void )
 {
-    return WISP_COUNT( BAD_SCENES ) + BAD_SCENES_MOTION_COUNT + BAD_SCENES_IMPLICIT_COUNT + BAD_SCENES_CONTACT_COUNT +
-           BAD_SCENES_FILES_COUNT;
+    return WISP_COUNT( BAD_SCENES ) + BAD_SCENES_EFFECTS_COUNT + BAD_SCENES_IMPLICIT_COUNT;
 }
 
 static const bad_scene* scene_at( int i )
@@ -472,9 +471,9 @@ static const bad_scene* scene_at( int i )
         const bad_scene* list;
         int count;
     } lists[] = {
-        { BAD_SCENES, WISP_COUNT( BAD_SCENES ) },           { BAD_SCENES_MOTION, BAD_SCENES_MOTION_COUNT },
-        { BAD_SCENES_IMPLICIT, BAD_SCENES_IMPLICIT_COUNT }, { BAD_SCENES_CONTACT, BAD_SCENES_CONTACT_COUNT },
-        { BAD_SCENES_FILES, BAD_SCENES_FILES_COUNT },
+        { BAD_SCENES, WISP_COUNT( BAD_SCENES ) },
+        { BAD_SCENES_EFFECTS, BAD_SCENES_EFFECTS_COUNT },
+        { BAD_SCENES_IMPLICIT, BAD_SCENES_IMPLICIT_COUNT },
     };
     int k = 0;
     for ( ; i >= lists[k].count; ++k )

@@ -14,14 +14,6 @@ enum
     COUNT = 2 * ROWS,
 };
 
-static void assert_within( double found, double expected, double tolerance )
-{
-    if ( !( fabs( found - expected ) <= tolerance ) )
-    {
-        fail_msg( "%.9g is not %.9g within %g", found, expected, tolerance );
-    }
-}
-
 static void fill( float* factors, int count, float value )
 {
     for ( int i = 0; i < count; ++i )

@@ -446,12 +446,6 @@ static wisp_vec3 lowest( wisp_world* world, wisp_entity e )
     return least;
 }
 
-static float distance( wisp_vec3 a, wisp_vec3 b )
-{
-    const float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
-    return sqrtf( x * x + y * y + z * z );
-}
-
 // A sheet of pinned vertices that is moved, and cloth that hangs on it. The base is solved, or it is not.
 TEST( attached_cloth_that_is_not_solved_goes_along )
 {
