@@ -48,8 +48,7 @@ def commands(folder):
         isa = [flag.split("=")[1] for flag in flags if flag.startswith("-DWISP_KERNEL_ISA=")]
         level = ([flag for flag in flags if re.match("-O.$", flag)] or ["-O0"])[-1]
         for file in files:
-            # The level of what is not hot may differ: meson has -O2 where CMake has that of the build type.
-            found[os.path.relpath(file, source), isa[0] if isa else ""] = [level if isa else ""] + sorted({flag for flag in flags if RELEVANT.match(flag)})
+            found[os.path.relpath(file, source), isa[0] if isa else ""] = [level] + sorted({flag for flag in flags if RELEVANT.match(flag)})
     return found
 
 
