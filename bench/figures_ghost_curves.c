@@ -1,5 +1,5 @@
 // The figures of Park and Kim 2024 about lines: the curves that draw strands, and ghosts with more vertices.
-#include "figures_tuft.h"
+#include "figures_hair.h"
 
 #include <math.h>
 
@@ -22,7 +22,7 @@ typedef struct turns
     int sharp;      // above a limit
 } turns;
 
-static turns measure_turns( const wisp_vec3* points, int count, double limit )
+static turns measure_curve_turns( const wisp_vec3* points, int count, double limit )
 {
     turns t = { 0.0, 0 };
     for ( int i = 1; i + 1 < count; ++i )
@@ -89,7 +89,7 @@ static wisp_status draw_curve( wisp_world* world, wisp_entity strand, wisp_curve
         return bench_world_fail( world, status, error );
     }
     const wisp_vec3* points = view->data;
-    *out = measure_turns( points, view->count, limit );
+    *out = measure_curve_turns( points, view->count, limit );
     f->ends = fmax( f->ends, tuft_length( tuft_minus( points[0], nodes[0] ) ) );
     f->ends = fmax( f->ends, tuft_length( tuft_minus( points[view->count - 1], nodes[node_count - 1] ) ) );
     return WISP_OK;
@@ -105,9 +105,9 @@ static wisp_status draw_strand( const figures_case* page, figures_hair_album* al
     {
         nodes[i] = form_node( form, i );
     }
-    const turns all = measure_turns( nodes, node_count, 0.0 );
+    const turns all = measure_curve_turns( nodes, node_count, 0.0 );
     double limit = 0.5 * all.largest;
-    f->line = measure_turns( nodes, node_count, limit );
+    f->line = measure_curve_turns( nodes, node_count, limit );
 
     const wisp_module* const modules[] = { &wisp_strands_module, &wisp_guide_hair_module };
     const bench_world_def def = { modules, WISP_COUNT( modules ), .workers = 1 };
@@ -224,7 +224,7 @@ static double sharpest( const wisp_vec3* points )
     double largest = 0.0;
     for ( int g = 0; g < GROUP; ++g )
     {
-        largest = fmax( largest, measure_turns( points + g * GHOST_NODES, GHOST_NODES, 0.0 ).largest );
+        largest = fmax( largest, measure_curve_turns( points + g * GHOST_NODES, GHOST_NODES, 0.0 ).largest );
     }
     return largest;
 }
@@ -246,7 +246,7 @@ wisp_status figures_ghost_pairing( figures_case* page, wisp_error* error )
 {
     figures_hair_album album = { .count = 0 };
     tuft t = { .target = { 0 } };
-    seen s = { .target = NULL };
+    tuft_seen s = { .target = NULL };
     wisp_vec3 nearest[GROUP * GHOST_NODES];
     double kinks[2] = { 0.0, 0.0 };
     bool refused = false;

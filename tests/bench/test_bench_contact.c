@@ -4,7 +4,7 @@
 
 #include "accuracy/accuracy.h"
 #include "program_data.h"
-#include "contact_bench.h"
+#include "suite_cases.h"
 #include "suite_overlap.h"
 
 static double number( const results_table* table, int row, const char* column )
