@@ -350,11 +350,10 @@ static wisp_status accuracy_run_settings( const accuracy_report* report, double 
 #undef ACCURACY_SCENE
 #undef ACCURACY_SUITE
 
-// The last item only keeps the table from being empty.
 #define ACCURACY_SUITE( name, title ) { name, title, NULL, NULL },
 #define ACCURACY_SCENE( name, title, function ) { name, title, function, NULL },
 static const accuracy_entry all_entries[] = {
-    { NULL, NULL, NULL, NULL },
+#include "scenes.inc"
 };
 #undef ACCURACY_SCENE
 #undef ACCURACY_SUITE
@@ -368,7 +367,7 @@ static const accuracy_entry all_entries[] = {
 
 const accuracy_entry* accuracy_entries( int* count )
 {
-    *count = WISP_COUNT( all_entries ) - 1;
+    *count = WISP_COUNT( all_entries );
     return all_entries;
 }
 
