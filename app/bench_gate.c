@@ -1,14 +1,14 @@
 #include "bench_commands.h"
 #include "bench_texts.h"
 
-#include "gate_page.h"
+#include "gate_check.h"
 #include "gate_paired.h"
 #include "interruption.h"
 #include "io_file.h"
 #include "machine.h"
 #include "progress.h"
-#include "suite_callgrind.h"
-#include "suite_reference.h"
+#include "suite_measure.h"
+#include "suite_motion.h"
 
 #include <limits.h>
 #include <math.h>
@@ -38,7 +38,7 @@ typedef struct gate_options
     char** argv;
 } gate_options;
 
-static bool take( options_state* p, int key, const char* argument )
+static bool take_gate_option( options_state* p, int key, const char* argument )
 {
     gate_options* o = p->input;
     switch ( key )
@@ -291,7 +291,7 @@ static bool base_has( const gate_base* base, suite_measure m )
 }
 
 // Counts what the base has, if its counts can be compared.
-static int check( wisp_suite* suite, gate_options* o, wisp_error* error )
+static int check_against_base( wisp_suite* suite, gate_options* o, wisp_error* error )
 {
     const int all = suite->row_count;
     gate_base base;
@@ -411,7 +411,7 @@ static int run_action( wisp_suite* suite, gate_options* o, wisp_error* error )
     }
     if ( o->action == ACTION_CHECK || o->action == ACTION_STEP )
     {
-        return o->action == ACTION_CHECK ? check( suite, o, error ) : step_row( suite, o, error );
+        return o->action == ACTION_CHECK ? check_against_base( suite, o, error ) : step_row( suite, o, error );
     }
     wisp_status status = command_check_writable( o->base, error );
     suite_measurement* measured = calloc( (size_t)suite->row_count, sizeof *measured );
@@ -434,7 +434,7 @@ static int run_action( wisp_suite* suite, gate_options* o, wisp_error* error )
 int bench_gate( int argc, char** argv )
 {
     gate_options options = { .argc = argc, .argv = argv, .patience = 120.0 };
-    options_parse( &gate_text, take, &options, argc, argv );
+    options_parse( &gate_text, take_gate_option, &options, argc, argv );
     interruption_begin();
     char* beside = options.base ? NULL : default_base( options.suite );
     options.base = options.base ? options.base : beside;

@@ -1,9 +1,9 @@
 // The program wisp-bench, which `wisp bench` runs: its options, the cases in turn, the written files.
 #include "bench_commands.h"
-#include "bench_texts.h"
 
 #include "accuracy/accuracy.h"
 #include "bench.h"
+#include "bench_texts.h"
 #include "interruption.h"
 #include "io_file.h"
 #include "nearest.h"
@@ -13,6 +13,75 @@
 
 #include <stdlib.h>
 #include <string.h>
+
+// ---- what commands share ----
+
+// Options that the commands of wisp-bench share, and what they write: results, and a page.
+
+bool bench_take_file( options_state* o, int key, const char* argument, bench_files* files )
+{
+    switch ( key )
+    {
+        case BENCH_KEY_FORMAT:
+            files->format = (results_format)option_word( o, argument );
+            return true;
+        case BENCH_KEY_OUTPUT:
+            files->output = argument;
+            return true;
+        case BENCH_KEY_REPORT:
+            files->report = argument;
+            return true;
+        case OPTIONS_END:
+            // without a file the results go to standard output
+            if ( files->report != NULL && strcmp( files->report, files->output ? files->output : "-" ) == 0 )
+            {
+                options_fail( o, "--report and --output both write to '%s'", files->report );
+            }
+            return true;
+        default:
+            return false;
+    }
+}
+
+bool bench_take_measurement( const options_state* o, int key, const char* argument, bench_options* options )
+{
+    switch ( key )
+    {
+        case BENCH_KEY_QUICK:
+            options->quick = true;
+            return true;
+        case BENCH_KEY_SECONDS:
+            options->seconds = option_positive( o, argument, 1e6 );
+            return true;
+        case BENCH_KEY_WORKERS:
+            options->workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
+            return true;
+        default:
+            return false;
+    }
+}
+
+wisp_status bench_check_files( const bench_files* files, wisp_error* error )
+{
+    const wisp_status status = command_check_writable( files->output, error );
+    return status == WISP_OK ? command_check_writable( files->report, error ) : status;
+}
+
+// The report first, since a reader of standard output may leave early; the results also if it fails.
+wisp_status bench_write_files( const bench_files* files, const report_run* run, const results* out,
+                               wisp_error* error )
+{
+    wisp_error later = { 0 };
+    const wisp_status reported = files->report ? report_write_file( out, run, files->report, error ) : WISP_OK;
+    const wisp_status written =
+        results_write_file( out, files->format, files->output, reported == WISP_OK ? error : &later );
+    return reported == WISP_OK ? written : reported;
+}
+
+void bench_show_progress( void* user, double fraction, const char* what )
+{
+    progress_show( user, fraction, what );
+}
 
 #define CASES_MAX 64
 #define SCENES_MAX 64 // one bit each in the options
@@ -105,7 +174,7 @@ static bool has_suite( const bench_arguments* arguments )
     return has;
 }
 
-static bool take( options_state* o, int key, const char* argument )
+static bool take_bench_option( options_state* o, int key, const char* argument )
 {
     bench_arguments* arguments = o->input;
     switch ( key )
@@ -264,7 +333,7 @@ int main( int argc, char** argv )
     char program[] = "wisp bench";
     argv[0] = program;
     bench_arguments arguments = { .options = bench_default_options() };
-    options_parse( &bench_text, take, &arguments, argc, argv );
+    options_parse( &bench_text, take_bench_option, &arguments, argc, argv );
     if ( arguments.only_list )
     {
         return list_cases();

@@ -50,7 +50,7 @@ static void add_file( const options_state* o, torture_options* options, const ch
     options->files[options->file_count++] = path;
 }
 
-static bool take( options_state* o, int key, const char* argument )
+static bool take_torture_option( options_state* o, int key, const char* argument )
 {
     torture_options* options = o->input;
     torture_search* search = &options->search;
@@ -127,7 +127,7 @@ int bench_torture( int argc, char** argv )
                     .keep = 3 },
     };
     options.search.generator.meshes = options.meshes;
-    options_parse( &torture_text, take, &options, argc, argv );
+    options_parse( &torture_text, take_torture_option, &options, argc, argv );
     const bool has_end = options.minutes > 0.0 || options.search.max_scenes == 0;
     options.search.max_seconds = has_end ? 60.0 * ( options.minutes > 0.0 ? options.minutes : 1.0 ) : INFINITY;
 

@@ -1,7 +1,7 @@
 // `wisp compare BEFORE AFTER`: what differs between two files of results.
 #include "commands.h"
 
-#include "results_compare.h"
+#include "results_read.h"
 
 typedef struct compare_options
 {
@@ -12,11 +12,11 @@ typedef struct compare_options
 
 enum
 {
-    KEY_LEAST = 256,
+    COMPARE_KEY_LEAST = 256,
 };
 
-static const option_row rows[] = {
-    { "least", KEY_LEAST, "FRACTION", "Smallest change of a time that counts, default 0.25", OPTION_ANY },
+static const option_row compare_rows[] = {
+    { "least", COMPARE_KEY_LEAST, "FRACTION", "Smallest change of a time that counts, default 0.25", OPTION_ANY },
     { "format",
       'f',
       "FORMAT",
@@ -36,17 +36,17 @@ const command_text compare_text = {
              "is better: it runs both by turns.",
     .examples = "wisp compare before.json after.json\n"
                 "wisp compare before.json after.json --least 0.1 --format markdown",
-    .rows = rows,
-    .row_count = WISP_COUNT( rows ),
+    .rows = compare_rows,
+    .row_count = WISP_COUNT( compare_rows ),
     .values = OPTION_FILES( ".json" ),
 };
 
-static bool take( options_state* o, int key, const char* argument )
+static bool take_compare_option( options_state* o, int key, const char* argument )
 {
     compare_options* given = o->input;
     switch ( key )
     {
-        case KEY_LEAST:
+        case COMPARE_KEY_LEAST:
             given->least = option_positive( o, argument, 100.0 );
             return true;
         case 'f':
@@ -73,7 +73,7 @@ static bool take( options_state* o, int key, const char* argument )
 int command_compare( int argc, char** argv )
 {
     compare_options options = { .least = 0.25 };
-    options_parse( &compare_text, take, &options, argc, argv );
+    options_parse( &compare_text, take_compare_option, &options, argc, argv );
     wisp_error error = { 0 };
     results out = { .machine = machine_describe( "" ), .is_result_first = true };
     results_put_options( &out, argc, argv );

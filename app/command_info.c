@@ -2,9 +2,9 @@
 
 #include "file_kind.h"
 #include "gltf.h"
-#include "info_results.h"
 #include "io_file.h"
 #include "record.h"
+#include "results_read.h"
 #include "scene_keys.h"
 #include "world_from_scene.h"
 
@@ -16,7 +16,7 @@ typedef struct info_options
     bool keys;
 } info_options;
 
-static const option_row rows[] = {
+static const option_row info_rows[] = {
     { "keys", 'k', NULL, "Print every key of a scene, or those of a BLOCK such as surfaces.cloth", OPTION_ANY },
 };
 
@@ -34,12 +34,12 @@ const command_text info_text = {
              "findings are no failure (status 0). A file that cannot be read is (status 2).",
     .examples = "wisp info data/bunny.obj\n"
                 "wisp info data/scenes/flag.yaml",
-    .rows = rows,
-    .row_count = WISP_COUNT( rows ),
+    .rows = info_rows,
+    .row_count = WISP_COUNT( info_rows ),
     .values = OPTION_FILES( ".yaml .yml .json .wisp .pc2 .obj .ply .glb .gltf .hair" ),
 };
 
-static bool take( options_state* o, int key, const char* argument )
+static bool take_info_option( options_state* o, int key, const char* argument )
 {
     info_options* given = o->input;
     switch ( key )
@@ -476,7 +476,7 @@ static wisp_status info_keys( const char* block, wisp_error* error )
 int command_info( int argc, char** argv )
 {
     info_options given = { 0 };
-    options_parse( &info_text, take, &given, argc, argv );
+    options_parse( &info_text, take_info_option, &given, argc, argv );
 
     wisp_error error = { 0 };
     wisp_status status = given.keys ? info_keys( given.argument, &error ) : info_file( given.argument, &error );

@@ -4,13 +4,13 @@
 #include "scene.h"
 
 #define STEPS_DEFAULT 10
-#define STEPS_MAX 1000000
+#define PLAN_STEPS_MAX 1000000
 
 enum
 {
-    KEY_STEPS = 's',
-    KEY_FORMAT = 'f',
-    KEY_VERBOSE = 'v',
+    PLAN_KEY_STEPS = 's',
+    PLAN_KEY_FORMAT = 'f',
+    PLAN_KEY_VERBOSE = 'v',
 };
 
 enum
@@ -23,10 +23,11 @@ enum
 
 static const char* const format_words[FORMAT_COUNT] = { "text", "dot", "json" };
 
-static const option_row rows[] = {
-    { "verbose", KEY_VERBOSE, NULL, "Also print what passes read and write, and absent passes", OPTION_ANY },
-    { "format", KEY_FORMAT, "FORMAT", "text (default), dot for Graphviz, or json", OPTION_WORDS( format_words ) },
-    { "steps", KEY_STEPS, "N", "Measure the first N steps, 10 by default, 0 for none", OPTION_ANY },
+static const option_row plan_rows[] = {
+    { "verbose", PLAN_KEY_VERBOSE, NULL, "Also print what passes read and write, and absent passes", OPTION_ANY },
+    { "format", PLAN_KEY_FORMAT, "FORMAT", "text (default), dot for Graphviz, or json",
+      OPTION_WORDS( format_words ) },
+    { "steps", PLAN_KEY_STEPS, "N", "Measure the first N steps, 10 by default, 0 for none", OPTION_ANY },
 };
 
 const command_text plan_text = {
@@ -41,8 +42,8 @@ const command_text plan_text = {
              "percentages and the JSON format.",
     .examples = "wisp plan data/scenes/flag.yaml\n"
                 "wisp plan data/scenes/flag.yaml --format dot | dot -Tsvg > plan.svg",
-    .rows = rows,
-    .row_count = WISP_COUNT( rows ),
+    .rows = plan_rows,
+    .row_count = WISP_COUNT( plan_rows ),
     .values = OPTION_FILES( ".yaml .yml .json" ),
 };
 
@@ -54,18 +55,18 @@ typedef struct plan_options
     bool is_verbose;
 } plan_options;
 
-static bool take( options_state* o, int key, const char* argument )
+static bool take_plan_option( options_state* o, int key, const char* argument )
 {
     plan_options* options = o->input;
     switch ( key )
     {
-        case KEY_FORMAT:
+        case PLAN_KEY_FORMAT:
             options->format = option_word( o, argument );
             return true;
-        case KEY_STEPS:
-            options->steps = option_whole( o, argument, 0, STEPS_MAX );
+        case PLAN_KEY_STEPS:
+            options->steps = option_whole( o, argument, 0, PLAN_STEPS_MAX );
             return true;
-        case KEY_VERBOSE:
+        case PLAN_KEY_VERBOSE:
             options->is_verbose = true;
             return true;
         default:
@@ -73,7 +74,7 @@ static bool take( options_state* o, int key, const char* argument )
     }
 }
 
-static wisp_status write_sheet( const plan_sheet* sheet, const plan_options* options, wisp_error* error )
+static wisp_status write_plan( const plan_sheet* sheet, const plan_options* options, wisp_error* error )
 {
     bool is_written = true;
     switch ( options->format )
@@ -100,7 +101,7 @@ static wisp_status write_sheet( const plan_sheet* sheet, const plan_options* opt
 int command_plan( int argc, char** argv )
 {
     plan_options options = { .format = FORMAT_TEXT, .steps = STEPS_DEFAULT };
-    options_parse( &plan_text, take, &options, argc, argv );
+    options_parse( &plan_text, take_plan_option, &options, argc, argv );
 
     wisp_error error = { 0 };
     wisp_scene scene;
@@ -116,7 +117,7 @@ int command_plan( int argc, char** argv )
     {
         plan_sheet sheet;
         status = plan_sheet_make( &world, options.steps, &sheet, &error );
-        status = status == WISP_OK ? write_sheet( &sheet, &options, &error ) : status;
+        status = status == WISP_OK ? write_plan( &sheet, &options, &error ) : status;
         plan_sheet_release( &sheet );
         scene_world_destroy( &world );
     }

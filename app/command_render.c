@@ -4,8 +4,154 @@
 #include "io_file.h"
 #include "picture_draw.h"
 
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
+
+// ---- values of options; each ends the program with STATUS_USAGE if the text is invalid ----
+
+static picture_options default_options( void )
+{
+    render_scene scene = render_default_scene();
+    return ( picture_options ){
+        .samples = render_default_options().samples,
+        .view = render_default_view(),
+        .background = { scene.background_top, scene.background_bottom },
+    };
+}
+
+// Numbers between commas, exactly `count`, finite.
+static void parse_numbers( const options_state* o, const char* text, int count, float* out )
+{
+    const char* at = text;
+    for ( int i = 0; i < count; ++i )
+    {
+        char* end = NULL;
+        out[i] = strtof( at, &end );
+        char requested = i + 1 < count ? ',' : '\0';
+        if ( end == at || *end != requested || !isfinite( out[i] ) )
+        {
+            options_fail( o, "%s: got '%s', expected %d number%s", o->name, text, count,
+                          count == 1 ? "" : "s separated by commas" );
+        }
+        at = end + 1;
+    }
+}
+
+// Such as 640x480.
+static void parse_size( const options_state* o, const char* text, picture_options* out )
+{
+    char* end = NULL;
+    long width = strtol( text, &end, 10 );
+    long height = *end == 'x' ? strtol( end + 1, &end, 10 ) : 0;
+    if ( *end || width < 1 || height < 1 || width > RENDER_MAX_SIDE || height > RENDER_MAX_SIDE )
+    {
+        options_fail( o, "--size: got '%s', expected a size such as 640x480, each side from 1 to %d", text,
+                      RENDER_MAX_SIDE );
+    }
+    out->width = (int)width;
+    out->height = (int)height;
+}
+
+// ---- frames ----
+
+/// A part of A:B:STEP. @return the text after it
+static const char* parse_part( const char* text, int empty, int* value, bool* is_good )
+{
+    char* end = NULL;
+    errno = 0;
+    long number = strtol( text, &end, 10 );
+    *value = end == text ? empty : (int)number;
+    *is_good = *is_good && ( end == text || ( !errno && number >= 0 && number < INT_MAX ) ) &&
+               ( *end == ':' || *end == '\0' );
+    return *end == ':' ? end + 1 : end;
+}
+
+// Such as 10:50:5; each part may be empty.
+static void parse_frames( const options_state* o, const char* text, picture_options* out )
+{
+    bool is_good = strchr( text, ':' ) != NULL;
+    const char* at = parse_part( text, 0, &out->first, &is_good );
+    at = parse_part( at, PICTURE_FRAME_END, &out->last, &is_good );
+    at = parse_part( at, 1, &out->step, &is_good );
+    if ( !is_good || *at || out->step < 1 || ( out->last != PICTURE_FRAME_END && out->last < out->first ) )
+    {
+        options_fail( o, "--frames: got '%s', expected FIRST:LAST or FIRST:LAST:STEP with rising whole numbers",
+                      text );
+    }
+    out->choice = PICTURE_FRAMES;
+}
+
+// ---- surroundings of the bodies ----
+
+// The words of the option, auto and none, or a height.
+static void parse_ground( const options_state* o, const char* text, picture_options* out )
+{
+    char* end = NULL;
+    float height = strtof( text, &end );
+    if ( end != text && !*end && isfinite( height ) )
+    {
+        out->ground = PICTURE_GROUND_HEIGHT;
+        out->ground_height = height;
+        return;
+    }
+    out->ground = (picture_ground)option_word( o, text );
+}
+
+static float linear_of_srgb( unsigned long byte )
+{
+    float fraction = (float)byte / 255.0f;
+    return fraction <= 0.04045f ? fraction / 12.92f : powf( ( fraction + 0.055f ) / 1.055f, 2.4f );
+}
+
+static const char* parse_colour( const char* text, wisp_vec3* out )
+{
+    char digits[7] = "";
+    size_t count = *text == '#' ? strspn( text + 1, "0123456789abcdefABCDEF" ) : 0;
+    if ( count != 6 )
+    {
+        return NULL;
+    }
+    memcpy( digits, text + 1, 6 );
+    unsigned long value = strtoul( digits, NULL, 16 );
+    *out = ( wisp_vec3 ){ linear_of_srgb( value >> 16 ), linear_of_srgb( value >> 8 & 255 ),
+                          linear_of_srgb( value & 255 ) };
+    return text + 7;
+}
+
+// The words of the option, studio, white and dark, or one or two colours such as #20242c.
+static void parse_background( const options_state* o, const char* text, picture_options* out )
+{
+    const render_scene studio = render_default_scene();
+    const wisp_vec3 colours[][2] = {
+        { studio.background_top, studio.background_bottom },
+        { { 1.0f, 1.0f, 1.0f }, { 1.0f, 1.0f, 1.0f } },
+        { { 0.012f, 0.014f, 0.018f }, { 0.045f, 0.050f, 0.060f } },
+    };
+    if ( *text != '#' )
+    {
+        int word = option_word( o, text );
+        out->background[0] = colours[word][0];
+        out->background[1] = colours[word][1];
+        return;
+    }
+    const char* end = parse_colour( text, &out->background[0] );
+    out->background[1] = out->background[0];
+    if ( end && *end == ',' )
+    {
+        end = parse_colour( end + 1, &out->background[1] );
+    }
+    if ( !end || *end )
+    {
+        options_fail( o, "--background: got '%s', expected a colour such as #20242c, or two separated by a comma",
+                      text );
+    }
+}
+
+// ---- the command ----
 
 #define FRAME_MAX 100000000
 #define TURNTABLE_MAX 10000
@@ -13,26 +159,26 @@
 
 enum
 {
-    KEY_OUTPUT = 'o',
-    KEY_WORKERS = 'w',
-    KEY_SIZE = 256,
-    KEY_SAMPLES,
-    KEY_FRAME,
-    KEY_TIME,
-    KEY_FRAMES,
-    KEY_SHEET,
-    KEY_TURNTABLE,
-    KEY_COLOUR,
-    KEY_RANGE,
-    KEY_MESH,
-    KEY_CAMERA,
-    KEY_FROM,
-    KEY_FOV,
-    KEY_GROUND,
-    KEY_BACKGROUND,
-    KEY_BOUNDARY,
-    KEY_NORMALS,
-    KEY_CUT,
+    RENDER_KEY_OUTPUT = 'o',
+    RENDER_KEY_WORKERS = 'w',
+    RENDER_KEY_SIZE = 256,
+    RENDER_KEY_SAMPLES,
+    RENDER_KEY_FRAME,
+    RENDER_KEY_TIME,
+    RENDER_KEY_FRAMES,
+    RENDER_KEY_SHEET,
+    RENDER_KEY_TURNTABLE,
+    RENDER_KEY_COLOUR,
+    RENDER_KEY_RANGE,
+    RENDER_KEY_MESH,
+    RENDER_KEY_CAMERA,
+    RENDER_KEY_FROM,
+    RENDER_KEY_FOV,
+    RENDER_KEY_GROUND,
+    RENDER_KEY_BACKGROUND,
+    RENDER_KEY_BOUNDARY,
+    RENDER_KEY_NORMALS,
+    RENDER_KEY_CUT,
 };
 
 static const char* const value_words[] = { "body", "strain", "speed", "map" };
@@ -40,37 +186,37 @@ static const char* const layer_words[] = { "normal", "class", "none" };
 static const char* const ground_words[] = { "auto", "none" };
 static const char* const background_words[] = { "studio", "white", "dark" };
 
-static const option_row rows[] = {
+static const option_row render_rows[] = {
     OPTION_TITLE( "Picture:" ),
-    { "output", KEY_OUTPUT, "FILE.png", "Write the picture to FILE.png; required", OPTION_FILES( ".png" ) },
-    { "size", KEY_SIZE, "WxH", "Pixels, default 640x480; on a sheet 400x300 each", OPTION_ANY },
-    { "samples", KEY_SAMPLES, "N", "Rays per pixel, 1 to 4096, default 16", OPTION_ANY },
-    { "workers", KEY_WORKERS, "N", "Use N workers, 1 to 64, default one per core", OPTION_ANY },
+    { "output", RENDER_KEY_OUTPUT, "FILE.png", "Write the picture to FILE.png; required", OPTION_FILES( ".png" ) },
+    { "size", RENDER_KEY_SIZE, "WxH", "Pixels, default 640x480; on a sheet 400x300 each", OPTION_ANY },
+    { "samples", RENDER_KEY_SAMPLES, "N", "Rays per pixel, 1 to 4096, default 16", OPTION_ANY },
+    { "workers", RENDER_KEY_WORKERS, "N", "Use N workers, 1 to 64, default one per core", OPTION_ANY },
     OPTION_TITLE( "Frames, default the last one:" ),
-    { "frame", KEY_FRAME, "N", "Frame N, counted from 0", OPTION_ANY },
-    { "time", KEY_TIME, "S", "The frame nearest to S seconds", OPTION_ANY },
-    { "frames", KEY_FRAMES, "A:B:STEP", "Frames A to B, both included; parts can be omitted", OPTION_ANY },
-    { "sheet", KEY_SHEET, "[COLUMNS]", "One contact sheet of --frames, or of twelve frames", OPTION_ANY },
+    { "frame", RENDER_KEY_FRAME, "N", "Frame N, counted from 0", OPTION_ANY },
+    { "time", RENDER_KEY_TIME, "S", "The frame nearest to S seconds", OPTION_ANY },
+    { "frames", RENDER_KEY_FRAMES, "A:B:STEP", "Frames A to B, both included; parts can be omitted", OPTION_ANY },
+    { "sheet", RENDER_KEY_SHEET, "[COLUMNS]", "One contact sheet of --frames, or of twelve frames", OPTION_ANY },
     OPTION_TITLE( "Camera:" ),
-    { "from", KEY_FROM, "AZIMUTH,ELEVATION",
+    { "from", RENDER_KEY_FROM, "AZIMUTH,ELEVATION",
       "Direction in degrees: about y from +z to +x, and up; default 32,16, or 0,0 for strands in a plane",
       OPTION_ANY },
-    { "fov", KEY_FOV, "DEGREES", "Vertical angle of view, 1 to 150, default 28", OPTION_ANY },
-    { "camera", KEY_CAMERA, "X,Y,Z,X,Y,Z", "Eye and target in metres, instead of --from", OPTION_ANY },
-    { "turntable", KEY_TURNTABLE, "N", "N views around one frame", OPTION_ANY },
+    { "fov", RENDER_KEY_FOV, "DEGREES", "Vertical angle of view, 1 to 150, default 28", OPTION_ANY },
+    { "camera", RENDER_KEY_CAMERA, "X,Y,Z,X,Y,Z", "Eye and target in metres, instead of --from", OPTION_ANY },
+    { "turntable", RENDER_KEY_TURNTABLE, "N", "N views around one frame", OPTION_ANY },
     OPTION_TITLE( "Appearance:" ),
-    { "colour", KEY_COLOUR, "WHAT", "body (default), strain, speed, or map: the first map of a surface",
+    { "colour", RENDER_KEY_COLOUR, "WHAT", "body (default), strain, speed, or map: the first map of a surface",
       OPTION_WORDS( value_words ) },
-    { "color", KEY_COLOUR, "WHAT", NULL, OPTION_WORDS( value_words ) },
-    { "range", KEY_RANGE, "LOW,HIGH", "Values at the ends of the colour scale", OPTION_ANY },
-    { "boundary", KEY_BOUNDARY, "WHAT", "Boundary points by normal (default) or class, or none",
+    { "color", RENDER_KEY_COLOUR, "WHAT", NULL, OPTION_WORDS( value_words ) },
+    { "range", RENDER_KEY_RANGE, "LOW,HIGH", "Values at the ends of the colour scale", OPTION_ANY },
+    { "boundary", RENDER_KEY_BOUNDARY, "WHAT", "Boundary points by normal (default) or class, or none",
       OPTION_WORDS( layer_words ) },
-    { "cut", KEY_CUT, "X,Y,Z,D", "Cut bodies open: draw what has X x + Y y + Z z <= D", OPTION_ANY },
-    { "normals", KEY_NORMALS, NULL, "Draw normals of boundary points", OPTION_ANY },
-    { "ground", KEY_GROUND, "WHERE", "auto (default), none, or y in metres", OPTION_WORDS( ground_words ) },
-    { "background", KEY_BACKGROUND, "WHAT", "studio (default), white, dark, #20242c, or #top,#bottom",
+    { "cut", RENDER_KEY_CUT, "X,Y,Z,D", "Cut bodies open: draw what has X x + Y y + Z z <= D", OPTION_ANY },
+    { "normals", RENDER_KEY_NORMALS, NULL, "Draw normals of boundary points", OPTION_ANY },
+    { "ground", RENDER_KEY_GROUND, "WHERE", "auto (default), none, or y in metres", OPTION_WORDS( ground_words ) },
+    { "background", RENDER_KEY_BACKGROUND, "WHAT", "studio (default), white, dark, #20242c, or #top,#bottom",
       OPTION_WORDS( background_words ) },
-    { "mesh", KEY_MESH, "FILE", "Triangles for a point cache (.obj, .ply)", OPTION_FILES( ".obj .ply" ) },
+    { "mesh", RENDER_KEY_MESH, "FILE", "Triangles for a point cache (.obj, .ply)", OPTION_FILES( ".obj .ply" ) },
 };
 
 const command_text render_text = {
@@ -88,8 +234,8 @@ const command_text render_text = {
                 "wisp render flag.wisp --sheet -o sheet.png\n"
                 "wisp render flag.wisp --frames 0::2 --colour strain -o film.png\n"
                 "wisp render data/bunny.obj --turntable 36 -o bunny.png",
-    .rows = rows,
-    .row_count = WISP_COUNT( rows ),
+    .rows = render_rows,
+    .row_count = WISP_COUNT( render_rows ),
     .values = OPTION_FILES( ".yaml .yml .json .wisp .pc2 .obj .ply .glb .gltf .hair" ),
 };
 
@@ -104,7 +250,7 @@ static void choose_frames( const options_state* o, picture_options* options, pic
 
 static void parse_range( const options_state* o, const char* argument, picture_options* options )
 {
-    picture_parse_numbers( o, argument, 2, options->range );
+    parse_numbers( o, argument, 2, options->range );
     if ( !( options->range[0] < options->range[1] ) )
     {
         options_fail( o, "--range: got '%s', expected two rising numbers", argument );
@@ -115,7 +261,7 @@ static void parse_range( const options_state* o, const char* argument, picture_o
 static void parse_camera( const options_state* o, const char* argument, picture_options* options )
 {
     float n[6];
-    picture_parse_numbers( o, argument, 6, n );
+    parse_numbers( o, argument, 6, n );
     options->eye = ( wisp_vec3 ){ n[0], n[1], n[2] };
     options->target = ( wisp_vec3 ){ n[3], n[4], n[5] };
     options->has_camera = true;
@@ -124,7 +270,7 @@ static void parse_camera( const options_state* o, const char* argument, picture_
 static void parse_from( const options_state* o, const char* argument, picture_options* options )
 {
     float n[2];
-    picture_parse_numbers( o, argument, 2, n );
+    parse_numbers( o, argument, 2, n );
     if ( !( n[1] >= -89.0f && n[1] <= 89.0f ) )
     {
         options_fail( o, "--from: got an elevation of %g, expected -89 to 89 degrees", (double)n[1] );
@@ -137,7 +283,7 @@ static void parse_from( const options_state* o, const char* argument, picture_op
 static void parse_cut( const options_state* o, const char* argument, picture_options* options )
 {
     float n[4];
-    picture_parse_numbers( o, argument, 4, n );
+    parse_numbers( o, argument, 4, n );
     options->cut_normal = ( wisp_vec3 ){ n[0], n[1], n[2] };
     options->cut_offset = n[3];
     if ( n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f )
@@ -148,7 +294,7 @@ static void parse_cut( const options_state* o, const char* argument, picture_opt
 
 static void parse_fov( const options_state* o, const char* argument, picture_options* options )
 {
-    picture_parse_numbers( o, argument, 1, &options->view.fov_degrees );
+    parse_numbers( o, argument, 1, &options->view.fov_degrees );
     if ( !( options->view.fov_degrees >= 1.0f && options->view.fov_degrees <= 150.0f ) )
     {
         options_fail( o, "--fov: got '%s', expected 1 to 150 degrees", argument );
@@ -161,39 +307,39 @@ static bool parse_view( const options_state* o, int key, const char* argument )
     picture_options* options = o->input;
     switch ( key )
     {
-        case KEY_FRAME:
+        case RENDER_KEY_FRAME:
             choose_frames( o, options, PICTURE_FRAME );
             options->first = option_whole( o, argument, 0, FRAME_MAX );
             return true;
-        case KEY_TIME:
+        case RENDER_KEY_TIME:
         {
             float seconds;
             choose_frames( o, options, PICTURE_TIME );
-            picture_parse_numbers( o, argument, 1, &seconds );
+            parse_numbers( o, argument, 1, &seconds );
             options->seconds = (double)seconds;
             return true;
         }
-        case KEY_FRAMES:
+        case RENDER_KEY_FRAMES:
             choose_frames( o, options, PICTURE_FRAMES );
-            picture_parse_frames( o, argument, options );
+            parse_frames( o, argument, options );
             return true;
-        case KEY_SHEET:
+        case RENDER_KEY_SHEET:
             options->is_sheet = true;
             options->columns = argument ? option_whole( o, argument, 1, COLUMNS_MAX ) : 0;
             return true;
-        case KEY_TURNTABLE:
+        case RENDER_KEY_TURNTABLE:
             options->turntable = option_whole( o, argument, 1, TURNTABLE_MAX );
             return true;
-        case KEY_CAMERA:
+        case RENDER_KEY_CAMERA:
             parse_camera( o, argument, options );
             return true;
-        case KEY_FROM:
+        case RENDER_KEY_FROM:
             parse_from( o, argument, options );
             return true;
-        case KEY_FOV:
+        case RENDER_KEY_FOV:
             parse_fov( o, argument, options );
             return true;
-        case KEY_CUT:
+        case RENDER_KEY_CUT:
             parse_cut( o, argument, options );
             return true;
         default:
@@ -208,37 +354,37 @@ static bool parse_look( const options_state* o, int key, const char* argument )
     picture_options* options = o->input;
     switch ( key )
     {
-        case KEY_COLOUR:
+        case RENDER_KEY_COLOUR:
             options->source.value = (picture_value)option_word( o, argument );
             return true;
-        case KEY_BOUNDARY:
+        case RENDER_KEY_BOUNDARY:
             options->source.layer = looks[option_word( o, argument )];
             return true;
-        case KEY_NORMALS:
+        case RENDER_KEY_NORMALS:
             options->source.has_layer_normals = true;
             return true;
-        case KEY_RANGE:
+        case RENDER_KEY_RANGE:
             parse_range( o, argument, options );
             return true;
-        case KEY_GROUND:
-            picture_parse_ground( o, argument, options );
+        case RENDER_KEY_GROUND:
+            parse_ground( o, argument, options );
             return true;
-        case KEY_BACKGROUND:
-            picture_parse_background( o, argument, options );
+        case RENDER_KEY_BACKGROUND:
+            parse_background( o, argument, options );
             return true;
-        case KEY_MESH:
+        case RENDER_KEY_MESH:
             options->source.mesh = argument;
             return true;
-        case KEY_SIZE:
-            picture_parse_size( o, argument, options );
+        case RENDER_KEY_SIZE:
+            parse_size( o, argument, options );
             return true;
-        case KEY_SAMPLES:
+        case RENDER_KEY_SAMPLES:
             options->samples = option_whole( o, argument, 1, RENDER_MAX_SAMPLES );
             return true;
-        case KEY_OUTPUT:
+        case RENDER_KEY_OUTPUT:
             options->output = argument;
             return true;
-        case KEY_WORKERS:
+        case RENDER_KEY_WORKERS:
             options->workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
             options->source.world.workers = options->workers;
             return true;
@@ -247,7 +393,7 @@ static bool parse_look( const options_state* o, int key, const char* argument )
     }
 }
 
-static void check( const options_state* o, const picture_options* options )
+static void check_render_options( const options_state* o, const picture_options* options )
 {
     if ( !options->output )
     {
@@ -278,7 +424,7 @@ static void check( const options_state* o, const picture_options* options )
     }
 }
 
-static bool take( options_state* o, int key, const char* argument )
+static bool take_render_option( options_state* o, int key, const char* argument )
 {
     picture_options* options = o->input;
     switch ( key )
@@ -290,7 +436,7 @@ static bool take( options_state* o, int key, const char* argument )
             {
                 options_fail( o, "expected a scene, recording, mesh or groom" );
             }
-            check( o, options );
+            check_render_options( o, options );
             return true;
         default:
             return parse_view( o, key, argument ) || parse_look( o, key, argument );
@@ -299,8 +445,8 @@ static bool take( options_state* o, int key, const char* argument )
 
 int command_render( int argc, char** argv )
 {
-    picture_options options = picture_default_options();
-    options_parse( &render_text, take, &options, argc, argv );
+    picture_options options = default_options();
+    options_parse( &render_text, take_render_option, &options, argc, argv );
 
     wisp_error error = { 0 };
     wisp_status status = picture_draw( &options, &error );

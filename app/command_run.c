@@ -3,7 +3,7 @@
 #include "interruption.h"
 #include "io_file.h"
 #include "progress.h"
-#include "run_bodies.h"
+#include "run_recorder.h"
 #include "run_summary.h"
 #include "scene.h"
 
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define STEPS_MAX 100000000
+#define RUN_STEPS_MAX 100000000
 
 typedef struct run_options
 {
@@ -31,47 +31,47 @@ typedef struct run_options
 
 enum
 {
-    KEY_STEPS = 's',
-    KEY_WORKERS = 'w',
-    KEY_FORMAT = 'f',
-    KEY_OUTPUT = 'o',
-    KEY_ISA = 256,
-    KEY_RECORD,
-    KEY_RECORD_WITH,
-    KEY_EVERY,
-    KEY_FRAMES,
-    KEY_TRACK,
-    KEY_TRACK_FILE,
-    KEY_VERIFY,
-    KEY_BOUNDARY,
-    KEY_INTERSECTIONS,
+    RUN_KEY_STEPS = 's',
+    RUN_KEY_WORKERS = 'w',
+    RUN_KEY_FORMAT = 'f',
+    RUN_KEY_OUTPUT = 'o',
+    RUN_KEY_ISA = 256,
+    RUN_KEY_RECORD,
+    RUN_KEY_RECORD_WITH,
+    RUN_KEY_EVERY,
+    RUN_KEY_FRAMES,
+    RUN_KEY_TRACK,
+    RUN_KEY_TRACK_FILE,
+    RUN_KEY_VERIFY,
+    RUN_KEY_BOUNDARY,
+    RUN_KEY_INTERSECTIONS,
 };
 
-static const option_row rows[] = {
+static const option_row run_rows[] = {
     OPTION_TITLE( "Simulation:" ),
-    { "steps", KEY_STEPS, "N", "Simulate N steps; default: the scene's steps", OPTION_ANY },
-    { "workers", KEY_WORKERS, "N", "Use N workers, 1 to 64; default: the scene's, or one per core", OPTION_ANY },
-    { "isa", KEY_ISA, "SET", "Use at most baseline, avx2 or avx512; default: the best available",
+    { "steps", RUN_KEY_STEPS, "N", "Simulate N steps; default: the scene's steps", OPTION_ANY },
+    { "workers", RUN_KEY_WORKERS, "N", "Use N workers, 1 to 64; default: the scene's, or one per core", OPTION_ANY },
+    { "isa", RUN_KEY_ISA, "SET", "Use at most baseline, avx2 or avx512; default: the best available",
       OPTION_WORDS( option_isa_words ) },
     OPTION_TITLE( "Summary:" ),
-    { "intersections", KEY_INTERSECTIONS, NULL, "Count the edges through triangles of all surfaces after each step",
-      OPTION_ANY },
-    OPTION_RESULTS_FORMAT( KEY_FORMAT ),
-    { "output", KEY_OUTPUT, "FILE", "Write the summary to FILE; default: standard output", OPTION_FILES( "*" ) },
+    { "intersections", RUN_KEY_INTERSECTIONS, NULL,
+      "Count the edges through triangles of all surfaces after each step", OPTION_ANY },
+    OPTION_RESULTS_FORMAT( RUN_KEY_FORMAT ),
+    { "output", RUN_KEY_OUTPUT, "FILE", "Write the summary to FILE; default: standard output", OPTION_FILES( "*" ) },
     OPTION_TITLE( "Recording:" ),
-    { "record", KEY_RECORD, "FILE", "Record all vertices (.wisp, .pc2, .pvd, .obj, .usda, .glb)",
+    { "record", RUN_KEY_RECORD, "FILE", "Record all vertices (.wisp, .pc2, .pvd, .obj, .usda, .glb)",
       OPTION_FILES( ".wisp .pc2 .pvd .obj .usda .glb" ) },
-    { "record-with", KEY_RECORD_WITH, "VALUE[,VALUE]",
+    { "record-with", RUN_KEY_RECORD_WITH, "VALUE[,VALUE]",
       "Compute strain or speed and record them too (.pvd, .usda); default: those that the scene computes",
       OPTION_WORDS( run_value_names ) },
-    { "every", KEY_EVERY, "N", "Record every Nth step, default 1", OPTION_ANY },
-    { "frames-per-step", KEY_FRAMES, "N",
+    { "every", RUN_KEY_EVERY, "N", "Record every Nth step, default 1", OPTION_ANY },
+    { "frames-per-step", RUN_KEY_FRAMES, "N",
       "Record N frames per step, 1 to 1000, ghosts on smooth curves in time; default: the scene's", OPTION_ANY },
-    { "track", KEY_TRACK, "BODY:VERTEX[,VERTEX...]", "Write the path of these vertices; can be repeated",
+    { "track", RUN_KEY_TRACK, "BODY:VERTEX[,VERTEX...]", "Write the path of these vertices; can be repeated",
       OPTION_ANY },
-    { "track-file", KEY_TRACK_FILE, "FILE.csv", "File for the paths of --track", OPTION_FILES( ".csv" ) },
-    { "boundary", KEY_BOUNDARY, "FILE.ply", "Write the boundary points of all surfaces", OPTION_FILES( ".ply" ) },
-    { "verify", KEY_VERIFY, "FILE.wisp", "Fail at the first frame that differs from this recording",
+    { "track-file", RUN_KEY_TRACK_FILE, "FILE.csv", "File for the paths of --track", OPTION_FILES( ".csv" ) },
+    { "boundary", RUN_KEY_BOUNDARY, "FILE.ply", "Write the boundary points of all surfaces", OPTION_FILES( ".ply" ) },
+    { "verify", RUN_KEY_VERIFY, "FILE.wisp", "Fail at the first frame that differs from this recording",
       OPTION_FILES( ".wisp" ) },
 };
 
@@ -96,8 +96,8 @@ const command_text run_text = {
     .examples = "wisp run data/scenes/flag.yaml\n"
                 "wisp run data/scenes/flag.yaml --steps 100 --record flag.wisp\n"
                 "wisp run data/scenes/character.yaml --intersections",
-    .rows = rows,
-    .row_count = WISP_COUNT( rows ),
+    .rows = run_rows,
+    .row_count = WISP_COUNT( run_rows ),
     .values = OPTION_FILES( ".yaml .yml .json" ),
 };
 
@@ -150,22 +150,22 @@ static bool parse_recorder( const options_state* o, int key, const char* argumen
 {
     switch ( key )
     {
-        case KEY_RECORD:
+        case RUN_KEY_RECORD:
             def->record = option_file( o, argument );
             return true;
-        case KEY_RECORD_WITH:
+        case RUN_KEY_RECORD_WITH:
             parse_values( o, argument, &def->values );
             return true;
-        case KEY_EVERY:
-            def->every = option_whole( o, argument, 1, STEPS_MAX );
+        case RUN_KEY_EVERY:
+            def->every = option_whole( o, argument, 1, RUN_STEPS_MAX );
             return true;
-        case KEY_TRACK:
+        case RUN_KEY_TRACK:
             parse_track( o, argument, def );
             return true;
-        case KEY_TRACK_FILE:
+        case RUN_KEY_TRACK_FILE:
             def->track_file = option_file( o, argument );
             return true;
-        case KEY_VERIFY:
+        case RUN_KEY_VERIFY:
             def->verify = argument;
             return true;
         default:
@@ -173,7 +173,7 @@ static bool parse_recorder( const options_state* o, int key, const char* argumen
     }
 }
 
-static void check( const options_state* o, const run_options* options )
+static void check_run_options( const options_state* o, const run_options* options )
 {
     const run_recorder_def* def = &options->recorder;
     if ( options->boundary && !io_has_extension( options->boundary, ".ply" ) )
@@ -206,7 +206,7 @@ static void check( const options_state* o, const run_options* options )
     }
 }
 
-static bool take( options_state* o, int key, const char* argument )
+static bool take_run_option( options_state* o, int key, const char* argument )
 {
     run_options* options = o->input;
     if ( parse_recorder( o, key, argument, &options->recorder ) )
@@ -215,33 +215,33 @@ static bool take( options_state* o, int key, const char* argument )
     }
     switch ( key )
     {
-        case KEY_STEPS:
-            options->steps = option_whole( o, argument, 1, STEPS_MAX );
+        case RUN_KEY_STEPS:
+            options->steps = option_whole( o, argument, 1, RUN_STEPS_MAX );
             return true;
-        case KEY_WORKERS:
+        case RUN_KEY_WORKERS:
             options->world.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
             return true;
-        case KEY_ISA:
+        case RUN_KEY_ISA:
             options->world.isa = option_isa_words[option_word( o, argument )];
             return true;
-        case KEY_FORMAT:
+        case RUN_KEY_FORMAT:
             options->format = (results_format)option_word( o, argument );
             return true;
-        case KEY_OUTPUT:
+        case RUN_KEY_OUTPUT:
             options->output = argument;
             return true;
-        case KEY_BOUNDARY:
+        case RUN_KEY_BOUNDARY:
             options->boundary = option_file( o, argument );
             return true;
-        case KEY_FRAMES:
+        case RUN_KEY_FRAMES:
             options->frames_per_step = option_whole( o, argument, 1, 1000 );
             return true;
-        case KEY_INTERSECTIONS:
+        case RUN_KEY_INTERSECTIONS:
             options->intersections = true;
             return true;
         case OPTIONS_END:
             option_input( o, key, argument, &options->scene );
-            check( o, options );
+            check_run_options( o, options );
             return true;
         default:
             return option_input( o, key, argument, &options->scene );
@@ -382,7 +382,7 @@ static wisp_status run_scene( run_options* options, const wisp_scene* scene, res
 int command_run( int argc, char** argv )
 {
     run_options options = { .recorder = { .every = 1 } };
-    options_parse( &run_text, take, &options, argc, argv );
+    options_parse( &run_text, take_run_option, &options, argc, argv );
 
     wisp_error error = { 0 };
     wisp_scene scene;

@@ -3,10 +3,184 @@
 #include "interruption.h"
 #include "io_file.h"
 #include "progress.h"
-#include "tune_report.h"
+#include "results.h"
+#include "tune_scene.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+// ---- the report ----
+
+// A row and a line per setting, the reference, the verdict.
+
+static bool is_chosen( const tune_parameters* parameters, const wisp_tune_result* found,
+                       const wisp_tune_trial* trial )
+{
+    return memcmp( trial->configuration, found->configuration, (size_t)parameters->count * sizeof( int ) ) == 0;
+}
+
+static void name_setting( const tune_parameters* parameters, const int* configuration, char* out, size_t size )
+{
+    out[0] = '\0';
+    for ( int k = 0; k < parameters->count; ++k )
+    {
+        char value[32];
+        tune_parameters_text( parameters, k, parameters->values[k][configuration[k]], value, sizeof value );
+        const size_t length = strlen( out );
+        snprintf( out + length, size - length, "%s%s: %s", k > 0 ? ", " : "", parameters->parameters[k].name, value );
+    }
+}
+
+static void add_visit_row( results* out, const tune_scene_def* def, const tune_scene_info* info,
+                           const wisp_tune_result* found, const wisp_tune_trial* trial )
+{
+    results_row* row = results_add_row( out, io_file_name( def->scene->name ),
+                                        is_chosen( def->parameters, found, trial ) ? "chosen" : "trial" );
+    if ( !row )
+    {
+        return;
+    }
+    results_put( &row->size, "points", info->points );
+    for ( int k = 0; k < def->parameters->count; ++k )
+    {
+        results_put( &row->size, def->parameters->parameters[k].name,
+                     def->parameters->values[k][trial->configuration[k]] );
+    }
+    results_put( &row->size, "is_pareto", trial->is_pareto ? 1.0 : 0.0 );
+    results_put( &row->size, "halted", trial->sample.is_halted ? 1.0 : 0.0 );
+    row->workers = info->workers;
+    row->ms_median = trial->sample.ms;
+    row->steps = info->steps * trial->run_count;
+    if ( !trial->sample.is_halted )
+    {
+        snprintf( row->error_reference, sizeof row->error_reference, "reference: %d times the finest substeps",
+                  TUNE_REFERENCE_FACTOR );
+        results_put( &row->error, "rms_m", trial->sample.error );
+        results_put( &row->error, "largest_m", trial->sample.largest );
+    }
+}
+
+static void add_visit_line( results* out, int table, const tune_parameters* parameters, const wisp_tune_result* found,
+                            const wisp_tune_trial* trial )
+{
+    char texts[WISP_TUNE_MAX_PARAMETERS + 4][32];
+    const char* cells[WISP_TUNE_MAX_PARAMETERS + 4];
+    for ( int i = 0; i < parameters->count + 4; ++i )
+    {
+        cells[i] = texts[i];
+    }
+    for ( int k = 0; k < parameters->count; ++k )
+    {
+        tune_parameters_text( parameters, k, parameters->values[k][trial->configuration[k]], texts[k],
+                              sizeof texts[k] );
+    }
+    const bool halted = trial->sample.is_halted;
+    snprintf( texts[parameters->count], sizeof texts[0], "%.4f", trial->sample.ms );
+    snprintf( texts[parameters->count + 1], sizeof texts[0], halted ? "-" : "%.3e", trial->sample.error );
+    snprintf( texts[parameters->count + 2], sizeof texts[0], halted ? "-" : "%.3e", trial->sample.largest );
+    snprintf( texts[parameters->count + 3], sizeof texts[0], "%s",
+              is_chosen( parameters, found, trial ) ? "chosen"
+              : halted                              ? "halted"
+              : trial->is_pareto                    ? "Pareto"
+                                                    : "" );
+    results_add_cells( out, table, cells );
+}
+
+static int compare_visits( const void* a, const void* b )
+{
+    const wisp_tune_trial *x = a, *y = b;
+    return ( x->sample.ms > y->sample.ms ) - ( x->sample.ms < y->sample.ms );
+}
+
+static void add_table( results* out, const tune_scene_def* def, const wisp_tune_result* found )
+{
+    const tune_parameters* parameters = def->parameters;
+    const char* header[WISP_TUNE_MAX_PARAMETERS + 4];
+    for ( int k = 0; k < parameters->count; ++k )
+    {
+        header[k] = parameters->parameters[k].name;
+    }
+    header[parameters->count] = "ms per step";
+    header[parameters->count + 1] = "error (m)";
+    header[parameters->count + 2] = "max error (m)";
+    header[parameters->count + 3] = "verdict";
+    const int table = results_add_table( out, "Configurations, fastest first", parameters->count + 4, header );
+    for ( int v = 0; v < found->trial_count; ++v )
+    {
+        add_visit_line( out, table, parameters, found, &found->trials[v] );
+    }
+}
+
+static void add_reference( results* out, int table, const tune_scene_def* def, const tune_scene_info* info )
+{
+    int finest[WISP_TUNE_MAX_PARAMETERS];
+    for ( int k = 0; k < def->parameters->count; ++k )
+    {
+        finest[k] = def->parameters->parameters[k].value_count - 1;
+    }
+    char setting[240], text[320];
+    name_setting( def->parameters, finest, setting, sizeof setting );
+    snprintf( text, sizeof text, "%s; %d times the substeps", setting, TUNE_REFERENCE_FACTOR );
+    results_add_cells( out, table, ( const char* const[] ){ "reference", text } );
+    snprintf( text, sizeof text, "root mean square distance over %d points and %d steps of %g s", info->points,
+              info->steps, (double)def->scene->dt );
+    results_add_cells( out, table, ( const char* const[] ){ "error", text } );
+}
+
+static void add_verdict( results* out, int table, const tune_scene_def* def, const wisp_tune_result* found )
+{
+    char setting[240], text[320], target[60];
+    name_setting( def->parameters, found->configuration, setting, sizeof setting );
+    if ( def->error > 0.0 )
+    {
+        snprintf( target, sizeof target, "error at most %g m", def->error );
+    }
+    else
+    {
+        snprintf( target, sizeof target, "at most %g ms per step", def->budget_ms );
+    }
+    snprintf( text, sizeof text, "%s: %s", found->meets_target ? "met" : "not met", target );
+    results_add_cells( out, table, ( const char* const[] ){ "target", text } );
+    if ( found->achieved.is_halted )
+    {
+        results_add_cells( out, table,
+                           ( const char* const[] ){ "nearest", "none: every configuration became unstable" } );
+        return;
+    }
+    results_add_cells( out, table, ( const char* const[] ){ found->meets_target ? "chosen" : "nearest", setting } );
+    snprintf( text, sizeof text, "%.4f ms per step, error %.3e m, maximum %.3e m", found->achieved.ms,
+              found->achieved.error, found->achieved.largest );
+    results_add_cells( out, table, ( const char* const[] ){ "reached", text } );
+}
+
+static void add_search( results* out, int table, const wisp_tune_result* found )
+{
+    char text[160];
+    snprintf( text, sizeof text, "%d run%s of %d configuration%s in %.1f s%s", found->run_count,
+              found->run_count == 1 ? "" : "s", found->trial_count, found->trial_count == 1 ? "" : "s",
+              found->seconds, found->stopped_early ? "; stopped early by a limit, better ones may exist" : "" );
+    results_add_cells( out, table, ( const char* const[] ){ "search", text } );
+}
+
+// @param found its visits are sorted by time
+static void report_tuning( results* out, const tune_scene_def* def, const tune_scene_info* info,
+                           wisp_tune_result* found )
+{
+    out->machine = machine_describe( info->isa );
+    out->is_result_first = true;
+    qsort( found->trials, (size_t)found->trial_count, sizeof *found->trials, compare_visits );
+    for ( int v = 0; v < found->trial_count; ++v )
+    {
+        add_visit_row( out, def, info, found, &found->trials[v] );
+    }
+    const int head = results_add_table( out, "", 2, ( const char* const[] ){ "", "" } );
+    add_verdict( out, head, def, found );
+    add_search( out, head, found );
+    add_reference( out, head, def, info );
+    add_table( out, def, found );
+}
+
+// ---- the command ----
 
 #define DEFAULT_LIMIT 300.0
 
@@ -22,26 +196,27 @@ typedef struct tune_options
 
 enum
 {
-    KEY_ERROR = 'e',
-    KEY_BUDGET = 'b',
-    KEY_SECONDS = 's',
-    KEY_WORKERS = 'w',
-    KEY_FORMAT = 'f',
-    KEY_OUTPUT = 'o',
-    KEY_LIMIT = 256,
+    TUNE_KEY_ERROR = 'e',
+    TUNE_KEY_BUDGET = 'b',
+    TUNE_KEY_SECONDS = 's',
+    TUNE_KEY_WORKERS = 'w',
+    TUNE_KEY_FORMAT = 'f',
+    TUNE_KEY_OUTPUT = 'o',
+    TUNE_KEY_LIMIT = 256,
 };
 
-static const option_row rows[] = {
+static const option_row tune_rows[] = {
     OPTION_TITLE( "Target, one of:" ),
-    { "error", KEY_ERROR, "METRES", "Cheapest configuration with at most this error", OPTION_ANY },
-    { "budget", KEY_BUDGET, "MS", "Most accurate configuration within MS ms per step", OPTION_ANY },
+    { "error", TUNE_KEY_ERROR, "METRES", "Cheapest configuration with at most this error", OPTION_ANY },
+    { "budget", TUNE_KEY_BUDGET, "MS", "Most accurate configuration within MS ms per step", OPTION_ANY },
     OPTION_TITLE( "Search:" ),
-    { "seconds", KEY_SECONDS, "S", "Simulate S seconds per run; default: the scene, at most 2", OPTION_ANY },
-    { "limit", KEY_LIMIT, "SECONDS", "Start no run after this time, default 300", OPTION_ANY },
-    { "workers", KEY_WORKERS, "N", "Use N workers, 1 to 64; default: the scene's, or one per core", OPTION_ANY },
+    { "seconds", TUNE_KEY_SECONDS, "S", "Simulate S seconds per run; default: the scene, at most 2", OPTION_ANY },
+    { "limit", TUNE_KEY_LIMIT, "SECONDS", "Start no run after this time, default 300", OPTION_ANY },
+    { "workers", TUNE_KEY_WORKERS, "N", "Use N workers, 1 to 64; default: the scene's, or one per core", OPTION_ANY },
     OPTION_TITLE( "Output:" ),
-    OPTION_RESULTS_FORMAT( KEY_FORMAT ),
-    { "output", KEY_OUTPUT, "FILE", "Write the tuned scene to FILE; default: not written", OPTION_FILES( ".yaml" ) },
+    OPTION_RESULTS_FORMAT( TUNE_KEY_FORMAT ),
+    { "output", TUNE_KEY_OUTPUT, "FILE", "Write the tuned scene to FILE; default: not written",
+      OPTION_FILES( ".yaml" ) },
 };
 
 const command_text tune_text = {
@@ -66,12 +241,12 @@ const command_text tune_text = {
     .examples = "wisp tune data/scenes/hanging_cloth.yaml --error 0.005\n"
                 "wisp tune data/scenes/hanging_cloth.yaml --budget 2 -o data/scenes/tuned.yaml",
     .unmet = "no configuration meets the target",
-    .rows = rows,
-    .row_count = WISP_COUNT( rows ),
+    .rows = tune_rows,
+    .row_count = WISP_COUNT( tune_rows ),
     .values = OPTION_FILES( ".yaml .yml .json" ),
 };
 
-static void check( const options_state* o, const tune_options* options )
+static void check_tune_options( const options_state* o, const tune_options* options )
 {
     if ( ( options->search.error > 0.0 ) == ( options->search.budget_ms > 0.0 ) )
     {
@@ -79,35 +254,35 @@ static void check( const options_state* o, const tune_options* options )
     }
 }
 
-static bool take( options_state* o, int key, const char* argument )
+static bool take_tune_option( options_state* o, int key, const char* argument )
 {
     tune_options* options = o->input;
     switch ( key )
     {
-        case KEY_ERROR:
+        case TUNE_KEY_ERROR:
             options->search.error = option_positive( o, argument, 1e6 );
             return true;
-        case KEY_BUDGET:
+        case TUNE_KEY_BUDGET:
             options->search.budget_ms = option_positive( o, argument, 1e6 );
             return true;
-        case KEY_SECONDS:
+        case TUNE_KEY_SECONDS:
             options->search.seconds = option_positive( o, argument, 1e6 );
             return true;
-        case KEY_LIMIT:
+        case TUNE_KEY_LIMIT:
             options->search.limit = option_positive( o, argument, 1e9 );
             return true;
-        case KEY_WORKERS:
+        case TUNE_KEY_WORKERS:
             options->search.world.workers = option_whole( o, argument, 1, WISP_MAX_WORKERS );
             return true;
-        case KEY_FORMAT:
+        case TUNE_KEY_FORMAT:
             options->format = (results_format)option_word( o, argument );
             return true;
-        case KEY_OUTPUT:
+        case TUNE_KEY_OUTPUT:
             options->output = argument;
             return true;
         case OPTIONS_END:
             option_input( o, key, argument, &options->scene );
-            check( o, options );
+            check_tune_options( o, options );
             return true;
         default:
             return option_input( o, key, argument, &options->scene );
@@ -242,7 +417,7 @@ static wisp_status tune( tune_options* options, const wisp_scene* scene, const t
     if ( status == WISP_OK )
     {
         *meets_target = found.meets_target;
-        tune_report( out, &options->search, &info, &found );
+        report_tuning( out, &options->search, &info, &found );
         if ( interruption_came() )
         {
             results_add_note( out, "interrupted after %d runs: a better configuration may exist", found.run_count );
@@ -264,7 +439,7 @@ static wisp_status tune( tune_options* options, const wisp_scene* scene, const t
 int command_tune( int argc, char** argv )
 {
     tune_options options = { .search = { .limit = DEFAULT_LIMIT } };
-    options_parse( &tune_text, take, &options, argc, argv );
+    options_parse( &tune_text, take_tune_option, &options, argc, argv );
 
     // The scene is read twice: the fields of the second copy change from run to run.
     wisp_error error = { 0 };

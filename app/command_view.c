@@ -1,16 +1,251 @@
 #include "commands.h"
 
+#include "base64.h"
 #include "file_kind.h"
 #include "interruption.h"
 #include "io_file.h"
+#include "program_data.h"
+#include "results_write.h"
+#include "progress.h"
 #include "record.h"
-#include "view_page.h"
-#include "view_scene.h"
+#include "scene.h"
+#include "wisp/base.h"
+#include "world_from_scene.h"
 
+#include <jansson.h>
+#include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
-#define STEPS_MAX 1000000
+// ---- the page ----
+
+// One HTML file that `./dev web` builds, in which data take the place of one word.
+
+// Files of a page, all together.
+#define VIEW_MAX_BYTES ( 64u << 20 )
+#define PAGE_MAX_BYTES ( 64u << 20 )
+
+static const char place_begin[] = "<script type=\"application/json\" id=\"wisp-data\">";
+static const char place_word[] = "null";
+
+// ---- data ----
+
+// @return a string for json_decref(), null without memory
+static json_t* encode( const unsigned char* bytes, size_t size )
+{
+    char* text = NULL;
+    size_t length = 0;
+    FILE* stream = open_memstream( &text, &length );
+    if ( !stream )
+    {
+        return NULL;
+    }
+    io_base64 letters = { .out = stream };
+    io_base64_put( &letters, bytes, size );
+    io_base64_end( &letters );
+    const bool is_whole = !ferror( stream );
+    json_t* string = fclose( stream ) == 0 && is_whole ? json_stringn( text, length ) : NULL;
+    free( text );
+    return string;
+}
+
+// Read a file into the page's data. @param name as the page knows it
+// @return WISP_BAD_INPUT the files exceed VIEW_MAX_BYTES; WISP_IO_ERROR; WISP_NO_MEMORY
+static wisp_status add_file( json_t* files, const char* name, const char* path, size_t* total, wisp_error* error )
+{
+    json_t* word = json_string( name );
+    if ( !word )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got a file name that is not UTF-8, which a page cannot hold",
+                          path );
+    }
+    json_decref( word );
+    unsigned char* bytes;
+    size_t size;
+    const wisp_status status = io_file_read( path, VIEW_MAX_BYTES, &bytes, &size, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    *total += size;
+    if ( *total > VIEW_MAX_BYTES )
+    {
+        free( bytes );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: with this file a page has more than %u MB, which is the limit",
+                          path, VIEW_MAX_BYTES >> 20 );
+    }
+    const bool is_added = json_object_set_new( files, name, encode( bytes, size ) ) == 0;
+    free( bytes );
+    return is_added ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the page", path );
+}
+
+// ---- the page ----
+
+static wisp_status read_page( unsigned char** page, size_t* size, size_t* place, wisp_error* error )
+{
+    char path[PATH_MAX];
+    struct stat found;
+    program_data_path( "viewer.html", path, sizeof path );
+    if ( stat( path, &found ) != 0 )
+    {
+        return wisp_fail( error, WISP_IO_ERROR,
+                          "%s: the page of `wisp view` is not there: './dev web' builds it, and WISP_DATA names the "
+                          "folder that has it",
+                          io_short_name( path ) );
+    }
+    wisp_status status = io_file_read( path, PAGE_MAX_BYTES, page, size, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const unsigned char* begin = *size ? memmem( *page, *size, place_begin, sizeof place_begin - 1 ) : NULL;
+    const size_t at = begin ? (size_t)( begin - *page ) + sizeof place_begin - 1 : *size;
+    if ( *size - at < sizeof place_word || memcmp( *page + at, place_word, sizeof place_word - 1 ) != 0 )
+    {
+        free( *page );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: the page has no place for data", path );
+    }
+    *place = at;
+    return WISP_OK;
+}
+
+// Write the page with its data.
+// @return WISP_IO_ERROR there is no page to fill (the message says how to build one), or `path` cannot be written
+static wisp_status write_page( const json_t* data, const char* path, size_t* size, wisp_error* error )
+{
+    unsigned char* page;
+    size_t page_size = 0, place = 0;
+    wisp_status status = read_page( &page, &page_size, &place, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    char* text = json_dumps( data, JSON_COMPACT );
+    io_output output = { 0 };
+    status = text ? io_output_open( path, &output, error )
+                  : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the page", path );
+    if ( status == WISP_OK )
+    {
+        const size_t behind = place + sizeof place_word - 1;
+        fwrite( page, 1, place, output.stream );
+        results_json_put_script( text, output.stream );
+        fwrite( page + behind, 1, page_size - behind, output.stream );
+        const long end = ftell( output.stream );
+        *size = end > 0 ? (size_t)end : 0;
+        status = io_output_commit( &output, error );
+    }
+    free( text );
+    free( page );
+    return status;
+}
+
+// ---- a scene ----
+
+// What a page holds of a scene: its files, and the hashes of a native run.
+
+// ---- files ----
+
+// Steps between two hashes.
+#define VIEW_HASH_EVERY 60
+
+/// Files of one page.
+typedef struct page_files
+{
+    json_t* files;
+    const char* scene; // path
+    size_t folder;     // length of its folder, with the slash
+    size_t total;      // bytes so far
+} page_files;
+
+static const char* name_in_page( const page_files* page, const char* path )
+{
+    return strncmp( path, page->scene, page->folder ) == 0 ? io_input_name( path ) + page->folder : path;
+}
+
+static wisp_status add_scene_file( void* user, const char* path, wisp_error* error )
+{
+    page_files* page = user;
+    const bool is_there = json_object_get( page->files, name_in_page( page, path ) ) != NULL;
+    return is_there ? WISP_OK : add_file( page->files, name_in_page( page, path ), path, &page->total, error );
+}
+
+// Add the scene's file and all files that it reads, under names relative to its folder.
+static wisp_status add_scene_files( const wisp_scene* scene, const char* path, json_t* files, wisp_error* error )
+{
+    const char* slash = strrchr( path, '/' );
+    page_files page = { .files = files, .scene = path, .folder = slash ? (size_t)( slash - path ) + 1 : 0 };
+    const wisp_status status = add_scene_file( &page, path, error );
+    return status == WISP_OK ? wisp_scene_files( scene, add_scene_file, &page, error ) : status;
+}
+
+// ---- hashes ----
+
+static wisp_status add_hash( const scene_world* world, json_t* values, wisp_error* error )
+{
+    char text[20];
+    snprintf( text, sizeof text, "%016llx", (unsigned long long)wisp_world_hash( world->world ) );
+    return json_array_append_new( values, json_string( text ) ) == 0
+               ? WISP_OK
+               : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for hashes", world->scene->name );
+}
+
+static wisp_status run_hashed( scene_world* world, int* steps, json_t* values, wisp_error* error )
+{
+    progress bar = progress_begin();
+    // The page requests the same, and a request that the scene lacks is part of the hash.
+    wisp_status status = scene_world_request_shown( world, error );
+    int step = 0;
+    while ( step < *steps && status == WISP_OK && !interruption_came() )
+    {
+        ++step;
+        status = scene_world_step( world, error );
+        if ( status == WISP_OK && step % VIEW_HASH_EVERY == 0 )
+        {
+            status = add_hash( world, values, error );
+        }
+        progress_show( &bar, (double)step / *steps, "steps" );
+    }
+    *steps = step;
+    progress_end( &bar );
+    return status;
+}
+
+// Simulate the scene, and hash its state after every VIEW_HASH_EVERY-th step.
+// @param steps to make; receives those that were made, fewer after an interruption
+// @param out receives an object for json_decref()
+static wisp_status compute_hashes( const wisp_scene* scene, int* steps, json_t** out, wisp_error* error )
+{
+    scene_world world;
+    const scene_world_options options = { 0 };
+    *out = NULL;
+    wisp_status status = scene_world_create( scene, &options, &world, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    json_t* values = json_array();
+    status = values ? run_hashed( &world, steps, values, error )
+                    : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for hashes", scene->name );
+    if ( status == WISP_OK )
+    {
+        *out = json_pack( "{s:i, s:s, s:o}", "every", VIEW_HASH_EVERY, "isa", wisp_world_isa( world.world ), "values",
+                          values );
+    }
+    else
+    {
+        json_decref( values );
+    }
+    scene_world_destroy( &world );
+    return status == WISP_OK && *out == NULL
+               ? wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for hashes", scene->name )
+               : status;
+}
+
+// ---- the command ----
+
+#define VIEW_STEPS_MAX 1000000
 
 typedef struct view_options
 {
@@ -23,13 +258,14 @@ typedef struct view_options
 
 enum
 {
-    KEY_OUTPUT = 'o',
-    KEY_STEPS = 's',
+    VIEW_KEY_OUTPUT = 'o',
+    VIEW_KEY_STEPS = 's',
 };
 
-static const option_row rows[] = {
-    { "output", KEY_OUTPUT, "FILE.html", "Write the page to FILE.html; required", OPTION_FILES( ".html" ) },
-    { "steps", KEY_STEPS, "N", "Simulate N steps for hashes, 0 for none; default: the scene's steps", OPTION_ANY },
+static const option_row view_rows[] = {
+    { "output", VIEW_KEY_OUTPUT, "FILE.html", "Write the page to FILE.html; required", OPTION_FILES( ".html" ) },
+    { "steps", VIEW_KEY_STEPS, "N", "Simulate N steps for hashes, 0 for none; default: the scene's steps",
+      OPTION_ANY },
 };
 
 const command_text view_text = {
@@ -46,12 +282,12 @@ const command_text view_text = {
              "Recordings end in .wisp, as 'wisp run --record' writes them.",
     .examples = "wisp view data/scenes/flag.yaml -o flag.html\n"
                 "wisp view flag.wisp -o flag.html",
-    .rows = rows,
-    .row_count = WISP_COUNT( rows ),
+    .rows = view_rows,
+    .row_count = WISP_COUNT( view_rows ),
     .values = OPTION_FILES( ".yaml .yml .json .wisp" ),
 };
 
-static void check( const options_state* o, const view_options* options )
+static void check_view_options( const options_state* o, const view_options* options )
 {
     if ( !options->output )
     {
@@ -63,20 +299,20 @@ static void check( const options_state* o, const view_options* options )
     }
 }
 
-static bool take( options_state* o, int key, const char* argument )
+static bool take_view_option( options_state* o, int key, const char* argument )
 {
     view_options* options = o->input;
     switch ( key )
     {
-        case KEY_OUTPUT:
+        case VIEW_KEY_OUTPUT:
             options->output = argument;
             return true;
-        case KEY_STEPS:
-            options->steps = option_whole( o, argument, 0, STEPS_MAX );
+        case VIEW_KEY_STEPS:
+            options->steps = option_whole( o, argument, 0, VIEW_STEPS_MAX );
             return true;
         case OPTIONS_END:
             option_input( o, key, argument, &options->input );
-            check( o, options );
+            check_view_options( o, options );
             return true;
         default:
             return option_input( o, key, argument, &options->input );
@@ -99,7 +335,7 @@ static wisp_status add_hashes( const view_options* options, const wisp_scene* sc
     json_t* hashes;
     const int all = options->steps >= 0 ? options->steps : scene->steps;
     int made = all;
-    const wisp_status status = view_scene_hashes( scene, &made, &hashes, error );
+    const wisp_status status = compute_hashes( scene, &made, &hashes, error );
     if ( status == WISP_OK )
     {
         if ( made < all )
@@ -120,7 +356,7 @@ static wisp_status take_scene( const view_options* options, json_t* files, json_
         return status;
     }
     interruption_begin(); // before that there is nothing to keep
-    status = view_scene_files( &scene, options->input, files, error );
+    status = add_scene_files( &scene, options->input, files, error );
     *data = status == WISP_OK ? begin_data( "scene", options->input, files ) : NULL;
     status = *data ? add_hashes( options, &scene, *data, error ) : status;
     wisp_scene_release( &scene );
@@ -144,8 +380,7 @@ static wisp_status take_recording( const view_options* options, json_t* files, j
     wisp_recording_close( recording );
     if ( status == WISP_OK )
     {
-        status =
-            view_add_file( files, io_file_name( io_input_name( options->input ) ), options->input, &total, error );
+        status = add_file( files, io_file_name( io_input_name( options->input ) ), options->input, &total, error );
     }
     *data = status == WISP_OK ? begin_data( "recording", options->input, files ) : NULL;
     return status;
@@ -171,7 +406,7 @@ static wisp_status take_input( const view_options* options, json_t* files, json_
 int command_view( int argc, char** argv )
 {
     view_options options = { .steps = -1 };
-    options_parse( &view_text, take, &options, argc, argv );
+    options_parse( &view_text, take_view_option, &options, argc, argv );
 
     wisp_error error = { 0 };
     json_t* files = json_object();
@@ -183,7 +418,7 @@ int command_view( int argc, char** argv )
     {
         status = wisp_fail( &error, WISP_NO_MEMORY, "%s: out of memory for the page", options.input );
     }
-    status = status == WISP_OK ? view_page_write( data, options.output, &size, &error ) : status;
+    status = status == WISP_OK ? write_page( data, options.output, &size, &error ) : status;
     if ( status == WISP_OK )
     {
         const size_t hashes = json_array_size( json_object_get( json_object_get( data, "hashes" ), "values" ) );

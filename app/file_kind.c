@@ -1,8 +1,8 @@
 #include "file_kind.h"
 
 #include "gltf.h"
-#include "info_results.h"
 #include "io_file.h"
+#include "results_read.h"
 
 #include <errno.h>
 #include <string.h>

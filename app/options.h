@@ -123,9 +123,3 @@ extern const options_status options_statuses[6];
 
 /// --help.
 void options_print_help( const command_text* command, FILE* out );
-/// --usage.
-void options_print_usage( const command_text* command, FILE* out );
-/// A page in the language of man(7).
-void options_print_manual( const command_text* command, FILE* out );
-/// Scripts that make a shell complete the words of a command line. @param program with its commands
-void options_print_bash( const command_text* program, FILE* out );

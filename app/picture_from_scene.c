@@ -15,11 +15,6 @@ typedef struct simulation
     bool shows_layers; ///< boundary particles or their normals are drawn
 } simulation;
 
-static bool is_surface( const picture_body* body )
-{
-    return body->kind == SCENE_BODY_CLOTH || body->kind == SCENE_BODY_BALLOON;
-}
-
 static bool has_appearance( const simulation* s, int body )
 {
     return body < s->scene.strands_count && s->scene.strands[body].has_appearance;
@@ -191,7 +186,7 @@ static wisp_status start_again( picture_source* source, simulation* s, wisp_erro
     return status == WISP_OK ? request_all( source, s, error ) : status;
 }
 
-static wisp_status load( picture_source* source, int frame, wisp_error* error )
+static wisp_status load_simulated( picture_source* source, int frame, wisp_error* error )
 {
     simulation* s = source->state;
     wisp_status status = WISP_OK;
@@ -211,7 +206,7 @@ static wisp_status load( picture_source* source, int frame, wisp_error* error )
     return status;
 }
 
-static wisp_status time_of( picture_source* source, int frame, double* seconds, wisp_error* error )
+static wisp_status time_of_step( picture_source* source, int frame, double* seconds, wisp_error* error )
 {
     (void)error;
     *seconds = frame * source->step;
@@ -228,12 +223,12 @@ static void close_scene( picture_source* source )
     wisp_scene_release( &s->scene );
 }
 
-static const picture_input scene_input = { load, time_of, close_scene };
+static const picture_input scene_input = { load_simulated, time_of_step, close_scene };
 
 // ---- bodies ----
 
 // Strands without an appearance keep the widths and colours of their groom.
-static bool dress_strands( simulation* s, int body, picture_body* b )
+static bool give_looks( simulation* s, int body, picture_body* b )
 {
     const wisp_groom* groom = &s->world.grooms[body];
     size_t count = (size_t)b->vertex_count;
@@ -262,7 +257,7 @@ static bool dress_strands( simulation* s, int body, picture_body* b )
     return made;
 }
 
-static wisp_status add_body( picture_source* source, simulation* s, int body, wisp_error* error )
+static wisp_status add_picture_body( picture_source* source, simulation* s, int body, wisp_error* error )
 {
     scene_body from = scene_world_body( &s->world, body );
     picture_body* to = &source->bodies[body];
@@ -282,13 +277,13 @@ static wisp_status add_body( picture_source* source, simulation* s, int body, wi
         .strand_count = from.strand_count,
     };
     const bool has_values =
-        source->value == PICTURE_MAP ? has_map( s, body ) : source->value != PICTURE_BODY && is_surface( to );
+        source->value == PICTURE_MAP ? has_map( s, body ) : source->value != PICTURE_BODY && picture_is_surface( to );
     wisp_status status = picture_make_points( source, body, has_values, error );
     if ( status == WISP_OK && has_values && source->value == PICTURE_MAP )
     {
         status = scene_world_map( &s->world, body - s->scene.strands_count, to->values, error );
     }
-    if ( status == WISP_OK && from.kind == SCENE_BODY_STRANDS && !dress_strands( s, body, to ) )
+    if ( status == WISP_OK && from.kind == SCENE_BODY_STRANDS && !give_looks( s, body, to ) )
     {
         status = picture_no_memory( source, error );
     }
@@ -305,7 +300,7 @@ static wisp_status borrow_first_look( picture_source* source, simulation* s, wis
     {
         is_needed = is_needed || has_appearance( s, i );
     }
-    return is_needed && s->scene.steps > 0 ? load( source, 1, error ) : WISP_OK;
+    return is_needed && s->scene.steps > 0 ? load_simulated( source, 1, error ) : WISP_OK;
 }
 
 static wisp_status add_bodies( picture_source* source, simulation* s, wisp_error* error )
@@ -314,7 +309,7 @@ static wisp_status add_bodies( picture_source* source, simulation* s, wisp_error
     bool has_values = false;
     for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
     {
-        status = add_body( source, s, i, error );
+        status = add_picture_body( source, s, i, error );
         has_values = has_values || source->bodies[i].values;
     }
     if ( status == WISP_OK && source->value != PICTURE_BODY && !has_values )

@@ -2,9 +2,451 @@
 
 #include "io_file.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+// ---- memory ----
+
+// Memory for the bodies of a picture, of every kind of input.
+
+wisp_status picture_no_memory( const picture_source* source, wisp_error* error )
+{
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its bodies", source->path );
+}
+
+wisp_status picture_make_bodies( picture_source* source, int count, wisp_error* error )
+{
+    if ( count < 1 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: contains nothing to draw", source->path );
+    }
+    source->bodies = calloc( (size_t)count, sizeof *source->bodies );
+    source->points = calloc( (size_t)count, sizeof *source->points );
+    source->body_count = source->bodies && source->points ? count : 0;
+    return source->body_count > 0 ? WISP_OK : picture_no_memory( source, error );
+}
+
+wisp_status picture_make_points( picture_source* source, int body, bool has_values, wisp_error* error )
+{
+    picture_body* b = &source->bodies[body];
+    size_t count = (size_t)b->vertex_count + 1;
+    b->points = malloc( count * sizeof *b->points );
+    source->points[body] = b->points;
+    if ( has_values )
+    {
+        b->values = calloc( count, sizeof *b->values );
+    }
+    return b->points && ( b->values || !has_values ) ? WISP_OK : picture_no_memory( source, error );
+}
+
+wisp_status picture_make_layer( picture_source* source, int body, int count, wisp_error* error )
+{
+    picture_layer* layer = &source->bodies[body].layer;
+    layer->count = 0;
+    if ( count <= layer->room )
+    {
+        return WISP_OK;
+    }
+    free( layer->points );
+    free( layer->normals );
+    // A layer that grows from frame to frame is not reallocated in each of them.
+    const size_t room = (size_t)count + ( count <= INT_MAX / 2 ? (size_t)count / 4 : 0 );
+    layer->points = malloc( room * sizeof *layer->points );
+    layer->normals = malloc( room * sizeof *layer->normals );
+    layer->room = layer->points && layer->normals ? (int)room : 0;
+    return layer->room > 0 ? WISP_OK : picture_no_memory( source, error );
+}
+
+// Whether every edge of a mesh has two triangles or more, an even number.
+static wisp_status is_mesh_closed( const picture_body* body, bool* is_closed, wisp_error* error )
+{
+    // The doctor only reads, but the type of a mesh has writable arrays.
+    const wisp_mesh mesh = {
+        .points = body->points,
+        .triangles = (int32_t*)(uintptr_t)body->triangles,
+        .vertex_count = body->vertex_count,
+        .triangle_count = body->triangle_count,
+    };
+    *is_closed = false;
+    if ( mesh.triangle_count == 0 )
+    {
+        return WISP_OK;
+    }
+    wisp_mesh_diagnostics report;
+    wisp_status status = wisp_mesh_examine( &mesh, &report, error );
+    *is_closed = status == WISP_OK && report.closed;
+    return status;
+}
+
+// ---- recordings and point caches ----
+
+// Recordings and point caches. Neither stores materials or velocities: both are derived from the points.
+
+// Rounding to floats changes the length of an edge by far less, and anything elastic by far more.
+#define RIGID_TOLERANCE 1e-4f
+
+typedef struct playback
+{
+    wisp_recording* recording;
+    wisp_mesh mesh;        ///< triangles of a point cache
+    wisp_vec3** others[2]; ///< [body_count] of another frame each: the first for strain, neighbours for speed
+    int32_t** first;       ///< [body_count] triangles of the first frame where they change, else null
+    int body_count;        ///< of `others`
+} playback;
+
+static wisp_status read_frame( picture_source* source, int frame, wisp_vec3** points, double* seconds,
+                               wisp_error* error )
+{
+    playback* p = source->state;
+    return wisp_recording_frame( p->recording, frame, points, seconds, NULL, error );
+}
+
+static wisp_status time_of_frame( picture_source* source, int frame, double* seconds, wisp_error* error )
+{
+    return read_frame( source, frame, NULL, seconds, error );
+}
+
+// ---- values ----
+
+static float length_between( const wisp_vec3* points, int i, int j )
+{
+    float x = points[j].x - points[i].x, y = points[j].y - points[i].y, z = points[j].z - points[i].z;
+    return sqrtf( x * x + y * y + z * z );
+}
+
+// An edge between two vertices, which at rest had their corners at others where the body tears.
+typedef struct body_edge
+{
+    int32_t now[2], rest[2];
+} body_edge;
+
+typedef void edge_fn( void* context, body_edge edge );
+
+// @param rest [triangle_count][3] triangles of the body at rest
+static void each_edge( const picture_body* body, const int32_t* rest, edge_fn* visit, void* context )
+{
+    for ( int i = 0; i < 3 * body->triangle_count; ++i )
+    {
+        const int next = i % 3 == 2 ? i - 2 : i + 1;
+        visit( context, ( body_edge ){ { body->triangles[i], body->triangles[next] }, { rest[i], rest[next] } } );
+    }
+    for ( int s = 0; s < body->strand_count; ++s )
+    {
+        for ( int v = body->offsets[s]; v + 1 < body->offsets[s + 1]; ++v )
+        {
+            visit( context, ( body_edge ){ { v, v + 1 }, { v, v + 1 } } );
+        }
+    }
+}
+
+typedef struct stretching
+{
+    const wisp_vec3* rest;
+    const wisp_vec3* now;
+    float* values; ///< or null
+    float most;
+} stretching;
+
+// An inner edge occurs twice, which does not change a maximum.
+static void stretch_edge( void* context, body_edge edge )
+{
+    stretching* s = context;
+    const int i = edge.now[0], j = edge.now[1];
+    float rest = length_between( s->rest, edge.rest[0], edge.rest[1] );
+    float strain = rest > 0.0f ? fabsf( length_between( s->now, i, j ) / rest - 1.0f ) : 0.0f;
+    s->most = fmaxf( s->most, strain );
+    if ( s->values )
+    {
+        s->values[i] = fmaxf( s->values[i], strain );
+        s->values[j] = fmaxf( s->values[j], strain );
+    }
+}
+
+static void find_strain( picture_body* body, const wisp_vec3* rest, const int32_t* rest_triangles )
+{
+    for ( int v = 0; v < body->vertex_count; ++v )
+    {
+        body->values[v] = 0.0f;
+    }
+    stretching s = { rest, body->points, body->values, 0.0f };
+    each_edge( body, rest_triangles, stretch_edge, &s );
+}
+
+static void find_speed( picture_body* body, const wisp_vec3* before, const wisp_vec3* after, double seconds )
+{
+    for ( int v = 0; v < body->vertex_count; ++v )
+    {
+        wisp_vec3 ends[2] = { before[v], after[v] };
+        body->values[v] = seconds > 0.0 ? (float)( (double)length_between( ends, 0, 1 ) / seconds ) : 0.0f;
+    }
+}
+
+// ---- frames ----
+
+// From the neighbouring frames; the first and the last one have a neighbour on one side only.
+static wisp_status load_speed( picture_source* source, int frame, wisp_error* error )
+{
+    playback* p = source->state;
+    int first = frame > 0 ? frame - 1 : 0;
+    int last = frame + 1 < source->frame_count ? frame + 1 : frame;
+    double from = 0.0, to = 0.0;
+    wisp_status status = read_frame( source, first, p->others[0], &from, error );
+    if ( status == WISP_OK )
+    {
+        status = read_frame( source, last, p->others[1], &to, error );
+    }
+    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    {
+        find_speed( &source->bodies[i], p->others[0][i], p->others[1][i], to - from );
+    }
+    return status;
+}
+
+static const int32_t* first_triangles( const playback* p, const picture_body* body, int i )
+{
+    return p->first[i] != NULL ? p->first[i] : body->triangles;
+}
+
+static wisp_status load_recorded( picture_source* source, int frame, wisp_error* error )
+{
+    playback* p = source->state;
+    double seconds = 0.0;
+    // last the frame itself, because triangles are those of the frame read last
+    wisp_status status = source->value == PICTURE_SPEED ? load_speed( source, frame, error ) : WISP_OK;
+    status = status == WISP_OK ? read_frame( source, frame, source->points, &seconds, error ) : status;
+    for ( int i = 0; i < source->body_count && status == WISP_OK && source->value == PICTURE_STRAIN; ++i )
+    {
+        find_strain( &source->bodies[i], p->others[0][i], first_triangles( p, source->bodies + i, i ) );
+    }
+    return status;
+}
+
+static void close_playback( picture_source* source )
+{
+    playback* p = source->state;
+    for ( int k = 0; k < WISP_COUNT( p->others ); ++k )
+    {
+        for ( int i = 0; p->others[k] && i < p->body_count; ++i )
+        {
+            free( p->others[k][i] );
+        }
+        free( p->others[k] );
+    }
+    for ( int i = 0; p->first && i < p->body_count; ++i )
+    {
+        free( p->first[i] );
+    }
+    free( p->first );
+    wisp_recording_close( p->recording );
+    wisp_mesh_release( &p->mesh );
+}
+
+static const picture_input playback_input = { load_recorded, time_of_frame, close_playback };
+
+// ---- bodies ----
+
+static wisp_status make_others( picture_source* source, wisp_error* error )
+{
+    playback* p = source->state;
+    p->body_count = source->body_count;
+    bool made = true;
+    for ( int k = 0; k < WISP_COUNT( p->others ); ++k )
+    {
+        p->others[k] = calloc( (size_t)source->body_count, sizeof *p->others[k] );
+        for ( int i = 0; p->others[k] && i < source->body_count; ++i )
+        {
+            p->others[k][i] = malloc( ( (size_t)source->bodies[i].vertex_count + 1 ) * sizeof( wisp_vec3 ) );
+            made = made && p->others[k][i];
+        }
+        made = made && p->others[k];
+    }
+    p->first = calloc( (size_t)source->body_count, sizeof *p->first );
+    made = made && p->first;
+    return made ? WISP_OK : picture_no_memory( source, error );
+}
+
+static wisp_status make_room( picture_source* source, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    {
+        status = picture_make_points( source, i, source->value != PICTURE_BODY, error );
+    }
+    return status == WISP_OK ? make_others( source, error ) : status;
+}
+
+static bool is_rigid( const picture_body* body, const wisp_vec3* rest, const int32_t* first )
+{
+    stretching s = { rest, body->points, NULL, 0.0f };
+    each_edge( body, first, stretch_edge, &s );
+    return s.most <= RIGID_TOLERANCE;
+}
+
+// Of the frame that was read last.
+static wisp_status keep_first_triangles( picture_source* source, wisp_error* error )
+{
+    const playback* p = source->state;
+    bool made = true;
+    for ( int i = 0; i < source->body_count; ++i )
+    {
+        const wisp_record_body* body = wisp_recording_body( p->recording, i );
+        const size_t bytes = 3 * (size_t)body->triangle_count * sizeof *body->triangles;
+        if ( body->triangles_change && bytes > 0 )
+        {
+            p->first[i] = malloc( bytes );
+            made = made && p->first[i] != NULL;
+            if ( p->first[i] != NULL )
+            {
+                memcpy( p->first[i], body->triangles, bytes );
+            }
+        }
+    }
+    return made ? WISP_OK : picture_no_memory( source, error );
+}
+
+// A body whose edges all keep their length is a collider; of the rest, closed meshes are balloons. A single frame
+// does not show what is rigid. The first frame stays in others[0], where the strain is computed from it.
+static wisp_status guess_kinds( picture_source* source, wisp_error* error )
+{
+    playback* p = source->state;
+    const int seen[2] = { source->frame_count / 2, source->frame_count - 1 };
+    double seconds;
+    wisp_status status = read_frame( source, 0, p->others[0], &seconds, error );
+    status = status == WISP_OK ? keep_first_triangles( source, error ) : status;
+    for ( int i = 0; i < source->body_count; ++i )
+    {
+        picture_body* body = &source->bodies[i];
+        body->kind = body->offsets             ? SCENE_BODY_STRANDS
+                     : source->frame_count > 1 ? SCENE_BODY_COLLIDER
+                                               : SCENE_BODY_CLOTH;
+    }
+    for ( int k = 0; k < 2 && status == WISP_OK; ++k )
+    {
+        status = read_frame( source, seen[k], source->points, &seconds, error );
+        for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+        {
+            picture_body* body = &source->bodies[i];
+            bool is_bent = body->kind == SCENE_BODY_COLLIDER &&
+                           !is_rigid( body, p->others[0][i], first_triangles( p, body, i ) );
+            body->kind = is_bent ? SCENE_BODY_CLOTH : body->kind;
+        }
+    }
+    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    {
+        picture_body* body = &source->bodies[i];
+        bool is_closed = false;
+        if ( body->kind == SCENE_BODY_CLOTH )
+        {
+            status = is_mesh_closed( body, &is_closed, error );
+        }
+        body->kind = is_closed ? SCENE_BODY_BALLOON : body->kind;
+    }
+    return status;
+}
+
+static wisp_status start_playback( picture_source* source, wisp_error* error )
+{
+    source->input = &playback_input;
+    source->state = calloc( 1, sizeof( playback ) );
+    return source->state ? WISP_OK : picture_no_memory( source, error );
+}
+
+static wisp_status finish_playback( picture_source* source, wisp_error* error )
+{
+    wisp_status status = make_room( source, error );
+    return status == WISP_OK ? guess_kinds( source, error ) : status;
+}
+
+static wisp_status refuse_empty( const picture_source* source, wisp_error* error )
+{
+    return wisp_fail( error, WISP_BAD_INPUT, "%s: got no complete frame, expected at least one", source->path );
+}
+
+static wisp_status open_recording( picture_source* source, const picture_source_def* def, wisp_error* error )
+{
+    wisp_status status = start_playback( source, error );
+    playback* p = source->state;
+    if ( status == WISP_OK )
+    {
+        status = wisp_recording_open( def->path, &p->recording, error );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    wisp_recording_info info = wisp_recording_describe( p->recording );
+    source->frame_count = info.frame_count;
+    source->step = info.dt;
+    source->has_seconds = true;
+    status =
+        info.frame_count > 0 ? picture_make_bodies( source, info.body_count, error ) : refuse_empty( source, error );
+    for ( int i = 0; i < source->body_count; ++i )
+    {
+        const wisp_record_body* body = wisp_recording_body( p->recording, i );
+        source->bodies[i] = ( picture_body ){
+            .name = body->name,
+            .vertex_count = body->vertex_count,
+            .triangles = body->triangles,
+            .triangle_count = body->triangle_count,
+            .offsets = body->offsets,
+            .strand_count = body->strand_count,
+        };
+    }
+    return status == WISP_OK ? finish_playback( source, error ) : status;
+}
+
+static wisp_status read_triangles( picture_source* source, const picture_source_def* def, int point_count,
+                                   wisp_error* error )
+{
+    playback* p = source->state;
+    if ( !def->mesh )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: a point cache has no triangles; --mesh names a mesh that has them", def->path );
+    }
+    wisp_status status = wisp_mesh_read( def->mesh, &p->mesh, error );
+    if ( status == WISP_OK && p->mesh.vertex_count != point_count )
+    {
+        status = wisp_fail( error, WISP_BAD_INPUT, "%s: got %d vertices, but %s has %d points", def->mesh,
+                            p->mesh.vertex_count, def->path, point_count );
+    }
+    return status;
+}
+
+static wisp_status open_cache( picture_source* source, const picture_source_def* def, wisp_error* error )
+{
+    wisp_status status = start_playback( source, error );
+    playback* p = source->state;
+    if ( status == WISP_OK )
+    {
+        status = wisp_pc2_open( def->path, &p->recording, error );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    source->frame_count = wisp_recording_describe( p->recording ).frame_count;
+    status = source->frame_count > 0
+                 ? read_triangles( source, def, wisp_recording_body( p->recording, 0 )->vertex_count, error )
+                 : refuse_empty( source, error );
+    if ( status == WISP_OK )
+    {
+        status = picture_make_bodies( source, 1, error );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    source->bodies[0] = ( picture_body ){
+        .name = "mesh",
+        .vertex_count = p->mesh.vertex_count,
+        .triangles = p->mesh.triangles,
+        .triangle_count = p->mesh.triangle_count,
+    };
+    return finish_playback( source, error );
+}
 
 // ---- meshes and grooms, which do not move ----
 
@@ -93,13 +535,13 @@ static wisp_status read_still_mesh( picture_source* source, const char* path, wi
     }
     load_still( source, 0, error );
     bool is_closed;
-    status = picture_is_closed( body, &is_closed, error );
+    status = is_mesh_closed( body, &is_closed, error );
     body->kind = is_closed ? SCENE_BODY_COLLIDER : SCENE_BODY_CLOTH;
     return status;
 }
 
-wisp_status picture_open_still( picture_source* source, file_kind kind, const picture_source_def* def,
-                                wisp_error* error )
+static wisp_status open_still( picture_source* source, file_kind kind, const picture_source_def* def,
+                               wisp_error* error )
 {
     if ( def->value != PICTURE_BODY )
     {
@@ -142,12 +584,12 @@ static wisp_status open_kind( picture_source* source, file_kind kind, const pict
         case FILE_SCENE:
             return picture_open_scene( source, def, error );
         case FILE_RECORDING:
-            return picture_open_recording( source, def, error );
+            return open_recording( source, def, error );
         case FILE_POINT_CACHE:
-            return picture_open_cache( source, def, error );
+            return open_cache( source, def, error );
         case FILE_GROOM:
         case FILE_MESH:
-            return picture_open_still( source, kind, def, error );
+            return open_still( source, kind, def, error );
         case FILE_RESULTS:
         case FILE_UNKNOWN:
             break;

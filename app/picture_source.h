@@ -109,10 +109,6 @@ void picture_source_close( picture_source* source );
 // ---- for the inputs ----
 
 wisp_status picture_open_scene( picture_source* source, const picture_source_def* def, wisp_error* error );
-wisp_status picture_open_recording( picture_source* source, const picture_source_def* def, wisp_error* error );
-wisp_status picture_open_cache( picture_source* source, const picture_source_def* def, wisp_error* error );
-wisp_status picture_open_still( picture_source* source, file_kind kind, const picture_source_def* def,
-                                wisp_error* error );
 
 /// Make room for a number of bodies, all zero.
 wisp_status picture_make_bodies( picture_source* source, int count, wisp_error* error );
@@ -122,5 +118,8 @@ wisp_status picture_make_points( picture_source* source, int body, bool has_valu
 wisp_status picture_make_layer( picture_source* source, int body, int count, wisp_error* error );
 wisp_status picture_no_memory( const picture_source* source, wisp_error* error );
 
-/// Whether every edge of a mesh has two triangles or more, an even number.
-wisp_status picture_is_closed( const picture_body* body, bool* is_closed, wisp_error* error );
+/// Whether a body is cloth or a balloon.
+static inline bool picture_is_surface( const picture_body* body )
+{
+    return body->kind == SCENE_BODY_CLOTH || body->kind == SCENE_BODY_BALLOON;
+}

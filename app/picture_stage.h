@@ -1,7 +1,7 @@
 /// The bodies of a loaded frame in the form of the renderer: materials, colours, ground.
 #pragma once
 
-#include "picture_options.h"
+#include "picture_draw.h"
 
 /// Data that are constant from picture to picture.
 typedef struct picture_look

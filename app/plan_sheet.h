@@ -22,9 +22,6 @@ typedef struct plan_sheet
 wisp_status plan_sheet_make( scene_world* world, int steps, plan_sheet* sheet, wisp_error* error );
 void plan_sheet_release( plan_sheet* sheet );
 
-/// Fraction of a pass in the time of all passes, in [0, 1]; NaN if nothing was measured.
-double plan_sheet_fraction( const plan_sheet* sheet, int pass );
-
 /// @param is_verbose also what each pass reads, writes and costs, and every absent pass
 void plan_sheet_text( const plan_sheet* sheet, bool is_verbose, FILE* out );
 void plan_sheet_dot( const plan_sheet* sheet, FILE* out );

@@ -1,11 +1,426 @@
 #include "run_recorder.h"
 
 #include "nearest.h"
-#include "run_between.h"
+#include "world_from_scene.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+// ---- bodies ----
+
+// The bodies of a world as a recording has them: names and elements, colours and widths, and the points and values of the present step.
+
+const char* const run_value_names[RUN_VALUE_COUNT] = { "strain", "speed" };
+static const scene_request value_requests[RUN_VALUE_COUNT] = { SCENE_REQUEST_STRAIN, SCENE_REQUEST_SPEED };
+
+/// Arrays that the entry of a body points to.
+typedef struct run_body_data
+{
+    float* widths;
+    wisp_vec3* colours;
+    wisp_record_value values[RUN_VALUE_COUNT];
+    float* numbers[RUN_VALUE_COUNT]; ///< of the values, in their order
+    int requests[RUN_VALUE_COUNT];   ///< which values they are
+} run_body_data;
+
+// All bodies except planes, which are infinite. Zero-initialised is empty.
+typedef struct run_bodies
+{
+    int count;
+    int* numbers;           // [count] of the bodies in the world
+    wisp_record_body* list; // [count]
+    wisp_vec3** points;     // [count] of the present step
+    struct run_body_data* data;
+} run_bodies;
+
+static wisp_status no_memory( const scene_world* world, wisp_error* error )
+{
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its recording", world->scene->name );
+}
+
+// ---- points ----
+
+static void free_points( const run_bodies* bodies, wisp_vec3** points )
+{
+    for ( int i = 0; points && i < bodies->count; ++i )
+    {
+        free( points[i] );
+    }
+    free( points );
+}
+
+// Allocate room for the points of all bodies. @return null without memory
+static wisp_vec3** make_points( const run_bodies* bodies )
+{
+    wisp_vec3** points = calloc( (size_t)bodies->count + 1, sizeof *points );
+    bool made = points != NULL;
+    for ( int i = 0; made && i < bodies->count; ++i )
+    {
+        points[i] = malloc( ( (size_t)bodies->list[i].vertex_count + 1 ) * sizeof *points[i] );
+        made = points[i] != NULL;
+    }
+    if ( !made )
+    {
+        free_points( bodies, points );
+        return NULL;
+    }
+    return points;
+}
+
+static wisp_status request_points( scene_world* world, wisp_error* error )
+{
+    const int moving = scene_world_moving_count( world );
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < moving && status == WISP_OK; ++i )
+    {
+        status = scene_world_request( world, i, SCENE_REQUEST_POINTS, error );
+    }
+    return status;
+}
+
+// ---- appearance ----
+
+// An appearance replaces the widths and colours of the groom.
+static bool dress_strands( const scene_world* world, int strands, const scene_body* body, run_body_data* data )
+{
+    const wisp_scene_strands* entry = &world->scene->strands[strands];
+    const wisp_groom* groom = &world->grooms[strands];
+    const size_t count = (size_t)body->vertex_count;
+    data->widths = entry->has_appearance || groom->thickness ? malloc( count * sizeof *data->widths + 1 ) : NULL;
+    data->colours = entry->has_appearance || groom->colour ? malloc( count * sizeof *data->colours + 1 ) : NULL;
+    if ( ( !data->widths && ( entry->has_appearance || groom->thickness ) ) ||
+         ( !data->colours && ( entry->has_appearance || groom->colour ) ) )
+    {
+        return false;
+    }
+    if ( !entry->has_appearance && groom->thickness )
+    {
+        memcpy( data->widths, groom->thickness, count * sizeof *data->widths );
+    }
+    if ( !entry->has_appearance && groom->colour )
+    {
+        memcpy( data->colours, groom->colour, count * sizeof *data->colours );
+    }
+    for ( int s = 0; entry->has_appearance && s < body->strand_count; ++s )
+    {
+        const int first = body->offsets[s], vertices = body->offsets[s + 1] - first;
+        for ( int v = 0; v < vertices; ++v )
+        {
+            const float t = vertices > 1 ? (float)v / (float)( vertices - 1 ) : 0.0f;
+            wisp_strand_appearance_at( &entry->appearance, t, &data->widths[first + v], &data->colours[first + v] );
+        }
+    }
+    return true;
+}
+
+// ---- values ----
+
+static bool scene_computes( const scene_world* world, int body, scene_request request )
+{
+    const wisp_scene* scene = world->scene;
+    if ( body < scene->strands_count )
+    {
+        const wisp_scene_strands* entry = &scene->strands[body];
+        return request == SCENE_REQUEST_STRAIN ? entry->request_strain : entry->request_speed;
+    }
+    const wisp_scene_surface* entry = &scene->surfaces[body - scene->strands_count];
+    return request == SCENE_REQUEST_STRAIN ? entry->request_strain : entry->request_speed;
+}
+
+static wisp_status add_values( scene_world* world, int body, unsigned asked, wisp_record_body* to,
+                               run_body_data* data, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    to->values = data->values;
+    for ( int k = 0; k < RUN_VALUE_COUNT && status == WISP_OK; ++k )
+    {
+        const bool is_asked = ( asked >> k & 1 ) != 0;
+        if ( !scene_world_has( world, body, value_requests[k] ) ||
+             !( is_asked || scene_computes( world, body, value_requests[k] ) ) )
+        {
+            continue;
+        }
+        status = is_asked ? scene_world_request( world, body, value_requests[k], error ) : WISP_OK;
+        float* numbers = calloc( (size_t)to->vertex_count + 1, sizeof *numbers );
+        status = status == WISP_OK && !numbers ? no_memory( world, error ) : status;
+        data->numbers[to->value_count] = numbers;
+        data->requests[to->value_count] = k;
+        data->values[to->value_count] = ( wisp_record_value ){ run_value_names[k], numbers };
+        ++to->value_count;
+    }
+    return status;
+}
+
+// Something that is asked for and exists nowhere is a mistake.
+static wisp_status check_asked( const scene_world* world, unsigned asked, wisp_error* error )
+{
+    const int moving = scene_world_moving_count( world );
+    for ( int k = 0; k < RUN_VALUE_COUNT; ++k )
+    {
+        bool is_there = ( asked >> k & 1 ) == 0;
+        for ( int i = 0; i < moving && !is_there; ++i )
+        {
+            is_there = scene_world_has( world, i, value_requests[k] );
+        }
+        if ( !is_there )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "--record-with: %s has no body with %s, which surfaces and strands with dynamics have",
+                              world->scene->name, run_value_names[k] );
+        }
+    }
+    return WISP_OK;
+}
+
+// ---- all bodies ----
+
+static wisp_record_body entry_of( const scene_body* body, wisp_vec3 colour )
+{
+    return ( wisp_record_body ){
+        .name = body->name,
+        .triangles = body->triangles,
+        .offsets = body->offsets,
+        .vertex_count = body->vertex_count,
+        .triangle_count = body->triangle_count,
+        .strand_count = body->strand_count,
+        .base_colour = colour,
+        .triangles_change = body->tears,
+    };
+}
+
+static bool is_static( const scene_world* world, int body )
+{
+    const int collider = body - scene_world_moving_count( world );
+    return collider >= 0 && world->scene->colliders[collider].path.count == 0;
+}
+
+static wisp_status add_appearance( const scene_world* world, int number, const scene_body* body, wisp_record_body* to,
+                                   run_body_data* data, wisp_error* error )
+{
+    to->is_static = is_static( world, number );
+    if ( body->kind == SCENE_BODY_STRANDS && !dress_strands( world, number, body, data ) )
+    {
+        return no_memory( world, error );
+    }
+    to->widths = data->widths;
+    to->colours = data->colours;
+    return WISP_OK;
+}
+
+static wisp_status list_bodies( scene_world* world, bool has_values, unsigned asked, run_bodies* out,
+                                wisp_error* error )
+{
+    int cloths = 0, balloons = 0;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < scene_world_body_count( world ) && status == WISP_OK; ++i )
+    {
+        const scene_body body = scene_world_body( world, i );
+        if ( body.kind == SCENE_BODY_PLANE )
+        {
+            continue;
+        }
+        wisp_record_body* to = &out->list[out->count];
+        const scene_body_kind drawn = body.is_led ? SCENE_BODY_COLLIDER : body.kind;
+        *to = entry_of( &body, scene_body_colour( drawn, &cloths, &balloons ) );
+        out->numbers[out->count] = i;
+        run_body_data* data = &out->data[out->count++];
+        status = add_appearance( world, i, &body, to, data, error );
+        if ( status == WISP_OK && has_values && i < scene_world_moving_count( world ) )
+        {
+            status = add_values( world, i, asked, to, data, error );
+        }
+    }
+    return status;
+}
+
+// Request the points of all bodies, list them, and prepare their values: those that the scene computes and those that
+// are asked for, which are requested too. Call before the first step.
+// @param has_values the recording holds values; false: they are left out
+// @param asked set of RUN_VALUE_..; each must exist in one body at least
+// @param out to be released, after a failure too
+// @return WISP_BAD_INPUT no body has the value that is asked for; WISP_NO_MEMORY
+static wisp_status open_bodies( scene_world* world, bool has_values, unsigned asked, run_bodies* out,
+                                wisp_error* error )
+{
+    const size_t all = (size_t)scene_world_body_count( world );
+    *out = ( run_bodies ){ 0 };
+    out->numbers = calloc( all + 1, sizeof *out->numbers );
+    out->list = calloc( all + 1, sizeof *out->list );
+    out->data = calloc( all + 1, sizeof *out->data );
+    if ( !out->numbers || !out->list || !out->data )
+    {
+        return no_memory( world, error );
+    }
+    wisp_status status = check_asked( world, asked, error );
+    status = status == WISP_OK ? list_bodies( world, has_values, asked, out, error ) : status;
+    if ( status == WISP_OK )
+    {
+        out->points = make_points( out );
+        status = out->points ? request_points( world, error ) : no_memory( world, error );
+    }
+    return status;
+}
+
+// Fill the points of the present step, and the values if they are needed.
+static wisp_status load_bodies( const run_bodies* bodies, const scene_world* world, bool with_values,
+                                wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < bodies->count && status == WISP_OK; ++i )
+    {
+        const run_body_data* data = &bodies->data[i];
+        status = scene_world_points( world, bodies->numbers[i], bodies->points[i], error );
+        for ( int k = 0; k < bodies->list[i].value_count && status == WISP_OK && with_values; ++k )
+        {
+            status = scene_world_numbers( world, bodies->numbers[i], value_requests[data->requests[k]],
+                                          data->numbers[k], error );
+        }
+    }
+    return status;
+}
+
+static void release_bodies( run_bodies* bodies )
+{
+    free_points( bodies, bodies->points );
+    for ( int i = 0; i < bodies->count; ++i )
+    {
+        free( bodies->data[i].widths );
+        free( bodies->data[i].colours );
+        for ( int k = 0; k < RUN_VALUE_COUNT; ++k )
+        {
+            free( bodies->data[i].numbers[k] );
+        }
+    }
+    free( bodies->data );
+    free( bodies->list );
+    free( bodies->numbers );
+    *bodies = ( run_bodies ){ 0 };
+}
+
+// ---- between steps ----
+
+// The bodies of a world between its last two steps, for recordings with more frames than steps. Ghosts are on the cubic Hermite curves of
+// wisp_ghosts_between(), which pass through both steps without a corner; all other points, and what collisions and frozen hair add to
+// ghosts, move along straight lines.
+
+typedef struct run_between run_between;
+
+struct run_between
+{
+    const run_bodies* bodies;
+    scene_world* world;
+    wisp_vec3** before; // of the step before the last one: ghosts as their distance to the curve, others as they are
+    wisp_vec3** now;    // of the last step, the same way
+    wisp_vec3** points; // of the result
+};
+
+// Null is allowed.
+static void close_between( run_between* b )
+{
+    if ( b )
+    {
+        free_points( b->bodies, b->before );
+        free_points( b->bodies, b->now );
+        free_points( b->bodies, b->points );
+        free( b );
+    }
+}
+
+// @param world must outlive it; its scene has frames_per_step > 1
+// @return null without memory
+static run_between* open_between( const run_bodies* bodies, scene_world* world )
+{
+    run_between* b = calloc( 1, sizeof *b );
+    if ( b )
+    {
+        *b = ( run_between ){ bodies, world, make_points( bodies ), make_points( bodies ), make_points( bodies ) };
+    }
+    if ( b && !( b->before && b->now && b->points ) )
+    {
+        close_between( b );
+        b = NULL;
+    }
+    return b;
+}
+
+static bool is_ghosts( const run_between* b, int body )
+{
+    const int strands = b->bodies->numbers[body];
+    return strands < b->world->scene->strands_count && b->world->scene->strands[strands].has_ghosts;
+}
+
+// Place on the curve in time that motion alone gives.
+static wisp_status read_curve( const run_between* b, int body, float fraction, wisp_vec3* out, wisp_error* error )
+{
+    const wisp_entity entity = b->world->entities[b->bodies->numbers[body]];
+    const wisp_status status = wisp_ghosts_between( b->world->world, entity, fraction, out );
+    return status == WISP_OK ? WISP_OK
+                             : wisp_fail( error, status, "%s: '%s': %s", b->world->scene->name,
+                                          b->bodies->list[body].name, wisp_world_message( b->world->world ) );
+}
+
+// Replace points by their distance to the curve at one of its ends.
+static wisp_status take_curve_off( run_between* b, int body, float fraction, wisp_vec3* points, wisp_error* error )
+{
+    wisp_vec3* curve = b->points[body];
+    const wisp_status status = read_curve( b, body, fraction, curve, error );
+    for ( int v = 0; v < b->bodies->list[body].vertex_count && status == WISP_OK; ++v )
+    {
+        points[v] = ( wisp_vec3 ){ points[v].x - curve[v].x, points[v].y - curve[v].y, points[v].z - curve[v].z };
+    }
+    return status;
+}
+
+// Note the points of `bodies`, which load_bodies() has filled, as those of the last step.
+// @return WISP_CONFLICT, with a message, if ghosts do not keep what is needed
+static wisp_status note_between( run_between* b, wisp_error* error )
+{
+    wisp_vec3** last = b->before;
+    b->before = b->now;
+    b->now = last;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < b->bodies->count && status == WISP_OK; ++i )
+    {
+        const size_t bytes = (size_t)b->bodies->list[i].vertex_count * sizeof( wisp_vec3 );
+        memcpy( b->now[i], b->bodies->points[i], bytes );
+        status = is_ghosts( b, i ) ? take_curve_off( b, i, 1.0f, b->now[i], error ) : WISP_OK;
+    }
+    return status;
+}
+
+// Compute the points at a fraction of the time between the last two steps noted.
+// @param fraction in (0, 1)
+// @param points receives [body_count] arrays that are valid until the next call
+static wisp_status find_between( run_between* b, float fraction, const wisp_vec3* const** points, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    const float rest = 1.0f - fraction;
+    for ( int i = 0; i < b->bodies->count && status == WISP_OK; ++i )
+    {
+        const wisp_vec3 *from = b->before[i], *to = b->now[i];
+        wisp_vec3* out = b->points[i];
+        const int count = b->bodies->list[i].vertex_count;
+        if ( is_ghosts( b, i ) )
+        {
+            status = read_curve( b, i, fraction, out, error );
+        }
+        else
+        {
+            memset( out, 0, (size_t)count * sizeof *out );
+        }
+        for ( int v = 0; v < count && status == WISP_OK; ++v )
+        {
+            out[v].x += rest * from[v].x + fraction * to[v].x;
+            out[v].y += rest * from[v].y + fraction * to[v].y;
+            out[v].z += rest * from[v].z + fraction * to[v].z;
+        }
+    }
+    *points = (const wisp_vec3* const*)b->points;
+    return status;
+}
+
+// ---- files ----
 
 struct run_recorder
 {
@@ -28,11 +443,6 @@ struct run_recorder
     int written, verified;
 };
 
-static wisp_status no_memory( const run_recorder* r, wisp_error* error )
-{
-    return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its recording", r->world->scene->name );
-}
-
 // ---- writing ----
 
 static wisp_recorder_def def_of( const run_recorder* r, const run_recorder_def* def )
@@ -45,7 +455,7 @@ static wisp_recorder_def def_of( const run_recorder* r, const run_recorder_def* 
     };
 }
 
-static int find_body( const run_recorder* r, const run_track* track )
+static int find_tracked_body( const run_recorder* r, const run_track* track )
 {
     for ( int i = 0; i < r->bodies.count; ++i )
     {
@@ -80,7 +490,7 @@ static wisp_status find_tracks( const run_recorder* r, const run_recorder_def* d
     for ( int i = 0; i < def->track_count; ++i )
     {
         const run_track* track = &def->tracks[i];
-        int body = find_body( r, track );
+        int body = find_tracked_body( r, track );
         if ( body < 0 )
         {
             return refuse_name( r, track, error );
@@ -183,8 +593,8 @@ static wisp_status open_proof( run_recorder* r, const run_recorder_def* def, wis
         status = check_proof( r, def, error );
     }
     // Only now: a recording that matches the scene does not need more memory than the scene.
-    r->proof_points = status == WISP_OK ? run_bodies_make_points( &r->bodies ) : NULL;
-    return status != WISP_OK ? status : r->proof_points ? WISP_OK : no_memory( r, error );
+    r->proof_points = status == WISP_OK ? make_points( &r->bodies ) : NULL;
+    return status != WISP_OK ? status : r->proof_points ? WISP_OK : no_memory( r->world, error );
 }
 
 static wisp_status compare_body( const run_recorder* r, int body, int frame, double time, wisp_error* error )
@@ -243,11 +653,11 @@ static wisp_status compare( run_recorder* r, int frame, uint64_t hash, wisp_erro
 static wisp_status open_all( run_recorder* r, const run_recorder_def* def, wisp_error* error )
 {
     const bool has_values = def->record && wisp_record_has_values( def->record );
-    wisp_status status = run_bodies_open( r->world, has_values, def->values, &r->bodies, error );
+    wisp_status status = open_bodies( r->world, has_values, def->values, &r->bodies, error );
     if ( status == WISP_OK && r->frames_per_step > 1 )
     {
-        r->between = run_between_open( &r->bodies, r->world );
-        status = r->between ? WISP_OK : no_memory( r, error );
+        r->between = open_between( &r->bodies, r->world );
+        status = r->between ? WISP_OK : no_memory( r->world, error );
     }
     // Read-only steps come first, so that a rejection leaves no file behind.
     if ( status == WISP_OK && def->verify )
@@ -314,12 +724,12 @@ static wisp_status write_points( run_recorder* r, double time, uint64_t hash, co
 // Frames between the step before and this one have no hash, because no world was ever in their state.
 static wisp_status write_between( run_recorder* r, double time, wisp_error* error )
 {
-    wisp_status status = run_between_note( r->between, error );
+    wisp_status status = note_between( r->between, error );
     for ( int k = 1; k < r->frames_per_step && r->world->next_step > 0 && status == WISP_OK; ++k )
     {
         const double fraction = (double)k / r->frames_per_step;
         const wisp_vec3* const* points = NULL;
-        status = run_between_at( r->between, (float)fraction, &points, error );
+        status = find_between( r->between, (float)fraction, &points, error );
         status = status == WISP_OK
                      ? write_points( r, r->last_time + fraction * ( time - r->last_time ), 0, points, error )
                      : status;
@@ -348,7 +758,7 @@ wisp_status run_recorder_step( run_recorder* r, wisp_error* error )
     wisp_status status = WISP_OK;
     if ( is_written || is_compared )
     {
-        status = run_bodies_load( &r->bodies, r->world, is_written, error );
+        status = load_bodies( &r->bodies, r->world, is_written, error );
     }
     uint64_t hash = is_written || is_compared ? wisp_world_hash( r->world->world ) : 0;
     if ( status == WISP_OK && is_written )
@@ -374,9 +784,9 @@ wisp_status run_recorder_close( run_recorder* r, wisp_error* error )
     wisp_error later = { 0 };
     wisp_status track = wisp_recorder_close( r->track, status == WISP_OK ? error : &later );
     wisp_recording_close( r->proof );
-    run_bodies_free_points( &r->bodies, r->proof_points );
-    run_between_close( r->between );
-    run_bodies_release( &r->bodies );
+    free_points( &r->bodies, r->proof_points );
+    close_between( r->between );
+    release_bodies( &r->bodies );
     free( r );
     return status == WISP_OK ? track : status;
 }

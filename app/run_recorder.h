@@ -5,6 +5,17 @@
 #include "record.h"
 #include "world_from_scene.h"
 
+/// Values that a recording can hold.
+enum
+{
+    RUN_VALUE_STRAIN = 1,
+    RUN_VALUE_SPEED = 2,
+    RUN_VALUE_COUNT = 2,
+};
+
+/// Name of the value with bit `1 << index`.
+extern const char* const run_value_names[RUN_VALUE_COUNT];
+
 #define RUN_TRACKS_MAX 1000
 
 /// A vertex given on the command line.

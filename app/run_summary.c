@@ -1,15 +1,310 @@
 #include "run_summary.h"
 
 #include "io_file.h"
-#include "run_memory.h"
-#include "run_motion.h"
+#include "results.h"
 #include "stats.h"
+#include "wisp/wisp.h"
+#include "world_from_scene.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#define SMALL_PERCENT 1.0 // passes below this are combined into one line of the text
+// ---- memory ----
+
+// Passes below this are combined into one line of the text; so are parts of memory, and those that are not in use.
+static const double SMALL_PERCENT = 1.0;
+
+static const char* const KINDS[] = {
+    [WISP_MEMORY_ENGINE] = "engine",
+    [WISP_MEMORY_MODULE] = "module",
+    [WISP_MEMORY_COMPONENT] = "component",
+    [WISP_MEMORY_OUTSIDE] = "outside the world",
+};
+
+// @return null without memory
+static wisp_memory_part* list_parts( const wisp_world* world, int* count, double* sum )
+{
+    *count = wisp_world_memory_parts( world, NULL, 0 );
+    wisp_memory_part* parts = calloc( (size_t)*count, sizeof *parts );
+    *sum = 0.0;
+    if ( parts )
+    {
+        wisp_world_memory_parts( world, parts, *count );
+        for ( int i = 0; i < *count; ++i )
+        {
+            *sum += (double)parts[i].capacity;
+        }
+    }
+    return parts;
+}
+
+static void add_memory_line( results* out, int table, const char* name, const char* kind, double bytes,
+                             double percent, int vertices )
+{
+    char text[3][24];
+    snprintf( text[0], sizeof text[0], "%.1f", bytes / 1024.0 );
+    snprintf( text[1], sizeof text[1], "%.1f", vertices > 0 ? bytes / vertices : 0.0 );
+    snprintf( text[2], sizeof text[2], "%.1f", percent );
+    results_add_cells( out, table, ( const char* const[] ){ name, kind, text[0], text[1], text[2] } );
+}
+
+// A table of the parts of a world's memory, of fabrics, and of Embree.
+static void report_memory( const wisp_world* world, int vertices, results* out )
+{
+    const char* const header[] = { "part", "of", "KiB", "bytes / vertex", "%" };
+    double sum, small = 0.0;
+    int count, small_count = 0;
+    wisp_memory_part* parts = list_parts( world, &count, &sum );
+    if ( parts == NULL )
+    {
+        return;
+    }
+    const int table = results_add_table( out, "Memory by part (allocated, with fabrics and Embree)", 5, header );
+    for ( int i = 0; i < count; ++i )
+    {
+        const double bytes = (double)parts[i].capacity, percent = 100.0 * bytes / sum;
+        // a module without entities has a state all the same
+        if ( percent < SMALL_PERCENT || parts[i].bytes == 0 )
+        {
+            small += bytes;
+            ++small_count;
+            continue;
+        }
+        add_memory_line( out, table, parts[i].name, KINDS[parts[i].kind], bytes, percent, vertices );
+    }
+    if ( small_count > 0 )
+    {
+        char name[48];
+        snprintf( name, sizeof name, "other (%d part%s)", small_count, small_count == 1 ? "" : "s" );
+        add_memory_line( out, table, name, "", small, 100.0 * small / sum, vertices );
+    }
+    free( parts );
+}
+
+// Sums by kind, for machines.
+static void put_memory( const wisp_world* world, results_values* out )
+{
+    static const char* const names[] = { "engine_bytes", "module_bytes", "component_bytes", "outside_bytes" };
+    double bytes[WISP_COUNT( names )] = { 0 }, sum;
+    int count;
+    wisp_memory_part* parts = list_parts( world, &count, &sum );
+    for ( int i = 0; parts && i < count; ++i )
+    {
+        bytes[parts[i].kind] += (double)parts[i].capacity;
+    }
+    for ( int i = 0; parts && i < WISP_COUNT( names ); ++i )
+    {
+        results_put( out, names[i], bytes[i] );
+    }
+    free( parts );
+}
+
+// ---- motion ----
+
+// Motion of bodies at the end of a run: statistics that the scene requests, and stretch, which shows whether the substeps suffice.
+
+// ---- statistics ----
+
+static bool has_motion_stats( const scene_world* world, int body )
+{
+    const wisp_scene* scene = world->scene;
+    return body < scene->strands_count ? scene->strands[body].request_motion_stats
+                                       : scene->surfaces[body - scene->strands_count].request_motion_stats;
+}
+
+static void add_moving_body( results* out, int table, const char* name, const wisp_motion_stats* m )
+{
+    const double values[] = {
+        m->mass,      m->kinetic_energy, m->potential_energy, 100.0 * m->strain_mean, 100.0 * m->strain_max,
+        m->speed_max, m->volume
+    };
+    char text[WISP_COUNT( values )][24];
+    const char* cells[WISP_COUNT( values ) + 1] = { name };
+    for ( int i = 0; i < WISP_COUNT( values ); ++i )
+    {
+        snprintf( text[i], sizeof( text[i] ), "%.4g", values[i] );
+        cells[i + 1] = text[i];
+    }
+    results_add_cells( out, table, cells );
+}
+
+// One line per surface or groom whose motion_stats the scene computes: mass, energy, stretch and speed.
+static void add_motion_table( const scene_world* world, results* out )
+{
+    int table = -1;
+    for ( int body = 0; body < scene_world_moving_count( world ); ++body )
+    {
+        wisp_motion_stats m;
+        wisp_error error;
+        if ( has_motion_stats( world, body ) == false ||
+             scene_world_motion_stats( world, body, &m, &error ) != WISP_OK )
+        {
+            continue;
+        }
+        if ( table < 0 )
+        {
+            table =
+                results_add_table( out, "Motion at the end", 8,
+                                   ( const char* const[] ){ "body", "mass kg", "kinetic J", "potential J",
+                                                            "strain % mean", "% max", "speed m/s", "volume m3" } );
+        }
+        add_moving_body( out, table, scene_world_body( world, body ).name, &m );
+    }
+}
+
+// ---- level of detail ----
+
+static bool has_event( const wisp_scene* scene, int body )
+{
+    bool found = false;
+    for ( int i = 0; i < scene->event_count; ++i )
+    {
+        const wisp_scene_event* e = &scene->events[i];
+        const int of = e->strands >= 0 ? e->strands : scene->strands_count + e->surface;
+        found = found || ( e->has_detail && of == body );
+    }
+    return found;
+}
+
+// One line per body whose level of detail the scene sets: where it is at the end, and its substeps there.
+static void add_detail_table( const scene_world* world, results* out )
+{
+    static const char* const LEVELS[WISP_DETAIL_COUNT] = { "full", "fewer substeps", "coarse", "nothing" };
+    const wisp_scene* scene = world->scene;
+    int table = -1;
+    for ( int body = 0; body < scene->strands_count + scene->surface_count; ++body )
+    {
+        const int surface = body - scene->strands_count;
+        const bool is_set = surface < 0 ? scene->strands[body].has_detail : scene->surfaces[surface].has_detail;
+        if ( is_set == false && has_event( scene, body ) == false )
+        {
+            continue;
+        }
+        if ( table < 0 )
+        {
+            table = results_add_table( out, "Level of detail at the end", 3,
+                                       ( const char* const[] ){ "body", "level", "substeps" } );
+        }
+        const wisp_entity entity = scene_world_entity( world, body );
+        int substeps;
+        char text[24];
+        const bool is_known = wisp_read_substeps( world->world, entity, &substeps ) == WISP_OK;
+        snprintf( text, sizeof( text ), "%d", is_known ? substeps : 0 );
+        results_add_cells(
+            out, table,
+            ( const char* const[] ){ surface < 0 ? scene->strands[body].name : scene->surfaces[surface].name,
+                                     LEVELS[wisp_detail_of( world->world, entity )], text } );
+    }
+}
+
+// ---- stretch ----
+
+typedef struct stretch_sums
+{
+    double stretch; // of all edges that are longer than at rest
+    int count;      // of all edges
+} stretch_sums;
+
+static double distance( wisp_vec3 a, wisp_vec3 b )
+{
+    const double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
+    return sqrt( x * x + y * y + z * z );
+}
+
+static void add_edge( stretch_sums* sums, const wisp_vec3* now, const wisp_vec3* rest, int a, int b )
+{
+    const double length = distance( rest[a], rest[b] );
+    sums->stretch += length > 0.0 ? fmax( distance( now[a], now[b] ) / length - 1.0, 0.0 ) : 0.0;
+    sums->count += 1;
+}
+
+// Inner edges of a surface count twice.
+static double stretch_of( const scene_body* body, const wisp_vec3* now, const wisp_vec3* rest )
+{
+    stretch_sums sums = { 0.0, 0 };
+    for ( int i = 0; i < 3 * body->triangle_count; ++i )
+    {
+        const int first = i - i % 3;
+        add_edge( &sums, now, rest, body->triangles[i], body->triangles[first + ( i + 1 ) % 3] );
+    }
+    for ( int s = 0; s < body->strand_count; ++s )
+    {
+        for ( int v = body->offsets[s] + 1; v < body->offsets[s + 1]; ++v )
+        {
+            add_edge( &sums, now, rest, v - 1, v );
+        }
+    }
+    return sums.count > 0 ? sums.stretch / sums.count : 0.0;
+}
+
+// Return the rest shape of a body that keeps its lengths by projection or by springs; null of others.
+static const wisp_vec3* rest_of( const scene_world* world, int body )
+{
+    const wisp_scene* scene = world->scene;
+    if ( body < scene->strands_count )
+    {
+        return scene->strands[body].has_dynamics ? world->grooms[body].points : NULL;
+    }
+    const int surface = body - scene->strands_count;
+    const wisp_scene_surface* entry = scene->surfaces + surface;
+    const bool keeps_lengths = ( entry->has_cloth && !entry->has_membrane ) || entry->has_implicit;
+    return keeps_lengths ? world->surfaces[surface].mesh.points : NULL;
+}
+
+// Return the mean stretch from what the scene computes, its points or its statistics; 0 if it computes neither.
+static double find_stretch( const scene_world* world, int b, const scene_body* body )
+{
+    const wisp_vec3* rest = rest_of( world, b );
+    wisp_vec3* now = rest != NULL ? calloc( (size_t)body->vertex_count + 1, sizeof( *now ) ) : NULL;
+    wisp_error error;
+    wisp_motion_stats m;
+    double stretch = 0.0;
+    if ( now != NULL && scene_world_points( world, b, now, &error ) == WISP_OK )
+    {
+        stretch = stretch_of( body, now, rest );
+    }
+    else if ( now != NULL && has_motion_stats( world, b ) &&
+              scene_world_motion_stats( world, b, &m, &error ) == WISP_OK )
+    {
+        stretch = m.strain_mean;
+    }
+    free( now );
+    return stretch;
+}
+
+static void add_hold_note( const scene_world* world, int b, const char* name, results* out )
+{
+    wisp_strand_hold hold;
+    if ( scene_world_strand_hold( world, b, &hold, NULL ) == WISP_OK && hold.sagging > 0 )
+    {
+        results_add_note( out,
+                          "%s: %d strands are too soft for their shape and sag; the softest holds it up to %.3g m, "
+                          "or with bend_rigidity: %.2g",
+                          name, (int)hold.sagging, (double)hold.max_length, (double)hold.bend_rigidity );
+    }
+}
+
+// A note for each body whose segments or edges are longer than at rest by more than a tenth in the mean.
+static void add_motion_warnings( const scene_world* world, results* out )
+{
+    const double TOO_LONG = 0.1;
+    for ( int b = 0; b < scene_world_moving_count( world ); ++b )
+    {
+        const scene_body body = scene_world_body( world, b );
+        add_hold_note( world, b, body.name, out );
+        const double stretch = find_stretch( world, b, &body );
+        if ( stretch > TOO_LONG )
+        {
+            results_add_note( out, "%s is stretched by %.0f %%; more than %d substeps keep lengths better", body.name,
+                              100.0 * stretch, scene_world_substeps( world, b ) );
+        }
+    }
+}
+
+// ---- the summary ----
 
 // ---- the result ----
 
@@ -36,8 +331,8 @@ static void add_head_line( results* out, int table, const char* label, const cha
     results_add_cells( out, table, ( const char* const[] ){ label, value } );
 }
 
-static void add_times( results* out, int table, const scene_world* world, const run_record* record,
-                       stats_summary times )
+static void add_run_times( results* out, int table, const scene_world* world, const run_record* record,
+                           stats_summary times )
 {
     if ( record->steps < record->all_steps )
     {
@@ -138,7 +433,7 @@ static void add_head( results* out, const scene_world* world, const run_record* 
     char intersections[120];
     const int table = results_add_table( out, "", 2, ( const char* const[] ){ "", "" } );
     add_head_line( out, table, "scene", "%s", world->scene->name );
-    add_times( out, table, world, record, times );
+    add_run_times( out, table, world, record, times );
     add_sizes( out, table, world );
     if ( record->steps > 0 && record->profile.pass_count == 0 )
     {
@@ -211,7 +506,7 @@ static void add_counter_table( results* out, const wisp_world* world )
         [WISP_COUNT_HALTED] = "entities put back to their last finite state and stopped",
         [WISP_COUNT_STRAND_RESET] = "strands put back to their rest lengths, too far off to be solved",
         [WISP_COUNT_NOT_CONVERGED] = "solves that reached the iteration limit before the tolerance",
-        [WISP_COUNT_INDEFINITE] = "solves that met negative curvature and were made again",
+        [WISP_COUNT_INDEFINITE] = "solves that met negative curvature and stopped",
         [WISP_COUNT_DEGENERATE_LINK] = "links between coincident vertices: no direction, no force",
         [WISP_COUNT_STIFFNESS_CLAMPED] = "substeps with links too stiff for floats: stiffness was lowered",
         [WISP_COUNT_FIRST_ORDER] = "substeps of BDF2 (of cloth, of each strand) that were made by implicit Euler",
@@ -276,7 +571,7 @@ static void add_command_note( results* out, const scene_world* world )
 
 // ---- the row for machines ----
 
-static void add_row( results* out, const scene_world* world, run_record* record, stats_summary times )
+static void add_run_row( results* out, const scene_world* world, run_record* record, stats_summary times )
 {
     results_row* row = results_add_row( out, io_file_name( world->scene->name ), "run" );
     if ( !row )
@@ -299,7 +594,7 @@ static void add_row( results* out, const scene_world* world, run_record* record,
     }
     row->hash = wisp_world_hash( world->world );
     row->has_hash = true;
-    run_memory_put( world->world, &row->size );
+    put_memory( world->world, &row->size );
     run_layers_put( record->layers, &row->size );
     run_collision_put( record->collision, &row->size );
     run_intersections_put( record->intersections, &row->size );
@@ -312,20 +607,20 @@ void run_summarise( const scene_world* world, run_record* record, const run_reco
     out->is_result_first = true;
     stats_summary times = stats_summarise( record->ms, record->steps );
     times.cpu_fraction = 1e3 * record->cpu_seconds / sum( record->ms, record->steps );
-    add_row( out, world, record, times );
+    add_run_row( out, world, record, times );
     add_head( out, world, record, times, recorder, counts );
     if ( record->steps > 0 )
     {
-        run_motion_add_table( world, out );
-        run_motion_add_detail( world, out );
+        add_motion_table( world, out );
+        add_detail_table( world, out );
         run_collision_report( record->collision, out );
         run_intersections_report( record->intersections, out );
         if ( record->profile.pass_count > 0 )
         {
             add_pass_table( out, record );
         }
-        run_memory_report( world->world, scene_world_vertices( world ), out );
-        run_motion_add_warnings( world, out );
+        report_memory( world->world, scene_world_vertices( world ), out );
+        add_motion_warnings( world, out );
     }
     add_counter_table( out, world->world );
     add_command_note( out, world );

@@ -1,12 +1,10 @@
 /// The summary of `wisp run`: the result first, then the time of each pass, then counters that are not zero.
 #pragma once
 
-#include "profile_samples.h"
 #include "results.h"
+#include "run_contact.h"
 #include "run_recorder.h"
-#include "run_collision.h"
-#include "run_intersections.h"
-#include "run_layers.h"
+#include "stats.h"
 #include "world_from_scene.h"
 
 /// Data collected during the steps of a run.

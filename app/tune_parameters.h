@@ -5,11 +5,58 @@
 #include "scene_edit.h"
 #include "wisp/tune.h"
 
+// ---- fields: their location, reading and writing ----
+
+/// Location of a field: the scene itself, or surfaces or strands of one kind.
+typedef enum tune_place
+{
+    OF_SCENE,
+    OF_XPBD_CLOTH,     ///< surfaces with `cloth` by xpbd, instances too
+    OF_PINNED_CLOTH,   ///< surfaces with `cloth` that are pinned
+    OF_IMPLICIT,       ///< surfaces with `implicit`
+    OF_DIRECT_STRANDS, ///< strands with `dynamics` that keep their length by the direct solve
+} tune_place;
+
+#define TUNE_CANDIDATES_MAX 6
+
+/// One row per parameter. Values go from coarse to fine; the scene's own value is added. Approximations that help a
+/// coarse setting, and that a fine one does not need, have no order: the last value, 0, turns them off, as in the
+/// reference.
+typedef struct tune_field
+{
+    const char* name;
+    const char* list; ///< of the scene's entries that have it; null: the scene itself
+    const char* block;
+    const char* key;
+    tune_place place;
+    bool is_unordered, is_falling;
+    double candidates[TUNE_CANDIDATES_MAX]; ///< end with 0, unless it is full
+} tune_field;
+
+enum
+{
+    FIELD_SUBSTEPS,
+    FIELD_ITERATIONS,
+    FIELD_TETHERS,
+    FIELD_COARSE,
+    FIELD_TOLERANCE,
+    FIELD_REPEATS,
+    FIELD_PASSES,
+    FIELD_COUNT,
+};
+
+extern const tune_field tune_fields[FIELD_COUNT];
+
+/// The scene's own value of a field. @return false: nothing has it
+bool tune_field_own( const wisp_scene* scene, int which, double* out );
+
+// ---- parameters ----
+
 /// Parameters of a scene, for wisp_tune(). Must stay where it is: the parameters point into it.
 typedef struct tune_parameters
 {
     wisp_tune_parameter parameters[WISP_TUNE_MAX_PARAMETERS];
-    int fields[WISP_TUNE_MAX_PARAMETERS]; // rows of the table in tune_fields.c
+    int fields[WISP_TUNE_MAX_PARAMETERS]; // rows of tune_fields
     double values[WISP_TUNE_MAX_PARAMETERS][WISP_TUNE_MAX_VALUES];
     int count;
 } tune_parameters;

@@ -7,7 +7,7 @@
 #define RUNS_MAX 200
 #define OBSERVATIONS 12
 #define SECONDS_MAX 2.0
-#define STEPS_MAX 1000000
+#define TUNE_STEPS_MAX 1000000
 
 /// One world at a time.
 typedef struct host
@@ -107,7 +107,7 @@ static int steps_of( const tune_scene_def* def )
                              : whole > 0.0      ? fmin( whole, SECONDS_MAX )
                                                 : SECONDS_MAX;
     const double steps = round( requested / dt );
-    return steps < 1.0 ? 1 : steps > STEPS_MAX ? STEPS_MAX : (int)steps;
+    return steps < 1.0 ? 1 : steps > TUNE_STEPS_MAX ? TUNE_STEPS_MAX : (int)steps;
 }
 
 static wisp_status search( host* h, wisp_tune_result* out, wisp_error* error )

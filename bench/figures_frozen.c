@@ -3,6 +3,7 @@
 #include "figures_hair.h"
 #include "frozen_hair.h"
 #include "groom.h"
+#include "oracle/frozen_hair_oracle.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -28,6 +29,7 @@ typedef struct frozen_plane
     wisp_world* world;
     wisp_entity hair;
     const wisp_vec3* points; ///< of the last step
+    wisp_vec3* printed;      ///< points of the oracle
 } frozen_plane;
 
 static void plane_free( frozen_plane* f )
@@ -37,6 +39,7 @@ static void plane_free( frozen_plane* f )
         wisp_world_destroy( f->world );
     }
     wisp_groom_release( &f->groom );
+    free( f->printed );
     *f = ( frozen_plane ){ .world = NULL };
 }
 
@@ -372,15 +375,15 @@ static clump_stats measure_clumps( const frozen_plane* f, double spacing, int* l
 typedef struct clump_rule
 {
     const char* label;
-    bool clumps;
+    bool clumps, is_printed;
     wisp_gap gap;
 } clump_rule;
 
 static const clump_rule rules[] = {
-    { "aligned", false, WISP_GAP_NONE },
-    { "wet: no gap", true, WISP_GAP_NONE },
-    { "printed: signed gap", true, WISP_GAP_SIGNED },
-    { "prose: absolute gap", true, WISP_GAP_ABSOLUTE },
+    { "aligned", false, false, WISP_GAP_NONE },
+    { "wet: no gap", true, false, WISP_GAP_NONE },
+    { "printed: signed gap", true, true, WISP_GAP_ABSOLUTE },
+    { "prose: absolute gap", true, false, WISP_GAP_ABSOLUTE },
 };
 
 enum
@@ -397,10 +400,50 @@ static wisp_frozen_hair_def clump_def( const clump_rule* rule )
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     def.cursor = ( wisp_vec3 ){ 1.0f, -2.0f, 0.0f };
     def.reach = 10.0f;
-    def.clump = rule->clumps;
     def.gap = rule->gap;
     def.clump_iterations = CLUMP_ROUNDS;
     return def;
+}
+
+// Eq. 14 to 19 with the gap as printed, by the oracle, on strands that the engine has aligned.
+static wisp_status print_clumps( frozen_plane* f, const wisp_frozen_hair_def* def, wisp_error* error )
+{
+    const size_t count = (size_t)f->groom.vertex_count;
+    double3* wide = calloc( 2 * count, sizeof( double3 ) );
+    f->printed = calloc( count, sizeof( wisp_vec3 ) );
+    if ( !wide || !f->printed )
+    {
+        free( wide );
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d printed strands", f->groom.strand_count );
+    }
+    for ( size_t v = 0; v < count; ++v )
+    {
+        wide[v] = double3_widen( f->points[v] );
+    }
+    const frozen_oracle_hair hair = { .strand_count = f->groom.strand_count,
+                                      .offsets = f->groom.offsets,
+                                      .rest = wide };
+    frozen_oracle_options options = frozen_oracle_default_options();
+    options.clump_iterations = def->clump_iterations;
+    options.gap = FROZEN_ORACLE_GAP_SIGNED;
+    options.dimension = 2;
+    options.seed = def->seed;
+    const wisp_status status = frozen_oracle_clump( &hair, &options, wide, NULL, wide + count );
+    for ( size_t v = 0; v < count; ++v )
+    {
+        f->printed[v] = ( wisp_vec3 ){ (float)wide[count + v].x, (float)wide[count + v].y, 0.0f };
+    }
+    f->points = f->printed;
+    free( wide );
+    return status == WISP_OK ? WISP_OK : wisp_fail( error, status, "the oracle has no memory for its neighbours" );
+}
+
+static wisp_status clump_by( const clump_rule* rule, int strands, float spacing, frozen_plane* f, wisp_error* error )
+{
+    wisp_frozen_hair_def def = clump_def( rule );
+    def.clump = rule->clumps && !rule->is_printed;
+    const wisp_status status = plane_make( WISP_GROOM_STRAIGHT, strands, spacing, &def, f, error );
+    return status == WISP_OK && rule->is_printed ? print_clumps( f, &def, error ) : status;
 }
 
 // @param spacing m, between roots, in clump radii of 1 cm @param c [RULES] receives what was counted
@@ -411,8 +454,7 @@ static wisp_status count_clumps( float spacing, clump_stats* c, wisp_error* erro
     for ( int n = 0; n < RULES && status == WISP_OK; ++n )
     {
         frozen_plane f;
-        const wisp_frozen_hair_def def = clump_def( &rules[n] );
-        status = plane_make( WISP_GROOM_STRAIGHT, CLUMPED, spacing, &def, &f, error );
+        status = clump_by( &rules[n], CLUMPED, spacing, &f, error );
         if ( status == WISP_OK )
         {
             c[n] = measure_clumps( &f, (double)spacing, lock );
@@ -429,9 +471,8 @@ static wisp_status draw_clumps( figures_case* page, float spacing, wisp_error* e
     for ( int n = 0; n < RULES && status == WISP_OK; ++n )
     {
         frozen_plane f;
-        const wisp_frozen_hair_def def = clump_def( &rules[n] );
         int lock[DRAWN];
-        status = plane_make( WISP_GROOM_STRAIGHT, DRAWN, spacing, &def, &f, error );
+        status = clump_by( &rules[n], DRAWN, spacing, &f, error );
         if ( n == 0 && status == WISP_OK )
         {
             figures_hair_begin( page, &album, "original" );

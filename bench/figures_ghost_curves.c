@@ -1,10 +1,9 @@
 // The figures of Park and Kim 2024 about lines: the curves that draw strands, and ghosts with more vertices.
 #include "figures_hair.h"
 
-#include <math.h>
+#include "oracle/guide_oracle.h"
 
-#define GROUP 4
-#define SHOT_STEP 25
+#include <math.h>
 
 // ---- turns ----
 
@@ -36,12 +35,12 @@ static turns measure_curve_turns( const wisp_vec3* points, int count, double lim
 
 // ---- Fig. 3 ----
 
-// In the order in which they are drawn and printed.
-static const wisp_curve_kind curve_kinds[] = { WISP_CURVE_BEZIER_PRINTED, WISP_CURVE_BEZIER, WISP_CURVE_CATMULL_ROM };
+// In the order in which they are drawn and told, behind eq. 6 as printed.
+static const wisp_curve_kind curve_kinds[] = { WISP_CURVE_BEZIER, WISP_CURVE_CATMULL_ROM };
 
 typedef struct curve_stats
 {
-    turns line, curve[WISP_COUNT( curve_kinds )];
+    turns line, printed, curve[WISP_COUNT( curve_kinds )];
     double ends; // m, largest distance of an end of a curve to that of its strand
 } curve_stats;
 
@@ -71,6 +70,34 @@ static wisp_vec3 form_node( strand_form form, int i )
 }
 
 #define CURVE_NODES_MAX 10
+#define CURVE_SAMPLES 8
+#define CURVE_POINTS_MAX ( CURVE_SAMPLES * ( CURVE_NODES_MAX - 1 ) + 1 )
+
+static void note_ends( const wisp_vec3* points, int count, const wisp_vec3* nodes, int node_count, curve_stats* f )
+{
+    f->ends = fmax( f->ends, tuft_length( tuft_minus( points[0], nodes[0] ) ) );
+    f->ends = fmax( f->ends, tuft_length( tuft_minus( points[count - 1], nodes[node_count - 1] ) ) );
+}
+
+// Eq. 6 on groups that share their ends only, by the oracle. @return number of points
+static int draw_printed( const wisp_vec3* nodes, int node_count, double limit, wisp_vec3* points, curve_stats* f )
+{
+    double3 wide[CURVE_NODES_MAX], controls[4 * CURVE_NODES_MAX], drawn[CURVE_POINTS_MAX];
+    for ( int i = 0; i < node_count; ++i )
+    {
+        wide[i] = double3_widen( nodes[i] );
+    }
+    guide_oracle_curve_controls( wide, node_count, GUIDE_ORACLE_CURVE_GROUPS, controls );
+    const int count = guide_oracle_draw( controls, guide_oracle_curve_count( node_count, GUIDE_ORACLE_CURVE_GROUPS ),
+                                         CURVE_SAMPLES, false, drawn );
+    for ( int i = 0; i < count; ++i )
+    {
+        points[i] = ( wisp_vec3 ){ (float)drawn[i].x, (float)drawn[i].y, (float)drawn[i].z };
+    }
+    f->printed = measure_curve_turns( points, count, limit );
+    note_ends( points, count, nodes, node_count, f );
+    return count;
+}
 
 static wisp_status draw_curve( wisp_world* world, wisp_entity strand, wisp_curve_kind kind, const wisp_vec3* nodes,
                                int node_count, double limit, turns* out, wisp_view* view, curve_stats* f,
@@ -79,6 +106,7 @@ static wisp_status draw_curve( wisp_world* world, wisp_entity strand, wisp_curve
     wisp_curves_def def = wisp_default_curves_def();
     def.source = strand;
     def.kind = kind;
+    def.samples = CURVE_SAMPLES;
     wisp_entity curve = { 0 };
     wisp_status status = wisp_add_curves( world, &def, &curve );
     status = status == WISP_OK ? wisp_request( world, curve, WISP_STRAND_POINTS ) : status;
@@ -90,16 +118,16 @@ static wisp_status draw_curve( wisp_world* world, wisp_entity strand, wisp_curve
     }
     const wisp_vec3* points = view->data;
     *out = measure_curve_turns( points, view->count, limit );
-    f->ends = fmax( f->ends, tuft_length( tuft_minus( points[0], nodes[0] ) ) );
-    f->ends = fmax( f->ends, tuft_length( tuft_minus( points[view->count - 1], nodes[node_count - 1] ) ) );
+    note_ends( points, view->count, nodes, node_count, f );
     return WISP_OK;
 }
 
 static wisp_status draw_strand( const figures_case* page, figures_hair_album* album, strand_form form, int node_count,
                                 curve_stats* f, wisp_error* error )
 {
-    static const wisp_vec3 colours[] = { { 0.75f, 0.05f, 0.05f }, { 0.55f, 0.32f, 0.12f }, { 0.1f, 0.25f, 0.6f } };
-    wisp_vec3 nodes[CURVE_NODES_MAX];
+    static const wisp_vec3 printed_colour = { 0.75f, 0.05f, 0.05f };
+    static const wisp_vec3 colours[] = { { 0.55f, 0.32f, 0.12f }, { 0.1f, 0.25f, 0.6f } };
+    wisp_vec3 nodes[CURVE_NODES_MAX], printed[CURVE_POINTS_MAX];
     const int32_t offsets[2] = { 0, node_count };
     for ( int i = 0; i < node_count; ++i )
     {
@@ -129,6 +157,9 @@ static wisp_status draw_strand( const figures_case* page, figures_hair_album* al
     status = status == WISP_OK
                  ? figures_hair_add( page, album, nodes, 1, node_count, tuft_target_colour, 0.0005f, error )
                  : status;
+    const int count = draw_printed( nodes, node_count, limit, printed, f );
+    status = status == WISP_OK ? figures_hair_add( page, album, printed, 1, count, printed_colour, 0.0005f, error )
+                               : status;
     for ( int k = 0; k < WISP_COUNT( curve_kinds ) && status == WISP_OK; ++k )
     {
         status = draw_curve( world, strand, curve_kinds[k], nodes, node_count, limit, &f->curve[k], &view, f, error );
@@ -145,7 +176,7 @@ static wisp_status draw_strand( const figures_case* page, figures_hair_album* al
 static bool turns_less( const curve_stats* f )
 {
     bool less = f->ends < TUFT_ROUNDING;
-    for ( int k = 1; k < WISP_COUNT( curve_kinds ); ++k )
+    for ( int k = 0; k < WISP_COUNT( curve_kinds ); ++k )
     {
         less = less && f->curve[k].largest < f->line.largest && f->curve[k].sharp < f->line.sharp;
     }
@@ -178,7 +209,7 @@ wisp_status figures_ghost_curves( figures_case* page, wisp_error* error )
         {
             const curve_stats* f = &last[form];
             snprintf( text[form], sizeof( text[form] ), "%s %.0f: %.0f, %.0f, %.0f", form_names[form],
-                      f->line.largest, f->curve[0].largest, f->curve[1].largest, f->curve[2].largest );
+                      f->line.largest, f->printed.largest, f->curve[0].largest, f->curve[1].largest );
         }
         figures_add(
             page, "Park and Kim 2024, Fig. 3",
@@ -222,7 +253,7 @@ static void pair_nearest( const tuft* t, const wisp_vec3* target, wisp_vec3* out
 static double sharpest( const wisp_vec3* points )
 {
     double largest = 0.0;
-    for ( int g = 0; g < GROUP; ++g )
+    for ( int g = 0; g < TUFT_GROUP; ++g )
     {
         largest = fmax( largest, measure_curve_turns( points + g * GHOST_NODES, GHOST_NODES, 0.0 ).largest );
     }
@@ -247,13 +278,12 @@ wisp_status figures_ghost_pairing( figures_case* page, wisp_error* error )
     figures_hair_album album = { .count = 0 };
     tuft t = { .target = { 0 } };
     tuft_seen s = { .target = NULL };
-    wisp_vec3 nearest[GROUP * GHOST_NODES];
+    wisp_vec3 nearest[TUFT_GROUP * GHOST_NODES];
     double kinks[2] = { 0.0, 0.0 };
     bool refused = false;
     wisp_ghosts_def follow = tuft_without_weights();
     follow.resample = true;
-    follow.frame = WISP_GHOST_FRAME_OFF; // as in Park and Kim 2024
-    wisp_status status = tuft_make( GROUP, GHOST_NODES, &t, error );
+    wisp_status status = tuft_make( TUFT_GROUP, GHOST_NODES, &t, error );
     status = status == WISP_OK ? is_refused( &t, &refused, error ) : status;
     status = status == WISP_OK ? tuft_enter( &t, &follow, error ) : status;
     for ( int step = 1; step <= TUFT_STEPS && status == WISP_OK; ++step )
@@ -265,14 +295,15 @@ wisp_status figures_ghost_pairing( figures_case* page, wisp_error* error )
             kinks[0] = fmax( kinks[0], sharpest( nearest ) );
             kinks[1] = fmax( kinks[1], sharpest( s.swaying ) );
         }
-        if ( status == WISP_OK && step == SHOT_STEP )
+        if ( status == WISP_OK && step == TUFT_SHOT )
         {
-            for ( int i = 0; i < GROUP * GHOST_NODES; ++i )
+            for ( int i = 0; i < TUFT_GROUP * GHOST_NODES; ++i )
             {
                 nearest[i] = tuft_minus( nearest[i], s.target[0] );
             }
             figures_hair_begin( page, &album, "nearest vertex" );
-            status = figures_hair_add( page, &album, nearest, GROUP, GHOST_NODES, tuft_line_colour, 0.0005f, error );
+            status =
+                figures_hair_add( page, &album, nearest, TUFT_GROUP, GHOST_NODES, tuft_line_colour, 0.0005f, error );
             figures_hair_begin( page, &album, "by arc length" );
             const tuft_lines none = { .to_centre = false };
             status = status == WISP_OK ? tuft_take( page, &album, &t, &s, &none, error ) : status;

@@ -76,7 +76,6 @@ wisp_status tuft_enter( tuft* t, const wisp_ghosts_def* follow, wisp_error* erro
     wisp_status status = hair_head_create( &generator, &t->swaying, error );
     generator.follow = tuft_without_weights();
     generator.follow.resample = follow->resample;
-    generator.follow.frame = follow->frame;
     return status == WISP_OK ? hair_head_create( &generator, &t->plain, error ) : status;
 }
 
@@ -191,7 +190,6 @@ wisp_status tuft_take( const figures_case* page, figures_hair_album* album, cons
 // ---- figures 1 and 2 ----
 
 #define GHOSTS_MAX 5
-#define SHOT_STEP 25
 // Difference lines are a few millimetres long at most: how many times they are drawn, and the difference of the bar, m.
 #define SWAY_MAGNIFIED 10.0f
 #define SWAY_BAR 0.001f
@@ -234,7 +232,7 @@ wisp_status figures_ghost_centre( figures_case* page, wisp_error* error )
                 double off = tuft_length( tuft_minus( tuft_mean( s.swaying, ghosts, node ), s.target[node] ) );
                 worst = off <= worst ? worst : off;
             }
-            if ( step == SHOT_STEP && status == WISP_OK )
+            if ( step == TUFT_SHOT && status == WISP_OK )
             {
                 const tuft_lines spokes = { .to_centre = true };
                 figures_hair_begin( page, &album, "%d ghosts, lines to their mean", ghosts );
@@ -353,8 +351,6 @@ wisp_status figures_ghost_sway( figures_case* page, wisp_error* error )
 
 // ---- Fig. 2b and 2c ----
 
-#define GROUP 4
-
 typedef struct group_stats
 {
     double apart;       // m, largest difference of displacement within the group
@@ -367,10 +363,10 @@ static void measure_group( const tuft_seen* s, group_stats* f )
 {
     for ( int node = 1; node < TUFT_NODES; ++node )
     {
-        double moved[GROUP], far[GROUP];
-        const wisp_vec3 centre = tuft_mean( s->base, GROUP, node );
+        double moved[TUFT_GROUP], far[TUFT_GROUP];
+        const wisp_vec3 centre = tuft_mean( s->base, TUFT_GROUP, node );
         wisp_vec3 first = { 0.0f, 0.0f, 0.0f };
-        for ( int g = 0; g < GROUP; ++g )
+        for ( int g = 0; g < TUFT_GROUP; ++g )
         {
             wisp_vec3 d = tuft_minus( s->swaying[g * TUFT_NODES + node], s->base[g * TUFT_NODES + node] );
             first = g == 0 ? d : first;
@@ -378,15 +374,15 @@ static void measure_group( const tuft_seen* s, group_stats* f )
             far[g] = tuft_length( tuft_minus( s->base[g * TUFT_NODES + node], centre ) );
             f->apart = fmax( f->apart, tuft_length( tuft_minus( d, first ) ) );
         }
-        f->spread += spread_of_group( s->swaying, GROUP, node );
+        f->spread += spread_of_group( s->swaying, TUFT_GROUP, node );
         ++f->samples;
         if ( tuft_length( s->now[node] ) < MIN_SPEED )
         {
             continue;
         }
-        for ( int a = 0; a < GROUP; ++a )
+        for ( int a = 0; a < TUFT_GROUP; ++a )
         {
-            for ( int b = 0; b < GROUP; ++b )
+            for ( int b = 0; b < TUFT_GROUP; ++b )
             {
                 bool is_pair = far[a] > 1.05 * far[b]; // nearly equal distances say nothing
                 f->pairs += is_pair ? 1 : 0;
@@ -404,7 +400,7 @@ static wisp_status run_group( const figures_case* page, figures_hair_album* albu
     wisp_ghosts_def follow = tuft_without_weights();
     follow.elastic = WISP_GHOST_ELASTIC_CHANGE;
     follow.centre_gain = centre_gain;
-    wisp_status status = tuft_make( GROUP, TUFT_NODES, &t, error );
+    wisp_status status = tuft_make( TUFT_GROUP, TUFT_NODES, &t, error );
     status = status == WISP_OK ? tuft_enter( &t, &follow, error ) : status;
     for ( int step = 1; step <= TUFT_STEPS && status == WISP_OK; ++step )
     {
@@ -413,7 +409,7 @@ static wisp_status run_group( const figures_case* page, figures_hair_album* albu
         {
             measure_group( &s, f );
         }
-        if ( status == WISP_OK && step == SHOT_STEP )
+        if ( status == WISP_OK && step == TUFT_SHOT )
         {
             const tuft_lines lines = { .magnified = GROUP_MAGNIFIED, .bar = GROUP_BAR };
             figures_hair_begin( page, album, "k_com %.1f, bar %.0f mm of y - b", (double)centre_gain,
@@ -485,16 +481,16 @@ wisp_status figures_ghost_spread( figures_case* page, wisp_error* error )
         tuft_seen s = { .target = NULL };
         wisp_ghosts_def follow = tuft_without_weights();
         follow.spread = requested[i];
-        status = tuft_make( GROUP, TUFT_NODES, &t, error );
+        status = tuft_make( TUFT_GROUP, TUFT_NODES, &t, error );
         status = status == WISP_OK ? tuft_enter( &t, &follow, error ) : status;
-        for ( int step = 1; step <= SHOT_STEP && status == WISP_OK; ++step )
+        for ( int step = 1; step <= TUFT_SHOT && status == WISP_OK; ++step )
         {
             status = tuft_advance( &t, &s, error );
         }
         for ( int node = 1; node < TUFT_NODES && status == WISP_OK; ++node )
         {
-            double now = spread_of_group( s.swaying, GROUP, node );
-            double rest = spread_of_group( t.ghosts.points, GROUP, node );
+            double now = spread_of_group( s.swaying, TUFT_GROUP, node );
+            double rest = spread_of_group( t.ghosts.points, TUFT_GROUP, node );
             ratio[i] += now / rest / ( TUFT_NODES - 1 );
             worst = fmax( worst, fabs( now / rest / (double)requested[i] - 1.0 ) );
         }

@@ -48,6 +48,8 @@ void figures_hair_free( figures_hair_album* album );
 
 #define TUFT_NODES 10
 #define TUFT_STEPS 60
+#define TUFT_GROUP 4 ///< ghosts
+#define TUFT_SHOT 25 ///< step of the picture
 /// Half a rounding of a float at 0.4 m is 1.5e-8 m; sums of a few such numbers stay below this.
 #define TUFT_ROUNDING 3e-7
 

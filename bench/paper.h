@@ -4,7 +4,6 @@
 #include "bench.h"
 #include "bench_world.h"
 #include "groom.h"
-#include "profile_samples.h"
 #include "stats.h"
 
 #include "frozen_hair/frozen_hair.h"

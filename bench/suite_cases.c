@@ -5,9 +5,9 @@
 #include "bench.h"
 #include "bench_output.h"
 #include "program_data.h"
+#include "render.h"
 #include "suite_study.h"
 #include "surfaces.h"
-#include "threads.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -42,7 +42,7 @@ enum
 
 static const char sizes_suite[] = "suite.sizes", sphere_rows[] = "sphere, vertices=";
 
-// Rows of the sizes, whose pressure is that of the default reading. @return 0: another row
+// @return 0: a row of another suite
 static double vertices_of( const results_row* row )
 {
     const size_t length = strlen( sphere_rows );

@@ -4,7 +4,7 @@
 #include "accuracy/accuracy.h"
 #include "accuracy/scene_tools.h"
 #include "program_data.h"
-#include "suite_reference.h"
+#include "suite_motion.h"
 #include "surfaces.h"
 
 #include "oracle/balloon_oracle.h"

@@ -6,7 +6,6 @@
 #include "results.h"
 #include "suite.h"
 #include "suite_measure.h"
-#include "suite_overlap.h"
 
 // ---- suites of a case ----
 

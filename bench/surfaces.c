@@ -399,27 +399,21 @@ static double closed_form( const wisp_fabric* fabric, const wisp_balloon_def* de
 wisp_status balloon_read_all( surface_implementation* implementation, const balloon_setting* setting,
                               balloon_readings* out, wisp_error* error )
 {
-    wisp_balloon_def def = setting->def;
     wisp_balloon_stats seen = { 0 };
-    wisp_status status = WISP_OK;
-    for ( int reading = 0; reading < BALLOON_READINGS && status == WISP_OK; ++reading )
+    wisp_status status = wisp_request_balloon_stats( implementation->world, implementation->entity, true );
+    if ( status != WISP_OK )
     {
-        def.pressure = (wisp_balloon_pressure)reading;
-        status = wisp_set_balloon( implementation->world, implementation->entity, &def );
-        if ( status == WISP_OK )
-        {
-            status = wisp_request_balloon_stats( implementation->world, implementation->entity, true );
-        }
-        if ( status != WISP_OK )
-        {
-            return bench_world_fail( implementation->world, status, error );
-        }
-        status = surface_implementation_step( implementation, error );
-        status = status == WISP_OK ? balloon_implementation_read( implementation, &seen, error ) : status;
-        out->pressure[reading] = seen.pressure;
+        return bench_world_fail( implementation->world, status, error );
     }
-    out->volume_error = seen.volume / seen.target_volume - 1.0;
-    out->closed_form = closed_form( implementation->fabric, &def, &seen );
+    status = surface_implementation_step( implementation, error );
+    status = status == WISP_OK ? balloon_implementation_read( implementation, &seen, error ) : status;
+    const double lacking = seen.target_volume - seen.volume;
+    *out = ( balloon_readings ){
+        .pressure = seen.pressure,
+        .gas_law = (double)setting->def.atmospheric_pressure * lacking / seen.volume,
+        .volume_error = -lacking / seen.target_volume,
+        .closed_form = closed_form( implementation->fabric, &setting->def, &seen ),
+    };
     return status;
 }
 

@@ -3,7 +3,6 @@
 
 #include "bench_world.h"
 #include "mesh.h"
-#include "profile_samples.h"
 #include "stats.h"
 
 #include "balloon/balloon.h"
@@ -137,22 +136,20 @@ wisp_vec3* balloon_scaled_points( const wisp_mesh* mesh, double scale );
 
 // ---- readings of pressure ----
 
-// The pressure of a balloon by its three readings, and by its closed form.
+// The pressure of a balloon as it reads it, by the gas law and by its closed form.
 
 /// Sum of k l^2 over all links at rest, N m: what the pressure of a mesh that is scaled evenly goes with.
 double balloon_stiffness_sum( const wisp_fabric* fabric, const wisp_balloon_def* def );
 
-/// The readings that are one pressure at equilibrium; the printed `added` is not one of them.
-#define BALLOON_READINGS ( WISP_BALLOON_PRESSURE_GAS + 1 )
-
 typedef struct balloon_readings
 {
-    double pressure[BALLOON_READINGS]; ///< Pa above the atmosphere, by wisp_balloon_pressure
-    double volume_error;               ///< V / V_0 - 1
-    double closed_form;                ///< Pa, of the mesh scaled to the volume that it has: every link k (l - d)
+    double pressure;     ///< Pa above the atmosphere, as the balloon reads it
+    double gas_law;      ///< Pa, P_atm (V_0 - V) / V
+    double volume_error; ///< V / V_0 - 1
+    double closed_form;  ///< Pa, of the mesh scaled to the volume that it has: every link k (l - d)
 } balloon_readings;
 
-/// One more step for each reading.
+/// One more step, with statistics.
 wisp_status balloon_read_all( surface_implementation* implementation, const balloon_setting* setting,
                               balloon_readings* out, wisp_error* error );
 

@@ -1,9 +1,284 @@
 #include "gate_check.h"
 
 #include "io_file.h"
+#include "machine.h"
+#include "report.h"
 
+#include <jansson.h>
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <time.h>
+
+// ---- base files ----
+
+enum
+{
+    MAX_BYTES = 16 << 20,
+    MAX_REASONS = 1000,
+};
+
+void gate_compiler( char* out, size_t size )
+{
+    const machine_info machine = machine_describe( "" );
+    snprintf( out, size, "%s, %s, %s", machine.compiler, machine.build_type, machine.flags );
+}
+
+void gate_today( char out[16] )
+{
+    const time_t now = time( NULL );
+    struct tm parts;
+    localtime_r( &now, &parts );
+    strftime( out, 16, "%Y-%m-%d", &parts );
+}
+
+// @return null if the base has no such row
+static const gate_base_row* find_base_row( const gate_base* base, const suite_row* row )
+{
+    for ( int i = 0; i < base->row_count; ++i )
+    {
+        if ( strcmp( base->rows[i].name, row->name ) == 0 && strcmp( base->rows[i].variant, row->variant ) == 0 )
+        {
+            return base->rows + i;
+        }
+    }
+    return NULL;
+}
+
+void gate_base_release( gate_base* base )
+{
+    free( base->rows );
+    free( base->accepted );
+    *base = ( gate_base ){ 0 };
+}
+
+// ---- reading ----
+
+static bool take_text( const json_t* object, const char* key, char* out, size_t size )
+{
+    const char* text = json_string_value( json_object_get( object, key ) );
+    if ( text == NULL || strlen( text ) >= size )
+    {
+        return false;
+    }
+    strcpy( out, text );
+    return true;
+}
+
+static bool take_hash( const json_t* row, uint64_t* out )
+{
+    const char* text = json_string_value( json_object_get( row, "hash" ) );
+    char* end = NULL;
+    *out = text ? strtoull( text, &end, 16 ) : 0;
+    return text && strlen( text ) == 16 && *end == '\0';
+}
+
+// A value that is null was not measured; one that is not there is an error, since files may be cut.
+static bool take_values( const json_t* row, suite_measurement* out )
+{
+    const json_t* values = json_object_get( row, "values" );
+    bool is_whole = json_object_size( values ) == SUITE_MEASURE_COUNT;
+    for ( int m = 0; m < SUITE_MEASURE_COUNT && is_whole; ++m )
+    {
+        const json_t* value = json_object_get( values, suite_measures[m].name );
+        is_whole = json_is_null( value ) || json_is_number( value );
+        out->values[m] = json_is_number( value ) ? json_number_value( value ) : NAN;
+        is_whole = is_whole && !( out->values[m] < 0.0 );
+    }
+    return is_whole;
+}
+
+static bool take_passes( const json_t* row, suite_measurement* out )
+{
+    json_t* passes = json_object_get( row, "passes" );
+    const char* name;
+    json_t* value;
+    bool is_whole = json_is_object( passes ) && json_object_size( passes ) <= SUITE_MAX_PASSES;
+    if ( is_whole )
+    {
+        json_object_foreach( passes, name, value )
+        {
+            suite_pass* pass = &out->passes[out->pass_count++];
+            is_whole = is_whole && strlen( name ) < sizeof pass->name && json_is_number( value ) &&
+                       json_number_value( value ) >= 0.0;
+            snprintf( pass->name, sizeof pass->name, "%s", name );
+            pass->instructions = json_number_value( value );
+        }
+    }
+    return is_whole;
+}
+
+static bool take_row( const json_t* row, gate_base_row* out )
+{
+    const json_t* steps = json_object_get( row, "steps" );
+    out->measured.steps = (int)json_integer_value( steps );
+    return take_text( row, "name", out->name, sizeof out->name ) &&
+           take_text( row, "variant", out->variant, sizeof out->variant ) && json_is_integer( steps ) &&
+           take_hash( row, &out->measured.hash ) && take_values( row, &out->measured ) &&
+           take_passes( row, &out->measured );
+}
+
+static bool take_reason( const json_t* reason, gate_reason* out )
+{
+    return take_text( reason, "date", out->date, sizeof out->date ) &&
+           take_text( reason, "reason", out->text, sizeof out->text );
+}
+
+static wisp_status take_base( const json_t* root, const char* path, gate_base* out, wisp_error* error )
+{
+    const json_t *version = json_object_get( root, "wisp_gate" ), *rows = json_object_get( root, "rows" ),
+                 *accepted = json_object_get( root, "accepted" );
+    if ( !json_is_integer( version ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: expected a base file of wisp gate, which has the key wisp_gate",
+                          io_short_name( path ) );
+    }
+    if ( json_integer_value( version ) != GATE_VERSION )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got a base file of version %lld, expected %d; record it again",
+                          io_short_name( path ), (long long)json_integer_value( version ), (int)GATE_VERSION );
+    }
+    const size_t count = json_array_size( rows ), reasons = json_array_size( accepted );
+    if ( !take_text( root, "suite", out->suite, sizeof out->suite ) ||
+         !take_text( root, "date", out->date, sizeof out->date ) ||
+         !take_text( root, "version", out->version, sizeof out->version ) ||
+         !take_text( root, "compiler", out->compiler, sizeof out->compiler ) || count == 0 ||
+         count > SUITE_MAX_ROWS || !json_is_array( accepted ) || reasons > MAX_REASONS )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: expected suite, date, version, compiler, rows and accepted; the file was edited",
+                          io_short_name( path ) );
+    }
+    out->rows = calloc( count, sizeof *out->rows );
+    out->accepted = calloc( reasons + 1, sizeof *out->accepted );
+    if ( out->rows == NULL || out->accepted == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %zu rows", io_short_name( path ), count );
+    }
+    for ( size_t i = 0; i < count; ++i )
+    {
+        if ( !take_row( json_array_get( rows, i ), out->rows + i ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: row %zu is not as it was recorded; record the file again",
+                              io_short_name( path ), i + 1 );
+        }
+        out->row_count += 1;
+    }
+    for ( size_t i = 0; i < reasons; ++i )
+    {
+        if ( !take_reason( json_array_get( accepted, i ), out->accepted + i ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: reason %zu has no date or no text", io_short_name( path ),
+                              i + 1 );
+        }
+        out->accepted_count += 1;
+    }
+    return WISP_OK;
+}
+
+wisp_status gate_base_parse( const char* text, size_t size, const char* path, gate_base* out, wisp_error* error )
+{
+    *out = ( gate_base ){ 0 };
+    json_error_t place = { 0 };
+    json_t* root = json_loadb( text, size, JSON_REJECT_DUPLICATES, &place );
+    const wisp_status status = root ? take_base( root, path, out, error )
+                                    : wisp_fail( error, WISP_BAD_INPUT, "%s:%d:%d: no JSON: %.160s",
+                                                 io_short_name( path ), place.line, place.column, place.text );
+    json_decref( root );
+    return status;
+}
+
+wisp_status gate_base_read( const char* path, gate_base* out, wisp_error* error )
+{
+    *out = ( gate_base ){ 0 };
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    wisp_status status = io_file_read( path, MAX_BYTES, &bytes, &size, error );
+    status = status == WISP_OK ? gate_base_parse( (const char*)bytes, size, path, out, error ) : status;
+    free( bytes );
+    return status;
+}
+
+// ---- writing ----
+
+static json_t* value_of( double value )
+{
+    return !isfinite( value )                                  ? json_null()
+           : value == floor( value ) && fabs( value ) < 0x1p53 ? json_integer( (json_int_t)value )
+                                                               : json_real( value );
+}
+
+static json_t* row_of( const gate_base_row* row )
+{
+    char digits[17];
+    snprintf( digits, sizeof digits, "%016llx", (unsigned long long)row->measured.hash );
+    json_t *out = json_object(), *values = json_object();
+    json_object_set_new( out, "name", json_string( row->name ) );
+    json_object_set_new( out, "variant", json_string( row->variant ) );
+    json_object_set_new( out, "steps", json_integer( row->measured.steps ) );
+    json_object_set_new( out, "hash", json_string( digits ) );
+    for ( int m = 0; m < SUITE_MEASURE_COUNT; ++m )
+    {
+        json_object_set_new( values, suite_measures[m].name, value_of( row->measured.values[m] ) );
+    }
+    json_object_set_new( out, "values", values );
+    json_t* passes = json_object();
+    for ( int i = 0; i < row->measured.pass_count; ++i )
+    {
+        if ( isfinite( row->measured.passes[i].instructions ) )
+        {
+            json_object_set_new( passes, row->measured.passes[i].name,
+                                 value_of( row->measured.passes[i].instructions ) );
+        }
+    }
+    json_object_set_new( out, "passes", passes );
+    return out;
+}
+
+static json_t* root_of( const gate_base* base )
+{
+    json_t *root = json_object(), *rows = json_array(), *accepted = json_array();
+    json_object_set_new( root, "wisp_gate", json_integer( GATE_VERSION ) );
+    json_object_set_new( root, "suite", json_string( base->suite ) );
+    json_object_set_new( root, "date", json_string( base->date ) );
+    json_object_set_new( root, "version", json_string( base->version ) );
+    json_object_set_new( root, "compiler", json_string( base->compiler ) );
+    for ( int i = 0; i < base->row_count; ++i )
+    {
+        json_array_append_new( rows, row_of( base->rows + i ) );
+    }
+    json_object_set_new( root, "rows", rows );
+    for ( int i = 0; i < base->accepted_count; ++i )
+    {
+        json_t* reason = json_object();
+        json_object_set_new( reason, "date", json_string( base->accepted[i].date ) );
+        json_object_set_new( reason, "reason", json_string( base->accepted[i].text ) );
+        json_array_append_new( accepted, reason );
+    }
+    json_object_set_new( root, "accepted", accepted );
+    return root;
+}
+
+wisp_status gate_base_write( const gate_base* base, const char* path, wisp_error* error )
+{
+    io_output output;
+    wisp_status status = io_output_open( path, &output, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    json_t* root = root_of( base );
+    if ( json_dumpf( root, output.stream, JSON_INDENT( 1 ) | JSON_REAL_PRECISION( 9 ) ) != 0 ||
+         fputc( '\n', output.stream ) == EOF )
+    {
+        status = wisp_fail( error, WISP_IO_ERROR, "%s: cannot be written", io_short_name( path ) );
+    }
+    json_decref( root );
+    return io_output_end( &output, status, error );
+}
+
+// ---- the comparison ----
 
 const char* const gate_state_names[GATE_STATE_COUNT] = { "same", "moved", "worse", "new" };
 const char* const gate_verdict_names[GATE_VERDICT_COUNT] = { "pass", "inconclusive", "regression" };
@@ -27,7 +302,8 @@ static void add_message( gate_row_check* out, suite_measure m, double base, doub
               used > 0 ? "; " : "", suite_measures[m].name, now, base, change, most );
 }
 
-double gate_pass_instructions( const suite_measurement* m, const char* name )
+// @return instructions of a pass; 0: it did not run or was not counted
+static double pass_instructions( const suite_measurement* m, const char* name )
 {
     for ( int i = 0; i < m->pass_count; ++i )
     {
@@ -51,8 +327,8 @@ static void add_passes( gate_row_check* out, const suite_measurement* was )
         const char* name = NULL;
         for ( int i = 0; i < now->pass_count; ++i )
         {
-            const double more = gate_pass_instructions( now, now->passes[i].name ) -
-                                gate_pass_instructions( was, now->passes[i].name );
+            const double more =
+                pass_instructions( now, now->passes[i].name ) - pass_instructions( was, now->passes[i].name );
             if ( more >= most && more < last )
             {
                 most = more;
@@ -62,7 +338,7 @@ static void add_passes( gate_row_check* out, const suite_measurement* was )
         const size_t used = strlen( out->message );
         if ( name )
         {
-            const double base = gate_pass_instructions( was, name );
+            const double base = pass_instructions( was, name );
             char change[32] = "which is new";
             if ( base > 0.0 )
             {
@@ -78,7 +354,7 @@ static void add_passes( gate_row_check* out, const suite_measurement* was )
 void gate_check_row( const suite_row* row, const gate_base* base, bool compares_counts, const suite_measurement* now,
                      gate_row_check* out )
 {
-    *out = ( gate_row_check ){ .state = GATE_NEW, .now = *now, .base = gate_base_find( base, row ) };
+    *out = ( gate_row_check ){ .state = GATE_NEW, .now = *now, .base = find_base_row( base, row ) };
     if ( out->base == NULL )
     {
         snprintf( out->message, sizeof out->message, "the base does not have this row; record or accept it" );
@@ -109,7 +385,7 @@ int gate_count_missing( const gate_base* base, const suite_row* rows, int row_co
     int found = 0;
     for ( int i = 0; i < row_count; ++i )
     {
-        found += gate_base_find( base, rows + i ) != NULL ? 1 : 0;
+        found += find_base_row( base, rows + i ) != NULL ? 1 : 0;
     }
     return base->row_count - found;
 }
@@ -159,12 +435,13 @@ static void format_accuracy( const gate_row_check* check, char* out, size_t size
     }
 }
 
-void gate_row_label( const suite_row* row, char* out, size_t size )
+// The name and the settings of a row, as reports have them.
+static void label_row( const suite_row* row, char* out, size_t size )
 {
     snprintf( out, size, "%s%s%s", row->name, row->variant[0] ? ", " : "", row->variant );
 }
 
-gate_verdict gate_verdict_of( const wisp_suite* suite, const gate_row_check* checks )
+static gate_verdict verdict_of( const wisp_suite* suite, const gate_row_check* checks )
 {
     gate_verdict verdict = GATE_PASS;
     for ( int i = 0; i < suite->row_count; ++i )
@@ -209,7 +486,7 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
     for ( int i = 0; i < suite->row_count; ++i )
     {
         char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2], cells[4][40], accuracy[64];
-        gate_row_label( suite->rows + i, name, sizeof name );
+        label_row( suite->rows + i, name, sizeof name );
         for ( int m = SUITE_INSTRUCTIONS; m <= SUITE_ALLOCATIONS; ++m )
         {
             format_value( checks + i, (suite_measure)m, cells[m], sizeof cells[m] );
@@ -224,7 +501,7 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
     for ( int i = 0; i < suite->row_count; ++i )
     {
         char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
-        gate_row_label( suite->rows + i, name, sizeof name );
+        label_row( suite->rows + i, name, sizeof name );
         if ( checks[i].state == GATE_WORSE )
         {
             results_add_failure( out, "%s: %s", name, checks[i].message );
@@ -241,7 +518,7 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
     } told[] = { { GATE_SAME, "the same" }, { GATE_MOVED, "moved" }, { GATE_WORSE, "worse" }, { GATE_NEW, "new" } };
     char line[200];
     snprintf( line, sizeof line, "gate %.80s: %s: %d rows", suite->name,
-              gate_verdict_names[gate_verdict_of( suite, checks )], suite->row_count );
+              gate_verdict_names[verdict_of( suite, checks )], suite->row_count );
     for ( int i = 0; i < WISP_COUNT( told ); ++i )
     {
         results_append_count( line, sizeof line, counts[told[i].state], told[i].what );
@@ -274,7 +551,7 @@ static void write_escaped( FILE* out, const char* text )
 static void write_case( FILE* out, const wisp_suite* suite, int i, const gate_row_check* check )
 {
     char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
-    gate_row_label( suite->rows + i, name, sizeof name );
+    label_row( suite->rows + i, name, sizeof name );
     fputs( "    <testcase classname=\"wisp.gate.", out );
     write_escaped( out, suite->name );
     fputs( "\" name=\"", out );
@@ -342,7 +619,7 @@ void gate_print_annotations( const wisp_suite* suite, const gate_row_check* chec
         if ( checks[i].state == GATE_WORSE || checks[i].state == GATE_NEW )
         {
             char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
-            gate_row_label( suite->rows + i, name, sizeof name );
+            label_row( suite->rows + i, name, sizeof name );
             printf( "::%s file=", checks[i].state == GATE_WORSE ? "error" : "warning" );
             print_escaped( path );
             printf( ",title=wisp gate::" );
@@ -352,4 +629,145 @@ void gate_print_annotations( const wisp_suite* suite, const gate_row_check* chec
             putchar( '\n' );
         }
     }
+}
+
+// ---- the page ----
+
+enum
+{
+    MAX_PASS_CHARTS = 12, ///< rows whose passes are drawn
+    MAX_BARS = 24,        ///< passes of a row, the largest
+};
+
+static const char* const sides[] = { "before", "after" };
+
+// Add a line of bars, before and after, in millions.
+static void add_bars( results* out, int chart, const int series[2], int line, const char* label, double before,
+                      double after )
+{
+    const double values[] = { before, after };
+    for ( int side = 0; side < 2; ++side )
+    {
+        results_point point = { .x = line, .y = 1e-6 * values[side] };
+        snprintf( point.label, sizeof point.label, "%.191s", label );
+        results_add_point( out, chart, series[side], point );
+    }
+}
+
+static int begin_chart( results* out, const char* title, int series[2] )
+{
+    const int number = results_add_chart( out, title, "", "million instructions" );
+    for ( int side = 0; side < 2; ++side )
+    {
+        series[side] = results_add_series( out, number, sides[side], false );
+    }
+    results_chart* chart = results_chart_at( out, number );
+    if ( chart )
+    {
+        chart->is_bars = true;
+    }
+    return number;
+}
+
+static bool is_counted( const gate_row_check* check )
+{
+    return check->base && isfinite( check->base->measured.values[SUITE_INSTRUCTIONS] ) &&
+           isfinite( check->now.values[SUITE_INSTRUCTIONS] );
+}
+
+static double growth_of( const gate_row_check* check )
+{
+    return check->now.values[SUITE_INSTRUCTIONS] / check->base->measured.values[SUITE_INSTRUCTIONS];
+}
+
+static void add_rows_chart( const wisp_suite* suite, const gate_row_check* checks, results* out )
+{
+    int series[2], line = 0;
+    const int chart = begin_chart( out, "Instructions of all steps, before and after", series );
+    for ( int i = 0; i < suite->row_count; ++i )
+    {
+        if ( is_counted( checks + i ) )
+        {
+            char label[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
+            label_row( suite->rows + i, label, sizeof label );
+            add_bars( out, chart, series, line++, label, checks[i].base->measured.values[SUITE_INSTRUCTIONS],
+                      checks[i].now.values[SUITE_INSTRUCTIONS] );
+        }
+    }
+}
+
+// The largest pass that is not done. @return -1: there is none
+static int next_pass( const suite_measurement* now, const bool* is_done )
+{
+    int next = -1;
+    for ( int i = 0; i < now->pass_count; ++i )
+    {
+        if ( !is_done[i] && now->passes[i].instructions > 0.0 &&
+             ( next < 0 || now->passes[i].instructions > now->passes[next].instructions ) )
+        {
+            next = i;
+        }
+    }
+    return next;
+}
+
+static void add_pass_chart( const suite_row* row, const gate_row_check* check, results* out )
+{
+    char title[160], label[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
+    bool is_done[SUITE_MAX_PASSES] = { false };
+    int series[2], line = 0;
+    label_row( row, label, sizeof label );
+    snprintf( title, sizeof title, "%.140s, by pass", label );
+    const int chart = begin_chart( out, title, series );
+    for ( int i = next_pass( &check->now, is_done ); i >= 0 && line < MAX_BARS;
+          i = next_pass( &check->now, is_done ) )
+    {
+        const suite_pass* pass = &check->now.passes[i];
+        add_bars( out, chart, series, line++, pass->name, pass_instructions( &check->base->measured, pass->name ),
+                  pass->instructions );
+        is_done[i] = true;
+    }
+}
+
+// Passes of the rows that changed most, either way.
+static void add_pass_charts( const wisp_suite* suite, const gate_row_check* checks, results* out )
+{
+    bool is_done[SUITE_MAX_ROWS] = { false };
+    for ( int drawn = 0; drawn < MAX_PASS_CHARTS; ++drawn )
+    {
+        int next = -1;
+        for ( int i = 0; i < suite->row_count; ++i )
+        {
+            if ( !is_done[i] && is_counted( checks + i ) &&
+                 ( next < 0 || fabs( log( growth_of( checks + i ) ) ) > fabs( log( growth_of( checks + next ) ) ) ) )
+            {
+                next = i;
+            }
+        }
+        if ( next < 0 )
+        {
+            return;
+        }
+        is_done[next] = true;
+        add_pass_chart( suite->rows + next, checks + next, out );
+    }
+}
+
+wisp_status gate_write_page( const wisp_suite* suite, const gate_row_check* checks, results* report, const char* path,
+                             wisp_error* error )
+{
+    char what[SUITE_MAX_NAME + 16];
+    const report_run run = { .what = what, .how = report->options };
+    bool has_counts = false;
+    for ( int i = 0; i < suite->row_count; ++i )
+    {
+        has_counts = has_counts || is_counted( checks + i );
+    }
+    snprintf( what, sizeof what, "gate %s", suite->name );
+    if ( has_counts )
+    {
+        add_rows_chart( suite, checks, report );
+        add_pass_charts( suite, checks, report );
+    }
+    return report_write_file( report, &run, path, error );
 }

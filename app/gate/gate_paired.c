@@ -8,6 +8,7 @@
 
 #include "interruption.h"
 #include "stats.h"
+#include "suite_measure.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -116,7 +117,7 @@ typedef struct round_shape
 } round_shape;
 
 // A turn of each process.
-static wisp_status take_turn( gate_process processes[3], const gate_turns* turns, int steps, bool is_reversed,
+static wisp_status time_turn( gate_process processes[3], const gate_turns* turns, int steps, bool is_reversed,
                               gate_turn out[3], wisp_error* error )
 {
     wisp_status status = WISP_OK;
@@ -140,7 +141,7 @@ static round_shape shape_of( const gate_turn* whole )
 }
 
 // @param ratios, owns [places][runs] logarithms of new over old and old over old; weights [places] ns
-static wisp_status take_turns( gate_process processes[3], const gate_turns* turns, const round_shape* shape,
+static wisp_status time_turns( gate_process processes[3], const gate_turns* turns, const round_shape* shape,
                                double* ratios, double* owns, double* weights, wisp_error* error )
 {
     wisp_status status = WISP_OK;
@@ -148,7 +149,7 @@ static wisp_status take_turns( gate_process processes[3], const gate_turns* turn
     {
         const int run = i / shape->places, place = i % shape->places, at = place * shape->runs + run;
         gate_turn t[3] = { { 0 } };
-        status = take_turn( processes, turns, shape->steps, 2 * run >= shape->runs, t, error );
+        status = time_turn( processes, turns, shape->steps, 2 * run >= shape->runs, t, error );
         if ( status == WISP_OK )
         {
             ratios[at] = log( t[1].ns ) - 0.5 * log( t[0].ns * t[2].ns );
@@ -175,7 +176,7 @@ static wisp_status measure_round( gate_process processes[3], const gate_turns* t
                                   wisp_error* error )
 {
     gate_turn whole[3] = { { 0 } };
-    wisp_status status = take_turn( processes, turns, INT_MAX, false, whole, error ); // warms up
+    wisp_status status = time_turn( processes, turns, INT_MAX, false, whole, error ); // warms up
     if ( status != WISP_OK )
     {
         return status;
@@ -188,7 +189,7 @@ static wisp_status measure_round( gate_process processes[3], const gate_turns* t
         return wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for %zu times", 3 * count );
     }
     double *owns = values + count, *weights = owns + count;
-    status = take_turns( processes, turns, &shape, values, owns, weights, error );
+    status = time_turns( processes, turns, &shape, values, owns, weights, error );
     if ( status == WISP_OK )
     {
         *ratio = weigh( values, weights, &shape );
@@ -224,8 +225,8 @@ static int first_look( int row_count )
 }
 
 // Half of the level is for rows that all rounds of a first look agree about, the other half for those that need more of them.
-static wisp_status compare_row( const gate_program programs[2], const gate_turns* turns, int row_count,
-                                gate_pair_check* out, wisp_error* error )
+static wisp_status compare_rounds( const gate_program programs[2], const gate_turns* turns, int row_count,
+                                   gate_pair_check* out, wisp_error* error )
 {
     double ratios[MOST_ROUNDS], own[MOST_ROUNDS];
     const int look = first_look( row_count ), most = look + MORE_ROUNDS;
@@ -265,7 +266,8 @@ static void decide( int count, int row_count, gate_pair_check* checks )
     }
 }
 
-wisp_status gate_own_path( char* out, size_t size, wisp_error* error )
+// The path of this program.
+static wisp_status own_path( char* out, size_t size, wisp_error* error )
 {
     const ssize_t length = readlink( "/proc/self/exe", out, size - 1 );
     out[length > 0 ? length : 0] = '\0';
@@ -273,11 +275,12 @@ wisp_status gate_own_path( char* out, size_t size, wisp_error* error )
                       : wisp_fail( error, WISP_IO_ERROR, "gate: this program was not found: %s", strerror( errno ) );
 }
 
-wisp_status gate_compare_row( const gate_program programs[2], const gate_turns* turns, int row_count,
-                              gate_pair_check* out, wisp_error* error )
+// Compare one row as one of a gate of `row_count` rows, which share the level of false alarms.
+static wisp_status compare_row( const gate_program programs[2], const gate_turns* turns, int row_count,
+                                gate_pair_check* out, wisp_error* error )
 {
     *out = ( gate_pair_check ){ 0 };
-    const wisp_status status = compare_row( programs, turns, row_count, out, error );
+    const wisp_status status = compare_rounds( programs, turns, row_count, out, error );
     decide( 1, row_count, out );
     return status;
 }
@@ -287,13 +290,13 @@ wisp_status gate_compare_programs( wisp_suite* suite, const char* old_program, g
 {
     const int all = suite->row_count;
     char own[4096];
-    wisp_status status = gate_own_path( own, sizeof own, error );
+    wisp_status status = own_path( own, sizeof own, error );
     const gate_program programs[] = { { .path = old_program }, { .path = own } };
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {
         turns.row = i;
         progress_show( bar, (double)i / all, suite->rows[i].name );
-        status = compare_row( programs, &turns, all, out + i, error );
+        status = compare_rounds( programs, &turns, all, out + i, error );
         if ( status != WISP_OK && interruption_came() )
         {
             suite->row_count = i;
@@ -303,6 +306,177 @@ wisp_status gate_compare_programs( wisp_suite* suite, const char* old_program, g
     if ( status == WISP_OK )
     {
         decide( suite->row_count, all, out );
+    }
+    return status;
+}
+
+// ---- the report ----
+
+void gate_report_pairs( const wisp_suite* suite, const gate_pair_check* checks, results* out )
+{
+    static const char* const names[PACE_COUNT] = { "as fast", "in doubt", "not measurable", "slower" };
+    const char* const header[] = { "row", "verdict", "time", "from", "to", "noise", "rounds" };
+    const int table = results_add_table( out, "Time against the other program", WISP_COUNT( header ), header );
+    int counts[PACE_COUNT] = { 0 };
+    for ( int i = 0; i < suite->row_count; ++i )
+    {
+        const gate_pair_check* c = checks + i;
+        char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2], cells[5][24];
+        snprintf( name, sizeof name, "%s%s%s", suite->rows[i].name, suite->rows[i].variant[0] ? ", " : "",
+                  suite->rows[i].variant );
+        const double logs[] = { c->slower, c->lower, c->upper };
+        for ( int k = 0; k < 3; ++k )
+        {
+            snprintf( cells[k], sizeof cells[k], "%+.1f %%", 100.0 * expm1( logs[k] ) );
+        }
+        snprintf( cells[3], sizeof cells[3], "%.1f %%", 100.0 * c->noise );
+        snprintf( cells[4], sizeof cells[4], "%d", c->rounds );
+        results_add_cells(
+            out, table,
+            ( const char* const[] ){ name, names[c->pace], cells[0], cells[1], cells[2], cells[3], cells[4] } );
+        counts[c->pace] += 1;
+        results_row* row = results_add_row( out, suite->rows[i].name, suite->rows[i].variant );
+        if ( row != NULL )
+        {
+            results_put( &row->size, "is_slower", c->pace == PACE_SLOWER ? 1.0 : 0.0 );
+            results_put( &row->size, "is_as_fast", c->pace == PACE_FINE ? 1.0 : 0.0 );
+            results_put( &row->size, "ratio", exp( c->slower ) );
+            results_put( &row->size, "ratio_lower", exp( c->lower ) );
+            results_put( &row->size, "ratio_upper", exp( c->upper ) );
+            results_put( &row->size, "noise", c->noise );
+            results_put( &row->size, "rounds", c->rounds );
+            results_put( &row->size, "p", c->p );
+        }
+    }
+    const char* verdict = counts[PACE_SLOWER] > 0                                ? "regression"
+                          : counts[PACE_DOUBT] + counts[PACE_NOT_MEASURABLE] > 0 ? "inconclusive"
+                                                                                 : "pass";
+    char line[200];
+    snprintf( line, sizeof line, "gate %.80s: time: %s: %d rows", suite->name, verdict, suite->row_count );
+    for ( int i = 0; i < PACE_COUNT; ++i )
+    {
+        results_append_count( line, sizeof line, counts[i], names[i] );
+    }
+    results_add_headline( out, "%s", line );
+}
+
+// ---- the test of the gate itself ----
+
+// What the gate finds of slow-downs that are known, on the machine that it runs on.
+
+// Bounds of a rate of 95 % (Wilson 1927).
+static void bound_rate( int found, int trials, double* lower, double* upper )
+{
+    const double z = 1.96, n = trials, rate = found / n, centre = rate + z * z / ( 2.0 * n );
+    const double half = z * sqrt( rate * ( 1.0 - rate ) / n + z * z / ( 4.0 * n * n ) );
+    *lower = fmax( 0.0, ( centre - half ) / ( 1.0 + z * z / n ) );
+    *upper = fmin( 1.0, ( centre + half ) / ( 1.0 + z * z / n ) );
+}
+
+// How much work after each step doubles the time.
+static wisp_status find_twice( const suite_row* row, const gate_turns* turns, gate_slow* out, wisp_error* error )
+{
+    wisp_scene scene;
+    wisp_status status = suite_scene( row, &scene, error );
+    if ( status == WISP_OK )
+    {
+        const int steps = row->steps > 0 ? row->steps : scene.steps;
+        status = gate_slow_find( &scene, steps, turns->isa, out, error );
+        wisp_scene_release( &scene );
+    }
+    return status;
+}
+
+static wisp_status count_instructions( const gate_turns* turns, const gate_program* program, double* out,
+                                       wisp_error* error )
+{
+    char slow[32];
+    suite_measurement m = { 0 };
+    snprintf( slow, sizeof slow, "--slow=%ld", program->loops );
+    const suite_count_options options = { .step = program->loops > 0 ? slow : NULL };
+    const wisp_status status = suite_count_instructions( turns->suite, turns->row, &options, &m, error );
+    *out = m.values[SUITE_INSTRUCTIONS];
+    return status;
+}
+
+// What was found of one slow-down.
+typedef struct self_test
+{
+    double slow; // fraction
+    double more; // instructions, fraction; NaN: not counted
+    int trials, found, unmeasured;
+} self_test;
+
+static void add_line( const self_test* t, int table, results* out )
+{
+    double lower, upper;
+    char cells[8][24];
+    bound_rate( t->found, t->trials, &lower, &upper );
+    snprintf( cells[0], sizeof cells[0], "%.0f %%", 100.0 * t->slow );
+    snprintf( cells[1], sizeof cells[1], isfinite( t->more ) ? "%+.2f %%" : "-", 100.0 * t->more );
+    snprintf( cells[2], sizeof cells[2], "%d", t->trials );
+    snprintf( cells[3], sizeof cells[3], "%d", t->found );
+    snprintf( cells[4], sizeof cells[4], "%.1f %%", 100.0 * t->found / t->trials );
+    snprintf( cells[5], sizeof cells[5], "%.1f %%", 100.0 * lower );
+    snprintf( cells[6], sizeof cells[6], "%.1f %%", 100.0 * upper );
+    snprintf( cells[7], sizeof cells[7], "%d", t->unmeasured );
+    results_add_cells(
+        out, table,
+        ( const char* const[] ){ cells[0], cells[1], cells[2], cells[3], cells[4], cells[5], cells[6], cells[7] } );
+}
+
+static wisp_status run_trials( const gate_program programs[2], const gate_turns* turns, int row_count, double done,
+                               double part, progress* bar, self_test* t, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < t->trials && status == WISP_OK; ++i )
+    {
+        gate_pair_check check;
+        char what[64];
+        snprintf( what, sizeof what, "%.0f %% slower, gate %d of %d", 100.0 * t->slow, i + 1, t->trials );
+        progress_show( bar, done + part * i / t->trials, what );
+        status = compare_row( programs, turns, row_count, &check, error );
+        t->found += status == WISP_OK && check.pace == PACE_SLOWER ? 1 : 0;
+        t->unmeasured += status == WISP_OK && check.pace == PACE_NOT_MEASURABLE ? 1 : 0;
+    }
+    return status;
+}
+
+wisp_status gate_self_test( const wisp_suite* suite, const gate_turns* turns, const gate_self_test_options* options,
+                            progress* bar, results* out, wisp_error* error )
+{
+    static const double slow[] = { 0.0, 0.02, 0.03, 0.05 };
+    const char* const header[] = { "slower by", "instructions", "gates of time", "found", "rate",
+                                   "from",      "to",           "not measurable" };
+    const int table = results_add_table( out, "What the gate finds of itself", WISP_COUNT( header ), header );
+    char own[4096];
+    gate_slow twice = { 0 };
+    double plain = 0.0;
+    wisp_status status = own_path( own, sizeof own, error );
+    status = status == WISP_OK ? find_twice( suite->rows + turns->row, turns, &twice, error ) : status;
+    for ( int k = 0; k < WISP_COUNT( slow ) && status == WISP_OK; ++k )
+    {
+        const gate_program programs[] = { { .path = own }, { own, lround( slow[k] * (double)twice.loops ) } };
+        self_test t = { .slow = slow[k], .more = NAN, .trials = options->trials };
+        if ( options->counts_instructions )
+        {
+            double counted = NAN;
+            status = count_instructions( turns, programs + 1, &counted, error );
+            plain = k == 0 ? counted : plain;
+            t.more = counted / plain - 1.0;
+        }
+        status = status == WISP_OK ? run_trials( programs, turns, suite->row_count, (double)k / WISP_COUNT( slow ),
+                                                 1.0 / WISP_COUNT( slow ), bar, &t, error )
+                                   : status;
+        if ( status == WISP_OK )
+        {
+            add_line( &t, table, out );
+        }
+    }
+    if ( status == WISP_OK )
+    {
+        results_add_note( out, "gate %s: row %s is slowed down; what gates of time find at 0 %% is a false alarm",
+                          suite->name, suite->rows[turns->row].name );
     }
     return status;
 }

@@ -33,13 +33,6 @@ typedef struct gate_pair_check
 wisp_status gate_compare_programs( wisp_suite* suite, const char* old_program, gate_turns turns, progress* bar,
                                    gate_pair_check* out, wisp_error* error );
 
-/// Compare one row as one of a gate of `row_count` rows, which share the level of false alarms.
-wisp_status gate_compare_row( const gate_program programs[2], const gate_turns* turns, int row_count,
-                              gate_pair_check* out, wisp_error* error );
-
-/// The path of this program.
-wisp_status gate_own_path( char* out, size_t size, wisp_error* error );
-
 void gate_report_pairs( const wisp_suite* suite, const gate_pair_check* checks, results* out );
 
 typedef struct gate_self_test_options

@@ -4,13 +4,86 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <poll.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
+
+// ---- slow-downs by a known amount ----
+
+// The wasted work is counted and not timed, so that it slows down whatever measures it: clocks, and counters of instructions.
+
+// Processor time of this thread, s.
+static double seconds_used( void )
+{
+    struct timespec now;
+    clock_gettime( CLOCK_THREAD_CPUTIME_ID, &now );
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+void gate_slow_waste( gate_slow* slow )
+{
+    unsigned long x = (unsigned long)slow->sum;
+    for ( long i = 0; i < slow->loops; ++i )
+    {
+        x = x * 6364136223846793005u + 1442695040888963407u;
+        __asm__ volatile( "" : "+r"( x ) ); // each turn waits for the one before
+    }
+    slow->sum = (long)x;
+}
+
+// s of all steps of a scene
+static wisp_status time_steps( const wisp_scene* scene, int steps, const char* isa, double* seconds,
+                               wisp_error* error )
+{
+    const scene_world_options options = { .workers = 1, .isa = isa, .is_quiet = true };
+    scene_world world;
+    wisp_status status = scene_world_create( scene, &options, &world, error );
+    const double begin = seconds_used();
+    for ( int step = 0; step < steps && status == WISP_OK; ++step )
+    {
+        status = scene_world_step( &world, error );
+    }
+    *seconds = seconds_used() - begin;
+    scene_world_destroy( &world );
+    return status;
+}
+
+// s that a turn of the wasted work takes: the least of some tries.
+static double seconds_of_loop( void )
+{
+    gate_slow slow = { .loops = 200000 };
+    double least = INFINITY;
+    for ( int i = 0; i < 20; ++i )
+    {
+        const double begin = seconds_used();
+        gate_slow_waste( &slow );
+        least = fmin( least, ( seconds_used() - begin ) / (double)slow.loops );
+    }
+    return least;
+}
+
+wisp_status gate_slow_find( const wisp_scene* scene, int steps, const char* isa, gate_slow* out, wisp_error* error )
+{
+    enum
+    {
+        RUNS = 5,
+    };
+    double seconds = 0.0, least = INFINITY;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < RUNS && status == WISP_OK; ++i )
+    {
+        status = time_steps( scene, steps, isa, &seconds, error );
+        least = fmin( least, seconds );
+    }
+    *out = ( gate_slow ){ .loops = status == WISP_OK ? lround( least / ( steps * seconds_of_loop() ) ) : 0 };
+    return status;
+}
 
 static const char ANSWER[] = "wisp_gate_ns 2 "; // and two numbers: the time and how many steps it was
 
@@ -36,14 +109,14 @@ static wisp_status begin_run( row_run* run, wisp_error* error )
 static wisp_status take_turn( row_run* run, int most, wisp_error* error )
 {
     wisp_status status = run->step == 0 ? begin_run( run, error ) : WISP_OK;
-    const double begin = gate_seconds_used();
+    const double begin = seconds_used();
     int made = 0;
     for ( ; made < most && run->step < run->steps && status == WISP_OK; ++made, ++run->step )
     {
         status = scene_world_step( &run->world, error );
         gate_slow_waste( run->slow );
     }
-    const double seconds = gate_seconds_used() - begin;
+    const double seconds = seconds_used() - begin;
     if ( status == WISP_OK )
     {
         printf( "%s%.0f %d\n", ANSWER, 1e9 * seconds, made );

@@ -16,10 +16,6 @@ static const scene_choice SHAPES[] = { { "plane", "everything below y = 0 of its
                                        { "convex", "the convex hull of the vertices of a mesh" },
                                        { "height_field", "everything below a grid of heights" },
                                        { NULL, NULL } };
-static const scene_choice SEARCHES[] = { { "tree", "a bounding volume tree, needs Embree" },
-                                         { "voxels", "a grid of voxels" },
-                                         { NULL, NULL } };
-
 static const scene_choice WORDS[] = { { "reaction", "force that surfaces and strands exert on it" }, { NULL, NULL } };
 
 // The rotation stands before the keyframes, the first of which takes it over unless it has its own.
@@ -123,10 +119,6 @@ static const scene_field MESH_FIELDS[] = {
       .help = "The mesh has two sides and no inside; otherwise it must be closed." },
     { "tracks", SCENE_SWITCH, .at = DEF( tracks ),
       .help = "Closest triangles are searched once per step and tracked in between; otherwise in each substep." },
-    { "search", SCENE_CHOICE, .at = DEF( search ), .choices = SEARCHES,
-      .help = "How triangles are found; it changes the time and not the result." },
-    { "voxel_size", SCENE_NUMBER, .at = DEF( voxel_size ), .range = SIZE, .unit = METRES,
-      .help = "Edge of a voxel, with `search: voxels`.", .initial = "the mean edge" },
 };
 static const scene_field CONVEX_FIELDS[] = {
     COMMON_FIELDS,
@@ -290,13 +282,7 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, int inde
                                   collider->mesh.is_generated ? "both 'file' and 'generate'"
                                                               : "neither 'file' nor 'generate'" );
     }
-    status = status ? status : scene_check_weld( r, node, &collider->mesh );
-    const scene_node* size = status ? NULL : scene_child( r, node, "voxel_size" );
-    if ( size && collider->def.search != WISP_MESH_SEARCH_VOXELS )
-    {
-        return scene_refuse_node( r, size, "'voxel_size' needs 'search: voxels'" );
-    }
-    return status;
+    return status ? status : scene_check_weld( r, node, &collider->mesh );
 }
 
 wisp_status scene_read_colliders( scene_reader* r, const scene_node* node, void* at )

@@ -28,8 +28,6 @@ static const scene_field BOUNDARY_FIELDS[] = {
       .help = "Where points stand on an edge or a line." },
     { "rounding", SCENE_CHOICE, .at = BOUNDARY( rounding ), .choices = ROUNDINGS,
       .help = "Rounding of the number of spacings in a length." },
-    { "scanline_normals", SCENE_SWITCH, .at = BOUNDARY( scanline_normals ),
-      .help = "Interpolates normals of inner points between the ends of their line, not by barycentric weights." },
     { "hysteresis", SCENE_NUMBER, .at = BOUNDARY( hysteresis ), .range = RANGE( 0, 0.5 ),
       .help = "Counts of points stay while a length is within this many spacings of where they would change." },
     { "max_points", SCENE_WHOLE, .at = BOUNDARY( max_points ), .range = RANGE( 1, 134217728 ),
@@ -42,30 +40,21 @@ static const scene_field BOUNDARY_FIELDS[] = {
       .help = "Local spacing is divided by 1 + gain times the angle between the normals of the ends of an edge." },
     { "strain_gain", SCENE_NUMBER, .at = BOUNDARY( strain_gain ), .range = RANGE( -1e6, 1e6 ),
       .help = "Local spacing is divided by 1 + gain times the strain of an edge; a negative gain multiplies." },
-    { "by_screen", SCENE_SWITCH, .at = BOUNDARY( by_screen ),
-      .help = "Makes the local spacing as long as `pixels` pixels at the edge." },
+    { "eye_angle", SCENE_NUMBER, .at = BOUNDARY( eye_angle ), .range = RANGE( 0, 1 ), .unit = RADIANS,
+      .help = "Local spacing spans this angle as seen from `eye`; 0: it does not depend on the distance." },
     { "eye", SCENE_VECTOR, .at = BOUNDARY( eye ), .range = COORDINATE, .unit = METRES,
-      .help = "Where the camera is, with `by_screen`." },
-    { "pixel_angle", SCENE_NUMBER, .at = BOUNDARY( pixel_angle ), .range = RANGE( 1e-6, 1 ), .unit = RADIANS,
-      .help = "Angle that a pixel spans, with `by_screen`." },
-    { "pixels", SCENE_NUMBER, .at = BOUNDARY( pixels ), .range = RANGE( 1e-3, 1e6 ),
-      .help = "Spacing in pixels, with `by_screen`." },
+      .help = "Where the camera is, with `eye_angle`." },
 };
 const scene_block SCENE_BOUNDARY_BLOCK = BLOCK( BOUNDARY_FIELDS );
 
 // Spacings that are left out depend on the mesh; the module checks them.
 wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
 {
-    static const char* const screen_keys[] = { "eye", "pixel_angle", "pixels" };
     const wisp_boundary_def* b = &s->boundary;
-    const scene_node* block = scene_child( r, node, "boundary" );
-    for ( int i = 0; i < WISP_COUNT( screen_keys ) && !b->by_screen; ++i )
+    const scene_node* eye = scene_child( r, scene_child( r, node, "boundary" ), "eye" );
+    if ( eye && b->eye_angle == 0.0f )
     {
-        const scene_node* child = scene_child( r, block, screen_keys[i] );
-        if ( child )
-        {
-            return scene_refuse_node( r, child, "boundary.%s needs 'by_screen: true'", screen_keys[i] );
-        }
+        return scene_refuse_node( r, eye, "boundary.eye needs an 'eye_angle' above 0" );
     }
     if ( b->max_spacing > 0.0f && b->min_spacing > b->max_spacing )
     {

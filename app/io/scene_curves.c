@@ -95,9 +95,8 @@ static void draw( const wisp_curves_def* def, const wisp_vec3* points, int count
     int cubics = cubic_count( def->kind, count );
     for ( int n = 0; n < cubics; ++n )
     {
-        const cubic c = def->kind == WISP_CURVE_BEZIER        ? joined_cubic( points, count, n )
-                        : def->kind == WISP_CURVE_CATMULL_ROM ? smooth_cubic( points, count, n )
-                                                              : group_cubic( points, count, n );
+        const cubic c =
+            def->kind == WISP_CURVE_BEZIER ? joined_cubic( points, count, n ) : smooth_cubic( points, count, n );
         for ( int k = n == 0 ? 0 : 1; k <= def->samples; ++k )
         {
             *out++ = cubic_at( &c, (float)k / (float)def->samples );

@@ -195,11 +195,6 @@ static wisp_status bind_ghosts( scene_reader* r, const scene_node* entry, int i 
     {
         return WISP_OK;
     }
-    const scene_node* fed = scene_child( r, scene_child( r, entry, "ghosts" ), "feedback" );
-    if ( s->ghosts.feedback && ( s->ghosts.frame != WISP_GHOST_FRAME_OFF || s->ghosts.target_count != 1 ) )
-    {
-        return scene_refuse_node( r, fed, "'feedback' needs 'frame: off' and 'target_count: 1'" );
-    }
     const scene_node* node = enter( r, entry, "ghosts", "targets" );
     s->targets = s->scatter.around;
     wisp_status status = node ? scene_read_named( r, node, SCENE_STRANDS, &s->targets ) : WISP_OK;

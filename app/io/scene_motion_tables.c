@@ -185,16 +185,8 @@ const scene_block SCENE_STRAND_COLLISION_BLOCK = BLOCK( COLLISION_FIELDS );
 #define GHOSTS( member ) offsetof( wisp_scene_strands, ghosts.member )
 
 static const scene_choice ELASTICS[] = { { "change", "0.5 - 0.5 cos: grows with the change of direction" },
-                                         { "cosine", "0.5 + 0.5 cos" },
-                                         { "dot", "0.5 + 0.5 of the dot product, as published, not bounded" },
                                          { "off", "no sway" },
                                          { NULL, NULL } };
-static const scene_choice FRAMES[] = { { "off", "none: offsets keep their direction in the world" },
-                                       { "root", "that of the root of the target" },
-                                       { "parallel",
-                                         "that of the root, carried along the target by the smallest rotations" },
-                                       { NULL, NULL } };
-
 static const scene_field GHOSTS_FIELDS[] = {
     { "targets", SCENE_CUSTOM, .read = scene_read_later_name,
       .help = "Strands with `dynamics` that the ghosts follow.", .form = "name of strands",
@@ -210,18 +202,10 @@ static const scene_field GHOSTS_FIELDS[] = {
       .help = "How far ghosts far from their target sway." },
     { "time", SCENE_NUMBER, .at = GHOSTS( time ), .range = TIME, .unit = SECONDS,
       .help = "Time that velocities are multiplied by; 0 takes the step." },
-    { "capped", SCENE_SWITCH, .at = GHOSTS( capped ),
-      .help = "Keeps the sway of a vertex below the length of a segment." },
-    { "keep_offset", SCENE_SWITCH, .at = GHOSTS( keep_offset ),
-      .help = "Keeps the offset of a ghost that is alone at its target." },
     { "spread", SCENE_NUMBER, .at = GHOSTS( spread ), .range = SIZE,
       .help = "Factor of the distances within a group of ghosts; 1 leaves them as they are." },
     { "repair_length", SCENE_SWITCH, .at = GHOSTS( repair_length ),
       .help = "Brings segments back to their rest length, from the root on." },
-    { "frame", SCENE_CHOICE, .at = GHOSTS( frame ), .choices = FRAMES,
-      .help = "Rotation that the offset of a ghost takes over from its target." },
-    { "feedback", SCENE_SWITCH, .at = GHOSTS( feedback ),
-      .help = "Starts the next step where sway has taken the ghosts; needs `frame: off` and one target." },
 };
 const scene_block SCENE_GHOSTS_BLOCK = BLOCK( GHOSTS_FIELDS );
 
@@ -236,12 +220,10 @@ static const scene_field SCATTER_FIELDS[] = {
 };
 const scene_block SCENE_SCATTER_BLOCK = BLOCK( SCATTER_FIELDS );
 
-static const scene_choice CURVE_KINDS[] = {
-    { "bezier", "vertices in fours that share their ends and the tangents there" },
-    { "catmull_rom", "passes through all vertices" },
-    { "bezier_printed", "as published: fours that share their ends only, where the curve turns as the strand" },
-    { NULL, NULL }
-};
+static const scene_choice CURVE_KINDS[] = { { "bezier",
+                                              "vertices in fours that share their ends and the tangents there" },
+                                            { "catmull_rom", "passes through all vertices" },
+                                            { NULL, NULL } };
 
 static const scene_field CURVES_FIELDS[] = {
     { "of", SCENE_CUSTOM, .required = true, .read = scene_read_later_name, .help = "Strands of any kind but curves.",

@@ -20,9 +20,42 @@ static const struct
     { "contact", "search", NULL, "leave it out: pairs are found by grids, the fastest of the searches" },
     // meshes
     { "generate", "shape", "figure", "use `file: figure.glb` of the folder data, which has its clips too" },
+    // boundary
+    { "boundary", "by_screen", NULL, "use `eye_angle`, above 0, alone" },
+    { "boundary", "pixels", NULL, "use `eye_angle`: the pixels times the angle of one" },
+    { "boundary", "scanline_normals", NULL, "leave it out: normals of inner points have the three weights" },
+    { "boundary", "pixel_angle", NULL, "use `eye_angle`: the pixels times the angle of one" },
+    // colliders
+    { "colliders", "search", NULL, "leave it out: meshes are searched by trees, with Embree and without" },
+    { "colliders", "voxel_size", NULL, "leave it out: meshes are searched by trees" },
+    // balloon
+    { "balloon", "pressure", NULL, "leave it out: the pressure is that of the skin's tensions" },
+    { "balloon", "drag_model", NULL, "leave it out: drag acts where the normal faces the motion" },
+    { "balloon", "outlet_constant", NULL, "leave it out: the jet has the present pressure" },
+    { "balloon", "spin", NULL, "leave it out: the torque of the jet changes velocities" },
+    { "balloon", "keep_angular_momentum", NULL, "leave it out: projections turn no balloon without pins" },
+    // ghosts and curves
+    { "ghosts", "elastic", "cosine", "use `elastic: change`, which grows with the change of direction" },
+    { "ghosts", "elastic", "dot", "use `elastic: change`, which has a direction for any speed" },
+    { "ghosts", "capped", NULL, "leave it out: no vertex sways farther than a segment" },
+    { "ghosts", "keep_offset", NULL, "leave it out: a ghost that is alone at its target keeps its offset" },
+    { "ghosts", "frame", NULL, "leave it out: offsets turn with the target" },
+    { "ghosts", "feedback", NULL, "leave it out: ghosts return when their target rests" },
+    { "curves", "kind", "bezier_printed", "use `kind: bezier`, which has no corners" },
+    // frozen hair
+    { "frozen_hair", "epsilon", NULL, "leave it out: nothing is added to denominators" },
+    { "frozen_hair", "base", "previous", "use `base: stroke`, where noise does not add up" },
+    { "align", "blend", NULL, "leave it out: vertices turn along an arc, which keeps distances to the root" },
+    { "align", "direction", NULL, "leave it out: a strand has the direction from its mean to its tip" },
+    { "clump", "gap", "signed", "use `gap: absolute`, where a large change brakes" },
+    { "clump", "gap", "reversed", "use `gap: absolute`, where a large change brakes" },
+    { "clump", "gap_reference", NULL, "leave it out: changes are measured from distances before the stage" },
+    { "clump", "min_distance_clamp", NULL, "leave it out: moves are always limited; `min_distance: 0` limits least" },
     // implicit cloth
-    { "implicit", "damping_form", NULL, "leave it out: links damp all relative velocity of their ends" },
+    { "implicit", "damping_form", NULL, "leave it out, and use `link_damping: 0` to spare rotation" },
     { "implicit", "jacobian", NULL, "leave it out: the negative term of bending is always dropped" },
+    { "implicit", "speculative", NULL, "leave it out: a vertex lands on what it would pass into" },
+    { "implicit", "warm_start", NULL, "leave it out: a solve starts from the last answer" },
     { "implicit", "weights", "pair", "use `weights: none`, which has true masses as well" },
 };
 

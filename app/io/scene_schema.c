@@ -86,21 +86,16 @@ static wisp_status read_choice( scene_reader* r, const scene_node* node, const s
                         sizeof( wisp_frozen_update ) == sizeof choice && sizeof( wisp_groom_shape ) == sizeof choice,
                     "an enumeration is not as wide as an int" );
     _Static_assert( sizeof( wisp_solver ) == sizeof choice && sizeof( wisp_cloth_bending ) == sizeof choice &&
-                        sizeof( wisp_balloon_pressure ) == sizeof choice &&
-                        sizeof( wisp_balloon_drag ) == sizeof choice &&
-                        sizeof( wisp_balloon_outlet_constant ) == sizeof choice &&
-                        sizeof( wisp_balloon_spin ) == sizeof choice && sizeof( wisp_solve_order ) == sizeof choice,
+                        sizeof( wisp_solve_order ) == sizeof choice,
                     "an enumeration is not as wide as an int" );
     _Static_assert( sizeof( wisp_strand_stretch ) == sizeof choice && sizeof( wisp_strand_bend ) == sizeof choice &&
                         sizeof( wisp_strand_rest ) == sizeof choice &&
-                        sizeof( wisp_ghost_elastic ) == sizeof choice &&
-                        sizeof( wisp_ghost_frame ) == sizeof choice && sizeof( wisp_curve_kind ) == sizeof choice,
+                        sizeof( wisp_ghost_elastic ) == sizeof choice && sizeof( wisp_curve_kind ) == sizeof choice,
                     "an enumeration is not as wide as an int" );
-    _Static_assert(
-        sizeof( wisp_implicit_weights ) == sizeof choice && sizeof( wisp_implicit_stiffness ) == sizeof choice &&
-            sizeof( wisp_implicit_damping ) == sizeof choice && sizeof( wisp_implicit_jacobian ) == sizeof choice &&
-            sizeof( wisp_integrator ) == sizeof choice,
-        "an enumeration is not as wide as an int" );
+    _Static_assert( sizeof( wisp_implicit_weights ) == sizeof choice &&
+                        sizeof( wisp_implicit_stiffness ) == sizeof choice &&
+                        sizeof( wisp_integrator ) == sizeof choice,
+                    "an enumeration is not as wide as an int" );
     memcpy( out, &choice, sizeof choice );
     return WISP_OK;
 }
@@ -212,7 +207,7 @@ static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node
     const char* use = scene_find_removed( r->path, key, false );
     const char* near = use ? NULL : nearest_word( key, known, count );
     const int near_count = count > LISTED_KEYS ? nearest_words( key, known, count, nearest, NEAR_KEYS ) : 0;
-    char message[480];
+    char message[720];
     list_keys( count > LISTED_KEYS ? nearest : known, count > LISTED_KEYS ? near_count : count, list, sizeof list );
     path_of_keys( r->path, path, sizeof path );
     if ( use )

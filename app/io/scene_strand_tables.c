@@ -28,12 +28,6 @@ static const scene_block FREEZE_BLOCK = { FREEZE_FIELDS, WISP_COUNT( FREEZE_FIEL
 static const scene_choice REACHES[] = { { "tip", "of the tip" },
                                         { "nearest", "of the nearest vertex" },
                                         { NULL, NULL } };
-static const scene_choice BLENDS[] = { { "arc", "an arc, which keeps distances to the root" },
-                                       { "chord", "a straight line, which shortens the strand on the way" },
-                                       { NULL, NULL } };
-static const scene_choice DIRECTIONS[] = { { "mean", "from the mean of its vertices to the tip" },
-                                           { "root", "from the root to the tip" },
-                                           { NULL, NULL } };
 
 static const scene_field ALIGN_FIELDS[] = {
     { "intensity", SCENE_NUMBERS, .at = HAIR( intensity ), .range = UNIT_RANGE, .list = HAIR( strand_intensity ),
@@ -45,21 +39,12 @@ static const scene_field ALIGN_FIELDS[] = {
       .help = "Strands farther from the cursor than this do not turn." },
     { "reach_by", SCENE_EITHER, .at = HAIR( reach_nearest ), .choices = REACHES,
       .help = "Which distance is compared with `reach`." },
-    { "blend", SCENE_EITHER, .at = HAIR( blend_chord ), .choices = BLENDS,
-      .help = "Path of a vertex while its strand turns." },
-    { "direction", SCENE_EITHER, .at = HAIR( direction_from_root ), .choices = DIRECTIONS,
-      .help = "Direction of a strand that is turned towards the cursor." },
 };
 static const scene_block ALIGN_BLOCK = { ALIGN_FIELDS, WISP_COUNT( ALIGN_FIELDS ) };
 
 static const scene_choice GAPS[] = { { "absolute", "|r1 - r0|, any change brakes" },
-                                     { "signed", "r1 - r0, as in the published equation" },
-                                     { "reversed", "r0 - r1" },
                                      { "none", "no brake" },
                                      { NULL, NULL } };
-static const scene_choice GAP_REFERENCES[] = { { "stage", "those before the stage" },
-                                               { "iteration", "those before each iteration" },
-                                               { NULL, NULL } };
 
 static const scene_field CLUMP_FIELDS[] = {
     { "radius", SCENE_NUMBER, .at = HAIR( clump_radius ), .range = SIZE, .unit = METRES,
@@ -70,12 +55,9 @@ static const scene_field CLUMP_FIELDS[] = {
       .help = "Length scale of the move of a vertex in an iteration.", .initial = "a tenth of the radius" },
     { "gap", SCENE_CHOICE, .at = HAIR( gap ), .choices = GAPS,
       .help = "How a change of the distance between two vertices brakes their attraction." },
-    { "gap_reference", SCENE_EITHER, .at = HAIR( gap_by_iteration ), .choices = GAP_REFERENCES,
-      .help = "Which distances changes are measured from." },
-    { "min_distance_clamp", SCENE_SWITCH, .at = HAIR( min_distance_clamp ),
-      .help = "Limits moves so that two vertices stay at least `min_distance` apart in an iteration." },
     { "min_distance", SCENE_NUMBER, .at = HAIR( min_distance ), .range = RANGE( 0, 1e6 ), .unit = METRES,
-      .help = "Smallest distance between two vertices.", .initial = "0.02 of the radius" },
+      .help = "Limits moves so that two vertices stay at least this far apart in an iteration.",
+      .initial = "0.02 of the radius" },
     { "min_lambda", SCENE_NUMBER, .at = HAIR( min_lambda ), .range = UNIT_RANGE,
       .help = "Smallest factor that the brake can multiply the attraction by, with `gap: absolute`." },
     { "max_neighbours", SCENE_WHOLE, .at = HAIR( max_neighbours ), .range = RANGE( 1, 4096 ),
@@ -84,7 +66,6 @@ static const scene_field CLUMP_FIELDS[] = {
 static const scene_block CLUMP_BLOCK = { CLUMP_FIELDS, WISP_COUNT( CLUMP_FIELDS ) };
 
 static const scene_choice BASES[] = { { "rest", "the rest shape" },
-                                      { "previous", "the output of the last update" },
                                       { "stroke",
                                         "the rest shape; random numbers are drawn once, and strands keep the "
                                         "direction and intensity of the last hair event that reached them" },
@@ -99,8 +80,6 @@ static const scene_field FROZEN_HAIR_FIELDS[] = {
     { "update_on", SCENE_CHOICE, .at = HAIR( update_on ), .choices = EVENTS,
       .help = "What updates the frozen shape, with new random numbers.",
       .initial = "`hair_event`; `frame` for ghosts" },
-    { "epsilon", SCENE_NUMBER, .at = HAIR( epsilon ), .range = UNIT_RANGE,
-      .help = "Number added to denominators, for comparison with the published equations, which have 1e-6." },
     { "max_depth_change", SCENE_NUMBER, .at = HAIR( max_depth_change ), .range = RANGE( 0, 1e6 ), .unit = METRES,
       .help = "Largest move of a vertex along z, which is depth (2.5D): freezing is limited, and strands align and "
               "clump in "

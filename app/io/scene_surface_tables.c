@@ -86,25 +86,6 @@ static const scene_block CLOTH_BLOCK = BLOCK( CLOTH_FIELDS );
 static const scene_choice VOLUMES[] = { { "xpbd", "a gas, whose compliance follows from its pressure" },
                                         { "pbd", "a constraint with `volume_stiffness`" },
                                         { NULL, NULL } };
-static const scene_choice PRESSURE_READINGS[] = {
-    { "virial", "that the tensions of the skin hold: smooth, the pressure of the balloon at any number of substeps" },
-    { "multiplier", "that the volume constraint exerts; as `virial` only with hundreds of substeps, lower with few" },
-    { "gas", "of the gas law in the volume of the mesh; as `virial` only with hundreds of substeps, lower with few" },
-    { "added", "as published, the added volume as amount in mol: below the air's until 41.6 volumes are added" },
-    { NULL, NULL }
-};
-static const scene_choice OUTLET_CONSTANTS[] = { { "present", "the present one" },
-                                                 { "start", "that of the start of the jet, as published" },
-                                                 { NULL, NULL } };
-static const scene_choice DRAGS[] = { { "max", "max(0, cos), a closed body" },
-                                      { "abs", "|cos|, twice the frontal area" },
-                                      { "signed", "cos, as published, nothing on a closed rigid body" },
-                                      { "normal", "along the normal, 4/3 of the frontal area on a sphere" },
-                                      { NULL, NULL } };
-static const scene_choice SPINS[] = { { "velocity", "it changes velocities" },
-                                      { "position", "a separate angular velocity turns positions, as published" },
-                                      { "none", "nothing" },
-                                      { NULL, NULL } };
 
 static const scene_field BALLOON_FIELDS[] = {
     { "solver", SCENE_CHOICE, .at = BALLOON( solver ), .choices = SOLVERS, .help = "Solver of the skin." },
@@ -136,13 +117,9 @@ static const scene_field BALLOON_FIELDS[] = {
       .unit = MOLAR_MASSES, .help = "Molar mass of the gas; the default is helium." },
     { "air_molar_mass", SCENE_NUMBER, .at = BALLOON( air_molar_mass ), .range = RANGE( 1e-6, 10 ),
       .unit = MOLAR_MASSES, .help = "Molar mass of the air." },
-    { "pressure", SCENE_CHOICE, .at = BALLOON( pressure ), .choices = PRESSURE_READINGS,
-      .help = "Which pressure drives the jet and is in the statistics." },
     { "buoyancy", SCENE_SWITCH, .at = BALLOON( buoyancy ), .help = "Whether the air carries the balloon." },
     { "drag_coefficient", SCENE_NUMBER, .at = BALLOON( drag_coefficient ), .range = RANGE( 0, 1e6 ),
       .help = "Drag coefficient; 0 switches drag off." },
-    { "drag_model", SCENE_CHOICE, .at = BALLOON( drag_model ), .choices = DRAGS,
-      .help = "How drag depends on the angle between motion and normal." },
     { "outlet", SCENE_CUSTOM, .read = scene_read_outlet, .help = "Vertices of the outlet.",
       .form = "list of 1 to 64 vertices", .initial = "no outlet" },
     { "outlet_nearest", SCENE_VECTOR, .at = AT( outlet_nearest ), .range = COORDINATE, .unit = METRES,
@@ -154,13 +131,6 @@ static const scene_field BALLOON_FIELDS[] = {
     { "outlet_area", SCENE_NUMBER, .at = BALLOON( outlet_area ), .range = RANGE( 1e-12, 1e6 ), .unit = AREAS,
       .help = "Area of the outlet." },
     { "outlet_open", SCENE_SWITCH, .at = BALLOON( outlet_open ), .help = "Whether the outlet is open." },
-    { "outlet_constant", SCENE_CHOICE, .at = BALLOON( outlet_constant ), .choices = OUTLET_CONSTANTS,
-      .help = "Which inner pressure is the constant of Bernoulli's law." },
-    { "spin", SCENE_CHOICE, .at = BALLOON( spin ), .choices = SPINS, .help = "What the torque of the jet does." },
-    { "keep_angular_momentum", SCENE_SWITCH, .at = BALLOON( keep_angular_momentum ),
-      .help = "Whether projections keep the angular momentum of a balloon without pins; in the paper they do not, "
-              "and a full "
-              "balloon slowly turns by itself." },
     { "allow_open", SCENE_SWITCH, .at = BALLOON( allow_open ),
       .help =
           "Closes holes of the mesh by virtual triangles, for the volume only; without it an open mesh is refused." },
@@ -177,15 +147,7 @@ static const scene_choice STIFFNESS_OF[] = { { "link", "each link alike, so that
                                              { NULL, NULL } };
 static const scene_choice WEIGHTS[] = { { "effective", "by effective masses, as published" },
                                         { "none", "1" },
-                                        { "pair", "the mean of the two ends of a link" },
                                         { NULL, NULL } };
-static const scene_choice DAMPING_FORMS[] = { { "isotropic", "all of it" },
-                                              { "axial", "the part along the link" },
-                                              { NULL, NULL } };
-static const scene_choice JACOBIANS[] = { { "dropped", "without its negative term" },
-                                          { "full",
-                                            "with it; a solve that meets negative curvature stops and is counted" },
-                                          { NULL, NULL } };
 static const scene_choice INTEGRATORS[] = { { "euler", "implicit Euler, first order" },
                                             { "bdf2", "implicit, second order" },
                                             { NULL, NULL } };
@@ -211,10 +173,6 @@ static const scene_field IMPLICIT_FIELDS[] = {
       .help = "Damping of a link." },
     { "weights", SCENE_CHOICE, .at = IMPLICIT( weights ), .choices = WEIGHTS,
       .help = "Weight of the force of a neighbour." },
-    { "damping_form", SCENE_CHOICE, .at = IMPLICIT( damping_form ), .choices = DAMPING_FORMS,
-      .help = "Which relative velocity of the ends of a link is damped." },
-    { "jacobian", SCENE_CHOICE, .at = IMPLICIT( jacobian ), .choices = JACOBIANS,
-      .help = "Derivative of bending forces." },
     { "integrator", SCENE_CHOICE, .at = IMPLICIT( integrator ), .choices = INTEGRATORS, .help = "Time integration." },
     { "newton_iterations", SCENE_WHOLE, .at = IMPLICIT( newton_iterations ), .range = RANGE( 1, 64 ),
       .help = "Linear solves of a substep." },
@@ -225,9 +183,6 @@ static const scene_field IMPLICIT_FIELDS[] = {
       .help = "Residual at which a solve ends, relative to that of standing still." },
     { "max_iterations", SCENE_WHOLE, .at = IMPLICIT( max_iterations ), .range = RANGE( 0, 1000000 ),
       .help = "Iterations of a solve at most; 0 takes three per vertex." },
-    { "warm_start", SCENE_SWITCH, .at = IMPLICIT( warm_start ), .help = "Starts a solve from the last answer." },
-    { "speculative", SCENE_SWITCH, .at = IMPLICIT( speculative ),
-      .help = "Lands a vertex on a collider that it would pass into within the substep." },
     { "links", SCENE_EITHER, .at = AT( has_quad_links ), .choices = LINKS, .help = "Which links the cloth has." },
 };
 static const scene_block IMPLICIT_BLOCK = BLOCK( IMPLICIT_FIELDS );

@@ -1,8 +1,28 @@
 /// Pictures in memory: eight bits per channel, sRGB, rows from the top. They become files and contact sheets here.
 #pragma once
 
-#include "colour_map.h"
 #include "wisp/base.h"
+
+// ---- numbers as colours ----
+
+/// Both maps are curves in Oklab (Ottosson 2020), a space in which equal distances look equal, and are computed here from that
+/// definition.
+typedef enum colour_map
+{
+    COLOUR_MAP_RISING,    ///< dark violet, blue, green, yellow: lightness increases evenly, also in black and white
+    COLOUR_MAP_DIVERGING, ///< blue, light grey in the middle, red: for values with a sign
+} colour_map;
+
+/// @param share in [0, 1], clamped. NaN is a mid grey, which neither map contains.
+/// @return linear RGB in [0, 1]
+wisp_vec3 colour_map_at( colour_map map, float fraction );
+
+/// Colours of many values. Where low and high are equal, all are in the middle.
+/// @param low, high the values at the ends of the map
+/// @param colours [count] linear RGB
+void colour_map_apply( colour_map map, const float* values, int count, float lower, float upper, wisp_vec3* colours );
+
+// ---- pictures ----
 
 #define IMAGE_MAX_SIDE 65535
 #define IMAGE_MAX_PIXELS ( 1 << 28 )
@@ -50,9 +70,6 @@ void image_text( image* picture, int x, int y, int scale, image_colour colour, c
 
 /// Pixels that image_text() takes from the left edge of the first letter to the right edge of the last.
 int image_text_width( const char* text, int scale );
-
-/// The size of letters that suits a picture. @return scale, at least 1
-int image_text_scale( const image* picture );
 
 /// @param opacity in [0, 1] blends the colour with the picture
 void image_fill( image* picture, int x, int y, int width, int height, image_colour colour, float opacity );

@@ -169,3 +169,8 @@ render_options render_default_options( void );
 ///        or the camera; WISP_NO_MEMORY; WISP_CONFLICT the ray tracer failed, with its reason
 wisp_status render_picture( const render_scene* scene, const render_camera* camera, const render_options* options,
                             image* out, wisp_error* error );
+
+/// A wisp_parallel_for_fn for callers without a job system. Blocks are taken one by one from a common counter; the calling
+/// thread is worker 0. A thread that the system refuses is left out.
+/// @param user int*: the number of threads, in [1, WISP_MAX_WORKERS]
+void threads_parallel_for( void* user, int block_count, wisp_block_fn* run, void* context );

@@ -167,14 +167,14 @@ void stage_release( stage* s )
 
 // ---- hits ------------------------------------------------------------------------------------------------------
 
-bool stage_is_points( const stage* s, int body )
+static bool is_points( const stage* s, int body )
 {
     return body >= s->scene->mesh_count + s->scene->curves_count;
 }
 
 bool stage_is_curve( const stage* s, int body )
 {
-    return body >= s->scene->mesh_count && !stage_is_points( s, body );
+    return body >= s->scene->mesh_count && !is_points( s, body );
 }
 
 static const render_curves* curves_of( const stage* s, int body )
@@ -227,7 +227,7 @@ static wisp_vec3 curve_colour( const render_curves* curves, const trace_hit* hit
 
 wisp_vec3 stage_colour( const stage* s, const trace_hit* hit )
 {
-    if ( stage_is_points( s, hit->body ) )
+    if ( is_points( s, hit->body ) )
     {
         return point_colour( s, hit );
     }
@@ -248,7 +248,7 @@ wisp_vec3 stage_colour( const stage* s, const trace_hit* hit )
 
 wisp_vec3 stage_passage( const stage* s, int body, wisp_vec3 colour )
 {
-    if ( stage_is_points( s, body ) )
+    if ( is_points( s, body ) )
     {
         return rgb_grey( 0.0f );
     }
@@ -346,7 +346,7 @@ surface stage_surface( const stage* s, const trace_ray* ray, const trace_hit* hi
     {
         shape_curve( s, ray, hit, &out );
     }
-    else if ( !stage_is_points( s, hit->body ) )
+    else if ( !is_points( s, hit->body ) )
     {
         shape_mesh( s, hit, &out );
     }

@@ -1,14 +1,13 @@
 #include "report.h"
 
 #include "io_file.h"
-#include "report_chart.h"
-#include "report_drawing.h"
+#include "page.h"
+#include "report_data.h"
 #include "report_picture.h"
-#include "report_style.h"
-#include "report_table.h"
 #include "report_text.h"
 
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 
 static const char failure_mark[] = "FAILED: ";
@@ -62,15 +61,15 @@ static void put_fact( const char* name, const char* text, FILE* stream )
 // Nothing but the date changes between two runs of one build on one machine; the clock rate would.
 static void put_info( const machine_info* machine, FILE* stream )
 {
-    char text[512];
-    fputs( "<dl class=\"facts\">\n<dt>machine</dt><dd>", stream );
-    report_put_text( machine->cpu, stream );
-    fprintf( stream, ", %d core%s, ", machine->cores, machine->cores == 1 ? "" : "s" );
-    report_put_fixed( machine->memory_bytes / 1e9, 1, stream );
-    fputs( " GB</dd>\n", stream );
+    char text[512], memory[40];
+    report_write_number( round( machine->memory_bytes / 1e8 ) / 10.0, memory, sizeof memory );
+    snprintf( text, sizeof text, "%s, %d core%s, %s GB", machine->cpu, machine->cores, machine->cores == 1 ? "" : "s",
+              memory );
+    fputs( "<dl class=\"facts\">\n", stream );
+    put_fact( "machine", text, stream );
     put_fact( "system", machine->os, stream );
     put_fact( "kernels", machine->isa, stream );
-    snprintf( text, sizeof( text ), "wisp %s (%s), %s, %s", machine->version ? machine->version : "unknown",
+    snprintf( text, sizeof text, "wisp %s (%s), %s, %s", machine->version ? machine->version : "unknown",
               machine->commit ? machine->commit : "unknown", machine->compiler ? machine->compiler : "unknown",
               machine->build_type ? machine->build_type : "unknown" );
     put_fact( "build", text, stream );
@@ -132,15 +131,6 @@ static void put_conclusions( const results* all, FILE* stream )
 
 static void put_head( const results* all, const report_run* run, FILE* stream )
 {
-    fputs( "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
-           "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
-           "<meta name=\"color-scheme\" content=\"light dark\"/>\n<title>Wisp: ",
-           stream );
-    report_put_text( run->what, stream );
-    fputs( "</title>\n", stream );
-    report_put_style( stream );
-    fputs( "</head>\n<body>\n", stream );
-    report_put_markers( stream );
     fputs( "<header>\n<p class=\"over\">Wisp, measured</p>\n<h1>", stream );
     report_put_text( run->what, stream );
     fputs( "</h1>\n<p class=\"how\">", stream );
@@ -149,65 +139,22 @@ static void put_head( const results* all, const report_run* run, FILE* stream )
     put_verdict( all, run, stream );
     put_conclusions( all, stream );
     put_info( &all->machine, stream );
-    fputs( "</header>\n", stream );
-}
-
-// ---- contents ----
-
-#define CONTENTS_OPEN_MAX 16
-
-static void put_part( const char* anchor, const char* title, FILE* stream )
-{
-    fprintf( stream, "<li class=\"part\"><a href=\"#%s\">%s</a></li>\n", anchor, title );
-}
-
-static void put_entry( const char* kind, int number, const char* title, FILE* stream )
-{
-    fprintf( stream, "<li><a href=\"#%s-%d\">", kind, number );
-    report_put_text( title, stream );
-    fputs( "</a></li>\n", stream );
-}
-
-static void put_contents( const results* all, FILE* stream )
-{
-    int entries = all->chart_count + all->table_count;
-    // A long list would be between a reader and the charts.
-    fprintf( stream, "<nav aria-label=\"Contents\">\n<details%s>\n<summary>Contents</summary>\n<ul>\n",
-             entries <= CONTENTS_OPEN_MAX ? " open=\"open\"" : "" );
-    if ( all->chart_count > 0 )
-    {
-        put_part( "charts", "Charts", stream );
-    }
-    for ( int i = 0; i < all->chart_count; ++i )
-    {
-        put_entry( "chart", i + 1, all->charts[i].title, stream );
-    }
-    if ( all->picture_count > 0 )
-    {
-        put_part( "pictures", "Pictures", stream );
-    }
-    if ( all->table_count > 0 )
-    {
-        put_part( "tables", "Tables", stream );
-    }
-    for ( int i = 0; i < all->table_count; ++i )
-    {
-        put_entry( "table", i + 1, all->tables[i].title, stream );
-    }
-    if ( count_notes( all, false ) > 0 )
-    {
-        put_part( "notes", "Notes", stream );
-    }
-    fputs( "</ul>\n</details>\n</nav>\n", stream );
+    fputs( "</header>\n<nav aria-label=\"Contents\"></nav>\n", stream );
 }
 
 // ---- the body ----
+
+static void begin_section( const char* id, const char* title, FILE* stream )
+{
+    fprintf( stream, "<section id=\"%s\">\n<h2>%s</h2>\n", id, title );
+}
 
 static void put_charts( const results* all, FILE* stream )
 {
     if ( all->chart_count > 0 )
     {
-        fputs( "<section id=\"charts\">\n<h2>Charts</h2>\n<div class=\"grid\">\n", stream );
+        begin_section( "charts", "Charts", stream );
+        fputs( "<div class=\"grid\">\n", stream );
         for ( int i = 0; i < all->chart_count; ++i )
         {
             report_put_chart( &all->charts[i], i + 1, stream );
@@ -220,7 +167,8 @@ static void put_pictures( const results* all, FILE* stream )
 {
     if ( all->picture_count > 0 )
     {
-        fputs( "<section id=\"pictures\">\n<h2>Pictures</h2>\n<div class=\"grid pictures\">\n", stream );
+        begin_section( "pictures", "Pictures", stream );
+        fputs( "<div class=\"grid pictures\">\n", stream );
         for ( int i = 0; i < all->picture_count; ++i )
         {
             report_put_picture( &all->pictures[i], i + 1, stream );
@@ -233,7 +181,7 @@ static void put_tables( const results* all, FILE* stream )
 {
     if ( all->table_count > 0 )
     {
-        fputs( "<section id=\"tables\">\n<h2>Tables</h2>\n", stream );
+        begin_section( "tables", "Tables", stream );
         for ( int i = 0; i < all->table_count; ++i )
         {
             report_put_table( &all->tables[i], i + 1, stream );
@@ -246,7 +194,8 @@ static void put_notes( const results* all, FILE* stream )
 {
     if ( count_notes( all, false ) > 0 )
     {
-        fputs( "<section id=\"notes\">\n<h2>Notes</h2>\n<ul class=\"notes\">\n", stream );
+        begin_section( "notes", "Notes", stream );
+        fputs( "<ul class=\"notes\">\n", stream );
         for ( int i = 0; i < all->note_count; ++i )
         {
             if ( is_shown_note( all, i ) )
@@ -260,20 +209,41 @@ static void put_notes( const results* all, FILE* stream )
     }
 }
 
+// ---- the page ----
+
+// Write the template up to the line of a marker, or to its end. @return the line behind it
+static int put_template( int line, const char* marker, FILE* stream )
+{
+    for ( ; line < WISP_COUNT( page_lines ) && strcmp( page_lines[line], marker ) != 0; ++line )
+    {
+        fputs( page_lines[line], stream );
+    }
+    return line + 1;
+}
+
 wisp_status report_write( const results* all, const report_run* run, FILE* stream, wisp_error* error )
 {
     if ( all->incomplete )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory to gather the results" );
     }
+    int line = put_template( 0, "<!-- title -->\n", stream );
+    fputs( "<title>Wisp: ", stream );
+    report_put_text( run->what, stream );
+    fputs( "</title>\n", stream );
+    line = put_template( line, "<!-- body -->\n", stream );
     put_head( all, run, stream );
-    put_contents( all, stream );
     fputs( "<main>\n", stream );
     put_charts( all, stream );
     put_pictures( all, stream );
     put_tables( all, stream );
     put_notes( all, stream );
-    fputs( "</main>\n</body>\n</html>\n", stream );
+    fputs( "</main>\n", stream );
+    if ( all->chart_count > 0 && !report_put_chart_data( all, stream ) )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the charts of the report" );
+    }
+    put_template( line, "", stream );
     // Streams keep their first error, so one check at the end is enough.
     if ( fflush( stream ) != 0 || ferror( stream ) )
     {

@@ -1,4 +1,5 @@
-/// The report: everything in the results as one HTML page that needs no other file, no network and no script.
+/// The report: everything in the results as one HTML page that needs no other file and no network. Its charts are drawn by
+/// a script; without it they are tables.
 #pragma once
 
 #include "results.h"

@@ -86,14 +86,10 @@ typedef struct stability_figures
     int recovery_row, energy_row, speed_row; ///< when; 0: never
 } stability_figures;
 
-/// stability_limits.c. @param limits null: none are given
+/// @param limits null: none are given
 stability_figures stability_figures_of( const stability_trace* trace, const stability_limits* limits );
 /// @return those of energy, strain and rest among `checks` that have no limit but those for any run, or-ed
 unsigned stability_without_limit( const stability_figures* figures, unsigned checks );
-
-/// J, that bodies may have above their start at a time: what the inputs and the lifting of what starts inside can
-/// bring.
-double stability_energy_budget( const stability_trace* trace, int row );
 
 /// Compare the hashes after the steps of two runs. @param first steps before them @param how the second run was made,
 /// such as "with 2 workers than with one" @return whether they are equal

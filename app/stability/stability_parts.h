@@ -28,13 +28,3 @@ static inline double stability_distance( wisp_vec3 a, wisp_vec3 b )
     const double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
     return sqrt( x * x + y * y + z * z );
 }
-
-/// stability_softness.c: fill softness and burden of all bodies. The inputs are known.
-void stability_find_softness( const scene_world* world, stability_trace* trace );
-
-/// J, that violated constraints and springs store; NaN: not known. @param h s, a substep @param is_start before the first step
-double stability_stored_energy( const stability_reader* reader, const scene_world* world, double h, bool is_start );
-/// J, that bending stores at most.
-double stability_bent_energy( const stability_reader* reader, double h );
-/// m/N, of the softest edge, by its compliance and its stiffness in a substep.
-double stability_compliance( const stability_reader* reader, double h );

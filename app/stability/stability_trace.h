@@ -37,16 +37,16 @@ typedef struct stability_body
     double edge;        ///< m, the shortest edge at rest
     double gravity;     ///< m/s^2
     double damping;     ///< 1/s, of all velocities
-    double softness; ///< stretch that its weight and its solver explain, see stability_softness.c; infinite: no limit
-    double stretch;  ///< at the end, the largest l / l0 - 1 of its edges
-    double start[3]; ///< m, centre of mass
-    double extent;   ///< m, the longest edge of the box around its rest shape
-    double twin;     ///< strain that the scene reaches if it starts at rest, twice; infinite: it does
-    double burden;   ///< N, the weight of what may lie on it, and the wind
-    bool has_contact; ///< with others
-    bool is_uneven;   ///< masses grow along it
-    bool starts_away; ///< from its rest shape, or with a velocity
-    int pin_count;    ///< of a surface
+    double softness;    ///< stretch that its weight and its solver explain, see stability_trace.c; infinite: no limit
+    double stretch;     ///< at the end, the largest l / l0 - 1 of its edges
+    double start[3];    ///< m, centre of mass
+    double extent;      ///< m, the longest edge of the box around its rest shape
+    double twin;        ///< strain that the scene reaches if it starts at rest, twice; infinite: it does
+    double burden;      ///< N, the weight of what may lie on it, and the wind
+    bool has_contact;   ///< with others
+    bool is_uneven;     ///< masses grow along it
+    bool starts_away;   ///< from its rest shape, or with a velocity
+    int pin_count;      ///< of a surface
 } stability_body;
 
 /// What the scene itself brings into motion.
@@ -100,9 +100,6 @@ typedef struct stability_reader stability_reader;
 /// @return what went wrong before the first step
 wisp_status stability_trace_run( wisp_scene* scene, stability_trace* out, wisp_error* error );
 void stability_trace_release( stability_trace* trace );
-
-/// stability_inputs.c: bodies as they start, and the inputs. Fills all of both but what the run shows.
-void stability_find_inputs( const scene_world* world, stability_trace* trace );
 
 // ---- stability_measure.c ----
 

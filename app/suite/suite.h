@@ -4,6 +4,7 @@
 
 #include "scene.h"
 #include "stability_judges.h"
+#include "text_tree.h"
 #include "wisp/base.h"
 
 #include <stdio.h>
@@ -105,3 +106,27 @@ void suite_label( const suite_row* row, char out[SUITE_MAX_LABEL] );
 
 /// Read the scene of a row. @param out to be released
 wisp_status suite_scene( const suite_row* row, wisp_scene* out, wisp_error* error );
+
+// ---- fields of a scene by path ----
+
+/// A path is such as `substeps`, `surfaces[0].cloth.bending`, `surfaces[sheet].damping`, `strands[*].damping`.
+/// Give every field that the path names a copy of a value. Blocks on the way that are absent are added, entries of lists are not. The
+/// value `null` removes a field.
+/// @return how many fields were set; 0: the path names nothing of the scene
+int suite_set_field( text_node* scene, const char* path, const text_node* value );
+
+// ---- the suite that `wisp accuracy` makes of a scene ----
+
+/// What accuracy costs, by substeps and by methods that the scene can do without being another.
+typedef struct suite_of_scene_def
+{
+    const char* path; ///< of the scene
+    const char* file; ///< the same as the suite is to name it
+    double length;    ///< s of motion that is compared; 0: all of the scene, but at most 1 s
+    double seconds;   ///< of wall time that the reference may take, about
+} suite_of_scene_def;
+
+/// Write the suite as YAML.
+/// @param out receives a text to be freed
+/// @return WISP_BAD_INPUT it is no scene, or nothing in it moves (the message names the cause); WISP_IO_ERROR
+wisp_status suite_of_scene( const suite_of_scene_def* def, char** out, wisp_error* error );

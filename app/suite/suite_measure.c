@@ -1,19 +1,203 @@
-// A row is run on one worker, so that allocations and instructions repeat. Requests of statistics change no bit.
 #include "suite_measure.h"
 
 #include "implicit_cloth/implicit_cloth.h"
 #include "interruption.h"
 #include "wisp/explain.h"
+#include "wisp/module/collision_mesh.h"
 
+#include <errno.h>
+#include <fcntl.h>
+#include <link.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+// ---- balloons in each other ----
+
+// A balloon after the last step.
+typedef struct balloon
+{
+    wisp_vec3* points; // [count]
+    int count;
+    float thickness, reach; // m, what it keeps apart; half of its smallest extent
+    double centre[3];       // m
+    wisp_collision_mesh* mesh;
+} balloon;
+
+typedef struct work
+{
+    balloon* balloons; // [count]
+    int count, largest;
+    wisp_mesh_query* queries;   // [largest]
+    wisp_mesh_nearest* nearest; // [largest]
+} work;
+
+// As contact has it.
+static float thickness_of( const scene_world* world, int surface )
+{
+    const wisp_fabric* fabric = world->surfaces[surface].fabric;
+    const float given = world->scene->surfaces[surface].contact.thickness;
+    double sum = 0.0;
+    for ( int e = 0; e < fabric->edge_count; ++e )
+    {
+        const wisp_vec3 a = fabric->rest[fabric->edges[2 * e]], b = fabric->rest[fabric->edges[2 * e + 1]];
+        const double x = (double)( a.x - b.x ), y = (double)( a.y - b.y ), z = (double)( a.z - b.z );
+        sum += sqrt( x * x + y * y + z * z );
+    }
+    return given > 0.0f ? given : (float)( 0.25 * sum / fabric->edge_count );
+}
+
+static void measure( balloon* b )
+{
+    wisp_vec3 low = b->points[0], high = low;
+    for ( int v = 0; v < b->count; ++v )
+    {
+        const wisp_vec3 p = b->points[v];
+        low = ( wisp_vec3 ){ fminf( low.x, p.x ), fminf( low.y, p.y ), fminf( low.z, p.z ) };
+        high = ( wisp_vec3 ){ fmaxf( high.x, p.x ), fmaxf( high.y, p.y ), fmaxf( high.z, p.z ) };
+        b->centre[0] += (double)p.x / b->count;
+        b->centre[1] += (double)p.y / b->count;
+        b->centre[2] += (double)p.z / b->count;
+    }
+    b->reach = 0.5f * fminf( high.x - low.x, fminf( high.y - low.y, high.z - low.z ) );
+}
+
+static wisp_status add_balloon( const scene_world* world, int surface, work* w, wisp_error* error )
+{
+    const int number = world->scene->strands_count + surface;
+    const scene_body body = scene_world_body( world, number );
+    balloon* b = &w->balloons[w->count++];
+    *b = ( balloon ){ .points = malloc( (size_t)body.vertex_count * sizeof( wisp_vec3 ) ),
+                      .count = body.vertex_count };
+    w->largest = body.vertex_count > w->largest ? body.vertex_count : w->largest;
+    wisp_status status = b->points ? scene_world_points( world, number, b->points, error )
+                                   : wisp_fail( error, WISP_NO_MEMORY, "no memory to measure how balloons overlap" );
+    if ( status == WISP_OK )
+    {
+        b->thickness = thickness_of( world, surface );
+        measure( b );
+        const wisp_collision_mesh_def def = {
+            .points = b->points,
+            .triangles = body.triangles,
+            .point_count = body.vertex_count,
+            .triangle_count = body.triangle_count,
+            .deforms = true,
+        };
+        status = wisp_collision_mesh_create( &def, NULL, &b->mesh, error );
+    }
+    return status;
+}
+
+static float distance_from( const wisp_mesh_nearest* nearest )
+{
+    return nearest->triangle >= 0 ? nearest->distance : INFINITY;
+}
+
+// Distances of the vertices of one balloon from another, into `nearest`.
+static void ask( work* w, const balloon* from, const balloon* to )
+{
+    for ( int v = 0; v < from->count; ++v )
+    {
+        w->queries[v] = ( wisp_mesh_query ){ .point = from->points[v], .radius = to->reach };
+    }
+    wisp_collision_mesh_closest( to->mesh, w->queries, from->count, w->nearest, NULL );
+}
+
+static void find_depth( work* w, suite_overlap* out )
+{
+    int missed = 0, vertices = 0;
+    for ( int i = 0; i < w->count * w->count; ++i )
+    {
+        const balloon *from = &w->balloons[i / w->count], *to = &w->balloons[i % w->count];
+        const float thickness = 0.5f * ( from->thickness + to->thickness );
+        if ( from == to )
+        {
+            vertices += from->count;
+            continue;
+        }
+        ask( w, from, to );
+        for ( int v = 0; v < from->count; ++v )
+        {
+            const float distance = distance_from( &w->nearest[v] );
+            out->depth = fmax( out->depth, (double)( thickness - distance ) );
+            missed += distance < 0.5f * thickness ? 1 : 0;
+        }
+    }
+    out->missed = (double)missed / vertices;
+}
+
+static void find_wall( work* w, suite_overlap* out )
+{
+    static const float NEXT_TO = 1.5f; // thicknesses
+    const balloon *one = &w->balloons[0], *other = &w->balloons[1];
+    double axis[3], length = 0.0, sum = 0.0, squares = 0.0, farthest = 0.0;
+    int count = 0;
+    for ( int k = 0; k < 3; ++k )
+    {
+        axis[k] = other->centre[k] - one->centre[k];
+        length += axis[k] * axis[k];
+    }
+    ask( w, one, other );
+    for ( int v = 0; v < one->count; ++v )
+    {
+        const wisp_vec3 p = one->points[v];
+        const double d[3] = { (double)p.x - one->centre[0], (double)p.y - one->centre[1],
+                              (double)p.z - one->centre[2] };
+        if ( distance_from( &w->nearest[v] ) < NEXT_TO * one->thickness )
+        {
+            const double along = ( d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2] ) / sqrt( length );
+            const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - along * along;
+            sum += along;
+            squares += along * along;
+            farthest = fmax( farthest, sqrt( fmax( square, 0.0 ) ) );
+            ++count;
+        }
+    }
+    const double mean = sum / count;
+    out->wall_radius = count > 0 ? farthest : NAN;
+    out->wall_unevenness = count > 0 ? sqrt( fmax( squares / count - mean * mean, 0.0 ) ) : NAN;
+}
+
+wisp_status suite_overlap_find( const scene_world* world, suite_overlap* out, wisp_error* error )
+{
+    *out = ( suite_overlap ){ .wall_radius = NAN, .wall_unevenness = NAN };
+    work w = { .balloons = calloc( (size_t)world->scene->surface_count + 1, sizeof( balloon ) ) };
+    wisp_status status = w.balloons ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for balloons" );
+    for ( int i = 0; i < world->scene->surface_count && status == WISP_OK; ++i )
+    {
+        status = world->scene->surfaces[i].has_balloon ? add_balloon( world, i, &w, error ) : WISP_OK;
+    }
+    w.queries = malloc( (size_t)w.largest * sizeof *w.queries + 1 );
+    w.nearest = malloc( (size_t)w.largest * sizeof *w.nearest + 1 );
+    if ( status == WISP_OK && ( w.queries == NULL || w.nearest == NULL ) )
+    {
+        status = wisp_fail( error, WISP_NO_MEMORY, "no memory to measure how balloons overlap" );
+    }
+    if ( status == WISP_OK && w.count > 1 )
+    {
+        find_depth( &w, out );
+        find_wall( &w, out );
+    }
+    for ( int i = 0; i < w.count; ++i )
+    {
+        wisp_collision_mesh_release( w.balloons[i].mesh );
+        free( w.balloons[i].points );
+    }
+    free( w.balloons );
+    free( w.queries );
+    free( w.nearest );
+    return status;
+}
 
 const double suite_moments[SUITE_MOMENT_COUNT] = { 0.5, 1.0, 2.0 };
 
 const suite_comparison suite_not_compared = { NAN, NAN, { NAN, NAN, NAN }, NAN, NAN };
 
 // ---- in this process ----
+
+// A row is run on one worker, so that allocations and instructions repeat. Requests of statistics change no bit.
 
 enum
 {
@@ -238,4 +422,283 @@ wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_ob
     }
     wisp_scene_release( &scene );
     return status;
+}
+
+// ---- instructions ----
+
+// ---- the process ----
+
+enum
+{
+    MAX_PATH = 4096,
+};
+
+// Run `wisp gate step` under callgrind, which counts inside of wisp_world_step(), and what the self-test wastes. Its environment
+// is empty, because the C library and the place of the stack depend on it.
+static _Noreturn void be_child( const char* program, const char* suite, int number,
+                                const suite_count_options* options, const char* out )
+{
+    char row[16], file[MAX_PATH + 32];
+    snprintf( row, sizeof row, "--row=%d", number );
+    snprintf( file, sizeof file, "--callgrind-out-file=%s", out );
+    char* const arguments[] = { "valgrind",
+                                "--tool=callgrind",
+                                "--toggle-collect=wisp_world_step",
+                                "--toggle-collect=gate_slow_waste",
+                                "--dump-instr=yes", // tells passes by the addresses of their functions
+                                "--compress-pos=no",
+                                "--compress-strings=no",
+                                options->has_cycles ? "--cache-sim=yes" : "--cache-sim=no",
+                                "--I1=32768,8,64", // caches of one machine, whatever this one has
+                                "--D1=32768,8,64",
+                                "--LL=4194304,16,64",
+                                file,
+                                "--",
+                                (char*)(uintptr_t)program,
+                                "gate",
+                                "step",
+                                row,
+                                "--isa=avx2",
+                                (char*)(uintptr_t)suite,
+                                (char*)(uintptr_t)options->step,
+                                NULL };
+    char* const environment[] = { "PATH=/usr/local/bin:/usr/bin:/bin", "LC_ALL=C", NULL };
+    interruption_leave_to_parent();
+    const int nothing = open( "/dev/null", O_RDWR );
+    dup2( nothing, STDIN_FILENO );
+    dup2( nothing, STDOUT_FILENO );
+    dup2( nothing, STDERR_FILENO );
+    execvpe( "valgrind", arguments, environment );
+    _exit( 127 );
+}
+
+// ---- the file that callgrind writes ----
+
+// What callgrind counts, in the order of its columns.
+enum
+{
+    INSTRUCTIONS,
+    READS,
+    WRITES,
+    MISSES_I1,
+    MISSES_D1_READ,
+    MISSES_D1_WRITE,
+    MISSES_LL_CODE,
+    MISSES_LL_READ,
+    MISSES_LL_WRITE,
+    EVENTS,
+};
+
+// Cycles that a miss or a slow instruction is taken to cost, beyond the one of the instruction.
+static const double FIRST_LEVEL = 10.0, LAST_LEVEL = 100.0, SLOW = 10.0;
+
+typedef struct call
+{
+    char caller[160], callee[160]; // without the marks of recursion
+    uintptr_t code;                // of the callee, in its file
+    double instructions;
+} call;
+
+// What a file says beside its calls.
+typedef struct totals
+{
+    double events[EVENTS]; // NaN: the file has no such line
+    double slow;           // divisions and roots of the program
+    bool is_program;       // whether lines are of the program, not of a library
+} totals;
+
+static void copy_name( const char* from, char* out, size_t size )
+{
+    snprintf( out, size, "%.*s", (int)strcspn( from, "\n'" ), from );
+}
+
+// Whether an instruction divides or takes a root, which takes several times as long as others.
+static bool is_slow( const uint8_t* code )
+{
+#if defined( __x86_64__ )
+    while ( *code == 0x66 || *code == 0xf2 || *code == 0xf3 || ( *code & 0xf0 ) == 0x40 )
+    {
+        ++code; // prefixes
+    }
+    if ( *code == 0xf6 || *code == 0xf7 ) // of integers
+    {
+        return ( code[1] & 0x30 ) == 0x30;
+    }
+    const bool is_map = *code == 0x0f || *code == 0xc5 || ( *code == 0xc4 && ( code[1] & 0x1f ) == 1 ) ||
+                        ( *code == 0x62 && ( code[1] & 0x07 ) == 1 );
+    const uint8_t operation = code[*code == 0x0f ? 1 : *code == 0xc5 ? 2 : *code == 0xc4 ? 3 : 4];
+    return is_map && ( operation == 0x5e || operation == 0x51 );
+#else
+    (void)code;
+    return false;
+#endif
+}
+
+// A line of an instruction: its address, the line of its source, and what it cost. @param bias where the program was loaded
+static void add_own_cost( const char* line, uintptr_t bias, totals* t )
+{
+    char* end;
+    const uintptr_t place = (uintptr_t)strtoull( line, &end, 16 ) + bias;
+    (void)strtol( end, &end, 10 );
+    const double count = strtod( end, NULL );
+    t->slow += t->is_program && is_slow( (const uint8_t*)place ) ? count : 0.0;
+}
+
+static void read_totals( const char* text, totals* t )
+{
+    char* end = (char*)(uintptr_t)text;
+    for ( int i = 0; i < EVENTS; ++i ) // without caches there is one
+    {
+        t->events[i] = strtod( end, &end );
+    }
+}
+
+// The next call of a file; `caller` lasts from one to the next. @param t receives what is not of calls
+static bool next_call( FILE* file, const char* program, uintptr_t bias, call* out, totals* t )
+{
+    char line[4096];
+    while ( fgets( line, sizeof line, file ) )
+    {
+        if ( strncmp( line, "totals:", 7 ) == 0 )
+        {
+            read_totals( line + 7, t );
+        }
+        else if ( strncmp( line, "ob=", 3 ) == 0 )
+        {
+            line[strcspn( line, "\n" )] = '\0';
+            t->is_program = strcmp( line + 3, program ) == 0;
+        }
+        else if ( line[0] == '0' )
+        {
+            add_own_cost( line, bias, t );
+        }
+        else if ( strncmp( line, "fn=", 3 ) == 0 )
+        {
+            copy_name( line + 3, out->caller, sizeof out->caller );
+        }
+        else if ( strncmp( line, "cfn=", 4 ) == 0 )
+        {
+            copy_name( line + 4, out->callee, sizeof out->callee );
+        }
+        else if ( strncmp( line, "calls=", 6 ) == 0 )
+        {
+            // calls=COUNT CODE LINE, then a line with the place of the call, its line and what it cost
+            const char* place = strchr( line, ' ' );
+            out->code = place ? (uintptr_t)strtoull( place, NULL, 16 ) : 0;
+            char* cost = fgets( line, sizeof line, file ) ? strchr( line, ' ' ) : NULL;
+            cost = cost ? strchr( cost + 1, ' ' ) : NULL;
+            out->instructions = cost ? strtod( cost, NULL ) : 0.0;
+            return true;
+        }
+    }
+    return false;
+}
+
+// Where the program was loaded, since files have addresses without that.
+static int keep_bias( struct dl_phdr_info* info, size_t size, void* user )
+{
+    (void)size;
+    *(uintptr_t*)user = (uintptr_t)info->dlpi_addr;
+    return 1; // the first is the program
+}
+
+static suite_pass* pass_at( suite_measurement* m, uintptr_t code )
+{
+    for ( int i = 0; i < m->pass_count; ++i )
+    {
+        if ( m->passes[i].code == code )
+        {
+            return &m->passes[i];
+        }
+    }
+    return NULL;
+}
+
+// Calls of passes count with all that they call, unless a pass makes them: that has them already.
+static totals read_counts( const char* path, const char* program, suite_measurement* out )
+{
+    char names[SUITE_MAX_PASSES][160] = { "" };
+    totals t = { .events = { NAN } };
+    uintptr_t bias = 0;
+    dl_iterate_phdr( keep_bias, &bias );
+    FILE* file = fopen( path, "r" );
+    for ( int round = 0; round < 2 && file; ++round )
+    {
+        call c = { .caller = "" };
+        t = ( totals ){ .events = { NAN } };
+        rewind( file );
+        while ( next_call( file, program, bias, &c, &t ) )
+        {
+            suite_pass* pass = pass_at( out, c.code + bias );
+            bool is_inside = false;
+            for ( int i = 0; i < out->pass_count; ++i )
+            {
+                is_inside = is_inside || strcmp( names[i], c.caller ) == 0;
+            }
+            if ( pass && round == 0 )
+            {
+                snprintf( names[pass - out->passes], sizeof names[0], "%s", c.callee );
+            }
+            else if ( pass && !is_inside )
+            {
+                pass->instructions = ( isfinite( pass->instructions ) ? pass->instructions : 0.0 ) + c.instructions;
+            }
+        }
+    }
+    if ( file )
+    {
+        fclose( file );
+    }
+    return t;
+}
+
+static void keep_counts( const totals* t, bool has_cycles, suite_measurement* out )
+{
+    const double* e = t->events;
+    out->values[SUITE_INSTRUCTIONS] = e[INSTRUCTIONS];
+    const double first = e[MISSES_I1] + e[MISSES_D1_READ] + e[MISSES_D1_WRITE];
+    const double last = e[MISSES_LL_CODE] + e[MISSES_LL_READ] + e[MISSES_LL_WRITE];
+    out->values[SUITE_CYCLES] =
+        has_cycles ? e[INSTRUCTIONS] + FIRST_LEVEL * first + LAST_LEVEL * last + SLOW * t->slow : NAN;
+}
+
+wisp_status suite_count_instructions( const char* suite, int number, const suite_count_options* options,
+                                      suite_measurement* out, wisp_error* error )
+{
+    char program[MAX_PATH], path[] = "/tmp/wisp-gate-XXXXXX";
+    const ssize_t length = readlink( "/proc/self/exe", program, sizeof program - 1 );
+    const int file = length > 0 ? mkstemp( path ) : -1;
+    if ( file < 0 )
+    {
+        return wisp_fail( error, WISP_IO_ERROR, "gate: no file for counts of instructions: %s", strerror( errno ) );
+    }
+    close( file );
+    program[length] = '\0';
+    fflush( NULL );
+    const pid_t child = fork();
+    if ( child == 0 )
+    {
+        be_child( program, suite, number, options, path );
+    }
+    int ended = 0xff00;
+    if ( child > 0 )
+    {
+        interruption_wait( child, &ended );
+    }
+    const bool is_good = WIFEXITED( ended ) && WEXITSTATUS( ended ) == 0;
+    const totals t = is_good ? read_counts( path, program, out ) : ( totals ){ .events = { NAN } };
+    keep_counts( &t, options->has_cycles, out );
+    unlink( path );
+    if ( !is_good && interruption_came() )
+    {
+        return interruption_check( error );
+    }
+    if ( !( out->values[SUITE_INSTRUCTIONS] > 0.0 ) )
+    {
+        return wisp_fail( error, WISP_IO_ERROR, "gate: valgrind %s",
+                          WIFEXITED( ended ) && WEXITSTATUS( ended ) == 127
+                              ? "is not installed; --no-instructions gates without it"
+                              : "counted no instructions of this row" );
+    }
+    return WISP_OK;
 }

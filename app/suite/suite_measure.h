@@ -75,3 +75,34 @@ bool suite_motion_stats( const scene_world* world, int body, wisp_motion_stats* 
 uint64_t suite_hash_points( const scene_world* world, wisp_vec3* points, uint64_t hash );
 /// What it begins with.
 #define SUITE_HASH_BEGIN 0xcbf29ce484222325u
+
+// ---- instructions, counted by callgrind in a process of its own ----
+
+typedef struct suite_count_options
+{
+    bool has_cycles;  ///< simulate caches too, which takes three times as long
+    const char* step; ///< option of `gate step` that the row is run with; null: none
+} suite_count_options;
+
+/// @param suite path, which the process reads again @param number of the row
+/// @param out with the passes that ran; receives the instructions of all steps and of each pass, and the cycles
+/// @return WISP_IO_ERROR valgrind is missing or counted nothing (the message says why)
+wisp_status suite_count_instructions( const char* suite, int number, const suite_count_options* options,
+                                      suite_measurement* out, wisp_error* error );
+
+// ---- balloons in each other ----
+
+/// How deep they are, by another way than that of contact: signed distances of the vertices of each from the others.
+typedef struct suite_overlap
+{
+    double depth; ///< m, how much nearer than the thickness, or how deep in another balloon, a vertex is at most
+    double
+        missed; ///< fraction of all vertices that are nearer than half of the thickness to another balloon, or in it
+    /// m, of the vertices of the first balloon next to the second: how far they are from the line between both centres at most, and the root
+    /// mean square of their distances from a plane across it; NaN without them
+    double wall_radius, wall_unevenness;
+} suite_overlap;
+
+/// Of the balloons of a scene. What is deeper than half of the smallest extent of a balloon counts as that.
+/// @return WISP_CONFLICT their points are not requested
+wisp_status suite_overlap_find( const scene_world* world, suite_overlap* out, wisp_error* error );

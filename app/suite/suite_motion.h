@@ -1,8 +1,8 @@
 /// The motion of a scene: all points at some times, in memory and as recordings.
 #pragma once
 
-#include "suite_measure.h"
 #include "record.h"
+#include "suite_measure.h"
 
 enum
 {
@@ -23,7 +23,6 @@ typedef struct suite_motion
     int frame_count, frame_capacity;
 } suite_motion;
 
-void suite_motion_release( suite_motion* motion );
 int suite_motion_points( const suite_motion* motion );
 
 /// When motions are compared: at most SUITE_MAX_FRAMES - 1 times, at the ends of the steps of the row with the longest ones, evenly, up to the
@@ -34,23 +33,32 @@ typedef struct suite_times
     int count;
 } suite_times;
 
-/// @return WISP_BAD_INPUT a row is no scene
-wisp_status suite_choose_times( const wisp_suite* suite, suite_times* out, wisp_error* error );
+// ---- what errors of a suite are measured against ----
 
-/// Run a row and keep its points at some times.
-/// @param also told of the run, too; may be null
+/// A stored recording, a converged run, or what runs with more and more substeps converge to. Runs are made on request and
+/// kept.
+typedef struct suite_reference
+{
+    bool exists;   ///< the suite has one
+    bool is_start; ///< it is where bodies start
+    suite_times times;
+    suite_motion motion;
+    suite_comparison
+        doubt; ///< the coarser reference compared with this one. A stored one is compared with itself: 0, and the
+               ///< distance that the suite says. NaN: rows have no such value
+    double parts_at; ///< s, when both are one percent of their size apart; INFINITY: they never are
+    int frame_count; ///< that are compared: those before, or all if there is none
+    char description[200];
+} suite_reference;
+
+/// Read or make the reference of a suite, if it has one. Runs are kept under the hash of their scene and settings, and found there the
+/// next time: in `$WISP_CACHE`, else `$XDG_CACHE_HOME/wisp`, else `$HOME/.cache/wisp`.
 /// @param out to be released, after a failure too
-/// @return WISP_BAD_INPUT no step of the row ends at one of the times (the message names it)
-wisp_status suite_motion_run( const suite_row* row, const char* isa, const suite_times* times,
-                              const suite_observer* also, suite_motion* out, suite_measurement* measured,
-                              wisp_error* error );
+wisp_status suite_reference_make( const wisp_suite* suite, suite_reference* out, wisp_error* error );
+void suite_reference_release( suite_reference* reference );
 
-/// Move the points and energies of a motion away from those of a coarser one by a part of their difference.
-/// @return WISP_BAD_INPUT the motions have other bodies or frames
-wisp_status suite_motion_extrapolate( suite_motion* motion, const suite_motion* coarser, double part,
-                                      wisp_error* error );
-
-/// Read a recording. @param out to be released, after a failure too
-/// @return WISP_BAD_INPUT it is none, or has no frame at one of the times; WISP_IO_ERROR; WISP_NO_MEMORY
-wisp_status suite_motion_read( const char* path, const suite_times* times, suite_motion* out, wisp_error* error );
-wisp_status suite_motion_write( const suite_motion* motion, const char* path, wisp_error* error );
+/// Run a row in this process, and measure its error too. Instructions are not counted.
+/// @param observer may be null
+/// @return WISP_BAD_INPUT the row cannot be compared with the reference (the message says why)
+wisp_status suite_reference_run( const suite_reference* reference, const suite_row* row, const char* isa,
+                                 const suite_observer* observer, suite_measurement* out, wisp_error* error );

@@ -42,9 +42,6 @@ wisp_status suite_read_entry( suite_reader* r, const scene_node* block );
 /// Check that `axes` are maps of bundles.
 wisp_status suite_check_axes( const suite_reader* r );
 
-/// Read `reference`, after the entries.
-wisp_status suite_read_reference( suite_reader* r, const scene_node* block );
-
 /// A run of a scene that a reference is made of.
 typedef struct suite_run
 {
@@ -64,7 +61,7 @@ double suite_number_of( const suite_reader* r, const scene_node* node );
 /// The name of a file without folder and extension, cut to the size.
 void suite_stem( const char* path, char* out, size_t size );
 
-// ---- suite_checks.c ----
+// ---- checks ----
 
 /// Read `checks`: words, those of them that are given a limit, or `all`.
 wisp_status suite_read_checks( const suite_reader* r, const scene_node* node, unsigned* out,

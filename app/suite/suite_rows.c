@@ -1,12 +1,111 @@
 // Entries of a suite, and the rows that they make.
-#include "suite_fields.h"
 #include "suite_reader.h"
 
 #include "io_file.h"
+#include "suite.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+// ---- fields by path ----
+
+// Fields of a scene by path.
+
+// Whether an index, which is a number, a name or `*`, means an entry of a list.
+static bool is_entry_meant( const text_node* list, int i, const char* index )
+{
+    char number[16];
+    snprintf( number, sizeof number, "%d", i );
+    return strcmp( index, "*" ) == 0 || strcmp( index, number ) == 0 ||
+           strcmp( index, text_at( list->children[i], "name" ) ) == 0;
+}
+
+// From the end, so that numbers stay. @return how many were removed
+static int remove_entries( text_node* list, const char* index )
+{
+    int count = 0;
+    for ( int i = list->count - 1; i >= 0; --i )
+    {
+        if ( is_entry_meant( list, i, index ) )
+        {
+            text_remove( list, i );
+            ++count;
+        }
+    }
+    return count;
+}
+
+// Find the node that a path leads to and that is to be set: `dt`, `surfaces[0].cloth.bending`, `surfaces[*].damping`.
+// @param rest the path, changed @return how many fields were set
+static int set_path( text_node* at, char* rest, const text_node* value )
+{
+    char* dot = strchr( rest, '.' );
+    char* next = dot ? dot + 1 : NULL;
+    if ( dot )
+    {
+        *dot = '\0';
+    }
+    char* bracket = strchr( rest, '[' );
+    char index[80] = "";
+    if ( bracket )
+    {
+        snprintf( index, sizeof index, "%.*s", (int)strcspn( bracket + 1, "]" ), bracket + 1 );
+        *bracket = '\0';
+    }
+    const bool is_removal = value->kind == TEXT_SCALAR && strcmp( value->text, "null" ) == 0;
+    int count = 0;
+    if ( next == NULL && bracket == NULL )
+    {
+        if ( is_removal )
+        {
+            text_remove_key( at, rest );
+        }
+        else
+        {
+            text_put( at, rest, text_copy( value ) );
+        }
+        count = 1;
+    }
+    else
+    {
+        text_node* list = text_find( at, rest );
+        text_node* block = bracket ? NULL : list ? list : text_put( at, rest, text_map() );
+        for ( int i = 0; bracket && next && list && list->kind == TEXT_LIST && i < list->count; ++i )
+        {
+            char* copy = text_alloc( strlen( next ) );
+            strcpy( copy, next );
+            count += is_entry_meant( list, i, index ) && list->children[i]->kind == TEXT_MAP
+                         ? set_path( list->children[i], copy, value )
+                         : 0;
+            free( copy );
+        }
+        if ( bracket && next == NULL && list && list->kind == TEXT_LIST && is_removal )
+        {
+            count += remove_entries( list, index );
+        }
+        count += block && next && block->kind == TEXT_MAP ? set_path( block, next, value ) : 0;
+    }
+    if ( bracket )
+    {
+        *bracket = '[';
+    }
+    if ( dot )
+    {
+        *dot = '.';
+    }
+    return count;
+}
+
+int suite_set_field( text_node* scene, const char* path, const text_node* value )
+{
+    char* copy = text_alloc( strlen( path ) );
+    strcpy( copy, path );
+    const int count = set_path( scene, copy, value );
+    free( copy );
+    return count;
+}
 
 // ---- fields ----
 
@@ -48,30 +147,31 @@ static wisp_status set_field( const suite_reader* r, text_node* scene, const sce
 
 enum
 {
-    KEY_FILE,
-    KEY_NAME,
-    KEY_STEPS,
-    KEY_SECONDS,
-    KEY_SET,
-    KEY_VARY,
-    KEY_ALONG,
-    KEY_ORDER,
-    KEY_BUDGETS,
-    KEY_CHECKS,
-    KEY_EXPECT,
-    KEY_SWEEP,
-    KEY_PAIRS,
-    KEY_AGREE,
-    KEY_COUNT,
+    ENTRY_FILE,
+    ENTRY_NAME,
+    ENTRY_STEPS,
+    ENTRY_SECONDS,
+    ENTRY_SET,
+    ENTRY_VARY,
+    ENTRY_ALONG,
+    ENTRY_ORDER,
+    ENTRY_BUDGETS,
+    ENTRY_CHECKS,
+    ENTRY_EXPECT,
+    ENTRY_SWEEP,
+    ENTRY_PAIRS,
+    ENTRY_AGREE,
+    ENTRY_COUNT,
 };
 
-static const char* const keys[KEY_COUNT] = { "file",  "name",    "steps",  "seconds", "set",   "vary",  "along",
-                                             "order", "budgets", "checks", "expect",  "sweep", "pairs", "agree" };
+static const char* const entry_keys[ENTRY_COUNT] = { "file",   "name",  "steps", "seconds", "set",
+                                                     "vary",   "along", "order", "budgets", "checks",
+                                                     "expect", "sweep", "pairs", "agree" };
 
 // What an entry says.
 typedef struct entry
 {
-    const scene_node* values[KEY_COUNT];
+    const scene_node* values[ENTRY_COUNT];
     char* path;
     text_node* scene;
     suite_budget budgets[SUITE_MEASURE_COUNT];
@@ -146,7 +246,7 @@ static void name_variant( const suite_reader* r, const scene_node* field, const 
 static bool set_key( const suite_reader* r, const scene_node* field, suite_row* row, wisp_status* status )
 {
     const char* key = scene_key_of( &r->tree, field );
-    if ( strcmp( key, keys[KEY_SECONDS] ) == 0 )
+    if ( strcmp( key, entry_keys[ENTRY_SECONDS] ) == 0 )
     {
         row->seconds = suite_number_of( r, field );
         *status = row->seconds >= 1e-9 && row->seconds <= 1e9
@@ -154,12 +254,12 @@ static bool set_key( const suite_reader* r, const scene_node* field, suite_row* 
                       : suite_refuse( r, field, "expected seconds of simulated time" );
         return true;
     }
-    if ( strcmp( key, keys[KEY_EXPECT] ) == 0 )
+    if ( strcmp( key, entry_keys[ENTRY_EXPECT] ) == 0 )
     {
         *status = suite_read_expect( r, field, &row->is_refused );
         return true;
     }
-    if ( strcmp( key, keys[KEY_CHECKS] ) == 0 )
+    if ( strcmp( key, entry_keys[ENTRY_CHECKS] ) == 0 )
     {
         *status = suite_read_checks( r, field, &row->checks, &row->limits );
         return true;
@@ -210,7 +310,7 @@ static wisp_status choose_value( const suite_reader* r, const scene_node* field,
 static wisp_status vary_fields( const suite_reader* r, const entry* e, int which, text_node* scene, suite_row* row )
 {
     wisp_status status = WISP_OK;
-    const scene_node *vary = e->values[KEY_VARY], *along = e->values[KEY_ALONG];
+    const scene_node *vary = e->values[ENTRY_VARY], *along = e->values[ENTRY_ALONG];
     const scene_node* last = along ? scene_first( &r->tree, along ) : NULL;
     const int place = last ? which % last->count : 0;
     which /= last ? last->count : 1;
@@ -263,7 +363,7 @@ static wisp_status finish_row( const suite_reader* r, const entry* e, text_node*
     }
     if ( status == WISP_OK && ( row->steps > read.steps || read.steps == 0 ) )
     {
-        const scene_node* place = e->values[KEY_STEPS] ? e->values[KEY_STEPS] : e->values[KEY_FILE];
+        const scene_node* place = e->values[ENTRY_STEPS] ? e->values[ENTRY_STEPS] : e->values[ENTRY_FILE];
         status = suite_refuse( r, place, "%s: got %d steps, the scene has %d", row->name, row->steps, read.steps );
     }
     wisp_scene_release( &read );
@@ -273,19 +373,19 @@ static wisp_status finish_row( const suite_reader* r, const entry* e, text_node*
 static void begin_row( const suite_reader* r, const entry* e, suite_row* row )
 {
     suite_stem( e->path, row->name, sizeof row->name );
-    if ( e->values[KEY_NAME] )
+    if ( e->values[ENTRY_NAME] )
     {
-        snprintf( row->name, sizeof row->name, "%s", scene_text_of( &r->tree, e->values[KEY_NAME] ) );
+        snprintf( row->name, sizeof row->name, "%s", scene_text_of( &r->tree, e->values[ENTRY_NAME] ) );
     }
     row->path = text_alloc( strlen( e->path ) );
     strcpy( row->path, e->path );
     memcpy( row->budgets, e->budgets, sizeof row->budgets );
-    row->steps = e->values[KEY_STEPS] ? (int)suite_number_of( r, e->values[KEY_STEPS] ) : 0;
+    row->steps = e->values[ENTRY_STEPS] ? (int)suite_number_of( r, e->values[ENTRY_STEPS] ) : 0;
     row->seconds = e->seconds;
     row->checks = e->checks;
     row->limits = e->limits;
     row->is_refused = e->is_refused;
-    row->agree = e->values[KEY_AGREE] ? suite_number_of( r, e->values[KEY_AGREE] ) : 0.0;
+    row->agree = e->values[ENTRY_AGREE] ? suite_number_of( r, e->values[ENTRY_AGREE] ) : 0.0;
 }
 
 static wisp_status read_row( suite_reader* r, const entry* e, int which )
@@ -293,7 +393,7 @@ static wisp_status read_row( suite_reader* r, const entry* e, int which )
     suite_row* row = add_row( r );
     begin_row( r, e, row );
     text_node* own = text_copy( e->scene );
-    wisp_status status = set_fields( r, own, e->values[KEY_SET], row );
+    wisp_status status = set_fields( r, own, e->values[ENTRY_SET], row );
     status = status == WISP_OK ? vary_fields( r, e, which, own, row ) : status;
     status = status == WISP_OK ? finish_row( r, e, own, row ) : status;
     text_release( own );
@@ -310,7 +410,7 @@ static wisp_status read_swept( suite_reader* r, const entry* e, const scene_node
     snprintf( row->variant, sizeof row->variant, "%s%s%s", first ? scene_key_of( &r->tree, first ) : "base",
               second ? ", " : "", second ? scene_key_of( &r->tree, second ) : "" );
     text_node* own = text_copy( e->scene );
-    wisp_status status = set_fields( r, own, e->values[KEY_SET], row );
+    wisp_status status = set_fields( r, own, e->values[ENTRY_SET], row );
     // where both set a field, the first one counts
     status = status == WISP_OK ? set_fields( r, own, second, row ) : status;
     status = status == WISP_OK ? set_fields( r, own, first, row ) : status;
@@ -351,7 +451,7 @@ static wisp_status sweep_pair( suite_reader* r, const entry* e, const scene_node
 // The scene as it is, each value of each axis alone, and all pairs of values of different axes.
 static wisp_status sweep( suite_reader* r, const entry* e )
 {
-    const scene_node *axes = e->values[KEY_SWEEP], *pairs = e->values[KEY_PAIRS], *axis = NULL, *other = NULL;
+    const scene_node *axes = e->values[ENTRY_SWEEP], *pairs = e->values[ENTRY_PAIRS], *axis = NULL, *other = NULL;
     wisp_status status = read_swept( r, e, NULL, NULL );
     for ( const scene_node* n = scene_first( &r->tree, axes ); n && status == WISP_OK; n = scene_next( &r->tree, n ) )
     {
@@ -376,13 +476,13 @@ static wisp_status sweep( suite_reader* r, const entry* e )
 
 static wisp_status check_sweep( const suite_reader* r, const entry* e )
 {
-    const scene_node *axes = e->values[KEY_SWEEP], *pairs = e->values[KEY_PAIRS];
+    const scene_node *axes = e->values[ENTRY_SWEEP], *pairs = e->values[ENTRY_PAIRS];
     if ( ( axes && axes->kind != SCENE_LIST ) || ( pairs && ( pairs->kind != SCENE_LIST || axes == NULL ) ) )
     {
         return suite_refuse( r, axes && axes->kind != SCENE_LIST ? axes : pairs,
                              "expected sweep, a list of names of axes, and with it at most pairs, another one" );
     }
-    return axes && ( e->values[KEY_VARY] || e->values[KEY_ALONG] )
+    return axes && ( e->values[ENTRY_VARY] || e->values[ENTRY_ALONG] )
                ? suite_refuse( r, axes, "expected sweep, or vary and along, not both" )
                : WISP_OK;
 }
@@ -437,7 +537,7 @@ static wisp_status check_lists( const suite_reader* r, const scene_node* fields,
 
 static wisp_status check_along( const suite_reader* r, const entry* e )
 {
-    const scene_node* along = e->values[KEY_ALONG];
+    const scene_node* along = e->values[ENTRY_ALONG];
     if ( along && ( along->kind != SCENE_MAP || along->count != 1 ) )
     {
         return suite_refuse( r, along, "expected one field and its values, such as { substeps: [1, 2, 5, 10] }" );
@@ -462,30 +562,30 @@ static wisp_status check_along( const suite_reader* r, const entry* e )
 
 static wisp_status check_settings( const suite_reader* r, entry* e )
 {
-    const scene_node *const *v = e->values, *steps = v[KEY_STEPS];
+    const scene_node *const *v = e->values, *steps = v[ENTRY_STEPS];
     wisp_status status = check_number( r, steps, 1.0, 1e6, "a number of steps, 1 to 1000000" );
-    status = status == WISP_OK ? check_number( r, v[KEY_ORDER], 0.1, 8.0, "an order, 0.1 to 8" ) : status;
-    status = status == WISP_OK ? check_number( r, e->values[KEY_SECONDS], 1e-9, 1e9, "seconds of simulated time" )
+    status = status == WISP_OK ? check_number( r, v[ENTRY_ORDER], 0.1, 8.0, "an order, 0.1 to 8" ) : status;
+    status = status == WISP_OK ? check_number( r, e->values[ENTRY_SECONDS], 1e-9, 1e9, "seconds of simulated time" )
                                : status;
-    status = status == WISP_OK && v[KEY_AGREE]
-                 ? check_number( r, v[KEY_AGREE], 1e-9, 1.0, "a part of the size of the first body, up to 1" )
+    status = status == WISP_OK && v[ENTRY_AGREE]
+                 ? check_number( r, v[ENTRY_AGREE], 1e-9, 1.0, "a part of the size of the first body, up to 1" )
                  : status;
     if ( status == WISP_OK && steps && suite_number_of( r, steps ) != floor( suite_number_of( r, steps ) ) )
     {
         return suite_refuse( r, steps, "expected a number of steps, 1 to 1000000" );
     }
-    if ( status == WISP_OK && steps && v[KEY_SECONDS] && v[KEY_SECONDS] != r->seconds )
+    if ( status == WISP_OK && steps && v[ENTRY_SECONDS] && v[ENTRY_SECONDS] != r->seconds )
     {
         return suite_refuse( r, steps, "expected steps or seconds, not both" );
     }
-    if ( status == WISP_OK && v[KEY_SET] && v[KEY_SET]->kind != SCENE_MAP )
+    if ( status == WISP_OK && v[ENTRY_SET] && v[ENTRY_SET]->kind != SCENE_MAP )
     {
-        return suite_refuse( r, v[KEY_SET], "expected fields and their values, such as { steps: 60 }" );
+        return suite_refuse( r, v[ENTRY_SET], "expected fields and their values, such as { steps: 60 }" );
     }
-    if ( status == WISP_OK && v[KEY_VARY] &&
-         ( v[KEY_VARY]->kind != SCENE_MAP || v[KEY_VARY]->count > SUITE_MAX_SETTINGS ) )
+    if ( status == WISP_OK && v[ENTRY_VARY] &&
+         ( v[ENTRY_VARY]->kind != SCENE_MAP || v[ENTRY_VARY]->count > SUITE_MAX_SETTINGS ) )
     {
-        return suite_refuse( r, v[KEY_VARY],
+        return suite_refuse( r, v[ENTRY_VARY],
                              "expected up to %d fields and lists of values, such as { substeps: [4, 10] }",
                              (int)SUITE_MAX_SETTINGS );
     }
@@ -493,18 +593,18 @@ static wisp_status check_settings( const suite_reader* r, entry* e )
     {
         return status;
     }
-    e->seconds = v[KEY_SECONDS] && steps == NULL ? suite_number_of( r, v[KEY_SECONDS] ) : 0.0;
-    e->order = v[KEY_ORDER] ? suite_number_of( r, v[KEY_ORDER] ) : NAN;
+    e->seconds = v[ENTRY_SECONDS] && steps == NULL ? suite_number_of( r, v[ENTRY_SECONDS] ) : 0.0;
+    e->order = v[ENTRY_ORDER] ? suite_number_of( r, v[ENTRY_ORDER] ) : NAN;
     e->rows = 1;
     status = check_along( r, e );
-    status = status == WISP_OK ? check_lists( r, v[KEY_VARY], &e->rows ) : status;
-    status = status == WISP_OK ? check_lists( r, v[KEY_ALONG], &e->rows ) : status;
+    status = status == WISP_OK ? check_lists( r, v[ENTRY_VARY], &e->rows ) : status;
+    status = status == WISP_OK ? check_lists( r, v[ENTRY_ALONG], &e->rows ) : status;
     return status != WISP_OK || e->rows + r->out->row_count <= SUITE_MAX_ROWS
                ? status
                : suite_refuse( r,
-                               v[KEY_VARY]    ? v[KEY_VARY]
-                               : v[KEY_ALONG] ? v[KEY_ALONG]
-                                              : v[KEY_FILE],
+                               v[ENTRY_VARY]    ? v[ENTRY_VARY]
+                               : v[ENTRY_ALONG] ? v[ENTRY_ALONG]
+                                                : v[ENTRY_FILE],
                                "the suite has more than %d rows", (int)SUITE_MAX_ROWS );
 }
 
@@ -529,35 +629,36 @@ wisp_status suite_read_entry( suite_reader* r, const scene_node* block )
 {
     entry e = { 0 };
     wisp_status status =
-        suite_take_keys( r, block, "a scene, such as { file: scene.yaml }", keys, KEY_COUNT, e.values );
+        suite_take_keys( r, block, "a scene, such as { file: scene.yaml }", entry_keys, ENTRY_COUNT, e.values );
     if ( status != WISP_OK )
     {
         return status;
     }
-    const scene_node *file = e.values[KEY_FILE], *name = e.values[KEY_NAME];
+    const scene_node *file = e.values[ENTRY_FILE], *name = e.values[ENTRY_NAME];
     if ( file == NULL || file->kind != SCENE_SCALAR || ( name && name->kind != SCENE_SCALAR ) )
     {
         return suite_refuse( r, block, "expected a file and at most one name of it, such as { file: scene.yaml }" );
     }
-    e.values[KEY_SECONDS] = e.values[KEY_SECONDS] ? e.values[KEY_SECONDS] : r->seconds;
+    e.values[ENTRY_SECONDS] = e.values[ENTRY_SECONDS] ? e.values[ENTRY_SECONDS] : r->seconds;
     memcpy( e.budgets, r->budgets, sizeof e.budgets );
-    status = e.values[KEY_BUDGETS] ? suite_read_budgets( r, e.values[KEY_BUDGETS], e.budgets ) : WISP_OK;
+    status = e.values[ENTRY_BUDGETS] ? suite_read_budgets( r, e.values[ENTRY_BUDGETS], e.budgets ) : WISP_OK;
     status = status == WISP_OK ? check_settings( r, &e ) : status;
     status = status == WISP_OK ? check_sweep( r, &e ) : status;
     e.checks = r->checks;
     e.limits = r->limits;
-    status = status == WISP_OK && e.values[KEY_CHECKS]
-                 ? suite_read_checks( r, e.values[KEY_CHECKS], &e.checks, &e.limits )
+    status = status == WISP_OK && e.values[ENTRY_CHECKS]
+                 ? suite_read_checks( r, e.values[ENTRY_CHECKS], &e.checks, &e.limits )
                  : status;
-    status = status == WISP_OK && e.values[KEY_EXPECT] ? suite_read_expect( r, e.values[KEY_EXPECT], &e.is_refused )
-                                                       : status;
+    status = status == WISP_OK && e.values[ENTRY_EXPECT]
+                 ? suite_read_expect( r, e.values[ENTRY_EXPECT], &e.is_refused )
+                 : status;
     if ( status == WISP_OK )
     {
         e.path = suite_resolve( r, scene_text_of( &r->tree, file ) );
         status = read_scene_text( r, file, e.path, &e.scene );
     }
-    status = status == WISP_OK && e.values[KEY_SWEEP] ? sweep( r, &e ) : status;
-    for ( int i = 0; status == WISP_OK && e.values[KEY_SWEEP] == NULL && i < e.rows; ++i )
+    status = status == WISP_OK && e.values[ENTRY_SWEEP] ? sweep( r, &e ) : status;
+    for ( int i = 0; status == WISP_OK && e.values[ENTRY_SWEEP] == NULL && i < e.rows; ++i )
     {
         status = read_row( r, &e, i );
     }
@@ -574,8 +675,8 @@ wisp_status suite_read_run( const suite_reader* r, const suite_run* run, const c
     entry e = { .seconds = r->seconds ? suite_number_of( r, r->seconds ) : 0.0, .order = NAN };
     e.path = run->file ? suite_resolve( r, scene_text_of( &r->tree, run->file ) )
                        : strcpy( text_alloc( strlen( first->path ) ), first->path );
-    e.values[KEY_SET] = run->set;
-    e.values[KEY_FILE] = place;
+    e.values[ENTRY_SET] = run->set;
+    e.values[ENTRY_FILE] = place;
     wisp_status status = read_scene_text( r, place, e.path, &e.scene );
     if ( status == WISP_OK )
     {

@@ -2,9 +2,8 @@
 #pragma once
 
 #include "suite_judge.h"
-#include "suite_reference.h"
-#include "sweep_record.h"
-#include "sweep_shard.h"
+#include "suite_motion.h"
+#include "sweep_part.h"
 
 /// Hash of what decides about an item: its name, its scene with all settings, its length, its checks. Files that the scene names are not in it.
 uint64_t sweep_key( const suite_row* row );

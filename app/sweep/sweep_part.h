@@ -3,8 +3,65 @@
 #pragma once
 
 #include "machine.h"
-#include "sweep_record.h"
-#include "sweep_shard.h"
+#include "suite_measure.h"
+#include "wisp/base.h"
+
+// ---- shards: the share of a sweep that a process runs ----
+
+enum
+{
+    SWEEP_MAX_SHARDS = 9999,
+};
+
+typedef struct sweep_shard
+{
+    int index, count; ///< index from 0; messages and files count from 1
+} sweep_shard;
+
+/// Read "2/8": the second of eight.
+/// @return WISP_BAD_INPUT it is no such pair, or out of range (the message says what is expected)
+wisp_status sweep_shard_parse( const char* text, sweep_shard* out, wisp_error* error );
+
+// ---- records: what a sweep keeps of an item, a line of JSON in a part file ----
+
+enum
+{
+    SWEEP_MAX_LINE = 1 << 16, ///< bytes
+    SWEEP_MAX_TIMES = 2,      ///< with one worker, and with several
+};
+
+/// Times of the steps of an item.
+typedef struct sweep_time
+{
+    int workers, steps;
+    double median, p10, p90; ///< ms
+} sweep_time;
+
+typedef struct sweep_record
+{
+    int item;     ///< number of the row in the suite
+    uint64_t key; ///< hash of its settings: sweep_key()
+    uint64_t hash;
+    char name[SUITE_MAX_NAME], variant[SUITE_MAX_VARIANT];
+    char series[192], along[SUITE_MAX_NAME]; ///< as in a row of a suite
+    double along_value, order;
+    int steps;
+    double values[SUITE_MEASURE_COUNT]; ///< NaN: not measured
+    suite_comparison compared;          ///< its distance is the error among the values
+    char verdict[32];  ///< of a row with checks: "holds", "refused" or the check that breaks; else empty
+    bool is_known;     ///< that verdict is the one that is expected
+    char failure[300]; ///< why it could not be run; empty: it was
+    sweep_time times[SWEEP_MAX_TIMES];
+    int time_count;
+    int vertices, substeps; ///< where there are times
+} sweep_record;
+
+/// @return the line without its end, for free(); null without memory
+char* sweep_record_write( const sweep_record* record );
+/// @return false: the line is no record
+bool sweep_record_read( const char* line, size_t size, sweep_record* out );
+
+// ---- parts ----
 
 /// What all lines of a part have in common.
 typedef struct sweep_header
@@ -25,6 +82,11 @@ typedef struct sweep_header
 
 /// Fill in what is true of this program and machine. @param isa as wisp_world_isa() names it
 void sweep_describe_machine( const char* isa, sweep_header* out );
+
+/// @return the line without its end, for free(); null without memory
+char* sweep_header_write( const sweep_header* header );
+/// @return false: the line is no header
+bool sweep_header_read( const char* line, size_t size, sweep_header* out );
 
 enum
 {

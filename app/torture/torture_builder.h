@@ -16,6 +16,8 @@ typedef struct torture_builder
 
 // ---- pieces ----
 
+/// @return true with this probability
+bool torture_chance( torture_builder* b, int percent );
 /// The table of `surfaces`, `strands` or `colliders`. @param entry needed for colliders, else null
 torture_block torture_entry_block( const char* list, const text_node* entry );
 /// Give a map a block with random values. @return the block
@@ -35,7 +37,3 @@ void torture_put_mesh( torture_builder* b, torture_block block, text_node* entry
 
 void torture_make_surface( torture_builder* b );
 void torture_make_strands( torture_builder* b );
-void torture_make_collider( torture_builder* b );
-void torture_make_event( torture_builder* b, int number );
-/// Sew a few vertices of two surfaces together, or of one.
-void torture_make_seam( torture_builder* b, text_node* seams );

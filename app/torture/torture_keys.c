@@ -5,6 +5,78 @@
 #include <stdlib.h>
 #include <string.h>
 
+// ---- random numbers ----
+
+// SplitMix64 (Steele, Lea and Flood 2014).
+static uint64_t mix( uint64_t z )
+{
+    z = ( z ^ ( z >> 30 ) ) * 0xbf58476d1ce4e5b9u;
+    z = ( z ^ ( z >> 27 ) ) * 0x94d049bb133111ebu;
+    return z ^ ( z >> 31 );
+}
+
+torture_random torture_random_start( uint64_t seed, uint64_t number )
+{
+    return ( torture_random ){ mix( mix( seed + 0x9e3779b97f4a7c15u ) + number ) };
+}
+
+uint64_t torture_random_next( torture_random* random )
+{
+    random->state += 0x9e3779b97f4a7c15u;
+    return mix( random->state );
+}
+
+int torture_random_whole( torture_random* random, int lower, int upper )
+{
+    const uint64_t count = (uint64_t)( (int64_t)upper - lower + 1 );
+    return lower + (int)( ( torture_random_next( random ) >> 11 ) % count );
+}
+
+bool torture_random_chance( torture_random* random, int percent )
+{
+    return torture_random_whole( random, 0, 99 ) < percent;
+}
+
+torture_number torture_random_linear( torture_random* random, double lower, double upper )
+{
+    const int STEPS = 40;
+    torture_number number;
+    const double value = lower + ( upper - lower ) * torture_random_whole( random, 0, STEPS ) / STEPS;
+    snprintf( number.text, sizeof number.text, "%.3g", value == 0.0 ? 0.0 : value );
+    return number;
+}
+
+torture_number torture_random_log( torture_random* random, double lower, double upper )
+{
+    static const int DIGITS[] = { 1, 2, 3, 5, 7 };
+    enum
+    {
+        DIGIT_COUNT = 5,
+        LOWEST = -15,
+        HIGHEST = 15,
+    };
+    torture_number found = { "" };
+    int count = 0;
+    // Each candidate within the range replaces the one before with the probability that makes all equally likely.
+    for ( int i = DIGIT_COUNT * LOWEST; i < DIGIT_COUNT * HIGHEST; ++i )
+    {
+        const int exponent = i / DIGIT_COUNT - ( i % DIGIT_COUNT < 0 );
+        torture_number candidate;
+        snprintf( candidate.text, sizeof candidate.text, "%de%d", DIGITS[i - DIGIT_COUNT * exponent], exponent );
+        const double value = strtod( candidate.text, NULL );
+        if ( value >= lower * ( 1.0 - 1e-6 ) && value <= upper * ( 1.0 + 1e-6 ) &&
+             torture_random_whole( random, 0, count++ ) == 0 )
+        {
+            snprintf( found.text, sizeof found.text, "%.3g", value );
+        }
+    }
+    if ( count == 0 )
+    {
+        snprintf( found.text, sizeof found.text, "%.3g", lower );
+    }
+    return found;
+}
+
 // ---- blocks ----
 
 // Defaults of everything, made at the first use.
@@ -164,9 +236,7 @@ static const span SPANS[] = {
     { "gravity", 0, 0 },
     { "show", 0, 0 },
     { "max_points", 0, 0 },
-    { "by_screen", 0, 0 },
-    { "pixels", 0, 0 },
-    { "pixel_angle", 0, 0 },
+    { "eye_angle", 0, 0 },
     { "min_spacing", 0, 0 },
     { "max_spacing", 0, 0 },
     { "strain_gain", 0, 1 },
@@ -201,7 +271,6 @@ static const span SPANS[] = {
     { "scalp_radius", 0.03, 0.1 },
     { "wave_amplitude", 1e-3, 0.02 },
     { "wave_length", 0.02, 0.2 },
-    { "voxel_size", 0, 0 },
     { "samples", 1, 8 },
     { "count", 1, 4 },
     // what things are made of
@@ -274,7 +343,6 @@ static const span SPANS[] = {
     // ghosts
     { "target_count", 1, 3 },
     { "resample", 0, 0 },
-    { "feedback", 0, 0 },
     { "tip_gain", 0, 2 },
     { "centre_gain", 0, 2 },
     { "spread", 0.2, 3 },
@@ -340,7 +408,8 @@ static text_node* draw_vector( torture_random* random, const scene_field* field 
     return list;
 }
 
-bool torture_draw_key( torture_random* random, const scene_field* field, const void* base, text_node** value )
+// Draw a value for a key. @return false: no number, word or vector, or a key that the generator sets itself
+static bool draw_key( torture_random* random, const scene_field* field, const void* base, text_node** value )
 {
     const void* at = (const char*)base + field->at;
     const span* s = find_span( field->key );
@@ -400,7 +469,7 @@ void torture_draw_keys( torture_random* random, torture_block block, int percent
         const int chance = is_word && percent > 0 && percent < WORDS ? WORDS : percent;
         text_node* value = NULL;
         if ( !is_left_out( field ) && text_find( map, field->key ) == NULL &&
-             torture_random_chance( random, chance ) && torture_draw_key( random, field, block.base, &value ) )
+             torture_random_chance( random, chance ) && draw_key( random, field, block.base, &value ) )
         {
             text_put( map, field->key, value );
         }

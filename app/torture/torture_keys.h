@@ -3,10 +3,46 @@
 /// does not.
 #pragma once
 
-#include "torture_random.h"
+#include "scene_parts.h"
 #include "text_tree.h"
 
-#include "scene_parts.h"
+#include <stdbool.h>
+#include <stdint.h>
+
+// ---- random numbers ----
+
+/// A sequence for each scene of a seed, the same on every machine. No function of the C library takes part, whose last bit may
+/// differ between machines.
+typedef struct torture_random
+{
+    uint64_t state;
+} torture_random;
+
+/// The sequence of scene number `number` of a seed.
+torture_random torture_random_start( uint64_t seed, uint64_t number );
+
+uint64_t torture_random_next( torture_random* random );
+
+/// @return a whole number in [lower, upper]
+int torture_random_whole( torture_random* random, int lower, int upper );
+
+/// @return true with this probability
+bool torture_random_chance( torture_random* random, int percent );
+
+/// A number as a scene has it.
+typedef struct torture_number
+{
+    char text[32];
+} torture_number;
+
+/// Draw from a linear scale, with a step of a fortieth of the range and three digits.
+torture_number torture_random_linear( torture_random* random, double lower, double upper );
+
+/// Draw from a logarithmic scale: 1, 2, 3, 5 or 7 times a power of ten.
+/// @param lower > 0, at most upper
+torture_number torture_random_log( torture_random* random, double lower, double upper );
+
+// ---- the keys ----
 
 /// The table of a mapping, and the struct with its defaults.
 typedef struct torture_block
@@ -21,9 +57,6 @@ torture_block torture_block_of_scene( void );
 /// The block of a value of a mapping, or of the items of that value if it is a list.
 /// @param block of the mapping @param value the value of a key, or an item of it
 torture_block torture_block_below( torture_block block, const char* key, const text_node* value );
-
-/// Draw a value for a key. @return false: no number, word or vector, or a key that the generator sets itself
-bool torture_draw_key( torture_random* random, const scene_field* field, const void* base, text_node** value );
 
 /// Give a mapping random values for some of its keys, those without one.
 /// @param percent of the keys

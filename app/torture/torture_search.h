@@ -2,6 +2,7 @@
 #pragma once
 
 #include "results.h"
+#include "text_tree.h"
 #include "torture_generate.h"
 #include "torture_twins.h"
 
@@ -37,3 +38,20 @@ int torture_twins_for( int number );
 
 /// @return scenes that broke a judge
 int torture_broken_count( const torture_found* found );
+
+// ---- smaller scenes of which something stays true, such as that they break the same judge ----
+
+/// @return whether the smaller scene still shows what is looked for
+typedef bool torture_shows_fn( void* user, const text_node* scene );
+
+typedef struct torture_shrink_def
+{
+    torture_shows_fn* shows;
+    void* user;
+    int max_tries;      ///< runs
+    double max_seconds; ///< of wall time
+} torture_shrink_def;
+
+/// Take entries, keys and items out, lower counts, and round numbers to one or two digits, over and over, until
+/// nothing smaller shows it or a limit is reached. @param scene shows it, and is changed @return tries that were made
+int torture_shrink( const torture_shrink_def* def, text_node* scene );

@@ -1,12 +1,268 @@
-// A scene run again in another way: with other workers, after a snapshot, at another size, elsewhere.
 #include "torture_twins.h"
 
-#include "torture_random.h"
+#include "interruption.h"
+#include "torture_keys.h"
 
+#include <errno.h>
 #include <math.h>
+#include <poll.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+// ---- at another size, and elsewhere ----
+
+// A scene at another size, and elsewhere. Both go by the tables of the reader: a key's unit says how it scales.
+
+// ---- size ----
+
+// The power of a length in each unit, with masses and times as they are.
+static int length_power( const char* unit, const char* key )
+{
+    static const struct
+    {
+        const char* unit;
+        int power;
+    } powers[] = {
+        { "m", 1 },       { "m/s", 1 },   { "m/s^2", 1 },   { "m^2", 2 },   { "m^3/s", 3 },
+        { "kg/m^2", -2 }, { "kg/m", -1 }, { "kg/m^3", -3 }, { "Pa", -1 },   { "N m", 2 },
+        { "N m^2", 3 },   { "m/N", 0 },   { "N/m", 0 },     { "N s/m", 0 }, { "N", 1 },
+    };
+    // R T / M is the square of a speed, and the gas constant is fixed.
+    if ( strcmp( key, "temperature" ) == 0 )
+    {
+        return 2;
+    }
+    for ( int i = 0; unit && i < WISP_COUNT( powers ); ++i )
+    {
+        if ( strcmp( powers[i].unit, unit ) == 0 )
+        {
+            return powers[i].power;
+        }
+    }
+    return 0;
+}
+
+// A number that leaves the range of its key stays at its end: lists of places have no range.
+static void multiply( text_node* node, double factor, scene_range range )
+{
+    double value;
+    if ( text_is_number( node, &value ) )
+    {
+        const bool has_range = range.upper > range.lower;
+        value *= factor;
+        text_set_number( node, has_range ? fmin( fmax( value, range.lower ), range.upper ) : value );
+    }
+    for ( int i = 0; i < node->count; ++i )
+    {
+        multiply( node->children[i], factor, range );
+    }
+}
+
+// What a key has where it is not written, as a node; null where that is found from other keys, or nothing at any
+// size.
+static text_node* default_of( const scene_field* field, const void* base )
+{
+    const void* at = (const char*)base + field->at;
+    if ( field->initial != NULL || ( field->type != SCENE_NUMBER && field->type != SCENE_VECTOR ) )
+    {
+        return NULL;
+    }
+    const wisp_vec3* v = at;
+    const bool is_zero =
+        field->type == SCENE_NUMBER ? *(const float*)at == 0.0f : v->x == 0.0f && v->y == 0.0f && v->z == 0.0f;
+    if ( is_zero )
+    {
+        return NULL;
+    }
+    if ( field->type == SCENE_NUMBER )
+    {
+        return text_scalar( "%.9g", (double)*(const float*)at );
+    }
+    text_node* list = text_list();
+    text_add( list, text_scalar( "%.9g", (double)v->x ) );
+    text_add( list, text_scalar( "%.9g", (double)v->y ) );
+    text_add( list, text_scalar( "%.9g", (double)v->z ) );
+    return list;
+}
+
+// Keys whose values are places in a list that no table describes.
+static bool is_list_of_places( const char* key )
+{
+    return strcmp( key, "pin_nearest" ) == 0;
+}
+
+// How a scene gets another size: everything whose unit holds a length, or lengths, areas and flows alone.
+typedef struct resizing
+{
+    double factor;
+    bool only_lengths;
+} resizing;
+
+static int power_of( const resizing* r, const scene_field* field )
+{
+    const int power = is_list_of_places( field->key ) ? 1 : length_power( field->unit, field->key );
+    const char* unit = field->unit ? field->unit : "";
+    const bool is_geometry = is_list_of_places( field->key ) || strcmp( unit, "m" ) == 0 ||
+                             strcmp( unit, "m^2" ) == 0 || strcmp( unit, "m^3/s" ) == 0;
+    return r->only_lengths && !is_geometry ? 0 : power;
+}
+
+static void scale_block( text_node* map, torture_block block, const resizing* r );
+
+static void scale_value( text_node* value, torture_block block, const scene_field* field, const resizing* r )
+{
+    const int power = power_of( r, field );
+    if ( power != 0 )
+    {
+        multiply( value, pow( r->factor, power ), field->range );
+        return;
+    }
+    for ( int i = -1; i < value->count; ++i )
+    {
+        text_node* inner = i < 0 ? value : value->children[i];
+        const torture_block below = inner->kind == TEXT_MAP ? torture_block_below( block, field->key, inner )
+                                                            : ( torture_block ){ NULL, NULL };
+        if ( below.table != NULL )
+        {
+            scale_block( inner, below, r );
+        }
+        if ( value->kind != TEXT_LIST )
+        {
+            break;
+        }
+    }
+}
+
+// A mesh from a file has its scale, which has no unit.
+static void scale_file( text_node* map, double factor )
+{
+    if ( text_find( map, "file" ) == NULL )
+    {
+        return;
+    }
+    text_node* owner = text_find( map, "shape" ) ? map : text_find( map, "transform" );
+    owner = owner ? owner : text_put( map, "transform", text_map() );
+    double scale = 1.0;
+    text_is_number( text_find( owner, "scale" ), &scale );
+    text_put( owner, "scale", text_scalar( "%.9g", scale * factor ) );
+}
+
+static void scale_block( text_node* map, torture_block block, const resizing* r )
+{
+    const bool is_event = block.table == &SCENE_EVENT_BLOCK;
+    for ( int i = 0; i < block.table->field_count; ++i )
+    {
+        const scene_field* field = &block.table->fields[i];
+        text_node* value = text_find( map, field->key );
+        // Gravity of a body is that of the scene unless it is written, and an event changes only what is written.
+        const bool has_default = !is_event && power_of( r, field ) != 0;
+        if ( value == NULL && has_default )
+        {
+            value = default_of( field, block.base );
+            value = value ? text_put( map, field->key, value ) : NULL;
+        }
+        if ( value != NULL )
+        {
+            scale_value( value, block, field, r );
+        }
+    }
+    scale_file( map, r->factor );
+}
+
+void torture_scale( text_node* scene, double factor )
+{
+    scale_block( scene, torture_block_of_scene(), &( resizing ){ factor, false } );
+}
+
+void torture_resize( text_node* scene, double factor )
+{
+    scale_block( scene, torture_block_of_scene(), &( resizing ){ factor, true } );
+}
+
+// ---- place ----
+
+static void add_offset( text_node* vector, const double offset[3] )
+{
+    for ( int i = 0; i < 3 && i < vector->count; ++i )
+    {
+        double value = 0.0;
+        text_is_number( vector->children[i], &value );
+        text_set_number( vector->children[i], value + offset[i] );
+    }
+}
+
+static text_node* vector_of( text_node* map, const char* key )
+{
+    text_node* vector = text_find( map, key );
+    if ( vector == NULL )
+    {
+        vector = text_put( map, key, text_list() );
+        for ( int i = 0; i < 3; ++i )
+        {
+            text_add( vector, text_scalar( "0" ) );
+        }
+    }
+    return vector;
+}
+
+// Keys that are a place of the world wherever they stand; displacements such as those of pins are none.
+static void shift_below( text_node* node, const double offset[3] )
+{
+    static const char* const places[] = { "position", "cursor",         "pivot", "pin_pivot",
+                                          "eye",      "outlet_nearest", "min",   "max" };
+    for ( int i = 0; i < node->count; ++i )
+    {
+        text_node* child = node->children[i];
+        bool is_place = false;
+        for ( int k = 0; child->key && k < WISP_COUNT( places ); ++k )
+        {
+            is_place |= strcmp( child->key, places[k] ) == 0;
+        }
+        if ( is_place && child->kind == TEXT_LIST )
+        {
+            add_offset( child, offset );
+        }
+        for ( int k = 0; child->key && is_list_of_places( child->key ) && k < child->count; ++k )
+        {
+            add_offset( child->children[k], offset );
+        }
+        shift_below( child, offset );
+    }
+}
+
+void torture_shift( text_node* scene, const double offset[3] )
+{
+    static const char* const lists[] = { "surfaces", "strands", "colliders" };
+    for ( int k = 0; k < WISP_COUNT( lists ); ++k )
+    {
+        text_node* list = text_find( scene, lists[k] );
+        for ( int i = 0; list && i < list->count; ++i )
+        {
+            text_node* entry = list->children[i];
+            const bool follows = text_find( entry, "scatter" ) || text_find( entry, "curves" );
+            if ( k < 2 && !follows )
+            {
+                text_node* transform = text_find( entry, "transform" );
+                transform = transform ? transform : text_put( entry, "transform", text_map() );
+                add_offset( vector_of( transform, "translate" ), offset );
+            }
+            else if ( k == 2 )
+            {
+                (void)vector_of( entry, "position" );
+            }
+        }
+    }
+    shift_below( scene, offset );
+}
+
+// ---- twins ----
+
+// A scene run again in another way: with other workers, after a snapshot, at another size, elsewhere.
 
 // Longer runs find little more, and each twin costs as much as the run itself.
 static const int TWIN_STEPS = 60;
@@ -191,8 +447,9 @@ static bool judge_alike( const torture_subject* subject, text_node* tree, const 
     return holds;
 }
 
-bool torture_judge_twins( const torture_subject* subject, const stability_trace* trace, int twins,
-                          stability_verdict* out )
+// Run the twins of a scene whose trace holds. @return whether all hold
+static bool judge_twins( const torture_subject* subject, const stability_trace* trace, int twins,
+                         stability_verdict* out )
 {
     wisp_scene scene;
     wisp_error error = { 0 };
@@ -216,4 +473,132 @@ bool torture_judge_twins( const torture_subject* subject, const stability_trace*
         holds = judge_alike( subject, tree, trace, STABILITY_SHIFT, out );
     }
     return holds;
+}
+
+// ---- a process ----
+
+// A scene in a process of its own: a crash or an endless loop is a verdict like any other.
+
+static void refuse( stability_verdict* out, const wisp_error* error )
+{
+    *out = ( stability_verdict ){ .check = STABILITY_REFUSED, .severity = 1.0 };
+    snprintf( out->message, sizeof out->message, "%.310s", error->message );
+}
+
+// What happens in the child.
+static stability_verdict judge_here( const torture_subject* subject, int twins )
+{
+    const unsigned checks = STABILITY_ALL | ( twins & TORTURE_CLOSE ? STABILITY_CLOSE : 0u );
+    stability_verdict verdict = { .check = STABILITY_HOLDS };
+    wisp_error error = { 0 };
+    wisp_scene scene;
+    if ( torture_read( subject, &scene, &error ) != WISP_OK )
+    {
+        refuse( &verdict, &error );
+        return verdict;
+    }
+    stability_trace trace;
+    if ( stability_trace_run( &scene, &trace, &error ) != WISP_OK )
+    {
+        refuse( &verdict, &error );
+    }
+    else if ( stability_judge_trace( &trace, checks, NULL, &verdict ) && ( twins & TORTURE_TWIN_ALL ) != 0 )
+    {
+        judge_twins( subject, &trace, twins, &verdict );
+    }
+    stability_trace_release( &trace );
+    wisp_scene_release( &scene );
+    return verdict;
+}
+
+// A core file of each crash would fill the disk.
+static _Noreturn void be_child( const torture_subject* subject, int twins, int out )
+{
+    const struct rlimit none = { 0, 0 };
+    setrlimit( RLIMIT_CORE, &none );
+    interruption_leave_to_parent();
+    static const int fatal[] = { SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT };
+    for ( int i = 0; i < WISP_COUNT( fatal ); ++i )
+    {
+        signal( fatal[i], SIG_DFL ); // a host that catches them would go on as two processes
+    }
+    const stability_verdict verdict = judge_here( subject, twins );
+    const ssize_t written = write( out, &verdict, sizeof verdict );
+    _exit( written == (ssize_t)sizeof verdict ? 0 : 1 );
+}
+
+torture_child torture_start( const torture_subject* subject, int twins, double seconds )
+{
+    torture_child child = { .pid = -1, .in = -1, .seconds = seconds, .end = wisp_clock_seconds() + seconds };
+    int ends[2];
+    fflush( NULL );
+    if ( pipe( ends ) != 0 )
+    {
+        return child;
+    }
+    child.in = ends[0];
+    child.pid = fork();
+    if ( child.pid == 0 )
+    {
+        close( ends[0] );
+        be_child( subject, twins, ends[1] );
+    }
+    close( ends[1] );
+    return child;
+}
+
+// Wait until the verdict is there, the child is gone, or its time is over. A verdict that is there counts, however late
+// it is asked for.
+static bool wait_for( const torture_child* child, stability_verdict* out )
+{
+    const double SLICE = 0.2; // s: a signal just before poll() does not end it
+    struct pollfd wait = { child->in, POLLIN, 0 };
+    double left = 0.0;
+    do
+    {
+        left = interruption_came() ? 0.0 : fmax( 0.0, child->end - wisp_clock_seconds() );
+        const int ready = poll( &wait, 1, (int)( 1e3 * fmin( left, SLICE ) ) );
+        if ( ready > 0 )
+        {
+            return read( child->in, out, sizeof *out ) == (ssize_t)sizeof *out;
+        }
+        if ( ready < 0 && errno != EINTR )
+        {
+            break;
+        }
+    } while ( left > 0.0 );
+    *out = ( stability_verdict ){ .check = STABILITY_TIME, .severity = 1.0 };
+    snprintf( out->message, sizeof out->message, "the scene did not end within %.3g s", child->seconds );
+    return true;
+}
+
+stability_verdict torture_finish( const torture_child* child )
+{
+    stability_verdict verdict = { .check = STABILITY_CRASH, .severity = 1.0 };
+    if ( child->pid < 0 )
+    {
+        snprintf( verdict.message, sizeof verdict.message, "no process could be started" );
+        return verdict;
+    }
+    const bool has_verdict = wait_for( child, &verdict );
+    close( child->in );
+    if ( has_verdict && verdict.check == STABILITY_TIME )
+    {
+        kill( child->pid, SIGKILL );
+    }
+    int status = 0;
+    waitpid( child->pid, &status, 0 );
+    if ( !has_verdict )
+    {
+        verdict = ( stability_verdict ){ .check = STABILITY_CRASH, .severity = 1.0 };
+        snprintf( verdict.message, sizeof verdict.message, "the process ended without a verdict: %s",
+                  WIFSIGNALED( status ) ? strsignal( WTERMSIG( status ) ) : "an exit" );
+    }
+    return verdict;
+}
+
+stability_verdict torture_judge_scene( const torture_subject* subject, int twins, double seconds )
+{
+    const torture_child child = torture_start( subject, twins, seconds );
+    return torture_finish( &child );
 }

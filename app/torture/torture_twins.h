@@ -25,10 +25,6 @@ typedef struct torture_subject
 /// Read a subject's text.
 wisp_status torture_read( const torture_subject* subject, wisp_scene* out, wisp_error* error );
 
-/// Run the twins of a scene whose trace holds. @return whether all hold
-bool torture_judge_twins( const torture_subject* subject, const stability_trace* trace, int twins,
-                          stability_verdict* out );
-
 /// Compare two runs of which one is the other at a scale, or elsewhere. @return whether they are alike
 bool torture_compare_traces( const stability_trace* trace, const stability_trace* twin, stability_check judge,
                              stability_verdict* out );

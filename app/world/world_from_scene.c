@@ -5,6 +5,30 @@
 #include <stdlib.h>
 #include <string.h>
 
+// ---- errors that name the scene's line ----
+
+// Errors that name the scene's line.
+
+wisp_status scene_fail_at( const wisp_scene* scene, int line, int column, const char* what, const char* name,
+                           wisp_status status, const char* message, wisp_error* error )
+{
+    return wisp_fail( error, status, "%s:%d:%d: %s '%s': %s", scene->name, line, column, what, name, message );
+}
+
+wisp_status scene_fail_at_strands( const wisp_scene* scene, int strands, wisp_status status, const char* message,
+                                   wisp_error* error )
+{
+    const wisp_scene_strands* entry = &scene->strands[strands];
+    return scene_fail_at( scene, entry->line, entry->column, "strands", entry->name, status, message, error );
+}
+
+wisp_status scene_fail_at_line( const scene_world* world, int line, int column, wisp_status status,
+                                wisp_error* error )
+{
+    return wisp_fail( error, status, "%s:%d:%d: %s", world->scene->name, line, column,
+                      wisp_world_message( world->world ) );
+}
+
 // ---- messages ----
 
 void scene_tell( const scene_world* world, wisp_log_level level, const char* message )
@@ -259,7 +283,8 @@ wisp_status scene_world_advance( scene_world* world, float seconds, wisp_error* 
 // ---- outputs ----
 
 // A column of the world into an array of the groom, which may have to be allocated.
-static wisp_status copy_column( scene_world* world, int strands, wisp_component component, size_t size, void** array )
+static wisp_status copy_to_groom( scene_world* world, int strands, wisp_component component, size_t size,
+                                  void** array )
 {
     wisp_view view;
     wisp_status status = wisp_world_view( world->world, world->entities[strands], component, &view );
@@ -289,14 +314,14 @@ static wisp_status copy_shape( scene_world* world, int strands )
     void* points = groom->points;
     void* thickness = groom->thickness;
     void* colour = groom->colour;
-    wisp_status status = copy_column( world, strands, WISP_STRAND_POINTS, sizeof( wisp_vec3 ), &points );
+    wisp_status status = copy_to_groom( world, strands, WISP_STRAND_POINTS, sizeof( wisp_vec3 ), &points );
     if ( status == WISP_OK && entry->request_width )
     {
-        status = copy_column( world, strands, WISP_POINT_WIDTH, sizeof( float ), &thickness );
+        status = copy_to_groom( world, strands, WISP_POINT_WIDTH, sizeof( float ), &thickness );
     }
     if ( status == WISP_OK && entry->request_colour )
     {
-        status = copy_column( world, strands, WISP_POINT_COLOUR, sizeof( wisp_vec3 ), &colour );
+        status = copy_to_groom( world, strands, WISP_POINT_COLOUR, sizeof( wisp_vec3 ), &colour );
     }
     groom->points = points;
     groom->thickness = thickness;

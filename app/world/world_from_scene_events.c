@@ -1,9 +1,276 @@
-// What happens to surfaces, colliders and strands before a step: keyframes, then the script's entries.
+// What moves in the course of a scene.
 #include "world_from_scene_parts.h"
 
+#include "gltf.h"
+#include "rig.h"
 #include "wisp/module/module.h"
 
 #include <math.h>
+#include <stdlib.h>
+
+// ---- clips of keyframes ----
+
+// Surfaces that clips of keyframes move: where the vertices of their mesh are at a time.
+
+struct scene_animation
+{
+    wisp_rig rig;
+    wisp_skin_pose pose;
+    gltf_model model; // whose morph targets the vertices follow; empty: the rig moves them
+    gltf_moment moment;
+    int node;
+    double* work;
+    wisp_affine* joints;
+    wisp_vec3* points; // [skin->point_count] m, in the world
+};
+
+void scene_animation_release( scene_animation* animation )
+{
+    if ( animation != NULL )
+    {
+        wisp_skin_pose_release( &animation->pose, NULL );
+        wisp_rig_release( &animation->rig );
+        gltf_release( &animation->model );
+        free( animation->work );
+        free( animation->joints );
+        free( animation->points );
+        free( animation );
+    }
+}
+
+static int count_of( const scene_animation* animation )
+{
+    return animation->model.meshes[animation->model.nodes[animation->node].mesh].mesh.vertex_count;
+}
+
+static wisp_status turn_joints( const wisp_scene_surface* entry, scene_animation* animation, double time,
+                                wisp_error* error )
+{
+    wisp_skeleton_pose( &animation->rig.skeleton, &animation->rig.animation, (float)time, animation->joints );
+    return wisp_skin_points( animation->rig.skin, &animation->pose, entry->animation.method, animation->joints,
+                             animation->points, error );
+}
+
+// Before the clip and after it its first and its last pose stay.
+static wisp_status morph( const wisp_scene_surface* entry, scene_animation* animation, double time,
+                          wisp_error* error )
+{
+    const wisp_scene_clip* clip = &entry->animation.clips[0];
+    animation->moment.time = fmax( time - (double)clip->time, 0.0 ) * (double)clip->speed;
+    gltf_points_at( &animation->model, animation->node, animation->moment, animation->work, animation->points );
+    for ( int v = 0; v < count_of( animation ); ++v )
+    {
+        const wisp_vec3 p = animation->points[v];
+        if ( !( isfinite( p.x ) && isfinite( p.y ) && isfinite( p.z ) ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "animation: vertex %d is not finite at %g s", v, time );
+        }
+    }
+    return WISP_OK;
+}
+
+// Where the vertices are. @param time s @param points receives [vertex_count] m, valid until the next call
+static wisp_status pose_clips( const wisp_scene* scene, int surface, scene_animation* animation, double time,
+                               const wisp_vec3** points, wisp_error* error )
+{
+    const wisp_scene_surface* entry = &scene->surfaces[surface];
+    const float scale = scene->surfaces[entry->instance_of >= 0 ? entry->instance_of : surface].mesh.scale;
+    const bool is_morphed = animation->work != NULL;
+    const wisp_status status =
+        is_morphed ? morph( entry, animation, time, error ) : turn_joints( entry, animation, time, error );
+    const int count = is_morphed ? count_of( animation ) : animation->rig.skin->point_count;
+    for ( int v = 0; v < count && status == WISP_OK; ++v )
+    {
+        const wisp_vec3 p = animation->points[v];
+        animation->points[v] =
+            wisp_transform_to_world( entry->pose, ( wisp_vec3 ){ scale * p.x, scale * p.y, scale * p.z } );
+    }
+    *points = animation->points;
+    return status;
+}
+
+// Whether a file has morph targets that a clip moves, and no skin, which a rig would move.
+static bool has_morphs( const char* path, const wisp_scene_clip* clip, scene_animation* out )
+{
+    bool has = false;
+    if ( gltf_model_read( path, &out->model, &out->node, NULL ) == WISP_OK )
+    {
+        const gltf_node* node = &out->model.nodes[out->node];
+        out->moment = ( gltf_moment ){ gltf_find_animation( &out->model, clip->name ), 0.0, -1 };
+        const gltf_animation* a = out->moment.animation >= 0 ? &out->model.animations[out->moment.animation] : NULL;
+        for ( int w = 0; a != NULL && node->skin < 0 && w < a->weights_count; ++w )
+        {
+            has = has || a->weights[w].node == out->node;
+        }
+    }
+    if ( !has )
+    {
+        gltf_release( &out->model );
+    }
+    return has;
+}
+
+static wisp_status load_morphs( const wisp_scene_animation* entry, const char* path, int vertex_count,
+                                scene_animation* out, wisp_error* error )
+{
+    if ( entry->clip_count > 1 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "animation: got %d clips, expected one of a mesh with morph targets",
+                          entry->clip_count );
+    }
+    if ( count_of( out ) != vertex_count )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "animation: %.200s: got %d vertices, expected %d as the mesh has",
+                          path, count_of( out ), vertex_count );
+    }
+    out->work = malloc( gltf_points_work( &out->model, out->node ) * sizeof *out->work );
+    out->points = malloc( (size_t)vertex_count * sizeof *out->points + 1 );
+    return out->work != NULL && out->points != NULL
+               ? WISP_OK
+               : wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d vertices", vertex_count );
+}
+
+static wisp_status load( const wisp_scene* scene, int surface, int vertex_count, scene_animation* out,
+                         wisp_error* error )
+{
+    const wisp_scene_surface* entry = &scene->surfaces[surface];
+    const wisp_scene_surface* source = &scene->surfaces[entry->instance_of >= 0 ? entry->instance_of : surface];
+    const char* path = entry->animation.file != NULL ? entry->animation.file
+                       : source->mesh.arrays == NULL ? source->mesh.file
+                                                     : NULL;
+    if ( path != NULL && gltf_is_path( path ) && has_morphs( path, &entry->animation.clips[0], out ) )
+    {
+        return load_morphs( &entry->animation, path, vertex_count, out, error );
+    }
+    wisp_status status =
+        wisp_rig_load( &source->mesh, &entry->animation, (float)scene->steps * scene->dt, &out->rig, error );
+    if ( status == WISP_OK && out->rig.skin->point_count != vertex_count )
+    {
+        status =
+            wisp_fail( error, WISP_BAD_INPUT,
+                       "animation: the skeleton moves %d vertices, but repair left %d of them: use a repair that "
+                       "removes none",
+                       out->rig.skin->point_count, vertex_count );
+    }
+    if ( status == WISP_OK )
+    {
+        out->joints = malloc( (size_t)out->rig.skeleton.joint_count * sizeof *out->joints );
+        out->points = malloc( (size_t)vertex_count * sizeof *out->points + 1 );
+        status = out->joints != NULL && out->points != NULL
+                     ? WISP_OK
+                     : wisp_fail( error, WISP_NO_MEMORY, "animation: out of memory for %d vertices", vertex_count );
+    }
+    return status;
+}
+
+wisp_status scene_animation_load( const wisp_scene* scene, int surface, scene_world_surface* s, wisp_error* error )
+{
+    const wisp_scene_surface* entry = &scene->surfaces[surface];
+    if ( !entry->has_animation )
+    {
+        return WISP_OK;
+    }
+    wisp_error cause = { 0 };
+    const wisp_vec3* points = NULL;
+    s->animation = calloc( 1, sizeof *s->animation );
+    wisp_status status = s->animation != NULL ? load( scene, surface, s->mesh.vertex_count, s->animation, &cause )
+                                              : wisp_fail( &cause, WISP_NO_MEMORY, "out of memory for an animation" );
+    status = status == WISP_OK ? pose_clips( scene, surface, s->animation, 0.0, &points, &cause ) : status;
+    for ( int v = 0; v < s->mesh.vertex_count && status == WISP_OK; ++v )
+    {
+        s->mesh.points[v] = points[v];
+    }
+    return status == WISP_OK ? WISP_OK
+                             : scene_fail_at( scene, entry->line, entry->column, "surface", entry->name, status,
+                                              cause.message, error );
+}
+
+// ---- surfaces that are held ----
+
+// Surfaces that are held near targets, in a moving frame, or limited in speed.
+
+static wisp_vec3 centre_of( const wisp_mesh* mesh )
+{
+    double sum[3] = { 0 };
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        sum[0] += (double)mesh->points[v].x;
+        sum[1] += (double)mesh->points[v].y;
+        sum[2] += (double)mesh->points[v].z;
+    }
+    const double fraction = 1.0 / (double)( mesh->vertex_count > 0 ? mesh->vertex_count : 1 );
+    return ( wisp_vec3 ){ (float)( sum[0] * fraction ), (float)( sum[1] * fraction ), (float)( sum[2] * fraction ) };
+}
+
+// Where a displacement about a pivot takes a point.
+static wisp_vec3 displaced( wisp_transform displacement, wisp_vec3 pivot, wisp_vec3 p )
+{
+    const wisp_vec3 arm = { p.x - pivot.x, p.y - pivot.y, p.z - pivot.z };
+    const wisp_vec3 to = wisp_transform_to_world( displacement, arm );
+    return ( wisp_vec3 ){ to.x + pivot.x, to.y + pivot.y, to.z + pivot.z };
+}
+
+static wisp_status set_motion_constraints( scene_world* world, const wisp_scene_surface* entry,
+                                           scene_world_surface* s )
+{
+    s->target_pivot = entry->has_target_pivot ? entry->target_pivot : centre_of( &s->mesh );
+    if ( entry->target_path.count > 0 || entry->has_animation )
+    {
+        s->motion_targets = malloc( (size_t)s->mesh.vertex_count * sizeof *s->motion_targets + 1 );
+        if ( !s->motion_targets )
+        {
+            return wisp_world_fail( world->world, WISP_NO_MEMORY, "out of memory for %d motion targets",
+                                    s->mesh.vertex_count );
+        }
+    }
+    return wisp_set_motion_constraints( world->world, s->entity, &entry->motion_constraints );
+}
+
+wisp_status scene_held_set( scene_world* world, int surface )
+{
+    const wisp_scene_surface* entry = &world->scene->surfaces[surface];
+    scene_world_surface* s = &world->surfaces[surface];
+    wisp_status status = entry->has_motion_constraints ? set_motion_constraints( world, entry, s ) : WISP_OK;
+    if ( status == WISP_OK && entry->has_frame )
+    {
+        wisp_moving_frame_def frame = entry->frame;
+        s->frame_pivot = entry->has_frame_pivot ? entry->frame_pivot : centre_of( &s->mesh );
+        frame.pose.translation = s->frame_pivot;
+        status = wisp_set_moving_frame( world->world, s->entity, &frame );
+    }
+    if ( status == WISP_OK && entry->max_speed < INFINITY )
+    {
+        status = wisp_set_max_speed( world->world, s->entity, entry->max_speed );
+    }
+    status =
+        status == WISP_OK && entry->has_sleep ? wisp_set_sleep( world->world, s->entity, &entry->sleep ) : status;
+    return status == WISP_OK && entry->has_detail ? wisp_set_detail( world->world, s->entity, &entry->detail )
+                                                  : status;
+}
+
+// Move motion targets and frame of a surface to displacements from where they started.
+// @param points [vertex_count] m, targets before the displacement
+static wisp_status move_targets( scene_world* world, int surface, const wisp_vec3* points,
+                                 wisp_transform displacement )
+{
+    const scene_world_surface* s = &world->surfaces[surface];
+    for ( int v = 0; v < s->mesh.vertex_count; ++v )
+    {
+        s->motion_targets[v] = displaced( displacement, s->target_pivot, points[v] );
+    }
+    return wisp_move_motion_targets( world->world, s->entity, s->motion_targets, NULL );
+}
+
+static wisp_status move_frame( scene_world* world, int surface, wisp_transform displacement )
+{
+    const scene_world_surface* s = &world->surfaces[surface];
+    const wisp_vec3 to = displaced( displacement, s->frame_pivot, s->frame_pivot );
+    return wisp_move_frame( world->world, s->entity, wisp_transform_make( displacement.rotation, to ) );
+}
+
+// ---- events ----
+
+// What happens to surfaces, colliders and strands before a step: keyframes, then the script's entries.
 
 /// A step of simulated time, s, and when the step before it began.
 typedef struct step_times
@@ -131,7 +398,8 @@ static const wisp_vec3 ORIGIN = { 0.0f, 0.0f, 0.0f };
 static const wisp_transform still = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
 
 // @param points [vertex_count] m, before the displacement; null: the group's starts
-static wisp_vec3 place_of( const scene_world_pins* pins, int i, const wisp_vec3* points, wisp_transform displacement )
+static wisp_vec3 target_of( const scene_world_pins* pins, int i, const wisp_vec3* points,
+                            wisp_transform displacement )
 {
     const wisp_vec3 p = points != NULL ? points[pins->vertices[i]] : pins->starts[i], o = pins->pivot;
     const wisp_vec3 to = wisp_transform_to_world( displacement, ( wisp_vec3 ){ p.x - o.x, p.y - o.y, p.z - o.z } );
@@ -151,7 +419,7 @@ static wisp_status move_group( scene_world* world, int surface, int group, const
     const wisp_transform pose = pose_at_end( world, path, still, t );
     for ( int i = 0; i < pins->count; ++i )
     {
-        pins->targets[i] = place_of( pins, i, points, pose );
+        pins->targets[i] = target_of( pins, i, points, pose );
     }
     return wisp_move_pins( world->world, s->entity, pins->vertices, pins->targets, pins->count );
 }
@@ -220,7 +488,7 @@ static wisp_status follow_surface( scene_world* world, int surface, step_times t
     const wisp_vec3* points = s->mesh.points;
     wisp_error cause = { 0 };
     if ( status == WISP_OK && s->animation != NULL &&
-         scene_animation_pose( world->scene, surface, s->animation, t.end, &points, &cause ) != WISP_OK )
+         pose_clips( world->scene, surface, s->animation, t.end, &points, &cause ) != WISP_OK )
     {
         status = wisp_world_fail( world->world, cause.status, "%s", cause.message );
     }
@@ -232,11 +500,11 @@ static wisp_status follow_surface( scene_world* world, int surface, step_times t
     if ( status == WISP_OK && entry->has_motion_constraints &&
          ( is_animated || is_moving( world, &entry->target_path, t ) ) )
     {
-        status = scene_targets_move( world, surface, points, pose_at_end( world, &entry->target_path, still, t ) );
+        status = move_targets( world, surface, points, pose_at_end( world, &entry->target_path, still, t ) );
     }
     if ( status == WISP_OK && is_moving( world, &entry->frame_path, t ) )
     {
-        status = scene_frame_move( world, surface, pose_at_end( world, &entry->frame_path, still, t ) );
+        status = move_frame( world, surface, pose_at_end( world, &entry->frame_path, still, t ) );
     }
     return status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
 }
@@ -436,13 +704,13 @@ static wisp_status pass_velocities( scene_world* world, int surface, int group )
         const wisp_vec3* points = NULL;
         wisp_error cause = { 0 };
         if ( s->animation != NULL &&
-             scene_animation_pose( world->scene, surface, s->animation, time, &points, &cause ) != WISP_OK )
+             pose_clips( world->scene, surface, s->animation, time, &points, &cause ) != WISP_OK )
         {
             return wisp_world_fail( world->world, cause.status, "%s", cause.message );
         }
         for ( int i = 0; i < pins->count; ++i )
         {
-            const wisp_vec3 p = place_of( pins, i, points, pose ), d = places[i];
+            const wisp_vec3 p = target_of( pins, i, points, pose ), d = places[i];
             places[i] = now ? ( wisp_vec3 ){ rate * ( p.x - d.x ), rate * ( p.y - d.y ), rate * ( p.z - d.z ) } : p;
         }
     }

@@ -30,13 +30,6 @@ wisp_status scene_motion_set( scene_world* world, wisp_error* error );
 
 // ---- surfaces and colliders ----
 
-/// Read or generate, repair, check and scale a mesh.
-/// @param world whose log receives warnings about repairs; may be null: stderr
-/// @param called start of a warning about repairs; null: no warning
-/// @param repairs receives the repairs, to be released; may be null
-wisp_status scene_mesh_load( const scene_world* world, const wisp_scene_mesh* source, const char* called,
-                             wisp_mesh* out, wisp_mesh_repairs* repairs, wisp_error* error );
-
 /// Set the maps of a surface that was added. @param of_mass only that of area density, else all others
 wisp_status scene_maps_set( scene_world* world, int surface, bool of_mass, wisp_error* error );
 
@@ -60,11 +53,6 @@ wisp_status scene_implicit_set( scene_world* world, int surface );
 /// Attach motion constraints, the frame and the largest speed of a surface as its entry says. On failure the message is the last one of
 /// the world.
 wisp_status scene_held_set( scene_world* world, int surface );
-/// Move motion targets and frame of a surface to displacements from where they started.
-/// @param points [vertex_count] m, targets before the displacement
-wisp_status scene_targets_move( scene_world* world, int surface, const wisp_vec3* points,
-                                wisp_transform displacement );
-wisp_status scene_frame_move( scene_world* world, int surface, wisp_transform displacement );
 /// Add spare vertices to a mesh that was loaded, where its surface or an instance of it tears.
 wisp_status scene_tearing_reserve( const wisp_scene* scene, int surface, scene_world_surface* out,
                                    wisp_error* error );
@@ -82,9 +70,6 @@ void scene_colliders_release( scene_world* world );
 
 /// Load the animation of a placed surface, if its entry has one, and move its mesh to the first pose.
 wisp_status scene_animation_load( const wisp_scene* scene, int surface, scene_world_surface* out, wisp_error* error );
-/// Where the vertices are. @param time s @param points receives [vertex_count] m, valid until the next call
-wisp_status scene_animation_pose( const wisp_scene* scene, int surface, scene_animation* animation, double time,
-                                  const wisp_vec3** points, wisp_error* error );
 /// Null is allowed.
 void scene_animation_release( scene_animation* animation );
 
@@ -95,10 +80,6 @@ wisp_status scene_pins_find( const wisp_scene* scene, int surface, const wisp_me
 void scene_pins_release( scene_world_surface* surface );
 /// The entry of a surface's group. @param group 0: the surface's own pins
 const wisp_scene_pins* scene_pins_entry( const wisp_scene_surface* entry, int group );
-/// @return where a vertex stands in an ascending list, -1: it does not
-int32_t scene_pins_find_vertex( const int32_t* ascending, int count, int32_t vertex );
-/// @param number >= 0, of a vertex in the file @return its index in the repaired mesh, -1: it has none
-int32_t scene_vertex_of_number( const wisp_mesh_repairs* repairs, int32_t number );
 /// The balloon of a surface with the vertices of its outlet found.
 wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const wisp_mesh_repairs* repairs,
                                const wisp_mesh* mesh, wisp_balloon_def* out, wisp_error* error );

@@ -15,7 +15,7 @@ typedef struct vertex_finder
     wisp_error* error;
 } vertex_finder;
 
-static wisp_status refuse( const vertex_finder* f, const char* message )
+static wisp_status refuse_pins( const vertex_finder* f, const char* message )
 {
     return scene_fail_at( f->scene, f->entry->line, f->entry->column, "surface", f->entry->name, WISP_BAD_INPUT,
                           message, f->error );
@@ -27,14 +27,16 @@ static int compare_vertices( const void* a, const void* b )
     return ( *x > *y ) - ( *x < *y );
 }
 
-int32_t scene_pins_find_vertex( const int32_t* ascending, int count, int32_t vertex )
+// @return where a vertex stands in an ascending list, -1: it does not
+static int32_t place_in_list( const int32_t* ascending, int count, int32_t vertex )
 {
     const int32_t* found =
         count > 0 ? bsearch( &vertex, ascending, (size_t)count, sizeof vertex, compare_vertices ) : NULL;
     return found ? (int32_t)( found - ascending ) : -1;
 }
 
-int32_t scene_vertex_of_number( const wisp_mesh_repairs* repairs, int32_t number )
+// @param number >= 0, of a vertex in the file @return its index in the repaired mesh, -1: it has none
+static int32_t vertex_of_number( const wisp_mesh_repairs* repairs, int32_t number )
 {
     return repairs->became == NULL ? number : number < repairs->original_count ? repairs->became[number] : -1;
 }
@@ -43,18 +45,18 @@ int32_t scene_vertex_of_number( const wisp_mesh_repairs* repairs, int32_t number
 static wisp_status find_number( const vertex_finder* f, const char* what, int32_t number, int32_t* vertex )
 {
     char message[160];
-    *vertex = scene_vertex_of_number( f->repairs, number );
+    *vertex = vertex_of_number( f->repairs, number );
     if ( *vertex < 0 )
     {
         snprintf( message, sizeof message, "%s: got vertex %d, which the mesh does not have or which repair removed",
                   what, number );
-        return refuse( f, message );
+        return refuse_pins( f, message );
     }
     if ( *vertex >= f->mesh->vertex_count )
     {
         snprintf( message, sizeof message, "%s: got vertex %d, but the mesh has %d vertices, counted from 0", what,
                   number, f->mesh->vertex_count );
-        return refuse( f, message );
+        return refuse_pins( f, message );
     }
     return WISP_OK;
 }
@@ -111,7 +113,7 @@ static wisp_status mark_boxes( const vertex_finder* f, const wisp_scene_pins* pi
             char message[160];
             snprintf( message, sizeof message, "%s%s%sno vertex starts in pin_box %d", pins->name ? "group '" : "",
                       pins->name ? pins->name : "", pins->name ? "': " : "", i );
-            return refuse( f, message );
+            return refuse_pins( f, message );
         }
     }
     return WISP_OK;
@@ -207,7 +209,7 @@ static wisp_status take_group( const vertex_finder* f, const wisp_scene_pins* pi
             snprintf( message, sizeof message,
                       "vertex %d of the group '%s' is also pinned by the surface or by a group before it",
                       f->repairs->kept ? f->repairs->kept[v] : v, pins->name );
-            return refuse( f, message );
+            return refuse_pins( f, message );
         }
         const bool is_in = ( marks[v] & IN_GROUP ) != 0;
         marks[v] = (unsigned char)( ( marks[v] & ~IN_GROUP ) | ( is_in ? TAKEN : 0 ) |
@@ -257,7 +259,7 @@ int scene_pins_holding( const scene_world_surface* surface, int32_t vertex )
     for ( int g = 0; g < surface->group_count; ++g )
     {
         const scene_world_pins* pins = &surface->groups[g];
-        if ( pins->is_held && scene_pins_find_vertex( pins->vertices, pins->count, vertex ) >= 0 )
+        if ( pins->is_held && place_in_list( pins->vertices, pins->count, vertex ) >= 0 )
         {
             return g;
         }
@@ -373,9 +375,82 @@ wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const wisp_
             snprintf( message, sizeof message,
                       "balloon.outlet_radius: got more than %d vertices within %g m, which is the limit",
                       WISP_BALLOON_MAX_OUTLET, (double)entry->outlet_radius );
-            return refuse( &finder, message );
+            return refuse_pins( &finder, message );
         }
         out->outlet[out->outlet_count++] = v;
     }
     return WISP_OK;
+}
+
+// ---- seams ----
+
+// Seams of a scene in the world.
+
+static wisp_status refuse_seam( const scene_world* world, const wisp_scene_seam* entry, wisp_status status,
+                                const char* message, wisp_error* error )
+{
+    return scene_fail_at( world->scene, entry->line, entry->column, "seam", entry->name, status, message, error );
+}
+
+// The scene numbers vertices as the file does; a repair that drops vertices renumbers the others.
+static int32_t find_vertex( const scene_world* world, int surface, int32_t number )
+{
+    const int source = world->scene->surfaces[surface].instance_of;
+    return vertex_of_number( &world->surfaces[source >= 0 ? source : surface].repairs, number );
+}
+
+static wisp_status find_pairs( const scene_world* world, const wisp_scene_seam* entry, int32_t* pairs,
+                               wisp_error* error )
+{
+    for ( int i = 0; i < 2 * entry->pair_count; ++i )
+    {
+        const int surface = entry->surfaces[i % 2];
+        pairs[i] = find_vertex( world, surface, entry->pairs[i] );
+        if ( pairs[i] < 0 || pairs[i] >= world->surfaces[surface].mesh.vertex_count )
+        {
+            char message[200];
+            snprintf( message, sizeof message,
+                      "pairs[%d]: got vertex %d of '%s', which the mesh does not have or which repair removed", i / 2,
+                      entry->pairs[i], world->scene->surfaces[surface].name );
+            return refuse_seam( world, entry, WISP_BAD_INPUT, message, error );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status add_seam( scene_world* world, int seam, wisp_error* error )
+{
+    const wisp_scene_seam* entry = &world->scene->seams[seam];
+    int32_t* pairs = malloc( (size_t)entry->pair_count * 2 * sizeof *pairs + 1 );
+    if ( !pairs )
+    {
+        return refuse_seam( world, entry, WISP_NO_MEMORY, "out of memory for its pairs", error );
+    }
+    wisp_status status = find_pairs( world, entry, pairs, error );
+    if ( status == WISP_OK )
+    {
+        wisp_seam_def def = entry->def;
+        def.a = world->surfaces[entry->surfaces[0]].entity;
+        def.b = world->surfaces[entry->surfaces[1]].entity;
+        def.pairs = pairs;
+        def.pair_count = entry->pair_count;
+        status = wisp_add_seam( world->world, &def, &world->seams[seam] );
+        status = status == WISP_OK ? WISP_OK
+                                   : refuse_seam( world, entry, status, wisp_world_message( world->world ), error );
+    }
+    free( pairs );
+    return status;
+}
+
+wisp_status scene_seams_add( scene_world* world, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    world->seams = calloc( (size_t)scene->seam_count + 1, sizeof *world->seams );
+    wisp_status status =
+        world->seams ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its seams", scene->name );
+    for ( int i = 0; i < scene->seam_count && status == WISP_OK; ++i )
+    {
+        status = add_seam( world, i, error );
+    }
+    return status;
 }

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "bench.h"
-#include "profile_samples.h"
+#include "stats.h"
 #include "suite.h"
 
 #define ACCURACY_MEASURES_MAX 40

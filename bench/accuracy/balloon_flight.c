@@ -324,13 +324,11 @@ typedef struct flight_scene
 
 // ---- settings ----
 
-static balloon_setting* add( accuracy_scene* scene, int substeps, int iterations, const char* name )
+static void add( accuracy_scene* scene, int substeps, int iterations, const char* name )
 {
     flight_scene* own = scene->context;
-    balloon_setting* what = &own->settings[scene->setting_count];
-    *what = flight_setting( substeps, iterations );
+    own->settings[scene->setting_count] = flight_setting( substeps, iterations );
     accuracy_put_setting( scene, "%s", name );
-    return what;
 }
 
 // Forces are evaluated at the beginning of a substep and velocities from the positions at its end: first order,
@@ -353,31 +351,6 @@ static void add_substeps( accuracy_scene* scene )
                                   (double)ACCURACY_FRAME / substeps[i], 1.0 );
         }
     }
-}
-
-static void add_forms( accuracy_scene* scene )
-{
-    static const char* const drags[] = { "max", "abs", "signed", "normal" };
-    static const char* const spins[] = { "kick", "printed", "none" };
-    static const char* const readings[] = { "virial", "multiplier", "gas law" };
-    char name[64];
-    for ( int d = WISP_BALLOON_DRAG_ABS; d < WISP_BALLOON_DRAG_COUNT; ++d )
-    {
-        snprintf( name, sizeof( name ), "kick, %s drag, %d x 1", drags[d], USUAL_SUBSTEPS );
-        add( scene, USUAL_SUBSTEPS, 1, name )->def.drag_model = (wisp_balloon_drag)d;
-    }
-    for ( int s = WISP_BALLOON_SPIN_POSITION; s < WISP_BALLOON_SPIN_COUNT; ++s )
-    {
-        snprintf( name, sizeof( name ), "spin %s, max drag, %d x 1", spins[s], USUAL_SUBSTEPS );
-        add( scene, USUAL_SUBSTEPS, 1, name )->def.spin = (wisp_balloon_spin)s;
-    }
-    for ( int r = WISP_BALLOON_PRESSURE_MULTIPLIER; r < WISP_COUNT( readings ); ++r )
-    {
-        snprintf( name, sizeof( name ), "pressure by %s, %d x 1", readings[r], USUAL_SUBSTEPS );
-        add( scene, USUAL_SUBSTEPS, 1, name )->def.pressure = (wisp_balloon_pressure)r;
-    }
-    snprintf( name, sizeof( name ), "angular momentum not kept, %d x 1", USUAL_SUBSTEPS );
-    add( scene, USUAL_SUBSTEPS, 1, name )->def.keep_angular_momentum = false;
 }
 
 // ---- runs ----
@@ -457,6 +430,5 @@ wisp_status accuracy_balloon_flight( const bench_options* options, double second
         return status;
     }
     add_substeps( out );
-    add_forms( out );
     return WISP_OK;
 }

@@ -193,8 +193,8 @@ static wisp_implicit_cloth_def validate_implicit_material( double rigidity, doub
 {
     wisp_implicit_cloth_def cloth = wisp_default_implicit_cloth_def();
     cloth.stiffness_model = WISP_IMPLICIT_STIFFNESS_MATERIAL;
-    cloth.weights = WISP_IMPLICIT_WEIGHTS_PAIR;
-    cloth.damping_form = WISP_IMPLICIT_DAMPING_AXIAL;
+    cloth.weights = WISP_IMPLICIT_WEIGHTS_NONE;
+    cloth.link_damping = 0.0f; // of a strip that bends it would be drag
     cloth.integrator = WISP_INTEGRATOR_BDF2;
     cloth.bend_rigidity = (float)rigidity;
     cloth.stretch_stiffness = (float)( stiffness > 0.0 ? stiffness : STIFF );

@@ -308,9 +308,8 @@ static const validate_case all_cases[] = {
         .name = "jet",
         .title = "a balloon empties through an outlet: the speed it gets",
         .make = validate_jet,
-        .tests =
-            "thrust = mass flow x outlet speed, with the pressure of a skin that shrinks; readings of the pressure, "
-            "solvers of skin and gas, the area of the outlet, which must not matter",
+        .tests = "thrust = mass flow x outlet speed, with the pressure of a skin that shrinks; solvers of skin "
+                 "and gas, the area of the outlet, which must not matter",
         .left_out = "the mass of the gas, which the law does not have (with it the balloon is a rocket: Tsiolkovsky "
                     "1903); friction in the outlet; air and weight; spin, since the outlet is on the axis",
         .formula =
@@ -332,12 +331,11 @@ static const validate_case all_cases[] = {
         .name = "rising_balloon",
         .title = "helium balloons rise at the speed at which drag holds their lift",
         .make = validate_rising_balloon,
-        .tests = "the laws of drag on a sphere, each by its own integral, with lift; by mesh and substeps",
+        .tests = "the law of drag on a sphere, by its integral, with lift; by mesh and substeps",
         .left_out =
             "the coefficient: C = 0.5 by default, and 0.47 was measured of spheres at Reynolds numbers of 1e3 to "
-            "1e5, so they rise 3 % slower than real ones; the law `signed`, which has no drag on a closed body; "
-            "added mass, wobble and wake",
-        .formula = "v = sqrt(2 (lift - weight) / (rho C f pi R^2)), f = 1 (max), 2 (abs), 4/3 (normal)",
+            "1e5, so they rise 3 % slower than real ones; added mass, wobble and wake",
+        .formula = "v = sqrt(2 (lift - weight) / (rho C pi R^2))",
         .source = "Newton 1687; measured spheres: Hoerner 1965",
     },
 };

@@ -19,7 +19,6 @@ typedef struct validate_helium_way
     int level, substeps;      // of the icosphere; of 1/60 s
     double fill;              // V_0 / V_rest
     wisp_solver skin, volume; // what solves them
-    wisp_balloon_drag drag;
 } validate_helium_way;
 
 // A smooth sphere of the same skin, filled with an ideal gas: p V = n R T.
@@ -47,7 +46,6 @@ static balloon_setting validate_helium_setting( const validate_helium_way* way, 
     setting.def.gas_ratio = (float)way->fill;
     setting.def.solver = way->skin;
     setting.def.volume = way->volume;
-    setting.def.drag_model = way->drag;
     setting.gravity = ( wisp_vec3 ){ 0.0f, (float)-VALIDATE_HELIUM_GRAVITY, 0.0f };
     setting.substeps = way->substeps;
     setting.iterations = 1;
@@ -315,19 +313,14 @@ enum
 static const double VISCOSITY = 1.5e-5; // m^2/s, of air at 20 degrees, for Reynolds' number
 static const double SPHERE_DRAG = 0.47; // measured of spheres at Reynolds' numbers of 1e3 to 1e5 (Hoerner 1965)
 
-static const char* const law_names[] = { "max", "abs", "signed", "normal" };
-static const balloon_theory_drag laws[] = { BALLOON_THEORY_DRAG_MAX, BALLOON_THEORY_DRAG_ABS,
-                                            BALLOON_THEORY_DRAG_SIGNED, BALLOON_THEORY_DRAG_NORMAL };
-
 // ---- a run ----
 
-static void measure_rise( const validate_helium_way* way, const balloon_setting* setting, double mass,
-                          const wisp_motion_stats* seen, accuracy_run* out )
+static void measure_rise( const balloon_setting* setting, double mass, const wisp_motion_stats* seen,
+                          accuracy_run* out )
 {
     const validate_helium_sphere sphere = validate_helium_theory( setting );
     const double force = VALIDATE_HELIUM_GRAVITY * ( sphere.lift - mass );
-    const double factor = balloon_theory_drag_factor( laws[way->drag] );
-    const double coefficient = (double)setting->def.drag_coefficient * factor;
+    const double coefficient = (double)setting->def.drag_coefficient;
     const double exact = balloon_theory_terminal_speed( force, sphere.air, coefficient, sphere.radius );
     const double speed = seen->momentum[1] / seen->mass;
     out->measures[0] = speed;
@@ -366,7 +359,7 @@ static wisp_status run_rise( void* context, int setting, int workers, bool is_ob
     if ( status == WISP_OK && is_observed && out->halted_at == 0 )
     {
         status = accuracy_read_motion_stats( &flying, &seen, error );
-        measure_rise( way, &balloon, mass, &seen, out );
+        measure_rise( &balloon, mass, &seen, out );
     }
     surface_implementation_destroy( &flying );
     validate_helium_free( &body );
@@ -380,10 +373,10 @@ static void put_rise( accuracy_scene* out, validate_helium_way way, const char* 
 {
     char method[64], series[96];
     validate_helium_name( &way, method, sizeof method );
-    snprintf( series, sizeof series, "%s, drag %s, by %s", method, law_names[way.drag], by );
+    snprintf( series, sizeof series, "%s, drag max, by %s", method, by );
     ( (validate_helium_way*)out->context )[out->setting_count] = way;
-    accuracy_setting* setting = accuracy_put_setting( out, "%s, drag %s, level %d, %d substeps", method,
-                                                      law_names[way.drag], way.level, way.substeps );
+    accuracy_setting* setting =
+        accuracy_put_setting( out, "%s, drag max, level %d, %d substeps", method, way.level, way.substeps );
     accuracy_join_series( setting, series, parameter_name, parameter, NAN );
 }
 
@@ -409,18 +402,11 @@ static void put_rise_substeps( accuracy_scene* out, validate_helium_way way )
 
 static void put_rises( accuracy_scene* out )
 {
-    static const wisp_balloon_drag tested[] = { WISP_BALLOON_DRAG_MAX, WISP_BALLOON_DRAG_ABS,
-                                                WISP_BALLOON_DRAG_NORMAL };
     validate_helium_way way = {
         .substeps = RISE_SUBSTEPS, .fill = RISE_FILL, .skin = WISP_SOLVER_XPBD, .volume = WISP_SOLVER_XPBD
     };
-    for ( int i = 0; i < WISP_COUNT( tested ); ++i )
-    {
-        way.drag = tested[i];
-        put_rise_levels( out, way );
-        put_rise_substeps( out, way );
-    }
-    way.drag = WISP_BALLOON_DRAG_MAX;
+    put_rise_levels( out, way );
+    put_rise_substeps( out, way );
     way.volume = WISP_SOLVER_PBD;
     put_rise_substeps( out, way );
     way.skin = WISP_SOLVER_PBD;
@@ -434,8 +420,7 @@ wisp_status validate_rising_balloon( const bench_options* options, double second
     (void)seconds;
     *out = ( accuracy_scene ){
         .reference = "1/2 rho C pi R^2 v^2 = lift - weight, for a smooth sphere",
-        .note = "C is the coefficient of the scene, 0.5, times the integral of the law over a sphere: 1, 2 or 4/3. "
-                "Each law has a theory of its own: compare settings of one law.",
+        .note = "C is the coefficient of the scene, 0.5.",
         .error_name = "speed against theory",
         .error_unit = "%",
         .measure_names = { "speed m/s", "theory m/s", "C of the sphere", "m/s with C = 0.47", "Reynolds" },

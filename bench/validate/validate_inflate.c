@@ -72,7 +72,7 @@ balloon_equilibrium balloon_equilibrium_of( const wisp_fabric* fabric, const wis
 
 // ---- a filled sphere ----
 
-// A sphere filled with gas, against the closed form of its mesh (validate_equilibrium.h). The gas has the constraint's
+// A sphere filled with gas, against the closed form of its mesh. The gas has the constraint's
 // compliance V_0 / P_atm, so that p V = n R T, a separate measure, does not hide the convergence of the solver.
 
 enum
@@ -92,7 +92,6 @@ typedef struct inflate_setting
 {
     int level, substeps, iterations;
     wisp_solver skin, volume;
-    wisp_balloon_pressure reading;
 } inflate_setting;
 
 typedef struct inflated_sphere
@@ -111,7 +110,6 @@ typedef struct inflate_scene
 } inflate_scene;
 
 static const char* const solver_names[] = { [WISP_SOLVER_XPBD] = "xpbd", [WISP_SOLVER_PBD] = "pbd" };
-static const char* const pressure_names[] = { "virial", "multiplier", "gas law" };
 
 // ---- the closed form ----
 
@@ -163,35 +161,27 @@ static void add_inflation( accuracy_scene* scene, inflate_setting what, const ch
     own->settings[scene->setting_count] = what;
     accuracy_setting* setting = accuracy_put_setting( scene, "%s", name );
     accuracy_join_series( setting, series, parameter_name, parameter, order );
-    snprintf( setting->method, sizeof( setting->method ), "%s skin, %s volume, %s", solver_names[what.skin],
-              solver_names[what.volume], pressure_names[what.reading] );
+    snprintf( setting->method, sizeof( setting->method ), "%s skin, %s volume, virial", solver_names[what.skin],
+              solver_names[what.volume] );
 }
 
 static inflate_setting usual_inflation( int substeps, int iterations )
 {
-    return ( inflate_setting ){ SPHERE_LEVEL,     substeps,         iterations,
-                                WISP_SOLVER_XPBD, WISP_SOLVER_XPBD, WISP_BALLOON_PRESSURE_VIRIAL };
+    return ( inflate_setting ){ SPHERE_LEVEL, substeps, iterations, WISP_SOLVER_XPBD, WISP_SOLVER_XPBD };
 }
 
 // Links and gas have their compliance up to a fraction h^2 k / m of it, which an iteration leaves: second order where
-// that fraction is small, so coarser substeps are outside the series. The reading by the gas law passes the reference
-// on its way to the difference between p V = n R T and the compliance, p / P_atm: no order.
+// that fraction is small, so coarser substeps are outside the series.
 static void add_substeps( accuracy_scene* scene, bool quick )
 {
     static const int substeps[] = { 10, 25, 50, 100, 200, 400, 800 };
-    for ( int reading = 0; reading < BALLOON_READINGS; ++reading )
+    for ( int i = 0; i < ( quick ? WISP_COUNT( substeps ) - 1 : WISP_COUNT( substeps ) ); ++i )
     {
-        for ( int i = 0; i < ( quick ? WISP_COUNT( substeps ) - 1 : WISP_COUNT( substeps ) ); ++i )
-        {
-            const bool has_order = reading != WISP_BALLOON_PRESSURE_GAS && substeps[i] >= ORDERLY_SUBSTEPS;
-            inflate_setting what = usual_inflation( substeps[i], 1 );
-            char series[48], name[64];
-            what.reading = (wisp_balloon_pressure)reading;
-            snprintf( series, sizeof( series ), "xpbd, %s, by substeps", pressure_names[reading] );
-            snprintf( name, sizeof( name ), "xpbd, %s, %d x 1", pressure_names[reading], substeps[i] );
-            add_inflation( scene, what, has_order ? series : "", "substep, s", (double)ACCURACY_FRAME / substeps[i],
-                           2.0, name );
-        }
+        char name[64];
+        snprintf( name, sizeof( name ), "xpbd, virial, %d x 1", substeps[i] );
+        add_inflation( scene, usual_inflation( substeps[i], 1 ),
+                       substeps[i] >= ORDERLY_SUBSTEPS ? "xpbd, virial, by substeps" : "", "substep, s",
+                       (double)ACCURACY_FRAME / substeps[i], 2.0, name );
     }
 }
 
@@ -252,23 +242,20 @@ static void add_forms( accuracy_scene* scene )
 static wisp_status observe_sphere( surface_implementation* implementation, const balloon_setting* setting,
                                    const inflated_sphere* sphere, accuracy_run* out, wisp_error* error )
 {
-    balloon_readings read = { { 0 }, 0, 0 };
+    balloon_readings read = { 0 };
     wisp_status status = balloon_read_all( implementation, setting, &read, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    for ( int reading = 0; reading < BALLOON_READINGS; ++reading )
-    {
-        out->measures[reading] = read.pressure[reading];
-    }
     const double scale = cbrt( (double)SPHERE_FILL * ( 1.0 + read.volume_error ) );
-    const double pressure = read.pressure[setting->def.pressure];
-    out->measures[3] = sphere->pressure;
-    out->measures[4] = 100.0 * ( scale / sphere->scale - 1.0 );
-    out->measures[5] = 100.0 * ( pressure / read.closed_form - 1.0 );
-    out->measures[6] = 100.0 * ( pressure / sphere->gas_pressure - 1.0 );
-    out->error = 100.0 * fabs( pressure / sphere->pressure - 1.0 );
+    out->measures[0] = read.pressure;
+    out->measures[1] = read.gas_law;
+    out->measures[2] = sphere->pressure;
+    out->measures[3] = 100.0 * ( scale / sphere->scale - 1.0 );
+    out->measures[4] = 100.0 * ( read.pressure / read.closed_form - 1.0 );
+    out->measures[5] = 100.0 * ( read.pressure / sphere->gas_pressure - 1.0 );
+    out->error = 100.0 * fabs( read.pressure / sphere->pressure - 1.0 );
     return WISP_OK;
 }
 
@@ -281,7 +268,6 @@ static wisp_status run_inflation( void* context, int index, int workers, bool is
     balloon_setting setting = usual_setting();
     setting.def.solver = what->skin;
     setting.def.volume = what->volume;
-    setting.def.pressure = what->reading;
     setting.substeps = what->substeps;
     setting.iterations = what->iterations;
     setting.workers = workers;
@@ -320,14 +306,13 @@ wisp_status validate_inflate( const bench_options* options, double seconds, accu
 {
     *out = ( accuracy_scene ){
         .reference = "closed form of the mesh: p = sum(k l^2)(s - 1)/(3 V_rest s^2) = P_atm (V_0 - V)/V_0",
-        .note =
-            "pressure by the gas law ends p / P_atm above the other readings (2 to 3 %), because the constraint has "
-            "compliance V_0 / P_atm. `at its own volume` compares with the closed form at the computed volume.",
+        .note = "pressure by the gas law ends p / P_atm above the virial (2 to 3 %), because the constraint has "
+                "compliance V_0 / P_atm. `at its own volume` compares with the closed form at the computed volume.",
         .error_name = "pressure against the closed form",
         .error_unit = "%",
-        .measure_names = { "virial Pa", "multiplier Pa", "gas law Pa", "closed form Pa", "scale error %",
-                           "at its own volume %", "p V = n R T %" },
-        .measure_count = 7,
+        .measure_names = { "virial Pa", "gas law Pa", "closed form Pa", "scale error %", "at its own volume %",
+                           "p V = n R T %" },
+        .measure_count = 6,
         .settings = calloc( SPHERE_SETTINGS, sizeof( accuracy_setting ) ),
         .context = calloc( 1, sizeof( inflate_scene ) ),
         .run = run_inflation,

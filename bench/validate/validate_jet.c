@@ -17,7 +17,7 @@ enum
 };
 
 #define FILL 1.2          // V_0 / V_rest
-#define AREA_DENSITY 0.1f // kg/m^2
+#define SKIN_DENSITY 0.1f // kg/m^2
 // It empties in 0.3 s, some hundred periods of the skin, and within a metre of the origin: farther away, with shorter substeps, or with a
 // weaker jet, floats round off what a substep adds to a position.
 #define OUTLET_AREA 1.6e-4 // m^2
@@ -25,7 +25,6 @@ enum
 typedef struct jet_way
 {
     int level, substeps;
-    wisp_balloon_pressure reading;
     wisp_solver skin, volume;
     double outlet; // m^2
 } jet_way;
@@ -67,13 +66,12 @@ static wisp_status make_body( const jet_way* w, int workers, jet_body* out, wisp
 {
     balloon_setting setting = balloon_setting_in_vacuum();
     setting.def.gas_ratio = (float)FILL;
-    setting.def.pressure = w->reading;
     setting.def.solver = w->skin;
     setting.def.volume = w->volume;
     setting.def.outlet_count = 1;
     setting.def.outlet_area = (float)w->outlet;
     setting.def.outlet_open = true;
-    setting.area_density = AREA_DENSITY;
+    setting.area_density = SKIN_DENSITY;
     setting.substeps = w->substeps;
     setting.iterations = 1;
     setting.workers = workers;
@@ -178,22 +176,18 @@ static wisp_status run( void* context, int setting, int workers, bool is_observe
 
 // ---- settings ----
 
-static const char* const reading_names[] = { "virial pressure", "multiplier pressure", "gas law pressure" };
-
 static jet_way usual_way( void )
 {
-    return ( jet_way ){ .substeps = USUAL_SUBSTEPS,
-                        .reading = WISP_BALLOON_PRESSURE_VIRIAL,
-                        .skin = WISP_SOLVER_XPBD,
-                        .volume = WISP_SOLVER_XPBD,
-                        .outlet = OUTLET_AREA };
+    return ( jet_way ){
+        .substeps = USUAL_SUBSTEPS, .skin = WISP_SOLVER_XPBD, .volume = WISP_SOLVER_XPBD, .outlet = OUTLET_AREA
+    };
 }
 
 static void put_jet( accuracy_scene* out, jet_way w, const char* by, const char* parameter_name, double parameter )
 {
     char method[64], series[96];
-    snprintf( method, sizeof method, "%s skin, %s gas, %s", w.skin == WISP_SOLVER_XPBD ? "xpbd" : "pbd",
-              w.volume == WISP_SOLVER_XPBD ? "xpbd" : "pbd", reading_names[w.reading] );
+    snprintf( method, sizeof method, "%s skin, %s gas, virial pressure", w.skin == WISP_SOLVER_XPBD ? "xpbd" : "pbd",
+              w.volume == WISP_SOLVER_XPBD ? "xpbd" : "pbd" );
     snprintf( series, sizeof series, "%s, by %s", method, by );
     ( (jet_way*)out->context )[out->setting_count] = w;
     accuracy_setting* setting =
@@ -213,12 +207,7 @@ static void put_substeps( accuracy_scene* out, jet_way w )
 
 static void put_solvers( accuracy_scene* out )
 {
-    for ( int reading = 0; reading < WISP_COUNT( reading_names ); ++reading )
-    {
-        jet_way w = usual_way();
-        w.reading = (wisp_balloon_pressure)reading;
-        put_substeps( out, w );
-    }
+    put_substeps( out, usual_way() );
     jet_way stiff = usual_way();
     stiff.volume = WISP_SOLVER_PBD;
     put_substeps( out, stiff );

@@ -1,7 +1,7 @@
 // Pairwise adhesion with a gap-keeping brake, eight vertices at once (Kim 2026, eq. 14-19).
 //
 //   f_i = sum g(r) (q - p_i) / r,  g(r) = (1 - r/h)^2        Dp_i = sigma f_i, limited by the guard
-//   delta_i = sum g(r0) clamp( change(r0, r1) / h ) / sum g(r0)
+//   delta_i = sum g(r0) min( |r1 - r0| / h, 1 ) / sum g(r0)
 //   p_i <- p_i + lambda_i Dp_i,  lambda = (1 - delta) zeta + delta floor
 //
 // Each lane is one vertex and adds its neighbours in list order, so sums equal those of a scalar loop. Padding and
@@ -79,7 +79,7 @@ typedef struct attract_sums
 // Options of the first sweep, constants after inlining.
 typedef struct attract_law
 {
-    bool planar, measuring, printed; // printed: use epsilon, as in the paper
+    bool planar, measuring;
 } attract_law;
 
 // Replaces a distance that has no direction; larger than any radius.
@@ -89,7 +89,7 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_args* args, const wis
                                        lane8v p, attract_law law, attract_sums sums )
 {
     const lane8 h = lane8_set1( args->radius ), inverse_h = lane8_set1( 1.0f / args->radius );
-    const lane8 epsilon = lane8_set1( args->epsilon ), zero = lane8_zero(), no_distance = lane8_set1( NO_DISTANCE );
+    const lane8 zero = lane8_zero(), no_distance = lane8_set1( NO_DISTANCE );
     const size_t first = (size_t)list->begin[slice] * WISP_SLICE;
     const int length = list->length[slice];
     const int32_t* entries = list->entries + first;
@@ -101,7 +101,7 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_args* args, const wis
         lane8 r = lane8_sqrt( squared_length( d, law.planar ) );
         r = lane8_select( lane8_eq( r, zero ), no_distance, r );
         lane8 weight = kernel_weight( r, inverse_h );
-        lane8 pull = lane8_div( weight, law.printed ? lane8_add( r, epsilon ) : r );
+        lane8 pull = lane8_div( weight, r );
         sums.force.x = lane8_mul_add( d.x, pull, sums.force.x );
         sums.force.y = lane8_mul_add( d.y, pull, sums.force.y );
         sums.force.z = law.planar ? zero : lane8_mul_add( d.z, pull, sums.force.z );
@@ -147,8 +147,7 @@ LANE_INLINE float attract_slices( const wisp_adhesion_args* args, int slice_firs
             args->pairs->near[slice] = sums.near;
         }
         sums.force.z = args->in_plane ? zero : sums.force.z;
-        lane8v move = lane8v_scale( sums.force, step );
-        move = args->min_distance_clamp ? guarded( args, move, sums.nearest ) : move;
+        lane8v move = guarded( args, lane8v_scale( sums.force, step ), sums.nearest );
 
         // roots do not move
         lane8m moves = lane8i_lt( lane8i_set1( 0 ), lane8i_loadu( args->vertex + slice * WISP_SLICE ) );
@@ -156,22 +155,15 @@ LANE_INLINE float attract_slices( const wisp_adhesion_args* args, int slice_firs
         lane8v tentative = lane8v_add( p, move );
         lane8v_store( args->displacement + (size_t)slice * 3 * WISP_SLICE, move );
         store_slice( args->tentative, slice, tentative );
-        most = args->gap == WISP_GAP_NONE ? check_margin( args, slice, tentative, most ) : most;
+        most = args->brakes ? most : check_margin( args, slice, tentative, most );
     }
     return max_length( most );
 }
 
 LANE_INLINE float attract_in( const wisp_adhesion_args* args, int slice_first, int slice_last, bool planar )
 {
-    if ( args->epsilon != 0.0f )
-    {
-        return args->stores_pairs
-                   ? attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, true, true } )
-                   : attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, false, true } );
-    }
-    return args->stores_pairs
-               ? attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, true, false } )
-               : attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, false, false } );
+    return args->stores_pairs ? attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, true } )
+                              : attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, false } );
 }
 
 float KERNEL( adhesion_attract )( const wisp_adhesion_args* args, int slice_first, int slice_last )
@@ -180,74 +172,35 @@ float KERNEL( adhesion_attract )( const wisp_adhesion_args* args, int slice_firs
                         : attract_in( args, slice_first, slice_last, false );
 }
 
-// Weights and changes of distance, summed over the reference neighbours of a slice.
-typedef struct brake_sums
+// Computes delta of eq. 17, a weighted mean over the reference neighbours. `planar` is a constant after inlining.
+LANE_INLINE lane8 change_fraction( const wisp_adhesion_args* args, int slice, bool planar )
 {
-    lane8 weights, changes;
-} brake_sums;
-
-// Options of the brake. The first three are constants after inlining.
-typedef struct brake_law
-{
-    int gap;
-    bool by_iteration, planar;
-    float inverse_h; // 1/m
-} brake_law;
-
-LANE_INLINE brake_sums brake_list( const wisp_adhesion_args* args, const wisp_neighbour_list* list, int slice,
-                                   brake_law law, brake_sums sums )
-{
-    const lane8 inverse_h = lane8_set1( law.inverse_h );
-    const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
-    lane8v moved = load_slice( args->tentative, slice ), p = load_slice( args->current, slice );
-    moved.z = law.planar ? zero : moved.z;
-    p.z = law.planar ? zero : p.z;
+    const lane8 inverse_h = lane8_set1( 1.0f / args->radius ), zero = lane8_zero(), one = lane8_set1( 1.0f );
+    const wisp_neighbour_list* list = &args->reference;
     const size_t first = (size_t)list->begin[slice] * WISP_SLICE;
     const int32_t* entries = list->entries + first;
+    const float* distances = args->pairs->distance + first;
+    const lane8 weights = lane8_load( args->pairs->weight_sum + (size_t)slice * WISP_SLICE );
+    lane8v moved = load_slice( args->tentative, slice );
+    moved.z = planar ? zero : moved.z;
+    lane8 changes = zero;
     for ( int k = 0; k < list->length[slice]; ++k )
     {
-        const int32_t* entry = entries + k * WISP_SLICE;
-        lane8v d1 = lane8v_sub( load_entry( args->tentative, entry, law.planar ), moved );
-        lane8 r1 = lane8_sqrt( squared_length( d1, law.planar ) );
-        const size_t at = first + (size_t)k * WISP_SLICE;
-        lane8 r0 = law.by_iteration ? lane8v_length( lane8v_sub( load_entry( args->current, entry, law.planar ), p ) )
-                                    : lane8_load( args->pairs->distance + at );
-        lane8 change = law.gap == WISP_GAP_REVERSED ? lane8_sub( r0, r1 ) : lane8_sub( r1, r0 );
-        change = lane8_mul( change, inverse_h );
-        change = law.gap == WISP_GAP_ABSOLUTE ? lane8_abs( change ) : lane8_max( change, zero );
-        change = lane8_min( change, one );
-        lane8 weight = kernel_weight( r0, inverse_h );
-        if ( law.by_iteration )
-        {
-            weight = lane8_select( lane8_gt( r0, zero ), weight, zero );
-            sums.weights = lane8_add( sums.weights, weight );
-        }
-        sums.changes = lane8_mul_add( weight, change, sums.changes );
+        lane8v d = lane8v_sub( load_entry( args->tentative, entries + k * WISP_SLICE, planar ), moved );
+        lane8 r1 = lane8_sqrt( squared_length( d, planar ) ), r0 = lane8_load( distances + k * WISP_SLICE );
+        lane8 change = lane8_abs( lane8_mul( lane8_sub( r1, r0 ), inverse_h ) );
+        changes = lane8_mul_add( kernel_weight( r0, inverse_h ), lane8_min( change, one ), changes );
     }
-    return sums;
+    return lane8_select( lane8_gt( weights, zero ), lane8_div( changes, weights ), zero );
 }
 
-// Computes delta of eq. 17, a weighted mean over the reference neighbours.
-LANE_INLINE lane8 change_fraction( const wisp_adhesion_args* args, int slice, brake_law law )
+LANE_INLINE float brake_slices( const wisp_adhesion_args* args, int slice_first, int slice_last, bool planar )
 {
-    brake_sums sums = { lane8_zero(), lane8_zero() };
-    sums.weights =
-        law.by_iteration ? sums.weights : lane8_load( args->pairs->weight_sum + (size_t)slice * WISP_SLICE );
-    for ( int i = 0; i < args->reference_count; ++i )
-    {
-        sums = brake_list( args, args->reference + i, slice, law, sums );
-    }
-    lane8 fraction = lane8_div( sums.changes, sums.weights );
-    return lane8_select( lane8_gt( sums.weights, lane8_zero() ), fraction, lane8_zero() );
-}
-
-LANE_INLINE float brake_slices( const wisp_adhesion_args* args, int slice_first, int slice_last, brake_law law )
-{
-    const lane8 floor = lane8_set1( law.gap == WISP_GAP_ABSOLUTE ? args->lambda_min : 1.0f );
+    const lane8 floor = lane8_set1( args->lambda_min );
     lane8 most = lane8_zero();
     for ( int slice = slice_first; slice < slice_last; ++slice )
     {
-        lane8 delta = change_fraction( args, slice, law );
+        lane8 delta = change_fraction( args, slice, planar );
         lane8 zeta = lane8_random_unit( args->key, lane8i_loadu( args->owner + slice * WISP_SLICE ),
                                         lane8i_loadu( args->vertex + slice * WISP_SLICE ),
                                         lane8i_set1( (int32_t)args->iteration ) );
@@ -261,32 +214,8 @@ LANE_INLINE float brake_slices( const wisp_adhesion_args* args, int slice_first,
     return max_length( most );
 }
 
-LANE_INLINE float brake_by_gap( const wisp_adhesion_args* args, int slice_first, int slice_last, bool by_iteration,
-                                bool planar )
-{
-    const float inverse_h = 1.0f / args->radius;
-    switch ( args->gap )
-    {
-        case WISP_GAP_SIGNED:
-            return brake_slices( args, slice_first, slice_last,
-                                 ( brake_law ){ WISP_GAP_SIGNED, by_iteration, planar, inverse_h } );
-        case WISP_GAP_REVERSED:
-            return brake_slices( args, slice_first, slice_last,
-                                 ( brake_law ){ WISP_GAP_REVERSED, by_iteration, planar, inverse_h } );
-        default:
-            return brake_slices( args, slice_first, slice_last,
-                                 ( brake_law ){ WISP_GAP_ABSOLUTE, by_iteration, planar, inverse_h } );
-    }
-}
-
 float KERNEL( adhesion_brake )( const wisp_adhesion_args* args, int slice_first, int slice_last )
 {
-    // only the default variant of the brake has code for the plane
-    bool by_iteration = args->pairs == NULL;
-    if ( by_iteration )
-    {
-        return brake_by_gap( args, slice_first, slice_last, true, false );
-    }
-    return args->planar ? brake_by_gap( args, slice_first, slice_last, false, true )
-                        : brake_by_gap( args, slice_first, slice_last, false, false );
+    return args->planar ? brake_slices( args, slice_first, slice_last, true )
+                        : brake_slices( args, slice_first, slice_last, false );
 }

@@ -110,10 +110,6 @@ LANE_INLINE int blend( const wisp_blend_args* args, int begin, int end, int pare
         {
             continue;
         }
-        if ( args->normal_weights != NULL )
-        {
-            load_weights( args->normal_weights + p, parent_count, weights );
-        }
         sum_parents( args->normal, args->parents + p, parent_count, weights, sum );
         invalid += store_normals( args->normals + (size_t)p * 4, sum );
     }

@@ -111,8 +111,7 @@ LANE_INLINE void add_link( const wisp_spring_args* args, row_lanes* row, int ent
 {
     const lane8 h = lane8_set1( args->dt ), h2 = lane8_mul( h, h );
     const lane8 damping = lane8_mul( h, lane8_load( args->links.damping[entry] ) );
-    const lane8 damping_across = args->axial_damping ? lane8_zero() : damping;
-    const lane8 k1 = lane8_mul_add( h2, along, damping ), k2 = lane8_mul_add( h2, across, damping_across );
+    const lane8 k1 = lane8_mul_add( h2, along, damping ), k2 = lane8_mul_add( h2, across, damping );
     const lane8 root = lane8_sqrt( lane8_max( lane8_sub( k1, k2 ), lane8_zero() ) );
     const lane8v e = lane8v_scale( l->direction, root );
     lane8_store( args->axis[entry][0], e.x );
@@ -122,11 +121,12 @@ LANE_INLINE void add_link( const wisp_spring_args* args, row_lanes* row, int ent
     row->force = lane8v_mul_add( row->force, pull, l->direction );
 
     // the first solve is at v, with all of A; a repeat has the stiffness in its forces and adds only the damping
-    const lane8v axis = args->is_repeat ? l->direction : e;
-    const lane8 on_axis = args->is_repeat ? lane8_sub( damping, damping_across ) : lane8_set1( 1.0f );
-    const lane8 everywhere = args->is_repeat ? damping_across : k2;
-    const lane8 closing = lane8_mul( on_axis, lane8v_dot( axis, l->closing ) );
-    row->drag = lane8v_sub( row->drag, lane8v_mul_add( lane8v_scale( l->closing, everywhere ), closing, axis ) );
+    lane8v drag = lane8v_scale( l->closing, args->is_repeat ? damping : k2 );
+    if ( args->is_repeat == false )
+    {
+        drag = lane8v_mul_add( drag, lane8v_dot( e, l->closing ), e );
+    }
+    row->drag = lane8v_sub( row->drag, drag );
 
     row->matrix[0] = lane8_add( row->matrix[0], lane8_mul_add( e.x, e.x, k2 ) );
     row->matrix[1] = lane8_mul_add( e.x, e.y, row->matrix[1] );
@@ -155,7 +155,8 @@ LANE_INLINE void stretch( const wisp_spring_args* args, row_lanes* row, int entr
     add_link( args, row, entry, &l, pull, along, lane8_mul( pull, l.inverse_length ) );
 }
 
-// Adds compression, only below the rest length: the load of an arc, blended in by a ramp (Noh and Jung, eq. 11-13).
+// Adds compression, only below the rest length: the load of an arc, blended in by a ramp (Noh and Jung, eq. 11-13). The
+// negative term of eq. 13 is dropped, so that the matrix stays positive definite.
 LANE_INLINE void bend( const wisp_spring_args* args, row_lanes* row, int entry )
 {
     const link_lanes l = load_link( args, row, entry );
@@ -169,7 +170,7 @@ LANE_INLINE void bend( const wisp_spring_args* args, row_lanes* row, int entry )
     const lane8 pull = lane8_select( slack, lane8_select( ramps, straight, buckled ), zero );
     const lane8 slope = lane8_mul( lane8_mul( l.load, inverse_rest ), arc.slope );
     const lane8 along = lane8_select( slack, lane8_select( ramps, ramp, slope ), zero );
-    add_link( args, row, entry, &l, pull, along, args->full_jacobian ? lane8_mul( pull, l.inverse_length ) : zero );
+    add_link( args, row, entry, &l, pull, along, zero );
 }
 
 // Adds bending, D Q x, whose derivative is constant and the same in every direction.

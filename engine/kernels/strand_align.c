@@ -37,10 +37,9 @@ static lane16v mean_of( const align_group* g, const float* rows )
 }
 
 // Computes the direction of eq. 8 of a shape of the group.
-static lane16v direction_of( const wisp_strand_align_args* args, const align_group* g, const float* rows )
+static lane16v direction_of( const align_group* g, const float* rows )
 {
-    lane16v tip = lane16v_load( rows + (size_t)( g->row_count - 1 ) * STRIDE );
-    return lane16v_sub( tip, args->from_root ? lane16v_load( rows ) : mean_of( g, rows ) );
+    return lane16v_sub( lane16v_load( rows + (size_t)( g->row_count - 1 ) * STRIDE ), mean_of( g, rows ) );
 }
 
 // Computes axis and angle of the rotation from v to u. Where the cross product is 0 (parallel or antiparallel), any
@@ -69,8 +68,8 @@ static void rotation_between( int dimension, lane16v v, lane16v u, lane16* angle
 
 typedef struct align_turn
 {
-    lane16m turns;              // lanes that turn at all
-    lane16 angle, sine, cosine; // of the tip
+    lane16m turns; // lanes that turn at all
+    lane16 angle;  // of the tip
     lane16v axis;
     lane16 intensity, last; // x of eq. 12, and its N - 1
 } align_turn;
@@ -84,11 +83,10 @@ static lane16m has_direction( lane16v v )
 static align_turn turn_to( const wisp_strand_align_args* args, const align_group* g, lane16v u, lane16 intensity )
 {
     align_turn t = { .intensity = intensity, .last = lane16_from_int( lane16i_sub( g->count, lane16i_set1( 1 ) ) ) };
-    lane16v v = without_depth( args, direction_of( args, g, g->rows ) );
+    lane16v v = without_depth( args, direction_of( g, g->rows ) );
     u = without_depth( args, u );
     t.turns = lane16m_and( has_direction( v ), has_direction( u ) );
     rotation_between( args->dimension, v, u, &t.angle, &t.axis );
-    lane16_sincos( t.angle, &t.sine, &t.cosine );
     return t;
 }
 
@@ -103,21 +101,10 @@ static lane16 index_weight( const align_turn* turn, int i )
 static lane16v turned_vertex( const wisp_strand_align_args* args, const align_group* g, const align_turn* turn,
                               int i )
 {
-    lane16v p = lane16v_load( g->rows + (size_t)i * STRIDE ), q = lane16v_sub( p, g->root ), turned;
-    lane16 w = index_weight( turn, i );
-    if ( args->chord )
-    {
-        // eq. 13 as printed: w R q + (1 - w) q
-        lane16v whole = lane16v_rotate( turn->axis, turn->sine, turn->cosine, q );
-        turned = lane16v_mul_add( q, w, lane16v_sub( whole, q ) );
-    }
-    else
-    {
-        lane16 sine, cosine;
-        lane16_sincos( lane16_mul( w, turn->angle ), &sine, &cosine );
-        turned = lane16v_rotate( turn->axis, sine, cosine, q );
-    }
-    turned = lane16v_add( g->root, turned );
+    lane16v p = lane16v_load( g->rows + (size_t)i * STRIDE ), q = lane16v_sub( p, g->root );
+    lane16 sine, cosine;
+    lane16_sincos( lane16_mul( index_weight( turn, i ), turn->angle ), &sine, &cosine );
+    lane16v turned = lane16v_add( g->root, lane16v_rotate( turn->axis, sine, cosine, q ) );
     turned.z = args->in_plane ? p.z : turned.z;
     return lane16v_select( turn->turns, turned, p );
 }
@@ -151,8 +138,8 @@ static lane16v carry( const wisp_strand_align_args* args, const align_group* g, 
     const frame16 turn = { lane16_set1( args->turn[0] ), lane16_set1( args->turn[1] ), lane16_set1( args->turn[2] ),
                            lane16_set1( args->turn[3] ) };
     const lane16 zero = lane16_zero();
-    lane16v from = frame16_turn( turn, direction_of( args, g, args->rest + first ) );
-    lane16v to = direction_of( args, g, args->moved + first ), axis;
+    lane16v from = frame16_turn( turn, direction_of( g, args->rest + first ) );
+    lane16v to = direction_of( g, args->moved + first ), axis;
     const lane16m known = lane16m_and( has_direction( from ), has_direction( to ) );
     const lane16v up = lane16v_set1( ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } );
     lane16 angle, sine, cosine;

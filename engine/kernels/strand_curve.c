@@ -149,9 +149,8 @@ void KERNEL( strand_curve )( const wisp_strand_curve_args* args, int begin, int 
         lane16v_store( to, vertex( &source, 0 ) );
         for ( int segment = 0; 1 + segment * args->samples < row_count; ++segment )
         {
-            const segment16 c = args->shares_tangents ? shared_tangents( &source, segment )
-                                : args->shares_ends   ? shared_ends( &source, segment )
-                                                      : neighbours( &source, segment );
+            const segment16 c =
+                args->shares_ends ? shared_tangents( &source, segment ) : neighbours( &source, segment );
             draw_segment( args, c, to + ( 1 + (size_t)segment * (size_t)args->samples ) * 3 * WISP_LANES,
                           args->samples );
         }

@@ -5,7 +5,8 @@
 
 enum
 {
-    LARGEST_STRIDE = 16, // floats per node of the table
+    STRIDE = 12, // floats per node of the table
+    BLENDED_STRIDE = 16,
 };
 
 static const float SLOW_SPEED = 1e-6f; // m/s, minimum speed of a velocity with a direction
@@ -14,25 +15,19 @@ static const float SLOW_SPEED = 1e-6f; // m/s, minimum speed of a velocity with 
 
 // Computes the elastic weight of a target with velocity v now and `before` one step earlier.
 #define DEFINE_ELASTIC( P, PV )                                                                                      \
-    LANE_INLINE P P##_elastic( wisp_elastic elastic, PV v, PV before )                                               \
+    LANE_INLINE P P##_elastic( bool is_elastic, PV v, PV before )                                                    \
     {                                                                                                                \
         const P half = P##_set1( 0.5f ), one = P##_set1( 1.0f ), slow = P##_set1( SLOW_SPEED );                      \
         const P product = P##v_dot( v, before );                                                                     \
-        if ( elastic == WISP_ELASTIC_NONE )                                                                          \
+        if ( !is_elastic )                                                                                           \
         {                                                                                                            \
             return P##_zero();                                                                                       \
-        }                                                                                                            \
-        if ( elastic == WISP_ELASTIC_PRODUCT )                                                                       \
-        {                                                                                                            \
-            return P##_mul_add( product, half, half );                                                               \
         }                                                                                                            \
         const P speed = P##v_length( v ), speed0 = P##v_length( before );                                            \
         const P##m directed = P##m_and( P##_ge( speed, slow ), P##_ge( speed0, slow ) );                             \
         const P ratio = P##_div( product, P##_mul( speed, speed0 ) );                                                \
         const P cosine = P##_max( P##_min( ratio, one ), P##_set1( -1.0f ) );                                        \
-        const P fraction = P##_mul( half, P##_select( directed, cosine, P##_zero() ) );                              \
-        const P change = P##_select( directed, P##_sub( half, fraction ), P##_zero() );                              \
-        return elastic == WISP_ELASTIC_CHANGE ? change : P##_add( half, fraction );                                  \
+        return P##_select( directed, P##_sub( half, P##_mul( half, cosine ) ), P##_zero() );                         \
     }
 
 DEFINE_ELASTIC( lane8, lane8v )
@@ -95,7 +90,7 @@ static target_rows begin_rows( const wisp_strand_target_args* args, int group )
         .velocity = args->velocity != NULL ? args->velocity + triple : NULL,
         .before = args->previous_velocity != NULL ? args->previous_velocity + triple : NULL,
         .cap = args->max_sway + row * WISP_LANES,
-        .reach = args->reach != NULL ? args->reach + row * WISP_LANES : NULL,
+        .reach = args->reach + row * WISP_LANES,
         .frame = { zero, zero, zero, lane16_set1( 1.0f ) },
     };
     if ( args->root != NULL )
@@ -130,7 +125,7 @@ static void node_numbers( const wisp_strand_target_args* args, target_rows* r, i
         v = lane16v_load( r->velocity + triple );
     }
     const lane16v before = r->before != NULL && i > 0 ? lane16v_load( r->before + triple ) : v;
-    if ( args->transports_frames && i > 0 )
+    if ( i > 0 )
     {
         r->frame =
             carry( r->frame, frame16_turn( r->frame, lane16v_sub( rest, r->last_rest ) ), lane16v_sub( x, r->last ) );
@@ -138,23 +133,16 @@ static void node_numbers( const wisp_strand_target_args* args, target_rows* r, i
     r->last = x;
     r->last_rest = rest;
 
-    const lane16 cap = args->is_capped ? lane16_load( r->cap + (size_t)i * WISP_LANES ) : lane16_set1( FLT_MAX );
-    const lane16 reach = r->reach != NULL ? lane16_load( r->reach + (size_t)i * WISP_LANES ) : zero;
+    const lane16 cap = lane16_load( r->cap + (size_t)i * WISP_LANES );
+    const lane16 reach = lane16_load( r->reach + (size_t)i * WISP_LANES );
     lane16v sway = args->is_blended ? v : lane16v_scale( v, lane16_set1( args->sway_time ) );
-    lane16 limit = cap;
     if ( args->is_blended == false )
     {
-        // without velocity the sway is 0, so any limit works
-        const lane16 length = lane16v_length( sway );
-        limit = args->is_capped ? lane16_select( lane16_lt( zero, length ), lane16_div( cap, length ), zero ) : cap;
-        tip = lane16_add( lane16_elastic( args->elastic, v, before ), tip );
-        if ( args->is_capped && r->reach != NULL )
-        {
-            sway = lane16v_scale( sway, lane16_group_factor( tip, reach, length, cap ) );
-        }
+        tip = lane16_add( lane16_elastic( args->is_elastic, v, before ), tip );
+        sway = lane16v_scale( sway, lane16_group_factor( tip, reach, lane16v_length( sway ), cap ) );
     }
-    const lane16 all[LARGEST_STRIDE] = { x.x,      x.y,      x.z,        tip,        sway.x,     sway.y,
-                                         sway.z,   limit,    r->frame.x, r->frame.y, r->frame.z, r->frame.w,
+    const lane16 all[BLENDED_STRIDE] = { x.x,      x.y,      x.z,        tip,        sway.x,     sway.y,
+                                         sway.z,   cap,      r->frame.x, r->frame.y, r->frame.z, r->frame.w,
                                          before.x, before.y, before.z,   reach };
     for ( int k = 0; k < args->stride; ++k )
     {
@@ -166,7 +154,7 @@ static void node_numbers( const wisp_strand_target_args* args, target_rows* r, i
 static void store_node( const wisp_strand_target_args* args, int group, int i, bool everywhere,
                         const lane16 numbers[] )
 {
-    float block[LARGEST_STRIDE][WISP_LANES] __attribute__( ( aligned( 64 ) ) );
+    float block[BLENDED_STRIDE][WISP_LANES] __attribute__( ( aligned( 64 ) ) );
     int32_t at[WISP_LANES];
     for ( int k = 0; k < args->stride; ++k )
     {
@@ -205,7 +193,7 @@ void KERNEL( strand_target )( const wisp_strand_target_args* args, int begin, in
         const int row_count = args->group_row[group + 1] - args->group_row[group];
         for ( int i = 0; i < row_count; ++i )
         {
-            lane16 numbers[LARGEST_STRIDE];
+            lane16 numbers[BLENDED_STRIDE];
             const lane16 tip = lane16_div( lane16_set1( args->tip_gain * (float)i ), last );
             node_numbers( args, &rows, i, tip, numbers );
             store_node( args, group, i, lane16m_all( lane16i_lt( lane16i_set1( i ), count ) ), numbers );
@@ -260,17 +248,16 @@ LANE_INLINE lane8v turn_by_node( const float* table, const int32_t* at, lane8v v
 }
 
 // Computes y = x + R o + weight sway with the weight shared + scale |o|.
-LANE_INLINE void ghost_rows( const wisp_strand_ghost_args mine, int group, bool turns )
+LANE_INLINE void ghost_rows( const wisp_strand_ghost_args mine, int group )
 {
     const int lanes = group * WISP_LANES, row_count = mine.group_row[group + 1] - mine.group_row[group];
     const float* offset = mine.offset + (size_t)mine.group_row[group] * 3 * WISP_LANES;
     float* to = mine.points + (size_t)mine.group_row[group] * 3 * WISP_LANES;
-    const int stride = turns ? 12 : 8;
     quad_walk walks[2];
     lane8 scale[2];
     for ( int half = 0; half < 2; ++half )
     {
-        walks[half] = begin_walk( mine.lane_node + lanes + 8 * half, mine.lane_count + lanes + 8 * half, stride );
+        walks[half] = begin_walk( mine.lane_node + lanes + 8 * half, mine.lane_count + lanes + 8 * half, STRIDE );
         scale[half] = lane8_loadu( mine.centre_scale + lanes + 8 * half );
     }
     for ( int i = 0; i < row_count; ++i )
@@ -286,7 +273,7 @@ LANE_INLINE void ghost_rows( const wisp_strand_ghost_args mine, int group, bool 
             lane8_load_xyzw( mine.table + 4, w->at, &sway.x, &sway.y, &sway.z, &unused );
             const lane8v o = load_offset( offset + row );
             const lane8 weight = lane8_mul_add( scale[half], lane8v_length( o ), shared );
-            const lane8v b = lane8v_add( x, turns ? turn_by_node( mine.table, w->at, o ) : o );
+            const lane8v b = lane8v_add( x, turn_by_node( mine.table, w->at, o ) );
             store_place( to + row, lane8v_mul_add( b, weight, sway ) );
         }
     }
@@ -296,14 +283,7 @@ void KERNEL( strand_ghost )( const wisp_strand_ghost_args* args, int begin, int 
 {
     for ( int group = begin; group < end; ++group )
     {
-        if ( args->stride == 12 )
-        {
-            ghost_rows( *args, group, true );
-        }
-        else
-        {
-            ghost_rows( *args, group, false );
-        }
+        ghost_rows( *args, group );
     }
 }
 
@@ -331,7 +311,7 @@ static blended blend_row( const wisp_strand_ghost_args* args, int lane, quad_wal
         lane8_load_xyzw( args->table + 12, walks[k].at, &before.x, &before.y, &before.z, &reach );
         const lane8 fraction = lane8_loadu( args->lane_fraction + lane + k * WISP_LANES );
         const lane8v o = load_offset( offset + (size_t)k * 3 * WISP_LANES );
-        const lane8v place = lane8v_add( x, args->rotates_offsets ? turn_by_node( args->table, walks[k].at, o ) : o );
+        const lane8v place = lane8v_add( x, turn_by_node( args->table, walks[k].at, o ) );
         sum.base = lane8v_mul_add( sum.base, fraction, place );
         sum.velocity = lane8v_mul_add( sum.velocity, fraction, v );
         sum.before = lane8v_mul_add( sum.before, fraction, before );
@@ -352,14 +332,14 @@ static void blend_half( const wisp_strand_ghost_args* args, int group, int half 
     for ( int k = 0; k < links; ++k )
     {
         const int32_t* node = args->lane_node + ( group * links + k ) * WISP_LANES + half;
-        walks[k] = begin_walk( node, args->lane_count + first, LARGEST_STRIDE );
+        walks[k] = begin_walk( node, args->lane_count + first, BLENDED_STRIDE );
     }
     const lane8 scale = lane8_loadu( args->centre_scale + first );
     for ( int i = 0; i < row_count; ++i )
     {
         const float* offset = args->offset + from + (size_t)i * (size_t)links * 3 * WISP_LANES;
         blended b = blend_row( args, group * links * WISP_LANES + half, walks, offset );
-        const lane8 elastic = lane8_elastic( args->elastic, b.velocity, b.before );
+        const lane8 elastic = lane8_elastic( args->is_elastic, b.velocity, b.before );
         const lane8 centre = lane8_mul( scale, lane8v_length( load_offset( offset ) ) );
         const lane8 shared = lane8_add( elastic, b.tip );
         const lane8v sway = lane8v_scale( b.velocity, lane8_set1( args->sway_time ) );

@@ -1,6 +1,6 @@
 // Jitter of segment lengths and directions, sixteen strands at a time (Kim 2026, eq. 2-7).
 //
-//   l* = max( l0 (1 + eta / (k_s + eps)), 0.05 l0 )       theta = theta_max xi / (k_b + eps)
+//   l* = max( l0 (1 + eta / k_s), 0.05 l0 )               theta = theta_max xi / k_b
 //   p'_i = p'_{i-1} + l* R( a_i, theta_i ) t_i            a_i = t_{i-1} x t_i, normalised
 //
 // Rotations act on directions of the base shape and are not chained, so the sweep keeps only the last tangent and
@@ -14,7 +14,7 @@
 typedef struct jitter_lanes
 {
     lane16i strand;
-    lane16 stretch, bend; // 1 / (k + eps)
+    lane16 stretch, bend; // 1 / k
 } jitter_lanes;
 
 // Returns the unit vector perpendicular to t that is nearest to the z axis, so that t bends along x and y alone. For a t in the
@@ -78,13 +78,13 @@ static lane16 jittered_length( const wisp_strand_jitter_args* args, const jitter
 
 static void jitter_group( const wisp_strand_jitter_args* args, int group )
 {
-    const lane16 one = lane16_set1( 1.0f ), epsilon = lane16_set1( args->epsilon );
+    const lane16 one = lane16_set1( 1.0f );
     const size_t stride = 3 * WISP_LANES;
     const int lane = group * WISP_LANES;
     jitter_lanes lanes = {
         .strand = lane16i_load( args->lane_strand + lane ),
-        .stretch = lane16_div( one, lane16_add( lane16_load( args->stretch + lane ), epsilon ) ),
-        .bend = lane16_div( one, lane16_add( lane16_load( args->bend + lane ), epsilon ) ),
+        .stretch = lane16_div( one, lane16_load( args->stretch + lane ) ),
+        .bend = lane16_div( one, lane16_load( args->bend + lane ) ),
     };
     lane16 angle_scale = lane16_mul( lane16_set1( args->angle_max ), lanes.bend );
 
@@ -116,10 +116,6 @@ static void jitter_group( const wisp_strand_jitter_args* args, int group )
 
         // length, random around the original
         lane16 target = jittered_length( args, &lanes, i, lane16v_length( lane16v_sub( rest_next, rest_before ) ) );
-        if ( args->epsilon > 0.0f )
-        {
-            target = lane16_mul( target, lane16_div( length, lane16_add( length, epsilon ) ) );
-        }
         shaped = lane16v_mul_add( shaped, target, turned );
         lane16v_store( position, shaped );
         base = base_next;

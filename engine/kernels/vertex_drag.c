@@ -3,8 +3,7 @@
 
 #include "lane_double_vec.h"
 
-// Limits an explicit step so that drag never reverses a velocity. The thrust of the signed law has the same limit: without it
-// the rear of a slack skin is thrown into its front.
+// Limits an explicit step so that drag never reverses a velocity.
 LANE_INLINE lane8v force_on( const wisp_vertex_drag_args* args, int slot, lane8v velocity, lane8 dt_w )
 {
     const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
@@ -16,19 +15,9 @@ LANE_INLINE lane8v force_on( const wisp_vertex_drag_args* args, int slot, lane8v
         lane8m_and( lane8_ge( size, lane8_mul( lane8_set1( 1e-12f ), area ) ), lane8_gt( size, zero ) );
     const lane8m acts = lane8m_and( lane8_gt( speed, zero ), large );
     const lane8 along = lane8_div( lane8v_dot( velocity, vector ), lane8_mul( speed, size ) );
-    lane8 c = lane8_mul( lane8_set1( args->half_density_drag ), area );
-    if ( args->law == WISP_DRAG_NORMAL )
-    {
-        const lane8 flow = lane8_mul( c, speed ), pressure = lane8_mul( lane8_mul( flow, speed ), along );
-        const lane8 limited = lane8_div( pressure, lane8_add( one, lane8_mul( flow, dt_w ) ) );
-        return lane8v_select( acts, lane8v_scale( vector, lane8_neg( lane8_div( limited, size ) ) ), nothing );
-    }
-    c = lane8_mul( c, args->law == WISP_DRAG_MAX   ? lane8_max( along, zero )
-                      : args->law == WISP_DRAG_ABS ? lane8_abs( along )
-                                                   : along );
-    const lane8 limit = lane8_add( one, lane8_mul( lane8_mul( lane8_abs( c ), speed ), dt_w ) );
-    return lane8v_select( acts, lane8v_scale( velocity, lane8_neg( lane8_div( lane8_mul( c, speed ), limit ) ) ),
-                          nothing );
+    const lane8 c = lane8_mul( lane8_mul( lane8_set1( args->half_density_drag ), area ), lane8_max( along, zero ) );
+    const lane8 flow = lane8_mul( c, speed ), limit = lane8_add( one, lane8_mul( flow, dt_w ) );
+    return lane8v_select( acts, lane8v_scale( velocity, lane8_neg( lane8_div( flow, limit ) ) ), nothing );
 }
 
 LANE_INLINE lane8v load_velocity( const wisp_vertex_drag_args* args, int slot, lane8* last )

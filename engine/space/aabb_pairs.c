@@ -149,7 +149,7 @@ typedef struct found_list
 
 // State of one block of a search. Lists are sorted some time after they were found. The sorting method depends on
 // the length, so sorting at once would stall on a mispredicted branch.
-typedef struct search_block
+typedef struct pair_block
 {
     pair_search* search;
     int32_t* area;    // memory of waiting lists
@@ -160,9 +160,9 @@ typedef struct search_block
     box_question question;
     int waiting_count;
     found_list waiting[MAX_WAITING + WISP_SLICE];
-} search_block;
+} pair_block;
 
-static void filter_list( search_block* b, found_list* list )
+static void filter_list( pair_block* b, found_list* list )
 {
     const wisp_aabb_args* args = b->search->args;
     if ( args->filter != NULL && list->count > 0 )
@@ -171,7 +171,7 @@ static void filter_list( search_block* b, found_list* list )
     }
 }
 
-static void keep_lists( search_block* b )
+static void keep_lists( pair_block* b )
 {
     pair_search* s = b->search;
     for ( int i = 0; i < b->waiting_count; ++i )
@@ -192,7 +192,7 @@ static void keep_lists( search_block* b )
 
 // Runs several queries at once.
 // @return false if the grid needs them one by one
-static bool query_together( search_block* b, const int32_t* queries, int count )
+static bool query_together( pair_block* b, const int32_t* queries, int count )
 {
     const pair_search* s = b->search;
     box_question* q = &b->question;
@@ -218,7 +218,7 @@ static bool query_together( search_block* b, const int32_t* queries, int count )
     return true;
 }
 
-static void query_group( search_block* b, const int32_t* queries, int count )
+static void query_group( pair_block* b, const int32_t* queries, int count )
 {
     bool is_done = query_together( b, queries, count );
     for ( int l = 0; l < count && !is_done; ++l )
@@ -255,7 +255,7 @@ static int find_group_end( const pair_search* s, int first, int end )
 static void search_queries( void* context, int begin, int end, int worker )
 {
     pair_search* s = context;
-    search_block b = { .search = s };
+    pair_block b = { .search = s };
     const size_t boxes = (size_t)s->args->box_count + 2 * BOX_FOUND_PADDING, shared = WISP_SLICE * ROOM_SHARED;
     const size_t room = boxes > shared ? boxes : shared, area = room + MAX_WAITING * ROOM_WAITING;
     b.area = b.next = wisp_parallel_scratch( s->parallel, worker, ( area + boxes ) * sizeof( int32_t ) );
@@ -347,7 +347,7 @@ static wisp_status fail_memory( const wisp_aabb_args* args, wisp_error* error )
 }
 
 // Joins the lists. The first search measures and the second fills; if the buffers are large enough, one suffices.
-static wisp_status search_until_it_fits( pair_search* s, wisp_aabb_pairs* pairs, wisp_error* error )
+static wisp_status search_pairs_until_they_fit( pair_search* s, wisp_aabb_pairs* pairs, wisp_error* error )
 {
     const wisp_allocator* allocator = wisp_parallel_allocator( s->parallel );
     wisp_buffer* pool = pairs->buffers + BUFFER_POOL;
@@ -405,7 +405,7 @@ static bool make_grid( pair_search* s, wisp_aabb_pairs* pairs, const wisp_alloca
     return true;
 }
 
-static wisp_status prepare( pair_search* s, wisp_aabb_pairs* pairs, wisp_error* error )
+static wisp_status prepare_pairs( pair_search* s, wisp_aabb_pairs* pairs, wisp_error* error )
 {
     const wisp_allocator* allocator = wisp_parallel_allocator( s->parallel );
     const size_t count = (size_t)s->query_count;
@@ -450,8 +450,8 @@ wisp_status wisp_aabb_pairs_find( wisp_aabb_pairs* pairs, const wisp_parallel* p
         .query_count = args->queries != NULL ? args->query_count : args->box_count,
     };
     forget( pairs );
-    wisp_status status = prepare( &s, pairs, error );
-    status = status == WISP_OK ? search_until_it_fits( &s, pairs, error ) : status;
+    wisp_status status = prepare_pairs( &s, pairs, error );
+    status = status == WISP_OK ? search_pairs_until_they_fit( &s, pairs, error ) : status;
     if ( status != WISP_OK )
     {
         return status;

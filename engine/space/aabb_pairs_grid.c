@@ -36,7 +36,7 @@ typedef struct box_survey
 } box_survey;
 
 // Data shared by the loops of a build.
-typedef struct grid_build
+typedef struct box_grid_builder
 {
     box_grid* grid;
     const wisp_aabb* boxes;
@@ -48,7 +48,7 @@ typedef struct grid_build
     int32_t* begin;
     float *lower[3], *upper[3];
     int32_t* item;
-} grid_build;
+} box_grid_builder;
 
 // ---- sizes ----
 
@@ -93,7 +93,7 @@ static void join_spans( box_span* span, const box_span* other )
 static void survey( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const grid_build* b = context;
+    const box_grid_builder* b = context;
     box_survey* s = b->surveys + begin / BOX_GRAIN;
     memset( s->octaves, 0, sizeof( s->octaves ) );
     box_span span = NO_SPAN;
@@ -137,7 +137,7 @@ static int group_sizes( const int32_t octaves[OCTAVES], int count, int level_of[
 static void survey_levels( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const grid_build* b = context;
+    const box_grid_builder* b = context;
     box_span* spans = b->spans[begin / BOX_GRAIN];
     for ( int level = 0; level < b->grid->level_count; ++level )
     {
@@ -155,7 +155,7 @@ static void survey_levels( void* context, int begin, int end, int worker )
 // ---- cells ----
 
 // Widens cells in steps of a quarter until their number is within the limit.
-static void choose_cells( box_level* level, const box_span* span )
+static void choose_box_cells( box_level* level, const box_span* span )
 {
     double size[3], extent[3], dims[3] = { 1.0, 1.0, 1.0 };
     const double most = span->count <= MAX_FLAT ? 1.0 : fmin( (double)CELLS_PER_BOX * span->count, MAX_CELLS );
@@ -193,7 +193,7 @@ static void choose_cells( box_level* level, const box_span* span )
 }
 
 // Sorts axes by number of cells, most first, so that runs are long and few; ties in the order x, y, z.
-static void order_axes( box_level* level )
+static void order_box_axes( box_level* level )
 {
     for ( int k = 0; k < 3; ++k )
     {
@@ -221,10 +221,10 @@ static int32_t cell_of_box( const box_level* level, const wisp_aabb* box )
     return cell;
 }
 
-static void find_cells( void* context, int begin, int end, int worker )
+static void find_box_cells( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const grid_build* b = context;
+    const box_grid_builder* b = context;
     for ( int i = begin; i < end; ++i )
     {
         int octave = b->cell_of[i];
@@ -235,7 +235,7 @@ static void find_cells( void* context, int begin, int end, int worker )
 // ---- slots ----
 
 // Sorts boxes by cell with a stable counting sort. Runs on one worker: it moves four bytes per box.
-static void sort_boxes( grid_build* b, int64_t cells )
+static void sort_boxes( box_grid_builder* b, int64_t cells )
 {
     memset( b->begin, 0, ( (size_t)cells + 1 ) * sizeof( int32_t ) );
     for ( int i = 0; i < b->box_count; ++i )
@@ -259,10 +259,10 @@ static void sort_boxes( grid_build* b, int64_t cells )
     b->begin[0] = 0;
 }
 
-static void copy_slots( void* context, int begin, int end, int worker )
+static void copy_box_slots( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const grid_build* b = context;
+    const box_grid_builder* b = context;
     for ( int slot = begin; slot < end; ++slot )
     {
         const wisp_aabb* box = b->boxes + b->item[slot];
@@ -276,7 +276,7 @@ static void copy_slots( void* context, int begin, int end, int worker )
 
 // ---- build ----
 
-static bool reserve_boxes( grid_build* b, wisp_buffer* buffers, const wisp_allocator* allocator )
+static bool reserve_boxes( box_grid_builder* b, wisp_buffer* buffers, const wisp_allocator* allocator )
 {
     size_t count = (size_t)b->box_count, slots = ( count + SLOT_PADDING + 15 ) & ~(size_t)15;
     size_t blocks = count / BOX_GRAIN + 1;
@@ -300,7 +300,7 @@ static bool reserve_boxes( grid_build* b, wisp_buffer* buffers, const wisp_alloc
 }
 
 // Pads the slots with boxes that overlap nothing.
-static void clear_padding( grid_build* b )
+static void clear_padding( box_grid_builder* b )
 {
     for ( int slot = b->grid->slot_count; slot < b->grid->slot_count + SLOT_PADDING; ++slot )
     {
@@ -313,7 +313,7 @@ static void clear_padding( grid_build* b )
     }
 }
 
-static void find_levels( grid_build* b, const wisp_parallel* parallel )
+static void find_levels( box_grid_builder* b, const wisp_parallel* parallel )
 {
     box_grid* grid = b->grid;
     const int blocks = ( b->box_count + BOX_GRAIN - 1 ) / BOX_GRAIN;
@@ -344,8 +344,8 @@ static void find_levels( grid_build* b, const wisp_parallel* parallel )
     }
     for ( int level = 0; level < grid->level_count; ++level )
     {
-        choose_cells( grid->levels + level, levels + level );
-        order_axes( grid->levels + level );
+        choose_box_cells( grid->levels + level, levels + level );
+        order_box_axes( grid->levels + level );
     }
 }
 
@@ -353,7 +353,7 @@ wisp_status box_grid_build( box_grid* grid, wisp_buffer* buffers, const wisp_par
                             const wisp_aabb_args* args )
 {
     const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
-    grid_build b = { .grid = grid, .boxes = args->boxes, .box_count = args->box_count };
+    box_grid_builder b = { .grid = grid, .boxes = args->boxes, .box_count = args->box_count };
     *grid = ( box_grid ){ .kernels = args->kernels };
     if ( !reserve_boxes( &b, buffers, allocator ) )
     {
@@ -373,9 +373,9 @@ wisp_status box_grid_build( box_grid* grid, wisp_buffer* buffers, const wisp_par
         return WISP_NO_MEMORY;
     }
     b.begin = buffers[3].data;
-    wisp_parallel_for( parallel, b.box_count, BOX_GRAIN, find_cells, &b );
+    wisp_parallel_for( parallel, b.box_count, BOX_GRAIN, find_box_cells, &b );
     sort_boxes( &b, cells );
-    wisp_parallel_for( parallel, grid->slot_count, BOX_GRAIN, copy_slots, &b );
+    wisp_parallel_for( parallel, grid->slot_count, BOX_GRAIN, copy_box_slots, &b );
     grid->begin = b.begin;
     grid->cell_of = b.cell_of;
     grid->stream = ( wisp_aabb_stream ){ .lower = { b.lower[0], b.lower[1], b.lower[2] },

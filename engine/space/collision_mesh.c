@@ -3,66 +3,25 @@
 #include "mesh_bvh.h"
 #include "mesh_cells.h"
 #include "mesh_features.h"
-#include "voxels.h"
 
 #include "alloc.h"
-
-#include <string.h>
 
 struct wisp_collision_mesh
 {
     mesh_surface surface;
-    wisp_mesh_search search;
-    embree_tree* embree;    ///< of a rigid mesh, null if voxels are used
-    mesh_bvh bvh;           ///< of a mesh that deforms, zero if voxels are used
+    embree_tree* embree;    ///< of a rigid mesh, null without Embree
+    mesh_bvh bvh;           ///< of a mesh that deforms, and of any without Embree; else zero
     mesh_cells cells;       ///< known to be outside
-    voxels voxels;          ///< zero if a tree is used
     mesh_features features; ///< zero until they are prepared
     bool deforms;
-    float* spare; ///< [point_count][4] old positions, restored if an update of voxels fails; null without
     int open_edge_count, flat_triangle_count;
 };
 
 // ---- creation ----
 
-static size_t spare_bytes( const wisp_collision_mesh* tree )
+static bool has_bvh( const wisp_collision_mesh* tree )
 {
-    return (size_t)tree->surface.point_count * 4 * sizeof( float );
-}
-
-static wisp_status check_search( const wisp_collision_mesh_def* def, wisp_error* error )
-{
-    if ( (unsigned)def->search >= (unsigned)WISP_MESH_SEARCH_COUNT )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "mesh collider: got search %d, which does not exist",
-                          (int)def->search );
-    }
-    if ( !( def->voxel_size >= 0.0f && def->voxel_size <= WISP_COLLISION_MESH_REACH ) )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "mesh collider: got voxels of %g m, expected 0 to %g m",
-                          (double)def->voxel_size, (double)WISP_COLLISION_MESH_REACH );
-    }
-    return WISP_OK;
-}
-
-static wisp_status make_search( wisp_collision_mesh* tree, const wisp_collision_mesh_def* def, wisp_error* error )
-{
-    if ( def->search == WISP_MESH_SEARCH_TREE )
-    {
-        return def->deforms ? mesh_bvh_build( &tree->bvh, &tree->surface, error )
-                            : embree_tree_create( &tree->surface, def, &tree->embree, error );
-    }
-    if ( def->deforms )
-    {
-        tree->spare = base_allocate( &tree->surface.allocator, spare_bytes( tree ), BASE_BUFFER_ALIGNMENT );
-        if ( tree->spare == NULL )
-        {
-            return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a mesh collider" );
-        }
-    }
-    tree->voxels.size_queried = (double)def->voxel_size;
-    tree->voxels.max_bytes = def->memory_limit;
-    return voxels_build( &tree->voxels, &tree->surface, error );
+    return tree->bvh.surface != NULL;
 }
 
 wisp_status wisp_collision_mesh_create( const wisp_collision_mesh_def* def, const wisp_allocator* allocator,
@@ -70,8 +29,7 @@ wisp_status wisp_collision_mesh_create( const wisp_collision_mesh_def* def, cons
 {
     *out = NULL;
     mesh_surface surface = { 0 };
-    wisp_status status = check_search( def, error );
-    status = status == WISP_OK ? mesh_surface_build( &surface, def, allocator, error ) : status;
+    wisp_status status = mesh_surface_build( &surface, def, allocator, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -82,8 +40,10 @@ wisp_status wisp_collision_mesh_create( const wisp_collision_mesh_def* def, cons
         mesh_surface_release( &surface );
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a mesh collider" );
     }
-    *tree = ( wisp_collision_mesh ){ .surface = surface, .search = def->search, .deforms = def->deforms };
-    status = make_search( tree, def, error );
+    *tree = ( wisp_collision_mesh ){ .surface = surface, .deforms = def->deforms };
+    status = def->deforms || embree_tree_exists() == false
+                 ? mesh_bvh_build( &tree->bvh, &tree->surface, error )
+                 : embree_tree_create( &tree->surface, def, &tree->embree, error );
     status = status == WISP_OK ? mesh_cells_create( &tree->cells, &tree->surface, error ) : status;
     if ( status != WISP_OK )
     {
@@ -107,24 +67,15 @@ void wisp_collision_mesh_release( wisp_collision_mesh* tree )
     mesh_bvh_release( &tree->bvh );
     mesh_cells_release( &tree->cells, &tree->surface );
     mesh_features_release( &tree->features, &tree->surface );
-    voxels_release( &tree->voxels, &allocator );
-    base_release( &allocator, tree->spare, spare_bytes( tree ) );
     mesh_surface_release( &tree->surface );
     base_release( &allocator, tree, sizeof( *tree ) );
-}
-
-static bool has_bvh( const wisp_collision_mesh* tree )
-{
-    return tree->bvh.surface != NULL;
 }
 
 size_t wisp_collision_mesh_bytes( const wisp_collision_mesh* tree )
 {
     return sizeof( *tree ) + tree->surface.bytes + mesh_features_bytes( &tree->features, &tree->surface ) +
-           mesh_cells_bytes( &tree->cells ) + ( tree->spare != NULL ? spare_bytes( tree ) : 0 ) +
-           ( has_bvh( tree )        ? mesh_bvh_bytes( &tree->bvh )
-             : tree->embree != NULL ? embree_tree_bytes( tree->embree )
-                                    : voxels_bytes( &tree->voxels ) );
+           mesh_cells_bytes( &tree->cells ) +
+           ( has_bvh( tree ) ? mesh_bvh_bytes( &tree->bvh ) : embree_tree_bytes( tree->embree ) );
 }
 
 size_t wisp_collision_mesh_outside_bytes( const wisp_collision_mesh* tree )
@@ -134,40 +85,12 @@ size_t wisp_collision_mesh_outside_bytes( const wisp_collision_mesh* tree )
 
 wisp_collision_mesh_stats wisp_collision_mesh_get_stats( const wisp_collision_mesh* tree )
 {
-    wisp_collision_mesh_stats info = { .open_edge_count = tree->open_edge_count,
-                                       .flat_triangle_count = tree->flat_triangle_count,
-                                       .search = tree->search };
-    if ( tree->search == WISP_MESH_SEARCH_TREE )
-    {
-        info.build_count = 1;
-        info.refit_count = tree->bvh.refit_count;
-        return info;
-    }
-    info.build_count = tree->voxels.build_count;
-    info.voxel_size = (float)tree->voxels.size;
-    info.voxel_count = tree->voxels.voxel_count;
-    info.coarse = tree->voxels.coarse;
-    return info;
+    return ( wisp_collision_mesh_stats ){ .open_edge_count = tree->open_edge_count,
+                                          .flat_triangle_count = tree->flat_triangle_count,
+                                          .refit_count = tree->bvh.refit_count };
 }
 
 // ---- updates ----
-
-// Voxels know one place of each point, and need memory.
-static wisp_status update_voxels( wisp_collision_mesh* tree, const wisp_vec3* points, wisp_error* error )
-{
-    memcpy( tree->spare, tree->surface.xyzw, spare_bytes( tree ) );
-    mesh_surface_set_points( &tree->surface, points, points );
-    wisp_status status = voxels_build( &tree->voxels, &tree->surface, error );
-    if ( status != WISP_OK )
-    {
-        // the old state had memory
-        mesh_surface_restore_points( &tree->surface, tree->spare );
-        wisp_status back = voxels_build( &tree->voxels, &tree->surface, NULL );
-        WISP_ASSERT( back == WISP_OK );
-        (void)back;
-    }
-    return status;
-}
 
 wisp_status wisp_collision_mesh_update( wisp_collision_mesh* tree, const wisp_vec3* start, const wisp_vec3* end,
                                         const wisp_parallel* parallel, wisp_error* error )
@@ -176,23 +99,13 @@ wisp_status wisp_collision_mesh_update( wisp_collision_mesh* tree, const wisp_ve
     {
         return wisp_fail( error, WISP_CONFLICT, "mesh collider: is rigid, so its points cannot move" );
     }
-    if ( start != NULL && has_bvh( tree ) == false )
-    {
-        return wisp_fail( error, WISP_CONFLICT, "mesh collider: voxels cannot follow points from a start to an end" );
-    }
     wisp_status status = mesh_surface_check_points( end, tree->surface.point_count, error );
     if ( status == WISP_OK && start != NULL )
     {
         status = mesh_surface_check_points( start, tree->surface.point_count, error );
     }
-    if ( status != WISP_OK || has_bvh( tree ) == false )
+    if ( status != WISP_OK )
     {
-        status = status == WISP_OK ? update_voxels( tree, end, error ) : status;
-        mesh_cells_empty( &tree->cells );
-        if ( tree->features.boxes.surface != NULL )
-        {
-            mesh_bvh_refit( &tree->features.boxes, parallel );
-        }
         return status;
     }
     mesh_surface_set_points( &tree->surface, start != NULL ? start : end, end );
@@ -285,22 +198,23 @@ static void add_work( wisp_collision_mesh_query_stats* sum, const wisp_collision
     }
 }
 
+static void search_closest( const wisp_collision_mesh* tree, mesh_closest* search )
+{
+    if ( has_bvh( tree ) )
+    {
+        mesh_bvh_find_closest( &tree->bvh, search );
+    }
+    else
+    {
+        embree_tree_find_closest( tree->embree, search );
+    }
+}
+
 static bool find_closest( const wisp_collision_mesh* tree, const wisp_mesh_query* query, wisp_mesh_nearest* out,
                           uint64_t* tested )
 {
     mesh_closest search = mesh_closest_begin( &tree->surface, query );
-    if ( has_bvh( tree ) )
-    {
-        mesh_bvh_find_closest( &tree->bvh, &search );
-    }
-    else if ( tree->embree != NULL )
-    {
-        embree_tree_find_closest( tree->embree, &search );
-    }
-    else
-    {
-        voxels_find_closest( &tree->voxels, &search );
-    }
+    search_closest( tree, &search );
     *tested += search.tested;
     if ( search.triangle >= 0 )
     {
@@ -338,12 +252,11 @@ static float approach( const wisp_collision_mesh* tree, const wisp_mesh_approach
     {
         mesh_closest_propose( search, a->seed );
     }
-    if ( has_bvh( tree ) )
+    if ( tree->deforms )
     {
         return mesh_bvh_find_approach( &tree->bvh, search, a->near );
     }
-    tree->embree != NULL ? embree_tree_find_closest( tree->embree, search )
-                         : voxels_find_closest( &tree->voxels, search );
+    search_closest( tree, search );
     return (float)( sqrt( search->best.squared ) * ( 1.0 - SEARCH_SLACK ) );
 }
 
@@ -431,10 +344,6 @@ static bool find_intersection( const wisp_collision_mesh* tree, const wisp_mesh_
     if ( has_bvh( tree ) )
     {
         mesh_bvh_find_intersection( &tree->bvh, &search );
-    }
-    else if ( tree->embree == NULL )
-    {
-        voxels_find_intersection( &tree->voxels, &search );
     }
     else if ( !embree_tree_find_intersection( tree->embree, &search ) )
     {

@@ -14,8 +14,6 @@
 #include <stdatomic.h>
 #include <string.h>
 
-static const double WIDENING = 4e-6; // relative to the mesh's largest coordinate
-
 struct embree_tree
 {
     const mesh_surface* surface;
@@ -31,7 +29,7 @@ struct embree_tree
 
 static float find_widening( const mesh_surface* s )
 {
-    return (float)( WIDENING * s->largest + MIN_SEARCH_SLACK );
+    return (float)( MESH_WIDENING * s->largest + MIN_SEARCH_SLACK );
 }
 
 static void find_box( const struct RTCBoundsFunctionArguments* arguments )
@@ -255,21 +253,10 @@ static struct RTCRay make_ray( const mesh_cast* sweep, double begin, double end 
                               .mask = 0xffffffffu };
 }
 
-static bool clip( const mesh_cast* sweep, double* begin, double* end )
-{
-    double lower[3], upper[3];
-    for ( int k = 0; k < 3; ++k )
-    {
-        lower[k] = (double)sweep->surface->lower[k] - sweep->slack;
-        upper[k] = (double)sweep->surface->upper[k] + sweep->slack;
-    }
-    return mesh_cast_clip( sweep, lower, upper, begin, end );
-}
-
 bool embree_tree_find_intersection( const embree_tree* tree, mesh_cast* sweep )
 {
     double begin, end;
-    if ( !clip( sweep, &begin, &end ) )
+    if ( !mesh_cast_clip( sweep, &begin, &end ) )
     {
         return true;
     }
@@ -282,6 +269,58 @@ bool embree_tree_find_intersection( const embree_tree* tree, mesh_cast* sweep )
     embree_init_context( &search.context );
     embree_intersect( tree->scene, &search.context, &ray );
     return true;
+}
+
+bool embree_tree_exists( void )
+{
+    return true;
+}
+
+#else
+
+bool embree_tree_exists( void )
+{
+    return false;
+}
+
+wisp_status embree_tree_create( const mesh_surface* surface, const wisp_collision_mesh_def* def, embree_tree** tree,
+                                wisp_error* error )
+{
+    (void)surface;
+    (void)def;
+    *tree = NULL;
+    return wisp_fail( error, WISP_CONFLICT, "mesh collider: this library was built without Embree" );
+}
+
+void embree_tree_release( embree_tree* tree )
+{
+    WISP_ASSERT( tree == NULL );
+    (void)tree;
+}
+
+void embree_tree_find_closest( const embree_tree* tree, mesh_closest* search )
+{
+    (void)tree;
+    (void)search;
+}
+
+bool embree_tree_find_intersection( const embree_tree* tree, mesh_cast* search )
+{
+    (void)tree;
+    (void)search;
+    return false;
+}
+
+size_t embree_tree_bytes( const embree_tree* tree )
+{
+    (void)tree;
+    return 0;
+}
+
+size_t embree_tree_outside_bytes( const embree_tree* tree )
+{
+    (void)tree;
+    return 0;
 }
 
 #endif

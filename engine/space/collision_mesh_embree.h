@@ -1,9 +1,12 @@
-/// Search by an Embree tree. In a library built without Embree none can be created.
+/// Search of a rigid mesh by an Embree tree. A library without Embree has none, and searches by a hierarchy of its own (mesh_bvh.h).
 #pragma once
 
 #include "mesh_search.h"
 
 typedef struct embree_tree embree_tree;
+
+/// @return false in a library that was built without Embree: nothing else may then be called but the release of null
+bool embree_tree_exists( void );
 
 /// @param surface must not move in memory while the tree exists
 wisp_status embree_tree_create( const mesh_surface* surface, const wisp_collision_mesh_def* def, embree_tree** tree,

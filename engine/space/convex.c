@@ -11,8 +11,6 @@
 
 #include <string.h>
 
-static const double NEVER = 2.0;
-
 typedef struct convex_face
 {
     double3 normal;
@@ -368,7 +366,7 @@ void convex_closest( const wisp_convex* convex, double3 p, wisp_surface_point* s
 // Finds the plane that is entered last, before any is left.
 double convex_enter( const wisp_convex* convex, double3 from, double3 step, double3* normal )
 {
-    double enter = -1.0, leave = NEVER;
+    double enter = -1.0, leave = SOLID_NEVER;
     for ( int f = 0; f < convex->face_count; ++f )
     {
         const convex_face* face = convex->faces + f;
@@ -386,5 +384,5 @@ double convex_enter( const wisp_convex* convex, double3 from, double3 step, doub
         }
         leave = speed > 0.0 && time < leave ? time : leave;
     }
-    return enter >= 0.0 && enter <= leave ? enter : NEVER;
+    return enter >= 0.0 && enter <= leave ? enter : SOLID_NEVER;
 }

@@ -4,8 +4,6 @@
 // the row and the column of the point can be the nearest.
 #include "solid.h"
 
-static const double NEVER = 2.0;
-
 bool height_field_is_solid( const wisp_height_field* f )
 {
     return f->heights != NULL && f->count_x >= 2 && f->count_z >= 2 && f->spacing > 0.0f && f->spacing <= FLT_MAX;
@@ -174,7 +172,7 @@ static double enter_triangle( const double3 c[3], double3 from, double3 step, do
     const double before = height + first * speed, after = height + last * speed;
     if ( !( speed < 0.0 ) || after > 0.0 )
     {
-        return NEVER;
+        return SOLID_NEVER;
     }
     *normal = n;
     return before <= 0.0 ? first : -height / speed;
@@ -185,11 +183,11 @@ static double next_line( double u, double v, double time, double lower, double u
 {
     if ( v == 0.0 )
     {
-        return NEVER;
+        return SOLID_NEVER;
     }
     const double at = u + time * v;
     const double line = v > 0.0 ? fmax( floor( at + 1e-9 ) + 1.0, lower ) : fmin( ceil( at - 1e-9 ) - 1.0, upper );
-    return line < lower || line > upper ? NEVER : ( line - u ) / v;
+    return line < lower || line > upper ? SOLID_NEVER : ( line - u ) / v;
 }
 
 // Walks through the cells that the path crosses, seen from above, and through the halves of each.
@@ -216,5 +214,5 @@ double height_field_enter( const wisp_height_field* f, double3 from, double3 ste
         }
         time = end > time ? end : 1.0;
     }
-    return NEVER;
+    return SOLID_NEVER;
 }

@@ -30,7 +30,7 @@ static double3 upward( double3 a, double3 b, double3 c )
 }
 
 // @param normals [2] receives those of the faces beside an edge @return whether it is a ridge
-static bool is_ridge( const wisp_height_field* f, int i, int k, int kind, double3 normals[2] )
+static bool is_ridge_of_field( const wisp_height_field* f, int i, int k, int kind, double3 normals[2] )
 {
     const double3 a = height_field_sample( f, i, k ),
                   b = height_field_sample( f, i + ENDS[kind].i, k + ENDS[kind].k );
@@ -55,7 +55,7 @@ static bool is_peak( const wisp_height_field* f, int i, int k, double3* normal )
         for ( int back = 0; back < 2; ++back )
         {
             double3 normals[2];
-            any = is_ridge( f, i - back * ENDS[kind].i, k - back * ENDS[kind].k, kind, normals ) || any;
+            any = is_ridge_of_field( f, i - back * ENDS[kind].i, k - back * ENDS[kind].k, kind, normals ) || any;
             *normal = double3_mul_add( double3_mul_add( *normal, 1.0, normals[0] ), 1.0, normals[1] );
         }
     }
@@ -96,7 +96,7 @@ int wisp_height_field_find_features( const wisp_height_field* f, const float low
                 if ( i + end.i < f->count_x && k + end.k < f->count_z && found < capacity &&
                      overlaps( height_field_sample( f, i, k ), height_field_sample( f, i + end.i, k + end.k ), lower,
                                upper ) &&
-                     ( corners ? is_peak( f, i, k, normals ) : is_ridge( f, i, k, kind, normals ) ) )
+                     ( corners ? is_peak( f, i, k, normals ) : is_ridge_of_field( f, i, k, kind, normals ) ) )
                 {
                     out[found++] = ( k * f->count_x + i ) * PER_SAMPLE + kind;
                 }
@@ -121,7 +121,8 @@ wisp_mesh_sides wisp_height_field_sides( const wisp_height_field* f, int32_t fea
     const int number = feature / PER_SAMPLE, kind = feature % PER_SAMPLE, i = number % f->count_x,
               k = number / f->count_x;
     double3 normals[2];
-    const bool sticks_out = kind == CORNER ? is_peak( f, i, k, normals ) : is_ridge( f, i, k, kind, normals );
+    const bool sticks_out =
+        kind == CORNER ? is_peak( f, i, k, normals ) : is_ridge_of_field( f, i, k, kind, normals );
     const double3 n =
         kind == CORNER ? normals[0] : double3_unit_or_zero( double3_mul_add( normals[0], 1.0, normals[1] ) );
     return ( wisp_mesh_sides ){ double3_narrow( n ), sticks_out, false };

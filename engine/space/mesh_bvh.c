@@ -12,9 +12,6 @@ enum
     REFIT_GRAIN = 64, // groups of leaves per block
 };
 
-// Relative to the mesh's largest coordinate: more than the rounding of a distance to a box.
-static const double WIDENING = 4e-6;
-
 // ---- order ----
 
 // Doubled centres of triangles, and the order that is sorted.
@@ -291,7 +288,7 @@ static void refit_leaves( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const mesh_bvh* bvh = context;
-    const float widening = (float)( WIDENING * bvh->surface->largest + MIN_SEARCH_SLACK );
+    const float widening = (float)( MESH_WIDENING * bvh->surface->largest + MIN_SEARCH_SLACK );
     for ( int leaf = begin; leaf < end; ++leaf )
     {
         refit_leaf( bvh, leaf, widening );

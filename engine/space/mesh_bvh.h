@@ -1,5 +1,6 @@
-/// Search by a bounding volume hierarchy with eight children a node, for meshes that deform. Built once, by splits at the
-/// median of the rest shape, then refitted to the motion of each step. It allocates nothing after the build and needs no Embree.
+/// Search by a bounding volume hierarchy with eight children a node: of meshes that deform, and of rigid ones in a library without
+/// Embree. Built once, by splits at the median of the rest shape, then refitted to the motion of each step. It allocates nothing
+/// after the build.
 ///
 /// Nodes have no pointers: triangles are in an order in which each run of 8 is a leaf, each run of 8 leaves a node, and so on.
 /// So the bounds of the children of one node are one group of eight lanes (Ernst and Greiner 2008, "Multi bounding volume

@@ -13,7 +13,6 @@ enum
 };
 
 // Relative to the mesh's largest coordinate: more than the rounding of a distance to a triangle.
-static const double WIDENING = 4e-6;
 
 // ---- closest points ----
 
@@ -79,7 +78,7 @@ LANE_INLINE lane8 edge_squared( lane8v from, lane8v along )
 }
 
 // Return about the squared distances from the triangles of a leaf: no more than those plus their rounding, and 0 where a triangle
-// is so narrow at its first corner that more cannot be said.
+// is so narrow at its first corner, or so large, that more cannot be said.
 LANE_INLINE lane8 triangles_squared( const mesh_bvh_leaf* leaf, lane8 time, const lane8 p[3] )
 {
     const lane8v a = corner_of( leaf, 0, time, p ), b = corner_of( leaf, 1, time, p ),
@@ -97,8 +96,9 @@ LANE_INLINE lane8 triangles_squared( const mesh_bvh_leaf* leaf, lane8 time, cons
     const lane8m inside =
         lane8m_and( lane8_ge( by_ab, lane8_zero() ),
                     lane8m_and( lane8_ge( by_bc, lane8_zero() ), lane8_ge( by_ca, lane8_zero() ) ) );
-    const lane8m wide =
-        lane8_gt( area, lane8_mul( lane8_set1( 0.01f ), lane8_mul( lane8v_dot( ab, ab ), lane8v_dot( ca, ca ) ) ) );
+    const lane8m wide = lane8m_and(
+        lane8_gt( area, lane8_mul( lane8_set1( 0.01f ), lane8_mul( lane8v_dot( ab, ab ), lane8v_dot( ca, ca ) ) ) ),
+        lane8_le( plane, lane8_set1( FLT_MAX ) ) );
     return lane8_select( wide, lane8_select( inside, plane, border ), lane8_zero() );
 }
 
@@ -165,7 +165,7 @@ static int push_children( stack_entry* stack, int count, int level, int group, u
     return count;
 }
 
-static void find_closest( const mesh_bvh* bvh, mesh_closest* search, closest_limits* limits )
+static void find_closest_in_tree( const mesh_bvh* bvh, mesh_closest* search, closest_limits* limits )
 {
     const lane8 p[3] = { lane8_set1( (float)search->point.x ), lane8_set1( (float)search->point.y ),
                          lane8_set1( (float)search->point.z ) };
@@ -201,7 +201,7 @@ static void find_closest( const mesh_bvh* bvh, mesh_closest* search, closest_lim
 static closest_limits limits_of( const mesh_bvh* bvh, const mesh_closest* search, float near )
 {
     closest_limits limits = { .near = fminf( near * near * 1.00001f + 1e-30f, 1e37f ),
-                              .slack = (float)( WIDENING * bvh->surface->largest + MIN_SEARCH_SLACK ),
+                              .slack = (float)( MESH_WIDENING * bvh->surface->largest + MIN_SEARCH_SLACK ),
                               .clear = near };
     set_limits( search, &limits );
     return limits;
@@ -210,13 +210,13 @@ static closest_limits limits_of( const mesh_bvh* bvh, const mesh_closest* search
 void mesh_bvh_find_closest( const mesh_bvh* bvh, mesh_closest* search )
 {
     closest_limits limits = limits_of( bvh, search, INFINITY );
-    find_closest( bvh, search, &limits );
+    find_closest_in_tree( bvh, search, &limits );
 }
 
 float mesh_bvh_find_approach( const mesh_bvh* bvh, mesh_closest* search, float near )
 {
     closest_limits limits = limits_of( bvh, search, near );
-    find_closest( bvh, search, &limits );
+    find_closest_in_tree( bvh, search, &limits );
     // boxes were skipped that are beyond the best triangle; less by the rounding of all this
     const float best = (float)sqrt( search->best.squared ), clear = best < limits.clear ? best : limits.clear;
     return clear - 1e-3f * fabsf( clear ) - limits.slack;
@@ -225,7 +225,7 @@ float mesh_bvh_find_approach( const mesh_bvh* bvh, mesh_closest* search, float n
 // ---- paths ----
 
 // Test a path against the boxes of a group, slab by slab, as bits. `inverse` is 1 / step, 0 where a path does not move
-// along an axis.
+// along an axis. `last` is the end, a fraction of the step.
 LANE_INLINE uint32_t meets( const mesh_bvh_group* g, const float* from, const float* inverse, lane8 slack,
                             float last )
 {
@@ -251,10 +251,17 @@ LANE_INLINE uint32_t meets( const mesh_bvh_group* g, const float* from, const fl
     return lane8m_bits( lane8m_and( inside, lane8_le( begin, end ) ) );
 }
 
+// The path begins at the box of the mesh: from far away, single precision would miss the boxes.
 void mesh_bvh_find_intersection( const mesh_bvh* bvh, mesh_cast* search )
 {
+    double begin, end;
+    if ( !mesh_cast_clip( search, &begin, &end ) )
+    {
+        return;
+    }
     const double3 step = double3_sub( search->to, search->from );
-    const float from[3] = { (float)search->from.x, (float)search->from.y, (float)search->from.z };
+    const double3 origin = double3_mul_add( search->from, begin, step );
+    const float from[3] = { (float)origin.x, (float)origin.y, (float)origin.z };
     const double each[3] = { step.x, step.y, step.z };
     float inverse[3];
     // a step along an axis that is lost within the slack counts as none: its quotient would not be finite
@@ -270,10 +277,9 @@ void mesh_bvh_find_intersection( const mesh_bvh* bvh, mesh_cast* search )
     while ( count > 0 )
     {
         const stack_entry top = stack[--count];
-        const float last =
-            search->triangle >= 0 ? (float)fmin( 1.0, search->best.time + slack / search->length ) : 1.0f;
-        uint32_t bits =
-            meets( bvh->groups + bvh->first[top.level] + top.group, from, inverse, wide, last * 1.000001f );
+        const double last = search->triangle >= 0 ? fmin( end, search->best.time + slack / search->length ) : end;
+        uint32_t bits = meets( bvh->groups + bvh->first[top.level] + top.group, from, inverse, wide,
+                               (float)( last - begin ) * 1.000001f );
         for ( int child = 0; bits != 0; ++child, bits >>= 1 )
         {
             const int32_t below = top.group * MESH_BVH_WIDTH + child;
@@ -291,7 +297,7 @@ void mesh_bvh_find_intersection( const mesh_bvh* bvh, mesh_cast* search )
 
 // ---- overlaps ----
 
-LANE_INLINE uint32_t overlaps( const mesh_bvh_group* g, const float lower[3], const float upper[3] )
+LANE_INLINE uint32_t overlaps_box( const mesh_bvh_group* g, const float lower[3], const float upper[3] )
 {
     lane8m meets = lane8_le( lane8_zero(), lane8_zero() );
     for ( int k = 0; k < 3; ++k )
@@ -310,7 +316,7 @@ int mesh_bvh_next_overlaps( const mesh_bvh* bvh, mesh_bvh_overlap* search, const
     {
         const int level = search->level[--search->count];
         const int32_t group = search->group[search->count];
-        uint32_t bits = overlaps( bvh->groups + bvh->first[level] + group, lower, upper );
+        uint32_t bits = overlaps_box( bvh->groups + bvh->first[level] + group, lower, upper );
         for ( int child = 0; bits != 0; ++child, bits >>= 1 )
         {
             const int32_t below = group * MESH_BVH_WIDTH + child;

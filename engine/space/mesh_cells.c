@@ -7,7 +7,6 @@
 #include <string.h>
 
 // Relative to the mesh's largest coordinate: more than the rounding of the place of a point among the cells.
-static const double WIDENING = 4e-6;
 
 enum
 {
@@ -286,7 +285,7 @@ static void find_outside( mesh_cells* cells )
 
 void mesh_cells_fill( mesh_cells* cells, const mesh_surface* surface )
 {
-    const float widening = (float)( WIDENING * surface->largest + MIN_SEARCH_SLACK );
+    const float widening = (float)( MESH_WIDENING * surface->largest + MIN_SEARCH_SLACK );
     if ( choose_layout( cells, surface, widening ) == false )
     {
         memset( cells->size, 0, sizeof( cells->size ) );

@@ -6,6 +6,8 @@
 
 /// Margins, relative and in metres, by which a search extends beyond the best distance so far.
 #define SEARCH_SLACK 1e-6
+#define MESH_WIDENING                                                                                                \
+    4e-6 // of boxes, relative to the mesh's largest coordinate: more than the rounding of a distance to a box
 #define MIN_SEARCH_SLACK 1e-18 // its square is a normal float
 /// Length by which a path extends beyond its first intersection and the box of the mesh, relative to the mesh's
 /// largest coordinate.
@@ -30,7 +32,7 @@ static inline mesh_closest mesh_closest_begin( const mesh_surface* surface, cons
     double radius = fmin( (double)query->radius, SEARCH_FARTHEST );
     return ( mesh_closest ){ .surface = surface,
                              .point = double3_widen( query->point ),
-                             .time = (double)query->time,
+                             .time = surface->start != NULL ? (double)query->time : 0.0,
                              .triangle = -1,
                              .best = { .squared = radius * radius } };
 }
@@ -112,18 +114,19 @@ static inline bool mesh_cast_propose( mesh_cast* search, int32_t triangle )
     return is_first;
 }
 
-/// Clip a path to a box; the result is in fractions of the path.
+/// Clip a path to the box of its mesh, over the whole motion; the result is in fractions of the path.
 /// @return false if they do not meet
-static inline bool mesh_cast_clip( const mesh_cast* search, const double lower[3], const double upper[3],
-                                   double* begin, double* end )
+static inline bool mesh_cast_clip( const mesh_cast* search, double* begin, double* end )
 {
+    const mesh_surface* s = search->surface;
     const double from[3] = { search->from.x, search->from.y, search->from.z };
     const double to[3] = { search->to.x, search->to.y, search->to.z };
     *begin = 0.0;
     *end = 1.0;
     for ( int k = 0; k < 3; ++k )
     {
-        double first = lower[k] - from[k], last = upper[k] - from[k], step = to[k] - from[k];
+        double first = (double)s->lower[k] - search->slack - from[k];
+        double last = (double)s->upper[k] + search->slack - from[k], step = to[k] - from[k];
         if ( step == 0.0 )
         {
             *end = first > 0.0 || last < 0.0 ? -1.0 : *end;

@@ -180,16 +180,6 @@ void mesh_surface_set_points( mesh_surface* s, const wisp_vec3* start, const wis
     find_extent( s );
 }
 
-void mesh_surface_restore_points( mesh_surface* s, const float* xyzw )
-{
-    memcpy( s->xyzw, xyzw, size_of( s->point_count, 4 * sizeof( float ) ) );
-    if ( s->start != NULL )
-    {
-        memcpy( s->start, xyzw, size_of( s->point_count, 4 * sizeof( float ) ) );
-    }
-    find_extent( s );
-}
-
 static void widen_box( const float* xyzw, const int32_t* number, float lower[3], float upper[3] )
 {
     for ( int corner = 0; corner < 3; ++corner )

@@ -35,9 +35,6 @@ void mesh_surface_set_points( mesh_surface* surface, const wisp_vec3* start, con
 int mesh_surface_count_open_edges( const mesh_surface* surface );
 int mesh_surface_count_flat_triangles( const mesh_surface* surface );
 
-/// Take back points as they were in `xyzw`, [point_count][4], before they changed.
-void mesh_surface_restore_points( mesh_surface* surface, const float* xyzw );
-
 /// Return the corners of a triangle at a time in [0, 1] of the motion. A rigid mesh has one place.
 static inline triangle_corners mesh_surface_triangle( const mesh_surface* surface, int32_t triangle, double time )
 {

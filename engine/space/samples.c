@@ -249,8 +249,7 @@ static bool fits( const samples_memory* m, const wisp_samples_args* args )
 
 static bool is_sampled_alike( const samples_memory* m, const wisp_samples_args* args )
 {
-    return m->policy == args->policy && m->rounding == args->rounding && m->hysteresis == args->hysteresis &&
-           m->scanline == args->scanline;
+    return m->policy == args->policy && m->rounding == args->rounding && m->hysteresis == args->hysteresis;
 }
 
 static bool prepare( wisp_samples* samples, const wisp_samples_args* args, const wisp_allocator* allocator )
@@ -274,12 +273,11 @@ static bool prepare( wisp_samples* samples, const wisp_samples_args* args, const
     m->policy = args->policy;
     m->rounding = args->rounding;
     m->hysteresis = args->hysteresis;
-    m->scanline = args->scanline;
     return true;
 }
 
 // Returns the arrays of one of the two layers. They have 8 extra rows, since rows are written eight at a time.
-static samples_points points_of( const wisp_samples* samples, int turn, bool normals, bool scanline )
+static samples_points points_of( const wisp_samples* samples, int turn, bool normals )
 {
     const samples_memory* m = memory_of( samples );
     const size_t rows = (size_t)m->capacity[turn] + 8, row = 4 * sizeof( float );
@@ -289,16 +287,15 @@ static samples_points points_of( const wisp_samples* samples, int turn, bool nor
     p.parents = take( &l, rows, row );
     p.weights = take( &l, rows, row );
     p.normals = normals ? take( &l, rows, row ) : NULL;
-    p.normal_weights = normals && scanline ? take( &l, rows, row ) : NULL;
     return p;
 }
 
-static bool reserve_points( wisp_samples* samples, int turn, int count, bool normals, bool scanline,
+static bool reserve_points( wisp_samples* samples, int turn, int count, bool normals,
                             const wisp_allocator* allocator )
 {
     samples_memory* m = memory_of( samples );
     wisp_buffer* buffer = samples->buffers + BUFFER_POINTS + turn;
-    const size_t row = ( 3 + ( normals ? 1u : 0u ) + ( normals && scanline ? 1u : 0u ) ) * 4 * sizeof( float );
+    const size_t row = ( 3 + ( normals ? 1u : 0u ) ) * 4 * sizeof( float );
     const size_t around = 5 * BASE_BUFFER_ALIGNMENT + 8 * row;
     if ( wisp_buffer_reserve( buffer, allocator, (size_t)count * row + around ) == false )
     {
@@ -359,10 +356,6 @@ static void pad_weights( const samples_update* u )
     for ( int p = u->count; u->count > 0 && p % 8 != 0; ++p )
     {
         memcpy( u->to.weights + p, u->to.weights + p - 1, 4 * sizeof( float ) );
-        if ( u->to.normal_weights != NULL )
-        {
-            memcpy( u->to.normal_weights + p, u->to.normal_weights + p - 1, 4 * sizeof( float ) );
-        }
     }
 }
 
@@ -382,13 +375,12 @@ static bool fill_all( wisp_samples* samples, samples_update* u, const totals* su
 {
     samples_memory* m = u->memory;
     const int turn = 1 - m->turn, elements = m->edges.count + m->triangles.count;
-    const bool normals = u->args->normal != NULL, scanline = u->args->scanline;
-    if ( reserve_points( samples, turn, (int)sum->points, normals, scanline, wisp_parallel_allocator( parallel ) ) ==
-         false )
+    const bool normals = u->args->normal != NULL;
+    if ( reserve_points( samples, turn, (int)sum->points, normals, wisp_parallel_allocator( parallel ) ) == false )
     {
         return false;
     }
-    u->to = points_of( samples, turn, normals, scanline );
+    u->to = points_of( samples, turn, normals );
     u->count = (int)sum->points;
     u->edge_points = (int)sum->edge_points;
     wisp_parallel_for( parallel, u->edge_blocks + u->triangle_blocks, 1, samples_fill_block, u );
@@ -414,7 +406,6 @@ static void place_block( void* context, int begin, int end, int worker )
         .normal = u->to.normals != NULL ? u->args->normal : NULL,
         .parents = (const int32_t( * )[4])u->to.parents,
         .weights = (const float( * )[4])u->to.weights,
-        .normal_weights = (const float( * )[4])u->to.normal_weights,
         .xyzw = u->to.xyzw,
         .normals = u->to.normals,
     };
@@ -483,7 +474,7 @@ static void replace_normal( const samples_update* u, int point )
 static void place_all( samples_update* u, const wisp_parallel* parallel, bool weighs )
 {
     const int elements = u->memory->edges.count + u->memory->triangles.count;
-    if ( weighs && ( u->args->policy == WISP_SPACING_EXACT || u->to.normal_weights != NULL ) )
+    if ( weighs && u->args->policy == WISP_SPACING_EXACT )
     {
         wisp_parallel_for( parallel, elements, WEIGH_GRAIN, samples_weigh_block, u );
         pad_weights( u );

@@ -33,7 +33,7 @@ static void keep_nothing( samples_group* g, int i )
 
 // Returns the length that a count is computed from: the remembered one, as a float, with hysteresis; otherwise the
 // current one.
-static double made_from( const wisp_samples_args* args, float remembered, double now )
+static double counted_from( const wisp_samples_args* args, float remembered, double now )
 {
     return args->hysteresis > 0.0f ? (double)remembered : now;
 }
@@ -41,8 +41,8 @@ static double made_from( const wisp_samples_args* args, float remembered, double
 static samples_extent triangle_made_from( const samples_update* u, int t, const float* extent,
                                           const samples_extent* now )
 {
-    return ( samples_extent ){ now->axis, made_from( u->args, extent[2 * (size_t)t], now->base ),
-                               made_from( u->args, extent[2 * (size_t)t + 1], now->height ) };
+    return ( samples_extent ){ now->axis, counted_from( u->args, extent[2 * (size_t)t], now->base ),
+                               counted_from( u->args, extent[2 * (size_t)t + 1], now->height ) };
 }
 
 void samples_keep_edge( const samples_update* u, int edge )
@@ -52,7 +52,7 @@ void samples_keep_edge( const samples_update* u, int edge )
     keep_nothing( g, edge );
     if ( samples_measure_edge( u->args, edge, &length ) )
     {
-        const double n = samples_count_of( u->args, made_from( u->args, g->extent[edge], length ) );
+        const double n = samples_count_of( u->args, counted_from( u->args, g->extent[edge], length ) );
         const samples_bounds b = samples_bounds_of( u->args, n, (double)g->points[edge] );
         g->lower[edge] = above( b.lower );
         g->upper[edge] = below( b.upper );
@@ -131,7 +131,7 @@ static void count_edge( const samples_update* u, int e, samples_tally* tally )
         {
             kept = (float)length;
         }
-        points = samples_points_of( args, samples_count_of( args, made_from( args, kept, length ) ), length );
+        points = samples_points_of( args, samples_count_of( args, counted_from( args, kept, length ) ), length );
     }
     m->next[e] = (int32_t)points;
     m->edges.next_extent[e] = kept;

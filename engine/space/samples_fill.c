@@ -1,9 +1,8 @@
 // Second stage: weights. Elements with unchanged counts keep their weights; the others get new ones. Weights of
-// even spacing stay valid until counts change. Weights of exact spacing depend on lengths, and those of normals
-// along lines depend on normals, so they are computed in every update.
+// even spacing stay valid until counts change. Weights of exact spacing depend on lengths, so they are computed in
+// every update.
 #include "samples_parts.h"
 
-#include <math.h>
 #include <string.h>
 
 static samples_extent made_from( const samples_update* u, int t, const samples_extent* now )
@@ -42,46 +41,7 @@ static void weigh_line( const samples_lines* line, int axis, int first, float ( 
     }
 }
 
-static double length_of_blend( const float* a, const float* b, double fraction )
-{
-    double sum = 0.0;
-    for ( int k = 0; k < 3; ++k )
-    {
-        const double n = ( 1.0 - fraction ) * (double)a[k] + fraction * (double)b[k];
-        sum += n * n;
-    }
-    return sqrt( sum );
-}
-
-// Interpolates normals twice: at the ends of the line, where they are normalised, then between the ends. The
-// weights of the three corners are divided by the length of the interpolated ends. An end whose normals cancel adds
-// nothing.
-static void weigh_normals( const samples_update* u, int t, const samples_lines* line, int axis, int first )
-{
-    const int32_t* slots = u->args->triangles + 3 * (size_t)t;
-    const int a = axis, b = ( axis + 1 ) % 3, c = ( axis + 2 ) % 3;
-    const float* n[3];
-    for ( int k = 0; k < 3; ++k )
-    {
-        n[k] = u->args->normal + (size_t)slots[k] * 4;
-    }
-    const double q = line->fraction;
-    const double left = length_of_blend( n[a], n[c], q ), right = length_of_blend( n[b], n[c], q );
-    const double per_left = left >= (double)WISP_MIN_BLEND_LENGTH ? 1.0 / left : 0.0;
-    const double per_right = right >= (double)WISP_MIN_BLEND_LENGTH ? 1.0 / right : 0.0;
-    for ( int j = 1; j <= (int)line->points; ++j )
-    {
-        const double r = samples_fraction( line->args, j, line->m, line->length );
-        const double on_left = ( 1.0 - r ) * per_left, on_right = r * per_right;
-        float* w = u->to.normal_weights[first + j - 1];
-        w[a] = (float)( on_left * ( 1.0 - q ) );
-        w[b] = (float)( on_right * ( 1.0 - q ) );
-        w[c] = (float)( ( on_left + on_right ) * q );
-        w[3] = 0.0f;
-    }
-}
-
-static void weigh_triangle( const samples_update* u, int t, int begin, bool places, bool normals )
+static void weigh_triangle( const samples_update* u, int t, int begin )
 {
     samples_extent now;
     samples_measure_triangle( u->args, t, &now );
@@ -89,14 +49,7 @@ static void weigh_triangle( const samples_update* u, int t, int begin, bool plac
     samples_lines line = samples_lines_of( u->args, &made, &now );
     while ( samples_next_line( &line ) )
     {
-        if ( places )
-        {
-            weigh_line( &line, now.axis, begin, u->to.weights );
-        }
-        if ( normals )
-        {
-            weigh_normals( u, t, &line, now.axis, begin );
-        }
+        weigh_line( &line, now.axis, begin, u->to.weights );
         begin += (int)line.points;
     }
 }
@@ -106,7 +59,6 @@ void samples_weigh_block( void* context, int begin, int end, int worker )
     (void)worker;
     const samples_update* u = context;
     const samples_memory* m = u->memory;
-    const bool places = u->args->policy == WISP_SPACING_EXACT, normals = u->to.normal_weights != NULL;
     for ( int element = begin; element < end; ++element )
     {
         const int first = m->begin[element], last = m->begin[element + 1], t = element - m->edges.count;
@@ -116,17 +68,11 @@ void samples_weigh_block( void* context, int begin, int end, int worker )
         }
         if ( t >= 0 )
         {
-            weigh_triangle( u, t, first, places, normals );
-            continue;
+            weigh_triangle( u, t, first );
         }
-        if ( places )
+        else
         {
             weigh_edge( u, element, first, last, u->to.weights );
-        }
-        if ( normals )
-        {
-            memcpy( u->to.normal_weights + first, u->to.weights + first,
-                    (size_t)( last - first ) * sizeof( *u->to.weights ) );
         }
     }
 }
@@ -170,7 +116,7 @@ static void make_triangle( const samples_update* u, int t, int begin, int end )
     samples_keep_triangle( u, t );
     if ( end > begin )
     {
-        weigh_triangle( u, t, begin, true, false );
+        weigh_triangle( u, t, begin );
     }
 }
 

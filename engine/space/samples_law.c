@@ -85,7 +85,7 @@ static double dot( double_vector a, double_vector b )
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-static bool is_finite( const float* p )
+static bool is_finite_number( const float* p )
 {
     return fabsf( p[0] ) <= FLT_MAX && fabsf( p[1] ) <= FLT_MAX && fabsf( p[2] ) <= FLT_MAX;
 }
@@ -97,7 +97,7 @@ bool samples_measure_edge( const wisp_samples_args* args, int edge, double* leng
     const double d = (double)( args->edge_spacing != NULL ? args->edge_spacing[edge] : args->spacing );
     const double_vector along = between( a, b );
     *length = sqrt( dot( along, along ) ) / d;
-    return is_finite( a ) && is_finite( b );
+    return is_finite_number( a ) && is_finite_number( b );
 }
 
 bool samples_measure_triangle( const wisp_samples_args* args, int triangle, samples_extent* out )
@@ -110,7 +110,7 @@ bool samples_measure_triangle( const wisp_samples_args* args, int triangle, samp
     for ( int k = 0; k < 3; ++k )
     {
         p[k] = args->position + (size_t)slots[k] * 4;
-        finite = finite && is_finite( p[k] );
+        finite = finite && is_finite_number( p[k] );
     }
     double squared[3];
     int axis = 0;

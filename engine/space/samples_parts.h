@@ -16,7 +16,6 @@ typedef struct samples_points
     float* normals;
     int32_t ( *parents )[4];
     float ( *weights )[4];
-    float ( *normal_weights )[4];
 } samples_points;
 
 /// Totals of one block of elements.
@@ -48,7 +47,7 @@ typedef struct samples_memory
     wisp_spacing policy;
     wisp_rounding rounding;
     float hysteresis;
-    bool scanline, has_normals;
+    bool has_normals;
     bool needs_resampling; // sampling parameters have changed, so nothing is reused
     int turn;              // index of the current layer
     int capacity[2];

@@ -159,8 +159,6 @@ bool wisp_shape_closest( const wisp_shape* shape, wisp_vec3 p, wisp_surface_poin
 
 // ---- paths ----
 
-static const double NEVER = 2.0; // later than the end of any path
-
 // Finds the first root of |from + t step|^2 = radius^2 at which the path enters. The point of closest approach is
 // computed first, so that the discriminant is a difference of lengths, not of their fourth powers.
 static double enter_round( double3 from, double3 step, double radius )
@@ -169,13 +167,13 @@ static double enter_round( double3 from, double3 step, double radius )
     double outside = double3_dot( from, from ) - radius * radius;
     if ( !( squared > 0.0 ) || !( approach > 0.0 ) )
     {
-        return NEVER;
+        return SOLID_NEVER;
     }
     double3 nearest = double3_mul_add( from, approach / squared, step );
     double room = radius * radius - double3_dot( nearest, nearest );
     if ( room < 0.0 )
     {
-        return NEVER;
+        return SOLID_NEVER;
     }
     // the smaller root as c / (b + sqrt), without cancellation where the path begins close to the surface
     return ( outside > 0.0 ? outside : 0.0 ) / ( approach + sqrt( squared * room ) );
@@ -183,7 +181,7 @@ static double enter_round( double3 from, double3 step, double radius )
 
 static double enter_plane( double3 from, double3 step )
 {
-    return step.y < 0.0 ? from.y / -step.y : NEVER;
+    return step.y < 0.0 ? from.y / -step.y : SOLID_NEVER;
 }
 
 // Intersects the cylinder between the two caps and their spheres, and returns the earliest entry. The parts of the
@@ -193,7 +191,7 @@ static double enter_capsule( double3 from, double3 step, double radius, double h
     double time = enter_round( ( double3 ){ from.x, 0.0, from.z }, ( double3 ){ step.x, 0.0, step.z }, radius );
     bool is_beside = fabs( from.y ) <= half || from.x * from.x + from.z * from.z >= radius * radius;
     bool meets_side = is_beside && fabs( from.y + time * step.y ) <= half;
-    double first = meets_side ? time : NEVER;
+    double first = meets_side ? time : SOLID_NEVER;
     for ( int cap = -1; cap <= 1; cap += 2 )
     {
         double3 seen = { from.x, from.y - cap * half, from.z };
@@ -213,12 +211,12 @@ static double enter_cone( const taper* t, double3 from, double3 step )
     const double d = c * ( from.x * from.x + from.z * from.z ) - m * m, root = b * b - a * d;
     if ( !( root >= 0.0 ) )
     {
-        return NEVER;
+        return SOLID_NEVER;
     }
     // both roots without cancellation
     const double q = -( b + ( b < 0.0 ? -sqrt( root ) : sqrt( root ) ) );
-    const double times[] = { a != 0.0 ? q / a : NEVER, q != 0.0 ? d / q : NEVER };
-    double first = NEVER;
+    const double times[] = { a != 0.0 ? q / a : SOLID_NEVER, q != 0.0 ? d / q : SOLID_NEVER };
+    double first = SOLID_NEVER;
     for ( int i = 0; i < 2; ++i )
     {
         const double3 at = double3_mul_add( from, times[i], step );
@@ -236,7 +234,7 @@ static double enter_cone( const taper* t, double3 from, double3 step )
 static double enter_tapered( const wisp_shape* shape, double3 from, double3 step )
 {
     const taper t = taper_of( shape );
-    double first = t.lower < t.upper ? enter_cone( &t, from, step ) : NEVER;
+    double first = t.lower < t.upper ? enter_cone( &t, from, step ) : SOLID_NEVER;
     const double ends[] = { t.lower, t.upper };
     for ( int cap = 0; cap < 2; ++cap )
     {
@@ -251,7 +249,7 @@ static double enter_tapered( const wisp_shape* shape, double3 from, double3 step
 // @param normal of the face, output
 static double enter_box( double3 from, double3 step, double3 h, double3* normal )
 {
-    double enter = -1.0, leave = NEVER;
+    double enter = -1.0, leave = SOLID_NEVER;
     int axis = 0;
     for ( int k = 0; k < 3; ++k )
     {
@@ -267,7 +265,7 @@ static double enter_box( double3 from, double3 step, double3 h, double3* normal 
         leave = far < leave ? far : leave;
     }
     *normal = along( axis, axis_of( step, axis ) > 0.0 ? -1.0 : 1.0 );
-    return enter >= 0.0 && enter <= leave ? enter : NEVER;
+    return enter >= 0.0 && enter <= leave ? enter : SOLID_NEVER;
 }
 
 // Returns the surface at a time of the path, with the point projected onto the surface.
@@ -297,7 +295,7 @@ static double enter_time( const wisp_shape* shape, double3 from, double3 step, d
         case WISP_SHAPE_HEIGHT_FIELD:
             return height_field_enter( &shape->height_field, from, step, normal );
     }
-    return NEVER;
+    return SOLID_NEVER;
 }
 
 bool wisp_shape_cast( const wisp_shape* shape, wisp_vec3 from, wisp_vec3 to, wisp_shape_hit* hit )

@@ -5,6 +5,8 @@
 
 #include "wisp/module/shapes.h"
 
+static const double SOLID_NEVER = 2.0; // later than the end of any path
+
 void convex_closest( const wisp_convex* convex, double3 p, wisp_surface_point* s );
 /// @param normal of the face, output
 /// @return fraction of the path, beyond 1 if it does not enter

@@ -1,6 +1,5 @@
 /// Balloon: a closed elastic skin filled with gas that floats, jets, spins and shrinks. The method is the balloon paper of
-/// docs/methods.md; where the paper is ambiguous, a setting selects the reading. The module has the links of the skin too,
-/// so a surface is either a balloon or a cloth.
+/// docs/methods.md. The module has the links of the skin too, so a surface is either a balloon or a cloth.
 ///
 ///     wisp_balloon_def balloon = wisp_default_balloon_def();
 ///     balloon.gas_ratio = 1.2f;                                  // 1.2 times the rest volume of helium at 1 atm
@@ -16,48 +15,6 @@
 WISP_BEGIN_C
 
 WISP_API extern const wisp_module wisp_balloon_module;
-
-/// Which pressure P - P_atm is. The first three are one value at equilibrium with many substeps: of a sphere at 1.2 volumes
-/// 2.4 kPa with 400 of them. With 10 they are the state of a solver that has not converged: there only virial is a pressure of
-/// the balloon (11 % above), and multiplier and gas tell what the volume constraint still lacks (62 and 69 % below).
-typedef enum wisp_balloon_pressure
-{
-    WISP_BALLOON_PRESSURE_VIRIAL =
-        0, ///< that the skin's tensions hold: sum T l / (3 V), smooth, and nearly independent of the mesh
-    WISP_BALLOON_PRESSURE_MULTIPLIER = 1, ///< that the volume constraint exerts: lambda / dt^2 of the last substep
-    WISP_BALLOON_PRESSURE_GAS = 2,        ///< of the gas law in the mesh, P_atm V_0 / V: 1 % of volume is 1013 Pa
-    WISP_BALLOON_PRESSURE_ADDED =
-        3, ///< as printed, the added volume as amount in mol: V_added R T / V; below P_atm until
-           ///< 41.6 volumes are added, so no jet starts
-    WISP_BALLOON_PRESSURE_COUNT = 4,
-} wisp_balloon_pressure;
-
-/// Dependence of drag on the angle between velocity and normal (balloon paper, eq. 11).
-typedef enum wisp_balloon_drag
-{
-    WISP_BALLOON_DRAG_MAX = 0,    ///< max( 0, cos ): the textbook drag of a closed body
-    WISP_BALLOON_DRAG_ABS = 1,    ///< |cos|: twice the frontal area
-    WISP_BALLOON_DRAG_SIGNED = 2, ///< cos, as printed: nothing on a closed rigid body
-    WISP_BALLOON_DRAG_NORMAL = 3, ///< along the normal: 4/3 of the frontal area on a sphere
-    WISP_BALLOON_DRAG_COUNT = 4,
-} wisp_balloon_drag;
-
-typedef enum wisp_balloon_spin
-{
-    WISP_BALLOON_SPIN_VELOCITY =
-        0, ///< the angular velocity increment of the torque is added to velocities, as delta omega x r
-    WISP_BALLOON_SPIN_POSITION = 1, ///< a separate angular velocity rotates positions, as printed
-    WISP_BALLOON_SPIN_NONE = 2,     ///< no torque, no pass
-    WISP_BALLOON_SPIN_COUNT = 3,
-} wisp_balloon_spin;
-
-/// Which pressure is the constant of Bernoulli's law (balloon paper, eq. 12).
-typedef enum wisp_balloon_outlet_constant
-{
-    WISP_BALLOON_OUTLET_PRESENT = 0, ///< the present one, so the jet slows down as the balloon empties
-    WISP_BALLOON_OUTLET_START = 1, ///< that of the jet's start, as printed: the jet speeds up as the balloon empties
-    WISP_BALLOON_OUTLET_COUNT = 2,
-} wisp_balloon_outlet_constant;
 
 #define WISP_BALLOON_MAX_OUTLET 64
 
@@ -78,15 +35,13 @@ typedef struct wisp_balloon_def
     float inflation_rate; ///< m^3/s of gas at atmospheric pressure, negative deflates; default 0
     float min_gas_ratio;  ///< V_0 never falls below this times V_rest, in [0.001, 1], default 1: the skin is slack
 
-    float atmospheric_pressure;     ///< Pa, default 101325
-    float temperature;              ///< K, default 293.15
-    float gas_molar_mass;           ///< kg/mol, default 4.0026e-3, helium
-    float air_molar_mass;           ///< kg/mol, default 28.9647e-3
-    wisp_balloon_pressure pressure; ///< default virial
+    float atmospheric_pressure; ///< Pa, default 101325
+    float temperature;          ///< K, default 293.15
+    float gas_molar_mass;       ///< kg/mol, default 4.0026e-3, helium
+    float air_molar_mass;       ///< kg/mol, default 28.9647e-3
 
-    bool buoyancy;                ///< default true; opposes the gravity of the surface, which must be set
-    float drag_coefficient;       ///< C_d, >= 0, default 0.5; 0: no drag and no pass
-    wisp_balloon_drag drag_model; ///< default max
+    bool buoyancy;          ///< default true; opposes the gravity of the surface, which must be set
+    float drag_coefficient; ///< C_d, >= 0, default 0.5; 0: no drag and no pass
 
     int outlet_count; ///< vertices of the outlet, 0: no outlet, no jet, no spin; default 0
     int32_t outlet
@@ -94,14 +49,9 @@ typedef struct wisp_balloon_def
                                    ///< area vectors
     float outlet_area;             ///< m^2, > 0, default 1e-4
     bool outlet_open;              ///< state of the valve, default false
-    wisp_balloon_spin spin;        ///< default velocity
-    bool
-        keep_angular_momentum; ///< default true: projections do not rotate a free skin. False as in the paper: it spins
-                               ///< up without a torque, and faster with more substeps
     /// Default false: an open mesh is refused. True: each hole is closed by a virtual fan about the mean of its open edges, for
     /// the volume only; a fan has no mass, links, normal or drag.
     bool allow_open;
-    wisp_balloon_outlet_constant outlet_constant; ///< default present
 } wisp_balloon_def;
 
 WISP_DEFINITION( balloon_def );
@@ -123,13 +73,13 @@ WISP_API wisp_status wisp_open_balloon( wisp_world* world, wisp_entity balloon, 
 /// Statistics after a step (balloon paper, fig. 4-7): forces of the last substep, and the body at its start.
 typedef struct wisp_balloon_stats
 {
-    double rest_volume;                              ///< V_rest, m^3
-    double target_volume;                            ///< V_0, m^3
-    double volume;                                   ///< V, m^3, at least 1e-3 V_rest
-    double pressure;                                 ///< P - P_atm as measured, Pa
-    double outlet_speed;                             ///< m/s, 0 when no jet runs
-    double mass_flow;                                ///< kg/s
-    double gas_lost;                                 ///< kg, since the balloon was set
+    double rest_volume;   ///< V_rest, m^3
+    double target_volume; ///< V_0, m^3
+    double volume;        ///< V, m^3, at least 1e-3 V_rest
+    double pressure;      ///< P - P_atm that the tensions of the skin hold, Pa: sum T l / (3 V)
+    double outlet_speed;  ///< m/s, 0 when no jet runs
+    double mass_flow;     ///< kg/s
+    double gas_lost;      ///< kg, since the balloon was set
     double gravity[3], buoyancy[3], drag[3], jet[3]; ///< N
     double torque[3];                                ///< N m, of the jet about the centre of mass
     double angular_velocity[3];                      ///< rad/s, I^-1 L

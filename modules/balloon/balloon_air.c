@@ -3,12 +3,6 @@
 
 wisp_vertex_drag_args balloon_drag_args( wisp_frame* frame, const wisp_span* span, const balloon_state* state )
 {
-    static const wisp_drag_law LAWS[WISP_BALLOON_DRAG_COUNT] = {
-        [WISP_BALLOON_DRAG_MAX] = WISP_DRAG_MAX,
-        [WISP_BALLOON_DRAG_ABS] = WISP_DRAG_ABS,
-        [WISP_BALLOON_DRAG_SIGNED] = WISP_DRAG_SIGNED,
-        [WISP_BALLOON_DRAG_NORMAL] = WISP_DRAG_NORMAL,
-    };
     const balloon_air* air = wisp_frame_column( frame, span->entity, state->air, 0 );
     return ( wisp_vertex_drag_args ){
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
@@ -17,7 +11,6 @@ wisp_vertex_drag_args balloon_drag_args( wisp_frame* frame, const wisp_span* spa
         .areas = wisp_frame_column( frame, span->entity, state->rings, 1 ),
         .half_density_drag = air->half_density_drag,
         .dt = wisp_frame_dt( frame, span->entity ),
-        .law = LAWS[air->mode],
     };
 }
 

@@ -173,37 +173,3 @@ void balloon_kick( wisp_frame* frame, const wisp_span* span, void* user )
     const wisp_span s = wisp_frame_particles( frame, span );
     wisp_frame_kernels( frame )->turn( &args, s.begin, s.end );
 }
-
-// The printed form, for comparison: a separate angular velocity turns the positions by one step's rotation.
-void balloon_turn_printed( wisp_frame* frame, const wisp_span* span, void* user )
-{
-    const balloon_state* state = user;
-    const balloon_body* body = wisp_frame_column( frame, span->entity, state->body, 0 );
-    balloon_turn* turn = wisp_frame_column( frame, span->entity, state->turn, 0 );
-    float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    double w[3];
-    spin_increment( frame, span, state, w );
-    double half[3], square = 1.0, dt = (double)wisp_frame_dt( frame, span->entity );
-    for ( int k = 0; k < 3; ++k )
-    {
-        turn->omega[k] += isfinite( w[k] ) ? w[k] : 0.0; // the state check restores particles, but not this
-        half[k] = 0.5 * dt * turn->omega[k];
-        square += half[k] * half[k];
-    }
-    // eq. 15 from the identity, normalised: q = (1, half) / sqrt( 1 + half^2 ); x + 2 q_v x (q_v x x + q_w x)
-    const int count = wisp_frame_fabric( frame, span->entity )->vertex_count;
-    for ( int slot = 0; slot < count; ++slot )
-    {
-        float* p = position + (size_t)slot * 4;
-        double r[3] = { (double)p[0] - body->centre[0], (double)p[1] - body->centre[1],
-                        (double)p[2] - body->centre[2] };
-        double t[3] = { half[1] * r[2] - half[2] * r[1] + r[0], half[2] * r[0] - half[0] * r[2] + r[1],
-                        half[0] * r[1] - half[1] * r[0] + r[2] };
-        double u[3] = { half[1] * t[2] - half[2] * t[1], half[2] * t[0] - half[0] * t[2],
-                        half[0] * t[1] - half[1] * t[0] };
-        for ( int k = 0; k < 3 && p[3] > 0.0f; ++k )
-        {
-            p[k] = (float)( body->centre[k] + r[k] + 2.0 * u[k] / square );
-        }
-    }
-}

@@ -19,13 +19,9 @@ void wisp_init_balloon_def( wisp_balloon_def* def, size_t size )
         .temperature = 293.15f,
         .gas_molar_mass = 4.0026e-3f,
         .air_molar_mass = 28.9647e-3f,
-        .pressure = WISP_BALLOON_PRESSURE_VIRIAL,
         .buoyancy = true,
         .drag_coefficient = 0.5f,
-        .drag_model = WISP_BALLOON_DRAG_MAX,
         .outlet_area = 1e-4f,
-        .spin = WISP_BALLOON_SPIN_VELOCITY,
-        .keep_angular_momentum = true,
     };
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
@@ -49,13 +45,9 @@ static wisp_status check_ranges( wisp_world* world, const wisp_balloon_def* d )
         { "temperature", d->temperature, 1e-3f, 1e6f },
         { "gas_molar_mass", d->gas_molar_mass, 1e-6f, 10.0f },
         { "air_molar_mass", d->air_molar_mass, 1e-6f, 10.0f },
-        { "pressure", (float)d->pressure, 0.0f, (float)( WISP_BALLOON_PRESSURE_COUNT - 1 ) },
         { "drag_coefficient", d->drag_coefficient, 0.0f, 1e6f },
-        { "drag_model", (float)d->drag_model, 0.0f, (float)( WISP_BALLOON_DRAG_COUNT - 1 ) },
         { "outlet_count", (float)d->outlet_count, 0.0f, (float)WISP_BALLOON_MAX_OUTLET },
         { "outlet_area", d->outlet_area, 1e-12f, 1e6f },
-        { "outlet_constant", (float)d->outlet_constant, 0.0f, (float)( WISP_BALLOON_OUTLET_COUNT - 1 ) },
-        { "spin", (float)d->spin, 0.0f, (float)( WISP_BALLOON_SPIN_COUNT - 1 ) },
     };
     return wisp_world_check_ranges( world, "balloon", ranges, WISP_COUNT( ranges ) );
 }
@@ -169,22 +161,18 @@ typedef struct requested_component
 
 static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d, const balloon_state* s )
 {
-    const bool pbd = d->solver == WISP_SOLVER_PBD, jet = d->outlet_count > 0;
+    const bool pbd = d->solver == WISP_SOLVER_PBD;
     const bool linked = wisp_world_has( world, surface, WISP_SURFACE_ELASTIC ) == false;
     const bool open = wisp_world_fabric( world, surface )->open_edge_count > 0;
     const requested_component all[] = {
         { s->gas, true },
         { s->volume, true },
         { s->skin, true },
-        { s->reading, true },
         { s->open_edge, open },
         { s->inflation, d->inflation_rate != 0.0f },
         { s->buoyancy, d->buoyancy },
         { s->air, d->drag_coefficient > 0.0f },
-        { s->angular, d->keep_angular_momentum },
-        { s->outlet, jet },
-        { s->kick, jet && d->spin == WISP_BALLOON_SPIN_VELOCITY },
-        { s->turn, jet && d->spin == WISP_BALLOON_SPIN_POSITION },
+        { s->outlet, d->outlet_count > 0 },
         { WISP_LINK_STIFFNESS, pbd && linked },
         { WISP_LINK_COMPLIANCE, pbd == false && linked },
     };
@@ -237,7 +225,6 @@ static void fill_outlet( const wisp_fabric* f, const wisp_balloon_def* d, balloo
     outlet->area = (double)d->outlet_area;
     outlet->count = d->outlet_count;
     outlet->open = d->outlet_open ? 1 : 0;
-    outlet->constant = (int32_t)d->outlet_constant;
     for ( int i = 0; i < d->outlet_count; ++i )
     {
         outlet->slots[i] = f->vertex_slot[d->outlet[i]];
@@ -263,13 +250,11 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_balloon_def
         .atmosphere = (double)d->atmospheric_pressure,
         .gas_density = density_of( d, d->gas_molar_mass ),
         .air_density = density_of( d, d->air_molar_mass ),
-        .molar_energy = BALLOON_GAS_CONSTANT * (double)d->temperature,
     };
     *(balloon_skin*)wisp_world_column( world, surface, s->skin, 0 ) =
         ( balloon_skin ){ d->edge_stiffness, d->bend_link_stiffness };
     *(float*)wisp_world_column( world, surface, s->volume, 0 ) =
         d->volume == WISP_SOLVER_PBD ? d->volume_stiffness : -1.0f;
-    *(int32_t*)wisp_world_column( world, surface, s->reading, 0 ) = (int32_t)d->pressure;
     float* rate = wisp_world_column( world, surface, s->inflation, 0 );
     if ( rate != NULL )
     {
@@ -279,17 +264,12 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_balloon_def
     if ( air != NULL )
     {
         double half = 0.5 * density_of( d, d->air_molar_mass ) * (double)d->drag_coefficient;
-        *air = ( balloon_air ){ (float)half, (int32_t)d->drag_model };
+        *air = ( balloon_air ){ (float)half };
     }
     balloon_outlet* outlet = wisp_world_column( world, surface, s->outlet, 0 );
     if ( outlet != NULL )
     {
         fill_outlet( f, d, outlet );
-    }
-    balloon_turn* turn = wisp_world_column( world, surface, s->turn, 0 );
-    if ( turn != NULL )
-    {
-        memset( turn, 0, sizeof( *turn ) );
     }
     fill_links( world, surface, d );
 }

@@ -17,7 +17,7 @@ typedef struct ring_loop
     int slice_count;
 } ring_loop;
 
-static void sum_blocks( void* context, int begin, int end, int worker )
+static void sum_gas_blocks( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const ring_loop* loop = context;
@@ -54,7 +54,7 @@ static wisp_ring_sums sum_rings( wisp_frame* frame, const wisp_span* span, float
         return total;
     }
     int grain = fabric->ring_slice_count < SMALL_SLICES ? blocks : 2;
-    wisp_parallel_for( parallel, blocks, grain > 0 ? grain : 1, sum_blocks, &loop );
+    wisp_parallel_for( parallel, blocks, grain > 0 ? grain : 1, sum_gas_blocks, &loop );
     for ( int block = 0; block < blocks; ++block )
     {
         total.volume += loop.sums[block].volume;
@@ -178,7 +178,6 @@ static double virial_pressure( wisp_frame* frame, const wisp_span* span, const b
 void balloon_read_pressure( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const balloon_state* state = user;
-    const balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
     const balloon_extent* extent = wisp_frame_column( frame, span->entity, state->extent, 0 );
     balloon_gauge* gauge = wisp_frame_column( frame, span->entity, state->gauge, 0 );
     // an open outlet reads the pressure of every substep, statistics that of the last one
@@ -187,22 +186,7 @@ void balloon_read_pressure( wisp_frame* frame, const wisp_span* span, void* user
     {
         return;
     }
-    switch ( *(int32_t*)wisp_frame_column( frame, span->entity, state->reading, 0 ) )
-    {
-        case WISP_BALLOON_PRESSURE_GAS:
-            gauge->pressure = gas->atmosphere * ( gas->target_volume - extent->volume ) / extent->volume;
-            break;
-        case WISP_BALLOON_PRESSURE_MULTIPLIER:
-            gauge->pressure = gas->multiplier;
-            break;
-        case WISP_BALLOON_PRESSURE_ADDED:
-            gauge->pressure =
-                ( gas->target_volume - gas->rest_volume ) * gas->molar_energy / extent->volume - gas->atmosphere;
-            break;
-        default:
-            gauge->pressure = virial_pressure( frame, span, state, extent->volume );
-            break;
-    }
+    gauge->pressure = virial_pressure( frame, span, state, extent->volume );
 }
 
 // ---- the constraint ----
@@ -260,7 +244,6 @@ void balloon_project_volume( wisp_frame* frame, const wisp_span* span, void* use
     }
     double dt = (double)wisp_frame_dt( frame, span->entity ), change = change_of_lambda( gas, fraction, sums, dt );
     gas->lambda += change;
-    gas->multiplier = gas->lambda / ( dt * dt );
     push_loop loop = {
         { position, gradient, (float)change },
         wisp_frame_kernels( frame ),

@@ -17,9 +17,7 @@ typedef struct balloon_gas
     double min_volume;               // lower bound of V_0
     double atmosphere;               // Pa
     double gas_density, air_density; // kg/m^3 at atmospheric pressure
-    double molar_energy;             // R T, J/mol
     double lambda;                   // of the volume constraint, in this substep
-    double multiplier;               // Pa, lambda / dt^2 of the last substep, whose dt may have been another
 } balloon_gas;
 
 /// Enclosed volume at the start of the substep.
@@ -50,8 +48,6 @@ typedef struct balloon_outlet
     double normal[3]; // outward
     double place[3];  // m
     double gas_lost;  // kg
-    double start;     // P - P_atm when the jet last started, Pa
-    int32_t constant; // wisp_balloon_outlet_constant
     int32_t jet_starts;
     int32_t count;
     int32_t slots[WISP_BALLOON_MAX_OUTLET];
@@ -59,16 +55,9 @@ typedef struct balloon_outlet
     int32_t running; // the jet
 } balloon_outlet;
 
-/// The separate rotation of the printed form.
-typedef struct balloon_turn
-{
-    double omega[3];
-} balloon_turn;
-
 typedef struct balloon_air
 {
     float half_density_drag; // 1/2 rho C_d, kg/m^3
-    int32_t mode;            // wisp_balloon_drag
 } balloon_air;
 
 typedef struct balloon_skin
@@ -85,16 +74,12 @@ typedef struct balloon_state
     wisp_component extent;    // balloon_extent
     wisp_component rings;     // per particle: area vectors [slice][3][8], areas [slice][8]
     wisp_component open_edge; // present if the mesh has holes; per particle: balloon_loops
-    wisp_component reading;   // int32 wisp_balloon_pressure
     wisp_component gauge;     // balloon_gauge
     wisp_component buoyancy;  // present if it acts
     wisp_component air;       // balloon_air
     wisp_component body;      // balloon_body
     wisp_component outlet;    // balloon_outlet
     wisp_component jet;       // written by the outlet: there is a force
-    wisp_component kick;      // present if the spin is a kick
-    wisp_component turn;      // balloon_turn: spin as printed
-    wisp_component angular;   // present if angular momentum is kept
     wisp_component stats;     // wisp_balloon_stats
 } balloon_state;
 
@@ -148,7 +133,6 @@ void balloon_jet( wisp_frame* frame, const wisp_span* span, void* user );
 bool balloon_sum_moments( wisp_frame* frame, const wisp_span* span, const float* previous, wisp_moments* out );
 void balloon_measure_body( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_kick( wisp_frame* frame, const wisp_span* span, void* user );
-void balloon_turn_printed( wisp_frame* frame, const wisp_span* span, void* user );
 /// w = I^-1 t
 void balloon_spin_of( const balloon_body* body, const double torque[3], double out[3] );
 void balloon_torque_of( const balloon_body* body, const balloon_outlet* outlet, double out[3] );

@@ -10,13 +10,11 @@ ONE_COLUMN( GAS, balloon_gas )
 ONE_COLUMN( SKIN, balloon_skin )
 ONE_COLUMN( INFLATION, float )
 ONE_COLUMN( VOLUME, float )
-ONE_COLUMN( READING, int32_t )
 ONE_COLUMN( EXTENT, balloon_extent )
 ONE_COLUMN( GAUGE, balloon_gauge )
 ONE_COLUMN( AIR, balloon_air )
 ONE_COLUMN( BODY, balloon_body )
 ONE_COLUMN( OUTLET, balloon_outlet )
-ONE_COLUMN( TURN, balloon_turn )
 ONE_COLUMN( STATS, wisp_balloon_stats )
 #undef ONE_COLUMN
 static const wisp_column_def RING_COLUMNS[] = { { "vectors", 3 * sizeof( float ) }, { "areas", sizeof( float ) } };
@@ -38,16 +36,12 @@ static void declare_components( wisp_registry* r, balloon_state* s )
         { &s->extent, { "balloon.extent", WISP_TABLE_ENTITY, EXTENT_COLUMNS, 1 } },
         { &s->rings, { "balloon.rings", WISP_TABLE_PARTICLE, RING_COLUMNS, 2 } },
         { &s->open_edge, { "balloon.open_edge", WISP_TABLE_PARTICLE, BORDER_COLUMNS, 2 } },
-        { &s->reading, { "balloon.reading", WISP_TABLE_ENTITY, READING_COLUMNS, 1 } },
         { &s->gauge, { "balloon.gauge", WISP_TABLE_ENTITY, GAUGE_COLUMNS, 1 } },
         { &s->buoyancy, { "balloon.buoyancy", WISP_TABLE_ENTITY, NULL, 0 } },
         { &s->air, { "balloon.air", WISP_TABLE_ENTITY, AIR_COLUMNS, 1 } },
         { &s->body, { "balloon.body", WISP_TABLE_ENTITY, BODY_COLUMNS, 1 } },
         { &s->outlet, { "balloon.outlet", WISP_TABLE_ENTITY, OUTLET_COLUMNS, 1 } },
         { &s->jet, { "balloon.jet", WISP_TABLE_ENTITY, NULL, 0 } },
-        { &s->kick, { "balloon.kick", WISP_TABLE_ENTITY, NULL, 0 } },
-        { &s->turn, { "balloon.turn", WISP_TABLE_ENTITY, TURN_COLUMNS, 1 } },
-        { &s->angular, { "balloon.angular", WISP_TABLE_ENTITY, NULL, 0 } },
         { &s->stats, { "balloon.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
     };
     for ( int i = 0; i < WISP_COUNT( all ); ++i )
@@ -56,10 +50,9 @@ static void declare_components( wisp_registry* r, balloon_state* s )
     }
 }
 
-// In order: geometry, control, pressure and outlet, then the passes that change velocities. The printed spin turns positions
-// before prediction, so no velocity follows from it. Statistics and drag come before all passes that change velocities, because
-// both depend on the velocity at the start of the substep. No pass reads or writes the open edges as a component, because a
-// closed mesh has none.
+// In order: geometry, control, pressure and outlet, then the passes that change velocities. Statistics and drag come before all
+// passes that change velocities, because both depend on the velocity at the start of the substep. No pass reads or writes the
+// open edges as a component, because a closed mesh has none.
 static wisp_status declare_passes( wisp_registry* r, balloon_state* s )
 {
     const wisp_component x = WISP_PARTICLE_POSITION, v = WISP_PARTICLE_VELOCITY, g = WISP_PARTICLE_GRAVITY;
@@ -86,13 +79,13 @@ static wisp_status declare_passes( wisp_registry* r, balloon_state* s )
           .stage = WISP_STAGE_FORCE,
           .required = { s->gas },
           .excluded = { WISP_SURFACE_ELASTIC },
-          .reads = { x, s->gas, s->extent, s->skin, s->reading },
+          .reads = { x, s->extent, s->skin },
           .writes = { s->gauge },
           .run = balloon_read_pressure },
         { .name = "balloon.membrane_pressure",
           .stage = WISP_STAGE_FORCE,
           .required = { s->gas, WISP_SURFACE_ELASTIC },
-          .reads = { s->gas, s->extent, WISP_SURFACE_VIRIAL, s->reading },
+          .reads = { s->extent, WISP_SURFACE_VIRIAL },
           .writes = { s->gauge },
           .run = balloon_read_pressure },
         { .name = "balloon.outlet",
@@ -101,12 +94,6 @@ static wisp_status declare_passes( wisp_registry* r, balloon_state* s )
           .reads = { x, s->gas, s->gauge, s->rings, s->outlet },
           .writes = { s->outlet, s->gas, s->jet },
           .run = balloon_let_out },
-        { .name = "balloon.turn",
-          .stage = WISP_STAGE_FORCE,
-          .required = { s->outlet, s->turn },
-          .reads = { x, s->jet, s->outlet, s->body, s->turn },
-          .writes = { x, s->turn },
-          .run = balloon_turn_printed },
         { .name = "balloon.stats",
           .stage = WISP_STAGE_FORCE,
           .required = { s->gas },
@@ -137,7 +124,7 @@ static wisp_status declare_passes( wisp_registry* r, balloon_state* s )
         { .name = "balloon.spin",
           .stage = WISP_STAGE_FORCE,
           .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-          .required = { s->outlet, s->kick },
+          .required = { s->outlet },
           .reads = { x, v, s->jet, s->outlet, s->body },
           .writes = { v },
           .run = balloon_kick },
@@ -149,7 +136,7 @@ static wisp_status declare_passes( wisp_registry* r, balloon_state* s )
           .run = balloon_project_volume },
         { .name = "balloon.angular",
           .stage = WISP_STAGE_PROJECT,
-          .required = { s->gas, s->angular },
+          .required = { s->gas },
           .reads = { x, v, WISP_PARTICLE_PREVIOUS },
           .writes = { x },
           .run = balloon_keep_angular },

@@ -31,8 +31,7 @@ static bool aim( const float* position, const float* vectors, balloon_outlet* ou
 // Let out gas, at most what V_0 has above its minimum. The thrust follows from the actual flow.
 static void flow( balloon_outlet* outlet, balloon_gas* gas, double pressure, double dt )
 {
-    const double drop = outlet->constant == WISP_BALLOON_OUTLET_START ? outlet->start - pressure : pressure;
-    outlet->speed = sqrt( 2.0 * fmax( 0.0, drop ) / gas->gas_density );
+    outlet->speed = sqrt( 2.0 * fmax( 0.0, pressure ) / gas->gas_density );
     double requested = gas->gas_density * outlet->area * outlet->speed;
     double most = gas->gas_density * fmax( 0.0, gas->target_volume - gas->min_volume ) / dt;
     outlet->mass_flow = fmin( requested, most );
@@ -50,10 +49,8 @@ void balloon_let_out( wisp_frame* frame, const wisp_span* span, void* user )
     const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     double fraction = gauge->pressure / gas->atmosphere;
     bool runs = outlet->open != 0 && fraction > ( outlet->running != 0 ? CLOSE_AT : OPEN_AT );
-    bool starts = runs && outlet->running == 0;
+    outlet->jet_starts += runs && outlet->running == 0 ? 1 : 0;
     outlet->running = runs ? 1 : 0;
-    outlet->jet_starts += starts ? 1 : 0;
-    outlet->start = starts ? gauge->pressure : outlet->start;
     outlet->speed = outlet->mass_flow = 0.0;
     if ( runs && aim( position, vectors, outlet ) )
     {

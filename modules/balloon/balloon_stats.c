@@ -65,7 +65,6 @@ void balloon_take_stats( wisp_frame* frame, const wisp_span* span, void* user )
     const balloon_body* body = wisp_frame_column( frame, span->entity, state->body, 0 );
     const balloon_gauge* gauge = wisp_frame_column( frame, span->entity, state->gauge, 0 );
     const balloon_outlet* outlet = wisp_frame_column( frame, span->entity, state->outlet, 0 );
-    const balloon_turn* printed = wisp_frame_column( frame, span->entity, state->turn, 0 );
     wisp_balloon_stats* f = wisp_frame_column( frame, span->entity, state->stats, 0 );
     double q[4] = { f->orientation[0], f->orientation[1], f->orientation[2], f->orientation[3] };
     q[0] = q[0] == 0.0 && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0 ? 1.0 : q[0];
@@ -87,14 +86,7 @@ void balloon_take_stats( wisp_frame* frame, const wisp_span* span, void* user )
     {
         take_jet( outlet, body, f );
     }
-    if ( printed != NULL )
-    {
-        memcpy( f->angular_velocity, printed->omega, sizeof( f->angular_velocity ) );
-    }
-    else
-    {
-        balloon_spin_of( body, body->angular_momentum, f->angular_velocity );
-    }
+    balloon_spin_of( body, body->angular_momentum, f->angular_velocity );
     turn( q, f->angular_velocity, (double)wisp_frame_dt( frame, span->entity ) );
     memcpy( f->orientation, q, sizeof( q ) );
 }

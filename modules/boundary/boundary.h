@@ -25,7 +25,6 @@ typedef struct wisp_boundary_def
     float spacing;          ///< d, m, > 0; default 0: half of the mean rest length of the edges
     wisp_spacing policy;    ///< default even
     wisp_rounding rounding; ///< default down
-    bool scanline_normals;  ///< inner normals from the ends of a line; default false: barycentric
     float
         hysteresis; ///< in spacings, in [0, 0.5]: counts stay while lengths are this close to where they would change;
                     ///< default 0, as in the paper. The counts of a triangle change together
@@ -40,10 +39,9 @@ typedef struct wisp_boundary_def
     float
         strain_gain; ///< the spacing is divided by 1 + gain |l/l0 - 1|, or multiplied by it if the gain is negative;
                      ///< default 0: off
-    bool by_screen;  ///< the spacing is the length of `pixels` at the midpoint of the edge; default false
-    wisp_vec3 eye;   ///< m, position of the camera, with by_screen
-    float pixel_angle; ///< rad spanned by a pixel, > 0; default 0.001
-    float pixels;      ///< distance of points on the screen, default 4
+    float
+        eye_angle; ///< rad: the spacing at the midpoint of an edge spans this angle as seen from the eye; default 0: off
+    wisp_vec3 eye; ///< m, position of the camera
 } wisp_boundary_def;
 
 WISP_DEFINITION( boundary_def );
@@ -55,10 +53,6 @@ WISP_DEFINITION( boundary_def );
 WISP_API wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wisp_boundary_def* def );
 /// Remove the layer and its passes.
 WISP_API wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface );
-/// Move the camera of by_screen, from the next step on. @param eye m, finite
-/// @return WISP_CONFLICT also if the surface has no layer, or its spacing is not by_screen
-WISP_API wisp_status wisp_set_boundary_eye( wisp_world* world, wisp_entity surface, wisp_vec3 eye );
-
 /// The layer after a step, or of the present positions before the first one. The world owns the arrays; they are valid until
 /// the next call that changes it, and before the first step until the next read of the layer or its statistics.
 typedef struct wisp_boundary_view

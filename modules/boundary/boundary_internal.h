@@ -37,8 +37,8 @@ typedef struct boundary_state
 typedef struct boundary_settings
 {
     float spacing;
-    int32_t policy, rounding, scanline, limit, by_screen;
-    float hysteresis, min_spacing, max_spacing, curvature_gain, strain_gain, pixel_angle, pixels;
+    int32_t policy, rounding, limit;
+    float hysteresis, min_spacing, max_spacing, curvature_gain, strain_gain, eye_angle;
     wisp_vec3 eye;
 } boundary_settings;
 

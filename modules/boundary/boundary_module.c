@@ -30,8 +30,6 @@ void wisp_init_boundary_def( wisp_boundary_def* def, size_t size )
 {
     const wisp_boundary_def values = {
         .max_points = 4000000,
-        .pixel_angle = 1e-3f,
-        .pixels = 4.0f,
     };
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
@@ -153,8 +151,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_boundary_def* d )
         { "hysteresis", d->hysteresis, 0.0f, 0.5f },
         { "curvature_gain", d->curvature_gain, 0.0f, 1e6f },
         { "strain_gain", d->strain_gain, -1e6f, 1e6f },
-        { "pixel_angle", d->pixel_angle, 1e-9f, 3.2f },
-        { "pixels", d->pixels, 1e-3f, 1e6f },
+        { "eye_angle", d->eye_angle, 0.0f, 3.2f },
         { "eye.x", d->eye.x, -1e6f, 1e6f },
         { "eye.y", d->eye.y, -1e6f, 1e6f },
         { "eye.z", d->eye.z, -1e6f, 1e6f },
@@ -225,16 +222,13 @@ static boundary_settings fill_settings( const wisp_boundary_def* d, const wisp_f
         .spacing = spacing,
         .policy = (int32_t)d->policy,
         .rounding = (int32_t)d->rounding,
-        .scanline = d->scanline_normals,
         .limit = d->max_points,
-        .by_screen = d->by_screen,
         .hysteresis = d->hysteresis,
         .min_spacing = d->min_spacing == 0.0f ? 0.25f * spacing : d->min_spacing,
         .max_spacing = d->max_spacing == 0.0f ? 4.0f * spacing : d->max_spacing,
         .curvature_gain = d->curvature_gain,
         .strain_gain = d->strain_gain,
-        .pixel_angle = d->pixel_angle,
-        .pixels = d->pixels,
+        .eye_angle = d->eye_angle,
         .eye = d->eye,
     };
 }
@@ -344,7 +338,7 @@ wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wis
         return status;
     }
     const boundary_settings settings = fill_settings( def, wisp_world_fabric( world, surface ) );
-    const bool local = def->curvature_gain > 0.0f || def->strain_gain != 0.0f || def->by_screen;
+    const bool local = def->curvature_gain > 0.0f || def->strain_gain != 0.0f || def->eye_angle > 0.0f;
     boundary_layer* layer = NULL;
     status = check_spacing( world, &settings, wisp_world_fabric( world, surface ) );
     status = status == WISP_OK ? provide_layer( world, surface, state, &layer ) : status;
@@ -388,34 +382,6 @@ static wisp_status find_layer( wisp_world* world, wisp_entity surface, boundary_
     return status == WISP_OK && *out == NULL
                ? wisp_world_fail( world, WISP_CONFLICT, "boundary: entity %u has no layer", surface.index )
                : status;
-}
-
-wisp_status wisp_set_boundary_eye( wisp_world* world, wisp_entity surface, wisp_vec3 eye )
-{
-    WISP_TRY( wisp_world_begin( world ) );
-    WISP_TRY( wisp_world_check_entity( world, surface ) );
-    boundary_state* state;
-    boundary_layer* layer;
-    wisp_status status = find_layer( world, surface, &state, &layer );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    if ( !( fabsf( eye.x ) <= 1e6f && fabsf( eye.y ) <= 1e6f && fabsf( eye.z ) <= 1e6f ) )
-    {
-        return wisp_world_fail(
-            world, WISP_BAD_INPUT,
-            "boundary: eye: got (%g, %g, %g), expected finite coordinates within 1e6 m of the origin", (double)eye.x,
-            (double)eye.y, (double)eye.z );
-    }
-    boundary_settings* settings = wisp_world_column( world, surface, state->settings, 0 );
-    if ( settings->by_screen == 0 )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "boundary: the spacing of entity %u is not by_screen",
-                                surface.index );
-    }
-    settings->eye = eye;
-    return WISP_OK;
 }
 
 // What the passes of the layer write: columns of edges, of triangles, and the normals.

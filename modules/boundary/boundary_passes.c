@@ -60,7 +60,6 @@ void boundary_place_points( wisp_frame* frame, const wisp_span* span, void* user
         .policy = (wisp_spacing)s->policy,
         .rounding = (wisp_rounding)s->rounding,
         .hysteresis = s->hysteresis,
-        .scanline = s->scanline != 0,
         .limit = s->limit,
         .edge_length = wisp_frame_column( frame, e, state->edges, BOUNDARY_EXTENT ),
         .edge_points = wisp_frame_column( frame, e, state->edges, BOUNDARY_POINTS ),

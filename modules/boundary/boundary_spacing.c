@@ -77,12 +77,12 @@ static float by_strain( const spacing_loop* loop, int a, int b )
                                  : s->spacing * ( 1.0f - s->strain_gain * change );
 }
 
-static float by_screen( const spacing_loop* loop, int a, int b )
+static float by_distance( const spacing_loop* loop, int a, int b )
 {
     const boundary_settings* s = loop->settings;
     const wisp_vec3 p = load( loop->position, a ), q = load( loop->position, b );
     const wisp_vec3 middle = { 0.5f * ( p.x + q.x ), 0.5f * ( p.y + q.y ), 0.5f * ( p.z + q.z ) };
-    return s->pixels * s->pixel_angle * distance( s->eye, middle );
+    return s->eye_angle * distance( s->eye, middle );
 }
 
 // NaN, from an end that is not finite, changes nothing: such an edge is not sampled.
@@ -102,7 +102,7 @@ static void find_edge_spacing( void* context, int begin, int end, int worker )
         float queried = FLT_MAX;
         queried = s->curvature_gain > 0.0f ? finer( by_curvature( loop, a, b ), queried ) : queried;
         queried = s->strain_gain != 0.0f ? finer( by_strain( loop, a, b ), queried ) : queried;
-        queried = s->by_screen != 0 ? finer( by_screen( loop, a, b ), queried ) : queried;
+        queried = s->eye_angle > 0.0f ? finer( by_distance( loop, a, b ), queried ) : queried;
         queried = queried > s->min_spacing ? queried : s->min_spacing;
         loop->edge[e] = queried < s->max_spacing ? queried : s->max_spacing;
     }

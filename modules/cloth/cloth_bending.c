@@ -7,8 +7,8 @@
 
 enum
 {
-    MAX_STAGES = 512, // of a substep, a power of two
-    GRAIN = 32,       // slices per block
+    MAX_STAGES = 512,   // of a substep, a power of two
+    BENDING_GRAIN = 32, // slices per block
 };
 
 // T_s at the start of the recurrence: short waves are damped to a quarter or less per substep. Up to a third would be stable.
@@ -65,7 +65,7 @@ wisp_status cloth_add_plate( wisp_world* world, cloth_state* state, wisp_entity 
 
 // ---- a substep ----
 
-typedef struct bending
+typedef struct bending_solve
 {
     wisp_plate_args args;
     wisp_plate_angle_args angles; // dihedral; else without rest angles
@@ -74,7 +74,7 @@ typedef struct bending
     bool by_angle;  // else impulses are those of the matrix
     bool is_last;   // stage
     float* largest; // [block] square of a move over the least height
-} bending;
+} bending_solve;
 
 // Coefficients of a recurrence of some stages (van der Houwen and Sommeijer 1980).
 typedef struct chebyshev
@@ -114,35 +114,35 @@ static int stages_for( double largest )
 static void predict( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const bending* b = context;
+    const bending_solve* b = context;
     b->kernels->plate_predict( &b->moves, begin, end );
 }
 
 static void measure_angles( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const bending* b = context;
+    const bending_solve* b = context;
     b->kernels->plate_measure_angles( &b->angles, 8 * begin, 8 * end );
 }
 
 static void add_moments( const void* context, int begin, int end )
 {
-    const bending* b = context;
+    const bending_solve* b = context;
     b->kernels->plate_add_moments( &b->angles, begin, end );
 }
 
-static void measure_last( const bending* b, int begin, int end )
+static void measure_last( const bending_solve* b, int begin, int end )
 {
     if ( b->is_last && b->by_angle )
     {
-        b->largest[begin / GRAIN] = b->kernels->plate_largest_move( &b->moves, begin, end );
+        b->largest[begin / BENDING_GRAIN] = b->kernels->plate_largest_move( &b->moves, begin, end );
     }
 }
 
 static void begin_stages( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const bending* b = context;
+    const bending_solve* b = context;
     if ( b->by_angle == false )
     {
         b->kernels->plate_impulse( &b->args, begin, end );
@@ -154,7 +154,7 @@ static void begin_stages( void* context, int begin, int end, int worker )
 static void run_stage( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const bending* b = context;
+    const bending_solve* b = context;
     b->kernels->plate_stage( &b->args, begin, end );
     measure_last( b, begin, end );
 }
@@ -162,16 +162,16 @@ static void run_stage( void* context, int begin, int end, int worker )
 static void accelerate( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const bending* b = context;
+    const bending_solve* b = context;
     b->kernels->plate_accelerate( &b->moves, begin, end );
 }
 
-static void for_slices( const wisp_parallel* parallel, bending* b, wisp_range_fn* run )
+static void for_slices( const wisp_parallel* parallel, bending_solve* b, wisp_range_fn* run )
 {
-    wisp_parallel_for( parallel, b->args.rows.slice_count, GRAIN, run, b );
+    wisp_parallel_for( parallel, b->args.rows.slice_count, BENDING_GRAIN, run, b );
 }
 
-static void run_stages( const wisp_parallel* parallel, bending* b, int stages )
+static void run_stages( const wisp_parallel* parallel, bending_solve* b, int stages )
 {
     const chebyshev c = recurrence_of( stages );
     b->args.gain = (float)( c.w1 / c.w0 );
@@ -192,10 +192,10 @@ static void run_stages( const wisp_parallel* parallel, bending* b, int stages )
     }
 }
 
-static float scale_of_moves( const bending* b )
+static float scale_of_moves( const bending_solve* b )
 {
     float largest = 0.0f;
-    for ( int block = 0; GRAIN * block < b->args.rows.slice_count; ++block )
+    for ( int block = 0; BENDING_GRAIN * block < b->args.rows.slice_count; ++block )
     {
         largest = fmaxf( largest, b->largest[block] );
     }
@@ -204,18 +204,18 @@ static float scale_of_moves( const bending* b )
 
 // Impulses of angles, for which the rows of the matrix stand in the stages: they are an upper bound while triangles keep half of
 // their heights.
-static void compute_angle_impulse( const wisp_parallel* parallel, const wisp_fabric* fabric, bending* b )
+static void compute_angle_impulse( const wisp_parallel* parallel, const wisp_fabric* fabric, bending_solve* b )
 {
-    wisp_parallel_for( parallel, fabric->hinge_order.slot_count / 8, GRAIN, measure_angles, b );
+    wisp_parallel_for( parallel, fabric->hinge_order.slot_count / 8, BENDING_GRAIN, measure_angles, b );
     wisp_run_schedule( parallel, &fabric->hinge_order, add_moments, b );
 }
 
 // Columns and scratch memory of a surface. @return false without memory
-static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending* b )
+static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending_solve* b )
 {
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     const size_t numbers = 4 * (size_t)fabric->slot_count, hinges = (size_t)fabric->hinge_order.slot_count;
-    const size_t blocks = numbers / 32 / GRAIN + 1;
+    const size_t blocks = numbers / 32 / BENDING_GRAIN + 1;
     float* scratch = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
                                             ( 4 * numbers + hinges + blocks ) * sizeof( float ) );
     if ( scratch == NULL )
@@ -261,7 +261,7 @@ void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_plate* plate = state->plates[cloth_find_plate( state, span->entity )].plate;
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     const float rigidity = *(float*)wisp_frame_column( frame, span->entity, state->bending, 0 );
-    bending b = { .is_last = false };
+    bending_solve b = { .is_last = false };
     if ( find_arrays( frame, span, &b ) == false )
     {
         return;

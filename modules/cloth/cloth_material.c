@@ -31,7 +31,7 @@ static vec3d cross( vec3d a, vec3d b )
     return ( vec3d ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
 }
 
-static double length( vec3d a )
+static double edge_length( vec3d a )
 {
     return sqrt( dot( a, a ) );
 }
@@ -131,9 +131,9 @@ static hinge_shape shape_of( const wisp_fabric* f, int hinge )
         rest_of( f, corner[0] ), rest_of( f, corner[1] ), rest_of( f, corner[2] ), rest_of( f, corner[3] ), 0.0, false
     };
     vec3d e = minus( s.j, s.i );
-    double k_area = 0.5 * length( cross( e, minus( s.k, s.i ) ) );
-    double l_area = 0.5 * length( cross( e, minus( s.l, s.i ) ) );
-    s.edge = length( e );
+    double k_area = 0.5 * edge_length( cross( e, minus( s.k, s.i ) ) );
+    double l_area = 0.5 * edge_length( cross( e, minus( s.l, s.i ) ) );
+    s.edge = edge_length( e );
     s.sound = k_area > 0.0 && l_area > 0.0;
     return s;
 }
@@ -152,7 +152,7 @@ static float rest_angle( const hinge_shape* s )
 static double cotangent( vec3d at, vec3d a, vec3d b )
 {
     vec3d u = minus( a, at ), v = minus( b, at );
-    double bottom = length( cross( u, v ) );
+    double bottom = edge_length( cross( u, v ) );
     return bottom > 0.0 ? dot( u, v ) / bottom : 0.0;
 }
 

@@ -1,5 +1,5 @@
 // Queries on bodies. In: points or paths in the frame of a body. Out: closest points and first hits. Closed forms are
-// answered by wisp/module/shapes.h, meshes by a tree or voxels (wisp/module/collision_mesh.h), which give the same bits.
+// answered by wisp/module/shapes.h, meshes by a tree (wisp/module/collision_mesh.h).
 #include "body_queries.h"
 
 #include <string.h>

@@ -6,6 +6,18 @@
 
 /// Fraction of the thickness: a start that is less deep counts as on the surface.
 static const float COLLISION_SHALLOW = 0.1f;
+/// Of the path that a point had in the first substep: how far it may get in later ones.
+static const float COLLISION_MARGIN = 1.25f;
+/// Weight of a corner below which a point of a triangle is on its border.
+static const float COLLISION_BORDER = 0.01f;
+
+enum
+{
+    COLLISION_CHUNK = WISP_PARTICLE_BLOCK, ///< particles that are projected together
+    COLLISION_SWEEPS = 4,                  ///< over several contacts of a particle
+    COLLISION_ADVANCES = 16,               ///< of the conservative advancement
+    COLLISION_ROW = 3 * WISP_LANES,        ///< floats of a row of vertices of a group of strands
+};
 
 /// Return a lower bound of the distance in the substep of a box in the world from the ball around the body, m; 0 for
 /// a body that turns.

@@ -1,5 +1,5 @@
 /// Collision of surfaces and strands with kinematic bodies, with Coulomb friction. Colliders are planes, spheres, capsules,
-/// tapered capsules and boxes in closed form, convex polyhedra, height fields, triangle meshes through Embree or voxels, and
+/// tapered capsules and boxes in closed form, convex polyhedra, height fields, triangle meshes, and
 /// surfaces that deform, such as the skin of a character. They rest or move as the host says.
 ///
 ///     wisp_collider_def ball = wisp_default_collider_def();
@@ -11,7 +11,6 @@
 ///     wisp_move_collider( world, collider, pose );           // before a step
 #pragma once
 
-#include "wisp/variants.h"
 #include "wisp/shapes.h"
 #include "wisp/wisp.h"
 
@@ -28,11 +27,11 @@ typedef enum wisp_collider_kind
     WISP_COLLIDER_SPHERE = 1,          ///< around the origin of its frame
     WISP_COLLIDER_CAPSULE = 2,         ///< along the y axis of its frame
     WISP_COLLIDER_BOX = 3,             ///< around the origin, edges along the axes
-    WISP_COLLIDER_MESH = 4,            ///< triangles; needs Embree unless it is searched by voxels
+    WISP_COLLIDER_MESH = 4,            ///< triangles
     WISP_COLLIDER_TAPERED_CAPSULE = 5, ///< along the y axis of its frame, with two radii
     WISP_COLLIDER_CONVEX = 6,          ///< the convex hull of points
     WISP_COLLIDER_HEIGHT_FIELD = 7,    ///< everything below a grid of heights over the xz plane of its frame
-    WISP_COLLIDER_SURFACE = 8,         ///< the triangles of a surface of the world, which deforms; needs no Embree
+    WISP_COLLIDER_SURFACE = 8,         ///< the triangles of a surface of the world, which deforms
     WISP_COLLIDER_COUNT = 9,
 } wisp_collider_kind;
 
@@ -47,17 +46,15 @@ typedef struct wisp_collider_def
     const wisp_vec3* points;  ///< [point_count] m: mesh, convex, in the body's frame; at most 1024 of a convex one
     const int32_t* triangles; ///< [triangle_count][3]: mesh, counter-clockwise seen from outside
     int point_count, triangle_count;
-    bool double_sided; ///< mesh: two-sided, without an inside; default false: a solid, whose mesh must be closed
-    wisp_mesh_search search;            ///< mesh: search structure; changes the time and not the result; default tree
-    float voxel_size;                   ///< m, >= 0: mesh with voxels: edge of a voxel; default 0: the mean edge
-    wisp_transform pose;                ///< default: the identity
-    float static_friction;              ///< mu that must be overcome, >= 0, default 0.5
-    float kinetic_friction;             ///< mu while sliding, 0 .. static_friction, default 0.5
-    float thickness;                    ///< m, >= 0: added to the thickness of what touches the collider, default 0
-    uint32_t layers;                    ///< bits; an entity collides with it if its mask has one of them; default 1
-    float top_radius;                   ///< m, > 0: tapered capsule, of the cap at +y; default 1
-    float bottom_radius;                ///< m, > 0: tapered capsule, of the cap at -y; default 1
-    const float* heights;               ///< [height_count_z][height_count_x] m: height field, within 1e6 m of 0
+    bool double_sided;      ///< mesh: two-sided, without an inside; default false: a solid, whose mesh must be closed
+    wisp_transform pose;    ///< default: the identity
+    float static_friction;  ///< mu that must be overcome, >= 0, default 0.5
+    float kinetic_friction; ///< mu while sliding, 0 .. static_friction, default 0.5
+    float thickness;        ///< m, >= 0: added to the thickness of what touches the collider, default 0
+    uint32_t layers;        ///< bits; an entity collides with it if its mask has one of them; default 1
+    float top_radius;       ///< m, > 0: tapered capsule, of the cap at +y; default 1
+    float bottom_radius;    ///< m, > 0: tapered capsule, of the cap at -y; default 1
+    const float* heights;   ///< [height_count_z][height_count_x] m: height field, within 1e6 m of 0
     int height_count_x, height_count_z; ///< height field: samples along x and z, 2 .. 8192 each
     float spacing;                      ///< m, > 0: height field: distance of its samples along x and z; default 1
     float restitution;   ///< 0 .. 1: fraction of the approach speed that a vertex leaves with; default 0
@@ -88,7 +85,7 @@ typedef enum wisp_collision_features
 /// itself. It keeps the pose of the world; `pose` is not read. When the surface is removed, nothing collides with it any more.
 /// @param out receives the entity, null on failure
 /// @return WISP_BAD_INPUT a value is out of range, a point or an index is wrong, or the mesh of a body is open (the
-///         message names it); WISP_NO_MEMORY; WISP_CONFLICT the module is not registered, or a tree without Embree
+///         message names it); WISP_NO_MEMORY; WISP_CONFLICT the module is not registered
 WISP_API wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* def, wisp_entity* out );
 
 /// Move a collider to a pose that it reaches at the end of the next step, along a straight line and the shorter rotation. It

@@ -37,7 +37,7 @@ void wisp_init_collider_def( wisp_collider_def* def, size_t size )
 static wisp_status check_sizes( wisp_world* world, const wisp_collider_def* d )
 {
     const bool round = d->kind == WISP_COLLIDER_SPHERE || d->kind == WISP_COLLIDER_CAPSULE;
-    const bool box = d->kind == WISP_COLLIDER_BOX, mesh = d->kind == WISP_COLLIDER_MESH;
+    const bool box = d->kind == WISP_COLLIDER_BOX;
     const bool tapered = d->kind == WISP_COLLIDER_TAPERED_CAPSULE, field = d->kind == WISP_COLLIDER_HEIGHT_FIELD;
     const struct
     {
@@ -57,8 +57,6 @@ static wisp_status check_sizes( wisp_world* world, const wisp_collider_def* d )
         { "height_count_z", (float)d->height_count_z, 2.0f, 8192.0f, field },
         { "spacing", d->spacing, 1e-6f, 1e6f, field },
         { "restitution", d->restitution, 0.0f, 1.0f, true },
-        { "search", (float)d->search, 0.0f, (float)( WISP_MESH_SEARCH_COUNT - 1 ), mesh },
-        { "voxel_size", d->voxel_size, 0.0f, 1e6f, mesh },
         { "static_friction", d->static_friction, 0.0f, 1e6f, true },
         { "kinetic_friction", d->kinetic_friction, 0.0f, d->static_friction, true },
         { "thickness", d->thickness, 0.0f, 1e6f, true },
@@ -74,15 +72,10 @@ static wisp_status check_sizes( wisp_world* world, const wisp_collider_def* d )
     return WISP_OK;
 }
 
-static bool is_in_range( wisp_vec3 p )
-{
-    return fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f;
-}
-
 static wisp_status check_pose( wisp_world* world, wisp_transform pose )
 {
     const wisp_vec3 p = pose.translation;
-    if ( is_in_range( p ) == false )
+    if ( collision_is_in_range( p ) == false )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "collider: (%g, %g, %g) is not within 1e6 m of the origin",
                                 (double)p.x, (double)p.y, (double)p.z );
@@ -102,7 +95,7 @@ wisp_status collision_check_points( wisp_world* world, const wisp_collider_def* 
     for ( int v = 0; v < d->point_count && d->points != NULL; ++v )
     {
         const wisp_vec3 p = d->points[v];
-        if ( is_in_range( p ) == false )
+        if ( collision_is_in_range( p ) == false )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
                                     "collider: point %d, (%g, %g, %g), is not within 1e6 m of the origin", v,
@@ -172,8 +165,6 @@ static wisp_status make_mesh( wisp_world* world, const wisp_collider_def* d, col
         .triangles = d->triangles,
         .point_count = d->point_count,
         .triangle_count = d->triangle_count,
-        .search = d->search,
-        .voxel_size = d->voxel_size,
     };
     wisp_error error = { 0 };
     status = wisp_collision_mesh_create( &def, wisp_world_allocator( world ), &body->tree, &error );

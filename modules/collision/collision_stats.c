@@ -11,7 +11,6 @@
 
 enum
 {
-    CHUNK = WISP_PARTICLE_BLOCK,
     GROUPS = 4, // of strands per task
 };
 
@@ -38,11 +37,11 @@ static void add_depth( wisp_collision_stats* f, float depth, float thickness, in
 
 typedef struct measure_batch
 {
-    int vertices[CHUNK];  // in the user's order
-    float thinner[CHUNK]; // m, than the participant
-    wisp_mesh_query queries[CHUNK];
-    wisp_surface_point nearest[CHUNK];
-    bool is_near[CHUNK];
+    int vertices[COLLISION_CHUNK];  // in the user's order
+    float thinner[COLLISION_CHUNK]; // m, than the participant
+    wisp_mesh_query queries[COLLISION_CHUNK];
+    wisp_surface_point nearest[COLLISION_CHUNK];
+    bool is_near[COLLISION_CHUNK];
     int count;
 } measure_batch;
 
@@ -141,7 +140,7 @@ static void measure_solved_slots( void* context, int begin, int end, int worker 
     const wisp_fabric* fabric = wisp_frame_fabric( loop->frame, loop->span->entity );
     const float* position = wisp_frame_column( loop->frame, loop->span->entity, WISP_PARTICLE_POSITION, 0 );
     wisp_collision_stats* f = loop->stats + worker;
-    bool touches[CHUNK] = { false }; // [free vertex of the chunk]
+    bool touches[COLLISION_CHUNK] = { false }; // [free vertex of the chunk]
     const collision_maps maps = collision_maps_of( loop->frame, loop->span->entity, loop->state );
     measure_batch batch;
     batch.count = 0;
@@ -151,7 +150,7 @@ static void measure_solved_slots( void* context, int begin, int end, int worker 
         add_free_slots( &batch, &view, &maps, fabric, position, begin, end );
         measure_touches_of( &batch, &view, touches, f );
     }
-    for ( int i = 0; i < CHUNK; ++i )
+    for ( int i = 0; i < COLLISION_CHUNK; ++i )
     {
         f->contacts += touches[i] ? 1 : 0;
     }
@@ -238,7 +237,7 @@ static void measure_groups( void* context, int begin, int end, int worker )
 
 // ---- the passes ----
 
-static void measure( measure_loop loop, int count, int grain, wisp_range_fn* run )
+static void measure_particles( measure_loop loop, int count, int grain, wisp_range_fn* run )
 {
     wisp_frame* frame = loop.frame;
     const wisp_span* span = loop.span;
@@ -261,29 +260,29 @@ static void measure( measure_loop loop, int count, int grain, wisp_range_fn* run
 void collision_measure( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    measure( ( measure_loop ){ .frame = frame, .span = span, .state = user }, fabric->vertex_count, CHUNK,
-             measure_slots );
+    measure_particles( ( measure_loop ){ .frame = frame, .span = span, .state = user }, fabric->vertex_count,
+                       COLLISION_CHUNK, measure_slots );
 }
 
 void collision_measure_touch( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    measure( ( measure_loop ){ .frame = frame, .span = span, .state = user }, fabric->vertex_count, CHUNK,
-             measure_solved_slots );
+    measure_particles( ( measure_loop ){ .frame = frame, .span = span, .state = user }, fabric->vertex_count,
+                       COLLISION_CHUNK, measure_solved_slots );
 }
 
 void collision_measure_strands( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const wisp_strand_topology* strands = wisp_frame_strands( frame, span->entity );
-    measure( ( measure_loop ){ .frame = frame, .span = span, .state = user }, strands->group_count, GROUPS,
-             measure_groups );
+    measure_particles( ( measure_loop ){ .frame = frame, .span = span, .state = user }, strands->group_count, GROUPS,
+                       measure_groups );
 }
 
 void collision_measure_carried( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const wisp_strand_topology* strands = wisp_frame_strands( frame, span->entity );
-    measure( ( measure_loop ){ .frame = frame, .span = span, .state = user, .carried = true }, strands->group_count,
-             GROUPS, measure_groups );
+    measure_particles( ( measure_loop ){ .frame = frame, .span = span, .state = user, .carried = true },
+                       strands->group_count, GROUPS, measure_groups );
 }
 
 // ---- reading ----

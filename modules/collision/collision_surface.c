@@ -167,11 +167,6 @@ typedef struct follow_loop
     float seconds;
 } follow_loop;
 
-static bool is_in_range( wisp_vec3 p )
-{
-    return fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f;
-}
-
 // What is not finite stays where it was; the state check of the surface handles it.
 static void follow_range( void* context, int begin, int end, int worker )
 {
@@ -192,9 +187,9 @@ static void follow_range( void* context, int begin, int end, int worker )
         {
             to = collision_load( loop->target + quad );
         }
-        const bool is_valid = is_in_range( at );
+        const bool is_valid = collision_is_in_range( at );
         loop->body->start[v] = is_valid ? at : loop->body->finish[v];
-        loop->body->finish[v] = is_valid && is_in_range( to ) ? to : loop->body->start[v];
+        loop->body->finish[v] = is_valid && collision_is_in_range( to ) ? to : loop->body->start[v];
     }
 }
 

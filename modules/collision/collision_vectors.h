@@ -76,3 +76,9 @@ static inline void collision_store_lane( float* x, wisp_vec3 v )
     x[WISP_LANES] = v.y;
     x[2 * WISP_LANES] = v.z;
 }
+
+/// Whether a point of a body is finite, and where contacts can be computed.
+static inline bool collision_is_in_range( wisp_vec3 p )
+{
+    return fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f;
+}

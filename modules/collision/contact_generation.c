@@ -32,9 +32,6 @@ enum
     PLANES = COLLISION_BLOCK + 2 * COLLISION_GROUP, // two lists, each padded
 };
 
-// Of the path that a particle had in the first substep: how far it may get in later ones.
-static const float MARGIN = 1.25f;
-
 // Planes of one body, of the particles that are near it, in the frame of the body.
 typedef struct found_planes
 {
@@ -139,7 +136,7 @@ static void track_candidates( const collision_find_args* args, const collision_v
         const int slot = collision_slot( block, block->candidates[n] );
         tracks[n] = ( collision_track ){ args->tracked[slot][t], args->free[slot][t], args->origin[slot][t] };
         // particles gain speed within the step
-        const float ahead = MARGIN * ( block->path[n] - shift ) * (float)args->substeps_left;
+        const float ahead = COLLISION_MARGIN * ( block->path[n] - shift ) * (float)args->substeps_left;
         tracked[n] = ( collision_tracked_query ){ queries[n].point, queries[n].radius, queries[n].radius, ahead };
     }
     collision_track_closest( view, tracked, tracks, block->candidate_count, args->is_first, -1, nearest, is_near,

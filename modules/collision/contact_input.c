@@ -24,11 +24,6 @@
 #include <math.h>
 #include <string.h>
 
-enum
-{
-    CHUNK = WISP_PARTICLE_BLOCK,
-};
-
 // A half space of a particle.
 typedef struct input_touch
 {
@@ -49,21 +44,21 @@ typedef struct input_loop
     float ( *friction )[3 * WISP_MAX_PARTICLE_CONTACTS];
     // of the chunk
     int begin;
-    wisp_vec3 lower, upper;       // m, of all paths
-    float longest;                // m, of all paths
-    int slots[CHUNK], slot_count; // of particles that move and are finite
-    wisp_vec3 start[CHUNK];       // m, of each of them
-    wisp_vec3 end[CHUNK];         // m, of each of them
-    int count[CHUNK];             // touches of each particle of the chunk
-    input_touch touch[CHUNK][WISP_MAX_PARTICLE_CONTACTS];
+    wisp_vec3 lower, upper;                 // m, of all paths
+    float longest;                          // m, of all paths
+    int slots[COLLISION_CHUNK], slot_count; // of particles that move and are finite
+    wisp_vec3 start[COLLISION_CHUNK];       // m, of each of them
+    wisp_vec3 end[COLLISION_CHUNK];         // m, of each of them
+    int count[COLLISION_CHUNK];             // touches of each particle of the chunk
+    input_touch touch[COLLISION_CHUNK][WISP_MAX_PARTICLE_CONTACTS];
     // of one body
     int candidate_count;
-    int candidates[CHUNK]; // particles of the chunk
-    wisp_vec3 to[CHUNK];
-    wisp_mesh_query queries[CHUNK]; // at the start of the path
-    wisp_surface_point nearest[CHUNK];
-    bool is_near[CHUNK];
-    wisp_vec3 carried[CHUNK]; // m, displacement of the surface there
+    int candidates[COLLISION_CHUNK]; // particles of the chunk
+    wisp_vec3 to[COLLISION_CHUNK];
+    wisp_mesh_query queries[COLLISION_CHUNK]; // at the start of the path
+    wisp_surface_point nearest[COLLISION_CHUNK];
+    bool is_near[COLLISION_CHUNK];
+    wisp_vec3 carried[COLLISION_CHUNK]; // m, displacement of the surface there
 } input_loop;
 
 static void begin_chunk( input_loop* loop, int begin, int end )
@@ -263,7 +258,7 @@ static void add_touch( input_loop* loop, const collision_view* of_all, int i )
 
 // ---- the pass ----
 
-static void write_rows( const input_loop* loop, int end )
+static void write_half_spaces( const input_loop* loop, int end )
 {
     for ( int slot = loop->begin; slot < end; ++slot )
     {
@@ -315,11 +310,11 @@ void collision_sense( wisp_frame* frame, const wisp_span* span, void* user )
     loop.motion = wisp_frame_column( frame, span->entity, WISP_PARTICLE_CONTACTS, 2 );
     loop.friction = wisp_frame_column( frame, span->entity, WISP_PARTICLE_CONTACTS, 3 );
     const wisp_span particles = wisp_frame_particles( frame, span );
-    for ( int begin = particles.begin; begin < particles.end; begin += CHUNK )
+    for ( int begin = particles.begin; begin < particles.end; begin += COLLISION_CHUNK )
     {
-        const int end = particles.end - begin < CHUNK ? particles.end : begin + CHUNK;
+        const int end = particles.end - begin < COLLISION_CHUNK ? particles.end : begin + COLLISION_CHUNK;
         begin_chunk( &loop, begin, end );
         find_touches( frame, span, state, &loop );
-        write_rows( &loop, end );
+        write_half_spaces( &loop, end );
     }
 }

@@ -21,12 +21,6 @@
 #include <stddef.h>
 #include <string.h>
 
-enum
-{
-    CHUNK = WISP_PARTICLE_BLOCK,
-    SWEEPS = 4, // over several contacts of a particle
-};
-
 static void project_contact( collision_contact* c, wisp_vec3* p, wisp_vec3 previous )
 {
     const wisp_vec3 n = collision_load( c->normal );
@@ -48,7 +42,7 @@ static void project_contact( collision_contact* c, wisp_vec3* p, wisp_vec3 previ
 // Sweep several contacts: pushing out of one half space may push into another.
 static void project_contacts( collision_contact* contacts, int count, wisp_vec3* p, wisp_vec3 previous )
 {
-    for ( int sweep = 0; sweep < SWEEPS; ++sweep )
+    for ( int sweep = 0; sweep < COLLISION_SWEEPS; ++sweep )
     {
         for ( int i = 0; i < count; ++i )
         {
@@ -86,8 +80,9 @@ typedef struct project_loop
     const int32_t* count;
     const float* found;
     collision_contact ( *contact )[WISP_COLLISION_CONTACTS];
-    int32_t single[CHUNK + 8], several[CHUNK + 8]; // of the block, those with one contact and with more
-    int32_t displaced[CHUNK + 8];                  // slots that left the distance that is clear
+    int32_t single[COLLISION_CHUNK + 8],
+        several[COLLISION_CHUNK + 8];       // of the block, those with one contact and with more
+    int32_t displaced[COLLISION_CHUNK + 8]; // slots that left the distance that is clear
     int displaced_count;
     // for reactions, else null
     collision_impulse* sums; // [body] of the block
@@ -148,7 +143,7 @@ static void project_singles( const wisp_kernels* kernels, project_loop* loop, in
 {
     // the last group is padded with its last particle
     const int padded = ( n + 7 ) / 8 * 8;
-    int32_t particle_x4[CHUNK], row_x16[CHUNK];
+    int32_t particle_x4[COLLISION_CHUNK], row_x16[COLLISION_CHUNK];
     for ( int i = 0; i < padded; ++i )
     {
         const int32_t number = loop->single[i < n ? i : n - 1];
@@ -184,7 +179,7 @@ static void project_reacting( project_loop* loop, int slot, int count )
     float* at = loop->position + (size_t)slot * 4;
     const wisp_vec3 previous = collision_load( loop->previous + (size_t)slot * 4 );
     wisp_vec3 p = collision_load( at );
-    for ( int i = 0; i < SWEEPS * count; ++i )
+    for ( int i = 0; i < COLLISION_SWEEPS * count; ++i )
     {
         const wisp_vec3 before = p;
         project_contact( loop->contact[slot] + i % count, &p, previous );
@@ -197,7 +192,7 @@ static void project_reacting( project_loop* loop, int slot, int count )
 static void project_with_reactions( const wisp_kernels* kernels, project_loop* loop, int begin, int single_count,
                                     int several_count )
 {
-    float before[CHUNK][3];
+    float before[COLLISION_CHUNK][3];
     for ( int i = 0; i < single_count; ++i )
     {
         memcpy( before[i], loop->position + (size_t)( begin + loop->single[i] ) * 4, sizeof( before[i] ) );
@@ -230,13 +225,13 @@ void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
     const bool last = span->iteration + 1 == wisp_frame_iterations( frame );
     const wisp_span s = wisp_frame_particles( frame, span );
-    for ( int begin = s.begin; begin < s.end; begin += CHUNK )
+    for ( int begin = s.begin; begin < s.end; begin += COLLISION_CHUNK )
     {
-        const int end = s.end - begin < CHUNK ? s.end : begin + CHUNK;
+        const int end = s.end - begin < COLLISION_CHUNK ? s.end : begin + COLLISION_CHUNK;
         int32_t several_count;
         const int single_count =
             kernels->list_counts( loop.count + begin, end - begin, loop.single, loop.several, &several_count );
-        loop.sums = collision_reaction_sums( frame, span->entity, state, begin / CHUNK );
+        loop.sums = collision_reaction_sums( frame, span->entity, state, begin / COLLISION_CHUNK );
         if ( loop.sums != NULL )
         {
             project_with_reactions( kernels, &loop, begin, single_count, several_count );

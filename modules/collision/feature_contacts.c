@@ -14,15 +14,13 @@
 
 enum
 {
-    ADVANCES = 16, // of the conservative advancement
-    NEAR = 128,    // features near the path of a primitive
+    NEAR = 128, // features near the path of a primitive
 };
 
 // Fractions of the thickness, as in primitive_contacts.c, and the distance of two contacts that count as one.
-static const double STOP = 0.1, SAME = 0.05;
-static const float LEFT_TO_CORNERS = 0.05f;
-static const float BORDER = 0.01f; // weight of a corner below which a point is on the border
-static const float ALIKE = 0.7f;   // cosine of two normals of one side
+static const double FEATURE_STOP = 0.1, SAME = 0.05;
+static const float FEATURE_LEFT_TO_CORNERS = 0.05f;
+static const float ALIKE = 0.7f; // cosine of two normals of one side
 
 // ---- distances ----
 
@@ -145,7 +143,7 @@ static wisp_vec3 between( wisp_vec3 a, wisp_vec3 b, float s )
     return collision_add_scaled( a, s, collision_sub( b, a ) );
 }
 
-static void measure( const primitive_path* path, const wisp_mesh_feature* f, double time, approach* out )
+static void measure_approach( const primitive_path* path, const wisp_mesh_feature* f, double time, approach* out )
 {
     wisp_vec3 corners[3], ends[2];
     for ( int k = 0; k < path->corner_count; ++k )
@@ -187,33 +185,33 @@ static double feature_displacement( const wisp_mesh_feature* f )
 static bool find_approach( const collision_view* view, const primitive_path* path, const wisp_mesh_feature* f,
                            approach* out )
 {
-    const double stop = STOP * (double)view->thickness;
+    const double stop = FEATURE_STOP * (double)view->thickness;
     const double displacement = (double)path->displacement + feature_displacement( f );
-    measure( path, f, 1.0, out );
+    measure_approach( path, f, 1.0, out );
     if ( out->distance > 2.0 * (double)view->thickness + displacement )
     {
         return false;
     }
     if ( out->distance - displacement <= stop )
     {
-        measure( path, f, 0.0, out );
+        measure_approach( path, f, 0.0, out );
     }
-    for ( int i = 0; i < ADVANCES && out->time < 1.0 && out->distance > stop; ++i )
+    for ( int i = 0; i < COLLISION_ADVANCES && out->time < 1.0 && out->distance > stop; ++i )
     {
         // not quite, so that rounding does not carry it through
         const double next = out->time + ( out->distance - 0.5 * stop ) / fmax( displacement, 1e-30 );
-        measure( path, f, next < 1.0 ? next : 1.0, out );
+        measure_approach( path, f, next < 1.0 ? next : 1.0, out );
     }
     find_normal( path, f, out );
     return true;
 }
 
-static bool is_on_border( const primitive_path* path, const approach* a )
+static bool is_approach_on_border( const primitive_path* path, const approach* a )
 {
     bool any = false;
     for ( int k = 0; k < path->corner_count; ++k )
     {
-        any = any || a->weights[k] < BORDER;
+        any = any || a->weights[k] < COLLISION_BORDER;
     }
     return any;
 }
@@ -229,7 +227,7 @@ static bool faces( const collision_body* body, const wisp_mesh_sides* f, wisp_ve
 static bool is_left_to_corner( const collision_view* view, const primitive_path* path, const approach* a )
 {
     bool any = false;
-    const float left = LEFT_TO_CORNERS * view->thickness;
+    const float left = FEATURE_LEFT_TO_CORNERS * view->thickness;
     for ( int k = 0; k < path->plane_count; ++k )
     {
         any = any || ( collision_dot( a->normal, path->normals[k] ) > ALIKE &&
@@ -263,7 +261,7 @@ static collision_meeting meeting_of( const wisp_mesh_feature* f, const approach*
     };
 }
 
-static void box_of( const collision_view* view, const primitive_path* path, float lower[3], float upper[3] )
+static void box_of_path( const collision_view* view, const primitive_path* path, float lower[3], float upper[3] )
 {
     wisp_vec3 low = path->from[0], high = low;
     for ( int k = 0; k < path->corner_count; ++k )
@@ -299,7 +297,7 @@ int collision_meet_features( const collision_view* view, const primitive_path* p
     const bool is_corner = path->corner_count == 3;
     const wisp_collision_mesh* mesh = view->body->tree; // null: a height field
     const wisp_height_field* field = &view->body->shape.height_field;
-    box_of( view, path, lower, upper );
+    box_of_path( view, path, lower, upper );
     const int count = mesh != NULL ? wisp_collision_mesh_find_features( mesh, lower, upper, is_corner, near, NEAR )
                                    : wisp_height_field_find_features( field, lower, upper, is_corner, near, NEAR );
     for ( int i = 0; i < count; ++i )
@@ -309,7 +307,7 @@ int collision_meet_features( const collision_view* view, const primitive_path* p
                          : wisp_height_field_feature( field, near[i] );
         approach a;
         if ( overlaps( &f, lower, upper ) == false || find_approach( view, path, &f, &a ) == false ||
-             is_on_border( path, &a ) || is_left_to_corner( view, path, &a ) )
+             is_approach_on_border( path, &a ) || is_left_to_corner( view, path, &a ) )
         {
             continue;
         }

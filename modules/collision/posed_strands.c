@@ -25,8 +25,6 @@ typedef struct carried_group
     wisp_vec3 lower, upper; // of the vertices that may move
 } carried_group;
 
-static const size_t ROW = 3 * WISP_LANES;
-
 static int first_row( const carried_group* g )
 {
     return g->strands->group_row[g->group];
@@ -52,7 +50,7 @@ static void find_box( carried_group* g )
     const int rows = g->strands->group_row[g->group + 1] - first_row( g );
     for ( int vertex = 1; vertex < rows; ++vertex )
     {
-        const float* x = g->position + (size_t)( first_row( g ) + vertex ) * ROW;
+        const float* x = g->position + (size_t)( first_row( g ) + vertex ) * COLLISION_ROW;
         for ( int i = 0; i < 3 * WISP_LANES; ++i )
         {
             const float down = vertex < last[i] ? x[i] : INFINITY, up = vertex < last[i] ? x[i] : -INFINITY;
@@ -127,12 +125,12 @@ static bool push_row( const carried_group* g, const collision_view* view, const 
     wisp_surface_point nearest[WISP_LANES];
     bool is_near[WISP_LANES];
     bool near[WISP_LANES];
-    find_near( box, g->position + (size_t)row * ROW, near );
+    find_near( box, g->position + (size_t)row * COLLISION_ROW, near );
     for ( int lane = 0; lane < WISP_LANES; ++lane )
     {
         if ( near[lane] && is_vertex( g, row, lane ) )
         {
-            const wisp_vec3 p = collision_load_lane( g->position + (size_t)row * ROW + lane );
+            const wisp_vec3 p = collision_load_lane( g->position + (size_t)row * COLLISION_ROW + lane );
             lanes[n] = lane;
             queries[n++] = ( wisp_mesh_query ){ .point = wisp_transform_to_local( view->after, p ),
                                                 .radius = view->thickness,
@@ -148,7 +146,7 @@ static bool push_row( const carried_group* g, const collision_view* view, const 
     {
         if ( is_near[i] && nearest[i].distance < view->thickness )
         {
-            float* at = g->position + (size_t)row * ROW + lanes[i];
+            float* at = g->position + (size_t)row * COLLISION_ROW + lanes[i];
             const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, nearest[i].normal );
             const float out = view->thickness - nearest[i].distance;
             collision_store_lane( at, collision_add_scaled( collision_load_lane( at ), out, normal ) );

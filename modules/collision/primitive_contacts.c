@@ -25,13 +25,11 @@
 
 enum
 {
-    GRAIN = 256,   // primitives, or particles, of a task
-    ADVANCES = 16, // of the conservative advancement
+    PRIMITIVE_GRAIN = 256, // primitives, or particles, of a task
 };
 
 // Fractions of the thickness: distance at which a path is stopped, error of the deepest point, what corners may leave.
 static const float STOP = 0.1f, TOLERANCE = 0.005f, LEFT_TO_CORNERS = 0.05f;
-static const float BORDER = 0.01f; // weight of a corner below which a point of a triangle is on its border
 
 collision_primitives collision_primitives_of( wisp_frame* frame, wisp_entity e, const collision_state* state,
                                               int corner_count )
@@ -119,7 +117,7 @@ static bool advance( const collision_view* view, const primitive_path* path, flo
     const float tolerance = TOLERANCE * view->thickness;
     wisp_vec3 corners[3];
     *time = 0.0f;
-    for ( int i = 0; i < ADVANCES && *time < 1.0f; ++i )
+    for ( int i = 0; i < COLLISION_ADVANCES && *time < 1.0f; ++i )
     {
         corners_at( path, *time, corners );
         if ( collision_find_deepest( &view->body->shape, corners, path->corner_count, tolerance, deepest ) == false )
@@ -164,7 +162,7 @@ static bool find_meeting( const collision_view* view, const primitive_path* path
 
 static bool is_on_border( const collision_deepest* d )
 {
-    return d->weights[0] < BORDER || d->weights[1] < BORDER || d->weights[2] < BORDER;
+    return d->weights[0] < COLLISION_BORDER || d->weights[1] < COLLISION_BORDER || d->weights[2] < COLLISION_BORDER;
 }
 
 // Return the signed distance less the thickness at which the point of a contact starts.
@@ -315,9 +313,9 @@ static void find_range( void* context, int begin, int end, int worker )
     (void)worker;
     const find_loop* loop = context;
     const collision_primitives* p = &loop->primitives;
-    int32_t near[GRAIN];
+    int32_t near[PRIMITIVE_GRAIN];
     int count = 0;
-    WISP_ASSERT( end - begin <= GRAIN );
+    WISP_ASSERT( end - begin <= PRIMITIVE_GRAIN );
     for ( int i = begin; i < end; ++i )
     {
         p->found[i] = 0;
@@ -440,12 +438,12 @@ void collision_search_primitives( wisp_frame* frame, const wisp_span* span, cons
         .maps = collision_maps_of( frame, span->entity, state ),
     };
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
-    wisp_parallel_for( parallel, wisp_frame_fabric( frame, span->entity )->slot_count, GRAIN, measure_corners,
-                       &loop );
+    wisp_parallel_for( parallel, wisp_frame_fabric( frame, span->entity )->slot_count, PRIMITIVE_GRAIN,
+                       measure_corners, &loop );
     for ( int corner_count = 2; corner_count <= 3; ++corner_count )
     {
         loop.primitives = collision_primitives_of( frame, span->entity, state, corner_count );
-        wisp_parallel_for( parallel, loop.primitives.count, GRAIN, find_range, &loop );
+        wisp_parallel_for( parallel, loop.primitives.count, PRIMITIVE_GRAIN, find_range, &loop );
         list_active( &loop, recovery );
     }
 }

@@ -17,7 +17,6 @@
 
 enum
 {
-    SWEEPS = 4,
     ROUNDS = 8, // of the search after fast motion
 };
 
@@ -83,8 +82,8 @@ static void move_point( const primitive_loop* loop, const corner_quads* q, const
     }
 }
 
-static void project_contact( const primitive_loop* loop, const int32_t* corners, int count,
-                             collision_primitive_contact* contact )
+static void project_primitive( const primitive_loop* loop, const int32_t* corners, int count,
+                               collision_primitive_contact* contact )
 {
     collision_contact* c = &contact->half_space;
     const corner_quads quads = quads_of( loop, corners, count, contact );
@@ -149,12 +148,12 @@ static bool next_contact( const primitive_lists* lists, contact_walk* walk, cont
 
 static void sweep( const primitive_loop* loop, const primitive_lists* lists )
 {
-    for ( int n = 0; n < SWEEPS; ++n )
+    for ( int n = 0; n < COLLISION_SWEEPS; ++n )
     {
         contact_place c;
         for ( contact_walk walk = { 0 }; next_contact( lists, &walk, &c ); )
         {
-            project_contact( loop, c.corners, c.corner_count, c.contact );
+            project_primitive( loop, c.corners, c.corner_count, c.contact );
         }
     }
 }

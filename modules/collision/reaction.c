@@ -117,7 +117,7 @@ wisp_status collision_update_reactions( wisp_world* world, collision_state* stat
 // ---- passes ----
 
 // @return the place of a body in the list; the number of bodies if it is gone
-static int find_body( const collision_state* state, int32_t name )
+static int find_named_body( const collision_state* state, int32_t name )
 {
     int body = 0;
     while ( body < state->body_count && collision_body_name( state->bodies[body].entity ) != name )
@@ -141,7 +141,7 @@ void collision_gather_impulses( wisp_frame* frame, const wisp_span* span, void* 
         collision_impulse* sums = collision_reaction_sums( frame, e, state, slot / COLLISION_BLOCK );
         for ( int i = 0; i < WISP_MAX_PARTICLE_CONTACTS && sums != NULL; ++i )
         {
-            const int body = name[slot][i] != 0 ? find_body( state, name[slot][i] ) : state->body_count;
+            const int body = name[slot][i] != 0 ? find_named_body( state, name[slot][i] ) : state->body_count;
             if ( body < state->body_count )
             {
                 const wisp_vec3 none = { 0.0f, 0.0f, 0.0f };

@@ -23,9 +23,9 @@ float collision_bounce( const collision_find_args* args, const collision_view* v
     const wisp_vec3 n = collision_load( c->normal ), motion = collision_load( c->motion );
     const wisp_vec3 v =
         collision_add_scaled( collision_load( args->velocity + (size_t)slot * 4 ), -args->dt, args->gravity );
-    const float surface = collision_dot( n, motion ) / args->dt, approach = surface - collision_dot( n, v );
-    const bool bounces = approach > 2.0f * collision_length( args->gravity ) * args->dt;
-    return bounces ? surface + view->restitution * approach : -INFINITY;
+    const float surface = collision_dot( n, motion ) / args->dt, approach_speed = surface - collision_dot( n, v );
+    const bool bounces = approach_speed > 2.0f * collision_length( args->gravity ) * args->dt;
+    return bounces ? surface + view->restitution * approach_speed : -INFINITY;
 }
 
 void collision_bounce_off( wisp_frame* frame, const wisp_span* span, void* user )

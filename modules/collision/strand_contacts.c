@@ -40,11 +40,6 @@ typedef struct strand_loop
     float dt;
 } strand_loop;
 
-static const size_t ROW = 3 * WISP_LANES;
-
-// Of the path that a vertex had in the first substep: how far it may get in later ones.
-static const float MARGIN = 1.25f;
-
 // ---- culling ----
 
 static bool is_still( const collision_view* view )
@@ -137,7 +132,8 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
         return;
     }
     const size_t i = (size_t)row * WISP_LANES + (size_t)lane;
-    float *at = loop->args.position + (size_t)row * ROW + lane, *was = loop->args.previous + (size_t)row * ROW + lane;
+    float *at = loop->args.position + (size_t)row * COLLISION_ROW + lane,
+          *was = loop->args.previous + (size_t)row * COLLISION_ROW + lane;
     const float start = collision_start_gap( view, &plane, from, carried, swept, seed ) + view->thickness;
     const strand_way way = find_way( loop, view->thickness, start, now, loop->args.allowed_depth[i] );
     const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane.normal );
@@ -155,7 +151,7 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
     loop->args.remaining_depth[i] = fmaxf( loop->args.remaining_depth[i], way.left );
 }
 
-static bool has_tracks( const strand_loop* loop, const collision_view* view )
+static bool has_strand_tracks( const strand_loop* loop, const collision_view* view )
 {
     return loop->tracked != NULL && view->body->tree != NULL && view->body->track >= 0;
 }
@@ -183,7 +179,8 @@ static void set_lane( float ( *x )[WISP_LANES], int lane, wisp_vec3 v )
 // The frame of a surface is that of the world.
 static void load_row( const strand_loop* loop, const collision_view* view, int row, strand_row* r )
 {
-    const float *at = loop->args.position + (size_t)row * ROW, *was = loop->args.previous + (size_t)row * ROW;
+    const float *at = loop->args.position + (size_t)row * COLLISION_ROW,
+                *was = loop->args.previous + (size_t)row * COLLISION_ROW;
     const float* inverse_mass = loop->args.inverse_mass + (size_t)row * WISP_LANES;
     memcpy( r->from, was, sizeof( r->from ) );
     memcpy( r->to, at, sizeof( r->to ) );
@@ -245,7 +242,7 @@ static void push_tracked_row( strand_loop* loop, const collision_view* view, int
     {
         const int l = lanes[i];
         const wisp_vec3 to = lane_of( r.to, l );
-        const float ahead = MARGIN * ( r.near[l] - view->thickness ) * (float)loop->substeps_left;
+        const float ahead = COLLISION_MARGIN * ( r.near[l] - view->thickness ) * (float)loop->substeps_left;
         const collision_tracked_query query = { to, r.near[l] + shift, r.near[l], ahead };
         collision_track track = { t.triangle[l], t.free[l], collision_load_lane( t.origin + l ) };
         wisp_surface_point nearest;
@@ -262,7 +259,7 @@ static void push_tracked_row( strand_loop* loop, const collision_view* view, int
     }
 }
 
-static void push_row( strand_loop* loop, const collision_view* view, int row )
+static void push_strand_row( strand_loop* loop, const collision_view* view, int row )
 {
     int lanes[WISP_LANES], n = 0;
     wisp_mesh_query queries[WISP_LANES];
@@ -302,7 +299,7 @@ static void add_row_reaction( const strand_loop* loop, int row, double* sum, flo
         const float inverse_mass = loop->args.inverse_mass[(size_t)row * WISP_LANES + (size_t)l];
         if ( inverse_mass > 0.0f )
         {
-            const size_t at = (size_t)row * ROW + (size_t)l;
+            const size_t at = (size_t)row * COLLISION_ROW + (size_t)l;
             collision_add_reaction( sum, 1.0 / ( (double)inverse_mass * (double)loop->dt ),
                                     collision_load_lane( before[0] + l ), collision_load_lane( before[1] + l ),
                                     collision_load_lane( loop->args.position + at ),
@@ -320,8 +317,8 @@ static void push_lanes_reacting( wisp_frame* frame, const strand_loop* loop, wis
     {
         const int32_t one[2] = { row, row + 1 };
         float before[2][3 * WISP_LANES];
-        memcpy( before[0], args->position + (size_t)row * ROW, sizeof( before[0] ) );
-        memcpy( before[1], args->previous + (size_t)row * ROW, sizeof( before[1] ) );
+        memcpy( before[0], args->position + (size_t)row * COLLISION_ROW, sizeof( before[0] ) );
+        memcpy( before[1], args->previous + (size_t)row * COLLISION_ROW, sizeof( before[1] ) );
         args->group_row = one;
         wisp_frame_kernels( frame )->strand_contact( args, 0, 1 );
         add_row_reaction( loop, row, sum, before );
@@ -349,7 +346,7 @@ static void push_lanes( wisp_frame* frame, const strand_loop* loop, const collis
 static void forget_group( strand_loop* loop, const collision_view* view )
 {
     const int begin = loop->args.group_row[loop->group], end = loop->args.group_row[loop->group + 1];
-    for ( int row = begin; row < end && has_tracks( loop, view ); ++row )
+    for ( int row = begin; row < end && has_strand_tracks( loop, view ); ++row )
     {
         const strand_tracks t = tracks_of( loop, view, row );
         for ( int lane = 0; lane < WISP_LANES; ++lane )
@@ -360,7 +357,7 @@ static void forget_group( strand_loop* loop, const collision_view* view )
     }
 }
 
-static void push_group( wisp_frame* frame, strand_loop* loop, const collision_view* view, double* sum )
+static void push_strand_group( wisp_frame* frame, strand_loop* loop, const collision_view* view, double* sum )
 {
     const collision_body* body = view->body;
     const bool round_about = body->inner < INFINITY;
@@ -379,7 +376,7 @@ static void push_group( wisp_frame* frame, strand_loop* loop, const collision_vi
         push_lanes( frame, loop, view, sum );
         return;
     }
-    const bool is_tracked = has_tracks( loop, view );
+    const bool is_tracked = has_strand_tracks( loop, view );
     int32_t seeds[WISP_LANES];
     memset( seeds, -1, sizeof( seeds ) );
     for ( int row = loop->args.group_row[loop->group]; row < loop->args.group_row[loop->group + 1]; ++row )
@@ -387,10 +384,10 @@ static void push_group( wisp_frame* frame, strand_loop* loop, const collision_vi
         float before[2][3 * WISP_LANES];
         if ( sum != NULL )
         {
-            memcpy( before[0], loop->args.position + (size_t)row * ROW, sizeof( before[0] ) );
-            memcpy( before[1], loop->args.previous + (size_t)row * ROW, sizeof( before[1] ) );
+            memcpy( before[0], loop->args.position + (size_t)row * COLLISION_ROW, sizeof( before[0] ) );
+            memcpy( before[1], loop->args.previous + (size_t)row * COLLISION_ROW, sizeof( before[1] ) );
         }
-        is_tracked ? push_tracked_row( loop, view, row, seeds ) : push_row( loop, view, row );
+        is_tracked ? push_tracked_row( loop, view, row, seeds ) : push_strand_row( loop, view, row );
         if ( sum != NULL )
         {
             add_row_reaction( loop, row, sum, before );
@@ -429,7 +426,7 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
         collision_view view;
         for ( int next = 0; moves && collision_next( frame, span, state, &next, &view ); )
         {
-            push_group( frame, &loop, &view, loop.sums != NULL ? loop.sums[view.body - state->bodies] : NULL );
+            push_strand_group( frame, &loop, &view, loop.sums != NULL ? loop.sums[view.body - state->bodies] : NULL );
         }
     }
 }

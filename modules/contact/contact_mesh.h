@@ -14,8 +14,9 @@
 
 enum
 {
-    CONTACT_BATCH = 128,   // pairs whose distances are measured together
-    CONTACT_MAX_POINTS = 6 // of a pair: two boundary particles, each between three points
+    CONTACT_BATCH = 128,        // pairs whose distances are measured together
+    CONTACT_POINT_GRAIN = 1024, // points of a task
+    CONTACT_MAX_POINTS = 6      // of a pair: two boundary particles, each between three points
 };
 
 /// The definition of a participant with the defaults filled in.

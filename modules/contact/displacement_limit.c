@@ -26,7 +26,7 @@ enum
     PARTIAL_ROUNDS = 16, // then displacements are cut to zero at once
     MAX_ROUNDS = 64,     // then those of all points are
     POINT_GRAIN = 2048,
-    ROW_GRAIN = 128,
+    LIMIT_ROW_GRAIN = 128,
     JUST_DRIVEN = 2,    // in this call, against 1: in one before
     CHANGED_BEFORE = 1, // in the round before
     CHANGED_NOW = 2,
@@ -191,7 +191,7 @@ static void check_rows( void* context, int begin, int end, int worker )
             tests += 1;
         }
     }
-    loop->has_cuts[begin / ROW_GRAIN] = cuts;
+    loop->has_cuts[begin / LIMIT_ROW_GRAIN] = cuts;
     atomic_fetch_add( &loop->tests, tests );
 }
 
@@ -297,7 +297,7 @@ static bool apply_cuts( guard_loop* loop, int count )
     bool any = false;
     for ( int r = 0; r < count; ++r )
     {
-        if ( loop->has_cuts[r / ROW_GRAIN] )
+        if ( loop->has_cuts[r / LIMIT_ROW_GRAIN] )
         {
             const contact_row* row = row_of( loop->contact_mesh, r );
             const bool moves = row->cut == PUSH   ? apply_push( loop, row )
@@ -466,7 +466,7 @@ static void run_rounds( const contact_work* work, guard_loop* loop, int count )
     for ( int round = 0; round < MAX_ROUNDS && cuts; ++round )
     {
         loop->gives_up = round >= PARTIAL_ROUNDS;
-        wisp_parallel_for( work->parallel, count, ROW_GRAIN, check_rows, loop );
+        wisp_parallel_for( work->parallel, count, LIMIT_ROW_GRAIN, check_rows, loop );
         cuts = apply_cuts( loop, count );
         loop->first_new = count;
         end_round( s );
@@ -492,7 +492,7 @@ int contact_limit_displacements( const contact_work* work )
     contact_contact_mesh* s = work->contact_mesh;
     guard_loop loop = { .contact_mesh = s };
     const int count = s->constraints->row_count + s->constraints->missed_row_count;
-    loop.has_cuts = wisp_parallel_scratch( work->parallel, work->worker, (size_t)( count / ROW_GRAIN + 1 ) );
+    loop.has_cuts = wisp_parallel_scratch( work->parallel, work->worker, (size_t)( count / LIMIT_ROW_GRAIN + 1 ) );
     if ( loop.has_cuts == NULL )
     {
         wisp_frame_fail( work->frame, WISP_NO_MEMORY, "out of memory to limit displacements of %d pairs", count );

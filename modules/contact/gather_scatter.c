@@ -6,11 +6,6 @@
 #include <stdatomic.h>
 #include <string.h>
 
-enum
-{
-    GRAIN = 1024, // points
-};
-
 // ---- strands ----
 
 // Return the index of vertex i of a lane in rows of 1 or 3 numbers per vertex.
@@ -238,7 +233,7 @@ static void gather_participant( const contact_work* work, const contact_particip
                      : NULL;
     }
     loop.start = is_start ? find_start( work, participant ) : NULL;
-    wisp_parallel_for( work->parallel, participant->point_count, GRAIN, gather_points, &loop );
+    wisp_parallel_for( work->parallel, participant->point_count, CONTACT_POINT_GRAIN, gather_points, &loop );
     s->is_listed = s->is_listed && atomic_load( &loop.is_restored ) == false;
     if ( is_start == false )
     {
@@ -344,7 +339,7 @@ void contact_scatter( const contact_work* work, bool is_end, bool is_final )
             loop.previous =
                 is_end ? wisp_frame_column( work->frame, participant->entity, WISP_PARTICLE_PREVIOUS, 0 ) : NULL;
         }
-        wisp_parallel_for( work->parallel, participant->point_count, GRAIN, scatter_points, &loop );
+        wisp_parallel_for( work->parallel, participant->point_count, CONTACT_POINT_GRAIN, scatter_points, &loop );
         if ( is_final && participant->halted ) // its own passes do not run
         {
             contact_keep_participant( work, participant );

@@ -205,7 +205,7 @@ static void begin_test( const near_loop* loop, int pair, cluster_test* test )
     }
 }
 
-static float bound_of( const cluster_test* test )
+static float bound_of_pair( const cluster_test* test )
 {
     float least = test->least[0];
     for ( int i = 1; i < WISP_SLICE; ++i )
@@ -255,12 +255,12 @@ static void run_task( void* context, int begin, int end, int worker )
     measure( task, CONTACT_EDGES );
     for ( int i = begin; i < end && loop->missed_only == false; ++i )
     {
-        s->bounds->pairs[0].slack[s->bounds->active[i]] = bound_of( task->tests + ( i - begin ) );
+        s->bounds->pairs[0].slack[s->bounds->active[i]] = bound_of_pair( task->tests + ( i - begin ) );
     }
 }
 
 // @return whether `near` had room for all pairs
-static bool run_all( near_loop* loop )
+static bool run_tests( near_loop* loop )
 {
     contact_near* near = loop->contact_mesh->primitives->near;
     bool fits = true;
@@ -296,7 +296,7 @@ wisp_status contact_find_near( const contact_work* work, bool missed_only, wisp_
     loop.active_count = contact_find_active_clusters( work, missed_only );
     place_active( &loop );
     bool enough = true;
-    while ( enough && run_all( &loop ) == false )
+    while ( enough && run_tests( &loop ) == false )
     {
         if ( is_too_long( &loop ) )
         {

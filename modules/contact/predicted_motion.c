@@ -16,7 +16,6 @@
 
 enum
 {
-    GRAIN = 1024,
     CLUSTER_GRAIN = 256,
     SUBSTEPS_AHEAD = 5,   // for which clusters are predicted to drift
     REVIEW_SUBSTEPS = 16, // between two tests for lists that are too long
@@ -73,7 +72,8 @@ static void sum_displacements( void* context, int begin, int end, int worker )
     way_loop* loop = context;
     const wisp_displacement_args args = { .before = loop->contact_mesh->intersection_free,
                                           .now = loop->contact_mesh->now };
-    if ( wisp_frame_kernels( loop->work->frame )->sum_displacements( &args, begin, end, loop->sums[begin / GRAIN] ) )
+    if ( wisp_frame_kernels( loop->work->frame )
+             ->sum_displacements( &args, begin, end, loop->sums[begin / CONTACT_POINT_GRAIN] ) )
     {
         atomic_store( &loop->has_fixed, true );
     }
@@ -101,7 +101,7 @@ static void find_common( way_loop* loop )
 {
     const contact_work* work = loop->work;
     contact_contact_mesh* s = work->contact_mesh;
-    const int blocks = ( s->point_count + GRAIN - 1 ) / GRAIN;
+    const int blocks = ( s->point_count + CONTACT_POINT_GRAIN - 1 ) / CONTACT_POINT_GRAIN;
     memset( s->motion->common, 0, sizeof( s->motion->common ) );
     loop->sums = wisp_parallel_scratch( work->parallel, work->worker, (size_t)blocks * sizeof( *loop->sums ) );
     if ( loop->sums == NULL )
@@ -109,7 +109,7 @@ static void find_common( way_loop* loop )
         return; // a mean of 0 is valid too and only costs time
     }
     atomic_init( &loop->has_fixed, touches_body( work ) );
-    wisp_parallel_for( work->parallel, s->point_count, GRAIN, sum_displacements, loop );
+    wisp_parallel_for( work->parallel, s->point_count, CONTACT_POINT_GRAIN, sum_displacements, loop );
     for ( int k = 0; k < 3 && atomic_load( &loop->has_fixed ) == false; ++k )
     {
         double sum = 0.0;
@@ -282,7 +282,7 @@ static contact_reached measure_displacements( const contact_work* work, bool is_
     way_loop loop = { .work = work, .contact_mesh = s, .is_expected = is_expected };
     atomic_init( &loop.reached, CONTACT_WITHIN );
     find_common( &loop );
-    wisp_parallel_for( work->parallel, s->point_count, GRAIN, find_ways, &loop );
+    wisp_parallel_for( work->parallel, s->point_count, CONTACT_POINT_GRAIN, find_ways, &loop );
     if ( is_expected )
     {
         wisp_parallel_for( work->parallel, s->clusters->count, CLUSTER_GRAIN, expect_cluster_ways, &loop );
@@ -327,7 +327,7 @@ void contact_shorten_ways( const contact_work* work )
     contact_contact_mesh* s = work->contact_mesh;
     way_loop loop = { .work = work, .contact_mesh = s };
     atomic_init( &loop.reached, CONTACT_WITHIN );
-    wisp_parallel_for( work->parallel, s->point_count, GRAIN, shorten_ways, &loop );
+    wisp_parallel_for( work->parallel, s->point_count, CONTACT_POINT_GRAIN, shorten_ways, &loop );
     wisp_parallel_for( work->parallel, s->clusters->count, CLUSTER_GRAIN, expect_cluster_ways, &loop );
 }
 

@@ -12,7 +12,6 @@
 
 enum
 {
-    GRAIN = 1024,
     MAX_PER_SAMPLE = 512, // pairs per particle before margins are halved
 };
 
@@ -74,7 +73,7 @@ static int keep_pairs( const void* context, int query, int32_t* items, int count
 wisp_status contact_find_sample_pairs( const contact_work* work, wisp_error* error )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    wisp_parallel_for( work->parallel, s->samples->count, GRAIN, box_samples, (void*)(uintptr_t)work );
+    wisp_parallel_for( work->parallel, s->samples->count, CONTACT_POINT_GRAIN, box_samples, (void*)(uintptr_t)work );
     const wisp_aabb_args args = {
         .boxes = s->samples->boxes,
         .box_count = s->samples->count,
@@ -208,8 +207,8 @@ wisp_status contact_find_near_samples( const contact_work* work, bool missed_onl
     {
         loop.deviation[p] = s->motion->predicted[p].deviation + contact_length_of_way( s, s->motion->ways + p );
     }
-    wisp_parallel_for( work->parallel, s->samples->count, GRAIN, find_deviations, &loop );
-    wisp_parallel_for( work->parallel, s->samples->candidate_count, GRAIN, find_near, &loop );
+    wisp_parallel_for( work->parallel, s->samples->count, CONTACT_POINT_GRAIN, find_deviations, &loop );
+    wisp_parallel_for( work->parallel, s->samples->candidate_count, CONTACT_POINT_GRAIN, find_near, &loop );
     s->primitives->near[CONTACT_POINTS].count = atomic_load( &loop.total );
     s->primitives->near[CONTACT_EDGES].count = 0;
     return WISP_OK;

@@ -146,14 +146,14 @@ static void iterate( clump_run* run, int iteration )
     args->search_position = run->searched;
     args->iteration = (uint32_t)iteration;
     wisp_parallel_for( run->parallel, run->slices, CLUMP_SLICES, attract, run );
-    if ( run->params->gap == WISP_GAP_NONE )
-    {
-        advance( run, &run->tentative );
-    }
-    else
+    if ( run->params->brakes != 0 )
     {
         wisp_parallel_for( run->parallel, run->slices, CLUMP_SLICES, brake, run );
         advance( run, &run->next );
+    }
+    else
+    {
+        advance( run, &run->tentative );
     }
     float most = 0.0f;
     for ( int i = 0; i < ( run->slices + CLUMP_SLICES - 1 ) / CLUMP_SLICES; ++i )
@@ -170,26 +170,23 @@ static void make_args( clump_run* run, const frozen_settings* settings, const fr
         .displacement = run->displacement,
         .owner = run->w->grid.owner,
         .vertex = run->slot_vertex,
-        .reference = { run->w->lists.near },
-        .reference_count = 1,
+        .reference = run->w->lists.near,
         .pairs = &run->measured,
         .search_margin = run->skin / 2.0001f, // two vertices may move towards each other; the rest is rounding
         .needs_search = run->needs_search,
         .key = wisp_random_make_key( settings->seed, FROZEN_STREAM_GAP, event->number ),
         .radius = c->radius,
         .step = c->step,
-        .epsilon = settings->epsilon,
         .distance_min = c->distance_min,
         .lambda_min = c->lambda_min,
-        .min_distance_clamp = c->min_distance_clamp != 0,
         .planar = run->strands->dimension == 2,
         .in_plane = in_plane,
-        .gap = c->gap,
+        .brakes = c->brakes != 0,
     };
 }
 
 // Choose the lists of this iteration. Before any vertex moves the near lists suffice; afterwards the skin and the late pairs count
-// too. With r0 by iteration the brake uses the same lists.
+// too.
 static void use_lists( clump_run* run, int iteration )
 {
     wisp_adhesion_args* args = &run->args;
@@ -197,12 +194,6 @@ static void use_lists( clump_run* run, int iteration )
     memcpy( args->attracting, lists, sizeof( lists ) );
     args->attracting_count = run->late.length == NULL ? 1 : 2;
     args->stores_pairs = iteration == 0;
-    if ( run->params->gap_by_iteration && iteration > 0 )
-    {
-        memcpy( args->reference, lists, sizeof( lists ) );
-        args->reference_count = args->attracting_count;
-        args->pairs = NULL;
-    }
 }
 
 static void count_neighbours( clump_run* run )

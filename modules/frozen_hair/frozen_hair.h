@@ -11,26 +11,34 @@
 ///     wisp_world_step( world, dt );
 #pragma once
 
-#include "wisp/variants.h"
 #include "wisp/wisp.h"
 
 WISP_BEGIN_C
 
 typedef enum wisp_frozen_base
 {
-    WISP_FROZEN_BASE_REST = 0,     ///< every update starts from the rest shape
-    WISP_FROZEN_BASE_PREVIOUS = 1, ///< directions start from the last output, lengths from the original
+    WISP_FROZEN_BASE_REST = 0, ///< every update starts from the rest shape
 
     /// Every update starts from the rest shape, random numbers are drawn once for a stroke of any number of commands, and each
     /// strand keeps the direction and intensity of the last command that reached it. Clumping is not fed back.
-    WISP_FROZEN_BASE_STROKE = 2,
+    WISP_FROZEN_BASE_STROKE = 1,
+    WISP_FROZEN_BASE_COUNT = 2,
 } wisp_frozen_base;
 
 typedef enum wisp_frozen_update
 {
     WISP_FROZEN_UPDATE_HAIR_EVENT = 0, ///< update with each command: the strands are still between commands
-    WISP_FROZEN_UPDATE_FRAME = 1, ///< update in every step: reproduces the flicker of new random numbers per frame
+    WISP_FROZEN_UPDATE_FRAME = 1,      ///< update in every step, for strands that another module moves
+    WISP_FROZEN_UPDATE_COUNT = 2,
 } wisp_frozen_update;
+
+/// What keeps gaps between clumps (Kim 2026, eq. 17-19): vertices whose distances to their neighbours change are braked.
+typedef enum wisp_gap
+{
+    WISP_GAP_ABSOLUTE = 0, ///< by |r1 - r0|: a large change brakes
+    WISP_GAP_NONE = 1,     ///< no brake
+    WISP_GAP_COUNT = 2,
+} wisp_gap;
 
 /// Parameters. Fill from wisp_default_frozen_hair_def(). Copied; need not outlive the call.
 typedef struct wisp_frozen_hair_def
@@ -41,7 +49,6 @@ typedef struct wisp_frozen_hair_def
     uint64_t seed;                ///< default 1
     wisp_frozen_base base;        ///< default rest
     wisp_frozen_update update_on; ///< default hair event
-    float epsilon;                ///< added to denominators, 1e-6 as printed; default 0: limits are taken exactly
 
     // freeze, eq. 2-7
     float stretch_stiffness;               ///< k_s in [1e-3, 1e12], default 7
@@ -56,20 +63,17 @@ typedef struct wisp_frozen_hair_def
     wisp_vec3 cursor;   ///< c, m, target of the first update; default the origin; not read with base stroke. In two
                         ///< dimensions the z of cursors is not read
     float reach;        ///< r, m, >= 0, default 0.15
-    bool reach_nearest; ///< any vertex within reach, not only the tip; default false (as printed)
-    bool blend_chord;   ///< eq. 13 as printed (shortens); default false: arc, keeps distances to the root
-    bool direction_from_root; ///< tip - root instead of tip - mean; default false (as printed)
+    bool reach_nearest; ///< any vertex within reach, not only the tip; default false
 
     // clump, eq. 14-19
     float clump_radius;      ///< h, m, > 0, default 0.01
     int clump_iterations;    ///< K in [0, 1000], default 4; 0 disables the stage
     float clump_step_length; ///< sigma, m, >= 0; default -1: a tenth of the radius
     wisp_gap gap;            ///< default absolute
-    bool gap_by_iteration;   ///< measure r0 at each iteration instead of before the stage; default false
-    bool min_distance_clamp; ///< no two vertices come closer than min_distance in one iteration; default true
-    float min_distance;      ///< r_min, m, >= 0; default -1: 0.02 of the radius
-    float min_lambda;        ///< in [0, 1], default 0
-    int max_neighbours;      ///< in [1, 4096], default 256: further ones are ignored and counted
+    float
+        min_distance; ///< r_min, m, >= 0: no two vertices come closer in one iteration; default -1: 0.02 of the radius
+    float min_lambda;   ///< in [0, 1], default 0
+    int max_neighbours; ///< in [1, 4096], default 256: further ones are ignored and counted
 
     /// m, >= 0; default -1: no limit. With a limit z is depth, as in a picture of layers (2.5D): freezing moves a vertex by at
     /// most this along z from its rest shape, or from the shape that another module moved it to; strands align about the z axis,

@@ -32,17 +32,12 @@ static void command( wisp_frame* frame, const wisp_span* span, void* user )
     settings->points = 0;
 }
 
-// ---- start: from the rest shape, from the moved shape, or from the last output ----
+// ---- start: from the rest shape, or from the moved shape ----
 
 static void start( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const frozen_state* state = user;
-    const frozen_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    (void)user;
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    if ( settings->base == WISP_FROZEN_BASE_PREVIOUS )
-    {
-        return;
-    }
     const bool posed = wisp_frame_has( frame, span->entity, WISP_STRAND_POSED );
     const wisp_component base = posed ? WISP_STRAND_POSED : WISP_STRAND_REST;
     const float* from = wisp_frame_column( frame, span->entity, base, 0 );
@@ -71,7 +66,6 @@ static void freeze( wisp_frame* frame, const wisp_span* span, void* user )
         .angle_key = wisp_random_make_key( settings->seed, FROZEN_STREAM_ANGLE, event->number ),
         .axis_key = wisp_random_make_key( settings->seed, FROZEN_STREAM_AXIS, 0 ),
         .angle_max = f->bend_angle_max,
-        .epsilon = settings->epsilon,
         .dimension = t->dimension,
         .in_plane = wisp_frame_has( frame, span->entity, state->depth ),
     };
@@ -94,8 +88,6 @@ static void align( wisp_frame* frame, const wisp_span* span, void* user )
         .intensity = wisp_frame_column( frame, span->entity, state->intensity, 0 ),
         .target = { event->cursor[0], event->cursor[1], event->cursor[2] },
         .radius = event->points ? a->reach : -1.0f,
-        .chord = a->blend_chord != 0,
-        .from_root = a->direction_from_root != 0,
         .nearest = a->reach_nearest != 0,
         .dimension = in_plane ? 2 : 3,
         .in_plane = in_plane,

@@ -21,7 +21,6 @@ void wisp_init_frozen_hair_def( wisp_frozen_hair_def* def, size_t size )
         .clump_iterations = 4,
         .clump_step_length = -1.0f,
         .gap = WISP_GAP_ABSOLUTE,
-        .min_distance_clamp = true,
         .min_distance = -1.0f,
         .max_neighbours = 256,
         .max_depth_change = -1.0f,
@@ -50,15 +49,15 @@ static wisp_status check_choices( wisp_world* world, const wisp_frozen_hair_def*
     const struct
     {
         const char* name;
-        int value, upper;
+        int value, count;
     } choices[] = {
-        { "base", (int)d->base, WISP_FROZEN_BASE_STROKE },
-        { "update_on", (int)d->update_on, WISP_FROZEN_UPDATE_FRAME },
-        { "gap", (int)d->gap, WISP_GAP_NONE },
+        { "base", (int)d->base, WISP_FROZEN_BASE_COUNT },
+        { "update_on", (int)d->update_on, WISP_FROZEN_UPDATE_COUNT },
+        { "gap", (int)d->gap, WISP_GAP_COUNT },
     };
     for ( int i = 0; i < WISP_COUNT( choices ); ++i )
     {
-        if ( choices[i].value < 0 || choices[i].value > choices[i].upper )
+        if ( choices[i].value < 0 || choices[i].value >= choices[i].count )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s: got %d, which does not exist",
                                     choices[i].name, choices[i].value );
@@ -70,7 +69,6 @@ static wisp_status check_choices( wisp_world* world, const wisp_frozen_hair_def*
 static wisp_status check_def( wisp_world* world, const wisp_frozen_hair_def* d, int strands )
 {
     const wisp_number_range ranges[] = {
-        { "epsilon", d->epsilon, 0.0f, 1.0f },
         { "stretch_stiffness", d->stretch_stiffness, 1e-3f, 1e12f },
         { "bend_stiffness", d->bend_stiffness, 1e-3f, 1e12f },
         { "max_bend_angle", d->max_bend_angle, 0.0f, 3.14159274f },
@@ -178,7 +176,7 @@ static void write_stages( wisp_world* world, wisp_entity entity, const frozen_st
     if ( d->align )
     {
         frozen_align* align = wisp_world_column( world, entity, s->align, 0 );
-        *align = ( frozen_align ){ d->reach, d->reach_nearest, d->blend_chord, d->direction_from_root };
+        *align = ( frozen_align ){ d->reach, d->reach_nearest };
         fill_lanes( t, d->intensity, d->strand_intensity, wisp_world_column( world, entity, s->intensity, 0 ) );
     }
     if ( d->clump && d->clump_iterations > 0 )
@@ -190,9 +188,7 @@ static void write_stages( wisp_world* world, wisp_entity entity, const frozen_st
             .distance_min = d->min_distance == -1.0f ? 0.02f * d->clump_radius : d->min_distance,
             .lambda_min = d->min_lambda,
             .iterations = d->clump_iterations,
-            .gap = (int32_t)d->gap,
-            .gap_by_iteration = d->gap_by_iteration,
-            .min_distance_clamp = d->min_distance_clamp,
+            .brakes = d->gap == WISP_GAP_ABSOLUTE ? 1 : 0,
             .neighbour_limit = d->max_neighbours,
         };
     }
@@ -247,7 +243,6 @@ wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const 
         .seed = def->seed,
         .base = (int32_t)def->base,
         .event = (int32_t)def->update_on,
-        .epsilon = def->epsilon,
         .pending = 1,
         .next = settings->next,
         .cursor = { def->cursor.x, def->cursor.y, def->cursor.z },

@@ -10,9 +10,8 @@
 typedef struct frozen_settings
 {
     uint64_t seed;
-    int32_t base;  // wisp_frozen_base
-    int32_t event; // wisp_frozen_update
-    float epsilon;
+    int32_t base;     // wisp_frozen_base
+    int32_t event;    // wisp_frozen_update
     uint32_t pending; // an update waits
     uint64_t next;    // event number of the next update
     float cursor[3];  // of the next command, m
@@ -35,7 +34,7 @@ typedef struct frozen_freeze
 typedef struct frozen_align
 {
     float reach; // m
-    int32_t reach_nearest, blend_chord, direction_from_root;
+    int32_t reach_nearest;
 } frozen_align;
 
 /// With base stroke.
@@ -54,7 +53,7 @@ typedef struct frozen_depth
 typedef struct frozen_clump
 {
     float radius, step, distance_min, lambda_min; // m, m, m, 1
-    int32_t iterations, gap, gap_by_iteration, min_distance_clamp, neighbour_limit;
+    int32_t iterations, brakes, neighbour_limit;
 } frozen_clump;
 
 #define FROZEN_SETTINGS_COLUMNS( X ) X( frozen_settings, settings, 1 )

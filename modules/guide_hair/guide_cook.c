@@ -156,7 +156,7 @@ static bool cook_guides( guide_follower* f, const guide_groups* g, guide_memory*
     }
     l->lane_node = guide_take( &f->memory, (size_t)l->group_count * WISP_LANES, sizeof( int32_t ) );
     l->cap = guide_take( &f->memory, (size_t)l->row_count * WISP_LANES, sizeof( float ) );
-    l->reach = f->feeds_back ? NULL : guide_take( &f->memory, (size_t)l->row_count * WISP_LANES, sizeof( float ) );
+    l->reach = guide_take( &f->memory, (size_t)l->row_count * WISP_LANES, sizeof( float ) );
     for ( int lane = 0; lane < l->group_count * WISP_LANES && f->memory.failed == false; ++lane )
     {
         const int n = l->lane_count[lane] == 0 ? -1 : f->resampled ? order[lane] : t->lane_strand[lane];
@@ -172,7 +172,7 @@ static bool cook_guides( guide_follower* f, const guide_groups* g, guide_memory*
             const guide_group* group = g->groups + n;
             const guide_node* node = g->nodes + group->first_node + i;
             l->cap[at] = (float)node->cap;
-            if ( l->reach != NULL && group->size > 1 && group->largest > 0.0 )
+            if ( group->size > 1 && group->largest > 0.0 )
             {
                 l->reach[at] = (float)( (double)g->def->centre_gain * node->farthest / group->largest );
             }
@@ -184,10 +184,10 @@ static bool cook_guides( guide_follower* f, const guide_groups* g, guide_memory*
 // ---- lanes of ghosts ----
 
 // Eq. 2-3: the exact projection scales offsets from the centre. Before the sway nothing else moves the ghosts of a group against
-// each other, so the factor is cooked into the offsets. With feedback the sway does, so the projection runs in each step.
+// each other, so the factor is cooked into the offsets.
 static double growth( const guide_groups* g, const guide_group* own )
 {
-    return own->size > 1 && g->def->feedback == false ? sqrt( (double)g->def->spread ) : 1.0;
+    return own->size > 1 ? sqrt( (double)g->def->spread ) : 1.0;
 }
 
 static void cook_offsets( guide_follower* f, const guide_groups* g, int lane, int ghost )
@@ -341,7 +341,6 @@ static wisp_status cook( wisp_world* world, guide_follower* f, const guide_group
     }
     if ( guide_find_groups( &groups, scratch ) == false || cook_guides( f, &groups, scratch ) == false ||
          cook_ghosts( f, &groups, fraction ) == false ||
-         ( f->feeds_back && guide_cook_members( f, &groups, scratch ) == false ) ||
          ( f->is_between && guide_cook_sources( f, &groups ) == false ) )
     {
         return no_memory;
@@ -371,19 +370,13 @@ wisp_status guide_cook( wisp_world* world, wisp_entity ghosts, const wisp_ghosts
     {
         const int with_vertices = targets_with_vertices( &target_shape );
         const int links = def->target_count < with_vertices ? def->target_count : with_vertices;
-        const bool turns = def->frame != WISP_GHOST_FRAME_OFF;
         *f = ( guide_follower ){
             .memory = { .allocator = allocator },
             .ghosts = ghosts,
             .targets = def->targets,
             .link_count = links,
-            .stride = links > 1 ? 16
-                      : turns   ? 12
-                                : 8,
+            .stride = links > 1 ? 16 : 12,
             .resampled = def->resample,
-            .turns = turns,
-            .carries_frames = def->frame == WISP_GHOST_FRAME_PARALLEL,
-            .feeds_back = def->feedback,
             .is_between = def->between,
         };
         const guide_groups groups = { .ghosts = &ghost_shape, .targets = &target_shape, .def = def, .links = links };

@@ -71,7 +71,6 @@ void guide_run_curves( wisp_frame* frame, const wisp_span* span, void* user )
             .weight = d->weight,
             .samples = d->samples,
             .shares_ends = d->shares_ends,
-            .shares_tangents = d->shares_tangents,
         },
     };
     wisp_parallel_for( wisp_frame_parallel( frame, span ), t->group_count, CURVE_GRAIN, draw_groups, &loop );
@@ -162,10 +161,7 @@ static void segment_points( const wisp_vec3* v, int count, wisp_curve_kind kind,
         p[1] = left == 2 ? between( p[0], middle, 2.0 / 3.0 ) : between( p[0], end, 1.0 / 3.0 );
         p[2] = left == 2 ? between( middle, end, 1.0 / 3.0 ) : between( p[0], end, 2.0 / 3.0 );
     }
-    if ( kind == WISP_CURVE_BEZIER )
-    {
-        share_tangents( v, count, first, p );
-    }
+    share_tangents( v, count, first, p );
 }
 
 static void draw_strand( const wisp_vec3* v, int count, const wisp_curves_def* def, wisp_vec3* out )
@@ -259,7 +255,6 @@ static guide_drawing* cook_drawing( wisp_world* world, const wisp_curves_def* de
         .source = def->source,
         .samples = def->samples,
         .shares_ends = shares_ends( def->kind ),
-        .shares_tangents = def->kind == WISP_CURVE_BEZIER,
     };
     if ( cook_weights( d, def->kind ) == false ||
          find_lanes( d, wisp_world_strands( world, curves ), wisp_world_strands( world, def->source ) ) == false )
@@ -272,7 +267,7 @@ static guide_drawing* cook_drawing( wisp_world* world, const wisp_curves_def* de
 
 // ---- adding ----
 
-static wisp_status check( wisp_world* world, const guide_state* s, const wisp_curves_def* def )
+static wisp_status check_curves( wisp_world* world, const guide_state* s, const wisp_curves_def* def )
 {
     if ( s == NULL )
     {
@@ -385,7 +380,7 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* given, wi
     WISP_TRY( wisp_world_begin_def( world, "wisp_default_curves_def", &values, given ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
-    wisp_status status = check( world, s, def );
+    wisp_status status = check_curves( world, s, def );
     if ( status != WISP_OK )
     {
         return status;

@@ -8,10 +8,7 @@ void wisp_init_ghosts_def( wisp_ghosts_def* def, size_t size )
         .elastic = WISP_GHOST_ELASTIC_CHANGE,
         .tip_gain = 0.5f,
         .centre_gain = 0.5f,
-        .capped = true,
-        .keep_offset = true,
         .spread = 1.0f,
-        .frame = WISP_GHOST_FRAME_PARALLEL,
     };
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
@@ -27,19 +24,8 @@ static wisp_status check_def( wisp_world* world, const wisp_ghosts_def* d )
         { "centre_gain", d->centre_gain, 0.0f, 1e3f },
         { "time", d->time, 0.0f, 1e3f },
         { "spread", d->spread, 1e-6f, 1e6f },
-        { "frame", (float)d->frame, 0.0f, (float)( WISP_GHOST_FRAME_COUNT - 1 ) },
     };
-    const wisp_status status = wisp_world_check_ranges( world, "ghosts", ranges, WISP_COUNT( ranges ) );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    if ( d->feedback && ( d->frame != WISP_GHOST_FRAME_OFF || d->target_count != 1 ) )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "ghosts: feedback: expected frame off and one target per ghost" );
-    }
-    return WISP_OK;
+    return wisp_world_check_ranges( world, "ghosts", ranges, WISP_COUNT( ranges ) );
 }
 
 static wisp_status check_strands( wisp_world* world, wisp_entity entity, const char* what )
@@ -106,7 +92,7 @@ static wisp_status keep_running( wisp_world* world, const guide_state* s, wisp_e
     {
         wisp_component component;
         bool on;
-    } parts[] = { { s->feedback, def->feedback }, { s->between, def->between }, { s->interval, def->between } };
+    } parts[] = { { s->between, def->between }, { s->interval, def->between } };
     wisp_status status = wisp_world_request( world, def->targets, s->table );
     for ( int i = 0; i < WISP_COUNT( parts ) && status == WISP_OK; ++i )
     {
@@ -135,7 +121,6 @@ static wisp_status attach_all( wisp_world* world, const guide_state* s, wisp_ent
         { ghosts, s->settings, true },
         { ghosts, s->table, true },
         { ghosts, s->repair, def->repair_length },
-        { ghosts, s->feedback, def->feedback },
         { ghosts, s->between, def->between },
         { ghosts, s->interval, def->between },
         { def->targets, s->before, true },
@@ -167,17 +152,6 @@ static wisp_status attach_all( wisp_world* world, const guide_state* s, wisp_ent
         wisp_world_detach( world, ghosts, s->repair );
     }
     return keep_running( world, s, ghosts, def );
-}
-
-static int32_t elastic_of( wisp_ghost_elastic elastic )
-{
-    static const wisp_elastic KERNEL[WISP_GHOST_ELASTIC_COUNT] = {
-        [WISP_GHOST_ELASTIC_CHANGE] = WISP_ELASTIC_CHANGE,
-        [WISP_GHOST_ELASTIC_COSINE] = WISP_ELASTIC_COSINE,
-        [WISP_GHOST_ELASTIC_DOT] = WISP_ELASTIC_PRODUCT,
-        [WISP_GHOST_ELASTIC_OFF] = WISP_ELASTIC_NONE,
-    };
-    return (int32_t)KERNEL[elastic];
 }
 
 // Replace the follower that the ghosts had.
@@ -229,13 +203,8 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
     *settings = ( guide_settings ){
         .time = def->time,
         .tip_gain = def->tip_gain,
-        .elastic = elastic_of( def->elastic ),
-        .capped = def->capped ? 1 : 0,
+        .is_elastic = def->elastic == WISP_GHOST_ELASTIC_CHANGE ? 1 : 0,
     };
-    if ( def->feedback )
-    {
-        guide_begin_feedback( world, s, follower );
-    }
     if ( def->between )
     {
         guide_begin_between( world, s, follower );

@@ -101,8 +101,7 @@ static void settle_node( const guide_groups* g, const guide_group* group, int i 
     place_target( g, group, i );
     const double fraction = group->size > 0 ? 1.0 / group->size : 0.0;
     node->centre = group->size > 0 ? guide_mul_add( node->first, fraction, node->sum ) : node->rest;
-    const bool own = group->size == 0 || ( group->size == 1 && g->def->keep_offset );
-    node->anchor = own ? node->rest : node->centre;
+    node->anchor = group->size <= 1 ? node->rest : node->centre; // one alone keeps its offset
 }
 
 static void measure_ghost( const guide_groups* g, int ghost )

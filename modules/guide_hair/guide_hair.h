@@ -17,22 +17,14 @@ WISP_API extern const wisp_module wisp_guide_hair_module;
 typedef enum wisp_ghost_elastic
 {
     WISP_GHOST_ELASTIC_CHANGE = 0, ///< 0.5 - 0.5 cos: 0 for steady motion, 1 for a reversal
-    WISP_GHOST_ELASTIC_COSINE = 1, ///< 0.5 + 0.5 cos
-    WISP_GHOST_ELASTIC_DOT = 2,    ///< 0.5 v . v0 + 0.5, m^2/s^2 as printed and not bounded: for comparison only
-    WISP_GHOST_ELASTIC_OFF = 3,    ///< 0
-    WISP_GHOST_ELASTIC_COUNT = 4,
+    WISP_GHOST_ELASTIC_OFF = 1,    ///< 0
+    WISP_GHOST_ELASTIC_COUNT = 2,
 } wisp_ghost_elastic;
 
-/// Rotation of the offset of a ghost.
-typedef enum wisp_ghost_frame
-{
-    WISP_GHOST_FRAME_OFF = 0,      ///< none: offsets keep their direction in the world (printed)
-    WISP_GHOST_FRAME_ROOT = 1,     ///< that of the target's root
-    WISP_GHOST_FRAME_PARALLEL = 2, ///< that of the root, transported along the target without twist
-    WISP_GHOST_FRAME_COUNT = 3,
-} wisp_ghost_frame;
-
-/// How ghosts follow. Fill from wisp_default_ghosts_def(). Copied.
+/// How ghosts follow. Fill from wisp_default_ghosts_def(). Copied. Their offsets turn with the frame of the target's root, which is
+/// transported along the target without twist. The sway of a vertex is at most the length of a segment: the ghosts of a group
+/// are scaled by one factor, set by the farthest of them, so that they stay apart however fast the head moves. With several
+/// targets each ghost has its own. A single ghost of a target keeps its offset.
 typedef struct wisp_ghosts_def
 {
     uint32_t size;       ///< bytes; set by wisp_default_ghosts_def()
@@ -44,18 +36,10 @@ typedef struct wisp_ghosts_def
     wisp_ghost_elastic elastic; ///< default change
     float tip_gain;             ///< k_tip, 0 .. 1e3, default 0.5
     float centre_gain;          ///< k_com, 0 .. 1e3, default 0.5; per distance to the centre at rest
-    float time;                 ///< tau, s; default 0: the length of the step. 1 as printed
-    /// Limit the sway of a vertex to the length of a segment; default true. The ghosts of a group are scaled by one factor, set
-    /// by the farthest of them, so that they stay apart however fast the head moves. With several targets each ghost has its own.
-    bool capped;
-    bool keep_offset;   ///< a single ghost of a target keeps its offset, though it is its own centre; default true
-    float spread;       ///< Vbar / v_0 of eq. 2-3, 1e-6 .. 1e6; default 1: off. Sway is added
-    bool repair_length; ///< restore segments to rest length, from the root; default false
-    wisp_ghost_frame frame; ///< default parallel
-    /// Start each step from the position after the sway, and track the mean of a group: common sway is removed, differences add
-    /// up. Default false. Requires frame off and one target. A spread other than 1 then includes the sway.
-    bool feedback;
-    bool between; ///< keep the data of wisp_ghosts_between(), default false
+    float time;                 ///< tau, s; default 0: the length of the step
+    float spread;               ///< Vbar / v_0 of eq. 2-3, 1e-6 .. 1e6; default 1: off. Sway is added
+    bool repair_length;         ///< restore segments to rest length, from the root; default false
+    bool between;               ///< keep the data of wisp_ghosts_between(), default false
 } wisp_ghosts_def;
 
 WISP_DEFINITION( ghosts_def );
@@ -83,9 +67,7 @@ typedef enum wisp_curve_kind
         0, ///< eq. 6, coefficient 3, on groups of four vertices that share their ends and the tangents there:
            ///< inner points next to a joint are rotated about it, so that its direction is continuous
     WISP_CURVE_CATMULL_ROM = 1, ///< passes through all vertices, once continuously differentiable
-    WISP_CURVE_BEZIER_PRINTED =
-        2, ///< eq. 6 on groups that share their ends only: a joint turns as the strand does there
-    WISP_CURVE_KIND_COUNT = 3,
+    WISP_CURVE_KIND_COUNT = 2,
 } wisp_curve_kind;
 
 /// Smooth curves. Fill from wisp_default_curves_def(). Copied.

@@ -110,7 +110,7 @@ typedef struct guide_lanes
     const int32_t* lane_count; // [group][16] nodes
     int32_t* lane_node;        // [group][16] float of the table where the root's quads begin
     float* cap;                // [row][16] m, rest length of the target's segment there
-    float* reach;              // [row][16] centre weight of the farthest ghost there; null: with feedback
+    float* reach;              // [row][16] centre weight of the farthest ghost there
     // resampled only
     int32_t* source;      // [row][4][16] float of the targets' rows where a vertex is
     float* weight;        // [row][4][16]
@@ -120,16 +120,6 @@ typedef struct guide_lanes
     float *velocity, *before;
     float* root; // [group][4][16]
 } guide_lanes;
-
-/// Groups of ghosts for feedback (guide_feedback.c).
-typedef struct guide_members
-{
-    int group_count;
-    int32_t* begin;    // [group_count + 1] first member
-    int32_t* lane;     // [ghost] of a member, ascending ghosts in a group
-    int32_t* node;     // [group_count] of the table, where the root's quads are
-    double* requested; // [node] m^2, Vbar of eq. 3; null: the spread is not held
-} guide_members;
 
 /// Sources of velocities of ghosts that are drawn between steps (guide_between.c).
 typedef struct guide_sources
@@ -144,7 +134,7 @@ typedef struct guide_follower
     wisp_entity ghosts;
     wisp_entity targets; // null once they are removed
     int link_count, stride;
-    bool resampled, turns, carries_frames, feeds_back, is_between;
+    bool resampled, is_between;
     guide_lanes guides;
     float* table;          // [nodes + 1][stride], the last node belongs to empty lanes and stays 0
     int32_t* lane_node;    // [group][link][16] of the ghosts
@@ -153,7 +143,6 @@ typedef struct guide_follower
     float* offset;         // [row][link][3][16]
     float* length;         // [row][16] m, of the segment that ends in the row; null: lengths are not repaired
     int32_t* target;       // [strand] the first target of every ghost
-    guide_members members; // with feedback only
     guide_sources sources; // drawn between steps only
 } guide_follower;
 
@@ -211,7 +200,7 @@ typedef struct guide_drawing
     wisp_entity curves;
     wisp_entity source; // null once it is removed
     int samples;
-    bool shares_ends, shares_tangents;
+    bool shares_ends;
     float* weight;          // [samples][4]
     int32_t* lane_row;      // [group][16]
     int32_t* lane_vertices; // [group][16]
@@ -224,15 +213,13 @@ typedef struct guide_settings
 {
     float time; // s, 0: the step
     float tip_gain;
-    int32_t elastic; // wisp_elastic
-    int32_t capped;
+    int32_t is_elastic;
 } guide_settings;
 
 #define GUIDE_SETTINGS_COLUMNS( X ) X( guide_settings, settings, 1 )
 #define GUIDE_REPAIR_COLUMNS( X ) X( uint32_t, repairs, 1 )
-#define GUIDE_TABLE_COLUMNS( X ) X( uint64_t, steps, 1 )  /* of targets: how often it was filled */
-#define GUIDE_BEFORE_COLUMNS( X ) X( float, before, 48 )  /* m/s, [3][16] a row: the velocity a step before */
-#define GUIDE_FEEDBACK_COLUMNS( X ) X( float, apart, 48 ) /* m, [3][16] a row: from the mean of the group */
+#define GUIDE_TABLE_COLUMNS( X ) X( uint64_t, steps, 1 ) /* of targets: how often it was filled */
+#define GUIDE_BEFORE_COLUMNS( X ) X( float, before, 48 ) /* m/s, [3][16] a row: the velocity a step before */
 #define GUIDE_BETWEEN_COLUMNS( X )                                                                                   \
     X( float, place_before, 48 )    /* m, [3][16] a row: where motion had the ghosts a step before */                \
     X( float, place, 48 )           /* m, and now */                                                                 \
@@ -254,7 +241,6 @@ typedef struct guide_settings
     X( before, "guide_hair.before", WISP_TABLE_STRAND_ROW, GUIDE_BEFORE_COLUMNS )                                    \
     X( drawn, "guide_hair.drawn", WISP_TABLE_ENTITY, GUIDE_DRAWN_COLUMNS )                                           \
     X( curves, "guide_hair.curves", WISP_TABLE_ENTITY, GUIDE_CURVES_COLUMNS )                                        \
-    X( feedback, "guide_hair.feedback", WISP_TABLE_STRAND_ROW, GUIDE_FEEDBACK_COLUMNS )                              \
     X( between, "guide_hair.between", WISP_TABLE_STRAND_ROW, GUIDE_BETWEEN_COLUMNS )                                 \
     X( interval, "guide_hair.interval", WISP_TABLE_ENTITY, GUIDE_INTERVAL_COLUMNS )                                  \
     X( carried, "guide_hair.carried", WISP_TABLE_STRAND_ROW, GUIDE_CARRIED_COLUMNS )                                 \
@@ -294,14 +280,6 @@ bool guide_has_coarse( const void* state, const wisp_world* world, wisp_entity e
 wisp_status guide_prepare_detail( const void* state, wisp_world* world, wisp_entity entity );
 void guide_detail_changed( const void* state, wisp_world* world, wisp_entity entity, wisp_detail from,
                            wisp_detail to );
-
-/// guide_feedback.c
-/// @return false without memory
-bool guide_cook_members( guide_follower* follower, const guide_groups* groups, guide_memory* scratch );
-/// Set the state of ghosts at rest.
-void guide_begin_feedback( wisp_world* world, const guide_state* state, const guide_follower* follower );
-wisp_pass_fn guide_run_feedback;
-bool guide_feedback_is_due( wisp_frame* frame, wisp_entity entity, void* user );
 
 /// guide_between.c
 /// @return false without memory

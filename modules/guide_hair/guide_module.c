@@ -102,18 +102,6 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .should_run = guide_ghosts_are_due,
         },
         {
-            // The ghosts of a group lie in several groups of lanes, so it runs over the entity.
-            .name = "guide_hair.feedback",
-            .stage = WISP_STAGE_DERIVE,
-            .domain = WISP_DOMAIN_ENTITY,
-            .required = { s->settings, s->feedback },
-            .reads = { s->settings, s->table, s->feedback, WISP_STRAND_POSITION },
-            .writes = { s->feedback, WISP_STRAND_POSITION },
-            .run = guide_run_feedback,
-            .detail = WISP_PASS_FINE,
-            .should_run = guide_feedback_is_due,
-        },
-        {
             .name = "guide_hair.lengths",
             .stage = WISP_STAGE_DERIVE,
             .domain = WISP_DOMAIN_STRAND_GROUP,

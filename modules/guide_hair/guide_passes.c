@@ -90,7 +90,6 @@ static void fill_table( wisp_frame* frame, const wisp_span* span, const guide_st
     const guide_lanes* l = &f->guides;
     loop.lanes = l;
     loop.resampled = f->resampled;
-    loop.root = f->turns ? loop.root : NULL;
     loop.args = ( wisp_strand_target_args ){
         .group_row = l->group_row,
         .lane_count = l->lane_count,
@@ -104,10 +103,8 @@ static void fill_table( wisp_frame* frame, const wisp_span* span, const guide_st
         .root = f->resampled && loop.root != NULL ? l->root : loop.root,
         .table = f->table,
         .stride = f->stride,
-        .transports_frames = f->carries_frames,
-        .is_capped = settings->capped != 0,
         .is_blended = f->link_count > 1,
-        .elastic = (wisp_elastic)settings->elastic,
+        .is_elastic = settings->is_elastic != 0,
         .sway_time = settings->time > 0.0f ? settings->time : seconds_of( frame, span->entity ),
         .tip_gain = settings->tip_gain,
     };
@@ -169,8 +166,7 @@ void guide_run_targets( wisp_frame* frame, const wisp_span* span, void* user )
 bool guide_ghosts_are_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
     (void)frame;
-    const guide_follower* f = guide_active_follower( user, entity );
-    return f != NULL && f->feeds_back == false;
+    return guide_active_follower( user, entity ) != NULL;
 }
 
 void guide_run_ghosts( wisp_frame* frame, const wisp_span* span, void* user )
@@ -188,10 +184,8 @@ void guide_run_ghosts( wisp_frame* frame, const wisp_span* span, void* user )
         .centre_scale = f->centre_scale,
         .offset = f->offset,
         .table = f->table,
-        .stride = f->stride,
         .target_count = f->link_count,
-        .rotates_offsets = f->turns,
-        .elastic = (wisp_elastic)settings->elastic,
+        .is_elastic = settings->is_elastic != 0,
         .sway_time = settings->time > 0.0f ? settings->time : seconds_of( frame, span->entity ),
         .points = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
     };

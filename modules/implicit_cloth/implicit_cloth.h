@@ -18,8 +18,7 @@ typedef enum wisp_implicit_weights
 {
     WISP_IMPLICIT_WEIGHTS_EFFECTIVE = 0, ///< eq. 3 exactly, with symmetric forces and masses m |N| / max |N|
     WISP_IMPLICIT_WEIGHTS_NONE = 1,      ///< 1
-    WISP_IMPLICIT_WEIGHTS_PAIR = 2,      ///< a link's force times the mean weight of its two ends, true masses
-    WISP_IMPLICIT_WEIGHTS_COUNT = 3,
+    WISP_IMPLICIT_WEIGHTS_COUNT = 2,
 } wisp_implicit_weights;
 
 /// What a stiffness describes.
@@ -30,22 +29,6 @@ typedef enum wisp_implicit_stiffness
                                           ///< refinement does not change the cloth. Only with the mesh's own links
     WISP_IMPLICIT_STIFFNESS_COUNT = 2,
 } wisp_implicit_stiffness;
-
-typedef enum wisp_implicit_damping
-{
-    WISP_IMPLICIT_DAMPING_ISOTROPIC = 0, ///< damps all relative velocity of the ends of a link (eq. 14)
-    WISP_IMPLICIT_DAMPING_AXIAL = 1,     ///< damps only the velocity along the link, so that rigid rotation is kept
-    WISP_IMPLICIT_DAMPING_COUNT = 2,
-} wisp_implicit_damping;
-
-/// The derivative of bending forces (Noh and Jung, eq. 13).
-typedef enum wisp_implicit_jacobian
-{
-    WISP_IMPLICIT_JACOBIAN_DROPPED = 0, ///< without its negative second term: the matrix stays positive definite
-    WISP_IMPLICIT_JACOBIAN_FULL =
-        1, ///< complete: a solve that meets negative curvature is counted, and made again with it dropped
-    WISP_IMPLICIT_JACOBIAN_COUNT = 2,
-} wisp_implicit_jacobian;
 
 /// Material and solver of a surface. Fill from wisp_default_implicit_cloth_def(). Copied; need not outlive the call.
 typedef struct wisp_implicit_cloth_def
@@ -61,11 +44,9 @@ typedef struct wisp_implicit_cloth_def
     /// c_b, N/m, >= 0; default 0: stretch_stiffness. Of a link: initial slope of bending (eq. 12). Of a material: against
     /// compression, until an edge buckles
     float compression_stiffness;
-    float link_damping; ///< k_d of a link, N s/m, >= 0, default 0.02
+    float link_damping; ///< k_d of a link, N s/m, >= 0, default 0.02: of all relative velocity (eq. 14)
 
-    wisp_implicit_weights weights;      ///< default effective
-    wisp_implicit_damping damping_form; ///< default isotropic
-    wisp_implicit_jacobian jacobian;    ///< default dropped
+    wisp_implicit_weights weights; ///< default effective
     /// Default Euler (eq. 16-17), which damps oscillation. BDF2 makes its first substep by Euler, and those with k h^2 / m above 512 or
     /// after a correction by contact of surfaces (WISP_COUNT_FIRST_ORDER).
     wisp_integrator integrator;
@@ -78,9 +59,6 @@ typedef struct wisp_implicit_cloth_def
     int max_newton_iterations;
     float tolerance; ///< of a solve: residual relative to that of zero velocity change, in [1e-7, 0.1], default 1e-4
     int max_iterations; ///< of a solve, 0 .. 1000000; default 0: three per vertex
-    bool warm_start;    ///< start a solve from the solution of the last one, default true
-    bool speculative; ///< contact before touch: a vertex that would enter a body in this substep lands on it; default
-                      ///< true. False: contact starts within the margin, as printed
 
     /// Links given by the host instead of those of the mesh (edges stretch, diagonals bend), for a quad mesh or seams.
     const int32_t* stretch_pairs; ///< [stretch_pair_count][2] in the user's order; null: the edges of the mesh

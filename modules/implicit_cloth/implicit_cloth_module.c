@@ -32,8 +32,6 @@ void wisp_init_implicit_cloth_def( wisp_implicit_cloth_def* def, size_t size )
         .newton_iterations = 1,
         .max_newton_iterations = 16,
         .tolerance = 1e-4f,
-        .warm_start = true,
-        .speculative = true,
     };
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
@@ -203,8 +201,6 @@ static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_de
         { "max_iterations", (float)d->max_iterations, 0.0f, 1e6f },
         { "stiffness_model", (float)d->stiffness_model, 0.0f, (float)( WISP_IMPLICIT_STIFFNESS_COUNT - 1 ) },
         { "weights", (float)d->weights, 0.0f, (float)( WISP_IMPLICIT_WEIGHTS_COUNT - 1 ) },
-        { "damping_form", (float)d->damping_form, 0.0f, (float)( WISP_IMPLICIT_DAMPING_COUNT - 1 ) },
-        { "jacobian", (float)d->jacobian, 0.0f, (float)( WISP_IMPLICIT_JACOBIAN_COUNT - 1 ) },
         { "integrator", (float)d->integrator, 0.0f, (float)( WISP_INTEGRATOR_COUNT - 1 ) },
     };
     const wisp_status status = wisp_world_check_ranges( world, "implicit cloth", ranges, WISP_COUNT( ranges ) );
@@ -266,7 +262,6 @@ static void list_components( const implicit_state* state, const wisp_implicit_cl
         component[i] = all[i];
         requested[i] = true;
     }
-    requested[5] = d->warm_start;
     requested[6] = d->integrator == WISP_INTEGRATOR_BDF2;
 }
 
@@ -301,14 +296,10 @@ static void fill( wisp_world* world, wisp_entity surface, const implicit_state* 
 {
     implicit_material* m = wisp_world_column( world, surface, state->material, 0 );
     *m = ( implicit_material ){
-        .axial_damping = d->damping_form == WISP_IMPLICIT_DAMPING_AXIAL,
-        .full_jacobian = d->jacobian == WISP_IMPLICIT_JACOBIAN_FULL,
         .bdf2 = d->integrator == WISP_INTEGRATOR_BDF2,
         .newton_iterations = d->newton_iterations,
         .max_newton_iterations = d->max_newton_iterations,
         .max_iterations = d->max_iterations,
-        .warm_start = d->warm_start,
-        .speculative = d->speculative,
         .requests_stats = m->requests_stats,
         .tolerance = d->tolerance,
     };

@@ -173,7 +173,7 @@ static bool judge( const implicit_system* s, const implicit_contact_input* f, in
     const wisp_vec3 x = load( f->position + (size_t)slot * 4 ), place = load( s->place + (size_t)row * 4 );
     const wisp_vec3 there = add_scaled( place, s->spring.dt, load( s->start + (size_t)row * 4 ) );
     const wisp_vec3 way = add_scaled( subtract( there, x ), -f->seconds, t->motion );
-    return f->speculative && t->gap >= 0.5f * t->margin && t->gap + dot( way, t->normal ) < 0.0f;
+    return t->gap >= 0.5f * t->margin && t->gap + dot( way, t->normal ) < 0.0f;
 }
 
 // ---- the normals of a row ----

@@ -13,8 +13,7 @@
 /// Material of a surface, without its links. A row of the entity.
 typedef struct implicit_material
 {
-    int32_t axial_damping, full_jacobian, bdf2;
-    int32_t newton_iterations, max_newton_iterations, max_iterations, warm_start, speculative, requests_stats;
+    int32_t bdf2, newton_iterations, max_newton_iterations, max_iterations, requests_stats;
     float tolerance;
     float before; ///< s, length of the last substep; 0: none
     float gained; ///< J, energy above the least of the last thousand substeps
@@ -102,7 +101,6 @@ typedef struct implicit_contact_input
     float seconds;                          ///< h, of the substep
     float hysteresis;                       ///< m/s: pull per mass that does not release
     float target_fraction;                  ///< of the way to a target, in this substep
-    bool speculative;
 } implicit_contact_input;
 
 /// Squared sine of the angle between two normals of a row below which they count as one.

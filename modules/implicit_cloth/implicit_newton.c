@@ -30,7 +30,7 @@ static bool guess_row( implicit_substep* s, int row )
 {
     const implicit_system* system = &s->system;
     const int slot = system->links->row_slot[row], lane = row % WISP_SLICE;
-    const bool warm = s->columns.change != NULL && system->spring.is_repeat == false && slot >= 0;
+    const bool warm = system->spring.is_repeat == false && slot >= 0;
     const float *goal = system->goal + (size_t)row * 4, *v = s->velocity + (size_t)row * 4;
     float free[3] = { 0.0f }, held[3] = { 0.0f };
     for ( int k = 0; k < 3; ++k )
@@ -239,18 +239,9 @@ void implicit_iterate( wisp_frame* frame, implicit_substep* s, implicit_tally* t
         {
             undirected = shorten( s, slope, undirected );
         }
-        implicit_outcome outcome = solve_linear( s );
+        const implicit_outcome outcome = solve_linear( s );
         count_outcome( frame, &outcome );
         total->iterations += outcome.iterations;
-        if ( outcome.indefinite && s->system.spring.full_jacobian )
-        {
-            // what a stopped solve has may be any motion; without the negative terms the matrix is definite
-            s->system.spring.full_jacobian = false;
-            undirected = implicit_assemble( s, k > 0 );
-            outcome = solve_linear( s );
-            count_outcome( frame, &outcome );
-            total->iterations += outcome.iterations;
-        }
         slope = s->stiff ? add_slopes( s, s->system.requested, false ) : 0.0;
         move( s, 1.0 );
         total->residual = outcome.residual;

@@ -281,14 +281,11 @@ static void set_coefficients( const implicit_cook* cook, const wisp_implicit_clo
             const float inverse = 1.0f / p->rest;
             const float fraction = sheet ? p->area * inverse * inverse : 1.0f;
             const float arc = sheet ? d->bend_rigidity * p->area * inverse : d->bend_stiffness;
-            const float both = d->weights == WISP_IMPLICIT_WEIGHTS_PAIR
-                                   ? 0.5f * ( weight_of( cook, p->a ) + weight_of( cook, p->b ) )
-                                   : 1.0f;
-            p->load = both * ( bends ? arc * inverse * inverse : fraction * d->stretch_stiffness );
-            p->ramp = bends ? both * fraction * compression : 0.0f;
+            p->load = bends ? arc * inverse * inverse : fraction * d->stretch_stiffness;
+            p->ramp = bends ? fraction * compression : 0.0f;
             p->ramp_end =
                 bends ? (float)implicit_ramp_end( (double)p->load, (double)p->ramp, (double)p->rest ) : 0.0f;
-            p->damping = both * fraction * d->link_damping;
+            p->damping = fraction * d->link_damping;
         }
     }
 }

@@ -134,7 +134,6 @@ void implicit_find_columns( wisp_frame* frame, const wisp_span* span, const impl
                             implicit_substep* s )
 {
     const wisp_entity e = span->entity;
-    const implicit_material* m = s->system.material;
     s->columns = ( implicit_columns ){
         .position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 ),
         .velocity = wisp_frame_column( frame, e, WISP_PARTICLE_VELOCITY, 0 ),
@@ -171,7 +170,6 @@ void implicit_find_columns( wisp_frame* frame, const wisp_span* span, const impl
         .seconds = h,
         .hysteresis = HYSTERESIS * h * sqrtf( gx * gx + gy * gy + gz * gz ),
         .target_fraction = wisp_frame_progress_left( frame, span->entity, span->substep ),
-        .speculative = m->speculative != 0,
     };
 }
 

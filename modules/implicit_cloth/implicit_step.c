@@ -146,10 +146,7 @@ static void scatter_row( implicit_substep* s, int row )
     {
         v[k] = s->velocity[(size_t)row * 4 + (size_t)k];
         x[k] = s->point[(size_t)row * 4 + (size_t)k];
-        if ( c->change != NULL )
-        {
-            c->change[(size_t)slot * 3 + (size_t)k] = v[k] - system->start[(size_t)row * 4 + (size_t)k];
-        }
+        c->change[(size_t)slot * 3 + (size_t)k] = v[k] - system->start[(size_t)row * 4 + (size_t)k];
         // contacts are valid for this substep only
         c->body[(size_t)slot * WISP_MAX_PARTICLE_CONTACTS + (size_t)( k % WISP_MAX_PARTICLE_CONTACTS )] = 0;
     }
@@ -261,7 +258,6 @@ static void attempt_again( wisp_frame* frame, const wisp_span* span, implicit_su
         wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, 1 );
     }
     s->is_second = s->stiff = true;
-    s->system.spring.full_jacobian = s->system.material->full_jacobian != 0;
     attempt( frame, span, s, tally );
     (void)gains( s );
 }
@@ -280,7 +276,6 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
             .parallel = wisp_frame_parallel( frame, span ),
             .grain = small && links->slice_count > 0 ? links->slice_count : GRAIN,
             .limit = material->max_iterations > 0 ? material->max_iterations : 3 * links->row_count,
-            .spring = { .axial_damping = material->axial_damping != 0, .full_jacobian = material->full_jacobian != 0 },
         },
     };
     s.system.block_count = ( links->slice_count + s.system.grain - 1 ) / s.system.grain;

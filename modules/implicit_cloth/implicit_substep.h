@@ -7,7 +7,7 @@
 typedef struct implicit_columns
 {
     float *position, *velocity;
-    float* change;                            // [slot][3] m/s; null: solves start from nothing
+    float* change;                            // [slot][3] m/s, of the substep before: solves start from it
     float *before_position, *before_velocity; // [slot][4]; null: Euler
     int32_t* body;                            // of particle.contacts
     float* previous;                          // [slot][4] m; null: no contact of surfaces, nor what follows

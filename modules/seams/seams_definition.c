@@ -13,7 +13,7 @@ void wisp_init_seam_def( wisp_seam_def* def, size_t size )
     wisp_def_init( def, size, &values, sizeof( values ) );
 }
 
-static seam* find_seam( const seams_state* state, wisp_entity entity )
+static seam_topology* find_seam( const seams_state* state, wisp_entity entity )
 {
     for ( int i = 0; i < state->count; ++i )
     {
@@ -25,7 +25,7 @@ static seam* find_seam( const seams_state* state, wisp_entity entity )
     return NULL;
 }
 
-static bool joins( const seam* s, wisp_entity surface )
+static bool joins( const seam_topology* s, wisp_entity surface )
 {
     return wisp_entity_equal( s->a, surface ) || wisp_entity_equal( s->b, surface );
 }
@@ -109,7 +109,7 @@ static void tidy( wisp_world* world, seams_state* state, const wisp_entity surfa
     }
 }
 
-static wisp_status attach_all( wisp_world* world, seams_state* state, seam* s )
+static wisp_status attach_all( wisp_world* world, seams_state* state, seam_topology* s )
 {
     WISP_TRY( wisp_world_add_pairs( world, s->pair_count, &s->entity ) );
     WISP_TRY( wisp_world_attach( world, s->entity, state->settings ) );
@@ -123,7 +123,7 @@ static wisp_status attach_all( wisp_world* world, seams_state* state, seam* s )
 }
 
 // @param d receives the difference from the vertex of b to that of a @return its length, m
-static float opening_of( wisp_world* world, const seam* s, int row, float d[3] )
+static float opening_of( wisp_world* world, const seam_topology* s, int row, float d[3] )
 {
     const float* a = (const float*)wisp_world_column( world, s->a, WISP_PARTICLE_POSITION, 0 ) + s->ends_x4[2 * row];
     const float* b =
@@ -135,7 +135,7 @@ static float opening_of( wisp_world* world, const seam* s, int row, float d[3] )
     return sqrtf( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] );
 }
 
-static void fill( wisp_world* world, const seams_state* state, const seam* s, const wisp_seam_def* def )
+static void fill( wisp_world* world, const seams_state* state, const seam_topology* s, const wisp_seam_def* def )
 {
     seam_settings* settings = wisp_world_column( world, s->entity, state->settings, 0 );
     float* rest = wisp_world_column( world, s->entity, state->pairs, 0 );
@@ -159,7 +159,7 @@ static wisp_status begin( wisp_world* world, const wisp_seam_def* given, wisp_se
     *state = found;
     WISP_TRY( check_def( world, def ) );
     seams_state* s = found;
-    return wisp_world_reserve( world, (void**)&s->seams, &s->capacity, s->count, sizeof( seam ) )
+    return wisp_world_reserve( world, (void**)&s->seams, &s->capacity, s->count, sizeof( seam_topology ) )
                ? WISP_OK
                : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for another seam" );
 }
@@ -174,7 +174,7 @@ wisp_status wisp_add_seam( wisp_world* world, const wisp_seam_def* given, wisp_e
     }
     WISP_TRY( begin( world, given, &def, &state ) );
     WISP_TRY( wisp_world_check_pointer( world, "out", out ) );
-    seam s = { .pair_count = 0 };
+    seam_topology s = { .pair_count = 0 };
     WISP_TRY( seams_cook_pairs( world, &def, &s ) );
     const wisp_status status = attach_all( world, state, &s );
     if ( status != WISP_OK )
@@ -200,7 +200,7 @@ void seams_forget( seams_state* state, wisp_world* world, wisp_entity entity )
 {
     for ( int i = 0; i < state->count; ++i )
     {
-        seam* s = state->seams + i;
+        seam_topology* s = state->seams + i;
         const wisp_entity surfaces[2] = { s->a, s->b };
         const bool is_it = wisp_entity_equal( s->entity, entity );
         if ( is_it == false && joins( s, entity ) == false )
@@ -212,7 +212,7 @@ void seams_forget( seams_state* state, wisp_world* world, wisp_entity entity )
         {
             seams_release_pairs( wisp_world_allocator( world ), s );
             state->count -= 1;
-            memmove( s, s + 1, (size_t)( state->count - i ) * sizeof( seam ) );
+            memmove( s, s + 1, (size_t)( state->count - i ) * sizeof( seam_topology ) );
             i -= 1;
         }
         tidy( world, state, surfaces );
@@ -221,24 +221,24 @@ void seams_forget( seams_state* state, wisp_world* world, wisp_entity entity )
 
 // ---- reading ----
 
-static seam* whole_seam( wisp_world* world, wisp_entity entity, seams_state** state )
+static seam_topology* whole_seam( wisp_world* world, wisp_entity entity, seams_state** state )
 {
     *state = world != NULL ? wisp_world_module_state( world, "seams" ) : NULL;
-    seam* s = *state != NULL ? find_seam( *state, entity ) : NULL;
+    seam_topology* s = *state != NULL ? find_seam( *state, entity ) : NULL;
     return s != NULL && s->a.index != 0 ? s : NULL;
 }
 
 int wisp_count_seam_pairs( wisp_world* world, wisp_entity entity )
 {
     seams_state* state;
-    const seam* s = whole_seam( world, entity, &state );
+    const seam_topology* s = whole_seam( world, entity, &state );
     return s != NULL ? s->pair_count : 0;
 }
 
 int wisp_count_broken_seam_pairs( wisp_world* world, wisp_entity entity )
 {
     seams_state* state;
-    const seam* s = whole_seam( world, entity, &state );
+    const seam_topology* s = whole_seam( world, entity, &state );
     const int32_t* broken = s != NULL ? wisp_world_column( world, entity, state->pairs, 2 ) : NULL;
     int count = 0;
     for ( int row = 0; broken != NULL && row < s->pair_count; ++row )

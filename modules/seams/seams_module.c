@@ -14,7 +14,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     }
     if ( state->seams != NULL )
     {
-        allocator->release( allocator->user, state->seams, (size_t)state->capacity * sizeof( seam ) );
+        allocator->release( allocator->user, state->seams, (size_t)state->capacity * sizeof( seam_topology ) );
     }
 }
 
@@ -27,10 +27,10 @@ static size_t count_memory( const void* memory, size_t* outside )
 {
     (void)outside;
     const seams_state* state = memory;
-    size_t bytes = (size_t)state->capacity * sizeof( seam );
+    size_t bytes = (size_t)state->capacity * sizeof( seam_topology );
     for ( int i = 0; i < state->count; ++i )
     {
-        bytes += 3 * (size_t)state->seams[i].pair_count * sizeof( int32_t );
+        bytes += 2 * (size_t)state->seams[i].pair_count * sizeof( int32_t );
     }
     return bytes;
 }

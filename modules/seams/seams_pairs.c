@@ -12,7 +12,7 @@ static size_t block_size( int pair_count )
     return 2 * (size_t)pair_count * sizeof( int32_t );
 }
 
-void seams_release_pairs( const wisp_allocator* allocator, seam* s )
+void seams_release_pairs( const wisp_allocator* allocator, seam_topology* s )
 {
     if ( s->ends_x4 != NULL )
     {
@@ -138,7 +138,7 @@ static void colour_pairs( const int32_t* ends_x4, int pair_count, uint64_t* mask
     }
 }
 
-static void order_pairs( seam* s, const int32_t* given_x4, const uint8_t* colours )
+static void order_pairs( seam_topology* s, const int32_t* given_x4, const uint8_t* colours )
 {
     int next[SEAM_COLOURS] = { 0 };
     memset( s->colour_begin, 0, sizeof( s->colour_begin ) );
@@ -193,18 +193,19 @@ static wisp_status check_pairs( wisp_world* world, const wisp_seam_def* def, con
 }
 
 // Bytes of the temporary memory: slots of the pairs, masks of their vertices, colours.
-static size_t scratch_size( const seam* s, size_t slots )
+static size_t scratch_size( const seam_topology* s, size_t slots )
 {
     return slots * sizeof( uint64_t ) + (size_t)s->pair_count * ( 2 * sizeof( int32_t ) + 1 );
 }
 
-static wisp_status cook( wisp_world* world, const wisp_seam_def* def, const wisp_fabric* const fabrics[2], seam* out )
+static wisp_status cook( wisp_world* world, const wisp_seam_def* def, const wisp_fabric* const fabrics[2],
+                         seam_topology* out )
 {
     WISP_TRY( check_pairs( world, def, fabrics ) );
     const wisp_allocator* allocator = wisp_world_allocator( world );
     const size_t first_b = wisp_entity_equal( def->a, def->b ) ? 0 : (size_t)fabrics[0]->slot_count,
                  slots = first_b + (size_t)fabrics[1]->slot_count;
-    *out = ( seam ){ .a = def->a, .b = def->b, .pair_count = def->pair_count };
+    *out = ( seam_topology ){ .a = def->a, .b = def->b, .pair_count = def->pair_count };
     const size_t bytes = scratch_size( out, slots );
     uint64_t* masks = allocator->allocate( allocator->user, bytes, sizeof( uint64_t ) );
     out->ends_x4 = masks != NULL
@@ -230,7 +231,7 @@ static wisp_status cook( wisp_world* world, const wisp_seam_def* def, const wisp
 }
 
 static wisp_status cook_found( wisp_world* world, const wisp_seam_def* def, const boundary sides[2], int32_t* pairs,
-                               seam* out )
+                               seam_topology* out )
 {
     wisp_seam_def found = *def;
     found.pairs = pairs;
@@ -247,7 +248,7 @@ static wisp_status cook_found( wisp_world* world, const wisp_seam_def* def, cons
 
 // Find pairs before cooking. Temporary memory: boundaries of both surfaces, pairs, a balance of edges and triangles by slot.
 static wisp_status cook_within( wisp_world* world, const wisp_seam_def* def, const wisp_fabric* const fabrics[2],
-                                seam* out )
+                                seam_topology* out )
 {
     WISP_TRY( wisp_world_need_fabric( world, def->a, WISP_FABRIC_EDGES ) );
     WISP_TRY( wisp_world_need_fabric( world, def->b, WISP_FABRIC_EDGES ) );
@@ -273,7 +274,7 @@ static wisp_status cook_within( wisp_world* world, const wisp_seam_def* def, con
     return status;
 }
 
-wisp_status seams_cook_pairs( wisp_world* world, const wisp_seam_def* def, seam* out )
+wisp_status seams_cook_pairs( wisp_world* world, const wisp_seam_def* def, seam_topology* out )
 {
     const wisp_fabric* const fabrics[2] = { wisp_world_fabric( world, def->a ), wisp_world_fabric( world, def->b ) };
     return def->within > 0.0f ? cook_within( world, def, fabrics, out ) : cook( world, def, fabrics, out );

@@ -164,7 +164,7 @@ static seam_side open_side( wisp_frame* frame, wisp_entity surface )
     };
 }
 
-static void project_seam( wisp_frame* frame, const wisp_span* span, const seams_state* state, const seam* s )
+static void project_seam( wisp_frame* frame, const wisp_span* span, const seams_state* state, const seam_topology* s )
 {
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     seam_settings* settings = wisp_frame_column( frame, s->entity, state->settings, 0 );

@@ -27,7 +27,7 @@ enum
 };
 
 /// Topology of a seam. Rows are in the order of their colours: pairs of a colour share no vertex.
-typedef struct seam
+typedef struct seam_topology
 {
     wisp_entity entity;
     wisp_entity a, b; // zero: a surface was removed
@@ -35,7 +35,7 @@ typedef struct seam
     int colour_count;
     int colour_begin[SEAM_COLOURS + 1]; // first row of a colour
     int32_t* ends_x4;                   // [pair_count][2] slots times 4
-} seam;
+} seam_topology;
 
 typedef struct seams_state
 {
@@ -43,16 +43,16 @@ typedef struct seams_state
     wisp_component sewn;            // marks surfaces
     wisp_component active, result;  // of the entity `hub`, whose pass projects all seams one after another
     wisp_entity hub;
-    seam* seams;
+    seam_topology* seams;
     int count, capacity;
 } seams_state;
 
 /// Compute the force that pulls at a pair; negative: it pushes. @param d from the vertex of b to that of a
 float seams_pull( const float impulse[3], const float d[3], float rest, float inverse_dt2 ); // seams_project.c
 /// Free the topology of a seam.
-void seams_release_pairs( const wisp_allocator* allocator, seam* s ); // seams_pairs.c
+void seams_release_pairs( const wisp_allocator* allocator, seam_topology* s ); // seams_pairs.c
 /// Check pairs and order them in colours, or find them first if the definition says within. @param out receives topology and surfaces
-wisp_status seams_cook_pairs( wisp_world* world, const wisp_seam_def* def, seam* out ); // seams_pairs.c
+wisp_status seams_cook_pairs( wisp_world* world, const wisp_seam_def* def, seam_topology* out ); // seams_pairs.c
 /// A surface or a seam is about to be removed.
 void seams_forget( seams_state* state, wisp_world* world, wisp_entity entity ); // seams_definition.c
 /// The pass.

@@ -11,9 +11,6 @@
 // (Schur complement).
 #include "closed_rods.h"
 
-// Bounds of rod_factors.c.
-static const double MAX_STIFFNESS = 6e4, MAX_CURLED = 0.08;
-
 // A strand that is closed.
 typedef struct ring
 {
@@ -33,7 +30,7 @@ static double length_at( const ring* r, int s )
 }
 
 // Return the mass of a vertex; 0 if it is pinned.
-static double mass_at( const ring* r, int i )
+static double ring_mass_at( const ring* r, int i )
 {
     const double w = (double)r->args->rows->weight[strands_scalar( r->row + around( r, i ), r->lane )];
     return w > 0.0 ? 1.0 / w : 0.0;
@@ -53,21 +50,21 @@ static double turn_at( const ring* r, int i )
     return (double)strands_norm( strands_sub( direction_at( r, i ), direction_at( r, i - 1 ) ) );
 }
 
-static double stiffness_of( const ring* r, int i )
+static double ring_stiffness( const ring* r, int i )
 {
     const strands_settings* settings = r->args->settings;
     double mass = 0.0, turn = 0.0;
     int masses = 0;
     for ( int k = i - 1; k <= i + 1; ++k )
     {
-        const double m = mass_at( r, k );
+        const double m = ring_mass_at( r, k );
         mass += m;
         masses += m > 0.0 ? 1 : 0;
         turn = fmax( turn, turn_at( r, around( r, k ) ) );
     }
     const double step = r->args->dt * ( r->args->dt + (double)settings->bend_damping );
     const double before = length_at( r, i - 1 ), behind = length_at( r, i ), l = fmin( before, behind );
-    const double bound = fmin( MAX_STIFFNESS, MAX_CURLED / fmax( turn * turn * turn * turn, 1e-12 ) );
+    const double bound = fmin( STRANDS_MAX_STIFFNESS, STRANDS_MAX_CURLED / fmax( turn * turn * turn * turn, 1e-12 ) );
     const double most = bound * ( masses > 0 ? mass / masses : 0.0 ) * l * l * l / step;
     return fmin( (double)settings->bend_rigidity, most ) / ( 0.5 * ( before + behind ) );
 }
@@ -84,8 +81,8 @@ static double coefficient( const ring* r, int k, int i )
 static double entry( const ring* r, int i, int j )
 {
     const double step = r->args->dt * ( r->args->dt + (double)r->args->settings->bend_damping );
-    double sum = i == j ? mass_at( r, i ) : 0.0;
-    if ( mass_at( r, i ) == 0.0 || mass_at( r, j ) == 0.0 )
+    double sum = i == j ? ring_mass_at( r, i ) : 0.0;
+    if ( ring_mass_at( r, i ) == 0.0 || ring_mass_at( r, j ) == 0.0 )
     {
         return 0.0;
     }
@@ -98,7 +95,7 @@ static double entry( const ring* r, int i, int j )
     return sum;
 }
 
-static void put_factor( const ring* r, int i, double inverse, double first, double second )
+static void put_ring_factor( const ring* r, int i, double inverse, double first, double second )
 {
     strands_put( r->args->factor, r->row + i, r->lane, ( wisp_vec3 ){ (float)inverse, (float)first, (float)second } );
 }
@@ -109,21 +106,21 @@ static float* response_at( const ring* r, int i )
 }
 
 // A row of L D L^T, and of two right-hand sides.
-typedef struct band
+typedef struct ring_band
 {
     double pivot, first, second; // D(i), L(i, i-1), L(i, i-2)
     double right[2];
-} band;
+} ring_band;
 
 // Factor F, and eliminate B.
 static void factor_interior( const ring* r )
 {
-    const band none = { .pivot = 1.0 };
-    band before = none, first = none;
+    const ring_band none = { .pivot = 1.0 };
+    ring_band before = none, first = none;
     for ( int i = 2; i < r->n; ++i )
     {
-        band l = none;
-        if ( mass_at( r, i ) > 0.0 )
+        ring_band l = none;
+        if ( ring_mass_at( r, i ) > 0.0 )
         {
             l.second = i > 3 ? entry( r, i, i - 2 ) / first.pivot : 0.0;
             l.first = i > 2 ? ( entry( r, i, i - 1 ) - l.second * first.pivot * before.first ) / before.pivot : 0.0;
@@ -132,11 +129,11 @@ static void factor_interior( const ring* r )
             {
                 l.right[b] = entry( r, i, b ) - l.first * before.right[b] - l.second * first.right[b];
             }
-            put_factor( r, i, 1.0 / l.pivot, l.first, l.second );
+            put_ring_factor( r, i, 1.0 / l.pivot, l.first, l.second );
         }
         else
         {
-            put_factor( r, i, 0.0, 0.0, 0.0 );
+            put_ring_factor( r, i, 0.0, 0.0, 0.0 );
         }
         r->args->work[2 * i] = l.right[0] / l.pivot;
         r->args->work[2 * i + 1] = l.right[1] / l.pivot;
@@ -174,7 +171,7 @@ static void factor_joint( const ring* r )
         s[1] -= entry( r, i, 0 ) * z[1];
         s[2] -= entry( r, i, 1 ) * z[1];
     }
-    const bool moves[2] = { mass_at( r, 0 ) > 0.0, mass_at( r, 1 ) > 0.0 };
+    const bool moves[2] = { ring_mass_at( r, 0 ) > 0.0, ring_mass_at( r, 1 ) > 0.0 };
     double inverse[3] = { moves[0] ? 1.0 / s[0] : 0.0, 0.0, moves[1] ? 1.0 / s[2] : 0.0 };
     if ( moves[0] && moves[1] )
     {
@@ -187,9 +184,9 @@ static void factor_joint( const ring* r )
     {
         response_at( r, i )[0] = (float)inverse[i];
         response_at( r, i )[WISP_LANES] = (float)inverse[i + 1];
-        put_factor( r, i, 0.0, 0.0, 0.0 );
+        put_ring_factor( r, i, 0.0, 0.0, 0.0 );
     }
-    put_factor( r, r->n, 0.0, 0.0, 0.0 );
+    put_ring_factor( r, r->n, 0.0, 0.0, 0.0 );
 }
 
 void strands_factor_closed( const closed_factor_args* args, int row, int count, int lane )
@@ -197,7 +194,7 @@ void strands_factor_closed( const closed_factor_args* args, int row, int count, 
     const ring r = { args, row, lane, count - 1 };
     for ( int i = 0; i < r.n; ++i )
     {
-        args->stiffness[strands_scalar( row + i, lane )] = (float)stiffness_of( &r, i );
+        args->stiffness[strands_scalar( row + i, lane )] = (float)ring_stiffness( &r, i );
     }
     args->stiffness[strands_scalar( row + r.n, lane )] = 0.0f;
     factor_interior( &r );

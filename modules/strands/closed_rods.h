@@ -4,6 +4,9 @@
 #include "strand_rows.h"
 #include "strands_state.h"
 
+/// Bound of dt^2 EI / (m l^3), and of the same times the fourth power of the turn at a vertex of a curled rod.
+static const double STRANDS_MAX_STIFFNESS = 6e4, STRANDS_MAX_CURLED = 0.08;
+
 /// What the factors of a closed rod are made from.
 typedef struct closed_factor_args
 {

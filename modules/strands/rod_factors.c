@@ -29,9 +29,6 @@
 
 #include <float.h>
 
-// Bound of dt^2 EI / (m l^3), and of the same times the fourth power of the turn at a vertex of a curled rod.
-static const double MAX_STIFFNESS = 6e4, MAX_CURLED = 0.08;
-
 // Return the clamp: the direction of growth is that of the first segment with a length.
 static wisp_quat clamp_of( const float* rest, int row, int count, int lane )
 {
@@ -228,7 +225,7 @@ double strands_sharpest_turn( const strands_rows* rows, int row, int i, int coun
 
 bool strands_is_curl( double turn )
 {
-    return turn * turn * turn * turn * MAX_STIFFNESS > MAX_CURLED;
+    return turn * turn * turn * turn * STRANDS_MAX_STIFFNESS > STRANDS_MAX_CURLED;
 }
 
 // A straight rod that is held in a curled shape, as a loop is, needs the bound of curls too.
@@ -237,7 +234,7 @@ static double max_stiffness( const factor_args* args, const rod_strand* strand, 
     const int row = strand->row, count = strand->count, lane = strand->lane;
     const double turn =
         args->curled || strand->is_held ? strands_sharpest_turn( args->rows, row, i, count, lane ) : 0.0;
-    return fmin( MAX_STIFFNESS, MAX_CURLED / fmax( turn * turn * turn * turn, 1e-12 ) );
+    return fmin( STRANDS_MAX_STIFFNESS, STRANDS_MAX_CURLED / fmax( turn * turn * turn * turn, 1e-12 ) );
 }
 
 // Return EI / L_i of a vertex, lowered to what can be solved.
@@ -326,7 +323,8 @@ static void bound_held_tension( const factor_args* args, const rod_strand* stran
         const double reach = strands_bend_length( args->rows, strand->row, i, strand->lane );
         const double loose = fmin( 4.0 * gravity * whole, 0.125 * mass * l / ( args->dt * args->dt ) );
         const double rigidity = (double)args->stiffness[at] * reach;
-        const double bent = fmin( rigidity / ( l * l ), sqrt( 0.25 * MAX_CURLED * rigidity * mass / l ) / args->dt );
+        const double bent =
+            fmin( rigidity / ( l * l ), sqrt( 0.25 * STRANDS_MAX_CURLED * rigidity * mass / l ) / args->dt );
         most[at] = (float)( loose + bent );
     }
 }

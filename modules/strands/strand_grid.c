@@ -116,7 +116,7 @@ static void place_in( const wisp_grid* g, int slot, const int cell[3], double ou
 }
 
 // Return the trilinear weight of a cell's corner. Bit k of the corner is its side along axis k.
-static double fraction_of( const double place[3], int corner )
+static double fraction_along( const double place[3], int corner )
 {
     double fraction = 1.0;
     for ( int k = 0; k < 3; ++k )
@@ -140,7 +140,7 @@ static void gather_cell( const grid_loop* loop, const int cell[3], int corner, g
         double place[3];
         place_in( g, slot, cell, place );
         const int32_t entry = loop->entries[g->item[slot]];
-        const double mass = fraction_of( place, corner ) / (double)loop->weight[entry];
+        const double mass = fraction_along( place, corner ) / (double)loop->weight[entry];
         sum->mass += mass;
         for ( int k = 0; k < 3 && loop->velocity != NULL; ++k )
         {
@@ -193,7 +193,7 @@ static grid_sample sample( const grid_loop* loop, const int cell[3], const doubl
     for ( int corner = 0; corner < 8; ++corner )
     {
         const grid_corner* c = corner_of( loop, cell, corner );
-        const double fraction = fraction_of( place, corner ), density = c->mass * loop->inverse_volume;
+        const double fraction = fraction_along( place, corner ), density = c->mass * loop->inverse_volume;
         out.density += fraction * density;
         for ( int k = 0; k < 3; ++k )
         {

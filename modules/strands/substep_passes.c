@@ -43,14 +43,14 @@ static float* column_of( wisp_frame* frame, const wisp_span* span, wisp_componen
     return wisp_frame_column( frame, span->entity, component, column );
 }
 
-static const int32_t* rows_of( wisp_frame* frame, const wisp_span* span )
+static const int32_t* rows_of_group( wisp_frame* frame, const wisp_span* span )
 {
     return wisp_frame_strands( frame, span->entity )->group_row;
 }
 
 float* strands_scratch( wisp_frame* frame, const wisp_span* span, int floats )
 {
-    const int32_t* group_row = rows_of( frame, span );
+    const int32_t* group_row = rows_of_group( frame, span );
     const size_t bytes = (size_t)( group_row[1] - group_row[0] ) * (size_t)floats * sizeof( float );
     float* scratch = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, bytes );
     if ( scratch == NULL )
@@ -106,7 +106,7 @@ static bool find_rows_between( wisp_frame* frame, const wisp_span* span, const s
     {
         return false;
     }
-    const int32_t* group_row = rows_of( frame, span );
+    const int32_t* group_row = rows_of_group( frame, span );
     const int first = group_row[span->begin], longest = group_row[1] - group_row[0];
     const size_t vector = strands_vector( first, 0 ), all = (size_t)( groups * longest ) * 3 * WISP_LANES;
     out->previous = before( lent->rows, vector );
@@ -134,7 +134,7 @@ static wisp_strand_damp_args damp_args( wisp_frame* frame, const wisp_span* span
 {
     const float* rate = column_of( frame, span, state->damping, 0 );
     return ( wisp_strand_damp_args ){
-        .group_row = rows_of( frame, span ),
+        .group_row = rows_of_group( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
@@ -217,7 +217,7 @@ void strands_drag( wisp_frame* frame, const wisp_span* span, void* user )
     const strands_state* state = user;
     const strands_air* air = wisp_frame_column( frame, span->entity, state->air, 0 );
     const wisp_strand_air_args args = {
-        .group_row = rows_of( frame, span ),
+        .group_row = rows_of_group( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
@@ -234,7 +234,7 @@ void strands_drag( wisp_frame* frame, const wisp_span* span, void* user )
 
 // Return the fractions of gravity (rest_curvature.c), or null without rest curvature. The pass runs for both, so it
 // does not declare the component.
-static const float* fraction_of( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+static const float* part_of_substep( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     return wisp_frame_has( frame, span->entity, state->balance ) ? column_of( frame, span, state->balance, 1 ) : NULL;
 }
@@ -243,7 +243,7 @@ wisp_strand_motion_args strands_motion_args( wisp_frame* frame, const wisp_span*
 {
     const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     return ( wisp_strand_motion_args ){
-        .group_row = rows_of( frame, span ),
+        .group_row = rows_of_group( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .low = column_of( frame, span, state->low, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
@@ -251,7 +251,7 @@ wisp_strand_motion_args strands_motion_args( wisp_frame* frame, const wisp_span*
         .root = column_of( frame, span, WISP_STRAND_ROOT, 0 ),
         .root_low = column_of( frame, span, WISP_STRAND_ROOT, 2 ),
         .acceleration = settings->gravity,
-        .acceleration_scale = fraction_of( frame, span, state ),
+        .acceleration_scale = part_of_substep( frame, span, state ),
         .dt = wisp_frame_dt( frame, span->entity ),
         .history = history_of( frame, span, state ),
     };
@@ -308,7 +308,7 @@ wisp_strand_rod_args strands_rod_args( wisp_frame* frame, const wisp_span* span,
 {
     const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     wisp_strand_rod_args args = {
-        .group_row = rows_of( frame, span ),
+        .group_row = rows_of_group( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .low = column_of( frame, span, state->low, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
@@ -322,7 +322,7 @@ wisp_strand_rod_args strands_rod_args( wisp_frame* frame, const wisp_span* span,
         .clamp = column_of( frame, span, state->clamp, 0 ),
         .damping = settings->bend_damping,
         .acceleration = settings->gravity,
-        .acceleration_scale = fraction_of( frame, span, state ),
+        .acceleration_scale = part_of_substep( frame, span, state ),
         .dt = wisp_frame_dt( frame, span->entity ),
         .history = history_of( frame, span, state ),
     };
@@ -356,7 +356,7 @@ wisp_strand_rod_args strands_rod_args( wisp_frame* frame, const wisp_span* span,
 // Return the memory behind the scratch that every kernel has.
 static float* behind_scratch( wisp_frame* frame, const wisp_span* span, float* scratch )
 {
-    const int32_t* group_row = rows_of( frame, span );
+    const int32_t* group_row = rows_of_group( frame, span );
     return scratch + (size_t)( group_row[1] - group_row[0] ) * WISP_STRAND_SCRATCH;
 }
 
@@ -388,7 +388,7 @@ void strands_begin_with_rest_tension( wisp_frame* frame, const wisp_span* span, 
     {
         return; // as a straight rod without frames
     }
-    const int32_t* group_row = rows_of( frame, span );
+    const int32_t* group_row = rows_of_group( frame, span );
     const size_t begin = strands_scalar( group_row[span->begin], 0 ), end = strands_scalar( group_row[span->end], 0 );
     memcpy( column_of( frame, span, state->tension, 0 ) + begin, column_of( frame, span, state->curve, 4 ) + begin,
             ( end - begin ) * sizeof( float ) );
@@ -409,7 +409,7 @@ static wisp_strand_link_args link_args( wisp_frame* frame, const wisp_span* span
     const float dt = wisp_frame_dt( frame, span->entity );
     const bool keeps = link->xpbd != 0 && wisp_frame_iterations( frame ) > 1;
     return ( wisp_strand_link_args ){
-        .group_row = rows_of( frame, span ),
+        .group_row = rows_of_group( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .low = column_of( frame, span, state->low, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
@@ -489,7 +489,7 @@ void strands_bend_link( wisp_frame* frame, const wisp_span* span, void* user )
 }
 
 // Return where to store tensions. They are read after the last substep; after others only by rods.
-static float* tension_of( wisp_frame* frame, const wisp_span* span, const strands_state* state, bool has_rod )
+static float* tension_column( wisp_frame* frame, const wisp_span* span, const strands_state* state, bool has_rod )
 {
     const bool is_read = has_rod || span->substep + 1 == wisp_frame_substeps( frame, span->entity );
     return is_read ? column_of( frame, span, state->tension, 0 ) : NULL;
@@ -501,13 +501,13 @@ wisp_strand_stretch_args strands_stretch_args( wisp_frame* frame, const wisp_spa
     const strands_direct* direct = wisp_frame_column( frame, span->entity, state->direct, 0 );
     const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     return ( wisp_strand_stretch_args ){
-        .group_row = rows_of( frame, span ),
+        .group_row = rows_of_group( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .low = column_of( frame, span, state->low, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
         .length = column_of( frame, span, WISP_STRAND_LENGTH, 0 ),
-        .tension = tension_of( frame, span, state, direct->has_rod != 0 ),
+        .tension = tension_column( frame, span, state, direct->has_rod != 0 ),
         .accumulates_tension = direct->has_rod != 0 || span->iteration > 0,
         .iterations = direct->passes,
         .tolerance = direct->tolerance,

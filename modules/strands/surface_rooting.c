@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-static float dot( wisp_vec3 a, wisp_vec3 b )
+static float root_dot( wisp_vec3 a, wisp_vec3 b )
 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
@@ -21,8 +21,8 @@ static void closest( const strands_triangle* t, wisp_vec3 p, float weights[3] )
     const wisp_vec3 ab = strands_sub( t->corner[1], t->corner[0] ), ac = strands_sub( t->corner[2], t->corner[0] );
     const wisp_vec3 ap = strands_sub( p, t->corner[0] ), bp = strands_sub( p, t->corner[1] );
     const wisp_vec3 cp = strands_sub( p, t->corner[2] );
-    const float d1 = dot( ab, ap ), d2 = dot( ac, ap ), d3 = dot( ab, bp ), d4 = dot( ac, bp );
-    const float d5 = dot( ab, cp ), d6 = dot( ac, cp );
+    const float d1 = root_dot( ab, ap ), d2 = root_dot( ac, ap ), d3 = root_dot( ab, bp ), d4 = root_dot( ac, bp );
+    const float d5 = root_dot( ab, cp ), d6 = root_dot( ac, cp );
     const float va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
     float v = 0.0f, w = 0.0f; // of the second and the third corner
     if ( d1 <= 0.0f && d2 <= 0.0f )

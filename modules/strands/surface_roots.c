@@ -10,33 +10,35 @@
 
 static const wisp_quat NO_JUMP = { 0.0f, 0.0f, 0.0f, 0.0f }, IDENTITY = { 0.0f, 0.0f, 0.0f, 1.0f };
 
-static wisp_vec3 scale( wisp_vec3 v, float s )
+static wisp_vec3 root_scale( wisp_vec3 v, float s )
 {
     return ( wisp_vec3 ){ s * v.x, s * v.y, s * v.z };
 }
 
-static wisp_vec3 cross( wisp_vec3 a, wisp_vec3 b )
+static wisp_vec3 root_cross( wisp_vec3 a, wisp_vec3 b )
 {
     return ( wisp_vec3 ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
 }
 
 wisp_vec3 strands_point_of( const strands_triangle* t, const float weights[3] )
 {
-    const wisp_vec3 ab = strands_add( scale( t->corner[0], weights[0] ), scale( t->corner[1], weights[1] ) );
-    return strands_add( ab, scale( t->corner[2], weights[2] ) );
+    const wisp_vec3 ab =
+        strands_add( root_scale( t->corner[0], weights[0] ), root_scale( t->corner[1], weights[1] ) );
+    return strands_add( ab, root_scale( t->corner[2], weights[2] ) );
 }
 
 // Columns of the rotation: x along the first edge, z along the normal.
 bool strands_triangle_frame( const strands_triangle* t, wisp_quat* out )
 {
     const wisp_vec3 edge = strands_sub( t->corner[1], t->corner[0] );
-    const wisp_vec3 normal = cross( edge, strands_sub( t->corner[2], t->corner[0] ) );
+    const wisp_vec3 normal = root_cross( edge, strands_sub( t->corner[2], t->corner[0] ) );
     const float length = strands_norm( edge ), area = strands_norm( normal );
     if ( !( length > 0.0f && area > 0.0f ) )
     {
         return false;
     }
-    const wisp_vec3 x = scale( edge, 1.0f / length ), z = scale( normal, 1.0f / area ), y = cross( z, x );
+    const wisp_vec3 x = root_scale( edge, 1.0f / length ), z = root_scale( normal, 1.0f / area ),
+                    y = root_cross( z, x );
     // of the four formulas for a quaternion, the one with the largest divisor
     wisp_quat q = { y.z - z.y, z.x - x.z, x.y - y.x, 1.0f + x.x + y.y + z.z };
     if ( q.w < 1.0f && x.x >= y.y && x.x >= z.z )
@@ -57,14 +59,14 @@ bool strands_triangle_frame( const strands_triangle* t, wisp_quat* out )
 
 // ---- the pass ----
 
-typedef struct anchor_columns
+typedef struct root_columns
 {
     const int32_t* slot;
     const float *weight, *turn;
     float *corner, *jump;
     float *root, *rotation;
     const float* particles; // of the surface; null: it was removed
-} anchor_columns;
+} root_columns;
 
 static strands_triangle get_corners( const float* corner, int group, int lane )
 {
@@ -82,7 +84,7 @@ void strands_put_corners( float* corner, int group, int lane, const strands_tria
 
 // Return the triangle at the current positions of the surface. One that is not finite stays in place; the state check
 // of the surface handles it.
-static strands_triangle triangle_now( const anchor_columns* c, int group, int lane, const strands_triangle* before )
+static strands_triangle triangle_now( const root_columns* c, int group, int lane, const strands_triangle* before )
 {
     strands_triangle now = *before;
     for ( int k = 0; k < 3 && c->particles != NULL; ++k )
@@ -102,12 +104,13 @@ static strands_triangle between( const strands_triangle* from, const strands_tri
     strands_triangle t = *to;
     for ( int k = 0; k < 3 && time < 1.0f; ++k )
     {
-        t.corner[k] = strands_add( from->corner[k], scale( strands_sub( to->corner[k], from->corner[k] ), time ) );
+        t.corner[k] =
+            strands_add( from->corner[k], root_scale( strands_sub( to->corner[k], from->corner[k] ), time ) );
     }
     return t;
 }
 
-static void get_weights( const anchor_columns* c, int group, int lane, float weights[3] )
+static void get_weights( const root_columns* c, int group, int lane, float weights[3] )
 {
     const wisp_vec3 w = strands_get( c->weight, group, lane );
     weights[0] = w.x;
@@ -115,7 +118,7 @@ static void get_weights( const anchor_columns* c, int group, int lane, float wei
     weights[2] = w.z;
 }
 
-static wisp_transform pose_on( const anchor_columns* c, const strands_triangle* t, int group, int lane )
+static wisp_transform pose_on( const root_columns* c, const strands_triangle* t, int group, int lane )
 {
     float weights[3];
     get_weights( c, group, lane, weights );
@@ -128,10 +131,10 @@ static wisp_transform pose_on( const anchor_columns* c, const strands_triangle* 
     return pose;
 }
 
-static anchor_columns columns_of( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+static root_columns columns_of_roots( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     const wisp_entity* surface = wisp_frame_column( frame, span->entity, state->surface, 0 );
-    return ( anchor_columns ){
+    return ( root_columns ){
         .slot = wisp_frame_column( frame, span->entity, state->anchor, 0 ),
         .weight = wisp_frame_column( frame, span->entity, state->anchor, 1 ),
         .turn = wisp_frame_column( frame, span->entity, state->anchor, 2 ),
@@ -145,7 +148,7 @@ static anchor_columns columns_of( wisp_frame* frame, const wisp_span* span, cons
 
 // Teleport the strand of a root that moves too far in the step, or that is not solved; the root then stays for the rest of the step.
 // One that is not solved gets a velocity by that, so there is one more such motion when the root stops.
-static void jump( wisp_frame* frame, const wisp_span* span, const strands_state* state, const anchor_columns* c,
+static void jump( wisp_frame* frame, const wisp_span* span, const strands_state* state, const root_columns* c,
                   int group, int lane, const strands_triangle* now, float teleport )
 {
     const wisp_vec3 root = strands_get( c->root, group, lane );
@@ -175,7 +178,7 @@ void strands_anchor( wisp_frame* frame, const wisp_span* span, void* user )
     const strands_state* state = user;
     const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    const anchor_columns c = columns_of( frame, span, state );
+    const root_columns c = columns_of_roots( frame, span, state );
     const int substeps = wisp_frame_substeps( frame, span->entity );
     for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
     {

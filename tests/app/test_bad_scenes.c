@@ -44,10 +44,10 @@ static const bad_scene BAD_SCENES[] = {
     { "capital_key.yaml", ":6:16: strands[0].frozen_hair.clump: unknown key 'Radius', did you mean 'radius'?" },
     { "celsius.yaml",
       ":5:41: strands[0].environment.temperature_celsius: got '-10C', expected a number in degrees Celsius without its unit" },
-    { "choice_far.yaml", ":6:23: strands[0].frozen_hair.align.blend: got 'quadratic', expected one of arc, chord" },
+    { "choice_far.yaml", ":6:26: strands[0].frozen_hair.align.reach_by: got 'quadratic', expected one of tip, nearest" },
     { "choice_near.yaml",
-      ":6:21: strands[0].frozen_hair.clump.gap: got 'absolut', expected one of absolute, signed, reversed, none; did you mean 'absolute'?" },
-    { "choice_number.yaml", ":6:13: strands[0].frozen_hair.base: got '1', expected one of rest, previous, stroke" },
+      ":6:21: strands[0].frozen_hair.clump.gap: got 'absolut', expected one of absolute, none; did you mean 'absolute'?" },
+    { "choice_number.yaml", ":6:13: strands[0].frozen_hair.base: got '1', expected one of rest, stroke" },
     { "cloth_bending_unknown.yaml",
       ":6:23: surfaces[0].cloth.bending: got 'angle', expected one of bend_links, dihedral, isometric, none" },
     { "cloth_coarse_passes_zero.yaml", ":6:49: surfaces[0].cloth.coarse_passes: got 0, expected a value in [1, 64]" },
@@ -76,18 +76,9 @@ static const bad_scene BAD_SCENES[] = {
     { "collider_convex_no_source.yaml", ":4:5: colliders[0]: got neither 'file' nor 'generate', expected one of them" },
     { "collider_radius_zero.yaml", ":4:42: colliders[0].radius: got 0, expected a value in [1e-06, 1000000]" },
     { "collider_same_name.yaml", ":5:5: colliders[1]: the name 'a' is taken by the collider in line 4" },
-    { "collider_search_near.yaml",
-      ":4:53: colliders[0].search: got 'voxel', expected one of tree, voxels; did you mean 'voxels'?" },
-    { "collider_search_of_sphere.yaml",
-      ":4:34: colliders[0]: unknown key 'search', expected one of name, shape, position, rotation, keyframes, friction, thickness, restitution, layers, compute, radius" },
     { "collider_shape_missing.yaml", ":4:5: colliders[0]: key 'shape' is missing" },
     { "collider_shape_near.yaml",
       ":4:26: colliders[0].shape: got 'shpere', expected one of plane, sphere, capsule, box, mesh, tapered_capsule, convex, height_field; did you mean 'sphere'?" },
-    { "collider_voxel_size_of_tree.yaml", ":4:57: colliders[0]: 'voxel_size' needs 'search: voxels'" },
-    { "collider_voxel_size_unit.yaml",
-      ":4:73: colliders[0].voxel_size: got '2cm', expected a number in m without its unit" },
-    { "collider_voxel_size_zero.yaml",
-      ":4:73: colliders[0].voxel_size: got 0, expected a value in [1e-06, 1000000]" },
     { "collision_features_near.yaml",
       ":6:28: surfaces[0].collision.features: got 'every', expected one of vertices, all" },
     { "collision_features_of_strands.yaml",
@@ -155,7 +146,7 @@ static const bad_scene BAD_SCENES[] = {
     { "escape_in_key.yaml",
       ":2:1: unknown key 'st?[31m?rands'; the nearest are strands, dt_factors, steps, iterations; wisp info --keys lists all 17" },
     { "escape_in_value.yaml",
-      ":6:21: strands[0].frozen_hair.clump.gap: got 'abs?olute', expected one of absolute, signed, reversed, none; did you mean 'absolute'?" },
+      ":6:21: strands[0].frozen_hair.clump.gap: got 'abs?olute', expected one of absolute, none; did you mean 'absolute'?" },
     { "event_detail_coarse.yaml",
       ":8:40: events[0]: 'coarse' needs coarse sheets, but the surface 'sheet' has no cloth.coarse_substeps" },
     { "event_detail_still.yaml",
@@ -219,6 +210,10 @@ static const bad_scene BAD_SCENES[] = {
     { "generate_torus_fat.yaml", ":4:29: surfaces[0].generate: got tube_radius 0.3, expected less than radius, 0.2" },
     { "generate_vertices_few.yaml",
       ":4:30: surfaces[0].generate: got 30 vertices, expected half to twice of 10 columns times 10 rows" },
+    { "gone_key.yaml",
+      ":6:16: strands[0].frozen_hair.align: 'blend' is gone; leave it out: vertices turn along an arc, which keeps distances to the root" },
+    { "gone_word.yaml",
+      ":6:21: strands[0].frozen_hair.clump.gap: 'signed' is gone; use `gap: absolute`, where a large change brakes" },
     { "gravity_number.yaml", ":3:10: gravity: got '-9.8', expected a list of three numbers" },
     { "gravity_with_unit.yaml", ":3:14: gravity[1]: got '-9.8 m/s^2', expected a number in m/s^2 without its unit" },
     { "hair_event_begins_no_stroke.yaml",
@@ -373,7 +368,7 @@ static const bad_scene BAD_SCENES[] = {
     { "quoted_number.yaml",
       ":6:24: strands[0].frozen_hair.clump.radius: got the text '0.01', expected a number; write it without quotes" },
     { "quoted_true.yaml",
-      ":6:36: strands[0].frozen_hair.clump.min_distance_clamp: got the text 'true', expected true or false" },
+      ":5:11: strands[0].show: got the text 'true', expected true or false" },
     { "radius_underflow.yaml",
       ":6:24: strands[0].frozen_hair.clump.radius: got 1e-60, expected a value in [1e-06, 1000000]" },
     { "radius_zero.yaml", ":6:24: strands[0].frozen_hair.clump.radius: got 0, expected a value in [1e-06, 1000000]" },
@@ -451,7 +446,7 @@ static const bad_scene BAD_SCENES[] = {
     { "underscore.yaml", ":2:8: steps: got '1_000', expected a whole number" },
     { "unknown_key.yaml", ":6:16: strands[0].frozen_hair.clump: unknown key 'raduis', did you mean 'radius'?" },
     { "unknown_key_far.yaml",
-      ":6:16: strands[0].frozen_hair.clump: unknown key 'mass', expected one of radius, iterations, step_length, gap, gap_reference, min_distance_clamp, min_distance, min_lambda, max_neighbours" },
+      ":6:16: strands[0].frozen_hair.clump: unknown key 'mass', expected one of radius, iterations, step_length, gap, min_distance, min_lambda, max_neighbours" },
     { "unknown_top_key.yaml", ":2:1: unknown key 'strand', did you mean 'strands'?" },
     { "utf16.yaml", ":1:1: got byte 0xff, expected UTF-8" },
     { "version_half.yaml", ":1:7: wisp: got '1.5', expected a whole number" },
@@ -460,14 +455,13 @@ static const bad_scene BAD_SCENES[] = {
     { "word_for_number.yaml", ":6:24: strands[0].frozen_hair.clump.radius: got 'wide', expected a number" },
     { "workers_many.yaml", ":2:10: workers: got 65, expected a value in [0, 64]" },
     { "yes_for_true.yaml",
-      ":6:36: strands[0].frozen_hair.clump.min_distance_clamp: got 'yes', expected true or false" },
+      ":5:11: strands[0].show: got 'yes', expected true or false" },
 };
 // clang-format on
 
 static int scene_count( void )
 {
-    return WISP_COUNT( BAD_SCENES ) + BAD_SCENES_MOTION_COUNT + BAD_SCENES_IMPLICIT_COUNT + BAD_SCENES_CONTACT_COUNT +
-           BAD_SCENES_FILES_COUNT;
+    return WISP_COUNT( BAD_SCENES ) + BAD_SCENES_EFFECTS_COUNT + BAD_SCENES_IMPLICIT_COUNT;
 }
 
 static const bad_scene* scene_at( int i )
@@ -477,9 +471,9 @@ static const bad_scene* scene_at( int i )
         const bad_scene* list;
         int count;
     } lists[] = {
-        { BAD_SCENES, WISP_COUNT( BAD_SCENES ) },           { BAD_SCENES_MOTION, BAD_SCENES_MOTION_COUNT },
-        { BAD_SCENES_IMPLICIT, BAD_SCENES_IMPLICIT_COUNT }, { BAD_SCENES_CONTACT, BAD_SCENES_CONTACT_COUNT },
-        { BAD_SCENES_FILES, BAD_SCENES_FILES_COUNT },
+        { BAD_SCENES, WISP_COUNT( BAD_SCENES ) },
+        { BAD_SCENES_EFFECTS, BAD_SCENES_EFFECTS_COUNT },
+        { BAD_SCENES_IMPLICIT, BAD_SCENES_IMPLICIT_COUNT },
     };
     int k = 0;
     for ( ; i >= lists[k].count; ++k )

@@ -1,7 +1,12 @@
-// Meshes in files: order, polygons, indices, encodings, round trips, and the first scanned mesh.
+// Meshes in files: order, polygons, indices, encodings, round trips, and the first scanned mesh. Colours and texture
+// coordinates of vertices: read from OBJ and PLY, written back, kept by repairs, described. A mesh with points on it, as a
+// file: every number is at the position in the header, other programs read it as a mesh, and invalid input is rejected
+// without a file.
 #define _XOPEN_SOURCE 700
 
 #include "mesh_fixture.h"
+
+#include "mesh.h"
 
 #include <locale.h>
 #include <unistd.h>
@@ -28,7 +33,7 @@ static void assert_triangles( const wisp_mesh* mesh, const int32_t* triangles, i
     assert_memory_equal( mesh->triangles, triangles, (size_t)count * 3 * sizeof *triangles );
 }
 
-// ---- OBJ -------------------------------------------------------------------------------------------------------
+// ---- OBJ ----
 
 TEST( vertices_and_faces_keep_the_order_of_the_obj_file )
 {
@@ -105,7 +110,7 @@ TEST( a_locale_with_a_decimal_comma_changes_nothing )
     wisp_mesh_release( &b );
 }
 
-// ---- PLY -------------------------------------------------------------------------------------------------------
+// ---- PLY ----
 
 // Unknown elements and properties before, between and after known ones; doubles, an unsigned list, a face first.
 #define TANGLED_HEADER                                                                                               \
@@ -199,7 +204,7 @@ TEST( binary_ply_passes_over_what_it_does_not_need_in_both_byte_orders )
     }
 }
 
-// ---- files -----------------------------------------------------------------------------------------------------
+// ---- files ----
 
 static const wisp_vec3 odd_points[] = {
     { 0.1f, -0.0f, 1e-40f },
@@ -294,6 +299,453 @@ TEST( the_bunny_is_one_closed_sound_shell )
     const int32_t first[] = { 2, 1661, 3 };
     assert_memory_equal( mesh.triangles, first, sizeof first );
     wisp_mesh_release( &mesh );
+}
+
+static wisp_mesh read_obj( const char* text )
+{
+    wisp_mesh mesh;
+    wisp_error error = { .status = WISP_OK };
+    assert_ok( wisp_mesh_read_obj( text, strlen( text ), "text.obj", &mesh, &error ), error );
+    return mesh;
+}
+
+static wisp_mesh read_ply( const void* bytes, size_t size )
+{
+    wisp_mesh mesh;
+    wisp_error error = { .status = WISP_OK };
+    assert_ok( wisp_mesh_read_ply( bytes, size, "bytes.ply", &mesh, &error ), error );
+    return mesh;
+}
+
+static void refuse_obj( const char* text, const char* part )
+{
+    wisp_mesh mesh;
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_mesh_read_obj( text, strlen( text ), "text.obj", &mesh, &error ), WISP_BAD_INPUT );
+    assert_contains( error.message, part );
+    assert_null( mesh.points );
+}
+
+static void assert_attributes( const wisp_mesh* a, const wisp_mesh* b )
+{
+    assert_same_mesh( a, b );
+    assert_int_equal( a->colours != NULL, b->colours != NULL );
+    assert_int_equal( a->uvs != NULL, b->uvs != NULL );
+    if ( a->colours != NULL )
+    {
+        assert_memory_equal( a->colours, b->colours, (size_t)a->vertex_count * sizeof *a->colours );
+    }
+    if ( a->uvs != NULL )
+    {
+        assert_memory_equal( a->uvs, b->uvs, 2 * (size_t)a->vertex_count * sizeof *a->uvs );
+    }
+}
+
+// ---- OBJ ----
+
+TEST( colours_stand_behind_the_position_of_an_obj_vertex )
+{
+    // without weight, with weight, and none: white
+    wisp_mesh mesh = read_obj( "v 0 0 0 0.25 .5 1e-1\nv 1 0 0 1 0.75 0 0.125\nv 0 1 0\nf 1 2 3\n" );
+    const wisp_vec3 colours[] = { { 0.25f, 0.5f, 0.1f }, { 0.75f, 0.0f, 0.125f }, { 1, 1, 1 } };
+    assert_memory_equal( mesh.colours, colours, sizeof colours );
+    assert_int_equal( mesh.colour_missing_count, 1 );
+    assert_true( mesh.points[1].x == 1.0f && mesh.uvs == NULL );
+    wisp_mesh_release( &mesh );
+    mesh = read_obj( "v 0 0 0\nv 1 0 0 1\nv 0 1 0\nf 1 2 3\n" );
+    assert_null( mesh.colours );
+    wisp_mesh_release( &mesh );
+}
+
+TEST( a_vertex_keeps_the_first_texture_coordinates_of_its_corners )
+{
+    // Faces come before their `vt` lines, count backwards from what came before, repeat an equal pair (no seam) and
+    // name another (a seam); the fourth vertex has none.
+    wisp_mesh mesh = read_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\nvt 0.5 0.25\nf 1/1 2/-1 3/3\nvt 0.5 0.25 7\n"
+                               "vt 2\nvt .1 .9\nf 1/2 2/-1 3/3\n" );
+    const float uvs[] = { 0.5f, 0.25f, 0.5f, 0.25f, 2.0f, 0.0f, 0.0f, 0.0f };
+    assert_memory_equal( mesh.uvs, uvs, sizeof uvs );
+    assert_int_equal( mesh.uv_seam_count, 1 );
+    assert_int_equal( mesh.uv_missing_count, 1 );
+    wisp_mesh_release( &mesh );
+}
+
+TEST( an_index_without_a_line_of_texture_coordinates_gives_none )
+{
+    wisp_mesh mesh = read_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2 3/9\n" );
+    assert_null( mesh.uvs );
+    assert_int_equal( mesh.uv_missing_count, 0 );
+    wisp_mesh_release( &mesh );
+    mesh = read_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 1 1\nf 1/1 2/2 3/-2\n" );
+    assert_int_equal( mesh.uv_missing_count, 2 );
+    assert_true( mesh.uvs[0] == 1.0f && mesh.uvs[2] == 0.0f );
+    wisp_mesh_release( &mesh );
+    // lines that no face names
+    mesh = read_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 1 1\nf 1 2 3\n" );
+    assert_null( mesh.uvs );
+    wisp_mesh_release( &mesh );
+}
+
+TEST( damaged_colours_and_texture_coordinates_are_refused_by_their_line )
+{
+    refuse_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt nan 0\nf 1 2 3\n", "line 4: got \"nan\", expected a number" );
+    refuse_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt\nf 1 2 3\n", "line 4: got texture coordinates of 0 numbers" );
+    refuse_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0 0 0\nf 1 2 3\n", "line 4: got texture coordinates of 4 numbers" );
+    refuse_obj( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 0 1e99\nf 1 2 3\n", "line 5: \"1e99\" is too large" );
+    refuse_obj( "v 0 0 0\nv 1 0 0 0 1e99 0\nv 0 1 0\nf 1 2 3\n", "vertex 1: its colour is not finite" );
+}
+
+// ---- PLY ----
+
+#define PLY_FACE "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+
+TEST( ply_colours_of_every_type_become_fractions )
+{
+    static const struct
+    {
+        const char *type, *full;
+    } types[] = {
+        { "uchar", "255" }, { "int", "255" }, { "ushort", "65535" }, { "float", "1" }, { "double", "1.0" }
+    };
+    for ( int i = 0; i < WISP_COUNT( types ); ++i )
+    {
+        char text[600];
+        const char *t = types[i].type, *f = types[i].full;
+        snprintf( text, sizeof text,
+                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty %s red\nproperty float x\nproperty float y\n"
+                  "property %s green\nproperty float z\nproperty %s blue\nproperty uchar alpha\n" PLY_FACE
+                  "%s 0 0 0 0 0 1\n0 1 0 %s 0 0 2\n0 0 1 0 0 %s 3\n3 0 1 2\n",
+                  t, t, t, f, f, f );
+        wisp_mesh mesh = read_ply( text, strlen( text ) );
+        const wisp_vec3 colours[] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
+        assert_memory_equal( mesh.colours, colours, sizeof colours );
+        assert_true( mesh.points[1].x == 1.0f && mesh.points[2].y == 1.0f );
+        wisp_mesh_release( &mesh );
+    }
+}
+
+TEST( ply_texture_coordinates_have_three_spellings_and_the_first_counts )
+{
+    static const char* const names[][2] = { { "s", "t" }, { "u", "v" }, { "texture_u", "texture_v" } };
+    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    {
+        char text[600];
+        snprintf( text, sizeof text,
+                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                  "property float %s\nproperty float %s\nproperty float u\nproperty list uchar int v\n" PLY_FACE
+                  "0 0 0 .5 .25 9 0\n1 0 0 1 2 9 1 9\n0 1 0 3 4 9 0\n3 0 1 2\n",
+                  names[i][0], names[i][1] );
+        wisp_mesh mesh = read_ply( text, strlen( text ) );
+        const float uvs[] = { 0.5f, 0.25f, 1, 2, 3, 4 };
+        assert_memory_equal( mesh.uvs, uvs, sizeof uvs );
+        assert_null( mesh.colours );
+        wisp_mesh_release( &mesh );
+    }
+}
+
+TEST( a_lone_channel_or_coordinate_of_ply_is_skipped )
+{
+    const char* text =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float s\nproperty uchar red\nproperty uchar blue\n" PLY_FACE
+        "0 0 0 1 1 1\n1 0 0 1 1 1\n0 1 0 1 1 1\n3 0 1 2\n";
+    wisp_mesh mesh = read_ply( text, strlen( text ) );
+    assert_true( mesh.colours == NULL && mesh.uvs == NULL );
+    wisp_mesh_release( &mesh );
+}
+
+TEST( a_ply_colour_that_is_nan_is_refused )
+{
+    unsigned char bytes[400];
+    const char* header =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nproperty float red\nproperty float green\nproperty float blue\n" PLY_FACE;
+    size_t size = strlen( header );
+    memcpy( bytes, header, size );
+    float rows[18] = { 0.0f };
+    rows[6] = rows[13] = 1.0f;
+    rows[10] = NAN;
+    memcpy( bytes + size, rows, sizeof rows );
+    size += sizeof rows;
+    const unsigned char face[13] = { 3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0 };
+    memcpy( bytes + size, face, sizeof face );
+    size += sizeof face;
+    wisp_mesh mesh;
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_mesh_read_ply( bytes, size, "bytes.ply", &mesh, &error ), WISP_BAD_INPUT );
+    assert_contains( error.message, "vertex 1: green is NaN" );
+}
+
+// ---- written back ----
+
+static void round_trip( const wisp_mesh* mesh, const char* name )
+{
+    wisp_mesh again;
+    assert_int_equal( wisp_mesh_write( name, mesh, NULL ), WISP_OK );
+    assert_int_equal( wisp_mesh_read( name, &again, NULL ), WISP_OK );
+    assert_attributes( mesh, &again );
+    wisp_mesh_release( &again );
+}
+
+TEST( both_formats_restore_colours_and_coordinates_bit_for_bit )
+{
+    wisp_mesh mesh =
+        read_obj( "v 0 0 0 0.1 0.2 0.3\nv 1 0 0 -0.0 1.5 1e-9\nv 0 1 0 0 0 1\nvt 0.1 -0.7\nvt 3 0.3333333\n"
+                  "f 1/1 2/2 3/1\n" );
+    round_trip( &mesh, "attributes.obj" );
+    round_trip( &mesh, "attributes.ply" );
+    free( mesh.uvs );
+    mesh.uvs = NULL;
+    round_trip( &mesh, "attributes.obj" );
+    round_trip( &mesh, "attributes.ply" );
+    wisp_mesh_release( &mesh );
+    remove( "attributes.obj" );
+    remove( "attributes.ply" );
+}
+
+TEST( ply_colours_are_bytes_where_bytes_lose_nothing )
+{
+    const char* text =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "property uchar red\nproperty uchar green\nproperty uchar blue\n" PLY_FACE
+        "0 0 0 1 77 254\n1 0 0 0 128 255\n0 1 0 3 99 200\n3 0 1 2\n";
+    wisp_mesh mesh = read_ply( text, strlen( text ) );
+    round_trip( &mesh, "bytes.ply" );
+    char head[400] = { 0 };
+    FILE* file = fopen( "bytes.ply", "rb" );
+    assert_true( fread( head, 1, sizeof head - 1, file ) > 100 );
+    fclose( file );
+    assert_contains( head, "property uchar red" );
+    mesh.colours[1].x = 0.5f;
+    round_trip( &mesh, "bytes.ply" );
+    file = fopen( "bytes.ply", "rb" );
+    assert_true( fread( head, 1, sizeof head - 1, file ) > 100 );
+    fclose( file );
+    assert_contains( head, "property float red" );
+    wisp_mesh_release( &mesh );
+    remove( "bytes.ply" );
+}
+
+TEST( values_that_are_not_finite_are_not_written )
+{
+    wisp_mesh mesh = read_obj( "v 0 0 0 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n" );
+    wisp_error error = { .status = WISP_OK };
+    mesh.uvs[3] = INFINITY;
+    assert_int_equal( wisp_mesh_write( "never.ply", &mesh, &error ), WISP_BAD_INPUT );
+    assert_contains( error.message, "vertex 1: its texture coordinates are not finite" );
+    mesh.uvs[3] = 0.0f;
+    mesh.colours[2].z = NAN;
+    assert_int_equal( wisp_mesh_write( "never.obj", &mesh, &error ), WISP_BAD_INPUT );
+    assert_contains( error.message, "vertex 2: its colour is not finite" );
+    wisp_mesh_release( &mesh );
+}
+
+// ---- repaired and described ----
+
+TEST( a_repair_that_removes_vertices_keeps_what_belongs_to_the_others )
+{
+    wisp_mesh mesh = read_obj( "v 9 9 9 .9 .9 .9\nv 0 0 0 .1 .1 .1\nv 1 0 0 .2 .2 .2\nv 0 1 0 .3 .3 .3\n"
+                               "vt 1 1\nvt 2 2\nvt 3 3\nf 2/1 3/2 4/3\n" );
+    wisp_mesh_repairs repairs;
+    assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_DROP_UNREFERENCED, &repairs, NULL ), WISP_OK );
+    const wisp_vec3 colours[] = { { .1f, .1f, .1f }, { .2f, .2f, .2f }, { .3f, .3f, .3f } };
+    const float uvs[] = { 1, 1, 2, 2, 3, 3 };
+    assert_int_equal( mesh.vertex_count, 3 );
+    assert_memory_equal( mesh.colours, colours, sizeof colours );
+    assert_memory_equal( mesh.uvs, uvs, sizeof uvs );
+    wisp_mesh_repairs_release( &repairs );
+    wisp_mesh_release( &mesh );
+}
+
+TEST( the_description_names_their_ranges_and_what_was_missing )
+{
+    wisp_mesh mesh =
+        read_obj( "v 0 0 0 .25 0 1\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 .5\nvt 2 3\nf 1/1 2/1 3/2\nf 1/2 2/1 4\n" );
+    char* text = NULL;
+    size_t size = 0;
+    FILE* stream = open_memstream( &text, &size );
+    assert_int_equal( wisp_mesh_info( stream, &mesh, "thing" ), WISP_OK );
+    fclose( stream );
+    assert_contains( text, "colours              red 0.25 .. 1, green 0 .. 1, blue 1 .. 1\n" );
+    assert_contains( text, "texture coordinates  u 0 .. 2, v 0 .. 3\n" );
+    assert_contains( text, "note: vertices without a colour, which are white: 3\n" );
+    assert_contains( text, "note: vertices with several texture coordinates, of which the first are kept: 1\n" );
+    assert_contains( text, "note: vertices without texture coordinates, which are at (0, 0): 1\n" );
+    free( text );
+    wisp_mesh_release( &mesh );
+}
+
+// ---- points on a mesh ----
+
+#define FILE_NAME "layer_test.ply"
+
+// Two triangles with five edges; three points on edges and one inside.
+typedef struct sheet
+{
+    wisp_vec3 points[4], normals[4];
+    int32_t triangles[6], edges[10];
+    float places[16], directions[16];
+    wisp_mesh mesh;
+    wisp_mesh_layer layer;
+} sheet;
+
+static float bits_of( int element )
+{
+    float bits;
+    memcpy( &bits, &element, sizeof bits );
+    return bits;
+}
+
+static void make_sheet( sheet* s )
+{
+    *s = ( sheet ){
+        .points = { { 0.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 0.0f, 1.0f, 0.0f }, { 1.0f, 1.0f, 0.125f } },
+        .normals = { { 0.0f, 0.0f, 1.0f }, { 0.0f, 0.6f, 0.8f }, { 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } },
+        .triangles = { 0, 1, 2, 2, 1, 3 },
+        .edges = { 0, 1, 0, 2, 1, 2, 1, 3, 2, 3 },
+        .places = { 0.5f, 0.0f, 0.0f, bits_of( 0 ), 0.0f, 0.25f, 0.0f, bits_of( 1 ), 0.0f, 0.75f, 0.0f, bits_of( 1 ),
+                    0.25f, 0.25f, 0.0f, bits_of( 5 ) },
+        .directions = { 0.0f, 0.6f, 0.8f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f,
+                        0.0f },
+    };
+    s->mesh = ( wisp_mesh ){ .points = s->points, .triangles = s->triangles, .vertex_count = 4, .triangle_count = 2 };
+    s->layer = ( wisp_mesh_layer ){ .normals = s->normals,
+                                    .edges = s->edges,
+                                    .edge_count = 5,
+                                    .points = s->places,
+                                    .point_normals = s->directions,
+                                    .point_count = 4 };
+}
+
+static void write_good( const sheet* s )
+{
+    wisp_error error = { .status = WISP_OK };
+    assert_ok( wisp_mesh_write_layer( FILE_NAME, &s->mesh, &s->layer, &error ), error );
+}
+
+// The test machine is little-endian, like the file.
+TEST( every_number_is_where_the_header_says )
+{
+    sheet s;
+    make_sheet( &s );
+    write_good( &s );
+    static unsigned char bytes[4096];
+    FILE* file = fopen( FILE_NAME, "rb" );
+    assert_non_null( file );
+    const size_t size = fread( bytes, 1, sizeof bytes - 1, file );
+    fclose( file );
+    assert_non_null( strstr( (const char*)bytes,
+                             "element vertex 8\nproperty float x\nproperty float y\nproperty float "
+                             "z\nproperty float nx\nproperty float ny\nproperty float "
+                             "nz\nproperty int element\nelement face 2\n" ) );
+    assert_non_null( strstr( (const char*)bytes, "element edge 5\nproperty int vertex1\nproperty int vertex2\n" ) );
+    const char* end = strstr( (const char*)bytes, "end_header\n" );
+    assert_non_null( end );
+    const unsigned char* row = (const unsigned char*)end + strlen( "end_header\n" );
+    assert_int_equal( row + 8 * 28 + 2 * 13 + 5 * 8 - bytes, size );
+    for ( int i = 0; i < 8; ++i, row += 28 )
+    {
+        float numbers[6];
+        int32_t element;
+        memcpy( numbers, row, sizeof numbers );
+        memcpy( &element, row + sizeof numbers, sizeof element );
+        const float* place = i < 4 ? &s.points[i].x : &s.places[4 * ( i - 4 )];
+        const float* normal = i < 4 ? &s.normals[i].x : &s.directions[4 * ( i - 4 )];
+        assert_memory_equal( numbers, place, 3 * sizeof( float ) );
+        assert_memory_equal( numbers + 3, normal, 3 * sizeof( float ) );
+        const int32_t elements[] = { -1, -1, -1, -1, 0, 1, 1, 5 };
+        assert_int_equal( element, elements[i] );
+    }
+    for ( int t = 0; t < 2; ++t, row += 13 )
+    {
+        assert_int_equal( row[0], 3 );
+        assert_memory_equal( row + 1, s.triangles + 3 * t, 3 * sizeof( int32_t ) );
+    }
+    assert_memory_equal( row, s.edges, sizeof s.edges );
+    remove( FILE_NAME );
+}
+
+TEST( it_is_read_back_as_a_mesh_with_vertices_of_no_triangle )
+{
+    sheet s;
+    make_sheet( &s );
+    write_good( &s );
+    wisp_mesh mesh;
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_mesh_read( FILE_NAME, &mesh, &error ), WISP_OK );
+    assert_int_equal( mesh.vertex_count, 8 );
+    assert_int_equal( mesh.triangle_count, 2 );
+    assert_memory_equal( mesh.points, s.points, sizeof s.points );
+    assert_true( mesh.points[7].x == 0.25f && mesh.points[7].y == 0.25f && mesh.points[7].z == 0.0f );
+    assert_memory_equal( mesh.triangles, s.triangles, sizeof s.triangles );
+    wisp_mesh_diagnostics report;
+    assert_int_equal( wisp_mesh_examine( &mesh, &report, &error ), WISP_OK );
+    assert_int_equal( report.unreferenced.count, 4 );
+    wisp_mesh_release( &mesh );
+    remove( FILE_NAME );
+}
+
+TEST( a_layer_without_points_is_the_mesh_with_its_normals )
+{
+    sheet s;
+    make_sheet( &s );
+    s.layer.point_count = 0;
+    s.layer.points = s.layer.point_normals = NULL;
+    write_good( &s );
+    wisp_mesh mesh;
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_mesh_read( FILE_NAME, &mesh, &error ), WISP_OK );
+    assert_int_equal( mesh.vertex_count, 4 );
+    wisp_mesh_release( &mesh );
+    remove( FILE_NAME );
+}
+
+static void assert_refused( const sheet* s, const char* words )
+{
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_mesh_write_layer( FILE_NAME, &s->mesh, &s->layer, &error ), WISP_BAD_INPUT );
+    assert_contains( error.message, words );
+    assert_int_equal( access( FILE_NAME, F_OK ), -1 );
+}
+
+TEST( what_cannot_be_is_refused_and_leaves_no_file )
+{
+    remove( FILE_NAME );
+    sheet s;
+    make_sheet( &s );
+    s.places[9] = NAN;
+    assert_refused( &s, FILE_NAME ": the place of point 2 is not finite" );
+    make_sheet( &s );
+    s.directions[12] = INFINITY;
+    assert_refused( &s, "the normal of point 3 is not finite" );
+    make_sheet( &s );
+    s.normals[1].y = NAN;
+    assert_refused( &s, "the normal of vertex 1 is not finite" );
+    make_sheet( &s );
+    s.places[15] = bits_of( 7 );
+    assert_refused( &s, "point 3 is on element 7 of 7" );
+    s.places[15] = bits_of( -1 );
+    assert_refused( &s, "point 3 is on element -1 of 7" );
+    make_sheet( &s );
+    s.edges[7] = 4;
+    assert_refused( &s, "edge 3: got vertex 4, expected 0 .. 3" );
+    make_sheet( &s );
+    s.layer.point_count = -1;
+    assert_refused( &s, "4 vertices and -1 points" );
+    s.layer.point_count = 1 << 26;
+    assert_refused( &s, "are more than the 67108864 that are read back" );
+    make_sheet( &s );
+    s.triangles[2] = 9;
+    assert_refused( &s, "9" );
+}
+
+TEST( a_folder_that_is_not_there_is_an_error_of_the_system )
+{
+    sheet s;
+    make_sheet( &s );
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_mesh_write_layer( "no_such_folder/a.ply", &s.mesh, &s.layer, &error ), WISP_IO_ERROR );
+    assert_non_null( strstr( error.message, "no_such_folder/a.ply" ) );
 }
 
 static int make_folder( void** state )

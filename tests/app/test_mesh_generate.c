@@ -1,4 +1,6 @@
-// Generated meshes: counts, closedness, winding, sizes, and properties of the irregular plane.
+// Generated meshes: counts, closedness, winding, sizes, and properties of the irregular plane. Flat pieces with a Delaunay
+// triangulation: exact counts, exact circles, spacing, seeds, outlines, refusals.
+#include "delaunay_fixture.h"
 #include "mesh_fixture.h"
 
 static const double PI = 3.14159265358979323846;
@@ -128,7 +130,7 @@ TEST( a_pear_has_its_centre_off_the_origin_and_all_three_extents_differ )
     assert_true( r.highest.x + r.lowest.x > 0.1f * generator.radius );
 }
 
-// ---- planes ----------------------------------------------------------------------------------------------------
+// ---- planes ----
 
 TEST( a_regular_plane_is_numbered_row_by_row_and_looks_up )
 {
@@ -285,7 +287,7 @@ TEST( a_seed_decides_an_irregular_plane_and_nothing_else_does )
     wisp_mesh_release( &second );
 }
 
-// ---- refusals --------------------------------------------------------------------------------------------------
+// ---- refusals ----
 
 static void demand_refusal( wisp_mesh_generator generator, const char* words )
 {
@@ -318,4 +320,380 @@ TEST( a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value )
     r = wisp_default_mesh_generator( WISP_MESH_TUBE ), r.length = INFINITY, demand_refusal( r, "length: got inf" );
     r = wisp_default_mesh_generator( WISP_MESH_CAPSULE ), r.length_segments = 0;
     demand_refusal( r, "length segments: got 0" );
+}
+
+// Default generators, seed 1: their hash_of() with every compiler.
+static const uint64_t HASH_SQUARE = 0x560ead8ca2e4c670u;
+static const uint64_t HASH_GARMENT = 0x913cc0963555b524u;
+
+enum
+{
+    PAPER_COUNT = 958, // vertices of the cloth whose time Noh and Jung publish
+};
+
+static wisp_mesh_generator generator_of( wisp_mesh_shape shape, int vertex_count, uint64_t seed )
+{
+    wisp_mesh_generator generator = wisp_default_mesh_generator( shape );
+    generator.vertex_count = vertex_count;
+    generator.seed = seed;
+    return generator;
+}
+
+static wisp_mesh made( wisp_mesh_shape shape, int vertex_count, uint64_t seed )
+{
+    wisp_mesh_generator generator = generator_of( shape, vertex_count, seed );
+    return fixture_made( &generator );
+}
+
+// The positions of a mesh's vertices; the plane's first coordinate is z, so that y points at the viewer. To be freed.
+static delaunay_point* places_of( const wisp_mesh* mesh )
+{
+    double* coordinates = malloc( (size_t)mesh->vertex_count * 2 * sizeof *coordinates );
+    delaunay_point* places = malloc( (size_t)mesh->vertex_count * sizeof *places );
+    assert_true( coordinates != NULL && places != NULL );
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        assert_true( mesh->points[v].y == 0.0f );
+        coordinates[2 * v] = (double)mesh->points[v].z;
+        coordinates[2 * v + 1] = (double)mesh->points[v].x;
+    }
+    assert_int_equal( delaunay_snap( coordinates, mesh->vertex_count, places, "mesh", NULL ), WISP_OK );
+    free( coordinates );
+    return places;
+}
+
+// Covered once, connected, Delaunay and without a defect. The border has the first numbers.
+static void assert_mesh_sound( const wisp_mesh* mesh, bool every_circle )
+{
+    wisp_mesh_diagnostics report = fixture_report( mesh );
+    wisp_error error = { .status = WISP_OK };
+    if ( wisp_mesh_require( &report, SOUND, "mesh", &error ) != WISP_OK )
+    {
+        fail_msg( "%d vertices: %s", mesh->vertex_count, error.message );
+    }
+    assert_int_equal( report.euler_characteristic, 1 );
+    assert_int_equal( report.open_loop_count, 1 );
+    delaunay_point* places = places_of( mesh );
+    fixture_net net = { places, mesh->vertex_count, report.open_edges.count, mesh->triangles, mesh->triangle_count };
+    assert_int_equal( net.triangle_count, delaunay_triangle_count( net.count, net.outline_count ) );
+    assert_covers( &net );
+    assert_joined_and_delaunay( &net );
+    if ( every_circle )
+    {
+        assert_empty_circles( &net );
+    }
+    free( places );
+}
+
+// FNV-1a over points and triangles.
+static uint64_t hash_of( const wisp_mesh* mesh )
+{
+    uint64_t hash = 0xcbf29ce484222325u;
+    const unsigned char* bytes[] = { (const unsigned char*)mesh->points, (const unsigned char*)mesh->triangles };
+    size_t sizes[] = { (size_t)mesh->vertex_count * sizeof *mesh->points,
+                       (size_t)mesh->triangle_count * 3 * sizeof *mesh->triangles };
+    for ( int part = 0; part < 2; ++part )
+    {
+        for ( size_t i = 0; i < sizes[part]; ++i )
+        {
+            hash = ( hash ^ bytes[part][i] ) * 0x100000001b3u;
+        }
+    }
+    return hash;
+}
+
+// ---- the square ----
+
+TEST( a_square_of_958_vertices_is_delaunay_for_many_seeds )
+{
+    for ( uint64_t seed = 0; seed < 8; ++seed )
+    {
+        wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, seed );
+        assert_int_equal( mesh.vertex_count, PAPER_COUNT );
+        assert_mesh_sound( &mesh, true );
+        wisp_mesh_diagnostics report = fixture_report( &mesh );
+        assert_true( report.lowest.x == -0.5f && report.lowest.z == -0.5f );
+        assert_true( report.highest.x == 0.5f && report.highest.z == 0.5f );
+        // every triangle's area was compared with the square's in integers; these are floats of it
+        assert_true( fabs( report.area - 1.0 ) < 1e-6 );
+        wisp_mesh_release( &mesh );
+    }
+}
+
+TEST( every_count_is_met_exactly )
+{
+    for ( int count = 4; count < 300; ++count )
+    {
+        wisp_mesh_generator generator = generator_of( WISP_MESH_DELAUNAY, count, (uint64_t)count );
+        generator.depth = 0.01f * (float)( 1 + count % 7 * 37 );
+        wisp_mesh mesh = fixture_made( &generator );
+        assert_int_equal( mesh.vertex_count, count );
+        assert_mesh_sound( &mesh, count % 16 == 0 );
+        wisp_mesh_release( &mesh );
+        if ( count >= 64 )
+        {
+            mesh = made( WISP_MESH_GARMENT, count, (uint64_t)count );
+            assert_int_equal( mesh.vertex_count, count );
+            assert_mesh_sound( &mesh, count % 16 == 0 );
+            wisp_mesh_release( &mesh );
+        }
+    }
+}
+
+TEST( ten_thousand_and_a_hundred_thousand_vertices_are_delaunay_too )
+{
+    static const int counts[] = { 10000, 100000 };
+    for ( int i = 0; i < 2 * WISP_COUNT( counts ); ++i )
+    {
+        wisp_mesh mesh = made( i % 2 ? WISP_MESH_GARMENT : WISP_MESH_DELAUNAY, counts[i / 2], 5 );
+        assert_int_equal( mesh.vertex_count, counts[i / 2] );
+        assert_mesh_sound( &mesh, false );
+        wisp_mesh_release( &mesh );
+    }
+}
+
+TEST( the_longest_strips_are_made )
+{
+    wisp_mesh_generator generator = generator_of( WISP_MESH_DELAUNAY, 20000, 1 );
+    generator.width = 1e-3f;
+    wisp_mesh mesh = fixture_made( &generator );
+    assert_mesh_sound( &mesh, false );
+    wisp_mesh_release( &mesh );
+    generator.width = 1e6f, generator.depth = 1e3f, generator.vertex_count = 101;
+    mesh = fixture_made( &generator );
+    assert_mesh_sound( &mesh, true );
+    wisp_mesh_release( &mesh );
+}
+
+static double smallest_angle( const wisp_mesh* mesh )
+{
+    double least = PI;
+    for ( int h = 0; h < 3 * mesh->triangle_count; ++h )
+    {
+        const int32_t* c = mesh->triangles + h - h % 3;
+        wisp_vec3 a = mesh->points[c[h % 3]], b = mesh->points[c[( h + 1 ) % 3]], d = mesh->points[c[( h + 2 ) % 3]];
+        double ux = (double)b.x - (double)a.x, uz = (double)b.z - (double)a.z;
+        double vx = (double)d.x - (double)a.x, vz = (double)d.z - (double)a.z;
+        least = fmin( least, atan2( fabs( uz * vx - ux * vz ), ux * vx + uz * vz ) );
+    }
+    return least;
+}
+
+TEST( triangles_of_a_square_are_neither_thin_nor_of_very_different_size )
+{
+    for ( uint64_t seed = 0; seed < 20; ++seed )
+    {
+        wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, seed );
+        wisp_mesh_diagnostics report = fixture_report( &mesh );
+        // Edges are at least as long as the darts' distance d, or on the border as most of the spacing h, and a
+        // circle wider than h would have accepted another dart: an angle is at least asin( d / 2 h ), and d ends
+        // between 0.75 and 0.8 h.
+        assert_true( smallest_angle( &mesh ) > 20.0 * PI / 180.0 );
+        assert_true( report.min_edge > 0.5 * report.edge_mean && report.max_edge < 2.0 * report.edge_mean );
+        wisp_mesh_release( &mesh );
+    }
+}
+
+TEST( the_border_of_a_square_is_even_and_comes_first )
+{
+    wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, 1 );
+    int border = fixture_report( &mesh ).open_edges.count;
+    assert_true( border % 4 == 0 );
+    for ( int v = 0; v < border; ++v )
+    {
+        float along = -0.5f + (float)( v % ( border / 4 ) ) / ( 0.25f * (float)border );
+        // counter-clockwise seen from above, from the corner of lowest x and z along z
+        const wisp_vec3 sides[] = {
+            { -0.5f, 0, along }, { along, 0, 0.5f }, { 0.5f, 0, -along }, { -along, 0, -0.5f }
+        };
+        wisp_vec3 expected = sides[4 * v / border];
+        // two roundings of a float below 1
+        assert_true( fabsf( mesh.points[v].x - expected.x ) < 2e-7f );
+        assert_true( fabsf( mesh.points[v].z - expected.z ) < 2e-7f );
+    }
+    wisp_mesh_release( &mesh );
+}
+
+TEST( a_seed_decides_the_inside_and_nothing_else_does )
+{
+    wisp_mesh first = made( WISP_MESH_DELAUNAY, PAPER_COUNT, 1 ), again = made( WISP_MESH_DELAUNAY, PAPER_COUNT, 1 );
+    assert_same_mesh( &first, &again );
+    // the same on every machine and with every compiler
+    assert_true( hash_of( &first ) == HASH_SQUARE );
+    wisp_mesh other = made( WISP_MESH_DELAUNAY, PAPER_COUNT, 2 );
+    assert_true( hash_of( &other ) != HASH_SQUARE );
+    int border = fixture_report( &first ).open_edges.count;
+    assert_memory_equal( first.points, other.points, (size_t)border * sizeof *first.points );
+    wisp_mesh_release( &first );
+    wisp_mesh_release( &again );
+    wisp_mesh_release( &other );
+    other = made( WISP_MESH_GARMENT, PAPER_COUNT, 1 );
+    assert_true( hash_of( &other ) == HASH_GARMENT );
+    wisp_mesh_release( &other );
+}
+
+// ---- the garment ----
+
+TEST( a_garment_has_vertices_of_valence_5_7_and_8_inside )
+{
+    for ( uint64_t seed = 1; seed <= 5; ++seed )
+    {
+        wisp_mesh mesh = made( WISP_MESH_GARMENT, PAPER_COUNT, seed );
+        int valences[PAPER_COUNT] = { 0 }, counts[64] = { 0 };
+        int border = fixture_report( &mesh ).open_edges.count;
+        for ( int h = 0; h < 3 * mesh.triangle_count; ++h )
+        {
+            ++valences[mesh.triangles[h]];
+        }
+        for ( int v = border; v < mesh.vertex_count; ++v )
+        {
+            assert_true( valences[v] >= 3 && valences[v] < WISP_COUNT( counts ) );
+            ++counts[valences[v]];
+        }
+        assert_true( counts[5] > 50 && counts[6] > 100 && counts[7] > 50 && counts[8] > 10 );
+        wisp_mesh_release( &mesh );
+    }
+}
+
+static double border_edge( const wisp_mesh* mesh, int border, int v )
+{
+    wisp_vec3 a = mesh->points[v], b = mesh->points[( v + 1 ) % border];
+    return hypot( (double)b.x - (double)a.x, (double)b.z - (double)a.z );
+}
+
+TEST( the_curves_of_a_garment_are_denser_than_its_hem )
+{
+    wisp_mesh mesh = made( WISP_MESH_GARMENT, PAPER_COUNT, 1 );
+    assert_mesh_sound( &mesh, true );
+    int border = fixture_report( &mesh ).open_edges.count;
+    double hem = 0.0, curve = 0.0;
+    for ( int v = 0; v < border; ++v )
+    {
+        wisp_vec3 a = mesh.points[v], b = mesh.points[( v + 1 ) % border];
+        double length = border_edge( &mesh, border, v );
+        bool on_hem = a.z == 0.35f && b.z == 0.35f;
+        bool on_neckline = fabsf( a.x ) < 0.15f * 0.55f && a.z < 0.0f;
+        hem = on_hem ? fmax( hem, length ) : hem;
+        curve = on_neckline ? fmax( curve, length ) : curve;
+    }
+    // three times as dense, and pieces are whole: the last of them may be up to a half shorter
+    assert_true( hem > 0.0 && curve > 0.0 && curve < 0.5 * hem );
+    wisp_mesh_diagnostics report = fixture_report( &mesh );
+    assert_true( report.highest.x == -report.lowest.x && report.highest.z == -report.lowest.z );
+    wisp_mesh_release( &mesh );
+}
+
+TEST( a_written_garment_is_read_back_without_a_fault )
+{
+    static const char path[] = "mesh_flat_garment.obj";
+    wisp_mesh mesh = made( WISP_MESH_GARMENT, PAPER_COUNT, 3 ), read;
+    assert_int_equal( wisp_mesh_write( path, &mesh, NULL ), WISP_OK );
+    assert_int_equal( wisp_mesh_read( path, &read, NULL ), WISP_OK );
+    assert_same_mesh( &mesh, &read );
+    assert_mesh_sound( &read, false );
+    wisp_mesh_release( &mesh );
+    wisp_mesh_release( &read );
+    remove( path );
+}
+
+// ---- custom outlines ----
+
+static const wisp_mesh_corner L_SHAPE[] = { { 0, 0, 1 }, { 0, 3, 1 }, { 1, 3, 1 },
+                                            { 1, 1, 8 }, { 4, 1, 1 }, { 4, 0, 1 } };
+
+TEST( an_outline_with_a_notch_is_filled_and_keeps_its_corners )
+{
+    wisp_mesh mesh;
+    assert_int_equal( wisp_mesh_generate_flat( L_SHAPE, WISP_COUNT( L_SHAPE ), 700, 1, &mesh, NULL ), WISP_OK );
+    assert_int_equal( mesh.vertex_count, 700 );
+    assert_mesh_sound( &mesh, true );
+    assert_true( fabs( fixture_report( &mesh ).area - 6.0 ) < 1e-5 );
+    for ( int c = 0; c < WISP_COUNT( L_SHAPE ); ++c )
+    {
+        int found = 0;
+        for ( int v = 0; v < mesh.vertex_count; ++v )
+        {
+            found += mesh.points[v].x == L_SHAPE[c].x && mesh.points[v].z == L_SHAPE[c].z;
+        }
+        assert_int_equal( found, 1 );
+    }
+    wisp_mesh_release( &mesh );
+}
+
+TEST( a_border_may_take_all_vertices )
+{
+    wisp_mesh_corner corners[WISP_COUNT( L_SHAPE )];
+    memcpy( corners, L_SHAPE, sizeof corners );
+    for ( int c = 0; c < WISP_COUNT( corners ); ++c )
+    {
+        corners[c].density = 16.0f;
+    }
+    for ( int count = WISP_COUNT( corners ); count < 120; ++count )
+    {
+        wisp_mesh mesh;
+        assert_int_equal( wisp_mesh_generate_flat( corners, WISP_COUNT( corners ), count, 1, &mesh, NULL ), WISP_OK );
+        assert_int_equal( mesh.vertex_count, count );
+        assert_mesh_sound( &mesh, true );
+        wisp_mesh_release( &mesh );
+    }
+}
+
+// ---- refusals ----
+
+static void demand_flat_refusal( const wisp_mesh_corner* corners, int corner_count, int vertex_count,
+                                 const char* words )
+{
+    wisp_mesh mesh;
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_mesh_generate_flat( corners, corner_count, vertex_count, 1, &mesh, &error ),
+                      WISP_BAD_INPUT );
+    assert_contains( error.message, words );
+    assert_null( mesh.points );
+    assert_null( mesh.triangles );
+}
+
+TEST( an_outline_that_cannot_be_filled_is_refused_by_its_corner )
+{
+    const wisp_mesh_corner intersection[] = { { 0, 0, 1 },  { 2, 3, 1 }, { 1, 3, 1 },
+                                              { 1, -1, 1 }, { 5, 2, 1 }, { 5, 0, 1 } };
+    demand_flat_refusal( intersection, 6, 100, "the outline crosses itself: from point " );
+    const wisp_mesh_corner clockwise[] = { { 0, 0, 1 }, { 1, 0, 1 }, { 1, 1, 1 } };
+    demand_flat_refusal( clockwise, 3, 100, "runs clockwise" );
+    const wisp_mesh_corner twice[] = { { 0, 0, 1 }, { 0, 1, 1 }, { 1, 1, 1 }, { 1, 1, 1 } };
+    demand_flat_refusal( twice, 4, 100, "points 2 and 3 are at the same place" );
+    const wisp_mesh_corner thin[] = { { 0, 0, 1 }, { 0, 1, 1 }, { 2000, 1, 1 } };
+    demand_flat_refusal( thin, 3, 100, "is too slender" );
+    const wisp_mesh_corner line[] = { { 0, 0, 1 }, { 1, 1, 1 }, { 2, 2, 1 } };
+    demand_flat_refusal( line, 3, 100, "an area of 0 m^2" );
+    const wisp_mesh_corner point[] = { { 1, 1, 1 }, { 1, 1, 1 }, { 1, 1, 1 } };
+    demand_flat_refusal( point, 3, 100, "the 3 points span 0" );
+    demand_flat_refusal( L_SHAPE, 6, 5, "5 vertices, 6 of them corners" );
+    demand_flat_refusal( L_SHAPE, 2, 5, "5 vertices, 2 of them corners" );
+    demand_flat_refusal( L_SHAPE, 6, WISP_MESH_VERTEX_CAP + 1, "67108865 vertices" );
+    wisp_mesh_corner bad[6];
+    memcpy( bad, L_SHAPE, sizeof bad );
+    bad[4].z = NAN, demand_flat_refusal( bad, 6, 100, "corner 4: got (4, nan)" );
+    bad[4].z = 2e6f, demand_flat_refusal( bad, 6, 100, "corner 4: got (4, 2e+06)" );
+    bad[4].z = 1, bad[2].density = 0.5f, demand_flat_refusal( bad, 6, 100, "density of corner 2: got 0.5" );
+    bad[2].density = NAN, demand_flat_refusal( bad, 6, 100, "density of corner 2: got nan" );
+}
+
+static void demand_generator_refusal( wisp_mesh_generator generator, const char* words )
+{
+    wisp_mesh mesh;
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_mesh_generate( &generator, &mesh, &error ), WISP_BAD_INPUT );
+    assert_contains( error.message, words );
+    assert_null( mesh.points );
+}
+
+TEST( a_flat_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value )
+{
+    wisp_mesh_generator r = wisp_default_mesh_generator( WISP_MESH_DELAUNAY );
+    r.vertex_count = 3, demand_generator_refusal( r, "vertex count: got 3, expected 4 .. 67108864" );
+    r.vertex_count = 958, r.width = 0.0f, demand_generator_refusal( r, "width: got 0" );
+    r.width = NAN, demand_generator_refusal( r, "width: got nan" );
+    r.width = 1.0f, r.depth = 0.9e-3f, demand_generator_refusal( r, "depth: got 0.0009, expected 0.001 .. 1000" );
+    r = wisp_default_mesh_generator( WISP_MESH_GARMENT );
+    r.vertex_count = 63, demand_generator_refusal( r, "vertex count: got 63, expected 64 .. 67108864" );
 }

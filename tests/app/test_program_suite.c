@@ -1,8 +1,15 @@
-// The program as a user meets it: suites in `wisp bench`, and `wisp accuracy`.
+// The program as a user meets it: suites in `wisp bench`, and `wisp accuracy`; suites whose rows have checks; a report next
+// to its results, which fails before it measures if it cannot be written; and what frozen hair costs, which grows as the
+// number of its vertices (Kim 2026, eq. 20): instructions, which `wisp gate` counts with valgrind and which repeat exactly.
+// Time is fitted by `wisp bench paper`.
 #include "program_fixture.h"
 
+#include "stats.h"
+
 #include <jansson.h>
-#include <math.h>
+#include <sys/stat.h>
+
+// ---- suites ----
 
 #define FALLING( columns, spacing )                                                                                  \
     "wisp: 1\n"                                                                                                      \
@@ -19,15 +26,6 @@ static const char suite[] = "wisp_suite: 1\n"
                             "scenes:\n"
                             "  - { file: sheet.yaml, along: { substeps: [1, 2, 4, 8] }, order: 1 }\n"
                             "  - { file: fine.yaml, name: fine, along: { substeps: [1, 8] } }\n";
-
-static int enter_folder( void** state )
-{
-    static const text_file files[] = { { "sheet.yaml", FALLING( "9", "0.1" ) },
-                                       { "fine.yaml", FALLING( "17", "0.05" ) },
-                                       { "suite.yaml", suite } };
-    setenv( "WISP_CACHE", "cache", 1 );
-    return enter_folder_with( state, files, WISP_COUNT( files ) );
-}
 
 // Run the suite and read what it measured.
 static json_t* measure( const char* command )
@@ -351,6 +349,312 @@ TEST( accuracy_of_a_scene )
     assert_contains( result.err, "nothing in the scene is solved over time" );
     run( "accuracy" );
     assert_int_equal( result.status, 64 );
+}
+
+// ---- checks ----
+
+#define SHEET                                                                                                        \
+    "wisp: 1\n"                                                                                                      \
+    "steps: 300\n"                                                                                                   \
+    "gravity: [0, -9.81, 0]\n"                                                                                       \
+    "surfaces:\n"                                                                                                    \
+    "  - name: sheet\n"                                                                                              \
+    "    generate: { shape: alternating_plane, columns: 12, rows: 12, spacing: 0.05 }\n"                             \
+    "    transform: { rotate: { axis: [1, 0, 0], degrees: 90 } }\n"                                                  \
+    "    pins: [0, 11]\n"                                                                                            \
+    "    damping: 4\n"                                                                                               \
+    "    cloth: { bending: isometric }\n"
+
+#define SUITE( lines ) "wisp_suite: 1\n" lines
+
+// Heavy at the bottom, the sheet gains energy: one sweep of its links cannot carry it.
+#define HEAVY "set: { \"surfaces[0].mass_ratio\": 1e3 }"
+
+static const char holds[] = SUITE( "checks: all\n"
+                                   "scenes: [{ file: cloth.yaml }, { file: cloth.yaml, name: wrong, expect: refused, "
+                                   "set: { \"surfaces[0].area_density\": -1 } }]\n" );
+static const char breaks[] =
+    SUITE( "checks: [energy]\n"
+           "scenes: [{ file: cloth.yaml }, { file: cloth.yaml, name: heavy, " HEAVY " }]\n" );
+static const char known[] = SUITE( "checks: [energy]\n"
+                                   "known: { heavy: energy }\n"
+                                   "scenes: [{ file: cloth.yaml, name: heavy, " HEAVY " }]\n" );
+static const char mended[] = SUITE( "checks: [finite, energy]\n"
+                                    "known: { cloth: energy }\n"
+                                    "scenes: [{ file: cloth.yaml }]\n" );
+static const char sweeps[] = SUITE( "checks: [finite]\n"
+                                    "seconds: 0.1\n"
+                                    "axes: { dt: { short: { dt: 0.01 }, long: { dt: 0.05, seconds: 0.2 } }, size: { "
+                                    "small: { \"surfaces[0].generate.spacing\": 0.01 } } }\n"
+                                    "quick: [base]\n"
+                                    "long: [\"cloth: long\"]\n"
+                                    "scenes: [{ file: cloth.yaml, sweep: [dt, size], pairs: [dt, size] }]\n" );
+static const char differs[] = SUITE( "checks: [finite]\n"
+                                     "seconds: 0.5\n"
+                                     "scenes: [{ file: cloth.yaml, agree: 0.01, vary: { held: { both: {}, one: { "
+                                     "\"surfaces[0].pins\": [0] } } } }]\n" );
+
+// In wind nothing is at rest, so that no limit is known but that of the user.
+static const char windy[] = SUITE(
+    "seconds: 0.5\n"
+    "scenes: [{ file: cloth.yaml, checks: [strain, rest], set: { \"surfaces[0].cloth.wind\": [3, 0, 0], "
+    "\"surfaces[0].cloth.drag_coefficient\": 1 } }, { file: cloth.yaml, name: mine, checks: [{ strain: 1e-4 }, { "
+    "speed: 50 }], set: { \"surfaces[0].cloth.wind\": [3, 0, 0], \"surfaces[0].cloth.drag_coefficient\": 1 } }]\n" );
+
+TEST( rows_that_hold_are_status_0 )
+{
+    run_ok( "bench holds.yaml" );
+    assert_contains( result.out, "2 cells: 1 hold" );
+    assert_contains( result.out, "refused, as expected" );
+}
+
+TEST( a_row_that_breaks_is_status_1_and_a_sentence )
+{
+    run( "bench breaks.yaml" );
+    assert_int_equal( result.status, 1 );
+    assert_contains( result.out, "FAILED: stability, heavy: breaks energy: energy is " );
+    assert_contains( result.out, "2 cells: 1 hold" );
+}
+
+TEST( what_is_known_to_break_passes_until_it_holds )
+{
+    run_ok( "bench known.yaml" );
+    assert_contains( result.out, "1 break as known" );
+    run( "bench mended.yaml" );
+    assert_int_equal( result.status, 1 );
+    assert_contains( result.out, "cloth: holds now; remove it from what is known to break" );
+}
+
+TEST( a_sweep_has_each_value_alone_and_pairs_and_leaves_out_what_is_not_due )
+{
+    run_ok( "bench sweeps.yaml" );
+    assert_contains( result.out, "cloth: short, small" );
+    assert_contains( result.out, "sweeps: 5 cells: 5 hold" ); // base, short, small, two pairs
+    run_ok( "bench sweeps.yaml --long" );
+    assert_contains( result.out, "sweeps: 6 cells: 6 hold" );
+    run_ok( "bench sweeps.yaml --quick" );
+    assert_contains( result.out, "sweeps: 1 cells: 1 hold" );
+}
+
+TEST( rows_that_must_agree_and_differ_fail )
+{
+    run( "bench differs.yaml" );
+    assert_int_equal( result.status, 1 );
+    assert_contains( result.out, "cloth: rows differ by " );
+}
+
+TEST( a_check_without_a_limit_says_so_and_takes_that_of_the_user )
+{
+    run( "bench windy.yaml" );
+    assert_int_equal( result.status, 1 );
+    assert_contains( result.out, "strain rest" );
+    assert_contains( result.out, "in 1 cells no limit is known" );
+    assert_contains( result.out, "FAILED: stability, mine: breaks strain: " );
+    assert_contains( result.out, "and 0.01 % are allowed" );
+}
+
+TEST( wrong_words_name_their_place )
+{
+    static const struct
+    {
+        const char *text, *message;
+    } cases[] = {
+        { SUITE( "checks: [enrgy]\nscenes: [{ file: cloth.yaml }]\n" ),
+          "wrong.yaml:2:10: got check 'enrgy'; did you mean 'energy'?" },
+        { SUITE( "checks: some\nscenes: [{ file: cloth.yaml }]\n" ), "wrong.yaml:2:9: expected checks: all" },
+        { SUITE( "checks: [{ strain: -1 }]\nscenes: [{ file: cloth.yaml }]\n" ),
+          "wrong.yaml:2:20: expected a limit above 0" },
+        { SUITE( "checks: [{ bits: 1 }]\nscenes: [{ file: cloth.yaml }]\n" ),
+          "wrong.yaml:2:10: expected a check and its limit" },
+        { SUITE( "checks: all\nknown: { other: rest }\nscenes: [{ file: cloth.yaml }]\n" ),
+          "wrong.yaml:3:10: no row is called 'other'" },
+        { SUITE( "checks: [finite]\nknown: { cloth: rest }\nscenes: [{ file: cloth.yaml }]\n" ),
+          "which is none of its checks" },
+        { SUITE( "checks: all\nscenes: [{ file: cloth.yaml, expect: luck }]\n" ),
+          "wrong.yaml:3:38: expected expect: refused" },
+        { SUITE( "checks: all\nscenes: [{ file: cloth.yaml, sweep: [dt] }]\n" ),
+          "wrong.yaml:3:38: axes has no 'dt'" },
+        { SUITE( "checks: all\naxes: { dt: [1] }\nscenes: [{ file: cloth.yaml }]\n" ), "expected axes, such as" },
+        { SUITE( "checks: all\nquick: [none]\nscenes: [{ file: cloth.yaml }]\n" ), "no row is called 'none'" },
+        { SUITE( "check: all\nscenes: [{ file: cloth.yaml }]\n" ), "did you mean 'checks'?" },
+        { SUITE( "checks: all\nscenes: [{ file: cloth.yaml, agree: 2 }]\n" ), "expected a part of the size" },
+    };
+    for ( int i = 0; i < WISP_COUNT( cases ); ++i )
+    {
+        write_text( "wrong.yaml", cases[i].text );
+        assert_refused( "bench wrong.yaml", cases[i].message );
+    }
+}
+
+// ---- report ----
+
+static char page[4 << 20];
+
+TEST( a_report_is_written_beside_the_usual_output )
+{
+    run_ok( "bench boundary --quick --seconds 0.01 --workers 1 --report page.html" );
+    read_text( "page.html", page, sizeof( page ) );
+    assert_memory_equal( page, "<!DOCTYPE html>\n", 16 );
+    assert_non_null( strstr( page, "<h1>boundary</h1>" ) );
+    assert_non_null( strstr( page, "quick, about 0.01 s per case, up to 1 worker<" ) );
+    assert_non_null( strstr( page, "</html>\n" ) );
+
+    // every title of the output is one of the page
+    int tables = 0;
+    for ( const char* rule = strstr( result.out, "\n---" ); rule; rule = strstr( rule + 1, "\n---" ) )
+    {
+        ++tables;
+    }
+    // a table that is too wide for a terminal has further parts there
+    for ( const char* part = strstr( result.out, "\n(continued)\n" ); part;
+          part = strstr( part + 1, "\n(continued)\n" ) )
+    {
+        --tables;
+    }
+    char last[40];
+    snprintf( last, sizeof( last ), " id=\"table-%d\"", tables );
+    assert_true( tables > 0 );
+    assert_non_null( strstr( page, last ) );
+}
+
+TEST( a_report_that_cannot_be_written_is_refused_before_anything_is_measured )
+{
+    assert_int_equal( mkdir( "folder", 0700 ), 0 );
+    assert_refused( "bench boundary --quick --seconds 0.01 --report nowhere/page.html",
+                    "nowhere/page.html: cannot be written: No such" );
+    assert_string_equal( result.out, "" );
+    assert_refused( "bench boundary --quick --seconds 0.01 --report folder",
+                    "folder: cannot be written: Is a directory" );
+    assert_refused( "bench boundary --quick --seconds 0.01 --output nowhere/out.json --format json",
+                    "nowhere/out.json" );
+    assert_false( exists( "nowhere" ) );
+}
+
+TEST( a_report_over_the_output_is_wrong_usage )
+{
+    assert_usage( "bench boundary --quick --seconds 0.01 --report a.html --output a.html",
+                  "--report and --output both write to 'a.html'" );
+    assert_false( exists( "a.html" ) );
+}
+
+TEST( looking_whether_a_file_can_be_written_leaves_it_as_it_was )
+{
+    write_text( "kept.html", "a page of last week" );
+    assert_refused( "bench boundary --quick --seconds 0.01 --report kept.html --output nowhere/out.txt",
+                    "nowhere/out.txt" );
+    read_text( "kept.html", page, sizeof( page ) );
+    assert_string_equal( page, "a page of last week" );
+    assert_refused( "bench boundary --quick --seconds 0.01 --output new.txt --report nowhere/page.html",
+                    "nowhere/page.html" );
+    assert_false( exists( "new.txt" ) );
+}
+
+TEST( a_disk_that_fills_up_is_a_failed_run )
+{
+    if ( access( "/dev/full", W_OK ) != 0 )
+    {
+        SKIP( "there is no /dev/full" );
+    }
+    run( "bench boundary --quick --seconds 0.01 --workers 1 --report /dev/full" );
+    assert_int_equal( result.status, 2 );
+    assert_int_equal( line_count( result.err ), 1 );
+    assert_non_null( strstr( result.err, "/dev/full: the report could not be written" ) );
+    // the results themselves are printed already
+    assert_non_null( strstr( result.out, "\n---" ) );
+}
+
+TEST( help_tells_of_the_report )
+{
+    run_ok( "bench --help" );
+    assert_non_null( strstr( result.out, "--report=FILE" ) );
+}
+
+// ---- what frozen hair costs ----
+
+enum
+{
+    SIZES = 4,
+    PASSES = 3, // freeze, align, clump
+};
+
+// Roots 0.5 mm apart and a vertex each centimetre, as in the bench case "paper": a dozen neighbours each, at every size.
+static const char hair_scene[] =
+    "wisp: 1\n"
+    "steps: 1\n"
+    "strands:\n"
+    "  - name: hair\n"
+    "    generate: { shape: wavy, dimension: 2, strands: 100, vertices: 20, length: 0.2, spacing: 0.0005 }\n"
+    "    frozen_hair:\n"
+    "      freeze: {}\n"
+    "      align: { cursor: [1, -3, 0], reach: 10 }\n"
+    "      clump: { radius: 0.0042 }\n"
+    "    compute: [points]\n";
+
+static const char linear_suite[] = "wisp_suite: 1\n"
+                                   "scenes:\n"
+                                   "  - file: hair.yaml\n"
+                                   "    vary: { \"strands[hair].generate.strands\": [100, 200, 300, 500] }\n";
+
+static const double vertices[SIZES] = { 2000.0, 4000.0, 6000.0,
+                                        10000.0 }; // 100, 300 and 500 strands are those of table 1
+
+static void check_line( const char* what, const double* instructions )
+{
+    const stats_line line = stats_fit_line( vertices, instructions, SIZES );
+    print_message( "           %-18s %6.0f instructions a vertex, R^2 = %.6f\n", what, line.slope, line.r_squared );
+
+    // the paper's row demands 0.98, which time needs; counts have no noise, and a power of 1.5 has 0.992 here
+    assert_true( line.r_squared > 0.999 );
+    assert_true( line.slope > 10.0 );
+}
+
+TEST( instructions_grow_linearly_with_the_vertices )
+{
+    static const char* const names[PASSES] = { "frozen_hair.freeze", "frozen_hair.align", "frozen_hair.clump" };
+    run( "gate record linear.yaml -o base.json" );
+    if ( result.status != 0 )
+    {
+        assert_contains( result.err, "valgrind" );
+        SKIP( "valgrind is not here" );
+    }
+    json_t* base = json_load_file( "base.json", 0, NULL );
+    const json_t* rows = json_object_get( base, "rows" );
+    assert_int_equal( json_array_size( rows ), SIZES );
+    double all[SIZES], pass[PASSES][SIZES];
+    for ( int n = 0; n < SIZES; ++n )
+    {
+        const json_t* row = json_array_get( rows, (size_t)n );
+        all[n] = json_number_value( json_object_get( json_object_get( row, "values" ), "instructions" ) );
+        for ( int i = 0; i < PASSES; ++i )
+        {
+            pass[i][n] = json_number_value( json_object_get( json_object_get( row, "passes" ), names[i] ) );
+        }
+    }
+    json_decref( base );
+    check_line( "a step", all );
+    for ( int i = 0; i < PASSES; ++i )
+    {
+        check_line( names[i], pass[i] );
+    }
+}
+
+static int enter_folder( void** state )
+{
+    static const text_file files[] = { { "sheet.yaml", FALLING( "9", "0.1" ) },
+                                       { "fine.yaml", FALLING( "17", "0.05" ) },
+                                       { "suite.yaml", suite },
+                                       { "cloth.yaml", SHEET },
+                                       { "holds.yaml", holds },
+                                       { "breaks.yaml", breaks },
+                                       { "known.yaml", known },
+                                       { "mended.yaml", mended },
+                                       { "sweeps.yaml", sweeps },
+                                       { "differs.yaml", differs },
+                                       { "windy.yaml", windy },
+                                       { "hair.yaml", hair_scene },
+                                       { "linear.yaml", linear_suite } };
+    setenv( "WISP_CACHE", "cache", 1 );
+    return enter_folder_with( state, files, WISP_COUNT( files ) );
 }
 
 TEST_ARGUMENTS( find_program )

@@ -1,8 +1,15 @@
-// Order statistics, straight lines, and the profile over many steps.
+// Statistics of results. Order statistics, straight lines, and the profile over many steps; what the gate says of a row
+// beside its base, and of times in pairs; the model of cost, which finds the terms that times were made of and says how well
+// it predicts; fine curvature against ripples in closed form.
 #include "unit.h"
 
-#include "profile_samples.h"
+#include "gate_check.h"
+#include "gate_paired.h"
 #include "stats.h"
+#include "suite_compare.h"
+#include "sweep_merge.h"
+
+// ---- order statistics ----
 
 TEST( the_median_of_an_odd_count_is_the_middle_one )
 {
@@ -130,4 +137,243 @@ TEST( tests_share_their_level )
     assert_false( is_rejected[0] || is_rejected[2] || is_rejected[4] );
     stats_holm( p, 5, 5, 0.05, is_rejected ); // a level over five tests rejects none
     assert_false( is_rejected[1] );
+}
+
+// ---- the gate: times in pairs ----
+
+TEST( the_exact_test_counts_sign_patterns )
+{
+    const double all[] = { 1.0, 2.0, 3.0, 4.0 };
+    assert_true( gate_sign_flip( all, 4 ) == 1.0 / 16.0 ); // only one pattern has as large a sum
+    const double mixed[] = { 1.0, -1.0 };
+    assert_true( gate_sign_flip( mixed, 2 ) == 3.0 / 4.0 ); // +2, 0 and 0 of four
+    const double below[] = { -1.0, -2.0, -3.0 };
+    assert_true( gate_sign_flip( below, 3 ) == 1.0 );
+}
+
+// Under no difference a p of at most q comes up in at most q of all cases.
+TEST( the_exact_test_holds_its_level )
+{
+    enum
+    {
+        TRIALS = 4000,
+        COUNT = 10,
+    };
+    int alarms = 0;
+    uint64_t random = 1;
+    for ( int t = 0; t < TRIALS; ++t )
+    {
+        double values[COUNT];
+        for ( int i = 0; i < COUNT; ++i )
+        {
+            random = random * 6364136223846793005u + 1442695040888963407u;
+            const double u = (double)( random >> 11 ) / 9007199254740992.0 - 0.5;
+            values[i] = u * fabs( u ); // symmetric, with long tails
+        }
+        alarms += gate_sign_flip( values, COUNT ) <= 0.05 ? 1 : 0;
+    }
+    assert_true( alarms > TRIALS * 0.03 && alarms < TRIALS * 0.065 );
+}
+
+// ---- the gate: rows ----
+
+// A measurement of 1000 instructions and more in one of three passes.
+static suite_measurement measured( double more )
+{
+    suite_measurement m = { .hash = 1, .steps = 10, .pass_count = 3 };
+    m.values[SUITE_INSTRUCTIONS] = 1000.0 + more;
+    m.passes[0] = ( suite_pass ){ .name = "cloth.air", .instructions = 400.0 };
+    m.passes[1] = ( suite_pass ){ .name = "cloth.bending", .instructions = 500.0 + more };
+    m.passes[2] = ( suite_pass ){ .name = "links.xpbd", .instructions = 100.0 };
+    return m;
+}
+
+static gate_row_check check( double more, bool compares_counts )
+{
+    suite_row row = { .name = "flag" };
+    row.budgets[SUITE_INSTRUCTIONS].relative = 0.005;
+    static gate_base_row base_row;
+    base_row = ( gate_base_row ){ .name = "flag", .measured = measured( 0.0 ) };
+    const gate_base base = { .rows = &base_row, .row_count = 1 };
+    const suite_measurement now = measured( more );
+    gate_row_check out;
+    gate_check_row( &row, &base, compares_counts, &now, &out );
+    return out;
+}
+
+TEST( the_pass_that_grew_is_named )
+{
+    const gate_row_check out = check( 50.0, true );
+    assert_int_equal( out.state, GATE_WORSE );
+    assert_non_null( strstr( out.message, "cloth.bending +10.00 %" ) );
+    assert_null( strstr( out.message, "cloth.air" ) );
+}
+
+TEST( growth_within_the_budget_passes )
+{
+    assert_int_equal( check( 4.0, true ).state, GATE_SAME );
+    assert_int_equal( check( -500.0, true ).state, GATE_SAME );
+    assert_int_equal( check( 50.0, false ).state, GATE_SAME ); // of another compiler
+}
+
+// An error that is not finite is worse than any.
+TEST( errors_have_a_budget )
+{
+    static const struct
+    {
+        double now;
+        gate_state expected;
+    } all[] = { { 1e-3, GATE_SAME }, { 1.04e-3, GATE_SAME },   { 1.06e-3, GATE_WORSE },
+                { 1e-4, GATE_SAME }, { INFINITY, GATE_WORSE }, { NAN, GATE_SAME } };
+    for ( size_t i = 0; i < WISP_COUNT( all ); ++i )
+    {
+        suite_row row = { .name = "flag" };
+        row.budgets[SUITE_ERROR].relative = 0.05;
+        gate_base_row base_row = { .name = "flag", .measured = measured( 0.0 ) };
+        base_row.measured.values[SUITE_ERROR] = 1e-3;
+        const gate_base base = { .rows = &base_row, .row_count = 1 };
+        suite_measurement now = measured( 0.0 );
+        now.values[SUITE_ERROR] = all[i].now;
+        gate_row_check out;
+        gate_check_row( &row, &base, true, &now, &out );
+        assert_int_equal( out.state, all[i].expected );
+    }
+}
+
+// ---- the model of cost ----
+
+enum
+{
+    SIZES = 6,
+    ITEMS = 3 * SIZES,
+};
+
+typedef struct merged
+{
+    sweep_part part;
+    sweep_record records[ITEMS];
+    sweep_merged items[ITEMS];
+    sweep_merge merge;
+    results out;
+} merged;
+
+// Items of six sizes with 1, 4 and 9 substeps. @param disturbed this one takes twice as long
+static void make( merged* m, double a, double b, double c, int disturbed )
+{
+    *m = ( merged ){ .merge = { .parts = &m->part, .part_count = 1, .items = m->items } };
+    m->part.header = ( sweep_header ){ .items = ITEMS, .shards = 1 };
+    for ( int i = 0; i < ITEMS; ++i )
+    {
+        sweep_record* r = m->records + i;
+        r->vertices = 100 * ( i / 3 + 1 ) * ( i / 3 + 1 );
+        r->substeps = ( i % 3 + 1 ) * ( i % 3 + 1 );
+        r->time_count = 1;
+        r->times[0] = ( sweep_time ){ .workers = 1, .steps = 10 };
+        r->times[0].median = ( a + b * r->substeps + c * r->vertices * r->substeps ) * ( i == disturbed ? 2.0 : 1.0 );
+        snprintf( r->name, sizeof r->name, "sheet" );
+        m->items[i] = ( sweep_merged ){ .record = r, .timed = r };
+    }
+    sweep_add_models( &m->merge, &m->out );
+}
+
+static double cell( const merged* m, int column )
+{
+    return strtod( results_cell( m->out.tables, 1, column ), NULL );
+}
+
+TEST( exact_times_give_their_terms )
+{
+    static merged m;
+    make( &m, 0.02, 0.005, 3e-5, -1 );
+    assert_int_equal( m.out.table_count, 1 );
+    assert_float_equal( cell( &m, 2 ), 20.0, 0.05 ); // us, three digits are shown
+    assert_float_equal( cell( &m, 3 ), 5.0, 0.02 );  // us
+    assert_float_equal( cell( &m, 4 ), 30.0, 0.05 ); // ns
+    assert_float_equal( cell( &m, 5 ), ITEMS / 2, 0 );
+    assert_float_equal( cell( &m, 6 ), ITEMS / 2, 0 );
+    assert_float_equal( cell( &m, 8 ), 0.0, 0.05 ); // percent
+    results_free( &m.out );
+}
+
+// The item in the middle is in the fit or in the check, whichever it is: an error shows.
+TEST( an_item_that_does_not_fit_is_told )
+{
+    for ( int i = 0; i < ITEMS; ++i )
+    {
+        static merged m;
+        make( &m, 0.02, 0.005, 3e-5, i );
+        assert_true( cell( &m, 8 ) > 1.0 );
+        results_free( &m.out );
+    }
+}
+
+TEST( too_few_items_and_one_size_give_no_model )
+{
+    static merged m;
+    make( &m, 0.02, 0.005, 3e-5, -1 );
+    results_free( &m.out );
+    m.out = ( results ){ 0 };
+    m.part.header.items = 7;
+    sweep_add_models( &m.merge, &m.out );
+    assert_int_equal( m.out.table_count, 0 );
+    m.part.header.items = ITEMS;
+    for ( int i = 0; i < ITEMS; ++i )
+    {
+        m.records[i].substeps = 4;
+        m.records[i].vertices = 100;
+    }
+    sweep_add_models( &m.merge, &m.out );
+    assert_int_equal( m.out.table_count, 0 );
+    results_free( &m.out );
+}
+
+// ---- fine curvature ----
+
+enum
+{
+    SIDE = 17,
+};
+
+// A sheet with ripples along x. The normal of its vertices is upright but for the square of the slope.
+static void ripple( double height, wisp_vec3* points )
+{
+    for ( int i = 0; i < SIDE * SIDE; ++i )
+    {
+        const double x = i % SIDE;
+        points[i] = ( wisp_vec3 ){ (float)x, (float)( height * sin( x ) ), (float)( i / SIDE ) };
+    }
+}
+
+static int make_triangles( int32_t* out )
+{
+    int count = 0;
+    for ( int i = 0; i < SIDE * ( SIDE - 1 ); ++i )
+    {
+        if ( i % SIDE < SIDE - 1 )
+        {
+            const int32_t corners[6] = { i, i + SIDE, i + 1, i + 1, i + SIDE, i + SIDE + 1 };
+            memcpy( out + 3 * (size_t)count, corners, sizeof corners );
+            count += 2;
+        }
+    }
+    return count;
+}
+
+TEST( ripples_of_half_the_height_are_half_the_detail )
+{
+    static wisp_vec3 low[SIDE * SIDE], high[SIDE * SIDE];
+    static int32_t triangles[6 * SIDE * SIDE];
+    int first[2] = { 0, SIDE * SIDE };
+    wisp_record_body body = { .name = "sheet", .triangles = triangles, .vertex_count = SIDE * SIDE };
+    body.triangle_count = make_triangles( triangles );
+    ripple( 0.005, low );
+    ripple( 0.01, high );
+    const suite_motion one = { .bodies = &body, .body_count = 1, .first = first, .points = low, .frame_count = 1 };
+    const suite_motion other = { .bodies = &body, .body_count = 1, .first = first, .points = high, .frame_count = 1 };
+    // the square of the slope is 1e-4
+    assert_true( fabs( suite_detail( &one, &other, 1 ) - 0.5 ) < 1e-4 );
+    assert_true( fabs( suite_detail( &other, &other, 1 ) - 1.0 ) < 1e-12 );
+    ripple( 0.0, low );
+    assert_true( suite_detail( &one, &other, 1 ) == 0.0 );
+    assert_true( isnan( suite_detail( &other, &one, 1 ) ) );
 }

@@ -3,7 +3,7 @@
 
 #include "unit.h"
 
-#include "results_text.h"
+#include "results_write.h"
 
 static inline const results_table* find_table( const results* all, const char* beginning )
 {

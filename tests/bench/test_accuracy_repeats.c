@@ -51,7 +51,7 @@ static void expect_same_row( const json_t* a, const json_t* b )
 static const json_t* rows_of( const json_t* root )
 {
     const json_t* rows = json_object_get( root, "rows" );
-    assert_true( json_array_size( rows ) >= 20 );
+    assert_true( json_array_size( rows ) >= 12 );
     return rows;
 }
 

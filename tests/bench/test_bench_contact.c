@@ -5,7 +5,7 @@
 #include "accuracy/accuracy.h"
 #include "program_data.h"
 #include "suite_cases.h"
-#include "suite_overlap.h"
+#include "suite_measure.h"
 
 static double number( const results_table* table, int row, const char* column )
 {

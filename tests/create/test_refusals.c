@@ -124,7 +124,6 @@ static int close_fixture( void** state )
     X( wisp_request_balloon_stats( W, E, true ) )                                                                    \
     X( wisp_read_balloon_stats( W, E, &( wisp_balloon_stats ){ 0 } ) )                                               \
     X( wisp_unset_boundary( W, E ) )                                                                                 \
-    X( wisp_set_boundary_eye( W, E, points[0] ) )                                                                    \
     X( wisp_read_boundary( W, E, &( wisp_boundary_view ){ 0 } ) )                                                    \
     X( wisp_read_boundary_stats( W, E, &( wisp_boundary_stats ){ 0 } ) )                                             \
     X( wisp_move_collider( W, E, ( wisp_transform ){ { 0, 0, 0, 1 }, { 0, 0, 0 } } ) )                               \

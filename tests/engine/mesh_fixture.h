@@ -380,16 +380,3 @@ static inline void assert_answers_the_ends_of_the_reach( wisp_collision_mesh* tr
     assert_int_equal( closest( tree, ( wisp_vec3 ){ FLT_MIN, 1e-45f, 0.0f }, 0.1f ).triangle, -1 );
     assert_int_equal( sweep( tree, ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 1e-45f, 0, 0 } ).triangle, -1 );
 }
-
-/// @return why there are no trees to test, or NULL: the library may have been built without Embree
-static inline const char* test_trees_are_absent( void )
-{
-    static wisp_error error;
-    test_mesh m = test_mesh_sheet( 1, 0.0f );
-    wisp_collision_mesh_def def = test_mesh_def( &m, false );
-    wisp_collision_mesh* tree = NULL;
-    wisp_status status = wisp_collision_mesh_create( &def, NULL, &tree, &error );
-    wisp_collision_mesh_release( tree );
-    test_mesh_free( &m );
-    return status == WISP_CONFLICT && strstr( error.message, "need Embree" ) != NULL ? error.message : NULL;
-}

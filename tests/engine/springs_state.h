@@ -197,9 +197,7 @@ static const float STEP = 1.0f / 120.0f;
 enum
 {
     REPEAT = 1,
-    AXIAL = 2,
-    FULL = 4,
-    VARIANTS = 8,
+    VARIANTS = 2,
 };
 
 static inline wisp_spring_args spring_args( springs* s, int variant )
@@ -211,8 +209,6 @@ static inline wisp_spring_args spring_args( springs* s, int variant )
         .start_velocity = s->start[0],
         .dt = STEP,
         .is_repeat = ( variant & REPEAT ) != 0,
-        .axial_damping = ( variant & AXIAL ) != 0,
-        .full_jacobian = ( variant & FULL ) != 0,
         .axis = s->axis,
         .rhs = s->rhs,
         .inverse = s->inverse,

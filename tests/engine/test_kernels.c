@@ -88,14 +88,10 @@ TEST( every_table_gives_the_same_bits )
         {
             wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
             def.reach = 0.3f;
-            def.gap = (wisp_gap)( variant % 4 );
-            def.gap_by_iteration = variant >= 4;
-            def.blend_chord = variant % 3 == 1;
+            def.gap = (wisp_gap)( variant % 2 );
             def.reach_nearest = variant % 3 == 2;
-            def.direction_from_root = variant % 2 == 1;
-            def.min_distance_clamp = variant != 5;
             def.clump_iterations = 1 + variant;
-            def.base = variant == 6 ? WISP_FROZEN_BASE_PREVIOUS : WISP_FROZEN_BASE_REST;
+            def.base = variant == 6 ? WISP_FROZEN_BASE_STROKE : WISP_FROZEN_BASE_REST;
             uint64_t reference = run_pipeline( tables[0], g, dimension, &def );
             for ( int t = 1; t < table_count; ++t )
             {
@@ -197,8 +193,9 @@ static void attract( attraction* a, const wisp_kernels* kernels, const wisp_para
         .attracting_count = 1,
         .radius = h,
         .step = 0.1f * h,
+        .distance_min = -1.0f, // the guard limits nothing
         .planar = planar,
-        .gap = WISP_GAP_ABSOLUTE,
+        .brakes = true,
     };
     kernels->adhesion_attract( &args, 0, a->neighbours.slice_count );
 }

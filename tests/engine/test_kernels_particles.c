@@ -1,9 +1,10 @@
 // Kernels over particles: rings against the oracle in double precision, time integration exactly as in scalar code,
-// tethers by their properties.
+// tethers by their properties; drag on vertices and air on the triangles around them agree with formulas in doubles.
 #include "kernels_fixture.h"
 
 #include "balloon_meshes.h"
 #include "constraint_oracle.h"
+#include "double3.h"
 
 #include "wisp/fabric.h"
 
@@ -496,6 +497,327 @@ TEST( the_first_particle_beyond_the_bound_is_found )
             *number = kept;
             s->velocity[COUNT - 1][2] = later;
         }
+    }
+    free( s );
+}
+
+// ---- drag ----
+
+enum
+{
+    DRAG_SLOTS = 96,
+};
+
+typedef struct skin
+{
+    _Alignas( 64 ) float position[DRAG_SLOTS][4], velocity[DRAG_SLOTS][4], vectors[DRAG_SLOTS / 8][3][8];
+    _Alignas( 64 ) float areas[DRAG_SLOTS];
+} skin;
+
+// Some are pinned, at rest, or with a vector that cancels.
+static skin* new_skin( void )
+{
+    skin* s = checked_calloc( 1, sizeof( *s ) );
+    for ( int i = 0; i < DRAG_SLOTS; ++i )
+    {
+        s->areas[i] = test_random_float( i, 0, 1e-4f, 2e-4f );
+        for ( int k = 0; k < 3; ++k )
+        {
+            s->position[i][k] = test_random_float( i, 1 + k, 299.0f, 301.0f );
+            s->velocity[i][k] = i % 13 == 5 ? 0.0f : test_random_float( i, 4 + k, -20.0f, 20.0f );
+            s->vectors[i / 8][k][i % 8] =
+                i % 11 == 7 ? 1e-18f : s->areas[i] * test_random_float( i, 7 + k, -0.6f, 0.6f );
+        }
+        s->position[i][3] = i % 7 == 3 ? 0.0f : test_random_float( i, 10, 100.0f, 1e5f );
+        s->velocity[i][3] = (float)i;
+    }
+    return s;
+}
+
+static wisp_vertex_drag_args args_of( skin* s )
+{
+    return ( wisp_vertex_drag_args ){ .position = s->position[0],
+                                      .velocity = s->velocity[0],
+                                      .vectors = s->vectors[0][0],
+                                      .areas = s->areas,
+                                      .half_density_drag = 0.3f,
+                                      .dt = 1.0f / 600.0f };
+}
+
+TEST( every_table_gives_the_same_bits_of_drag )
+{
+    const wisp_kernels* tables[MAX_TABLES];
+    const int count = usable_tables( tables );
+    for ( int i = 0; i < count; ++i )
+    {
+        skin* s[2] = { new_skin(), new_skin() };
+        double sum[2][3];
+        for ( int k = 0; k < 2; ++k )
+        {
+            const wisp_kernels* kernels = tables[k == 0 ? i : 0];
+            const wisp_vertex_drag_args args = args_of( s[k] );
+            kernels->sum_vertex_drag( &args, 8, DRAG_SLOTS, sum[k] );
+            kernels->vertex_drag( &args, 8, DRAG_SLOTS );
+        }
+        assert_memory_equal( sum[0], sum[1], sizeof( sum[0] ) );
+        assert_memory_equal( s[0]->velocity, s[1]->velocity, sizeof( s[0]->velocity ) );
+        free( s[0] );
+        free( s[1] );
+    }
+}
+
+// - 1/2 rho C_d A max( 0, cos ) |v| v, divided by 1 + dt w times its rate.
+static double3 force_on( skin* s, const wisp_vertex_drag_args* args, int i )
+{
+    const double3 v = double3_from( s->velocity[i] );
+    const double3 a = { (double)s->vectors[i / 8][0][i % 8], (double)s->vectors[i / 8][1][i % 8],
+                        (double)s->vectors[i / 8][2][i % 8] };
+    const double speed = double3_length( v ), size = double3_length( a ), area = (double)s->areas[i];
+    if ( speed == 0.0 || size < 1e-12 * area )
+    {
+        return ( double3 ){ 0.0, 0.0, 0.0 };
+    }
+    const double along = double3_dot( v, a ) / ( speed * size ), c = (double)args->half_density_drag * area;
+    const double rate = c * fmax( along, 0.0 ) * speed;
+    return double3_scale( -rate / ( 1.0 + (double)args->dt * (double)s->position[i][3] * rate ), v );
+}
+
+TEST( vertices_lose_the_velocity_of_the_formula )
+{
+    skin *s = new_skin(), *before = new_skin();
+    const wisp_vertex_drag_args args = args_of( s );
+    double sum[3], size = 0.0;
+    double3 expected_sum = { 0.0, 0.0, 0.0 };
+    widest_table()->sum_vertex_drag( &args, 8, DRAG_SLOTS, sum );
+    widest_table()->vertex_drag( &args, 8, DRAG_SLOTS );
+    for ( int i = 0; i < DRAG_SLOTS; ++i )
+    {
+        const double3 f = force_on( before, &args, i ), v = double3_from( before->velocity[i] );
+        const double impulse = i < 8 ? 0.0 : (double)args.dt * (double)s->position[i][3];
+        const double3 to = double3_add_scaled( v, impulse, f );
+        // a force of ten roundings or so, and the angle of three products
+        const double tolerance = 32.0 * (double)FLT_EPSILON * double3_length( v );
+        assert_near( (double)s->velocity[i][0], to.x, tolerance, "velocity along x of slot", i );
+        assert_near( (double)s->velocity[i][1], to.y, tolerance, "velocity along y of slot", i );
+        assert_near( (double)s->velocity[i][2], to.z, tolerance, "velocity along z of slot", i );
+        assert_true( s->velocity[i][3] == (float)i );
+        expected_sum = double3_add_scaled( expected_sum, i < 8 ? 0.0 : 1.0, f );
+        size += 0.3 * (double)s->areas[i] * double3_dot( v, v );
+    }
+    assert_near( sum[0], expected_sum.x, 8.0 * (double)FLT_EPSILON * size, "force along x", 0 );
+    assert_near( sum[1], expected_sum.y, 8.0 * (double)FLT_EPSILON * size, "force along y", 0 );
+    assert_near( sum[2], expected_sum.z, 8.0 * (double)FLT_EPSILON * size, "force along z", 0 );
+    free( s );
+    free( before );
+}
+
+// ---- air ----
+
+enum
+{
+    AIR_SLOTS = 64,
+    RING = 7, // entries of a slice
+};
+
+typedef struct air_scene
+{
+    _Alignas( 64 ) float position[AIR_SLOTS][4];
+    _Alignas( 64 ) float old_velocity[AIR_SLOTS][4];
+    _Alignas( 64 ) float velocity[AIR_SLOTS][4];
+    int32_t ring_begin[AIR_SLOTS / 8 + 1];
+    int32_t ring_x4[AIR_SLOTS / 8 * RING][8];
+    float lift;
+} air_scene;
+
+static air_scene* new_scene( void )
+{
+    air_scene* s = checked_calloc( 1, sizeof( air_scene ) );
+    s->lift = 0.4f;
+    for ( int v = 0; v < AIR_SLOTS; ++v )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            s->position[v][k] = test_random_float( v, k, -1.0f, 1.0f );
+            s->old_velocity[v][k] = test_random_float( v, 3 + k, -5.0f, 5.0f );
+        }
+        s->position[v][3] = v % 5 == 0 ? 0.0f : test_random_float( v, 7, 10.0f, 2000.0f ); // 1/kg; some are pinned
+        s->old_velocity[v][3] = (float)v;
+    }
+    memcpy( s->position[7], s->position[6], 3 * sizeof( float ) ); // triangles without area
+    for ( int slice = 0; slice < AIR_SLOTS / 8; ++slice )
+    {
+        s->ring_begin[slice + 1] = ( slice + 1 ) * RING;
+        for ( int e = 0; e < RING; ++e )
+        {
+            for ( int lane = 0; lane < 8; ++lane )
+            {
+                // every third fan is short: its own slot pads
+                const int own = slice * 8 + lane, other = ( own + 1 + e * 7 % 5 + e ) % AIR_SLOTS;
+                s->ring_x4[slice * RING + e][lane] = 4 * ( own % 3 == 0 && e > 3 ? own : other );
+            }
+        }
+    }
+    return s;
+}
+
+static wisp_ring_air_args job_of( air_scene* s )
+{
+    return ( wisp_ring_air_args ){
+        .position = s->position[0],
+        .old_velocity = s->old_velocity[0],
+        .velocity = s->velocity[0],
+        .ring_begin = s->ring_begin,
+        .ring_x4 = (const int32_t( * )[8])s->ring_x4,
+        .wind = { 3.0f, -1.0f, 0.5f },
+        .density = 1.2f,
+        .drag = 1.1f,
+        .lift = s->lift,
+        .dt = 1.0f / 600.0f,
+    };
+}
+
+static void run( const wisp_kernels* kernels, air_scene* s )
+{
+    const wisp_ring_air_args args = job_of( s );
+    kernels->ring_air( &args, 0, AIR_SLOTS / 8 );
+}
+
+static void make_strange( air_scene* s )
+{
+    s->position[20][0] = NAN;
+    s->position[21][1] = INFINITY;
+    s->position[22][2] = -INFINITY;
+    s->position[23][0] = 1e30f;
+    s->old_velocity[26][1] = INFINITY;
+}
+
+TEST( every_table_gives_the_same_bits_of_air )
+{
+    const wisp_kernels* tables[MAX_TABLES];
+    const int count = usable_tables( tables );
+    for ( int variant = 0; variant < 4; ++variant )
+    {
+        air_scene* found[MAX_TABLES];
+        for ( int t = 0; t < count; ++t )
+        {
+            found[t] = new_scene();
+            found[t]->lift = variant < 2 ? 0.4f : 0.0f;
+            if ( variant % 2 == 1 )
+            {
+                make_strange( found[t] );
+            }
+            run( tables[t], found[t] );
+            assert_memory_equal( found[t]->velocity, found[0]->velocity, sizeof( found[t]->velocity ) );
+        }
+        for ( int t = 0; t < count; ++t )
+        {
+            free( found[t] );
+        }
+    }
+}
+
+// ---- against double precision ----
+
+static double3 combine( double s, double3 a, double t, double3 b )
+{
+    return double3_add_scaled( double3_scale( s, a ), t, b );
+}
+
+// F = 1/2 rho A |u . n| ( C_d u + C_l ( |u| n' - (u . n') / |u| u ) ). @param lift receives the second term
+static double3 triangle_force( const wisp_ring_air_args* args, air_scene* s, const int slots[3], double* rate,
+                               double3* lift )
+{
+    const double3 p = double3_from( s->position[slots[0]] );
+    const double3 e = combine( 1.0, double3_from( s->position[slots[1]] ), -1.0, p );
+    const double3 f = combine( 1.0, double3_from( s->position[slots[2]] ), -1.0, p ), normal = double3_cross( e, f );
+    double3 u = double3_widen( args->wind );
+    for ( int k = 0; k < 3; ++k )
+    {
+        u = combine( 1.0, u, -1.0 / 3.0, double3_from( s->old_velocity[slots[k]] ) );
+    }
+    const double area = 0.5 * double3_length( normal ), speed = double3_length( u );
+    *rate = 0.0;
+    *lift = ( double3 ){ 0.0, 0.0, 0.0 };
+    if ( area == 0.0 )
+    {
+        return ( double3 ){ 0.0, 0.0, 0.0 };
+    }
+    const double facing = double3_dot( u, normal ) / ( 2.0 * area );
+    const double3 n = combine( ( facing < 0.0 ? -1.0 : 1.0 ) / ( 2.0 * area ), normal, 0.0, normal );
+    const double pressure = 0.5 * (double)args->density * area * fabs( facing );
+    const double3 foreign = combine( speed, n, -double3_dot( u, n ) / speed, u );
+    *rate = pressure * ( (double)args->drag + (double)args->lift );
+    *lift = double3_scale( pressure * (double)args->lift, foreign );
+    return combine( pressure * (double)args->drag, u, 1.0, *lift );
+}
+
+static void compare_with_formula( float lift_coefficient )
+{
+    air_scene* s = new_scene();
+    s->lift = lift_coefficient;
+    const wisp_ring_air_args args = job_of( s );
+    run( widest_table(), s );
+    for ( int v = 0; v < AIR_SLOTS; ++v )
+    {
+        double3 force = { 0.0, 0.0, 0.0 }, lift = force;
+        double rate = 0.0;
+        for ( int e = 1; e < RING; ++e )
+        {
+            double own;
+            double3 own_lift;
+            const int slots[3] = { v, s->ring_x4[v / 8 * RING + e - 1][v % 8] / 4,
+                                   s->ring_x4[v / 8 * RING + e][v % 8] / 4 };
+            force = combine( 1.0, force, 1.0 / 3.0, triangle_force( &args, s, slots, &own, &own_lift ) );
+            lift = combine( 1.0, lift, 1.0 / 3.0, own_lift );
+            rate += own / 3.0;
+        }
+        const double w = (double)s->position[v][3], dt = (double)args.dt, change = dt * w / ( 1.0 + dt * w * rate );
+        // lift turns the relative wind: the square of its step is taken out of the speed again
+        const double3 wind = double3_widen( args.wind );
+        const double3 blown = combine( 1.0, double3_from( s->old_velocity[v] ), change, force );
+        const double3 relative = combine( 1.0, blown, -1.0, wind );
+        const double square = double3_dot( relative, relative );
+        const double left = fmax( square - change * change * double3_dot( lift, lift ), 0.0 );
+        const double3 expected =
+            w > 0.0 ? combine( 1.0, wind, sqrt( left / square ), relative ) : double3_from( s->old_velocity[v] );
+        // forces of a few newtons on as little as half a gram are reduced by the implicit rate: the result is below
+        // the speeds of wind and vertices, and so is its rounding, about thirty times
+        const double tolerance = 30.0 * 10.0 * (double)FLT_EPSILON;
+        assert_near( (double)s->velocity[v][0], expected.x, tolerance, "velocity along x of slot", v );
+        assert_near( (double)s->velocity[v][1], expected.y, tolerance, "velocity along y of slot", v );
+        assert_near( (double)s->velocity[v][2], expected.z, tolerance, "velocity along z of slot", v );
+        assert_true( s->velocity[v][3] == (float)v );
+    }
+    free( s );
+}
+
+TEST( a_vertex_takes_a_third_of_the_air_on_its_triangles )
+{
+    compare_with_formula( 0.4f );
+    compare_with_formula( 0.0f ); // drag alone takes no root
+}
+
+TEST( what_is_pinned_keeps_its_velocity )
+{
+    air_scene* s = new_scene();
+    make_strange( s );
+    run( widest_table(), s );
+    for ( int v = 0; v < AIR_SLOTS; v += 5 )
+    {
+        assert_memory_equal( s->velocity[v], s->old_velocity[v], sizeof( s->velocity[v] ) );
+    }
+    free( s );
+}
+
+TEST( a_corner_that_is_not_finite_spoils_no_neighbour )
+{
+    air_scene* s = new_scene();
+    make_strange( s );
+    run( widest_table(), s );
+    for ( int v = 0; v < AIR_SLOTS; ++v )
+    {
+        assert_true( v == 26 || ( isfinite( s->velocity[v][0] ) && isfinite( s->velocity[v][1] ) &&
+                                  isfinite( s->velocity[v][2] ) ) );
     }
     free( s );
 }

@@ -1,7 +1,13 @@
-// Bending of plates: the step around the stages against plain loops, moments of angles against the oracle.
+// Kernels of sheets as a whole. Bending of plates: the step around the stages against plain loops, moments of angles
+// against the oracle. Coarse sheets: links and their band against the oracle in double precision, prolongation by its
+// sums, and the same bits from every table. Instances side by side: bit for bit what the kernels of single surfaces
+// give, with every table; those are held to the oracle.
 #include "kernels_fixture.h"
 
+#include "coarse_oracle.h"
 #include "constraint_oracle.h"
+
+// ---- plates ----
 
 enum
 {
@@ -336,4 +342,399 @@ TEST( moments_of_shared_particles_have_the_bits_of_a_plain_table )
         free_moments( m );
     }
     free_moments( plain );
+}
+
+// ---- coarse sheets ----
+
+enum
+{
+    LINKS = 256,
+    ROWS = 2 * LINKS, // every link has its own
+    CHAIN = 4,        // vertices of a chain
+    LINK_SLOTS = CHAIN * LINKS,
+    FINER = 128, // rows that follow
+};
+
+typedef struct batch
+{
+    _Alignas( 64 ) float position[ROWS][4], particle[LINK_SLOTS][4];
+    int32_t a_x4[LINKS], b_x4[LINKS], chain_begin[LINKS / 8 + 1], chain_x4[LINKS / 8 * CHAIN][8];
+    float rest[LINKS], compliance[LINKS], lower[LINKS], lambda[LINKS], factor[LINKS], chain_rest[LINKS];
+    _Alignas( 64 ) float target[FINER][4], value[ROWS][4];
+    int32_t parent_x4[FINER / 8][WISP_FABRIC_PARENTS][8];
+    float weight[FINER / 8][WISP_FABRIC_PARENTS][8];
+} batch;
+
+static void put( float* quad, int item, int first, float w )
+{
+    for ( int k = 0; k < 3; ++k )
+    {
+        quad[k] = test_random_float( item, first + k, -1.0f, 1.0f );
+    }
+    quad[3] = w;
+}
+
+static batch* new_batch( void )
+{
+    batch* s = aligned_alloc( 64, ( sizeof( batch ) + 63 ) / 64 * 64 );
+    assert_non_null( s );
+    memset( s, 0, sizeof( *s ) );
+    for ( int i = 0; i < LINKS; ++i )
+    {
+        put( s->position[2 * i], i, 0, i % 7 == 0 ? 0.0f : 0.5f * (float)( i % 5 + 1 ) );
+        put( s->position[2 * i + 1], i, 3, i % 14 == 0 ? 0.0f : 1.5f );
+        s->a_x4[i] = 8 * i;
+        s->b_x4[i] = 8 * i + 4;
+        s->rest[i] = test_random_float( i, 6, 0.3f, 2.5f );
+        s->lower[i] = s->rest[i] * test_random_float( i, 7, 0.7f, 1.0f );
+        s->compliance[i] = i % 3 == 0 ? 0.0f : 1e-3f;
+        s->chain_rest[i] = s->rest[i] * test_random_float( i, 8, 1.0f, 1.3f );
+        for ( int e = 0; e < CHAIN; ++e )
+        {
+            put( s->particle[CHAIN * i + e], i, 10 + 3 * e, 1.0f );
+            for ( int k = 0; k < 3; ++k )
+            {
+                s->particle[CHAIN * i + e][k] *= 0.3f;
+            }
+            s->chain_x4[i / 8 * CHAIN + e][i % 8] = 4 * ( CHAIN * i + e );
+        }
+        s->chain_begin[i / 8 + 1] = ( i / 8 + 1 ) * CHAIN;
+    }
+    for ( int r = 0; r < ROWS; ++r )
+    {
+        put( s->value[r], r, 30, 0.0f );
+    }
+    for ( int i = 0; i < FINER; ++i )
+    {
+        put( s->target[i], i, 40, i % 5 == 0 ? 0.0f : 2.0f );
+        for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
+        {
+            s->parent_x4[i / 8][k][i % 8] = 4 * ( ( i * 5 + k * 17 ) % ROWS );
+            s->weight[i / 8][k][i % 8] = i / 8 == 3 && k == 2 ? 0.0f : 0.25f * (float)( k == 0 ? 2 : 1 );
+        }
+    }
+
+    // ends on each other
+    memcpy( s->position[2 * 9 + 1], s->position[2 * 9], 3 * sizeof( float ) );
+    return s;
+}
+
+static wisp_level_link_args level_args( batch* s )
+{
+    return ( wisp_level_link_args ){
+        .position = s->position[0],
+        .a_x4 = s->a_x4,
+        .b_x4 = s->b_x4,
+        .rest = s->rest,
+        .compliance = s->compliance,
+        .lower = s->lower,
+        .lambda = s->lambda,
+        .factor = s->factor,
+        .inverse_dt2 = 3600.0f,
+        .particle = s->particle[0],
+        .chain_begin = s->chain_begin,
+        .chain_x4 = (const int32_t( * )[8])s->chain_x4,
+        .chain_rest = s->chain_rest,
+    };
+}
+
+static wisp_prolong_args prolong_args( batch* s )
+{
+    return ( wisp_prolong_args ){ s->target[0], s->target[0], s->value[0], s->parent_x4[0][0], s->weight[0][0] };
+}
+
+static void run_all( const wisp_kernels* kernels, batch* s )
+{
+    const wisp_level_link_args links = level_args( s );
+    const wisp_prolong_args prolong = prolong_args( s );
+    kernels->level_band( &links, 0, LINKS );
+    kernels->level_prepare( &links, 0, LINKS );
+    kernels->level_link( &links, 0, LINKS );
+    kernels->level_link( &links, 0, LINKS );
+    kernels->prolong( &prolong, 0, FINER / 8 );
+}
+
+TEST( every_table_gives_the_same_bits )
+{
+    const wisp_kernels* tables[MAX_TABLES];
+    const int count = usable_tables( tables );
+    batch *first = new_batch(), *start = new_batch();
+    run_all( tables[0], first );
+    assert_memory_not_equal( first, start, sizeof( batch ) );
+    for ( int t = 1; t < count; ++t )
+    {
+        batch* other = new_batch();
+        run_all( tables[t], other );
+        assert_memory_equal( first, other, sizeof( batch ) );
+        free( other );
+    }
+    free( first );
+    free( start );
+}
+
+static double3 at( const batch* s, int row )
+{
+    return double3_from( s->position[row] );
+}
+
+TEST( a_link_pushes_no_more_than_its_chain_is_compressed )
+{
+    batch* s = new_batch();
+    const wisp_level_link_args args = level_args( s );
+    int stretched = 0, slack = 0, pushing = 0;
+    widest_table()->level_band( &args, 0, LINKS );
+    for ( int i = 0; i < LINKS; ++i )
+    {
+        const double length = double3_length( double3_sub( at( s, 2 * i ), at( s, 2 * i + 1 ) ) );
+        double chain = 0.0;
+        for ( int e = 1; e < CHAIN; ++e )
+        {
+            chain += double3_length( double3_sub( double3_from( s->particle[CHAIN * i + e] ),
+                                                  double3_from( s->particle[CHAIN * i + e - 1] ) ) );
+        }
+        const double expected = coarse_oracle_lower( length, (double)s->rest[i], chain, (double)s->chain_rest[i] );
+        assert_near( (double)s->lower[i], expected, 1e-6, "lower", i );
+        stretched += length >= (double)s->rest[i] ? 1 : 0;
+        slack += length < (double)s->rest[i] && expected <= length ? 1 : 0;
+        pushing += length < (double)s->rest[i] && expected > length ? 1 : 0;
+    }
+    assert_true( stretched > 5 && slack > 5 && pushing > 5 );
+    free( s );
+}
+
+TEST( links_move_as_the_oracle_says_with_what_they_accumulate )
+{
+    batch *s = new_batch(), *start = new_batch();
+    const wisp_level_link_args args = level_args( s );
+    widest_table()->level_prepare( &args, 0, LINKS );
+    for ( int pass = 0; pass < 3; ++pass )
+    {
+        widest_table()->level_link( &args, 0, LINKS );
+    }
+    int pushes = 0, pulls = 0;
+    for ( int i = 0; i < LINKS; ++i )
+    {
+        coarse_oracle_link link = { (double)s->rest[i], (double)s->lower[i], 3600.0 * (double)s->compliance[i], 0.0 };
+        double3 a = at( start, 2 * i ), b = at( start, 2 * i + 1 );
+        for ( int pass = 0; pass < 3; ++pass )
+        {
+            coarse_oracle_project( &link, (double)start->position[2 * i][3], (double)start->position[2 * i + 1][3],
+                                   &a, &b );
+        }
+        assert_near( (double)s->lambda[i], link.lambda, 1e-5, "lambda", i );
+        assert_near( double3_length( double3_sub( a, at( s, 2 * i ) ) ), 0.0, 1e-5, "first end", i );
+        assert_near( double3_length( double3_sub( b, at( s, 2 * i + 1 ) ) ), 0.0, 1e-5, "second end", i );
+        assert_true( s->position[2 * i][3] == start->position[2 * i][3] );
+        pushes += link.lambda > 0.0 ? 1 : 0;
+        pulls += link.lambda < 0.0 ? 1 : 0;
+    }
+    assert_true( pushes > 20 && pulls > 20 );
+    free( s );
+    free( start );
+}
+
+TEST( rows_follow_their_parents_unless_they_are_pinned )
+{
+    batch *s = new_batch(), *start = new_batch();
+    const wisp_prolong_args args = prolong_args( s );
+    widest_table()->prolong( &args, 0, FINER / 8 );
+    for ( int i = 0; i < FINER; ++i )
+    {
+        for ( int k = 0; k < 4; ++k )
+        {
+            double expected = (double)start->target[i][k];
+            for ( int p = 0; p < WISP_FABRIC_PARENTS && start->target[i][3] > 0.0f; ++p )
+            {
+                expected +=
+                    (double)s->weight[i / 8][p][i % 8] * (double)s->value[s->parent_x4[i / 8][p][i % 8] / 4][k];
+            }
+            assert_near( (double)s->target[i][k], expected, start->target[i][3] > 0.0f ? 4.0 * FLT_EPSILON : 0.0,
+                         "row", i );
+        }
+    }
+    free( s );
+    free( start );
+}
+
+// ---- instances ----
+
+enum
+{
+    LANES = WISP_INSTANCE_LANES,
+    PARTICLES = 40, // the last one is the dummy that pads
+    DUMMY = PARTICLES - 1,
+    SHEET_LINKS = 24, // three groups; the last lanes of each pad
+    PADS = 3,
+    SUBSTEPS = 3,
+};
+
+// Sixteen surfaces, and memory for their lanes.
+typedef struct surfaces
+{
+    _Alignas( 64 ) float position[LANES][PARTICLES][4];
+    float velocity[LANES][PARTICLES][4], previous[LANES][PARTICLES][4];
+    _Alignas( 64 ) float memory[10][PARTICLES][LANES];
+    int32_t a_x4[SHEET_LINKS], b_x4[SHEET_LINKS], constraint[SHEET_LINKS];
+    float rest[SHEET_LINKS], material[SHEET_LINKS];
+} surfaces;
+
+static void place_particle( surfaces* s, int surface, int particle )
+{
+    for ( int k = 0; k < 3; ++k )
+    {
+        const int number = ( surface * PARTICLES + particle ) * 8 + k;
+        s->position[surface][particle][k] = test_random_float( number, 0, -1.0f, 1.0f );
+        s->velocity[surface][particle][k] = test_random_float( number, 1, -3.0f, 3.0f );
+    }
+    s->position[surface][particle][3] = particle == DUMMY || ( particle + surface ) % 7 == 0 ? 0.0f : 2.0f;
+}
+
+static void make_surfaces( surfaces* s )
+{
+    memset( s, 0, sizeof( *s ) );
+    for ( int i = 0; i < LANES * PARTICLES; ++i )
+    {
+        place_particle( s, i / PARTICLES, i % PARTICLES );
+    }
+    s->position[3][DUMMY][1] = -0.0f;
+    memcpy( s->position[5][1], s->position[5][0], sizeof( s->position[5][0] ) ); // a link of length 0
+    for ( int link = 0; link < SHEET_LINKS; ++link )
+    {
+        const bool pads = link % 8 >= 8 - PADS;
+        const int a = ( 2 * ( link % 8 ) + 5 * ( link / 8 ) ) % DUMMY;
+        s->a_x4[link] = 4 * ( pads ? DUMMY : a );
+        s->b_x4[link] = 4 * ( pads ? DUMMY : a + 1 );
+        s->constraint[link] = pads ? -1 : link;
+        s->rest[link] = pads ? 0.0f : test_random_float( link, 2, 0.2f, 0.8f );
+        s->material[link] = pads ? 0.0f : test_random_float( link, 3, 0.1f, 0.9f );
+    }
+}
+
+static wisp_instances_args args_of( surfaces* s, bool compliant )
+{
+    wisp_instances_args args = {
+        .slot_count = PARTICLES,
+        .position = s->memory[0][0],
+        .velocity = s->memory[4][0],
+        .previous = s->memory[7][0],
+        .position_column = s->position[0][0],
+        .velocity_column = s->velocity[0][0],
+        .previous_column = s->previous[0][0],
+        .dt = 0.004f,
+        .accelerates = true,
+        .damps = true,
+        .link_count = SHEET_LINKS,
+        .a_x4 = s->a_x4,
+        .b_x4 = s->b_x4,
+        .constraint = s->constraint,
+        .rest = s->rest,
+        .stiffness = compliant ? NULL : s->material,
+        .compliance = compliant ? s->material : NULL,
+        .inverse_dt2 = 1.0f / ( 0.004f * 0.004f ),
+        .edge_count = 8,
+    };
+    for ( int l = 0; l < LANES; ++l )
+    {
+        args.offset[l] = 4 * PARTICLES * l;
+        args.keep[l] = 1.0f - 0.01f * (float)l;
+        args.acceleration[LANES + l] = -9.81f - (float)l;
+    }
+    return args;
+}
+
+// What the kernels of single surfaces make of one.
+static void move_alone( surfaces* s, const wisp_kernels* k, const wisp_instances_args* all, int lane )
+{
+    const wisp_particle_args particles = { .position = s->position[lane][0],
+                                           .previous = s->previous[lane][0],
+                                           .velocity = s->velocity[lane][0],
+                                           .dt = all->dt,
+                                           .acceleration = { 0.0f, all->acceleration[LANES + lane], 0.0f } };
+    const wisp_link_args links = { .position = s->position[lane][0],
+                                   .a_x4 = s->a_x4,
+                                   .b_x4 = s->b_x4,
+                                   .rest = s->rest,
+                                   .stiffness = s->material,
+                                   .compliance = s->material,
+                                   .inverse_dt2 = all->inverse_dt2 };
+    for ( int i = 0; i < SUBSTEPS; ++i )
+    {
+        k->accelerate( &particles, 0, PARTICLES );
+        k->predict( &particles, 0, PARTICLES );
+        ( all->stiffness != NULL ? k->link_pbd : k->link_xpbd )( &links, 0, SHEET_LINKS );
+        k->velocity( &particles, 0, PARTICLES );
+        for ( int n = 0; n < 4 * PARTICLES; ++n )
+        {
+            particles.velocity[n] *= all->keep[lane];
+        }
+    }
+}
+
+static void move_together( const wisp_kernels* k, const wisp_instances_args* args, uint32_t lanes )
+{
+    k->instances_load( args );
+    for ( int i = 0; i < SUBSTEPS; ++i )
+    {
+        assert_int_equal( k->instances_advance( args, i > 0, true ), 0 );
+        k->instances_link( args, false );
+    }
+    assert_int_equal( k->instances_advance( args, true, false ), 0 );
+    k->instances_store( args, lanes );
+}
+
+TEST( surfaces_side_by_side_have_the_bits_that_each_has_alone )
+{
+    static surfaces together, alone;
+    const uint32_t lanes = 0xff6fu; // two are left as they were
+    const wisp_kernels* tables[MAX_TABLES];
+    const int count = usable_tables( tables );
+    for ( int i = 0; i < 2 * count; ++i )
+    {
+        make_surfaces( &together );
+        make_surfaces( &alone );
+        const wisp_instances_args args = args_of( &together, i % 2 == 1 );
+        move_together( tables[i / 2], &args, lanes );
+        for ( int lane = 0; lane < LANES; ++lane )
+        {
+            if ( ( lanes >> lane & 1 ) != 0 )
+            {
+                move_alone( &alone, tables[i / 2], &args, lane );
+            }
+        }
+        assert_memory_equal( together.position, alone.position, sizeof( alone.position ) );
+        assert_memory_equal( together.velocity, alone.velocity, sizeof( alone.velocity ) );
+        assert_memory_equal( together.previous, alone.previous, sizeof( alone.previous ) );
+    }
+}
+
+TEST( lanes_that_fold_or_lose_their_numbers_are_named )
+{
+    static surfaces s;
+    const wisp_kernels* tables[MAX_TABLES];
+    const int count = usable_tables( tables );
+    for ( int i = 0; i < count; ++i )
+    {
+        make_surfaces( &s );
+        for ( int link = 0; link < SHEET_LINKS; ++link )
+        {
+            s.rest[link] = 1e-3f; // none is short
+        }
+        s.rest[8] = 0.5f; // the first bend link
+        for ( int lane = 0; lane < LANES; ++lane )
+        {
+            float *a = s.position[lane][s.a_x4[8] / 4], *b = s.position[lane][s.b_x4[8] / 4];
+            a[3] = b[3] = 0.0f; // no other link moves it
+            b[0] = a[0] + ( lane == 6 || lane == 11 ? 0.2f : 0.4f );
+            b[1] = a[1];
+            b[2] = a[2];
+        }
+        s.velocity[9][2][1] = NAN;
+        s.position[9][2][3] = 1.0f;
+        const wisp_instances_args args = args_of( &s, false );
+        tables[i]->instances_load( &args );
+        assert_int_equal( tables[i]->instances_link( &args, true ), 1u << 6 | 1u << 11 );
+        assert_int_equal( tables[i]->instances_link( &args, false ), 0 );
+        assert_int_equal( tables[i]->instances_advance( &args, false, true ), 0 );
+        assert_int_equal( tables[i]->instances_advance( &args, true, false ), 1u << 9 );
+    }
 }

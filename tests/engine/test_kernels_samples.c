@@ -20,7 +20,6 @@ typedef struct blends
     _Alignas( 64 ) float normal[SLOTS][4];
     _Alignas( 64 ) int32_t parents[POINTS][4];
     _Alignas( 64 ) float weights[POINTS][4];
-    _Alignas( 64 ) float normal_weights[POINTS][4];
     _Alignas( 64 ) float xyzw[POINTS][4];
     _Alignas( 64 ) float normals[POINTS][4];
     int32_t ring_begin[SLOTS / 8 + 1];
@@ -41,7 +40,6 @@ static void fill_points( blends* b )
         {
             b->parents[p][k] = 4 * test_random( p, k % ( third + 1 ), SLOTS );
             b->weights[p][k] = k < 2 || third != 0 ? test_random_float( p, 3 + k, 0.1f, 1.0f ) : 0.0f;
-            b->normal_weights[p][k] = b->weights[p][k] * test_random_float( p, 6 + k, 0.5f, 1.5f );
             sum += b->weights[p][k];
         }
         b->parents[p][1] = 4 * ( ( b->parents[p][0] / 4 + 1 + test_random( p, 11, SLOTS - 1 ) ) % SLOTS );
@@ -109,7 +107,6 @@ static blends* new_blends( void )
         const float halves[4] = { 0.5f, 0.5f, 0.0f, 0.0f };
         memcpy( b->parents[p], parents, sizeof( parents ) );
         memcpy( b->weights[p], halves, sizeof( halves ) );
-        memcpy( b->normal_weights[p], halves, sizeof( halves ) );
     }
     fill_elements( b );
     for ( int slice = 0; slice < SLOTS / 8; ++slice )
@@ -128,14 +125,13 @@ static blends* new_blends( void )
     return b;
 }
 
-static wisp_blend_args blend_args( blends* b, bool other_weights )
+static wisp_blend_args blend_args( blends* b )
 {
     return ( wisp_blend_args ){
         .position = b->position[0],
         .normal = b->normal[0],
         .parents = (const int32_t( * )[4])b->parents,
         .weights = (const float( * )[4])b->weights,
-        .normal_weights = other_weights ? (const float( * )[4])b->normal_weights : NULL,
         .xyzw = b->xyzw[0],
         .normals = b->normals[0],
     };
@@ -170,14 +166,8 @@ typedef int run_fn( const wisp_kernels* kernels, blends* b );
 
 static int run_blend( const wisp_kernels* kernels, blends* b )
 {
-    const wisp_blend_args args = blend_args( b, false );
+    const wisp_blend_args args = blend_args( b );
     return kernels->blend_two( &args, 0, POINTS / 2 ) + kernels->blend_three( &args, POINTS / 2, POINTS );
-}
-
-static int run_other_weights( const wisp_kernels* kernels, blends* b )
-{
-    const wisp_blend_args args = blend_args( b, true );
-    return kernels->blend_three( &args, 0, POINTS );
 }
 
 static int run_ring( const wisp_kernels* kernels, blends* b )
@@ -195,7 +185,7 @@ static int run_hold( const wisp_kernels* kernels, blends* b )
     return 0;
 }
 
-static run_fn* const RUNS[] = { run_blend, run_other_weights, run_ring, run_hold };
+static run_fn* const RUNS[] = { run_blend, run_ring, run_hold };
 
 static void make_strange( blends* b )
 {
@@ -271,37 +261,34 @@ static double sum_of( float table[][4], const blends* b, float weights[][4], int
 
 TEST( blends_are_sums_over_parents )
 {
-    for ( int r = 0; r < 2; ++r )
+    blends *b = new_blends(), *before = new_blends();
+    const int unknown = run_blend( widest_table(), b );
+    int cancelled = 0;
+    for ( int p = 0; p < POINTS; ++p )
     {
-        blends *b = new_blends(), *before = new_blends();
-        const int unknown = RUNS[r]( widest_table(), b );
-        int cancelled = 0;
-        for ( int p = 0; p < POINTS; ++p )
+        double y[3], n[3];
+        sum_of( b->position, b, b->weights, p, y );
+        const double length = sum_of( b->normal, b, b->weights, p, n );
+        assert_true( b->xyzw[p][3] == (float)p );
+        cancelled += length < 1e-6;
+        assert_true( b->normals[p][3] == ( length < 1e-6 ? 1.0f : 0.0f ) );
+        for ( int i = 0; i < 3; ++i )
         {
-            double y[3], n[3];
-            sum_of( b->position, b, b->weights, p, y );
-            const double length = sum_of( b->normal, b, r == 0 ? b->weights : b->normal_weights, p, n );
-            assert_true( b->xyzw[p][3] == (float)p );
-            cancelled += length < 1e-6;
-            assert_true( b->normals[p][3] == ( length < 1e-6 ? 1.0f : 0.0f ) );
-            for ( int i = 0; i < 3; ++i )
+            assert_near( (double)b->xyzw[p][i], y[i], ROUNDING, "place of point", p );
+            if ( length < 1e-6 )
             {
-                assert_near( (double)b->xyzw[p][i], y[i], ROUNDING, "place of point", p );
-                if ( length < 1e-6 )
-                {
-                    assert_true( b->normals[p][i] == before->normals[p][i] );
-                }
-                else
-                {
-                    assert_near( (double)b->normals[p][i], n[i] / length, ROUNDING / length, "normal of point", p );
-                }
+                assert_true( b->normals[p][i] == before->normals[p][i] );
+            }
+            else
+            {
+                assert_near( (double)b->normals[p][i], n[i] / length, ROUNDING / length, "normal of point", p );
             }
         }
-        assert_int_equal( unknown, cancelled );
-        assert_int_equal( cancelled, ( POINTS - 3 + 36 ) / 37 );
-        free( b );
-        free( before );
     }
+    assert_int_equal( unknown, cancelled );
+    assert_int_equal( cancelled, ( POINTS - 3 + 36 ) / 37 );
+    free( b );
+    free( before );
 }
 
 static bool add_face( const float* p, const float* a, const float* c, double sum[3] )

@@ -1,5 +1,155 @@
-// Lanes against scalars. Built once per backend of lane.h; a build for instructions that this processor lacks is skipped.
-#include "math_fixture.h"
+// Lanes, also of doubles, against scalars; trigonometry against double precision, rotations against their defining properties.
+// Built once per backend of lane.h and lane_double.h, whose flags must not change a bit of scalars either; a build for
+// instructions that this processor lacks is skipped.
+#include "unit.h"
+
+#include "lane.h"
+#include "lane_double_vec.h"
+#include "lane_random.h"
+#include "lane_trig.h"
+#include "lane_vec.h"
+#include "trig.h"
+#include "vec.h"
+
+static uint32_t bits_of( float value )
+{
+    uint32_t bits;
+    memcpy( &bits, &value, sizeof bits );
+    return bits;
+}
+
+static float float_of( uint32_t bits )
+{
+    float value;
+    memcpy( &value, &bits, sizeof value );
+    return value;
+}
+
+#define assert_same_bits( actual, expected, k ) check_bits( actual, expected, k, false, __LINE__ )
+#define assert_same_value( actual, expected, k ) check_bits( actual, expected, k, true, __LINE__ )
+#define assert_same_int( actual, expected, k ) check_int( actual, expected, k, __LINE__ )
+
+// Equal bits; for a NaN made by arithmetic, any NaN is accepted.
+static void check_bits( float actual, float expected, int k, bool any_nan, int line )
+{
+    if ( bits_of( actual ) != bits_of( expected ) && !( any_nan && isnan( actual ) && isnan( expected ) ) )
+    {
+        fail_msg( "line %d, operand %d: %a (%08x), expected %a (%08x)", line, k, (double)actual, bits_of( actual ),
+                  (double)expected, bits_of( expected ) );
+    }
+}
+
+static void check_int( int32_t actual, int32_t expected, int k, int line )
+{
+    if ( actual != expected )
+    {
+        fail_msg( "line %d, operand %d: %d, expected %d", line, k, actual, expected );
+    }
+}
+
+// ---- operands
+
+static const float special[] = {
+    0.0f,
+    -0.0f,
+    1.0f,
+    -1.0f,
+    0.5f,
+    -0.5f,
+    0.1f,
+    2.5f,
+    -3.7f,
+    255.99998f,
+    -0x1.fffffep-1f,
+    0x1.fffffep22f,
+    -0x1.fffffep22f,
+    0x1p23f,
+    -0x1.000002p23f,
+    0x1.fffffep30f,
+    0x1p31f,
+    -0x1p31f,
+    -0x1.000002p31f,
+    1e10f,
+    -1e20f,
+    FLT_MAX,
+    -FLT_MAX,
+    FLT_MIN,
+    -FLT_MIN,
+    0x1p-149f,
+    -0x1p-149f,
+    0x1.fffffcp-127f,
+    INFINITY,
+    -INFINITY,
+    NAN,
+    -NAN,
+};
+
+#define SPECIAL_COUNT 32
+#define OPERAND_COUNT ( SPECIAL_COUNT * SPECIAL_COUNT + 4096 )
+#define ORDINARY_COUNT 4096
+
+_Static_assert( sizeof special / sizeof special[0] == SPECIAL_COUNT,
+                "every special number is paired with every other" );
+
+static float operand_a[OPERAND_COUNT]; // all pairs of special numbers, then random bits: every exponent, many NaNs
+static float operand_b[OPERAND_COUNT];
+static float operand_c[OPERAND_COUNT];
+static float ordinary[ORDINARY_COUNT]; // within [-1, 1], [-10, 10], [-100, 100] ... [-10000, 10000] in turn
+
+static int fill_operands( void** state )
+{
+    (void)state;
+    puts( "backend: " LANE_BACKEND );
+    wisp_random_key key = wisp_random_make_key( 1, 2, 3 );
+    for ( int k = 0; k < OPERAND_COUNT; ++k )
+    {
+        bool pair = k < SPECIAL_COUNT * SPECIAL_COUNT;
+        uint64_t bits = wisp_random_bits( key, (uint32_t)k, 0, 0 );
+        operand_a[k] = pair ? special[k / SPECIAL_COUNT] : float_of( (uint32_t)bits );
+        operand_b[k] = pair ? special[k % SPECIAL_COUNT] : float_of( (uint32_t)( bits >> 32 ) );
+        operand_c[k] = pair ? special[k * 7 % SPECIAL_COUNT] : wisp_random_unit_float( key, (uint32_t)k, 1, 0 );
+
+        // Signalling NaNs change when they are copied through a register; the quiet bit keeps the bits comparable.
+        operand_a[k] = isnan( operand_a[k] ) ? float_of( bits_of( operand_a[k] ) | 0x400000u ) : operand_a[k];
+        operand_b[k] = isnan( operand_b[k] ) ? float_of( bits_of( operand_b[k] ) | 0x400000u ) : operand_b[k];
+    }
+    const float range[] = { 1.0f, 10.0f, 100.0f, 1000.0f, 10000.0f };
+    for ( int k = 0; k < ORDINARY_COUNT; ++k )
+    {
+        ordinary[k] = range[k % 5] * ( 2.0f * wisp_random_unit_float( key, (uint32_t)k, 2, 0 ) - 1.0f );
+    }
+    return 0;
+}
+
+// Unit to a few roundings: the directions of a spiral over the sphere, its poles included.
+#define DIRECTION_COUNT 1000
+
+static wisp_vec3 direction( int k )
+{
+    double z = 1.0 - 2.0 * k / ( DIRECTION_COUNT - 1 ), turn = 2.399963229728653 * k, radius = sqrt( 1.0 - z * z );
+    return ( wisp_vec3 ){ (float)( radius * cos( turn ) ), (float)( radius * sin( turn ) ), (float)z };
+}
+
+// ---- the program
+
+static bool processor_has_what_this_was_built_for( void )
+{
+#if defined( __AVX512F__ )
+    return __builtin_cpu_supports( "avx512f" ) && __builtin_cpu_supports( "avx512vl" ) &&
+           __builtin_cpu_supports( "avx512bw" ) && __builtin_cpu_supports( "avx512dq" );
+#elif defined( __AVX2__ )
+    return __builtin_cpu_supports( "avx2" );
+#else
+    return true;
+#endif
+}
+
+/// @return why the backend of this build cannot run here, or NULL
+static const char* missing_backend( void )
+{
+    return processor_has_what_this_was_built_for() ? NULL
+                                                   : "built for " LANE_BACKEND ", which this processor does not have";
+}
 
 // The intermediate product goes through memory, so that no compiler fuses the oracle.
 static float two_roundings( float a, float b, float c )
@@ -292,6 +442,317 @@ TEST( sixteen_lanes_are_two_eights )
     assert_memory_equal( got_integers, integers, sizeof( got_integers ) );
 }
 
-TEST_OBSTACLE( missing_backend )
+// ---- lanes of doubles ----
 
+#define EACH_EIGHT( k, count ) for ( int k = 0; k + 8 <= ( count ); k += 8 )
+
+static void assert_same_double( double found, double expected, int k )
+{
+    uint64_t bits[2];
+    memcpy( bits, &found, sizeof( double ) );
+    memcpy( bits + 1, &expected, sizeof( double ) );
+    if ( bits[0] != bits[1] && !( isnan( found ) && isnan( expected ) ) )
+    {
+        fail_msg( "operand %d: %a, expected %a", k, found, expected );
+    }
+}
+
+// Doubles with more digits than a float.
+static double first_of( int k )
+{
+    return (double)operand_a[k] / 3.0;
+}
+
+static double second_of( int k )
+{
+    return (double)operand_b[k] / 7.0;
+}
+
+TEST( arithmetic_is_the_scalar_arithmetic )
+{
+    EACH_EIGHT( k, OPERAND_COUNT )
+    {
+        const lane8d a = lane8d_div( lane8d_widen( lane8_loadu( operand_a + k ) ), lane8d_set1( 3.0 ) );
+        const lane8d b = lane8d_div( lane8d_widen( lane8_loadu( operand_b + k ) ), lane8d_set1( 7.0 ) );
+        const lane8dm less = lane8d_lt( a, b );
+        double got[8][8];
+        lane8d_storeu( got[0], lane8d_add( a, b ) );
+        lane8d_storeu( got[1], lane8d_sub( a, b ) );
+        lane8d_storeu( got[2], lane8d_mul( a, b ) );
+        lane8d_storeu( got[3], lane8d_div( a, b ) );
+        lane8d_storeu( got[4], lane8d_sqrt( a ) );
+        lane8d_storeu( got[5], lane8d_abs( a ) );
+        lane8d_storeu( got[6], lane8d_select( less, a, b ) );
+        lane8d_storeu( got[7], a );
+        for ( int l = 0; l < 8; ++l )
+        {
+            const double x = first_of( k + l ), y = second_of( k + l );
+            assert_same_double( got[0][l], x + y, k + l );
+            assert_same_double( got[1][l], x - y, k + l );
+            assert_same_double( got[2][l], x * y, k + l );
+            assert_same_double( got[3][l], x / y, k + l );
+            assert_same_double( got[4][l], sqrt( x ), k + l );
+            assert_same_double( got[5][l], fabs( x ), k + l );
+            assert_same_double( got[6][l], x < y ? x : y, k + l );
+            assert_same_double( got[7][l], x, k + l );
+            assert_true( ( lane8dm_bits( less ) >> l & 1u ) == ( x < y ? 1u : 0u ) );
+        }
+    }
+}
+
+TEST( doubles_are_rounded_to_floats )
+{
+    EACH_EIGHT( k, ORDINARY_COUNT )
+    {
+        const lane8d third = lane8d_div( lane8d_widen( lane8_loadu( ordinary + k ) ), lane8d_set1( 3.0 ) );
+        float got[8];
+        lane8_storeu( got, lane8d_narrow( third ) );
+        for ( int l = 0; l < 8; ++l )
+        {
+            assert_same_bits( got[l], (float)( (double)ordinary[k + l] / 3.0 ), k + l );
+        }
+    }
+}
+
+TEST( a_sum_folds_the_upper_half_onto_the_lower )
+{
+    EACH_EIGHT( k, ORDINARY_COUNT )
+    {
+        double each[8];
+        const lane8d third = lane8d_div( lane8d_widen( lane8_loadu( ordinary + k ) ), lane8d_set1( 3.0 ) );
+        lane8d_storeu( each, third );
+        for ( int half = 4; half > 0; half /= 2 )
+        {
+            for ( int l = 0; l < half; ++l )
+            {
+                each[l] += each[l + half];
+            }
+        }
+        assert_same_double( lane8d_sum_ordered( third ), each[0], k );
+    }
+}
+
+TEST( vectors_are_the_scalar_ones )
+{
+    const double shift[3] = { 0.1, 0.2, 0.3 };
+    EACH_EIGHT( k, ORDINARY_COUNT - 48 )
+    {
+        lane8v rows[2];
+        double a[3], b[3], got[4][8];
+        for ( int r = 0; r < 2; ++r )
+        {
+            const float* at = ordinary + k + 24 * r;
+            rows[r] = ( lane8v ){ lane8_loadu( at ), lane8_loadu( at + 8 ), lane8_loadu( at + 16 ) };
+        }
+        const lane8dv v = lane8dv_sub( lane8dv_widen( rows[0] ), lane8dv_set1( shift ) );
+        const lane8dv w = lane8dv_add( lane8dv_widen( rows[1] ), lane8dv_scale( v, lane8d_set1( 0.7 ) ) );
+        const lane8dv cross = lane8dv_cross( v, w );
+        lane8d_storeu( got[0], cross.x );
+        lane8d_storeu( got[1], cross.y );
+        lane8d_storeu( got[2], cross.z );
+        lane8d_storeu( got[3], lane8dv_length( v ) );
+        for ( int l = 0; l < 8; ++l )
+        {
+            for ( int i = 0; i < 3; ++i )
+            {
+                const float* at = ordinary + k + 8 * i + l;
+                a[i] = (double)at[0] - shift[i];
+                b[i] = (double)at[24] + a[i] * 0.7;
+            }
+            assert_same_double( got[0][l], a[1] * b[2] - a[2] * b[1], k + l );
+            assert_same_double( got[1][l], a[2] * b[0] - a[0] * b[2], k + l );
+            assert_same_double( got[2][l], a[0] * b[1] - a[1] * b[0], k + l );
+            assert_same_double( got[3][l], sqrt( a[0] * a[0] + a[1] * a[1] + a[2] * a[2] ), k + l );
+        }
+    }
+}
+
+// ---- trigonometry
+
+static void check_sincos( float x )
+{
+    float sine, cosine;
+    trig_sincos( x, &sine, &cosine );
+    double sine_error = fabs( (double)sine - sin( (double)x ) );
+    double cosine_error = fabs( (double)cosine - cos( (double)x ) );
+    if ( !( sine_error <= (double)TRIG_SINCOS_ERROR && cosine_error <= (double)TRIG_SINCOS_ERROR ) )
+    {
+        fail_msg( "x = %.9g: sine off by %g, cosine by %g", (double)x, sine_error, cosine_error );
+    }
+}
+
+// Every 499th float, so that all exponents occur, and the neighbourhood of the largest error of all floats.
+TEST( sine_and_cosine_keep_their_bound )
+{
+    uint32_t last = bits_of( TRIG_SINCOS_RANGE );
+    for ( uint32_t bits = bits_of( 0x1p-20f ); bits <= last; bits += 499 )
+    {
+        check_sincos( float_of( bits ) );
+        check_sincos( -float_of( bits ) );
+    }
+    check_sincos( 2100.9021f );
+    check_sincos( 3.90851426f );
+    check_sincos( TRIG_SINCOS_RANGE );
+    check_sincos( 0x1p-149f );
+    check_sincos( 0.0f );
+}
+
+TEST( sine_and_cosine_stay_bounded_beyond_their_range )
+{
+    for ( int k = 0; k < OPERAND_COUNT; ++k )
+    {
+        float sine, cosine;
+        trig_sincos( operand_a[k], &sine, &cosine );
+        if ( isnan( operand_a[k] ) )
+        {
+            assert_true( isnan( sine ) && isnan( cosine ) );
+        }
+        else
+        {
+            assert_true( fabsf( sine ) <= 1.0f && fabsf( cosine ) <= 1.0f );
+        }
+    }
+}
+
+static void check_atan2( float y, float x )
+{
+    double error = fabs( (double)trig_atan2( y, x ) - atan2( (double)y, (double)x ) );
+    if ( !( error <= (double)TRIG_ATAN2_ERROR ) )
+    {
+        fail_msg( "y = %.9g, x = %.9g: angle off by %g", (double)y, (double)x, error );
+    }
+}
+
+TEST( arc_tangent_keeps_its_bound )
+{
+    wisp_random_key key = wisp_random_make_key( 4, 5, 6 );
+    for ( uint32_t k = 0; k < 500000; ++k )
+    {
+        float y = 2.0f * wisp_random_unit_float( key, k, 0, 0 ) - 1.0f;
+        float x = 2.0f * wisp_random_unit_float( key, k, 1, 0 ) - 1.0f;
+        check_atan2( y, x );
+        check_atan2( ldexpf( y, -(int)( k % 30 ) ), x );
+    }
+    check_atan2( 0.471258193f, -0.216977909f );
+    check_atan2( 1e-40f, 2e-40f );
+    check_atan2( 1e37f, -1e37f );
+    check_atan2( 0x1p-149f, -0x1p-149f );
+}
+
+TEST( arc_tangent_knows_its_quadrants )
+{
+    const float quarter = 0.785398163f, half = 1.57079633f, whole = 3.14159265f;
+    assert_same_bits( trig_atan2( 0.0f, 1.0f ), 0.0f, 0 );
+    assert_same_bits( trig_atan2( 1.0f, 0.0f ), half, 0 );
+    assert_same_bits( trig_atan2( 1.0f, -0.0f ), half, 0 );
+    assert_same_bits( trig_atan2( 0.0f, -1.0f ), whole, 0 );
+    assert_same_bits( trig_atan2( -0.0f, -1.0f ), -whole, 0 );
+    assert_same_bits( trig_atan2( -1.0f, 0.0f ), -half, 0 );
+    assert_same_bits( trig_atan2( 2.0f, 2.0f ), quarter, 0 );
+    assert_same_bits( trig_atan2( -2.0f, 2.0f ), -quarter, 0 );
+    assert_true( trig_atan2( 2.0f, -2.0f ) > half && trig_atan2( -2.0f, -2.0f ) < -half );
+}
+
+TEST( the_angle_of_the_origin_is_zero )
+{
+    for ( int k = 0; k < 4; ++k )
+    {
+        assert_true( trig_atan2( k & 1 ? -0.0f : 0.0f, k & 2 ? -0.0f : 0.0f ) == 0.0f );
+    }
+    assert_true( isnan( trig_atan2( NAN, 1.0f ) ) );
+    assert_true( isnan( trig_atan2( 1.0f, NAN ) ) );
+}
+
+// ---- vectors
+
+// Each entry of a product of unit vectors rounds a handful of times, each time by FLT_EPSILON / 2 at most.
+static const float few_roundings = 6.0f * FLT_EPSILON;
+
+static void assert_close( float actual, float expected )
+{
+    if ( !( fabsf( actual - expected ) <= few_roundings ) )
+    {
+        fail_msg( "%.9g, expected %.9g", (double)actual, (double)expected );
+    }
+}
+
+static void assert_close_v3( wisp_vec3 actual, wisp_vec3 expected )
+{
+    assert_close( actual.x, expected.x );
+    assert_close( actual.y, expected.y );
+    assert_close( actual.z, expected.z );
+}
+
+TEST( a_basis_is_orthonormal_and_right_handed )
+{
+    for ( int k = 0; k < DIRECTION_COUNT; ++k )
+    {
+        wisp_vec3 t = direction( k ), b1, b2;
+        v3_basis( t, &b1, &b2 );
+        assert_close( v3_length( b1 ), 1.0f );
+        assert_close( v3_length( b2 ), 1.0f );
+        assert_close( v3_dot( b1, b2 ), 0.0f );
+        assert_close( v3_dot( b1, t ), 0.0f );
+        assert_close( v3_dot( b2, t ), 0.0f );
+        assert_close_v3( v3_cross( b1, b2 ), t );
+    }
+}
+
+TEST( a_rotation_keeps_lengths_and_angles )
+{
+    for ( int k = 0; k < DIRECTION_COUNT; ++k )
+    {
+        float sine, cosine;
+        trig_sincos( 0.01f * (float)k, &sine, &cosine );
+        wisp_vec3 axis = direction( k ), v = direction( ( k * 7 ) % DIRECTION_COUNT );
+        wisp_vec3 other = direction( ( k * 13 + 5 ) % DIRECTION_COUNT );
+        wisp_vec3 turned = v3_rotate( axis, sine, cosine, v );
+        wisp_vec3 other_turned = v3_rotate( axis, sine, cosine, other );
+
+        assert_close( v3_length( turned ), 1.0f );
+        assert_close( v3_dot( turned, other_turned ), v3_dot( v, other ) );
+        assert_close( v3_dot( turned, axis ), v3_dot( v, axis ) );
+        assert_close_v3( v3_rotate( axis, -sine, cosine, turned ), v );
+        assert_close_v3( v3_rotate( axis, sine, cosine, axis ), axis );
+    }
+}
+
+TEST( a_rotation_turns_counter_clockwise_by_its_angle )
+{
+    const wisp_vec3 x = { 1.0f, 0.0f, 0.0f }, y = { 0.0f, 1.0f, 0.0f }, z = { 0.0f, 0.0f, 1.0f };
+    assert_close_v3( v3_rotate( z, 1.0f, 0.0f, x ), y );
+    assert_close_v3( v3_rotate( x, 1.0f, 0.0f, y ), z );
+    assert_close_v3( v3_rotate( y, 1.0f, 0.0f, z ), x );
+    assert_close_v3( v3_rotate( z, 0.6f, 0.8f, x ), ( wisp_vec3 ){ 0.8f, 0.6f, 0.0f } );
+}
+
+TEST( vectors_are_added_scaled_and_multiplied )
+{
+    const wisp_vec3 a = { 1.0f, 2.0f, 3.0f }, b = { 4.0f, -5.0f, 6.0f };
+    assert_close_v3( v3_add( a, b ), ( wisp_vec3 ){ 5.0f, -3.0f, 9.0f } );
+    assert_close_v3( v3_sub( a, b ), ( wisp_vec3 ){ -3.0f, 7.0f, -3.0f } );
+    assert_close_v3( v3_scale( a, -2.0f ), ( wisp_vec3 ){ -2.0f, -4.0f, -6.0f } );
+    assert_close_v3( v3_mul_add( a, 2.0f, b ), ( wisp_vec3 ){ 9.0f, -8.0f, 15.0f } );
+    assert_close_v3( v3_cross( a, b ), ( wisp_vec3 ){ 27.0f, 6.0f, -13.0f } );
+    assert_close( v3_dot( a, b ), 12.0f );
+    assert_close( v3_length( ( wisp_vec3 ){ 3.0f, 0.0f, -4.0f } ), 5.0f );
+}
+
+TEST( what_has_no_direction_gets_the_fallback )
+{
+    const wisp_vec3 fallback = { 0.0f, 0.0f, 1.0f };
+    const float lost[] = { 0.0f, -0.0f, 1e-20f, 1e20f, INFINITY, NAN };
+    for ( int k = 0; k < WISP_COUNT( lost ); ++k )
+    {
+        assert_close_v3( v3_normalize_or( ( wisp_vec3 ){ lost[k], 0.0f, 0.0f }, fallback ), fallback );
+    }
+    const float kept[] = { 1.2e-19f, 1e-9f, 1.0f, 1.8e19f };
+    for ( int k = 0; k < WISP_COUNT( kept ); ++k )
+    {
+        assert_close_v3( v3_normalize_or( ( wisp_vec3 ){ 0.0f, -kept[k], 0.0f }, fallback ),
+                         ( wisp_vec3 ){ 0.0f, -1.0f, 0.0f } );
+    }
+}
+
+TEST_OBSTACLE( missing_backend )
 TEST_GROUP( fill_operands, NULL )

@@ -278,17 +278,3 @@ TEST( an_approach_to_a_point_that_is_not_finite_finds_nothing )
     assert_true( wisp_collision_mesh_clearance( m.tree, p, 0.1f ) == -1.0f );
     free_motion( &m );
 }
-
-TEST( voxels_refuse_a_start )
-{
-    test_mesh mesh = test_mesh_ball( 4, false );
-    wisp_collision_mesh_def def = test_mesh_def( &mesh, true );
-    def.search = WISP_MESH_SEARCH_VOXELS;
-    wisp_collision_mesh* voxels;
-    wisp_error error = { 0 };
-    assert_ok( wisp_collision_mesh_create( &def, NULL, &voxels, &error ), error );
-    assert_int_equal( wisp_collision_mesh_update( voxels, mesh.points, mesh.points, NULL, &error ), WISP_CONFLICT );
-    assert_one_message( error.message );
-    wisp_collision_mesh_release( voxels );
-    test_mesh_free( &mesh );
-}

@@ -1,6 +1,11 @@
-// The public interface of worlds: stale handles, requests, views, instances, snapshots, counters.
+// The public interface of worlds: stale handles, requests, views, instances, snapshots, counters; wisp_world_advance():
+// fixed steps from uneven frames, and points between two steps; the step clock: substeps of constant length from steps of
+// any length, and the interpolation of kinematic targets.
 #include "saved_world.h"
+#include "surface_fixture.h"
 #include "world_fixture.h"
+
+#include "step_clock.h"
 
 // ---- stale handles ----
 
@@ -277,10 +282,10 @@ WORLD_TEST( a_restored_world_goes_on_as_the_one_that_was_taken )
     assert_int_equal( hashes[0], hashes[1] );
 }
 
-WORLD_TEST( a_restored_world_whose_shape_builds_on_itself_goes_on_the_same_way )
+WORLD_TEST( a_restored_world_in_a_stroke_goes_on_the_same_way )
 {
     uint64_t hashes[2];
-    step_twice_from_a_snapshot( *state, WISP_FROZEN_BASE_PREVIOUS, hashes );
+    step_twice_from_a_snapshot( *state, WISP_FROZEN_BASE_STROKE, hashes );
     assert_int_equal( hashes[0], hashes[1] );
 }
 
@@ -439,4 +444,336 @@ WORLD_TEST( a_hundred_worlds_live_side_by_side_and_agree )
         wisp_world_destroy( worlds[i] );
     }
     assert_int_equal( same, 99 );
+}
+
+// ---- frames of any length ----
+
+enum
+{
+    SIDE = 5,
+};
+
+static const float DT = 1.0f / 64.0f; // exact, as are its sums
+
+// A sheet that flies along x at 1 m/s.
+static wisp_entity add_flying( wisp_world* world )
+{
+    test_mesh mesh = test_plane( SIDE, 0.1f );
+    const wisp_fabric_def fabric = test_fabric_def( &mesh );
+    const wisp_entity e = test_surface_of( world, &fabric, support_weightless_surface_def() );
+    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
+    assert_status( world, wisp_set_velocity( world, e, ( wisp_vec3 ){ 1, 0, 0 }, ( wisp_vec3 ){ 0 } ), WISP_OK );
+    assert_status( world, wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    test_mesh_free( &mesh );
+    return e;
+}
+
+static double x_of( wisp_world* world, wisp_entity e )
+{
+    return (double)( (const wisp_vec3*)view_of( world, e, WISP_SURFACE_POINTS ).data )[0].x;
+}
+
+static void advance( wisp_world* world, double seconds )
+{
+    assert_status( world, wisp_world_advance( world, (float)seconds, DT, NULL, NULL ), WISP_OK );
+}
+
+WORLD_TEST( points_are_one_step_late_and_smooth )
+{
+    hosted* h = *state;
+    const wisp_entity e = add_flying( h->world );
+    advance( h->world, (double)DT );
+    double time = (double)DT;
+    for ( int i = 0; i < 200; ++i )
+    {
+        const double seconds = (double)DT / 64.0 * ( 1 + test_random( i, 1, 200 ) );
+        time += seconds;
+        advance( h->world, seconds );
+        assert_true( fabs( x_of( h->world, e ) - ( time - (double)DT ) ) < 1e-4 );
+    }
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), (int)( time / (double)DT ) );
+}
+
+static void count_call( void* user, wisp_world* world )
+{
+    assert_non_null( world );
+    *(int*)user += 1;
+}
+
+WORLD_TEST( each_step_is_announced_and_eight_are_the_most )
+{
+    hosted* h = *state;
+    add_flying( h->world );
+    int calls = 0;
+    const double frames[] = { 0.25, 0.5, 0.5, 3.0, 100.0, 0.75 };
+    const int expected[] = { 0, 0, 1, 4, 12, 13 };
+    for ( int i = 0; i < WISP_COUNT( frames ); ++i )
+    {
+        assert_status( h->world, wisp_world_advance( h->world, (float)frames[i] * DT, DT, count_call, &calls ),
+                       WISP_OK );
+        assert_int_equal( calls, expected[i] );
+        assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), expected[i] );
+    }
+}
+
+WORLD_TEST( a_step_of_its_own_shows_its_own_points )
+{
+    hosted* h = *state;
+    const wisp_entity e = add_flying( h->world );
+    advance( h->world, 2.5 * (double)DT );
+    assert_true( fabs( x_of( h->world, e ) - 1.5 * (double)DT ) < 1e-5 );
+    assert_status( h->world, wisp_world_step( h->world, DT ), WISP_OK );
+    assert_true( fabs( x_of( h->world, e ) - 3.0 * (double)DT ) < 1e-5 );
+}
+
+// Interpolation is for display: a hash is that of the step, and a restored state is shown without interpolation.
+WORLD_TEST( hashes_and_restored_points_are_those_of_the_step )
+{
+    hosted* h = *state;
+    const wisp_entity e = add_flying( h->world );
+    const size_t capacity = wisp_world_snapshot_size( h->world ) + 100000;
+    char* bytes = malloc( capacity );
+    assert_non_null( bytes );
+    advance( h->world, 2.0 * (double)DT );
+    const uint64_t hash = hash_of( h->world, e, WISP_SURFACE_POINTS );
+    advance( h->world, 0.5 * (double)DT );
+    assert_true( hash_of( h->world, e, WISP_SURFACE_POINTS ) == hash );
+    assert_true( fabs( x_of( h->world, e ) - 1.5 * (double)DT ) < 1e-5 );
+    const size_t size = wisp_world_snapshot_size( h->world );
+    assert_true( size <= capacity );
+    assert_status( h->world, wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
+    advance( h->world, 3.0 * (double)DT );
+    assert_status( h->world, wisp_world_restore( h->world, bytes, size ), WISP_OK );
+    assert_true( fabs( x_of( h->world, e ) - 2.0 * (double)DT ) < 1e-5 );
+    free( bytes );
+}
+
+WORLD_TEST( entities_may_come_and_go )
+{
+    hosted* h = *state;
+    const wisp_entity first = add_flying( h->world );
+    advance( h->world, 1.5 * (double)DT );
+    const wisp_entity second = add_flying( h->world );
+    advance( h->world, (double)DT );
+    assert_true( fabs( x_of( h->world, first ) - 1.5 * (double)DT ) < 1e-5 );
+    advance( h->world, (double)DT );
+    assert_true( fabs( x_of( h->world, second ) - 1.5 * (double)DT ) < 1e-5 );
+    assert_status( h->world, wisp_remove( h->world, first ), WISP_OK );
+    advance( h->world, 0.25 * (double)DT );
+    assert_true( isfinite( x_of( h->world, second ) ) );
+    advance( h->world, (double)DT );
+    assert_true( fabs( x_of( h->world, second ) - 2.75 * (double)DT ) < 1e-5 );
+}
+
+WORLD_TEST( a_repeated_call_allocates_nothing )
+{
+    hosted* h = *state;
+    add_flying( h->world );
+    advance( h->world, 2.5 * (double)DT );
+    const int64_t requests = atomic_load( &h->host.queried );
+    for ( int i = 0; i < 20; ++i )
+    {
+        advance( h->world, 0.7 * (double)DT );
+    }
+    assert_int_equal( atomic_load( &h->host.queried ), requests );
+}
+
+WORLD_TEST( wrong_times_are_refused )
+{
+    hosted* h = *state;
+    const float wrong[][2] = {
+        { -1.0f, 1.0f }, { nanf( "" ), 1.0f }, { 1.0f, 0.0f }, { 1.0f, nanf( "" ) }, { 1e7f, 1.0f }
+    };
+    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
+    {
+        assert_int_equal( wisp_world_advance( h->world, wrong[i][0], wrong[i][1], NULL, NULL ), WISP_BAD_INPUT );
+        assert_one_message( wisp_world_message( h->world ) );
+    }
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), 0 );
+}
+
+// ---- the step clock ----
+
+enum
+{
+    SUBSTEPS = 8,
+    SPLIT = 3,
+};
+
+// Take a step. @return its substeps
+static int advance_clock( step_clock* clock, wisp_frame* frame, double dt )
+{
+    step_clock_advance( clock, (float)dt, SUBSTEPS, false, frame );
+    assert_true( step_clock_check( clock ) );
+    return frame->substeps;
+}
+
+// A frame of two entities: one with the substeps of the world, one that splits each of those into three.
+static wisp_frame* new_frame( void )
+{
+    static plan_entity entities[] = { { .split = 1 }, { .split = SPLIT } };
+    static plan p = { .entities = entities, .entity_count = WISP_COUNT( entities ) };
+    static wisp_registry registry;
+    wisp_frame* frame = checked_calloc( 1, sizeof( wisp_frame ) );
+    frame->plan = &p;
+    frame->registry = &registry;
+    return frame;
+}
+
+static const wisp_entity WHOLE = { .index = 1 }, FINER = { .index = 2 };
+
+static double random_dt( int number )
+{
+    const uint32_t bits = ( (uint32_t)number * 2654435761u ) >> 8;
+    return 1e-3 * pow( 50.0, (double)bits / 16777216.0 ); // 1/1000 to 1/20 s
+}
+
+TEST( constant_steps_have_the_same_substeps_exactly )
+{
+    step_clock clock = { 0 };
+    wisp_frame* frame = new_frame();
+    for ( int i = 0; i < 1500; ++i )
+    {
+        assert_int_equal( advance_clock( &clock, frame, 1.0 / 60.0 ), SUBSTEPS );
+        assert_true( frame->seconds == (float)( 1.0 / 60.0 ) / (float)SUBSTEPS );
+        assert_true( wisp_frame_progress( frame, WHOLE, 3 ) == 3.0f / 8.0f );
+        assert_true( wisp_frame_progress_left( frame, WHOLE, SUBSTEPS - 1 ) == 1.0f );
+        assert_int_equal( wisp_frame_substeps( frame, FINER ), SUBSTEPS * SPLIT );
+        assert_true( wisp_frame_dt( frame, FINER ) == frame->seconds / (float)SPLIT );
+        assert_true( wisp_frame_progress( frame, FINER, 3 ) == 1.0f / 8.0f );
+        assert_true( wisp_frame_progress_left( frame, FINER, SUBSTEPS * SPLIT - 1 ) == 1.0f );
+        assert_true( frame->reached == 1.0f && clock.remainder == 0.0 );
+    }
+    free( frame );
+}
+
+// Substeps never shrink by more than 0.2 % from step to step, and their sum follows that of the steps within one substep.
+TEST( steps_of_any_length_have_substeps_that_barely_change )
+{
+    step_clock clock = { 0 };
+    wisp_frame* frame = new_frame();
+    double asked = 0.0, simulated = 0.0, last = 0.0;
+    int changes = 0;
+    for ( int i = 0; i < 5000; ++i )
+    {
+        const double dt = (double)(float)random_dt( i );
+        asked += dt;
+        simulated += advance_clock( &clock, frame, dt ) * (double)frame->seconds;
+        assert_true( (double)frame->seconds > 0.997 * last );
+        changes += i > 0 && fabs( (double)frame->seconds - last ) > 1e-6 * last ? 1 : 0;
+        last = (double)frame->seconds;
+        assert_true( fabs( asked - simulated - clock.remainder ) < 1e-5 * asked );
+        assert_true( clock.remainder >= 0.0 && clock.remainder < last );
+    }
+    assert_true( changes <= 3 ); // up to what the longest steps need
+    free( frame );
+}
+
+// A pin with a target for the end of each step moves at constant speed over all substeps.
+static void check_steady_target( wisp_entity entity )
+{
+    step_clock clock = { 0 };
+    wisp_frame* frame = new_frame();
+    double place = 0.0, from = 0.0, to = 0.0, time = 0.0;
+    for ( int i = 0; i < 500; ++i )
+    {
+        const double dt = (double)(float)random_dt( i );
+        time += dt;
+        advance_clock( &clock, frame, dt );
+        if ( frame->substeps == 0 )
+        {
+            continue;
+        }
+        from += (double)frame->reached * ( to - from );
+        to = time;
+        for ( int s = 0; s < wisp_frame_substeps( frame, entity ); ++s )
+        {
+            const double before = place;
+            place += (double)wisp_frame_progress_left( frame, entity, s ) * ( time - place );
+            const double same = from + (double)wisp_frame_progress( frame, entity, s + 1 ) * ( to - from );
+            assert_true( fabs( place - same ) < 1e-5 * time );
+            assert_true( fabs( ( place - before ) / (double)wisp_frame_dt( frame, entity ) - 1.0 ) < 2e-2 );
+        }
+        assert_true( fabs( time - place - clock.remainder ) < 1e-5 * time );
+    }
+    free( frame );
+}
+
+TEST( a_steady_target_is_followed_at_a_steady_speed )
+{
+    check_steady_target( WHOLE );
+    check_steady_target( FINER );
+}
+
+TEST( a_new_usual_length_is_followed )
+{
+    step_clock clock = { 0 };
+    wisp_frame* frame = new_frame();
+    const double lengths[] = { 1.0 / 60.0, 1.0 / 120.0, 1.0 / 30.0 };
+    for ( int k = 0; k < 3; ++k )
+    {
+        for ( int i = 0; i < 1500; ++i )
+        {
+            advance_clock( &clock, frame, lengths[k] );
+        }
+        assert_true( clock.usual_dt == (float)lengths[k] );
+        assert_true( fabs( (double)frame->seconds * SUBSTEPS / lengths[k] - 1.0 ) < 1e-6 );
+    }
+    free( frame );
+}
+
+TEST( one_long_step_costs_at_most_eight )
+{
+    step_clock clock = { 0 };
+    wisp_frame* frame = new_frame();
+    for ( int i = 0; i < 50; ++i )
+    {
+        advance_clock( &clock, frame, 1.0 / 60.0 );
+    }
+    assert_int_equal( advance_clock( &clock, frame, 0.1 ), 6 * SUBSTEPS );
+    assert_int_equal( advance_clock( &clock, frame, 2.0 ), STEP_CLOCK_MAX_RATIO * SUBSTEPS );
+    assert_true( fabs( (double)frame->seconds * STEP_CLOCK_MAX_RATIO * SUBSTEPS - 2.0 ) < 1e-4 );
+    for ( int i = 0; i < 1500; ++i )
+    {
+        advance_clock( &clock, frame, 1.0 / 60.0 );
+    }
+    assert_true( fabs( (double)frame->seconds * SUBSTEPS * 60.0 - 1.0 ) < 1e-6 );
+    free( frame );
+}
+
+TEST( a_trial_step_at_the_start_does_not_set_the_usual_length )
+{
+    step_clock clock = { 0 };
+    wisp_frame* frame = new_frame();
+    advance_clock( &clock, frame, 1e-6 );
+    assert_int_equal( advance_clock( &clock, frame, 1.0 / 60.0 ), SUBSTEPS );
+    assert_true( frame->seconds == (float)( 1.0 / 60.0 ) / (float)SUBSTEPS );
+    free( frame );
+}
+
+TEST( a_step_that_must_run_has_one_substep )
+{
+    step_clock clock = { 0 };
+    wisp_frame* frame = new_frame();
+    advance_clock( &clock, frame, 1.0 / 60.0 );
+    assert_int_equal( advance_clock( &clock, frame, 1e-5 ), 0 );
+    step_clock_advance( &clock, 1e-5f, SUBSTEPS, true, frame );
+    assert_int_equal( frame->substeps, 1 );
+    assert_true( fabs( (double)frame->seconds - 2e-5 ) < 1e-9 && clock.remainder == 0.0 );
+    free( frame );
+}
+
+TEST( clocks_that_no_step_leaves_are_refused )
+{
+    const float nan = nanf( "" );
+    assert_true( step_clock_check( &( step_clock ){ 0 } ) );
+    assert_false( step_clock_check( &( step_clock ){ .usual_dt = nan } ) );
+    assert_false( step_clock_check( &( step_clock ){ .usual_dt = -1.0f } ) );
+    assert_false( step_clock_check( &( step_clock ){ .reached = 1.5f } ) );
+    assert_false( step_clock_check( &( step_clock ){ .remainder = INFINITY } ) );
+    assert_false( step_clock_check( &( step_clock ){ .substep = -1.0 } ) );
+    assert_false( step_clock_check( &( step_clock ){ .agreeing = STEP_CLOCK_WINDOW + 1 } ) );
+    assert_false( step_clock_check( &( step_clock ){ .step_count = -1 } ) );
+    assert_false( step_clock_check( &( step_clock ){ .longest = nan } ) );
 }

@@ -1,7 +1,7 @@
 // Any bytes as a part of a sweep: refused with one message that begins with the name, or records that are written as they were read.
 #include "fuzz.h"
 
-#include "sweep_header.h"
+#include "sweep_part.h"
 
 #include <stdlib.h>
 

@@ -69,8 +69,8 @@ static void demand_layer( const wisp_boundary_def* b )
     demand( b->spacing >= 0.0f && isfinite( b->spacing ) && b->hysteresis >= 0.0f && b->hysteresis <= 0.5f );
     demand( b->max_points >= 1 && b->curvature_gain >= 0.0f && isfinite( b->strain_gain ) );
     demand( b->max_spacing == 0.0f || b->min_spacing <= b->max_spacing );
-    demand( b->pixel_angle > 0.0f && b->pixels > 0.0f && isfinite( b->eye.x ) );
-    demand( b->by_screen || ( b->eye.x == 0.0f && b->eye.y == 0.0f && b->eye.z == 0.0f ) );
+    demand( b->eye_angle >= 0.0f && isfinite( b->eye.x ) );
+    demand( b->eye_angle > 0.0f || ( b->eye.x == 0.0f && b->eye.y == 0.0f && b->eye.z == 0.0f ) );
 }
 
 static void demand_dynamics( const wisp_scene_strands* strands )
@@ -145,8 +145,6 @@ static void demand_implicit( const wisp_scene* scene, const wisp_scene_surface* 
     }
     demand( d->stiffness_model >= 0 && d->stiffness_model < WISP_IMPLICIT_STIFFNESS_COUNT );
     demand( d->weights >= 0 && d->weights < WISP_IMPLICIT_WEIGHTS_COUNT );
-    demand( d->damping_form >= 0 && d->damping_form < WISP_IMPLICIT_DAMPING_COUNT );
-    demand( d->jacobian >= 0 && d->jacobian < WISP_IMPLICIT_JACOBIAN_COUNT );
     demand( d->integrator >= 0 && d->integrator < WISP_INTEGRATOR_COUNT );
     demand( d->newton_iterations >= 1 && d->newton_iterations <= 64 && d->max_newton_iterations >= 1 &&
             d->max_newton_iterations <= 64 );
@@ -202,8 +200,6 @@ static void demand_collider( const wisp_scene_collider* c )
     demand( c->name && c->def.kind >= 0 && c->def.kind < WISP_COLLIDER_COUNT );
     demand( c->def.kinetic_friction <= c->def.static_friction && c->def.kinetic_friction >= 0.0f );
     demand( c->def.radius > 0.0f && c->def.half_length >= 0.0f && c->def.half_extent.z > 0.0f );
-    demand( c->def.search >= 0 && c->def.search < WISP_MESH_SEARCH_COUNT && c->def.voxel_size >= 0.0f );
-    demand( c->def.voxel_size == 0.0f || c->def.search == WISP_MESH_SEARCH_VOXELS );
     demand_mesh( &c->mesh, c->def.kind == WISP_COLLIDER_MESH || c->def.kind == WISP_COLLIDER_CONVEX );
     demand_path( &c->path );
 }

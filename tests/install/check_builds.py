@@ -41,11 +41,15 @@ def commands(folder):
     """The relevant flags of each file of the library, by file and instruction set. The last level of optimisation counts."""
     found = {}
     for entry in json.load(open(f"{folder}/compile_commands.json", encoding="utf-8")):
-        file = os.path.relpath(os.path.join(entry["directory"], entry["file"]), source)
+        path = os.path.join(entry["directory"], entry["file"])
+        # Meson compiles a room as one file, which includes those of the room.
+        files = re.findall(r"#include ?<(.*)>", open(path, encoding="utf-8").read()) if path.endswith("-unity0.c") else [path]
         flags = entry["command"].split()
         isa = [flag.split("=")[1] for flag in flags if flag.startswith("-DWISP_KERNEL_ISA=")]
         level = ([flag for flag in flags if re.match("-O.$", flag)] or ["-O0"])[-1]
-        found[file, isa[0] if isa else ""] = [level] + sorted({flag for flag in flags if RELEVANT.match(flag)})
+        for file in files:
+            # The level of what is not hot may differ: meson has -O2 where CMake has that of the build type.
+            found[os.path.relpath(file, source), isa[0] if isa else ""] = [level if isa else ""] + sorted({flag for flag in flags if RELEVANT.match(flag)})
     return found
 
 

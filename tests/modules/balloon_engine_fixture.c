@@ -324,11 +324,6 @@ bool balloon_has_pass( wisp_world* world, const char* pass )
 static balloon_oracle_options oracle_options( const balloon_scene* s )
 {
     const wisp_balloon_def* d = &s->def;
-    static const balloon_oracle_reading READINGS[] = { BALLOON_ORACLE_PRESSURE_VIRIAL,
-                                                       BALLOON_ORACLE_PRESSURE_MULTIPLIER,
-                                                       BALLOON_ORACLE_PRESSURE_GAS, BALLOON_ORACLE_PRESSURE_ADDED };
-    static const balloon_oracle_drag DRAGS[] = { BALLOON_ORACLE_DRAG_MAX, BALLOON_ORACLE_DRAG_ABS,
-                                                 BALLOON_ORACLE_DRAG_SIGNED, BALLOON_ORACLE_DRAG_NORMAL };
     balloon_oracle_options o = balloon_oracle_default_options();
     assert_int_equal( d->solver, d->volume ); // the oracle has one switch for both
     double h = (double)s->dt / s->substeps;
@@ -336,16 +331,11 @@ static balloon_oracle_options oracle_options( const balloon_scene* s )
     o.substeps = s->substeps;
     o.iterations = s->iterations;
     o.volume = d->volume == WISP_SOLVER_PBD ? BALLOON_ORACLE_VOLUME_PBD : BALLOON_ORACLE_VOLUME_XPBD;
-    o.pressure = READINGS[d->pressure];
-    o.drag = DRAGS[d->drag_model];
-    o.outlet =
-        d->outlet_constant == WISP_BALLOON_OUTLET_START ? BALLOON_ORACLE_OUTLET_START : BALLOON_ORACLE_OUTLET_PRESENT;
-    o.keep_angular_momentum = d->keep_angular_momentum;
+    o.keep_angular_momentum = true;
     o.atmosphere = (double)d->atmospheric_pressure;
     o.temperature = (double)d->temperature;
     o.gas_molar_mass = (double)d->gas_molar_mass;
     o.air_molar_mass = (double)d->air_molar_mass;
-    o.spin = d->spin == WISP_BALLOON_SPIN_POSITION ? BALLOON_ORACLE_SPIN_PRINTED : BALLOON_ORACLE_SPIN_KICK;
     o.use_buoyancy = d->buoyancy;
     o.use_drag = d->drag_coefficient > 0.0f;
     o.gravity = double3_make( (double)s->gravity.x, (double)s->gravity.y, (double)s->gravity.z );

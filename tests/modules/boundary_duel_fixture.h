@@ -15,7 +15,6 @@ typedef struct duel_def
     double spacing; ///< m, exactly a float
     wisp_spacing policy;
     wisp_rounding rounding;
-    bool scanline;
     double hysteresis;          ///< exactly a float
     int workers;                ///< default 0: 2
     const char* isa;            ///< the widest instruction set; null: the processor's
@@ -86,7 +85,6 @@ static inline void duel_fill_args( duel* d )
         .policy = d->def.policy,
         .rounding = d->def.rounding,
         .hysteresis = (float)d->def.hysteresis,
-        .scanline = d->def.scanline,
         .limit = 4000000,
         .edge_length = duel_memory( edges, sizeof( float ) ),
         .edge_points = duel_memory( edges, sizeof( int32_t ) ),
@@ -106,7 +104,6 @@ static inline duel* duel_open( const balloon_mesh* mesh, const duel_def* def )
         .spacing = def->spacing,
         .policy = (boundary_oracle_policy)def->policy,
         .rounding = (boundary_oracle_rounding)def->rounding,
-        .normals = def->scanline ? BOUNDARY_ORACLE_SCANLINE : BOUNDARY_ORACLE_BARYCENTRIC,
         .hysteresis = def->hysteresis,
         .cap = 1e9,
         .edge_spacing = def->edge_spacing,

@@ -88,3 +88,17 @@ static inline int count_passes_named( wisp_world* world, const char* pass )
     }
     return count;
 }
+
+static inline void assert_within( double found, double expected, double tolerance )
+{
+    if ( !( fabs( found - expected ) <= tolerance ) )
+    {
+        fail_msg( "%.9g is not %.9g within %g", found, expected, tolerance );
+    }
+}
+
+static inline float distance( wisp_vec3 a, wisp_vec3 b )
+{
+    const float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+    return sqrtf( x * x + y * y + z * z );
+}

@@ -152,17 +152,3 @@ static inline void run_busy( wisp_world* world, wisp_entity ball, int from, int 
         run_for( world, 1.0f / 60.0f, 1 );
     }
 }
-
-/// True if Embree is available to build trees.
-static inline bool has_meshes( void )
-{
-    hosted* h = new_colliding( 1, 1, 1 );
-    test_mesh mesh = test_ball( 0 );
-    wisp_collider_def def = mesh_body( &mesh );
-    wisp_entity e;
-    wisp_status status = wisp_add_collider( h->world, &def, &e );
-    test_mesh_free( &mesh );
-    free_colliding( h );
-    assert_true( status == WISP_OK || status == WISP_CONFLICT );
-    return status == WISP_OK;
-}

@@ -40,7 +40,7 @@ static inline test_mesh new_mesh( const wisp_vec3* points, int point_count, cons
 typedef struct setting
 {
     wisp_collision_features features;
-    bool is_held, double_sided, follows, by_voxels;
+    bool is_held, double_sided, follows;
     const wisp_height_field* field; // that the collider is, in place of a mesh; null: it is one
     float gravity;
     int workers;
@@ -120,7 +120,6 @@ static inline sheet new_sheet( test_mesh collider, float height, setting with )
     else
     {
         def.pose = wisp_transform_make( with.rotation, s.place );
-        def.search = with.by_voxels ? WISP_MESH_SEARCH_VOXELS : WISP_MESH_SEARCH_TREE;
     }
     if ( with.field != NULL )
     {

@@ -106,7 +106,7 @@ static inline wisp_entity add_mesh( wisp_world* world, test_mesh* mesh, const in
 /// The same, every vertex pinned.
 static inline wisp_entity add_pinned( wisp_world* world, test_mesh* mesh )
 {
-    int32_t* all = checked_calloc( (size_t)mesh->vertex_count, sizeof( int32_t ) );
+    int32_t* all = checked_calloc( (uint32_t)mesh->vertex_count, sizeof( int32_t ) );
     for ( int v = 0; v < mesh->vertex_count; ++v )
     {
         all[v] = v;

@@ -82,12 +82,6 @@ static inline const wisp_vec3* points_now( wisp_world* world, wisp_entity e, int
     return view.data;
 }
 
-static inline float distance( wisp_vec3 a, wisp_vec3 b )
-{
-    const float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
-    return sqrtf( x * x + y * y + z * z );
-}
-
 /// Make a step. @return the largest displacement of a vertex in it
 static inline float step_and_measure( wisp_world* world, wisp_entity e )
 {

@@ -257,12 +257,6 @@ wisp_frozen_hair_def hair_clump_only( void )
 
 static frozen_oracle_options widen_options( const wisp_frozen_hair_def* d, int dimension, uint64_t event )
 {
-    static const frozen_oracle_gap gaps[] = {
-        [WISP_GAP_ABSOLUTE] = FROZEN_ORACLE_GAP_ABSOLUTE,
-        [WISP_GAP_SIGNED] = FROZEN_ORACLE_GAP_SIGNED,
-        [WISP_GAP_REVERSED] = FROZEN_ORACLE_GAP_REVERSED,
-        [WISP_GAP_NONE] = FROZEN_ORACLE_GAP_NONE,
-    };
     frozen_oracle_options o = frozen_oracle_default_options();
     o.theta_max = (double)d->max_bend_angle;
     o.cursor = double3_widen( d->cursor );
@@ -272,16 +266,10 @@ static frozen_oracle_options widen_options( const wisp_frozen_hair_def* d, int d
     o.clump_step = (double)( d->clump_step_length == -1.0f ? 0.1f * d->clump_radius : d->clump_step_length );
     o.min_distance = (double)( d->min_distance == -1.0f ? 0.02f * d->clump_radius : d->min_distance );
     o.lambda_min = (double)d->min_lambda;
-    o.epsilon = (double)d->epsilon;
     o.max_depth_change = (double)d->max_depth_change;
     o.dimension = dimension;
-    o.blend = d->blend_chord ? FROZEN_ORACLE_BLEND_CHORD : FROZEN_ORACLE_BLEND_ARC;
-    o.direction = d->direction_from_root ? FROZEN_ORACLE_DIRECTION_ROOT : FROZEN_ORACLE_DIRECTION_MEAN;
-    o.gap = gaps[d->gap];
-    o.gap_reference = d->gap_by_iteration ? FROZEN_ORACLE_GAP_REFERENCE_ITERATION : FROZEN_ORACLE_GAP_REFERENCE_STAGE;
+    o.gap = d->gap == WISP_GAP_NONE ? FROZEN_ORACLE_GAP_NONE : FROZEN_ORACLE_GAP_ABSOLUTE;
     o.reach = d->reach_nearest ? FROZEN_ORACLE_REACH_NEAREST : FROZEN_ORACLE_REACH_TIP;
-    o.base = d->base == WISP_FROZEN_BASE_PREVIOUS ? FROZEN_ORACLE_BASE_PREVIOUS : FROZEN_ORACLE_BASE_REST;
-    o.min_distance_clamp = d->min_distance_clamp;
     o.deform = d->freeze;
     o.align = d->align;
     o.clump = d->clump && d->clump_iterations > 0;

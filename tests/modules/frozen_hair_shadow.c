@@ -19,7 +19,7 @@ static wisp_vec3* run_partly( const partial_run* run, const wisp_frozen_hair_def
         hair_set( world, entity, run->whole );
         hair_step( world );
     }
-    // without a stage there is no command, and the shape is that of the earlier ones; base = rest starts from rest
+    // without a stage there is no command, and the shape is that of the earlier ones; a command starts from rest
     hair_set( world, entity, part );
     hair_step( world );
     wisp_vec3* points = hair_points( world, entity, run->groom->vertex_count );
@@ -46,24 +46,10 @@ static void hold( hair_shadow* shadow, const char* stage, int iteration, const d
     }
 }
 
-// The input shape of the stages.
-static wisp_vec3* find_base( const partial_run* run )
+static wisp_vec3* copy_rest( const hair_groom* groom )
 {
-    if ( run->whole->base == WISP_FROZEN_BASE_PREVIOUS && run->commands > 0 )
-    {
-        wisp_world* world = hair_world_create( run->host );
-        wisp_entity entity = hair_add( world, run->groom );
-        for ( int i = 0; i < run->commands; ++i )
-        {
-            hair_set( world, entity, run->whole );
-            hair_step( world );
-        }
-        wisp_vec3* points = hair_points( world, entity, run->groom->vertex_count );
-        wisp_world_destroy( world );
-        return points;
-    }
-    wisp_vec3* points = checked_calloc( (size_t)run->groom->vertex_count + 1, sizeof( wisp_vec3 ) );
-    memcpy( points, run->groom->points, (size_t)run->groom->vertex_count * sizeof( wisp_vec3 ) );
+    wisp_vec3* points = checked_calloc( (size_t)groom->vertex_count + 1, sizeof( wisp_vec3 ) );
+    memcpy( points, groom->points, (size_t)groom->vertex_count * sizeof( wisp_vec3 ) );
     return points;
 }
 
@@ -119,10 +105,9 @@ hair_shadow hair_follow( const hair_host* host, const hair_groom* groom, const w
     const int count = groom->vertex_count;
     hair_shadow shadow = { 0 };
     hair_oracle oracle = hair_oracle_create( groom, def, (uint64_t)commands );
-    wisp_vec3* current = find_base( &run );
+    wisp_vec3* current = copy_rest( groom );
     double3 *base = hair_widen_all( current, count ), *out = hair_new_points( count );
     double* bound = checked_calloc( (size_t)count + 1, sizeof( double ) );
-    oracle.hair.previous = base;
 
     wisp_frozen_hair_def part = *def;
     part.align = part.clump = false;

@@ -21,7 +21,7 @@ typedef struct hair_shadow
 
 /// Fails with the vertex if the engine differs from the oracle by more than the tolerance.
 /// @param host may be null
-/// @param commands earlier commands with the same parameters: the event number, and the start of base = previous
+/// @param commands earlier commands with the same parameters: the event number
 hair_shadow hair_follow( const hair_host* host, const hair_groom* groom, const wisp_frozen_hair_def* def,
                          int commands );
 

@@ -26,7 +26,7 @@ static double length_error( const frozen_oracle_segment* g, double alpha )
 }
 
 // The direction: tangent 6 u; sine and cosine 2 u each; products and sums 8 u; the angle theta_max alpha xi within 8
-// u of its largest value; the axis enters with the sine of the angle. The printed epsilon adds 4 u.
+// u of its largest value; the axis enters with the sine of the angle.
 static double direction_error( const frozen_oracle_segment* g, double max_angle, double sine, int vertex )
 {
     return 24.0 * u + 8.0 * u * max_angle + axis_error( sine, vertex ) * fabs( sin( g->angle ) );
@@ -87,15 +87,14 @@ typedef struct turn_error
 // The cross and the inner product of unit vectors round by 6 u, the arc tangent is within 3e-7 = 5 u. The axis is the
 // cross product's direction. The engine takes v and u for parallel where the sine is below 1e-6, the oracle below
 // 1e-12.
-static turn_error find_turn_error( const frozen_oracle_options* o, const double3* p, int count, double3 v, double3 t )
+static turn_error find_turn_error( const double3* p, int count, double3 v, double3 t )
 {
     double coordinate = 0.0;
     for ( int i = 0; i < count; ++i )
     {
         coordinate = fmax( coordinate, double3_length( p[i] ) );
     }
-    bool mean = o->direction == FROZEN_ORACLE_DIRECTION_MEAN;
-    double v_error = ( mean ? u * coordinate * ( count / 2.0 + 4.0 ) : 0.0 ) / double3_length( v ) + u;
+    double v_error = u * coordinate * ( count / 2.0 + 4.0 ) / double3_length( v ) + u;
     double direction = v_error + u;
     double phi = double3_angle( v, t ), sine = sin( phi ), seen = direction + 6.0 * u;
     turn_error e = { .angle = direction + 12.0 * u, .phi = phi };
@@ -116,13 +115,11 @@ static turn_error find_turn_error( const frozen_oracle_options* o, const double3
 
 // R - 1 = sin a x + (1 - cos)(a a - 1) changes with its axis by at most the sum of its coefficients; products, sums,
 // sine and cosine, and the rounding of w phi make the 34 u.
-static double blend_error( const frozen_oracle_options* o, turn_error e, double arm, double weight )
+static double blend_error( turn_error e, double arm, double weight )
 {
-    bool chord = o->blend == FROZEN_ORACLE_BLEND_CHORD;
-    double angle = chord ? e.phi : weight * e.phi, part = chord ? weight : 1.0;
-    double turned =
-        ( chord ? e.angle : weight * e.angle ) + ( fabs( sin( angle ) ) + 2.0 - 2.0 * cos( angle ) ) * e.axis;
-    return arm * ( part * turned + 40.0 * u );
+    double angle = weight * e.phi;
+    double turned = weight * e.angle + ( fabs( sin( angle ) ) + 2.0 - 2.0 * cos( angle ) ) * e.axis;
+    return arm * ( turned + 40.0 * u );
 }
 
 void hair_bound_align( const hair_oracle* oracle, const double3* in, double* bound )
@@ -147,11 +144,11 @@ void hair_bound_align( const hair_oracle* oracle, const double3* in, double* bou
         {
             continue;
         }
-        turn_error e = find_turn_error( o, p, count, v, t );
+        turn_error e = find_turn_error( p, count, v, t );
         for ( int i = 1; i < count; ++i )
         {
             double arm = double3_distance( p[i], p[0] ), w = frozen_oracle_weight( i, count, hair->intensity[s] );
-            bound[hair->offsets[s] + i] = blend_error( o, e, arm, w ) + u * ( double3_length( p[0] ) + arm );
+            bound[hair->offsets[s] + i] = blend_error( e, arm, w ) + u * ( double3_length( p[0] ) + arm );
         }
     }
 }
@@ -199,7 +196,7 @@ static double guarded_error( const clump_errors* c, frozen_oracle_adhesion a, do
 {
     const frozen_oracle_options* o = &c->oracle->options;
     double length = o->clump_step * double3_length( a.force ), room = ( a.nearest - o->min_distance ) / 2.0;
-    if ( o->min_distance_clamp == false || isinf( a.nearest ) )
+    if ( isinf( a.nearest ) )
     {
         return error + 6.0 * u * length;
     }
@@ -238,20 +235,18 @@ static void find_steps( clump_errors* c )
 static double delta_error( const clump_errors* c, int v )
 {
     const frozen_oracle_options* o = &c->oracle->options;
-    const bool stage = o->gap_reference == FROZEN_ORACLE_GAP_REFERENCE_STAGE;
-    const double3* shape = stage ? c->reference : c->in;
     const double h = o->clump_radius;
     double most = 0.0, weights = 0.0, weight_errors = 0.0, count = 0.0;
     for ( int q = 0; q < c->oracle->vertex_count; ++q )
     {
-        double r0 = double3_distance( shape[v], shape[q] ), off = stage ? 0.0 : c->in_bound[v] + c->in_bound[q];
-        if ( c->strand[q] == c->strand[v] || r0 >= h * ( 1.0 + 8.0 * u ) + off || ( r0 == 0.0 && off == 0.0 ) )
+        double r0 = double3_distance( c->reference[v], c->reference[q] );
+        if ( c->strand[q] == c->strand[v] || r0 >= h * ( 1.0 + 8.0 * u ) || r0 == 0.0 )
         {
             continue;
         }
         double r1 = double3_distance( c->tentative[v], c->tentative[q] );
-        double ends = c->tentative_error[v] + c->tentative_error[q] + off + 4.0 * u * ( r0 + r1 );
-        double root = fmax( 0.0, 1.0 - r0 / h ), max_root = root + 8.0 * u + off / h;
+        double ends = c->tentative_error[v] + c->tentative_error[q] + 4.0 * u * ( r0 + r1 );
+        double root = fmax( 0.0, 1.0 - r0 / h ), max_root = root + 8.0 * u;
         most = fmax( most, ends / h + 3.0 * u );
         weights += root * root;
         weight_errors += max_root * max_root - root * root + 6.0 * u * root * root;
@@ -302,9 +297,7 @@ void hair_bound_clump( const hair_oracle* oracle, int iteration, const double3* 
             continue;
         }
         // lambda = (1 - delta) zeta + delta floor: zeta within u, four operations on numbers up to 1
-        double change = frozen_oracle_vertex_delta(
-            &oracle->hair, o, o->gap_reference == FROZEN_ORACLE_GAP_REFERENCE_STAGE ? reference : in, c.tentative, s,
-            i, NULL );
+        double change = frozen_oracle_vertex_delta( &oracle->hair, o, reference, c.tentative, s, i, NULL );
         double zeta = frozen_oracle_zeta( o, s, i, iteration );
         double lambda = frozen_oracle_lambda( o->gap, change, zeta, o->lambda_min );
         double lambda_error = delta_error( &c, v ) + 6.0 * u;

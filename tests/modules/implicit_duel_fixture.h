@@ -18,14 +18,12 @@ typedef struct duel
     const char* name;
     wisp_implicit_weights weights;
     wisp_implicit_stiffness stiffness;
-    wisp_implicit_damping damping_form;
-    wisp_implicit_jacobian jacobian;
     wisp_integrator integrator;
-    int repeats;                              // 0: one
-    float damping;                            // N s/m; 0: the default
-    bool cold, by_hand, carried, loose, near; // warm start off; pairs; a pin that moves; no pins; no look-ahead
-    float recovery;                           // m/s, of bodies
-    float dt;                                 // s
+    int repeats;                  // 0: one
+    float damping;                // N s/m; 0: the default
+    bool by_hand, carried, loose; // pairs; a pin that moves; no pins
+    float recovery;               // m/s, of bodies
+    float dt;                     // s
 } duel;
 
 typedef struct match
@@ -74,14 +72,10 @@ static inline wisp_implicit_cloth_def duel_def( match* m )
     wisp_implicit_cloth_def def = exact_def();
     def.weights = r->weights;
     def.stiffness_model = r->stiffness;
-    def.damping_form = r->damping_form;
-    def.jacobian = r->jacobian;
     def.integrator = r->integrator;
     def.newton_iterations = r->repeats > 0 ? r->repeats : 1;
     def.max_newton_iterations = 1; // the oracle makes no substep again
     def.link_damping = r->damping > 0.0f ? r->damping : def.link_damping;
-    def.warm_start = r->cold == false;
-    def.speculative = r->near == false;
     if ( r->by_hand )
     {
         list_pairs( m );
@@ -96,8 +90,6 @@ static inline void match_params( const wisp_implicit_cloth_def* def, triangle_or
     *p = triangle_oracle_default_params();
     p->weights = (triangle_oracle_weights)def->weights;
     p->stiffness = (triangle_oracle_stiffness)def->stiffness_model;
-    p->damping_form = (triangle_oracle_damping)def->damping_form;
-    p->jacobian = (triangle_oracle_jacobian)def->jacobian;
     p->integrator = (triangle_oracle_integrator)def->integrator;
     p->stretch_stiffness = (double)def->stretch_stiffness;
     p->bend_stiffness = (double)def->bend_stiffness;
@@ -106,8 +98,6 @@ static inline void match_params( const wisp_implicit_cloth_def* def, triangle_or
     p->gravity = double3_make( 0.0, (double)EARTH.y, 0.0 );
     p->newton_iterations = def->newton_iterations;
     p->max_iterations = 1000;
-    p->warm_start = def->warm_start;
-    p->speculative = def->speculative;
 }
 
 // The oracle starts from the engine's floats and masses.

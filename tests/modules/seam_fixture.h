@@ -66,7 +66,7 @@ static inline int compare_pairs( const void* left, const void* right )
     return first != 0 ? first : second != 0 ? second : a->row - b->row;
 }
 
-static inline sewn_pair read_pair( wisp_world* world, const seams_state* state, const seam* s, int row )
+static inline sewn_pair read_pair( wisp_world* world, const seams_state* state, const seam_topology* s, int row )
 {
     const wisp_entity surfaces[2] = { s->a, s->b };
     const seam_settings* settings = wisp_world_column( world, s->entity, state->settings, 0 );

@@ -182,3 +182,14 @@ static inline wisp_transform head_at( float angle, wisp_vec3 axis, wisp_vec3 pla
     const float s = sinf( 0.5f * angle );
     return wisp_transform_make( ( wisp_quat ){ s * axis.x, s * axis.y, s * axis.z, cosf( 0.5f * angle ) }, place );
 }
+
+/// A measured value agrees with a closed form to this fraction of it.
+static inline void assert_fraction( double measured, double reference, double tolerance, const char* what )
+{
+    // written so that a NaN fails
+    if ( !( fabs( measured / reference - 1.0 ) <= tolerance ) )
+    {
+        fail_msg( "%s: %.9g measured, %.9g by the closed form: %.4f %% off, tolerated %.4f %%", what, measured,
+                  reference, 100.0 * ( measured / reference - 1.0 ), 100.0 * tolerance );
+    }
+}

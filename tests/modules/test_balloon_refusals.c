@@ -26,15 +26,11 @@
     X( "temperature: got -1,", d->temperature = -1.0f )                                                              \
     X( "gas_molar_mass: got 0,", d->gas_molar_mass = 0.0f )                                                          \
     X( "air_molar_mass: got 11,", d->air_molar_mass = 11.0f )                                                        \
-    X( "pressure: got 4,", d->pressure = WISP_BALLOON_PRESSURE_COUNT )                                               \
     X( "drag_coefficient: got -0.5,", d->drag_coefficient = -0.5f )                                                  \
     X( "drag_coefficient: got", d->drag_coefficient = NAN )                                                          \
-    X( "drag_model: got 4,", d->drag_model = WISP_BALLOON_DRAG_COUNT )                                               \
     X( "outlet_count: got -1,", d->outlet_count = -1 )                                                               \
     X( "outlet_count: got 65,", d->outlet_count = WISP_BALLOON_MAX_OUTLET + 1 )                                      \
     X( "outlet_area: got 0,", d->outlet_area = 0.0f )                                                                \
-    X( "outlet_constant: got 2,", d->outlet_constant = WISP_BALLOON_OUTLET_COUNT )                                   \
-    X( "spin: got 3,", d->spin = WISP_BALLOON_SPIN_COUNT )                                                           \
     X( "outlet 0: got vertex 42,", ( d->outlet_count = 1, d->outlet[0] = 42 ) )                                      \
     X( "outlet 1: got vertex -1,", ( d->outlet_count = 2, d->outlet[1] = -1 ) )
 

@@ -4,23 +4,14 @@
 
 // ---- switches ----
 
-TEST( every_combination_of_switches_flies_for_half_a_second )
+TEST( both_solvers_of_skin_and_volume_fly_for_half_a_second )
 {
     balloon_mesh mesh = balloon_pear( 1 );
-    int count = 0;
-    for ( int n = 0; n < 2 * 2 * WISP_BALLOON_PRESSURE_COUNT * WISP_BALLOON_DRAG_COUNT * WISP_BALLOON_SPIN_COUNT;
-          ++n )
+    for ( int n = 0; n < 4; ++n )
     {
         balloon_scene scene = balloon_scene_in_air( &mesh );
-        int rest = n;
-        scene.def.solver = (wisp_solver)( rest % 2 );
-        scene.def.volume = (wisp_solver)( ( rest /= 2 ) % 2 );
-        scene.def.pressure = (wisp_balloon_pressure)( ( rest /= 2 ) % WISP_BALLOON_PRESSURE_COUNT );
-        scene.def.drag_model =
-            (wisp_balloon_drag)( ( rest /= WISP_BALLOON_PRESSURE_COUNT ) % WISP_BALLOON_DRAG_COUNT );
-        scene.def.spin = (wisp_balloon_spin)( rest / WISP_BALLOON_DRAG_COUNT );
-        scene.def.keep_angular_momentum = n % 5 < 3;
-        scene.def.outlet_constant = (wisp_balloon_outlet_constant)( n % 7 % WISP_BALLOON_OUTLET_COUNT );
+        scene.def.solver = (wisp_solver)( n % 2 );
+        scene.def.volume = (wisp_solver)( n / 2 );
         scene.def.gas_ratio = 1.2f;
         scene.damping = 1.0f;
         balloon_scene_give_outlet( &scene, 7, true );
@@ -32,9 +23,7 @@ TEST( every_combination_of_switches_flies_for_half_a_second )
         assert_true( f.volume > 0.5 * f.rest_volume && f.volume < 2.0 * f.rest_volume );
         assert_true( double3_length( balloon_from( f.centre ) ) < 100.0 );
         balloon_end( &flight );
-        count += 1;
     }
-    assert_int_equal( count, 192 );
     balloon_mesh_destroy( &mesh );
 }
 
@@ -42,29 +31,25 @@ TEST( every_combination_of_switches_flies_for_half_a_second )
 typedef struct pass_row
 {
     const char* pass;
-    const char* scenes; // of "bare air outlet printed nospin rate pbd", one letter each: b a o p n r d
+    const char* scenes; // of "bare air outlet rate pbd", one letter each: b a o r d
 } pass_row;
 
 static const pass_row PASSES[] = {
-    { "balloon.volume", "baopnrd" }, { "balloon.measure", "aopn" }, { "balloon.body", "aopn" },
-    { "balloon.inflate", "r" },      { "balloon.pressure", "opn" }, { "balloon.outlet", "opn" },
-    { "balloon.jet", "opn" },        { "balloon.spin", "o" },       { "balloon.turn", "p" },
-    { "balloon.drag", "a" },         { "balloon.buoyancy", "a" },   { "balloon.stats", "" },
-    { "balloon.angular", "baopnr" }, { "links.xpbd", "baopnr" },    { "links.pbd", "d" },
-    { "particles.gravity", "a" },
+    { "balloon.volume", "baord" }, { "balloon.measure", "ao" }, { "balloon.body", "ao" },
+    { "balloon.inflate", "r" },    { "balloon.pressure", "o" }, { "balloon.outlet", "o" },
+    { "balloon.jet", "o" },        { "balloon.spin", "o" },     { "balloon.drag", "a" },
+    { "balloon.buoyancy", "a" },   { "balloon.stats", "" },     { "balloon.angular", "baord" },
+    { "links.xpbd", "baor" },      { "links.pbd", "d" },        { "particles.gravity", "a" },
 };
 
 static balloon_scene lettered_scene( const balloon_mesh* mesh, char letter )
 {
     balloon_scene scene = letter == 'a' ? balloon_scene_in_air( mesh ) : balloon_scene_of( mesh );
-    if ( letter == 'o' || letter == 'p' || letter == 'n' )
+    if ( letter == 'o' )
     {
         balloon_scene_give_outlet( &scene, 3, true );
-        scene.def.spin = letter == 'p' ? WISP_BALLOON_SPIN_POSITION
-                                       : ( letter == 'n' ? WISP_BALLOON_SPIN_NONE : WISP_BALLOON_SPIN_VELOCITY );
     }
     scene.def.inflation_rate = letter == 'r' ? 1e-3f : 0.0f;
-    scene.def.keep_angular_momentum = letter != 'd';
     scene.def.solver = letter == 'd' ? WISP_SOLVER_PBD : WISP_SOLVER_XPBD;
     return scene;
 }
@@ -72,7 +57,7 @@ static balloon_scene lettered_scene( const balloon_mesh* mesh, char letter )
 TEST( a_pass_exists_only_where_something_asks_for_it )
 {
     balloon_mesh mesh = balloon_pear( 1 );
-    for ( const char* letter = "baopnrd"; *letter != 0; ++letter )
+    for ( const char* letter = "baord"; *letter != 0; ++letter )
     {
         balloon_scene scene = lettered_scene( &mesh, *letter );
         wisp_world* world = balloon_world_create( &scene );
@@ -133,11 +118,10 @@ TEST( a_collapsed_balloon_stays_finite_and_its_outlet_silent )
 {
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     const int32_t pin = 7;
-    for ( int n = 0; n < 2 * WISP_BALLOON_PRESSURE_COUNT; ++n )
+    for ( int n = 0; n < 2; ++n )
     {
         balloon_scene scene = balloon_scene_in_air( &mesh );
-        scene.def.solver = scene.def.volume = n % 2 == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
-        scene.def.pressure = (wisp_balloon_pressure)( n / 2 );
+        scene.def.solver = scene.def.volume = n == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
         scene.pins = &pin;
         scene.pin_count = 1;
         balloon_scene_give_outlet( &scene, 3, true );
@@ -192,19 +176,15 @@ TEST( edges_without_length_and_triangles_without_area_do_no_harm )
 {
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     mesh.positions[mesh.triangles[1]] = mesh.positions[mesh.triangles[0]];
-    for ( int drag = 0; drag < WISP_BALLOON_DRAG_COUNT; ++drag )
-    {
-        balloon_scene scene = balloon_scene_in_air( &mesh );
-        scene.def.drag_model = (wisp_balloon_drag)drag;
-        scene.def.gas_ratio = 1.2f;
-        balloon_scene_give_outlet( &scene, mesh.triangles[1], true );
-        balloon_flight flight = balloon_start( &scene );
-        balloon_steps( &flight, 1 );
-        assert_true( balloon_read( &flight ).rest_volume > 0.01 );
-        balloon_steps( &flight, 30 );
-        assert_true( balloon_is_finite( &flight ) );
-        balloon_end( &flight );
-    }
+    balloon_scene scene = balloon_scene_in_air( &mesh );
+    scene.def.gas_ratio = 1.2f;
+    balloon_scene_give_outlet( &scene, mesh.triangles[1], true );
+    balloon_flight flight = balloon_start( &scene );
+    balloon_steps( &flight, 1 );
+    assert_true( balloon_read( &flight ).rest_volume > 0.01 );
+    balloon_steps( &flight, 30 );
+    assert_true( balloon_is_finite( &flight ) );
+    balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
 }
 
@@ -284,48 +264,43 @@ TEST( balloons_in_one_world_fly_as_if_they_were_alone )
 TEST( a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number )
 {
     balloon_mesh mesh = balloon_pear( 2 );
-    for ( int spin = 0; spin < WISP_BALLOON_SPIN_COUNT; ++spin )
+    for ( int n = 0; n < 2; ++n )
     {
-        for ( int reading = 0; reading < WISP_BALLOON_PRESSURE_COUNT; ++reading )
+        balloon_scene scene = balloon_scene_in_air( &mesh );
+        scene.def.gas_ratio = 1.2f;
+        balloon_scene_give_outlet( &scene, 5, true );
+        balloon_flight bad, alone;
+        bad = balloon_start( &scene );
+        const balloon_flight good = { bad.world, balloon_add( bad.world, &scene ), &scene };
+        balloon_steps( &bad, 3 );
+        uint64_t before = balloon_hash( &bad );
+        balloon_velocities( &bad )[4] = n == 0 ? NAN : INFINITY;
+        balloon_steps( &bad, 2 );
+        assert_true( wisp_is_halted( bad.world, bad.entity ) );
+        assert_false( wisp_is_halted( bad.world, good.entity ) );
+        assert_true( balloon_hash( &bad ) == before );
+
+        alone = balloon_start( &scene );
+        balloon_steps( &alone, 5 );
+        assert_true( balloon_hash( &alone ) == balloon_hash( &good ) );
+        balloon_end( &alone );
+
+        // and once it is released, it continues
+        assert_int_equal( wisp_resume( bad.world, bad.entity ), WISP_OK );
+        balloon_steps( &bad, 5 );
+        assert_true( balloon_is_finite( &bad ) && balloon_hash( &bad ) != before );
+        wisp_balloon_stats f = balloon_read( &bad ), g = balloon_read( &good );
+        // no gas has left while its state was NaN, nor while it was halted
+        assert_true( f.gas_lost <= g.gas_lost );
+        const double numbers[] = {
+            f.target_volume,       f.volume,    f.pressure, f.gas_lost, f.orientation[0], f.orientation[3],
+            f.angular_velocity[0], f.centre[0], f.jet[0]
+        };
+        for ( int i = 0; i < WISP_COUNT( numbers ); ++i )
         {
-            balloon_scene scene = balloon_scene_in_air( &mesh );
-            scene.def.gas_ratio = 1.2f;
-            scene.def.spin = (wisp_balloon_spin)spin;
-            scene.def.pressure = (wisp_balloon_pressure)reading;
-            balloon_scene_give_outlet( &scene, 5, true );
-            balloon_flight bad, alone;
-            bad = balloon_start( &scene );
-            const balloon_flight good = { bad.world, balloon_add( bad.world, &scene ), &scene };
-            balloon_steps( &bad, 3 );
-            uint64_t before = balloon_hash( &bad );
-            balloon_velocities( &bad )[4] = spin == 0 ? NAN : INFINITY;
-            balloon_steps( &bad, 2 );
-            assert_true( wisp_is_halted( bad.world, bad.entity ) );
-            assert_false( wisp_is_halted( bad.world, good.entity ) );
-            assert_true( balloon_hash( &bad ) == before );
-
-            alone = balloon_start( &scene );
-            balloon_steps( &alone, 5 );
-            assert_true( balloon_hash( &alone ) == balloon_hash( &good ) );
-            balloon_end( &alone );
-
-            // and once it is released, it continues
-            assert_int_equal( wisp_resume( bad.world, bad.entity ), WISP_OK );
-            balloon_steps( &bad, 5 );
-            assert_true( balloon_is_finite( &bad ) && balloon_hash( &bad ) != before );
-            wisp_balloon_stats f = balloon_read( &bad ), g = balloon_read( &good );
-            // no gas has left while its state was NaN, nor while it was halted
-            assert_true( f.gas_lost <= g.gas_lost );
-            const double numbers[] = {
-                f.target_volume,       f.volume,    f.pressure, f.gas_lost, f.orientation[0], f.orientation[3],
-                f.angular_velocity[0], f.centre[0], f.jet[0]
-            };
-            for ( int n = 0; n < WISP_COUNT( numbers ); ++n )
-            {
-                assert_true( isfinite( numbers[n] ) );
-            }
-            balloon_end( &bad );
+            assert_true( isfinite( numbers[i] ) );
         }
+        balloon_end( &bad );
     }
     balloon_mesh_destroy( &mesh );
 }

@@ -25,13 +25,8 @@ static double place_tolerance( const duel* d )
     return 0.5 * 8.0 * (double)FLT_EPSILON * most * sqrt( 3.0 );
 }
 
-static double length_of_sum( double3 a, double3 b, double fraction )
-{
-    return double3_length( double3_add( double3_scale( 1.0 - fraction, a ), double3_scale( fraction, b ) ) );
-}
-
 // The same for the sum of normals, whose own three are rounded too, and three more for the normalisation; all of that
-// over the length of the sum, and with lines over that of its ends, because a short sum is mostly rounding.
+// over the length of the sum, because a short sum is mostly rounding.
 static double normal_tolerance( const duel* d, const boundary_oracle_point* p )
 {
     const double3* n = d->oracle.vertex_normal;
@@ -40,15 +35,7 @@ static double normal_tolerance( const duel* d, const boundary_oracle_point* p )
     {
         sum = double3_add( sum, double3_scale( p->weight[k], n[p->parent[k]] ) );
     }
-    double length = double3_length( sum );
-    if ( d->def.scanline && p->element >= d->oracle.edge_count )
-    {
-        const int a = d->oracle.memory[p->element].axis, b = ( a + 1 ) % 3, c = ( a + 2 ) % 3;
-        const double q = p->weight[c], left = length_of_sum( n[p->parent[a]], n[p->parent[c]], q );
-        const double right = length_of_sum( n[p->parent[b]], n[p->parent[c]], q );
-        length *= fmin( 1.0, fmin( left, right ) );
-    }
-    return 0.5 * 14.0 * (double)FLT_EPSILON * sqrt( 3.0 ) / fmax( length, 1e-30 );
+    return 0.5 * 14.0 * (double)FLT_EPSILON * sqrt( 3.0 ) / fmax( double3_length( sum ), 1e-30 );
 }
 
 // ---- comparison ----
@@ -261,12 +248,11 @@ TEST( every_point_of_every_mesh_is_where_the_oracle_has_it )
     for ( int n = 0; n < WISP_COUNT( MESHES ); ++n )
     {
         balloon_mesh mesh = MESHES[n].make();
-        for ( int c = 0; c < 12; ++c )
+        for ( int c = 0; c < 6; ++c )
         {
             const duel_def def = { .spacing = spacing_of( MESHES + n, &mesh ),
                                    .policy = (wisp_spacing)( c % 2 ),
-                                   .rounding = (wisp_rounding)( c / 2 % 3 ),
-                                   .scanline = c >= 6 };
+                                   .rounding = (wisp_rounding)( c / 2 % 3 ) };
             duel* d = duel_open( &mesh, &def );
             duel_update( d, mesh.positions );
             assert_true( d->oracle.edge_point_count > 100 && inner_points( &d->oracle ) > 100 );
@@ -312,7 +298,6 @@ TEST( points_follow_a_pulsation_as_those_of_the_oracle )
             const duel_def def = { .spacing = spacing_of( MESHES + n, &mesh ),
                                    .policy = (wisp_spacing)( c % 2 ),
                                    .rounding = (wisp_rounding)( c % 3 ),
-                                   .scanline = c == 2 || c == 5,
                                    .hysteresis = c >= 3 ? 0.125 : 0.0 };
             duel* d = duel_open( &mesh, &def );
             int changed = 0;
@@ -392,19 +377,15 @@ TEST( what_followed_in_place_has_the_bits_of_what_is_resampled )
 {
     balloon_mesh mesh = reference_sphere();
     double3 x[872];
-    for ( int c = 0; c < 12; ++c )
+    for ( int c = 0; c < 6; ++c )
     {
         const duel_def def = { .spacing = 0.0703125,
                                .policy = (wisp_spacing)( c % 2 ),
                                .rounding = (wisp_rounding)( c / 2 % 3 ),
-                               .scanline = c >= 6,
                                .workers = 1 + c % 3 };
-        const duel_def other = { .spacing = def.spacing,
-                                 .policy = def.policy,
-                                 .rounding = def.rounding,
-                                 .scanline = def.scanline,
-                                 .workers = 8,
-                                 .isa = "baseline" };
+        const duel_def other = {
+            .spacing = def.spacing, .policy = def.policy, .rounding = def.rounding, .workers = 8, .isa = "baseline"
+        };
         duel* followed = duel_open( &mesh, &def );
         for ( int frame = 0; frame < 8; ++frame )
         {

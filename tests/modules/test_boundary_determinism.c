@@ -12,19 +12,18 @@ typedef struct golden_case
     float spacing;
     wisp_spacing policy;
     wisp_rounding rounding;
-    bool scanline;
     float hysteresis, curvature_gain, strain_gain;
-    bool by_screen;
+    bool by_distance;
 } golden_case;
 
 static const golden_case CASES[] = {
-    { "even", 3, 0.04f, WISP_SPACING_EVEN, WISP_ROUND_DOWN, false, 0.0f, 0.0f, 0.0f, false },
-    { "even-up-fine", 4, 0.02f, WISP_SPACING_EVEN, WISP_ROUND_UP, false, 0.0f, 0.0f, 0.0f, false },
-    { "even-nearest-scanline", 3, 0.04f, WISP_SPACING_EVEN, WISP_ROUND_NEAREST, true, 0.0f, 0.0f, 0.0f, false },
-    { "exact", 3, 0.04f, WISP_SPACING_EXACT, WISP_ROUND_DOWN, false, 0.0f, 0.0f, 0.0f, false },
-    { "exact-scanline-steady", 4, 0.03f, WISP_SPACING_EXACT, WISP_ROUND_DOWN, true, 0.3f, 0.0f, 0.0f, false },
-    { "local", 3, 0.05f, WISP_SPACING_EVEN, WISP_ROUND_DOWN, false, 0.1f, 2.0f, 3.0f, true },
-    { "local-coarser", 3, 0.03f, WISP_SPACING_EVEN, WISP_ROUND_DOWN, false, 0.0f, 0.0f, -5.0f, false },
+    { "even", 3, 0.04f, WISP_SPACING_EVEN, WISP_ROUND_DOWN, 0.0f, 0.0f, 0.0f, false },
+    { "even-up-fine", 4, 0.02f, WISP_SPACING_EVEN, WISP_ROUND_UP, 0.0f, 0.0f, 0.0f, false },
+    { "even-nearest", 3, 0.04f, WISP_SPACING_EVEN, WISP_ROUND_NEAREST, 0.0f, 0.0f, 0.0f, false },
+    { "exact", 3, 0.04f, WISP_SPACING_EXACT, WISP_ROUND_DOWN, 0.0f, 0.0f, 0.0f, false },
+    { "exact-steady", 4, 0.03f, WISP_SPACING_EXACT, WISP_ROUND_DOWN, 0.3f, 0.0f, 0.0f, false },
+    { "local", 3, 0.05f, WISP_SPACING_EVEN, WISP_ROUND_DOWN, 0.1f, 2.0f, 3.0f, true },
+    { "local-coarser", 3, 0.03f, WISP_SPACING_EVEN, WISP_ROUND_DOWN, 0.0f, 0.0f, -5.0f, false },
 };
 
 static uint64_t hash_case( const golden_case* c, int workers, const char* isa )
@@ -33,13 +32,11 @@ static uint64_t hash_case( const golden_case* c, int workers, const char* isa )
     wisp_boundary_def def = ball_layer( c->spacing );
     def.policy = c->policy;
     def.rounding = c->rounding;
-    def.scanline_normals = c->scanline;
     def.hysteresis = c->hysteresis;
     def.curvature_gain = c->curvature_gain;
     def.strain_gain = c->strain_gain;
-    def.by_screen = c->by_screen;
     def.eye = ( wisp_vec3 ){ 2.0f, 1.0f, 4.0f };
-    def.pixel_angle = 4e-3f;
+    def.eye_angle = c->by_distance ? 4.0f * 4e-3f : 0.0f;
     set_layer( b, b->ball, &def );
     uint64_t hash = 0;
     for ( int i = 0; i < 8; ++i )

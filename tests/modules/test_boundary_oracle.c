@@ -123,7 +123,7 @@ TEST( the_angle_to_a_sphere_falls_with_the_size_of_its_triangles )
     assert_true( largest_angle_to_a_sphere( 3 ) < 0.75 * largest_angle_to_a_sphere( 2 ) );
 }
 
-TEST( curvature_strain_and_screen_have_their_closed_forms )
+TEST( curvature_strain_and_distance_have_their_closed_forms )
 {
     const double3 x = { 1, 0, 0 }, y = { 0, 1, 0 };
     assert_close( boundary_oracle_spacing_by_curvature( 0.1, 2.0, x, y ), 0.1 / ( 1.0 + acos( -1.0 ) ), 1e-15 );
@@ -132,7 +132,7 @@ TEST( curvature_strain_and_screen_have_their_closed_forms )
     assert_close( boundary_oracle_spacing_by_strain( 0.1, 4.0, 0.75, 1.0 ), 0.05, 1e-15 );
     assert_close( boundary_oracle_spacing_by_strain( 0.1, -4.0, 1.25, 1.0 ), 0.2, 1e-15 );
     assert_true( boundary_oracle_spacing_by_strain( 0.1, 4.0, 1.0, 0.0 ) == 0.1 );
-    assert_close( boundary_oracle_spacing_by_screen( zero, double3_make( 0, 0, 50 ), 0.001, 4.0 ), 0.2, 1e-15 );
+    assert_close( boundary_oracle_spacing_by_distance( zero, double3_make( 0, 0, 50 ), 0.004 ), 0.2, 1e-15 );
 }
 
 typedef struct touching

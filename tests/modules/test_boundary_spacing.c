@@ -17,20 +17,21 @@ typedef struct spacing_case
 {
     const char* name;
     float curvature_gain, strain_gain;
-    float pixels; // 0: not by distance on the screen
+    float eye_angle; // rad, 0: not by distance
     float min_spacing, max_spacing;
 } spacing_case;
 
 // The ball hangs by two vertices and sags, so strains are up to a third and curvature differs from place to
 // place. Limits of the first four are out of reach.
 static const spacing_case CASES[] = {
-    { "curvature", 10.0f, 0.0f, 0.0f, 1e-3f, 10.0f },          { "finer by strain", 0.0f, 40.0f, 0.0f, 1e-3f, 10.0f },
-    { "coarser by strain", 0.0f, -40.0f, 0.0f, 1e-3f, 10.0f }, { "screen", 0.0f, 0.0f, 2.5f, 1e-3f, 10.0f },
-    { "all, with limits", 4.0f, 20.0f, 2.5f, 0.018f, 0.028f },
+    { "curvature", 10.0f, 0.0f, 0.0f, 1e-3f, 10.0f },
+    { "finer by strain", 0.0f, 40.0f, 0.0f, 1e-3f, 10.0f },
+    { "coarser by strain", 0.0f, -40.0f, 0.0f, 1e-3f, 10.0f },
+    { "distance", 0.0f, 0.0f, 0.01f, 1e-3f, 10.0f },
+    { "all, with limits", 4.0f, 20.0f, 0.01f, 0.018f, 0.028f },
 };
 
 static const wisp_vec3 EYE = { 2.0f, 1.0f, 4.0f };
-static const float PIXEL_ANGLE = 4e-3f;
 
 static wisp_boundary_def def_of( const spacing_case* c )
 {
@@ -39,10 +40,8 @@ static wisp_boundary_def def_of( const spacing_case* c )
     def.strain_gain = c->strain_gain;
     def.min_spacing = c->min_spacing;
     def.max_spacing = c->max_spacing;
-    def.by_screen = c->pixels > 0.0f;
     def.eye = EYE;
-    def.pixel_angle = PIXEL_ANGLE;
-    def.pixels = def.by_screen ? c->pixels : def.pixels;
+    def.eye_angle = c->eye_angle;
     return def;
 }
 
@@ -53,10 +52,8 @@ static boundary_oracle_criteria criteria_of( const spacing_case* c )
         .most = (double)c->max_spacing,
         .curvature_gain = (double)c->curvature_gain,
         .strain_gain = (double)c->strain_gain,
-        .by_screen = c->pixels > 0.0f,
         .eye = double3_widen( EYE ),
-        .pixel_angle = (double)PIXEL_ANGLE,
-        .pixels = (double)c->pixels,
+        .eye_angle = (double)c->eye_angle,
     };
 }
 
@@ -199,7 +196,7 @@ TEST( spacing_by_strain_is_that_of_the_oracle )
     compare( CASES + 2 );
 }
 
-TEST( spacing_by_distance_on_the_screen_is_that_of_the_oracle )
+TEST( spacing_by_distance_is_that_of_the_oracle )
 {
     compare( CASES + 3 );
 }

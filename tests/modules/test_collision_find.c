@@ -1,10 +1,185 @@
 // Contacts of a block of particles against contacts found one by one: particles that are left out early must have
 // none. Every kind of body, at rest, translating and rotating; particles around them, in them, and exactly at the
-// limit of the search distance.
-#include "collision_find_one.h"
+// limit of the search distance. The deepest point of segments and triangles in convex bodies, against samples in double
+// precision.
 #include "collision_fixture.h"
+#include "surface_fixture.h"
 
+#include "block_culling.h"
+#include "body_queries.h"
+#include "contact_generation.h"
+#include "deepest_point.h"
 #include "kernel_tables.h"
+#include "oracle/deepest_oracle.h"
+
+#include "wisp/module/shapes.h"
+
+// ---- one by one ----
+
+typedef struct find_one
+{
+    const collision_find_args* args;
+    const collision_view* view;
+    int slot;
+    wisp_vec3 from, to; // in the body's frame
+    float path;
+} find_one;
+
+static void one_lowers_clear( const find_one* one, float clear )
+{
+    float* found = one->args->found + (size_t)one->slot * 4;
+    found[3] = clear < found[3] ? clear : found[3];
+}
+
+static float one_gap( const collision_contact* c, wisp_vec3 p )
+{
+    return collision_dot( collision_load( c->normal ), collision_sub( p, collision_load( c->point ) ) ) - c->gap;
+}
+
+static void one_keeps( const find_one* one, const collision_contact* c )
+{
+    collision_contact* all = one->args->contact[one->slot];
+    const wisp_vec3 p = collision_load( one->args->position + (size_t)one->slot * 4 );
+    int place = one->args->count[one->slot]++;
+    if ( place >= WISP_COLLISION_CONTACTS )
+    {
+        place = 0;
+        for ( int i = 1; i < WISP_COLLISION_CONTACTS; ++i )
+        {
+            place = one_gap( all + i, p ) > one_gap( all + place, p ) ? i : place;
+        }
+        if ( one_gap( c, p ) >= one_gap( all + place, p ) )
+        {
+            return;
+        }
+    }
+    all[place] = *c;
+}
+
+static void one_moves_out( const find_one* one, wisp_vec3 normal, float recovered, float absorbed )
+{
+    float *p = one->args->position + (size_t)one->slot * 4, *old = one->args->previous + (size_t)one->slot * 4;
+    collision_store( p, collision_add_scaled( collision_load( p ), recovered, normal ) );
+    collision_store( old, collision_add_scaled( collision_load( old ), recovered + absorbed, normal ) );
+}
+
+static void one_touches( const find_one* one, const wisp_surface_point* nearest )
+{
+    const collision_view* view = one->view;
+    wisp_surface_point plane;
+    wisp_vec3 motion = { 0.0f, 0.0f, 0.0f };
+    bool swept =
+        fabsf( nearest->distance ) <= one->path && collision_cast( view, one->from, one->to, &plane, &motion );
+    plane = swept ? plane : *nearest;
+    one_lowers_clear( one, swept ? 0.0f : ( nearest->distance > 0.0f ? nearest->distance : INFINITY ) );
+    float now = swept ? collision_dot( plane.normal, collision_sub( one->to, plane.point ) ) : nearest->distance;
+    if ( now > 2.0f * view->thickness + one->path )
+    {
+        return;
+    }
+    float start = collision_start_gap( view, &plane, one->from, motion, swept, -1 );
+    float outward = fmaxf( 0.0f, now - view->thickness - start ), recovered = 0.0f;
+    if ( start + outward < 0.0f )
+    {
+        recovered = fminf( -start - outward, fmaxf( 0.0f, one->args->recovery - outward ) );
+    }
+    const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane.normal );
+    const wisp_vec3 point = wisp_transform_to_world( view->after, plane.point );
+    collision_contact c = {
+        .gap = start < 0.0f ? view->thickness + start + recovered : view->thickness,
+        .static_friction = view->static_friction,
+        .kinetic_friction = view->kinetic_friction,
+    };
+    collision_store( c.point, point );
+    collision_store( c.normal, normal );
+    collision_store( c.motion, collision_sub( point, wisp_transform_to_world( view->before, plane.point ) ) );
+    one_moves_out( one, normal, recovered, start < -COLLISION_SHALLOW * view->thickness ? outward : 0.0f );
+    one_keeps( one, &c );
+}
+
+static float one_box_distance( const collision_body* body, wisp_vec3 p )
+{
+    const wisp_vec3 d = collision_sub( p, body->centre );
+    return collision_length( ( wisp_vec3 ){
+        fmaxf( 0.0f, fabsf( d.x ) - body->half.x ),
+        fmaxf( 0.0f, fabsf( d.y ) - body->half.y ),
+        fmaxf( 0.0f, fabsf( d.z ) - body->half.z ),
+    } );
+}
+
+static void one_meets( const collision_find_args* args, const collision_view* view, int slot )
+{
+    const wisp_vec3 old = collision_load( args->previous + (size_t)slot * 4 );
+    const wisp_vec3 now = collision_load( args->position + (size_t)slot * 4 );
+    find_one one = {
+        args, view, slot, wisp_transform_to_local( view->before, old ), wisp_transform_to_local( view->after, now ),
+        0.0f
+    };
+    one.path = collision_length( collision_sub( one.to, one.from ) );
+    const wisp_mesh_query query = { .point = one.to, .radius = 2.0f * view->thickness + one.path };
+    wisp_surface_point nearest;
+    bool is_near = false;
+    if ( one_box_distance( view->body, one.to ) <= query.radius )
+    {
+        collision_closest( view, &query, 1, &nearest, &is_near, NULL );
+    }
+    if ( is_near )
+    {
+        one_touches( &one, &nearest );
+    }
+    else
+    {
+        one_lowers_clear( &one, query.radius );
+    }
+}
+
+static bool one_moves( const collision_find_args* args, int slot )
+{
+    const float *quad = args->position + (size_t)slot * 4, *old = args->previous + (size_t)slot * 4;
+    return quad[3] > 0.0f && collision_is_finite( collision_load( quad ) ) &&
+           collision_is_finite( collision_load( old ) );
+}
+
+/// All bodies for one block of slots, in their order. The block matters: if a body is beyond reach of the whole
+/// block, its distance to each particle is taken as the distance to the block's box.
+static void find_one_by_one( const collision_find_args* args, const collision_view* views, int view_count, int begin,
+                             int end )
+{
+    wisp_vec3 lower = { INFINITY, INFINITY, INFINITY }, upper = { -INFINITY, -INFINITY, -INFINITY };
+    for ( int slot = begin; slot < end; ++slot )
+    {
+        args->count[slot] = 0;
+        collision_store( args->found + (size_t)slot * 4, collision_load( args->position + (size_t)slot * 4 ) );
+        args->found[(size_t)slot * 4 + 3] = INFINITY;
+        if ( one_moves( args, slot ) )
+        {
+            collision_widen( &lower, &upper, collision_load( args->position + (size_t)slot * 4 ) );
+            collision_widen( &lower, &upper, collision_load( args->previous + (size_t)slot * 4 ) );
+        }
+    }
+    bool moves[COLLISION_BLOCK]; // before any body moved anything
+    for ( int slot = begin; slot < end; ++slot )
+    {
+        moves[slot - begin] = one_moves( args, slot );
+    }
+    for ( int v = 0; v < view_count; ++v )
+    {
+        const float apart = collision_ball_distance( views + v, lower, upper );
+        const bool is_far = apart > 2.0f * views[v].thickness;
+        for ( int slot = begin; slot < end; ++slot )
+        {
+            const find_one one = { .args = args, .view = views + v, .slot = slot };
+            if ( moves[slot - begin] && is_far )
+            {
+                one_lowers_clear( &one, apart );
+            }
+            else if ( moves[slot - begin] )
+            {
+                one_meets( args, views + v, slot );
+            }
+        }
+    }
+}
 
 enum
 {
@@ -52,7 +227,6 @@ static void add_mesh( wisp_world* world, test_mesh mesh, float scale, wisp_vec3 
     def.triangles = mesh.triangles;
     def.point_count = mesh.vertex_count;
     def.triangle_count = mesh.triangle_count;
-    def.search = WISP_MESH_SEARCH_VOXELS;
     def.double_sided = double_sided;
     add_collider( world, &def );
     test_mesh_free( &mesh );
@@ -358,4 +532,146 @@ TEST( who_has_no_contact_is_as_clear_as_it_says )
     }
     assert_true( clear > 1000 );
     free_meeting( m );
+}
+
+// ---- deepest points ----
+
+static uint32_t seed;
+
+static double random_in( double lower, double upper )
+{
+    seed = seed * 1664525u + 1013904223u;
+    return lower + ( upper - lower ) * (double)( seed >> 8 ) / 16777216.0;
+}
+
+static wisp_vec3 random_point( double size )
+{
+    return ( wisp_vec3 ){ (float)random_in( -size, size ), (float)random_in( -size, size ),
+                          (float)random_in( -size, size ) };
+}
+
+// Compare a primitive. Exact is what the tolerance and single precision leave.
+static void compare( const wisp_shape* shape, const deepest_oracle_body* body, const wisp_vec3* corners, int count,
+                     double tolerance )
+{
+    collision_deepest found;
+    assert_true( collision_find_deepest( shape, corners, count, (float)tolerance, &found ) );
+    double3 wide[3];
+    double3 at = { 0.0, 0.0, 0.0 };
+    double sum = 0.0, corner = INFINITY;
+    for ( int k = 0; k < count; ++k )
+    {
+        wide[k] = double3_widen( corners[k] );
+        assert_true( found.weights[k] >= 0.0f );
+        at = double3_add_scaled( at, (double)found.weights[k], wide[k] );
+        sum += (double)found.weights[k];
+        corner = fmin( corner, deepest_oracle_distance( body, wide[k] ) );
+    }
+    const double rounding = 1e-6;
+    const double least = deepest_oracle_find( body, wide, count, NULL );
+    assert_near( sum, 1.0, rounding );
+    float nearest;
+    const float bound = collision_bound_deepest( shape, corners, count, &nearest );
+    assert_near( (double)nearest, corner, rounding );
+    assert_true( (double)bound <= least + rounding );
+    // the distance is that of the point with these weights
+    assert_near( (double)found.surface.distance, deepest_oracle_distance( body, at ), rounding );
+    // and not above the smallest one by more than the tolerance
+    if ( (double)found.surface.distance > least + tolerance + rounding )
+    {
+        fail_msg( "kind %d, %d corners: got %g, expected %g", (int)shape->kind, count, (double)found.surface.distance,
+                  least );
+    }
+}
+
+static void compare_many( const wisp_shape* shape, const deepest_oracle_body* body, int rounds )
+{
+    static const double sizes[] = { 0.02, 0.1, 0.5, 2.0 };
+    for ( int n = 0; n < rounds; ++n )
+    {
+        const wisp_vec3 near = random_point( 1.0 );
+        const double size = sizes[n % WISP_COUNT( sizes )];
+        wisp_vec3 corners[3];
+        for ( int k = 0; k < 3; ++k )
+        {
+            corners[k] = collision_add_scaled( near, 1.0f, random_point( size ) );
+        }
+        compare( shape, body, corners, 2, 1e-4 );
+        compare( shape, body, corners, 3, 1e-4 );
+    }
+}
+
+TEST( the_deepest_point_is_that_of_samples_in_each_closed_form )
+{
+    seed = 7;
+    const wisp_shape shapes[] = {
+        { .kind = WISP_SHAPE_SPHERE, .radius = 0.4f },
+        { .kind = WISP_SHAPE_CAPSULE, .radius = 0.1f, .half_length = 0.6f },
+        { .kind = WISP_SHAPE_CAPSULE, .radius = 0.001f, .half_length = 0.6f },
+        { .kind = WISP_SHAPE_BOX, .half_extent = { 0.3f, 0.5f, 0.2f } },
+        { .kind = WISP_SHAPE_TAPERED_CAPSULE, .top_radius = 0.1f, .bottom_radius = 0.3f, .half_length = 0.5f },
+    };
+    for ( int i = 0; i < WISP_COUNT( shapes ); ++i )
+    {
+        const deepest_oracle_body body = deepest_oracle_body_of( shapes + i );
+        compare_many( shapes + i, &body, shapes[i].kind == WISP_SHAPE_TAPERED_CAPSULE ? 8 : 80 );
+    }
+}
+
+TEST( the_deepest_point_is_that_of_samples_in_a_convex_polyhedron )
+{
+    seed = 11;
+    test_mesh ball = test_ball( 0 );
+    for ( int v = 0; v < ball.vertex_count; ++v )
+    {
+        const wisp_vec3 p = ball.points[v];
+        ball.points[v] = ( wisp_vec3 ){ 0.5f * p.x + 0.1f * p.y, 0.3f * p.y, 0.4f * p.z };
+    }
+    wisp_convex* convex;
+    assert_int_equal( wisp_convex_create( ball.points, ball.vertex_count, NULL, &convex, NULL ), WISP_OK );
+    const wisp_shape shape = { .kind = WISP_SHAPE_CONVEX, .convex = convex };
+    const deepest_oracle_body body = { .kind = WISP_SHAPE_CONVEX,
+                                       .points = ball.points,
+                                       .triangles = ball.triangles,
+                                       .triangle_count = ball.triangle_count };
+    compare_many( &shape, &body, 60 );
+    wisp_convex_release( convex );
+    test_mesh_free( &ball );
+}
+
+// The hard cases: parallel to an axis or a face, through the middle, degenerate.
+TEST( flat_and_degenerate_primitives_have_a_deepest_point )
+{
+    const wisp_shape shapes[] = {
+        { .kind = WISP_SHAPE_SPHERE, .radius = 0.4f },
+        { .kind = WISP_SHAPE_CAPSULE, .radius = 0.1f, .half_length = 0.5f },
+        { .kind = WISP_SHAPE_BOX, .half_extent = { 0.3f, 0.5f, 0.2f } },
+    };
+    static const wisp_vec3 cases[][3] = {
+        { { -1, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 } },                           // through the middle
+        { { 0, -1, 0 }, { 0, 1, 0 }, { 0.5f, 0, 0 } },                        // along the axis of the capsule
+        { { -1, 0.5f, -1 }, { 1, 0.5f, -1 }, { 0, 0.5f, 1 } },                // in the plane of a face
+        { { -1, 0.6f, -1 }, { 1, 0.6f, -1 }, { 0, 0.6f, 1 } },                // parallel to it
+        { { 0.3f, 0.5f, 0.2f }, { 0.3f, 0.5f, 0.2f }, { 0.3f, 0.5f, 0.2f } }, // a point, the corner of the box
+        { { 1, 1, 1 }, { 1, 1, 1 }, { -1, -1, -1 } },                         // a line
+        { { -1, 0.7f, 0.2f }, { 0, 0.7f, 0.2f }, { 1, 0.7f, 0.2f } },
+    };
+    for ( int i = 0; i < WISP_COUNT( shapes ); ++i )
+    {
+        const deepest_oracle_body body = deepest_oracle_body_of( shapes + i );
+        for ( int n = 0; n < WISP_COUNT( cases ); ++n )
+        {
+            compare( shapes + i, &body, cases[n], 2, 1e-4 );
+            compare( shapes + i, &body, cases[n], 3, 1e-4 );
+        }
+    }
+}
+
+TEST( what_is_not_finite_has_no_deepest_point )
+{
+    const wisp_shape ball = { .kind = WISP_SHAPE_SPHERE, .radius = 0.4f };
+    collision_deepest found;
+    const wisp_vec3 corners[3] = { { 0, 1, 0 }, { NAN, 0, 0 }, { 1, 0, INFINITY } };
+    assert_false( collision_find_deepest( &ball, corners, 2, 1e-4f, &found ) );
+    assert_false( collision_find_deepest( &ball, corners, 3, 1e-4f, &found ) );
 }

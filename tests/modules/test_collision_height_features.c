@@ -47,8 +47,7 @@ TEST( a_height_field_has_the_edges_and_corners_of_its_triangles )
     const wisp_collision_mesh_def def = { .points = m.points,
                                           .triangles = m.triangles,
                                           .point_count = m.vertex_count,
-                                          .triangle_count = m.triangle_count,
-                                          .search = WISP_MESH_SEARCH_TREE };
+                                          .triangle_count = m.triangle_count };
     wisp_collision_mesh* mesh = NULL;
     assert_int_equal( wisp_collision_mesh_create( &def, NULL, &mesh, NULL ), WISP_OK );
     assert_int_equal( wisp_collision_mesh_prepare_features( mesh, NULL ), WISP_OK );

@@ -330,10 +330,10 @@ TEST( the_edge_of_a_blade_drags_a_sheet_along )
 
 // ---- the rest ----
 
-static uint64_t hash_after( bool follows, bool by_voxels, int workers )
+static uint64_t hash_after( bool follows, int workers )
 {
-    const setting with = { WISP_COLLISION_ALL,     .gravity = GRAVITY, .follows = follows,
-                           .by_voxels = by_voxels, .workers = workers, .rotation = TURNED };
+    const setting with = { WISP_COLLISION_ALL, .gravity = GRAVITY, .follows = follows, .workers = workers,
+                           .rotation = TURNED };
     sheet s = new_sheet( box( ( wisp_vec3 ){ 0.06f, 0.05f, 0.06f } ), -0.06f, with );
     for ( int n = 1; n <= 15; ++n )
     {
@@ -345,17 +345,16 @@ static uint64_t hash_after( bool follows, bool by_voxels, int workers )
     return hash;
 }
 
-TEST( workers_and_the_search_change_no_bit )
+TEST( workers_change_no_bit )
 {
     for ( int follows = 0; follows < 2; ++follows )
     {
-        const uint64_t expected = hash_after( follows, false, 1 );
+        const uint64_t expected = hash_after( follows, 1 );
         for ( int workers = 2; workers <= 5; ++workers )
         {
-            assert_true( hash_after( follows, false, workers ) == expected );
+            assert_true( hash_after( follows, workers ) == expected );
         }
     }
-    assert_true( hash_after( false, true, 2 ) == hash_after( false, false, 1 ) );
 }
 
 TEST( without_memory_for_edges_nothing_changes )

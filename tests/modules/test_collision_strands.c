@@ -116,7 +116,7 @@ static wisp_collider_def small_body( wisp_collider_kind kind )
     return def;
 }
 
-static wisp_entity add_mesh_ball( wisp_world* world, float radius, bool* has_embree )
+static wisp_entity add_mesh_ball( wisp_world* world, float radius )
 {
     test_mesh mesh = test_ball( 4 );
     move_mesh( &mesh, radius, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
@@ -126,11 +126,8 @@ static wisp_entity add_mesh_ball( wisp_world* world, float radius, bool* has_emb
     def.triangles = mesh.triangles;
     def.point_count = mesh.vertex_count;
     def.triangle_count = mesh.triangle_count;
-    wisp_entity e;
-    wisp_status status = wisp_add_collider( world, &def, &e );
+    const wisp_entity e = add_collider( world, &def );
     test_mesh_free( &mesh );
-    assert_true( status == WISP_OK || status == WISP_CONFLICT );
-    *has_embree = status == WISP_OK;
     return e;
 }
 
@@ -193,8 +190,7 @@ TEST( strands_that_fall_on_a_body_rest_outside )
 TEST( strands_lie_on_a_mesh_as_on_the_closed_form )
 {
     double height[2];
-    bool has_embree = true;
-    for ( int k = 0; k < 2 && has_embree; ++k )
+    for ( int k = 0; k < 2; ++k )
     {
         hosted* h = new_hair_world( ( hair_world ){ 10, 1, 1, NULL } );
         const wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
@@ -204,18 +200,14 @@ TEST( strands_lie_on_a_mesh_as_on_the_closed_form )
         }
         else
         {
-            add_mesh_ball( h->world, 0.1f, &has_embree );
+            add_mesh_ball( h->world, 0.1f );
         }
         wisp_entity e = add_fringe( h->world );
-        run_for( h->world, DT, has_embree ? 120 : 1 );
+        run_for( h->world, DT, 120 );
         height[k] = mean_height( h->world, e );
-        assert_true( has_embree == false || collision_of( h->world, e ).penetration < 0.05f * SEGMENT );
-        assert_true( has_embree == false || collision_of( h->world, e ).contacts >= 40 );
+        assert_true( collision_of( h->world, e ).penetration < 0.05f * SEGMENT );
+        assert_true( collision_of( h->world, e ).contacts >= 40 );
         free_colliding( h );
-    }
-    if ( has_embree == false )
-    {
-        SKIP( "the library is built without Embree" );
     }
     // faces lie up to 0.1 (1 - cos( 90 / 32 degrees )), 1.2e-4 m, inside the ball, and strands roll off along their
     // edges
@@ -265,21 +257,20 @@ static float deepest_on_a_shaken_head( hair_world w, wisp_strand_stretch stretch
 {
     hosted* h = new_hair_world( w );
     const wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
-    bool has_embree = true;
-    wisp_entity head = as_mesh ? add_mesh_ball( h->world, 0.1f, &has_embree ) : add_collider( h->world, &ball );
+    wisp_entity head = as_mesh ? add_mesh_ball( h->world, 0.1f ) : add_collider( h->world, &ball );
     wisp_entity e = add_head_of_hair( h->world, 100 );
     wisp_strand_dynamics_def dynamics = damped_hair();
     dynamics.stretch = stretch;
     assert_int_equal( wisp_set_strand_dynamics( h->world, e, &dynamics ), WISP_OK );
     float deepest = 0.0f;
-    for ( int n = 1; n <= 120 && has_embree; ++n )
+    for ( int n = 1; n <= 120; ++n )
     {
         assert_int_equal( wisp_move_collider( h->world, head, shaken( n ) ), WISP_OK );
         assert_int_equal( wisp_move_strand_head( h->world, e, shaken( n ) ), WISP_OK );
         run_for( h->world, DT, 1 );
         deepest = fmaxf( deepest, collision_of( h->world, e ).penetration );
     }
-    assert_true( has_embree == false || collision_of( h->world, e ).contacts > 100 );
+    assert_true( collision_of( h->world, e ).contacts > 100 );
     free_colliding( h );
     return deepest / SEGMENT;
 }
@@ -326,19 +317,18 @@ HAIR_TEST( a_body_that_strikes_hair_in_one_step_carries_it_along )
     assert_true( fastest( h->world, e ) < 0.5 );
 }
 
-// Without gravity, so that all speed comes from being moved out. @return false without Embree
-static bool leaves_calmly( wisp_collider_kind kind )
+// Without gravity, so that all speed comes from being moved out.
+static void leaves_calmly( wisp_collider_kind kind )
 {
     hosted* h = new_hair_world( ( hair_world ){ 4, 1, 1, NULL } );
-    bool there = true;
     wisp_collider_def body = small_body( kind );
     body.half_extent.y = 0.04f; // otherwise strands would pass through the box, with the nearest faces at its ends
     body.pose.translation = ( wisp_vec3 ){ 0.05f, 0.13f, 0.0f };
     wisp_entity ball = { 0, 0 };
     if ( kind == WISP_COLLIDER_MESH )
     {
-        ball = add_mesh_ball( h->world, 0.1f, &there );
-        assert_true( there == false || wisp_move_collider( h->world, ball, body.pose ) == WISP_OK );
+        ball = add_mesh_ball( h->world, 0.1f );
+        assert_int_equal( wisp_move_collider( h->world, ball, body.pose ), WISP_OK );
         run_for( h->world, DT, 1 );
     }
     else
@@ -350,12 +340,12 @@ static bool leaves_calmly( wisp_collider_kind kind )
     dynamics.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
     assert_int_equal( wisp_set_strand_dynamics( h->world, e, &dynamics ), WISP_OK );
     double most = 0.0;
-    for ( int n = 0; n < 240 && there; ++n )
+    for ( int n = 0; n < 240; ++n )
     {
         run_for( h->world, DT, 1 );
         most = fmax( most, fastest( h->world, e ) );
     }
-    const float left = there ? collision_of( h->world, e ).penetration : 0.0f;
+    const float left = collision_of( h->world, e ).penetration;
     print_message( "kind %d: at most %.2f m/s, %.3f of a segment left\n", (int)kind, most,
                    (double)( left / SEGMENT ) );
     // ten segments a second are 0.1 m/s, and strands that have to go round the body pull their tips along faster;
@@ -363,22 +353,13 @@ static bool leaves_calmly( wisp_collider_kind kind )
     assert_true( most < 2.0 );
     assert_true( left < 0.2f * SEGMENT );
     free_colliding( h );
-    return there;
 }
 
 TEST( what_starts_inside_leaves_without_being_thrown )
 {
-    for ( int kind = WISP_COLLIDER_SPHERE; kind < WISP_COLLIDER_MESH; ++kind )
+    for ( int kind = WISP_COLLIDER_SPHERE; kind <= WISP_COLLIDER_MESH; ++kind )
     {
         leaves_calmly( (wisp_collider_kind)kind );
-    }
-}
-
-TEST( what_starts_inside_a_mesh_leaves_without_being_thrown )
-{
-    if ( leaves_calmly( WISP_COLLIDER_MESH ) == false )
-    {
-        SKIP( "the library is built without Embree" );
     }
 }
 
@@ -389,20 +370,19 @@ static uint64_t hash_of_a_busy_scene( hair_world w, wisp_collision_stats* stats 
     hosted* h = new_hair_world( w );
     const wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
     wisp_collider_def box = small_body( WISP_COLLIDER_BOX ), floor = small_body( WISP_COLLIDER_PLANE );
-    bool has_embree;
     wisp_entity head = add_collider( h->world, &ball );
     box.pose.translation = ( wisp_vec3 ){ 0.25f, -0.05f, 0.0f };
     floor.pose.translation.y = -0.08f;
     add_collider( h->world, &box );
     add_collider( h->world, &floor );
-    wisp_entity mesh = add_mesh_ball( h->world, 0.08f, &has_embree );
+    wisp_entity mesh = add_mesh_ball( h->world, 0.08f );
     wisp_entity e = add_head_of_hair( h->world, 150 );
     for ( int n = 1; n <= 30; ++n )
     {
         wisp_transform beside = shaken( 2 * n );
         beside.translation.z += 0.2f;
         assert_int_equal( wisp_move_collider( h->world, head, shaken( n ) ), WISP_OK );
-        assert_true( has_embree == false || wisp_move_collider( h->world, mesh, beside ) == WISP_OK );
+        assert_int_equal( wisp_move_collider( h->world, mesh, beside ), WISP_OK );
         assert_int_equal( wisp_move_strand_head( h->world, e, shaken( n ) ), WISP_OK );
         run_for( h->world, DT, 1 );
     }

@@ -80,10 +80,6 @@ static wisp_vec3 translated( wisp_vec3 p, float time )
 // A ball that moves under a cloth, as a mesh and as a surface: the cloth is carried along by friction.
 TEST( a_surface_that_moves_rigidly_is_the_mesh_that_does )
 {
-    if ( has_meshes() == false )
-    {
-        SKIP( "the library is built without Embree" );
-    }
     wisp_motion_stats result[2];
     for ( int as_surface = 0; as_surface < 2; ++as_surface )
     {

@@ -19,14 +19,6 @@ enum
 
 static const float H = 0.02f; // m, thickness
 
-static void assert_within( double found, double expected, double tolerance )
-{
-    if ( !( fabs( found - expected ) <= tolerance ) )
-    {
-        fail_msg( "%.9g is not %.9g within %g", found, expected, tolerance );
-    }
-}
-
 // From 0 to 1 over the vertices, or the same everywhere.
 static void fill( float* factors, float from, float to )
 {

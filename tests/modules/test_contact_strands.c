@@ -1,6 +1,8 @@
-// Strands against a balloon and against cloth: they stay outside, forces are opposite and equal, and lengths are
-// kept.
+// Strands against a balloon and against cloth: they stay outside, forces are opposite and equal, and lengths are kept.
+// Strands against strands: they keep their thickness, what flies does not pass what is held, and a heap does not mingle.
 #include "contact_fixture.h"
+
+// ---- strands and surfaces ----
 
 enum
 {
@@ -224,4 +226,393 @@ TEST( without_strands_there_are_no_passes_of_strands )
     assert_int_equal( count_passes_named( h.world, "contact.push_strands" ), 0 );
     assert_int_equal( count_passes_named( h.world, "contact.keep_strands" ), 0 );
     close_world( &h );
+}
+
+static const float FRAME_TIME = 1.0f / 60.0f;
+
+typedef struct sticks
+{
+    hosted* h;
+    wisp_world* world;
+} sticks;
+
+// Modules in the order of the program: contact projects before lengths are restored.
+static sticks open_sticks( int substeps, int workers )
+{
+    static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module, &wisp_contact_module,
+                                                  &wisp_strands_module };
+    sticks s = { .h = new_hosted( MODULES, WISP_COUNT( MODULES ), substeps, 1, workers ) };
+    s.world = s.h->world;
+    return s;
+}
+
+static void close_sticks( sticks* s )
+{
+    void* h = s->h;
+    close_hosted( &h );
+}
+
+static wisp_strand_dynamics_def stick_def( void )
+{
+    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    def.rest = WISP_STRAND_REST_STRAIGHT;
+    def.bend_rigidity = 0.01f;
+    def.twist_rigidity = 0.01f;
+    def.line_density = 0.05f;
+    def.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    def.free_roots = true;
+    return def;
+}
+
+// Sticks of `count` vertices each.
+static wisp_entity add_sticks( sticks* s, const wisp_vec3* points, int strands, int count,
+                               const wisp_strand_dynamics_def* dynamics, float thickness )
+{
+    int32_t offsets[512];
+    for ( int i = 0; i <= strands; ++i )
+    {
+        offsets[i] = i * count;
+    }
+    wisp_strands_def def = wisp_default_strands_def();
+    def.points = points;
+    def.offsets = offsets;
+    def.strand_count = strands;
+    wisp_entity e;
+    assert_status( s->world, wisp_add_strands( s->world, &def, &e ), WISP_OK );
+    assert_status( s->world, wisp_set_strand_dynamics( s->world, e, dynamics ), WISP_OK );
+    assert_status( s->world, wisp_request( s->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    wisp_contact_def contact = wisp_default_contact_def();
+    contact.thickness = thickness;
+    contact.between_strands = true;
+    assert_status( s->world, wisp_set_contact( s->world, e, &contact ), WISP_OK );
+    return e;
+}
+
+static void lay( wisp_vec3 from, wisp_vec3 to, int count, wisp_vec3* points )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        const float t = (float)i / (float)( count - 1 );
+        points[i] = ( wisp_vec3 ){ from.x + t * ( to.x - from.x ), from.y + t * ( to.y - from.y ),
+                                   from.z + t * ( to.z - from.z ) };
+    }
+}
+
+// ---- crossings ----
+
+// Two segments in a substep: ends at its start and at its end.
+typedef struct moving_pair
+{
+    wisp_vec3 start[4], end[4];
+} moving_pair;
+
+static void place_at( const moving_pair* m, double t, double out[4][3] )
+{
+    for ( int i = 0; i < 4; ++i )
+    {
+        out[i][0] = (double)m->start[i].x + t * ( (double)m->end[i].x - (double)m->start[i].x );
+        out[i][1] = (double)m->start[i].y + t * ( (double)m->end[i].y - (double)m->start[i].y );
+        out[i][2] = (double)m->start[i].z + t * ( (double)m->end[i].z - (double)m->start[i].z );
+    }
+}
+
+// Six times the volume that the four ends span: 0 where the segments are in one plane.
+static double volume_at( const moving_pair* m, double t )
+{
+    double p[4][3], u[3][3];
+    place_at( m, t, p );
+    for ( int k = 0; k < 3; ++k )
+    {
+        u[0][k] = p[1][k] - p[0][k];
+        u[1][k] = p[3][k] - p[2][k];
+        u[2][k] = p[2][k] - p[0][k];
+    }
+    return ( u[0][1] * u[1][2] - u[0][2] * u[1][1] ) * u[2][0] + ( u[0][2] * u[1][0] - u[0][0] * u[1][2] ) * u[2][1] +
+           ( u[0][0] * u[1][1] - u[0][1] * u[1][0] ) * u[2][2];
+}
+
+// Do segments in one plane cross?
+static bool cross_at( const moving_pair* m, double t )
+{
+    double p[4][3], a = 0.0, b = 0.0, c = 0.0, d = 0.0, e = 0.0;
+    place_at( m, t, p );
+    for ( int k = 0; k < 3; ++k )
+    {
+        const double u = p[1][k] - p[0][k], v = p[3][k] - p[2][k], w = p[0][k] - p[2][k];
+        a += u * u;
+        b += u * v;
+        c += v * v;
+        d += u * w;
+        e += v * w;
+    }
+    const double determinant = a * c - b * b;
+    const double s = ( b * e - c * d ) / determinant, r = ( a * e - b * d ) / determinant;
+    return determinant > 1e-12 * a * c && s >= 0.0 && s <= 1.0 && r >= 0.0 && r <= 1.0;
+}
+
+// Do two segments pass through each other while their ends go straight?
+static bool passes( const moving_pair* m )
+{
+    enum
+    {
+        PARTS = 8,
+    };
+    for ( int i = 0; i < PARTS; ++i )
+    {
+        double from = (double)i / PARTS, to = (double)( i + 1 ) / PARTS;
+        const double first = volume_at( m, from );
+        if ( ( first > 0.0 ) == ( volume_at( m, to ) > 0.0 ) )
+        {
+            continue;
+        }
+        for ( int k = 0; k < 40; ++k )
+        {
+            const double middle = 0.5 * ( from + to );
+            const bool is_before = ( volume_at( m, middle ) > 0.0 ) == ( first > 0.0 );
+            from = is_before ? middle : from;
+            to = is_before ? to : middle;
+        }
+        if ( cross_at( m, from ) )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bounds_of bounds_of_way( const wisp_vec3* before, const wisp_vec3* now )
+{
+    const wisp_vec3 ends[4] = { before[0], before[1], now[0], now[1] };
+    bounds_of b = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
+    for ( int i = 0; i < 4; ++i )
+    {
+        const float p[3] = { ends[i].x, ends[i].y, ends[i].z };
+        for ( int k = 0; k < 3; ++k )
+        {
+            b.lower[k] = p[k] < b.lower[k] ? p[k] : b.lower[k];
+            b.upper[k] = p[k] > b.upper[k] ? p[k] : b.upper[k];
+        }
+    }
+    return b;
+}
+
+// Segments that pass through each other between two lists of points, of strands with `count` vertices each.
+static int count_passes( const wisp_vec3* before, const wisp_vec3* now, int points, int count )
+{
+    bounds_of* ways = checked_calloc( (size_t)points, sizeof( *ways ) );
+    int found = 0;
+    for ( int a = 0; a + 1 < points; ++a )
+    {
+        ways[a] = bounds_of_way( before + a, now + a );
+    }
+    for ( int a = 0; a + 1 < points; ++a )
+    {
+        for ( int b = a + 2; b + 1 < points; ++b )
+        {
+            if ( bounds_part( ways + a, ways + b ) || ( a + 1 ) % count == 0 || ( b + 1 ) % count == 0 )
+            {
+                continue;
+            }
+            const moving_pair m = { { before[a], before[a + 1], before[b], before[b + 1] },
+                                    { now[a], now[a + 1], now[b], now[b + 1] } };
+            found += passes( &m ) ? 1 : 0;
+        }
+    }
+    free( ways );
+    return found;
+}
+
+// ---- two sticks ----
+
+enum
+{
+    COUNT = 9,
+};
+
+// A stick along x is held at both ends; one along z flies at it from above. @param same both are in one entity
+static void fly_at( float speed, float seconds, bool same )
+{
+    static const int32_t ENDS[2] = { 0, COUNT - 1 };
+    wisp_vec3 points[2 * COUNT];
+    lay( ( wisp_vec3 ){ -0.2f, 0.0f, 0.01f }, ( wisp_vec3 ){ 0.2f, 0.0f, 0.01f }, COUNT, points );
+    lay( ( wisp_vec3 ){ 0.013f, 0.1f, -0.2f }, ( wisp_vec3 ){ 0.013f, 0.1f, 0.2f }, COUNT, points + COUNT );
+    sticks s = open_sticks( 1, 1 );
+    wisp_strand_dynamics_def held = stick_def(), flies = stick_def();
+    held.pins = ENDS;
+    held.pin_count = 2;
+    const float thickness = 0.01f;
+    wisp_entity e[2];
+    e[0] = add_sticks( &s, points, same ? 2 : 1, COUNT, &held, thickness );
+    e[1] = same ? e[0] : add_sticks( &s, points + COUNT, 1, COUNT, &flies, thickness );
+    float* velocity = wisp_world_column( s.world, e[1], WISP_STRAND_VELOCITY, 0 );
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        velocity[( 3 * i + 1 ) * WISP_LANES + ( same ? 1 : 0 )] = -speed;
+    }
+    wisp_vec3 before[2 * COUNT], now[2 * COUNT];
+    int pressed = 0;
+    request_stats( s.world );
+    memcpy( before, points, sizeof( before ) );
+    const int steps = 40 + (int)( 0.2f / ( speed * seconds ) );
+    for ( int step = 0; step < steps; ++step )
+    {
+        assert_status( s.world, wisp_world_step( s.world, seconds ), WISP_OK );
+        memcpy( now, view_of( s.world, e[0], WISP_STRAND_POINTS ).data, ( same ? 2u : 1u ) * COUNT * sizeof( *now ) );
+        if ( same == false )
+        {
+            memcpy( now + COUNT, view_of( s.world, e[1], WISP_STRAND_POINTS ).data, COUNT * sizeof( *now ) );
+        }
+        if ( count_passes( before, now, 2 * COUNT, COUNT ) > 0 )
+        {
+            fail_msg( "%g m/s, %g s: passed in step %d", (double)speed, (double)seconds, step );
+        }
+        pressed += contact_stats( s.world ).contacts > 0 ? 1 : 0;
+        assert_int_equal( wisp_world_counter( s.world, WISP_COUNT_HALTED ), 0 );
+        memcpy( before, now, sizeof( before ) );
+    }
+    assert_true( pressed > 0 );
+    close_sticks( &s );
+}
+
+TEST( a_stick_does_not_pass_one_that_is_held )
+{
+    const float speeds[] = { 0.5f, 5.0f, 50.0f, 500.0f };
+    for ( int k = 0; k < WISP_COUNT( speeds ); ++k )
+    {
+        for ( int k2 = 1; k2 <= 8; k2 *= 8 )
+        {
+            fly_at( speeds[k], FRAME_TIME / (float)k2, false );
+            fly_at( speeds[k], FRAME_TIME / (float)k2, true );
+        }
+    }
+}
+
+// ---- thickness ----
+
+static double distance_of( const wisp_vec3* p, const wisp_vec3* q )
+{
+    double nearest = INFINITY;
+    for ( int i = 0; i <= 40 * ( COUNT - 1 ); ++i )
+    {
+        for ( int k = 0; k <= 40 * ( COUNT - 1 ); ++k )
+        {
+            const int a = i / 40 < COUNT - 1 ? i / 40 : COUNT - 2, b = k / 40 < COUNT - 1 ? k / 40 : COUNT - 2;
+            const float t = (float)i / 40.0f - (float)a, u = (float)k / 40.0f - (float)b;
+            const double x = (double)( p[a].x + t * ( p[a + 1].x - p[a].x ) - q[b].x - u * ( q[b + 1].x - q[b].x ) );
+            const double y = (double)( p[a].y + t * ( p[a + 1].y - p[a].y ) - q[b].y - u * ( q[b + 1].y - q[b].y ) );
+            const double z = (double)( p[a].z + t * ( p[a + 1].z - p[a].z ) - q[b].z - u * ( q[b + 1].z - q[b].z ) );
+            nearest = fmin( nearest, sqrt( x * x + y * y + z * z ) );
+        }
+    }
+    return nearest;
+}
+
+// A stick that lies across one that is held keeps the thickness of both; strands without the key fall through.
+TEST( a_stick_lies_on_one_that_is_held )
+{
+    static const int32_t ALL[COUNT] = { 0, 1, 2, 3, 4, 5, 6, 7, 8 };
+    for ( int meets = 0; meets < 2; ++meets )
+    {
+        wisp_vec3 points[2 * COUNT];
+        lay( ( wisp_vec3 ){ -0.2f, 0.0f, 0.0f }, ( wisp_vec3 ){ 0.2f, 0.0f, 0.0f }, COUNT, points );
+        lay( ( wisp_vec3 ){ 0.0f, 0.02f, -0.2f }, ( wisp_vec3 ){ 0.0f, 0.02f, 0.2f }, COUNT, points + COUNT );
+        sticks s = open_sticks( 8, 1 );
+        wisp_strand_dynamics_def held = stick_def(), lies = stick_def();
+        held.pins = ALL;
+        held.pin_count = COUNT;
+        held.bend_rigidity = lies.bend_rigidity = 1.0f;
+        lies.gravity.y = -9.81f;
+        wisp_entity e[2] = { add_sticks( &s, points, 1, COUNT, &held, 0.008f ),
+                             add_sticks( &s, points + COUNT, 1, COUNT, &lies, 0.012f ) };
+        wisp_contact_def without = wisp_default_contact_def();
+        without.between_strands = meets != 0;
+        without.thickness = 0.008f;
+        assert_status( s.world, wisp_set_contact( s.world, e[0], &without ), WISP_OK );
+        for ( int step = 0; step < 30; ++step )
+        {
+            assert_status( s.world, wisp_world_step( s.world, FRAME_TIME ), WISP_OK );
+            const double apart = distance_of( view_of( s.world, e[0], WISP_STRAND_POINTS ).data,
+                                              view_of( s.world, e[1], WISP_STRAND_POINTS ).data );
+            assert_true( meets == 0 || apart > 0.99 * 0.01 );
+        }
+        const wisp_vec3* q = view_of( s.world, e[1], WISP_STRAND_POINTS ).data;
+        assert_true( meets != 0 ? q[COUNT / 2].y > 0.0f : q[COUNT / 2].y < -0.5f );
+        assert_int_equal( count_passes_named( s.world, "contact.limit_strands" ), 1 );
+        without.between_strands = false;
+        assert_status( s.world, wisp_set_contact( s.world, e[0], &without ), WISP_OK );
+        assert_status( s.world, wisp_set_contact( s.world, e[1], &without ), WISP_OK );
+        assert_status( s.world, wisp_world_step( s.world, FRAME_TIME ), WISP_OK );
+        assert_int_equal( count_passes_named( s.world, "contact.limit_strands" ), 0 );
+        close_sticks( &s );
+    }
+}
+
+// ---- a heap ----
+
+enum
+{
+    HEAP = 300,
+    HEAP_VERTICES = 5,
+    HEAP_POINTS = HEAP * HEAP_VERTICES,
+};
+
+// Sticks of 0.1 m above a floor, each turned another way.
+static void lay_heap( wisp_vec3* points )
+{
+    for ( int i = 0; i < HEAP; ++i )
+    {
+        const float angle = 2.4f * (float)i, x = 0.05f * sinf( 7.0f * (float)i ), z = 0.05f * cosf( 3.0f * (float)i ),
+                    y = 0.02f + 0.006f * (float)( i / 2 ) + 0.003f * (float)( i % 2 );
+        lay( ( wisp_vec3 ){ x - 0.05f * cosf( angle ), y, z - 0.05f * sinf( angle ) },
+             ( wisp_vec3 ){ x + 0.05f * cosf( angle ), y, z + 0.05f * sinf( angle ) }, HEAP_VERTICES,
+             points + i * HEAP_VERTICES );
+    }
+}
+
+static uint64_t fall( int workers, int steps, bool counts )
+{
+    static wisp_vec3 points[HEAP_POINTS];
+    lay_heap( points );
+    sticks s = open_sticks( 1, workers );
+    wisp_strand_dynamics_def def = stick_def();
+    def.gravity.y = -9.81f;
+    def.bend_rigidity = 1e-4f;
+    def.damping = 0.5f;
+    const wisp_entity e = add_sticks( &s, points, HEAP, HEAP_VERTICES, &def, 0.002f );
+    wisp_collider_def plane = wisp_default_collider_def();
+    plane.kind = WISP_COLLIDER_PLANE;
+    wisp_entity floor_entity;
+    const wisp_collision_def collision = wisp_default_collision_def();
+    assert_status( s.world, wisp_add_collider( s.world, &plane, &floor_entity ), WISP_OK );
+    assert_status( s.world, wisp_set_collision( s.world, e, &collision ), WISP_OK );
+    int passed = 0;
+    for ( int step = 0; step < steps; ++step )
+    {
+        assert_status( s.world, wisp_world_step( s.world, 1.0f / 120.0f ), WISP_OK );
+        const wisp_vec3* now = view_of( s.world, e, WISP_STRAND_POINTS ).data;
+        passed += counts ? count_passes( points, now, HEAP_POINTS, HEAP_VERTICES ) : 0;
+        memcpy( points, now, sizeof( points ) );
+    }
+    assert_int_equal( passed, 0 );
+    double height = 0.0;
+    for ( int i = 0; i < HEAP_POINTS; ++i )
+    {
+        height += (double)points[i].y / HEAP_POINTS;
+    }
+    assert_true( steps < 100 || ( height > 0.02 && height < 0.2 ) ); // it is a heap
+    const uint64_t hash = wisp_world_hash( s.world );
+    close_sticks( &s );
+    return hash;
+}
+
+TEST( a_heap_of_sticks_does_not_mingle )
+{
+    (void)fall( 2, 120, true );
+}
+
+TEST( a_heap_has_the_same_bits_for_any_number_of_workers )
+{
+    const uint64_t one = fall( 1, 30, false );
+    assert_true( fall( 2, 30, false ) == one );
+    assert_true( fall( 5, 30, false ) == one );
 }

@@ -30,12 +30,6 @@ static void freeze_only( wisp_frozen_hair_def* def )
     def->align = def->clump = false;
 }
 
-static void align_chord( wisp_frozen_hair_def* def )
-{
-    def->freeze = def->clump = false;
-    def->blend_chord = true;
-}
-
 static void clump_by( wisp_frozen_hair_def* def, wisp_gap gap )
 {
     def->freeze = def->align = false;
@@ -49,34 +43,9 @@ static void clump_prose( wisp_frozen_hair_def* def )
     clump_by( def, WISP_GAP_ABSOLUTE );
 }
 
-static void clump_printed( wisp_frozen_hair_def* def )
-{
-    clump_by( def, WISP_GAP_SIGNED );
-}
-
-static void clump_closing( wisp_frozen_hair_def* def )
-{
-    clump_by( def, WISP_GAP_REVERSED );
-}
-
 static void clump_wet( wisp_frozen_hair_def* def )
 {
     clump_by( def, WISP_GAP_NONE );
-}
-
-static void clump_by_iteration( wisp_frozen_hair_def* def )
-{
-    clump_by( def, WISP_GAP_ABSOLUTE );
-    def->gap_by_iteration = true;
-}
-
-// All switches as printed in the paper.
-static void printed_form( wisp_frozen_hair_def* def )
-{
-    def->epsilon = 1e-6f;
-    def->blend_chord = true;
-    def->gap = WISP_GAP_SIGNED;
-    def->min_distance_clamp = false;
 }
 
 static void capped( wisp_frozen_hair_def* def )
@@ -100,13 +69,8 @@ static const golden_case cases[] = {
     { "plane-wavy-all", HAIR_WAVY, 2, 220, false, keep },
     { "space-curly-all", HAIR_CURLY, 3, 220, false, keep },
     { "space-straight-freeze", HAIR_STRAIGHT, 3, 150, false, freeze_only },
-    { "space-wavy-align-chord", HAIR_WAVY, 3, 150, false, align_chord },
     { "space-wavy-clump-prose", HAIR_WAVY, 3, 60, false, clump_prose },
-    { "space-wavy-clump-printed", HAIR_WAVY, 3, 60, false, clump_printed },
-    { "space-wavy-clump-closing", HAIR_WAVY, 3, 60, false, clump_closing },
     { "space-wavy-clump-wet", HAIR_WAVY, 3, 60, false, clump_wet },
-    { "plane-curly-clump-by-iteration", HAIR_CURLY, 2, 60, false, clump_by_iteration },
-    { "plane-wavy-printed-form", HAIR_WAVY, 2, 60, false, printed_form },
     { "space-curly-mixed-lengths", HAIR_CURLY, 3, 120, true, keep },
     { "space-wavy-capped", HAIR_WAVY, 3, 60, false, capped },
     { "plane-wavy-stroke", HAIR_WAVY, 2, 220, false, stroke },

@@ -47,7 +47,7 @@ static int count_changed( const wisp_vec3* a, const wisp_vec3* b, int first, int
 TEST( frames_without_a_command_change_no_bit_after_any_command )
 {
     hair_groom groom = wide_groom();
-    for ( int base = WISP_FROZEN_BASE_REST; base <= WISP_FROZEN_BASE_STROKE; ++base )
+    for ( int base = WISP_FROZEN_BASE_REST; base < WISP_FROZEN_BASE_COUNT; ++base )
     {
         wisp_frozen_hair_def def = stroke_def();
         def.base = (wisp_frozen_base)base;
@@ -117,7 +117,6 @@ TEST( each_strand_keeps_the_stiffness_and_intensity_of_its_own )
     wisp_frozen_hair_def def = stroke_def();
     def.clump = false;
     def.reach = 10.0f;
-    def.direction_from_root = true;
     def.strand_stretch_stiffness = def.strand_bend_stiffness = stiffness;
     def.strand_intensity = intensity;
     wisp_world* world = hair_world_create( NULL );

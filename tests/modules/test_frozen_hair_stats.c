@@ -114,29 +114,25 @@ TEST( a_high_intensity_turns_whole_strands_and_a_low_one_their_tips )
     {
         hair_groom groom = hair_groom_create( n < 2 ? HAIR_STRAIGHT : HAIR_WAVY, 2 + n % 2, 30, 20, 0.006f );
         wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ 0.5f, -0.1f, 0.0f } );
-        double upper[20], lower[20], chord[20], bow = 0.0;
+        double upper[20], lower[20];
         def.intensity = 0.8f;
         turn_profile( &groom, &def, upper );
         def.intensity = 0.2f;
         turn_profile( &groom, &def, lower );
-        def.blend_chord = true;
-        turn_profile( &groom, &def, chord );
         for ( int i = 2; i < 20; ++i )
         {
-            assert_true( upper[i] > upper[i - 1] && lower[i] > lower[i - 1] && chord[i] > chord[i - 1] );
+            assert_true( upper[i] > upper[i - 1] && lower[i] > lower[i - 1] );
         }
         assert_true( lower[1] < 0.3 * lower[19] && upper[1] > 0.75 * upper[19] );
         assert_true( upper[19] - upper[1] < 0.3 * ( lower[19] - lower[1] ) );
         hair_assert_close( upper[19], lower[19], 100.0 * u );
 
-        // linear in the index with the arc; with the chord bowed by more than a degree
+        // linear in the index
         for ( int i = 1; i < 20; ++i )
         {
             double line = lower[1] + ( lower[19] - lower[1] ) * ( i - 1 ) / 18.0;
             hair_assert_close( lower[i], line, n < 2 ? 100.0 * u : 0.01 );
-            bow = fmax( bow, fabs( chord[i] - ( chord[1] + ( chord[19] - chord[1] ) * ( i - 1 ) / 18.0 ) ) );
         }
-        assert_true( bow > pi / 180.0 );
         hair_groom_destroy( &groom );
     }
 }
@@ -225,7 +221,7 @@ static clumping clump_aligned( const hair_groom* groom, double spacing, int rule
     return c;
 }
 
-static const wisp_gap gap_rules[] = { WISP_GAP_NONE, WISP_GAP_SIGNED, WISP_GAP_ABSOLUTE };
+static const wisp_gap gap_rules[] = { WISP_GAP_NONE, WISP_GAP_ABSOLUTE };
 
 // Roots in parts of the clump radius of 1 cm. 0.12 is the density of the bench case of table 1.
 typedef struct density
@@ -238,9 +234,9 @@ typedef struct density
 static const density densities[] = { { 2, 100, 0.0012f, 0.92 }, { 2, 60, 0.002f, 0.5 }, { 2, 60, 0.004f, 0.45 },
                                      { 2, 40, 0.008f, 0.8 },    { 3, 64, 0.004f, 0.4 }, { 3, 64, 0.008f, 0.45 } };
 
-// Locks form at every density from that of table 1 on, under every rule and with other random numbers; more iterations clump
+// Locks form at every density from that of table 1 on, with and without the brake and with other random numbers; more iterations clump
 // more, as the paper says; gaps stay, and roots.
-TEST( clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_over_wet )
+TEST( clumping_gathers_aligned_hair_and_the_brake_leaves_gaps )
 {
     for ( int n = 0; n < 2 * 3 * WISP_COUNT( densities ); ++n )
     {
@@ -249,8 +245,8 @@ TEST( clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_over_wet 
         const double spacing = (double)d->spacing;
         hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), d->dimension, d->strands, 20, d->spacing );
         const clumping before = clump_aligned( &groom, spacing, -1, 4, seed );
-        clumping few[3], many[3];
-        for ( int r = 0; r < 3; ++r )
+        clumping few[2], many[2];
+        for ( int r = 0; r < 2; ++r )
         {
             few[r] = clump_aligned( &groom, spacing, (int)gap_rules[r], 4, seed );
             many[r] = clump_aligned( &groom, spacing, (int)gap_rules[r], 16, seed );
@@ -262,8 +258,7 @@ TEST( clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_over_wet 
             assert_true( few[r].nearest_gap >= fmin( before.nearest_gap, 0.0002 ) - 16.0 * u * 0.5 );
             assert_true( few[r].mean_gap < before.mean_gap );
         }
-        assert_true( few[2].mean_gap > few[1].mean_gap && few[1].mean_gap > few[0].mean_gap );
-        assert_true( many[2].mean_gap > many[1].mean_gap && many[1].mean_gap > many[0].mean_gap );
+        assert_true( few[1].mean_gap > few[0].mean_gap && many[1].mean_gap > many[0].mean_gap );
         hair_groom_destroy( &groom );
     }
 }
@@ -276,7 +271,7 @@ TEST( dense_hair_in_space_takes_more_iterations_to_gather )
     {
         hair_groom groom = hair_groom_create( (hair_shape)shape, 3, 64, 20, 0.002f );
         const clumping before = clump_aligned( &groom, 0.002, -1, 4, 1 );
-        for ( int r = 0; r < 3; ++r )
+        for ( int r = 0; r < 2; ++r )
         {
             const clumping few = clump_aligned( &groom, 0.002, (int)gap_rules[r], 4, 1 );
             const clumping many = clump_aligned( &groom, 0.002, (int)gap_rules[r], 40, 1 );
@@ -410,13 +405,11 @@ TEST( a_seed_repeats_and_another_seed_or_event_differs )
 // Discussion, 2D and 3D
 TEST( flat_hair_stays_flat_to_the_bit_and_refuses_depth )
 {
-    for ( int n = 0; n < 24; ++n )
+    for ( int n = 0; n < 12; ++n )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2, 40, 20, 0.004f );
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-        def.gap = (wisp_gap)( n / 3 % 4 );
-        def.blend_chord = n / 12 != 0;
-        def.epsilon = n / 12 != 0 ? 1e-6f : 0.0f;
+        def.gap = (wisp_gap)( n / 3 % 2 );
         def.bend_stiffness = 1.0f;
         def.cursor = ( wisp_vec3 ){ 0.08f, n % 2 == 0 ? -0.1f : 0.1f, n / 6 % 2 == 0 ? 0.0f : 0.05f };
         wisp_vec3* out = hair_run( NULL, &groom, &def );

@@ -41,13 +41,11 @@ static wisp_vec3* run_stroke( const hair_groom* groom, const wisp_frozen_hair_de
 
 TEST( the_first_command_of_a_stroke_is_that_from_rest_bit_for_bit )
 {
-    for ( int n = 0; n < 18; ++n )
+    for ( int n = 0; n < 12; ++n )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2 + n / 3 % 2, 60, 20, 0.004f );
         wisp_frozen_hair_def def = stroke_def();
-        def.blend_chord = n % 2 == 1;
-        def.reach_nearest = n % 4 > 1;
-        def.direction_from_root = n / 9 == 1;
+        def.reach_nearest = n / 6 == 1;
         def.cursor = ( wisp_vec3 ){ 0.1f, -0.1f, 0.0f };
         wisp_world* world = hair_world_create( NULL );
         const wisp_entity hair = hair_add_frozen( world, &groom, &def );
@@ -132,9 +130,7 @@ static wisp_frozen_hair_def changed_def( int n, int variant )
 {
     wisp_frozen_hair_def def = stroke_def();
     def.clump = false;
-    def.blend_chord = variant % 2 == 1;
-    def.reach_nearest = variant / 2 % 2 == 1;
-    def.direction_from_root = variant / 4 == 1;
+    def.reach_nearest = variant % 2 == 1;
     def.intensity = (float)( n % 5 ) * 0.25f;
     def.reach = 0.02f + 0.01f * (float)( n % 4 );
     def.stretch_stiffness = def.bend_stiffness = n % 7 > 3 ? 3.0f : 7.0f;
@@ -144,9 +140,9 @@ static wisp_frozen_hair_def changed_def( int n, int variant )
 
 TEST( a_stroke_with_changing_parameters_follows_the_oracle )
 {
-    for ( int variant = 0; variant < 16; ++variant )
+    for ( int variant = 0; variant < 12; ++variant )
     {
-        hair_groom groom = hair_groom_create( (hair_shape)( variant % 3 ), 2 + variant / 8, 60, 20, 0.004f );
+        hair_groom groom = hair_groom_create( (hair_shape)( variant % 3 ), 2 + variant / 6, 60, 20, 0.004f );
         wisp_frozen_hair_def def = changed_def( 0, variant );
         wisp_world* world = hair_world_create( NULL );
         const wisp_entity hair = hair_add_frozen( world, &groom, &def );
@@ -265,9 +261,9 @@ static stroke_result sweep_100( wisp_frozen_base base, int commands )
 
 TEST( a_hundred_commands_leave_all_swept_strands_aligned_and_the_noise_where_it_was )
 {
-    static const char* const names[] = { "rest", "previous", "stroke" };
+    static const char* const names[] = { "rest", "stroke" };
     static const int commands[] = { 20, 50, 100 };
-    for ( int n = 0; n < 9; ++n )
+    for ( int n = 0; n < 6; ++n )
     {
         const stroke_result r = sweep_100( (wisp_frozen_base)( n / 3 ), commands[n % 3] );
         print_message(
@@ -282,8 +278,7 @@ TEST( a_hundred_commands_leave_all_swept_strands_aligned_and_the_noise_where_it_
         }
         else
         {
-            // what the other bases do: forget, or repeat the noise
-            assert_true( n / 3 == WISP_FROZEN_BASE_REST ? r.aligned < r.swept / 2 : r.last > 4.0 * r.first );
+            assert_true( r.aligned < r.swept / 2 ); // from rest, a command forgets what the one before has aligned
         }
     }
 }
@@ -294,7 +289,6 @@ TEST( new_parameters_keep_the_alignment )
 {
     hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 60, 20, 0.004f );
     wisp_frozen_hair_def def = stroke_def();
-    def.direction_from_root = true; // what is turned to the cursor is exactly tip - root
     def.clump = false;
     wisp_world* world = hair_world_create( NULL );
     const wisp_entity hair = hair_add_frozen( world, &groom, &def );
@@ -324,7 +318,7 @@ TEST( new_parameters_keep_the_alignment )
     {
         const double3 a = double3_sub( double3_widen( before[s * 20 + 19] ), double3_widen( before[s * 20] ) );
         const double3 b = double3_sub( double3_widen( after[s * 20 + 19] ), double3_widen( after[s * 20] ) );
-        kept += double3_angle( a, b ) < 1e-5;
+        kept += double3_angle( a, b ) < 10.0 * degree;
         assert_false( hair_same_bits( before + s * 20, after + s * 20, 20 ) );
     }
     assert_true( kept > 40 ); // the swept ones; an unswept tip moves with the noise

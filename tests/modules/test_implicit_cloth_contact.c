@@ -298,32 +298,25 @@ static double lowest( wisp_world* world, wisp_entity e )
     return y;
 }
 
-TEST( what_falls_fast_lands_and_without_looking_ahead_falls_in_and_comes_out )
+TEST( what_falls_fast_lands )
 {
-    for ( int ahead = 0; ahead < 2; ++ahead )
+    hosted* h = new_solved( 1, 1 );
+    wisp_collider_def floor = wisp_default_collider_def();
+    add_collider( h->world, &floor );
+    test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.33f, 0.0f } );
+    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_entity e = add_solved( h->world, &mesh, &def, 10.0f );
+    test_mesh_free( &mesh );
+    assert_int_equal( wisp_set_velocity( h->world, e, ( wisp_vec3 ){ 0.0f, -10.0f, 0.0f }, ( wisp_vec3 ){ 0 } ),
+                      WISP_OK );
+    give_gravity( h->world, e, GRAVITY );
+    for ( int step = 0; step < 60; ++step )
     {
-        hosted* h = new_solved( 1, 1 );
-        wisp_collider_def floor = wisp_default_collider_def();
-        add_collider( h->world, &floor );
-        test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.33f, 0.0f } );
-        wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-        def.speculative = ahead == 1;
-        const wisp_entity e = add_solved( h->world, &mesh, &def, 10.0f );
-        test_mesh_free( &mesh );
-        assert_int_equal( wisp_set_velocity( h->world, e, ( wisp_vec3 ){ 0.0f, -10.0f, 0.0f }, ( wisp_vec3 ){ 0 } ),
-                          WISP_OK );
-        give_gravity( h->world, e, GRAVITY );
-        double deepest = 0.0;
-        for ( int step = 0; step < 60; ++step )
-        {
-            run_for( h->world, DT, 1 );
-            deepest = fmin( deepest, lowest( h->world, e ) );
-        }
-        assert_true( ahead == 1 ? deepest == 0.0 : deepest < -0.01 );
-        assert_true( lowest( h->world, e ) > -1e-6 );
-        assert_true( motion_stats_of( h->world, e ).speed_max < 1e-3 );
-        free_colliding( h );
+        run_for( h->world, DT, 1 );
+        assert_true( lowest( h->world, e ) >= 0.0 );
     }
+    assert_true( motion_stats_of( h->world, e ).speed_max < 1e-3 );
+    free_colliding( h );
 }
 
 // ---- drapes ----
@@ -380,7 +373,6 @@ TEST( cloth_on_every_body_comes_to_rest_and_is_never_deeper_than_a_millimetre )
     }
 }
 
-// Voxels need no Embree, and a tree gives the same results where there is one.
 TEST( cloth_on_a_mesh_comes_to_rest_like_on_other_bodies )
 {
     test_mesh ball = test_ball( 4 ); // radius 1
@@ -391,7 +383,6 @@ TEST( cloth_on_a_mesh_comes_to_rest_like_on_other_bodies )
     body.triangles = ball.triangles;
     body.point_count = ball.vertex_count;
     body.triangle_count = ball.triangle_count;
-    body.search = WISP_MESH_SEARCH_VOXELS;
     body.static_friction = 0.3f;
     body.kinetic_friction = 0.2f;
     const drape d = drape_on( &body, 0.3f, DT, 200.0f, 15.0 );

@@ -61,7 +61,7 @@ TEST( a_floor_carries_the_weight )
         assert_int_equal( wisp_request_reaction( h->world, floor, true ), WISP_OK );
         const wisp_implicit_cloth_def def =
             tight( k % 2 == 0 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2,
-                   k < 2 ? WISP_IMPLICIT_WEIGHTS_EFFECTIVE : WISP_IMPLICIT_WEIGHTS_PAIR );
+                   k < 2 ? WISP_IMPLICIT_WEIGHTS_EFFECTIVE : WISP_IMPLICIT_WEIGHTS_NONE );
         const wisp_entity e = add_square( h->world, 9, 0.4f, ( wisp_vec3 ){ 0.3f, 0.02f, -0.1f }, &def );
         give_gravity( h->world, e, 9.81f );
         run_for( h->world, DT, 100 );
@@ -98,7 +98,7 @@ TEST( bodies_get_what_the_cloth_loses )
         round.radius = 0.2f;
         const wisp_entity bodies[2] = { add_collider( h->world, &plane ), add_collider( h->world, &round ) };
         const wisp_implicit_cloth_def def =
-            tight( k == 0 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2, WISP_IMPLICIT_WEIGHTS_PAIR );
+            tight( k == 0 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2, WISP_IMPLICIT_WEIGHTS_NONE );
         const wisp_entity e = add_square( h->world, 13, 0.6f, ( wisp_vec3 ){ 0.05f, 0.25f, 0.02f }, &def );
         give_gravity( h->world, e, 9.81f );
         const double mass = 0.15 * 0.36; // kg, checked below
@@ -160,7 +160,7 @@ TEST( each_body_gets_what_it_stopped )
         wall.pose.rotation = about_z( -1.0 ); // its normal is ( sin 1, cos 1, 0 )
         const wisp_entity bodies[2] = { add_collider( h->world, &floor ), add_collider( h->world, &wall ) };
         wisp_implicit_cloth_def def =
-            tight( k == 0 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2, WISP_IMPLICIT_WEIGHTS_PAIR );
+            tight( k == 0 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2, WISP_IMPLICIT_WEIGHTS_NONE );
         def.stretch_stiffness = def.bend_stiffness = def.link_damping = 0.0f;
         const wisp_entity e = add_square( h->world, 2, 0.0001f, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, &def );
         for ( int i = 0; i < 2; ++i )

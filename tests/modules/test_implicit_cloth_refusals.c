@@ -91,8 +91,6 @@ IMPLICIT_TEST( every_count_and_choice_has_its_range )
         FIELD( max_iterations, -1, 1000001, INT32_MAX ),
         FIELD( stiffness_model, -1, WISP_IMPLICIT_STIFFNESS_COUNT, INT32_MAX ),
         FIELD( weights, -1, WISP_IMPLICIT_WEIGHTS_COUNT, INT32_MAX ),
-        FIELD( damping_form, -1, WISP_IMPLICIT_DAMPING_COUNT, INT32_MAX ),
-        FIELD( jacobian, -1, WISP_IMPLICIT_JACOBIAN_COUNT, INT32_MAX ),
         FIELD( integrator, -1, WISP_INTEGRATOR_COUNT, INT32_MAX ),
     };
 #undef FIELD
@@ -287,13 +285,11 @@ static int change_without_memory( int64_t n, bool rest, bool from_cloth )
     wisp_entity e = add_plain( &h );
     assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    def.warm_start = false;
     if ( from_cloth )
     {
         set_implicit( h.world, e, &def );
         run_steps( h.world, 3, DT );
     }
-    def.warm_start = true;
     def.integrator = WISP_INTEGRATOR_BDF2;
     const uint64_t before = wisp_world_hash( h.world );
     test_host_refuse( &h.host, n, rest );
@@ -404,7 +400,7 @@ IMPLICIT_TEST( cloths_of_one_world_do_not_know_of_each_other )
     hosted* h = *state;
     wisp_implicit_cloth_def soft = wisp_default_implicit_cloth_def(), stiff = soft;
     stiff.stretch_stiffness = 2000.0f;
-    stiff.weights = WISP_IMPLICIT_WEIGHTS_PAIR;
+    stiff.weights = WISP_IMPLICIT_WEIGHTS_NONE;
     wisp_entity a = add_sheet( h->world, &soft, 9, true ), b = add_sheet( h->world, &stiff, 7, true );
     wisp_entity c = add_sheet( h->world, &stiff, 9, true );
     run_steps( h->world, 5, DT );
@@ -447,7 +443,6 @@ IMPLICIT_TEST( a_cloth_can_be_changed_while_it_moves )
     {
         def.stretch_stiffness = stiffness[i];
         def.integrator = i == 1 ? WISP_INTEGRATOR_BDF2 : WISP_INTEGRATOR_EULER;
-        def.warm_start = i != 1;
         assert_status( h->world, wisp_set_implicit_cloth( h->world, e, &def ), WISP_OK );
         run_steps( h->world, 600, 0.01f );
         // vertex 1 carries two and a half: the last one counts half; positions are rounded by 1.5e-8 m
@@ -461,13 +456,12 @@ IMPLICIT_TEST( a_cloth_can_be_changed_while_it_moves )
 
 TEST( a_snapshot_goes_on_to_the_same_bits )
 {
-    for ( int variant = 0; variant < 4; ++variant )
+    for ( int variant = 0; variant < 2; ++variant )
     {
         hosted h;
         open_implicit( &h, 2 );
         wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-        def.integrator = variant % 2 == 0 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2;
-        def.warm_start = variant < 2;
+        def.integrator = variant == 0 ? WISP_INTEGRATOR_EULER : WISP_INTEGRATOR_BDF2;
         wisp_entity e = add_sheet( h.world, &def, 9, true );
         run_steps( h.world, 5, DT );
         const saved_world saved = save_world( h.world );

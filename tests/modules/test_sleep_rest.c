@@ -1,7 +1,13 @@
-// Sleep: when entities fall asleep, what they forget of how they moved, and what snapshots of them hold.
-#include "sleep_fixture.h"
-
+// Sleep: when entities fall asleep, what they forget of how they moved, what snapshots of them hold, the same bits for any
+// number of workers, and what is refused. Who wakes whom: the search along an axis finds what a comparison of all pairs
+// finds.
 #include "saved_world.h"
+#include "sleep_fixture.h"
+#include "support.h"
+
+#include "sleep_bounds.h"
+
+#include "wisp/module/random.h"
 
 static const float TEN_FRAMES = 10.0f / 60.0f;
 
@@ -203,4 +209,307 @@ TEST( a_snapshot_leaves_the_hash_of_what_sleeps )
     free( save_world( b.world ).bytes );
     assert_true( wisp_world_hash( b.world ) == before );
     close_world( &b.h );
+}
+
+// ---- bits ----
+
+static uint64_t run_pile( int workers, bool sleeps, bool restores, bool* slept )
+{
+    hosted h;
+    open_stage( &h, workers );
+    wisp_world* world = h.world;
+    const wisp_contact_def contact = contact_of( 0.01f );
+    const wisp_entity ball = add_ball( world, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+    wisp_entity sheets[2];
+    for ( int i = 0; i < 2; ++i )
+    {
+        sheets[i] = add_sheet( world, ( wisp_vec3 ){ 0.05f * (float)i, 0.02f + 0.03f * (float)i, 0.0f }, sleeps );
+        set_contact( world, sheets[i], &contact );
+    }
+    *slept = false;
+    for ( int i = 0; i < 200; ++i )
+    {
+        if ( i == 160 )
+        {
+            move_ball( world, ball, ( wisp_vec3 ){ 0.0f, 0.05f, 0.0f } );
+        }
+        if ( restores && i % 40 == 39 )
+        {
+            saved_world saved = save_world( world );
+            run_steps( world, 7, FRAME );
+            assert_status( world, wisp_world_restore( world, saved.bytes, saved.size ), WISP_OK );
+            free( saved.bytes );
+        }
+        run_steps( world, 1, FRAME );
+        *slept = *slept || wisp_is_asleep( world, sheets[0] );
+    }
+    uint64_t hash = 0;
+    for ( int i = 0; i < 2; ++i )
+    {
+        hash = 3 * hash + hash_of( world, sheets[i], WISP_SURFACE_POINTS );
+    }
+    close_world( &h );
+    return hash;
+}
+
+TEST( bits_do_not_depend_on_workers_nor_on_snapshots )
+{
+    bool slept;
+    const uint64_t expected = run_pile( 1, true, false, &slept );
+    assert_true( slept );
+    assert_true( run_pile( 3, true, false, &slept ) == expected );
+    assert_true( slept );
+    assert_true( run_pile( 1, true, true, &slept ) == expected );
+    assert_true( run_pile( 1, false, false, &slept ) != expected ); // what slept has missed some trembling
+}
+
+TEST( a_snapshot_of_sleep_goes_on_in_another_world )
+{
+    bed a, b;
+    open_bed( &a, 1 );
+    set_gravity( &a ); // a change that waits for the next step
+    saved_world saved = save_world( a.world );
+    open_bed( &b, 2 );
+    set_velocity( &b );
+    run_steps( b.world, 3, FRAME );
+    assert_status( b.world, wisp_world_restore( b.world, saved.bytes, saved.size ), WISP_OK );
+    free( saved.bytes );
+    assert_true( wisp_is_asleep( b.world, b.sheet ) );
+    assert_true( wisp_world_hash( a.world ) == wisp_world_hash( b.world ) );
+    run_steps( a.world, 5, FRAME );
+    run_steps( b.world, 5, FRAME );
+    assert_false( wisp_is_asleep( b.world, b.sheet ) );
+    assert_true( hash_of( a.world, a.sheet, WISP_SURFACE_POINTS ) ==
+                 hash_of( b.world, b.sheet, WISP_SURFACE_POINTS ) );
+    close_world( &a.h );
+    close_world( &b.h );
+}
+
+enum
+{
+    CROWD = 9,
+};
+
+// Sheets that hang from a pin and come to rest one after another. Several have substep loops of their own.
+static void run_crowd( int first, int count, int workers, uint64_t hashes[CROWD], int asleep[CROWD] )
+{
+    hosted h;
+    open_stage( &h, workers );
+    wisp_entity sheets[CROWD];
+    for ( int i = first; i < first + count; ++i )
+    {
+        const int32_t pins[] = { 0, 5 };
+        test_mesh mesh = hanging_mesh( 6, 6, 0.05f, 0.05f );
+        for ( int v = 0; v < mesh.vertex_count; ++v )
+        {
+            mesh.points[v].z = 0.02f * (float)( v / 6 ) * (float)( i % 3 );
+        }
+        sheets[i] = add_draping( h.world, &mesh, pins, 2, EARTH );
+        assert_status( h.world, wisp_set_damping( h.world, sheets[i], 2.0f + (float)i ), WISP_OK );
+        let_sleep( h.world, sheets[i] );
+    }
+    run_steps( h.world, 130, FRAME );
+    for ( int i = first; i < first + count; ++i )
+    {
+        hashes[i] = hash_of( h.world, sheets[i], WISP_SURFACE_POINTS );
+        asleep[i] = wisp_is_asleep( h.world, sheets[i] ) ? 1 : 0;
+    }
+    close_world( &h );
+}
+
+TEST( a_crowd_of_which_some_sleep_has_the_bits_of_each_alone )
+{
+    uint64_t alone[CROWD], together[CROWD], with_workers[CROWD];
+    int asleep[CROWD], asleep_together[CROWD], sum = 0;
+    for ( int i = 0; i < CROWD; ++i )
+    {
+        run_crowd( i, 1, 1, alone, asleep );
+        sum += asleep[i];
+    }
+    assert_true( sum > 0 && sum < CROWD );
+    run_crowd( 0, CROWD, 1, together, asleep_together );
+    run_crowd( 0, CROWD, 3, with_workers, asleep_together );
+    for ( int i = 0; i < CROWD; ++i )
+    {
+        assert_int_equal( asleep[i], asleep_together[i] );
+        assert_true( alone[i] == together[i] );
+        assert_true( alone[i] == with_workers[i] );
+    }
+}
+
+static uint64_t fall_for( int steps, bool sleeps, int* passes )
+{
+    hosted h;
+    open_stage( &h, 1 );
+    const wisp_entity e = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 0.3f, 0.0f }, sleeps );
+    run_steps( h.world, steps, FRAME );
+    assert_false( wisp_is_asleep( h.world, e ) );
+    const uint64_t hash = hash_of( h.world, e, WISP_SURFACE_POINTS );
+    *passes = wisp_world_plan_passes( h.world );
+    close_world( &h );
+    return hash;
+}
+
+TEST( what_never_sleeps_has_the_same_bits_and_one_pass_more )
+{
+    int with, without;
+    assert_true( fall_for( 40, true, &with ) == fall_for( 40, false, &without ) );
+    assert_int_equal( with, without + 1 );
+}
+
+TEST( sleep_without_memory_changes_nothing )
+{
+    hosted h;
+    open_stage( &h, 1 );
+    const wisp_entity e = add_sheet( h.world, ( wisp_vec3 ){ 0.0f, 0.3f, 0.0f }, false );
+    run_steps( h.world, 1, FRAME );
+    const uint64_t before = wisp_world_hash( h.world );
+    const wisp_sleep_def def = wisp_default_sleep_def();
+    int refused = 0;
+    for ( int after = 0; after < 20; ++after )
+    {
+        h.host.refuse = h.host.queried + 1 + after;
+        const wisp_status status = wisp_set_sleep( h.world, e, &def );
+        h.host.refuse = 0;
+        if ( status == WISP_OK )
+        {
+            break;
+        }
+        assert_int_equal( status, WISP_NO_MEMORY );
+        assert_true( wisp_world_hash( h.world ) == before );
+        refused += 1;
+    }
+    assert_true( refused > 0 );
+    close_world( &h );
+}
+
+TEST( what_cannot_sleep_is_refused )
+{
+    bed b;
+    open_bed( &b, 1 );
+    const uint64_t before = wisp_world_hash( b.world );
+    wisp_sleep_def def = wisp_default_sleep_def();
+    def.max_speed = -1.0f;
+    expect_refusal( b.world, wisp_set_sleep( b.world, b.sheet, &def ), WISP_BAD_INPUT, "max_speed: got -1" );
+    def.max_speed = NAN;
+    expect_refusal( b.world, wisp_set_sleep( b.world, b.sheet, &def ), WISP_BAD_INPUT, "max_speed: got nan" );
+    def = wisp_default_sleep_def();
+    def.seconds = INFINITY;
+    expect_refusal( b.world, wisp_set_sleep( b.world, b.sheet, &def ), WISP_BAD_INPUT, "seconds: got inf" );
+    def = wisp_default_sleep_def();
+    expect_refusal( b.world, wisp_set_sleep( b.world, b.ball, &def ), WISP_CONFLICT, "is neither a surface nor" );
+    assert_true( wisp_is_asleep( b.world, b.sheet ) );
+    assert_true( wisp_world_hash( b.world ) == before );
+    assert_false( wisp_is_asleep( b.world, ( wisp_entity ){ 99, 1 } ) );
+    assert_false( wisp_is_asleep( NULL, b.sheet ) );
+    close_world( &b.h );
+}
+
+// ---- who wakes whom ----
+
+enum
+{
+    MOST = 400,
+};
+
+static float pair_reach( const sleep_box* a, const sleep_box* b )
+{
+    float longest = 0.0f;
+    for ( int k = 0; k < 3; ++k )
+    {
+        longest = fmaxf( longest, a->bounds.upper[k] - a->bounds.lower[k] );
+    }
+    return a->reach + b->reach + 1e-3f * longest;
+}
+
+// All pairs, over and over.
+static void stir_slowly( sleep_box* boxes, int count )
+{
+    for ( bool changed = true; changed; )
+    {
+        changed = false;
+        for ( int i = 0; i < count; ++i )
+        {
+            for ( int k = 0; k < count && boxes[i].is_still && boxes[i].reach >= 0.0f; ++k )
+            {
+                const bool stirs =
+                    boxes[k].is_still == false && boxes[k].reach >= 0.0f &&
+                    wisp_bounds_touch( &boxes[i].bounds, &boxes[k].bounds, pair_reach( boxes + i, boxes + k ) );
+                boxes[i].is_still = stirs ? false : boxes[i].is_still;
+                changed = changed || stirs;
+            }
+        }
+    }
+}
+
+// Boxes of several sizes in a room that is longer along one axis; some act on none, and few are not still.
+static void make_boxes( uint64_t seed, int count, float room, sleep_box* out )
+{
+    const wisp_random_key key = wisp_random_make_key( seed, 0, 0 );
+    for ( int i = 0; i < count; ++i )
+    {
+        float u[9];
+        for ( uint32_t k = 0; k < 9; ++k )
+        {
+            u[k] = wisp_random_unit_float( key, (uint32_t)i, k, 0 );
+        }
+        out[i].reach = u[6] < 0.1f ? -1.0f : 0.2f * u[6];
+        out[i].is_still = u[7] > 0.03f;
+        for ( int k = 0; k < 3; ++k )
+        {
+            const float at = room * u[k] * ( k == (int)( seed % 3 ) ? 10.0f : 1.0f );
+            const float size = u[8] > 0.95f ? room : u[3 + k];
+            out[i].bounds.lower[k] = at;
+            out[i].bounds.upper[k] = i % 7 == 0 ? at : at + size; // some are points
+        }
+    }
+}
+
+TEST( a_search_along_an_axis_stirs_whom_all_pairs_stir )
+{
+    static sleep_box found[MOST], expected[MOST];
+    void* room = checked_calloc( sleep_stir_bytes( MOST ), 1 );
+    int stirred = 0, left = 0;
+    for ( uint64_t seed = 0; seed < 60; ++seed )
+    {
+        const int count = seed < 3 ? (int)seed : MOST - (int)( 5 * seed );
+        make_boxes( seed, count, 4.0f + 0.5f * (float)( seed % 10 ), found );
+        memcpy( expected, found, sizeof found );
+        sleep_stir( found, count, room );
+        const sleep_box* before = expected;
+        for ( int i = 0; i < count; ++i )
+        {
+            stirred += before[i].is_still && !found[i].is_still;
+            left += found[i].is_still && found[i].reach >= 0.0f;
+        }
+        stir_slowly( expected, count );
+        for ( int i = 0; i < count; ++i )
+        {
+            assert_int_equal( found[i].is_still, expected[i].is_still );
+        }
+    }
+    assert_true( stirred > 1000 && left > 1000 );
+    free( room );
+}
+
+TEST( a_chain_is_stirred_from_its_end_in_any_order )
+{
+    static sleep_box boxes[MOST];
+    void* room = checked_calloc( sleep_stir_bytes( MOST ), 1 );
+    for ( int way = 0; way < 2; ++way )
+    {
+        for ( int i = 0; i < MOST; ++i )
+        {
+            const float at = (float)( way == 0 ? i : MOST - 1 - i );
+            boxes[i] = ( sleep_box ){ { { at, 0, 0 }, { at + 1.0f, 1, 1 } }, 0.0f, i > 0 };
+        }
+        boxes[MOST - 2].bounds.upper[0] = boxes[MOST - 2].bounds.lower[0] + 0.9f; // a gap on one side
+        boxes[MOST - 2].bounds.lower[0] += 0.1f;
+        sleep_stir( boxes, MOST, room );
+        for ( int i = 0; i < MOST; ++i )
+        {
+            assert_int_equal( boxes[i].is_still, i >= MOST - 2 );
+        }
+    }
+    free( room );
 }

@@ -12,16 +12,6 @@ enum
     RING = 49, // vertices, the last of which is the first
 };
 
-static void assert_fraction( double measured, double reference, double tolerance, const char* what )
-{
-    // written so that a NaN fails
-    if ( !( fabs( measured / reference - 1.0 ) <= tolerance ) )
-    {
-        fail_msg( "%s: %.9g measured, %.9g by the closed form: %.4f %% off, tolerated %.4f %%", what, measured,
-                  reference, 100.0 * ( measured / reference - 1.0 ), 100.0 * tolerance );
-    }
-}
-
 // A ring of 1 m in the xy plane around the origin.
 static void lay_ring( int count, wisp_vec3* points )
 {

@@ -69,16 +69,6 @@ static wisp_vec3 tip_of( const single* one )
     return strand_points( one->s.world, one->e )[one->count - 1];
 }
 
-static void assert_fraction( double measured, double reference, double tolerance, const char* what )
-{
-    // written so that a NaN fails
-    if ( !( fabs( measured / reference - 1.0 ) <= tolerance ) )
-    {
-        fail_msg( "%s: %.9g measured, %.9g by the closed form: %.4f %% off, tolerated %.4f %%", what, measured,
-                  reference, 100.0 * ( measured / reference - 1.0 ), 100.0 * tolerance );
-    }
-}
-
 // ---- swings ----
 
 /// Times at which a value passes through 0, by linear interpolation between frames, and the largest values between

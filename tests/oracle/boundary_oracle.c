@@ -193,9 +193,9 @@ double boundary_oracle_spacing_by_strain( double d, double gain, double length, 
     return gain < 0.0 ? d * factor : d / factor;
 }
 
-double boundary_oracle_spacing_by_screen( double3 eye, double3 middle, double pixel_angle, double pixels )
+double boundary_oracle_spacing_by_distance( double3 eye, double3 middle, double eye_angle )
 {
-    return double3_distance( eye, middle ) * pixel_angle * pixels;
+    return double3_distance( eye, middle ) * eye_angle;
 }
 
 double boundary_oracle_local_spacing( const boundary_oracle_criteria* criteria, double d, double3 p0, double3 p1,
@@ -211,10 +211,10 @@ double boundary_oracle_local_spacing( const boundary_oracle_criteria* criteria, 
         queried = fmin( queried, boundary_oracle_spacing_by_strain( d, criteria->strain_gain,
                                                                     double3_distance( p0, p1 ), rest ) );
     }
-    if ( criteria->by_screen )
+    if ( criteria->eye_angle > 0.0 )
     {
-        queried = fmin( queried, boundary_oracle_spacing_by_screen( criteria->eye, double3_blend( p0, p1, 0.5 ),
-                                                                    criteria->pixel_angle, criteria->pixels ) );
+        queried = fmin( queried, boundary_oracle_spacing_by_distance( criteria->eye, double3_blend( p0, p1, 0.5 ),
+                                                                      criteria->eye_angle ) );
     }
     queried = isinf( queried ) ? d : queried;
     return fmin( fmax( queried, criteria->least ), criteria->most );

@@ -110,24 +110,22 @@ double3 boundary_oracle_inner_normal( const double3 normal[3], const boundary_or
 
 // ---- local spacing, one value per edge ----
 
-/// A gain of 0 disables its criterion; so does a screen of 0.
+/// A gain or an angle of 0 disables its criterion.
 typedef struct boundary_oracle_criteria
 {
     double least, most;    ///< m
     double curvature_gain; ///< 1/rad: d / (1 + gain angle)
     double strain_gain;    ///< d / (1 + gain |l/l0 - 1|), or d (1 + |gain| |l/l0 - 1|) when it is negative
-    bool by_screen;        ///< length of `pixels` at the edge's middle
+    double eye_angle;      ///< rad, that the spacing spans at the edge's middle
     double3 eye;           ///< m
-    double pixel_angle;    ///< rad
-    double pixels;
 } boundary_oracle_criteria;
 
 /// By curvature. @param n0, n1 unit vertex normals of the ends
 double boundary_oracle_spacing_by_curvature( double d, double gain, double3 n0, double3 n1 );
 /// By strain. @param rest m; without a rest length there is no strain
 double boundary_oracle_spacing_by_strain( double d, double gain, double length, double rest );
-/// By distance on the screen.
-double boundary_oracle_spacing_by_screen( double3 eye, double3 middle, double pixel_angle, double pixels );
+/// By distance from the eye.
+double boundary_oracle_spacing_by_distance( double3 eye, double3 middle, double eye_angle );
 /// clamp( the smallest spacing of all criteria, least, most ); d without a criterion.
 double boundary_oracle_local_spacing( const boundary_oracle_criteria* criteria, double d, double3 p0, double3 p1,
                                       double3 n0, double3 n1, double rest );

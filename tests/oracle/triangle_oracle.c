@@ -220,11 +220,7 @@ void triangle_oracle_damping_forces( const triangle_oracle* cloth, const double3
     {
         const int i = cloth->link[k].i, j = cloth->link[k].j;
         const triangle_oracle_term term = triangle_oracle_term_at( cloth, k, x );
-        double3 apart = double3_sub( v[i], v[j] );
-        if ( cloth->params.damping_form == TRIANGLE_ORACLE_DAMPING_AXIAL )
-        {
-            apart = double3_scale( double3_dot( apart, term.direction ), term.direction );
-        }
+        const double3 apart = double3_sub( v[i], v[j] );
         const double rate = term.length > 0.0 ? cloth->link[k].scale * cloth->link[k].damping : 0.0;
         force[i] = double3_add_scaled( force[i], -rate, apart );
         force[j] = double3_add_scaled( force[j], rate, apart );

@@ -18,7 +18,6 @@ typedef enum triangle_oracle_weights
 {
     TRIANGLE_ORACLE_WEIGHTS_EFFECTIVE, ///< rows divided by w_i: symmetric forces, masses m |N| / max |N| (default)
     TRIANGLE_ORACLE_WEIGHTS_NONE,      ///< 1
-    TRIANGLE_ORACLE_WEIGHTS_PAIR,      ///< each link times (w_i + w_j) / 2, true masses
 } triangle_oracle_weights;
 
 typedef enum triangle_oracle_stiffness
@@ -26,12 +25,6 @@ typedef enum triangle_oracle_stiffness
     TRIANGLE_ORACLE_STIFFNESS_LINK,     ///< all links alike (default)
     TRIANGLE_ORACLE_STIFFNESS_MATERIAL, ///< a link is weighted by its length and area; only with the mesh's own links
 } triangle_oracle_stiffness;
-
-typedef enum triangle_oracle_damping
-{
-    TRIANGLE_ORACLE_DAMPING_ISOTROPIC, ///< (14) as printed (default)
-    TRIANGLE_ORACLE_DAMPING_AXIAL,     ///< along the link only
-} triangle_oracle_damping;
 
 typedef enum triangle_oracle_jacobian
 {
@@ -49,7 +42,6 @@ typedef struct triangle_oracle_params
 {
     triangle_oracle_weights weights;
     triangle_oracle_stiffness stiffness;
-    triangle_oracle_damping damping_form;
     triangle_oracle_jacobian jacobian;
     triangle_oracle_integrator integrator;
 
@@ -57,14 +49,13 @@ typedef struct triangle_oracle_params
     double bend_stiffness;        ///< k_b, N m^2, default 1e-6: not with `sheet`
     double bend_rigidity;         ///< D, N m, default 5e-6: with `sheet`
     double compression_stiffness; ///< c_b, N/m, default 0: as stretch
-    double damping;               ///< k_d of a link, N s/m, default 0.02
+    double damping;               ///< k_d of a link, N s/m, default 0.02: of all relative velocity (14)
     double drag;                  ///< 1/s, against the world at rest: v <- v / (1 + drag h) before gravity; default 0
     double3 gravity;              ///< m/s^2, default -9.81 along y
 
     int newton_iterations;     ///< linear solves per substep, default 1
     double tolerance;          ///< of conjugate gradients, default 1e-12
     int max_iterations;        ///< default 0: three per vertex, at least 100
-    bool warm_start;           ///< default true
     bool dense;                ///< elimination in place of conjugate gradients, default false
     bool speculative;          ///< contact: a vertex that would enter a body lands; default true
     double release_hysteresis; ///< times m |g| h: a smaller pull does not let go; default 1e-4
@@ -102,7 +93,7 @@ typedef struct triangle_oracle_link
     double area;    ///< m^2, of the triangles at it
     double ramp;    ///< N/m, c
     double damping; ///< N s/m
-    double scale;   ///< of all its forces: (w_i + w_j) / 2 with weights `pair`, else 1
+    double scale;   ///< of all its forces, 1
 } triangle_oracle_link;
 
 /// A link at the positions of its ends. All values are 0 when they coincide: without a direction it gives no force,

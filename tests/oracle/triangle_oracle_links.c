@@ -14,7 +14,6 @@ triangle_oracle_params triangle_oracle_default_params( void )
         .gravity = { 0.0, -9.81, 0.0 },
         .newton_iterations = 1,
         .tolerance = 1e-12,
-        .warm_start = true,
         .speculative = true,
         .release_hysteresis = 1e-4,
     };
@@ -238,11 +237,6 @@ static void weigh( triangle_oracle* cloth, const double* masses )
         cloth->true_mass[i] = masses[i];
         const bool effective = cloth->params.weights == TRIANGLE_ORACLE_WEIGHTS_EFFECTIVE;
         cloth->mass[i] = effective ? masses[i] / cloth->weight[i] : masses[i];
-    }
-    for ( int k = 0; k < cloth->link_count && cloth->params.weights == TRIANGLE_ORACLE_WEIGHTS_PAIR; ++k )
-    {
-        triangle_oracle_link* link = cloth->link + k;
-        link->scale = 0.5 * ( cloth->weight[link->i] + cloth->weight[link->j] );
     }
 }
 

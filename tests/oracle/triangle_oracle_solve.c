@@ -80,9 +80,8 @@ static triangle_oracle_matrix block_of( const triangle_oracle* cloth, int k )
     const triangle_oracle_term* t = cloth->term + k;
     const double s = cloth->s;
     const double rate = t->length > 0.0 ? cloth->link[k].scale * cloth->link[k].damping : 0.0;
-    const bool axial = cloth->params.damping_form == TRIANGLE_ORACLE_DAMPING_AXIAL;
     const double along = s * s * t->k1 + s * rate;
-    const double across = s * s * t->k2 + ( axial ? 0.0 : s * rate );
+    const double across = s * s * t->k2 + s * rate;
     const double d[3] = { t->direction.x, t->direction.y, t->direction.z };
     triangle_oracle_matrix block;
     for ( int a = 0; a < 3; ++a )
@@ -477,7 +476,7 @@ static void solve_once( triangle_oracle* cloth, int repeat, double s, const doub
         b[i] = double3_add( b[i], cloth->push[i] );
     }
     // the change of a repeated solve is small and unrelated to the previous one
-    if ( cloth->params.warm_start && repeat == 0 )
+    if ( repeat == 0 )
     {
         copy_vectors( cloth, dv, cloth->change );
     }

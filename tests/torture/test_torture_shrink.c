@@ -1,7 +1,7 @@
 // The shrinker, with judges that need no engine.
 #include "torture_fixture.h"
 
-#include "torture_shrink.h"
+#include "torture_search.h"
 
 static const char SCENE[] = "wisp: 1\n"
                             "steps: 240\n"

@@ -324,7 +324,7 @@ typedef enum wisp_counter
     WISP_COUNT_HALTED = 6,        ///< entities restored to their last valid state and halted
     WISP_COUNT_STRAND_RESET = 7,  ///< strands too far from their rest lengths to be solved, reset from the root
     WISP_COUNT_NOT_CONVERGED = 8, ///< linear solves that reached their iteration limit
-    WISP_COUNT_INDEFINITE = 9,    ///< linear solves that met negative curvature and were made again
+    WISP_COUNT_INDEFINITE = 9,    ///< linear solves that met negative curvature and stopped
     WISP_COUNT_DEGENERATE_LINK =
         10, ///< links between coincident vertices, which have no direction, at each projection
     WISP_COUNT_STIFFNESS_CLAMPED = 11, ///< substeps whose links were too stiff for single precision and were softened

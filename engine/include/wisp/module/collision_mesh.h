@@ -16,7 +16,6 @@
 
 #include "wisp/module/jobs.h"
 #include "wisp/module/shapes.h"
-#include "wisp/variants.h"
 
 WISP_BEGIN_C
 
@@ -36,35 +35,28 @@ typedef struct wisp_collision_mesh_def
     int triangle_count; ///< >= 1. Triangles without area are allowed: they are found by distance, but no path crosses them
     bool
         deforms; ///< points will move against each other; without it the mesh moves as a rigid body, if at all. The tree of a
-                 ///< mesh that deforms needs no Embree
-    size_t memory_limit; ///< bytes that Embree may take beside the host's allocator, or that the voxels may take from
-                         ///< it; 0: no limit. Voxels become larger to keep it
-    wisp_mesh_search search; ///< default the tree
-    float
-        voxel_size; ///< m, > 0, the edge of a voxel; 0: the mean edge of the triangles. Voxels are larger where there
-                    ///< would be more than 16 of them, or 64 places in their lists, a triangle
+                 ///< rigid mesh is Embree's where the library has it, with the same results
+    size_t memory_limit; ///< bytes that Embree may take beside the host's allocator; 0: no limit
 } wisp_collision_mesh_def;
 
 /// Build a collision mesh. A rigid mesh is queried in its own frame (wisp_transform_to_local()) and never changes.
 /// @param allocator may be null; copied. Embree takes its nodes elsewhere: see memory_limit and wisp_collision_mesh_bytes()
 /// @param mesh receives the collision mesh, null on failure
 /// @param error may be null
-/// @return WISP_BAD_INPUT a point, an index, the search or the size of voxels is wrong (the message names the first);
-///         WISP_NO_MEMORY; WISP_CONFLICT a tree was chosen, but the library was built without Embree, or Embree lacks
-///         what is needed
+/// @return WISP_BAD_INPUT a point or an index is wrong (the message names the first); WISP_NO_MEMORY; WISP_CONFLICT Embree
+///         lacks what is needed
 WISP_API wisp_status wisp_collision_mesh_create( const wisp_collision_mesh_def* def, const wisp_allocator* allocator,
                                                  wisp_collision_mesh** mesh, wisp_error* error );
 
 /// Null is allowed.
 WISP_API void wisp_collision_mesh_release( wisp_collision_mesh* mesh );
 
-/// Move the points of a mesh that deforms along straight lines. The tree is refitted to the whole motion; voxels are built again.
+/// Move the points of a mesh that deforms along straight lines. The tree is refitted to the whole motion.
 /// Queries have times in [0, 1] of the motion.
 /// @param start [point_count] m; null: the mesh is at `end` all the time
 /// @param end [point_count] m. All points are checked first: a wrong one leaves everything as it was
 /// @param parallel for the refit; null: the calling thread
-/// @return WISP_BAD_INPUT a point is not finite or out of reach; WISP_CONFLICT the mesh is rigid; WISP_NO_MEMORY of voxels,
-///         which stay as they were. A tree needs no memory
+/// @return WISP_BAD_INPUT a point is not finite or out of reach; WISP_CONFLICT the mesh is rigid
 /// @note Not while queries run.
 WISP_API wisp_status wisp_collision_mesh_update( wisp_collision_mesh* mesh, const wisp_vec3* start,
                                                  const wisp_vec3* end, const wisp_parallel* parallel,
@@ -82,7 +74,7 @@ typedef struct wisp_mesh_place
 WISP_API wisp_mesh_place wisp_collision_mesh_place( const wisp_collision_mesh* mesh, int32_t triangle,
                                                     const float weights[3], float time );
 
-/// @return bytes of the tree or the voxels, Embree's included
+/// @return bytes of the tree, Embree's included
 WISP_API size_t wisp_collision_mesh_bytes( const wisp_collision_mesh* mesh );
 /// @return bytes of those that are Embree's, and not of the allocator
 WISP_API size_t wisp_collision_mesh_outside_bytes( const wisp_collision_mesh* mesh );
@@ -93,11 +85,7 @@ typedef struct wisp_collision_mesh_stats
     int open_edge_count; ///< edges without exactly two triangles that run along them in opposite directions: with none
                          ///< the mesh is closed and has an inside
     int flat_triangle_count; ///< triangles without area
-    int build_count, refit_count;
-    wisp_mesh_search search;
-    float voxel_size; ///< m, edge of a voxel as built; 0: no voxels
-    int voxel_count;
-    bool coarse; ///< voxels are larger than voxel_size
+    int refit_count;
 } wisp_collision_mesh_stats;
 
 WISP_API wisp_collision_mesh_stats wisp_collision_mesh_get_stats( const wisp_collision_mesh* mesh );

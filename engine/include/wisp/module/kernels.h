@@ -12,7 +12,6 @@
 #include "wisp/module/surface_kernels.h"
 #include "wisp/module/particle_batch.h"
 #include "wisp/module/shapes.h"
-#include "wisp/variants.h"
 
 WISP_BEGIN_C
 
@@ -101,24 +100,21 @@ typedef struct wisp_adhesion_args
     const int32_t* vertex;        ///< [slot] index of the vertex in its strand; 0 is the root, which does not move
     wisp_neighbour_list attracting[2]; ///< lists of the first sweep, summed in this order
     int attracting_count;
-    wisp_neighbour_list reference[2]; ///< lists of the second sweep: neighbours at the reference shape
-    int reference_count;
-    wisp_reference_pairs* pairs; ///< of reference[0]; null: the second sweep measures distances at `current`
-    bool stores_pairs;           ///< the first sweep runs over reference[0] alone and fills `pairs`
+    wisp_neighbour_list reference; ///< list of the second sweep: neighbours at the reference shape
+    wisp_reference_pairs* pairs;   ///< of `reference`
+    bool stores_pairs;             ///< the first sweep runs over `reference` alone and fills `pairs`
     float search_margin;   ///< m, a vertex that has moved farther than this since the last search needs a new one
     uint8_t* needs_search; ///< [slice] one bit per lane, set by the second sweep, or by the first if there is no
                            ///< brake
     wisp_random_key key;
     uint32_t iteration;
-    float radius;            ///< h, m
-    float step;              ///< sigma, m
-    float epsilon;           ///< m, added to r in the direction, as the paper prints it; 0: omitted
-    float distance_min;      ///< r_min, m; minimum distance that the guard keeps between vertices of a pair
-    float lambda_min;        ///< minimum of the brake's factor, reached where the distance changes by h
-    bool min_distance_clamp; ///< enables the guard
-    bool planar;             ///< all z are 0
-    bool in_plane;           ///< vertices move along x and y only
-    int gap;                 ///< a wisp_gap value
+    float radius;       ///< h, m
+    float step;         ///< sigma, m
+    float distance_min; ///< r_min, m; minimum distance that the guard keeps between vertices of a pair
+    float lambda_min;   ///< minimum of the brake's factor, reached where the distance changes by h
+    bool planar;        ///< all z are 0
+    bool in_plane;      ///< vertices move along x and y only
+    bool brakes;        ///< there is a second sweep
 } wisp_adhesion_args;
 
 /// Arguments of time integration of particles (Mueller et al. 2007, algorithm 1). Pinned particles keep their

@@ -28,8 +28,7 @@ typedef struct wisp_samples_args
     /// Counts stay while lengths are within this many spacings of where they would change; 0: exact comparison. All counts of a
     /// triangle are computed again when its axis or one of them changes.
     float hysteresis;
-    bool scanline; ///< normals of inner points between those of their line's ends, instead of by the three weights
-    int limit;     ///< most points, >= 0; beyond it the old points stay, and `refused` is set
+    int limit; ///< most points, >= 0; beyond it the old points stay, and `refused` is set
 
     // State kept from call to call, owned by the caller: zero at the first call. It may be put back to that of an
     // earlier call at any time; points are those that belong to it. Lengths are over the spacing.

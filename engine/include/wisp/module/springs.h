@@ -45,8 +45,6 @@ typedef struct wisp_spring_args
         compression_margin; ///< share of its rest length that a link may lack and still be stiff, though it does not pull
     float max_stiffness; ///< N/m, k and c of links are no larger; 0: they are what they are
     bool is_repeat;
-    bool axial_damping;       ///< along links only
-    bool full_jacobian;       ///< with the negative term of bending across links
     float ( *axis )[4][8];    ///< [entry] e in sqrt(kg), K2 in kg
     float ( *rhs )[3][8];     ///< [slice] b, kg m/s
     float ( *inverse )[6][8]; ///< [slice] inverse of A_ii, 1/kg: xx, xy, xz, yy, yz, zz

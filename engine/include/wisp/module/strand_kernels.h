@@ -3,7 +3,6 @@
 
 #include "wisp/module/random.h"
 #include "wisp/module/shapes.h"
-#include "wisp/variants.h"
 
 WISP_BEGIN_C
 
@@ -23,7 +22,6 @@ typedef struct wisp_strand_jitter_args
     const float* bend;          ///< [group_count][16] bending stiffness k_b > 0
     wisp_random_key length_key, angle_key, axis_key;
     float angle_max; ///< rad, maximum angle, reached at stiffness 1
-    float epsilon;   ///< added to denominators, as the paper prints it; 0: omitted
     int dimension;   ///< 2: a straight strand bends about the z axis; 3: about a random perpendicular
     bool in_plane;   ///< a straight strand bends along x and y, whatever its z
 } wisp_strand_jitter_args;
@@ -38,8 +36,6 @@ typedef struct wisp_strand_align_args
     const float* intensity;    ///< [group_count][16] weight x at the root, in [0, 1]
     wisp_vec3 target;          ///< m
     float radius;              ///< m, strands outside keep their bits; below 0: all are outside
-    bool chord;                ///< blend positions, as the paper prints it, instead of rotating by part of the angle
-    bool from_root;            ///< strand direction is tip - root instead of tip - mean
     bool nearest;              ///< a strand is inside if any vertex is within radius, not only the tip
     int dimension;             ///< 2: a strand that points away from the target turns about the z axis
     bool in_plane;             ///< turn about the z axis, by directions and distances without z: z keeps its bits
@@ -274,25 +270,16 @@ typedef struct wisp_strand_bounds
     float max_path;         ///< m, maximum distance from start to end
 } wisp_strand_bounds;
 
-/// Weight of a change of velocity, from the velocity v now and v0 one step earlier.
-typedef enum wisp_elastic
-{
-    WISP_ELASTIC_CHANGE,  ///< 1/2 - 1/2 cos(v, v0); 0 if either speed is below 1e-6 m/s
-    WISP_ELASTIC_COSINE,  ///< 1/2 + 1/2 cos(v, v0); 1/2 if either speed is below 1e-6 m/s
-    WISP_ELASTIC_PRODUCT, ///< 1/2 v . v0 + 1/2
-    WISP_ELASTIC_NONE,    ///< 0
-} wisp_elastic;
-
 /// Arguments of the table of values that all ghosts of a target share, per node, in rows of four floats. A node has
 /// `stride` floats:
 ///   x, y, z, weight     position; sum of the elastic weight and tip_gain i / (n - 1)
-///   x, y, z, limit      sway time times velocity, 0 at the root; maximum weight that keeps the sway within the cap
-///   x, y, z, w          stride 12 and 16: quaternion, rotation of the frame from rest
+///   x, y, z, cap        sway time times velocity, 0 at the root; m, maximum sway
+///   x, y, z, w          quaternion, rotation of the frame from rest
 ///   x, y, z, reach      stride 16: velocity one step earlier; centre weight of the farthest ghost
+/// The elastic weight is 1/2 - 1/2 cos(v, v0) with the velocities v now and v0 one step earlier, and 0 if either is below 1e-6 m/s.
 /// The sway of all ghosts of a node is scaled by one factor that keeps the farthest of them within the cap, so that
-/// the ratios between ghosts stay. The factor is in the sway already, and `limit` is unused, unless `reach` is null.
-/// For ghosts of several targets (is_blended), weight omits the elastic weight, the velocity is not multiplied by
-/// the sway time or by the factor, and limit is the cap in m.
+/// the ratios between ghosts stay. The factor is in the sway already. For ghosts of several targets (is_blended),
+/// weight omits the elastic weight, and the velocity is not multiplied by the sway time or by the factor.
 typedef struct wisp_strand_target_args
 {
     const int32_t* group_row;       ///< [group_count + 1] first row of each group
@@ -303,15 +290,14 @@ typedef struct wisp_strand_target_args
     const float* velocity;          ///< [row][3][16] m/s; null: 0
     const float* previous_velocity; ///< [row][3][16] m/s, one step earlier; null: equal to velocity
     const float* max_sway;          ///< [row][16] m, maximum sway of a node
+    const float* reach;             ///< [row][16] centre weight of the farthest ghost of a node
     const float*
-        reach;         ///< [row][16] centre weight of the farthest ghost of a node; null: the ghosts scale their sway
-    const float* root; ///< [group][4][16] quaternion, rotation of the root from rest; null: none
-    float* table;      ///< [node][stride] output
-    int stride;        ///< floats per node: 8 without frames, 12 or 16 with frames
-    bool transports_frames; ///< frames are transported from the root by the smallest rotations; otherwise all nodes
-                            ///< have the frame of the root
-    bool is_capped, is_blended;
-    wisp_elastic elastic;
+        root;     ///< [group][4][16] quaternion, rotation of the root from rest, transported along the strand by the
+                  ///< smallest rotations; null: none
+    float* table; ///< [node][stride] output
+    int stride;   ///< floats per node: 12, blended 16
+    bool is_blended;
+    bool is_elastic; ///< false: the elastic weight is 0
     float sway_time; ///< s
     float tip_gain;
 } wisp_strand_target_args;
@@ -329,10 +315,8 @@ typedef struct wisp_strand_ghost_args
     const float* centre_scale;  ///< [group][16] 1/m
     const float* offset;        ///< [row][target][3][16] m, offset from the target at rest
     const float* table;         ///< output of strand_target
-    int stride;                 ///< floats per node: 8 or 12; blend: 16
     int target_count;           ///< blend: targets per ghost, 1 .. WISP_MAX_GHOST_TARGETS; otherwise 1
-    bool rotates_offsets;       ///< blend: offsets rotate with the frames
-    wisp_elastic elastic;       ///< blend
+    bool is_elastic;            ///< blend
     float sway_time;            ///< blend: s
     float* points;              ///< [row][3][16] m, output
 } wisp_strand_ghost_args;
@@ -348,9 +332,9 @@ typedef struct wisp_strand_curve_args
     float* to;                    ///< [row][3][16] m, output
     const float* weight; ///< [samples][4] weights of the four points that a segment blends, at t = (k + 1) / samples
     int samples;
-    bool shares_ends; ///< a segment spans the four vertices that it blends; otherwise it spans two and blends their
-                      ///< neighbours too
-    bool shares_tangents; ///< with shares_ends: inner points next to a joint are rotated about it onto one line
+    bool
+        shares_ends; ///< a segment spans the four vertices that it blends, with inner points next to a joint rotated about
+                     ///< it onto one line; otherwise it spans two and blends their neighbours too
 } wisp_strand_curve_args;
 
 WISP_END_C

@@ -158,16 +158,7 @@ typedef struct wisp_ring_air_args
     const float* lift_factor;      ///< [slot] of C_l; null: 1
 } wisp_ring_air_args;
 
-/// Dependence of drag on the angle between velocity and area vector.
-typedef enum wisp_drag_law
-{
-    WISP_DRAG_MAX,    ///< max( 0, cos ), along the velocity
-    WISP_DRAG_ABS,    ///< |cos|
-    WISP_DRAG_SIGNED, ///< cos
-    WISP_DRAG_NORMAL, ///< cos, along the area vector
-} wisp_drag_law;
-
-/// Arguments of drag of air at rest on vertices. A vertex at rest, or whose area vector cancels, has none.
+/// Arguments of drag of air at rest on vertices, by max( 0, cos ) of the angle between velocity and area vector. A vertex at rest, or whose area vector cancels, has none.
 typedef struct wisp_vertex_drag_args
 {
     const float* position;   ///< [slot][4] m, inverse mass in 1/kg
@@ -176,7 +167,6 @@ typedef struct wisp_vertex_drag_args
     const float* areas;      ///< [slot] m^2
     float half_density_drag; ///< 1/2 rho C_d, kg/m^3
     float dt;                ///< s
-    wisp_drag_law law;
 } wisp_vertex_drag_args;
 
 /// Sums over a range of slices. Each is a double, summed from eight ordered float lanes.
@@ -195,10 +185,9 @@ typedef struct wisp_blend_args
     const int32_t ( *parents )[4]; ///< [point] slots times 4; this and all arrays per point are padded to a multiple
                                    ///< of 8
     const float ( *weights )[4];   ///< [point] weights of positions
-    const float ( *normal_weights )[4]; ///< [point] weights of normals; null: same as `weights`
-    float* xyzw;                        ///< [point][4] m, output; the fourth component is kept
-    float* normals; ///< [point][4] output, the fourth component is 0. Where the sum is shorter than
-                    ///< WISP_MIN_BLEND_LENGTH, the normal is kept and its fourth component becomes 1
+    float* xyzw;                   ///< [point][4] m, output; the fourth component is kept
+    float* normals;                ///< [point][4] output, the fourth component is 0. Where the sum is shorter than
+                                   ///< WISP_MIN_BLEND_LENGTH, the normal is kept and its fourth component becomes 1
 } wisp_blend_args;
 
 /// Minimum length of a sum of normals. Components of unit normals are accurate to about 1e-7, so the direction of a

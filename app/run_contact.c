@@ -1,0 +1,811 @@
+#include "run_contact.h"
+
+#include "mesh.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---- boundary particles and contact ----
+
+enum
+{
+    ROWS_MAX = 1000, // steps of a run that get a row of their own
+    NUMBER_ROOM = 32,
+};
+
+/// Results of one step, over all layers and all participants.
+typedef struct sample
+{
+    int step; ///< counted from 1
+    int64_t points, edge_points, elements, changed;
+    bool has_contact;
+    wisp_contact_stats contact;
+} sample;
+
+struct run_layers
+{
+    scene_world* world;
+    const char* file;
+    int every;
+    int layer_count;  ///< surfaces with boundary particles
+    bool has_contact; ///< statistics of contact are requested
+
+    sample* samples; ///< [sample_count] of steps that get a row
+    int sample_count;
+    int stride; ///< steps between two of them
+    sample last;
+
+    // Over all steps.
+    int64_t elements, changed;
+    int max_contacts;
+    float min_gap;
+    int64_t limited;
+
+    wisp_vec3 *points, *normals; ///< of the largest surface that is written; null unless files are
+    char* path;                  ///< room for the longest name
+    size_t path_room;
+    int written;
+};
+
+static wisp_status no_memory_for_layers( const run_layers* l, wisp_error* error )
+{
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for layer statistics", l->world->scene->name );
+}
+
+// ---- opening ----
+
+static int count_layers( const wisp_scene* scene )
+{
+    int count = 0;
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        count += scene->surfaces[i].has_boundary;
+    }
+    return count;
+}
+
+/// Allocate the arrays and the file name, and request what the file holds.
+static wisp_status prepare_files( run_layers* l, wisp_error* error )
+{
+    const wisp_scene* scene = l->world->scene;
+    int most = 0;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
+    {
+        const int body = scene->strands_count + i;
+        const int count = scene->surfaces[i].has_boundary ? scene_world_body( l->world, body ).vertex_count : 0;
+        most = count > most ? count : most;
+        status = count > 0 ? scene_world_request( l->world, body, SCENE_REQUEST_POINTS, error ) : WISP_OK;
+        status = status == WISP_OK && count > 0 ? scene_world_request( l->world, body, SCENE_REQUEST_NORMALS, error )
+                                                : status;
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    l->points = malloc( (size_t)most * sizeof *l->points + 1 );
+    l->normals = malloc( (size_t)most * sizeof *l->normals + 1 );
+    l->path_room = strlen( l->file ) + WISP_SCENE_MAX_NAME + NUMBER_ROOM;
+    l->path = malloc( l->path_room );
+    return l->points && l->normals && l->path ? WISP_OK : no_memory_for_layers( l, error );
+}
+
+static wisp_status prepare( run_layers* l, int steps, wisp_error* error )
+{
+    if ( l->file && l->layer_count == 0 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "--boundary: %s has no surface with the key 'boundary', expected at least one",
+                          l->world->scene->name );
+    }
+    l->stride = ( steps + ROWS_MAX - 1 ) / ROWS_MAX;
+    l->stride = l->stride > 1 ? l->stride : 1;
+    l->samples = calloc( (size_t)( steps / l->stride ) + 1, sizeof *l->samples );
+    if ( !l->samples )
+    {
+        return no_memory_for_layers( l, error );
+    }
+    return l->file ? prepare_files( l, error ) : WISP_OK;
+}
+
+wisp_status run_layers_open( const run_layers_def* def, scene_world* world, int steps, run_layers** out,
+                             wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    const int layer_count = count_layers( scene );
+    const bool has_contact = scene->request_contact_stats || scene->request_intersections;
+    *out = NULL;
+    if ( layer_count == 0 && !has_contact && !def->file )
+    {
+        return WISP_OK;
+    }
+    run_layers* l = calloc( 1, sizeof *l );
+    if ( !l )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "run: out of memory for layer statistics" );
+    }
+    l->world = world;
+    l->file = def->file;
+    l->every = def->every;
+    l->layer_count = layer_count;
+    l->has_contact = has_contact;
+    l->min_gap = INFINITY;
+    wisp_status status = prepare( l, steps, error );
+    if ( status != WISP_OK )
+    {
+        run_layers_close( l );
+        return status;
+    }
+    *out = l;
+    return WISP_OK;
+}
+
+void run_layers_close( run_layers* l )
+{
+    if ( l )
+    {
+        free( l->samples );
+        free( l->points );
+        free( l->normals );
+        free( l->path );
+        free( l );
+    }
+}
+
+// ---- files ----
+
+/// FILE_0002.ply, or FILE_ball_0002.ply where there are several. The number is that of the frame in a recording.
+static void name_file( run_layers* l, int surface, int number )
+{
+    const int stem = (int)( strlen( l->file ) - strlen( ".ply" ) );
+    if ( l->layer_count > 1 )
+    {
+        snprintf( l->path, l->path_room, "%.*s_%s_%04d.ply", stem, l->file, l->world->scene->surfaces[surface].name,
+                  number );
+        return;
+    }
+    snprintf( l->path, l->path_room, "%.*s_%04d.ply", stem, l->file, number );
+}
+
+static wisp_status write_layer( run_layers* l, int surface, wisp_error* error )
+{
+    const int body_number = l->world->scene->strands_count + surface;
+    const scene_body body = scene_world_body( l->world, body_number );
+    wisp_boundary_view view;
+    wisp_status status = scene_world_layer( l->world, surface, &view, error );
+    status = status == WISP_OK ? scene_world_points( l->world, body_number, l->points, error ) : status;
+    status = status == WISP_OK ? scene_world_normals( l->world, body_number, l->normals, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    WISP_ASSERT( view.samples->normals || view.samples->count == 0 );
+    // The writer does not change the mesh; there is no read-only type.
+    const wisp_mesh mesh = { .points = l->points,
+                             .triangles = (int32_t*)(uintptr_t)body.triangles,
+                             .vertex_count = body.vertex_count,
+                             .triangle_count = body.triangle_count };
+    const wisp_mesh_layer layer = {
+        .normals = l->normals,
+        .edges = view.edges,
+        .edge_count = view.edge_count,
+        .points = view.samples->xyzw,
+        .point_normals = view.samples->normals,
+        .point_count = view.samples->count,
+    };
+    name_file( l, surface, l->world->next_step / l->every + 1 );
+    status = wisp_mesh_write_layer( l->path, &mesh, &layer, error );
+    l->written += status == WISP_OK;
+    return status;
+}
+
+// ---- a step ----
+
+static wisp_status add_layer( run_layers* l, int surface, sample* s, wisp_error* error )
+{
+    wisp_boundary_stats f;
+    wisp_status status = wisp_read_boundary_stats( l->world->world, l->world->surfaces[surface].entity, &f );
+    if ( status != WISP_OK )
+    {
+        return wisp_fail( error, status, "%s: '%s': %s", l->world->scene->name,
+                          l->world->scene->surfaces[surface].name, wisp_world_message( l->world->world ) );
+    }
+    s->points += f.points;
+    s->edge_points += f.edge_points;
+    s->elements += f.elements;
+    s->changed += f.changed_elements;
+    return WISP_OK;
+}
+
+static void add_contact( run_layers* l, sample* s )
+{
+    // Without participants there are no statistics. The summary says so.
+    s->has_contact = l->has_contact && wisp_read_contact_stats( l->world->world, &s->contact ) == WISP_OK;
+    if ( s->has_contact )
+    {
+        l->max_contacts = s->contact.contacts > l->max_contacts ? s->contact.contacts : l->max_contacts;
+        l->min_gap = fminf( l->min_gap, s->contact.min_gap );
+        l->limited += s->contact.displacement_limited;
+    }
+}
+
+wisp_status run_layers_step( run_layers* l, wisp_error* error )
+{
+    if ( !l )
+    {
+        return WISP_OK;
+    }
+    const wisp_scene* scene = l->world->scene;
+    const int step = l->world->next_step;
+    sample s = { .step = step };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
+    {
+        status = scene->surfaces[i].has_boundary ? add_layer( l, i, &s, error ) : WISP_OK;
+        if ( status == WISP_OK && scene->surfaces[i].has_boundary && l->file && step % l->every == 0 )
+        {
+            status = write_layer( l, i, error );
+        }
+    }
+    add_contact( l, &s );
+    l->elements += s.elements;
+    l->changed += s.changed;
+    l->last = s;
+    if ( step % l->stride == 0 )
+    {
+        l->samples[l->sample_count++] = s;
+    }
+    return status;
+}
+
+// ---- the summary ----
+
+static double fraction_of( int64_t part, int64_t whole )
+{
+    return whole > 0 ? (double)part / (double)whole : 0.0;
+}
+
+static void put_sample( const run_layers* l, const sample* s, results_values* values )
+{
+    if ( l->layer_count > 0 )
+    {
+        results_put( values, "boundary_points", (double)s->points );
+        results_put( values, "boundary_edge_points", (double)s->edge_points );
+        results_put( values, "boundary_changed_fraction", fraction_of( s->changed, s->elements ) );
+    }
+    if ( s->has_contact )
+    {
+        results_put( values, "contacts", s->contact.contacts );
+        results_put( values, "contact_limited", s->contact.displacement_limited );
+        results_put( values, "contact_impulse", s->contact.impulse );
+        // Without a near pair there is no gap, and intersections are counted on request only.
+        if ( isfinite( s->contact.min_gap ) )
+        {
+            results_put( values, "contact_min_gap", (double)s->contact.min_gap );
+        }
+        if ( s->contact.intersections >= 0 )
+        {
+            results_put( values, "contact_intersections", s->contact.intersections );
+        }
+    }
+}
+
+void run_layers_put( const run_layers* l, results_values* values )
+{
+    if ( l && l->last.step > 0 )
+    {
+        put_sample( l, &l->last, values );
+    }
+    if ( l && l->elements > 0 )
+    {
+        results_put( values, "boundary_changed_fraction_of_run", fraction_of( l->changed, l->elements ) );
+    }
+}
+
+static void tell_layer( const run_layers* l, int surface, results* out )
+{
+    const wisp_scene_surface* entry = &l->world->scene->surfaces[surface];
+    wisp_boundary_stats f;
+    if ( wisp_read_boundary_stats( l->world->world, l->world->surfaces[surface].entity, &f ) != WISP_OK )
+    {
+        return;
+    }
+    results_add_note( out, "%s: %d boundary points: %d on edges, %d in triangles; resampled %.1f %% of %d elements",
+                      entry->name, f.points, f.edge_points, f.inner_points,
+                      100.0 * fraction_of( f.changed_elements, f.elements ), f.elements );
+    if ( f.refused )
+    {
+        results_add_note( out, "%s: got %.0f boundary points, expected at most %d: the previous points were kept",
+                          entry->name, f.requested, entry->boundary.max_points );
+    }
+    if ( f.skipped_elements > 0 )
+    {
+        results_add_note( out, "%s: %d elements without boundary points, because a corner is not finite", entry->name,
+                          f.skipped_elements );
+    }
+}
+
+static void tell_contact( const run_layers* l, results* out )
+{
+    const wisp_contact_stats* f = &l->last.contact;
+    if ( !l->last.has_contact )
+    {
+        results_add_note( out, "contact: no entity takes part" );
+        return;
+    }
+    char gap[80] = "no near pair";
+    if ( isfinite( l->min_gap ) )
+    {
+        snprintf( gap, sizeof gap, "min gap %.4f thicknesses", (double)l->min_gap );
+    }
+    results_add_note( out, "contact: %d entities, up to %d active pairs, %s, %lld displacements limited",
+                      f->participants, l->max_contacts, gap, (long long)l->limited );
+    char intersections[60] = "";
+    if ( f->intersections >= 0 )
+    {
+        snprintf( intersections, sizeof intersections, ", %d intersections", f->intersections );
+    }
+    results_add_note( out, "contact, last step: %d active pairs%s, impulses %.3e N s, sum %.1e N s", f->contacts,
+                      intersections, f->impulse,
+                      sqrt( f->net_impulse[0] * f->net_impulse[0] + f->net_impulse[1] * f->net_impulse[1] +
+                            f->net_impulse[2] * f->net_impulse[2] ) );
+}
+
+void run_layers_report( const run_layers* l, results* out )
+{
+    if ( !l || l->last.step == 0 )
+    {
+        return;
+    }
+    const char* slash = strrchr( l->world->scene->name, '/' );
+    for ( int i = 0; i < l->sample_count; ++i )
+    {
+        char variant[NUMBER_ROOM];
+        snprintf( variant, sizeof variant, "step %d", l->samples[i].step );
+        results_row* row = results_add_row( out, slash ? slash + 1 : l->world->scene->name, variant );
+        if ( row )
+        {
+            row->workers = wisp_world_workers( l->world->world );
+            put_sample( l, &l->samples[i], &row->size );
+        }
+    }
+    for ( int i = 0; i < l->world->scene->surface_count; ++i )
+    {
+        if ( l->world->scene->surfaces[i].has_boundary )
+        {
+            tell_layer( l, i, out );
+        }
+    }
+    if ( l->layer_count > 0 )
+    {
+        results_add_note( out, "boundary points, whole run: %.2f %% of the elements were resampled per step",
+                          100.0 * fraction_of( l->changed, l->elements ) );
+    }
+    if ( l->has_contact )
+    {
+        tell_contact( l, out );
+    }
+    if ( l->file )
+    {
+        results_add_note( out, "boundary points written: %d files, the last is %s", l->written,
+                          l->written > 0 ? l->path : "none" );
+    }
+}
+
+// ---- collision ----
+
+typedef struct body_record
+{
+    int body;                           ///< of the scene's world
+    int step;                           ///< of `deepest`, counted from 1; 0: nothing was too near to a collider
+    wisp_collision_stats deepest, last; ///< of the run; of the last step
+} body_record;
+
+/// What participants give to a collider.
+typedef struct reaction_record
+{
+    int collider;
+    double impulse[3]; ///< N s, of the run
+    double largest;    ///< N, of a step: impulse over its length
+    int step;          ///< of the largest, counted from 1; 0: there was none
+} reaction_record;
+
+struct run_collision
+{
+    scene_world* world;
+    body_record* bodies; ///< [count]
+    int count;
+    reaction_record* reactions; ///< [reaction_count]
+    int reaction_count;
+    double seconds; ///< that were simulated
+};
+
+// ---- reading ----
+
+static bool has_contacts( const wisp_scene* scene, int body )
+{
+    return body < scene->strands_count ? scene->strands[body].request_contacts
+                                       : scene->surfaces[body - scene->strands_count].request_contacts;
+}
+
+wisp_status run_collision_open( scene_world* world, run_collision** out, wisp_error* error )
+{
+    *out = NULL;
+    const int body_count = scene_world_moving_count( world ), collider_count = world->scene->collider_count;
+    run_collision* c = calloc( 1, sizeof *c );
+    body_record* bodies = calloc( (size_t)body_count + 1, sizeof *bodies );
+    reaction_record* reactions = calloc( (size_t)collider_count + 1, sizeof *reactions );
+    int count = 0, reaction_count = 0;
+    for ( int i = 0; i < collider_count && reactions != NULL; ++i )
+    {
+        if ( world->scene->colliders[i].request_reaction )
+        {
+            reactions[reaction_count++] = ( reaction_record ){ .collider = i };
+        }
+    }
+    for ( int body = 0; body < body_count && bodies != NULL; ++body )
+    {
+        if ( has_contacts( world->scene, body ) )
+        {
+            bodies[count++] = ( body_record ){ .body = body };
+        }
+    }
+    if ( c == NULL || bodies == NULL || reactions == NULL || count + reaction_count == 0 )
+    {
+        const bool is_refused = c == NULL || bodies == NULL || reactions == NULL;
+        free( c );
+        free( bodies );
+        free( reactions );
+        return is_refused ? wisp_fail( error, WISP_NO_MEMORY, "run: out of memory for collision statistics" )
+                          : WISP_OK;
+    }
+    *c = ( run_collision ){ world, bodies, count, reactions, reaction_count, 0.0 };
+    *out = c;
+    return WISP_OK;
+}
+
+static wisp_status add_reactions( run_collision* c, wisp_error* error )
+{
+    const scene_world* world = c->world;
+    const double seconds = (double)wisp_scene_step_length( world->scene, world->next_step - 1 );
+    c->seconds += seconds;
+    for ( int i = 0; i < c->reaction_count; ++i )
+    {
+        reaction_record* r = &c->reactions[i];
+        wisp_reaction now;
+        const wisp_status status = wisp_read_reaction( world->world, world->colliders[r->collider].entity, &now );
+        if ( status != WISP_OK )
+        {
+            return wisp_fail( error, status, "%s: %s", world->scene->name, wisp_world_message( world->world ) );
+        }
+        const double p[3] = { (double)now.impulse.x, (double)now.impulse.y, (double)now.impulse.z };
+        const double force = sqrt( p[0] * p[0] + p[1] * p[1] + p[2] * p[2] ) / seconds;
+        for ( int k = 0; k < 3; ++k )
+        {
+            r->impulse[k] += p[k];
+        }
+        r->step = force > r->largest ? world->next_step : r->step;
+        r->largest = fmax( r->largest, force );
+    }
+    return WISP_OK;
+}
+
+wisp_status run_collision_step( run_collision* collision, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; collision != NULL && i < collision->count && status == WISP_OK; ++i )
+    {
+        body_record* b = &collision->bodies[i];
+        status = scene_world_collision_stats( collision->world, b->body, &b->last, error );
+        if ( status == WISP_OK && b->last.vertex >= 0 &&
+             ( b->step == 0 || b->last.penetration > b->deepest.penetration ) )
+        {
+            b->deepest = b->last;
+            b->step = collision->world->next_step;
+        }
+    }
+    return status == WISP_OK && collision != NULL ? add_reactions( collision, error ) : status;
+}
+
+void run_collision_close( run_collision* collision )
+{
+    if ( collision != NULL )
+    {
+        free( collision->bodies );
+        free( collision->reactions );
+        free( collision );
+    }
+}
+
+// ---- the summary ----
+
+void run_collision_put( const run_collision* collision, results_values* values )
+{
+    float deepest = 0.0f;
+    for ( int i = 0; collision != NULL && i < collision->count; ++i )
+    {
+        const body_record* b = &collision->bodies[i];
+        deepest = b->step > 0 && b->deepest.penetration > deepest ? b->deepest.penetration : deepest;
+    }
+    if ( collision != NULL && collision->count > 0 )
+    {
+        results_put( values, "collision_penetration", (double)deepest );
+    }
+}
+
+// Vertices keep the thickness; those of an implicit cloth may be within it, and their penetration is below the surface.
+static double depth_below_surface( const run_collision* collision, const body_record* b )
+{
+    const int surface = b->body - collision->world->scene->strands_count;
+    const bool is_implicit = surface >= 0 && collision->world->scene->surfaces[surface].has_implicit;
+    return (double)b->deepest.penetration - ( is_implicit ? 0.0 : (double)b->deepest.thickness );
+}
+
+static void add_collision_body( const run_collision* collision, const body_record* b, int table, results* out )
+{
+    char text[6][24];
+    snprintf( text[0], sizeof text[0], "%.4g", 1e3 * (double)b->deepest.penetration );
+    snprintf( text[1], sizeof text[1], "%.4g", 1e3 * (double)b->deepest.thickness );
+    snprintf( text[2], sizeof text[2], "%d", b->deepest.vertex );
+    snprintf( text[3], sizeof text[3], "%d", b->step );
+    snprintf( text[4], sizeof text[4], "%.4g", b->last.vertex >= 0 ? 1e3 * (double)b->last.penetration : 0.0 );
+    snprintf( text[5], sizeof text[5], "%d", b->last.contacts );
+    const char* cells[] = { scene_world_body( collision->world, b->body ).name,
+                            text[0],
+                            b->step > 0 ? text[1] : "",
+                            b->step > 0 ? text[2] : "",
+                            b->step > 0 ? text[3] : "",
+                            text[4],
+                            text[5] };
+    results_add_cells( out, table, cells );
+}
+
+static void report_reactions( const run_collision* c, results* out )
+{
+    const int table = results_add_table(
+        out, "Reaction of colliders, mean force of the run and largest of a step", 6,
+        ( const char* const[] ){ "collider", "mean x N", "mean y N", "mean z N", "largest N", "step" } );
+    for ( int i = 0; i < c->reaction_count; ++i )
+    {
+        const reaction_record* r = &c->reactions[i];
+        char text[5][24];
+        for ( int k = 0; k < 3; ++k )
+        {
+            snprintf( text[k], sizeof text[k], "%.4g", r->impulse[k] / c->seconds );
+        }
+        snprintf( text[3], sizeof text[3], "%.4g", r->largest );
+        snprintf( text[4], sizeof text[4], "%d", r->step );
+        const char* cells[] = { c->world->scene->colliders[r->collider].name,
+                                text[0],
+                                text[1],
+                                text[2],
+                                text[3],
+                                r->step > 0 ? text[4] : "" };
+        results_add_cells( out, table, cells );
+    }
+}
+
+void run_collision_report( const run_collision* collision, results* out )
+{
+    if ( collision != NULL && collision->reaction_count > 0 )
+    {
+        report_reactions( collision, out );
+    }
+    if ( collision == NULL || collision->count == 0 )
+    {
+        return;
+    }
+    const int table = results_add_table(
+        out, "Penetration into the thickness, deepest of the run and at the end", 7,
+        ( const char* const[] ){ "body", "deepest mm", "thickness mm", "vertex", "step", "end mm", "contacts" } );
+    for ( int i = 0; i < collision->count; ++i )
+    {
+        const body_record* b = &collision->bodies[i];
+        add_collision_body( collision, b, table, out );
+        const double below = depth_below_surface( collision, b );
+        if ( b->step > 0 && below > 0.0 )
+        {
+            results_add_note( out, "%s: vertex %d was %.3g mm below the surface of a collider in step %d",
+                              scene_world_body( collision->world, b->body ).name, b->deepest.vertex, 1e3 * below,
+                              b->step );
+        }
+    }
+}
+
+// ---- intersections ----
+
+/// Intersections of some entities in the steps of a run.
+typedef struct tally
+{
+    int first, second; ///< bodies of the scene's world; the same: of a body with itself
+    int steps;         ///< that ended with any
+    int most, most_at; ///< the most of a step, and that step, counted from 1
+    int last, last_at; ///< of the last step that ended with any, and that step
+} tally;
+
+struct run_intersections
+{
+    scene_world* world;
+    tally all;
+    tally* pairs; ///< [pair_count] that ever intersected, in the order of that
+    int pair_count, pair_room;
+    int steps; ///< that were counted
+};
+
+// ---- reading ----
+
+wisp_status run_intersections_open( scene_world* world, run_intersections** out, wisp_error* error )
+{
+    *out = NULL;
+    if ( !world->scene->request_intersections )
+    {
+        return WISP_OK;
+    }
+    *out = calloc( 1, sizeof **out );
+    if ( *out == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "run: out of memory for intersections" );
+    }
+    ( *out )->world = world;
+    return WISP_OK;
+}
+
+void run_intersections_close( run_intersections* intersections )
+{
+    if ( intersections != NULL )
+    {
+        free( intersections->pairs );
+        free( intersections );
+    }
+}
+
+static bool takes_part( const wisp_scene* scene, int body )
+{
+    return body < scene->strands_count ? scene->strands[body].has_contact
+                                       : scene->surfaces[body - scene->strands_count].has_contact;
+}
+
+static void add_count( tally* t, int count, int step )
+{
+    t->steps += 1;
+    t->most_at = count > t->most ? step : t->most_at;
+    t->most = count > t->most ? count : t->most;
+    t->last = count;
+    t->last_at = step;
+}
+
+// Of two bodies; made if they have none yet. @return null without memory
+static tally* find_tally( run_intersections* x, int first, int second )
+{
+    for ( int i = 0; i < x->pair_count; ++i )
+    {
+        if ( x->pairs[i].first == first && x->pairs[i].second == second )
+        {
+            return &x->pairs[i];
+        }
+    }
+    if ( x->pair_count == x->pair_room )
+    {
+        const int room = 2 * x->pair_room + 8;
+        tally* grown = realloc( x->pairs, (size_t)room * sizeof *grown );
+        if ( grown == NULL )
+        {
+            return NULL;
+        }
+        x->pairs = grown;
+        x->pair_room = room;
+    }
+    x->pairs[x->pair_count] = ( tally ){ .first = first, .second = second };
+    return &x->pairs[x->pair_count++];
+}
+
+static wisp_status add_pair( run_intersections* x, int first, int second, int* left, wisp_error* error )
+{
+    wisp_world* world = x->world->world;
+    int count = 0;
+    const wisp_status status = wisp_read_contact_intersections( world, scene_world_entity( x->world, first ),
+                                                                scene_world_entity( x->world, second ), &count );
+    if ( status != WISP_OK || count == 0 )
+    {
+        return status == WISP_OK
+                   ? WISP_OK
+                   : wisp_fail( error, status, "%s: %s", x->world->scene->name, wisp_world_message( world ) );
+    }
+    tally* pair = find_tally( x, first, second );
+    if ( pair == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "run: out of memory for intersections" );
+    }
+    add_count( pair, count, x->world->next_step );
+    *left -= count;
+    return WISP_OK;
+}
+
+wisp_status run_intersections_step( run_intersections* x, wisp_error* error )
+{
+    wisp_contact_stats stats;
+    // Without participants there are no statistics. The notes on contact say so.
+    if ( x == NULL || wisp_read_contact_stats( x->world->world, &stats ) != WISP_OK || stats.intersections < 0 )
+    {
+        return WISP_OK;
+    }
+    x->steps += 1;
+    if ( stats.intersections > 0 )
+    {
+        add_count( &x->all, stats.intersections, x->world->next_step );
+    }
+    const int body_count = scene_world_moving_count( x->world );
+    int left = stats.intersections;
+    wisp_status status = WISP_OK;
+    for ( int a = 0; a < body_count && left > 0 && status == WISP_OK; ++a )
+    {
+        for ( int b = a; b < body_count && left > 0 && status == WISP_OK; ++b )
+        {
+            const bool are_in = takes_part( x->world->scene, a ) && takes_part( x->world->scene, b );
+            status = are_in ? add_pair( x, a, b, &left, error ) : WISP_OK;
+        }
+    }
+    return status;
+}
+
+// ---- the summary ----
+
+static int last_of( const run_intersections* x, const tally* t )
+{
+    return t->last_at == x->world->next_step ? t->last : 0;
+}
+
+void run_intersections_put( const run_intersections* x, results_values* values )
+{
+    if ( x != NULL && x->steps > 0 )
+    {
+        results_put( values, "max_intersections", x->all.most );
+        results_put( values, "steps_with_intersections", x->all.steps );
+    }
+}
+
+void run_intersections_describe( const run_intersections* x, char* out, size_t size )
+{
+    if ( x == NULL || x->steps == 0 )
+    {
+        snprintf( out, size, "%s", "" );
+    }
+    else if ( x->all.steps == 0 )
+    {
+        snprintf( out, size, "none in %d steps", x->steps );
+    }
+    else
+    {
+        snprintf( out, size, "in %d of %d steps; at most %d, in step %d; %d at the end", x->all.steps, x->steps,
+                  x->all.most, x->all.most_at, last_of( x, &x->all ) );
+    }
+}
+
+void run_intersections_report( const run_intersections* x, results* out )
+{
+    if ( x == NULL || x->pair_count == 0 )
+    {
+        return;
+    }
+    const int table =
+        results_add_table( out, "Intersections: edges through triangles at the end of a step", 6,
+                           ( const char* const[] ){ "of", "with", "steps", "most", "in step", "at the end" } );
+    for ( int i = 0; i < x->pair_count; ++i )
+    {
+        const tally* t = &x->pairs[i];
+        char text[4][24];
+        snprintf( text[0], sizeof text[0], "%d", t->steps );
+        snprintf( text[1], sizeof text[1], "%d", t->most );
+        snprintf( text[2], sizeof text[2], "%d", t->most_at );
+        snprintf( text[3], sizeof text[3], "%d", last_of( x, t ) );
+        const char* cells[] = { scene_world_body( x->world, t->first ).name,
+                                t->first == t->second ? "itself" : scene_world_body( x->world, t->second ).name,
+                                text[0],
+                                text[1],
+                                text[2],
+                                text[3] };
+        results_add_cells( out, table, cells );
+    }
+}
